@@ -1,0 +1,143 @@
+//! Who is hit? One trait, and its backends, built from the same [`SphereSet`].
+
+mod brute_force;
+
+use std::str::FromStr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::error::{Error, Result};
+use crate::geometry::SphereSet;
+use crate::math::{Hit, Ray};
+
+/// An intersector over a fixed set of spheres.
+///
+/// Rays come in batches of any length; a batch of one is a single ray. Answers are in the order of
+/// the rays. A ray that is not [valid](Ray::is_valid) hits nothing. All backends overlook excluded
+/// spheres, report the far wall of a sphere that the ray starts in, and take hits in the open
+/// interval `(t_min, t_max)` only.
+pub trait Accel: Send + Sync {
+    /// The first sphere that each ray hits. The slices have equal lengths.
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]);
+
+    /// Whether each ray hits anything. The slices have equal lengths.
+    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]);
+
+    /// How far this backend's arithmetic may move a sphere's surface for a ray.
+    fn precision(&self) -> Precision;
+
+    /// Bytes held by the structure, without the spheres themselves.
+    fn bytes(&self) -> usize;
+}
+
+/// The stated error of a backend's arithmetic, as a backward error: an answer is exact for spheres
+/// whose radius was changed by at most `k 2^-24 (|o - c| + R)`, plus what rounding the ray's own
+/// origin to f32 moved it.
+///
+/// `crosscheck` and the differential tests accept an id that differs from the judge's only within
+/// this band.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Precision {
+    /// The factor `k` for spheres stored in f32.
+    pub particles: f64,
+    /// The factor `k` for giants.
+    pub giants: f64,
+    /// Whether the backend traces from the origin as rounded to f32.
+    pub rounds_origin: bool,
+}
+
+/// The backends that can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Backend {
+    /// Embree: particles as sphere points, giants as user geometry.
+    Embree,
+    /// Embree: every sphere as user geometry, with callbacks in C.
+    EmbreeUser,
+    /// The bounding volume hierarchy in Rust.
+    Native,
+    /// Every ray against every sphere, in f64: the oracle, and fine for tiny scenes.
+    BruteForce,
+}
+
+/// How a backend is built.
+#[derive(Clone, Debug, Default)]
+pub struct BuildOptions {
+    /// Threads that the build may use; 0 means all.
+    pub threads: usize,
+    /// Set from elsewhere to stop the build, which then fails with a cancellation.
+    pub cancel: Cancel,
+}
+
+/// A request to stop, shared between threads.
+#[derive(Clone, Debug, Default)]
+pub struct Cancel(Arc<AtomicBool>);
+
+impl Cancel {
+    /// Asks everything that holds this to stop.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether somebody asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// An error once somebody asked to stop.
+    ///
+    /// # Errors
+    /// With [`crate::error::Category::Cancelled`].
+    pub fn check(&self) -> Result<()> {
+        if self.is_cancelled() { Err(Error::cancelled()) } else { Ok(()) }
+    }
+}
+
+impl Backend {
+    /// Every backend of this build, the default first.
+    pub const AVAILABLE: &[Self] = if cfg!(feature = "embree") {
+        &[Self::Embree, Self::EmbreeUser, Self::Native, Self::BruteForce]
+    } else {
+        &[Self::Native, Self::BruteForce]
+    };
+
+    /// Every backend there is.
+    pub const ALL: &[Self] = &[Self::Embree, Self::EmbreeUser, Self::Native, Self::BruteForce];
+
+    /// The name used on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Embree => "embree",
+            Self::EmbreeUser => "embree-user",
+            Self::Native => "native",
+            Self::BruteForce => "brute-force",
+        }
+    }
+
+    /// Builds this backend over the spheres.
+    ///
+    /// # Errors
+    /// When this build has no such backend, when Embree reports an error, or on cancellation.
+    pub fn build(self, spheres: &Arc<SphereSet>, options: &BuildOptions) -> Result<Box<dyn Accel>> {
+        options.cancel.check()?;
+        match self {
+            Self::BruteForce => Ok(Box::new(brute_force::BruteForce::new(spheres.clone()))),
+            _ => Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
+                .with_help("build with the default features, or choose --accel native")),
+        }
+    }
+}
+
+impl Default for Backend {
+    fn default() -> Self {
+        Self::AVAILABLE[0]
+    }
+}
+
+impl FromStr for Backend {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        let find = Self::ALL.iter().find(|backend| backend.name() == name);
+        find.copied().ok_or_else(|| Error::input(format!("there is no intersector `{name}`")))
+    }
+}

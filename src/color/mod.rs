@@ -1,0 +1,28 @@
+//! Colours: linear Rec. 709 radiance and reflectance, and the curve to the screen.
+
+/// Red, green, blue in linear Rec. 709. Radiance is in W/(sr m^2) per channel.
+pub type Rgb = glam::Vec3;
+
+/// Luminance of a linear Rec. 709 colour (ITU-R BT.709-6, item 3.2).
+pub fn luminance(color: Rgb) -> f32 {
+    color.dot(Rgb::new(0.2126, 0.7152, 0.0722))
+}
+
+/// The sRGB transfer curve for one channel, clamped to `[0, 1]` (IEC 61966-2-1).
+pub fn srgb_from_linear(linear: f32) -> f32 {
+    let x = linear.clamp(0.0, 1.0);
+    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * libm::powf(x, 1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    #[test]
+    fn the_srgb_curve_passes_through_its_known_points() {
+        assert_eq!(srgb_from_linear(-1.0), 0.0);
+        assert_abs_diff_eq!(srgb_from_linear(2.0), 1.0, epsilon = 1e-6);
+        assert_abs_diff_eq!(srgb_from_linear(0.214_041_14), 0.5, epsilon = 1e-5);
+    }
+}

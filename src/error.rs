@@ -1,0 +1,170 @@
+//! The one error type of the library.
+//!
+//! An [`Error`] is opaque so that it can grow; callers ask it questions ([`Error::category`],
+//! [`Error::mistakes`]) and print it. Mistakes in a scene keep their place in the source text, so
+//! that the command line can draw an excerpt with a caret under the culprit.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The result of everything that can fail.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Something that went wrong, told in the user's words: what happened, and what to do.
+#[derive(Debug)]
+pub struct Error {
+    kind: Box<Kind>,
+}
+
+/// Whose fault an [`Error`] is; the command line turns it into an exit code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Category {
+    /// The scene, a table or an option says something impossible.
+    Input,
+    /// A file could not be read or written.
+    File,
+    /// An intersector could not be had, or failed.
+    Backend,
+    /// Somebody asked to stop.
+    Cancelled,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Mistakes(Vec<Mistake>),
+    Message { category: Category, message: String, help: Option<String> },
+}
+
+/// One mistake in a scene, with its place in the text where it has one.
+#[derive(Clone, Debug)]
+pub struct Mistake {
+    /// What is wrong, as one sentence without a full stop.
+    pub message: String,
+    /// Where in the text, and the few words written under the caret.
+    pub place: Option<Place>,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+/// A stretch of source text, and what to write under it.
+#[derive(Clone, Debug)]
+pub struct Place {
+    /// The text that the span points into.
+    pub source: Arc<Source>,
+    /// Byte range in the source text.
+    pub span: Range<usize>,
+    /// A few words for the caret; may be empty.
+    pub label: String,
+}
+
+/// A named text: a scene file, or an option of the command line.
+#[derive(Debug)]
+pub struct Source {
+    /// File name, or the option's name.
+    pub name: String,
+    /// The whole text.
+    pub text: String,
+}
+
+impl Error {
+    /// An error about what the user asked for.
+    pub fn input(message: impl Into<String>) -> Self {
+        Self::message(Category::Input, message)
+    }
+
+    /// An error of an intersector.
+    pub fn backend(message: impl Into<String>) -> Self {
+        Self::message(Category::Backend, message)
+    }
+
+    /// An error about a file: `doing` completes "cannot ... `path`".
+    pub fn file(doing: &str, path: &Path, source: impl fmt::Display) -> Self {
+        Self::message(Category::File, format!("cannot {doing} `{}`: {source}", path.display()))
+    }
+
+    /// The answer to a request to stop before there was anything to show.
+    pub fn cancelled() -> Self {
+        Self::message(Category::Cancelled, "stopped on request")
+    }
+
+    /// All the mistakes found in a scene; `mistakes` must not be empty.
+    pub fn mistakes_found(mistakes: Vec<Mistake>) -> Self {
+        debug_assert!(!mistakes.is_empty());
+        Self { kind: Box::new(Kind::Mistakes(mistakes)) }
+    }
+
+    /// Adds the advice on what to do.
+    #[must_use]
+    pub fn with_help(mut self, advice: impl Into<String>) -> Self {
+        if let Kind::Message { help, .. } = &mut *self.kind {
+            *help = Some(advice.into());
+        }
+        self
+    }
+
+    /// Whose fault it is.
+    pub fn category(&self) -> Category {
+        match &*self.kind {
+            Kind::Mistakes(_) => Category::Input,
+            Kind::Message { category, .. } => *category,
+        }
+    }
+
+    /// The mistakes of a scene, in the order of the file; empty for other errors.
+    pub fn mistakes(&self) -> &[Mistake] {
+        match &*self.kind {
+            Kind::Mistakes(mistakes) => mistakes,
+            Kind::Message { .. } => &[],
+        }
+    }
+
+    /// What to do about it, where there is one thing to do.
+    pub fn help(&self) -> Option<&str> {
+        match &*self.kind {
+            Kind::Mistakes(_) => None,
+            Kind::Message { help, .. } => help.as_deref(),
+        }
+    }
+
+    fn message(category: Category, message: impl Into<String>) -> Self {
+        Self { kind: Box::new(Kind::Message { category, message: message.into(), help: None }) }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &*self.kind {
+            Kind::Message { message, .. } => f.write_str(message),
+            Kind::Mistakes(mistakes) => {
+                for (i, mistake) in mistakes.iter().enumerate() {
+                    let separator = if i == 0 { "" } else { "\n" };
+                    write!(f, "{separator}{mistake}")?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl fmt::Display for Mistake {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(place) = &self.place {
+            let (line, column) = place.source.line_and_column(place.span.start);
+            write!(f, "{}:{line}:{column}: ", place.source.name)?;
+        }
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl Source {
+    /// Line and column (in characters) of a byte offset, both counted from 1.
+    pub fn line_and_column(&self, offset: usize) -> (usize, usize) {
+        let before = &self.text[..offset.min(self.text.len())];
+        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
+        (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+    }
+}

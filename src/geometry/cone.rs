@@ -1,0 +1,120 @@
+//! The cone of directions in which a sphere is seen from outside, with its density.
+//!
+//! Everything is written with the chord `1 - cos`, so that a lamp of any angular size, down to the
+//! smallest that f64 can tell, keeps full relative precision.
+
+use crate::math::{DVec3, Frame};
+use crate::sampling;
+
+use super::Sphere;
+
+/// The directions from a point in which a sphere is seen.
+#[derive(Clone, Copy, Debug)]
+pub struct Cone {
+    frame: Frame,
+    distance: f64,
+    radius: f64,
+    /// `1 - cos(theta_max)`.
+    one_minus_cos_max: f64,
+}
+
+/// A direction towards a sphere.
+#[derive(Clone, Copy, Debug)]
+pub struct ConeSample {
+    /// Unit direction from the point.
+    pub direction: DVec3,
+    /// Distance to the visible side of the sphere in that direction.
+    pub distance: f64,
+    /// Density per solid angle.
+    pub pdf: f64,
+}
+
+impl Cone {
+    /// The cone under which `sphere` is seen from `point`; `None` from inside or on it.
+    pub fn seen_from(point: DVec3, sphere: &Sphere) -> Option<Self> {
+        let to_center = sphere.center - point;
+        let distance = to_center.length();
+        let sin_max = sphere.radius / distance;
+        if sin_max.is_nan() || sin_max >= 1.0 {
+            return None;
+        }
+        // 1 - cos = sin^2 / (1 + cos), which does not cancel for a small angle; and
+        // 1 - sin^2 = (d - R)(d + R) / d^2, which does not cancel near the surface.
+        let cos_max = ((distance - sphere.radius) * (distance + sphere.radius)).sqrt() / distance;
+        Some(Self {
+            frame: Frame::around(to_center / distance),
+            distance,
+            radius: sphere.radius,
+            one_minus_cos_max: sin_max * sin_max / (1.0 + cos_max),
+        })
+    }
+
+    /// The solid angle in steradian, `2 pi (1 - cos)`.
+    pub fn solid_angle(&self) -> f64 {
+        std::f64::consts::TAU * self.one_minus_cos_max
+    }
+
+    /// The density of [`Self::sample`] for a direction inside the cone.
+    pub fn pdf(&self) -> f64 {
+        1.0 / self.solid_angle()
+    }
+
+    /// A direction uniform over the cone's solid angle, from `u` in `[0, 1)^2`.
+    pub fn sample(&self, u: [f64; 2]) -> ConeSample {
+        let one_minus_cos = u[0] * self.one_minus_cos_max;
+        let sin_squared = one_minus_cos * (2.0 - one_minus_cos);
+        let (sin_phi, cos_phi) = sampling::sin_cos(std::f64::consts::TAU * u[1]);
+        let sin = sin_squared.max(0.0).sqrt();
+        let cos = 1.0 - one_minus_cos;
+        let local = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
+        ConeSample {
+            direction: self.frame.to_world(local).normalize(),
+            distance: self.distance_to_sphere(sin_squared, cos),
+            pdf: self.pdf(),
+        }
+    }
+
+    /// The nearer intersection with the sphere, at an angle from the axis:
+    /// `d cos - sqrt(R^2 - d^2 sin^2)`, which is `(d^2 - R^2) / (d cos + sqrt(..))` without the
+    /// cancellation.
+    fn distance_to_sphere(&self, sin_squared: f64, cos: f64) -> f64 {
+        let (d, r) = (self.distance, self.radius);
+        let half_chord = (r * r - d * d * sin_squared).max(0.0).sqrt();
+        (d - r) * (d + r) / (d * cos + half_chord)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn the_solid_angle_is_right_for_tiny_and_for_wide_cones() {
+        let seen = |d: f64| {
+            let sphere = Sphere { center: DVec3::new(0.0, 0.0, d), radius: 1.0 };
+            Cone::seen_from(DVec3::ZERO, &sphere).expect("outside").solid_angle()
+        };
+        // Far away: pi R^2 / d^2. On the surface: a half space.
+        assert_relative_eq!(seen(1e8), std::f64::consts::PI * 1e-16, max_relative = 1e-14);
+        assert_relative_eq!(seen(1.0 + 1e-14), std::f64::consts::TAU, max_relative = 1e-6);
+        assert_relative_eq!(
+            seen(2.0),
+            std::f64::consts::TAU * (1.0 - 0.75f64.sqrt()),
+            max_relative = 1e-14
+        );
+    }
+
+    #[test]
+    fn samples_lie_on_the_visible_side() {
+        let sphere = Sphere { center: DVec3::new(3.0, -2.0, 5.0), radius: 2.0 };
+        let cone = Cone::seen_from(DVec3::ZERO, &sphere).expect("outside");
+        for i in 0..100 {
+            let u = [f64::from(i) / 100.0, f64::from(i * 37 % 100) / 100.0];
+            let ConeSample { direction, distance, .. } = cone.sample(u);
+            let point = direction * distance;
+            assert_relative_eq!(point.distance(sphere.center), 2.0, max_relative = 1e-9);
+            assert!((point - sphere.center).dot(direction) <= 1e-6);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Which spheres are too large, beside what they touch, to be rounded to f32.
+//!
+//! A ground sphere of radius 1e5 under balls of radius 1 would sink or float by half a percent of a
+//! ball if its numbers were f32. Such a sphere is a *giant*: it keeps its f64 numbers.
+//!
+//! The written test. Rounding moves a surface by at most `2^-24 (|c| + r)`. A sphere is a giant if
+//! that is more than a thousandth of the smallest radius that it can touch. "Can touch" is decided
+//! by distance from the origin (the median of all centres): space is cut into shells
+//! `2^k <= |p| < 2^(k+1)`, and each shell knows the smallest radius of any sphere whose surface
+//! enters it. A shell counts only where the sphere's own numbers are more than eight times larger
+//! than the coordinates there: elsewhere its neighbours are rounded as much as it is, and keeping
+//! it alone in f64 would mend nothing.
+
+use rayon::prelude::*;
+
+use crate::math::F32_ROUNDING;
+
+use super::Sphere;
+
+const LOWEST: i32 = -60;
+const HIGHEST: i32 = 60;
+const SHELLS: usize = (HIGHEST - LOWEST + 1) as usize;
+
+/// The share of the smallest touchable radius by which rounding may move a surface.
+const TOLERATED: f64 = 1e-3;
+/// How much larger than the coordinates of a shell a giant's own numbers are.
+const OUT_OF_SCALE: f64 = 8.0;
+
+/// The smallest radius whose surface enters each shell around the origin.
+pub(super) struct Shells {
+    smallest_radius: [f64; SHELLS],
+}
+
+impl Shells {
+    /// Surveys `count` spheres, given by index, relative to the origin.
+    pub(super) fn survey(count: usize, sphere: impl Fn(usize) -> Sphere + Sync) -> Self {
+        let nothing = || [f64::INFINITY; SHELLS];
+        let smallest_radius = (0..count)
+            .into_par_iter()
+            .with_min_len(4096)
+            .fold(nothing, |mut shells, index| {
+                let sphere = sphere(index);
+                for shell in &mut shells[shells_of(&sphere)] {
+                    *shell = shell.min(sphere.radius);
+                }
+                shells
+            })
+            .reduce(nothing, |mut a, b| {
+                a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
+                a
+            });
+        Self { smallest_radius }
+    }
+
+    /// Whether the sphere is a giant among those surveyed.
+    pub(super) fn is_giant(&self, sphere: &Sphere) -> bool {
+        let scale = sphere.center.length() + sphere.radius;
+        let moved = F32_ROUNDING * scale;
+        shells_of(sphere).any(|shell| {
+            let shell_end = 2f64.powi(LOWEST + shell as i32 + 1);
+            scale > OUT_OF_SCALE * shell_end && moved > TOLERATED * self.smallest_radius[shell]
+        })
+    }
+}
+
+/// The shells that a sphere's surface enters.
+fn shells_of(sphere: &Sphere) -> std::ops::Range<usize> {
+    let distance = sphere.center.length();
+    let nearest = (distance - sphere.radius).abs();
+    shell_at(nearest)..shell_at(distance + sphere.radius) + 1
+}
+
+fn shell_at(distance: f64) -> usize {
+    let (_, exponent) = libm::frexp(distance);
+    let exponent = if distance > 0.0 { exponent - 1 } else { LOWEST };
+    (exponent.clamp(LOWEST, HIGHEST) - LOWEST) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+
+    fn giants(spheres: &[Sphere]) -> Vec<bool> {
+        let shells = Shells::survey(spheres.len(), |i| spheres[i]);
+        spheres.iter().map(|s| shells.is_giant(s)).collect()
+    }
+
+    fn ball(x: f64, y: f64, z: f64, radius: f64) -> Sphere {
+        Sphere { center: DVec3::new(x, y, z), radius }
+    }
+
+    #[test]
+    fn a_huge_ground_under_small_balls_is_a_giant_and_the_balls_are_not() {
+        let ground = ball(0.0, -1e5, 0.0, 1e5);
+        assert_eq!(giants(&[ground, ball(0.0, 1.0, 0.0, 1.0)]), [true, false]);
+    }
+
+    #[test]
+    fn a_moderate_ground_is_not() {
+        assert_eq!(giants(&[ball(0.0, -250.0, 0.0, 250.0), ball(0.0, 1.0, 0.0, 1.0)]), [false; 2]);
+    }
+
+    #[test]
+    fn particles_far_from_the_origin_are_not_giants_for_each_other() {
+        assert_eq!(giants(&[ball(1e6, 0.0, 0.0, 1.0), ball(1e6, 3.0, 0.0, 1e-3)]), [false; 2]);
+    }
+
+    #[test]
+    fn radii_over_six_decades_in_one_box_make_no_giants() {
+        let mut spheres = Vec::new();
+        for i in 0..1000 {
+            let x = |k: u32| f64::from((i * k) % 997) / 997.0 - 0.5;
+            spheres.push(ball(x(7), x(31), x(83), 10f64.powf(-6.0 * f64::from(i) / 1000.0) * 0.1));
+        }
+        assert_eq!(giants(&spheres).iter().filter(|&&g| g).count(), 0);
+    }
+}

@@ -1,0 +1,111 @@
+//! The order of spheres along a Morton curve, so that neighbours in space are neighbours in memory.
+
+use rayon::prelude::*;
+
+use crate::math::Vec3;
+
+/// The order of `spheres` along the curve, as indices; equal spheres end up next to each other, the
+/// one of the smaller row first. Those that `last` picks come at the end, in index order.
+///
+/// Sorts 8-byte keys (a 30-bit code and the index) and breaks ties with a 63-bit code, so that a
+/// cluster far smaller than the bounding box is sorted too.
+pub(super) fn order(
+    spheres: &[[f32; 4]],
+    row_of: impl Fn(u32) -> u32 + Sync,
+    last: impl Fn(u32) -> bool + Sync,
+) -> Vec<u32> {
+    let bounds = Bounds::of(spheres);
+    let key = |index: u32| {
+        let code =
+            if last(index) { u32::MAX } else { bounds.coarse_code(&spheres[index as usize]) };
+        u64::from(code) << 32 | u64::from(index)
+    };
+    let count = u32::try_from(spheres.len()).expect("the scene checks the number of spheres");
+    let mut keys: Vec<u64> = (0..count).into_par_iter().map(key).collect();
+    keys.par_sort_unstable();
+    keys.par_chunk_by_mut(|a, b| a >> 32 == b >> 32).for_each(|cell| {
+        if cell.len() > 1 && cell[0] >> 32 != u64::from(u32::MAX) {
+            cell.sort_unstable_by_key(|&key| {
+                let sphere = &spheres[index_of(key) as usize];
+                (bounds.fine_code(sphere), sphere.map(f32::to_bits), row_of(index_of(key)))
+            });
+        }
+    });
+    keys.into_iter().map(index_of).collect()
+}
+
+fn index_of(key: u64) -> u32 {
+    (key & u64::from(u32::MAX)) as u32
+}
+
+/// The bounding box of the centres.
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Bounds {
+    const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+
+    fn of(spheres: &[[f32; 4]]) -> Self {
+        let union = |a: Self, b: Self| Self { low: a.low.min(b.low), high: a.high.max(b.high) };
+        spheres
+            .par_iter()
+            .with_min_len(4096)
+            .map(|&[x, y, z, _]| Self { low: Vec3::new(x, y, z), high: Vec3::new(x, y, z) })
+            .reduce(|| Self::EMPTY, union)
+    }
+
+    fn coarse_code(self, sphere: &[f32; 4]) -> u32 {
+        (self.fine_code(sphere) >> 33) as u32
+    }
+
+    /// 21 bits an axis, interleaved, x highest.
+    fn fine_code(self, &[x, y, z, _]: &[f32; 4]) -> u64 {
+        const CELLS: f32 = (1u32 << 21) as f32;
+        let extent = (self.high - self.low).max(Vec3::splat(f32::MIN_POSITIVE));
+        let cell = ((Vec3::new(x, y, z) - self.low) / extent * CELLS).min(Vec3::splat(CELLS - 1.0));
+        let [x, y, z] = cell.to_array().map(|c| spread(c as u32));
+        x << 2 | y << 1 | z
+    }
+}
+
+/// Puts two zero bits between the low 21 bits.
+fn spread(bits: u32) -> u64 {
+    let mut v = u64::from(bits) & 0x1f_ffff;
+    v = (v | v << 32) & 0x001f_0000_0000_ffff;
+    v = (v | v << 16) & 0x001f_0000_ff00_00ff;
+    v = (v | v << 8) & 0x100f_00f0_0f00_f00f;
+    v = (v | v << 4) & 0x10c3_0c30_c30c_30c3;
+    (v | v << 2) & 0x1249_2492_4924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spreading_leaves_two_gaps_between_bits() {
+        assert_eq!(spread(0b111), 0b1_001_001);
+        assert_eq!(spread(0x1f_ffff).count_ones(), 21);
+        assert_eq!(spread(1 << 20), 1 << 60);
+    }
+
+    #[test]
+    fn order_is_a_permutation_with_equal_spheres_side_by_side() {
+        let at = |x: f32| [x, 0.0, 0.0, 1.0];
+        let spheres = [at(0.9), at(0.1), at(0.5), at(0.1), at(0.0), at(1.0)];
+        assert_eq!(order(&spheres, |i| i, |i| i == 2), [4, 1, 3, 0, 5, 2]);
+    }
+
+    #[test]
+    fn a_tiny_cluster_beside_an_outlier_is_still_sorted() {
+        let mut spheres: Vec<_> =
+            (0..100u32).map(|i| [(i * 37 % 100) as f32, 0.0, 0.0, 1.0]).collect();
+        spheres.push([1e6, 0.0, 0.0, 1.0]);
+        let xs: Vec<_> =
+            order(&spheres, |i| i, |_| false).iter().map(|&i| spheres[i as usize][0]).collect();
+        assert!(xs.is_sorted());
+    }
+}

@@ -1,0 +1,29 @@
+//! photosphere: a physically based Monte Carlo path tracer for scenes made of spheres.
+//!
+//! A scene file walks in at one end, pictures walk out at the other, and nothing walks back:
+//!
+//! ```text
+//! scene file -> scene -> accel -> integrator -> film -> output
+//! ```
+//!
+//! Each module is one room of that street; ARCHITECTURE.md says what lives where and which room may
+//! use which. `docs/conventions.md` defines every symbol and unit once.
+
+pub mod accel;
+pub mod camera;
+pub mod cli;
+pub mod color;
+pub mod error;
+pub mod film;
+pub mod geometry;
+pub mod integrator;
+pub mod light;
+pub mod material;
+pub mod math;
+pub mod output;
+pub mod render;
+pub mod sampling;
+pub mod scene;
+pub mod verify;
+
+pub use error::{Error, Result};

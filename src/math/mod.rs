@@ -1,0 +1,11 @@
+//! Vectors, frames and rays.
+
+mod frame;
+mod ray;
+
+pub use frame::Frame;
+pub use glam::{DVec2, DVec3, Vec3};
+pub use ray::{Hit, MAX_COORDINATE, NO_SPHERE, Ray};
+
+/// The distance from 1 to the next larger f32, halved: the relative error of one f32 rounding.
+pub const F32_ROUNDING: f64 = 1.0 / (1u32 << 24) as f64;

@@ -1,0 +1,3 @@
+//! From a scene file to an immutable [`Scene`].
+
+pub mod description;
