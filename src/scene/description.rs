@@ -143,6 +143,24 @@ pub enum Column {
     Blue,
 }
 
+impl Column {
+    /// What the columns are called in scene files.
+    pub const NAMES: [(&'static str, Self); 7] = [
+        ("x", Self::X),
+        ("y", Self::Y),
+        ("z", Self::Z),
+        ("radius", Self::Radius),
+        ("r", Self::Red),
+        ("g", Self::Green),
+        ("b", Self::Blue),
+    ];
+
+    /// Whether the column is one of the three channels of a colour.
+    pub fn is_color(self) -> bool {
+        matches!(self, Self::Red | Self::Green | Self::Blue)
+    }
+}
+
 /// `[render]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Render {
