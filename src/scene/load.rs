@@ -44,21 +44,15 @@ pub fn read_file(path: &Path, overrides: &[Override]) -> Result<Loaded> {
 ///
 /// # Errors
 /// Like [`read_file`].
-pub fn read_text(
-    name: &str,
-    text: &str,
-    folder: &Path,
-    overrides: &[Override],
-) -> Result<Loaded> {
+pub fn read_text(name: &str, text: &str, folder: &Path, overrides: &[Override]) -> Result<Loaded> {
     let mut report = Report::new(name, text);
-    let laid_out: Vec<_> =
-        overrides.iter().map(|given| LaidOut::new(given, &mut report)).collect();
+    let laid_out: Vec<_> = overrides.iter().map(|given| LaidOut::new(given, &mut report)).collect();
     let mut table = document::parse(text, &report);
     let integrator_of_file = document::text_at(&table, ["render", "integrator"]);
     laid_out.iter().for_each(|option| option.apply(&mut table, &report));
     let draft = read(&table, integrator_of_file.as_deref(), folder, &report);
     report.verdict()?;
-    let draft = draft.ok_or_else(|| Error::input(format!("`{name}` is not a scene")))?;
+    let draft = draft.expect("whoever gave up on the scene has told the report why");
     let (rows, groups) = import(&draft.description, &draft.surveys, &report)?;
     report.verdict()?;
     Ok(Loaded { description: draft.description, rows, groups })
