@@ -73,17 +73,19 @@ network_variables() {
 
 # ---- The trial ----
 
-# Runs a shell command in the clone, where a user would be. The mounts are the namespace's own and
-# end with it; where they are not permitted, the root must do with what debootstrap made.
+# Runs a shell command in the clone, where a user would be. The mounts belong to a namespace and end
+# with it; where that is not permitted, the root must do with what debootstrap made.
 in_root() {
     local variables
     mapfile -t variables < <(network_variables)
-    # shellcheck disable=SC2016  # for the inner shells
-    unshare --mount bash -c '
-        mount -t proc proc "$1/proc"
-        mount --rbind /dev "$1/dev"
-        exec chroot "$1" /usr/bin/env -i "${@:3}" /bin/bash -c "cd /photosphere && $2"
-    ' bash "$root" "$1" "${variables[@]}" </dev/null
+    local enter=(chroot "$root" /usr/bin/env -i "${variables[@]}" /bin/bash -c "cd /photosphere && $1")
+    if unshare --mount true 2>/dev/null; then
+        # shellcheck disable=SC2016  # for the inner shell
+        unshare --mount bash -c 'mount -t proc proc "$0/proc"; mount --rbind /dev "$0/dev"; "$@"' \
+            "$root" "${enter[@]}" </dev/null
+    else
+        "${enter[@]}" </dev/null
+    fi
 }
 
 # Runs one command, shows how it went, and remembers a failure.
@@ -106,6 +108,7 @@ keep_picture() {
 }
 
 show_versions() {
+    # shellcheck disable=SC2016  # for the shell in the root
     in_root '. scripts/toolchain.sh && find_rust && "$cargo" --version && "$RUSTC" --version
              dpkg-query -W -f "\${Package} \${Version}\n" | grep -E "^(libembree|libclang-dev|gcc|rustc|cargo)"' || true
 }
