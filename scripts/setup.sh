@@ -110,7 +110,7 @@ apt_get() {
 }
 
 install_with_apt() {
-    local chosen
+    local chosen all=("${missing[@]}" "${wanted[@]}")
     if ((EUID != 0)) && ! command -v sudo >/dev/null; then
         ((${#missing[@]} > 0)) || return 0
         read -rd '' -a chosen < <(packages) || true
@@ -118,7 +118,7 @@ install_with_apt() {
             printf 'Run this as root, then try again:\n  apt-get update && apt-get install -y %s\n' "${chosen[*]}"
         return
     fi
-    echo "Installing what is missing: ${missing[*]} ${wanted[*]}"
+    echo "Installing what is missing: ${all[*]}"
     apt_get update || echo "The package lists could not be renewed; going on with those there are."
     read -rd '' -a chosen < <(packages) || true
     ((${#chosen[@]} == 0)) || apt_get install --no-install-recommends "${chosen[@]}" ||
@@ -141,7 +141,7 @@ explain_missing() {
             echo "missing: Rust $rust_minimum or newer"
             rust_packages >/dev/null 2>&1 || explain_rustup
             ;;
-        libclang) echo "missing: libclang with its headers (Debian: libclang-dev, Fedora: clang-devel, Arch: clang, Homebrew: llvm)" ;;
+        libclang) echo "missing: libclang with its headers (Debian: libclang-dev, Fedora: clang-devel, Arch: clang, Homebrew: llvm), or LIBCLANG_PATH pointing to it" ;;
         embree) echo "missing: Embree 4 or 3 with its headers (Debian: libembree-dev, Fedora: embree-devel, Arch and Homebrew: embree), or EMBREE_DIR pointing to it" ;;
         esac
     done
