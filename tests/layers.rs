@@ -216,7 +216,7 @@ fn first_names(rest: &str) -> Vec<(usize, String)> {
             }
             _ => {}
         }
-        if nesting == 0 && !expected {
+        if nesting == 0 && (c == '}' || !expected) {
             break;
         }
     }
