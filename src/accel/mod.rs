@@ -1,6 +1,10 @@
 //! Who is hit? One trait, and its backends, built from the same [`SphereSet`].
 
 mod brute_force;
+#[cfg(feature = "embree")]
+#[allow(unsafe_code, reason = "the fence around Embree; no other room has unsafe code")]
+mod embree;
+mod info;
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -9,6 +13,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
+
+pub use info::EmbreeInfo;
 
 /// An intersector over a fixed set of spheres.
 ///
@@ -120,6 +126,14 @@ impl Backend {
     pub fn build(self, spheres: &Arc<SphereSet>, options: &BuildOptions) -> Result<Box<dyn Accel>> {
         options.cancel.check()?;
         match self {
+            #[cfg(feature = "embree")]
+            Self::Embree => {
+                Ok(Box::new(embree::Embree::build(spheres, embree::Particles::Points, options)?))
+            }
+            #[cfg(feature = "embree")]
+            Self::EmbreeUser => {
+                Ok(Box::new(embree::Embree::build(spheres, embree::Particles::User, options)?))
+            }
             Self::BruteForce => Ok(Box::new(brute_force::BruteForce::new(spheres.clone()))),
             _ => Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
                 .with_help("build with the default features, or choose --accel native")),
@@ -140,4 +154,15 @@ impl FromStr for Backend {
         let find = Self::ALL.iter().find(|backend| backend.name() == name);
         find.copied().ok_or_else(|| Error::input(format!("there is no intersector `{name}`")))
     }
+}
+
+/// What the Embree in use says of itself; `None` in a build without Embree.
+///
+/// # Errors
+/// When Embree cannot start.
+pub fn embree_info() -> Option<Result<EmbreeInfo>> {
+    #[cfg(feature = "embree")]
+    return Some(embree::info());
+    #[cfg(not(feature = "embree"))]
+    None
 }
