@@ -77,7 +77,8 @@ fn one_ray(pair: &Pair, kind: usize, rng: &mut StdRng) -> Ray {
     let (id, sphere) = pair.any(rng);
     let (_, other) = pair.any(rng);
     let direction = scenes::direction(rng);
-    let outside = sphere.center + direction * sphere.radius * 10f64.powf(rng.random_range(0.0..4.0));
+    let outside =
+        sphere.center + direction * sphere.radius * 10f64.powf(rng.random_range(0.0..4.0));
     let towards = (other.center - outside).normalize_or(direction);
     let axis = [DVec3::X, DVec3::Y, DVec3::Z][rng.random_range(0..3)];
     let axis = if rng.random() { axis } else { -axis };
