@@ -1,1 +1,5 @@
-//! x
+//! Where light is collected, and the picture that comes of it.
+
+mod picture;
+
+pub use picture::Picture;
