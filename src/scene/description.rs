@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use crate::color::Rgb;
 use crate::math::DVec3;
 
+pub use crate::sampling::{FilterKind, Hemisphere};
+
 /// A whole scene file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
@@ -36,20 +38,6 @@ pub struct Image {
     pub filter: FilterKind,
     /// Half the filter's extent in pixels.
     pub filter_radius: f64,
-}
-
-/// The shapes of a pixel's weight function.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FilterKind {
-    /// Constant over the pixel.
-    #[default]
-    Box,
-    /// Falls linearly to 0 at the radius.
-    Tent,
-    /// A Gaussian cut off at the radius, where it has fallen to three standard deviations.
-    Gaussian,
-    /// The 4-term Blackman-Harris window.
-    BlackmanHarris,
 }
 
 /// `[camera]`: a pinhole.
@@ -155,6 +143,24 @@ pub enum Column {
     Blue,
 }
 
+impl Column {
+    /// What the columns are called in scene files.
+    pub const NAMES: [(&'static str, Self); 7] = [
+        ("x", Self::X),
+        ("y", Self::Y),
+        ("z", Self::Z),
+        ("radius", Self::Radius),
+        ("r", Self::Red),
+        ("g", Self::Green),
+        ("b", Self::Blue),
+    ];
+
+    /// Whether the column is one of the three channels of a colour.
+    pub fn is_color(self) -> bool {
+        matches!(self, Self::Red | Self::Green | Self::Blue)
+    }
+}
+
 /// `[render]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Render {
@@ -197,18 +203,6 @@ pub struct Paper {
     pub miss: Miss,
     /// The size of the random shift in a sub-pixel: 1 covers it, 0 stays at its centre.
     pub jitter: f64,
-}
-
-/// How directions over the hemisphere are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Hemisphere {
-    /// Density proportional to the cosine.
-    #[default]
-    Cosine,
-    /// Constant density per solid angle.
-    UniformSolidAngle,
-    /// Azimuth and elevation both uniform, as the paper words it.
-    UniformAngle,
 }
 
 /// When a path ends, beside `max_depth`.

@@ -1,0 +1,68 @@
+//! A choice among finitely many things, with given probabilities.
+
+/// A discrete distribution over `0..n`.
+#[derive(Clone, Debug)]
+pub struct Discrete {
+    /// `cumulative[i]` is the probability of an index up to and including `i`; the last is 1.
+    cumulative: Vec<f64>,
+}
+
+impl Discrete {
+    /// Probabilities proportional to `weights`, which are finite, not negative and not all 0;
+    /// `None` otherwise.
+    pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut total = 0.0;
+        let mut cumulative: Vec<f64> = weights
+            .into_iter()
+            .map(|weight| {
+                total += weight;
+                total
+            })
+            .collect();
+        let valid = total > 0.0 && total.is_finite() && cumulative.is_sorted();
+        cumulative.iter_mut().for_each(|sum| *sum /= total);
+        valid.then_some(Self { cumulative })
+    }
+
+    /// The index chosen by `u` in `[0, 1)`.
+    pub fn sample(&self, u: f64) -> usize {
+        self.cumulative.partition_point(|&sum| sum <= u).min(self.cumulative.len() - 1)
+    }
+
+    /// The probability of an index.
+    pub fn pmf(&self, index: usize) -> f64 {
+        let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
+        self.cumulative[index] - below
+    }
+
+    /// Where `u` lies in the stretch of `[0, 1)` that chooses `index`: again uniform in `[0, 1)`.
+    pub fn remap(&self, index: usize, u: f64) -> f64 {
+        let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
+        ((u - below) / self.pmf(index)).clamp(0.0, 1.0 - f64::EPSILON)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn indices_come_with_their_probabilities() {
+        let choice = Discrete::new([1.0, 0.0, 3.0]).expect("valid");
+        assert_relative_eq!(choice.pmf(0), 0.25);
+        assert_relative_eq!(choice.pmf(1), 0.0);
+        assert_relative_eq!(choice.pmf(2), 0.75);
+        assert_eq!([0.0, 0.2499, 0.25, 0.999_999].map(|u| choice.sample(u)), [0, 0, 2, 2]);
+        assert_relative_eq!(choice.remap(2, 0.625), 0.5);
+    }
+
+    #[test]
+    fn impossible_weights_are_refused() {
+        assert!(Discrete::new([]).is_none());
+        assert!(Discrete::new([0.0, 0.0]).is_none());
+        assert!(Discrete::new([1.0, -1.0]).is_none());
+        assert!(Discrete::new([f64::NAN]).is_none());
+        assert!(Discrete::new([f64::INFINITY]).is_none());
+    }
+}

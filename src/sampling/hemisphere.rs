@@ -1,0 +1,110 @@
+//! Directions over the hemisphere around +z, each way of drawing them beside its density.
+//!
+//! All take `u` in `[0, 1)^2`; the second number becomes the azimuth. Densities are per solid angle
+//! and are given as functions of `cos`, the direction's z, which must not be negative.
+
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
+
+use crate::math::DVec3;
+
+use super::{acos, atan2, powf, sin_cos};
+
+/// How directions over the hemisphere are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hemisphere {
+    /// Density `cos / pi`.
+    #[default]
+    Cosine,
+    /// Density `1 / (2 pi)`.
+    UniformSolidAngle,
+    /// Azimuth and elevation both uniform, as the paper words it: density `1 / (pi^2 cos e)` with
+    /// the elevation `e` measured from the tangent plane.
+    UniformAngle,
+}
+
+impl Hemisphere {
+    /// A direction.
+    pub fn sample(self, u: [f64; 2]) -> DVec3 {
+        match self {
+            Self::Cosine => {
+                // Malley's method: the height of a point drawn uniformly on the disc.
+                direction(u[0].sqrt(), (1.0 - u[0]).sqrt(), u[1])
+            }
+            Self::UniformSolidAngle => direction(sine(u[0]), u[0], u[1]),
+            Self::UniformAngle => {
+                let (sin_elevation, cos_elevation) = sin_cos(FRAC_PI_2 * u[0]);
+                direction(cos_elevation, sin_elevation, u[1])
+            }
+        }
+    }
+
+    /// The density of [`Self::sample`].
+    pub fn pdf(self, cos: f64) -> f64 {
+        match self {
+            Self::Cosine => cos * FRAC_1_PI,
+            Self::UniformSolidAngle => 1.0 / TAU,
+            // The elevation's cosine is the sine of the angle from the normal.
+            Self::UniformAngle => 1.0 / (PI * PI * sine(cos)),
+        }
+    }
+
+    /// The `u` that gives a direction.
+    pub fn invert(self, direction: DVec3) -> [f64; 2] {
+        let u = match self {
+            Self::Cosine => 1.0 - direction.z * direction.z,
+            Self::UniformSolidAngle => direction.z,
+            Self::UniformAngle => 1.0 - acos(direction.z) / FRAC_PI_2,
+        };
+        [u, azimuth(direction)]
+    }
+}
+
+/// A direction with density `(n + 1) / (2 pi) cos^n`, the lobe of the Phong model.
+pub fn sample_power_cosine(exponent: f64, u: [f64; 2]) -> DVec3 {
+    let cos = powf(u[0], 1.0 / (exponent + 1.0));
+    direction(sine(cos), cos, u[1])
+}
+
+/// The density of [`sample_power_cosine`].
+pub fn power_cosine_pdf(exponent: f64, cos: f64) -> f64 {
+    (exponent + 1.0) / TAU * powf(cos, exponent)
+}
+
+/// The `u` that gives a direction of [`sample_power_cosine`].
+pub fn invert_power_cosine(exponent: f64, direction: DVec3) -> [f64; 2] {
+    [powf(direction.z, exponent + 1.0), azimuth(direction)]
+}
+
+fn direction(sin: f64, cos: f64, u: f64) -> DVec3 {
+    let (sin_phi, cos_phi) = sin_cos(TAU * u);
+    DVec3::new(sin * cos_phi, sin * sin_phi, cos)
+}
+
+fn azimuth(direction: DVec3) -> f64 {
+    let turns = atan2(direction.y, direction.x) / TAU;
+    if turns < 0.0 { turns + 1.0 } else { turns }
+}
+
+fn sine(cos: f64) -> f64 {
+    ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverting_a_sample_gives_its_numbers_back() {
+        for hemisphere in
+            [Hemisphere::Cosine, Hemisphere::UniformSolidAngle, Hemisphere::UniformAngle]
+        {
+            for i in 1..50 {
+                let u = [f64::from(i) / 50.0, f64::from(i * 7 % 50) / 50.0];
+                let back = hemisphere.invert(hemisphere.sample(u));
+                assert!((back[0] - u[0]).abs() < 1e-12 && (back[1] - u[1]).abs() < 1e-12);
+                let lobe = invert_power_cosine(20.0, sample_power_cosine(20.0, u));
+                assert!((lobe[0] - u[0]).abs() < 1e-12 && (lobe[1] - u[1]).abs() < 1e-12);
+            }
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Weights for multiple importance sampling.
+
+/// The power heuristic with exponent 2 for a sample drawn with density `drawn`, which the other
+/// strategy would have drawn with density `other` (Veach 1997, section 9.2.4).
+///
+/// Written with the ratio of the densities: their squares overflow for a distant lamp.
+pub fn power_heuristic(drawn: f64, other: f64) -> f64 {
+    let ratio = other / drawn;
+    1.0 / (1.0 + ratio * ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_weights_of_both_strategies_add_up_to_one() {
+        for (a, b) in [(1.0, 1.0), (0.3, 5.0), (1e300, 1e-300), (1e-200, 2e-200)] {
+            let sum = power_heuristic(a, b) + power_heuristic(b, a);
+            assert!((sum - 1.0).abs() < 1e-15, "{a} {b}: {sum}");
+        }
+        assert_eq!(power_heuristic(2.0, 0.0), 1.0);
+    }
+}

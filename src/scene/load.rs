@@ -1,0 +1,83 @@
+//! From a file to a scene that is read and checked.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::geometry::SphereRows;
+
+use super::description::Description;
+use super::document;
+use super::import::{RowGroup, import};
+use super::overrides::{LaidOut, Override};
+use super::read::read;
+use super::report::Report;
+
+/// The longest scene file in bytes; more spheres than fit belong in a table.
+const LONGEST_FILE: u64 = 256 << 20;
+
+/// A scene file read and checked, with its tables, not yet prepared for rendering.
+#[derive(Debug)]
+pub struct Loaded {
+    /// What the file and the options say, with the defaults filled in.
+    pub description: Description,
+    /// All spheres: those written in the scene first, then the rows of the tables.
+    pub rows: SphereRows,
+    /// Which rows came from which table; one group for each of the description's tables.
+    pub groups: Vec<RowGroup>,
+}
+
+/// Reads a scene file, with `overrides` in place of what it says.
+///
+/// # Errors
+/// Every mistake in the file, its tables and the overrides, all at once; or that a file cannot be
+/// read.
+pub fn read_file(path: &Path, overrides: &[Override]) -> Result<Loaded> {
+    let text = read_to_string(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    read_text(&path.display().to_string(), &text, folder, overrides)
+}
+
+/// Reads a scene from `text`; `name` stands for it in messages, and sphere tables are looked for in
+/// `folder`.
+///
+/// # Errors
+/// Like [`read_file`].
+pub fn read_text(
+    name: &str,
+    text: &str,
+    folder: &Path,
+    overrides: &[Override],
+) -> Result<Loaded> {
+    let mut report = Report::new(name, text);
+    let laid_out: Vec<_> =
+        overrides.iter().map(|given| LaidOut::new(given, &mut report)).collect();
+    let mut table = document::parse(text, &report);
+    let integrator_of_file = document::text_at(&table, ["render", "integrator"]);
+    laid_out.iter().for_each(|option| option.apply(&mut table, &report));
+    let draft = read(&table, integrator_of_file.as_deref(), folder, &report);
+    report.verdict()?;
+    let draft = draft.ok_or_else(|| Error::input(format!("`{name}` is not a scene")))?;
+    let (rows, groups) = import(&draft.description, &draft.surveys, &report)?;
+    report.verdict()?;
+    Ok(Loaded { description: draft.description, rows, groups })
+}
+
+fn read_to_string(path: &Path) -> Result<String> {
+    let trouble = |error: std::io::Error| Error::file("read the scene", path, error);
+    let file = File::open(path).map_err(trouble)?;
+    if file.metadata().map_err(trouble)?.is_dir() {
+        return Err(Error::file("read the scene", path, "it is a folder"));
+    }
+    let mut bytes = Vec::new();
+    file.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(trouble)?;
+    if bytes.len() as u64 > LONGEST_FILE {
+        return Err(Error::file("read the scene", path, "it is longer than 256 MiB")
+            .with_help("put the spheres into a sphere table"));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        Error::file("read the scene", path, format_args!("it is not UTF-8 text at byte {at}"))
+    })
+}
