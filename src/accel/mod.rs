@@ -1,6 +1,7 @@
 //! Who is hit? One trait, and its backends, built from the same [`SphereSet`].
 
 mod brute_force;
+mod native;
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -15,7 +16,8 @@ use crate::math::{Hit, Ray};
 /// Rays come in batches of any length; a batch of one is a single ray. Answers are in the order of
 /// the rays. A ray that is not [valid](Ray::is_valid) hits nothing. All backends overlook excluded
 /// spheres, report the far wall of a sphere that the ray starts in, and take hits in the open
-/// interval `(t_min, t_max)` only.
+/// interval `(t_min, t_max)` only. Where two spheres are hit at exactly the same distance, the
+/// backends in Rust answer the smaller id, whatever order they met them in.
 pub trait Accel: Send + Sync {
     /// The first sphere that each ray hits. The slices have equal lengths.
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]);
@@ -62,7 +64,8 @@ pub enum Backend {
 /// How a backend is built.
 #[derive(Clone, Debug, Default)]
 pub struct BuildOptions {
-    /// Threads that the build may use; 0 means all.
+    /// Threads that Embree's own build may use; 0 means all. The native backend builds on the
+    /// current rayon pool.
     pub threads: usize,
     /// Set from elsewhere to stop the build, which then fails with a cancellation.
     pub cancel: Cancel,
@@ -120,6 +123,7 @@ impl Backend {
     pub fn build(self, spheres: &Arc<SphereSet>, options: &BuildOptions) -> Result<Box<dyn Accel>> {
         options.cancel.check()?;
         match self {
+            Self::Native => Ok(Box::new(native::Native::new(spheres, options)?)),
             Self::BruteForce => Ok(Box::new(brute_force::BruteForce::new(spheres.clone()))),
             _ => Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
                 .with_help("build with the default features, or choose --accel native")),

@@ -1,0 +1,157 @@
+//! The spheres that stay in f64: a plain list, or beyond 64 a small tree of their own.
+//!
+//! The tree is binary and implicit: the spheres are halved along the longest extent of their
+//! centres down to eight, and a node's children follow from its range. Boxes are f64 and need no
+//! more than the slack of [`super::node::Node::set`].
+
+use crate::accel::Cancel;
+use crate::error::Result;
+use crate::geometry::Sphere;
+use crate::math::DVec3;
+
+use super::node::F64_SLACK;
+use super::traverse::{Goal, Query};
+
+/// As many giants as are tested one by one.
+const LIST: usize = 64;
+/// Most spheres of a leaf.
+const LEAF: usize = 8;
+
+/// The giants of a scene; the tree's nodes are in depth-first order.
+pub(super) struct Giants {
+    giants: Box<[Giant]>,
+    nodes: Box<[Node]>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Giant {
+    sphere: Sphere,
+    id: u32,
+}
+
+/// A box, the giants in it, and where its right child is (the left one comes next); a leaf has no
+/// right child.
+#[derive(Clone, Debug, PartialEq)]
+struct Node {
+    low: DVec3,
+    high: DVec3,
+    first: u32,
+    count: u32,
+    right: Option<u32>,
+}
+
+impl Giants {
+    /// Over giants with the ids from `first_id` on.
+    ///
+    /// # Errors
+    /// On cancellation.
+    pub(super) fn build(giants: &[Sphere], first_id: usize, cancel: &Cancel) -> Result<Self> {
+        let giant = |(i, &sphere)| Giant { sphere, id: (first_id + i) as u32 };
+        let mut giants: Box<[Giant]> = giants.iter().enumerate().map(giant).collect();
+        let mut nodes = Vec::new();
+        if giants.len() > LIST {
+            grow(&mut giants, 0, &mut nodes, cancel)?;
+        }
+        Ok(Self { giants, nodes: nodes.into_boxed_slice() })
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.giants) + size_of_val(&*self.nodes)
+    }
+
+    /// Offers the query every giant that may be better than what it has.
+    pub(super) fn trace(&self, query: &mut Query, goal: Goal) {
+        if self.nodes.is_empty() {
+            offer_all(&self.giants, query);
+        } else {
+            let inverse = query.direction.recip();
+            self.descend(0, inverse, query, goal);
+        }
+    }
+
+    /// Recursion goes as deep as the tree, which is at most 30 levels, as it is halved.
+    fn descend(&self, index: usize, inverse: DVec3, query: &mut Query, goal: Goal) {
+        let node = &self.nodes[index];
+        if query.reaches(goal) || !node.may_be_met(inverse, query) {
+            return;
+        }
+        match node.right {
+            None => offer_all(&self.giants[node.first as usize..][..node.count as usize], query),
+            Some(right) => {
+                let (left, right) = (index + 1, right as usize);
+                let ahead = |index: usize| {
+                    let Node { low, high, .. } = &self.nodes[index];
+                    (low + high).dot(query.direction)
+                };
+                let (near, far) =
+                    if ahead(left) <= ahead(right) { (left, right) } else { (right, left) };
+                self.descend(near, inverse, query, goal);
+                self.descend(far, inverse, query, goal);
+            }
+        }
+    }
+}
+
+fn offer_all(giants: &[Giant], query: &mut Query) {
+    giants.iter().for_each(|giant| query.offer(giant.id, &giant.sphere));
+}
+
+fn grow(giants: &mut [Giant], first: usize, nodes: &mut Vec<Node>, cancel: &Cancel) -> Result<()> {
+    cancel.check()?;
+    let index = nodes.len();
+    nodes.push(Node::around(giants, first));
+    if giants.len() > LEAF {
+        let at = halve(giants);
+        let (left, right) = giants.split_at_mut(at);
+        grow(left, first, nodes, cancel)?;
+        nodes[index].right = Some(nodes.len() as u32);
+        grow(right, first + at, nodes, cancel)?;
+    }
+    Ok(())
+}
+
+/// Puts the half with the smaller centres first, along the axis where they differ most.
+fn halve(giants: &mut [Giant]) -> usize {
+    let (low, high) = span(giants.iter().map(|giant| (giant.sphere.center, giant.sphere.center)));
+    let axis = (high - low).max_position();
+    let at = giants.len() / 2;
+    giants.select_nth_unstable_by(at, |a, b| {
+        let (x, y) = (a.sphere.center[axis], b.sphere.center[axis]);
+        x.total_cmp(&y).then(a.id.cmp(&b.id))
+    });
+    at
+}
+
+fn span(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> (DVec3, DVec3) {
+    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    boxes.fold(nothing, |(low, high), next| (low.min(next.0), high.max(next.1)))
+}
+
+impl Node {
+    fn around(giants: &[Giant], first: usize) -> Self {
+        let (low, high) = span(giants.iter().map(|Giant { sphere, .. }| {
+            (sphere.center - sphere.radius, sphere.center + sphere.radius)
+        }));
+        let slack = F64_SLACK * low.abs().max(high.abs()).max_element();
+        let (low, high) = (low - slack, high + slack);
+        Self { low, high, first: first as u32, count: giants.len() as u32, right: None }
+    }
+
+    /// Whether the ray meets the box before its best hit; `true` where it is not sure.
+    ///
+    /// The planes are moved apart by what the f64 arithmetic may be wrong by for this origin, here
+    /// and in the test of a sphere. Along an axis that the ray does not move on, the products are
+    /// infinite, or NaN for an origin on a plane, which `min` and `max` overlook.
+    fn may_be_met(&self, inverse: DVec3, query: &Query) -> bool {
+        let slack = F64_SLACK * query.origin.abs().max_element();
+        let a = (self.low - slack - query.origin) * inverse;
+        let b = (self.high + slack - query.origin) * inverse;
+        let (mut enter, mut leave) = (query.t_min, query.t);
+        for axis in 0..3 {
+            enter = enter.max(a[axis].min(b[axis]));
+            leave = leave.min(a[axis].max(b[axis]));
+        }
+        enter <= leave * (1.0 + F64_SLACK)
+    }
+}

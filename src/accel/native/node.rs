@@ -1,0 +1,169 @@
+//! What the tree is made of: nodes with the boxes of eight children, and leaves of eight spheres,
+//! both stored lane by lane so that the compiler turns their loops into vector instructions.
+
+use crate::geometry::Sphere;
+use crate::math::{DVec3, NO_SPHERE};
+
+use super::bounds::Bounds;
+use super::split::Item;
+
+/// Children of a node.
+pub(super) const WIDTH: usize = 8;
+/// Most spheres of a leaf.
+pub(super) const LEAF_SIZE: usize = 8;
+
+/// What f64 arithmetic may move a surface by, relative to the numbers it works with: 16 times the
+/// bound derived in [`Node::set`].
+pub(super) const F64_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
+/// Relative slack that makes up for a few roundings to f32 (each at most 2^-24).
+pub(super) const F32_SLACK: f64 = 1.0 / (1u32 << 22) as f64;
+/// Absolute slack, 2^-90, where numbers underflow and relative bounds mean nothing.
+pub(super) const TINY: f64 = f32::from_bits((127 - 90) << 23) as f64;
+
+/// A reference to a node or a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Child(pub(super) u32);
+
+/// Up to eight boxes and what is in them. Two hundred and fifty-six bytes.
+#[derive(Clone, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// Planes of the boxes: low x, y, z, then high x, y, z; an unused lane is inside out.
+    pub(super) planes: [[f32; WIDTH]; 6],
+    pub(super) children: [Child; WIDTH],
+}
+
+/// Up to eight spheres. The radius of an unused lane is NaN, which no comparison accepts.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Leaf {
+    pub(super) x: [f32; LEAF_SIZE],
+    pub(super) y: [f32; LEAF_SIZE],
+    pub(super) z: [f32; LEAF_SIZE],
+    pub(super) radius: [f32; LEAF_SIZE],
+}
+
+/// The ids of a leaf's spheres, which are kept apart because few are ever looked at.
+pub(super) type LeafIds = [u32; LEAF_SIZE];
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    /// As many nodes, or leaves, as can be referred to.
+    pub(super) const LIMIT: usize = Self::LEAF as usize;
+
+    pub(super) fn node(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    pub(super) fn leaf(index: usize) -> Self {
+        Self(index as u32 | Self::LEAF)
+    }
+
+    /// The reference after nodes and leaves were put before it.
+    pub(super) fn moved_by(self, nodes: usize, leaves: usize) -> Self {
+        let places = if self.is_leaf() { leaves } else { nodes };
+        Self(self.0.wrapping_add(places as u32))
+    }
+
+    #[inline(always)]
+    pub(super) fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    #[inline(always)]
+    pub(super) fn index(self) -> usize {
+        (self.0 & !Self::LEAF) as usize
+    }
+}
+
+impl Node {
+    pub(super) const EMPTY: Self = Self {
+        planes: {
+            let (low, high) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
+            [low, low, low, high, high, high]
+        },
+        children: [Child(0); WIDTH],
+    };
+
+    /// Sets one child and its box, larger than the box of its spheres by what keeps every hit.
+    ///
+    /// Let `t` be a root that [`Sphere::first_root`] returns for a sphere `(c, R)` of this child.
+    /// It rounds `o - c`, the closest approach and the squared distances, each to 2^-53 of its
+    /// value, so `|o + t d - c|` exceeds `R` by at most `2^-48 (|o - c| + R)` (this holds at grazing
+    /// incidence too: there the error of `t` runs along the surface). With `|v|` for the largest
+    /// coordinate of `v`, and `B` for the largest of the box, `|c| + R <= B` and this is less than
+    /// `2^-46 (|o| + B)`. The part with `B` is added here, 4 times over, and the part with `|o|` is
+    /// added to the ray's origin ([`super::slabs`]). `bounds` itself was rounded to f32 once, and
+    /// is rounded again here: `F32_SLACK` of the coordinate covers that 4 times over.
+    pub(super) fn set(&mut self, lane: usize, bounds: &Bounds, child: Child) {
+        let everywhere = F64_SLACK * f64::from(bounds.magnitude()) + TINY;
+        let slack = |plane: f32| F32_SLACK * f64::from(plane.abs()) + everywhere;
+        for axis in 0..3 {
+            let (low, high) = (bounds.low[axis], bounds.high[axis]);
+            self.planes[axis][lane] = (f64::from(low) - slack(low)) as f32;
+            self.planes[axis + 3][lane] = (f64::from(high) + slack(high)) as f32;
+        }
+        self.children[lane] = child;
+    }
+}
+
+impl Leaf {
+    /// The leaf of up to eight spheres.
+    pub(super) fn of(items: &[Item]) -> Self {
+        let lanes = |lane: usize, unused: f32| {
+            let mut values = [unused; LEAF_SIZE];
+            values.iter_mut().zip(items).for_each(|(value, item)| *value = item.sphere[lane]);
+            values
+        };
+        Self { x: lanes(0, 0.0), y: lanes(1, 0.0), z: lanes(2, 0.0), radius: lanes(3, f32::NAN) }
+    }
+
+    /// The ids that belong to [`Self::of`].
+    pub(super) fn ids_of(items: &[Item]) -> LeafIds {
+        let mut ids = [NO_SPHERE; LEAF_SIZE];
+        ids.iter_mut().zip(items).for_each(|(id, item)| *id = item.id);
+        ids
+    }
+
+    pub(super) fn sphere(&self, lane: usize) -> Sphere {
+        let center = DVec3::new(self.x[lane].into(), self.y[lane].into(), self.z[lane].into());
+        Sphere { center, radius: self.radius[lane].into() }
+    }
+
+    /// The lanes, as bits, whose sphere the line `origin + t unit` may hit; no lane that
+    /// [`Sphere::first_root`] would accept is left out.
+    ///
+    /// The centre's squared distance to the line is `v.v - (v.u)^2` here, wrong by at most
+    /// `2^-49 v.v`; less a 2^-44 part of `v.v`, it is compared with a radius as much too large.
+    #[inline(always)]
+    pub(super) fn candidates(&self, origin: DVec3, unit: DVec3) -> u32 {
+        let mut excess = [0.0; LEAF_SIZE];
+        for (lane, excess) in excess.iter_mut().enumerate() {
+            let x = f64::from(self.x[lane]) - origin.x;
+            let y = f64::from(self.y[lane]) - origin.y;
+            let z = f64::from(self.z[lane]) - origin.z;
+            let radius = f64::from(self.radius[lane]);
+            let along = x * unit.x + y * unit.y + z * unit.z;
+            let squared = x * x + y * y + z * z;
+            let reach = radius * radius * (1.0 + F64_SLACK);
+            *excess = squared * (1.0 - F64_SLACK) - along * along - reach;
+        }
+        lanes_where(|lane| excess[lane] <= 0.0)
+    }
+}
+
+/// The lanes with a property, as bits.
+#[inline(always)]
+pub(super) fn lanes_where(holds: impl Fn(usize) -> bool) -> u32 {
+    (0..WIDTH).fold(0, |lanes, lane| lanes | u32::from(holds(lane)) << lane)
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+pub(super) fn each_lane(mut lanes: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = lanes.trailing_zeros() as usize;
+        lanes &= lanes.wrapping_sub(1);
+        (lane < WIDTH).then_some(lane)
+    })
+}
