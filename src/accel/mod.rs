@@ -145,3 +145,22 @@ impl FromStr for Backend {
         find.copied().ok_or_else(|| Error::input(format!("there is no intersector `{name}`")))
     }
 }
+
+// STAND-IN, to be replaced when merging.
+/// x
+pub struct EmbreeInfo {
+    /// x
+    pub compiled_version: String,
+    /// x
+    pub runtime_version: String,
+    /// x
+    pub instruction_set: String,
+    /// x
+    pub tasking: String,
+    /// x
+    pub culls_sphere_back_faces: Option<bool>,
+}
+/// x
+pub fn embree_info() -> Option<Result<EmbreeInfo>> {
+    None
+}

@@ -169,12 +169,7 @@ impl<'d> Table<'d> {
         self.knows_all.set(true);
     }
 
-    fn new(
-        path: String,
-        entries: Option<&'d DeTable<'d>>,
-        span: Span,
-        report: &'d Report,
-    ) -> Self {
+    fn new(path: String, entries: Option<&'d DeTable<'d>>, span: Span, report: &'d Report) -> Self {
         Self { path, entries, span, report, known: RefCell::default(), knows_all: Cell::new(false) }
     }
 

@@ -60,8 +60,8 @@ pub(super) fn survey(
     let brightest = brightest_rows(surface);
     let layout = Layout::new(&described.columns);
     if layout.color.is_some() && brightest.is_none() {
-        let message = format!("`{}` has colours for a material without albedo",
-            table.path_to("columns"));
+        let message =
+            format!("`{}` has colours for a material without albedo", table.path_to("columns"));
         let help = "drop r, g and b, or choose a diffuse material".to_owned();
         table.report().add(table.wrong("columns", message).help(help));
     }
@@ -213,11 +213,7 @@ impl Flaws {
 }
 
 impl<'r> TableRows<'r> {
-    fn new(
-        table: &'r SphereTable,
-        survey: &'r Survey,
-        all: &'r mut Vec<[f32; 4]>,
-    ) -> Result<Self> {
+    fn new(table: &'r SphereTable, survey: &'r Survey, all: &'r mut Vec<[f32; 4]>) -> Result<Self> {
         let layout = Layout::new(&table.columns);
         let colors = layout.color.map(|_| with_capacity(survey.rows)).transpose()?;
         Ok(Self { columns: &table.columns, layout, survey, all, colors })
@@ -246,7 +242,9 @@ impl<'r> TableRows<'r> {
         match (first_flaw, flaws.count) {
             (None, _) => Ok(()),
             (Some(first), 1) => Err(format!("`{shown}`: {first}")),
-            (Some(first), count) => Err(format!("`{shown}`: {first}; {} more rows are wrong", count - 1)),
+            (Some(first), count) => {
+                Err(format!("`{shown}`: {first}; {} more rows are wrong", count - 1))
+            }
         }
     }
 

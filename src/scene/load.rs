@@ -44,15 +44,9 @@ pub fn read_file(path: &Path, overrides: &[Override]) -> Result<Loaded> {
 ///
 /// # Errors
 /// Like [`read_file`].
-pub fn read_text(
-    name: &str,
-    text: &str,
-    folder: &Path,
-    overrides: &[Override],
-) -> Result<Loaded> {
+pub fn read_text(name: &str, text: &str, folder: &Path, overrides: &[Override]) -> Result<Loaded> {
     let mut report = Report::new(name, text);
-    let laid_out: Vec<_> =
-        overrides.iter().map(|given| LaidOut::new(given, &mut report)).collect();
+    let laid_out: Vec<_> = overrides.iter().map(|given| LaidOut::new(given, &mut report)).collect();
     let mut table = document::parse(text, &report);
     let integrator_of_file = document::text_at(&table, ["render", "integrator"]);
     laid_out.iter().for_each(|option| option.apply(&mut table, &report));

@@ -12,3 +12,6 @@ mod values;
 pub use import::RowGroup;
 pub use load::{Loaded, read_file, read_text};
 pub use overrides::Override;
+
+mod stand_in;
+pub use stand_in::Scene;

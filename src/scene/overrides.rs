@@ -96,8 +96,7 @@ impl LaidOut {
                     self.demand_material(table, step)?;
                 }
                 let key = toml::Spanned::new(self.key_span.clone(), step.name.clone().into());
-                let empty =
-                    || Node::new(self.key_span.clone(), DeValue::Table(DeTable::default()));
+                let empty = || Node::new(self.key_span.clone(), DeValue::Table(DeTable::default()));
                 table.entry(key).or_insert_with(empty)
             }
         };

@@ -72,9 +72,8 @@ pub(super) fn halve(items: &mut [Item]) -> Cut {
 }
 
 fn survey(items: &[Item], bounds: impl Fn(&Item) -> Bounds + Sync) -> Bounds {
-    let serial = |items: &[Item]| {
-        items.iter().fold(Bounds::EMPTY, |sum, item| sum.join(&bounds(item)))
-    };
+    let serial =
+        |items: &[Item]| items.iter().fold(Bounds::EMPTY, |sum, item| sum.join(&bounds(item)));
     if items.len() < PARALLEL {
         return serial(items);
     }

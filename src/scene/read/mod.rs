@@ -18,9 +18,7 @@ use super::description::{Camera, Column, Description, FilterKind, Image, SphereR
 use super::document::Table;
 use super::import::{Survey, survey};
 use super::report::{Report, Wrong};
-use super::values::{
-    COORDINATES, Choice, Color, Each, Limits, MaterialName, Number, Text, Whole,
-};
+use super::values::{COORDINATES, Choice, Color, Each, Limits, MaterialName, Number, Text, Whole};
 
 /// The version of the format that this program reads.
 const FORMAT: i64 = 1;
@@ -137,13 +135,11 @@ fn read_camera(table: &Table<'_>) -> Option<Camera> {
     let position = table.required("position", COORDINATES);
     let look_at = table.required("look_at", COORDINATES);
     let up = table.optional("up", COORDINATES).unwrap_or(DVec3::Y);
-    let vertical_fov_degrees = table
-        .optional("vertical_fov_degrees", Number(Limits::Between(0.0, 180.0)))
-        .unwrap_or(36.0);
+    let vertical_fov_degrees =
+        table.optional("vertical_fov_degrees", Number(Limits::Between(0.0, 180.0))).unwrap_or(36.0);
     let near =
         table.optional("near", Number(Limits::FromTo(0.0, MAX_COORDINATE))).unwrap_or_default();
-    let camera =
-        Camera { position: position?, look_at: look_at?, up, vertical_fov_degrees, near };
+    let camera = Camera { position: position?, look_at: look_at?, up, vertical_fov_degrees, near };
     check_axes(table, &camera);
     Some(camera)
 }
@@ -174,8 +170,7 @@ fn unit(v: DVec3) -> Option<DVec3> {
 fn read_sphere(table: &Table<'_>, index_of: &BTreeMap<&str, usize>) -> Option<SphereRow> {
     let name = table.optional("name", Text);
     let center = table.required("center", COORDINATES);
-    let radius =
-        table.required("radius", Number(Limits::FromTo(SMALLEST_RADIUS, MAX_COORDINATE)));
+    let radius = table.required("radius", Number(Limits::FromTo(SMALLEST_RADIUS, MAX_COORDINATE)));
     let material = table.required("material", MaterialName(index_of));
     Some(SphereRow { name, center: center?, radius: radius?, material: material? })
 }
