@@ -1,5 +1,71 @@
-//! x
-/// x
-pub fn main() -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+//! The `photosphere` program: commands, progress, errors in words, exit codes.
+//!
+//! The only room that prints. Every command returns an [`Exit`] or an error; both become the exit
+//! code here, and an error is printed here, once.
+
+mod args;
+mod bench;
+mod crosscheck;
+mod doctor;
+mod error;
+mod exit;
+mod info;
+mod interrupt;
+mod manual;
+mod print;
+mod progress;
+mod render;
+mod system;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::error::{Error, Result};
+
+use args::{Cli, Command};
+use exit::Exit;
+
+/// Runs the command that the program's arguments ask for, and prints what comes of it.
+pub fn main() -> ExitCode {
+    let exit = match Cli::try_parse() {
+        Ok(cli) => run(&cli.command).unwrap_or_else(|e| {
+            error::print(&e);
+            Exit::of(&e)
+        }),
+        Err(answer) => help_or_wrong_usage(&answer),
+    };
+    exit.into()
+}
+
+fn run(command: &Command) -> Result<Exit> {
+    match command {
+        Command::Render(args) => render::run(args),
+        Command::Crosscheck(args) => crosscheck::run(args),
+        Command::Bench(args) => bench::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Doctor => doctor::run(),
+        Command::Completions { shell } => manual::completions(*shell),
+        Command::Man { command } => manual::page(command.as_deref()),
+    }
+}
+
+/// clap answers `--help` and `--version` as errors too; it knows the stream and the colours.
+fn help_or_wrong_usage(answer: &clap::Error) -> Exit {
+    // Nothing can be said on a closed stream.
+    let _ = answer.print();
+    if answer.use_stderr() { Exit::Usage } else { Exit::Done }
+}
+
+/// Runs `work` on so many threads, all cores by default; rayon inside it uses no others.
+fn on_threads<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> Result<T> + Send,
+) -> Result<T> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    let pool = pool.map_err(|e| {
+        Error::input(format!("cannot start the threads: {e}"))
+            .with_help("ask for fewer with --threads")
+    })?;
+    pool.install(work)
 }

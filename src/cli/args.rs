@@ -1,0 +1,374 @@
+//! The command line, as clap reads it; the comments here are what `--help` says.
+//!
+//! What clap can judge alone (an unknown option, a word where a number belongs) is its to refuse.
+//! Values that mean something to a scene become [`Override`]s and are judged where the scene is, so
+//! that `--spp 0` is refused in the same words as `samples_per_pixel = 0`.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+
+use crate::accel::Backend;
+use crate::scene::Override;
+
+use super::exit::EXIT_CODES;
+
+const EXAMPLES: &str = "\
+Examples:
+  photosphere render scenes/paper/fig2.toml -o fig2.png
+  photosphere render scenes/paper/fig2.toml -o fig2.exr --spp 1024 --accel native
+  photosphere info scenes/cornell-spheres.toml
+  photosphere doctor";
+
+/// Renders scenes made of spheres by Monte Carlo path tracing.
+///
+/// A scene is a TOML file (docs/scene-format.md), beside it perhaps tables of many spheres. Each
+/// command explains itself: photosphere render --help.
+#[derive(Debug, Parser)]
+#[command(name = "photosphere", version, max_term_width = 100)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    Render(RenderArgs),
+    Crosscheck(CrosscheckArgs),
+    Bench(BenchArgs),
+    Info(InfoArgs),
+    /// Say what this build and this machine can do, and what is missing
+    #[command(after_help = "\
+Examples:
+  photosphere doctor
+
+Prints the version of Embree at compile time and at run time and the instruction set it uses, or
+why there is none and which packages to install; then traces one ray with every intersector.")]
+    Doctor,
+    /// Print the completion script for a shell
+    #[command(after_help = "\
+Examples:
+  photosphere completions bash > ~/.local/share/bash-completion/completions/photosphere
+  photosphere completions fish > ~/.config/fish/completions/photosphere.fish")]
+    Completions {
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page of the program or of one command
+    #[command(after_help = "\
+Examples:
+  photosphere man | man -l -
+  photosphere man render > photosphere-render.1")]
+    Man {
+        /// The command; left out, the page is that of the whole program
+        command: Option<String>,
+    },
+}
+
+/// Which scene, and how much of the machine.
+#[derive(Args, Debug)]
+pub(super) struct SceneArgs {
+    /// The scene file
+    #[arg(value_name = "SCENE")]
+    pub(super) path: PathBuf,
+
+    /// Set any key of the scene, as in --set materials.grass.albedo=[0.1,0.5,0.1]; may be repeated
+    #[arg(long, value_name = "KEY=VALUE", value_parser = setting)]
+    set: Vec<Setting>,
+
+    /// Threads to use; all cores by default. The picture does not depend on it
+    #[arg(long, value_name = "T", value_parser = threads())]
+    threads: Option<usize>,
+}
+
+/// Render a scene to a picture
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  photosphere render fig2.toml -o fig2.png
+  photosphere render fig2.toml -o quick.png --size 320x240 --spp 4
+  photosphere render fig2.toml -o fig2.exr --integrator path --spp 1024 --seed 7
+  photosphere render fig2.toml -o red.png --set 'materials.grass.albedo=[0.6,0.1,0.1]'
+  photosphere render fig2.toml -o fig2.pfm --quiet --json | jq .samples_per_s
+
+Ctrl-C stops and writes the samples done so far; a second one stops at once and writes nothing.")]
+pub(super) struct RenderArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+
+    /// The picture; its extension chooses the format: .png (sRGB, 8 bit), .exr (linear, with the
+    /// layers direct and indirect), .hdr or .pfm (linear)
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+
+    #[command(flatten)]
+    pub(super) accel: AccelArg,
+
+    /// The estimator of light: path, paper or raycast
+    #[arg(long, value_name = "NAME")]
+    integrator: Option<String>,
+
+    /// Samples per pixel
+    #[arg(long, value_name = "N")]
+    spp: Option<u64>,
+
+    /// The size of the picture in pixels, as in 640x480
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<Size>,
+
+    /// Chooses the random numbers; equal seeds give equal pictures
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+
+    /// The longest path in edges: 1 sees lamps only, 2 adds direct light, 3 one bounce
+    #[arg(long, value_name = "D")]
+    max_depth: Option<u64>,
+
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+
+    /// Print one JSON object with the figures of the render on the standard output
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Check every intersector against exact arithmetic, on rays of the scene
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  photosphere crosscheck scenes/cornell-spheres.toml
+  photosphere crosscheck grains.toml --rays 3000 --dump wrong-rays.txt
+
+A third each are rays of the camera, their bounces, and random rays at difficult places. `equal` and
+`ambiguous` (within the rounding that the intersector states for itself) are right; anything else
+makes the exit code 1.")]
+pub(super) struct CrosscheckArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+
+    #[command(flatten)]
+    pub(super) accels: AccelsArg,
+
+    /// Rays to trace; each is compared with every sphere of the scene
+    #[arg(long, value_name = "N", default_value_t = 30_000)]
+    #[arg(value_parser = clap::value_parser!(u32).range(3..))]
+    pub(super) rays: u32,
+
+    /// Chooses the random rays
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub(super) seed: u64,
+
+    /// Write the rays that were answered wrongly to a file
+    #[arg(long, value_name = "FILE")]
+    pub(super) dump: Option<PathBuf>,
+}
+
+/// Measure the rays per second of every intersector on a scene
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  photosphere bench scenes/paper/fig2.toml
+  photosphere bench grains.toml --accel native --threads 1 --json")]
+pub(super) struct BenchArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+
+    #[command(flatten)]
+    pub(super) accels: AccelsArg,
+
+    /// Print JSON instead of a table
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Say what is in a scene, and what of it deserves attention
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  photosphere info scenes/cornell-spheres.toml
+  photosphere info grains.toml --json | jq .spheres")]
+pub(super) struct InfoArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+
+    /// Print one JSON object
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Which intersector.
+#[derive(Args, Debug)]
+pub(super) struct AccelArg {
+    /// The intersector
+    #[arg(long = "accel", value_name = "NAME", default_value = Backend::default().name())]
+    #[arg(value_parser = backends())]
+    pub(super) backend: Backend,
+}
+
+/// Which intersectors.
+#[derive(Args, Debug)]
+pub(super) struct AccelsArg {
+    /// This intersector only; may be repeated. All by default
+    #[arg(long = "accel", value_name = "NAME", value_parser = backends())]
+    chosen: Vec<Backend>,
+}
+
+/// `KEY=VALUE`.
+#[derive(Clone, Debug, PartialEq)]
+struct Setting {
+    key: String,
+    value: String,
+}
+
+/// `WxH`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Size {
+    width: u32,
+    height: u32,
+}
+
+impl SceneArgs {
+    /// Threads asked for.
+    pub(super) fn threads(&self) -> Option<usize> {
+        self.threads
+    }
+
+    /// What `--set` says.
+    pub(super) fn overrides(&self) -> Vec<Override> {
+        let setting = |Setting { key, value }: &Setting| Override {
+            option: format!("--set {key}={value}"),
+            key: key.clone(),
+            value: value.clone(),
+        };
+        self.set.iter().map(setting).collect()
+    }
+}
+
+impl AccelsArg {
+    /// Those asked for, or all of this build.
+    pub(super) fn backends(&self) -> &[Backend] {
+        if self.chosen.is_empty() { Backend::AVAILABLE } else { &self.chosen }
+    }
+}
+
+impl RenderArgs {
+    /// What the options change in the scene; `--set` has the last word.
+    pub(super) fn overrides(&self) -> Vec<Override> {
+        let mut overrides = Vec::new();
+        let mut set = |option: String, key: &str, value: String| {
+            overrides.push(Override { option, key: key.to_owned(), value });
+        };
+        if let Some(name) = &self.integrator {
+            set(format!("--integrator {name}"), "render.integrator", name.clone());
+        }
+        if let Some(Size { width, height }) = self.size {
+            let option = format!("--size {width}x{height}");
+            set(option.clone(), "image.width", width.to_string());
+            set(option, "image.height", height.to_string());
+        }
+        let numbers = [
+            ("--spp", "render.samples_per_pixel", self.spp),
+            ("--seed", "render.seed", self.seed),
+            ("--max-depth", "render.max_depth", self.max_depth),
+        ];
+        for (option, key, number) in numbers {
+            if let Some(number) = number {
+                set(format!("{option} {number}"), key, number.to_string());
+            }
+        }
+        overrides.extend(self.scene.overrides());
+        overrides
+    }
+}
+
+fn setting(text: &str) -> Result<Setting, String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim().is_empty() => {
+            Ok(Setting { key: key.trim().to_owned(), value: value.trim().to_owned() })
+        }
+        _ => Err("it must be KEY=VALUE, as in render.seed=7".to_owned()),
+    }
+}
+
+fn size(text: &str) -> Result<Size, String> {
+    let read = || {
+        let (width, height) = text.split_once(['x', 'X'])?;
+        Some(Size { width: width.parse().ok()?, height: height.parse().ok()? })
+    };
+    read().ok_or_else(|| "it must be WIDTHxHEIGHT, as in 640x480".to_owned())
+}
+
+/// More threads than any machine has cores are a typing error, and would not start.
+fn threads() -> impl TypedValueParser<Value = usize> {
+    clap::value_parser!(u16).range(1..=4096).map(usize::from)
+}
+
+fn backends() -> impl TypedValueParser<Value = Backend> {
+    let possible = Backend::ALL.iter().map(|backend| {
+        let value = PossibleValue::new(backend.name()).help(meaning(*backend));
+        value.hide(!Backend::AVAILABLE.contains(backend))
+    });
+    PossibleValuesParser::new(possible).try_map(|name| name.parse::<Backend>())
+}
+
+fn meaning(backend: Backend) -> &'static str {
+    match backend {
+        Backend::Embree => "Embree, with spheres as points; the fastest",
+        Backend::EmbreeUser => "Embree, with our own arithmetic for every sphere",
+        Backend::Native => "our own bounding volume hierarchy",
+        Backend::BruteForce => "every ray against every sphere, in f64; for tiny scenes",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn render(words: &str) -> RenderArgs {
+        let words = ["photosphere", "render"].into_iter().chain(words.split_whitespace());
+        match Cli::try_parse_from(words).unwrap().command {
+            Command::Render(args) => args,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn clap_finds_no_fault_in_the_definition() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn options_become_overrides_and_set_comes_last() {
+        let args = render(
+            "a.toml -o a.png --set render.seed=3 --spp 16 --size 64x48 --integrator paper \
+             --set materials.m.albedo=[0.1,0.2,0.3] --max-depth 5",
+        );
+        let overrides = args.overrides();
+        let shown: Vec<_> = overrides
+            .iter()
+            .map(|o| (o.option.as_str(), o.key.as_str(), o.value.as_str()))
+            .collect();
+        let expected = [
+            ("--integrator paper", "render.integrator", "paper"),
+            ("--size 64x48", "image.width", "64"),
+            ("--size 64x48", "image.height", "48"),
+            ("--spp 16", "render.samples_per_pixel", "16"),
+            ("--max-depth 5", "render.max_depth", "5"),
+            ("--set render.seed=3", "render.seed", "3"),
+            ("--set materials.m.albedo=[0.1,0.2,0.3]", "materials.m.albedo", "[0.1,0.2,0.3]"),
+        ];
+        assert_eq!(shown, expected);
+    }
+
+    #[test]
+    fn every_backend_can_be_named_and_the_default_is_the_first() {
+        assert_eq!(render("a.toml -o a.png").accel.backend, Backend::AVAILABLE[0]);
+        for backend in Backend::ALL {
+            let args = render(&format!("a.toml -o a.png --accel {}", backend.name()));
+            assert_eq!(args.accel.backend, *backend);
+        }
+    }
+}

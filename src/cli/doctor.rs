@@ -1,0 +1,124 @@
+//! `photosphere doctor`: what this build and this machine can do, and how to get what is missing.
+
+use std::sync::Arc;
+
+use crate::accel::{self, Accel, Backend, BuildOptions, EmbreeInfo};
+use crate::error::{Error, Result};
+use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
+use crate::math::{DVec3, Hit};
+
+use super::exit::Exit;
+use super::{print, system};
+
+/// Lines under the finding that there is no Embree.
+const HOW_TO_GET_EMBREE: [&str; 5] = [
+    "to have it, install its headers and libclang, then build again:",
+    "  Debian, Ubuntu:  sudo apt-get install libembree-dev libclang-dev",
+    "  elsewhere:       Embree 3 or 4 as your system packages it, or its folder in EMBREE_DIR",
+    "  then:            cargo build --release",
+    "the intersector `native` needs none of it",
+];
+
+/// # Errors
+/// When the findings cannot be printed.
+pub(super) fn run() -> Result<Exit> {
+    let mut report = Report { text: String::new(), healthy: true };
+    let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
+    report.row("photosphere", format!("{} ({os}, {arch})", env!("CARGO_PKG_VERSION")));
+    report.machine();
+    report.embree();
+    for backend in Backend::AVAILABLE {
+        report.backend(*backend);
+    }
+    print::result(&report.text)?;
+    Ok(if report.healthy { Exit::Done } else { Exit::Backend })
+}
+
+/// The findings so far.
+struct Report {
+    text: String,
+    healthy: bool,
+}
+
+impl Report {
+    fn row(&mut self, name: &str, value: impl std::fmt::Display) {
+        self.text += &format!("{name:<12}{value}\n");
+    }
+
+    fn machine(&mut self) {
+        let cores = std::thread::available_parallelism()
+            .map_or_else(|e| format!("unknown ({e})"), |cores| cores.to_string());
+        self.row("threads", cores);
+        if let (Some(memory), Some(free)) = (system::memory(), system::available_memory()) {
+            let (memory, free) = (print::bytes(memory), print::bytes(free));
+            self.row("memory", format!("{memory}, {free} available"));
+        }
+    }
+
+    fn embree(&mut self) {
+        match accel::embree_info() {
+            None => {
+                self.row("embree", "not in this build");
+                HOW_TO_GET_EMBREE.into_iter().for_each(|line| self.row("", line));
+            }
+            Some(Err(error)) => self.broken("embree", &error),
+            Some(Ok(info)) => self.working_embree(&info),
+        }
+    }
+
+    fn working_embree(&mut self, info: &EmbreeInfo) {
+        self.row("embree", format!("compiled against {}", info.compiled_version));
+        self.row("", format!("running {}", info.runtime_version));
+        self.row(
+            "",
+            format!("instruction set {}, tasks by {}", info.instruction_set, info.tasking),
+        );
+        if info.culls_sphere_back_faces == Some(true) {
+            self.healthy = false;
+            self.row("", "BROKEN: this Embree overlooks spheres from inside (back-face culling)");
+            self.row("", "use --accel embree-user or native, or another build of Embree");
+        }
+    }
+
+    fn backend(&mut self, backend: Backend) {
+        let name = format!("--accel {}", backend.name());
+        match try_out(backend) {
+            Ok(()) => self.text += &format!("{name:<22}works\n"),
+            Err(error) => self.broken(&name, &error),
+        }
+    }
+
+    fn broken(&mut self, name: &str, error: &Error) {
+        self.healthy = false;
+        self.text += &format!("{name:<22}BROKEN: {error}\n");
+        if let Some(help) = error.help() {
+            self.text += &format!("{:<22}{help}\n", "");
+        }
+    }
+}
+
+/// Builds the intersector over two balls and asks for the front of one from outside and for its
+/// back from inside.
+fn try_out(backend: Backend) -> Result<()> {
+    let ball = |x| Sphere { center: DVec3::new(x, 0.0, 0.0), radius: 1.0 };
+    let rows = SphereRows { exact: vec![ball(-3.0), ball(3.0)], table: Vec::new() };
+    let spheres = Arc::new(SphereSet::new(rows)?);
+    let accel = backend.build(&spheres, &BuildOptions::default())?;
+    for (start, expected) in [(0.0, 2.0), (3.0, 1.0)] {
+        let origin = DVec3::new(start, 0.0, 0.0) - spheres.origin();
+        let ray = PathRay::free(origin, DVec3::X);
+        let found = distance(accel.as_ref(), &spheres, &ray);
+        if found != Some(expected) {
+            return Err(Error::backend(format!(
+                "a wall at distance {expected} was found at {found:?}"
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn distance(accel: &dyn Accel, spheres: &SphereSet, ray: &PathRay) -> Option<f64> {
+    let mut hits = [Hit::MISS];
+    accel.closest(&[spheres.ask(ray)], &mut hits);
+    spheres.answer(ray, hits[0]).map(|hit| hit.t)
+}

@@ -1,0 +1,146 @@
+//! Errors in words: mistakes in a scene with file, line, column, excerpt and caret.
+//!
+//! miette draws the excerpts. Without a terminal, or with `NO_COLOR`, the drawing is plain ASCII on
+//! unwrapped lines, so that scripts and tests can search it.
+
+use std::fmt;
+use std::io::IsTerminal;
+
+use miette::{
+    GraphicalTheme, LabeledSpan, MietteDiagnostic, MietteHandler, MietteHandlerOpts, NamedSource,
+    Report, ReportHandler,
+};
+
+use crate::error::{Error, Mistake, Place};
+
+use super::print;
+
+/// Prints the error, with all its mistakes.
+pub(super) fn print(error: &Error) {
+    print::remark(report(error, &handler()).trim_end());
+}
+
+/// The whole report.
+fn report(error: &Error, handler: &MietteHandler) -> String {
+    let mistakes = error.mistakes();
+    if mistakes.is_empty() {
+        return drawn(&bare(error.to_string(), error.help()).into(), handler);
+    }
+    mistakes.iter().map(|mistake| drawn(&diagnostic(mistake), handler)).collect()
+}
+
+/// Draws one diagnostic, at the left margin.
+fn drawn(diagnostic: &Report, handler: &MietteHandler) -> String {
+    let drawn = Drawing { diagnostic, handler }.to_string();
+    format!("{}\n", drawn.trim_start().trim_end())
+}
+
+fn diagnostic(mistake: &Mistake) -> Report {
+    let bare = bare(mistake.message.clone(), mistake.help.as_deref());
+    match &mistake.place {
+        None => bare.into(),
+        Some(place) => {
+            // miette draws nothing under the end of a last line that is not ended.
+            let text = format!("{}\n", place.source.text.trim_end_matches('\n'));
+            let source = NamedSource::new(&place.source.name, text);
+            Report::from(bare.with_label(label(place))).with_source_code(source)
+        }
+    }
+}
+
+fn bare(message: String, help: Option<&str>) -> MietteDiagnostic {
+    let bare = MietteDiagnostic::new(message);
+    match help {
+        Some(help) => bare.with_help(help),
+        None => bare,
+    }
+}
+
+fn label(place: &Place) -> LabeledSpan {
+    let end = place.span.end.min(place.source.text.trim_end_matches('\n').len());
+    let start = place.span.start.min(end);
+    let words = Some(place.label.clone()).filter(|words| !words.is_empty());
+    LabeledSpan::new(words, start, end - start)
+}
+
+/// Colour and the terminal's width where there is a terminal.
+fn handler() -> MietteHandler {
+    let wanted = |variable: &str| std::env::var_os(variable).is_some_and(|value| !value.is_empty());
+    let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+    if std::io::stderr().is_terminal() && !wanted("NO_COLOR") && !dumb {
+        drawn_with(GraphicalTheme::ascii()).build()
+    } else {
+        plain()
+    }
+}
+
+fn plain() -> MietteHandler {
+    drawn_with(GraphicalTheme::none()).width(usize::MAX).wrap_lines(false).build()
+}
+
+fn drawn_with(mut theme: GraphicalTheme) -> MietteHandlerOpts {
+    "error:".clone_into(&mut theme.characters.error);
+    MietteHandlerOpts::new().force_graphical(true).terminal_links(false).graphical_theme(theme)
+}
+
+/// miette draws through a formatter.
+struct Drawing<'a> {
+    diagnostic: &'a Report,
+    handler: &'a MietteHandler,
+}
+
+impl fmt::Display for Drawing<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.handler.debug(self.diagnostic.as_ref(), f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Source;
+    use std::sync::Arc;
+
+    fn mistake(text: &str, span: std::ops::Range<usize>) -> Mistake {
+        let source = Arc::new(Source { name: "a.toml".into(), text: text.into() });
+        let place = Place { source, span, label: "not positive".into() };
+        Mistake {
+            message: "the radius is 0".into(),
+            place: Some(place),
+            help: Some("give it a size".into()),
+        }
+    }
+
+    #[test]
+    fn all_mistakes_are_drawn_with_place_and_caret() {
+        let text = "[a]\nradius = 0\n";
+        let mistakes = vec![mistake(text, 13..14), mistake(text, 1..2)];
+        let report = report(&Error::mistakes_found(mistakes), &plain());
+        let expected = "\
+error: the radius is 0
+   ,-[a.toml:2:10]
+ 1 | [a]
+ 2 | radius = 0
+   :          |
+   :          `-- not positive
+   `----
+  help: give it a size
+error: the radius is 0
+   ,-[a.toml:1:2]";
+        assert!(report.starts_with(expected), "{report}");
+    }
+
+    #[test]
+    fn a_place_at_the_end_or_beyond_is_still_drawn() {
+        for (text, span) in [("", 0..0), ("a", 1..1), ("a\n", 2..2), ("a\n", 7..9)] {
+            let report = report(&Error::mistakes_found(vec![mistake(text, span)]), &plain());
+            assert!(report.contains("[a.toml:") && report.contains("not positive"), "{report}");
+        }
+    }
+
+    #[test]
+    fn plain_errors_are_a_message_and_its_help() {
+        let error = Error::input("no").with_help("try yes");
+        assert_eq!(report(&error, &plain()), "error: no\n  help: try yes\n");
+    }
+}

@@ -1,0 +1,63 @@
+//! What the program's exit code says; scripts rely on it, and `--help` prints it.
+
+use std::process::ExitCode;
+
+use crate::error::{Category, Error};
+
+/// How a command ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum Exit {
+    Done = 0,
+    CheckFailed = 1,
+    Usage = 2,
+    Input = 3,
+    File = 4,
+    Backend = 5,
+    /// 128 plus the number of SIGINT, as shells have it.
+    Stopped = 130,
+}
+
+/// The table of exit codes for `--help` and the manual page.
+pub(super) const EXIT_CODES: &str = "\
+Exit codes:
+  0    done
+  1    a check failed: crosscheck found a wrong answer
+  2    the command line is wrong: an unknown option, a missing or malformed value
+  3    the scene, a table or the value of an option says something impossible
+  4    a file could not be read or written
+  5    the intersector is missing or failed
+  130  stopped by Ctrl-C; render has written the samples it had";
+
+impl Exit {
+    pub(super) fn of(error: &Error) -> Self {
+        match error.category() {
+            Category::Input => Self::Input,
+            Category::File => Self::File,
+            Category::Backend => Self::Backend,
+            Category::Cancelled => Self::Stopped,
+        }
+    }
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_exit_code_is_in_the_help() {
+        use Exit::{Backend, CheckFailed, Done, File, Input, Stopped, Usage};
+        let codes: Vec<u8> = EXIT_CODES
+            .lines()
+            .filter_map(|line| line.split_whitespace().next()?.parse().ok())
+            .collect();
+        let exits = [Done, CheckFailed, Usage, Input, File, Backend, Stopped];
+        assert_eq!(codes, exits.map(|exit| exit as u8));
+    }
+}

@@ -1,0 +1,143 @@
+//! `photosphere info`: what is in a scene.
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use crate::error::Result;
+use crate::geometry::SphereSet;
+use crate::math::DVec3;
+use crate::scene::Scene;
+use crate::scene::description::{Description, Hemisphere, Integrator, Stop, Surface};
+
+use super::args::InfoArgs;
+use super::exit::Exit;
+use super::{on_threads, print, render};
+
+/// # Errors
+/// When the scene cannot be read or has mistakes.
+pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
+    on_threads(args.scene.threads(), || {
+        let scene = Scene::load(&args.scene.path, &args.scene.overrides())?;
+        render::warn_of_rounding(scene.spheres());
+        if args.json {
+            print::json(&in_json(&scene))?
+        } else {
+            print::result(&in_words(&scene))?
+        }
+        Ok(Exit::Done)
+    })
+}
+
+/// The box around all spheres, in the user's coordinates.
+struct Bounds {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Bounds {
+    fn of(spheres: &SphereSet) -> Self {
+        let nothing =
+            || Self { low: DVec3::splat(f64::INFINITY), high: DVec3::splat(f64::NEG_INFINITY) };
+        let one = |id| {
+            let sphere = spheres.sphere(id);
+            let center = sphere.center + spheres.origin();
+            Self { low: center - sphere.radius, high: center + sphere.radius }
+        };
+        let joined = |a: Self, b: Self| Self { low: a.low.min(b.low), high: a.high.max(b.high) };
+        (0..spheres.len() as u32).into_par_iter().map(one).reduce(nothing, joined)
+    }
+}
+
+fn in_words(scene: &Scene) -> String {
+    let (spheres, Description { image, render, .. }) = (scene.spheres(), scene.description());
+    let Bounds { low, high } = Bounds::of(spheres);
+    let mut text = String::new();
+    let mut row = |name: &str, value: String| text += &format!("{name:<12}{value}\n");
+    row("spheres", spheres.len().to_string());
+    row("giants", format!("{} (kept in f64)", spheres.giants().len()));
+    row("duplicates", format!("{} (left out)", spheres.duplicates()));
+    row("coarse", format!("{} (moved by rounding by more than 1 %)", spheres.coarse()));
+    row("lamps", scene.lights().len().to_string());
+    for (index, (name, kind)) in materials(scene.description()).into_iter().enumerate() {
+        row(if index == 0 { "materials" } else { "" }, format!("{name} ({kind})"));
+    }
+    row("bounds", format!("{} to {}", triple(low), triple(high)));
+    row("memory", format!("{} for spheres", print::bytes(spheres.bytes() as u64)));
+    row("image", format!("{} x {} pixels", image.width, image.height));
+    row("integrator", integrator(&render.integrator));
+    row("samples", format!("{} per pixel", render.samples_per_pixel));
+    let depth = render.max_depth.map_or_else(|| "no limit".to_owned(), |depth| depth.to_string());
+    row("max_depth", depth);
+    row("seed", render.seed.to_string());
+    text
+}
+
+fn in_json(scene: &Scene) -> Value {
+    let (spheres, Description { image, render, .. }) = (scene.spheres(), scene.description());
+    let Bounds { low, high } = Bounds::of(spheres);
+    let materials = materials(scene.description());
+    let materials: Vec<Value> =
+        materials.into_iter().map(|(name, kind)| json!({ "name": name, "type": kind })).collect();
+    json!({
+        "spheres": spheres.len(),
+        "giants": spheres.giants().len(),
+        "duplicates": spheres.duplicates(),
+        "coarse": spheres.coarse(),
+        "lamps": scene.lights().len(),
+        "materials": materials,
+        "bounds": { "low": low.to_array(), "high": high.to_array() },
+        "sphere_bytes": spheres.bytes(),
+        "width": image.width,
+        "height": image.height,
+        "integrator": name_of(&render.integrator),
+        "samples_per_pixel": render.samples_per_pixel,
+        "max_depth": render.max_depth,
+        "seed": render.seed,
+    })
+}
+
+/// Name and kind of every material.
+fn materials(description: &Description) -> Vec<(&str, &'static str)> {
+    let kind = |surface: &Surface| match surface {
+        Surface::Diffuse { .. } => "diffuse",
+        Surface::Mirror { .. } => "mirror",
+        Surface::Dielectric { .. } => "dielectric",
+        Surface::Phong { .. } => "phong",
+    };
+    description.materials.iter().map(|m| (m.name.as_str(), kind(&m.surface))).collect()
+}
+
+fn name_of(integrator: &Integrator) -> &'static str {
+    match integrator {
+        Integrator::Path => "path",
+        Integrator::Paper(_) => "paper",
+        Integrator::Raycast { .. } => "raycast",
+    }
+}
+
+fn integrator(integrator: &Integrator) -> String {
+    let name = name_of(integrator);
+    match integrator {
+        Integrator::Path => name.to_owned(),
+        Integrator::Raycast { shadows: true } => format!("{name}, with shadows"),
+        Integrator::Raycast { shadows: false } => format!("{name}, without shadows"),
+        Integrator::Paper(paper) => {
+            let hemisphere = match paper.hemisphere {
+                Hemisphere::Cosine => "cosine",
+                Hemisphere::UniformSolidAngle => "uniform-solid-angle",
+                Hemisphere::UniformAngle => "uniform-angle",
+            };
+            let stop = match paper.stop {
+                Stop::Roulette => "roulette".to_owned(),
+                Stop::Depth => "depth".to_owned(),
+                Stop::Threshold(threshold) => format!("threshold {threshold}"),
+            };
+            let (k, n) = (paper.subpixels, paper.samples);
+            format!("{name}, {k} x {k} sub-pixels of {n} samples, {hemisphere}, stop at {stop}")
+        }
+    }
+}
+
+fn triple(v: DVec3) -> String {
+    format!("({}, {}, {})", v.x, v.y, v.z)
+}

@@ -1,0 +1,77 @@
+//! Words for people: results on the standard output, remarks on the standard error.
+
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// Prints a result. A reader that has gone away (`photosphere info x | head -1`) is no failure.
+///
+/// # Errors
+/// When the standard output cannot be written for any other reason, such as a full disk.
+pub(super) fn result(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::file("write", Path::new("standard output"), e))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints one JSON object on a line.
+///
+/// # Errors
+/// As [`result`].
+pub(super) fn json(object: &serde_json::Value) -> Result<()> {
+    result(&format!("{object:#}\n"))
+}
+
+/// Prints a remark; if nobody can read it, that changes nothing.
+pub(super) fn remark(text: impl Display) {
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// Prints a warning.
+pub(super) fn warning(text: impl Display) {
+    remark(format_args!("warning: {text}"));
+}
+
+/// A number in three digits with an SI prefix: `12.3 M`.
+pub(super) fn si(value: f64) -> String {
+    let prefixes = [(1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")];
+    let (unit, prefix) =
+        prefixes.into_iter().find(|(unit, _)| value.abs() >= *unit).unwrap_or((1.0, " "));
+    let scaled = value / unit;
+    let decimals = match scaled.abs() {
+        x if x < 9.995 => 2,
+        x if x < 99.95 => 1,
+        _ => 0,
+    };
+    format!("{scaled:.decimals$}{prefix}")
+}
+
+/// A number of bytes with a binary prefix: `12.34 MiB`.
+pub(super) fn bytes(bytes: u64) -> String {
+    indicatif::BinaryBytes(bytes).to_string()
+}
+
+/// `3 spheres`, `1 sphere`.
+pub(super) fn count(number: usize, singular: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {singular}{plural}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits_and_a_prefix() {
+        let shown = [0.0, 1.5, 999.0, 1234.0, 12.34e6, 99.96e6, 5e9].map(si);
+        assert_eq!(shown, ["0.00 ", "1.50 ", "999 ", "1.23 k", "12.3 M", "100 M", "5.00 G"]);
+        assert_eq!(bytes(3 << 20), "3.00 MiB");
+        assert_eq!((count(1, "ray"), count(2, "ray")), ("1 ray".into(), "2 rays".into()));
+    }
+}

@@ -1,0 +1,143 @@
+//! `photosphere render`: a scene walks in, a picture walks out.
+
+use std::fmt::Write;
+use std::time::Instant;
+
+use serde_json::json;
+
+use crate::accel::{BuildOptions, Cancel};
+use crate::error::{Error, Result};
+use crate::geometry::SphereSet;
+use crate::output::Target;
+use crate::render::{self, Outcome, RenderOptions};
+use crate::scene::Scene;
+
+use super::args::RenderArgs;
+use super::exit::Exit;
+use super::progress::Progress;
+use super::{interrupt, on_threads, print, system};
+
+/// What a render took, in seconds.
+struct Figures {
+    load_s: f64,
+    build_s: f64,
+    render_s: f64,
+}
+
+/// # Errors
+/// Whatever stands between the scene and the picture, the place of the picture first.
+pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
+    let target = Target::new(&args.output)?;
+    let cancel = interrupt::listen(Some(target.temporary()));
+    on_threads(args.scene.threads(), || render(args, target, cancel))
+}
+
+fn render(args: &RenderArgs, target: Target, cancel: Cancel) -> Result<Exit> {
+    let mut clock = Clock(Instant::now());
+    let scene = Scene::load(&args.scene.path, &args.overrides())?;
+    let load_s = clock.lap();
+    warn_of_rounding(scene.spheres());
+    let threads = rayon::current_num_threads();
+    let build = BuildOptions { threads, cancel: cancel.clone() };
+    let accel = args.accel.backend.build(scene.spheres(), &build)?;
+    let build_s = clock.lap();
+
+    let progress = Progress::new(args.quiet);
+    let options = RenderOptions { cancel, progress: &|state| progress.show(state) };
+    let outcome = render::render(&scene, accel.as_ref(), &options);
+    progress.finish();
+    let figures = Figures { load_s, build_s, render_s: clock.lap() };
+
+    if outcome.samples == 0 {
+        return Err(
+            Error::cancelled().with_help("no sample was finished, so no picture was written")
+        );
+    }
+    target.write(&outcome.picture)?;
+    report(args, &scene, &outcome, &figures)?;
+    Ok(if outcome.complete { Exit::Done } else { Exit::Stopped })
+}
+
+/// Warns of spheres that f32 cannot hold well.
+pub(super) fn warn_of_rounding(spheres: &SphereSet) {
+    if spheres.coarse() > 0 {
+        print::warning(format_args!(
+            "rounding to f32 moved {} by more than 1 % of the radius; they are small and far from \
+             most others",
+            print::count(spheres.coarse(), "sphere"),
+        ));
+    }
+}
+
+fn report(args: &RenderArgs, scene: &Scene, outcome: &Outcome, figures: &Figures) -> Result<()> {
+    for warning in &outcome.warnings {
+        print::warning(warning);
+    }
+    if !args.quiet {
+        print::remark(in_words(args, outcome, figures));
+    }
+    if args.json { print::json(&in_json(args, scene, outcome, figures)) } else { Ok(()) }
+}
+
+fn in_words(args: &RenderArgs, outcome: &Outcome, figures: &Figures) -> String {
+    let Figures { load_s, build_s, render_s } = figures;
+    let mut text = String::new();
+    let per_pixel = outcome.samples as f64 / outcome.picture.len() as f64;
+    let stopped = match outcome.complete {
+        true => String::new(),
+        false => format!(", stopped after {per_pixel:.1} samples per pixel"),
+    };
+    let mut line = |words: std::fmt::Arguments<'_>| {
+        text.write_fmt(words).expect("a string takes all that is written to it");
+    };
+    line(format_args!("load {load_s:.3} s, build {build_s:.3} s, render {render_s:.3} s\n"));
+    line(format_args!(
+        "{}samples/s, {}rays/s",
+        print::si(outcome.samples as f64 / render_s),
+        print::si(outcome.rays as f64 / render_s)
+    ));
+    if let Some(peak) = system::peak_memory() {
+        line(format_args!(", peak memory {}", print::bytes(peak)));
+    }
+    let output = args.output.display();
+    line(format_args!("\nwrote {output}{stopped}"));
+    text
+}
+
+fn in_json(
+    args: &RenderArgs,
+    scene: &Scene,
+    outcome: &Outcome,
+    figures: &Figures,
+) -> serde_json::Value {
+    json!({
+        "output": args.output.display().to_string(),
+        "complete": outcome.complete,
+        "accel": args.accel.backend.name(),
+        "spheres": scene.spheres().len(),
+        "width": outcome.picture.width,
+        "height": outcome.picture.height,
+        "threads": rayon::current_num_threads(),
+        "load_s": figures.load_s,
+        "build_s": figures.build_s,
+        "render_s": figures.render_s,
+        "samples": outcome.samples,
+        "rays": outcome.rays,
+        "samples_per_s": outcome.samples as f64 / figures.render_s,
+        "rays_per_s": outcome.rays as f64 / figures.render_s,
+        "peak_rss_bytes": system::peak_memory(),
+        "mean_rgb": outcome.picture.mean().to_array(),
+        "non_finite_pixels": outcome.picture.non_finite(),
+        "warnings": outcome.warnings,
+    })
+}
+
+/// Seconds since it was last asked.
+struct Clock(Instant);
+
+impl Clock {
+    fn lap(&mut self) -> f64 {
+        let last = std::mem::replace(&mut self.0, Instant::now());
+        (self.0 - last).as_secs_f64()
+    }
+}

@@ -1,0 +1,465 @@
+//! The judge: which sphere does a ray hit first, decided in more than f64 and by another formula
+//! than any backend's, and whether a backend's other answer is within its stated error.
+//!
+//! # The rule
+//! A backend states its error as a *backward* error ([`Precision`]): its answer is exact for
+//! spheres whose radius was changed by at most
+//!
+//! `e = k 2^-24 (|o - c| + R) + |o - o'|`,
+//!
+//! `o'` being the origin that it traces from. So each sphere has, beside its exact first hit, a set
+//! of *possible* first hits, one for each radius in `[R - e, R + e]`, and its hit is *sure* if every
+//! such radius gives one. An answer B is accepted if B has a possible hit and no other sphere has a
+//! sure hit that lies before B's earliest possible one whatever the radius; a miss is accepted if
+//! no sphere has a sure hit. The far wall of the sphere that a ray leaves is part of the ray and
+//! exact. An accepted answer that is not the exact one is *ambiguous*: a silhouette or another
+//! sphere lies within the band.
+//!
+//! The judge knows no tree: a linear, conservative f64 pass over all spheres finds those worth
+//! double-double arithmetic.
+
+use twofloat::TwoFloat;
+
+use crate::accel::Precision;
+use crate::geometry::{PathRay, Sphere, SphereSet};
+use crate::math::{DVec3, F32_ROUNDING};
+
+use super::exact::Approach;
+
+/// A ray's ends are rounded outwards to f32 for a backend, by at most this share.
+const INTERVAL_ROUNDING: f64 = 2.0 * F32_ROUNDING;
+
+/// What the judge says of a backend's answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is the exact answer.
+    Equal,
+    /// It is another one, within the backend's stated error.
+    Ambiguous,
+    /// It is beyond it.
+    Wrong,
+}
+
+/// The exact first hit.
+#[derive(Clone, Copy, Debug)]
+pub struct First {
+    /// Which sphere; the one that the ray leaves where its far wall is hit.
+    pub id: u32,
+    /// Distance along the ray, rounded to f64.
+    pub t: f64,
+}
+
+/// All that the judge knows of one ray.
+#[derive(Debug)]
+pub struct Case<'a> {
+    spheres: &'a SphereSet,
+    ray: &'a PathRay,
+    candidates: Vec<Candidate>,
+    first: Option<First>,
+    blocked: bool,
+    origin_errors: [f64; 2],
+}
+
+/// A sphere that some stated error allows to be hit.
+#[derive(Debug)]
+struct Candidate {
+    id: u32,
+    sphere: Sphere,
+    approach: Approach,
+}
+
+/// First hits of one sphere for all the radii of its band.
+struct Band {
+    /// The earliest of them.
+    possible_from: Option<TwoFloat>,
+    /// The latest of them, if every radius gives one.
+    sure_until: Option<TwoFloat>,
+}
+
+/// The precision that covers all of those given.
+pub fn widest(precisions: impl IntoIterator<Item = Precision>) -> Precision {
+    let exact = Precision { particles: 0.0, giants: 0.0, rounds_origin: false };
+    precisions.into_iter().fold(exact, |a, b| Precision {
+        particles: a.particles.max(b.particles),
+        giants: a.giants.max(b.giants),
+        rounds_origin: a.rounds_origin || b.rounds_origin,
+    })
+}
+
+impl<'a> Case<'a> {
+    /// Looks along a ray. `widest` covers the precision of every backend to be judged.
+    pub fn new(spheres: &'a SphereSet, ray: &'a PathRay, widest: &Precision) -> Self {
+        let mut case = Self {
+            spheres,
+            ray,
+            candidates: Vec::new(),
+            first: None,
+            blocked: false,
+            origin_errors: origin_errors(ray.origin),
+        };
+        case.find_candidates(widest);
+        case.find_first();
+        case
+    }
+
+    /// The exact first hit.
+    pub fn first(&self) -> Option<First> {
+        self.first
+    }
+
+    /// Whether anything lies between the ray's ends; the far wall is such an end.
+    pub fn blocked(&self) -> bool {
+        self.blocked
+    }
+
+    /// Judges the sphere that a backend found first, as [`SphereSet::answer`] returned it: `None`
+    /// for a miss.
+    pub fn judge_closest(&self, answer: Option<u32>, precision: &Precision) -> Verdict {
+        if answer == self.first.map(|first| first.id) {
+            return Verdict::Equal;
+        }
+        let far_wall = (self.ray.far_wall < self.ray.t_max).then_some(self.ray.far_wall);
+        let earliest = match answer {
+            None => None,
+            Some(id) if id == self.ray.leaves => match far_wall {
+                Some(t) => Some(TwoFloat::from(t)),
+                None => return Verdict::Wrong,
+            },
+            Some(id) => match self.earliest_possible(id, precision) {
+                Some(t) => Some(t),
+                None => return Verdict::Wrong,
+            },
+        };
+        let lies_before = |t: TwoFloat| earliest.is_none_or(|earliest| t < earliest);
+        let passed_over = self
+            .candidates
+            .iter()
+            .filter(|candidate| Some(candidate.id) != answer)
+            .filter_map(|candidate| self.band(candidate, precision).sure_until)
+            .any(lies_before);
+        let passed_through = far_wall.is_some_and(|t| lies_before(TwoFloat::from(t)));
+        if passed_over || passed_through { Verdict::Wrong } else { Verdict::Ambiguous }
+    }
+
+    /// Judges whether a backend found the way blocked.
+    pub fn judge_occluded(&self, blocked: bool, precision: &Precision) -> Verdict {
+        let mut bands = self.candidates.iter().map(|candidate| self.band(candidate, precision));
+        let accepted = match blocked {
+            _ if blocked == self.blocked => return Verdict::Equal,
+            true => bands.any(|band| band.possible_from.is_some()),
+            false => bands.all(|band| band.sure_until.is_none()),
+        };
+        if accepted { Verdict::Ambiguous } else { Verdict::Wrong }
+    }
+
+    /// The error of a resolved distance, in units of what f64 is allowed: at most 1 if right.
+    ///
+    /// With `s = |o - c| + R` and `h` half the chord, allowed is `8 eps s (1 + |o - c| / h)`. At a
+    /// tangent `h` is itself the root of a rounding error, and allowed is `d + sqrt(2 (R + d) d)`
+    /// with `d = 8 eps s`: what a change of the radius by `d` does to a chord of length 0. The far
+    /// wall is part of the ray and must come back as it is.
+    pub fn distance_error(&self, id: u32, t: f64) -> f64 {
+        if id == self.ray.leaves {
+            return if t == self.ray.far_wall { 0.0 } else { f64::INFINITY };
+        }
+        let sphere = self.spheres.sphere(id);
+        let approach = Approach::new(self.ray.origin, self.ray.direction, &sphere);
+        let half_chord = approach.half_chord(TwoFloat::from(sphere.radius));
+        let allowed = allowed_error(self.ray.origin, &sphere, half_chord.map(|h| h.hi()));
+        let h = half_chord.unwrap_or(TwoFloat::from(0.0));
+        let error = |root: TwoFloat| {
+            let expected = if root < self.ray.t_min { self.ray.t_min.into() } else { root };
+            ((expected - t).abs().hi()) / allowed
+        };
+        let (near, far) = (approach.t - h, approach.t + h);
+        // Where the near root lies at t_min within rounding, either root is right.
+        let gap = (near - self.ray.t_min).hi();
+        match () {
+            () if gap.abs() <= allowed => error(near).min(error(far)),
+            () if gap > 0.0 => error(near),
+            () => error(far),
+        }
+    }
+
+    fn find_candidates(&mut self, widest: &Precision) {
+        let prefilter = Prefilter::new(self.ray);
+        let mut until = self.end() * (1.0 + 2.0 * INTERVAL_ROUNDING);
+        for id in 0..self.spheres.len() as u32 {
+            let sphere = self.spheres.sphere(id);
+            let error = self.radius_error(id, &sphere, widest);
+            if id == self.ray.leaves
+                || id == self.ray.aims_at
+                || !prefilter.may_hit(&sphere, error, until)
+            {
+                continue;
+            }
+            let approach = Approach::new(self.ray.origin, self.ray.direction, &sphere);
+            let candidate = Candidate { id, sphere, approach };
+            if let Some(t) = self.band(&candidate, widest).sure_until {
+                until = until.min(t.hi() * (1.0 + f64::EPSILON));
+            }
+            self.candidates.push(candidate);
+        }
+    }
+
+    fn find_first(&mut self) {
+        let mut first: Option<(u32, TwoFloat)> = None;
+        for candidate in &self.candidates {
+            let nearest = |&t: &TwoFloat| first.is_none_or(|(_, nearest)| t < nearest);
+            if let Some(t) = self.exact_hit(candidate).filter(nearest) {
+                first = Some((candidate.id, t));
+            }
+        }
+        self.blocked = first.is_some();
+        self.first = match first {
+            Some((id, t)) => Some(First { id, t: t.hi() }),
+            None if self.ray.far_wall < self.ray.t_max => {
+                Some(First { id: self.ray.leaves, t: self.ray.far_wall })
+            }
+            None => None,
+        };
+    }
+
+    /// Where the ray ends if it meets no other sphere.
+    fn end(&self) -> f64 {
+        self.ray.t_max.min(self.ray.far_wall)
+    }
+
+    fn exact_hit(&self, Candidate { sphere, approach, .. }: &Candidate) -> Option<TwoFloat> {
+        let h = approach.half_chord(TwoFloat::from(sphere.radius))?;
+        let near = approach.t - h;
+        let root = if near > self.ray.t_min { near } else { approach.t + h };
+        (root > self.ray.t_min && root < self.end()).then_some(root)
+    }
+
+    fn earliest_possible(&self, id: u32, precision: &Precision) -> Option<TwoFloat> {
+        let candidate = self.candidates.iter().find(|candidate| candidate.id == id)?;
+        self.band(candidate, precision).possible_from
+    }
+
+    /// By how much the backend may be wrong about the sphere's radius.
+    fn radius_error(&self, id: u32, sphere: &Sphere, precision: &Precision) -> f64 {
+        let is_particle = (id as usize) < self.spheres.particles().len();
+        let k = if is_particle { precision.particles } else { precision.giants };
+        let scale = self.ray.origin.distance(sphere.center) + sphere.radius;
+        let [split, rounded] = self.origin_errors;
+        k * F32_ROUNDING * scale + if precision.rounds_origin { rounded } else { split }
+    }
+
+    fn band(&self, candidate: &Candidate, precision: &Precision) -> Band {
+        let error = self.radius_error(candidate.id, &candidate.sphere, precision);
+        Band {
+            possible_from: self.possible_from(candidate, error),
+            sure_until: self.sure_until(candidate, error),
+        }
+    }
+
+    /// The earliest hit over all radii in the band. The near root moves towards the origin as the
+    /// radius grows, the far root away from it; a far root is first for those radii alone whose
+    /// near root lies at or before `t_min`.
+    fn possible_from(&self, candidate: &Candidate, error: f64) -> Option<TwoFloat> {
+        let Candidate { sphere, approach, .. } = candidate;
+        let t_min = self.ray.t_min * (1.0 - INTERVAL_ROUNDING);
+        let t_max = self.end() * (1.0 + INTERVAL_ROUNDING);
+        let widest = approach.half_chord(TwoFloat::new_add(sphere.radius, error))?;
+        let narrowest = narrowest_half_chord(candidate, error).unwrap_or(TwoFloat::from(0.0));
+        let first_near = approach.t - widest;
+        if first_near > t_min {
+            return (first_near < t_max).then_some(first_near);
+        }
+        if approach.t - narrowest > t_min {
+            return Some(TwoFloat::from(t_min));
+        }
+        let first_far = approach.t + narrowest;
+        let last_far = approach.t + widest;
+        let first_far = if first_far > t_min { first_far } else { TwoFloat::from(t_min) };
+        (last_far > t_min && first_far < t_max).then_some(first_far)
+    }
+
+    /// The latest hit over all radii in the band, if each of them gives one.
+    fn sure_until(&self, candidate: &Candidate, error: f64) -> Option<TwoFloat> {
+        let approach = &candidate.approach;
+        let radius = TwoFloat::new_add(candidate.sphere.radius, error);
+        let (narrowest, widest) =
+            (narrowest_half_chord(candidate, error)?, approach.half_chord(radius)?);
+        let every_near_counts = approach.t - widest > self.ray.t_min;
+        let some_near_counts = approach.t - narrowest > self.ray.t_min;
+        let every_far_counts = approach.t + narrowest > self.ray.t_min;
+        let latest = match () {
+            () if every_near_counts => approach.t - narrowest,
+            () if some_near_counts || every_far_counts => approach.t + widest,
+            () => return None,
+        };
+        (latest < self.end()).then_some(latest)
+    }
+}
+
+/// Half the chord at the smallest radius of the band, if that is positive and the line meets it.
+fn narrowest_half_chord(candidate: &Candidate, error: f64) -> Option<TwoFloat> {
+    let radius = TwoFloat::new_sub(candidate.sphere.radius, error);
+    (radius > 0.0).then_some(radius).and_then(|radius| candidate.approach.half_chord(radius))
+}
+
+/// How far the origin that a backend traces from is from the ray's own: split in two f32, which
+/// keep 48 bits of each coordinate, and rounded to one f32.
+fn origin_errors(origin: DVec3) -> [f64; 2] {
+    let split = 2.0 * F32_ROUNDING * F32_ROUNDING * origin.length();
+    [split, origin.distance(origin.as_vec3().as_dvec3())]
+}
+
+/// What a resolved distance may be wrong by; `half_chord` is `None` where the line passes by.
+fn allowed_error(origin: DVec3, sphere: &Sphere, half_chord: Option<f64>) -> f64 {
+    let distance = origin.distance(sphere.center);
+    let moved = 8.0 * f64::EPSILON * (distance + sphere.radius);
+    let tangent = (2.0 * (sphere.radius + moved) * moved).sqrt();
+    match half_chord {
+        Some(h) if h > tangent => moved * (1.0 + distance / h),
+        Some(h) if h > 0.0 => (moved * (1.0 + distance / h)).max(moved + tangent),
+        _ => moved + tangent,
+    }
+}
+
+/// A conservative test in f64, for all spheres of a scene.
+struct Prefilter {
+    origin: DVec3,
+    direction: DVec3,
+    length: f64,
+    t_min: f64,
+}
+
+impl Prefilter {
+    /// What f64 may lose, as a share of the distance: 2^-40 where 2^-49 would do.
+    const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
+
+    fn new(ray: &PathRay) -> Self {
+        let PathRay { origin, direction, t_min, .. } = *ray;
+        Self {
+            origin,
+            direction,
+            length: direction.length(),
+            t_min: t_min * (1.0 - INTERVAL_ROUNDING),
+        }
+    }
+
+    /// Whether a hit before `until` is possible at all for radii that are off by at most `error`.
+    fn may_hit(&self, sphere: &Sphere, error: f64, until: f64) -> bool {
+        let to_center = sphere.center - self.origin;
+        let t = to_center.dot(self.direction) / (self.length * self.length);
+        let miss = (to_center - self.direction * t).length();
+        let margin = Self::MARGIN * (to_center.length() + sphere.radius);
+        let reach = sphere.radius + error + margin;
+        let half_chord = reach / self.length + Self::MARGIN * t.abs();
+        miss <= reach && t + half_chord >= self.t_min && t - half_chord <= until
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::SphereRows;
+    use crate::math::NO_SPHERE;
+
+    const EXACT: Precision = Precision { particles: 0.0, giants: 0.0, rounds_origin: false };
+    const COARSE: Precision = Precision { particles: 16.0, giants: 16.0, rounds_origin: false };
+    const GAP: f32 = 1.0 / (1 << 22) as f32;
+
+    /// Unit spheres on the x axis; the origin stays at the one at 0.
+    fn row_of(centers: &[[f32; 3]]) -> SphereSet {
+        let table = centers.iter().map(|&[x, y, z]| [x, y, z, 1.0]).collect();
+        SphereSet::new(SphereRows { table, exact: Vec::new() }).expect("few spheres")
+    }
+
+    fn id_of(spheres: &SphereSet, row: u32) -> u32 {
+        spheres.rows().iter().position(|&r| r == row).expect("a row") as u32
+    }
+
+    fn free(origin: [f64; 3], spheres: &SphereSet) -> PathRay {
+        PathRay::free(DVec3::from(origin) - spheres.origin(), DVec3::X)
+    }
+
+    #[test]
+    fn the_first_of_two_is_the_answer_and_the_other_is_wrong() {
+        let spheres = row_of(&[[10.0, 0.0, 0.0], [20.0, 0.0, 0.0]]);
+        let ray = free([0.0; 3], &spheres);
+        let case = Case::new(&spheres, &ray, &COARSE);
+        let (near, far) = (id_of(&spheres, 0), id_of(&spheres, 1));
+        let first = case.first().expect("hits");
+        assert_eq!((first.id, first.t), (near, 9.0));
+        assert_eq!(case.judge_closest(Some(near), &COARSE), Verdict::Equal);
+        assert_eq!(case.judge_closest(Some(far), &COARSE), Verdict::Wrong);
+        assert_eq!(case.judge_closest(None, &COARSE), Verdict::Wrong);
+        assert_eq!(case.judge_occluded(true, &COARSE), Verdict::Equal);
+        assert_eq!(case.judge_occluded(false, &COARSE), Verdict::Wrong);
+    }
+
+    /// Two walls as far apart as the stated error: either may be first, for a backend that says so.
+    #[test]
+    fn a_neighbour_within_the_band_is_ambiguous_and_beyond_it_is_wrong() {
+        let spheres = row_of(&[[1.0, 0.0, 0.0], [1.0 + GAP, 0.0, 0.0]]);
+        let ray = free([-9.0, 0.0, 0.0], &spheres);
+        let behind = Some(id_of(&spheres, 1));
+        let case = Case::new(&spheres, &ray, &COARSE);
+        assert_eq!(case.judge_closest(behind, &COARSE), Verdict::Ambiguous);
+        assert_eq!(case.judge_closest(behind, &EXACT), Verdict::Wrong);
+        let hundredth = Precision { particles: 0.1, ..EXACT };
+        assert_eq!(case.judge_closest(behind, &hundredth), Verdict::Wrong);
+    }
+
+    #[test]
+    fn a_silhouette_within_the_band_may_be_hit_or_missed() {
+        let spheres = row_of(&[[0.0; 3]]);
+        for (y, hits) in [(1.0 + 1e-7, false), (1.0 - 1e-7, true)] {
+            let ray = free([-5.0, y, 0.0], &spheres);
+            let case = Case::new(&spheres, &ray, &COARSE);
+            assert_eq!(case.first().is_some(), hits);
+            let other = if hits { None } else { Some(0) };
+            assert_eq!(case.judge_closest(other, &COARSE), Verdict::Ambiguous);
+            assert_eq!(case.judge_closest(other, &EXACT), Verdict::Wrong);
+            assert_eq!(case.judge_occluded(!hits, &COARSE), Verdict::Ambiguous);
+            assert_eq!(case.judge_occluded(!hits, &EXACT), Verdict::Wrong);
+        }
+    }
+
+    #[test]
+    fn an_origin_within_the_band_of_a_surface_is_on_either_side() {
+        let spheres = row_of(&[[0.0; 3], [1.5, 0.0, 0.0]]);
+        let (own, next) = (id_of(&spheres, 0), id_of(&spheres, 1));
+        let ray = free([1e-8 - 1.0, 0.0, 0.0], &spheres);
+        let case = Case::new(&spheres, &ray, &COARSE);
+        assert_eq!(case.first().map(|first| first.id), Some(next), "starts inside its own");
+        assert_eq!(case.judge_closest(Some(own), &COARSE), Verdict::Ambiguous);
+        assert_eq!(case.judge_closest(Some(own), &EXACT), Verdict::Wrong);
+    }
+
+    #[test]
+    fn the_far_wall_is_an_exact_answer_and_hides_what_is_behind_it() {
+        let spheres = row_of(&[[0.0; 3], [3.0, 0.0, 0.0]]);
+        let (own, next) = (id_of(&spheres, 0), id_of(&spheres, 1));
+        let inward = PathRay { leaves: own, far_wall: 2.0, ..free([-1.0, 0.0, 0.0], &spheres) };
+        let case = Case::new(&spheres, &inward, &COARSE);
+        assert_eq!(case.first().map(|first| (first.id, first.t)), Some((own, 2.0)));
+        assert_eq!(case.judge_closest(Some(next), &EXACT), Verdict::Wrong);
+        assert_eq!(case.judge_closest(None, &COARSE), Verdict::Wrong);
+        assert!(!case.blocked(), "the far wall ends the ray");
+        assert_eq!(case.distance_error(own, 2.0), 0.0);
+        assert!(case.distance_error(own, 2.0 + 1e-15) > 1.0);
+        let outward = PathRay { far_wall: f64::INFINITY, ..inward };
+        let case = Case::new(&spheres, &outward, &COARSE);
+        assert_eq!(case.first().map(|first| first.id), Some(next));
+        assert_eq!(case.judge_closest(Some(own), &COARSE), Verdict::Wrong);
+        let to_lamp = PathRay { aims_at: next, t_max: 3.0, ..outward };
+        assert!(Case::new(&spheres, &to_lamp, &COARSE).first().is_none());
+        assert_eq!(inward.aims_at, NO_SPHERE);
+    }
+
+    #[test]
+    fn distances_are_held_to_a_few_ulps() {
+        let spheres = row_of(&[[0.0; 3]]);
+        let ray = free([-1001.0, 0.6, 0.0], &spheres);
+        let case = Case::new(&spheres, &ray, &EXACT);
+        let t = 1001.0 - 0.8;
+        assert!(case.distance_error(0, t) < 0.1);
+        assert!(case.distance_error(0, t + 1e-8) > 1.0);
+        assert!(case.distance_error(0, 1001.8) > 1.0, "the other root is wrong");
+    }
+}

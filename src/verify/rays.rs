@@ -1,0 +1,181 @@
+//! Rays to ask every backend about: through and past the spheres of a scene, from outside, inside
+//! and on their surfaces, and the bounces of given rays.
+
+use rand::{Rng, RngExt, SeedableRng, rngs::StdRng};
+
+use crate::accel::Accel;
+use crate::geometry::{Cone, PathRay, Side, SphereSet, SurfaceHit};
+use crate::math::{DVec3, Frame, Hit, Ray};
+use crate::sampling;
+
+/// Random rays through a scene that has at least one sphere: at sphere centres and silhouettes,
+/// from inside, parallel to an axis, leaving surfaces to all sides, towards lamps, and clipped at
+/// both ends. Reproducible from the seed.
+pub fn random(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
+    let mut source = Source { spheres, rng: StdRng::seed_from_u64(seed) };
+    let kinds = Source::KINDS.iter().cycle().take(count);
+    kinds.map(|kind| kind(&mut source).unwrap_or_else(|| source.any())).collect()
+}
+
+/// The rays that a diffuse surface would send on from where `rays` end: one for each hit,
+/// cosine-distributed about the normal that faces the ray. Reproducible from the seed.
+pub fn bounces(
+    spheres: &SphereSet,
+    accel: &dyn Accel,
+    rays: &[PathRay],
+    seed: u64,
+) -> Vec<PathRay> {
+    let mut rng = StdRng::seed_from_u64(seed);
+    let asked: Vec<Ray> = rays.iter().map(|ray| spheres.ask(ray)).collect();
+    let mut hits = vec![Hit::MISS; rays.len()];
+    accel.closest(&asked, &mut hits);
+    let mut bounce = |(ray, &hit): (&PathRay, &Hit)| {
+        let hit = spheres.answer(ray, hit)?;
+        hit.leave(cosine_about(hit.facing_normal(), &mut rng))
+    };
+    rays.iter().zip(&hits).filter_map(&mut bounce).collect()
+}
+
+/// A direction on the unit sphere.
+pub fn direction(rng: &mut impl Rng) -> DVec3 {
+    let z: f64 = rng.random_range(-1.0..1.0);
+    let (sin, cos) = sampling::sin_cos(rng.random_range(0.0..std::f64::consts::TAU));
+    let r = (1.0 - z * z).sqrt();
+    DVec3::new(r * cos, r * sin, z)
+}
+
+fn cosine_about(normal: DVec3, rng: &mut impl Rng) -> DVec3 {
+    (normal + direction(rng)).try_normalize().unwrap_or(normal)
+}
+
+struct Source<'a> {
+    spheres: &'a SphereSet,
+    rng: StdRng,
+}
+
+impl Source<'_> {
+    /// The kinds of random rays, which take turns.
+    const KINDS: [fn(&mut Self) -> Option<PathRay>; 9] = [
+        Self::through,
+        Self::silhouette,
+        Self::from_inside,
+        Self::axis_parallel,
+        Self::leaving,
+        Self::leaving_along_the_surface,
+        Self::leaving_for_a_neighbour,
+        Self::towards_a_lamp,
+        Self::clipped,
+    ];
+
+    fn id(&mut self) -> u32 {
+        self.rng.random_range(0..self.spheres.len() as u32)
+    }
+
+    /// A point on a random sphere, as if a ray had arrived there from the side given.
+    fn surface(&mut self, side: Side) -> SurfaceHit {
+        let id = self.id();
+        let sphere = self.spheres.sphere(id);
+        let normal = direction(&mut self.rng);
+        let point = sphere.center + normal * sphere.radius;
+        SurfaceHit { id, t: 0.0, point, normal, radius: sphere.radius, side }
+    }
+
+    /// A number whose logarithm is uniform between those of the bounds.
+    fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
+        low * libm::pow(high / low, self.rng.random())
+    }
+
+    /// A point among the spheres, near one or between two, at any of the scene's scales.
+    fn place(&mut self) -> DVec3 {
+        let a = self.spheres.sphere(self.id());
+        if self.rng.random() {
+            let away = a.radius * self.log_uniform(1e-2, 1e4);
+            return a.center + direction(&mut self.rng) * away;
+        }
+        let b = self.spheres.sphere(self.id());
+        a.center.lerp(b.center, self.rng.random_range(-1.0..2.0))
+            + direction(&mut self.rng) * a.radius
+    }
+
+    fn aimed(&mut self, origin: DVec3, target: DVec3) -> PathRay {
+        let any = direction(&mut self.rng);
+        PathRay::free(origin, (target - origin).try_normalize().unwrap_or(any))
+    }
+
+    /// Always succeeds, for where another kind does not.
+    fn any(&mut self) -> PathRay {
+        let (origin, towards) = (self.place(), direction(&mut self.rng));
+        PathRay::free(origin, towards)
+    }
+
+    fn through(&mut self) -> Option<PathRay> {
+        let (origin, target) = (self.place(), self.surface(Side::Outside));
+        Some(self.aimed(origin, target.point))
+    }
+
+    /// Past a sphere at `R (1 +- 10^-u)`, down to what f64 can tell and below.
+    fn silhouette(&mut self) -> Option<PathRay> {
+        let origin = self.place();
+        let sphere = self.spheres.sphere(self.id());
+        let off = self.log_uniform(1e-16, 1e-1);
+        let off = if self.rng.random() { off } else { -off };
+        let distance = origin.distance(sphere.center);
+        let sin = sphere.radius * (1.0 + off) / distance;
+        let frame = Frame::around((sphere.center - origin).try_normalize()?);
+        let (sin_phi, cos_phi) = sampling::sin_cos(self.rng.random_range(0.0..6.3));
+        let cos = (1.0 - sin * sin).max(0.0).sqrt();
+        let local = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
+        (sin < 1.0).then(|| PathRay::free(origin, frame.to_world(local).normalize()))
+    }
+
+    fn from_inside(&mut self) -> Option<PathRay> {
+        let hit = self.surface(Side::Inside);
+        let depth = self.log_uniform(1e-9, 2.0);
+        let origin = hit.point - hit.normal * (depth * hit.radius);
+        Some(PathRay::free(origin, direction(&mut self.rng)))
+    }
+
+    /// Directions with exact zeros, whose reciprocals are infinite.
+    fn axis_parallel(&mut self) -> Option<PathRay> {
+        let axis = DVec3::AXES[self.rng.random_range(0..3)];
+        let axis = if self.rng.random() { axis } else { -axis };
+        let target = self.surface(Side::Outside);
+        let back = target.radius * self.log_uniform(1e-2, 1e4);
+        Some(PathRay::free(target.point - axis * back, axis))
+    }
+
+    fn leaving(&mut self) -> Option<PathRay> {
+        let towards = direction(&mut self.rng);
+        self.surface(Side::Outside).leave(towards)
+    }
+
+    fn leaving_along_the_surface(&mut self) -> Option<PathRay> {
+        let hit = self.surface(Side::Outside);
+        let tilt = self.log_uniform(1e-16, 1e-2);
+        let tilt = if self.rng.random() { tilt } else { -tilt };
+        let tangent = Frame::around(hit.normal).x;
+        hit.leave((tangent + hit.normal * tilt).normalize())
+    }
+
+    fn leaving_for_a_neighbour(&mut self) -> Option<PathRay> {
+        let (from, to) = (self.surface(Side::Outside), self.surface(Side::Outside));
+        from.leave((to.point - from.point).try_normalize()?)
+    }
+
+    fn towards_a_lamp(&mut self) -> Option<PathRay> {
+        let from = self.surface(Side::Outside);
+        let lamp = self.id();
+        let cone = Cone::seen_from(from.point, &self.spheres.sphere(lamp))?;
+        let sample = cone.sample([self.rng.random(), self.rng.random()]);
+        from.leave_towards(sample.direction, sample.distance, lamp)
+    }
+
+    /// An interval such as a camera's near plane or a limited reach leaves.
+    fn clipped(&mut self) -> Option<PathRay> {
+        let (origin, target) = (self.place(), self.surface(Side::Outside));
+        let reach = origin.distance(target.point);
+        let t_min = reach * self.rng.random_range(0.0..1.0);
+        let t_max = reach * self.rng.random_range(1.0..2.0);
+        Some(PathRay { t_min, t_max, ..self.aimed(origin, target.point) })
+    }
+}
