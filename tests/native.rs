@@ -77,7 +77,8 @@ fn one_ray(pair: &Pair, kind: usize, rng: &mut StdRng) -> Ray {
     let (id, sphere) = pair.any(rng);
     let (_, other) = pair.any(rng);
     let direction = scenes::direction(rng);
-    let outside = sphere.center + direction * sphere.radius * 10f64.powf(rng.random_range(0.0..4.0));
+    let outside =
+        sphere.center + direction * sphere.radius * 10f64.powf(rng.random_range(0.0..4.0));
     let towards = (other.center - outside).normalize_or(direction);
     let axis = [DVec3::X, DVec3::Y, DVec3::Z][rng.random_range(0..3)];
     let axis = if rng.random() { axis } else { -axis };
@@ -126,7 +127,6 @@ fn ids_and_occlusion_equal_brute_force_on_every_family() {
     for (seed, (name, spheres)) in families().into_iter().enumerate() {
         let pair = Pair::over(spheres);
         let hits = pair.compare(&rays(&pair, 12_000, seed as u64));
-        println!("{name}: {} spheres, {hits} of 12000 rays hit", pair.set.len());
         assert!(hits > 2000, "{name}: only {hits} rays hit");
     }
 }

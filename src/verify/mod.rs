@@ -1,1 +1,3 @@
-//! x
+//! Verification and measurement as part of the product.
+
+pub mod bench;

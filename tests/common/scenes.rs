@@ -20,7 +20,8 @@ pub(crate) fn packed(count: usize, seed: u64) -> Vec<Sphere> {
     let step = 1.0 / side as f64;
     let mut rng = StdRng::seed_from_u64(seed);
     let mut place = |i: usize| {
-        let cell = DVec3::new((i % side) as f64, (i / side % side) as f64, (i / side / side) as f64);
+        let cell =
+            DVec3::new((i % side) as f64, (i / side % side) as f64, (i / side / side) as f64);
         ball((cell + 0.5 + (in_box(&mut rng) - 0.5) * 0.04) * step, 0.48 * step)
     };
     (0..count).map(&mut place).collect()

@@ -36,7 +36,8 @@ impl Bounds {
 
     /// Half the surface; 0 for the empty box. In f64, because its f32 value can overflow.
     pub(super) fn half_area(&self) -> f64 {
-        let extent = |axis: usize| (f64::from(self.high[axis]) - f64::from(self.low[axis])).max(0.0);
+        let extent =
+            |axis: usize| (f64::from(self.high[axis]) - f64::from(self.low[axis])).max(0.0);
         let (x, y, z) = (extent(0), extent(1), extent(2));
         x * y + y * z + z * x
     }

@@ -201,7 +201,8 @@ mod tests {
 
     fn scattered(count: u32) -> Vec<[f32; 4]> {
         let wave = |i: u32, k: u32| (i.wrapping_mul(k) % 100_003) as f32 / 100_003.0;
-        let sphere = |i| [wave(i, 48_271), wave(i, 69_621), wave(i, 39_373), 1e-3 * wave(i, 16_807)];
+        let sphere =
+            |i| [wave(i, 48_271), wave(i, 69_621), wave(i, 39_373), 1e-3 * wave(i, 16_807)];
         (0..count).map(sphere).collect()
     }
 
