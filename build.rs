@@ -1,2 +1,158 @@
-//! Placeholder until the Embree seam is written.
-fn main() {}
+//! The seam to Embree: finds it, compiles `ffi/shim.c`, binds `ffi/shim.h`, and links.
+//!
+//! `EMBREE_DIR` (with `include` and `lib` or `lib64`) is tried first and alone, then the system;
+//! Embree 4 before 3. Without the feature `embree` there is nothing to do.
+
+#![allow(clippy::print_stdout, reason = "that is how a build script speaks to cargo")]
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    #[cfg(feature = "embree")]
+    if let Err(message) = embree::build() {
+        let lines = message.lines().chain(embree::ADVICE.lines());
+        lines.for_each(|line| println!("cargo::error={line}"));
+    }
+}
+
+#[cfg(feature = "embree")]
+mod embree {
+    use std::env;
+    use std::panic;
+    use std::path::{Path, PathBuf};
+
+    /// Follows every message.
+    pub(super) const ADVICE: &str = "\
+        Debian, Ubuntu: apt-get install build-essential libembree-dev libclang-dev\n\
+        Elsewhere: a C compiler, libclang, and Embree 3.13 or 4; EMBREE_DIR may name its folder.\n\
+        Or build with --no-default-features: the native intersector needs none of these.";
+
+    type Result<T> = std::result::Result<T, String>;
+
+    /// Where Embree is, and which.
+    struct Embree {
+        major: u32,
+        /// The folder with `include` and the one with the library; the system's own where `None`.
+        folders: Option<(PathBuf, PathBuf)>,
+    }
+
+    pub(super) fn build() -> Result<()> {
+        for file in ["ffi/shim.h", "ffi/shim.c", "ffi/probe.c"] {
+            println!("cargo::rerun-if-changed={file}");
+        }
+        println!("cargo::rerun-if-env-changed=EMBREE_DIR");
+        let embree = match env::var_os("EMBREE_DIR") {
+            Some(folder) => Embree::in_folder(Path::new(&folder))?,
+            None => Embree::of_the_system()?,
+        };
+        bind()?;
+        embree.compile()?;
+        embree.link();
+        Ok(())
+    }
+
+    impl Embree {
+        fn in_folder(folder: &Path) -> Result<Self> {
+            let include = folder.join("include");
+            let header = |major| include.join(format!("embree{major}/rtcore_config.h"));
+            let major =
+                [4, 3].into_iter().find(|&major| header(major).is_file()).ok_or_else(|| {
+                    format!("EMBREE_DIR: there is no Embree 4 or 3 in {}", include.display())
+                })?;
+            println!("cargo::rerun-if-changed={}", header(major).display());
+            let lib = ["lib", "lib64"].map(|name| folder.join(name));
+            let lib = lib.into_iter().find(|lib| has_library(lib, major)).ok_or_else(|| {
+                format!("EMBREE_DIR: there is no embree{major} library in {}/lib", folder.display())
+            })?;
+            Ok(Self { major, folders: Some((include, lib)) })
+        }
+
+        /// Lets the C compiler look, which knows the system's folders.
+        fn of_the_system() -> Result<Self> {
+            let probe = quiet_compiler().file("ffi/probe.c").try_expand();
+            let probe = probe.map_err(|error| format!("The C compiler does not work: {error}"))?;
+            let probe = String::from_utf8_lossy(&probe);
+            let major = [4, 3].into_iter().find(|m| probe.contains(&format!("found_embree = {m}")));
+            let major = major.ok_or("Embree's headers are not installed.")?;
+            // Preprocessor lines such as `# 1 "/usr/include/embree4/rtcore_config.h"`: the file
+            // changes, or goes, when another Embree is installed.
+            let names = probe.lines().filter(|line| line.starts_with('#'));
+            let config = names.filter_map(|line| line.split('"').nth(1));
+            if let Some(file) = config.into_iter().find(|name| name.ends_with("rtcore_config.h")) {
+                println!("cargo::rerun-if-changed={file}");
+            }
+            Ok(Self { major, folders: None })
+        }
+
+        fn compile(&self) -> Result<()> {
+            let mut compiler = cc::Build::new();
+            if let Some((include, _)) = &self.folders {
+                compiler.include(include);
+            }
+            compiler
+                .file("ffi/shim.c")
+                .define("EMBREE_MAJOR", self.major.to_string().as_str())
+                .std("c11")
+                .opt_level(3)
+                .extra_warnings(true)
+                // The same bits as the same formula in Rust.
+                .flag_if_supported("-ffp-contract=off")
+                .flag_if_supported("-fno-math-errno")
+                .try_compile("photosphere_shim")
+                .map_err(|error| format!("ffi/shim.c does not compile: {error}"))
+        }
+
+        /// After the shim's own line, because the shim needs Embree and not the reverse.
+        fn link(&self) {
+            if let Some((_, lib)) = &self.folders {
+                println!("cargo::rustc-link-search=native={}", lib.display());
+                if env::var_os("CARGO_CFG_UNIX").is_some() {
+                    println!("cargo::rustc-link-arg=-Wl,-rpath,{}", lib.display());
+                }
+            }
+            println!("cargo::rustc-link-lib=embree{}", self.major);
+            if env::var_os("CARGO_CFG_UNIX").is_some() {
+                println!("cargo::rustc-link-lib=m");
+            }
+        }
+    }
+
+    /// A compiler for questions: it prints nothing.
+    fn quiet_compiler() -> cc::Build {
+        let mut compiler = cc::Build::new();
+        compiler.cargo_metadata(false).cargo_warnings(false);
+        compiler
+    }
+
+    fn has_library(folder: &Path, major: u32) -> bool {
+        let Ok(files) = folder.read_dir() else { return false };
+        let names = files.flatten().filter_map(|file| file.file_name().into_string().ok());
+        names
+            .map(|name| name.trim_start_matches("lib").to_owned())
+            .any(|name| name.starts_with(&format!("embree{major}.")))
+    }
+
+    fn bind() -> Result<()> {
+        // bindgen panics where there is no libclang; nobody should have to read that.
+        let hook = panic::take_hook();
+        panic::set_hook(Box::new(|_| {}));
+        let clang = panic::catch_unwind(bindgen::clang_version);
+        panic::set_hook(hook);
+        clang.map_err(|_| "libclang is not installed.")?;
+
+        let rust = bindgen::RustTarget::stable(85, 0).map_err(|error| error.to_string())?;
+        let bindings = bindgen::builder()
+            .header("ffi/shim.h")
+            .parse_callbacks(Box::new(bindgen::CargoCallbacks::new()))
+            .allowlist_item("(ps|Ps|PS)_?.*")
+            .rust_target(rust)
+            .rust_edition(bindgen::RustEdition::Edition2024)
+            .formatter(bindgen::Formatter::None)
+            .generate()
+            .map_err(|error| format!("libclang cannot read ffi/shim.h: {error}"))?;
+        let out = env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: run this through cargo.")?;
+        let file = Path::new(&out).join("shim.rs");
+        bindings
+            .write_to_file(&file)
+            .map_err(|error| format!("cannot write {}: {error}", file.display()))
+    }
+}

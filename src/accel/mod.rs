@@ -1,6 +1,10 @@
 //! Who is hit? One trait, and its backends, built from the same [`SphereSet`].
 
 mod brute_force;
+#[cfg(feature = "embree")]
+#[allow(unsafe_code, reason = "the fence around Embree; no other room has unsafe code")]
+mod embree;
+mod info;
 mod native;
 
 use std::str::FromStr;
@@ -10,6 +14,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
+
+pub use info::EmbreeInfo;
 
 /// An intersector over a fixed set of spheres.
 ///
@@ -124,9 +130,20 @@ impl Backend {
         options.cancel.check()?;
         match self {
             Self::Native => Ok(Box::new(native::Native::new(spheres, options)?)),
+            #[cfg(feature = "embree")]
+            Self::Embree => {
+                Ok(Box::new(embree::Embree::build(spheres, embree::Particles::Points, options)?))
+            }
+            #[cfg(feature = "embree")]
+            Self::EmbreeUser => {
+                Ok(Box::new(embree::Embree::build(spheres, embree::Particles::User, options)?))
+            }
             Self::BruteForce => Ok(Box::new(brute_force::BruteForce::new(spheres.clone()))),
-            _ => Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
-                .with_help("build with the default features, or choose --accel native")),
+            #[cfg(not(feature = "embree"))]
+            Self::Embree | Self::EmbreeUser => {
+                Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
+                    .with_help("build with the default features, or choose --accel native"))
+            }
         }
     }
 }
@@ -146,21 +163,13 @@ impl FromStr for Backend {
     }
 }
 
-// STAND-IN, to be replaced when merging.
-/// x
-pub struct EmbreeInfo {
-    /// x
-    pub compiled_version: String,
-    /// x
-    pub runtime_version: String,
-    /// x
-    pub instruction_set: String,
-    /// x
-    pub tasking: String,
-    /// x
-    pub culls_sphere_back_faces: Option<bool>,
-}
-/// x
+/// What the Embree in use says of itself; `None` in a build without Embree.
+///
+/// # Errors
+/// When Embree cannot start.
 pub fn embree_info() -> Option<Result<EmbreeInfo>> {
+    #[cfg(feature = "embree")]
+    return Some(embree::info());
+    #[cfg(not(feature = "embree"))]
     None
 }

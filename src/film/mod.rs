@@ -1,5 +1,88 @@
-//! Where light is collected, and the picture that comes of it.
+//! Per-pixel sums of samples.
 
 mod picture;
 
 pub use picture::Picture;
+
+use crate::color::Rgb;
+
+/// Samples are summed in blocks of this many consecutive ones, in index order.
+pub const BLOCK: u32 = 16;
+
+/// What one sample brings to its pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Radiance {
+    /// Emission and background seen by the camera, and light scattered once on its way from a lamp
+    /// to the camera. Mirrors and glass in between do not count as scattering.
+    pub direct: Rgb,
+    /// All the rest.
+    pub indirect: Rgb,
+}
+
+/// The running sums of one pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pixel {
+    direct: [f64; 3],
+    indirect: [f64; 3],
+    samples: u32,
+}
+
+/// The running sums of a picture, row by row from the upper left corner.
+#[derive(Clone, Debug)]
+pub struct Film {
+    width: usize,
+    height: usize,
+    pixels: Vec<Pixel>,
+}
+
+impl Pixel {
+    /// Adds the next samples in index order: first to the sum of their block, then that sum to the
+    /// pixel, so that the bits do not depend on who adds when. `samples` is one whole block, or the
+    /// last and unfinished one.
+    pub fn add_block(&mut self, samples: &[Radiance]) {
+        let mut sums = [[0.0; 3]; 2];
+        for sample in samples {
+            for (sum, color) in sums.iter_mut().zip([sample.direct, sample.indirect]) {
+                for (sum, channel) in sum.iter_mut().zip(color.to_array()) {
+                    *sum += f64::from(channel);
+                }
+            }
+        }
+        let [direct, indirect] = sums;
+        self.direct.iter_mut().zip(direct).for_each(|(total, sum)| *total += sum);
+        self.indirect.iter_mut().zip(indirect).for_each(|(total, sum)| *total += sum);
+        self.samples += samples.len() as u32;
+    }
+
+    /// Samples so far.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    fn mean(&self, sums: [f64; 3]) -> Rgb {
+        let count = f64::from(self.samples.max(1));
+        Rgb::from_array(sums.map(|sum| (sum / count) as f32))
+    }
+}
+
+impl Film {
+    /// An empty film.
+    pub fn new(width: usize, height: usize) -> Self {
+        Self { width, height, pixels: vec![Pixel::default(); width * height] }
+    }
+
+    /// The pixels, row by row, to be added to.
+    pub fn pixels_mut(&mut self) -> &mut [Pixel] {
+        &mut self.pixels
+    }
+
+    /// The mean of every pixel; black where there is no sample yet.
+    pub fn picture(&self) -> Picture {
+        Picture {
+            width: self.width,
+            height: self.height,
+            direct: self.pixels.iter().map(|pixel| pixel.mean(pixel.direct)).collect(),
+            indirect: self.pixels.iter().map(|pixel| pixel.mean(pixel.indirect)).collect(),
+        }
+    }
+}

@@ -1,1 +1,95 @@
-//! x
+//! How much light? Light transport over batches of paths, one file per estimator.
+//!
+//! A batch of samples goes through the stages together: camera rays, closest hits, surfaces, light
+//! samples, occlusion, scattering. So one call of the intersector serves many rays, and each stage
+//! is a plain loop. What comes back for a sample depends on its address alone, never on its batch.
+
+mod camera_rays;
+mod dimension;
+mod paper;
+mod path;
+mod raycast;
+mod transport;
+
+use crate::accel::Accel;
+use crate::film::Radiance;
+use crate::math::{Hit, Ray};
+use crate::scene::Scene;
+use crate::scene::description;
+
+/// An estimator of the light that arrives at a pixel.
+pub trait Integrator: Sync {
+    /// Estimates the radiance of each sample. The slices have equal lengths.
+    fn estimate(
+        &self,
+        world: World<'_>,
+        samples: &[SampleAddress],
+        radiance: &mut [Radiance],
+        workspace: &mut Workspace,
+    ) -> Tally;
+}
+
+/// What there is to be seen.
+#[derive(Clone, Copy)]
+pub struct World<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// An intersector over the scene's spheres.
+    pub accel: &'a dyn Accel,
+}
+
+/// One sample of one pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleAddress {
+    /// Column in the full picture.
+    pub x: u32,
+    /// Row in the full picture, from the top.
+    pub y: u32,
+    /// Index of the sample.
+    pub sample: u32,
+}
+
+/// What happened on the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Rays traced, shadow rays included.
+    pub rays: u64,
+    /// Paths that were inside more dielectric spheres than can be remembered.
+    pub media_overflows: u64,
+    /// Paths cut off at the hard limit on their length.
+    pub cut_off: u64,
+}
+
+/// Memory that one thread uses again for every batch.
+#[derive(Default)]
+pub struct Workspace {
+    paths: Vec<transport::Path>,
+    shadows: Vec<transport::Shadow>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    blocked: Vec<bool>,
+}
+
+impl std::ops::Add for Tally {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            media_overflows: self.media_overflows + other.media_overflows,
+            cut_off: self.cut_off + other.cut_off,
+        }
+    }
+}
+
+/// The estimator that the scene asks for.
+pub fn of_scene(scene: &Scene) -> Box<dyn Integrator> {
+    let render = &scene.description().render;
+    match render.integrator {
+        description::Integrator::Path => Box::new(path::new(render.max_depth)),
+        description::Integrator::Paper(paper) => Box::new(paper::new(&paper, render.max_depth)),
+        description::Integrator::Raycast { shadows } => {
+            Box::new(raycast::Raycast::new(shadows, render.samples_per_pixel))
+        }
+    }
+}

@@ -1,1 +1,137 @@
-//! x
+//! What a surface does with light: one file per model, each with eval, sample and pdf.
+//!
+//! A [`Material`] is what the scene says of a surface. At a point it becomes a [`Bsdf`], a function
+//! of two directions in the local frame there: z is the normal on the side of `wo`; `wo` points to
+//! the previous vertex, `wi` is sampled, both are unit vectors leaving the surface. `eval` is the
+//! BSDF without the cosine; densities are per solid angle.
+
+mod dielectric;
+mod diffuse;
+mod media;
+mod mirror;
+mod phong;
+
+pub use dielectric::{Dielectric, fresnel};
+pub use diffuse::Diffuse;
+pub use media::{Boundary, Media, Medium};
+pub use mirror::Mirror;
+pub use phong::Phong;
+
+use crate::color::Rgb;
+use crate::math::DVec3;
+use crate::sampling::Hemisphere;
+
+/// A surface as the scene describes it. Acts, and emits, on both sides of a sphere.
+#[derive(Clone, Copy, Debug)]
+pub struct Material {
+    /// The reflection model with its parameters.
+    pub model: Model,
+    /// Radiance sent out, in W/(sr m^2) per channel.
+    pub emission: Rgb,
+}
+
+/// The reflection models.
+#[derive(Clone, Copy, Debug)]
+pub enum Model {
+    /// Lambert.
+    Diffuse(Diffuse),
+    /// A perfect mirror.
+    Mirror(Mirror),
+    /// Smooth glass.
+    Dielectric(Dielectric),
+    /// Phong's shading model.
+    Phong(Phong),
+}
+
+/// A material at a point: light from `wi` to `wo`.
+#[derive(Clone, Copy, Debug)]
+pub enum Bsdf {
+    /// Lambert, with the way its directions are drawn.
+    Diffuse(Diffuse, Hemisphere),
+    /// A perfect mirror.
+    Mirror(Mirror),
+    /// A smooth interface; the second number is the index beyond it over the index on `wo`'s side.
+    Dielectric(Dielectric, f64),
+    /// Phong's shading model.
+    Phong(Phong),
+}
+
+/// How sharply a sampled direction is defined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobe {
+    /// Spread over the hemisphere.
+    Diffuse,
+    /// Concentrated around a direction.
+    Glossy,
+    /// Exactly one direction: `eval` and `pdf` are 0 for it, light sampling cannot find it.
+    Delta,
+}
+
+/// A direction drawn from a BSDF.
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfSample {
+    /// The direction, in the local frame; below the surface (`z < 0`) when it is transmitted.
+    pub wi: DVec3,
+    /// What the path's throughput is multiplied with: `f |cos| / pdf`.
+    pub weight: Rgb,
+    /// Density of `wi`; for a delta lobe the probability of having chosen it.
+    pub pdf: f64,
+    /// Which kind of lobe it came from.
+    pub lobe: Lobe,
+    /// The index of refraction beyond over the one before where transmitted, else 1.
+    pub eta: f64,
+}
+
+impl Material {
+    /// The BSDF at a point. `albedo` is the sphere's own colour where it has one; `eta` is the
+    /// index of refraction beyond the surface over the index on this side; `hemisphere` says how
+    /// diffuse directions are drawn.
+    pub fn bsdf(&self, albedo: Option<Rgb>, eta: f64, hemisphere: Hemisphere) -> Bsdf {
+        match self.model {
+            Model::Diffuse(diffuse) => Bsdf::Diffuse(diffuse.colored(albedo), hemisphere),
+            Model::Mirror(mirror) => Bsdf::Mirror(mirror),
+            Model::Dielectric(dielectric) => Bsdf::Dielectric(dielectric, eta),
+            Model::Phong(phong) => Bsdf::Phong(phong.colored(albedo)),
+        }
+    }
+
+    /// Whether the surface sends out light of its own.
+    pub fn is_emissive(&self) -> bool {
+        self.emission.max_element() > 0.0
+    }
+}
+
+impl Bsdf {
+    /// The BSDF without the cosine. Delta lobes are left out.
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        match self {
+            Self::Diffuse(diffuse, _) => diffuse.eval(wi),
+            Self::Phong(phong) => phong.eval(wo, wi),
+            Self::Mirror(_) | Self::Dielectric(..) => Rgb::ZERO,
+        }
+    }
+
+    /// The density with which [`Self::sample`] draws `wi`. Delta lobes are left out.
+    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        match self {
+            Self::Diffuse(_, hemisphere) => diffuse::pdf(*hemisphere, wi),
+            Self::Phong(phong) => phong.pdf(wo, wi),
+            Self::Mirror(_) | Self::Dielectric(..) => 0.0,
+        }
+    }
+
+    /// A direction, from `lobe` and `u` in `[0, 1)`; `None` where no light can come from.
+    pub fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+        match self {
+            Self::Diffuse(diffuse, hemisphere) => diffuse.sample(*hemisphere, u),
+            Self::Mirror(mirror) => Some(mirror.sample(wo)),
+            Self::Dielectric(dielectric, eta) => Some(dielectric.sample(*eta, wo, lobe)),
+            Self::Phong(phong) => phong.sample(wo, lobe, u),
+        }
+    }
+
+    /// Whether there is nothing but delta lobes, so that lamps cannot be sampled from here.
+    pub fn is_delta(&self) -> bool {
+        matches!(self, Self::Mirror(_) | Self::Dielectric(..))
+    }
+}

@@ -1,65 +1,163 @@
-//! STAND-IN, to be replaced by the real room when merging: noise instead of light.
-#![allow(missing_docs, reason = "thrown away when merging")]
+//! Renders a scene on all threads.
+//!
+//! The picture is rendered in passes of one block of samples, and each pass in jobs of some pixels.
+//! A pixel belongs to one job of a pass, and passes follow one another, so its samples are added in
+//! index order whatever the threads do: the bits of the picture depend on the scene alone.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
 use crate::accel::{Accel, Cancel};
-use crate::color::Rgb;
-use crate::error::Result;
-use crate::film::Picture;
+use crate::film::{BLOCK, Film, Picture, Pixel, Radiance};
+use crate::integrator::{self, Integrator, SampleAddress, Tally, Workspace, World};
 use crate::scene::Scene;
 
+/// Samples that a job aims to have in flight at once.
+const BATCH: usize = 1024;
+
+/// How to render.
 pub struct RenderOptions<'a> {
+    /// Set from elsewhere to stop early.
     pub cancel: Cancel,
+    /// Called now and then, from any thread.
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
+/// How far a render is.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
+    /// Samples finished.
     pub samples_done: u64,
+    /// Samples asked for.
     pub samples_total: u64,
 }
 
+/// A rendered picture.
+#[derive(Debug)]
 pub struct Outcome {
+    /// The picture.
     pub picture: Picture,
+    /// Samples rendered.
     pub samples: u64,
+    /// Rays traced, shadow rays included.
     pub rays: u64,
+    /// Whether all samples were rendered.
     pub complete: bool,
+    /// What the user should know about the picture.
     pub warnings: Vec<String>,
 }
 
-pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> Result<Outcome> {
+/// Renders the scene on the current rayon thread pool. Cancelled, it gives the picture so far.
+pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> Outcome {
     let image = scene.description().image;
-    let (width, height) = (image.width as usize, image.height as usize);
-    let (pixels, spp) = (width * height, u64::from(scene.description().render.samples_per_pixel));
-    let mut light = vec![Rgb::ZERO; pixels];
-    let done = AtomicU64::new(0);
-    for sample in 0..spp {
-        light.par_chunks_mut(256).enumerate().for_each(|(chunk, light)| {
-            if options.cancel.is_cancelled() {
-                return;
-            }
-            let mut hits = vec![crate::math::Hit::MISS; light.len()];
-            let ray = scene.spheres().ask(&scene.camera().ray(0.5, 0.5));
-            accel.closest(&vec![ray; light.len()], &mut hits);
-            for (i, light) in light.iter_mut().enumerate() {
-                let hash = (chunk * 256 + i) as u64 ^ sample.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-                *light += Rgb::splat((hash >> 40) as f32);
-            }
-            let n = light.len() as u64;
-            let samples_done = done.fetch_add(n, Ordering::Relaxed) + n;
-            let samples_total = spp * pixels as u64;
-            (options.progress)(Progress { samples_done, samples_total });
-        });
+    let mut film = Film::new(image.width as usize, image.height as usize);
+    let renderer = Renderer {
+        world: World { scene, accel },
+        integrator: integrator::of_scene(scene),
+        options,
+        samples_done: AtomicU64::new(0),
+        samples_per_pixel: scene.description().render.samples_per_pixel,
+    };
+    let passes = (0..renderer.samples_per_pixel).step_by(BLOCK as usize);
+    let tally =
+        passes.map(|first| renderer.pass(&mut film, first)).fold(Tally::default(), |a, b| a + b);
+    let picture = film.picture();
+    Outcome {
+        samples: renderer.samples_done.load(Ordering::Relaxed),
+        rays: tally.rays,
+        complete: renderer.is_complete(),
+        warnings: warnings(&tally, &picture),
+        picture,
     }
-    let samples = done.into_inner();
-    Ok(Outcome {
-        picture: Picture { width, height, direct: light, indirect: vec![Rgb::ZERO; pixels] },
-        samples,
-        rays: samples,
-        complete: samples == spp * pixels as u64,
-        warnings: Vec::new(),
-    })
+}
+
+struct Renderer<'a> {
+    world: World<'a>,
+    integrator: Box<dyn Integrator>,
+    options: &'a RenderOptions<'a>,
+    samples_done: AtomicU64,
+    samples_per_pixel: u32,
+}
+
+/// What a thread keeps between jobs.
+#[derive(Default)]
+struct Desk {
+    workspace: Workspace,
+    samples: Vec<SampleAddress>,
+    radiance: Vec<Radiance>,
+}
+
+impl Renderer<'_> {
+    /// Adds one block of samples, from `first` on, to every pixel.
+    fn pass(&self, film: &mut Film, first: u32) -> Tally {
+        let block = BLOCK.min(self.samples_per_pixel - first);
+        let pixels_per_job = BATCH / block as usize;
+        film.pixels_mut()
+            .par_chunks_mut(pixels_per_job)
+            .enumerate()
+            .map_init(Desk::default, |desk, (job, pixels)| {
+                if self.options.cancel.is_cancelled() {
+                    return Tally::default();
+                }
+                let tally = self.job(desk, job * pixels_per_job, pixels, first..first + block);
+                self.report(u64::from(block) * pixels.len() as u64);
+                tally
+            })
+            .reduce(Tally::default, |a, b| a + b)
+    }
+
+    fn job(
+        &self,
+        desk: &mut Desk,
+        first_pixel: usize,
+        pixels: &mut [Pixel],
+        block: std::ops::Range<u32>,
+    ) -> Tally {
+        let width = self.world.scene.description().image.width as usize;
+        let Desk { workspace, samples, radiance } = desk;
+        samples.clear();
+        for pixel in first_pixel..first_pixel + pixels.len() {
+            let (x, y) = ((pixel % width) as u32, (pixel / width) as u32);
+            samples.extend(block.clone().map(|sample| SampleAddress { x, y, sample }));
+        }
+        radiance.clear();
+        radiance.resize(samples.len(), Radiance::default());
+        let tally = self.integrator.estimate(self.world, samples, radiance, workspace);
+        for (pixel, radiance) in pixels.iter_mut().zip(radiance.chunks(block.len())) {
+            pixel.add_block(radiance);
+        }
+        tally
+    }
+
+    fn report(&self, samples: u64) {
+        let samples_done = self.samples_done.fetch_add(samples, Ordering::Relaxed) + samples;
+        (self.options.progress)(Progress { samples_done, samples_total: self.samples_total() });
+    }
+
+    fn samples_total(&self) -> u64 {
+        let image = self.world.scene.description().image;
+        u64::from(image.width) * u64::from(image.height) * u64::from(self.samples_per_pixel)
+    }
+
+    fn is_complete(&self) -> bool {
+        self.samples_done.load(Ordering::Relaxed) == self.samples_total()
+    }
+}
+
+fn warnings(tally: &Tally, picture: &Picture) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if picture.non_finite() > 0 {
+        let count = picture.non_finite();
+        warnings.push(format!("{count} pixels are infinite or not a number: please report this"));
+    }
+    if tally.media_overflows > 0 {
+        let count = tally.media_overflows;
+        warnings.push(format!("{count} paths were inside more than 8 dielectric spheres at once"));
+    }
+    if tally.cut_off > 0 {
+        let count = tally.cut_off;
+        warnings.push(format!("{count} paths were cut off after 10000 edges, which loses light"));
+    }
+    warnings
 }

@@ -148,6 +148,12 @@ impl<'d> Table<'d> {
         self.entries?.get(key).map(|node| node.span())
     }
 
+    /// Whether a list of tables is left out, or has none.
+    pub(super) fn is_empty_list(&self, key: &str) -> bool {
+        let node = self.entries.and_then(|entries| entries.get(key));
+        node.is_none_or(|node| node.get_ref().as_array().is_some_and(|list| list.is_empty()))
+    }
+
     /// Where the table's heading stands.
     pub(super) fn span(&self) -> Span {
         self.span.clone()

@@ -52,7 +52,7 @@ pub fn read_text(name: &str, text: &str, folder: &Path, overrides: &[Override]) 
     laid_out.iter().for_each(|option| option.apply(&mut table, &report));
     let draft = read(&table, integrator_of_file.as_deref(), folder, &report);
     report.verdict()?;
-    let draft = draft.ok_or_else(|| Error::input(format!("`{name}` is not a scene")))?;
+    let draft = draft.expect("whoever gave up on the scene has told the report why");
     let (rows, groups) = import(&draft.description, &draft.surveys, &report)?;
     report.verdict()?;
     Ok(Loaded { description: draft.description, rows, groups })

@@ -1,5 +1,6 @@
-//! From a scene file to an immutable scene.
+//! From a scene file to an immutable [`Scene`].
 
+mod assemble;
 pub mod description;
 mod document;
 mod import;
@@ -9,9 +10,8 @@ mod read;
 mod report;
 mod values;
 
+pub use assemble::{Scene, Surface};
 pub use import::RowGroup;
 pub use load::{Loaded, read_file, read_text};
 pub use overrides::Override;
 
-mod stand_in;
-pub use stand_in::Scene;

@@ -105,11 +105,6 @@ impl Report {
         self.found.borrow_mut().push(wrong);
     }
 
-    /// Whether nothing is wrong so far.
-    pub(super) fn is_clean(&self) -> bool {
-        self.found.borrow().is_empty()
-    }
-
     /// The end of the scene file, where what is missing from it could be added.
     pub(super) fn end_of_file(&self) -> Span {
         let end = self.texts[0].source.text.trim_end().len();

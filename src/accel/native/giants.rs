@@ -65,8 +65,7 @@ impl Giants {
         if self.nodes.is_empty() {
             offer_all(&self.giants, query);
         } else {
-            let inverse = query.direction.recip();
-            self.descend(0, inverse, query, goal);
+            self.descend(0, inverse_of(query.direction), query, goal);
         }
     }
 
@@ -91,6 +90,13 @@ impl Giants {
             }
         }
     }
+}
+
+/// One over each component; one that is less than 2^-60 of the whole counts as that much, which
+/// moves a point of the ray by far less than the slack, and nothing is divided by zero.
+fn inverse_of(direction: DVec3) -> DVec3 {
+    let smallest = direction.length() / (1u64 << 60) as f64;
+    direction.abs().max(DVec3::splat(smallest)).copysign(direction).recip()
 }
 
 fn offer_all(giants: &[Giant], query: &mut Query) {
@@ -141,8 +147,7 @@ impl Node {
     /// Whether the ray meets the box before its best hit; `true` where it is not sure.
     ///
     /// The planes are moved apart by what the f64 arithmetic may be wrong by for this origin, here
-    /// and in the test of a sphere. Along an axis that the ray does not move on, the products are
-    /// infinite, or NaN for an origin on a plane, which `min` and `max` overlook.
+    /// and in the test of a sphere.
     fn may_be_met(&self, inverse: DVec3, query: &Query) -> bool {
         let slack = F64_SLACK * query.origin.abs().max_element();
         let a = (self.low - slack - query.origin) * inverse;

@@ -148,14 +148,14 @@ impl Leaf {
             let reach = radius * radius * (1.0 + F64_SLACK);
             *excess = squared * (1.0 - F64_SLACK) - along * along - reach;
         }
-        lanes_where(|lane| excess[lane] <= 0.0)
+        lanes_where::<LEAF_SIZE>(|lane| excess[lane] <= 0.0)
     }
 }
 
 /// The lanes with a property, as bits.
 #[inline(always)]
-pub(super) fn lanes_where(holds: impl Fn(usize) -> bool) -> u32 {
-    (0..WIDTH).fold(0, |lanes, lane| lanes | u32::from(holds(lane)) << lane)
+pub(super) fn lanes_where<const LANES: usize>(holds: impl Fn(usize) -> bool) -> u32 {
+    (0..LANES).fold(0, |lanes, lane| lanes | u32::from(holds(lane)) << lane)
 }
 
 /// The numbers of the bits that are set.
@@ -164,6 +164,6 @@ pub(super) fn each_lane(mut lanes: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = lanes.trailing_zeros() as usize;
         lanes &= lanes.wrapping_sub(1);
-        (lane < WIDTH).then_some(lane)
+        (lane < u32::BITS as usize).then_some(lane)
     })
 }

@@ -92,7 +92,7 @@ impl Slabs {
                 end[lane] = smaller(exit, end[lane]);
             }
         }
-        Met { t, lanes: lanes_where(|lane| t[lane] <= end[lane]) }
+        Met { t, lanes: lanes_where::<WIDTH>(|lane| t[lane] <= end[lane]) }
     }
 }
 

@@ -45,8 +45,7 @@ pub(super) fn cut(items: &mut [Item], bounds: &Bounds) -> Option<Cut> {
     let best = Bins::of(items, &binning).best_plane();
     let must = items.len() > LEAF_SIZE;
     match best {
-        // One more node costs about as much as one more group of spheres.
-        Some(plane) if must || plane.cost + bounds.half_area() < cost(items.len(), bounds) => {
+        Some(plane) if must || plane.saves(bounds) => {
             let at = partition(items, |item| binning.bins(item)[plane.axis] < plane.bin);
             Some(Cut { at, bounds: plane.bounds })
         }
@@ -126,6 +125,14 @@ struct Plane {
     bin: usize,
     cost: f64,
     bounds: [Bounds; 2],
+}
+
+impl Plane {
+    /// Whether two leaves are better than one: most rays that meet the whole must miss both.
+    fn saves(&self, whole: &Bounds) -> bool {
+        let [left, right] = &self.bounds;
+        2.0 * (left.half_area() + right.half_area()) < whole.half_area()
+    }
 }
 
 impl Bins {

@@ -129,9 +129,7 @@ impl Tree {
             let node = &self.nodes[child.index()];
             let met = slabs.meet(node, limit);
             each_lane(met.lanes).for_each(|lane| stack.push(met.t[lane], node.children[lane]));
-            if goal == Goal::Closest {
-                stack.sort_top(met.lanes.count_ones() as usize);
-            }
+            stack.sort_top(met.lanes.count_ones() as usize);
         }
     }
 

@@ -152,10 +152,11 @@ fn check_axes(table: &Table<'_>, camera: &Camera) {
         (None, _) => table.wrong("look_at", "`camera.look_at` must not be `camera.position`"),
         (_, None) => table.wrong("up", "`camera.up` must not be [0, 0, 0]"),
         (Some(view), Some(up)) if view.cross(up).length() < PARALLEL => {
+            let other = if view.y.abs() < 0.5 { "[0, 1, 0]" } else { "[0, 0, 1]" };
             let key = if table.span_of("up").is_some() { "up" } else { "look_at" };
             table
                 .wrong(key, "`camera.up` must not be parallel to the view")
-                .help("any other direction will do, as in `up = [0, 0, 1]`".to_owned())
+                .help(format!("any other direction will do, as in `up = {other}`"))
         }
         _ => return,
     };
@@ -208,7 +209,7 @@ fn check_columns(table: &Table<'_>, columns: &[Column]) -> bool {
 }
 
 fn demand_spheres(root: &Table<'_>) {
-    if root.span_of("spheres").is_none() && root.span_of("sphere_tables").is_none() {
+    if root.is_empty_list("spheres") && root.is_empty_list("sphere_tables") {
         let help = "add `[[spheres]]` with center, radius and material".to_owned();
         root.report().add(Wrong::absence(root.span(), "the scene has no spheres").help(help));
     }

@@ -1,0 +1,365 @@
+/* shim.h over Embree 4 or 3, whichever build.rs found (EMBREE_MAJOR says which).
+ *
+ * Two things are done here and nowhere else. The difference between the two versions is hidden in
+ * the first section. And every candidate hit, of a sphere point or of user geometry, is judged by
+ * one function, accept(): so exclusion, the open interval and ties have one rule, and the answer
+ * does not depend on the order in which Embree visits the spheres.
+ */
+#include "shim.h"
+
+#if EMBREE_MAJOR == 4
+#include <embree4/rtcore.h>
+#elif EMBREE_MAJOR == 3
+#include <embree3/rtcore.h>
+#else
+#error "EMBREE_MAJOR must be 4 or 3"
+#endif
+
+#include <float.h>
+#include <math.h>
+
+_Static_assert(sizeof(PsRay) == 64, "a ray is one cache line");
+_Static_assert(FLT_EVAL_METHOD == 0, "the same arithmetic as on the Rust side");
+_Static_assert((int)PS_ERROR_CANCELLED == (int)RTC_ERROR_CANCELLED, "Embree's own code");
+
+/* ---- Embree 4 or 3 ---- */
+
+#if EMBREE_MAJOR == 4
+typedef struct RTCRayQueryContext Context;
+#else
+typedef struct RTCIntersectContext Context;
+#endif
+
+/* What a callback must know of the ray being traced. Embree hands its context to every callback;
+ * it comes first here, so that a pointer to it is a pointer to the whole. */
+typedef struct Query {
+    Context context;
+    const PsRay *ray;
+    /* The ray to 48 bits. */
+    double origin[3], direction[3];
+    /* The first hit so far. */
+    double t;
+    uint32_t id;
+} Query;
+
+#if EMBREE_MAJOR == 4
+
+typedef struct RTCIntersectArguments ClosestArguments;
+typedef struct RTCOccludedArguments OccludedArguments;
+
+static void prepare_closest(ClosestArguments *arguments, Query *query) {
+    rtcInitRayQueryContext(&query->context);
+    rtcInitIntersectArguments(arguments);
+    arguments->context = &query->context;
+}
+
+static void prepare_occluded(OccludedArguments *arguments, Query *query) {
+    rtcInitRayQueryContext(&query->context);
+    rtcInitOccludedArguments(arguments);
+    arguments->context = &query->context;
+}
+
+static void trace_closest(RTCScene scene, ClosestArguments *arguments, struct RTCRayHit *rayhit) {
+    rtcIntersect1(scene, rayhit, arguments);
+}
+
+static void trace_occluded(RTCScene scene, OccludedArguments *arguments, struct RTCRay *ray) {
+    rtcOccluded1(scene, ray, arguments);
+}
+
+#else
+
+typedef Context *ClosestArguments;
+typedef Context *OccludedArguments;
+
+static void prepare_closest(ClosestArguments *arguments, Query *query) {
+    rtcInitIntersectContext(&query->context);
+    *arguments = &query->context;
+}
+
+static void prepare_occluded(OccludedArguments *arguments, Query *query) {
+    prepare_closest(arguments, query);
+}
+
+static void trace_closest(RTCScene scene, ClosestArguments *arguments, struct RTCRayHit *rayhit) {
+    rtcIntersect1(scene, *arguments, rayhit);
+}
+
+static void trace_occluded(RTCScene scene, OccludedArguments *arguments, struct RTCRay *ray) {
+    rtcOccluded1(scene, *arguments, ray);
+}
+
+#endif
+
+/* ---- One sphere and one ray, in f64 ---- */
+
+typedef struct Sphere {
+    double center[3], radius;
+} Sphere;
+
+static Sphere sphere_at(const PsSpheres *spheres, uint32_t id) {
+    if (id < spheres->particle_count) {
+        const float *s = &spheres->particles[4 * (size_t)id];
+        return (Sphere){{s[0], s[1], s[2]}, s[3]};
+    }
+    const double *s = &spheres->giants[4 * (size_t)(id - spheres->particle_count)];
+    return (Sphere){{s[0], s[1], s[2]}, s[3]};
+}
+
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* `Sphere::first_root` of photosphere's geometry, operation by operation, so that it gives the same
+ * bits. The far root where the near one is not beyond t_min; NAN where the line passes by. */
+static double first_root(const Sphere *sphere, const Query *query) {
+    const double *o = query->origin, *d = query->direction, *c = sphere->center;
+    const double to_center[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
+    double length_squared = dot(d, d);
+    double t = dot(to_center, d) / length_squared;
+    const double perpendicular[3] = {to_center[0] - d[0] * t, to_center[1] - d[1] * t,
+                                     to_center[2] - d[2] * t};
+    double discriminant = sphere->radius * sphere->radius - dot(perpendicular, perpendicular);
+    double half_chord_squared = discriminant / length_squared;
+    if (!(half_chord_squared >= 0.0)) return NAN;
+    double h = sqrt(half_chord_squared);
+    return t - h > query->ray->t_min ? t - h : t + h;
+}
+
+/* ---- Which hits count ---- */
+
+static bool counts(const PsRay *ray, uint32_t id, double t) {
+    bool excluded = id == ray->exclude[0] || id == ray->exclude[1];
+    return !excluded && t > ray->t_min && t < ray->t_max;
+}
+
+/* Whether this hit is the first so far; if so it is remembered. Of equal distances the lowest id
+ * wins, as in brute force. */
+static bool accept(Query *query, uint32_t id, double t) {
+    if (!counts(query->ray, id, t)) return false;
+    if (!(t < query->t || (t == query->t && id < query->id))) return false;
+    query->t = t;
+    query->id = id;
+    return true;
+}
+
+/* Filters of the sphere points. Embree has put its distance into the ray; setting `valid` to 0
+ * rejects the hit, upon which Embree offers the sphere's far wall. The callbacks are only ever
+ * called for one ray, where RTCRayN and RTCHitN are RTCRay and RTCHit. */
+
+static void filter_closest(const struct RTCFilterFunctionNArguments *arguments) {
+    const struct RTCRay *ray = (const struct RTCRay *)arguments->ray;
+    const struct RTCHit *hit = (const struct RTCHit *)arguments->hit;
+    Query *query = (Query *)arguments->context;
+    if (!accept(query, hit->primID, ray->tfar)) arguments->valid[0] = 0;
+}
+
+static void filter_occluded(const struct RTCFilterFunctionNArguments *arguments) {
+    const struct RTCRay *ray = (const struct RTCRay *)arguments->ray;
+    const struct RTCHit *hit = (const struct RTCHit *)arguments->hit;
+    const Query *query = (const Query *)arguments->context;
+    if (!counts(query->ray, hit->primID, ray->tfar)) arguments->valid[0] = 0;
+}
+
+/* ---- User geometry ---- */
+
+static float round_up(double x) {
+    float nearest = (float)x;
+    return nearest < x ? nextafterf(nearest, INFINITY) : nearest;
+}
+
+/* Always outwards by at least half an ulp, which covers the rounding of the f64 sums as well. */
+static void user_bounds(const struct RTCBoundsFunctionArguments *arguments) {
+    const PsSpheres *spheres = arguments->geometryUserPtr;
+    Sphere sphere = sphere_at(spheres, spheres->first_user_id + arguments->primID);
+    float lower[3], upper[3];
+    for (int axis = 0; axis < 3; axis++) {
+        lower[axis] = nextafterf((float)(sphere.center[axis] - sphere.radius), -INFINITY);
+        upper[axis] = nextafterf((float)(sphere.center[axis] + sphere.radius), INFINITY);
+    }
+    struct RTCBounds *bounds = arguments->bounds_o;
+    bounds->lower_x = lower[0], bounds->lower_y = lower[1], bounds->lower_z = lower[2];
+    bounds->upper_x = upper[0], bounds->upper_y = upper[1], bounds->upper_z = upper[2];
+}
+
+/* The exact first hit stays in the query. Embree, which compares boxes and sphere points with
+ * `tfar`, is given the distance rounded up, so that it skips nothing that is nearer. */
+static void user_closest(const struct RTCIntersectFunctionNArguments *arguments) {
+    if (!arguments->valid[0]) return;
+    const PsSpheres *spheres = arguments->geometryUserPtr;
+    struct RTCRayHit *rayhit = (struct RTCRayHit *)arguments->rayhit;
+    Query *query = (Query *)arguments->context;
+    uint32_t id = spheres->first_user_id + arguments->primID;
+    Sphere sphere = sphere_at(spheres, id);
+    double t = first_root(&sphere, query);
+    if (!accept(query, id, t)) return;
+    rayhit->ray.tfar = round_up(t);
+    rayhit->hit.primID = arguments->primID;
+    rayhit->hit.geomID = arguments->geomID;
+}
+
+static void user_occluded(const struct RTCOccludedFunctionNArguments *arguments) {
+    if (!arguments->valid[0]) return;
+    const PsSpheres *spheres = arguments->geometryUserPtr;
+    struct RTCRay *ray = (struct RTCRay *)arguments->ray;
+    const Query *query = (const Query *)arguments->context;
+    uint32_t id = spheres->first_user_id + arguments->primID;
+    Sphere sphere = sphere_at(spheres, id);
+    if (counts(query->ray, id, first_root(&sphere, query))) ray->tfar = -INFINITY;
+}
+
+/* ---- Devices ---- */
+
+PsDevice *ps_device_new(const char *config) { return (PsDevice *)rtcNewDevice(config); }
+
+uint32_t ps_creation_error(void) { return rtcGetDeviceError(NULL); }
+
+void ps_device_release(PsDevice *device) { rtcReleaseDevice((RTCDevice)device); }
+
+void ps_device_on_error(PsDevice *device, PsErrorListener report, void *listener) {
+    rtcSetDeviceErrorFunction((RTCDevice)device, report, listener);
+}
+
+void ps_device_on_memory(PsDevice *device, PsMemoryListener count, void *listener) {
+    rtcSetDeviceMemoryMonitorFunction((RTCDevice)device, count, listener);
+}
+
+static uint32_t property(PsDevice *device, enum RTCDeviceProperty name) {
+    return (uint32_t)rtcGetDeviceProperty((RTCDevice)device, name);
+}
+
+void ps_device_describe(PsDevice *device, PsDescription *description) {
+    uint32_t width = 1;
+    if (property(device, RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED)) width = 4;
+    if (property(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) width = 8;
+    if (property(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) width = 16;
+    *description = (PsDescription){
+        .compiled_version = RTC_VERSION,
+        .runtime_version = property(device, RTC_DEVICE_PROPERTY_VERSION),
+        .packet_width = width,
+        .tasking = property(device, RTC_DEVICE_PROPERTY_TASKING_SYSTEM),
+        .sphere_points = property(device, RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED),
+        .user_geometry = property(device, RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED),
+        .filters = property(device, RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED),
+        .culls_sphere_back_faces = -1,
+    };
+#if RTC_VERSION_MAJOR == 3
+    /* Embree 3 knows no such culling. */
+    description->culls_sphere_back_faces = 0;
+#elif RTC_VERSION >= 40303
+    description->culls_sphere_back_faces =
+        (int32_t)property(device, RTC_DEVICE_PROPERTY_BACKFACE_CULLING_SPHERES_ENABLED);
+#endif
+}
+
+/* ---- Geometries ---- */
+
+PsGeometry *ps_points_new(PsDevice *device, const PsSpheres *spheres) {
+    RTCGeometry geometry = rtcNewGeometry((RTCDevice)device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                               spheres->particles, 0, 4 * sizeof(float), spheres->first_user_id);
+    rtcSetGeometryIntersectFilterFunction(geometry, filter_closest);
+    rtcSetGeometryOccludedFilterFunction(geometry, filter_occluded);
+    return (PsGeometry *)geometry;
+}
+
+PsGeometry *ps_user_new(PsDevice *device, const PsSpheres *spheres) {
+    RTCGeometry geometry = rtcNewGeometry((RTCDevice)device, RTC_GEOMETRY_TYPE_USER);
+    uint32_t count = spheres->particle_count + spheres->giant_count - spheres->first_user_id;
+    rtcSetGeometryUserPrimitiveCount(geometry, count);
+    rtcSetGeometryUserData(geometry, (void *)spheres);
+    rtcSetGeometryBoundsFunction(geometry, user_bounds, NULL);
+    rtcSetGeometryIntersectFunction(geometry, user_closest);
+    rtcSetGeometryOccludedFunction(geometry, user_occluded);
+    return (PsGeometry *)geometry;
+}
+
+void ps_geometry_commit(PsGeometry *geometry) { rtcCommitGeometry((RTCGeometry)geometry); }
+
+void ps_geometry_release(PsGeometry *geometry) { rtcReleaseGeometry((RTCGeometry)geometry); }
+
+/* ---- Scenes ---- */
+
+PsScene *ps_scene_new(PsDevice *device) {
+    RTCScene scene = rtcNewScene((RTCDevice)device);
+    /* Box tests that lose nothing to rounding; for spheres they cost nothing measurable. */
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    return (PsScene *)scene;
+}
+
+void ps_scene_attach(PsScene *scene, PsGeometry *geometry) {
+    rtcAttachGeometry((RTCScene)scene, (RTCGeometry)geometry);
+}
+
+void ps_scene_on_progress(PsScene *scene, PsProgressListener go_on, void *listener) {
+    rtcSetSceneProgressMonitorFunction((RTCScene)scene, go_on, listener);
+}
+
+void ps_scene_commit(PsScene *scene) { rtcCommitScene((RTCScene)scene); }
+
+void ps_scene_release(PsScene *scene) { rtcReleaseScene((RTCScene)scene); }
+
+/* ---- Questions ---- */
+
+bool ps_ray_is_valid(const PsRay *ray) {
+    const float limit = 2.0f * 1e15f;
+    bool bounded = true;
+    for (int axis = 0; axis < 3; axis++)
+        bounded &= fabsf(ray->origin[axis]) <= limit && fabsf(ray->direction[axis]) <= limit;
+    return bounded && ray->t_min >= 0.0f && ray->t_min <= limit && ray->t_max >= 0.0f;
+}
+
+static void begin(Query *query, const PsRay *ray) {
+    query->ray = ray;
+    for (int axis = 0; axis < 3; axis++) {
+        query->origin[axis] = (double)ray->origin[axis] + ray->origin_low[axis];
+        query->direction[axis] = (double)ray->direction[axis] + ray->direction_low[axis];
+    }
+    query->t = INFINITY;
+    query->id = PS_NO_SPHERE;
+}
+
+static struct RTCRay embree_ray(const PsRay *ray) {
+    return (struct RTCRay){
+        .org_x = ray->origin[0],
+        .org_y = ray->origin[1],
+        .org_z = ray->origin[2],
+        .tnear = ray->t_min,
+        .dir_x = ray->direction[0],
+        .dir_y = ray->direction[1],
+        .dir_z = ray->direction[2],
+        .tfar = ray->t_max,
+        .mask = UINT32_MAX,
+    };
+}
+
+void ps_closest(PsScene *scene, const PsRay *rays, size_t count, PsHit *hits) {
+    Query query;
+    ClosestArguments arguments;
+    prepare_closest(&arguments, &query);
+    for (size_t i = 0; i < count; i++) {
+        begin(&query, &rays[i]);
+        if (ps_ray_is_valid(&rays[i])) {
+            struct RTCRayHit rayhit = {.ray = embree_ray(&rays[i])};
+            rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+            rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+            trace_closest((RTCScene)scene, &arguments, &rayhit);
+        }
+        hits[i] = (PsHit){.t = (float)query.t, .id = query.id};
+    }
+}
+
+void ps_occluded(PsScene *scene, const PsRay *rays, size_t count, bool *blocked) {
+    Query query;
+    OccludedArguments arguments;
+    prepare_occluded(&arguments, &query);
+    for (size_t i = 0; i < count; i++) {
+        begin(&query, &rays[i]);
+        blocked[i] = false;
+        if (ps_ray_is_valid(&rays[i])) {
+            struct RTCRay ray = embree_ray(&rays[i]);
+            trace_occluded((RTCScene)scene, &arguments, &ray);
+            blocked[i] = ray.tfar < 0.0f;
+        }
+    }
+}

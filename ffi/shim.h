@@ -1,0 +1,117 @@
+/* The one seam to Embree: everything that Rust may ask of it, in plain C types.
+ *
+ * bindgen reads this header and no other. No Embree type appears in it, so the bindings are the
+ * same whichever Embree is installed; shim.c hides what differs between versions 4 and 3.
+ *
+ * Functions without a result report mistakes to the device's error listener, never to the caller.
+ */
+#ifndef PHOTOSPHERE_SHIM_H
+#define PHOTOSPHERE_SHIM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Handles, counted by Embree: a scene keeps its geometries and its device. */
+typedef struct PsDevice PsDevice;
+typedef struct PsGeometry PsGeometry;
+typedef struct PsScene PsScene;
+
+/* The id that means "no sphere". */
+#define PS_NO_SPHERE UINT32_MAX
+
+/* A question. The layout is that of photosphere's `math::Ray`, which explains the fields. */
+typedef struct PsRay {
+    _Alignas(64) float origin[3];
+    float t_min;
+    float direction[3];
+    float t_max;
+    uint32_t exclude[2];
+    float origin_low[3];
+    float direction_low[3];
+} PsRay;
+
+/* An answer. The layout is that of photosphere's `math::Hit`. */
+typedef struct PsHit {
+    float t;
+    uint32_t id;
+} PsHit;
+
+/* All the spheres of a scene. The ids of giants follow those of the particles. Must not move or
+ * change as long as a geometry or a scene made from it lives. */
+typedef struct PsSpheres {
+    /* x, y, z, radius of each. */
+    const float *particles;
+    const double *giants;
+    uint32_t particle_count;
+    uint32_t giant_count;
+    /* Spheres below this id are sphere points, the others are user geometry. */
+    uint32_t first_user_id;
+} PsSpheres;
+
+/* ---- Devices ---- */
+
+/* What a device can do, as numbers. */
+typedef struct PsDescription {
+    /* The version of the headers that the shim was compiled against, and that of the library that
+     * runs: 10000 major + 100 minor + patch. */
+    uint32_t compiled_version;
+    uint32_t runtime_version;
+    /* The widest ray packet that the selected instructions handle in one piece: 1, 4, 8 or 16. */
+    uint32_t packet_width;
+    /* 0: Embree's own, 1: TBB, 2: PPL. */
+    uint32_t tasking;
+    bool sphere_points;
+    bool user_geometry;
+    bool filters;
+    /* Whether spheres are invisible from inside; -1: this version does not tell. */
+    int32_t culls_sphere_back_faces;
+} PsDescription;
+
+/* The error code with a meaning of its own for the caller. */
+enum { PS_ERROR_CANCELLED = 6 };
+
+/* Called with a code and a text, from any thread that works for the device. */
+typedef void (*PsErrorListener)(void *listener, uint32_t code, const char *text);
+/* Called with the number of bytes about to be allocated, or just freed (negative), from any thread
+ * that works for the device. */
+typedef bool (*PsMemoryListener)(void *listener, ptrdiff_t bytes, bool after);
+
+/* NULL on failure; ps_creation_error() then says why, once. */
+PsDevice *ps_device_new(const char *config);
+uint32_t ps_creation_error(void);
+void ps_device_release(PsDevice *device);
+void ps_device_on_error(PsDevice *device, PsErrorListener report, void *listener);
+void ps_device_on_memory(PsDevice *device, PsMemoryListener count, void *listener);
+void ps_device_describe(PsDevice *device, PsDescription *description);
+
+/* ---- Geometries ---- */
+
+/* The particles, as sphere points that share the array. */
+PsGeometry *ps_points_new(PsDevice *device, const PsSpheres *spheres);
+/* The spheres from `first_user_id` on, as user geometry. */
+PsGeometry *ps_user_new(PsDevice *device, const PsSpheres *spheres);
+void ps_geometry_commit(PsGeometry *geometry);
+void ps_geometry_release(PsGeometry *geometry);
+
+/* ---- Scenes ---- */
+
+/* Called during a commit, from any thread that works for the device; false stops the commit. */
+typedef bool (*PsProgressListener)(void *listener, double done);
+
+PsScene *ps_scene_new(PsDevice *device);
+void ps_scene_attach(PsScene *scene, PsGeometry *geometry);
+void ps_scene_on_progress(PsScene *scene, PsProgressListener go_on, void *listener);
+void ps_scene_commit(PsScene *scene);
+void ps_scene_release(PsScene *scene);
+
+/* ---- Questions to a committed scene, from any number of threads ---- */
+
+/* Whether Embree may be asked at all: the same test as `math::Ray::is_valid`. */
+bool ps_ray_is_valid(const PsRay *ray);
+/* The first sphere that each ray hits; invalid rays hit nothing. */
+void ps_closest(PsScene *scene, const PsRay *rays, size_t count, PsHit *hits);
+/* Whether each ray hits anything; invalid rays do not. */
+void ps_occluded(PsScene *scene, const PsRay *rays, size_t count, bool *blocked);
+
+#endif

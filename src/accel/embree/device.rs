@@ -1,0 +1,138 @@
+//! An Embree device: the owner of errors, memory figures and build threads.
+
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::ptr::NonNull;
+use std::sync::atomic::{AtomicIsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::error::{Error, Result};
+
+use super::sys;
+
+/// Owns a device. Each intersector has its own, so that errors and bytes are its own too.
+pub(super) struct Device {
+    raw: NonNull<sys::PsDevice>,
+    /// Embree keeps its address, so it goes after `raw` is released.
+    listener: Arc<Listener>,
+}
+
+/// What Embree tells a device, from any of its threads.
+#[derive(Default)]
+struct Listener {
+    /// The first error since the last check; later ones are mostly its consequences.
+    error: Mutex<Option<Report>>,
+    /// Bytes that Embree holds, by its own count.
+    bytes: AtomicIsize,
+}
+
+struct Report {
+    code: u32,
+    text: String,
+}
+
+// SAFETY: Embree's device functions may be called from any thread, and the listener is `Sync`.
+unsafe impl Send for Device {}
+// SAFETY: as above; all methods take `&self` and call only such functions.
+unsafe impl Sync for Device {}
+
+impl Device {
+    /// A device that builds with this many threads; 0 means all.
+    pub(super) fn new(threads: usize) -> Result<Arc<Self>> {
+        let config = if threads == 0 { String::new() } else { format!("threads={threads}") };
+        let config = CString::new(config).expect("a number holds no NUL");
+        // SAFETY: `config` is a C string that outlives the call, which copies it.
+        let raw = unsafe { sys::ps_device_new(config.as_ptr()) };
+        let device = Self::adopt(raw)?;
+        device.check("start")?;
+        Ok(Arc::new(device))
+    }
+
+    /// Takes ownership of a new device, and listens to it.
+    pub(super) fn adopt(raw: *mut sys::PsDevice) -> Result<Self> {
+        let Some(raw) = NonNull::new(raw) else {
+            // SAFETY: asks for the error of this thread's failed `ps_device_new`.
+            let cause = match unsafe { sys::ps_creation_error() } {
+                4 => "there is not enough memory".to_owned(),
+                5 => "it does not support this processor".to_owned(),
+                code => format!("it gives no device, and error code {code}"),
+            };
+            return Err(Error::backend(format!("Embree cannot start: {cause}"))
+                .with_help("choose --accel native"));
+        };
+        let device = Self { raw, listener: Arc::default() };
+        let listener = Arc::as_ptr(&device.listener).cast_mut().cast::<c_void>();
+        // SAFETY: `raw` is alive; the callbacks cast `listener` back to what it is and only read
+        // it as shared; it lives until `drop`, after the device itself.
+        unsafe {
+            sys::ps_device_on_error(raw.as_ptr(), Some(on_error), listener);
+            sys::ps_device_on_memory(raw.as_ptr(), Some(on_memory), listener);
+        }
+        Ok(device)
+    }
+
+    pub(super) fn raw(&self) -> *mut sys::PsDevice {
+        self.raw.as_ptr()
+    }
+
+    /// Fails if Embree reported an error since the last check. `doing` completes "Embree cannot".
+    pub(super) fn check(&self, doing: &str) -> Result<()> {
+        match self.listener.error().take() {
+            None => Ok(()),
+            Some(report) if report.code == sys::PS_ERROR_CANCELLED => Err(Error::cancelled()),
+            Some(Report { code, text }) => {
+                Err(Error::backend(format!("Embree cannot {doing}: {text} (error code {code})")))
+            }
+        }
+    }
+
+    /// What this Embree is and can do.
+    pub(super) fn describe(&self) -> Result<sys::PsDescription> {
+        let mut description = std::mem::MaybeUninit::uninit();
+        // SAFETY: the device is alive, and the call fills the whole description.
+        let description = unsafe {
+            sys::ps_device_describe(self.raw(), description.as_mut_ptr());
+            description.assume_init()
+        };
+        self.check("describe itself")?;
+        Ok(description)
+    }
+
+    /// Bytes that Embree holds for this device, by its own count, which is up to twice of what the
+    /// process really grows by in large scenes.
+    pub(super) fn bytes(&self) -> usize {
+        usize::try_from(self.listener.bytes.load(Ordering::Relaxed)).unwrap_or(0)
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // SAFETY: this is the one owner. Scenes and geometries hold an `Arc` of this device and
+        // release their own handles first, so this call frees it, and the listener is alive.
+        unsafe { sys::ps_device_release(self.raw()) }
+    }
+}
+
+impl Listener {
+    fn error(&self) -> std::sync::MutexGuard<'_, Option<Report>> {
+        self.error.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+unsafe extern "C" fn on_error(listener: *mut c_void, code: u32, text: *const c_char) {
+    // SAFETY: `adopt` passed a pointer to the device's listener, which outlives the device.
+    let listener = unsafe { &*listener.cast::<Listener>() };
+    let text = if text.is_null() {
+        "no reason given".to_owned()
+    } else {
+        // SAFETY: Embree passes a C string that is valid during this call.
+        unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+    };
+    listener.error().get_or_insert(Report { code, text });
+}
+
+unsafe extern "C" fn on_memory(listener: *mut c_void, bytes: isize, _after: bool) -> bool {
+    // SAFETY: `adopt` passed a pointer to the device's listener, which outlives the device.
+    let listener = unsafe { &*listener.cast::<Listener>() };
+    listener.bytes.fetch_add(bytes, Ordering::Relaxed);
+    true
+}

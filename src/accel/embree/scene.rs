@@ -1,0 +1,225 @@
+//! Geometries, the scene that is being put together, and the committed scene.
+//!
+//! Each is the one owner of its handle. A [`Geometry`] is born committed, and only a
+//! [`SceneBuilder`] can be changed and only a [`Scene`] asked, so Embree never sees the calls in a
+//! wrong order. Whatever Embree points to (device, spheres) is held by whoever holds the handle,
+//! so they may be dropped in any order.
+
+use std::ffi::c_void;
+use std::ptr::{self, NonNull};
+use std::sync::Arc;
+
+use crate::accel::Cancel;
+use crate::error::Result;
+use crate::geometry::SphereSet;
+use crate::math::{Hit, Ray};
+
+use super::device::Device;
+use super::{Particles, sys};
+
+/// The spheres as the shim reads them. Never moves or changes once it is in its `Arc`.
+pub(super) struct Spheres {
+    pub(super) table: sys::PsSpheres,
+    /// What the table points to.
+    _set: Arc<SphereSet>,
+    _giants: Vec<[f64; 4]>,
+}
+
+// SAFETY: the table's pointers lead to memory that this value owns and that nobody ever writes.
+unsafe impl Send for Spheres {}
+// SAFETY: as above.
+unsafe impl Sync for Spheres {}
+
+impl Spheres {
+    pub(super) fn new(set: &Arc<SphereSet>, particles_as: Particles) -> Arc<Self> {
+        let giants: Vec<[f64; 4]> = set
+            .giants()
+            .iter()
+            .map(|giant| [giant.center.x, giant.center.y, giant.center.z, giant.radius])
+            .collect();
+        let particles = set.particles();
+        let table = sys::PsSpheres {
+            particles: particles.as_ptr().cast(),
+            giants: giants.as_ptr().cast(),
+            // A set has less than 2^32 spheres.
+            particle_count: particles.len() as u32,
+            giant_count: giants.len() as u32,
+            first_user_id: match particles_as {
+                Particles::Points => particles.len() as u32,
+                Particles::User => 0,
+            },
+        };
+        Arc::new(Self { table, _set: set.clone(), _giants: giants })
+    }
+
+    pub(super) fn point_count(&self) -> u32 {
+        self.table.first_user_id
+    }
+
+    pub(super) fn user_count(&self) -> u32 {
+        self.table.particle_count + self.table.giant_count - self.table.first_user_id
+    }
+}
+
+/// Owns a geometry.
+pub(super) struct Geometry {
+    raw: NonNull<sys::PsGeometry>,
+    device: Arc<Device>,
+    spheres: Arc<Spheres>,
+}
+
+// SAFETY: a geometry may be used and released by any one thread.
+unsafe impl Send for Geometry {}
+
+impl Geometry {
+    /// The spheres that are sphere points, committed.
+    pub(super) fn points(device: &Arc<Device>, spheres: &Arc<Spheres>) -> Result<Self> {
+        // SAFETY: device and table are alive, and the geometry keeps them so.
+        let raw = unsafe { sys::ps_points_new(device.raw(), &spheres.table) };
+        Self::uncommitted(raw, device, spheres, "share the spheres")?.commit()
+    }
+
+    /// The spheres that are user geometry, committed.
+    pub(super) fn user(device: &Arc<Device>, spheres: &Arc<Spheres>) -> Result<Self> {
+        // SAFETY: device and table are alive, and the geometry keeps them so.
+        let raw = unsafe { sys::ps_user_new(device.raw(), &spheres.table) };
+        Self::uncommitted(raw, device, spheres, "take the spheres")?.commit()
+    }
+
+    pub(super) fn uncommitted(
+        raw: *mut sys::PsGeometry,
+        device: &Arc<Device>,
+        spheres: &Arc<Spheres>,
+        doing: &str,
+    ) -> Result<Self> {
+        let owned = NonNull::new(raw).map(|raw| Self {
+            raw,
+            device: device.clone(),
+            spheres: spheres.clone(),
+        });
+        device.check(doing)?;
+        Ok(owned.expect("Embree reports an error where it gives no geometry"))
+    }
+
+    fn commit(self) -> Result<Self> {
+        // SAFETY: the handle is alive, and no other thread has it.
+        unsafe { sys::ps_geometry_commit(self.raw.as_ptr()) }
+        self.device.check("prepare the spheres")?;
+        Ok(self)
+    }
+}
+
+impl Drop for Geometry {
+    fn drop(&mut self) {
+        // SAFETY: this is the one owner; scenes count their own reference.
+        unsafe { sys::ps_geometry_release(self.raw.as_ptr()) }
+    }
+}
+
+/// Owns a scene's handle, and all that Embree reads through it.
+struct Handle {
+    raw: NonNull<sys::PsScene>,
+    spheres: Vec<Arc<Spheres>>,
+    device: Arc<Device>,
+}
+
+// SAFETY: Embree's scenes may be used by any thread; `SceneBuilder` lets only one change a scene.
+unsafe impl Send for Handle {}
+// SAFETY: what takes `&self` (the queries of a committed `Scene`) may run on many threads at once,
+// by Embree's contract.
+unsafe impl Sync for Handle {}
+
+impl Drop for Handle {
+    fn drop(&mut self) {
+        // SAFETY: this is the one owner, and fields are dropped only afterwards.
+        unsafe { sys::ps_scene_release(self.raw.as_ptr()) }
+    }
+}
+
+/// A scene being put together.
+pub(super) struct SceneBuilder {
+    handle: Handle,
+}
+
+impl SceneBuilder {
+    pub(super) fn new(device: &Arc<Device>) -> Result<Self> {
+        // SAFETY: the device is alive.
+        let raw = NonNull::new(unsafe { sys::ps_scene_new(device.raw()) });
+        let owned = raw.map(|raw| Handle { raw, spheres: Vec::new(), device: device.clone() });
+        device.check("begin a scene")?;
+        Ok(Self { handle: owned.expect("Embree reports an error where it gives no scene") })
+    }
+
+    /// Adds a geometry of the same device, whose own handle may go afterwards.
+    pub(super) fn attach(mut self, geometry: &Geometry) -> Result<Self> {
+        self.handle.spheres.push(geometry.spheres.clone());
+        // SAFETY: both handles are alive, and `self` is the only user of the scene.
+        unsafe { sys::ps_scene_attach(self.handle.raw.as_ptr(), geometry.raw.as_ptr()) }
+        self.handle.device.check("add the spheres to the scene")?;
+        Ok(self)
+    }
+
+    /// Builds the tree.
+    pub(super) fn commit(self, cancel: &Cancel) -> Result<Scene> {
+        let raw = self.handle.raw.as_ptr();
+        let listener = ptr::from_ref(cancel).cast_mut().cast::<c_void>();
+        // SAFETY: `self` is the only user of the scene. `go_on` reads `cancel` as shared, and is
+        // taken away again before the borrow ends.
+        unsafe {
+            sys::ps_scene_on_progress(raw, Some(go_on), listener);
+            sys::ps_scene_commit(raw);
+            sys::ps_scene_on_progress(raw, None, ptr::null_mut());
+        }
+        self.handle.device.check("build its tree")?;
+        Ok(Scene { handle: self.handle })
+    }
+}
+
+unsafe extern "C" fn go_on(cancel: *mut c_void, _done: f64) -> bool {
+    // SAFETY: `commit` passed a `&Cancel` that it holds while this may be called.
+    let cancel = unsafe { &*cancel.cast::<Cancel>() };
+    !cancel.is_cancelled()
+}
+
+/// A committed scene: it can only be asked.
+pub(super) struct Scene {
+    handle: Handle,
+}
+
+impl Scene {
+    /// # Panics
+    /// When the slices differ in length.
+    pub(super) fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        assert_eq!(rays.len(), hits.len(), "one hit for each ray");
+        // SAFETY: the scene is committed and may be asked from any thread. `sys` proves that the
+        // layouts of rays and hits agree; the shim reads and writes `len` of each.
+        unsafe {
+            sys::ps_closest(
+                self.handle.raw.as_ptr(),
+                rays.as_ptr().cast(),
+                rays.len(),
+                hits.as_mut_ptr().cast(),
+            );
+        }
+    }
+
+    /// # Panics
+    /// When the slices differ in length.
+    pub(super) fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
+        assert_eq!(rays.len(), blocked.len(), "one answer for each ray");
+        // SAFETY: as in `closest`; C's bool is Rust's, and only 0 and 1 are written.
+        unsafe {
+            sys::ps_occluded(
+                self.handle.raw.as_ptr(),
+                rays.as_ptr().cast(),
+                rays.len(),
+                blocked.as_mut_ptr(),
+            );
+        }
+    }
+
+    /// Bytes that Embree holds, see [`Device::bytes`].
+    pub(super) fn bytes(&self) -> usize {
+        self.handle.device.bytes()
+    }
+}

@@ -1,0 +1,198 @@
+//! The fence itself: errors, cancellation, owners dropped in every order. What the intersectors
+//! answer is tested from outside.
+
+use std::sync::Arc;
+
+use crate::accel::Cancel;
+use crate::error::Category;
+use crate::geometry::{SphereRows, SphereSet};
+use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
+
+use super::device::Device;
+use super::scene::{Geometry, Scene, SceneBuilder, Spheres};
+use super::{Particles, describe, require, sys};
+
+/// A grid of spheres of radius 0.25, and a giant under it.
+fn grid(side: i32) -> Arc<SphereSet> {
+    let cell = |i: i32| [(i % side) as f32, (i / side % side) as f32, (i / side / side) as f32];
+    let table = (0..side.pow(3)).map(|i| [cell(i)[0], cell(i)[1], cell(i)[2], 0.25]).collect();
+    let ground = crate::geometry::Sphere { center: DVec3::new(0.0, -1e6, 0.0), radius: 1e6 - 1.0 };
+    let set = SphereSet::new(SphereRows { exact: vec![ground], table }).expect("few spheres");
+    assert_eq!(set.giants().len(), 1);
+    Arc::new(set)
+}
+
+fn commit(device: &Arc<Device>, spheres: &Arc<Spheres>) -> Scene {
+    let points = Geometry::points(device, spheres).expect("shares");
+    let user = Geometry::user(device, spheres).expect("takes");
+    let builder = SceneBuilder::new(device).expect("begins");
+    let builder = builder.attach(&points).and_then(|b| b.attach(&user)).expect("attaches");
+    builder.commit(&Cancel::default()).expect("builds")
+}
+
+/// A ray down through the middle of the grid hits a sphere, and one beside it the ground.
+fn ask(scene: &Scene) {
+    let down =
+        |x: f64| Ray::new(DVec3::new(x, 100.0, 0.0), -DVec3::Y, 0.0, f64::INFINITY, [NO_SPHERE; 2]);
+    let mut hits = [Hit::MISS; 2];
+    scene.closest(&[down(0.0), down(50.0)], &mut hits);
+    assert!(!hits[0].is_miss() && !hits[1].is_miss() && hits[0].t < hits[1].t, "{hits:?}");
+    let mut blocked = [false; 2];
+    scene.occluded(&[down(0.0), down(50.0)], &mut blocked);
+    assert_eq!(blocked, [true; 2]);
+}
+
+#[test]
+fn owners_may_go_in_any_order() {
+    let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    for order in orders {
+        let set = grid(3);
+        let device = Device::new(1).expect("starts");
+        let spheres = Spheres::new(&set, Particles::Points);
+        let geometry = Geometry::points(&device, &spheres).expect("shares");
+        let unused =
+            SceneBuilder::new(&device).and_then(|b| b.attach(&geometry)).expect("attaches");
+        let scene = commit(&device, &spheres);
+        drop((set, spheres));
+        let (mut device, mut geometry, mut unused) = (Some(device), Some(geometry), Some(unused));
+        for turn in order {
+            match turn {
+                0 => drop(device.take()),
+                1 => drop(geometry.take()),
+                _ => drop(unused.take()),
+            }
+            ask(&scene);
+        }
+    }
+}
+
+#[test]
+fn threads_build_ask_and_drop_at_once() {
+    let set = grid(4);
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| {
+                for _ in 0..25 {
+                    let device = Device::new(1).expect("starts");
+                    let scene = commit(&device, &Spheres::new(&set, Particles::Points));
+                    drop(device);
+                    std::thread::scope(|inner| {
+                        inner.spawn(|| ask(&scene));
+                        inner.spawn(|| ask(&scene));
+                    });
+                    // Dropped on another thread than the one that built it.
+                    inner_drop(scene);
+                }
+            });
+        }
+    });
+}
+
+fn inner_drop(scene: Scene) {
+    std::thread::spawn(move || drop(scene)).join().expect("drops");
+}
+
+#[test]
+fn a_refused_buffer_is_told_in_embrees_words() {
+    let set = grid(3);
+    let device = Device::new(1).expect("starts");
+    let spheres = Spheres::new(&set, Particles::Points);
+    // An address that is no multiple of 4; it is refused before it is read.
+    let table = sys::PsSpheres { particles: std::ptr::without_provenance(2), ..spheres.table };
+    // SAFETY: the device is alive; Embree refuses the address and keeps nothing of the table.
+    let raw = unsafe { sys::ps_points_new(device.raw(), &table) };
+    let refused = Geometry::uncommitted(raw, &device, &spheres, "share the spheres");
+    let error = refused.err().expect("refused");
+    assert_eq!(error.category(), Category::Backend);
+    let text = error.to_string();
+    assert!(text.starts_with("Embree cannot share the spheres: "), "{text}");
+    assert!(text.contains("data must be 4 bytes aligned"), "{text}");
+    ask(&commit(&device, &spheres));
+}
+
+#[test]
+fn a_build_that_fails_in_the_middle_says_why_and_leaves_nothing_behind() {
+    let set = grid(3);
+    let device = Device::new(1).expect("starts");
+    let spheres = Spheres::new(&set, Particles::Points);
+    let good = Geometry::user(&device, &spheres).expect("takes");
+    // SAFETY: device and table are alive.
+    let raw = unsafe { sys::ps_points_new(device.raw(), &spheres.table) };
+    let raw = Geometry::uncommitted(raw, &device, &spheres, "share").expect("shares");
+    let builder = SceneBuilder::new(&device).and_then(|b| b.attach(&good)).expect("attaches");
+    let builder = builder.attach(&raw).expect("attaches");
+    let error = builder.commit(&Cancel::default()).err().expect("the points are not committed");
+    let text = error.to_string();
+    assert!(text.starts_with("Embree cannot build its tree: "), "{text}");
+    assert!(text.contains("not committed"), "{text}");
+    drop((raw, good));
+    ask(&commit(&device, &spheres));
+}
+
+#[test]
+fn a_commit_stops_when_asked_and_a_later_one_works() {
+    let set = grid(60);
+    let device = Device::new(1).expect("starts");
+    let spheres = Spheres::new(&set, Particles::Points);
+    let points = Geometry::points(&device, &spheres).expect("shares");
+    let builder = SceneBuilder::new(&device).and_then(|b| b.attach(&points)).expect("attaches");
+    let cancel = Cancel::default();
+    cancel.cancel();
+    let error = builder.commit(&cancel).err().expect("stopped");
+    assert_eq!(error.category(), Category::Cancelled);
+    ask(&commit(&device, &spheres));
+}
+
+#[test]
+fn no_device_is_an_error_and_not_a_crash() {
+    let error = Device::adopt(std::ptr::null_mut()).err().expect("no device");
+    assert_eq!(error.category(), Category::Backend);
+    assert!(error.to_string().starts_with("Embree cannot start: "), "{error}");
+    assert!(error.help().is_some());
+}
+
+#[test]
+fn an_embree_that_would_answer_wrongly_is_refused() {
+    let device = Device::new(1).expect("starts");
+    let real = describe(&device).expect("describes itself");
+    require(&real, Particles::Points).expect("this one is complete");
+    let blind = super::EmbreeInfo { culls_sphere_back_faces: Some(true), ..real.clone() };
+    assert!(require(&blind, Particles::Points).is_err());
+    assert!(require(&blind, Particles::User).is_ok());
+    let poor = super::EmbreeInfo { missing: vec!["filter functions"], ..real };
+    let text = require(&poor, Particles::User).expect_err("incomplete").to_string();
+    assert!(text.contains("filter functions"), "{text}");
+}
+
+#[test]
+fn bytes_are_counted_and_given_back() {
+    let set = grid(20);
+    let device = Device::new(1).expect("starts");
+    let before = device.bytes();
+    let scene = commit(&device, &Spheres::new(&set, Particles::Points));
+    let held = device.bytes() - before;
+    assert!((16 * set.len()..1000 * set.len()).contains(&held), "{held} bytes");
+    drop(scene);
+    assert!(device.bytes() < held);
+}
+
+#[test]
+fn both_sides_agree_on_which_rays_are_valid() {
+    let good = Ray::new(DVec3::ZERO, DVec3::Z, 0.0, f64::INFINITY, [NO_SPHERE; 2]);
+    let odd = [0.0, -0.0, 1.0, -1.0, 2e15, 2.1e15, -2.1e15, 1e19, f32::MAX];
+    let odd =
+        odd.into_iter().chain([f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE]);
+    for x in odd {
+        let rays = [
+            Ray { origin: [0.0, x, 0.0], ..good },
+            Ray { direction: [0.0, 0.0, x], ..good },
+            Ray { t_min: x, ..good },
+            Ray { t_max: x, ..good },
+        ];
+        for ray in rays {
+            // SAFETY: `sys` proves that the layouts agree.
+            let valid = unsafe { sys::ps_ray_is_valid(std::ptr::from_ref(&ray).cast()) };
+            assert_eq!(valid, ray.is_valid(), "{ray:?}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! From a sample's address to a place in its pixel and the ray through it.
+
+use crate::geometry::PathRay;
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+
+use super::SampleAddress;
+
+/// The cells of a pixel that its samples are spread over.
+///
+/// The pixel is cut into k x k sub-pixels, and sample s belongs to sub-pixel s mod k^2. Inside a
+/// sub-pixel the numbers are independent. A number in the unit square is then warped by the pixel's
+/// filter, so the sub-pixels are equal shares of the filter's weight.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Strata {
+    /// Sub-pixels along each side, k.
+    pub(super) subpixels: u32,
+    /// The size of the random shift in a sub-pixel: 1 covers it, 0 stays at its centre.
+    pub(super) jitter: f64,
+}
+
+impl Strata {
+    /// The whole pixel at once.
+    pub(super) const NONE: Self = Self { subpixels: 1, jitter: 1.0 };
+
+    fn place(&self, sample: u32, u: [f64; 2]) -> [f64; 2] {
+        let k = self.subpixels;
+        let cell = [sample % k, sample / k % k];
+        std::array::from_fn(|axis| {
+            let shift = self.jitter * (u[axis] - 0.5);
+            (f64::from(cell[axis]) + 0.5 + shift) / f64::from(k)
+        })
+    }
+}
+
+/// The random numbers of a sample.
+pub(super) fn sampler_of(scene: &Scene, address: SampleAddress) -> Sampler {
+    let description = scene.description();
+    let pixel = u64::from(address.y) * u64::from(description.image.width) + u64::from(address.x);
+    Sampler::new(description.render.seed, pixel, address.sample)
+}
+
+/// The camera ray of a sample, from two random numbers.
+pub(super) fn camera_ray(
+    scene: &Scene,
+    strata: Strata,
+    address: SampleAddress,
+    u: [f64; 2],
+) -> PathRay {
+    let [dx, dy] = scene.filter().sample(strata.place(address.sample, u));
+    let (x, y) = (f64::from(address.x) + 0.5 + dx, f64::from(address.y) + 0.5 + dy);
+    scene.camera().ray(x, y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_go_around_the_subpixels_and_cover_them() {
+        let strata = Strata { subpixels: 2, jitter: 1.0 };
+        assert_eq!(strata.place(0, [0.0, 0.0]), [0.0, 0.0]);
+        assert_eq!(strata.place(5, [0.5, 0.5]), [0.75, 0.25]);
+        assert_eq!(strata.place(2, [0.0, 0.0]), [0.0, 0.5]);
+        let still = Strata { subpixels: 2, jitter: 0.0 };
+        assert_eq!(still.place(3, [0.1, 0.9]), [0.75, 0.75]);
+    }
+
+    #[test]
+    fn places_in_a_subpixel_have_the_moments_of_a_uniform_square() {
+        // Mean 1/4 of the first sub-pixel and variance (1/2)^2 / 12, each within five standard
+        // errors (significance 6e-7 each).
+        let strata = Strata { subpixels: 2, jitter: 1.0 };
+        let n = 40_000;
+        let xs: Vec<f64> =
+            (0..n).map(|i| strata.place(0, Sampler::new(1, i, 0).get_2d(0))[0]).collect();
+        let mean = xs.iter().sum::<f64>() / n as f64;
+        let variance = xs.iter().map(|x| (x - 0.25).powi(2)).sum::<f64>() / n as f64;
+        let sigma = (1.0f64 / 48.0).sqrt();
+        assert!((mean - 0.25).abs() < 5.0 * sigma / (n as f64).sqrt());
+        // The fourth moment of a uniform variable of variance s^2 is 1.8 s^4.
+        assert!((variance - 1.0 / 48.0).abs() < 5.0 * (0.8f64).sqrt() / 48.0 / (n as f64).sqrt());
+    }
+}

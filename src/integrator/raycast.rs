@@ -1,0 +1,114 @@
+//! `integrator = "raycast"`: where the paper starts (its section 1.1). One ray to the closest
+//! object, shaded from its material and the lamps, with nothing traced from there; by default not
+//! even a shadow ray. Mirrors and glass, which need more rays, stay black.
+//!
+//! Each lamp is taken as a light at its centre that sends `L pi (R / d)^2` to a surface facing it,
+//! which for a matt surface that sees the whole lamp is exact. So the picture has no noise.
+
+use std::f64::consts::PI;
+
+use crate::color::Rgb;
+use crate::film::Radiance;
+use crate::geometry::{PathRay, SurfaceHit};
+use crate::light::Lamp;
+use crate::material::Bsdf;
+use crate::math::{DVec3, Frame, Hit};
+use crate::sampling::Hemisphere;
+use crate::scene::Scene;
+
+use super::camera_rays::{Strata, camera_ray, sampler_of};
+use super::{Integrator, SampleAddress, Tally, Workspace, World, dimension};
+
+/// Ray casting.
+pub(super) struct Raycast {
+    shadows: bool,
+    strata: Strata,
+}
+
+impl Raycast {
+    /// With one sample a pixel, the ray goes through the pixel's centre.
+    pub(super) fn new(shadows: bool, samples_per_pixel: u32) -> Self {
+        let jitter = if samples_per_pixel == 1 { 0.0 } else { 1.0 };
+        Self { shadows, strata: Strata { jitter, ..Strata::NONE } }
+    }
+}
+
+/// Light from one lamp, and the ray that it comes along.
+struct FromLamp {
+    light: Rgb,
+    /// `None` where the surface itself stands in the way.
+    ray: Option<PathRay>,
+}
+
+impl Integrator for Raycast {
+    fn estimate(
+        &self,
+        world: World<'_>,
+        samples: &[SampleAddress],
+        radiance: &mut [Radiance],
+        workspace: &mut Workspace,
+    ) -> Tally {
+        let World { scene, accel } = world;
+        let spheres = scene.spheres();
+        let ray_of = |&address: &SampleAddress| {
+            let u = sampler_of(scene, address).get_2d(dimension::PIXEL);
+            camera_ray(scene, self.strata, address, u)
+        };
+        let camera_rays: Vec<PathRay> = samples.iter().map(ray_of).collect();
+        let Workspace { rays, hits, blocked, .. } = workspace;
+        rays.clear();
+        rays.extend(camera_rays.iter().map(|ray| spheres.ask(ray)));
+        hits.clear();
+        hits.resize(rays.len(), Hit::MISS);
+        accel.closest(rays, hits);
+        let mut tally = Tally { rays: rays.len() as u64, ..Tally::default() };
+
+        for ((ray, hit), radiance) in camera_rays.iter().zip(&*hits).zip(radiance) {
+            let Some(surface) = spheres.answer(ray, *hit) else {
+                *radiance = Radiance { direct: scene.background(), indirect: Rgb::ZERO };
+                continue;
+            };
+            let mut light = scene.surface(surface.id).material.emission;
+            let lamps = scene.lights().lamps().iter();
+            let mut lit: Vec<FromLamp> =
+                lamps.filter_map(|lamp| shade(scene, &surface, ray.direction, lamp)).collect();
+            if self.shadows {
+                lit.retain(|from| from.ray.is_some());
+                rays.clear();
+                rays.extend(lit.iter().filter_map(|from| from.ray).map(|ray| spheres.ask(&ray)));
+                blocked.clear();
+                blocked.resize(rays.len(), false);
+                accel.occluded(rays, blocked);
+                tally.rays += rays.len() as u64;
+                let mut answers = blocked.iter();
+                lit.retain(|_| answers.next() == Some(&false));
+            }
+            light += lit.iter().map(|from| from.light).sum::<Rgb>();
+            *radiance = Radiance { direct: light, indirect: Rgb::ZERO };
+        }
+        tally
+    }
+}
+
+/// The light that a surface sends towards the camera because of one lamp.
+fn shade(scene: &Scene, hit: &SurfaceHit, direction: DVec3, lamp: &Lamp) -> Option<FromLamp> {
+    let sphere = scene.spheres().sphere(lamp.id);
+    let to_center = sphere.center - hit.point;
+    let distance = to_center.length();
+    if lamp.id == hit.id || distance <= sphere.radius {
+        return None;
+    }
+    let wi = to_center / distance;
+    let surface = scene.surface(hit.id);
+    let bsdf: Bsdf = surface.material.bsdf(surface.albedo, 1.0, Hemisphere::Cosine);
+    let frame = Frame::around(hit.facing_normal());
+    let wi_local = frame.to_local(wi);
+    let f = bsdf.eval(frame.to_local(-direction), wi_local);
+    if f.max_element() <= 0.0 {
+        return None;
+    }
+    let ray = hit.leave_towards(wi, distance - sphere.radius, lamp.id);
+    let irradiance = PI * (sphere.radius / distance).powi(2) * wi_local.z;
+    let light = f * lamp.emission * irradiance as f32;
+    Some(FromLamp { light, ray })
+}

@@ -1,0 +1,43 @@
+//! Lambert's law: the same radiance in all directions.
+
+use std::f32::consts::FRAC_1_PI;
+
+use crate::color::Rgb;
+use crate::math::DVec3;
+use crate::sampling::Hemisphere;
+
+use super::{BsdfSample, Lobe};
+
+/// A matt surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Diffuse {
+    /// The share of light that is scattered, in `[0, 1]`.
+    pub albedo: Rgb,
+}
+
+/// The density of [`Diffuse::sample`].
+pub(super) fn pdf(hemisphere: Hemisphere, wi: DVec3) -> f64 {
+    if wi.z > 0.0 { hemisphere.pdf(wi.z) } else { 0.0 }
+}
+
+impl Diffuse {
+    /// This surface in a sphere's own colour.
+    pub(super) fn colored(self, albedo: Option<Rgb>) -> Self {
+        Self { albedo: albedo.unwrap_or(self.albedo) }
+    }
+
+    pub(super) fn eval(&self, wi: DVec3) -> Rgb {
+        if wi.z > 0.0 { self.albedo * FRAC_1_PI } else { Rgb::ZERO }
+    }
+
+    /// A direction over the hemisphere. Drawn with the cosine, the weight is the albedo itself.
+    pub(super) fn sample(&self, hemisphere: Hemisphere, u: [f64; 2]) -> Option<BsdfSample> {
+        let wi = hemisphere.sample(u);
+        let pdf = pdf(hemisphere, wi);
+        let weight = match hemisphere {
+            Hemisphere::Cosine => self.albedo,
+            _ => self.eval(wi) * (wi.z / pdf) as f32,
+        };
+        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe: Lobe::Diffuse, eta: 1.0 })
+    }
+}

@@ -1,0 +1,31 @@
+//! A perfect mirror.
+
+use crate::color::Rgb;
+use crate::math::DVec3;
+
+use super::{BsdfSample, Lobe};
+
+/// A surface that sends light on in the mirror direction only.
+#[derive(Clone, Copy, Debug)]
+pub struct Mirror {
+    /// The share of light that is reflected, in `[0, 1]`.
+    pub reflectance: Rgb,
+}
+
+impl Mirror {
+    /// The mirror direction; its weight is the reflectance, with no cosine over density.
+    pub(super) fn sample(&self, wo: DVec3) -> BsdfSample {
+        BsdfSample {
+            wi: reflected(wo),
+            weight: self.reflectance,
+            pdf: 1.0,
+            lobe: Lobe::Delta,
+            eta: 1.0,
+        }
+    }
+}
+
+/// The mirror direction of `wo` about the local z axis.
+pub(super) fn reflected(wo: DVec3) -> DVec3 {
+    DVec3::new(-wo.x, -wo.y, wo.z)
+}

@@ -1,0 +1,80 @@
+//! Phong's shading model, the starting point of the paper (its section 1.1), for teaching.
+//!
+//! Two forms. `normalized` is the modified Phong BRDF of Lafortune and Willems (1994, "Using the
+//! Modified Phong Reflectance Model for Physically Based Rendering"):
+//! `albedo / pi + specular (n + 2) / (2 pi) cos^n(alpha)`, with `alpha` the angle between `wi` and
+//! the mirror direction; it is reciprocal and conserves energy where `albedo + specular <= 1`.
+//! The classic form is what Phong (1975) wrote, where the highlight is not multiplied with the
+//! cosine: `albedo / pi + specular cos^n(alpha) / cos(theta_i)`; it does neither, and a furnace
+//! shows it.
+
+use std::f32::consts::FRAC_1_PI;
+use std::f64::consts::TAU;
+
+use crate::color::{Rgb, luminance};
+use crate::math::{DVec3, Frame};
+use crate::sampling::{Hemisphere, hemisphere, powf};
+
+use super::mirror::reflected;
+use super::{BsdfSample, Lobe};
+
+/// A surface with a highlight.
+#[derive(Clone, Copy, Debug)]
+pub struct Phong {
+    /// The diffuse share.
+    pub albedo: Rgb,
+    /// The glossy share.
+    pub specular: Rgb,
+    /// How narrow the highlight is, n.
+    pub exponent: f64,
+    /// Which form.
+    pub normalized: bool,
+}
+
+impl Phong {
+    /// This surface with a sphere's own colour as its diffuse share.
+    pub(super) fn colored(self, albedo: Option<Rgb>) -> Self {
+        Self { albedo: albedo.unwrap_or(self.albedo), ..self }
+    }
+
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        if wi.z <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let lobe = powf(wi.dot(reflected(wo)).max(0.0), self.exponent);
+        let scale = if self.normalized { (self.exponent + 2.0) / TAU } else { 1.0 / wi.z };
+        self.albedo * FRAC_1_PI + self.specular * (scale * lobe) as f32
+    }
+
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if wi.z <= 0.0 {
+            return 0.0;
+        }
+        let glossy = self.glossy_share();
+        let cos_alpha = wi.dot(reflected(wo)).clamp(0.0, 1.0);
+        (1.0 - glossy) * Hemisphere::Cosine.pdf(wi.z)
+            + glossy * hemisphere::power_cosine_pdf(self.exponent, cos_alpha)
+    }
+
+    /// The part of the glossy lobe that reaches below the surface is lost: `None`.
+    pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+        let is_glossy = lobe < self.glossy_share();
+        let wi = if is_glossy {
+            let around = Frame::around(reflected(wo));
+            around.to_world(hemisphere::sample_power_cosine(self.exponent, u))
+        } else {
+            Hemisphere::Cosine.sample(u)
+        };
+        let pdf = self.pdf(wo, wi);
+        let weight = self.eval(wo, wi) * (wi.z / pdf) as f32;
+        let lobe = if is_glossy { Lobe::Glossy } else { Lobe::Diffuse };
+        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe, eta: 1.0 })
+    }
+
+    /// The probability of sampling the highlight.
+    fn glossy_share(&self) -> f64 {
+        let (diffuse, glossy) = (luminance(self.albedo), luminance(self.specular));
+        let sum = diffuse + glossy;
+        if sum > 0.0 { f64::from(glossy / sum) } else { 0.0 }
+    }
+}

@@ -1,0 +1,285 @@
+//! The street is a test: a room of `src/` imports only rooms that ARCHITECTURE.md lets it use, only
+//! `cli` prints, and only the Embree backend is unsafe.
+//!
+//! The table "room, what lives there, may use" of ARCHITECTURE.md is the rule itself, read from the
+//! document, so the two cannot differ. "May use" includes whatever the named rooms may use. This
+//! reads text, not syntax trees: it knows comments, `use crate::` with and without braces, paths
+//! written out, and `super::` chains that leave a room.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+/// For each room, every room that it may use, directly or through others.
+type Rules = BTreeMap<String, BTreeSet<String>>;
+
+const HEADER: &str = "| room | what lives there | may use |";
+
+#[test]
+fn every_room_uses_only_what_it_may() {
+    assert_clean(|file, code| forbidden_imports(file, code, &rules()));
+}
+
+#[test]
+fn only_the_command_line_prints() {
+    assert_clean(forbidden_printing);
+}
+
+#[test]
+fn only_the_embree_backend_is_unsafe() {
+    assert_clean(forbidden_unsafe);
+}
+
+#[test]
+fn the_table_names_every_room_and_no_other() {
+    let rooms: BTreeSet<String> = sources().iter().filter_map(|(file, _)| room_of(file)).collect();
+    assert_eq!(rooms, rules().into_keys().collect());
+}
+
+#[test]
+fn nothing_walks_back() {
+    for (room, usable) in rules() {
+        assert!(!usable.contains(&room), "`{room}` may use itself through another room");
+    }
+}
+
+#[test]
+fn forbidden_imports_are_found_however_they_are_written() {
+    let rules = closure(table("| `low` | | – |\n| `high` | | `low` |\n| `top` | | `high` |"));
+    let found = |file: &str, code: &str| forbidden_imports(file, code, &rules);
+    for code in [
+        "use crate::high::Thing;",
+        "pub use crate::high;",
+        "use crate::{low::A, high::{B, C}};",
+        "use crate::{\n    low::{A, B},\n    top::C,\n};",
+        "fn f(x: &crate::top::X) {}",
+        "use super::high::Thing;",
+        "use crate::nowhere::Thing;",
+    ] {
+        assert_eq!(found("src/low/mod.rs", code).len(), 1, "{code}");
+    }
+    for code in [
+        "use crate::low::Thing;\nuse crate::{high::{A, B}, low};",
+        "use super::low; // unlike crate::nowhere",
+        "mod tests {\n    use super::super::*;\n}",
+        "//! See [`crate::nowhere`].",
+        "use mycrate::nowhere;",
+    ] {
+        assert_eq!(found("src/top/inner.rs", code), Vec::<String>::new(), "{code}");
+    }
+    assert_eq!(found("src/high.rs", "\n\nuse crate::top;"), ["src/high.rs:3: `high` uses `top`"]);
+    assert_eq!(found("src/high/a/b.rs", "use super::super::super::top::X;").len(), 1);
+}
+
+#[test]
+fn forbidden_printing_and_unsafe_code_are_found() {
+    for code in ["println!(\"x\");", "eprint!()", "dbg!(x)", "let out = io::stdout();"] {
+        assert_eq!(forbidden_printing("src/film/mod.rs", code).len(), 1, "{code}");
+        assert_eq!(forbidden_printing("src/cli/mod.rs", code).len(), 0, "{code}");
+    }
+    assert_eq!(
+        forbidden_printing("src/film/mod.rs", "// println!\noutput.stdout; blueprint!()").len(),
+        0
+    );
+    assert_eq!(forbidden_unsafe("src/accel/mod.rs", "unsafe { f() }").len(), 1);
+    assert_eq!(forbidden_unsafe("src/accel/mod.rs", "#![deny(unsafe_code)] // unsafe").len(), 0);
+    assert_eq!(forbidden_unsafe("src/accel/embree/scene.rs", "unsafe { f() }").len(), 0);
+    assert_eq!(forbidden_unsafe("src/accel/embree_like.rs", "unsafe { f() }").len(), 1);
+}
+
+// ---- The rules ----
+
+fn rules() -> Rules {
+    let document = read(Path::new("ARCHITECTURE.md"));
+    let (_, after) = document.split_once(HEADER).expect("ARCHITECTURE.md has the table of rooms");
+    let rows: Vec<&str> =
+        after.trim_start().lines().take_while(|row| row.starts_with('|')).collect();
+    closure(table(&rows.join("\n")))
+}
+
+/// The direct edges of the table's rows: the names in backquotes in the first and last column.
+fn table(rows: &str) -> Rules {
+    let mut direct = Rules::new();
+    for row in rows.lines() {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').collect();
+        let usable: BTreeSet<String> = quoted(cells[cells.len() - 1]).collect();
+        for room in quoted(cells[0]) {
+            direct.insert(room, usable.clone());
+        }
+    }
+    direct
+}
+
+fn quoted(cell: &str) -> impl Iterator<Item = String> {
+    cell.split('`').skip(1).step_by(2).map(str::to_owned)
+}
+
+fn closure(direct: Rules) -> Rules {
+    let mut rules = direct;
+    loop {
+        let before = rules.clone();
+        for usable in rules.values_mut() {
+            let through: Vec<_> =
+                usable.iter().filter_map(|room| before.get(room)).flatten().cloned().collect();
+            usable.extend(through);
+        }
+        if rules == before {
+            return rules;
+        }
+    }
+}
+
+// ---- The checks: each returns its findings, as `file:line: what` ----
+
+fn forbidden_imports(file: &str, code: &str, rules: &Rules) -> Vec<String> {
+    let Some(room) = room_of(file) else { return Vec::new() };
+    let nothing = BTreeSet::new();
+    let usable = rules.get(&room).unwrap_or(&nothing);
+    let code = without_comments(code);
+    let mut findings = Vec::new();
+    for (at, name) in imports(file, &code, rules) {
+        if name != room && !usable.contains(&name) {
+            findings.push(format!("{file}:{}: `{room}` uses `{name}`", line_of(&code, at)));
+        }
+    }
+    findings
+}
+
+fn forbidden_printing(file: &str, code: &str) -> Vec<String> {
+    if file.starts_with("src/cli/") || file == "src/main.rs" {
+        return Vec::new();
+    }
+    let printing = ["print!", "println!", "eprint!", "eprintln!", "dbg!", "stdout()", "stderr()"];
+    findings(file, code, &printing, "only `cli` prints")
+}
+
+fn forbidden_unsafe(file: &str, code: &str) -> Vec<String> {
+    if file.starts_with("src/accel/embree/") || file == "src/accel/embree.rs" {
+        return Vec::new();
+    }
+    findings(file, code, &["unsafe"], "only `accel::embree` is unsafe")
+}
+
+fn findings(file: &str, code: &str, words: &[&str], rule: &str) -> Vec<String> {
+    let code = without_comments(code);
+    let places = words.iter().flat_map(|word| occurrences(&code, word));
+    places.map(|at| format!("{file}:{}: {rule}", line_of(&code, at))).collect()
+}
+
+fn assert_clean(check: impl Fn(&str, &str) -> Vec<String>) {
+    let found: Vec<String> = sources().iter().flat_map(|(file, code)| check(file, code)).collect();
+    assert!(found.is_empty(), "against ARCHITECTURE.md:\n{}", found.join("\n"));
+}
+
+// ---- Reading source text ----
+
+/// The first name of every path that starts at the crate's root, with its place. A `super::` chain
+/// counts where it reaches the root and goes on to a room.
+fn imports(file: &str, code: &str, rules: &Rules) -> Vec<(usize, String)> {
+    // `super` once for each folder, and once more from a file that is not its folder's `mod.rs`.
+    let depth = file.matches('/').count() - usize::from(file.ends_with("/mod.rs"));
+    let is_room = |(_, name): &(usize, String)| rules.contains_key(name);
+    let mut found = names_after(code, "crate::");
+    found.extend(names_after(code, &"super::".repeat(depth)).into_iter().filter(is_room));
+    found
+}
+
+fn names_after(code: &str, root: &str) -> Vec<(usize, String)> {
+    let mut found = Vec::new();
+    for at in occurrences(code, root) {
+        let start = at + root.len();
+        let names = first_names(&code[start..]).into_iter();
+        found.extend(names.map(|(offset, name)| (start + offset, without_re_export(name))));
+    }
+    found
+}
+
+/// `crate::Error` and `crate::Result` are the room `error` under the names that `lib.rs` gives them.
+fn without_re_export(name: String) -> String {
+    if name == "Error" || name == "Result" { "error".to_owned() } else { name }
+}
+
+/// The name at the start of `rest`, or those in a group in braces, with their offsets.
+fn first_names(rest: &str) -> Vec<(usize, String)> {
+    let mut names = Vec::new();
+    let mut nesting = 0;
+    let mut expected = true;
+    for (offset, c) in rest.char_indices() {
+        match c {
+            '{' => nesting += 1,
+            '}' => nesting -= 1,
+            ',' => expected = nesting == 1,
+            _ if c.is_whitespace() => {}
+            _ if expected => {
+                names.push((offset, rest[offset..].chars().take_while(|c| is_word(*c)).collect()));
+                expected = false;
+            }
+            _ => {}
+        }
+        if nesting == 0 && (c == '}' || !expected) {
+            break;
+        }
+    }
+    names
+}
+
+/// Where `word` stands in the code as a word of its own.
+fn occurrences(code: &str, word: &str) -> Vec<usize> {
+    let is_whole = |at: &usize| {
+        let before = code[..*at].chars().next_back();
+        let after = code[at + word.len()..].chars().next();
+        let ends_in_word = word.ends_with(is_word);
+        !before.is_some_and(is_word) && !(ends_in_word && after.is_some_and(is_word))
+    };
+    code.match_indices(word).map(|(at, _)| at).filter(is_whole).collect()
+}
+
+fn is_word(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// The code with its comments blanked: a `//` in a string ends the line too, which hides nothing
+/// that these checks look for.
+fn without_comments(code: &str) -> String {
+    let lines = code.lines().map(|line| line.split("//").next().unwrap_or_default());
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+fn line_of(code: &str, at: usize) -> usize {
+    code[..at].matches('\n').count() + 1
+}
+
+/// `src/film/mod.rs` and `src/film.rs` are in the room `film`; the crate's two roots are in none.
+fn room_of(file: &str) -> Option<String> {
+    let inside = file.strip_prefix("src/")?;
+    let room = inside.split('/').next()?.trim_end_matches(".rs");
+    (room != "lib" && room != "main").then(|| room.to_owned())
+}
+
+/// Every Rust file below `src`, with its text.
+fn sources() -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let mut folders = vec!["src".to_owned()];
+    while let Some(folder) = folders.pop() {
+        let entries = fs::read_dir(root().join(&folder)).expect("src can be listed");
+        for entry in entries {
+            let entry = entry.expect("src can be listed");
+            let name = format!("{folder}/{}", entry.file_name().to_string_lossy());
+            if entry.path().is_dir() {
+                folders.push(name);
+            } else if name.ends_with(".rs") {
+                found.push((name.clone(), read(Path::new(&name))));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+fn read(file: &Path) -> String {
+    fs::read_to_string(root().join(file)).expect("the repository's files can be read")
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}

@@ -1,0 +1,169 @@
+//! What the paper says of its figures, measured on our reconstruction of its scenes.
+//!
+//! P- and A-numbers are those of `docs/paper.md`. Ratios come from 32 seeds; they must differ by
+//! four standard errors (a false alarm is less likely than 1e-3 each).
+
+#[path = "common/render.rs"]
+mod common;
+
+use common::{ALLOWED, Estimate, SEEDS, outcome, scene, scene_file};
+use photosphere::accel::{Accel, Backend};
+use photosphere::color::Rgb;
+use photosphere::film::Picture;
+use photosphere::geometry::SurfaceHit;
+use photosphere::material::Model;
+use photosphere::math::{DVec3, Frame, Hit};
+use photosphere::sampling::Hemisphere;
+use photosphere::scene::Scene;
+use photosphere::scene::description::Integrator;
+
+const SMALL: [&str; 3] = ["image.width=96", "image.height=72", "render.samples_per_pixel=16"];
+
+fn ball<'a>(scene: &'a Scene, name: &str) -> (u32, &'a photosphere::scene::description::SphereRow) {
+    let rows = &scene.description().spheres;
+    let row =
+        rows.iter().position(|s| s.name.as_deref() == Some(name)).expect("named in the scene");
+    let id = scene.spheres().rows().iter().position(|&r| r == row as u32).expect("an id");
+    (id as u32, &rows[row])
+}
+
+/// What the camera sees through the centre of every pixel.
+fn first_hits(scene: &Scene) -> Vec<Option<SurfaceHit>> {
+    let image = scene.description().image;
+    let accel = Backend::BruteForce.build(scene.spheres(), &Default::default()).expect("builds");
+    let pixels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
+    let rays: Vec<_> =
+        pixels.map(|(x, y)| scene.camera().ray(f64::from(x) + 0.5, f64::from(y) + 0.5)).collect();
+    let asked: Vec<_> = rays.iter().map(|ray| scene.spheres().ask(ray)).collect();
+    let mut hits = vec![Hit::MISS; asked.len()];
+    accel.closest(&asked, &mut hits);
+    rays.iter().zip(hits).map(|(ray, hit)| scene.spheres().answer(ray, hit)).collect()
+}
+
+/// The mean over the pixels that show the lower half of a ball.
+fn lower_half(
+    scene: &Scene,
+    picture: &Picture,
+    name: &str,
+    layer: fn(&Picture, usize) -> Rgb,
+) -> Rgb {
+    let (id, _) = ball(scene, name);
+    let shows =
+        |hit: &Option<SurfaceHit>| hit.is_some_and(|hit| hit.id == id && hit.normal.y < 0.0);
+    let hits = first_hits(scene);
+    let pixels: Vec<usize> = (0..hits.len()).filter(|&i| shows(&hits[i])).collect();
+    assert!(pixels.len() > 50);
+    pixels.iter().map(|&i| layer(picture, i)).sum::<Rgb>() / pixels.len() as f32
+}
+
+/// Green over red in the light that falls on the lower half of a ball, over seeds.
+fn green_tint(text: &str, name: &str) -> Estimate {
+    let value = |seed: u64| {
+        let seed = format!("render.seed={seed}");
+        let scene = scene(text, &[&SMALL[..], &[&seed]].concat());
+        let picture = outcome(&scene, Backend::BruteForce).picture;
+        let radiance = lower_half(&scene, &picture, name, Picture::beauty);
+        let (id, _) = ball(&scene, name);
+        let Model::Diffuse(diffuse) = scene.surface(id).material.model else {
+            panic!("the balls of figure 2 are matt")
+        };
+        let arriving = radiance / diffuse.albedo;
+        f64::from(arriving.y / arriving.x)
+    };
+    Estimate::of(&(0..SEEDS).map(value).collect::<Vec<_>>())
+}
+
+#[test]
+fn the_scene_is_the_one_described() {
+    // P33, A13: three spheres, two of equal size, one on the huge one, and a lamp out of the picture.
+    for figure in 2..=7 {
+        let scene = scene(&scene_file(&format!("paper/fig{figure}.toml")), &["image.width=640"]);
+        let (_, ground) = ball(&scene, "ground");
+        let (_, resting) = ball(&scene, "resting ball");
+        let (_, floating) = ball(&scene, "floating ball");
+        let (lamp, lamp_row) = ball(&scene, "lamp");
+        assert_eq!(scene.spheres().len(), 4);
+        assert_eq!(resting.radius, floating.radius);
+        let gap = resting.center.distance(ground.center) - ground.radius - resting.radius;
+        assert!(gap.abs() < 1e-9, "touches the ground, gap {gap}");
+        let distance = |center: DVec3| center.distance(lamp_row.center);
+        assert!(distance(floating.center) < distance(resting.center), "one is near the lamp");
+        assert!(first_hits(&scene).iter().flatten().all(|hit| hit.id != lamp), "lamp unseen");
+        assert!(first_hits(&scene).iter().any(Option::is_none), "only a part is in view");
+    }
+}
+
+#[test]
+fn figures_5_to_7_are_the_papers_own_estimator_with_1_10_and_100_samples() {
+    // P17, P39.
+    for (figure, expected) in [(5, 1), (6, 10), (7, 100)] {
+        let scene = scene(&scene_file(&format!("paper/fig{figure}.toml")), &[]);
+        let render = &scene.description().render;
+        let Integrator::Paper(paper) = render.integrator else { panic!("the paper's estimator") };
+        assert_eq!((paper.subpixels, paper.samples), (2, expected));
+        assert_eq!(render.samples_per_pixel, 4 * expected);
+        assert_eq!((scene.description().image.width, scene.description().image.height), (640, 480));
+    }
+}
+
+#[test]
+fn the_ground_tints_the_nearer_ball_more() {
+    // P35. In figure 3 the ground has another colour, and the tint follows (P37).
+    let text = scene_file("paper/fig2.toml");
+    let (near, far) = (green_tint(&text, "resting ball"), green_tint(&text, "floating ball"));
+    println!("green over red: nearer {near:?}, farther {far:?}");
+    let joint = near.standard_error.hypot(far.standard_error);
+    assert!(near.mean - far.mean > ALLOWED * joint);
+    assert!(far.mean > 1.0 + ALLOWED * far.standard_error, "the farther is tinted as well");
+    let brown = green_tint(&scene_file("paper/fig3.toml"), "resting ball");
+    println!("over a brown ground: {brown:?}");
+    assert!(brown.mean < 1.0 - ALLOWED * brown.standard_error);
+}
+
+#[test]
+fn the_blue_ball_is_lit_from_below_and_stays_blue() {
+    // P36.
+    let scene = scene(&scene_file("paper/fig2.toml"), &SMALL);
+    let picture = outcome(&scene, Backend::BruteForce).picture;
+    let indirect = lower_half(&scene, &picture, "floating ball", |p, i| p.indirect[i]);
+    assert!(indirect.min_element() > 0.0, "{indirect}");
+    let all = lower_half(&scene, &picture, "floating ball", Picture::beauty);
+    assert!(all.z > all.x && all.z > all.y, "{all}");
+}
+
+#[test]
+fn the_mirror_ball_reflects_by_the_closed_form() {
+    // P8, P38, A11: d - 2 (d.n) n, and not straight back.
+    let scene = scene(&scene_file("paper/fig4.toml"), &SMALL);
+    let (mirror, row) = ball(&scene, "resting ball");
+    let center = row.center - scene.spheres().origin();
+    let mut seen = 0;
+    for hit in first_hits(&scene).into_iter().flatten().filter(|hit| hit.id == mirror) {
+        let d = (hit.point - scene.camera().position()).normalize();
+        let n = (hit.point - center) / row.radius;
+        let frame = Frame::around(hit.facing_normal());
+        let bsdf = scene.surface(hit.id).material.bsdf(None, 1.0, Hemisphere::Cosine);
+        let sample = bsdf.sample(frame.to_local(-d), 0.5, [0.5, 0.5]).expect("reflects");
+        let expected = d - 2.0 * d.dot(n) * n;
+        assert!((frame.to_world(sample.wi) - expected).length() < 1e-6);
+        assert_eq!(sample.weight, Rgb::splat(0.95));
+        seen += 1;
+    }
+    assert!(seen > 100);
+}
+
+#[test]
+fn the_picture_does_not_grow_with_the_number_of_subpixels() {
+    // A3: the sum over 4 N paths is divided by 4 N. Divided by N it would be four times too bright.
+    let text = scene_file("paper/fig2.toml");
+    let mean = |subpixels: &str, samples: &str| {
+        let small = ["image.width=16", "image.height=12", "render.integrator=paper"];
+        let overrides = [&small[..], &[subpixels, samples]].concat();
+        Estimate::of_scene(&text, &overrides, Backend::BruteForce)
+    };
+    let one = mean("render.paper.subpixels=1", "render.samples_per_pixel=144");
+    let four = mean("render.paper.subpixels=2", "render.samples_per_pixel=144");
+    let nine = mean("render.paper.subpixels=3", "render.samples_per_pixel=144");
+    four.must_agree(one, "4 sub-pixels");
+    nine.must_agree(one, "9 sub-pixels");
+}
