@@ -127,7 +127,6 @@ fn ids_and_occlusion_equal_brute_force_on_every_family() {
     for (seed, (name, spheres)) in families().into_iter().enumerate() {
         let pair = Pair::over(spheres);
         let hits = pair.compare(&rays(&pair, 12_000, seed as u64));
-        println!("{name}: {} spheres, {hits} of 12000 rays hit", pair.set.len());
         assert!(hits > 2000, "{name}: only {hits} rays hit");
     }
 }

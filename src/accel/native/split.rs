@@ -46,7 +46,7 @@ pub(super) fn cut(items: &mut [Item], bounds: &Bounds) -> Option<Cut> {
     let must = items.len() > LEAF_SIZE;
     match best {
         Some(plane) if must || plane.saves(bounds) => {
-            let at = partition(items, |item| binning.bins(item)[plane.axis] < plane.bin);
+            let at = partition(items, |item| binning.bin(item, plane.axis) < plane.bin);
             Some(Cut { at, bounds: plane.bounds })
         }
         None if must => Some(halve(items)),
@@ -99,16 +99,12 @@ impl Binning {
         Self { low: centers.low, scale }
     }
 
-    /// The bin along each axis. An axis without extent has an infinite or undefined position, and
-    /// the saturating cast puts NaN into bin 0.
+    /// The bin along an axis. Without extent along it, the position is undefined, and the
+    /// saturating cast puts NaN into bin 0.
     #[inline(always)]
-    fn bins(&self, item: &Item) -> [usize; 4] {
-        let mut bins = [0; 4];
-        for (axis, bin) in bins.iter_mut().enumerate() {
-            let position = (item.sphere[axis] - self.low[axis]) * self.scale[axis];
-            *bin = (position as usize).min(BINS - 1);
-        }
-        bins
+    fn bin(&self, item: &Item, axis: usize) -> usize {
+        let position = (item.sphere[axis] - self.low[axis]) * self.scale[axis];
+        (position as usize).min(BINS - 1)
     }
 }
 
@@ -150,9 +146,8 @@ impl Bins {
         let mut filled = Self::EMPTY;
         for item in items {
             let bounds = Bounds::of_sphere(&item.sphere);
-            let bins = binning.bins(item);
             for axis in 0..3 {
-                let bin = bins[axis];
+                let bin = binning.bin(item, axis);
                 filled.count[axis][bin] += 1;
                 filled.bounds[axis][bin] = filled.bounds[axis][bin].join(&bounds);
             }
@@ -176,10 +171,11 @@ impl Bins {
         for axis in 0..3 {
             let from_right = self.sums_from_right(axis);
             let (mut count, mut bounds) = (0, Bounds::EMPTY);
-            for bin in 1..BINS {
-                count += self.count[axis][bin - 1] as usize;
-                bounds = bounds.join(&self.bounds[axis][bin - 1]);
-                let (right_count, right) = from_right[bin];
+            for (bin, &(right_count, right)) in from_right.iter().enumerate() {
+                if bin > 0 {
+                    count += self.count[axis][bin - 1] as usize;
+                    bounds = bounds.join(&self.bounds[axis][bin - 1]);
+                }
                 if count == 0 || right_count == 0 {
                     continue;
                 }
