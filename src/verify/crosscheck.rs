@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::accel::{Accel, Cancel, Precision};
 use crate::error::Result;
-use crate::geometry::{PathRay, SphereSet, SurfaceHit};
+use crate::geometry::{PathRay, Side, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
 use super::judge::{Case, First, Verdict, widest};
@@ -46,6 +46,8 @@ pub struct Tally {
     pub wrong_distances: usize,
     /// The largest error of a resolved distance, in units of what is allowed.
     pub largest_distance_error: f64,
+    /// Sides of a sphere arrived at other than the judge's, where its chord is long enough to tell.
+    pub wrong_sides: usize,
     /// Occlusions other than the judge's, within the stated error.
     pub ambiguous_occlusions: usize,
     /// Occlusions beyond it.
@@ -76,6 +78,8 @@ pub enum Disputed {
     Id,
     /// How far away it is.
     Distance,
+    /// Which side of the sphere it arrives at.
+    Side,
     /// Whether anything is hit.
     Occlusion,
 }
@@ -120,19 +124,26 @@ fn compare_batch(
         let mut tally = Tally::of(contender.name);
         for (i, case) in cases.iter().enumerate() {
             let answer = answer_of(spheres, &rays[i], hits[i]);
-            tally.count(case, &rays[i], answer, blocked[i], &precision);
+            tally.count(case, &answer, blocked[i], &precision);
         }
         tally
     };
     contenders.iter().map(judged).collect()
 }
 
-/// The answer as an integrator sees it; an id that does not exist stays visible.
-fn answer_of(spheres: &SphereSet, ray: &PathRay, hit: Hit) -> Option<(u32, f64)> {
+/// The answer as an integrator sees it.
+struct Answer {
+    hit: Option<(u32, f64)>,
+    side: Option<Side>,
+}
+
+/// An id that does not exist stays visible.
+fn answer_of(spheres: &SphereSet, ray: &PathRay, hit: Hit) -> Answer {
     if !hit.is_miss() && hit.id as usize >= spheres.len() {
-        return Some((hit.id, f64::NAN));
+        return Answer { hit: Some((hit.id, f64::NAN)), side: None };
     }
-    spheres.answer(ray, hit).map(|SurfaceHit { id, t, .. }| (id, t))
+    let hit = spheres.answer(ray, hit);
+    Answer { hit: hit.map(|hit| (hit.id, hit.t)), side: hit.map(|hit| hit.side) }
 }
 
 impl Tally {
@@ -142,7 +153,8 @@ impl Tally {
 
     /// Everything that is beyond what was stated; 0 if the backend is right.
     pub fn failures(&self) -> usize {
-        self.wrong + self.lost + self.ghosts + self.wrong_distances + self.wrong_occlusions
+        let ids = self.wrong + self.lost + self.ghosts;
+        ids + self.wrong_distances + self.wrong_sides + self.wrong_occlusions
     }
 
     /// The share of rays whose id differs from the judge's within the stated error.
@@ -150,50 +162,66 @@ impl Tally {
         self.ambiguous as f64 / self.rays.max(1) as f64
     }
 
-    fn count(
-        &mut self,
-        case: &Case<'_>,
-        ray: &PathRay,
-        answer: Option<(u32, f64)>,
-        blocked: bool,
-        precision: &Precision,
-    ) {
+    fn count(&mut self, case: &Case<'_>, answer: &Answer, blocked: bool, precision: &Precision) {
         self.rays += 1;
         let judged = case.first().map(|First { id, t }| (id, t));
-        let mut disputed = None;
-        match case.judge_closest(answer.map(|(id, _)| id), precision) {
+        let about_hit =
+            self.count_id(case, answer, precision).or_else(|| self.count_hit(case, answer));
+        let about_occlusion = self.count_occlusion(case, blocked, precision);
+        if let Some(about) = about_hit.or(about_occlusion) {
+            if self.disagreements.len() < KEPT {
+                let (backend, ray) = (self.name.clone(), *case.ray());
+                let answered = answer.hit;
+                self.disagreements.push(Disagreement { backend, about, ray, answered, judged });
+            }
+        }
+    }
+
+    fn count_id(
+        &mut self,
+        case: &Case<'_>,
+        answer: &Answer,
+        precision: &Precision,
+    ) -> Option<Disputed> {
+        match case.judge_closest(answer.hit.map(|(id, _)| id), precision) {
             Verdict::Equal => self.equal += 1,
             Verdict::Ambiguous => self.ambiguous += 1,
             Verdict::Wrong => {
-                disputed = Some(Disputed::Id);
-                match (answer, judged) {
+                match (answer.hit, case.first()) {
                     (None, _) => self.lost += 1,
                     (_, None) => self.ghosts += 1,
                     _ => self.wrong += 1,
                 }
+                return Some(Disputed::Id);
             }
         }
-        if let (Some((id, t)), None) = (answer, disputed) {
-            let error = case.distance_error(id, t);
-            self.largest_distance_error = self.largest_distance_error.max(error);
-            if error > 1.0 || error.is_nan() {
-                self.wrong_distances += 1;
-                disputed = Some(Disputed::Distance);
-            }
+        None
+    }
+
+    /// Distance and side of a hit whose id is accepted.
+    fn count_hit(&mut self, case: &Case<'_>, answer: &Answer) -> Option<Disputed> {
+        let ((id, t), side) = (answer.hit?, answer.side?);
+        let error = case.distance_error(id, t);
+        self.largest_distance_error = self.largest_distance_error.max(error);
+        if error > 1.0 || error.is_nan() {
+            self.wrong_distances += 1;
+            return Some(Disputed::Distance);
         }
-        match case.judge_occluded(blocked, precision) {
-            Verdict::Equal => {}
-            Verdict::Ambiguous => self.ambiguous_occlusions += 1,
-            Verdict::Wrong => {
-                self.wrong_occlusions += 1;
-                disputed = disputed.or(Some(Disputed::Occlusion));
-            }
-        }
-        if let Some(about) = disputed.filter(|_| self.disagreements.len() < KEPT) {
-            let backend = self.name.clone();
-            let ray = *ray;
-            self.disagreements.push(Disagreement { backend, about, ray, answered: answer, judged });
-        }
+        let is_wrong = case.side(id, t).is_some_and(|judged| judged != side);
+        self.wrong_sides += usize::from(is_wrong);
+        is_wrong.then_some(Disputed::Side)
+    }
+
+    fn count_occlusion(
+        &mut self,
+        case: &Case<'_>,
+        blocked: bool,
+        precision: &Precision,
+    ) -> Option<Disputed> {
+        let verdict = case.judge_occluded(blocked, precision);
+        self.ambiguous_occlusions += usize::from(verdict == Verdict::Ambiguous);
+        self.wrong_occlusions += usize::from(verdict == Verdict::Wrong);
+        (verdict == Verdict::Wrong).then_some(Disputed::Occlusion)
     }
 
     fn add(&mut self, other: Self) {
@@ -205,6 +233,7 @@ impl Tally {
         self.ghosts += other.ghosts;
         self.wrong_distances += other.wrong_distances;
         self.largest_distance_error = self.largest_distance_error.max(other.largest_distance_error);
+        self.wrong_sides += other.wrong_sides;
         self.ambiguous_occlusions += other.ambiguous_occlusions;
         self.wrong_occlusions += other.wrong_occlusions;
         let room = KEPT - self.disagreements.len();
@@ -224,6 +253,7 @@ impl fmt::Display for Disagreement {
         let about = match about {
             Disputed::Id => "id",
             Disputed::Distance => "distance",
+            Disputed::Side => "side",
             Disputed::Occlusion => "occlusion",
         };
         write!(
@@ -240,5 +270,112 @@ impl fmt::Display for Disagreement {
             hit(self.answered),
             hit(self.judged),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Backend, BuildOptions};
+    use crate::geometry::{Sphere, SphereRows};
+    use crate::verify::rays;
+    use std::sync::Arc;
+
+    /// A backend with a fault of choice.
+    struct Broken {
+        sound: Box<dyn Accel>,
+        break_ray: fn(&mut Ray),
+        break_hit: fn(&mut Hit),
+        break_occlusion: fn(&mut bool),
+    }
+
+    impl Accel for Broken {
+        fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+            self.sound.closest(&self.broken(rays), hits);
+            hits.iter_mut().for_each(self.break_hit);
+        }
+
+        fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
+            self.sound.occluded(&self.broken(rays), blocked);
+            blocked.iter_mut().for_each(self.break_occlusion);
+        }
+
+        fn precision(&self) -> Precision {
+            Precision { particles: 16.0, giants: 16.0, rounds_origin: true }
+        }
+
+        fn bytes(&self) -> usize {
+            self.sound.bytes()
+        }
+    }
+
+    impl Broken {
+        fn broken(&self, rays: &[Ray]) -> Vec<Ray> {
+            let mut rays = rays.to_vec();
+            rays.iter_mut().for_each(self.break_ray);
+            rays
+        }
+    }
+
+    fn spheres() -> Arc<SphereSet> {
+        let ball = |i: u32| Sphere {
+            center: DVec3::new(f64::from(i % 5), f64::from(i / 5 % 5), f64::from(i / 25)),
+            radius: 0.4,
+        };
+        let rows = SphereRows { exact: (0..125).map(ball).collect(), table: Vec::new() };
+        Arc::new(SphereSet::new(rows).expect("few spheres"))
+    }
+
+    fn tally(
+        break_ray: fn(&mut Ray),
+        break_hit: fn(&mut Hit),
+        break_occlusion: fn(&mut bool),
+    ) -> Tally {
+        let spheres = spheres();
+        let sound = Backend::BruteForce.build(&spheres, &BuildOptions::default()).expect("builds");
+        let broken = Broken { sound, break_ray, break_hit, break_occlusion };
+        let contender = Contender { name: "broken", accel: &broken };
+        let rays = rays::random(&spheres, 3000, 7);
+        compare(&spheres, &[contender], &rays, &Cancel::default()).expect("not cancelled").remove(0)
+    }
+
+    #[test]
+    fn a_sound_backend_has_no_failures() {
+        let sound = tally(|_| (), |_| (), |_| ());
+        assert_eq!((sound.rays, sound.failures()), (3000, 0));
+        assert!(sound.equal > 2800 && sound.disagreements.is_empty());
+    }
+
+    #[test]
+    fn every_kind_of_fault_is_found_and_named() {
+        let lost = tally(|_| (), |hit| *hit = Hit::MISS, |_| ());
+        assert!(lost.lost > 1000 && lost.wrong + lost.ghosts == 0);
+        let ghosts = tally(|_| (), |hit| hit.id = hit.id.min(0), |_| ());
+        assert!(ghosts.ghosts > 100 && ghosts.wrong > 1000 && ghosts.lost == 0);
+        let shifted = tally(|ray| ray.origin[0] += 1e-3, |_| (), |_| ());
+        assert!(shifted.failures() > 10);
+        let blind = tally(|_| (), |_| (), |blocked| *blocked = !*blocked);
+        assert!(blind.wrong_occlusions > 2800 && blind.wrong + blind.lost == 0);
+        let unknown = tally(|_| (), |hit| hit.id = 4_000_000, |_| ());
+        assert_eq!(unknown.wrong + unknown.ghosts, 3000);
+    }
+
+    #[test]
+    fn a_dumped_line_reads_back_to_the_same_ray() {
+        let lost = tally(|_| (), |hit| *hit = Hit::MISS, |_| ());
+        let disagreement = &lost.disagreements[0];
+        let line = disagreement.to_string();
+        let numbers: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
+        assert_eq!(numbers[..3], disagreement.ray.origin.to_array());
+        assert_eq!(numbers[3..6], disagreement.ray.direction.to_array());
+        assert!(line.starts_with("broken id: origin ") && line.contains("answered miss judged"));
+    }
+
+    #[test]
+    fn a_request_to_stop_is_an_error() {
+        let spheres = spheres();
+        let cancel = Cancel::default();
+        cancel.cancel();
+        assert!(compare(&spheres, &[], &rays::random(&spheres, 9, 1), &cancel).is_err());
     }
 }

@@ -21,7 +21,7 @@
 use twofloat::TwoFloat;
 
 use crate::accel::Precision;
-use crate::geometry::{PathRay, Sphere, SphereSet};
+use crate::geometry::{PathRay, Roots, Side, Sphere, SphereSet};
 use crate::math::{DVec3, F32_ROUNDING};
 
 use super::exact::Approach;
@@ -76,6 +76,13 @@ struct Band {
     sure_until: Option<TwoFloat>,
 }
 
+/// Both roots of a line and a sphere, exact and then rounded to f64; `None` where it passes by.
+pub fn roots(origin: DVec3, direction: DVec3, sphere: &Sphere) -> Option<Roots> {
+    let approach = Approach::new(origin, direction, sphere);
+    let h = approach.half_chord(TwoFloat::from(sphere.radius))?;
+    Some(Roots { near: (approach.t - h).hi(), far: (approach.t + h).hi() })
+}
+
 /// The precision that covers all of those given.
 pub fn widest(precisions: impl IntoIterator<Item = Precision>) -> Precision {
     let exact = Precision { particles: 0.0, giants: 0.0, rounds_origin: false };
@@ -100,6 +107,11 @@ impl<'a> Case<'a> {
         case.find_candidates(widest);
         case.find_first();
         case
+    }
+
+    /// The ray in question.
+    pub fn ray(&self) -> &'a PathRay {
+        self.ray
     }
 
     /// The exact first hit.
@@ -179,6 +191,19 @@ impl<'a> Case<'a> {
             () if gap > 0.0 => error(near),
             () => error(far),
         }
+    }
+
+    /// The side on which the ray arrives at a sphere at distance `t`, as resolved; `None` where the
+    /// chord is too short for f64 to tell. A far wall is always reached from inside.
+    pub fn side(&self, id: u32, t: f64) -> Option<Side> {
+        if id == self.ray.leaves {
+            return Some(Side::Inside);
+        }
+        let sphere = self.spheres.sphere(id);
+        let approach = Approach::new(self.ray.origin, self.ray.direction, &sphere);
+        let h = approach.half_chord(TwoFloat::from(sphere.radius))?.hi();
+        let can_tell = h > 2.0 * allowed_error(self.ray.origin, &sphere, Some(h));
+        can_tell.then(|| if approach.t < t { Side::Inside } else { Side::Outside })
     }
 
     fn find_candidates(&mut self, widest: &Precision) {
