@@ -7,11 +7,10 @@ mod common;
 
 use std::sync::Arc;
 
-use common::rays::{assert_no_failures, backends, built, set_of};
-use photosphere::accel::{Accel, Cancel, Precision};
+use common::rays::{Outcome, against_the_judge, assert_no_failures, backends, built, set_of};
+use photosphere::accel::{Accel, Precision};
 use photosphere::geometry::{Cone, PathRay, Side, Sphere, SphereSet, SurfaceHit};
-use photosphere::math::{DVec3, Frame, Hit, Ray};
-use photosphere::verify::crosscheck::{Contender, Tally, compare};
+use photosphere::math::{DVec3, Frame, Hit, NO_SPHERE, Ray};
 use photosphere::verify::{judge, rays};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rayon::prelude::*;
@@ -118,26 +117,14 @@ fn assert_far_wall_is_right(ray: &PathRay, sphere: &Sphere) {
     assert!(error <= allowed, "far wall {:e}, exact {far:e}, {sphere:?}", ray.far_wall);
 }
 
-/// Compares what every backend, put through `change`, finds with what the judge finds.
-fn compared(
-    stand: &Stand,
-    rays: &[PathRay],
-    change: fn(Box<dyn Accel>) -> Box<dyn Accel>,
-) -> Vec<Tally> {
-    let accels: Vec<_> = backends().map(|b| (b.name(), change(built(b, &stand.spheres)))).collect();
-    let contenders: Vec<_> =
-        accels.iter().map(|(name, accel)| Contender { name, accel: accel.as_ref() }).collect();
-    compare(&stand.spheres, &contenders, rays, &Cancel::default()).expect("nobody cancels")
-}
-
 fn leaves_rightly(neighbour: Neighbour) {
     (0..SPHERES).into_par_iter().for_each(|index| {
         let mut stand = Stand::new(index, neighbour);
         let rays = stand.leaving_rays(DIRECTIONS);
         assert!(rays.len() > DIRECTIONS * 9 / 10);
-        for tally in compared(&stand, &rays, |accel| accel) {
+        for outcome in against_the_judge(&stand.spheres, &rays, |accel| accel) {
             let what = format!("sphere {index} ({:?}), neighbour {neighbour:?}", stand.sphere());
-            assert_no_failures(&what, &tally);
+            assert_no_failures(&what, &outcome.tally);
         }
     });
 }
@@ -216,7 +203,7 @@ struct Forgetful(Box<dyn Accel>);
 
 impl Forgetful {
     fn forget(rays: &[Ray]) -> Vec<Ray> {
-        rays.iter().map(|ray| Ray { exclude: [photosphere::math::NO_SPHERE; 2], ..*ray }).collect()
+        rays.iter().map(|ray| Ray { exclude: [NO_SPHERE; 2], ..*ray }).collect()
     }
 }
 
@@ -243,15 +230,16 @@ impl Accel for Forgetful {
 #[test]
 fn a_broken_exclusion_is_found() {
     let stands: Vec<usize> = (0..SPHERES).step_by(10).collect();
-    let tallies = stands.par_iter().map(|&index| {
+    let outcomes = stands.par_iter().map(|&index| {
         let mut stand = Stand::new(index, Neighbour::Touching);
         let rays = stand.leaving_rays(100);
-        compared(&stand, &rays, |accel| Box::new(Forgetful(accel)))
+        against_the_judge(&stand.spheres, &rays, |accel| Box::new(Forgetful(accel)))
     });
-    let tallies: Vec<Vec<Tally>> = tallies.collect();
-    for backend in 0..tallies[0].len() {
-        let caught = tallies.iter().filter(|tallies| tallies[backend].failures() > 5).count();
-        let name = &tallies[0][backend].name;
+    let outcomes: Vec<Vec<Outcome>> = outcomes.collect();
+    for backend in 0..outcomes[0].len() {
+        let failures = |outcomes: &&Vec<Outcome>| outcomes[backend].tally.failures() > 5;
+        let caught = outcomes.iter().filter(failures).count();
+        let name = &outcomes[0][backend].tally.name;
         assert!(caught * 10 > stands.len() * 9, "`{name}`: found on {caught} spheres only");
     }
 }

@@ -36,6 +36,9 @@ pub struct Tally {
     pub equal: usize,
     /// Other ids, within the backend's stated error.
     pub ambiguous: usize,
+    /// Those among the ambiguous that resolve to a point behind another sphere, which the path then
+    /// never sees.
+    pub passed_over: usize,
     /// Ids of another sphere than the judge's, beyond the stated error.
     pub wrong: usize,
     /// Misses, beyond the stated error, where the judge sees a sphere.
@@ -133,17 +136,20 @@ fn compare_batch(
 
 /// The answer as an integrator sees it.
 struct Answer {
+    /// The sphere that the backend found.
+    found: Option<u32>,
     hit: Option<(u32, f64)>,
     side: Option<Side>,
 }
 
 /// An id that does not exist stays visible.
 fn answer_of(spheres: &SphereSet, ray: &PathRay, hit: Hit) -> Answer {
-    if !hit.is_miss() && hit.id as usize >= spheres.len() {
-        return Answer { hit: Some((hit.id, f64::NAN)), side: None };
+    let found = (!hit.is_miss()).then_some(hit.id);
+    if found.is_some_and(|id| id as usize >= spheres.len()) {
+        return Answer { found, hit: Some((hit.id, f64::NAN)), side: None };
     }
     let hit = spheres.answer(ray, hit);
-    Answer { hit: hit.map(|hit| (hit.id, hit.t)), side: hit.map(|hit| hit.side) }
+    Answer { found, hit: hit.map(|hit| (hit.id, hit.t)), side: hit.map(|hit| hit.side) }
 }
 
 impl Tally {
@@ -183,9 +189,13 @@ impl Tally {
         answer: &Answer,
         precision: &Precision,
     ) -> Option<Disputed> {
-        match case.judge_closest(answer.hit.map(|(id, _)| id), precision) {
+        match case.judge_closest(answer.found, answer.hit.map(|(id, _)| id), precision) {
             Verdict::Equal => self.equal += 1,
-            Verdict::Ambiguous => self.ambiguous += 1,
+            Verdict::Ambiguous => {
+                self.ambiguous += 1;
+                let passes = |(id, t)| case.is_passed_over(id, t, precision);
+                self.passed_over += usize::from(answer.hit.is_some_and(passes));
+            }
             Verdict::Wrong => {
                 match (answer.hit, case.first()) {
                     (None, _) => self.lost += 1,
@@ -228,6 +238,7 @@ impl Tally {
         self.rays += other.rays;
         self.equal += other.equal;
         self.ambiguous += other.ambiguous;
+        self.passed_over += other.passed_over;
         self.wrong += other.wrong;
         self.lost += other.lost;
         self.ghosts += other.ghosts;

@@ -124,33 +124,40 @@ impl<'a> Case<'a> {
         self.blocked
     }
 
-    /// Judges the sphere that a backend found first, as [`SphereSet::answer`] returned it: `None`
-    /// for a miss.
-    pub fn judge_closest(&self, answer: Option<u32>, precision: &Precision) -> Verdict {
+    /// Judges the sphere that a backend found first, `None` for a miss, and what
+    /// [`SphereSet::answer`] made of it, which may be the far wall instead.
+    pub fn judge_closest(
+        &self,
+        found: Option<u32>,
+        answer: Option<u32>,
+        precision: &Precision,
+    ) -> Verdict {
         if answer == self.first.map(|first| first.id) {
             return Verdict::Equal;
         }
-        let far_wall = (self.ray.far_wall < self.ray.t_max).then_some(self.ray.far_wall);
-        let earliest = match answer {
-            None => None,
-            Some(id) if id == self.ray.leaves => match far_wall {
-                Some(t) => Some(TwoFloat::from(t)),
-                None => return Verdict::Wrong,
-            },
+        let far_wall = (self.ray.far_wall < self.ray.t_max).then_some(self.ray.far_wall.into());
+        let earliest = match found {
+            None => far_wall,
             Some(id) => match self.earliest_possible(id, precision) {
                 Some(t) => Some(t),
                 None => return Verdict::Wrong,
             },
         };
-        let lies_before = |t: TwoFloat| earliest.is_none_or(|earliest| t < earliest);
-        let passed_over = self
-            .candidates
-            .iter()
-            .filter(|candidate| Some(candidate.id) != answer)
-            .filter_map(|candidate| self.band(candidate, precision).sure_until)
-            .any(lies_before);
-        let passed_through = far_wall.is_some_and(|t| lies_before(TwoFloat::from(t)));
-        if passed_over || passed_through { Verdict::Wrong } else { Verdict::Ambiguous }
+        let is_wrong = match earliest {
+            Some(earliest) => {
+                self.is_behind_another(found, earliest, precision)
+                    || far_wall.is_some_and(|far_wall| far_wall < earliest)
+            }
+            None => self.has_sure_hit(precision),
+        };
+        if is_wrong { Verdict::Wrong } else { Verdict::Ambiguous }
+    }
+
+    /// Whether a point on sphere `id` at distance `t` lies behind another sphere whatever the
+    /// radii. An ambiguous answer may: a sphere that the ray starts just inside of, and that an f32
+    /// backend meets from outside at once, resolves to its far root.
+    pub fn is_passed_over(&self, id: u32, t: f64, precision: &Precision) -> bool {
+        self.is_behind_another(Some(id), t.into(), precision)
     }
 
     /// Judges whether a backend found the way blocked.
@@ -159,7 +166,7 @@ impl<'a> Case<'a> {
         let accepted = match blocked {
             _ if blocked == self.blocked => return Verdict::Equal,
             true => bands.any(|band| band.possible_from.is_some()),
-            false => bands.all(|band| band.sure_until.is_none()),
+            false => !self.has_sure_hit(precision),
         };
         if accepted { Verdict::Ambiguous } else { Verdict::Wrong }
     }
@@ -255,6 +262,15 @@ impl<'a> Case<'a> {
         let near = approach.t - h;
         let root = if near > self.ray.t_min { near } else { approach.t + h };
         (root > self.ray.t_min && root < self.end()).then_some(root)
+    }
+
+    fn is_behind_another(&self, id: Option<u32>, t: TwoFloat, precision: &Precision) -> bool {
+        let others = self.candidates.iter().filter(|candidate| Some(candidate.id) != id);
+        others.filter_map(|other| self.band(other, precision).sure_until).any(|until| until < t)
+    }
+
+    fn has_sure_hit(&self, precision: &Precision) -> bool {
+        self.candidates.iter().any(|candidate| self.band(candidate, precision).sure_until.is_some())
     }
 
     fn earliest_possible(&self, id: u32, precision: &Precision) -> Option<TwoFloat> {
@@ -402,6 +418,12 @@ mod tests {
         PathRay::free(DVec3::from(origin) - spheres.origin(), DVec3::X)
     }
 
+    /// What [`SphereSet::answer`] makes of a hit that lies before the far wall.
+    fn judged(case: &Case<'_>, found: Option<u32>, precision: &Precision) -> Verdict {
+        let own = (case.ray.far_wall < case.ray.t_max).then_some(case.ray.leaves);
+        case.judge_closest(found, found.or(own), precision)
+    }
+
     #[test]
     fn the_first_of_two_is_the_answer_and_the_other_is_wrong() {
         let spheres = row_of(&[[10.0, 0.0, 0.0], [20.0, 0.0, 0.0]]);
@@ -410,9 +432,9 @@ mod tests {
         let (near, far) = (id_of(&spheres, 0), id_of(&spheres, 1));
         let first = case.first().expect("hits");
         assert_eq!((first.id, first.t), (near, 9.0));
-        assert_eq!(case.judge_closest(Some(near), &COARSE), Verdict::Equal);
-        assert_eq!(case.judge_closest(Some(far), &COARSE), Verdict::Wrong);
-        assert_eq!(case.judge_closest(None, &COARSE), Verdict::Wrong);
+        assert_eq!(judged(&case, Some(near), &COARSE), Verdict::Equal);
+        assert_eq!(judged(&case, Some(far), &COARSE), Verdict::Wrong);
+        assert_eq!(judged(&case, None, &COARSE), Verdict::Wrong);
         assert_eq!(case.judge_occluded(true, &COARSE), Verdict::Equal);
         assert_eq!(case.judge_occluded(false, &COARSE), Verdict::Wrong);
     }
@@ -424,10 +446,10 @@ mod tests {
         let ray = free([-9.0, 0.0, 0.0], &spheres);
         let behind = Some(id_of(&spheres, 1));
         let case = Case::new(&spheres, &ray, &COARSE);
-        assert_eq!(case.judge_closest(behind, &COARSE), Verdict::Ambiguous);
-        assert_eq!(case.judge_closest(behind, &EXACT), Verdict::Wrong);
+        assert_eq!(judged(&case, behind, &COARSE), Verdict::Ambiguous);
+        assert_eq!(judged(&case, behind, &EXACT), Verdict::Wrong);
         let hundredth = Precision { particles: 0.1, ..EXACT };
-        assert_eq!(case.judge_closest(behind, &hundredth), Verdict::Wrong);
+        assert_eq!(judged(&case, behind, &hundredth), Verdict::Wrong);
     }
 
     #[test]
@@ -438,8 +460,8 @@ mod tests {
             let case = Case::new(&spheres, &ray, &COARSE);
             assert_eq!(case.first().is_some(), hits);
             let other = if hits { None } else { Some(0) };
-            assert_eq!(case.judge_closest(other, &COARSE), Verdict::Ambiguous);
-            assert_eq!(case.judge_closest(other, &EXACT), Verdict::Wrong);
+            assert_eq!(judged(&case, other, &COARSE), Verdict::Ambiguous);
+            assert_eq!(judged(&case, other, &EXACT), Verdict::Wrong);
             assert_eq!(case.judge_occluded(!hits, &COARSE), Verdict::Ambiguous);
             assert_eq!(case.judge_occluded(!hits, &EXACT), Verdict::Wrong);
         }
@@ -452,8 +474,8 @@ mod tests {
         let ray = free([1e-8 - 1.0, 0.0, 0.0], &spheres);
         let case = Case::new(&spheres, &ray, &COARSE);
         assert_eq!(case.first().map(|first| first.id), Some(next), "starts inside its own");
-        assert_eq!(case.judge_closest(Some(own), &COARSE), Verdict::Ambiguous);
-        assert_eq!(case.judge_closest(Some(own), &EXACT), Verdict::Wrong);
+        assert_eq!(judged(&case, Some(own), &COARSE), Verdict::Ambiguous);
+        assert_eq!(judged(&case, Some(own), &EXACT), Verdict::Wrong);
     }
 
     #[test]
@@ -463,15 +485,15 @@ mod tests {
         let inward = PathRay { leaves: own, far_wall: 2.0, ..free([-1.0, 0.0, 0.0], &spheres) };
         let case = Case::new(&spheres, &inward, &COARSE);
         assert_eq!(case.first().map(|first| (first.id, first.t)), Some((own, 2.0)));
-        assert_eq!(case.judge_closest(Some(next), &EXACT), Verdict::Wrong);
-        assert_eq!(case.judge_closest(None, &COARSE), Verdict::Wrong);
+        assert_eq!(judged(&case, Some(next), &EXACT), Verdict::Wrong);
+        assert_eq!(judged(&case, None, &COARSE), Verdict::Wrong);
         assert!(!case.blocked(), "the far wall ends the ray");
         assert_eq!(case.distance_error(own, 2.0), 0.0);
         assert!(case.distance_error(own, 2.0 + 1e-15) > 1.0);
         let outward = PathRay { far_wall: f64::INFINITY, ..inward };
         let case = Case::new(&spheres, &outward, &COARSE);
         assert_eq!(case.first().map(|first| first.id), Some(next));
-        assert_eq!(case.judge_closest(Some(own), &COARSE), Verdict::Wrong);
+        assert_eq!(judged(&case, Some(own), &COARSE), Verdict::Wrong);
         let to_lamp = PathRay { aims_at: next, t_max: 3.0, ..outward };
         assert!(Case::new(&spheres, &to_lamp, &COARSE).first().is_none());
         assert_eq!(inward.aims_at, NO_SPHERE);
