@@ -1,14 +1,15 @@
 //! Every backend against the judge, over families of scenes that have broken intersectors before.
 //!
 //! Beyond a backend's stated error not one answer may differ. Within it they may, and how often is
-//! printed (`--nocapture`) and held against a recorded bound, about three times the largest share
-//! measured over the backends when it was recorded, so that a backend that grows careless, or
-//! states a wider error to get through, fails too. Seeds are fixed: a failure is no accident of
+//! printed (`--nocapture`) and held against a recorded bound, three times the largest share measured
+//! when it was recorded, so that a backend that grows careless, or states a wider error to get
+//! through, fails too. A ninth of the random rays aim at silhouettes, half of those closer than f32
+//! can tell, which is most of what is ambiguous. Seeds are fixed: a failure is no accident of
 //! chance.
 
 mod common;
 
-use common::rays::{Outcome, against_the_judge, assert_no_failures, set_of};
+use common::rays::{against_the_judge, assert_no_failures, set_of};
 use photosphere::geometry::{PathRay, Sphere};
 use photosphere::math::DVec3;
 use photosphere::verify::crosscheck::Tally;
@@ -26,7 +27,7 @@ struct Trial {
     rays: Vec<(DVec3, DVec3)>,
 }
 
-/// The largest share of ambiguous ids that was recorded, times three.
+/// Three times the largest share of ambiguous ids that was recorded (twice for `tangent`).
 struct Recorded {
     /// For backends whose stated error is that of f64.
     f64: f64,
@@ -37,7 +38,7 @@ struct Recorded {
 /// Runs all trials over all backends with `random` more rays each, and holds the shares of
 /// ambiguous ids against what was recorded.
 fn check(family: &str, recorded: Recorded, random: usize, trials: Vec<Trial>) {
-    let outcomes: Vec<Vec<Outcome>> = trials
+    let tallies: Vec<Vec<Tally>> = trials
         .into_par_iter()
         .enumerate()
         .map(|(seed, trial)| {
@@ -47,29 +48,29 @@ fn check(family: &str, recorded: Recorded, random: usize, trials: Vec<Trial>) {
                 PathRay::free(from - spheres.origin(), (to - from).normalize())
             };
             all.extend(trial.rays.iter().map(moved));
-            let outcomes = against_the_judge(&spheres, &all, |accel| accel);
-            for outcome in &outcomes {
-                assert_no_failures(&format!("{family}, trial {seed}"), &outcome.tally);
+            let tallies = against_the_judge(&spheres, &all, |accel| accel);
+            for tally in &tallies {
+                assert_no_failures(&format!("{family}, trial {seed}"), tally);
             }
-            outcomes
+            tallies
         })
         .collect();
-    for backend in 0..outcomes[0].len() {
-        let of_backend: Vec<&Outcome> = outcomes.iter().map(|trial| &trial[backend]).collect();
+    for backend in 0..tallies[0].len() {
+        let of_backend: Vec<&Tally> = tallies.iter().map(|trial| &trial[backend]).collect();
         assert_share_is_within(family, &recorded, &of_backend);
     }
 }
 
 /// Holds one backend's share of ambiguous ids, over all trials of a family, against the record.
-fn assert_share_is_within(family: &str, recorded: &Recorded, outcomes: &[&Outcome]) {
-    let sum = |of: fn(&Tally) -> usize| outcomes.iter().map(|o| of(&o.tally)).sum::<usize>();
+fn assert_share_is_within(family: &str, recorded: &Recorded, tallies: &[&Tally]) {
+    let sum = |of: fn(&Tally) -> usize| tallies.iter().map(|tally| of(tally)).sum::<usize>();
     let rays = sum(|tally| tally.rays);
     let share = sum(|tally| tally.ambiguous) as f64 / rays as f64;
-    let errors = outcomes.iter().map(|o| o.tally.largest_distance_error);
+    let errors = tallies.iter().map(|tally| tally.largest_distance_error);
     let largest = errors.fold(0.0, f64::max);
-    let is_f64 = outcomes[0].precision.particles < 1e-3;
+    let is_f64 = tallies[0].precision.particles < 1e-3;
     let bound = if is_f64 { recorded.f64 } else { recorded.f32 };
-    let name = &outcomes[0].tally.name;
+    let name = &tallies[0].name;
     let passed_over = sum(|tally| tally.passed_over) as f64 / rays as f64;
     println!(
         "{family:12} {name:12} {rays:7} rays: ambiguous {share:.1e} (bound {bound:.0e}), passed over \
@@ -106,7 +107,7 @@ fn trials(count: u64, spheres: impl Fn(u64) -> Vec<Sphere>) -> Vec<Trial> {
 fn random_clouds() {
     check(
         "random",
-        Recorded { f64: 1.0, f32: 1.0 },
+        Recorded { f64: 1.5e-2, f32: 9e-2 },
         4000,
         trials(8, |seed| cloud(seed, 1000, 10.0, 0.01..1.0)),
     );
@@ -116,7 +117,7 @@ fn random_clouds() {
 fn many_small_spheres() {
     check(
         "many",
-        Recorded { f64: 1.0, f32: 1.0 },
+        Recorded { f64: 3e-2, f32: 0.14 },
         4000,
         trials(1, |seed| cloud(seed, 30_000, 1.0, 1e-4..1e-2)),
     );
@@ -140,7 +141,7 @@ fn grazing_rays() {
         let rays = rays.collect();
         Trial { spheres, rays }
     };
-    check("grazing", Recorded { f64: 1.0, f32: 1.0 }, 0, (0..8).map(graze).collect());
+    check("grazing", Recorded { f64: 1e-4, f32: 0.4 }, 0, (0..8).map(graze).collect());
 }
 
 /// A bowl of spheres inside one another's shells, seen from within.
@@ -154,7 +155,7 @@ fn inside() {
         let rays = (0..2000).map(|_| (anywhere(&mut rng, 5.0), anywhere(&mut rng, 5.0))).collect();
         Trial { spheres, rays }
     };
-    check("inside", Recorded { f64: 1.0, f32: 1.0 }, 2000, (0..8).map(bowl).collect());
+    check("inside", Recorded { f64: 5e-3, f32: 3.5e-2 }, 2000, (0..8).map(bowl).collect());
 }
 
 /// Lines that touch a sphere exactly in the numbers as stored, and the neighbouring ones.
@@ -178,7 +179,7 @@ fn tangent_lines() {
         }
         Trial { spheres, rays }
     };
-    check("tangent", Recorded { f64: 1.0, f32: 1.0 }, 1000, (0..4).map(touch).collect());
+    check("tangent", Recorded { f64: 2e-3, f32: 0.7 }, 1000, (0..4).map(touch).collect());
 }
 
 /// A lattice of balls that touch their neighbours in exact numbers.
@@ -190,14 +191,14 @@ fn touching_spheres() {
         let cell = |i: u32| ball(at(i % 6), at(i / 6 % 6), at(i / 36), size);
         (0..216).map(cell).collect()
     };
-    check("touching", Recorded { f64: 1.0, f32: 1.0 }, 4000, trials(8, lattice));
+    check("touching", Recorded { f64: 3.5e-3, f32: 3e-2 }, 4000, trials(8, lattice));
 }
 
 #[test]
 fn overlapping_spheres() {
     check(
         "overlapping",
-        Recorded { f64: 1.0, f32: 1.0 },
+        Recorded { f64: 8e-4, f32: 2.5e-2 },
         4000,
         trials(8, |seed| cloud(seed, 300, 1.0, 0.2..1.0)),
     );
@@ -215,7 +216,7 @@ fn nested_spheres() {
         };
         (1..40).map(shell).chain([ball(9.0, 0.0, 0.0, 0.5), ball(-9.0, 1.0, 0.0, 0.5)]).collect()
     };
-    check("nested", Recorded { f64: 1.0, f32: 1.0 }, 3000, trials(8, onion));
+    check("nested", Recorded { f64: 0.15, f32: 0.2 }, 3000, trials(8, onion));
 }
 
 /// Equal spheres become one at load; spheres one f32 step apart stay two and are ambiguous.
@@ -230,7 +231,7 @@ fn duplicate_spheres() {
         let next: Vec<_> = spheres.iter().take(20).map(step).collect();
         [spheres.clone(), spheres, next].concat()
     };
-    check("duplicate", Recorded { f64: 1.0, f32: 1.0 }, 3000, trials(8, twice));
+    check("duplicate", Recorded { f64: 2e-2, f32: 0.4 }, 3000, trials(8, twice));
 }
 
 /// Walls of radius 1e5 to 1e8 around balls of radius 1: giants beside particles.
@@ -245,7 +246,7 @@ fn huge_spheres() {
         }
         spheres
     };
-    check("huge", Recorded { f64: 1.0, f32: 1.0 }, 4000, trials(8, room));
+    check("huge", Recorded { f64: 7e-3, f32: 5.5e-2 }, 4000, trials(8, room));
 }
 
 /// More than 64 giants: the ground under a crowd and a hundred hills, with grains between them.
@@ -264,13 +265,13 @@ fn more_than_64_giants() {
         assert!(set.giants().len() > 64, "only {} giants", set.giants().len());
         spheres
     };
-    check("giants", Recorded { f64: 1.0, f32: 1.0 }, 3000, trials(4, hills));
+    check("giants", Recorded { f64: 6e-4, f32: 3e-2 }, 3000, trials(4, hills));
 }
 
 #[test]
 fn tiny_spheres() {
     let dust = |seed: u64| cloud(seed, 1000, 1.0, 1e-6..1e-4);
-    check("tiny", Recorded { f64: 1.0, f32: 1.0 }, 4000, trials(8, dust));
+    check("tiny", Recorded { f64: 4.5e-2, f32: 0.22 }, 4000, trials(8, dust));
 }
 
 /// Clusters at 1e2 to 1e7 of their own size from the origin.
@@ -283,7 +284,7 @@ fn far_spheres() {
         spheres.extend(cluster.iter().map(|s| Sphere { center: s.center + away, ..*s }));
         spheres
     };
-    check("far", Recorded { f64: 1.0, f32: 1.0 }, 3000, trials(8, far));
+    check("far", Recorded { f64: 2.5e-2, f32: 0.4 }, 3000, trials(8, far));
 }
 
 /// Radius and distance over 1e-6 to 1e8, each against each: 33 x 33 scenes, one sphere of the
@@ -306,7 +307,12 @@ fn radius_and_distance_sweep() {
         let rays = (0..40).map(aim).collect();
         Trial { spheres, rays }
     };
-    check("sweep", Recorded { f64: 1.0, f32: 1.0 }, 60, (0..STEPS * STEPS).map(scene).collect());
+    check(
+        "sweep",
+        Recorded { f64: 2.5e-2, f32: 0.22 },
+        60,
+        (0..STEPS * STEPS).map(scene).collect(),
+    );
 }
 
 /// Spheres of any size anywhere, shrunk by proptest to the fewest that still disagree.
@@ -321,8 +327,8 @@ fn arbitrary_spheres() {
     let outcome = TestRunner::new_with_rng(config, rng).run(&scene, |(spheres, seed)| {
         let spheres = set_of(spheres.into_iter().map(|(x, y, z, r)| ball(x, y, z, r)).collect());
         let rays = rays::random(&spheres, 90, seed);
-        for outcome in against_the_judge(&spheres, &rays, |accel| accel) {
-            assert_no_failures("arbitrary", &outcome.tally);
+        for tally in against_the_judge(&spheres, &rays, |accel| accel) {
+            assert_no_failures("arbitrary", &tally);
         }
         Ok(())
     });

@@ -7,10 +7,11 @@ mod common;
 
 use std::sync::Arc;
 
-use common::rays::{Outcome, against_the_judge, assert_no_failures, backends, built, set_of};
+use common::rays::{against_the_judge, assert_no_failures, backends, built, set_of};
 use photosphere::accel::{Accel, Precision};
 use photosphere::geometry::{Cone, PathRay, Side, Sphere, SphereSet, SurfaceHit};
 use photosphere::math::{DVec3, Frame, Hit, NO_SPHERE, Ray};
+use photosphere::verify::crosscheck::Tally;
 use photosphere::verify::{judge, rays};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rayon::prelude::*;
@@ -122,9 +123,9 @@ fn leaves_rightly(neighbour: Neighbour) {
         let mut stand = Stand::new(index, neighbour);
         let rays = stand.leaving_rays(DIRECTIONS);
         assert!(rays.len() > DIRECTIONS * 9 / 10);
-        for outcome in against_the_judge(&stand.spheres, &rays, |accel| accel) {
+        for tally in against_the_judge(&stand.spheres, &rays, |accel| accel) {
             let what = format!("sphere {index} ({:?}), neighbour {neighbour:?}", stand.sphere());
-            assert_no_failures(&what, &outcome.tally);
+            assert_no_failures(&what, &tally);
         }
     });
 }
@@ -235,11 +236,11 @@ fn a_broken_exclusion_is_found() {
         let rays = stand.leaving_rays(100);
         against_the_judge(&stand.spheres, &rays, |accel| Box::new(Forgetful(accel)))
     });
-    let outcomes: Vec<Vec<Outcome>> = outcomes.collect();
+    let outcomes: Vec<Vec<Tally>> = outcomes.collect();
     for backend in 0..outcomes[0].len() {
-        let failures = |outcomes: &&Vec<Outcome>| outcomes[backend].tally.failures() > 5;
+        let failures = |outcomes: &&Vec<Tally>| outcomes[backend].failures() > 5;
         let caught = outcomes.iter().filter(failures).count();
-        let name = &outcomes[0][backend].tally.name;
+        let name = &outcomes[0][backend].name;
         assert!(caught * 10 > stands.len() * 9, "`{name}`: found on {caught} spheres only");
     }
 }

@@ -30,6 +30,8 @@ pub struct Contender<'a> {
 pub struct Tally {
     /// What the caller called the backend.
     pub name: String,
+    /// What the backend states of its error.
+    pub precision: Precision,
     /// Rays asked, each for its first hit and for occlusion.
     pub rays: usize,
     /// Ids equal to the judge's, misses included.
@@ -102,8 +104,7 @@ pub fn compare(
         .par_chunks(BATCH)
         .map(|rays| cancel.check().map(|()| compare_batch(spheres, contenders, rays)))
         .collect::<Result<_>>()?;
-    let named = |contender: &Contender<'_>| Tally::of(contender.name);
-    let mut tallies: Vec<Tally> = contenders.iter().map(named).collect();
+    let mut tallies: Vec<Tally> = contenders.iter().map(Tally::of).collect();
     for batch in batches {
         tallies.iter_mut().zip(batch).for_each(|(tally, part)| tally.add(part));
     }
@@ -123,11 +124,10 @@ fn compare_batch(
         contender.accel.closest(&asked, &mut hits);
         let mut blocked = vec![false; rays.len()];
         contender.accel.occluded(&asked, &mut blocked);
-        let precision = contender.accel.precision();
-        let mut tally = Tally::of(contender.name);
+        let mut tally = Tally::of(contender);
         for (i, case) in cases.iter().enumerate() {
             let answer = answer_of(spheres, &rays[i], hits[i]);
-            tally.count(case, &answer, blocked[i], &precision);
+            tally.count(case, &answer, blocked[i]);
         }
         tally
     };
@@ -153,8 +153,9 @@ fn answer_of(spheres: &SphereSet, ray: &PathRay, hit: Hit) -> Answer {
 }
 
 impl Tally {
-    fn of(name: &str) -> Self {
-        Self { name: name.to_owned(), ..Self::default() }
+    fn of(contender: &Contender<'_>) -> Self {
+        let precision = contender.accel.precision();
+        Self { name: contender.name.to_owned(), precision, ..Self::default() }
     }
 
     /// Everything that is beyond what was stated; 0 if the backend is right.
@@ -168,12 +169,11 @@ impl Tally {
         self.ambiguous as f64 / self.rays.max(1) as f64
     }
 
-    fn count(&mut self, case: &Case<'_>, answer: &Answer, blocked: bool, precision: &Precision) {
+    fn count(&mut self, case: &Case<'_>, answer: &Answer, blocked: bool) {
         self.rays += 1;
         let judged = case.first().map(|First { id, t }| (id, t));
-        let about_hit =
-            self.count_id(case, answer, precision).or_else(|| self.count_hit(case, answer));
-        let about_occlusion = self.count_occlusion(case, blocked, precision);
+        let about_hit = self.count_id(case, answer).or_else(|| self.count_hit(case, answer));
+        let about_occlusion = self.count_occlusion(case, blocked);
         if let Some(about) = about_hit.or(about_occlusion) {
             if self.disagreements.len() < KEPT {
                 let (backend, ray) = (self.name.clone(), *case.ray());
@@ -183,17 +183,12 @@ impl Tally {
         }
     }
 
-    fn count_id(
-        &mut self,
-        case: &Case<'_>,
-        answer: &Answer,
-        precision: &Precision,
-    ) -> Option<Disputed> {
-        match case.judge_closest(answer.found, answer.hit.map(|(id, _)| id), precision) {
+    fn count_id(&mut self, case: &Case<'_>, answer: &Answer) -> Option<Disputed> {
+        match case.judge_closest(answer.found, answer.hit.map(|(id, _)| id), &self.precision) {
             Verdict::Equal => self.equal += 1,
             Verdict::Ambiguous => {
                 self.ambiguous += 1;
-                let passes = |(id, t)| case.is_passed_over(id, t, precision);
+                let passes = |(id, t)| case.is_passed_over(id, t, &self.precision);
                 self.passed_over += usize::from(answer.hit.is_some_and(passes));
             }
             Verdict::Wrong => {
@@ -222,13 +217,8 @@ impl Tally {
         is_wrong.then_some(Disputed::Side)
     }
 
-    fn count_occlusion(
-        &mut self,
-        case: &Case<'_>,
-        blocked: bool,
-        precision: &Precision,
-    ) -> Option<Disputed> {
-        let verdict = case.judge_occluded(blocked, precision);
+    fn count_occlusion(&mut self, case: &Case<'_>, blocked: bool) -> Option<Disputed> {
+        let verdict = case.judge_occluded(blocked, &self.precision);
         self.ambiguous_occlusions += usize::from(verdict == Verdict::Ambiguous);
         self.wrong_occlusions += usize::from(verdict == Verdict::Wrong);
         (verdict == Verdict::Wrong).then_some(Disputed::Occlusion)

@@ -9,7 +9,7 @@ use photosphere::verify::crosscheck::{Contender, Tally, compare};
 
 /// The backends that a test runs over.
 pub(crate) fn backends() -> impl Iterator<Item = Backend> {
-    Backend::AVAILABLE.iter().copied().filter(|b| *b == Backend::BruteForce)
+    Backend::AVAILABLE.iter().copied()
 }
 
 /// The set of the spheres given; panics on more than fit.
@@ -25,31 +25,19 @@ pub(crate) fn built(backend: Backend, spheres: &Arc<SphereSet>) -> Box<dyn Accel
     built.unwrap_or_else(|error| panic!("{}: {error}", backend.name()))
 }
 
-/// A tally, and the precision that the backend states.
-pub(crate) struct Outcome {
-    pub(crate) tally: Tally,
-    pub(crate) precision: Precision,
-}
-
 /// Compares every backend with the judge, each put through `change`, and after them
 /// [`RoundedRays`].
 pub(crate) fn against_the_judge(
     spheres: &Arc<SphereSet>,
     rays: &[PathRay],
     change: fn(Box<dyn Accel>) -> Box<dyn Accel>,
-) -> Vec<Outcome> {
+) -> Vec<Tally> {
     let rounded = Box::new(RoundedRays(built(Backend::BruteForce, spheres)));
     let mut accels: Vec<_> = backends().map(|b| (b.name(), change(built(b, spheres)))).collect();
     accels.push(("f32 rays", change(rounded)));
     let contenders: Vec<_> =
         accels.iter().map(|(name, accel)| Contender { name, accel: accel.as_ref() }).collect();
-    let tallies = compare(spheres, &contenders, rays, &Cancel::default()).expect("nobody cancels");
-    let precisions = accels.iter().map(|(_, accel)| accel.precision());
-    tallies
-        .into_iter()
-        .zip(precisions)
-        .map(|(tally, precision)| Outcome { tally, precision })
-        .collect()
+    compare(spheres, &contenders, rays, &Cancel::default()).expect("nobody cancels")
 }
 
 /// Brute force on rays rounded to f32: the least that any f32 backend gets wrong, and so a test of
