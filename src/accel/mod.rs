@@ -44,7 +44,7 @@ pub trait Accel: Send + Sync {
 ///
 /// `crosscheck` and the differential tests accept an id that differs from the judge's only within
 /// this band.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Precision {
     /// The factor `k` for spheres stored in f32.
     pub particles: f64,

@@ -73,6 +73,13 @@ impl Report {
             "",
             format!("instruction set {}, tasks by {}", info.instruction_set, info.tasking),
         );
+        if !info.missing.is_empty() {
+            self.healthy = false;
+            self.row(
+                "",
+                format!("BROKEN: this Embree was built without {}", info.missing.join(", ")),
+            );
+        }
         if info.culls_sphere_back_faces == Some(true) {
             self.healthy = false;
             self.row("", "BROKEN: this Embree overlooks spheres from inside (back-face culling)");

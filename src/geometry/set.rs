@@ -177,14 +177,21 @@ impl SphereSet {
             let sphere = self.sphere(hit.id);
             (hit.id, sphere.resolve(ray.origin, ray.direction, ray.t_min))
         });
-        let (id, t) = match found {
-            Some((id, t)) if t < ray.far_wall => (id, t),
-            _ if ray.far_wall < ray.t_max => (ray.leaves, ray.far_wall),
+        let (id, t, is_far_wall) = match found {
+            Some((id, t)) if t < ray.far_wall => (id, t, false),
+            _ if ray.far_wall < ray.t_max => (ray.leaves, ray.far_wall, true),
             _ => return None,
         };
         let sphere = self.sphere(id);
-        let normal = (ray.at(t) - sphere.center).normalize_or(-ray.direction);
-        let side = Side::of_arriving(ray.direction, normal);
+        // Seen from the centre: adding `origin + t * direction` first would round at the scale of
+        // the coordinates, which may be far larger than that of the ray.
+        let from_center = (ray.origin - sphere.center) + ray.direction * t;
+        let normal = from_center.normalize_or(-ray.direction);
+        let side = match is_far_wall {
+            // Where the chord is short, rounding may leave d.n with either sign.
+            true => Side::Inside,
+            false => Side::of_arriving(ray.direction, normal),
+        };
         let point = sphere.center + normal * sphere.radius;
         Some(SurfaceHit { id, t, point, normal, radius: sphere.radius, side })
     }

@@ -11,7 +11,8 @@ use super::DVec3;
 pub const NO_SPHERE: u32 = u32::MAX;
 
 /// The largest coordinate, radius or distance that a scene may contain, in scene units. Squares of
-/// it stay finite in f32, and Embree (which aborts above 1.8e18) never sees more than twice it.
+/// it stay finite in f32, and Embree (which aborts above 1.8e18) never sees more than four times it:
+/// moving the origin may double a coordinate, and a surface lies one radius further out.
 pub const MAX_COORDINATE: f64 = 1e15;
 
 /// A ray for a backend: `origin + t * direction`, `t` in `(t_min, t_max)`.
@@ -84,7 +85,7 @@ impl Ray {
     ///
     /// Debian's Embree aborts the process on anything else.
     pub fn is_valid(&self) -> bool {
-        let limit = 2.0 * MAX_COORDINATE as f32;
+        let limit = 4.0 * MAX_COORDINATE as f32;
         let bounded = |v: &[f32; 3]| v.iter().all(|x| x.abs() <= limit);
         bounded(&self.origin)
             && bounded(&self.direction)

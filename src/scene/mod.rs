@@ -14,4 +14,3 @@ pub use assemble::{Scene, Surface};
 pub use import::RowGroup;
 pub use load::{Loaded, read_file, read_text};
 pub use overrides::Override;
-

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::accel::{Accel, Cancel, Precision};
 use crate::error::Result;
-use crate::geometry::{PathRay, SphereSet, SurfaceHit};
+use crate::geometry::{PathRay, Side, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
 use super::judge::{Case, First, Verdict, widest};
@@ -30,12 +30,17 @@ pub struct Contender<'a> {
 pub struct Tally {
     /// What the caller called the backend.
     pub name: String,
+    /// What the backend states of its error.
+    pub precision: Precision,
     /// Rays asked, each for its first hit and for occlusion.
     pub rays: usize,
     /// Ids equal to the judge's, misses included.
     pub equal: usize,
     /// Other ids, within the backend's stated error.
     pub ambiguous: usize,
+    /// Those among the ambiguous that resolve to a point behind another sphere, which the path then
+    /// never sees.
+    pub passed_over: usize,
     /// Ids of another sphere than the judge's, beyond the stated error.
     pub wrong: usize,
     /// Misses, beyond the stated error, where the judge sees a sphere.
@@ -46,6 +51,8 @@ pub struct Tally {
     pub wrong_distances: usize,
     /// The largest error of a resolved distance, in units of what is allowed.
     pub largest_distance_error: f64,
+    /// Sides of a sphere arrived at other than the judge's, where its chord is long enough to tell.
+    pub wrong_sides: usize,
     /// Occlusions other than the judge's, within the stated error.
     pub ambiguous_occlusions: usize,
     /// Occlusions beyond it.
@@ -76,6 +83,8 @@ pub enum Disputed {
     Id,
     /// How far away it is.
     Distance,
+    /// Which side of the sphere it arrives at.
+    Side,
     /// Whether anything is hit.
     Occlusion,
 }
@@ -95,8 +104,7 @@ pub fn compare(
         .par_chunks(BATCH)
         .map(|rays| cancel.check().map(|()| compare_batch(spheres, contenders, rays)))
         .collect::<Result<_>>()?;
-    let named = |contender: &Contender<'_>| Tally::of(contender.name);
-    let mut tallies: Vec<Tally> = contenders.iter().map(named).collect();
+    let mut tallies: Vec<Tally> = contenders.iter().map(Tally::of).collect();
     for batch in batches {
         tallies.iter_mut().zip(batch).for_each(|(tally, part)| tally.add(part));
     }
@@ -116,33 +124,44 @@ fn compare_batch(
         contender.accel.closest(&asked, &mut hits);
         let mut blocked = vec![false; rays.len()];
         contender.accel.occluded(&asked, &mut blocked);
-        let precision = contender.accel.precision();
-        let mut tally = Tally::of(contender.name);
+        let mut tally = Tally::of(contender);
         for (i, case) in cases.iter().enumerate() {
             let answer = answer_of(spheres, &rays[i], hits[i]);
-            tally.count(case, &rays[i], answer, blocked[i], &precision);
+            tally.count(case, &answer, blocked[i]);
         }
         tally
     };
     contenders.iter().map(judged).collect()
 }
 
-/// The answer as an integrator sees it; an id that does not exist stays visible.
-fn answer_of(spheres: &SphereSet, ray: &PathRay, hit: Hit) -> Option<(u32, f64)> {
-    if !hit.is_miss() && hit.id as usize >= spheres.len() {
-        return Some((hit.id, f64::NAN));
+/// The answer as an integrator sees it.
+struct Answer {
+    /// The sphere that the backend found.
+    found: Option<u32>,
+    hit: Option<(u32, f64)>,
+    side: Option<Side>,
+}
+
+/// An id that does not exist stays visible.
+fn answer_of(spheres: &SphereSet, ray: &PathRay, hit: Hit) -> Answer {
+    let found = (!hit.is_miss()).then_some(hit.id);
+    if found.is_some_and(|id| id as usize >= spheres.len()) {
+        return Answer { found, hit: Some((hit.id, f64::NAN)), side: None };
     }
-    spheres.answer(ray, hit).map(|SurfaceHit { id, t, .. }| (id, t))
+    let hit = spheres.answer(ray, hit);
+    Answer { found, hit: hit.map(|hit| (hit.id, hit.t)), side: hit.map(|hit| hit.side) }
 }
 
 impl Tally {
-    fn of(name: &str) -> Self {
-        Self { name: name.to_owned(), ..Self::default() }
+    fn of(contender: &Contender<'_>) -> Self {
+        let precision = contender.accel.precision();
+        Self { name: contender.name.to_owned(), precision, ..Self::default() }
     }
 
     /// Everything that is beyond what was stated; 0 if the backend is right.
     pub fn failures(&self) -> usize {
-        self.wrong + self.lost + self.ghosts + self.wrong_distances + self.wrong_occlusions
+        let ids = self.wrong + self.lost + self.ghosts;
+        ids + self.wrong_distances + self.wrong_sides + self.wrong_occlusions
     }
 
     /// The share of rays whose id differs from the judge's within the stated error.
@@ -150,61 +169,72 @@ impl Tally {
         self.ambiguous as f64 / self.rays.max(1) as f64
     }
 
-    fn count(
-        &mut self,
-        case: &Case<'_>,
-        ray: &PathRay,
-        answer: Option<(u32, f64)>,
-        blocked: bool,
-        precision: &Precision,
-    ) {
+    fn count(&mut self, case: &Case<'_>, answer: &Answer, blocked: bool) {
         self.rays += 1;
         let judged = case.first().map(|First { id, t }| (id, t));
-        let mut disputed = None;
-        match case.judge_closest(answer.map(|(id, _)| id), precision) {
+        let about_hit = self.count_id(case, answer).or_else(|| self.count_hit(case, answer));
+        let about_occlusion = self.count_occlusion(case, blocked);
+        if let Some(about) = about_hit.or(about_occlusion) {
+            if self.disagreements.len() < KEPT {
+                let (backend, ray) = (self.name.clone(), *case.ray());
+                let answered = answer.hit;
+                self.disagreements.push(Disagreement { backend, about, ray, answered, judged });
+            }
+        }
+    }
+
+    fn count_id(&mut self, case: &Case<'_>, answer: &Answer) -> Option<Disputed> {
+        match case.judge_closest(answer.found, answer.hit.map(|(id, _)| id), &self.precision) {
             Verdict::Equal => self.equal += 1,
-            Verdict::Ambiguous => self.ambiguous += 1,
+            Verdict::Ambiguous => {
+                self.ambiguous += 1;
+                let passes = |(id, t)| case.is_passed_over(id, t, &self.precision);
+                self.passed_over += usize::from(answer.hit.is_some_and(passes));
+            }
             Verdict::Wrong => {
-                disputed = Some(Disputed::Id);
-                match (answer, judged) {
+                match (answer.hit, case.first()) {
                     (None, _) => self.lost += 1,
                     (_, None) => self.ghosts += 1,
                     _ => self.wrong += 1,
                 }
+                return Some(Disputed::Id);
             }
         }
-        if let (Some((id, t)), None) = (answer, disputed) {
-            let error = case.distance_error(id, t);
-            self.largest_distance_error = self.largest_distance_error.max(error);
-            if error > 1.0 || error.is_nan() {
-                self.wrong_distances += 1;
-                disputed = Some(Disputed::Distance);
-            }
+        None
+    }
+
+    /// Distance and side of a hit whose id is accepted.
+    fn count_hit(&mut self, case: &Case<'_>, answer: &Answer) -> Option<Disputed> {
+        let ((id, t), side) = (answer.hit?, answer.side?);
+        let error = case.distance_error(id, t);
+        self.largest_distance_error = self.largest_distance_error.max(error);
+        if error > 1.0 || error.is_nan() {
+            self.wrong_distances += 1;
+            return Some(Disputed::Distance);
         }
-        match case.judge_occluded(blocked, precision) {
-            Verdict::Equal => {}
-            Verdict::Ambiguous => self.ambiguous_occlusions += 1,
-            Verdict::Wrong => {
-                self.wrong_occlusions += 1;
-                disputed = disputed.or(Some(Disputed::Occlusion));
-            }
-        }
-        if let Some(about) = disputed.filter(|_| self.disagreements.len() < KEPT) {
-            let backend = self.name.clone();
-            let ray = *ray;
-            self.disagreements.push(Disagreement { backend, about, ray, answered: answer, judged });
-        }
+        let is_wrong = case.side(id, t).is_some_and(|judged| judged != side);
+        self.wrong_sides += usize::from(is_wrong);
+        is_wrong.then_some(Disputed::Side)
+    }
+
+    fn count_occlusion(&mut self, case: &Case<'_>, blocked: bool) -> Option<Disputed> {
+        let verdict = case.judge_occluded(blocked, &self.precision);
+        self.ambiguous_occlusions += usize::from(verdict == Verdict::Ambiguous);
+        self.wrong_occlusions += usize::from(verdict == Verdict::Wrong);
+        (verdict == Verdict::Wrong).then_some(Disputed::Occlusion)
     }
 
     fn add(&mut self, other: Self) {
         self.rays += other.rays;
         self.equal += other.equal;
         self.ambiguous += other.ambiguous;
+        self.passed_over += other.passed_over;
         self.wrong += other.wrong;
         self.lost += other.lost;
         self.ghosts += other.ghosts;
         self.wrong_distances += other.wrong_distances;
         self.largest_distance_error = self.largest_distance_error.max(other.largest_distance_error);
+        self.wrong_sides += other.wrong_sides;
         self.ambiguous_occlusions += other.ambiguous_occlusions;
         self.wrong_occlusions += other.wrong_occlusions;
         let room = KEPT - self.disagreements.len();
@@ -224,6 +254,7 @@ impl fmt::Display for Disagreement {
         let about = match about {
             Disputed::Id => "id",
             Disputed::Distance => "distance",
+            Disputed::Side => "side",
             Disputed::Occlusion => "occlusion",
         };
         write!(
@@ -240,5 +271,112 @@ impl fmt::Display for Disagreement {
             hit(self.answered),
             hit(self.judged),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Backend, BuildOptions};
+    use crate::geometry::{Sphere, SphereRows};
+    use crate::verify::rays;
+    use std::sync::Arc;
+
+    /// A backend with a fault of choice.
+    struct Broken {
+        sound: Box<dyn Accel>,
+        break_ray: fn(&mut Ray),
+        break_hit: fn(&mut Hit),
+        break_occlusion: fn(&mut bool),
+    }
+
+    impl Accel for Broken {
+        fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+            self.sound.closest(&self.broken(rays), hits);
+            hits.iter_mut().for_each(self.break_hit);
+        }
+
+        fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
+            self.sound.occluded(&self.broken(rays), blocked);
+            blocked.iter_mut().for_each(self.break_occlusion);
+        }
+
+        fn precision(&self) -> Precision {
+            Precision { particles: 16.0, giants: 16.0, rounds_origin: true }
+        }
+
+        fn bytes(&self) -> usize {
+            self.sound.bytes()
+        }
+    }
+
+    impl Broken {
+        fn broken(&self, rays: &[Ray]) -> Vec<Ray> {
+            let mut rays = rays.to_vec();
+            rays.iter_mut().for_each(self.break_ray);
+            rays
+        }
+    }
+
+    fn spheres() -> Arc<SphereSet> {
+        let ball = |i: u32| Sphere {
+            center: DVec3::new(f64::from(i % 5), f64::from(i / 5 % 5), f64::from(i / 25)),
+            radius: 0.4,
+        };
+        let rows = SphereRows { exact: (0..125).map(ball).collect(), table: Vec::new() };
+        Arc::new(SphereSet::new(rows).expect("few spheres"))
+    }
+
+    fn tally(
+        break_ray: fn(&mut Ray),
+        break_hit: fn(&mut Hit),
+        break_occlusion: fn(&mut bool),
+    ) -> Tally {
+        let spheres = spheres();
+        let sound = Backend::BruteForce.build(&spheres, &BuildOptions::default()).expect("builds");
+        let broken = Broken { sound, break_ray, break_hit, break_occlusion };
+        let contender = Contender { name: "broken", accel: &broken };
+        let rays = rays::random(&spheres, 3000, 7);
+        compare(&spheres, &[contender], &rays, &Cancel::default()).expect("not cancelled").remove(0)
+    }
+
+    #[test]
+    fn a_sound_backend_has_no_failures() {
+        let sound = tally(|_| (), |_| (), |_| ());
+        assert_eq!((sound.rays, sound.failures()), (3000, 0));
+        assert!(sound.equal > 2800 && sound.disagreements.is_empty());
+    }
+
+    #[test]
+    fn every_kind_of_fault_is_found_and_named() {
+        let lost = tally(|_| (), |hit| *hit = Hit::MISS, |_| ());
+        assert!(lost.lost > 1000 && lost.wrong + lost.ghosts == 0);
+        let ghosts = tally(|_| (), |hit| hit.id = hit.id.min(0), |_| ());
+        assert!(ghosts.ghosts > 100 && ghosts.wrong > 1000 && ghosts.lost == 0);
+        let shifted = tally(|ray| ray.origin[0] += 1e-3, |_| (), |_| ());
+        assert!(shifted.failures() > 10);
+        let blind = tally(|_| (), |_| (), |blocked| *blocked = !*blocked);
+        assert!(blind.wrong_occlusions > 2800 && blind.wrong + blind.lost == 0);
+        let unknown = tally(|_| (), |hit| hit.id = 4_000_000, |_| ());
+        assert_eq!(unknown.wrong + unknown.ghosts, 3000);
+    }
+
+    #[test]
+    fn a_dumped_line_reads_back_to_the_same_ray() {
+        let lost = tally(|_| (), |hit| *hit = Hit::MISS, |_| ());
+        let disagreement = &lost.disagreements[0];
+        let line = disagreement.to_string();
+        let numbers: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
+        assert_eq!(numbers[..3], disagreement.ray.origin.to_array());
+        assert_eq!(numbers[3..6], disagreement.ray.direction.to_array());
+        assert!(line.starts_with("broken id: origin ") && line.contains("answered miss judged"));
+    }
+
+    #[test]
+    fn a_request_to_stop_is_an_error() {
+        let spheres = spheres();
+        let cancel = Cancel::default();
+        cancel.cancel();
+        assert!(compare(&spheres, &[], &rays::random(&spheres, 9, 1), &cancel).is_err());
     }
 }

@@ -7,7 +7,9 @@
 //!
 //! `e = k 2^-24 (|o - c| + R) + |o - o'|`,
 //!
-//! `o'` being the origin that it traces from. So each sphere has, beside its exact first hit, a set
+//! `o'` being the origin that it traces from. A backend that traces from an origin rounded to f32
+//! walks boxes rounded to f32 too, at the scale of `|c|`, which is at most `|o| + |o - c|`: for it
+//! `2^-24 |o|` more is allowed. So each sphere has, beside its exact first hit, a set
 //! of *possible* first hits, one for each radius in `[R - e, R + e]`, and its hit is *sure* if every
 //! such radius gives one. An answer B is accepted if B has a possible hit and no other sphere has a
 //! sure hit that lies before B's earliest possible one whatever the radius; a miss is accepted if
@@ -21,7 +23,7 @@
 use twofloat::TwoFloat;
 
 use crate::accel::Precision;
-use crate::geometry::{PathRay, Sphere, SphereSet};
+use crate::geometry::{PathRay, Roots, Side, Sphere, SphereSet};
 use crate::math::{DVec3, F32_ROUNDING};
 
 use super::exact::Approach;
@@ -76,10 +78,16 @@ struct Band {
     sure_until: Option<TwoFloat>,
 }
 
+/// Both roots of a line and a sphere, exact and then rounded to f64; `None` where it passes by.
+pub fn roots(origin: DVec3, direction: DVec3, sphere: &Sphere) -> Option<Roots> {
+    let approach = Approach::new(origin, direction, sphere);
+    let h = approach.half_chord(TwoFloat::from(sphere.radius))?;
+    Some(Roots { near: (approach.t - h).hi(), far: (approach.t + h).hi() })
+}
+
 /// The precision that covers all of those given.
 pub fn widest(precisions: impl IntoIterator<Item = Precision>) -> Precision {
-    let exact = Precision { particles: 0.0, giants: 0.0, rounds_origin: false };
-    precisions.into_iter().fold(exact, |a, b| Precision {
+    precisions.into_iter().fold(Precision::default(), |a, b| Precision {
         particles: a.particles.max(b.particles),
         giants: a.giants.max(b.giants),
         rounds_origin: a.rounds_origin || b.rounds_origin,
@@ -102,6 +110,11 @@ impl<'a> Case<'a> {
         case
     }
 
+    /// The ray in question.
+    pub fn ray(&self) -> &'a PathRay {
+        self.ray
+    }
+
     /// The exact first hit.
     pub fn first(&self) -> Option<First> {
         self.first
@@ -112,33 +125,40 @@ impl<'a> Case<'a> {
         self.blocked
     }
 
-    /// Judges the sphere that a backend found first, as [`SphereSet::answer`] returned it: `None`
-    /// for a miss.
-    pub fn judge_closest(&self, answer: Option<u32>, precision: &Precision) -> Verdict {
+    /// Judges the sphere that a backend found first, `None` for a miss, and what
+    /// [`SphereSet::answer`] made of it, which may be the far wall instead.
+    pub fn judge_closest(
+        &self,
+        found: Option<u32>,
+        answer: Option<u32>,
+        precision: &Precision,
+    ) -> Verdict {
         if answer == self.first.map(|first| first.id) {
             return Verdict::Equal;
         }
-        let far_wall = (self.ray.far_wall < self.ray.t_max).then_some(self.ray.far_wall);
-        let earliest = match answer {
-            None => None,
-            Some(id) if id == self.ray.leaves => match far_wall {
-                Some(t) => Some(TwoFloat::from(t)),
-                None => return Verdict::Wrong,
-            },
+        let far_wall = (self.ray.far_wall < self.ray.t_max).then_some(self.ray.far_wall.into());
+        let earliest = match found {
+            None => far_wall,
             Some(id) => match self.earliest_possible(id, precision) {
                 Some(t) => Some(t),
                 None => return Verdict::Wrong,
             },
         };
-        let lies_before = |t: TwoFloat| earliest.is_none_or(|earliest| t < earliest);
-        let passed_over = self
-            .candidates
-            .iter()
-            .filter(|candidate| Some(candidate.id) != answer)
-            .filter_map(|candidate| self.band(candidate, precision).sure_until)
-            .any(lies_before);
-        let passed_through = far_wall.is_some_and(|t| lies_before(TwoFloat::from(t)));
-        if passed_over || passed_through { Verdict::Wrong } else { Verdict::Ambiguous }
+        let is_wrong = match earliest {
+            Some(earliest) => {
+                self.is_behind_another(found, earliest, precision)
+                    || far_wall.is_some_and(|far_wall| far_wall < earliest)
+            }
+            None => self.has_sure_hit(precision),
+        };
+        if is_wrong { Verdict::Wrong } else { Verdict::Ambiguous }
+    }
+
+    /// Whether a point on sphere `id` at distance `t` lies behind another sphere whatever the
+    /// radii. An ambiguous answer may: a sphere that the ray starts just inside of, and that an f32
+    /// backend meets from outside at once, resolves to its far root.
+    pub fn is_passed_over(&self, id: u32, t: f64, precision: &Precision) -> bool {
+        self.is_behind_another(Some(id), t.into(), precision)
     }
 
     /// Judges whether a backend found the way blocked.
@@ -147,7 +167,7 @@ impl<'a> Case<'a> {
         let accepted = match blocked {
             _ if blocked == self.blocked => return Verdict::Equal,
             true => bands.any(|band| band.possible_from.is_some()),
-            false => bands.all(|band| band.sure_until.is_none()),
+            false => !self.has_sure_hit(precision),
         };
         if accepted { Verdict::Ambiguous } else { Verdict::Wrong }
     }
@@ -179,6 +199,19 @@ impl<'a> Case<'a> {
             () if gap > 0.0 => error(near),
             () => error(far),
         }
+    }
+
+    /// The side on which the ray arrives at a sphere at distance `t`, as resolved; `None` where the
+    /// chord is too short for f64 to tell. A far wall is always reached from inside.
+    pub fn side(&self, id: u32, t: f64) -> Option<Side> {
+        if id == self.ray.leaves {
+            return Some(Side::Inside);
+        }
+        let sphere = self.spheres.sphere(id);
+        let approach = Approach::new(self.ray.origin, self.ray.direction, &sphere);
+        let h = approach.half_chord(TwoFloat::from(sphere.radius))?.hi();
+        let can_tell = h > 2.0 * allowed_error(self.ray.origin, &sphere, Some(h));
+        can_tell.then(|| if approach.t < t { Side::Inside } else { Side::Outside })
     }
 
     fn find_candidates(&mut self, widest: &Precision) {
@@ -230,6 +263,15 @@ impl<'a> Case<'a> {
         let near = approach.t - h;
         let root = if near > self.ray.t_min { near } else { approach.t + h };
         (root > self.ray.t_min && root < self.end()).then_some(root)
+    }
+
+    fn is_behind_another(&self, id: Option<u32>, t: TwoFloat, precision: &Precision) -> bool {
+        let others = self.candidates.iter().filter(|candidate| Some(candidate.id) != id);
+        others.filter_map(|other| self.band(other, precision).sure_until).any(|until| until < t)
+    }
+
+    fn has_sure_hit(&self, precision: &Precision) -> bool {
+        self.candidates.iter().any(|candidate| self.band(candidate, precision).sure_until.is_some())
     }
 
     fn earliest_possible(&self, id: u32, precision: &Precision) -> Option<TwoFloat> {
@@ -300,11 +342,12 @@ fn narrowest_half_chord(candidate: &Candidate, error: f64) -> Option<TwoFloat> {
     (radius > 0.0).then_some(radius).and_then(|radius| candidate.approach.half_chord(radius))
 }
 
-/// How far the origin that a backend traces from is from the ray's own: split in two f32, which
-/// keep 48 bits of each coordinate, and rounded to one f32.
+/// What the size of a ray's coordinates costs: where the origin is split in two f32, which keep 48
+/// bits of each coordinate; and where origin and boxes are rounded to one.
 fn origin_errors(origin: DVec3) -> [f64; 2] {
-    let split = 2.0 * F32_ROUNDING * F32_ROUNDING * origin.length();
-    [split, origin.distance(origin.as_vec3().as_dvec3())]
+    let unit = F32_ROUNDING * origin.length();
+    let moved = origin.distance(origin.as_vec3().as_dvec3());
+    [2.0 * F32_ROUNDING * unit, moved + unit]
 }
 
 /// What a resolved distance may be wrong by; `half_chord` is `None` where the line passes by.
@@ -354,112 +397,4 @@ impl Prefilter {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::SphereRows;
-    use crate::math::NO_SPHERE;
-
-    const EXACT: Precision = Precision { particles: 0.0, giants: 0.0, rounds_origin: false };
-    const COARSE: Precision = Precision { particles: 16.0, giants: 16.0, rounds_origin: false };
-    const GAP: f32 = 1.0 / (1 << 22) as f32;
-
-    /// Unit spheres on the x axis; the origin stays at the one at 0.
-    fn row_of(centers: &[[f32; 3]]) -> SphereSet {
-        let table = centers.iter().map(|&[x, y, z]| [x, y, z, 1.0]).collect();
-        SphereSet::new(SphereRows { table, exact: Vec::new() }).expect("few spheres")
-    }
-
-    fn id_of(spheres: &SphereSet, row: u32) -> u32 {
-        spheres.rows().iter().position(|&r| r == row).expect("a row") as u32
-    }
-
-    fn free(origin: [f64; 3], spheres: &SphereSet) -> PathRay {
-        PathRay::free(DVec3::from(origin) - spheres.origin(), DVec3::X)
-    }
-
-    #[test]
-    fn the_first_of_two_is_the_answer_and_the_other_is_wrong() {
-        let spheres = row_of(&[[10.0, 0.0, 0.0], [20.0, 0.0, 0.0]]);
-        let ray = free([0.0; 3], &spheres);
-        let case = Case::new(&spheres, &ray, &COARSE);
-        let (near, far) = (id_of(&spheres, 0), id_of(&spheres, 1));
-        let first = case.first().expect("hits");
-        assert_eq!((first.id, first.t), (near, 9.0));
-        assert_eq!(case.judge_closest(Some(near), &COARSE), Verdict::Equal);
-        assert_eq!(case.judge_closest(Some(far), &COARSE), Verdict::Wrong);
-        assert_eq!(case.judge_closest(None, &COARSE), Verdict::Wrong);
-        assert_eq!(case.judge_occluded(true, &COARSE), Verdict::Equal);
-        assert_eq!(case.judge_occluded(false, &COARSE), Verdict::Wrong);
-    }
-
-    /// Two walls as far apart as the stated error: either may be first, for a backend that says so.
-    #[test]
-    fn a_neighbour_within_the_band_is_ambiguous_and_beyond_it_is_wrong() {
-        let spheres = row_of(&[[1.0, 0.0, 0.0], [1.0 + GAP, 0.0, 0.0]]);
-        let ray = free([-9.0, 0.0, 0.0], &spheres);
-        let behind = Some(id_of(&spheres, 1));
-        let case = Case::new(&spheres, &ray, &COARSE);
-        assert_eq!(case.judge_closest(behind, &COARSE), Verdict::Ambiguous);
-        assert_eq!(case.judge_closest(behind, &EXACT), Verdict::Wrong);
-        let hundredth = Precision { particles: 0.1, ..EXACT };
-        assert_eq!(case.judge_closest(behind, &hundredth), Verdict::Wrong);
-    }
-
-    #[test]
-    fn a_silhouette_within_the_band_may_be_hit_or_missed() {
-        let spheres = row_of(&[[0.0; 3]]);
-        for (y, hits) in [(1.0 + 1e-7, false), (1.0 - 1e-7, true)] {
-            let ray = free([-5.0, y, 0.0], &spheres);
-            let case = Case::new(&spheres, &ray, &COARSE);
-            assert_eq!(case.first().is_some(), hits);
-            let other = if hits { None } else { Some(0) };
-            assert_eq!(case.judge_closest(other, &COARSE), Verdict::Ambiguous);
-            assert_eq!(case.judge_closest(other, &EXACT), Verdict::Wrong);
-            assert_eq!(case.judge_occluded(!hits, &COARSE), Verdict::Ambiguous);
-            assert_eq!(case.judge_occluded(!hits, &EXACT), Verdict::Wrong);
-        }
-    }
-
-    #[test]
-    fn an_origin_within_the_band_of_a_surface_is_on_either_side() {
-        let spheres = row_of(&[[0.0; 3], [1.5, 0.0, 0.0]]);
-        let (own, next) = (id_of(&spheres, 0), id_of(&spheres, 1));
-        let ray = free([1e-8 - 1.0, 0.0, 0.0], &spheres);
-        let case = Case::new(&spheres, &ray, &COARSE);
-        assert_eq!(case.first().map(|first| first.id), Some(next), "starts inside its own");
-        assert_eq!(case.judge_closest(Some(own), &COARSE), Verdict::Ambiguous);
-        assert_eq!(case.judge_closest(Some(own), &EXACT), Verdict::Wrong);
-    }
-
-    #[test]
-    fn the_far_wall_is_an_exact_answer_and_hides_what_is_behind_it() {
-        let spheres = row_of(&[[0.0; 3], [3.0, 0.0, 0.0]]);
-        let (own, next) = (id_of(&spheres, 0), id_of(&spheres, 1));
-        let inward = PathRay { leaves: own, far_wall: 2.0, ..free([-1.0, 0.0, 0.0], &spheres) };
-        let case = Case::new(&spheres, &inward, &COARSE);
-        assert_eq!(case.first().map(|first| (first.id, first.t)), Some((own, 2.0)));
-        assert_eq!(case.judge_closest(Some(next), &EXACT), Verdict::Wrong);
-        assert_eq!(case.judge_closest(None, &COARSE), Verdict::Wrong);
-        assert!(!case.blocked(), "the far wall ends the ray");
-        assert_eq!(case.distance_error(own, 2.0), 0.0);
-        assert!(case.distance_error(own, 2.0 + 1e-15) > 1.0);
-        let outward = PathRay { far_wall: f64::INFINITY, ..inward };
-        let case = Case::new(&spheres, &outward, &COARSE);
-        assert_eq!(case.first().map(|first| first.id), Some(next));
-        assert_eq!(case.judge_closest(Some(own), &COARSE), Verdict::Wrong);
-        let to_lamp = PathRay { aims_at: next, t_max: 3.0, ..outward };
-        assert!(Case::new(&spheres, &to_lamp, &COARSE).first().is_none());
-        assert_eq!(inward.aims_at, NO_SPHERE);
-    }
-
-    #[test]
-    fn distances_are_held_to_a_few_ulps() {
-        let spheres = row_of(&[[0.0; 3]]);
-        let ray = free([-1001.0, 0.6, 0.0], &spheres);
-        let case = Case::new(&spheres, &ray, &EXACT);
-        let t = 1001.0 - 0.8;
-        assert!(case.distance_error(0, t) < 0.1);
-        assert!(case.distance_error(0, t + 1e-8) > 1.0);
-        assert!(case.distance_error(0, 1001.8) > 1.0, "the other root is wrong");
-    }
-}
+mod tests;
