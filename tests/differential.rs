@@ -7,6 +7,8 @@
 //! can tell, which is most of what is ambiguous. Seeds are fixed: a failure is no accident of
 //! chance.
 
+#![allow(clippy::print_stdout, reason = "the shares are worth reading with --nocapture")]
+
 mod common;
 
 use common::rays::{against_the_judge, assert_no_failures, set_of};
