@@ -301,9 +301,9 @@ void ps_scene_release(PsScene *scene) { rtcReleaseScene((RTCScene)scene); }
 
 /* ---- Questions ---- */
 
-/* Whether Embree may be asked at all: `math::Ray::is_valid`, and its limit, 2 MAX_COORDINATE. */
+/* Whether Embree may be asked at all: `math::Ray::is_valid`, and its limit, 4 MAX_COORDINATE. */
 static bool is_valid(const PsRay *ray) {
-    const float limit = 2.0f * 1e15f;
+    const float limit = 4.0f * 1e15f;
     bool bounded = true;
     for (int axis = 0; axis < 3; axis++)
         bounded &= fabsf(ray->origin[axis]) <= limit && fabsf(ray->direction[axis]) <= limit;

@@ -7,7 +7,7 @@
 mod common;
 
 use common::{ALLOWED, Estimate, SEEDS, outcome, scene, scene_file};
-use photosphere::accel::{Accel, Backend};
+use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::film::Picture;
 use photosphere::geometry::SurfaceHit;

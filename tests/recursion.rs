@@ -9,8 +9,7 @@ mod common;
 
 use common::{scene, scene_file};
 use photosphere::accel::{Accel, Backend};
-use photosphere::color::Rgb;
-use photosphere::film::Radiance;
+use photosphere::color::{Radiance, Rgb};
 use photosphere::geometry::{PathRay, SurfaceHit};
 use photosphere::integrator::{SampleAddress, Workspace, World, of_scene};
 use photosphere::material::Lobe;

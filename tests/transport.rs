@@ -393,7 +393,7 @@ fn the_picture_has_the_same_bits_for_any_number_of_threads() {
 
 #[test]
 fn a_sample_does_not_depend_on_its_batch_or_order() {
-    use photosphere::film::Radiance;
+    use photosphere::color::Radiance;
     use photosphere::integrator::{SampleAddress, Workspace, World, of_scene};
     let text = scene_file("paper/fig4.toml");
     for integrator in ["render.integrator=path", "render.integrator=paper"] {

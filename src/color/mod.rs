@@ -3,6 +3,16 @@
 /// Red, green, blue in linear Rec. 709. Radiance is in W/(sr m^2) per channel.
 pub type Rgb = glam::Vec3;
 
+/// What one sample brings to its pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Radiance {
+    /// Emission and background seen by the camera, and light scattered once on its way from a lamp
+    /// to the camera. Mirrors and glass in between do not count as scattering.
+    pub direct: Rgb,
+    /// All the rest.
+    pub indirect: Rgb,
+}
+
 /// Luminance of a linear Rec. 709 colour (ITU-R BT.709-6, item 3.2).
 pub fn luminance(color: Rgb) -> f32 {
     color.dot(Rgb::new(0.2126, 0.7152, 0.0722))

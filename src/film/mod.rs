@@ -4,20 +4,10 @@ mod picture;
 
 pub use picture::Picture;
 
-use crate::color::Rgb;
+use crate::color::{Radiance, Rgb};
 
 /// Samples are summed in blocks of this many consecutive ones, in index order.
 pub const BLOCK: u32 = 16;
-
-/// What one sample brings to its pixel.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Radiance {
-    /// Emission and background seen by the camera, and light scattered once on its way from a lamp
-    /// to the camera. Mirrors and glass in between do not count as scattering.
-    pub direct: Rgb,
-    /// All the rest.
-    pub indirect: Rgb,
-}
 
 /// The running sums of one pixel.
 #[derive(Clone, Copy, Debug, Default)]

@@ -12,7 +12,7 @@ mod raycast;
 mod transport;
 
 use crate::accel::Accel;
-use crate::film::Radiance;
+use crate::color::Radiance;
 use crate::math::{Hit, Ray};
 use crate::scene::Scene;
 use crate::scene::description;

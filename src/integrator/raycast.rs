@@ -7,8 +7,7 @@
 
 use std::f64::consts::PI;
 
-use crate::color::Rgb;
-use crate::film::Radiance;
+use crate::color::{Radiance, Rgb};
 use crate::geometry::{PathRay, SurfaceHit};
 use crate::light::Lamp;
 use crate::material::Bsdf;

@@ -4,8 +4,7 @@
 //! product of `f cos / pdf` so far, and adds `throughput x emission` to its sample wherever it meets
 //! light. Both [`super::path`] and [`super::paper`] are this loop with different choices.
 
-use crate::color::Rgb;
-use crate::film::Radiance;
+use crate::color::{Radiance, Rgb};
 use crate::geometry::{PathRay, Side, SurfaceHit};
 use crate::material::{Bsdf, BsdfSample, Lobe, Media};
 use crate::math::{DVec3, Frame, Hit};

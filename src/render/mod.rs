@@ -9,7 +9,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use crate::accel::{Accel, Cancel};
-use crate::film::{BLOCK, Film, Picture, Pixel, Radiance};
+use crate::color::Radiance;
+use crate::film::{BLOCK, Film, Picture, Pixel};
 use crate::integrator::{self, Integrator, SampleAddress, Tally, Workspace, World};
 use crate::scene::Scene;
 
