@@ -301,7 +301,8 @@ void ps_scene_release(PsScene *scene) { rtcReleaseScene((RTCScene)scene); }
 
 /* ---- Questions ---- */
 
-bool ps_ray_is_valid(const PsRay *ray) {
+/* Whether Embree may be asked at all: `math::Ray::is_valid`, and its limit, 2 MAX_COORDINATE. */
+static bool is_valid(const PsRay *ray) {
     const float limit = 2.0f * 1e15f;
     bool bounded = true;
     for (int axis = 0; axis < 3; axis++)
@@ -339,7 +340,7 @@ void ps_closest(PsScene *scene, const PsRay *rays, size_t count, PsHit *hits) {
     prepare_closest(&arguments, &query);
     for (size_t i = 0; i < count; i++) {
         begin(&query, &rays[i]);
-        if (ps_ray_is_valid(&rays[i])) {
+        if (is_valid(&rays[i])) {
             struct RTCRayHit rayhit = {.ray = embree_ray(&rays[i])};
             rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
             rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
@@ -356,7 +357,7 @@ void ps_occluded(PsScene *scene, const PsRay *rays, size_t count, bool *blocked)
     for (size_t i = 0; i < count; i++) {
         begin(&query, &rays[i]);
         blocked[i] = false;
-        if (ps_ray_is_valid(&rays[i])) {
+        if (is_valid(&rays[i])) {
             struct RTCRay ray = embree_ray(&rays[i]);
             trace_occluded((RTCScene)scene, &arguments, &ray);
             blocked[i] = ray.tfar < 0.0f;

@@ -107,8 +107,6 @@ void ps_scene_release(PsScene *scene);
 
 /* ---- Questions to a committed scene, from any number of threads ---- */
 
-/* Whether Embree may be asked at all: the same test as `math::Ray::is_valid`. */
-bool ps_ray_is_valid(const PsRay *ray);
 /* The first sphere that each ray hits; invalid rays hit nothing. */
 void ps_closest(PsScene *scene, const PsRay *rays, size_t count, PsHit *hits);
 /* Whether each ray hits anything; invalid rays do not. */

@@ -7,6 +7,8 @@
 //! can tell, which is most of what is ambiguous. Seeds are fixed: a failure is no accident of
 //! chance.
 
+#![allow(clippy::print_stdout, reason = "the shares are worth reading with --nocapture")]
+
 mod common;
 
 use common::rays::{against_the_judge, assert_no_failures, set_of};
@@ -265,7 +267,7 @@ fn more_than_64_giants() {
         assert!(set.giants().len() > 64, "only {} giants", set.giants().len());
         spheres
     };
-    check("giants", Recorded { f64: 6e-4, f32: 3e-2 }, 3000, trials(4, hills));
+    check("giants", Recorded { f64: 6e-4, f32: 5e-2 }, 3000, trials(4, hills));
 }
 
 #[test]

@@ -279,7 +279,7 @@ const MISTAKES_IN_OPTIONS: &[(&str, &str)] = &[
     ("image.width=0", "1:19: `image.width` must be a whole number from 1 to 65536, not 0"),
     ("image.width=", "1:19: the value is missing"),
     ("image.width=wide", "1:19: `image.width` must be a whole number from 1 to 65536, not a string"),
-    ("image..width=3", "1:7: the key cannot be read: missing key"),
+    ("image..width=3", "1:7: the key cannot be read: unquoted keys cannot be empty, expected letters, numbers, `-`, `_`"),
     ("materials.grass.albedo=[1,0", "1:34: the value is not TOML: unclosed array, expected `]`"),
     ("materials.grass.albedo=[1,0,2]", "1:35: `materials.grass.albedo` must be three numbers from 0 to 1, not 2"),
     ("materials.gras.albedo=[1,0,0]", "1:7: there is no material \"gras\" | did you mean `grass`?"),
@@ -398,7 +398,7 @@ fn no_truncated_scene_makes_the_reader_panic() {
     for end in (0..=EXAMPLE.len()).filter(|&end| EXAMPLE.is_char_boundary(end)) {
         good += usize::from(load(&EXAMPLE[..end], &["image.width=8"]).is_ok());
     }
-    assert!((1..200).contains(&good), "{good} pieces are scenes");
+    assert!((1..EXAMPLE.len() / 2).contains(&good), "{good} pieces are scenes");
 }
 
 proptest! {

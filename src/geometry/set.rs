@@ -335,4 +335,34 @@ mod tests {
         let far = set.answer(&inward, Hit::MISS).expect("the far wall");
         assert_eq!((far.id, far.t, far.side), (0, 4.0, Side::Inside));
     }
+
+    /// Here rounding the end point gives a normal on the wrong side of the ray.
+    #[test]
+    fn the_far_wall_of_a_grazing_chord_is_reached_from_inside() {
+        let around = [-1e4, 0.0, 1e4].map(|x| ball(x, 0.0, 0.0, 0.1));
+        let set = set([around.to_vec(), vec![ball(1e3, 2e3, 0.0, 1e-3)]].concat(), vec![]);
+        let id = (0..4).find(|&id| set.row(id) == 3).expect("row 3");
+        let Sphere { center, radius } = set.sphere(id);
+        for i in 1..100 {
+            let normal = DVec3::new(f64::from(i), 3.0, 1.0).normalize();
+            let point = center + normal * radius;
+            let start = SurfaceHit { id, t: 0.0, point, normal, radius, side: Side::Outside };
+            let along = normal.any_orthonormal_vector();
+            let inward = start.leave((along - normal * 1e-11).normalize()).expect("a chord");
+            let far = set.answer(&inward, Hit::MISS).expect("the far wall");
+            assert_eq!((far.id, far.side), (id, Side::Inside));
+        }
+    }
+
+    /// The camera stands 1e9 from the origin and 5 before a ball there.
+    #[test]
+    fn a_normal_is_as_precise_as_the_ray_is_short() {
+        let set = set(vec![ball(0.0, 0.0, 0.0, 1.0); 1], vec![[1e9, 0.0, 0.0, 1.0]; 1]);
+        let id = (0..2).find(|&id| set.row(id) == 1).expect("row 1");
+        let center = set.sphere(id).center;
+        let ray = PathRay::free(center - DVec3::X * 5.0, DVec3::new(0.99, 0.1, 0.0).normalize());
+        let hit = set.answer(&ray, Hit { t: 4.0, id }).expect("hits");
+        let expected = ray.direction * hit.t - DVec3::X * 5.0;
+        assert!((hit.normal - expected).length() < 1e-14);
+    }
 }

@@ -140,6 +140,8 @@ mod tests {
     fn validity_refuses_what_embree_aborts_on() {
         let good = Ray::new(DVec3::ZERO, DVec3::Z, 0.0, f64::INFINITY, [NO_SPHERE; 2]);
         assert!(good.is_valid());
+        let far_side = 3.0 * MAX_COORDINATE as f32;
+        assert!(Ray { origin: [far_side; 3], ..good }.is_valid(), "the far side of a moved sphere");
         for bad in [f32::NAN, f32::INFINITY, 1e19] {
             assert!(!Ray { origin: [0.0, bad, 0.0], ..good }.is_valid());
             assert!(!Ray { direction: [bad, 0.0, 0.0], ..good }.is_valid());

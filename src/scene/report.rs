@@ -196,9 +196,9 @@ mod tests {
         let option = report.add_text("command line", "--spp 0");
         report.add(Wrong::value(option + 6..option + 7, "second"));
         report.add(Wrong::value(4..7, "first"));
-        let error = report.verdict().unwrap_err();
+        let error = report.verdict().expect_err("mistakes");
         assert_eq!(error.to_string(), "a.toml:2:1: first\ncommand line:1:7: second");
-        assert_eq!(error.mistakes()[1].place.as_ref().unwrap().span, 6..7);
+        assert_eq!(error.mistakes()[1].place.as_ref().expect("a place").span, 6..7);
     }
 
     #[test]
@@ -208,7 +208,7 @@ mod tests {
         report.add(Wrong::value(0..3, "before"));
         report.add(Wrong::value(11..13, "after"));
         report.add(Wrong::absence(0..0, "missing"));
-        let error = report.verdict().unwrap_err();
+        let error = report.verdict().expect_err("mistakes");
         assert_eq!(error.to_string(), "a.toml:1:1: before\na.toml:2:7: syntax");
     }
 
@@ -216,7 +216,7 @@ mod tests {
     fn a_flood_of_mistakes_is_cut_short() {
         let report = Report::new("a.toml", "x");
         (0..250).for_each(|_| report.add(Wrong::value(0..1, "again")));
-        let error = report.verdict().unwrap_err();
+        let error = report.verdict().expect_err("mistakes");
         assert_eq!(error.mistakes().len(), 101);
         assert_eq!(error.mistakes()[100].message, "there are 150 more mistakes");
     }
@@ -224,8 +224,8 @@ mod tests {
     #[test]
     fn only_near_words_are_suggested() {
         let known = ["albedo", "emission", "type"];
-        assert_eq!(did_you_mean("albeod", known).unwrap(), "did you mean `albedo`?");
-        assert_eq!(did_you_mean("typ", known).unwrap(), "did you mean `type`?");
+        assert_eq!(did_you_mean("albeod", known).as_deref(), Some("did you mean `albedo`?"));
+        assert_eq!(did_you_mean("typ", known).as_deref(), Some("did you mean `type`?"));
         assert_eq!(did_you_mean("reflectance", known), None);
     }
 }

@@ -351,7 +351,7 @@ mod tests {
     fn every_kind_of_fault_is_found_and_named() {
         let lost = tally(|_| (), |hit| *hit = Hit::MISS, |_| ());
         assert!(lost.lost > 1000 && lost.wrong + lost.ghosts == 0);
-        let ghosts = tally(|_| (), |hit| hit.id = hit.id.min(0), |_| ());
+        let ghosts = tally(|_| (), |hit| hit.id = 0, |_| ());
         assert!(ghosts.ghosts > 100 && ghosts.wrong > 1000 && ghosts.lost == 0);
         let shifted = tally(|ray| ray.origin[0] += 1e-3, |_| (), |_| ());
         assert!(shifted.failures() > 10);

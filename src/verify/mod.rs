@@ -1,5 +1,5 @@
-//! Verification as a product: the means by which a user, and the tests, check every answer and
-//! measure every backend.
+//! Verification and measurement as a product: the means by which a user, and the tests, check every
+//! answer and compare every speed.
 
 pub mod bench;
 pub mod crosscheck;

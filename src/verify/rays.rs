@@ -58,7 +58,7 @@ impl Source<'_> {
     const KINDS: [fn(&mut Self) -> Option<PathRay>; 9] = [
         Self::through,
         Self::silhouette,
-        Self::from_inside,
+        Self::starting_inside,
         Self::axis_parallel,
         Self::leaving,
         Self::leaving_along_the_surface,
@@ -128,7 +128,7 @@ impl Source<'_> {
         (sin < 1.0).then(|| PathRay::free(origin, frame.to_world(local).normalize()))
     }
 
-    fn from_inside(&mut self) -> Option<PathRay> {
+    fn starting_inside(&mut self) -> Option<PathRay> {
         let hit = self.surface(Side::Inside);
         let depth = self.log_uniform(1e-9, 2.0);
         let origin = hit.point - hit.normal * (depth * hit.radius);

@@ -16,7 +16,7 @@ use super::{Particles, describe, require, sys};
 fn grid(side: i32) -> Arc<SphereSet> {
     let cell = |i: i32| [(i % side) as f32, (i / side % side) as f32, (i / side / side) as f32];
     let table = (0..side.pow(3)).map(|i| [cell(i)[0], cell(i)[1], cell(i)[2], 0.25]).collect();
-    let ground = crate::geometry::Sphere { center: DVec3::new(0.0, -1e6, 0.0), radius: 1e6 - 1.0 };
+    let ground = crate::geometry::Sphere { center: DVec3::new(0.0, -1e6, 0.0), radius: 1e6 - 0.5 };
     let set = SphereSet::new(SphereRows { exact: vec![ground], table }).expect("few spheres");
     assert_eq!(set.giants().len(), 1);
     Arc::new(set)
@@ -80,16 +80,12 @@ fn threads_build_ask_and_drop_at_once() {
                         inner.spawn(|| ask(&scene));
                         inner.spawn(|| ask(&scene));
                     });
-                    // Dropped on another thread than the one that built it.
-                    inner_drop(scene);
+                    // On another thread than the one that built it.
+                    std::thread::spawn(move || drop(scene)).join().expect("drops");
                 }
             });
         }
     });
-}
-
-fn inner_drop(scene: Scene) {
-    std::thread::spawn(move || drop(scene)).join().expect("drops");
 }
 
 #[test]
@@ -174,25 +170,4 @@ fn bytes_are_counted_and_given_back() {
     assert!((16 * set.len()..1000 * set.len()).contains(&held), "{held} bytes");
     drop(scene);
     assert!(device.bytes() < held);
-}
-
-#[test]
-fn both_sides_agree_on_which_rays_are_valid() {
-    let good = Ray::new(DVec3::ZERO, DVec3::Z, 0.0, f64::INFINITY, [NO_SPHERE; 2]);
-    let odd = [0.0, -0.0, 1.0, -1.0, 2e15, 2.1e15, -2.1e15, 1e19, f32::MAX];
-    let odd =
-        odd.into_iter().chain([f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE]);
-    for x in odd {
-        let rays = [
-            Ray { origin: [0.0, x, 0.0], ..good },
-            Ray { direction: [0.0, 0.0, x], ..good },
-            Ray { t_min: x, ..good },
-            Ray { t_max: x, ..good },
-        ];
-        for ray in rays {
-            // SAFETY: `sys` proves that the layouts agree.
-            let valid = unsafe { sys::ps_ray_is_valid(std::ptr::from_ref(&ray).cast()) };
-            assert_eq!(valid, ray.is_valid(), "{ray:?}");
-        }
-    }
 }

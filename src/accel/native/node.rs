@@ -12,7 +12,7 @@ pub(super) const WIDTH: usize = 8;
 /// Most spheres of a leaf.
 pub(super) const LEAF_SIZE: usize = 8;
 
-/// What f64 arithmetic may move a surface by, relative to the numbers it works with: 16 times the
+/// What f64 arithmetic may move a surface by, relative to the numbers it works with: 4 times the
 /// bound derived in [`Node::set`].
 pub(super) const F64_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
 /// Relative slack that makes up for a few roundings to f32 (each at most 2^-24).

@@ -1,0 +1,227 @@
+//! Sphere tables: what is read from them, and how each fault is told.
+
+use std::fs;
+use std::path::Path;
+
+use photosphere::error::Result;
+use photosphere::scene::{Loaded, read_file};
+use tempfile::TempDir;
+
+const COLUMNS: &str = r#"["x", "y", "z", "radius"]"#;
+const COLORED: &str = r#"["r", "g", "b", "radius", "z", "y", "x"]"#;
+
+const MATERIALS: &str = r#"
+[materials.matt]
+type = "diffuse"
+albedo = [0.5, 0.5, 0.5]
+[materials.mirror]
+type = "mirror"
+reflectance = [1, 1, 1]
+[materials.glossy]
+type = "phong"
+albedo = [0.5, 0.5, 0.5]
+specular = [0.5, 0.25, 0.125]
+exponent = 10
+"#;
+
+/// A scene file in its own folder, with tables beside it.
+struct Scene {
+    folder: TempDir,
+    text: String,
+}
+
+impl Scene {
+    fn new() -> Self {
+        let text = format!(
+            "format = 1\ncamera = {{ position = [0, 0, 9], look_at = [0, 0, 0] }}\n{MATERIALS}"
+        );
+        Self { folder: tempfile::tempdir().expect("a folder"), text }
+    }
+
+    fn table(mut self, file: &str, columns: &str, material: &str) -> Self {
+        self.text += &format!(
+            "[[sphere_tables]]\nfile = \"{file}\"\ncolumns = {columns}\nmaterial = \"{material}\"\n"
+        );
+        self
+    }
+
+    fn bytes(self, file: &str, bytes: &[u8]) -> Self {
+        fs::write(self.folder.path().join(file), bytes).expect("a file");
+        self
+    }
+
+    fn values(self, file: &str, values: &[f32]) -> Self {
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        self.bytes(file, &bytes)
+    }
+
+    fn load(&self) -> Result<Loaded> {
+        let path = self.folder.path().join("scene.toml");
+        fs::write(&path, &self.text).expect("a file");
+        read_file(&path, &[])
+    }
+
+    /// The mistakes without their places, and without the name of the folder.
+    fn told(&self) -> Vec<String> {
+        let error = self.load().expect_err("a mistake");
+        let folder = format!("{}/", self.folder.path().display());
+        let messages = error.mistakes().iter().map(|mistake| mistake.message.replace(&folder, ""));
+        messages.collect()
+    }
+}
+
+/// One table of plain rows, and what is said of it.
+fn assert_told(values: &[f32], expected: &str) {
+    let scene = Scene::new().table("a.f32", COLUMNS, "matt").values("a.f32", values);
+    assert_eq!(scene.told(), [expected]);
+}
+
+#[test]
+fn tables_follow_each_other_behind_the_exact_spheres() {
+    let mut scene = Scene::new()
+        .table("a.f32", COLUMNS, "mirror")
+        .table("b.f32", COLORED, "matt")
+        .values("a.f32", &[1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25])
+        .values("b.f32", &[0.0, 0.5, 1.0, 0.125, 9.0, 8.0, 7.0]);
+    scene.text += "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nmaterial = \"matt\"\n";
+    let Loaded { rows, groups, description } = scene.load().expect("good tables");
+    assert_eq!(rows.table, [[1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.25], [7.0, 8.0, 9.0, 0.125]]);
+    assert_eq!(rows.exact.len(), 1);
+    let places: Vec<_> = groups.iter().map(|group| (group.first_row, group.count)).collect();
+    assert_eq!(places, [(1, 2), (3, 1)]);
+    assert_eq!(groups[0].colors, None);
+    assert_eq!(groups[1].colors.as_deref(), Some(&[[0.0, 0.5, 1.0]][..]));
+    assert_eq!(description.materials[groups[0].material].name, "mirror");
+}
+
+#[test]
+fn a_table_longer_than_the_buffer_keeps_its_order_and_fits_at_once() {
+    let count = 600_000;
+    let values: Vec<f32> = (0..count).flat_map(|i| [i as f32, 0.0, 0.0, 1.0]).collect();
+    let scene = Scene::new().table("a.f32", COLUMNS, "matt").values("a.f32", &values);
+    let Loaded { rows, .. } = scene.load().expect("a good table");
+    assert_eq!(rows.table.len(), count);
+    assert_eq!(rows.table.capacity(), count, "nothing was moved or held twice");
+    assert!(rows.table.iter().enumerate().all(|(i, row)| row[0] == i as f32));
+}
+
+#[test]
+fn the_file_must_be_there_and_whole() {
+    let missing = Scene::new().table("a.f32", COLUMNS, "matt");
+    let told = missing.told();
+    assert!(told[0].starts_with("cannot read `a.f32`: No such file"), "{told:?}");
+    let place = missing.load().expect_err("missing").mistakes()[0].place.clone().expect("a place");
+    assert_eq!(&place.source.text[place.span], "\"a.f32\"");
+    let folder = Scene::new().table("a.f32", COLUMNS, "matt");
+    fs::create_dir(folder.folder.path().join("a.f32")).expect("a folder");
+    assert_eq!(folder.told(), ["`a.f32` is a folder"]);
+    assert_told(&[], "`a.f32` is empty");
+    let short = Scene::new().table("a.f32", COLUMNS, "matt").bytes("a.f32", &[0; 37]);
+    assert_eq!(
+        short.told(),
+        ["`a.f32` has 37 bytes, which is no whole number of rows: 2 rows of 16 bytes and 5 bytes \
+          over"]
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn an_endless_file_is_refused() {
+    let endless = Scene::new().table("/dev/zero", COLUMNS, "matt");
+    assert_eq!(endless.told(), ["`/dev/zero` is not an ordinary file"]);
+}
+
+#[test]
+fn every_value_is_checked() {
+    let row = |at: usize, value: f32| {
+        let mut rows = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        rows[at] = value;
+        rows
+    };
+    let said = "`a.f32`: row 1 (the first is 0) has";
+    assert_told(&row(5, f32::NAN), &format!("{said} y = NaN at byte 20"));
+    assert_told(&row(4, f32::INFINITY), &format!("{said} x = inf at byte 16"));
+    assert_told(&row(6, -1e17), &format!("{said} z = -1e17 at byte 24"));
+    assert_told(&row(7, 0.0), &format!("{said} radius = 0.0 at byte 28"));
+    assert_told(&row(7, -1.0), &format!("{said} radius = -1.0 at byte 28"));
+    assert_told(&row(7, f32::NAN), &format!("{said} radius = NaN at byte 28"));
+    let scene = Scene::new().table("a.f32", COLORED, "matt");
+    let scene = scene.values("a.f32", &[0.5, 1.5, 0.0, 1.0, 0.0, 0.0, 0.0]);
+    assert_eq!(scene.told(), ["`a.f32`: row 0 (the first is 0) has g = 1.5 at byte 4"]);
+}
+
+#[test]
+fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
+    let mut values: Vec<f32> = (0..600_000).flat_map(|_| [0.0, 0.0, 0.0, 1.0]).collect();
+    for row in [300_000, 300_001, 599_999] {
+        values[row * 4 + 3] = -1.0;
+    }
+    assert_told(
+        &values,
+        "`a.f32`: row 300000 (the first is 0) has radius = -1.0 at byte 4800012; \
+         2 more rows are wrong",
+    );
+}
+
+#[test]
+fn columns_must_make_a_sphere() {
+    let told = |columns: &str, expected: &[&str]| {
+        assert_eq!(Scene::new().table("a.f32", columns, "matt").told(), expected);
+    };
+    told(r#"["x", "y", "z"]"#, &["`sphere_tables.0.columns` lacks \"radius\""]);
+    told(
+        r#"["x", "y", "y", "radius"]"#,
+        &["`sphere_tables.0.columns` lacks \"z\"", "`sphere_tables.0.columns` repeats \"y\""],
+    );
+    told(r#"["x", "y", "z", "radius", "g"]"#, &["`sphere_tables.0.columns` lacks \"r\", \"b\""]);
+    told(
+        r#"["x", "y", "z", "radios"]"#,
+        &["`sphere_tables.0.columns` must be a list, each entry \"x\" or \"y\" or \"z\" or \
+           \"radius\" or \"r\" or \"g\" or \"b\", not \"radios\""],
+    );
+    told(
+        "[]",
+        &["`sphere_tables.0.columns` must be a list, each entry \"x\" or \"y\" or \"z\" or \
+           \"radius\" or \"r\" or \"g\" or \"b\", not an empty one"],
+    );
+}
+
+#[test]
+fn colours_need_a_material_that_they_can_colour() {
+    let values = [0.75, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+    let colored =
+        |material: &str| Scene::new().table("a.f32", COLORED, material).values("a.f32", &values);
+    colored("matt").load().expect("a diffuse table");
+    assert_eq!(
+        colored("mirror").told(),
+        ["`sphere_tables.0.columns` has colours for a material without albedo"]
+    );
+    assert_eq!(
+        colored("glossy").told(),
+        ["`a.f32`: row 0 (the first is 0) has r = 0.75 at byte 0"],
+        "0.75 and the material's specular 0.5 are more than 1"
+    );
+}
+
+#[test]
+fn mistakes_in_the_scene_and_in_its_tables_are_told_together() {
+    let mut scene = Scene::new().table("a.f32", COLUMNS, "matt").table("b.f32", COLUMNS, "mat");
+    scene.text += "[image]\nwidth = 0\n";
+    let told = scene.told();
+    assert_eq!(told.len(), 3, "{told:?}");
+    assert!(told[0].starts_with("cannot read `a.f32`"), "{told:?}");
+}
+
+#[test]
+fn scene_files_that_cannot_be_read_are_told_with_their_path() {
+    let said = |path: &Path| read_file(path, &[]).expect_err("unreadable").to_string();
+    let folder = tempfile::tempdir().expect("a folder");
+    let missing = folder.path().join("no.toml");
+    assert!(
+        said(&missing).starts_with(&format!("cannot read the scene `{}`: ", missing.display()))
+    );
+    assert!(said(folder.path()).ends_with("it is a folder"));
+    let binary = folder.path().join("binary.toml");
+    fs::write(&binary, b"format = \xff\xfe").expect("a file");
+    assert!(said(&binary).ends_with("it is not UTF-8 text at byte 9"));
+}
