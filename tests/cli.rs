@@ -250,7 +250,7 @@ mod mistakes_in_a_scene {
         let scene = SCENE.replace("radius = 1.0", "radius = nan").replace("width", "widht");
         let shown = Desk::new(&scene).run("render scene.toml -o out.png").fails(3, &[]);
         let radius = r#"
-error: `spheres.1.radius` must be a number from 1e-15 to 1e15, not nan
+error: `spheres.ball.radius` must be a number from 1e-15 to 1e15, not nan
     ,-[scene.toml:29:10]
  28 | center = [0.0, 1.0, 0.0]
  29 | radius = nan
@@ -259,7 +259,7 @@ error: `spheres.1.radius` must be a number from 1e-15 to 1e15, not nan
     `----
 "#;
         let width = r"
-error: `image.widht` is not a key of an image
+error: `image.widht` is not a key of a scene
    ,-[scene.toml:4:1]
  3 | [image]
  4 | widht = 16
@@ -279,9 +279,9 @@ error: `image.widht` is not a key of an image
         let cases = [
             ("width = 16", "width = 0", "`image.width` must be a whole number from 1"),
             ("width = 16", "width = 1e3", "`image.width` must be"),
-            ("radius = 1.0", "radius = nan", "`spheres.1.radius` must be"),
-            ("radius = 1.0", "radius = -1.0", "`spheres.1.radius` must be"),
-            ("[0.0, 1.0, 0.0]\nradius", "[0.0, inf, 0.0]\nradius", "`spheres.1.center"),
+            ("radius = 1.0", "radius = nan", "`spheres.ball.radius` must be"),
+            ("radius = 1.0", "radius = -1.0", "`spheres.ball.radius` must be"),
+            ("[0.0, 1.0, 0.0]\nradius", "[0.0, inf, 0.0]\nradius", "`spheres.ball.center"),
             ("albedo", "albdeo", "did you mean `albedo`"),
             ("\"path\"", "\"pth\"", "did you mean `path`"),
             ("\"diffuse\"", "\"difuse\"", "did you mean `diffuse`"),
@@ -306,7 +306,8 @@ error: `image.widht` is not a key of an image
     fn samples_must_suit_the_sub_pixels_of_the_paper() {
         let desk = Desk::new(SCENE);
         let paper = "render scene.toml -o out.png --integrator paper";
-        desk.run(&format!("{paper} --spp 6")).fails(3, &["--spp 6", "multiple of 4"]);
+        desk.run(&format!("{paper} --spp 6"))
+            .fails(3, &["--spp 6", "a multiple of the 2 x 2 sub-pixels, not 6"]);
     }
 }
 
@@ -353,7 +354,7 @@ material = "grass"
     fn a_missing_table_is_missed_where_the_scene_names_it() {
         let desk = desk(&[], 0);
         fs::remove_file(desk.path().join("grains.f32")).expect("it was there");
-        desk.run("info scene.toml").fails(3, &["[scene.toml:33:8]", "grains.f32", "No such file"]);
+        desk.run("info scene.toml").fails(3, &["[scene.toml:34:8]", "grains.f32", "No such file"]);
     }
 }
 
@@ -363,15 +364,16 @@ mod files {
     #[test]
     fn a_scene_that_cannot_be_read_is_a_file_error() {
         let desk = Desk::new(SCENE);
-        let message = "error: cannot read `missing.toml`: No such file or directory";
+        let message = "error: cannot read the scene `missing.toml`: No such file or directory";
         let commands = ["render missing.toml -o a.png", "info missing.toml", "bench missing.toml"];
         for command in commands.into_iter().chain(["crosscheck missing.toml"]) {
             desk.run(command).fails(4, &[message]);
         }
         fs::create_dir(desk.path().join("folder.toml")).expect("a folder");
-        desk.run("info folder.toml").fails(4, &["cannot read `folder.toml`"]);
+        desk.run("info folder.toml")
+            .fails(4, &["cannot read the scene `folder.toml`: it is a folder"]);
         fs::write(desk.path().join("bytes.toml"), [0xff, 0xfe]).expect("a file");
-        desk.run("info bytes.toml").fails(3, &["bytes.toml", "UTF-8"]);
+        desk.run("info bytes.toml").fails(4, &["`bytes.toml`: it is not UTF-8 text"]);
     }
 
     #[test]
@@ -507,7 +509,8 @@ mod reports {
 
     #[test]
     fn info_warns_of_spheres_that_rounding_moved() {
-        let far = SCENE.replace("[0.0, 1.0, 0.0]\nradius = 1.0", "[1e9, 0.3, 0.0]\nradius = 0.1");
+        let far = SCENE
+            .replace("[0.0, 1.0, 0.0]\nradius = 1.0", "[1000000010.3, 0.3, 0.0]\nradius = 0.1");
         let told = Desk::new(&far).run("info scene.toml").succeeds();
         let told_all = format!("{}{}", told.stdout, told.stderr);
         let expected = "warning: rounding to f32 moved 1 sphere by more than 1 % of the radius";
