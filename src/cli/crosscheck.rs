@@ -26,6 +26,7 @@ pub(super) fn run(args: &CrosscheckArgs) -> Result<Exit> {
 }
 
 fn check(args: &CrosscheckArgs, cancel: &Cancel) -> Result<Exit> {
+    let dump = args.dump.as_deref().map(Dump::create).transpose()?;
     let scene = Scene::load(&args.scene.path, &args.scene.overrides())?;
     let build = BuildOptions { threads: rayon::current_num_threads(), cancel: cancel.clone() };
     let backends: Vec<(&str, Box<dyn Accel>)> = args
@@ -40,8 +41,8 @@ fn check(args: &CrosscheckArgs, cancel: &Cancel) -> Result<Exit> {
     let rays = rays_of(&scene, contenders[0].accel, args);
     let tallies = crosscheck::compare(scene.spheres(), &contenders, &rays, cancel)?;
     print::result(&table(&tallies))?;
-    if let Some(path) = &args.dump {
-        dump(&tallies, path)?;
+    if let Some(dump) = dump {
+        dump.write(&tallies)?;
     }
     let failures: usize = tallies.iter().map(Tally::failures).sum();
     Ok(if failures == 0 { Exit::Done } else { Exit::CheckFailed })
@@ -103,14 +104,27 @@ fn table(tallies: &[Tally]) -> String {
     text
 }
 
-fn dump(tallies: &[Tally], path: &Path) -> Result<()> {
-    let write = || {
-        let mut file = BufWriter::new(File::create(path)?);
-        writeln!(file, "# rays relative to the spheres' origin; ids in the order of the spheres")?;
-        for disagreement in tallies.iter().flat_map(|tally| &tally.disagreements) {
-            writeln!(file, "{disagreement}")?;
-        }
-        file.into_inner()?.sync_all()
-    };
-    write().map_err(|e| Error::file("write", path, e))
+/// The file for the rays that were answered wrongly; made first, because the check takes a while.
+struct Dump<'a> {
+    path: &'a Path,
+    file: File,
+}
+
+impl<'a> Dump<'a> {
+    fn create(path: &'a Path) -> Result<Self> {
+        let file = File::create(path).map_err(|e| Error::file("write", path, e))?;
+        Ok(Self { path, file })
+    }
+
+    fn write(self, tallies: &[Tally]) -> Result<()> {
+        let write = || {
+            let mut file = BufWriter::new(self.file);
+            writeln!(file, "# rays relative to the spheres' origin, spheres by their ids")?;
+            for disagreement in tallies.iter().flat_map(|tally| &tally.disagreements) {
+                writeln!(file, "{disagreement}")?;
+            }
+            file.into_inner()?.sync_all()
+        };
+        write().map_err(|e| Error::file("write", self.path, e))
+    }
 }

@@ -1,6 +1,6 @@
 //! The `photosphere` program: commands, progress, errors in words, exit codes.
 //!
-//! The only room that prints. Every command returns an [`Exit`] or an error; both become the exit
+//! The only room that prints. Every command returns an `Exit` or an error; both become the exit
 //! code here, and an error is printed here, once.
 
 mod args;

@@ -60,7 +60,9 @@ pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> 
         samples_done: AtomicU64::new(0),
         samples_per_pixel: scene.description().render.samples_per_pixel,
     };
-    let passes = (0..renderer.samples_per_pixel).step_by(BLOCK as usize);
+    let passes = (0..renderer.samples_per_pixel)
+        .step_by(BLOCK as usize)
+        .take_while(|_| !options.cancel.is_cancelled());
     let tally =
         passes.map(|first| renderer.pass(&mut film, first)).fold(Tally::default(), |a, b| a + b);
     let picture = film.picture();
