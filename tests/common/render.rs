@@ -71,6 +71,7 @@ impl Estimate {
         Self::of(&(0..SEEDS).map(value).collect::<Vec<_>>())
     }
 
+    #[allow(clippy::print_stdout, reason = "the figures are worth reading with --nocapture")]
     /// Fails unless the mean is the expected value, within the standard errors allowed and 1e-5.
     pub(crate) fn must_be(self, expected: f64, what: &str) {
         let allowed = ALLOWED * self.standard_error + 1e-5 * expected.abs();
