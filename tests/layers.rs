@@ -233,10 +233,10 @@ fn first_names(rest: &str) -> Vec<(usize, String)> {
 /// Where `word` stands in the code as a word of its own.
 fn occurrences(code: &str, word: &str) -> Vec<usize> {
     let is_whole = |at: &usize| {
-        let before = code[..*at].chars().next_back();
-        let after = code[at + word.len()..].chars().next();
-        let ends_in_word = word.ends_with(is_word);
-        !(before.is_some_and(is_word) || ends_in_word && after.is_some_and(is_word))
+        let continues = |c: Option<char>| c.is_some_and(is_word);
+        let before = continues(code[..*at].chars().next_back());
+        let after = continues(code[at + word.len()..].chars().next());
+        !(before || after && word.ends_with(is_word))
     };
     code.match_indices(word).map(|(at, _)| at).filter(is_whole).collect()
 }
