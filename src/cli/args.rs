@@ -315,7 +315,7 @@ fn backends() -> impl TypedValueParser<Value = Backend> {
 
 fn meaning(backend: Backend) -> &'static str {
     match backend {
-        Backend::Embree => "Embree, with spheres as points; the fastest",
+        Backend::Embree => "Embree, with spheres as points; the default where it is built in",
         Backend::EmbreeUser => "Embree, with our own arithmetic for every sphere",
         Backend::Native => "our own bounding volume hierarchy",
         Backend::BruteForce => "every ray against every sphere, in f64; for tiny scenes",
