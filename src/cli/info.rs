@@ -18,7 +18,7 @@ use super::{on_threads, print, render};
 pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
     on_threads(args.scene.threads(), || {
         let scene = Scene::load(&args.scene.path, &args.scene.overrides())?;
-        render::warn_of_rounding(scene.spheres());
+        render::warn_of_spheres(scene.spheres());
         if args.json {
             print::json(&in_json(&scene))?
         } else {

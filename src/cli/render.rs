@@ -36,7 +36,7 @@ fn render(args: &RenderArgs, target: Target, cancel: Cancel) -> Result<Exit> {
     let mut clock = Clock(Instant::now());
     let scene = Scene::load(&args.scene.path, &args.overrides())?;
     let load_s = clock.lap();
-    warn_of_rounding(scene.spheres());
+    warn_of_spheres(scene.spheres());
     let threads = rayon::current_num_threads();
     let build = BuildOptions { threads, cancel: cancel.clone() };
     let accel = args.accel.backend.build(scene.spheres(), &build)?;
@@ -58,8 +58,14 @@ fn render(args: &RenderArgs, target: Target, cancel: Cancel) -> Result<Exit> {
     Ok(if outcome.complete { Exit::Done } else { Exit::Stopped })
 }
 
-/// Warns of spheres that f32 cannot hold well.
-pub(super) fn warn_of_rounding(spheres: &SphereSet) {
+/// Warns of spheres that f32 cannot hold well, and of those that are there twice.
+pub(super) fn warn_of_spheres(spheres: &SphereSet) {
+    if spheres.duplicates() > 0 {
+        print::warning(format_args!(
+            "{} left out: an earlier row is the same sphere after rounding to f32",
+            print::count(spheres.duplicates(), "sphere"),
+        ));
+    }
     if spheres.coarse() > 0 {
         print::warning(format_args!(
             "rounding to f32 moved {} by more than 1 % of the radius; they are small and far from \

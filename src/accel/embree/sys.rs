@@ -1,6 +1,7 @@
 //! The declarations of `ffi/shim.h`, as bindgen reads them, with a proof that rays and hits have
 //! the same layout on both sides.
 
+#![allow(dead_code, reason = "Rust 1.85 overlooks a constant that only constants use")]
 #![allow(
     missing_docs,
     unreachable_pub,
