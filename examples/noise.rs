@@ -68,7 +68,7 @@ fn picture(integrator: &str, samples: u32, seed: u64) -> Result<(Picture, f64)> 
     let accel = Backend::BruteForce.build(scene.spheres(), &BuildOptions::default())?;
     let began = Instant::now();
     let options = RenderOptions { cancel: Default::default(), progress: &|_| {} };
-    let picture = render(&scene, &*accel, &options).picture;
+    let picture = render(&scene, &*accel, &options)?.picture;
     Ok((picture, began.elapsed().as_secs_f64()))
 }
 

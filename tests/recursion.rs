@@ -125,7 +125,8 @@ fn the_loop_equals_the_recursion() {
         let samples: Vec<_> = (0..3000).map(address).collect();
 
         let mut looped = vec![Radiance::default(); samples.len()];
-        let world = World { scene: &scene, accel: &*accel };
+        let cancel = Default::default();
+        let world = World { scene: &scene, accel: &*accel, cancel: &cancel };
         of_scene(&scene).estimate(world, &samples, &mut looped, &mut Workspace::default());
 
         let mut bright = 0;

@@ -367,11 +367,56 @@ fn direct_and_indirect_light_add_up_and_depth_two_is_direct() {
 
 #[test]
 fn mirrors_and_glass_do_not_count_as_scattering() {
-    // A lamp seen in a mirror is direct light; so is a ball lit by it and seen in the mirror.
-    let text = format!("{FURNACE}{CONTENTS}");
-    let mirror_only = with(&["render.max_depth=2"], &["materials.wall.albedo=[0,0,0]"]);
-    let seen = picture(&text, &mirror_only);
+    // Nothing scatters: all light is direct, however many mirrors and glasses it passes.
+    let black = ["materials.wall.albedo=[0,0,0]", "materials.white.albedo=[0,0,0]"];
+    let seen = picture(&format!("{FURNACE}{CONTENTS}"), &black);
     assert!(seen.indirect.iter().all(|c| c.max_element() == 0.0));
+    assert!(seen.direct.iter().filter(|c| c.y > 0.0).count() > seen.len() / 2);
+    // A ball lit by a lamp and seen in a mirror is direct light as well: three edges, one scattering.
+    let mirrored = picture(
+        &scene_file("paper/fig4.toml"),
+        &[
+            "image.width=40",
+            "image.height=30",
+            "render.samples_per_pixel=16",
+            "render.max_depth=3",
+            "materials.floating.albedo=[0,0,0]",
+            "camera.look_at=[-1.3,0.7,0]",
+            "camera.vertical_fov_degrees=4",
+        ],
+    );
+    assert!(mirrored.indirect.iter().all(|c| c.max_element() == 0.0));
+    assert!(mirrored.direct.iter().filter(|c| c.y > 0.0).count() > mirrored.len() / 2);
+}
+
+#[test]
+fn light_of_the_background_is_split_like_a_lamps() {
+    let dark = ["materials.lamp.emission=[0,0,0]", "background.radiance=[1,1,1]"];
+    let small = ["image.width=40", "image.height=30", "render.samples_per_pixel=16"];
+    let at_depth =
+        |depth| picture(&scene_file("paper/fig2.toml"), &with(&with(&dark, &small), &[depth]));
+    let lit = |layer: &[photosphere::color::Rgb]| layer.iter().filter(|c| c.y > 0.0).count();
+    assert_eq!(lit(&at_depth("render.max_depth=2").indirect), 0);
+    assert!(lit(&at_depth("render.max_depth=3").indirect) > 100);
+    assert!(lit(&at_depth("render.max_depth=3").direct) > 1100);
+}
+
+#[test]
+fn a_camera_knows_the_media_that_it_starts_in() {
+    let text = format!("{FURNACE}{CONTENTS}");
+    let radiance = |position: &str, towards: &str, more: &[&str], index: f64, what: &str| {
+        let view = [position, towards, "camera.vertical_fov_degrees=20"];
+        Estimate::of_scene(&text, &with(&view, more), Backend::BruteForce)
+            .must_be(2.0 * index * index, what);
+    };
+    // In the bubble, entered last among equals: of air, in glass.
+    let air = ["spheres.bubble.material=air", "materials.air={type=\"dielectric\",ior=1.0}"];
+    radiance("camera.position=[0.6,-0.4,0.1]", "camera.look_at=[0.6,-0.4,-3]", &air, 1.0, "bubble");
+    // Where water of higher priority reaches into the glass.
+    radiance("camera.position=[1.1,-0.4,0]", "camera.look_at=[1.1,-0.4,-3]", &[], 1.33, "overlap");
+    // Outside, with rays that start inside the glass.
+    let near = ["camera.near=2.6"];
+    radiance("camera.position=[0.6,-0.4,3]", "camera.look_at=[0.6,-0.4,0]", &near, 1.5, "near");
 }
 
 #[test]
@@ -382,6 +427,7 @@ fn the_picture_has_the_same_bits_for_any_number_of_threads() {
     for &backend in Backend::AVAILABLE {
         let render = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            // Embree builds with its own threads, as many as there are in the pool.
             pool.expect("threads").install(|| outcome(&scene, backend).picture)
         };
         let one = render(1);
@@ -400,7 +446,8 @@ fn a_sample_does_not_depend_on_its_batch_or_order() {
         let scene = scene(&text, &["image.width=64", "image.height=48", integrator]);
         let accel =
             Backend::BruteForce.build(scene.spheres(), &Default::default()).expect("builds");
-        let world = World { scene: &scene, accel: &*accel };
+        let cancel = Default::default();
+        let world = World { scene: &scene, accel: &*accel, cancel: &cancel };
         let estimate = |samples: &[SampleAddress]| {
             let mut radiance = vec![Radiance::default(); samples.len()];
             of_scene(&scene).estimate(world, samples, &mut radiance, &mut Workspace::default());

@@ -68,9 +68,12 @@ impl Camera {
         self.position
     }
 
-    /// The farthest from the pinhole that a ray of the picture can start.
-    pub fn farthest_start(&self) -> f64 {
-        self.near * (1.0 + self.right.length_squared() + self.up.length_squared()).sqrt()
+    /// The farthest from the pinhole that a ray can start which passes the picture at most `margin`
+    /// pixels outside.
+    pub fn farthest_start(&self, margin: f64) -> f64 {
+        let right = self.right * (1.0 + 2.0 * margin / self.width);
+        let up = self.up * (1.0 + 2.0 * margin / self.height);
+        self.near * (1.0 + right.length_squared() + up.length_squared()).sqrt()
     }
 }
 
@@ -105,7 +108,7 @@ mod tests {
         for (x, y) in [(100.0, 50.0), (0.0, 0.0), (13.0, 87.0)] {
             let ray = camera.ray(x, y);
             assert_relative_eq!(ray.at(ray.t_min).z, 3.0, max_relative = 1e-12);
-            assert!(ray.t_min <= camera.farthest_start() * (1.0 + 1e-12));
+            assert!(ray.t_min <= camera.farthest_start(0.0) * (1.0 + 1e-12));
         }
     }
 }

@@ -46,6 +46,7 @@ fn render(args: &RenderArgs, target: Target, cancel: Cancel) -> Result<Exit> {
     let options = RenderOptions { cancel, progress: &|state| progress.show(state) };
     let outcome = render::render(&scene, accel.as_ref(), &options);
     progress.finish();
+    let outcome = outcome?;
     let figures = Figures { load_s, build_s, render_s: clock.lap() };
 
     if outcome.samples == 0 {

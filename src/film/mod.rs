@@ -5,6 +5,7 @@ mod picture;
 pub use picture::Picture;
 
 use crate::color::{Radiance, Rgb};
+use crate::error::{Error, Result};
 
 /// Samples are summed in blocks of this many consecutive ones, in index order.
 pub const BLOCK: u32 = 16;
@@ -57,8 +58,24 @@ impl Pixel {
 
 impl Film {
     /// An empty film.
-    pub fn new(width: usize, height: usize) -> Self {
-        Self { width, height, pixels: vec![Pixel::default(); width * height] }
+    ///
+    /// # Errors
+    /// When there is no memory for it.
+    pub fn new(width: usize, height: usize) -> Result<Self> {
+        let mut pixels = Vec::new();
+        let count = width * height;
+        pixels.try_reserve_exact(count).map_err(|_| {
+            let bytes = Self::bytes(width, height);
+            Error::input(format!("there is no memory for a film of {bytes} bytes"))
+                .with_help("render a smaller picture")
+        })?;
+        pixels.resize(count, Pixel::default());
+        Ok(Self { width, height, pixels })
+    }
+
+    /// Bytes that a film of this size holds.
+    pub fn bytes(width: usize, height: usize) -> usize {
+        width * height * size_of::<Pixel>()
     }
 
     /// The pixels, row by row, to be added to.

@@ -1,13 +1,15 @@
 //! The heart: one sphere, and all the spheres of a scene as one array.
 
+mod arrange;
 mod cone;
 mod giants;
 mod morton;
+mod origin;
 mod set;
 mod sphere;
 mod surface;
 
 pub use cone::{Cone, ConeSample};
 pub use set::{SphereRows, SphereSet};
-pub use sphere::{Roots, Sphere};
+pub use sphere::{Resolved, Roots, Sphere};
 pub use surface::{PathRay, Side, SurfaceHit};

@@ -23,14 +23,13 @@ pub(super) fn order(
     let count = u32::try_from(spheres.len()).expect("the scene checks the number of spheres");
     let mut keys: Vec<u64> = (0..count).into_par_iter().map(key).collect();
     keys.par_sort_unstable();
-    keys.par_chunk_by_mut(|a, b| a >> 32 == b >> 32).for_each(|cell| {
-        if cell.len() > 1 && cell[0] >> 32 != u64::from(u32::MAX) {
-            cell.sort_unstable_by_key(|&key| {
-                let sphere = &spheres[index_of(key) as usize];
-                (bounds.fine_code(sphere), sphere.map(f32::to_bits), row_of(index_of(key)))
-            });
-        }
-    });
+    let rank = |&key: &u64| {
+        let sphere = &spheres[index_of(key) as usize];
+        (bounds.fine_code(sphere), sphere.map(f32::to_bits), row_of(index_of(key)))
+    };
+    keys.par_chunk_by_mut(|a, b| a >> 32 == b >> 32)
+        .filter(|cell| cell.len() > 1 && cell[0] >> 32 != u64::from(u32::MAX))
+        .for_each(|cell| cell.par_sort_unstable_by_key(rank));
     keys.into_iter().map(index_of).collect()
 }
 
@@ -38,23 +37,31 @@ fn index_of(key: u64) -> u32 {
     (key & u64::from(u32::MAX)) as u32
 }
 
-/// The bounding box of the centres.
+/// The box that is cut into cells: nearly all centres, so that one lamp far away does not put the
+/// crowd into a few cells. What lies outside is sorted into the cells at the edge.
 #[derive(Clone, Copy)]
 struct Bounds {
     low: Vec3,
     high: Vec3,
 }
 
-impl Bounds {
-    const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+/// Centres that the box is measured on.
+const SAMPLED: usize = 1 << 14;
+/// The share of them that may lie outside, at either end of an axis.
+const OUTSIDE: usize = 1000;
 
+impl Bounds {
     fn of(spheres: &[[f32; 4]]) -> Self {
-        let union = |a: Self, b: Self| Self { low: a.low.min(b.low), high: a.high.max(b.high) };
-        spheres
-            .par_iter()
-            .with_min_len(4096)
-            .map(|&[x, y, z, _]| Self { low: Vec3::new(x, y, z), high: Vec3::new(x, y, z) })
-            .reduce(|| Self::EMPTY, union)
+        let sampled = || spheres.iter().step_by(spheres.len().div_ceil(SAMPLED).max(1));
+        let ends = |axis: usize| {
+            let mut values: Vec<f32> = sampled().map(|sphere| sphere[axis]).collect();
+            values.sort_unstable_by(f32::total_cmp);
+            let outside = values.len() / OUTSIDE;
+            let high = values.len().saturating_sub(1 + outside);
+            (values.get(outside).copied().unwrap_or(0.0), values.get(high).copied().unwrap_or(0.0))
+        };
+        let [x, y, z] = [ends(0), ends(1), ends(2)];
+        Self { low: Vec3::new(x.0, y.0, z.0), high: Vec3::new(x.1, y.1, z.1) }
     }
 
     fn coarse_code(self, sphere: &[f32; 4]) -> u32 {
@@ -65,7 +72,8 @@ impl Bounds {
     fn fine_code(self, &[x, y, z, _]: &[f32; 4]) -> u64 {
         const CELLS: f32 = (1u32 << 21) as f32;
         let extent = (self.high - self.low).max(Vec3::splat(f32::MIN_POSITIVE));
-        let cell = ((Vec3::new(x, y, z) - self.low) / extent * CELLS).min(Vec3::splat(CELLS - 1.0));
+        let cell = ((Vec3::new(x, y, z) - self.low) / extent * CELLS)
+            .clamp(Vec3::ZERO, Vec3::splat(CELLS - 1.0));
         let [x, y, z] = cell.to_array().map(|c| spread(c as u32));
         x << 2 | y << 1 | z
     }

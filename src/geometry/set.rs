@@ -1,19 +1,13 @@
 //! All the spheres of a scene, as one array.
 //!
 //! Spheres arrive in f64 and leave as `[x, y, z, radius]` in f32, relative to the per-axis median of
-//! their centres, sorted along a Morton curve, without duplicates. That array is Embree's vertex
+//! their centres (see [`super::origin`]), sorted along a Morton curve, without duplicates. That array is Embree's vertex
 //! buffer as it stands. Giants (see [`super::giants`]) stay in f64 behind it: ids below
 //! `particles().len()` are particles, the ids from there on are giants.
 
-use rayon::prelude::*;
+use crate::math::{DVec3, Hit, Ray};
 
-use crate::error::{Error, Result};
-use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
-
-use super::{PathRay, Side, Sphere, SurfaceHit, giants::Shells, morton};
-
-/// The share of its radius beyond which a sphere that was moved by rounding is reported.
-const COARSE: f64 = 0.01;
+use super::{PathRay, Resolved, Side, Sphere, SurfaceHit};
 
 /// The spheres as the user gave them. Rows are numbered through: `exact` first, then `table`.
 #[derive(Clone, Debug, Default)]
@@ -27,84 +21,16 @@ pub struct SphereRows {
 /// All the spheres of a scene. Immutable.
 #[derive(Debug)]
 pub struct SphereSet {
-    origin: DVec3,
-    particles: Vec<[f32; 4]>,
-    giants: Vec<Sphere>,
+    pub(super) origin: DVec3,
+    pub(super) particles: Vec<[f32; 4]>,
+    pub(super) giants: Vec<Sphere>,
     /// The user's row of each id.
-    rows: Vec<u32>,
-    duplicates: usize,
-    coarse: usize,
+    pub(super) rows: Vec<u32>,
+    pub(super) duplicates: usize,
+    pub(super) coarse: usize,
 }
 
 impl SphereSet {
-    /// Moves the origin, rounds, sorts and removes duplicates. Every sphere must be finite, with a
-    /// positive radius, and within [`crate::math::MAX_COORDINATE`].
-    ///
-    /// # Errors
-    /// When there are more spheres than ids.
-    pub fn new(rows: SphereRows) -> Result<Self> {
-        let SphereRows { exact, mut table } = rows;
-        let from_table = table.len();
-        let count = from_table + exact.len();
-        if count >= NO_SPHERE as usize {
-            return Err(Error::input(format!(
-                "{count} spheres are more than the {NO_SPHERE} that fit"
-            ))
-            .with_help("split the scene, or thin the table out"));
-        }
-        table.reserve_exact(exact.len());
-        table.extend(exact.iter().map(rounded));
-        let origin = median_of_centers(&table);
-
-        // Index `i` is a row of the table, or behind the table an exact sphere.
-        let in_f64 = |table: &[[f32; 4]], index: usize| {
-            let given = match index.checked_sub(from_table) {
-                Some(i) => exact[i],
-                None => widened(&table[index]),
-            };
-            Sphere { center: given.center - origin, ..given }
-        };
-        let shells = Shells::survey(count, |i| in_f64(&table, i));
-        let giant_indices: Vec<u32> = (0..count as u32)
-            .into_par_iter()
-            .filter(|&i| shells.is_giant(&in_f64(&table, i as usize)))
-            .collect();
-        let mut giants: Vec<(u32, Sphere)> =
-            giant_indices.iter().map(|&i| (i, in_f64(&table, i as usize))).collect();
-
-        let round = |(index, slot): (usize, &mut [f32; 4])| {
-            let sphere = match index.checked_sub(from_table) {
-                Some(i) => Sphere { center: exact[i].center - origin, ..exact[i] },
-                None => Sphere { center: widened(slot).center - origin, ..widened(slot) },
-            };
-            *slot = rounded(&sphere);
-            usize::from(displacement(&sphere, slot) > COARSE * sphere.radius)
-        };
-        let mut coarse: usize = table.par_iter_mut().enumerate().map(round).sum();
-        for (index, sphere) in &giants {
-            let slot = &table[*index as usize];
-            coarse -= usize::from(displacement(sphere, slot) > COARSE * sphere.radius);
-        }
-
-        let row_of = |index: u32| match (index as usize).checked_sub(from_table) {
-            Some(i) => i as u32,
-            None => index + exact.len() as u32,
-        };
-        let mut order = morton::order(&table, row_of, |i| giant_indices.binary_search(&i).is_ok());
-        order.truncate(count - giants.len());
-        let mut rows: Vec<u32> = order.par_iter().map(|&i| row_of(i)).collect();
-        permute(&mut table, order, &giant_indices);
-        let mut duplicates = drop_repeated(&mut table, &mut rows);
-
-        giants.iter_mut().for_each(|(index, _)| *index = row_of(*index));
-        giants.sort_unstable_by_key(|(row, _)| *row);
-        let distinct = distinct_giants(&giants);
-        duplicates += giants.len() - distinct.len();
-        rows.extend(distinct.iter().map(|(row, _)| *row));
-        let giants = distinct.into_iter().map(|(_, sphere)| sphere).collect();
-        Ok(Self { origin, particles: table, giants, rows, duplicates, coarse })
-    }
-
     /// Number of spheres; ids are below it.
     pub fn len(&self) -> usize {
         self.rows.len()
@@ -177,9 +103,13 @@ impl SphereSet {
             let sphere = self.sphere(hit.id);
             (hit.id, sphere.resolve(ray.origin, ray.direction, ray.t_min))
         });
-        let (id, t, is_far_wall) = match found {
-            Some((id, t)) if t < ray.far_wall => (id, t, false),
-            _ if ray.far_wall < ray.t_max => (ray.leaves, ray.far_wall, true),
+        // Where a chord is short, rounding may leave d.n with either sign: a far wall is met from
+        // inside, and a ghost from outside.
+        let (id, t, known_side) = match found {
+            Some((id, Resolved { t, is_ghost })) if t < ray.far_wall => {
+                (id, t, is_ghost.then_some(Side::Outside))
+            }
+            _ if ray.far_wall < ray.t_max => (ray.leaves, ray.far_wall, Some(Side::Inside)),
             _ => return None,
         };
         let sphere = self.sphere(id);
@@ -187,93 +117,15 @@ impl SphereSet {
         // the coordinates, which may be far larger than that of the ray.
         let from_center = (ray.origin - sphere.center) + ray.direction * t;
         let normal = from_center.normalize_or(-ray.direction);
-        let side = match is_far_wall {
-            // Where the chord is short, rounding may leave d.n with either sign.
-            true => Side::Inside,
-            false => Side::of_arriving(ray.direction, normal),
-        };
+        let side = known_side.unwrap_or_else(|| Side::of_arriving(ray.direction, normal));
         let point = sphere.center + normal * sphere.radius;
         Some(SurfaceHit { id, t, point, normal, radius: sphere.radius, side })
     }
 }
 
-fn rounded(sphere: &Sphere) -> [f32; 4] {
-    let [x, y, z] = sphere.center.as_vec3().to_array();
-    // Adding 0 turns -0 into 0, so that equal spheres have equal bits.
-    [x + 0.0, y + 0.0, z + 0.0, sphere.radius as f32]
-}
-
-fn widened(&[x, y, z, radius]: &[f32; 4]) -> Sphere {
+pub(super) fn widened(&[x, y, z, radius]: &[f32; 4]) -> Sphere {
     let center = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
     Sphere { center, radius: f64::from(radius) }
-}
-
-/// How far rounding moved the surface.
-fn displacement(exact: &Sphere, stored: &[f32; 4]) -> f64 {
-    let stored = widened(stored);
-    stored.center.distance(exact.center) + (stored.radius - exact.radius).abs()
-}
-
-/// The per-axis median: unlike the middle of the bounding box, one huge ground sphere cannot drag
-/// it away from the rest.
-fn median_of_centers(spheres: &[[f32; 4]]) -> DVec3 {
-    let median = |axis: usize| {
-        let mut values: Vec<f32> = spheres.iter().map(|sphere| sphere[axis]).collect();
-        let middle = values.len().saturating_sub(1) / 2;
-        if values.is_empty() {
-            return 0.0;
-        }
-        f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
-    };
-    DVec3::new(median(0), median(1), median(2))
-}
-
-/// Puts `table[order[i]]` at place `i`, in place, and cuts off what `order` does not name (`rest`).
-fn permute(table: &mut Vec<[f32; 4]>, mut order: Vec<u32>, rest: &[u32]) {
-    const DONE: u32 = u32::MAX;
-    let kept = order.len();
-    order.extend_from_slice(rest);
-    for start in 0..order.len() {
-        let first = table[start];
-        let mut place = start;
-        while order[place] != DONE {
-            let from = std::mem::replace(&mut order[place], DONE) as usize;
-            if from == start {
-                table[place] = first;
-                break;
-            }
-            table[place] = table[from];
-            place = from;
-        }
-    }
-    table.truncate(kept);
-}
-
-/// Keeps the first of each run of equal spheres; returns how many went.
-fn drop_repeated(table: &mut Vec<[f32; 4]>, rows: &mut Vec<u32>) -> usize {
-    let bits = |sphere: &[f32; 4]| sphere.map(f32::to_bits);
-    let mut kept = 0;
-    for i in 0..table.len() {
-        if kept > 0 && bits(&table[i]) == bits(&table[kept - 1]) {
-            continue;
-        }
-        table[kept] = table[i];
-        rows[kept] = rows[i];
-        kept += 1;
-    }
-    let gone = table.len() - kept;
-    table.truncate(kept);
-    rows.truncate(kept);
-    gone
-}
-
-fn distinct_giants(giants: &[(u32, Sphere)]) -> Vec<(u32, Sphere)> {
-    let mut seen = std::collections::HashSet::new();
-    let bits = |s: &Sphere| {
-        let [x, y, z] = s.center.to_array();
-        [x, y, z, s.radius].map(|v| (v + 0.0).to_bits())
-    };
-    giants.iter().filter(|(_, sphere)| seen.insert(bits(sphere))).copied().collect()
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ mod path;
 mod raycast;
 mod transport;
 
-use crate::accel::Accel;
+use crate::accel::{Accel, Cancel};
 use crate::color::Radiance;
 use crate::math::{Hit, Ray};
 use crate::scene::Scene;
@@ -36,6 +36,8 @@ pub struct World<'a> {
     pub scene: &'a Scene,
     /// An intersector over the scene's spheres.
     pub accel: &'a dyn Accel,
+    /// Set from elsewhere to stop early; what is estimated then is to be thrown away.
+    pub cancel: &'a Cancel,
 }
 
 /// One sample of one pixel.

@@ -47,7 +47,7 @@ impl Integrator for Raycast {
         radiance: &mut [Radiance],
         workspace: &mut Workspace,
     ) -> Tally {
-        let World { scene, accel } = world;
+        let World { scene, accel, .. } = world;
         let spheres = scene.spheres();
         let ray_of = |&address: &SampleAddress| {
             let u = sampler_of(scene, address).get_2d(dimension::PIXEL);

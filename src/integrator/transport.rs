@@ -20,7 +20,8 @@ use super::{Integrator, SampleAddress, Tally, Workspace, World};
 const ROULETTE_FROM: u32 = 4;
 /// Longer paths are ended with at least 5 % probability, so that a closed mirror ends too.
 const CERTAIN_UNTIL: u32 = 64;
-/// No path is longer than this; the ones that would be are counted and reported.
+/// No path has more edges, nor passes more hidden boundaries; the ones that would are counted and
+/// reported.
 const LONGEST: u32 = 10_000;
 /// How often a camera ray that met nothing is drawn again where the scene asks for that.
 const MOST_REDRAWS: u32 = 1000;
@@ -57,6 +58,8 @@ pub(super) struct Path {
     /// Vertices so far that scattered light in more than one direction.
     scatterings: u32,
     redraws: u32,
+    /// Hidden boundaries that it went straight through.
+    passes: u32,
     /// Where the ray was drawn from a density, for weighting it against light sampling.
     drawn: Option<Drawn>,
     media: Media,
@@ -94,7 +97,7 @@ impl Integrator for Transport {
         workspace.paths.extend(starts.map(|(i, &address)| self.start(world.scene, i, address)));
         let mut batch =
             Batch { transport: self, world, samples, radiance, tally: Tally::default() };
-        while !workspace.paths.is_empty() {
+        while !workspace.paths.is_empty() && !world.cancel.is_cancelled() {
             batch.advance(workspace);
         }
         batch.tally
@@ -113,6 +116,7 @@ impl Transport {
             depth: 1,
             scatterings: 0,
             redraws: 0,
+            passes: 0,
             drawn: None,
             media: scene.media_at(ray.at(ray.t_min)),
             index_squared: 1.0,
@@ -193,6 +197,7 @@ impl Batch<'_> {
             let u = path.sampler.get_2d(dimension::redraw(path.redraws));
             let address = self.samples[path.sample as usize];
             path.ray = camera_ray(self.world.scene, self.transport.strata, address, u);
+            path.media = self.world.scene.media_at(path.ray.at(path.ray.t_min));
             return true;
         }
         let light = path.throughput * self.world.scene.background();
@@ -262,6 +267,11 @@ impl Batch<'_> {
     fn pass_through(&mut self, path: &mut Path, hit: &SurfaceHit, beyond: Media) -> bool {
         self.enter(path, beyond);
         path.drawn = None;
+        path.passes += 1;
+        if path.passes >= LONGEST {
+            self.tally.cut_off += 1;
+            return false;
+        }
         hit.leave(path.ray.direction).is_some_and(|ray| {
             path.ray = ray;
             true

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use crate::accel::{Accel, Cancel};
 use crate::color::Radiance;
+use crate::error::Result;
 use crate::film::{BLOCK, Film, Picture, Pixel};
 use crate::integrator::{self, Integrator, SampleAddress, Tally, Workspace, World};
 use crate::scene::Scene;
@@ -50,11 +51,14 @@ pub struct Outcome {
 }
 
 /// Renders the scene on the current rayon thread pool. Cancelled, it gives the picture so far.
-pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> Outcome {
+///
+/// # Errors
+/// When there is no memory for the picture.
+pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> Result<Outcome> {
     let image = scene.description().image;
-    let mut film = Film::new(image.width as usize, image.height as usize);
+    let mut film = Film::new(image.width as usize, image.height as usize)?;
     let renderer = Renderer {
-        world: World { scene, accel },
+        world: World { scene, accel, cancel: &options.cancel },
         integrator: integrator::of_scene(scene),
         options,
         samples_done: AtomicU64::new(0),
@@ -66,13 +70,13 @@ pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> 
     let tally =
         passes.map(|first| renderer.pass(&mut film, first)).fold(Tally::default(), |a, b| a + b);
     let picture = film.picture();
-    Outcome {
+    Ok(Outcome {
         samples: renderer.samples_done.load(Ordering::Relaxed),
         rays: tally.rays,
         complete: renderer.is_complete(),
         warnings: warnings(&tally, &picture),
         picture,
-    }
+    })
 }
 
 struct Renderer<'a> {
@@ -100,12 +104,7 @@ impl Renderer<'_> {
             .par_chunks_mut(pixels_per_job)
             .enumerate()
             .map_init(Desk::default, |desk, (job, pixels)| {
-                if self.options.cancel.is_cancelled() {
-                    return Tally::default();
-                }
-                let tally = self.job(desk, job * pixels_per_job, pixels, first..first + block);
-                self.report(u64::from(block) * pixels.len() as u64);
-                tally
+                self.job(desk, job * pixels_per_job, pixels, first..first + block)
             })
             .reduce(Tally::default, |a, b| a + b)
     }
@@ -127,9 +126,13 @@ impl Renderer<'_> {
         radiance.clear();
         radiance.resize(samples.len(), Radiance::default());
         let tally = self.integrator.estimate(self.world, samples, radiance, workspace);
+        if self.options.cancel.is_cancelled() {
+            return tally; // stopped half-way: what there is of these samples is not used
+        }
         for (pixel, radiance) in pixels.iter_mut().zip(radiance.chunks(block.len())) {
             pixel.add_block(radiance);
         }
+        self.report(samples.len() as u64);
         tally
     }
 

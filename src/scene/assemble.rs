@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use crate::camera::{Camera, Pinhole};
 use crate::color::Rgb;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::{Sphere, SphereSet};
 use crate::light::{Lamp, Lights};
 use crate::material::{Dielectric, Diffuse, Material, Media, Medium, Mirror, Model, Phong};
-use crate::math::DVec3;
+use crate::math::{DVec3, MAX_COORDINATE};
 use crate::sampling::Filter;
 
 use super::description::{self, Description};
@@ -64,7 +64,7 @@ impl Scene {
     /// Prepares what was read.
     ///
     /// # Errors
-    /// When there are more spheres than ids.
+    /// When there are more spheres than ids, or camera rays start out of reach.
     pub fn new(loaded: Loaded) -> Result<Self> {
         let Loaded { description, rows, groups } = loaded;
         let spheres = Arc::new(SphereSet::new(rows)?);
@@ -81,6 +81,10 @@ impl Scene {
             filter,
             around_camera: Vec::new(),
         };
+        if scene.farthest_start() > MAX_COORDINATE {
+            let message = "`camera.near` puts the start of some camera rays out of reach";
+            return Err(Error::input(message).with_help("lower `near`, or narrow the view"));
+        }
         scene.lights = Lights::new(scene.find_lamps(), &scene.spheres);
         scene.around_camera = scene.find_media_around_camera();
         Ok(scene)
@@ -139,6 +143,10 @@ impl Scene {
         containing.fold(Media::VACUUM, |media, (_, medium)| media.with(*medium))
     }
 
+    fn farthest_start(&self) -> f64 {
+        self.camera.farthest_start(self.description.image.filter_radius)
+    }
+
     fn find_lamps(&self) -> Vec<Lamp> {
         if !self.materials.iter().any(Material::is_emissive) {
             return Vec::new();
@@ -154,7 +162,8 @@ impl Scene {
         if !self.materials.iter().any(|m| matches!(m.model, Model::Dielectric(_))) {
             return Vec::new();
         }
-        let (position, reach) = (self.camera.position(), self.camera.farthest_start());
+        let position = self.camera.position();
+        let reach = self.farthest_start();
         let around = |id| {
             let medium = self.surface(id).medium(id)?;
             let sphere = self.spheres.sphere(id);

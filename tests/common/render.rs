@@ -35,9 +35,10 @@ fn set(pair: &str) -> Override {
 
 /// Renders with a backend on the current thread pool.
 pub(crate) fn outcome(scene: &Scene, backend: Backend) -> Outcome {
-    let accel = backend.build(scene.spheres(), &BuildOptions::default()).expect("builds");
+    let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
+    let accel = backend.build(scene.spheres(), &build).expect("builds");
     let options = RenderOptions { cancel: Default::default(), progress: &|_| {} };
-    render(scene, &*accel, &options)
+    render(scene, &*accel, &options).expect("a small film")
 }
 
 /// Renders with the brute-force backend.

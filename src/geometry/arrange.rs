@@ -1,0 +1,187 @@
+//! From the user's rows to a [`SphereSet`]: choose the origin, part the giants, round the rest, sort
+//! it along a Morton curve, and drop what is there twice.
+//!
+//! The table's own storage becomes the set's; beside it there are 8 bytes a sphere for sorting and 4
+//! for the row of each id.
+
+use std::collections::HashSet;
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::math::{DVec3, NO_SPHERE};
+
+use super::set::widened;
+use super::{Sphere, SphereRows, SphereSet, giants::Shells, morton, origin};
+
+/// The share of its radius beyond which a sphere that was moved by rounding is reported.
+const COARSE: f64 = 0.01;
+
+/// The spheres on their way. Index `i` is a row of the table, or behind the table an exact sphere.
+struct Unsorted {
+    exact: Vec<Sphere>,
+    table: Vec<[f32; 4]>,
+    from_table: usize,
+    origin: DVec3,
+}
+
+/// A giant, by its index or row.
+type Giant = (u32, Sphere);
+
+impl SphereSet {
+    /// Moves the origin, rounds, sorts and removes duplicates. Every sphere must be finite, with a
+    /// positive radius, and within [`crate::math::MAX_COORDINATE`].
+    ///
+    /// # Errors
+    /// When there are more spheres than ids.
+    pub fn new(rows: SphereRows) -> Result<Self> {
+        let mut unsorted = Unsorted::new(rows)?;
+        let mut giants = unsorted.find_giants();
+        let coarse = unsorted.round_all_but(&giants);
+        let (mut rows, mut duplicates) = unsorted.sort_all_but(&giants);
+
+        giants.iter_mut().for_each(|(index, _)| *index = unsorted.row_of(*index));
+        giants.sort_unstable_by_key(|(row, _)| *row);
+        duplicates += drop_repeated_giants(&mut giants);
+        rows.extend(giants.iter().map(|(row, _)| *row));
+        let giants = giants.into_iter().map(|(_, sphere)| sphere).collect();
+        let Unsorted { table: particles, origin, .. } = unsorted;
+        Ok(Self { origin, particles, giants, rows, duplicates, coarse })
+    }
+}
+
+impl Unsorted {
+    fn new(SphereRows { exact, mut table }: SphereRows) -> Result<Self> {
+        let from_table = table.len();
+        let count = from_table + exact.len();
+        if count >= NO_SPHERE as usize {
+            let message = format!("{count} spheres are more than the {NO_SPHERE} that fit");
+            return Err(Error::input(message).with_help("split the scene, or thin the table out"));
+        }
+        table.reserve_exact(exact.len());
+        table.extend(exact.iter().map(rounded));
+        let origin = origin::choose(&table);
+        Ok(Self { exact, table, from_table, origin })
+    }
+
+    /// The sphere as given, relative to the origin; only before rounding.
+    fn given(&self, index: usize) -> Sphere {
+        relative(self.origin, &self.exact, self.from_table, index, &self.table[index])
+    }
+
+    fn row_of(&self, index: u32) -> u32 {
+        match (index as usize).checked_sub(self.from_table) {
+            Some(exact) => exact as u32,
+            None => index + self.exact.len() as u32,
+        }
+    }
+
+    /// The giants, by index, in the order of the indices.
+    fn find_giants(&self) -> Vec<Giant> {
+        let shells = Shells::survey(self.table.len(), |i| self.given(i));
+        let giant = |index: u32| {
+            let sphere = self.given(index as usize);
+            shells.is_giant(&sphere).then_some((index, sphere))
+        };
+        (0..self.table.len() as u32).into_par_iter().filter_map(giant).collect()
+    }
+
+    /// Moves and rounds every sphere; returns how many but giants that moved by more than
+    /// [`COARSE`].
+    fn round_all_but(&mut self, giants: &[Giant]) -> usize {
+        let Self { exact, table, from_table, origin } = self;
+        let round = |(index, slot): (usize, &mut [f32; 4])| {
+            let given = relative(*origin, exact, *from_table, index, slot);
+            *slot = rounded(&given);
+            let is_giant = || is_among(giants, index as u32);
+            usize::from(displacement(&given, slot) > COARSE * given.radius && !is_giant())
+        };
+        table.par_iter_mut().enumerate().map(round).sum()
+    }
+
+    /// Sorts the spheres, without the giants and without repetitions; returns their rows, and how
+    /// many were repetitions.
+    fn sort_all_but(&mut self, giants: &[Giant]) -> (Vec<u32>, usize) {
+        let order = morton::order(&self.table, |i| self.row_of(i), |index| is_among(giants, index));
+        let sorted = self.table.len() - giants.len();
+        let mut rows: Vec<u32> = order[..sorted].par_iter().map(|&i| self.row_of(i)).collect();
+        permute(&mut self.table, order);
+        self.table.truncate(sorted);
+        let repeated = drop_repeated(&mut self.table, &mut rows);
+        (rows, repeated)
+    }
+}
+
+fn is_among(giants: &[Giant], index: u32) -> bool {
+    giants.binary_search_by_key(&index, |(giant, _)| *giant).is_ok()
+}
+
+fn relative(
+    origin: DVec3,
+    exact: &[Sphere],
+    from_table: usize,
+    index: usize,
+    slot: &[f32; 4],
+) -> Sphere {
+    let given = index.checked_sub(from_table).map_or_else(|| widened(slot), |i| exact[i]);
+    Sphere { center: given.center - origin, ..given }
+}
+
+fn rounded(sphere: &Sphere) -> [f32; 4] {
+    let [x, y, z] = sphere.center.as_vec3().to_array();
+    // Adding 0 turns -0 into 0, so that equal spheres have equal bits.
+    [x + 0.0, y + 0.0, z + 0.0, sphere.radius as f32]
+}
+
+/// How far rounding moved the surface.
+fn displacement(exact: &Sphere, stored: &[f32; 4]) -> f64 {
+    let stored = widened(stored);
+    stored.center.distance(exact.center) + (stored.radius - exact.radius).abs()
+}
+
+/// Puts `table[order[i]]` at place `i`, in place, cycle by cycle.
+fn permute(table: &mut [[f32; 4]], mut order: Vec<u32>) {
+    const DONE: u32 = u32::MAX;
+    for start in 0..order.len() {
+        let first = table[start];
+        let mut place = start;
+        while order[place] != DONE {
+            let from = std::mem::replace(&mut order[place], DONE) as usize;
+            if from == start {
+                table[place] = first;
+                break;
+            }
+            table[place] = table[from];
+            place = from;
+        }
+    }
+}
+
+/// Keeps the first of each run of equal spheres; returns how many went.
+fn drop_repeated(table: &mut Vec<[f32; 4]>, rows: &mut Vec<u32>) -> usize {
+    let bits = |sphere: &[f32; 4]| sphere.map(f32::to_bits);
+    let mut kept = 0;
+    for i in 0..table.len() {
+        if kept > 0 && bits(&table[i]) == bits(&table[kept - 1]) {
+            continue;
+        }
+        table[kept] = table[i];
+        rows[kept] = rows[i];
+        kept += 1;
+    }
+    let gone = table.len() - kept;
+    table.truncate(kept);
+    rows.truncate(kept);
+    gone
+}
+
+/// Keeps the first row of equal giants; returns how many went.
+fn drop_repeated_giants(giants: &mut Vec<Giant>) -> usize {
+    let mut seen = HashSet::new();
+    let before = giants.len();
+    giants.retain(|(_, sphere)| {
+        let [x, y, z] = sphere.center.to_array();
+        seen.insert([x, y, z, sphere.radius].map(|v| (v + 0.0).to_bits()))
+    });
+    before - giants.len()
+}
