@@ -11,5 +11,5 @@ mod surface;
 
 pub use cone::{Cone, ConeSample};
 pub use set::{SphereRows, SphereSet};
-pub use sphere::{Resolved, Roots, Sphere};
+pub use sphere::{Roots, Sphere};
 pub use surface::{PathRay, Side, SurfaceHit};

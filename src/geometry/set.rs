@@ -7,7 +7,7 @@
 
 use crate::math::{DVec3, Hit, Ray};
 
-use super::{PathRay, Resolved, Side, Sphere, SurfaceHit};
+use super::{PathRay, Side, Sphere, SurfaceHit};
 
 /// The spheres as the user gave them. Rows are numbered through: `exact` first, then `table`.
 #[derive(Clone, Debug, Default)]
@@ -103,13 +103,9 @@ impl SphereSet {
             let sphere = self.sphere(hit.id);
             (hit.id, sphere.resolve(ray.origin, ray.direction, ray.t_min))
         });
-        // Where a chord is short, rounding may leave d.n with either sign: a far wall is met from
-        // inside, and a ghost from outside.
-        let (id, t, known_side) = match found {
-            Some((id, Resolved { t, is_ghost })) if t < ray.far_wall => {
-                (id, t, is_ghost.then_some(Side::Outside))
-            }
-            _ if ray.far_wall < ray.t_max => (ray.leaves, ray.far_wall, Some(Side::Inside)),
+        let (id, t, is_far_wall) = match found {
+            Some((id, t)) if t < ray.far_wall => (id, t, false),
+            _ if ray.far_wall < ray.t_max => (ray.leaves, ray.far_wall, true),
             _ => return None,
         };
         let sphere = self.sphere(id);
@@ -117,7 +113,11 @@ impl SphereSet {
         // the coordinates, which may be far larger than that of the ray.
         let from_center = (ray.origin - sphere.center) + ray.direction * t;
         let normal = from_center.normalize_or(-ray.direction);
-        let side = known_side.unwrap_or_else(|| Side::of_arriving(ray.direction, normal));
+        let side = match is_far_wall {
+            // Where the chord is short, rounding may leave d.n with either sign.
+            true => Side::Inside,
+            false => Side::of_arriving(ray.direction, normal),
+        };
         let point = sphere.center + normal * sphere.radius;
         Some(SurfaceHit { id, t, point, normal, radius: sphere.radius, side })
     }

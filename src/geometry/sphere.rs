@@ -20,15 +20,6 @@ pub struct Roots {
     pub far: f64,
 }
 
-/// A distance found by [`Sphere::resolve`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Resolved {
-    /// The distance, in units of the direction's length.
-    pub t: f64,
-    /// Whether f64 sees the line miss.
-    pub is_ghost: bool,
-}
-
 impl Sphere {
     /// The two roots of the line `origin + t * direction`, or `None` where it passes by.
     ///
@@ -57,14 +48,13 @@ impl Sphere {
         (t > t_min && t < t_max).then_some(t)
     }
 
-    /// Where a line that is said to hit is taken to hit. Where f64 sees it miss, the hit is a ghost
-    /// of a backend's rounding: the tangent point, and never before `t_min`.
-    pub fn resolve(&self, origin: DVec3, direction: DVec3, t_min: f64) -> Resolved {
+    /// The distance at which a line that is known to hit is taken to hit: the first root beyond
+    /// `t_min`; the tangent point where f64 sees the line pass by; and never before `t_min`.
+    pub fn resolve(&self, origin: DVec3, direction: DVec3, t_min: f64) -> f64 {
         let Approach { t, half_chord_squared } = self.approach(origin, direction);
         let h = half_chord_squared.max(0.0).sqrt();
         let root = if t - h > t_min { t - h } else { t + h };
-        let is_ghost = half_chord_squared <= 0.0 || root <= t_min;
-        Resolved { t: root.max(t_min), is_ghost }
+        root.max(t_min)
     }
 
     /// Whether the point lies inside.
@@ -120,10 +110,7 @@ mod tests {
     fn a_ghost_resolves_to_the_tangent_point() {
         let origin = DVec3::new(1.0 + 1e-9, 0.0, -3.0);
         assert_eq!(UNIT.roots(origin, DVec3::Z), None);
-        let ghost = |t| Resolved { t, is_ghost: true };
-        assert_eq!(UNIT.resolve(origin, DVec3::Z, 0.0), ghost(3.0));
-        assert_eq!(UNIT.resolve(DVec3::new(0.0, 0.0, 2.0), DVec3::Z, 0.0), ghost(0.0));
-        let hit = Resolved { t: 2.0, is_ghost: false };
-        assert_eq!(UNIT.resolve(DVec3::new(0.0, 0.0, -3.0), DVec3::Z, 0.0), hit);
+        assert_eq!(UNIT.resolve(origin, DVec3::Z, 0.0), 3.0);
+        assert_eq!(UNIT.resolve(DVec3::new(0.0, 0.0, 2.0), DVec3::Z, 0.0), 0.0);
     }
 }
