@@ -338,7 +338,7 @@ material = "grass"
 
     #[test]
     fn a_table_that_is_no_whole_number_of_rows_is_refused() {
-        let parts = &["error: ", "grains.f32", "21 bytes", "rows of 16 bytes"];
+        let parts = &["error: ", "grains.f32", "21 bytes", "1 row of 16 bytes"];
         desk(&[0.0, 3.0, 0.0, 0.5], 5).run("info scene.toml").fails(3, parts);
     }
 
@@ -393,7 +393,9 @@ mod files {
         refused("out.bmp", 3, &["error: `out.bmp` does not end in .png, .exr, .hdr or .pfm\n"]);
         refused("out", 3, &["does not end in", "help: the ending chooses the format"]);
         if cfg!(target_os = "linux") {
-            refused("/proc/a.png", 4, &["cannot write `/proc/a.png`: nothing can be created in"]);
+            let message = "cannot write `/proc/a.png`: nothing can be created in `/proc` (No such \
+                           file or directory (os error 2))\n";
+            refused("/proc/a.png", 4, &[message]);
             refused("/dev/null", 3, &["`/dev/null` does not end in .png"]);
         }
         assert_eq!(desk.names(), ["folder", "folder.png", "scene.toml"]);
@@ -425,8 +427,10 @@ mod command_line {
             ("render scene.toml -o a.png --set seed", "it must be KEY=VALUE, as in render.seed=7"),
             ("render scene.toml -o a.png --accel embre", "invalid value 'embre' for '--accel"),
             ("render scene.toml -o a.png --threads 0", "0 is not in 1..=4096"),
-            ("render scene.toml -o a.png --seed=-1", "invalid value '-1' for '--seed <S>'"),
-            ("crosscheck scene.toml --rays 0", "0 is not in 3.."),
+            ("render scene.toml -o a.png --threads -1", "-1 is not in 1..=4096"),
+            ("crosscheck scene.toml --rays 0", "0 is not in 3..=10000000"),
+            ("crosscheck scene.toml --rays -5", "-5 is not in 3..=10000000"),
+            ("crosscheck scene.toml --seed -1", "-1 is not in 0..=9223372036854775807"),
             ("completions dosh", "invalid value 'dosh'"),
         ];
         for (arguments, message) in cases {
@@ -438,6 +442,10 @@ mod command_line {
     fn values_that_the_scene_refuses_are_shown_in_the_option() {
         let desk = Desk::new(SCENE);
         let cases = [
+            ("--spp -1", ["must be a whole number from 1 to 4294967295, not -1", "--spp -1"]),
+            ("--seed -1", ["must be a whole number from 0 to 2^63 - 1, not -1", "--seed -1"]),
+            ("--seed 99999999999999999999", ["from 0 to 2^63 - 1, not 99999999999999999999", ""]),
+            ("--max-depth -1", ["must be a whole number from 1", "not -1"]),
             ("--spp 0", ["`render.samples_per_pixel` must be", "[command line:1:7]"]),
             ("--size 0x48", ["`image.width` must be", " 1 | --size 0x48"]),
             ("--integrator pth", ["\"pth\"", "did you mean `path`"]),
@@ -501,8 +509,16 @@ mod reports {
         assert_eq!((&info["spheres"], &info["duplicates"]), (&2.into(), &0.into()));
         assert_eq!((&info["width"], &info["integrator"]), (&16.into(), &"path".into()));
         assert_eq!(info["bounds"]["high"], serde_json::json!([250.0, 2.0, 250.0]));
+        assert_eq!(info["radius"], serde_json::json!({ "smallest": 1.0, "largest": 250.0 }));
+        assert_eq!(info["tables"], 0);
         let text = desk.run("info scene.toml --set render.integrator=paper").succeeds().stdout;
-        for part in ["spheres     2\n", "grass (diffuse)", "2 x 2 sub-pixels", "16 x 12 pixels"] {
+        for part in [
+            "spheres     2\n",
+            "grass (diffuse)",
+            "2 x 2 sub-pixels",
+            "16 x 12 pixels",
+            "1 to 250\n",
+        ] {
             assert!(text.contains(part), "{text}");
         }
     }
@@ -516,6 +532,17 @@ mod reports {
         let expected = "warning: rounding to f32 moved 1 sphere by more than 1 % of the radius";
         assert!(told.stderr.contains(expected), "{told_all}");
         assert!(told.stdout.contains("coarse      1 "), "{told_all}");
+    }
+
+    #[test]
+    fn json_has_the_warnings_of_spheres_too() {
+        let twin = &SCENE[SCENE.find("[[spheres]]\nname = \"ball\"").expect("the ball")..];
+        let twin = &twin[..twin.find("[render]").expect("its end")];
+        let desk = Desk::new(&format!("{SCENE}\n{}", twin.replace("ball", "twin")));
+        let done = desk.run("render scene.toml -o a.png --accel native --json").succeeds();
+        let warning = "1 sphere left out: an earlier row is the same sphere after rounding to f32";
+        assert!(done.stderr.contains(&format!("warning: {warning}\n")), "{}", done.stderr);
+        assert_eq!(done.json()["warnings"], serde_json::json!([warning]));
     }
 
     #[test]
@@ -533,11 +560,33 @@ mod reports {
     fn crosscheck_finds_every_intersector_right() {
         let desk = Desk::new(SCENE);
         let told = desk.run("crosscheck scene.toml --rays 3000 --dump rays.txt").succeeds();
-        for part in ["native ", "brute-force ", "every answer is within the stated tolerance"] {
+        let headings = ["passed over", "sides"];
+        let parts = ["native ", "brute-force ", "every answer is within the stated tolerance"];
+        for part in parts.into_iter().chain(headings) {
             assert!(told.stdout.contains(part), "{}", told.stdout);
         }
         let dump = String::from_utf8(desk.read("rays.txt")).expect("text");
         assert_eq!(dump.lines().count(), 1, "only the heading: {dump}");
+        assert!(dump.starts_with("# rays relative to 0.0 -250.0 0.0; "), "{dump}");
+    }
+
+    #[test]
+    fn crosscheck_is_right_at_the_limits_of_size() {
+        let scene = SCENE.replace("radius = 250.0", "radius = 1e15");
+        let scene = scene.replace("[0.0, -250.0, 0.0]", "[0.0, -1e15, 0.0]");
+        Desk::new(&scene).run("crosscheck scene.toml --rays 3000").succeeds();
+        let near = scene
+            .replace("vertical_fov_degrees = 36.0", "vertical_fov_degrees = 170.0\nnear = 1e15");
+        Desk::new(&near).run("crosscheck scene.toml --rays 3000").succeeds();
+    }
+
+    #[cfg(feature = "embree")]
+    #[test]
+    fn crosscheck_warns_of_spheres_too_small_for_their_distance() {
+        let far = SCENE.replace("[1.0, 2.0, 9.0]", "[1e6, 2.0, 9e6]").replace("36.0", "1e-5");
+        let told = Desk::new(&far).run("crosscheck scene.toml --rays 3000").succeeds();
+        assert!(told.stderr.contains("% of the answers of `embree` to rays of"), "{}", told.stderr);
+        assert!(!told.stderr.contains("answers of `native`"), "{}", told.stderr);
     }
 
     #[test]
@@ -591,9 +640,33 @@ mod streams_and_signals {
     }
 
     fn interrupt(child: &Child) {
-        let id = child.id().to_string();
-        let status = Command::new("kill").args(["-INT", &id]).status().expect("kill runs");
+        // The shell's own `kill`: the program of that name is not installed everywhere.
+        let kill = format!("kill -INT {}", child.id());
+        let status = Command::new("sh").args(["-c", &kill]).status().expect("a shell");
         assert!(status.success());
+    }
+
+    /// The scene is a pipe that never ends, so the program is sure to be reading it.
+    #[test]
+    fn an_interrupt_before_the_render_ends_the_program_at_once() {
+        let commands =
+            ["render scene.pipe -o out.pfm", "bench scene.pipe", "crosscheck scene.pipe"];
+        for command in commands {
+            let desk = Desk::new(SCENE);
+            let pipe = desk.path().join("scene.pipe");
+            assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo runs").success());
+            let mut child = desk.command(command);
+            let child = child.stdout(Stdio::piped()).stderr(Stdio::piped());
+            let child = child.spawn().expect("the program starts");
+            // Returns once the program has opened the other end.
+            let _writer = fs::OpenOptions::new().write(true).open(&pipe).expect("a reader");
+            interrupt(&child);
+            let output = child.wait_with_output().expect("it ends");
+            assert_eq!(output.status.code(), Some(130), "{command}");
+            let told = String::from_utf8(output.stderr).expect("text");
+            assert_eq!(told, "stopped; nothing was written\n");
+            assert_eq!(desk.names(), ["scene.pipe", "scene.toml"]);
+        }
     }
 
     #[test]

@@ -4,12 +4,15 @@
 
 use std::env;
 use std::io::{self, ErrorKind, Write};
+use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
 use photosphere::accel::{Backend, BuildOptions, Cancel};
 use photosphere::geometry::{Sphere, SphereRows, SphereSet};
 use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
+use photosphere::render::{RenderOptions, render};
+use photosphere::scene::{Scene, read_text};
 
 /// A hundred balls on a giant, as `table` and `exact` rows.
 fn set() -> Arc<SphereSet> {
@@ -49,13 +52,44 @@ fn small_workload() {
     }
 }
 
+const SCENE: &str = r#"
+format = 1
+image = { width = 8, height = 8 }
+camera = { position = [0, 1, 6], look_at = [0, 1, 0] }
+background.radiance = [1, 1, 1]
+materials.matt = { type = "diffuse", albedo = [0.5, 0.5, 0.5] }
+materials.glass = { type = "dielectric", ior = 1.5 }
+materials.lamp = { type = "diffuse", albedo = [0, 0, 0], emission = [9, 9, 9] }
+spheres = [
+    { center = [0, -1e6, 0], radius = 1e6, material = "matt" },
+    { center = [-1, 1, 0], radius = 1, material = "matt" },
+    { center = [1, 1, 0], radius = 1, material = "glass" },
+    { center = [0, 4, 0], radius = 0.5, material = "lamp" },
+]
+render.samples_per_pixel = 4
+"#;
+
+/// A whole render, on two threads. Runs by itself, and again under valgrind.
+#[test]
+fn small_render() {
+    let loaded = read_text("scene", SCENE, Path::new(""), &[]).expect("a good scene");
+    let scene = Scene::new(loaded).expect("few spheres");
+    let options = BuildOptions { threads: 2, ..Default::default() };
+    let accel = Backend::Embree.build(scene.spheres(), &options).expect("builds");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
+    let options = RenderOptions { cancel: Cancel::default(), progress: &|_| () };
+    let outcome = pool.install(|| render(&scene, accel.as_ref(), &options));
+    assert_eq!((outcome.samples, outcome.complete), (8 * 8 * 4, true));
+    assert!(outcome.picture.mean().min_element() > 0.0);
+}
+
 #[test]
 fn valgrind_finds_nothing_wrong() {
     let checked = Command::new("valgrind")
         .args(["--quiet", "--error-exitcode=9", "--leak-check=full"])
         .args(["--errors-for-leak-kinds=definite", "--show-leak-kinds=definite"])
         .arg(env::current_exe().expect("this program"))
-        .args(["--exact", "small_workload", "--test-threads=1"])
+        .args(["--exact", "small_workload", "small_render", "--test-threads=1"])
         .output();
     let output = match checked {
         Ok(output) => output,
@@ -70,5 +104,5 @@ fn valgrind_finds_nothing_wrong() {
     let said = String::from_utf8_lossy(&output.stdout);
     let complaints = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{}\n{said}\n{complaints}", output.status);
-    assert!(said.contains("1 passed"), "{said}");
+    assert!(said.contains("2 passed"), "{said}");
 }

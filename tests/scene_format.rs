@@ -170,7 +170,7 @@ fn syntax_errors_come_several_at_once_and_hide_only_what_follows() {
 /// One line of the scene, what is written instead, and what is said of it.
 #[rustfmt::skip]
 const MISTAKES: &[(&str, &str, &str)] = &[
-    ("format = 1", "", "31:9: `format` is missing | add `format = ...`, a whole number from 1 to 2^63 - 1"),
+    ("format = 1", "", "1:1: `format` is missing | add `format = 1` as the first line"),
     ("format = 1", "format = 2", "1:10: this is format 2; this photosphere reads format 1"),
     ("format = 1", "format = \"1\"", "1:10: `format` must be a whole number from 1 to 2^63 - 1, not a string"),
     ("width = 64", "width = 0", "4:9: `image.width` must be a whole number from 1 to 65536, not 0"),
@@ -229,8 +229,8 @@ fn a_scene_without_its_parts_says_which() {
     ];
     assert_told(text, &[], &expected);
     let expected = [
+        "1:1: `format` is missing | add `format = 1` as the first line",
         "1:11: `spheres` must be a list of tables, not an integer | write `[[spheres]]` above each",
-        "1:12: `format` is missing | add `format = ...`, a whole number from 1 to 2^63 - 1",
         "1:12: `[camera]` is missing",
     ];
     assert_told("spheres = 3", &[], &expected);

@@ -122,6 +122,12 @@ fn the_file_must_be_there_and_whole() {
         ["`a.f32` has 37 bytes, which is no whole number of rows: 2 rows of 16 bytes and 5 bytes \
           over"]
     );
+    assert_eq!(
+        Scene::new().table("a.f32", COLUMNS, "matt").bytes("a.f32", &[0; 17]).told(),
+        [
+            "`a.f32` has 17 bytes, which is no whole number of rows: 1 row of 16 bytes and 1 byte over"
+        ]
+    );
 }
 
 #[cfg(unix)]
@@ -139,15 +145,36 @@ fn every_value_is_checked() {
         rows
     };
     let said = "`a.f32`: row 1 (the first is 0) has";
-    assert_told(&row(5, f32::NAN), &format!("{said} y = NaN at byte 20"));
-    assert_told(&row(4, f32::INFINITY), &format!("{said} x = inf at byte 16"));
-    assert_told(&row(6, -1e17), &format!("{said} z = -1e17 at byte 24"));
-    assert_told(&row(7, 0.0), &format!("{said} radius = 0.0 at byte 28"));
-    assert_told(&row(7, -1.0), &format!("{said} radius = -1.0 at byte 28"));
-    assert_told(&row(7, f32::NAN), &format!("{said} radius = NaN at byte 28"));
+    assert_told(
+        &row(5, f32::NAN),
+        &format!("{said} y = NaN at byte 20; it must be from -1e15 to 1e15"),
+    );
+    assert_told(
+        &row(4, f32::INFINITY),
+        &format!("{said} x = inf at byte 16; it must be from -1e15 to 1e15"),
+    );
+    assert_told(
+        &row(6, -1e17),
+        &format!("{said} z = -1e17 at byte 24; it must be from -1e15 to 1e15"),
+    );
+    assert_told(
+        &row(7, 0.0),
+        &format!("{said} radius = 0.0 at byte 28; it must be from 1e-15 to 1e15"),
+    );
+    assert_told(
+        &row(7, -1.0),
+        &format!("{said} radius = -1.0 at byte 28; it must be from 1e-15 to 1e15"),
+    );
+    assert_told(
+        &row(7, f32::NAN),
+        &format!("{said} radius = NaN at byte 28; it must be from 1e-15 to 1e15"),
+    );
     let scene = Scene::new().table("a.f32", COLORED, "matt");
     let scene = scene.values("a.f32", &[0.5, 1.5, 0.0, 1.0, 0.0, 0.0, 0.0]);
-    assert_eq!(scene.told(), ["`a.f32`: row 0 (the first is 0) has g = 1.5 at byte 4"]);
+    assert_eq!(
+        scene.told(),
+        ["`a.f32`: row 0 (the first is 0) has g = 1.5 at byte 4; it must be from 0 to 1"]
+    );
 }
 
 #[test]
@@ -158,9 +185,15 @@ fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
     }
     assert_told(
         &values,
-        "`a.f32`: row 300000 (the first is 0) has radius = -1.0 at byte 4800012; \
-         2 more rows are wrong",
+        "`a.f32`: row 300000 (the first is 0) has radius = -1.0 at byte 4800012; it must be \
+         from 1e-15 to 1e15; 2 more rows are wrong",
     );
+    let two = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0];
+    let scene = Scene::new().table("a.f32", COLUMNS, "matt").values("a.f32", &two);
+    assert!(scene.told()[0].ends_with("from 1e-15 to 1e15; 1 more row is wrong"));
+    let mistake = scene.load().expect_err("a mistake").mistakes()[0].clone();
+    let help = mistake.help.expect("a help");
+    assert!(help.starts_with("a row is 4 little-endian f32 numbers, as `columns` says"), "{help}");
 }
 
 #[test]
@@ -198,7 +231,7 @@ fn colours_need_a_material_that_they_can_colour() {
     );
     assert_eq!(
         colored("glossy").told(),
-        ["`a.f32`: row 0 (the first is 0) has r = 0.75 at byte 0"],
+        ["`a.f32`: row 0 (the first is 0) has r = 0.75 at byte 0; it must be from 0 to 0.500001"],
         "0.75 and the material's specular 0.5 are more than 1"
     );
 }

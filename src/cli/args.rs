@@ -78,7 +78,7 @@ pub(super) struct SceneArgs {
     set: Vec<Setting>,
 
     /// Threads to use; all cores by default. The picture does not depend on it
-    #[arg(long, value_name = "T", value_parser = threads())]
+    #[arg(long, value_name = "T", value_parser = threads(), allow_negative_numbers = true)]
     threads: Option<usize>,
 }
 
@@ -92,7 +92,8 @@ Examples:
   photosphere render fig2.toml -o red.png --set 'materials.grass.albedo=[0.6,0.1,0.1]'
   photosphere render fig2.toml -o fig2.pfm --quiet --json | jq .samples_per_s
 
-Ctrl-C stops and writes the samples done so far; a second one stops at once and writes nothing.")]
+Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,
+stops at once and writes nothing.")]
 pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -109,21 +110,21 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "NAME")]
     integrator: Option<String>,
 
-    /// Samples per pixel
-    #[arg(long, value_name = "N")]
-    spp: Option<u64>,
+    /// Samples per pixel, from 1
+    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
+    spp: Option<i128>,
 
     /// The size of the picture in pixels, as in 640x480
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<Size>,
 
     /// Chooses the random numbers; equal seeds give equal pictures
-    #[arg(long, value_name = "S")]
-    seed: Option<u64>,
+    #[arg(long, value_name = "S", value_parser = whole, allow_negative_numbers = true)]
+    seed: Option<i128>,
 
     /// The longest path in edges: 1 sees lamps only, 2 adds direct light, 3 one bounce
-    #[arg(long, value_name = "D")]
-    max_depth: Option<u64>,
+    #[arg(long, value_name = "D", value_parser = whole, allow_negative_numbers = true)]
+    max_depth: Option<i128>,
 
     /// Say nothing but warnings and errors
     #[arg(short, long)]
@@ -143,7 +144,9 @@ Examples:
 
 A third each are rays of the camera, their bounces, and random rays at difficult places. `equal` and
 `ambiguous` (within the rounding that the intersector states for itself) are right; anything else
-makes the exit code 1.")]
+makes the exit code 1: another sphere (wrong), none (lost) or one where there is none (ghosts), and a
+wrong distance, side of the sphere or occlusion. More than 1 % of ambiguous answers to the rays of the
+camera and their bounces is worth a warning: spheres are then too small for how far away they are.")]
 pub(super) struct CrosscheckArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -151,13 +154,15 @@ pub(super) struct CrosscheckArgs {
     #[command(flatten)]
     pub(super) accels: AccelsArg,
 
-    /// Rays to trace; each is compared with every sphere of the scene
+    /// Rays to trace, from 3 to 10 million; each is compared with every sphere of the scene
     #[arg(long, value_name = "N", default_value_t = 30_000)]
-    #[arg(value_parser = clap::value_parser!(u32).range(3..))]
+    #[arg(allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(3..=10_000_000))]
     pub(super) rays: u32,
 
     /// Chooses the random rays
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(value_parser = seed())]
     pub(super) seed: u64,
 
     /// Write the rays that were answered wrongly to a file
@@ -292,6 +297,11 @@ fn setting(text: &str) -> Result<Setting, String> {
     }
 }
 
+/// Any whole number: the scene knows which are allowed, and says so.
+fn whole(text: &str) -> Result<i128, String> {
+    text.parse().map_err(|_| "it must be a whole number".to_owned())
+}
+
 fn size(text: &str) -> Result<Size, String> {
     let read = || {
         let (width, height) = text.split_once(['x', 'X'])?;
@@ -303,6 +313,11 @@ fn size(text: &str) -> Result<Size, String> {
 /// More threads than any machine has cores are a typing error, and would not start.
 fn threads() -> impl TypedValueParser<Value = usize> {
     clap::value_parser!(u16).range(1..=4096).map(usize::from)
+}
+
+/// As wide as that of a scene.
+fn seed() -> impl TypedValueParser<Value = u64> {
+    clap::value_parser!(i64).range(0..=i64::MAX).map(i64::unsigned_abs)
 }
 
 fn backends() -> impl TypedValueParser<Value = Backend> {

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::accel::{BuildOptions, Cancel};
+use crate::accel::BuildOptions;
 use crate::error::Result;
 use crate::geometry::PathRay;
 use crate::math::Ray;
@@ -22,17 +22,17 @@ const SEED: u64 = 0;
 const MOST_RAYS: usize = 1 << 20;
 
 /// # Errors
-/// When the scene cannot be had or an intersector not be built, and when it is stopped.
+/// When the scene cannot be had or an intersector not be built.
 pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
-    let cancel = interrupt::listen(None);
-    on_threads(args.scene.threads(), || measure(args, cancel))
+    interrupt::listen(None);
+    on_threads(args.scene.threads(), || measure(args))
 }
 
-fn measure(args: &BenchArgs, cancel: Cancel) -> Result<Exit> {
+fn measure(args: &BenchArgs) -> Result<Exit> {
     let scene = Scene::load(&args.scene.path, &args.scene.overrides())?;
     let spheres = scene.spheres();
     let backends = args.accels.backends();
-    let build = BuildOptions { threads: rayon::current_num_threads(), cancel };
+    let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
 
     let camera = camera_rays(&scene);
     let bounced = {

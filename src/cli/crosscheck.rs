@@ -7,55 +7,86 @@ use std::path::Path;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
-use crate::accel::{Accel, BuildOptions, Cancel};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result};
-use crate::geometry::PathRay;
+use crate::geometry::{PathRay, SphereSet};
+use crate::math::NO_SPHERE;
 use crate::scene::Scene;
-use crate::verify::crosscheck::{self, Contender, Tally};
+use crate::verify::crosscheck::{self, Contender, Disagreement, Tally};
 use crate::verify::rays;
 
 use super::args::CrosscheckArgs;
 use super::exit::Exit;
 use super::{interrupt, on_threads, print};
 
+/// So many spheres are tried one by one where only a few thousand rays ask.
+const FEW_SPHERES: usize = 1000;
+/// The share of ambiguous answers to a scene's own rays above which the user is warned.
+const TOLERABLE_AMBIGUITY: f64 = 0.01;
+
 /// # Errors
 /// When the scene cannot be had, an intersector not be built, or the dump not be written.
 pub(super) fn run(args: &CrosscheckArgs) -> Result<Exit> {
-    let cancel = interrupt::listen(None);
-    on_threads(args.scene.threads(), || check(args, &cancel))
+    interrupt::listen(None);
+    on_threads(args.scene.threads(), || check(args))
 }
 
-fn check(args: &CrosscheckArgs, cancel: &Cancel) -> Result<Exit> {
+fn check(args: &CrosscheckArgs) -> Result<Exit> {
     let dump = args.dump.as_deref().map(Dump::create).transpose()?;
     let scene = Scene::load(&args.scene.path, &args.scene.overrides())?;
-    let build = BuildOptions { threads: rayon::current_num_threads(), cancel: cancel.clone() };
+    let spheres = scene.spheres();
+    let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
     let backends: Vec<(&str, Box<dyn Accel>)> = args
         .accels
         .backends()
         .iter()
-        .map(|backend| Ok((backend.name(), backend.build(scene.spheres(), &build)?)))
+        .map(|backend| Ok((backend.name(), backend.build(spheres, &build)?)))
         .collect::<Result<_>>()?;
     let contenders: Vec<Contender<'_>> =
         backends.iter().map(|(name, accel)| Contender { name, accel: accel.as_ref() }).collect();
 
-    let rays = rays_of(&scene, contenders[0].accel, args);
-    let tallies = crosscheck::compare(scene.spheres(), &contenders, &rays, cancel)?;
+    let of_scene = rays_of_scene(&scene, bouncer(spheres).build(spheres, &build)?.as_ref(), args);
+    let random = rays::random(spheres, args.rays as usize - of_scene.len(), args.seed);
+    let mut tallies = crosscheck::compare(spheres, &contenders, &of_scene, &build.cancel)?;
+    tallies.iter().filter_map(about_ambiguity).for_each(print::warning);
+    let about_random = crosscheck::compare(spheres, &contenders, &random, &build.cancel)?;
+    tallies.iter_mut().zip(about_random).for_each(|(tally, random)| tally.add(random));
     print::result(&table(&tallies))?;
     if let Some(dump) = dump {
-        dump.write(&tallies)?;
+        dump.write(&tallies, &scene)?;
     }
     let failures: usize = tallies.iter().map(Tally::failures).sum();
     Ok(if failures == 0 { Exit::Done } else { Exit::CheckFailed })
 }
 
-/// A third each: rays of the camera, their bounces, random rays. Camera rays that hit nothing have
+/// The intersector that finds where camera rays bounce: always the same one, so that the rays do not
+/// depend on which are checked.
+fn bouncer(spheres: &SphereSet) -> Backend {
+    if spheres.len() <= FEW_SPHERES { Backend::BruteForce } else { Backend::Native }
+}
+
+/// A third of all rays each: rays of the camera, and their bounces. Camera rays that hit nothing have
 /// no bounce; random rays take those places.
-fn rays_of(scene: &Scene, accel: &dyn Accel, args: &CrosscheckArgs) -> Vec<PathRay> {
-    let total = args.rays as usize;
-    let mut rays = camera_rays(scene, total / 3, args.seed);
+fn rays_of_scene(scene: &Scene, accel: &dyn Accel, args: &CrosscheckArgs) -> Vec<PathRay> {
+    let mut rays = camera_rays(scene, args.rays as usize / 3, args.seed);
     rays.extend(rays::bounces(scene.spheres(), accel, &rays, args.seed));
-    rays.extend(rays::random(scene.spheres(), total - rays.len(), args.seed));
+    rays.retain(|ray| rays::can_be_asked(scene.spheres(), ray));
     rays
+}
+
+/// What to know of an intersector that often cannot tell the scene's spheres apart.
+fn about_ambiguity(of_scene: &Tally) -> Option<String> {
+    let share = of_scene.ambiguous_share();
+    (share > TOLERABLE_AMBIGUITY).then(|| {
+        format!(
+            "{:.1} % of the answers of `{}` to rays of the camera and their bounces are ambiguous: \
+             spheres so small, for how far away they are, that its rounding may exchange \
+             neighbours and blur outlines. Render such a scene with `--accel native`, which computes \
+             in f64",
+            100.0 * share,
+            of_scene.name,
+        )
+    })
 }
 
 fn camera_rays(scene: &Scene, count: usize, seed: u64) -> Vec<PathRay> {
@@ -68,40 +99,64 @@ fn camera_rays(scene: &Scene, count: usize, seed: u64) -> Vec<PathRay> {
 
 fn table(tallies: &[Tally]) -> String {
     let mut text = format!(
-        "{:<12}{:>10}{:>10}{:>10}{:>8}{:>8}{:>8}{:>10}{:>10}{:>12}\n",
+        "{:<12}{:>9}{:>9}{:>11}{:>13}{:>7}{:>7}{:>8}{:>10}{:>7}{:>11}{:>9}\n",
         "",
         "rays",
         "equal",
         "ambiguous",
+        "passed over",
         "wrong",
         "lost",
         "ghosts",
         "distance",
+        "sides",
         "occlusion",
         "t error"
     );
     for tally in tallies {
         text += &format!(
-            "{:<12}{:>10}{:>10}{:>10}{:>8}{:>8}{:>8}{:>10}{:>10}{:>12.3}\n",
+            "{:<12}{:>9}{:>9}{:>11}{:>13}{:>7}{:>7}{:>8}{:>10}{:>7}{:>11}{:>9.3}\n",
             tally.name,
             tally.rays,
             tally.equal,
             tally.ambiguous,
+            tally.passed_over,
             tally.wrong,
             tally.lost,
             tally.ghosts,
             tally.wrong_distances,
+            tally.wrong_sides,
             tally.wrong_occlusions,
             tally.largest_distance_error,
         );
     }
     let failures: usize = tallies.iter().map(Tally::failures).sum();
-    text += "t error: the largest error of a distance, in units of what is allowed\n";
+    text += "passed over: those of the ambiguous that lie behind another sphere\n\
+             t error: the largest error of a distance, in units of what is allowed\n";
     text += &match failures {
         0 => "every answer is within the stated tolerance\n".to_owned(),
         _ => format!("{} beyond the stated tolerance\n", print::count(failures, "answer")),
     };
     text
+}
+
+/// What each sphere of a disagreement is to the user: ` 7 = row 2 "ball"`.
+fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
+    let Disagreement { ray, answered, judged, .. } = disagreement;
+    let hits = [answered, judged].map(|hit| hit.map_or(NO_SPHERE, |(id, _)| id));
+    let mut ids = [hits[0], hits[1], ray.leaves, ray.aims_at].to_vec();
+    ids.sort_unstable();
+    ids.dedup();
+    // A broken intersector may answer a sphere that there is not.
+    ids.retain(|&id| (id as usize) < scene.spheres().len());
+    let row = |id: u32| {
+        let name = scene.name(id).map(|name| format!(" {name:?}")).unwrap_or_default();
+        format!(" {id} = row {}{name}", scene.spheres().row(id))
+    };
+    if ids.is_empty() {
+        return String::new();
+    }
+    format!(" spheres{}", ids.into_iter().map(row).collect::<Vec<_>>().join(","))
 }
 
 /// The file for the rays that were answered wrongly; made first, because the check takes a while.
@@ -116,12 +171,18 @@ impl<'a> Dump<'a> {
         Ok(Self { path, file })
     }
 
-    fn write(self, tallies: &[Tally]) -> Result<()> {
+    fn write(self, tallies: &[Tally], scene: &Scene) -> Result<()> {
         let write = || {
             let mut file = BufWriter::new(self.file);
-            writeln!(file, "# rays relative to the spheres' origin, spheres by their ids")?;
+            let origin = scene.spheres().origin();
+            writeln!(
+                file,
+                "# rays relative to {:?} {:?} {:?}; spheres by their ids, and behind them what they \
+                 are in the scene: rows count from 0 through [[spheres]] and then the tables",
+                origin.x, origin.y, origin.z
+            )?;
             for disagreement in tallies.iter().flat_map(|tally| &tally.disagreements) {
-                writeln!(file, "{disagreement}")?;
+                writeln!(file, "{disagreement}{}", in_the_scene(disagreement, scene))?;
             }
             file.into_inner()?.sync_all()
         };

@@ -24,10 +24,11 @@ Exit codes:
   0    done
   1    a check failed: crosscheck found a wrong answer
   2    the command line is wrong: an unknown option, a missing or malformed value
-  3    the scene, a table or the value of an option says something impossible
-  4    a file could not be read or written
+  3    the scene, a table or the value of an option says something impossible; also where a table
+       cannot be read
+  4    any other file could not be read or written
   5    the intersector is missing or failed
-  130  stopped by Ctrl-C; render has written the samples it had";
+  130  stopped by Ctrl-C; render has written the samples it had, if any";
 
 impl Exit {
     pub(super) fn of(error: &Error) -> Self {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::error::Result;
-use crate::geometry::SphereSet;
+use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
 use crate::scene::Scene;
 use crate::scene::description::{Description, Hemisphere, Integrator, Stop, Surface};
@@ -18,7 +18,7 @@ use super::{on_threads, print, render};
 pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
     on_threads(args.scene.threads(), || {
         let scene = Scene::load(&args.scene.path, &args.scene.overrides())?;
-        render::warn_of_spheres(scene.spheres());
+        render::about_spheres(scene.spheres()).iter().for_each(print::warning);
         if args.json {
             print::json(&in_json(&scene))?
         } else {
@@ -28,32 +28,45 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
     })
 }
 
-/// The box around all spheres, in the user's coordinates.
+/// The box around all spheres, in the user's coordinates, and the range of their radii.
 struct Bounds {
     low: DVec3,
     high: DVec3,
+    smallest: f64,
+    largest: f64,
 }
 
 impl Bounds {
     fn of(spheres: &SphereSet) -> Self {
-        let nothing =
-            || Self { low: DVec3::splat(f64::INFINITY), high: DVec3::splat(f64::NEG_INFINITY) };
-        let one = |id| {
-            let sphere = spheres.sphere(id);
-            let center = sphere.center + spheres.origin();
-            Self { low: center - sphere.radius, high: center + sphere.radius }
+        let nothing = || Self {
+            low: DVec3::INFINITY,
+            high: DVec3::NEG_INFINITY,
+            smallest: f64::INFINITY,
+            largest: 0.0,
         };
-        let joined = |a: Self, b: Self| Self { low: a.low.min(b.low), high: a.high.max(b.high) };
+        let one = |id| {
+            let Sphere { center, radius } = spheres.sphere(id);
+            let center = center + spheres.origin();
+            let (low, high) = (center - radius, center + radius);
+            Self { low, high, smallest: radius, largest: radius }
+        };
+        let joined = |a: Self, b: Self| Self {
+            low: a.low.min(b.low),
+            high: a.high.max(b.high),
+            smallest: a.smallest.min(b.smallest),
+            largest: a.largest.max(b.largest),
+        };
         (0..spheres.len() as u32).into_par_iter().map(one).reduce(nothing, joined)
     }
 }
 
 fn in_words(scene: &Scene) -> String {
     let (spheres, Description { image, render, .. }) = (scene.spheres(), scene.description());
-    let Bounds { low, high } = Bounds::of(spheres);
+    let Bounds { low, high, smallest, largest } = Bounds::of(spheres);
     let mut text = String::new();
     let mut row = |name: &str, value: String| text += &format!("{name:<12}{value}\n");
     row("spheres", spheres.len().to_string());
+    row("tables", scene.description().tables.len().to_string());
     row("giants", format!("{} (kept in f64)", spheres.giants().len()));
     row("duplicates", format!("{} (left out)", spheres.duplicates()));
     row("coarse", format!("{} (moved by rounding by more than 1 %)", spheres.coarse()));
@@ -62,6 +75,7 @@ fn in_words(scene: &Scene) -> String {
         row(if index == 0 { "materials" } else { "" }, format!("{name} ({kind})"));
     }
     row("bounds", format!("{} to {}", triple(low), triple(high)));
+    row("radii", format!("{} to {}", rounded(smallest), rounded(largest)));
     row("memory", format!("{} for spheres", print::bytes(spheres.bytes() as u64)));
     row("image", format!("{} x {} pixels", image.width, image.height));
     row("integrator", integrator(&render.integrator));
@@ -74,18 +88,20 @@ fn in_words(scene: &Scene) -> String {
 
 fn in_json(scene: &Scene) -> Value {
     let (spheres, Description { image, render, .. }) = (scene.spheres(), scene.description());
-    let Bounds { low, high } = Bounds::of(spheres);
+    let Bounds { low, high, smallest, largest } = Bounds::of(spheres);
     let materials = materials(scene.description());
     let materials: Vec<Value> =
         materials.into_iter().map(|(name, kind)| json!({ "name": name, "type": kind })).collect();
     json!({
         "spheres": spheres.len(),
+        "tables": scene.description().tables.len(),
         "giants": spheres.giants().len(),
         "duplicates": spheres.duplicates(),
         "coarse": spheres.coarse(),
         "lamps": scene.lights().len(),
         "materials": materials,
         "bounds": { "low": low.to_array(), "high": high.to_array() },
+        "radius": { "smallest": smallest, "largest": largest },
         "sphere_bytes": spheres.bytes(),
         "width": image.width,
         "height": image.height,
@@ -139,5 +155,23 @@ fn integrator(integrator: &Integrator) -> String {
 }
 
 fn triple(v: DVec3) -> String {
-    format!("({}, {}, {})", v.x, v.y, v.z)
+    format!("({}, {}, {})", rounded(v.x), rounded(v.y), rounded(v.z))
+}
+
+/// A number in at most seven significant digits, about those of f32.
+fn rounded(x: f64) -> String {
+    // Adding 0 turns -0 into 0.
+    let rounded = format!("{x:.6e}").parse().unwrap_or(x) + 0.0;
+    format!("{rounded:?}").trim_end_matches(".0").to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_to_what_f32_holds() {
+        let shown = [0.1f32.into(), 250.0, -1e15, 1.0 / 3.0, 1e-15, -0.0, 999.999_99].map(rounded);
+        assert_eq!(shown, ["0.1", "250", "-1000000000000000", "0.3333333", "1e-15", "0", "1000"]);
+    }
 }

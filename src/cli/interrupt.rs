@@ -1,30 +1,57 @@
-//! Ctrl-C: the first asks the work to stop, the second ends the program at once.
+//! Ctrl-C. While there is nothing to save, it ends the program at once; once there is, the first asks
+//! the work to stop, and the second ends the program at once.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::accel::Cancel;
 
 use super::exit::Exit;
 use super::print;
 
-/// Listens for Ctrl-C (and for being told to terminate) and returns the request that it sets.
+/// What Ctrl-C, or being told to terminate, means at the moment.
+#[derive(Clone, Default)]
+pub(super) struct Interrupt {
+    cancel: Cancel,
+    can_save: Arc<AtomicBool>,
+}
+
+/// Listens for Ctrl-C and for being told to terminate, with nothing to save so far.
 ///
 /// A signal that the program was started to ignore, as under `nohup`, stays ignored, and then none
 /// is listened for. `unfinished` is removed before the program dies at once.
-pub(super) fn listen(unfinished: Option<&Path>) -> Cancel {
-    let cancel = Cancel::default();
-    let ours = cancel.clone();
+pub(super) fn listen(unfinished: Option<&Path>) -> Interrupt {
+    let interrupt = Interrupt::default();
+    let ours = interrupt.clone();
     let unfinished = unfinished.map(Path::to_path_buf);
     let handler = move || {
-        if ours.is_cancelled() {
-            // It may be gone already: the picture is then complete under its own name.
-            let _ = unfinished.as_ref().map(std::fs::remove_file);
-            std::process::exit(i32::from(Exit::Stopped as u8));
+        let is_second = ours.cancel.is_cancelled();
+        if ours.can_save.load(Ordering::Relaxed) && !is_second {
+            ours.cancel.cancel();
+            print::remark("stopping; press Ctrl-C again to stop at once and write nothing");
+            return;
         }
-        ours.cancel();
-        print::remark("stopping; press Ctrl-C again to stop at once and write nothing");
+        // It may be gone already: the picture is then complete under its own name.
+        let _ = unfinished.as_ref().map(std::fs::remove_file);
+        if !is_second {
+            print::remark("stopped; nothing was written");
+        }
+        std::process::exit(i32::from(Exit::Stopped as u8));
     };
     // Refused where the parent process ignores one of the signals; its wish is the user's.
     let _ = ctrlc::try_set_handler(handler);
-    cancel
+    interrupt
+}
+
+impl Interrupt {
+    /// The request that the first Ctrl-C sets, once there is something to save.
+    pub(super) fn cancel(&self) -> Cancel {
+        self.cancel.clone()
+    }
+
+    /// From here on there is work that the first Ctrl-C should not throw away.
+    pub(super) fn save_from_now_on(&self) {
+        self.can_save.store(true, Ordering::Relaxed);
+    }
 }

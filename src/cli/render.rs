@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use crate::accel::{BuildOptions, Cancel};
+use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 use crate::output::Target;
@@ -14,6 +14,7 @@ use crate::scene::Scene;
 
 use super::args::RenderArgs;
 use super::exit::Exit;
+use super::interrupt::Interrupt;
 use super::progress::Progress;
 use super::{interrupt, on_threads, print, system};
 
@@ -28,23 +29,26 @@ struct Figures {
 /// Whatever stands between the scene and the picture, the place of the picture first.
 pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
     let target = Target::new(&args.output)?;
-    let cancel = interrupt::listen(Some(target.temporary()));
-    on_threads(args.scene.threads(), || render(args, target, cancel))
+    let interrupt = interrupt::listen(Some(target.temporary()));
+    on_threads(args.scene.threads(), || render(args, target, &interrupt))
 }
 
-fn render(args: &RenderArgs, target: Target, cancel: Cancel) -> Result<Exit> {
+fn render(args: &RenderArgs, target: Target, interrupt: &Interrupt) -> Result<Exit> {
     let mut clock = Clock(Instant::now());
     let scene = Scene::load(&args.scene.path, &args.overrides())?;
     let load_s = clock.lap();
-    warn_of_spheres(scene.spheres());
+    let about_spheres = about_spheres(scene.spheres());
+    about_spheres.iter().for_each(print::warning);
     let threads = rayon::current_num_threads();
-    let build = BuildOptions { threads, cancel: cancel.clone() };
+    let build = BuildOptions { threads, cancel: interrupt.cancel() };
     let accel = args.accel.backend.build(scene.spheres(), &build)?;
     let build_s = clock.lap();
 
     let progress = Progress::new(args.quiet);
-    let options = RenderOptions { cancel, progress: &|state| progress.show(state) };
-    let outcome = render::render(&scene, accel.as_ref(), &options);
+    interrupt.save_from_now_on();
+    let options =
+        RenderOptions { cancel: interrupt.cancel(), progress: &|state| progress.show(state) };
+    let mut outcome = render::render(&scene, accel.as_ref(), &options);
     progress.finish();
     let outcome = outcome?;
     let figures = Figures { load_s, build_s, render_s: clock.lap() };
@@ -55,31 +59,32 @@ fn render(args: &RenderArgs, target: Target, cancel: Cancel) -> Result<Exit> {
         );
     }
     target.write(&outcome.picture)?;
+    outcome.warnings.iter().for_each(print::warning);
+    outcome.warnings.splice(..0, about_spheres);
     report(args, &scene, &outcome, &figures)?;
     Ok(if outcome.complete { Exit::Done } else { Exit::Stopped })
 }
 
-/// Warns of spheres that f32 cannot hold well, and of those that are there twice.
-pub(super) fn warn_of_spheres(spheres: &SphereSet) {
+/// What the user should know of spheres that are there twice, and of those that f32 cannot hold well.
+pub(super) fn about_spheres(spheres: &SphereSet) -> Vec<String> {
+    let mut warnings = Vec::new();
     if spheres.duplicates() > 0 {
-        print::warning(format_args!(
+        warnings.push(format!(
             "{} left out: an earlier row is the same sphere after rounding to f32",
             print::count(spheres.duplicates(), "sphere"),
         ));
     }
     if spheres.coarse() > 0 {
-        print::warning(format_args!(
+        warnings.push(format!(
             "rounding to f32 moved {} by more than 1 % of the radius; they are small and far from \
              most others",
             print::count(spheres.coarse(), "sphere"),
         ));
     }
+    warnings
 }
 
 fn report(args: &RenderArgs, scene: &Scene, outcome: &Outcome, figures: &Figures) -> Result<()> {
-    for warning in &outcome.warnings {
-        print::warning(warning);
-    }
     if !args.quiet {
         print::remark(in_words(args, outcome, figures));
     }

@@ -117,10 +117,13 @@ impl Format {
 
 /// The file that a symbolic link means, so that writing replaces that and keeps the link.
 fn end_of_link(path: &Path) -> Result<PathBuf> {
-    if path.is_symlink() {
-        return fs::canonicalize(path).map_err(|e| Error::file("write", path, e));
-    }
-    Ok(path.to_path_buf())
+    let Ok(link) = fs::read_link(path) else {
+        return Ok(path.to_path_buf());
+    };
+    fs::canonicalize(path).map_err(|e| {
+        let reason = format!("it is a link to `{}`, which cannot be reached ({e})", link.display());
+        Error::file("write", path, reason).with_help("remove the link, or name another file")
+    })
 }
 
 /// Creates the temporary file in the folder of `path`, with the permissions of any new file (by
@@ -142,13 +145,13 @@ fn create_beside(path: &Path) -> Result<NamedTempFile> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder
         .tempfile_in(folder)
-        .map_err(|e| refused(format!("nothing can be created in `{shown}` ({})", root_cause(&e))))
+        .map_err(|e| refused(format!("nothing can be created in `{shown}` ({})", system_words(&e))))
 }
 
-/// The system's own words, without the temporary name that tempfile wraps around them.
-fn root_cause(error: &io::Error) -> String {
-    let inner = error.get_ref().and_then(|inner| inner.source());
-    inner.map_or_else(|| error.to_string(), ToString::to_string)
+/// The system's own words, without the name of the temporary file that tempfile adds behind them.
+fn system_words(error: &io::Error) -> String {
+    let words = error.to_string();
+    words.split(" at path ").next().unwrap_or_default().to_owned()
 }
 
 /// The beauty of a pixel for a format that knows no infinity and no not-a-number.
@@ -215,7 +218,9 @@ mod tests {
         fs::create_dir(folder.path().join("a.png")).unwrap();
         assert!(at("a.png").ends_with("it is a folder"));
         fs::write(folder.path().join("file"), "").unwrap();
-        assert!(at("file/a.png").contains("nothing can be created in"), "{}", at("file/a.png"));
+        let inside_a_file = at("file/a.png");
+        assert!(inside_a_file.contains("nothing can be created in"), "{inside_a_file}");
+        assert!(inside_a_file.ends_with("(Not a directory (os error 20))"), "{inside_a_file}");
         assert_eq!(names(folder.path()), ["a.png", "file"]);
     }
 
@@ -250,6 +255,11 @@ mod tests {
         std::os::unix::fs::symlink("any", &link).unwrap();
         Target::new(&link).unwrap().write(&picture()).unwrap();
         assert!(link.is_symlink());
+
+        let dangling = folder.path().join("dangling.pfm");
+        std::os::unix::fs::symlink("nowhere", &dangling).unwrap();
+        let error = Target::new(&dangling).unwrap_err().to_string();
+        assert!(error.contains("it is a link to `nowhere`, which cannot be reached ("), "{error}");
         assert_eq!(fs::read(&beside).unwrap(), fs::read(&path).unwrap());
     }
 }

@@ -5,7 +5,8 @@
 //! through a small buffer.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -71,8 +72,8 @@ pub(super) fn survey(
             rows,
             brightest: brightest.unwrap_or_default(),
         }),
-        Err(message) => {
-            table.report().add(table.wrong("file", message));
+        Err((message, help)) => {
+            table.report().add(table.wrong("file", message).help(help));
             None
         }
     }
@@ -105,8 +106,8 @@ pub(super) fn import(
     for (table, survey) in description.tables.iter().zip(surveys) {
         let first_row = (exact.len() + all.len()) as u32;
         let mut rows = TableRows::new(table, survey, &mut all)?;
-        if let Err(message) = rows.read(&table.file) {
-            report.add(Wrong::value(survey.span.clone(), message));
+        if let Err((message, help)) = rows.read(&table.file) {
+            report.add(Wrong::value(survey.span.clone(), message).help(help));
             continue;
         }
         let (material, colors) = (table.material, rows.colors);
@@ -126,25 +127,63 @@ fn brightest_rows(surface: &Surface) -> Option<[f32; 3]> {
     }
 }
 
+/// What is wrong with a table, and what to do about it.
+type Complaint = (String, Option<String>);
+
 /// How many whole rows the file has, or what is wrong with it.
-fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, String> {
+fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, Complaint> {
     let shown = path.display();
-    let metadata = path.metadata().map_err(|error| format!("cannot read `{shown}`: {error}"))?;
+    let metadata = path.metadata().map_err(|error| unreadable(path, &error))?;
+    let refused = |why: String, help: &str| Err((format!("`{shown}` {why}"), Some(help.into())));
     if metadata.is_dir() {
-        return Err(format!("`{shown}` is a folder"));
+        return refused("is a folder".into(), "name the file with the rows");
     }
     if !metadata.is_file() {
-        return Err(format!("`{shown}` is not an ordinary file"));
+        let help = "its length must be known beforehand: write the rows into a file";
+        return refused("is not an ordinary file".into(), help);
     }
     let (bytes, row) = (metadata.len(), row as u64);
     match (bytes / row, bytes % row) {
-        (0, 0) => Err(format!("`{shown}` is empty")),
+        (0, 0) => refused("is empty".into(), "a table has at least one row"),
         (rows, 0) => Ok(rows),
-        (rows, over) => Err(format!(
-            "`{shown}` has {bytes} bytes, which is no whole number of rows: {rows} rows of {row} \
-             bytes and {over} bytes over"
-        )),
+        (rows, over) => refused(
+            format!(
+                "has {}, which is no whole number of rows: {} of {row} bytes and {} over",
+                counted(bytes, "byte"),
+                counted(rows, "row"),
+                counted(over, "byte"),
+            ),
+            &layout_help(row / VALUE as u64),
+        ),
     }
+}
+
+fn unreadable(path: &Path, error: &io::Error) -> Complaint {
+    let help = match error.kind() {
+        io::ErrorKind::NotFound => Some("a relative path starts at the scene's folder".to_owned()),
+        _ => None,
+    };
+    (format!("cannot read `{}`: {error}", path.display()), help)
+}
+
+/// What to look at where the rows are not what was expected.
+fn layout_help(columns: u64) -> String {
+    format!(
+        "a row is {columns} little-endian f32 numbers, as `columns` says, and there is no header: \
+         mend `columns` or the file"
+    )
+}
+
+/// The shortest number that reads back as the same f32.
+fn in_words(x: f32) -> String {
+    let is_handy = x == 0.0 || (1e-4..1e6).contains(&x.abs());
+    if is_handy { x.to_string() } else { format!("{x:e}") }
+}
+
+/// `1 row`, `2 rows`.
+fn counted(number: u64, singular: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {singular}{plural}")
 }
 
 fn with_capacity<T>(count: u64) -> Result<Vec<T>> {
@@ -219,9 +258,8 @@ impl<'r> TableRows<'r> {
         Ok(Self { columns: &table.columns, layout, survey, all, colors })
     }
 
-    fn read(&mut self, path: &Path) -> std::result::Result<(), String> {
-        let shown = path.display();
-        let trouble = |error| format!("cannot read `{shown}`: {error}");
+    fn read(&mut self, path: &Path) -> std::result::Result<(), Complaint> {
+        let trouble = |error| unreadable(path, &error);
         let mut file = File::open(path).map_err(trouble)?;
         let rows_at_once = CHUNK / self.layout.bytes();
         let mut buffer = vec![0; rows_at_once * self.layout.bytes()];
@@ -239,13 +277,16 @@ impl<'r> TableRows<'r> {
             flaws = flaws.join(found);
             done += count;
         }
-        match (first_flaw, flaws.count) {
-            (None, _) => Ok(()),
-            (Some(first), 1) => Err(format!("`{shown}`: {first}")),
-            (Some(first), count) => {
-                Err(format!("`{shown}`: {first}; {} more rows are wrong", count - 1))
-            }
-        }
+        let Some(first) = first_flaw else {
+            return Ok(());
+        };
+        let others = match flaws.count - 1 {
+            0 => String::new(),
+            1 => "; 1 more row is wrong".to_owned(),
+            count => format!("; {count} more rows are wrong"),
+        };
+        let help = layout_help(self.layout.columns as u64);
+        Err((format!("`{}`: {first}{others}", path.display()), Some(help)))
     }
 
     /// Appends the rows; says which of them are wrong.
@@ -266,14 +307,19 @@ impl<'r> TableRows<'r> {
     }
 
     fn allows(&self, column: usize, value: f32) -> bool {
+        self.allowed(column).contains(&value)
+    }
+
+    /// What the values of a column may be.
+    fn allowed(&self, column: usize) -> RangeInclusive<f32> {
         let largest = MAX_COORDINATE as f32;
         let [red, green, blue] = self.survey.brightest;
         match self.columns[column] {
-            Column::X | Column::Y | Column::Z => value.abs() <= largest,
-            Column::Radius => (SMALLEST_RADIUS as f32..=largest).contains(&value),
-            Column::Red => (0.0..=red).contains(&value),
-            Column::Green => (0.0..=green).contains(&value),
-            Column::Blue => (0.0..=blue).contains(&value),
+            Column::X | Column::Y | Column::Z => -largest..=largest,
+            Column::Radius => SMALLEST_RADIUS as f32..=largest,
+            Column::Red => 0.0..=red,
+            Column::Green => 0.0..=green,
+            Column::Blue => 0.0..=blue,
         }
     }
 
@@ -283,9 +329,13 @@ impl<'r> TableRows<'r> {
         let is_this = |(_, known): &&(_, Column)| *known == self.columns[column];
         let name = Column::NAMES.iter().find(is_this).map_or("?", |(name, _)| name);
         let offset = (number * self.layout.columns + column) * VALUE;
+        let allowed = self.allowed(column);
         format!(
-            "row {number} (the first is 0) has {name} = {:?} at byte {offset}",
-            value(row, column)
+            "row {number} (the first is 0) has {name} = {:?} at byte {offset}; it must be from {} to \
+             {}",
+            value(row, column),
+            in_words(*allowed.start()),
+            in_words(*allowed.end()),
         )
     }
 }

@@ -224,7 +224,8 @@ impl Tally {
         (verdict == Verdict::Wrong).then_some(Disputed::Occlusion)
     }
 
-    fn add(&mut self, other: Self) {
+    /// Adds what the same backend did on other rays.
+    pub fn add(&mut self, other: Self) {
         self.rays += other.rays;
         self.equal += other.equal;
         self.ambiguous += other.ambiguous;

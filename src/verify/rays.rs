@@ -5,16 +5,28 @@ use rand::{Rng, RngExt, SeedableRng, rngs::StdRng};
 
 use crate::accel::Accel;
 use crate::geometry::{Cone, PathRay, Side, SphereSet, SurfaceHit};
-use crate::math::{DVec3, Frame, Hit, Ray};
+use crate::math::{DVec3, Frame, Hit, MAX_COORDINATE, Ray};
 use crate::sampling;
+
+/// No coordinate of a place is larger: less than backends take, and beyond every surface.
+const FARTHEST: f64 = 3.5 * MAX_COORDINATE;
 
 /// Random rays through a scene that has at least one sphere: at sphere centres and silhouettes,
 /// from inside, parallel to an axis, leaving surfaces to all sides, towards lamps, and clipped at
-/// both ends. Reproducible from the seed.
+/// both ends; none that [cannot be asked](can_be_asked). Reproducible from the seed.
 pub fn random(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
     let mut source = Source { spheres, rng: StdRng::seed_from_u64(seed) };
     let kinds = Source::KINDS.iter().cycle().take(count);
-    kinds.map(|kind| kind(&mut source).unwrap_or_else(|| source.any())).collect()
+    let drawn = kinds.map(|kind| {
+        let ray = kind(&mut source).filter(|ray| can_be_asked(spheres, ray));
+        ray.unwrap_or_else(|| source.any())
+    });
+    drawn.collect()
+}
+
+/// Whether a backend takes the ray at all: a scene as large as can be has places beyond its reach.
+pub fn can_be_asked(spheres: &SphereSet, ray: &PathRay) -> bool {
+    spheres.ask(ray).is_valid()
 }
 
 /// The rays that a diffuse surface would send on from where `rays` end: one for each hit,
@@ -87,6 +99,11 @@ impl Source<'_> {
 
     /// A point among the spheres, near one or between two, at any of the scene's scales.
     fn place(&mut self) -> DVec3 {
+        let farthest = DVec3::splat(FARTHEST);
+        self.place_anywhere().clamp(-farthest, farthest)
+    }
+
+    fn place_anywhere(&mut self) -> DVec3 {
         let a = self.spheres.sphere(self.id());
         if self.rng.random() {
             let away = a.radius * self.log_uniform(1e-2, 1e4);
@@ -177,5 +194,34 @@ impl Source<'_> {
         let t_min = reach * self.rng.random_range(0.0..1.0);
         let t_max = reach * self.rng.random_range(1.0..2.0);
         Some(PathRay { t_min, t_max, ..self.aimed(origin, target.point) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Backend, BuildOptions, Cancel};
+    use crate::geometry::{Sphere, SphereRows};
+    use crate::verify::crosscheck::{Contender, compare};
+    use std::sync::Arc;
+
+    #[test]
+    fn every_ray_can_be_asked_and_is_answered_in_the_largest_scenes() {
+        let ball = |x: f64, radius: f64| Sphere { center: DVec3::X * x, radius };
+        let largest = ball(MAX_COORDINATE, MAX_COORDINATE);
+        let pair = vec![largest, ball(-MAX_COORDINATE, MAX_COORDINATE)];
+        for exact in [vec![ball(0.0, MAX_COORDINATE)], pair, vec![largest, ball(0.0, 1.0)]] {
+            let rows = SphereRows { exact, table: Vec::new() };
+            let spheres = Arc::new(SphereSet::new(rows).expect("few spheres"));
+            let rays = random(&spheres, 2000, 3);
+            assert!(rays.iter().all(|ray| can_be_asked(&spheres, ray)));
+            for backend in Backend::AVAILABLE {
+                let accel = backend.build(&spheres, &BuildOptions::default()).expect("builds");
+                let contender = Contender { name: backend.name(), accel: accel.as_ref() };
+                let tally = compare(&spheres, &[contender], &rays, &Cancel::default());
+                let tally = tally.expect("nobody cancels").remove(0);
+                assert_eq!(tally.failures(), 0, "{tally:?}");
+            }
+        }
     }
 }

@@ -101,7 +101,11 @@ pub(super) fn read(
 }
 
 fn read_format(root: &Table<'_>) {
-    let Some(format) = root.required("format", Whole(1..=i64::MAX)) else {
+    if root.span_of("format").is_none() {
+        let help = format!("add `format = {FORMAT}` as the first line");
+        root.report().add(Wrong::absence(0..0, "`format` is missing").help(help));
+    }
+    let Some(format) = root.optional("format", Whole(1..=i64::MAX)) else {
         return;
     };
     if format != FORMAT {

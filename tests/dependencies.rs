@@ -1,0 +1,43 @@
+//! CONTRIBUTING.md says of every dependency what it replaces, and names none that is gone.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use toml::de::{DeTable, DeValue};
+
+/// The tables of Cargo.toml, and what stands behind a name in CONTRIBUTING.md.
+const KINDS: [(&str, &str); 3] =
+    [("dependencies", ""), ("build-dependencies", " (build)"), ("dev-dependencies", " (tests)")];
+
+const HEADER: &str = "| crate | what it replaces |";
+
+#[test]
+fn every_dependency_has_its_row_and_every_row_its_dependency() {
+    assert_eq!(rows(), dependencies());
+}
+
+/// The first cells of the table, as in "`cc` (build)".
+fn rows() -> BTreeSet<String> {
+    let document = read("CONTRIBUTING.md");
+    let (_, table) = document.split_once(HEADER).expect("the table of dependencies");
+    let rows = table.trim_start().lines().skip(1).take_while(|row| row.starts_with('|'));
+    rows.filter_map(|row| row.split('|').nth(1)).map(|cell| cell.trim().to_owned()).collect()
+}
+
+/// The dependencies of Cargo.toml, written alike.
+fn dependencies() -> BTreeSet<String> {
+    let text = read("Cargo.toml");
+    let manifest = DeTable::parse(&text).expect("cargo has read it too");
+    let of_kind = |(key, kind): (&str, &str)| -> Vec<String> {
+        let table = manifest.get_ref().get(key).expect("there are some");
+        let DeValue::Table(table) = table.get_ref() else { panic!("`{key}` is no table") };
+        table.keys().map(|name| format!("`{}`{kind}", name.get_ref())).collect()
+    };
+    KINDS.into_iter().flat_map(of_kind).collect()
+}
+
+fn read(file: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    fs::read_to_string(path).expect("the repository's files can be read")
+}
