@@ -78,7 +78,7 @@ fn small_render() {
     let accel = Backend::Embree.build(scene.spheres(), &options).expect("builds");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
     let options = RenderOptions { cancel: Cancel::default(), progress: &|_| () };
-    let outcome = pool.install(|| render(&scene, accel.as_ref(), &options));
+    let outcome = pool.install(|| render(&scene, accel.as_ref(), &options)).expect("a small film");
     assert_eq!((outcome.samples, outcome.complete), (8 * 8 * 4, true));
     assert!(outcome.picture.mean().min_element() > 0.0);
 }

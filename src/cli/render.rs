@@ -7,6 +7,7 @@ use serde_json::json;
 
 use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
+use crate::film::Film;
 use crate::geometry::SphereSet;
 use crate::output::Target;
 use crate::render::{self, Outcome, RenderOptions};
@@ -37,6 +38,7 @@ fn render(args: &RenderArgs, target: Target, interrupt: &Interrupt) -> Result<Ex
     let mut clock = Clock(Instant::now());
     let scene = Scene::load(&args.scene.path, &args.overrides())?;
     let load_s = clock.lap();
+    check_memory(&scene)?;
     let about_spheres = about_spheres(scene.spheres());
     about_spheres.iter().for_each(print::warning);
     let threads = rayon::current_num_threads();
@@ -48,9 +50,9 @@ fn render(args: &RenderArgs, target: Target, interrupt: &Interrupt) -> Result<Ex
     interrupt.save_from_now_on();
     let options =
         RenderOptions { cancel: interrupt.cancel(), progress: &|state| progress.show(state) };
-    let mut outcome = render::render(&scene, accel.as_ref(), &options);
+    let outcome = render::render(&scene, accel.as_ref(), &options);
     progress.finish();
-    let outcome = outcome?;
+    let mut outcome = outcome?;
     let figures = Figures { load_s, build_s, render_s: clock.lap() };
 
     if outcome.samples == 0 {
@@ -63,6 +65,23 @@ fn render(args: &RenderArgs, target: Target, interrupt: &Interrupt) -> Result<Ex
     outcome.warnings.splice(..0, about_spheres);
     report(args, &scene, &outcome, &figures)?;
     Ok(if outcome.complete { Exit::Done } else { Exit::Stopped })
+}
+
+/// Refuses a film that the machine has no memory for, before the system kills the program for it.
+fn check_memory(scene: &Scene) -> Result<()> {
+    let image = scene.description().image;
+    let film = Film::bytes(image.width as usize, image.height as usize) as u64;
+    match system::available_memory() {
+        Some(available) if film > available => Err(Error::input(format!(
+            "the film of {} x {} pixels needs {} of memory, and {} are free",
+            image.width,
+            image.height,
+            print::bytes(film),
+            print::bytes(available)
+        ))
+        .with_help("render a smaller picture")),
+        _ => Ok(()),
+    }
 }
 
 /// What the user should know of spheres that are there twice, and of those that f32 cannot hold well.

@@ -81,7 +81,7 @@ impl Scene {
             filter,
             around_camera: Vec::new(),
         };
-        if scene.farthest_start() > MAX_COORDINATE {
+        if scene.farthest_start() > 4.0 * MAX_COORDINATE {
             let message = "`camera.near` puts the start of some camera rays out of reach";
             return Err(Error::input(message).with_help("lower `near`, or narrow the view"));
         }
