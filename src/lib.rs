@@ -14,6 +14,10 @@ pub mod camera;
 pub mod cli;
 pub mod color;
 pub mod error;
+#[cfg(feature = "faults")]
+pub mod fault;
+#[cfg(not(feature = "faults"))]
+mod fault;
 pub mod film;
 pub mod geometry;
 pub mod integrator;

@@ -6,7 +6,7 @@
 #[path = "common/render.rs"]
 mod common;
 
-use common::{Estimate, SEEDS, outcome, scene};
+use common::{Estimate, Rendered, SEEDS, outcome, scene};
 use photosphere::accel::Backend;
 use photosphere::film::Picture;
 

@@ -449,6 +449,7 @@ mod command_line {
             ("--spp 0", ["`render.samples_per_pixel` must be", "[command line:1:7]"]),
             ("--size 0x48", ["`image.width` must be", " 1 | --size 0x48"]),
             ("--integrator pth", ["\"pth\"", "did you mean `path`"]),
+            ("--sampler sobl", ["\"sobl\"", "did you mean `sobol`"]),
             ("--set imge.width=3", ["`imge` is not a key", "did you mean `image`"]),
             ("--set materials.gras.albedo=[1,1,1]", ["no material \"gras\"", "`grass`"]),
             ("--set render.seed=[1", ["the value is not TOML", " 1 | --set render.seed=[1"]),

@@ -6,7 +6,7 @@
 #[path = "common/render.rs"]
 mod common;
 
-use common::{ALLOWED, Estimate, SEEDS, outcome, scene, scene_file};
+use common::{ALLOWED, Estimate, Rendered, SEEDS, outcome, scene, scene_file};
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::film::Picture;
@@ -32,8 +32,9 @@ fn first_hits(scene: &Scene) -> Vec<Option<SurfaceHit>> {
     let image = scene.description().image;
     let accel = Backend::BruteForce.build(scene.spheres(), &Default::default()).expect("builds");
     let pixels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
-    let rays: Vec<_> =
-        pixels.map(|(x, y)| scene.camera().ray(f64::from(x) + 0.5, f64::from(y) + 0.5)).collect();
+    let rays: Vec<_> = pixels
+        .map(|(x, y)| scene.camera().ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.0; 2]))
+        .collect();
     let asked: Vec<_> = rays.iter().map(|ray| scene.spheres().ask(ray)).collect();
     let mut hits = vec![Hit::MISS; asked.len()];
     accel.closest(&asked, &mut hits);

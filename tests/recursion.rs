@@ -12,10 +12,16 @@ use photosphere::accel::{Accel, Backend};
 use photosphere::color::{Radiance, Rgb};
 use photosphere::geometry::{PathRay, SurfaceHit};
 use photosphere::integrator::{SampleAddress, Workspace, World, of_scene};
+use photosphere::light::{Receiver, Source};
 use photosphere::material::Lobe;
 use photosphere::math::{Frame, Hit};
 use photosphere::sampling::{Hemisphere, Sampler, power_heuristic};
 use photosphere::scene::Scene;
+
+/// An opaque surface.
+fn receiver(hit: &SurfaceHit) -> Receiver {
+    Receiver { hit: *hit, is_two_sided: false }
+}
 
 /// What a call needs to know of its callers.
 struct Call<'a> {
@@ -33,20 +39,27 @@ impl Call<'_> {
         let spheres = self.scene.spheres();
         let mut hit = [Hit::MISS];
         self.accel.closest(&[spheres.ask(ray)], &mut hit);
-        let Some(hit) = spheres.answer(ray, hit[0]) else { return self.scene.background() };
+        let Some(hit) = spheres.answer(ray, hit[0]) else {
+            return self.scene.background(ray.direction);
+        };
         let material = self.scene.surface(hit.id).material;
 
         let mut radiance = material.emission;
         if let (true, Some((at, pdf))) = (self.samples_lamps, drawn) {
-            let aimed = self.scene.lights().pdf(spheres, at, hit.id, ray.direction);
+            let aimed = self.scene.lights().pdf(
+                spheres,
+                &receiver(at),
+                Source::Lamp(hit.id),
+                ray.direction,
+            );
             radiance *= power_heuristic(pdf, aimed) as f32;
         }
 
         let bsdf = material.bsdf(None, 1.0, Hemisphere::Cosine);
         let frame = Frame::around(hit.facing_normal());
         let wo = frame.to_local(-ray.direction);
-        let first_dimension = 4 + 8 * (depth - 1);
-        let number = |i| self.sampler.get(first_dimension + i);
+        // The table of docs/sampling.md: direction to a light, direction, lobe, roulette, lamp.
+        let number = |i| self.sampler.get(8 * (depth - 1) + i);
 
         if self.samples_lamps && !bsdf.is_delta() {
             radiance += self.light_from_lamps(
@@ -54,18 +67,18 @@ impl Call<'_> {
                 &frame,
                 |wi| bsdf.eval(wo, wi),
                 |wi| bsdf.pdf(wo, wi),
-                [number(3), number(4), number(5)],
+                [number(14), number(2), number(3)],
             );
         }
 
-        let Some(sample) = bsdf.sample(wo, number(0), [number(1), number(2)]) else {
+        let Some(sample) = bsdf.sample(wo, number(12), [number(8), number(9)]) else {
             return radiance;
         };
         let mut factor = sample.weight;
         let mut weight = weight * factor.max_element();
         if depth >= 4 {
             let survival = weight.min(if depth < 64 { 1.0 } else { 0.95 });
-            if number(6) >= f64::from(survival) {
+            if number(13) >= f64::from(survival) {
                 return radiance;
             }
             factor /= survival;
@@ -87,9 +100,11 @@ impl Call<'_> {
     ) -> Rgb {
         let spheres = self.scene.spheres();
         let lights = self.scene.lights();
-        let Some(aim) = lights.sample(spheres, hit, u[0], [u[1], u[2]]) else { return Rgb::ZERO };
+        let Some(aim) = lights.sample(spheres, &receiver(hit), u[0], [u[1], u[2]]) else {
+            return Rgb::ZERO;
+        };
         let wi = frame.to_local(aim.direction);
-        let Some(ray) = hit.leave_towards(aim.direction, aim.distance, aim.lamp.id) else {
+        let Some(ray) = hit.leave_towards(aim.direction, aim.distance, aim.source.sphere()) else {
             return Rgb::ZERO;
         };
         let mut blocked = [false];
@@ -98,7 +113,7 @@ impl Call<'_> {
             return Rgb::ZERO;
         }
         let weight = power_heuristic(aim.pdf, pdf(wi));
-        eval(wi) * aim.lamp.emission * (weight * wi.z / aim.pdf) as f32
+        eval(wi) * aim.radiance * (weight * wi.z / aim.pdf) as f32
     }
 }
 
@@ -115,10 +130,17 @@ fn the_loop_equals_the_recursion() {
         "image.height=48",
         "image.filter=box",
     ];
-    for (integrator, samples_lamps) in [("path", true), ("paper", false)] {
-        let choice = format!("render.integrator={integrator}");
+    let cases = [
+        ("path", true, "sobol"),
+        ("path", true, "independent"),
+        ("path", true, "stratified"),
+        ("paper", false, "independent"),
+    ];
+    for (integrator, samples_lamps, sampler) in cases {
+        let choice =
+            [format!("render.integrator={integrator}"), format!("render.sampler={sampler}")];
         let subpixels = "render.paper.subpixels=1";
-        let scene = scene(&text, &[&grey[..], &[&choice, subpixels]].concat());
+        let scene = scene(&text, &[&grey[..], &[&choice[0], &choice[1], subpixels]].concat());
         let accel =
             Backend::BruteForce.build(scene.spheres(), &Default::default()).expect("builds");
         let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i / 100 };
@@ -131,10 +153,17 @@ fn the_loop_equals_the_recursion() {
 
         let mut bright = 0;
         for (address, looped) in samples.iter().zip(&looped) {
-            let sampler =
-                Sampler::new(0, u64::from(address.y) * 64 + u64::from(address.x), address.sample);
+            let render = &scene.description().render;
+            let sampler = Sampler::of_kind(
+                render.sampler,
+                0,
+                u64::from(address.y) * 64 + u64::from(address.x),
+                address.sample,
+                render.samples_per_pixel,
+            );
             let [u, v] = sampler.get_2d(0);
-            let ray = scene.camera().ray(f64::from(address.x) + u, f64::from(address.y) + v);
+            let (x, y) = (f64::from(address.x) + u, f64::from(address.y) + v);
+            let ray = scene.camera().ray(x, y, [0.0; 2]);
             let call = Call { scene: &scene, accel: &*accel, sampler, samples_lamps };
             let recursive = call.radiance(&ray, 1, 1.0, None);
             let looped = looped.direct + looped.indirect;

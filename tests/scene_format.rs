@@ -2,12 +2,16 @@
 
 use std::path::Path;
 
+use photosphere::color::Rgb;
 use photosphere::error::{Category, Error, Mistake};
+use photosphere::film::Picture;
+use photosphere::material::Metal;
 use photosphere::math::DVec3;
+use photosphere::output::Target;
 use photosphere::scene::description::{
-    FilterKind, Hemisphere, Integrator, Miss, Paper, Stop, Surface,
+    Dome, FilterKind, Hemisphere, Integrator, Miss, Paper, Projection, SamplerKind, Stop, Surface,
 };
-use photosphere::scene::{Loaded, Override, read_file, read_text};
+use photosphere::scene::{Loaded, Override, Scene, read_file, read_text};
 use proptest::prelude::*;
 
 /// The smallest scene; each test changes something.
@@ -84,11 +88,12 @@ fn assert_told(text: &str, options: &[&str], expected: &[&str]) {
 
 #[test]
 fn the_example_is_read_as_written() {
-    let Loaded { description, rows, groups } = load(EXAMPLE, &[]).expect("a good scene");
+    let Loaded { description, rows, groups, .. } = load(EXAMPLE, &[]).expect("a good scene");
     assert_eq!((description.image.width, description.image.height), (640, 480));
     assert_eq!(description.image.filter, FilterKind::Box);
     assert_eq!(description.camera.position, DVec3::new(1.0, 2.0, 9.0));
-    assert_eq!(description.camera.vertical_fov_degrees, 36.0);
+    let pinhole = Projection::Perspective { vertical_fov_degrees: 36.0, lens: None };
+    assert_eq!(description.camera.projection, pinhole);
     let names: Vec<_> = description.materials.iter().map(|material| &*material.name).collect();
     assert_eq!(names, ["grass", "lamp"]);
     assert_eq!(description.materials[1].emission.to_array(), [18.0, 17.0, 15.0]);
@@ -107,9 +112,14 @@ fn the_example_is_read_as_written() {
 fn what_is_left_out_has_its_default() {
     let description = load(SCENE, &[]).expect("a good scene").description;
     assert_eq!((description.camera.up, description.camera.near), (DVec3::Y, 0.0));
-    assert_eq!(description.background.to_array(), [0.0; 3]);
+    let background = &description.background;
+    assert_eq!(background.dome, Dome::Constant { radiance: [0.0; 3].into() });
+    assert!(background.camera_visible && !background.transparent && background.sun.is_none());
     assert_eq!(description.image.filter_radius, 0.5);
-    assert_eq!(description.materials[1].surface, Surface::Dielectric { ior: 1.5, priority: 0 });
+    assert_eq!(
+        description.materials[1].surface,
+        Surface::Dielectric { ior: 1.5, priority: 0, absorption: Rgb::ZERO }
+    );
     let render = description.render;
     assert_eq!((render.samples_per_pixel, render.max_depth, render.seed), (64, None, 7));
     for (filter, radius) in [("tent", 1.0), ("gaussian", 1.5), ("blackman-harris", 2.0)] {
@@ -190,10 +200,16 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nup = [0, 0, 0]", "10:6: `camera.up` must not be [0, 0, 0]"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nup = [0, 0, 3]", "10:6: `camera.up` must not be parallel to the view | any other direction will do, as in `up = [0, 1, 0]`"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nvertical_fov_degrees = 180", "10:24: `camera.vertical_fov_degrees` must be a number above 0 and below 180, not 180"),
-    ("type = \"diffuse\"", "", "11:1: `materials.grass.type` is missing | add `type = ...`, \"diffuse\" or \"mirror\" or \"dielectric\" or \"phong\""),
-    ("type = \"diffuse\"", "type = \"mirror\"\nreflectance = [1, 1, 1]", "14:1: `materials.grass.albedo` is not a key of a scene | known here: type, reflectance, emission"),
+    ("type = \"diffuse\"", "", "11:1: `materials.grass.type` is missing | add `type = ...`, \"diffuse\" or \"mirror\" or \"conductor\" or \"dielectric\" or \"plastic\" or \"phong\""),
+    ("type = \"diffuse\"", "type = \"mirror\"\nreflectance = [1, 1, 1]", "14:1: `materials.grass.albedo` is not a key of a scene | known here: type, reflectance, emission, opacity"),
     ("type = \"diffuse\"", "type = \"phong\"\nspecular = [0.9, 0, 0]\nexponent = 9", "13:12: `materials.grass.specular` and albedo add up to more than 1, so that the surface would create light | lower one of them; `normalized = false` is Phong's own form"),
     ("type = \"diffuse\"", "type = \"diffuse\"\nemission = [-1, 0, 0]", "13:13: `materials.grass.emission` must be three numbers from 0 to 1e15, not -1"),
+    ("type = \"diffuse\"", "type = \"diffuse\"\nroughness = 2", "13:13: `materials.grass.roughness` must be a number from 0 to 1, not 2"),
+    ("type = \"diffuse\"", "type = \"diffuse\"\nopacity = 1.5", "13:11: `materials.grass.opacity` must be a number from 0 to 1, not 1.5"),
+    ("type = \"diffuse\"", "type = \"diffuse\"\nabsorption = [1, 1, 1]", "13:1: `materials.grass.absorption` is not a key of a scene | known here: type, albedo, roughness, emission, opacity"),
+    ("type = \"diffuse\"", "type = \"plastic\"\nior = 0.9", "13:7: `materials.grass.ior` must be a number from 1 to 10, not 0.9"),
+    ("type = \"diffuse\"", "type = \"plastic\"\nroughness = -1", "13:13: `materials.grass.roughness` must be a number from 0 to 1, not -1"),
+    ("ior = 1.5", "ior = 1.5\nabsorption = [0, 0, -1]", "18:21: `materials.glass.absorption` must be three numbers from 0 to 1e15, not -1"),
     ("ior = 1.5", "ior = 0", "17:7: `materials.glass.ior` must be a number from 0.1 to 10, not 0"),
     ("ior = 1.5", "ior = 1.5\npriority = 3000000000", "18:12: `materials.glass.priority` must be a whole number from -2147483648 to 2147483647, not 3000000000"),
     ("name = \"ground\"", "name = \"\"", "20:8: `spheres.\"\".name` must be a string, not an empty one"),
@@ -202,13 +218,67 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("material = \"grass\"", "material = \"water\"", "23:12: `spheres.ground.material` must be the name of a material, not \"water\" | add a table `[materials.water]`"),
     ("[render]", "[rendr]", "30:2: `rendr` is not a key of a scene | did you mean `render`?"),
     ("[render]", "[render]\nmax_depth = 0", "31:13: `render.max_depth` must be a whole number from 1 to 4294967295, not 0"),
+    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\ntype = \"fisheye\"", "10:8: `camera.type` must be \"perspective\" or \"orthographic\" or \"panoramic\", not \"fisheye\""),
+    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\ntype = \"orthographic\"", "7:1: `camera.height` is missing | add `height = ...`, a number above 0 and at most 1e15"),
+    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\ntype = \"panoramic\"\nvertical_extent_degrees = 181", "11:27: `camera.vertical_extent_degrees` must be a number above 0 and at most 180, not 181"),
+    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\naperture_radius = -1", "10:19: `camera.aperture_radius` must be a number from 0 to 1e15, not -1"),
+    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nblades = 2", "10:10: `camera.blades` must be 0 for a disk, or at least 3, not 2"),
+    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nfocus_on = \"grond\"", "10:12: `camera.focus_on` must be the name of a sphere, not \"grond\" | did you mean `ground`?"),
+    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nfocus_on = \"ground\"\nfocus_distance = 2", "10:12: `camera.focus_on` and `camera.focus_distance` say the same; leave one out"),
+    ("[render]", "[render]\nestimator = \"mix\"", "31:13: `render.estimator` must be \"mis\" or \"light\" or \"bsdf\", not \"mix\" | did you mean `mis`?"),
+    ("[render]", "[render]\nclamp_indirect = 0", "31:18: `render.clamp_indirect` must be a number above 0 and at most 1e15, not 0"),
+    ("[render]", "[render]\nambient_occlusion.distance = -1", "31:30: `render.ambient_occlusion.distance` must be a number above 0 and at most 1e15, not -1"),
     ("[render]", "[render]\nsamples_per_pixel = 0", "31:21: `render.samples_per_pixel` must be a whole number from 1 to 4294967295, not 0"),
     ("[render]", "[render]\npaper = 3", "31:9: `render.paper` must be a table, not an integer"),
     ("[render]", "[render]\nraycast.shadows = 1", "31:19: `render.raycast.shadows` must be true or false, not an integer"),
     ("[render]", "[render]\npaper.threshold = 0.1", "31:19: `render.paper.threshold` means nothing without `stop = \"threshold\"`"),
     ("[render]", "[render]\npaper.jitter = 1.1", "31:16: `render.paper.jitter` must be a number from 0 to 1, not 1.1"),
+    ("[render]", "[render]\nsampler = \"sobl\"", "31:11: `render.sampler` must be \"sobol\" or \"independent\" or \"stratified\", not \"sobl\" | did you mean `sobol`?"),
     ("[render]", "[render]\nintegrator = \"paper\"\npaper.stop = \"depth\"", "32:14: `render.paper.stop = \"depth\"` needs `render.max_depth` | add `max_depth = 6` to `[render]`"),
 ];
+
+/// The metals, as a message lists them.
+const METALS: &str = "\"gold\" or \"silver\" or \"copper\" or \"aluminium\" or \"aluminum\" or \"iron\" or \"chromium\" or \"nickel\" or \"titanium\" or \"platinum\" or \"tungsten\" or \"brass\"";
+
+#[test]
+fn metals_are_named_or_given_by_their_index() {
+    let metal = |keys: &str| with("type = \"diffuse\"\nalbedo = [0.2, 0.6, 0.2]", keys);
+    let of = |keys: &str| {
+        let text = metal(&format!("type = \"conductor\"\n{keys}"));
+        load(&text, &[]).expect("a good scene").description.materials[0].surface
+    };
+    let gold = Metal::NAMED[0].1;
+    assert_eq!(of("metal = \"gold\""), Surface::Conductor { metal: gold, roughness: 0.0 });
+    let own = Metal { ior: [0.0, 1.0, 2.0].into(), extinction: [3.0, 4.0, 5.0].into() };
+    let given = of("ior = [0, 1, 2]\nextinction = [3, 4, 5]\nroughness = 0.5");
+    assert_eq!(given, Surface::Conductor { metal: own, roughness: 0.5 });
+
+    let told = |keys: &str, expected: &[&str]| {
+        assert_told(&metal(&format!("type = \"conductor\"\n{keys}")), &[], expected);
+    };
+    let expected =
+        format!("11:1: `materials.grass.metal` is missing | add `metal = ...`, {METALS}");
+    told("", &[&expected]);
+    let wrong = format!("13:9: `materials.grass.metal` must be {METALS}, not \"golt\" ");
+    told("metal = \"golt\"", &[&(wrong + "| did you mean `gold`?")]);
+    told(
+        "metal = \"gold\"\nextinction = [3, 4, 5]",
+        &["14:14: `materials.grass.extinction` says again what `metal` says already \
+           | remove `metal`, or both `ior` and `extinction`"],
+    );
+    told(
+        "ior = [0, 1, 101]",
+        &[
+            "11:1: `materials.grass.extinction` is missing | add `extinction = ...`, \
+             three numbers from 0 to 100",
+            "13:14: `materials.grass.ior` must be three numbers from 0 to 100, not 101",
+        ],
+    );
+    told(
+        "metal = \"iron\"\nroughness = 2",
+        &["14:13: `materials.grass.roughness` must be a number from 0 to 1, not 2"],
+    );
+}
 
 #[test]
 fn every_mistake_has_its_place_and_its_words() {
@@ -224,7 +294,7 @@ fn a_scene_without_its_parts_says_which() {
     let text = "format = 1\n[camera]\nposition=[0,0,1]\nlook_at=[0,0,0]\nspheres = []\n";
     let expected = [
         "5:1: `camera.spheres` is not a key of a scene \
-         | known here: position, look_at, up, vertical_fov_degrees, near",
+         | known here: type, position, look_at, up, near, vertical_fov_degrees, aperture_radius, focus_distance, focus_on, blades, rotation_degrees",
         "5:13: the scene has no spheres | add `[[spheres]]` with center, radius and material",
     ];
     assert_told(text, &[], &expected);
@@ -251,7 +321,7 @@ fn options_replace_what_the_file_says() {
     ];
     let description = load(SCENE, &options).expect("a good scene").description;
     let albedo = [1.0, 0.0, 0.0].into();
-    assert_eq!(description.materials[0].surface, Surface::Diffuse { albedo });
+    assert_eq!(description.materials[0].surface, Surface::Diffuse { albedo, roughness: 0.0 });
     assert_eq!(description.spheres[0].radius, 20.0);
     assert_eq!(description.spheres[0].center.y, -20.0);
     assert_eq!(description.spheres[1].name.as_deref(), Some("a \"b\""));
@@ -370,6 +440,20 @@ fn the_papers_samples_must_not_contradict_each_other() {
 }
 
 #[test]
+fn samplers_are_read_and_the_paper_keeps_independent_numbers() {
+    let sampler = |lines: &str, overrides: &[&str]| {
+        let text = with("seed = 7", lines);
+        load(&text, overrides).expect("good").description.render.sampler
+    };
+    assert_eq!(sampler("", &[]), SamplerKind::Sobol);
+    assert_eq!(sampler("sampler = \"independent\"", &[]), SamplerKind::Independent);
+    assert_eq!(sampler("", &["render.sampler=stratified"]), SamplerKind::Stratified);
+    assert_eq!(sampler("integrator = \"paper\"", &[]), SamplerKind::Independent);
+    let asked = "integrator = \"paper\"\nsampler = \"sobol\"";
+    assert_eq!(sampler(asked, &[]), SamplerKind::Sobol);
+}
+
+#[test]
 fn the_papers_options_are_read() {
     let text = with(
         "seed = 7",
@@ -426,5 +510,114 @@ proptest! {
             prop_assert!(error.mistakes().iter().all(shows_text), "{error}");
             prop_assert!(!error.to_string().is_empty());
         }
+    }
+}
+
+#[test]
+fn backgrounds_are_read_with_their_defaults() {
+    let background = |options: &[&str]| load(SCENE, options).expect("good").description.background;
+    let gradient = background(&["background.gradient={zenith=[0,0,1],horizon=[1,1,1]}"]);
+    let white = [1.0; 3].into();
+    let dome = Dome::Gradient { zenith: [0.0, 0.0, 1.0].into(), horizon: white, nadir: white };
+    assert_eq!(gradient.dome, dome);
+
+    let sun = "background.sun={elevation_degrees=30,azimuth_degrees=90,irradiance=[1,1,1]}";
+    let sun = background(&[sun, "background.sky={}"]).sun.expect("a sun");
+    assert!(sun.direction.distance(DVec3::new(0.75f64.sqrt(), 0.5, 0.0)) < 1e-12);
+    assert_eq!(sun.angular_diameter_degrees, 0.533);
+    let sun = "background.sun={elevation_degrees=90,irradiance=[1,1,1]}";
+    let up = background(&[sun, "background.up=[0,0,2]"]).sun.expect("a sun").direction;
+    assert!(up.distance(DVec3::Z) < 1e-12);
+
+    let transparent = background(&["background.transparent=true"]);
+    assert!(transparent.transparent && !transparent.camera_visible);
+}
+
+#[test]
+fn mistakes_in_backgrounds_say_what_to_do() {
+    let sun = "background.sun={direction=[0,1,0],irradiance=[1,1,1]}";
+    for (options, expected) in [
+        (
+            &["background.radiance=[1,1,1]", "background.sky={}", sun][..],
+            "`background` has both `radiance` and `sky`",
+        ),
+        (&["background.sky={}"], "`background.sky` needs `[background.sun]`"),
+        (
+            &["background.sky={}", "background.sun={direction=[0,-1,0],irradiance=[1,1,1]}"],
+            "needs a sun above the horizon",
+        ),
+        (
+            &["background.sky={turbidity=11}", sun],
+            "`background.sky.turbidity` must be a number from 2 to 10, not 11",
+        ),
+        (
+            &["background.sun={irradiance=[1,1,1]}"],
+            "`background.sun` needs `direction`, or `elevation_degrees`",
+        ),
+        (&["background.sun={direction=[0,1,0]}"], "`background.sun.irradiance` is missing"),
+        (
+            &["background.sun={direction=[0,0,0],irradiance=[1,1,1]}"],
+            "`background.sun.direction` must not be [0, 0, 0]",
+        ),
+        (
+            &["background.sun={direction=[0,1,0],elevation_degrees=3,irradiance=[1,1,1]}"],
+            "`background.sun` has a direction and angles",
+        ),
+        (&["background.gradient={zenith=[1,1,1]}"], "`background.gradient.horizon` is missing"),
+        (&["background.up=[0,0,0]"], "`background.up` must not be [0, 0, 0]"),
+        (
+            &["background.transparent=true", "background.camera_visible=true"],
+            "`background.camera_visible` is true, but",
+        ),
+        (&["background.image={}"], "`background.image.file` is missing"),
+        (&["background.image={file=\"none.exr\"}"], "none.exr` as background: No such file"),
+        (&["background.image={file=\"example.toml\"}"], "does not end in .exr or .hdr"),
+    ] {
+        let told = told(SCENE, options);
+        assert!(told.len() == 1 && told[0].contains(expected), "{told:?} is not {expected}");
+    }
+}
+
+#[test]
+fn images_that_are_no_background_say_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, width: usize, height: usize, pixel: f32| {
+        let layer = vec![Rgb::splat(1.0); width * height];
+        let mut picture =
+            Picture { width, height, direct: layer.clone(), indirect: layer, alpha: None };
+        picture.direct[5] = Rgb::new(1.0, pixel, 1.0);
+        Target::new(&folder.path().join(name)).unwrap().write(&picture).unwrap();
+    };
+    write("square.exr", 4, 4, 1.0);
+    write("square.hdr", 4, 4, 1.0);
+    write("negative.exr", 4, 2, -3.0);
+    write("nan.exr", 4, 2, f32::NAN);
+    write("good.exr", 4, 2, 3.0);
+    write("good.hdr", 4, 2, 3.0);
+    std::fs::write(folder.path().join("empty.exr"), "").unwrap();
+    std::fs::write(folder.path().join("text.hdr"), "no picture").unwrap();
+    let load = |name: &str| {
+        let image = set(&format!("background.image={{file=\"{name}\"}}"));
+        read_text("test.toml", SCENE, folder.path(), &[image])
+    };
+    for (name, expected) in [
+        ("square.exr", "it has 4 x 4 pixels, but"),
+        ("square.hdr", "it has 4 x 4 pixels, but"),
+        (
+            "negative.exr",
+            "1 of its pixels are negative, infinite or not a number, first the one in column 1, row 1, which is [2, -2, 2]",
+        ),
+        ("nan.exr", "which is [2, NaN, 2]"),
+        ("empty.exr", "as background: "),
+        ("text.hdr", "as background: "),
+    ] {
+        let told = load(name).expect_err("a mistake").mistakes()[0].to_string();
+        assert!(told.contains(expected), "{told} is not {expected}");
+    }
+    for name in ["good.exr", "good.hdr"] {
+        let scene = Scene::new(load(name).expect("a good image")).expect("few spheres");
+        // Pixel (1, 1) is seen in the middle of its quarter, at 45 degrees below the horizon.
+        let seen = scene.background(DVec3::new(-0.5, -0.5f64.sqrt(), -0.5));
+        assert!((seen - Rgb::new(2.0, 4.0, 2.0)).length() < 0.04, "{name}: {seen}");
     }
 }

@@ -17,6 +17,9 @@ albedo = [0.5, 0.5, 0.5]
 [materials.mirror]
 type = "mirror"
 reflectance = [1, 1, 1]
+[materials.glass]
+type = "dielectric"
+ior = 1.5
 [materials.glossy]
 type = "phong"
 albedo = [0.5, 0.5, 0.5]
@@ -84,7 +87,7 @@ fn tables_follow_each_other_behind_the_exact_spheres() {
         .values("a.f32", &[1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25])
         .values("b.f32", &[0.0, 0.5, 1.0, 0.125, 9.0, 8.0, 7.0]);
     scene.text += "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nmaterial = \"matt\"\n";
-    let Loaded { rows, groups, description } = scene.load().expect("good tables");
+    let Loaded { rows, groups, description, .. } = scene.load().expect("good tables");
     assert_eq!(rows.table, [[1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.25], [7.0, 8.0, 9.0, 0.125]]);
     assert_eq!(rows.exact.len(), 1);
     let places: Vec<_> = groups.iter().map(|group| (group.first_row, group.count)).collect();
@@ -226,7 +229,7 @@ fn colours_need_a_material_that_they_can_colour() {
         |material: &str| Scene::new().table("a.f32", COLORED, material).values("a.f32", &values);
     colored("matt").load().expect("a diffuse table");
     assert_eq!(
-        colored("mirror").told(),
+        colored("glass").told(),
         ["`sphere_tables.0.columns` has colours for a material without albedo"]
     );
     assert_eq!(

@@ -1,114 +1,202 @@
-//! From a place in the picture to a ray.
+//! From a place in the picture, and one on the lens, to a ray.
+//!
+//! Places in the picture are counted in pixels from its upper left corner; pixels are square except
+//! in a panorama, whose pixels are steps of two angles.
 
-use crate::geometry::PathRay;
+mod aperture;
+
+pub use aperture::Aperture;
+
+use crate::geometry::{PathRay, Sphere};
 use crate::math::DVec3;
+use crate::sampling::sin_cos;
 
-/// A pinhole camera.
+/// A camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
+    /// The middle of the lens, relative to the spheres' origin.
     position: DVec3,
-    /// Unit view axis.
+    /// Unit view axis, and the unit vectors to the right and up in the picture.
     forward: DVec3,
-    /// From the middle of the picture to its right edge, at distance 1 along the axis.
     right: DVec3,
-    /// From the middle of the picture to its upper edge, at distance 1 along the axis.
     up: DVec3,
-    width: f64,
-    height: f64,
+    /// From the middle of the picture to its edge, as the projection measures it: at distance 1 along
+    /// the axis, in scene units, or in radians.
+    half: [f64; 2],
+    projection: Projection,
+    size: [f64; 2],
     near: f64,
 }
 
-/// What a pinhole camera is made from.
+/// Where a camera is and how it is held.
 #[derive(Clone, Copy, Debug)]
-pub struct Pinhole {
-    /// Where the pinhole is, relative to the spheres' origin.
+pub struct Mount {
+    /// The middle of the lens, relative to the spheres' origin.
     pub position: DVec3,
     /// The direction of the view axis, any length.
     pub towards: DVec3,
     /// The direction that is up in the picture; not parallel to the axis.
     pub up: DVec3,
-    /// Angle from the bottom to the top of the picture, in radians.
-    pub vertical_fov: f64,
-    /// Rays start where their depth along the view axis is this.
+    /// Rays start where their depth along the view axis is this; in a panorama, their distance.
     pub near: f64,
     /// Pixels across and down.
     pub size: [u32; 2],
 }
 
+/// How directions become places in the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Through one point, or through a thin lens around it.
+    Perspective {
+        /// Angle from the bottom to the top of the picture, in radians, below pi.
+        vertical_fov: f64,
+        /// `None` is a pinhole.
+        lens: Option<Lens>,
+    },
+    /// Parallel to the axis.
+    Orthographic {
+        /// What fits between the bottom and the top of the picture, in scene units.
+        height: f64,
+    },
+    /// All around: columns are longitudes, rows are latitudes.
+    Panoramic {
+        /// Angle from the left to the right of the picture, in radians, up to 2 pi.
+        horizontal: f64,
+        /// Angle from the bottom to the top, in radians, up to pi.
+        vertical: f64,
+    },
+}
+
+/// A thin lens: all rays from a point at the focus distance meet in one point of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Its opening.
+    pub aperture: Aperture,
+    /// From the lens to the plane in focus, along the axis; positive.
+    pub focus_distance: f64,
+}
+
 impl Camera {
-    /// A pinhole camera with square pixels.
-    pub fn pinhole(pinhole: &Pinhole) -> Self {
-        let [width, height] = pinhole.size.map(f64::from);
-        let forward = pinhole.towards.normalize();
-        let right = forward.cross(pinhole.up).normalize();
-        let up = right.cross(forward);
-        let half_height = libm::tan(pinhole.vertical_fov / 2.0);
+    /// A camera.
+    pub fn new(mount: &Mount, projection: Projection) -> Self {
+        let [width, height] = mount.size.map(f64::from);
+        let forward = mount.towards.normalize();
+        let right = forward.cross(mount.up).normalize();
+        let square = |half_height: f64| [half_height * width / height, half_height];
+        let half = match projection {
+            Projection::Perspective { vertical_fov, .. } => square(libm::tan(vertical_fov / 2.0)),
+            Projection::Orthographic { height } => square(height / 2.0),
+            Projection::Panoramic { horizontal, vertical } => [horizontal / 2.0, vertical / 2.0],
+        };
         Self {
-            position: pinhole.position,
+            position: mount.position,
             forward,
-            right: right * (half_height * width / height),
-            up: up * half_height,
-            width,
-            height,
-            near: pinhole.near,
+            right,
+            up: right.cross(forward),
+            half,
+            projection,
+            size: [width, height],
+            near: mount.near,
         }
     }
 
-    /// The ray through a place in the picture, in pixels from its upper left corner.
-    pub fn ray(&self, x: f64, y: f64) -> PathRay {
-        let right = self.right * (2.0 * x / self.width - 1.0);
-        let up = self.up * (1.0 - 2.0 * y / self.height);
-        let direction = (self.forward + right + up).normalize();
-        let t_min = self.near / direction.dot(self.forward);
-        PathRay { t_min, ..PathRay::free(self.position, direction) }
+    /// The ray through a place in the picture, in pixels from its upper left corner, and the place on
+    /// the lens that two numbers in `[0, 1)` give.
+    pub fn ray(&self, x: f64, y: f64, lens: [f64; 2]) -> PathRay {
+        let [width, height] = self.size;
+        // From -1 to 1.
+        let (across, upwards) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
+        let [to_right, to_top] = [self.right * self.half[0], self.up * self.half[1]];
+        match self.projection {
+            Projection::Perspective { lens: None, .. } => {
+                let direction = self.forward + to_right * across + to_top * upwards;
+                self.leave_lens(self.position, direction)
+            }
+            Projection::Perspective { lens: Some(thin), .. } => {
+                let direction = self.forward + to_right * across + to_top * upwards;
+                let [lens_x, lens_y] = thin.aperture.sample(lens);
+                let offset = self.right * lens_x + self.up * lens_y;
+                self.leave_lens(self.position + offset, direction - offset / thin.focus_distance)
+            }
+            Projection::Orthographic { .. } => {
+                let origin = self.position + to_right * across + to_top * upwards;
+                PathRay { t_min: self.near, ..PathRay::free(origin, self.forward) }
+            }
+            Projection::Panoramic { .. } => {
+                let (sin_longitude, cos_longitude) = sin_cos(self.half[0] * across);
+                let (sin_latitude, cos_latitude) = sin_cos(self.half[1] * upwards);
+                let level = self.forward * cos_longitude + self.right * sin_longitude;
+                let direction = level * cos_latitude + self.up * sin_latitude;
+                let free = PathRay::free(self.position, direction.normalize());
+                PathRay { t_min: self.near, ..free }
+            }
+        }
     }
 
-    /// Where the pinhole is, relative to the spheres' origin.
+    /// Whether [`Self::ray`] heeds the place on the lens.
+    pub fn has_lens(&self) -> bool {
+        matches!(self.projection, Projection::Perspective { lens: Some(_), .. })
+    }
+
+    /// Where the middle of the lens is, relative to the spheres' origin.
     pub fn position(&self) -> DVec3 {
         self.position
     }
 
-    /// The farthest from the pinhole that a ray can start which passes the picture at most `margin`
-    /// pixels outside.
+    /// The farthest from [`Self::position`] that the origin of a ray can be which passes the picture
+    /// at most `margin` pixels outside.
+    pub fn farthest_origin(&self, margin: f64) -> f64 {
+        match self.projection {
+            Projection::Perspective { lens, .. } => lens.map_or(0.0, |lens| lens.aperture.radius),
+            Projection::Orthographic { .. } => self.half_diagonal(margin),
+            Projection::Panoramic { .. } => 0.0,
+        }
+    }
+
+    /// A distance from [`Self::position`] beyond which no ray can start which passes the picture at
+    /// most `margin` pixels outside; no ray's `t_min` is larger.
     pub fn farthest_start(&self, margin: f64) -> f64 {
-        let right = self.right * (1.0 + 2.0 * margin / self.width);
-        let up = self.up * (1.0 + 2.0 * margin / self.height);
-        self.near * (1.0 + right.length_squared() + up.length_squared()).sqrt()
+        let origin = self.farthest_origin(margin);
+        match self.projection {
+            Projection::Perspective { lens, .. } => {
+                let tilt = lens.map_or(0.0, |lens| lens.aperture.radius / lens.focus_distance);
+                let slope = self.half_diagonal(margin) + tilt;
+                origin + self.near * (1.0 + slope * slope).sqrt()
+            }
+            Projection::Orthographic { .. } => origin + self.near,
+            Projection::Panoramic { .. } => self.near,
+        }
+    }
+
+    /// Whether a ray may start inside a sphere, which passes the picture at most `margin` pixels
+    /// outside. Sometimes true where none can, never false where one does.
+    pub fn may_start_in(&self, sphere: &Sphere, margin: f64) -> bool {
+        let reach = self.farthest_start(margin);
+        let from = sphere.center - self.position;
+        let distance = from.length();
+        // All rays start at one depth, or in a panorama at one distance. The rest is for rounding.
+        let off = match self.projection {
+            Projection::Panoramic { .. } => distance - self.near,
+            _ => from.dot(self.forward) - self.near,
+        };
+        let radius = sphere.radius + 1e-12 * (distance + reach);
+        off.abs() <= radius && distance <= radius + reach
+    }
+
+    /// A ray that starts at the depth `near`; the direction has any length.
+    fn leave_lens(&self, origin: DVec3, direction: DVec3) -> PathRay {
+        let direction = direction.normalize();
+        let t_min = self.near / direction.dot(self.forward);
+        PathRay { t_min, ..PathRay::free(origin, direction) }
+    }
+
+    /// From the middle of the picture to a corner that lies `margin` pixels outside.
+    fn half_diagonal(&self, margin: f64) -> f64 {
+        let axis = |axis: usize| self.half[axis] * (1.0 + 2.0 * margin / self.size[axis]);
+        let (across, upwards) = (axis(0), axis(1));
+        (across * across + upwards * upwards).sqrt()
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use approx::assert_relative_eq;
-
-    fn camera(near: f64) -> Camera {
-        Camera::pinhole(&Pinhole {
-            position: DVec3::new(0.0, 0.0, 5.0),
-            towards: DVec3::new(0.0, 0.0, -2.0),
-            up: DVec3::Y,
-            vertical_fov: std::f64::consts::FRAC_PI_2,
-            near,
-            size: [200, 100],
-        })
-    }
-
-    #[test]
-    fn the_middle_of_the_picture_is_the_view_axis_and_the_corners_are_symmetric() {
-        let camera = camera(0.0);
-        assert_eq!(camera.ray(100.0, 50.0).direction, -DVec3::Z);
-        let corner = camera.ray(200.0, 0.0).direction;
-        assert_relative_eq!(corner.x / -corner.z, 2.0, max_relative = 1e-12);
-        assert_relative_eq!(corner.y / -corner.z, 1.0, max_relative = 1e-12);
-    }
-
-    #[test]
-    fn near_is_a_depth_along_the_axis() {
-        let camera = camera(2.0);
-        for (x, y) in [(100.0, 50.0), (0.0, 0.0), (13.0, 87.0)] {
-            let ray = camera.ray(x, y);
-            assert_relative_eq!(ray.at(ray.t_min).z, 3.0, max_relative = 1e-12);
-            assert!(ray.t_min <= camera.farthest_start(0.0) * (1.0 + 1e-12));
-        }
-    }
-}
+mod tests;

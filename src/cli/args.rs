@@ -4,6 +4,11 @@
 //! Values that mean something to a scene become [`Override`]s and are judged where the scene is, so
 //! that `--spp 0` is refused in the same words as `samples_per_pixel = 0`.
 
+mod compare;
+mod converge;
+mod trace;
+mod verify;
+
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -13,6 +18,11 @@ use crate::accel::Backend;
 use crate::scene::Override;
 
 use super::exit::EXIT_CODES;
+
+pub(super) use compare::{CompareArgs, Mapped, Metric};
+pub(super) use converge::ConvergeArgs;
+pub(super) use trace::TraceArgs;
+pub(super) use verify::VerifyArgs;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -38,6 +48,10 @@ pub(super) enum Command {
     Render(RenderArgs),
     Crosscheck(CrosscheckArgs),
     Bench(BenchArgs),
+    Compare(CompareArgs),
+    Converge(ConvergeArgs),
+    Trace(TraceArgs),
+    Verify(VerifyArgs),
     Info(InfoArgs),
     /// Say what this build and this machine can do, and what is missing
     #[command(after_help = "\
@@ -106,9 +120,17 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) accel: AccelArg,
 
-    /// The estimator of light: path, paper or raycast
+    /// What is computed: path, direct, ambient-occlusion, normals, paper or raycast
     #[arg(long, value_name = "NAME")]
     integrator: Option<String>,
+
+    /// How lights are found: mis, light or bsdf
+    #[arg(long, value_name = "NAME")]
+    estimator: Option<String>,
+
+    /// How random numbers are spread: sobol, independent or stratified
+    #[arg(long, value_name = "NAME")]
+    sampler: Option<String>,
 
     /// Samples per pixel, from 1
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
@@ -117,6 +139,10 @@ pub(super) struct RenderArgs {
     /// The size of the picture in pixels, as in 640x480
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<Size>,
+
+    /// Render this part of the picture only: its first column and row, and the ones behind its last
+    #[arg(long, value_name = "X0,Y0,X1,Y1")]
+    crop: Option<String>,
 
     /// Chooses the random numbers; equal seeds give equal pictures
     #[arg(long, value_name = "S", value_parser = whole, allow_negative_numbers = true)]
@@ -229,9 +255,15 @@ struct Setting {
 
 /// `WxH`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Size {
-    width: u32,
-    height: u32,
+pub(super) struct Size {
+    pub(super) width: u32,
+    pub(super) height: u32,
+}
+
+impl std::fmt::Display for Size {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}x{}", self.width, self.height)
+    }
 }
 
 impl SceneArgs {
@@ -265,13 +297,23 @@ impl RenderArgs {
         let mut set = |option: String, key: &str, value: String| {
             overrides.push(Override { option, key: key.to_owned(), value });
         };
-        if let Some(name) = &self.integrator {
-            set(format!("--integrator {name}"), "render.integrator", name.clone());
+        let names = [
+            ("--integrator", "render.integrator", &self.integrator),
+            ("--estimator", "render.estimator", &self.estimator),
+            ("--sampler", "render.sampler", &self.sampler),
+        ];
+        for (option, key, name) in names {
+            if let Some(name) = name {
+                set(format!("{option} {name}"), key, name.clone());
+            }
         }
         if let Some(Size { width, height }) = self.size {
             let option = format!("--size {width}x{height}");
             set(option.clone(), "image.width", width.to_string());
             set(option, "image.height", height.to_string());
+        }
+        if let Some(crop) = &self.crop {
+            set(format!("--crop {crop}"), "image.crop", format!("[{crop}]"));
         }
         let numbers = [
             ("--spp", "render.samples_per_pixel", self.spp),
@@ -359,7 +401,7 @@ mod tests {
     fn options_become_overrides_and_set_comes_last() {
         let args = render(
             "a.toml -o a.png --set render.seed=3 --spp 16 --size 64x48 --integrator paper \
-             --set materials.m.albedo=[0.1,0.2,0.3] --max-depth 5",
+             --sampler sobol --set materials.m.albedo=[0.1,0.2,0.3] --max-depth 5",
         );
         let overrides = args.overrides();
         let shown: Vec<_> = overrides
@@ -368,6 +410,7 @@ mod tests {
             .collect();
         let expected = [
             ("--integrator paper", "render.integrator", "paper"),
+            ("--sampler sobol", "render.sampler", "sobol"),
             ("--size 64x48", "image.width", "64"),
             ("--size 64x48", "image.height", "48"),
             ("--spp 16", "render.samples_per_pixel", "16"),

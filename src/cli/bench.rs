@@ -51,13 +51,17 @@ fn measure(args: &BenchArgs) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
+/// Which two numbers give the middle of a lens, or nearly so where it has blades.
+const MIDDLE_OF_THE_LENS: [f64; 2] = [0.5; 2];
+
 /// One ray through the middle of every pixel, row by row.
 fn camera_rays(scene: &Scene) -> Vec<PathRay> {
     let image = scene.description().image;
     let width = image.width as usize;
     let count = (width * image.height as usize).min(MOST_RAYS);
     let ray = |pixel: usize| {
-        scene.camera().ray((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5)
+        let (x, y) = ((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+        scene.camera().ray(x, y, MIDDLE_OF_THE_LENS)
     };
     (0..count).map(ray).collect()
 }

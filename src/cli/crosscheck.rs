@@ -93,7 +93,10 @@ fn camera_rays(scene: &Scene, count: usize, seed: u64) -> Vec<PathRay> {
     let mut rng = StdRng::seed_from_u64(seed);
     let image = scene.description().image;
     let mut place = |pixels: u32| f64::from(pixels) * rng.random::<f64>();
-    let mut ray = || scene.camera().ray(place(image.width), place(image.height));
+    let mut ray = || {
+        let (x, y) = (place(image.width), place(image.height));
+        scene.camera().ray(x, y, [place(1), place(1)])
+    };
     std::iter::repeat_with(&mut ray).take(count).collect()
 }
 

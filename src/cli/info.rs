@@ -83,6 +83,9 @@ fn in_words(scene: &Scene) -> String {
     let depth = render.max_depth.map_or_else(|| "no limit".to_owned(), |depth| depth.to_string());
     row("max_depth", depth);
     row("seed", render.seed.to_string());
+    for (index, option) in render.biases().into_iter().enumerate() {
+        row(if index == 0 { "biased by" } else { "" }, option);
+    }
     text
 }
 
@@ -109,6 +112,7 @@ fn in_json(scene: &Scene) -> Value {
         "samples_per_pixel": render.samples_per_pixel,
         "max_depth": render.max_depth,
         "seed": render.seed,
+        "biased_by": render.biases(),
     })
 }
 
@@ -117,15 +121,20 @@ fn materials(description: &Description) -> Vec<(&str, &'static str)> {
     let kind = |surface: &Surface| match surface {
         Surface::Diffuse { .. } => "diffuse",
         Surface::Mirror { .. } => "mirror",
+        Surface::Conductor { .. } => "conductor",
         Surface::Dielectric { .. } => "dielectric",
+        Surface::Plastic { .. } => "plastic",
         Surface::Phong { .. } => "phong",
     };
     description.materials.iter().map(|m| (m.name.as_str(), kind(&m.surface))).collect()
 }
 
-fn name_of(integrator: &Integrator) -> &'static str {
+pub(super) fn name_of(integrator: &Integrator) -> &'static str {
     match integrator {
         Integrator::Path => "path",
+        Integrator::Direct => "direct",
+        Integrator::AmbientOcclusion { .. } => "ambient-occlusion",
+        Integrator::Normals => "normals",
         Integrator::Paper(_) => "paper",
         Integrator::Raycast { .. } => "raycast",
     }
@@ -134,7 +143,9 @@ fn name_of(integrator: &Integrator) -> &'static str {
 fn integrator(integrator: &Integrator) -> String {
     let name = name_of(integrator);
     match integrator {
-        Integrator::Path => name.to_owned(),
+        Integrator::Path | Integrator::Direct | Integrator::Normals => name.to_owned(),
+        Integrator::AmbientOcclusion { distance } if distance.is_infinite() => name.to_owned(),
+        Integrator::AmbientOcclusion { distance } => format!("{name}, nearer than {distance}"),
         Integrator::Raycast { shadows: true } => format!("{name}, with shadows"),
         Integrator::Raycast { shadows: false } => format!("{name}, without shadows"),
         Integrator::Paper(paper) => {

@@ -5,6 +5,8 @@
 
 mod args;
 mod bench;
+mod compare;
+mod converge;
 mod crosscheck;
 mod doctor;
 mod error;
@@ -16,6 +18,8 @@ mod print;
 mod progress;
 mod render;
 mod system;
+mod trace;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -43,6 +47,10 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Render(args) => render::run(args),
         Command::Crosscheck(args) => crosscheck::run(args),
         Command::Bench(args) => bench::run(args),
+        Command::Compare(args) => compare::run(args),
+        Command::Converge(args) => converge::run(args),
+        Command::Trace(args) => trace::run(args),
+        Command::Verify(args) => verify::run(args),
         Command::Info(args) => info::run(args),
         Command::Doctor => doctor::run(),
         Command::Completions { shell } => manual::completions(*shell),

@@ -9,7 +9,7 @@ use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::geometry::SphereSet;
-use crate::output::Target;
+use crate::output::{Crop, Notes, Target};
 use crate::render::{self, Outcome, RenderOptions};
 use crate::scene::Scene;
 
@@ -60,7 +60,7 @@ fn render(args: &RenderArgs, target: Target, interrupt: &Interrupt) -> Result<Ex
             Error::cancelled().with_help("no sample was finished, so no picture was written")
         );
     }
-    target.write(&outcome.picture)?;
+    target.write_with(&outcome.picture, &notes(&scene))?;
     outcome.warnings.iter().for_each(print::warning);
     outcome.warnings.splice(..0, about_spheres);
     report(args, &scene, &outcome, &figures)?;
@@ -69,7 +69,7 @@ fn render(args: &RenderArgs, target: Target, interrupt: &Interrupt) -> Result<Ex
 
 /// Refuses a film that the machine has no memory for, before the system kills the program for it.
 fn check_memory(scene: &Scene) -> Result<()> {
-    let image = scene.description().image;
+    let image = scene.description().image.window();
     let film = Film::bytes(image.width as usize, image.height as usize) as u64;
     match system::available_memory() {
         Some(available) if film > available => Err(Error::input(format!(
@@ -82,6 +82,17 @@ fn check_memory(scene: &Scene) -> Result<()> {
         .with_help("render a smaller picture")),
         _ => Ok(()),
     }
+}
+
+/// What the file says of the picture beside its pixels.
+fn notes(scene: &Scene) -> Notes {
+    let image = scene.description().image;
+    let window = image.window();
+    let cropped_from = image.crop.map(|_| Crop {
+        full_size: [image.width, image.height].map(|pixels| pixels as usize),
+        corner: [window.x, window.y].map(|pixels| pixels as usize),
+    });
+    Notes { cropped_from, biased_by: scene.description().render.biases() }
 }
 
 /// What the user should know of spheres that are there twice, and of those that f32 cannot hold well.

@@ -11,6 +11,8 @@ pub struct Radiance {
     pub direct: Rgb,
     /// All the rest.
     pub indirect: Rgb,
+    /// 0 where the camera ray met nothing and saw the background, else 1.
+    pub alpha: f32,
 }
 
 /// Luminance of a linear Rec. 709 colour (ITU-R BT.709-6, item 3.2).
@@ -24,6 +26,11 @@ pub fn srgb_from_linear(linear: f32) -> f32 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * libm::powf(x, 1.0 / 2.4) - 0.055 }
 }
 
+/// The inverse of [`srgb_from_linear`] for one channel in `[0, 1]`.
+pub fn linear_from_srgb(value: f32) -> f32 {
+    if value <= 0.040_45 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -34,5 +41,13 @@ mod tests {
         assert_eq!(srgb_from_linear(-1.0), 0.0);
         assert_abs_diff_eq!(srgb_from_linear(2.0), 1.0, epsilon = 1e-6);
         assert_abs_diff_eq!(srgb_from_linear(0.214_041_14), 0.5, epsilon = 1e-5);
+    }
+
+    #[test]
+    fn the_srgb_curve_is_undone() {
+        for step in 0..=255u8 {
+            let value = f32::from(step) / 255.0;
+            assert_abs_diff_eq!(srgb_from_linear(linear_from_srgb(value)), value, epsilon = 1e-6);
+        }
     }
 }

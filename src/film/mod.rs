@@ -6,6 +6,7 @@ pub use picture::Picture;
 
 use crate::color::{Radiance, Rgb};
 use crate::error::{Error, Result};
+use crate::fault::fault;
 
 /// Samples are summed in blocks of this many consecutive ones, in index order.
 pub const BLOCK: u32 = 16;
@@ -15,6 +16,7 @@ pub const BLOCK: u32 = 16;
 pub struct Pixel {
     direct: [f64; 3],
     indirect: [f64; 3],
+    alpha: f64,
     samples: u32,
 }
 
@@ -39,7 +41,11 @@ impl Pixel {
                 }
             }
         }
+        if fault!(FirstBlockDropped) && self.samples == 0 {
+            sums = Default::default();
+        }
         let [direct, indirect] = sums;
+        self.alpha += samples.iter().map(|sample| f64::from(sample.alpha)).sum::<f64>();
         self.direct.iter_mut().zip(direct).for_each(|(total, sum)| *total += sum);
         self.indirect.iter_mut().zip(indirect).for_each(|(total, sum)| *total += sum);
         self.samples += samples.len() as u32;
@@ -51,7 +57,8 @@ impl Pixel {
     }
 
     fn mean(&self, sums: [f64; 3]) -> Rgb {
-        let count = f64::from(self.samples.max(1));
+        let n = if fault!(DividedByN) { self.samples / 4 } else { self.samples };
+        let count = f64::from(n.max(1));
         Rgb::from_array(sums.map(|sum| (sum / count) as f32))
     }
 }
@@ -90,6 +97,13 @@ impl Film {
             height: self.height,
             direct: self.pixels.iter().map(|pixel| pixel.mean(pixel.direct)).collect(),
             indirect: self.pixels.iter().map(|pixel| pixel.mean(pixel.indirect)).collect(),
+            alpha: None,
         }
+    }
+
+    /// The same, with the share of each pixel that something covers.
+    pub fn picture_with_alpha(&self) -> Picture {
+        let alpha = |pixel: &Pixel| (pixel.alpha / f64::from(pixel.samples.max(1))) as f32;
+        Picture { alpha: Some(self.pixels.iter().map(alpha).collect()), ..self.picture() }
     }
 }

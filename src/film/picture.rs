@@ -17,6 +17,9 @@ pub struct Picture {
     pub direct: Vec<Rgb>,
     /// All other light.
     pub indirect: Vec<Rgb>,
+    /// The share of each pixel that something covers, where the scene asks for it; the layers are
+    /// then light over nothing (premultiplied).
+    pub alpha: Option<Vec<f32>>,
 }
 
 impl Picture {
@@ -58,6 +61,7 @@ mod tests {
             height: 1,
             direct: vec![Rgb::new(1.0, 2.0, 3.0), Rgb::ZERO],
             indirect: vec![Rgb::ONE, Rgb::new(0.0, 1.0, 2.0)],
+            alpha: None,
         };
         assert_eq!(picture.beauty(0), Rgb::new(2.0, 3.0, 4.0));
         assert_eq!(picture.mean(), DVec3::new(1.0, 2.0, 3.0));

@@ -3,6 +3,7 @@
 //! Everything is written with the chord `1 - cos`, so that a lamp of any angular size, down to the
 //! smallest that f64 can tell, keeps full relative precision.
 
+use crate::fault::fault;
 use crate::math::{DVec3, Frame};
 use crate::sampling;
 
@@ -41,6 +42,7 @@ impl Cone {
         // 1 - cos = sin^2 / (1 + cos), which does not cancel for a small angle; and
         // 1 - sin^2 = (d - R)(d + R) / d^2, which does not cancel near the surface.
         let cos_max = ((distance - sphere.radius) * (distance + sphere.radius)).sqrt() / distance;
+        let cos_max = if fault!(NarrowCone) { 1.0 } else { cos_max };
         Some(Self {
             frame: Frame::around(to_center / distance),
             distance,
@@ -61,7 +63,8 @@ impl Cone {
 
     /// A direction uniform over the cone's solid angle, from `u` in `[0, 1)^2`.
     pub fn sample(&self, u: [f64; 2]) -> ConeSample {
-        let one_minus_cos = u[0] * self.one_minus_cos_max;
+        let share = if fault!(ConeUniformInAngle) { u[0] * u[0] } else { u[0] };
+        let one_minus_cos = share * self.one_minus_cos_max;
         let sin_squared = one_minus_cos * (2.0 - one_minus_cos);
         let (sin_phi, cos_phi) = sampling::sin_cos(std::f64::consts::TAU * u[1]);
         let sin = sin_squared.max(0.0).sqrt();

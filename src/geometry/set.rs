@@ -5,7 +5,8 @@
 //! buffer as it stands. Giants (see [`super::giants`]) stay in f64 behind it: ids below
 //! `particles().len()` are particles, the ids from there on are giants.
 
-use crate::math::{DVec3, Hit, Ray};
+use crate::fault::fault;
+use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
 use super::{PathRay, Side, Sphere, SurfaceHit};
 
@@ -92,7 +93,9 @@ impl SphereSet {
     /// The question for a backend: what does this ray hit before its own far wall?
     pub fn ask(&self, ray: &PathRay) -> Ray {
         let t_max = ray.t_max.min(ray.far_wall);
-        Ray::new(ray.origin, ray.direction, ray.t_min, t_max, [ray.leaves, ray.aims_at])
+        let leaves = if fault!(ExclusionLost) { NO_SPHERE } else { ray.leaves };
+        let aims_at = if fault!(LampBlocksItself) { NO_SPHERE } else { ray.aims_at };
+        Ray::new(ray.origin, ray.direction, ray.t_min, t_max, [leaves, aims_at])
     }
 
     /// Turns a backend's answer into a point on a sphere, the same for all backends: only the id is

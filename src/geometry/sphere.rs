@@ -1,5 +1,6 @@
 //! One sphere and a line, in f64.
 
+use crate::fault::fault;
 use crate::math::DVec3;
 
 /// A sphere in f64.
@@ -44,7 +45,7 @@ impl Sphere {
         t_max: f64,
     ) -> Option<f64> {
         let Roots { near, far } = self.roots(origin, direction)?;
-        let t = if near > t_min { near } else { far };
+        let t = if near > t_min || fault!(NearRootForFar) { near } else { far };
         (t > t_min && t < t_max).then_some(t)
     }
 
@@ -53,7 +54,7 @@ impl Sphere {
     pub fn resolve(&self, origin: DVec3, direction: DVec3, t_min: f64) -> f64 {
         let Approach { t, half_chord_squared } = self.approach(origin, direction);
         let h = half_chord_squared.max(0.0).sqrt();
-        let root = if t - h > t_min { t - h } else { t + h };
+        let root = if t - h > t_min && !fault!(FarRootForNear) { t - h } else { t + h };
         root.max(t_min)
     }
 

@@ -1,5 +1,6 @@
 //! A path's own ray, and the point on a sphere where it ends.
 
+use crate::fault::fault;
 use crate::math::{DVec3, NO_SPHERE};
 
 /// An f64 ray of a path, as it leaves the camera or a sphere.
@@ -86,6 +87,7 @@ impl SurfaceHit {
     pub fn facing_normal(&self) -> DVec3 {
         match self.side {
             Side::Outside => self.normal,
+            Side::Inside if fault!(NormalFacesAway) => self.normal,
             Side::Inside => -self.normal,
         }
     }
@@ -96,7 +98,7 @@ impl SurfaceHit {
     pub fn leave(&self, direction: DVec3) -> Option<PathRay> {
         let mut ray = PathRay { leaves: self.id, ..PathRay::free(self.point, direction) };
         let cosine = direction.dot(self.normal);
-        if cosine < 0.0 {
+        if cosine < 0.0 && !fault!(FarWallIgnored) {
             ray.far_wall = -2.0 * self.radius * cosine / direction.length_squared();
             if ray.far_wall <= 0.0 {
                 return None;
@@ -105,11 +107,17 @@ impl SurfaceHit {
         Some(ray)
     }
 
-    /// The shadow ray from this point to a lamp `distance` away in this direction; `None` where the
-    /// sphere itself stands in the way.
+    /// The shadow ray from this point to a lamp `distance` away in this direction, or infinitely far
+    /// to no sphere; `None` where the sphere itself stands in the way.
     pub fn leave_towards(&self, direction: DVec3, distance: f64, lamp: u32) -> Option<PathRay> {
-        let ray = self.leave(direction)?;
-        let own_wall_blocks = lamp != self.id && ray.far_wall <= distance;
-        (!own_wall_blocks).then_some(PathRay { t_max: distance, aims_at: lamp, ..ray })
+        let ray = self.leave_up_to(direction, distance, lamp)?;
+        let goes_in = ray.far_wall < f64::INFINITY;
+        let own_wall_blocks = goes_in && lamp != self.id && ray.far_wall <= distance;
+        (!own_wall_blocks).then_some(ray)
+    }
+
+    /// Like [`Self::leave_towards`], but for light that may pass through the sphere's far wall.
+    pub fn leave_up_to(&self, direction: DVec3, distance: f64, lamp: u32) -> Option<PathRay> {
+        self.leave(direction).map(|ray| PathRay { t_max: distance, aims_at: lamp, ..ray })
     }
 }

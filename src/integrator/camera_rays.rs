@@ -1,16 +1,18 @@
 //! From a sample's address to a place in its pixel and the ray through it.
 
+use crate::fault::fault;
 use crate::geometry::PathRay;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
+use crate::scene::description::Description;
 
 use super::SampleAddress;
 
 /// The cells of a pixel that its samples are spread over.
 ///
-/// The pixel is cut into k x k sub-pixels, and sample s belongs to sub-pixel s mod k^2. Inside a
-/// sub-pixel the numbers are independent. A number in the unit square is then warped by the pixel's
-/// filter, so the sub-pixels are equal shares of the filter's weight.
+/// The pixel is cut into k x k sub-pixels, and sample s belongs to sub-pixel s mod k^2. Each of them
+/// has random numbers of its own. A number in the unit square is then warped by the pixel's filter,
+/// so the sub-pixels are equal shares of the filter's weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strata {
     /// Sub-pixels along each side, k.
@@ -33,23 +35,32 @@ impl Strata {
     }
 }
 
-/// The random numbers of a sample.
-pub(super) fn sampler_of(scene: &Scene, address: SampleAddress) -> Sampler {
-    let description = scene.description();
-    let pixel = u64::from(address.y) * u64::from(description.image.width) + u64::from(address.x);
-    Sampler::new(description.render.seed, pixel, address.sample)
+/// The random numbers of a sample. Every sub-pixel has its own sequence of them.
+pub(super) fn sampler_of(scene: &Scene, strata: Strata, address: SampleAddress) -> Sampler {
+    let Description { image, render, .. } = scene.description();
+    let pixel = u64::from(address.y) * u64::from(image.width) + u64::from(address.x);
+    let cells = strata.subpixels * strata.subpixels;
+    let cell = pixel * u64::from(cells) + u64::from(address.sample % cells);
+    let samples = render.samples_per_pixel.div_ceil(cells);
+    Sampler::of_kind(render.sampler, render.seed, cell, address.sample / cells, samples)
 }
 
-/// The camera ray of a sample, from two random numbers.
+/// The camera ray of a sample, from two random numbers for its place in the pixel and two for that
+/// on the lens, whose first dimensions are given.
 pub(super) fn camera_ray(
     scene: &Scene,
     strata: Strata,
     address: SampleAddress,
-    u: [f64; 2],
+    sampler: Sampler,
+    [pixel, lens]: [u32; 2],
 ) -> PathRay {
-    let [dx, dy] = scene.filter().sample(strata.place(address.sample, u));
-    let (x, y) = (f64::from(address.x) + 0.5 + dx, f64::from(address.y) + 0.5 + dy);
-    scene.camera().ray(x, y)
+    let place = strata.place(address.sample, sampler.get_2d(pixel));
+    let [dx, dy] = scene.filter().sample(place);
+    let half = if fault!(CornerForCentre) { 0.0 } else { 0.5 };
+    let (x, y) = (f64::from(address.x) + half + dx, f64::from(address.y) + half + dy);
+    let camera = scene.camera();
+    let lens = if camera.has_lens() { sampler.get_2d(lens) } else { [0.5; 2] };
+    camera.ray(x, y, lens)
 }
 
 #[cfg(test)]

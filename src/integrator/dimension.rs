@@ -1,11 +1,30 @@
 //! Which random number of a sample serves what.
+//!
+//! Numbers come in sets of four that are spread evenly together, and what decides together how bright
+//! a sample is shares a set: the place in the pixel with the direction from there to a light, and
+//! the direction of a path's next edge with the direction to a light at its end.
+//! `docs/sampling.md` has the table, and the measurements behind it.
 
 /// The place in the pixel: two dimensions.
 pub(super) const PIXEL: u32 = 0;
 
-/// The place in the pixel when a camera ray is drawn again, for the n-th time.
+/// The place on the lens: two dimensions.
+pub(super) const LENS: u32 = 4;
+
+/// The place in the pixel, and then that on the lens, when a camera ray is drawn again for the n-th
+/// time: four dimensions.
 pub(super) fn redraw(n: u32) -> u32 {
-    (1 << 31) + 2 * n
+    (1 << 31) + 4 * n
+}
+
+/// Whether a surface is there that a path meets at the end of edge number `depth`, after it went
+/// straight through `passes` others in all.
+pub(super) fn opacity(depth: u32, passes: u32) -> u32 {
+    if passes == 0 {
+        return Vertex::at(depth).opacity();
+    }
+    // Both are below 10 000.
+    (1 << 30) + 10_000 * depth + passes
 }
 
 /// The dimensions of the vertex at the end of a path's edge number `depth`, counted from 1.
@@ -17,35 +36,39 @@ pub(super) struct Vertex {
 impl Vertex {
     /// Dimensions set aside for each vertex.
     const COUNT: u32 = 8;
-    /// The camera takes what lies below.
-    const FIRST: u32 = 4;
 
     pub(super) fn at(depth: u32) -> Self {
-        Self { base: Self::FIRST + Self::COUNT * (depth - 1) }
+        Self { base: Self::COUNT * depth }
     }
 
-    /// Which lobe of the BSDF.
-    pub(super) fn lobe(self) -> u32 {
-        self.base
+    /// The direction towards a light: two dimensions, in one set with the direction of the edge that
+    /// ends here, or with the place in the pixel.
+    pub(super) fn towards_lamp(self) -> u32 {
+        self.base - Self::COUNT + 2
     }
 
     /// The direction from the BSDF: two dimensions.
     pub(super) fn direction(self) -> u32 {
-        self.base + 1
+        self.base
     }
 
-    /// Which lamp.
-    pub(super) fn lamp(self) -> u32 {
-        self.base + 3
-    }
-
-    /// The direction towards the lamp: two dimensions.
-    pub(super) fn towards_lamp(self) -> u32 {
+    /// Which lobe of the BSDF.
+    pub(super) fn lobe(self) -> u32 {
         self.base + 4
     }
 
     /// Whether the path goes on.
     pub(super) fn roulette(self) -> u32 {
+        self.base + 5
+    }
+
+    /// Which light.
+    pub(super) fn lamp(self) -> u32 {
         self.base + 6
+    }
+
+    /// Whether the surface is there.
+    fn opacity(self) -> u32 {
+        self.base + 7
     }
 }

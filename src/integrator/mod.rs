@@ -4,18 +4,30 @@
 //! samples, occlusion, scattering. So one call of the intersector serves many rays, and each stage
 //! is a plain loop. What comes back for a sample depends on its address alone, never on its batch.
 
+mod ambient_occlusion;
 mod camera_rays;
 mod dimension;
+mod direct;
+mod first_hits;
+mod normals;
 mod paper;
 mod path;
 mod raycast;
+mod trace;
 mod transport;
+
+pub use trace::{Added, End, Step, Trace};
 
 use crate::accel::{Accel, Cancel};
 use crate::color::Radiance;
+use crate::material::Media;
 use crate::math::{Hit, Ray};
 use crate::scene::Scene;
-use crate::scene::description;
+use crate::scene::description::Integrator as Kind;
+
+use ambient_occlusion::AmbientOcclusion;
+use normals::Normals;
+use raycast::Raycast;
 
 /// An estimator of the light that arrives at a pixel.
 pub trait Integrator: Sync {
@@ -27,6 +39,12 @@ pub trait Integrator: Sync {
         radiance: &mut [Radiance],
         workspace: &mut Workspace,
     ) -> Tally;
+
+    /// Tells the path of one sample step by step: the very path that [`Self::estimate`] takes there.
+    /// `None` for an integrator that follows no paths.
+    fn trace(&self, _world: World<'_>, _address: SampleAddress) -> Option<Trace> {
+        None
+    }
 }
 
 /// What there is to be seen.
@@ -67,9 +85,20 @@ pub struct Tally {
 pub struct Workspace {
     paths: Vec<transport::Path>,
     shadows: Vec<transport::Shadow>,
+    /// The media that shadow rays start in, where something is not opaque.
+    shadow_media: Vec<Media>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     blocked: Vec<bool>,
+}
+
+impl Tally {
+    /// Counts the rays that a backend was asked with. A ray that is not valid, or whose interval is
+    /// empty, is not traced and does not count.
+    fn count(&mut self, rays: &[Ray]) {
+        let is_traced = |ray: &&Ray| ray.is_valid() && ray.t_min < ray.t_max;
+        self.rays += rays.iter().filter(is_traced).count() as u64;
+    }
 }
 
 impl std::ops::Add for Tally {
@@ -88,10 +117,11 @@ impl std::ops::Add for Tally {
 pub fn of_scene(scene: &Scene) -> Box<dyn Integrator> {
     let render = &scene.description().render;
     match render.integrator {
-        description::Integrator::Path => Box::new(path::new(render.max_depth)),
-        description::Integrator::Paper(paper) => Box::new(paper::new(&paper, render.max_depth)),
-        description::Integrator::Raycast { shadows } => {
-            Box::new(raycast::Raycast::new(shadows, render.samples_per_pixel))
-        }
+        Kind::Path => Box::new(path::new(render)),
+        Kind::Direct => Box::new(direct::new(render)),
+        Kind::Paper(paper) => Box::new(paper::new(&paper, render)),
+        Kind::AmbientOcclusion { distance } => Box::new(AmbientOcclusion { distance }),
+        Kind::Normals => Box::new(Normals::new(render.samples_per_pixel)),
+        Kind::Raycast { shadows } => Box::new(Raycast::new(shadows, render.samples_per_pixel)),
     }
 }

@@ -3,19 +3,21 @@
 //!
 //! Where the paper is silent or wrong, `docs/paper.md` says how it is read here.
 
-use crate::scene::description::Paper;
+use crate::scene::description::{Estimator, Paper, Render};
 
 use super::camera_rays::Strata;
-use super::transport::{FindLamps, Transport};
+use super::transport::Transport;
 
-/// The paper's estimator with its options, for paths of at most `max_depth` edges.
-pub(super) fn new(paper: &Paper, max_depth: Option<u32>) -> Transport {
+/// The paper's estimator with its options.
+pub(super) fn new(paper: &Paper, render: &Render) -> Transport {
     Transport {
-        lamps: FindLamps::ByChance,
+        estimator: Estimator::Bsdf,
         hemisphere: paper.hemisphere,
         stop: paper.stop,
         miss: paper.miss,
         strata: Strata { subpixels: paper.subpixels, jitter: paper.jitter },
-        max_depth: max_depth.unwrap_or(u32::MAX),
+        max_depth: render.max_depth.unwrap_or(u32::MAX),
+        most_scatterings: u32::MAX,
+        clamp_indirect: render.clamp_indirect.map(|limit| limit as f32),
     }
 }

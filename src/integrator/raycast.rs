@@ -11,12 +11,13 @@ use crate::color::{Radiance, Rgb};
 use crate::geometry::{PathRay, SurfaceHit};
 use crate::light::Lamp;
 use crate::material::Bsdf;
-use crate::math::{DVec3, Frame, Hit};
+use crate::math::{DVec3, Frame};
 use crate::sampling::Hemisphere;
 use crate::scene::Scene;
 
-use super::camera_rays::{Strata, camera_ray, sampler_of};
-use super::{Integrator, SampleAddress, Tally, Workspace, World, dimension};
+use super::camera_rays::Strata;
+use super::first_hits::{FirstHit, first_hits, strata_without_noise};
+use super::{Integrator, SampleAddress, Tally, Workspace, World};
 
 /// Ray casting.
 pub(super) struct Raycast {
@@ -27,8 +28,7 @@ pub(super) struct Raycast {
 impl Raycast {
     /// With one sample a pixel, the ray goes through the pixel's centre.
     pub(super) fn new(shadows: bool, samples_per_pixel: u32) -> Self {
-        let jitter = if samples_per_pixel == 1 { 0.0 } else { 1.0 };
-        Self { shadows, strata: Strata { jitter, ..Strata::NONE } }
+        Self { shadows, strata: strata_without_noise(samples_per_pixel) }
     }
 }
 
@@ -49,22 +49,13 @@ impl Integrator for Raycast {
     ) -> Tally {
         let World { scene, accel, .. } = world;
         let spheres = scene.spheres();
-        let ray_of = |&address: &SampleAddress| {
-            let u = sampler_of(scene, address).get_2d(dimension::PIXEL);
-            camera_ray(scene, self.strata, address, u)
-        };
-        let camera_rays: Vec<PathRay> = samples.iter().map(ray_of).collect();
-        let Workspace { rays, hits, blocked, .. } = workspace;
-        rays.clear();
-        rays.extend(camera_rays.iter().map(|ray| spheres.ask(ray)));
-        hits.clear();
-        hits.resize(rays.len(), Hit::MISS);
-        accel.closest(rays, hits);
-        let mut tally = Tally { rays: rays.len() as u64, ..Tally::default() };
+        let mut tally = Tally::default();
+        let found = first_hits(world, self.strata, samples, workspace, &mut tally);
+        let Workspace { rays, blocked, .. } = workspace;
 
-        for ((ray, hit), radiance) in camera_rays.iter().zip(&*hits).zip(radiance) {
-            let Some(surface) = spheres.answer(ray, *hit) else {
-                *radiance = Radiance { direct: scene.background(), indirect: Rgb::ZERO };
+        for (FirstHit { ray, surface }, radiance) in found.into_iter().zip(radiance) {
+            let Some(surface) = surface else {
+                *radiance = scene.seen_by_camera(ray.direction);
                 continue;
             };
             let mut light = scene.surface(surface.id).material.emission;
@@ -78,12 +69,12 @@ impl Integrator for Raycast {
                 blocked.clear();
                 blocked.resize(rays.len(), false);
                 accel.occluded(rays, blocked);
-                tally.rays += rays.len() as u64;
+                tally.count(rays);
                 let mut answers = blocked.iter();
                 lit.retain(|_| answers.next() == Some(&false));
             }
             light += lit.iter().map(|from| from.light).sum::<Rgb>();
-            *radiance = Radiance { direct: light, indirect: Rgb::ZERO };
+            *radiance = Radiance { direct: light, indirect: Rgb::ZERO, alpha: 1.0 };
         }
         tally
     }

@@ -1,57 +1,106 @@
-//! The lamps of a scene: emissive spheres, and the choice among them.
+//! What shines: emissive spheres and the background, and the choice among them.
+//!
+//! Whoever gathers light at a point ([`Receiver`]) asks for a direction that light may come from
+//! ([`Lights::sample`]), or, for a direction that it found otherwise, for the density with which it
+//! would have been given ([`Lights::pdf`]). That density may be 0 for light that is best left to
+//! chance, such as a background of one colour; by chance it must then be found.
 
-use crate::color::{Rgb, luminance};
-use crate::geometry::{Cone, Side, Sphere, SphereSet, SurfaceHit};
-use crate::math::{DVec3, Frame};
-use crate::sampling::{Discrete, Hemisphere};
+mod background;
+mod choice;
+mod cluster;
+mod lamp;
+mod shares;
+mod tree;
 
-/// The share of choices that treats all lamps alike. The rest goes by power, which alone would
-/// starve a small lamp that happens to be near.
-const UNIFORM_SHARE: f64 = 0.5;
+pub use background::{Background, Dome, Orientation, Sky, Sun};
+pub use choice::LightChoice;
+pub use lamp::Lamp;
 
-/// An emissive sphere.
-#[derive(Clone, Copy, Debug)]
-pub struct Lamp {
-    /// The sphere's id.
-    pub id: u32,
-    /// The radiance it sends out.
-    pub emission: Rgb,
-}
+use crate::color::Rgb;
+use crate::geometry::{Sphere, SphereSet, SurfaceHit};
+use crate::math::{DVec3, NO_SPHERE};
 
-/// All lamps of a scene.
+use choice::Choice;
+use lamp::View;
+use shares::{Kind, Shares};
+
+/// All lights of a scene.
 #[derive(Debug, Default)]
 pub struct Lights {
     /// Sorted by id.
     lamps: Vec<Lamp>,
-    choice: Option<Discrete>,
+    choice: Choice,
+    background: Background,
 }
 
-/// A direction towards a lamp.
+/// A point that light is gathered at.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    /// The point.
+    pub hit: SurfaceHit,
+    /// Whether light is gathered from both sides of the surface and not only from the side that
+    /// [`SurfaceHit::facing_normal`] points to.
+    pub is_two_sided: bool,
+}
+
+/// Where light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// An emissive sphere, by its id.
+    Lamp(u32),
+    /// Nothing that can be met.
+    Background,
+}
+
+/// A direction that light may come from.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
-    /// Which lamp.
-    pub lamp: Lamp,
+    /// What shines there.
+    pub source: Source,
     /// Unit direction.
     pub direction: DVec3,
-    /// Distance to the lamp's surface in that direction.
+    /// Distance to the lamp's surface in that direction; infinite for the background.
     pub distance: f64,
-    /// Probability of the lamp times the density of the direction per solid angle.
+    /// The radiance that arrives if nothing is in the way.
+    pub radiance: Rgb,
+    /// Probability of the source times the density of the direction per solid angle.
     pub pdf: f64,
 }
 
+impl Receiver {
+    /// Whether a lamp is seen from its inside here, so that light is aimed at its far wall. A
+    /// receiver on the lamp itself sees nothing else of it.
+    pub fn is_within(&self, id: u32, lamp: &Sphere) -> bool {
+        self.hit.id == id || lamp.contains(self.hit.point)
+    }
+}
+
+impl Source {
+    /// The sphere that a shadow ray to this source aims at.
+    pub fn sphere(self) -> u32 {
+        match self {
+            Self::Lamp(id) => id,
+            Self::Background => NO_SPHERE,
+        }
+    }
+}
+
 impl Lights {
-    /// The lamps among `spheres`.
-    pub fn new(mut lamps: Vec<Lamp>, spheres: &SphereSet) -> Self {
+    /// The lamps among `spheres`, before a background, chosen by their hierarchy.
+    pub fn new(lamps: Vec<Lamp>, spheres: &SphereSet, background: Background) -> Self {
+        Self::chosen_by(LightChoice::Hierarchy, lamps, spheres, background)
+    }
+
+    /// The same, with a way to choose among the lamps.
+    pub fn chosen_by(
+        by: LightChoice,
+        mut lamps: Vec<Lamp>,
+        spheres: &SphereSet,
+        background: Background,
+    ) -> Self {
         lamps.sort_unstable_by_key(|lamp| lamp.id);
-        let power = |lamp: &Lamp| {
-            let radius = spheres.sphere(lamp.id).radius;
-            f64::from(luminance(lamp.emission)) * radius * radius
-        };
-        let total: f64 = lamps.iter().map(power).sum();
-        let uniform = UNIFORM_SHARE / lamps.len().max(1) as f64;
-        let share = |lamp: &Lamp| uniform + (1.0 - UNIFORM_SHARE) * power(lamp) / total;
-        let choice = Discrete::new(lamps.iter().map(share));
-        Self { lamps, choice }
+        let choice = Choice::new(&lamps, spheres, by);
+        Self { lamps, choice, background }
     }
 
     /// Number of lamps.
@@ -69,75 +118,113 @@ impl Lights {
         &self.lamps
     }
 
-    /// A direction from a point on a surface to a lamp; `None` where the chosen lamp cannot be
-    /// seen from there.
+    /// What a ray sees that meets nothing.
+    pub fn background(&self) -> &Background {
+        &self.background
+    }
+
+    /// A direction that light may come from, from `choose` and `u` in `[0, 1)`; `None` where what
+    /// was chosen cannot be seen from there.
     pub fn sample(
         &self,
         spheres: &SphereSet,
-        from: &SurfaceHit,
+        from: &Receiver,
         choose: f64,
         u: [f64; 2],
     ) -> Option<LightSample> {
-        let choice = self.choice.as_ref()?;
-        let index = choice.sample(choose);
-        let lamp = self.lamps[index];
-        let view = View::new(from, lamp.id, &spheres.sphere(lamp.id))?;
-        let (direction, distance, pdf) = view.sample(u);
-        let pdf = pdf * choice.pmf(index);
-        (pdf > 0.0).then_some(LightSample { lamp, direction, distance, pdf })
+        let shares = Shares::new(self, from)?;
+        let (kind, share, choose) = shares.choose(choose);
+        let direction = match kind {
+            Kind::Lamps => return self.sample_lamp(spheres, from, share, choose, u),
+            Kind::Dome => self.background.sample(u)?,
+            Kind::Sun => self.background.sun()?.sample(u),
+        };
+        let source = Source::Background;
+        let pdf = self.pdf_of_background(&shares, direction);
+        let radiance = self.background.radiance(direction);
+        let sample = LightSample { source, direction, distance: f64::INFINITY, radiance, pdf };
+        (pdf > 0.0).then_some(sample)
     }
 
-    /// The density with which [`Self::sample`] draws this direction towards this lamp; 0 for a
-    /// sphere that is not a lamp.
-    pub fn pdf(&self, spheres: &SphereSet, from: &SurfaceHit, id: u32, direction: DVec3) -> f64 {
-        let Some(choice) = &self.choice else { return 0.0 };
+    fn sample_lamp(
+        &self,
+        spheres: &SphereSet,
+        from: &Receiver,
+        share: f64,
+        choose: f64,
+        u: [f64; 2],
+    ) -> Option<LightSample> {
+        let (index, pmf) = self.choice.sample(from, choose)?;
+        let Lamp { id, emission } = self.lamps[index];
+        let view = View::new(from, id, &spheres.sphere(id))?;
+        let (direction, distance, pdf) = view.sample(u);
+        let pdf = pdf * pmf * share;
+        let source = Source::Lamp(id);
+        (pdf > 0.0).then_some(LightSample { source, direction, distance, radiance: emission, pdf })
+    }
+
+    /// The density with which [`Self::sample`] gives this direction for this source, which it must
+    /// meet; 0 for a sphere that is not a lamp and for what is left to chance.
+    pub fn pdf(
+        &self,
+        spheres: &SphereSet,
+        from: &Receiver,
+        source: Source,
+        direction: DVec3,
+    ) -> f64 {
+        let Some(shares) = Shares::new(self, from) else { return 0.0 };
+        let Source::Lamp(id) = source else {
+            return self.pdf_of_background(&shares, direction);
+        };
         let Ok(index) = self.lamps.binary_search_by_key(&id, |lamp| lamp.id) else { return 0.0 };
         let view = View::new(from, id, &spheres.sphere(id));
-        view.map_or(0.0, |view| view.pdf(direction) * choice.pmf(index))
+        let pmf = || shares.of(Kind::Lamps) * self.choice.pmf(from, index);
+        view.map_or(0.0, |view| view.pdf(direction) * pmf())
+    }
+
+    /// The probability that [`Self::sample`] aims at the background and not at a lamp.
+    pub fn share_of_background(&self, from: &Receiver) -> f64 {
+        let share = |shares: Shares| shares.of(Kind::Dome) + shares.of(Kind::Sun);
+        Shares::new(self, from).map_or(0.0, share)
+    }
+
+    /// A direction to the sun is also one to the dome, so their densities add up.
+    fn pdf_of_background(&self, shares: &Shares, direction: DVec3) -> f64 {
+        let dome = shares.of(Kind::Dome);
+        let dome = if dome > 0.0 { dome * self.background.pdf(direction) } else { 0.0 };
+        let sun = self.background.sun().map_or(0.0, |sun| sun.pdf(direction));
+        dome + shares.of(Kind::Sun) * sun
     }
 }
 
-/// How a lamp is seen from a point on a surface.
-enum View {
-    /// From outside: the cone that the lamp fills.
-    Outside(Cone),
-    /// From inside the lamp, where every direction meets it: the hemisphere above the surface,
-    /// by the cosine.
-    Inside { frame: Frame, point: DVec3, lamp: Sphere },
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Side, Sphere};
+    use crate::sampling::Sampler;
+    use cluster::Item;
 
-impl View {
-    fn new(from: &SurfaceHit, id: u32, lamp: &Sphere) -> Option<Self> {
-        let is_own = from.id == id;
-        let is_inside = if is_own { from.side == Side::Inside } else { lamp.contains(from.point) };
-        if is_inside {
-            let frame = Frame::around(from.facing_normal());
-            return Some(Self::Inside { frame, point: from.point, lamp: *lamp });
-        }
-        let outside = (!is_own).then(|| Cone::seen_from(from.point, lamp)).flatten();
-        outside.map(Self::Outside)
+    /// Lamps of very different sizes and powers in a unit box.
+    pub(super) fn items(count: usize) -> Vec<Item> {
+        let item = |lamp: u32| {
+            let u: [f64; 5] =
+                std::array::from_fn(|d| Sampler::new(0, lamp.into(), 0).get(d as u32));
+            let center = DVec3::new(u[0], u[1], u[2]);
+            Item { sphere: Sphere { center, radius: 0.1 * u[3].powi(4) + 1e-9 }, power: u[4], lamp }
+        };
+        (0..count as u32).map(item).collect()
     }
 
-    /// Direction, distance and density.
-    fn sample(&self, u: [f64; 2]) -> (DVec3, f64, f64) {
-        match self {
-            Self::Outside(cone) => {
-                let sample = cone.sample(u);
-                (sample.direction, sample.distance, sample.pdf)
-            }
-            Self::Inside { frame, point, lamp } => {
-                let local = Hemisphere::Cosine.sample(u);
-                let direction = frame.to_world(local).normalize();
-                let distance = lamp.roots(*point, direction).map_or(0.0, |roots| roots.far);
-                (direction, distance, Hemisphere::Cosine.pdf(local.z))
-            }
-        }
-    }
-
-    fn pdf(&self, direction: DVec3) -> f64 {
-        match self {
-            Self::Outside(cone) => cone.pdf(),
-            Self::Inside { frame, .. } => Hemisphere::Cosine.pdf(direction.dot(frame.z).max(0.0)),
-        }
+    /// Points among the lamps and far from them, facing anywhere, one-sided and two-sided.
+    pub(super) fn receivers() -> impl Iterator<Item = Receiver> {
+        (0..40u32).map(|i| {
+            let u: [f64; 6] = std::array::from_fn(|d| Sampler::new(1, i.into(), 0).get(d as u32));
+            let normal = (DVec3::new(u[0], u[1], u[2]) - 0.5).normalize();
+            let scale = if i < 20 { 1.0 } else { 50.0 };
+            let point = (DVec3::new(u[3], u[4], u[5]) - 0.5) * scale + 0.5;
+            let side = if i % 3 == 0 { Side::Inside } else { Side::Outside };
+            let hit = SurfaceHit { id: 0, t: 1.0, point, normal, radius: 1.0, side };
+            Receiver { hit, is_two_sided: i % 2 == 0 }
+        })
     }
 }

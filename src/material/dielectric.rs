@@ -1,6 +1,7 @@
 //! A smooth interface between two transparent media, such as glass and air.
 
 use crate::color::Rgb;
+use crate::fault::fault;
 use crate::math::DVec3;
 
 use super::mirror::reflected;
@@ -34,6 +35,7 @@ pub fn fresnel(cos: f64, eta: f64) -> Fresnel {
     let cos_transmitted = (1.0 - sin_squared).sqrt();
     let parallel = (eta * cos - cos_transmitted) / (eta * cos + cos_transmitted);
     let perpendicular = (cos - eta * cos_transmitted) / (cos + eta * cos_transmitted);
+    let perpendicular = if fault!(OnePolarization) { parallel } else { perpendicular };
     let reflectance = (parallel * parallel + perpendicular * perpendicular) / 2.0;
     Fresnel { reflectance, cos_transmitted }
 }
@@ -55,9 +57,10 @@ impl Dielectric {
                 eta: 1.0,
             };
         }
+        let squared = if fault!(EtaSquaredDropped) { 1.0 } else { eta * eta };
         BsdfSample {
             wi: DVec3::new(-wo.x / eta, -wo.y / eta, -cos_transmitted).normalize(),
-            weight: Rgb::splat((1.0 / (eta * eta)) as f32),
+            weight: Rgb::splat((1.0 / squared) as f32),
             pdf: 1.0 - reflectance,
             lobe: Lobe::Delta,
             eta,

@@ -3,6 +3,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use crate::color::Rgb;
+use crate::fault::fault;
 use crate::math::DVec3;
 use crate::sampling::Hemisphere;
 
@@ -27,7 +28,8 @@ impl Diffuse {
     }
 
     pub(super) fn eval(&self, wi: DVec3) -> Rgb {
-        if wi.z > 0.0 { self.albedo * FRAC_1_PI } else { Rgb::ZERO }
+        let norm = if fault!(LambertWithoutPi) { 1.0 } else { FRAC_1_PI };
+        if wi.z > 0.0 { self.albedo * norm } else { Rgb::ZERO }
     }
 
     /// A direction over the hemisphere. Drawn with the cosine, the weight is the albedo itself.
@@ -35,6 +37,7 @@ impl Diffuse {
         let wi = hemisphere.sample(u);
         let pdf = pdf(hemisphere, wi);
         let weight = match hemisphere {
+            Hemisphere::Cosine if fault!(CosineTwice) => self.albedo * wi.z as f32,
             Hemisphere::Cosine => self.albedo,
             _ => self.eval(wi) * (wi.z / pdf) as f32,
         };

@@ -3,7 +3,13 @@
 //! A path carries the dielectric spheres that it is inside of. Of these the one with the highest
 //! priority fills the space; among equals the one entered last. A boundary that lies within a medium
 //! of higher priority is not there for light (Schmidt and Budge 2002, "Simple Nested Dielectrics in
-//! Ray Traced Images").
+//! Ray Traced Images"). The medium that fills the space is also the one that absorbs: the part
+//! `1 - exp(-absorption x distance)` of what passes (Beer and Lambert).
+
+use crate::color::Rgb;
+use crate::sampling::exp;
+
+use crate::fault::fault;
 
 /// How many dielectric spheres a path can be inside of at once.
 const CAPACITY: usize = 8;
@@ -17,6 +23,8 @@ pub struct Medium {
     pub priority: i32,
     /// Index of refraction relative to vacuum.
     pub ior: f64,
+    /// What it absorbs, per unit length.
+    pub absorption: Rgb,
 }
 
 /// The media that a path is inside of, in the order in which they were entered.
@@ -40,7 +48,8 @@ pub struct Boundary {
 impl Media {
     /// Outside of everything: vacuum.
     pub const VACUUM: Self = Self {
-        inside: [Medium { sphere: u32::MAX, priority: 0, ior: 1.0 }; CAPACITY],
+        inside: [Medium { sphere: u32::MAX, priority: 0, ior: 1.0, absorption: Rgb::ZERO };
+            CAPACITY],
         count: 0,
         overflowed: false,
     };
@@ -57,7 +66,8 @@ impl Media {
         let fills = inside.filling().is_some_and(|filling| filling.sphere == medium.sphere);
         let ior = outside.filling().map_or(1.0, |filling| filling.ior);
         let eta = if entering { medium.ior / ior } else { ior / medium.ior };
-        let beyond = if entering { inside } else { outside };
+        let eta = if fault!(IorSwapped) { 1.0 / eta } else { eta };
+        let beyond = if entering || fault!(StackNotPopped) { inside } else { outside };
         Boundary { eta: fills.then_some(eta), beyond }
     }
 
@@ -79,6 +89,19 @@ impl Media {
         self.overflowed
     }
 
+    /// The share of light that is left after a distance in here. An infinite one does not count: only
+    /// rounding lets a ray out of a sphere unnoticed.
+    pub fn transmittance(&self, distance: f64) -> Rgb {
+        match self.filling() {
+            Some(medium) if medium.absorption != Rgb::ZERO && distance.is_finite() => {
+                let distance = if fault!(AbsorbedTwice) { 2.0 * distance } else { distance };
+                let share = |absorption: f32| exp(-f64::from(absorption) * distance) as f32;
+                Rgb::from_array(medium.absorption.to_array().map(share))
+            }
+            _ => Rgb::ONE,
+        }
+    }
+
     fn without(mut self, sphere: u32) -> Self {
         let count = usize::from(self.count);
         if let Some(at) = self.inside[..count].iter().rposition(|m| m.sphere == sphere) {
@@ -88,7 +111,8 @@ impl Media {
         self
     }
 
-    fn contains(&self, sphere: u32) -> bool {
+    /// Whether a path here is inside this sphere.
+    pub fn contains(&self, sphere: u32) -> bool {
         self.inside[..usize::from(self.count)].iter().any(|medium| medium.sphere == sphere)
     }
 
@@ -102,12 +126,13 @@ impl Media {
 mod tests {
     use super::*;
 
-    const WATER: Medium = Medium { sphere: 1, priority: 0, ior: 1.33 };
-    const GLASS: Medium = Medium { sphere: 2, priority: 1, ior: 1.5 };
+    const ABSORPTION: Rgb = Rgb::new(0.0, 0.5, 2.0);
+    const WATER: Medium = Medium { sphere: 1, priority: 0, ior: 1.33, absorption: ABSORPTION };
+    const GLASS: Medium = Medium { sphere: 2, priority: 1, ior: 1.5, absorption: Rgb::ZERO };
 
     #[test]
     fn a_bubble_entered_last_wins_among_equals() {
-        let bubble = Medium { sphere: 7, priority: 1, ior: 1.0 };
+        let bubble = Medium { sphere: 7, ior: 1.0, ..GLASS };
         let in_glass = Media::VACUUM.with(GLASS);
         let boundary = in_glass.meet(bubble, true);
         assert_eq!(boundary.eta, Some(1.0 / 1.5));
@@ -123,6 +148,17 @@ mod tests {
         let leaving_glass = hidden.beyond.meet(GLASS, false);
         assert_eq!(leaving_glass.eta, Some(1.33 / 1.5));
         assert_eq!(leaving_glass.beyond.meet(WATER, false).eta, Some(1.0 / 1.33));
+    }
+
+    #[test]
+    fn what_fills_the_space_absorbs() {
+        let in_water = Media::VACUUM.with(WATER);
+        let left = in_water.transmittance(2.0);
+        assert_eq!(left.x, 1.0);
+        assert!((left.y - f32::exp(-1.0)).abs() < 1e-6 && (left.z - f32::exp(-4.0)).abs() < 1e-6);
+        assert_eq!(in_water.with(GLASS).transmittance(2.0), Rgb::ONE, "glass displaces water");
+        assert_eq!(Media::VACUUM.with(GLASS).with(WATER).transmittance(2.0), Rgb::ONE);
+        assert_eq!(Media::VACUUM.transmittance(f64::INFINITY), Rgb::ONE);
     }
 
     #[test]

@@ -13,6 +13,11 @@ pub struct Mirror {
 }
 
 impl Mirror {
+    /// This mirror in a sphere's own colour.
+    pub(super) fn colored(self, reflectance: Option<Rgb>) -> Self {
+        Self { reflectance: reflectance.unwrap_or(self.reflectance) }
+    }
+
     /// The mirror direction; its weight is the reflectance, with no cosine over density.
     pub(super) fn sample(&self, wo: DVec3) -> BsdfSample {
         BsdfSample {

@@ -5,17 +5,31 @@
 //! the previous vertex, `wi` is sampled, both are unit vectors leaving the surface. `eval` is the
 //! BSDF without the cosine; densities are per solid angle.
 
+mod coat;
+mod conductor;
 mod dielectric;
 mod diffuse;
+mod energy;
+mod ggx;
 mod media;
+mod metals;
 mod mirror;
+mod oren_nayar;
 mod phong;
+mod plastic;
 
+pub use coat::Coat;
+pub use conductor::{Conductor, fresnel_conductor};
 pub use dielectric::{Dielectric, fresnel};
 pub use diffuse::Diffuse;
+pub use energy::MissingEnergy;
+pub use ggx::{Ggx, half_vector};
 pub use media::{Boundary, Media, Medium};
+pub use metals::Metal;
 pub use mirror::Mirror;
+pub use oren_nayar::OrenNayar;
 pub use phong::Phong;
+pub use plastic::Plastic;
 
 use crate::color::Rgb;
 use crate::math::DVec3;
@@ -28,6 +42,10 @@ pub struct Material {
     pub model: Model,
     /// Radiance sent out, in W/(sr m^2) per channel.
     pub emission: Rgb,
+    /// The probability that the surface is there for light, in `[0, 1]`.
+    pub opacity: f32,
+    /// What the inside of a dielectric absorbs per unit length: Beer and Lambert's coefficient.
+    pub absorption: Rgb,
 }
 
 /// The reflection models.
@@ -35,10 +53,16 @@ pub struct Material {
 pub enum Model {
     /// Lambert.
     Diffuse(Diffuse),
+    /// A rough matt surface.
+    OrenNayar(OrenNayar),
     /// A perfect mirror.
     Mirror(Mirror),
+    /// Metal.
+    Conductor(Conductor),
     /// Smooth glass.
     Dielectric(Dielectric),
+    /// A matt base under a clear coat.
+    Plastic(Plastic),
     /// Phong's shading model.
     Phong(Phong),
 }
@@ -48,10 +72,16 @@ pub enum Model {
 pub enum Bsdf {
     /// Lambert, with the way its directions are drawn.
     Diffuse(Diffuse, Hemisphere),
+    /// A rough matt surface, with the way its directions are drawn.
+    OrenNayar(OrenNayar, Hemisphere),
     /// A perfect mirror.
     Mirror(Mirror),
+    /// Metal.
+    Conductor(Conductor),
     /// A smooth interface; the second number is the index beyond it over the index on `wo`'s side.
     Dielectric(Dielectric, f64),
+    /// A matt base under a clear coat.
+    Plastic(Plastic),
     /// Phong's shading model.
     Phong(Phong),
 }
@@ -82,6 +112,13 @@ pub struct BsdfSample {
     pub eta: f64,
 }
 
+impl From<Model> for Material {
+    /// An opaque material that sends out no light.
+    fn from(model: Model) -> Self {
+        Self { model, emission: Rgb::ZERO, opacity: 1.0, absorption: Rgb::ZERO }
+    }
+}
+
 impl Material {
     /// The BSDF at a point. `albedo` is the sphere's own colour where it has one; `eta` is the
     /// index of refraction beyond the surface over the index on this side; `hemisphere` says how
@@ -89,8 +126,11 @@ impl Material {
     pub fn bsdf(&self, albedo: Option<Rgb>, eta: f64, hemisphere: Hemisphere) -> Bsdf {
         match self.model {
             Model::Diffuse(diffuse) => Bsdf::Diffuse(diffuse.colored(albedo), hemisphere),
-            Model::Mirror(mirror) => Bsdf::Mirror(mirror),
+            Model::OrenNayar(rough) => Bsdf::OrenNayar(rough.colored(albedo), hemisphere),
+            Model::Mirror(mirror) => Bsdf::Mirror(mirror.colored(albedo)),
+            Model::Conductor(conductor) => Bsdf::Conductor(conductor),
             Model::Dielectric(dielectric) => Bsdf::Dielectric(dielectric, eta),
+            Model::Plastic(plastic) => Bsdf::Plastic(plastic.colored(albedo)),
             Model::Phong(phong) => Bsdf::Phong(phong.colored(albedo)),
         }
     }
@@ -106,7 +146,10 @@ impl Bsdf {
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         match self {
             Self::Diffuse(diffuse, _) => diffuse.eval(wi),
+            Self::OrenNayar(rough, _) => rough.eval(wo, wi),
             Self::Phong(phong) => phong.eval(wo, wi),
+            Self::Plastic(plastic) => plastic.eval(wo, wi),
+            Self::Conductor(conductor) => conductor.eval(wo, wi),
             Self::Mirror(_) | Self::Dielectric(..) => Rgb::ZERO,
         }
     }
@@ -114,8 +157,12 @@ impl Bsdf {
     /// The density with which [`Self::sample`] draws `wi`. Delta lobes are left out.
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         match self {
-            Self::Diffuse(_, hemisphere) => diffuse::pdf(*hemisphere, wi),
+            Self::Diffuse(_, hemisphere) | Self::OrenNayar(_, hemisphere) => {
+                diffuse::pdf(*hemisphere, wi)
+            }
             Self::Phong(phong) => phong.pdf(wo, wi),
+            Self::Plastic(plastic) => plastic.pdf(wo, wi),
+            Self::Conductor(conductor) => conductor.pdf(wo, wi),
             Self::Mirror(_) | Self::Dielectric(..) => 0.0,
         }
     }
@@ -124,14 +171,31 @@ impl Bsdf {
     pub fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
         match self {
             Self::Diffuse(diffuse, hemisphere) => diffuse.sample(*hemisphere, u),
+            Self::OrenNayar(rough, hemisphere) => rough.sample(*hemisphere, wo, u),
             Self::Mirror(mirror) => Some(mirror.sample(wo)),
             Self::Dielectric(dielectric, eta) => Some(dielectric.sample(*eta, wo, lobe)),
             Self::Phong(phong) => phong.sample(wo, lobe, u),
+            Self::Plastic(plastic) => plastic.sample(wo, lobe, u),
+            Self::Conductor(conductor) => conductor.sample(wo, lobe, u),
         }
+    }
+
+    /// Whether light may come through from behind the surface.
+    pub fn transmits(&self) -> bool {
+        matches!(self, Self::Dielectric(..))
+    }
+
+    /// Whether [`Self::sample`] heeds the number that chooses a lobe.
+    pub fn has_lobes(&self) -> bool {
+        !matches!(self, Self::Diffuse(..) | Self::OrenNayar(..) | Self::Mirror(_))
     }
 
     /// Whether there is nothing but delta lobes, so that lamps cannot be sampled from here.
     pub fn is_delta(&self) -> bool {
-        matches!(self, Self::Mirror(_) | Self::Dielectric(..))
+        match self {
+            Self::Mirror(_) | Self::Dielectric(..) => true,
+            Self::Conductor(conductor) => conductor.is_delta(),
+            Self::Diffuse(..) | Self::OrenNayar(..) | Self::Plastic(_) | Self::Phong(_) => false,
+        }
     }
 }

@@ -12,6 +12,7 @@ use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::TAU;
 
 use crate::color::{Rgb, luminance};
+use crate::fault::fault;
 use crate::math::{DVec3, Frame};
 use crate::sampling::{Hemisphere, hemisphere, powf};
 
@@ -51,6 +52,7 @@ impl Phong {
             return 0.0;
         }
         let glossy = self.glossy_share();
+        let glossy = if fault!(SharesSwapped) { 1.0 - glossy } else { glossy };
         let cos_alpha = wi.dot(reflected(wo)).clamp(0.0, 1.0);
         (1.0 - glossy) * Hemisphere::Cosine.pdf(wi.z)
             + glossy * hemisphere::power_cosine_pdf(self.exponent, cos_alpha)

@@ -5,6 +5,8 @@
 //! and carries what the rounding left over, so that a backend that computes in f64 sees the path's
 //! ray to 48 bits.
 
+use crate::fault::fault;
+
 use super::DVec3;
 
 /// The id that means "no sphere".
@@ -97,7 +99,8 @@ impl Ray {
 
 fn split(v: DVec3) -> ([f32; 3], [f32; 3]) {
     let high = v.as_vec3();
-    ((high).to_array(), (v - high.as_dvec3()).as_vec3().to_array())
+    let low = if fault!(LowPartsDropped) { DVec3::ZERO } else { v - high.as_dvec3() };
+    (high.to_array(), low.as_vec3().to_array())
 }
 
 fn join(high: [f32; 3], low: [f32; 3]) -> DVec3 {

@@ -13,26 +13,23 @@ mod exr;
 mod hdr;
 mod pfm;
 mod png;
+mod read;
+mod whole;
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
-
-use tempfile::NamedTempFile;
+use std::path::Path;
 
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::film::Picture;
 
-/// What the writers write to.
-type Sink<'a> = BufWriter<&'a mut File>;
+pub use read::{BEAUTY, Layer, Layered, read};
+pub use whole::{Sink, WholeFile};
 
 /// A place where a picture can be written: the folder is there and lets us in.
 #[derive(Debug)]
 pub struct Target {
-    path: PathBuf,
+    file: WholeFile,
     format: Format,
-    temporary: NamedTempFile,
 }
 
 /// The file formats, by their extensions.
@@ -44,6 +41,34 @@ enum Format {
     Pfm,
 }
 
+/// What a file can say of a picture beside its pixels.
+#[derive(Clone, Debug, Default)]
+pub struct Notes {
+    /// Which part of a larger picture this is; an EXR file places it there.
+    pub cropped_from: Option<Crop>,
+    /// The options that bias the picture: `photosphere:biased` in PNG and EXR files.
+    pub biased_by: Vec<String>,
+}
+
+/// The place of a part in a larger picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Crop {
+    /// Pixels of the larger picture, across and down.
+    pub full_size: [usize; 2],
+    /// Column and row there of the part's upper left pixel.
+    pub corner: [usize; 2],
+}
+
+/// The name under which files tell which options bias the picture.
+const BIASED: &str = "photosphere:biased";
+
+impl Notes {
+    /// The options that bias the picture, in one line.
+    fn biased(&self) -> Option<String> {
+        (!self.biased_by.is_empty()).then(|| self.biased_by.join(", "))
+    }
+}
+
 impl Target {
     /// Prepares to write `path`. Its extension, in any case, chooses the format: `.png` (sRGB, 8
     /// bit), or linear radiance as `.exr` (32-bit float with the layers `direct` and `indirect`),
@@ -53,25 +78,15 @@ impl Target {
     /// When the extension is another one, when `path` is a folder, or when its folder is missing or
     /// cannot be written to.
     pub fn new(path: &Path) -> Result<Self> {
-        let refused = |reason: &str| Error::file("write", path, reason);
-        if path.is_dir() {
-            let example = path.join("picture.png");
-            return Err(refused("it is a folder")
-                .with_help(format!("name a file in it, such as `{}`", example.display())));
-        }
+        whole::refuse_folder(path, "picture.png")?;
         let format = Format::of(path)?;
-        if path.exists() && !path.is_file() {
-            return Err(refused("it is not a regular file"));
-        }
-        let path = end_of_link(path)?;
-        let temporary = create_beside(&path)?;
-        Ok(Self { path, format, temporary })
+        Ok(Self { file: WholeFile::new(path)?, format })
     }
 
     /// The unfinished file. It disappears with this target; a program that is about to die without
     /// cleaning up may remove it.
     pub fn temporary(&self) -> &Path {
-        self.temporary.path()
+        self.file.temporary()
     }
 
     /// Writes the picture and gives the file its name.
@@ -79,19 +94,21 @@ impl Target {
     /// # Errors
     /// When the disk refuses; a file that was there before is then unchanged, and nothing else is
     /// left behind.
-    pub fn write(mut self, picture: &Picture) -> Result<()> {
-        let failed = |e: io::Error| Error::file("write", &self.path, e);
-        let mut sink = BufWriter::new(self.temporary.as_file_mut());
-        match self.format {
-            Format::Png => png::write(picture, &mut sink),
-            Format::Exr => exr::write(picture, &mut sink),
-            Format::Hdr => hdr::write(picture, &mut sink),
-            Format::Pfm => pfm::write(picture, &mut sink),
-        }
-        .map_err(failed)?;
-        sink.into_inner().map_err(|e| failed(e.into_error()))?.sync_all().map_err(failed)?;
-        self.temporary.persist(&self.path).map_err(|e| failed(e.error))?;
-        Ok(())
+    pub fn write(self, picture: &Picture) -> Result<()> {
+        self.write_with(picture, &Notes::default())
+    }
+
+    /// The same with notes, as far as the format has a place for them.
+    ///
+    /// # Errors
+    /// Like [`Self::write`].
+    pub fn write_with(self, picture: &Picture, notes: &Notes) -> Result<()> {
+        self.file.write(|sink| match self.format {
+            Format::Png => png::write(picture, notes, sink),
+            Format::Exr => exr::write(picture, notes, sink),
+            Format::Hdr => hdr::write(picture, sink),
+            Format::Pfm => pfm::write(picture, sink),
+        })
     }
 }
 
@@ -115,45 +132,6 @@ impl Format {
     }
 }
 
-/// The file that a symbolic link means, so that writing replaces that and keeps the link.
-fn end_of_link(path: &Path) -> Result<PathBuf> {
-    let Ok(link) = fs::read_link(path) else {
-        return Ok(path.to_path_buf());
-    };
-    fs::canonicalize(path).map_err(|e| {
-        let reason = format!("it is a link to `{}`, which cannot be reached ({e})", link.display());
-        Error::file("write", path, reason).with_help("remove the link, or name another file")
-    })
-}
-
-/// Creates the temporary file in the folder of `path`, with the permissions of any new file (by
-/// default the library makes it private).
-fn create_beside(path: &Path) -> Result<NamedTempFile> {
-    let refused = |reason: String| Error::file("write", path, reason);
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let shown = folder.display();
-    if !folder.exists() {
-        return Err(refused(format!("the folder `{shown}` does not exist"))
-            .with_help(format!("create it first: mkdir -p '{shown}'")));
-    }
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".photosphere-").suffix(".tmp");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder
-        .tempfile_in(folder)
-        .map_err(|e| refused(format!("nothing can be created in `{shown}` ({})", system_words(&e))))
-}
-
-/// The system's own words, without the name of the temporary file that tempfile adds behind them.
-fn system_words(error: &io::Error) -> String {
-    let words = error.to_string();
-    words.split(" at path ").next().unwrap_or_default().to_owned()
-}
-
 /// The beauty of a pixel for a format that knows no infinity and no not-a-number.
 fn finite_beauty(picture: &Picture, pixel: usize) -> Rgb {
     let beauty = picture.beauty(pixel);
@@ -166,6 +144,8 @@ fn finite_beauty(picture: &Picture, pixel: usize) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
+    use std::path::PathBuf;
 
     /// A picture with every kind of value that a render can give.
     pub(super) fn picture() -> Picture {
@@ -175,7 +155,7 @@ mod tests {
                 .map(|i| Rgb::new(i as f32, 0.3 + (i % 7) as f32, 1e-3) * scale)
                 .collect()
         };
-        Picture { width, height, direct: layer(0.013), indirect: layer(0.37) }
+        Picture { width, height, direct: layer(0.013), indirect: layer(0.37), alpha: None }
     }
 
     /// Writes the picture in a folder of its own and returns that and the file's path.

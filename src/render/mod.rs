@@ -55,8 +55,8 @@ pub struct Outcome {
 /// # Errors
 /// When there is no memory for the picture.
 pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> Result<Outcome> {
-    let image = scene.description().image;
-    let mut film = Film::new(image.width as usize, image.height as usize)?;
+    let window = scene.description().image.window();
+    let mut film = Film::new(window.width as usize, window.height as usize)?;
     let renderer = Renderer {
         world: World { scene, accel, cancel: &options.cancel },
         integrator: integrator::of_scene(scene),
@@ -69,12 +69,13 @@ pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> 
         .take_while(|_| !options.cancel.is_cancelled());
     let tally =
         passes.map(|first| renderer.pass(&mut film, first)).fold(Tally::default(), |a, b| a + b);
-    let picture = film.picture();
+    let transparent = scene.description().background.transparent;
+    let picture = if transparent { film.picture_with_alpha() } else { film.picture() };
     Ok(Outcome {
         samples: renderer.samples_done.load(Ordering::Relaxed),
         rays: tally.rays,
         complete: renderer.is_complete(),
-        warnings: warnings(&tally, &picture),
+        warnings: warnings(scene, &tally, &picture),
         picture,
     })
 }
@@ -116,11 +117,13 @@ impl Renderer<'_> {
         pixels: &mut [Pixel],
         block: std::ops::Range<u32>,
     ) -> Tally {
-        let width = self.world.scene.description().image.width as usize;
+        let window = self.world.scene.description().image.window();
+        let width = window.width as usize;
         let Desk { workspace, samples, radiance } = desk;
         samples.clear();
         for pixel in first_pixel..first_pixel + pixels.len() {
-            let (x, y) = ((pixel % width) as u32, (pixel / width) as u32);
+            let x = window.x + (pixel % width) as u32;
+            let y = window.y + (pixel / width) as u32;
             samples.extend(block.clone().map(|sample| SampleAddress { x, y, sample }));
         }
         radiance.clear();
@@ -142,8 +145,8 @@ impl Renderer<'_> {
     }
 
     fn samples_total(&self) -> u64 {
-        let image = self.world.scene.description().image;
-        u64::from(image.width) * u64::from(image.height) * u64::from(self.samples_per_pixel)
+        let window = self.world.scene.description().image.window();
+        u64::from(window.width) * u64::from(window.height) * u64::from(self.samples_per_pixel)
     }
 
     fn is_complete(&self) -> bool {
@@ -151,8 +154,12 @@ impl Renderer<'_> {
     }
 }
 
-fn warnings(tally: &Tally, picture: &Picture) -> Vec<String> {
+fn warnings(scene: &Scene, tally: &Tally, picture: &Picture) -> Vec<String> {
     let mut warnings = Vec::new();
+    if scene.description().render.clamp_indirect.is_some() {
+        let options = scene.description().render.biases().join(", ");
+        warnings.push(format!("the picture is biased by {options}"));
+    }
     if picture.non_finite() > 0 {
         let count = picture.non_finite();
         warnings.push(format!("{count} pixels are infinite or not a number: please report this"));

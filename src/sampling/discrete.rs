@@ -1,5 +1,7 @@
 //! A choice among finitely many things, with given probabilities.
 
+use crate::fault::fault;
+
 /// A discrete distribution over `0..n`.
 #[derive(Clone, Debug)]
 pub struct Discrete {
@@ -31,6 +33,7 @@ impl Discrete {
 
     /// The probability of an index.
     pub fn pmf(&self, index: usize) -> f64 {
+        let index = if fault!(PmfOffByOne) { index.saturating_sub(1) } else { index };
         let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
         self.cumulative[index] - below
     }

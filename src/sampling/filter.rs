@@ -5,6 +5,8 @@
 
 use std::f64::consts::PI;
 
+use crate::fault::fault;
+
 use super::{Discrete, cos, exp};
 
 /// The shapes of a pixel's weight function.
@@ -62,7 +64,8 @@ impl Filter {
 
     /// The density of [`Self::sample`], per square pixel.
     pub fn pdf(&self, offset: [f64; 2]) -> f64 {
-        offset.into_iter().map(|x| self.profile.pdf(x / self.radius) / self.radius).product()
+        let scale = if fault!(FilterNotNormalized) { 1.0 } else { self.radius };
+        offset.into_iter().map(|x| self.profile.pdf(x / self.radius) / scale).product()
     }
 
     /// The `u` that gives an offset.

@@ -5,6 +5,7 @@
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
+use crate::fault::fault;
 use crate::math::DVec3;
 
 use super::{acos, atan2, powf, sin_cos};
@@ -41,8 +42,10 @@ impl Hemisphere {
     /// The density of [`Self::sample`].
     pub fn pdf(self, cos: f64) -> f64 {
         match self {
+            Self::Cosine if fault!(CosineClaimedUniform) => 1.0 / TAU,
             Self::Cosine => cos * FRAC_1_PI,
             Self::UniformSolidAngle => 1.0 / TAU,
+            Self::UniformAngle if fault!(AngleJacobianLost) => 1.0 / (PI * PI),
             // The elevation's cosine is the sine of the angle from the normal.
             Self::UniformAngle => 1.0 / (PI * PI * sine(cos)),
         }
@@ -59,6 +62,14 @@ impl Hemisphere {
     }
 }
 
+/// A direction uniform over the solid angle of the cap around +z whose rim has this `1 - cos`, of any
+/// size. Its density is `1 / (2 pi (1 - cos))`.
+pub fn sample_cap(one_minus_cos_rim: f64, u: [f64; 2]) -> DVec3 {
+    let one_minus_cos = u[0] * one_minus_cos_rim;
+    let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
+    direction(sin, 1.0 - one_minus_cos, u[1])
+}
+
 /// A direction with density `(n + 1) / (2 pi) cos^n`, the lobe of the Phong model.
 pub fn sample_power_cosine(exponent: f64, u: [f64; 2]) -> DVec3 {
     let cos = powf(u[0], 1.0 / (exponent + 1.0));
@@ -67,7 +78,8 @@ pub fn sample_power_cosine(exponent: f64, u: [f64; 2]) -> DVec3 {
 
 /// The density of [`sample_power_cosine`].
 pub fn power_cosine_pdf(exponent: f64, cos: f64) -> f64 {
-    (exponent + 1.0) / TAU * powf(cos, exponent)
+    let one = if fault!(PowerCosineNorm) { 2.0 } else { 1.0 };
+    (exponent + one) / TAU * powf(cos, exponent)
 }
 
 /// The `u` that gives a direction of [`sample_power_cosine`].

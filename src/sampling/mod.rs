@@ -1,19 +1,22 @@
 //! Random numbers with addresses, and the warps that turn them into directions and positions.
 //!
 //! Every warp is a family of three that stand side by side: `sample` maps the unit square to the
-//! domain, `pdf` is the density that this map produces, `invert` undoes it. `tests/chi2.rs` checks
-//! each pair against the other.
+//! domain, `pdf` is the density that this map produces, `invert` undoes it. `verify::chi2` checks each
+//! pair against the other.
 
 mod discrete;
 mod filter;
 pub mod hemisphere;
+mod independent;
 mod mis;
 mod sampler;
+mod sobol;
+mod stratified;
 mod trig;
 
 pub use discrete::Discrete;
 pub use filter::{Filter, FilterKind};
 pub use hemisphere::Hemisphere;
 pub use mis::power_heuristic;
-pub use sampler::Sampler;
-pub use trig::{acos, atan2, cos, exp, powf, sin_cos};
+pub use sampler::{Sampler, SamplerKind};
+pub use trig::{acos, atan2, cos, exp, powf, sin_cos, tan};

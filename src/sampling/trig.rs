@@ -6,6 +6,11 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
     libm::sincos(angle)
 }
 
+/// Tangent of an angle in radians.
+pub fn tan(angle: f64) -> f64 {
+    libm::tan(angle)
+}
+
 /// Cosine of an angle in radians.
 pub fn cos(angle: f64) -> f64 {
     libm::cos(angle)

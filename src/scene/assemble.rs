@@ -5,16 +5,20 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::camera::{Camera, Pinhole};
-use crate::color::Rgb;
+use crate::camera::{Aperture, Camera, Lens, Mount, Projection};
+use crate::color::{Radiance, Rgb};
 use crate::error::{Error, Result};
-use crate::geometry::{Sphere, SphereSet};
+use crate::geometry::{Side, Sphere, SphereSet};
 use crate::light::{Lamp, Lights};
-use crate::material::{Dielectric, Diffuse, Material, Media, Medium, Mirror, Model, Phong};
+use crate::material::{
+    Coat, Conductor, Dielectric, Diffuse, Material, Media, Medium, Mirror, Model, OrenNayar, Phong,
+    Plastic,
+};
 use crate::math::{DVec3, MAX_COORDINATE};
 use crate::sampling::Filter;
 
 use super::description::{self, Description};
+use super::environment;
 use super::{Loaded, Override, RowGroup, read_file};
 
 /// A scene, ready to be rendered.
@@ -23,6 +27,7 @@ pub struct Scene {
     description: Description,
     spheres: Arc<SphereSet>,
     materials: Vec<Material>,
+    has_opacity: bool,
     groups: Vec<RowGroup>,
     lights: Lights,
     camera: Camera,
@@ -41,14 +46,26 @@ pub struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// The medium inside a dielectric sphere; `None` for other materials.
+    /// The medium inside a dielectric sphere; `None` for other materials, and for a sphere that is
+    /// never there.
     pub fn medium(&self, sphere: u32) -> Option<Medium> {
+        let absorption = self.material.absorption;
         match self.material.model {
-            Model::Dielectric(Dielectric { ior, priority }) => {
-                Some(Medium { sphere, priority, ior })
+            Model::Dielectric(Dielectric { ior, priority }) if self.material.opacity > 0.0 => {
+                Some(Medium { sphere, priority, ior, absorption })
             }
             _ => None,
         }
+    }
+
+    /// The probability that this sphere is there for light that meets it from `side` in `media`.
+    /// Glass is there as a whole or not at all: that is decided where it is entered.
+    pub fn presence(&self, sphere: u32, side: Side, media: &Media) -> f32 {
+        let opacity = self.material.opacity;
+        if opacity < 1.0 && side == Side::Inside && self.medium(sphere).is_some() {
+            return if media.contains(sphere) { 1.0 } else { 0.0 };
+        }
+        opacity
     }
 }
 
@@ -66,26 +83,27 @@ impl Scene {
     /// # Errors
     /// When there are more spheres than ids, or camera rays start out of reach.
     pub fn new(loaded: Loaded) -> Result<Self> {
-        let Loaded { description, rows, groups } = loaded;
+        let Loaded { description, rows, groups, environment } = loaded;
         let spheres = Arc::new(SphereSet::new(rows)?);
-        let materials = description.materials.iter().map(material).collect();
-        let camera = pinhole(&description, spheres.origin());
+        let materials: Vec<_> = description.materials.iter().map(material).collect();
+        let has_opacity = materials.iter().any(|material| material.opacity < 1.0);
+        let camera = camera(&description, spheres.origin());
         let filter = Filter::new(description.image.filter, description.image.filter_radius);
         let mut scene = Self {
             description,
             spheres,
             materials,
+            has_opacity,
             groups,
             lights: Lights::default(),
             camera,
             filter,
             around_camera: Vec::new(),
         };
-        if scene.farthest_start() > 4.0 * MAX_COORDINATE {
-            let message = "`camera.near` puts the start of some camera rays out of reach";
-            return Err(Error::input(message).with_help("lower `near`, or narrow the view"));
-        }
-        scene.lights = Lights::new(scene.find_lamps(), &scene.spheres);
+        scene.check_reach()?;
+        let background = environment::light(&scene.description.background, environment);
+        let choice = scene.description.render.light_choice;
+        scene.lights = Lights::chosen_by(choice, scene.find_lamps(), &scene.spheres, background);
         scene.around_camera = scene.find_media_around_camera();
         Ok(scene)
     }
@@ -93,6 +111,11 @@ impl Scene {
     /// What the user wrote.
     pub fn description(&self) -> &Description {
         &self.description
+    }
+
+    /// Chooses other random numbers; nothing else of a scene depends on its seed.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.description.render.seed = seed;
     }
 
     /// All spheres.
@@ -115,9 +138,17 @@ impl Scene {
         &self.filter
     }
 
-    /// The radiance of a ray that meets nothing.
-    pub fn background(&self) -> Rgb {
-        self.description.background
+    /// The radiance seen by a ray in this direction that meets nothing.
+    pub fn background(&self, direction: DVec3) -> Rgb {
+        self.lights.background().radiance(direction)
+    }
+
+    /// What a camera ray in this direction brings that meets nothing: the background, unless it is
+    /// hidden from the camera.
+    pub fn seen_by_camera(&self, direction: DVec3) -> Radiance {
+        let visible = self.description.background.camera_visible;
+        let direct = if visible { self.background(direction) } else { Rgb::ZERO };
+        Radiance { direct, indirect: Rgb::ZERO, alpha: 0.0 }
     }
 
     /// What a sphere is made of.
@@ -132,6 +163,11 @@ impl Scene {
         Surface { material: &self.materials[group.material], albedo }
     }
 
+    /// Whether some surface is only there with a probability.
+    pub fn has_opacity(&self) -> bool {
+        self.has_opacity
+    }
+
     /// The name of a sphere, where the scene gives one.
     pub fn name(&self, id: u32) -> Option<&str> {
         self.description.spheres.get(self.spheres.row(id) as usize)?.name.as_deref()
@@ -143,8 +179,15 @@ impl Scene {
         containing.fold(Media::VACUUM, |media, (_, medium)| media.with(*medium))
     }
 
-    fn farthest_start(&self) -> f64 {
-        self.camera.farthest_start(self.description.image.filter_radius)
+    /// Backends take coordinates of up to four times [`MAX_COORDINATE`]; moving the origin may have
+    /// used up two of them.
+    fn check_reach(&self) -> Result<()> {
+        let margin = self.description.image.filter_radius;
+        let is_near = self.camera.farthest_origin(margin) <= 2.0 * MAX_COORDINATE
+            && self.camera.farthest_start(margin) <= 4.0 * MAX_COORDINATE;
+        let message = "`camera.near` puts the start of some camera rays out of reach";
+        let help = "lower `near`, or narrow the view";
+        if is_near { Ok(()) } else { Err(Error::input(message).with_help(help)) }
     }
 
     fn find_lamps(&self) -> Vec<Lamp> {
@@ -153,7 +196,8 @@ impl Scene {
         }
         let lamp = |id| {
             let material = self.surface(id).material;
-            material.is_emissive().then_some(Lamp { id, emission: material.emission })
+            let emission = material.emission * material.opacity;
+            (emission.max_element() > 0.0).then_some(Lamp { id, emission })
         };
         (0..self.spheres.len() as u32).into_par_iter().filter_map(lamp).collect()
     }
@@ -162,13 +206,11 @@ impl Scene {
         if !self.materials.iter().any(|m| matches!(m.model, Model::Dielectric(_))) {
             return Vec::new();
         }
-        let position = self.camera.position();
-        let reach = self.farthest_start();
+        let margin = self.description.image.filter_radius;
         let around = |id| {
             let medium = self.surface(id).medium(id)?;
             let sphere = self.spheres.sphere(id);
-            let near = sphere.center.distance(position) <= sphere.radius + reach;
-            near.then_some((sphere, medium))
+            self.camera.may_start_in(&sphere, margin).then_some((sphere, medium))
         };
         let mut found: Vec<_> =
             (0..self.spheres.len() as u32).into_par_iter().filter_map(around).collect();
@@ -177,29 +219,60 @@ impl Scene {
     }
 }
 
-fn pinhole(description: &Description, origin: DVec3) -> Camera {
-    let description::Camera { position, look_at, up, vertical_fov_degrees, near } =
-        description.camera;
-    Camera::pinhole(&Pinhole {
+fn camera(description: &Description, origin: DVec3) -> Camera {
+    let description::Camera { position, look_at, up, near, projection } = description.camera;
+    let mount = Mount {
         position: position - origin,
         towards: look_at - position,
         up,
-        vertical_fov: vertical_fov_degrees.to_radians(),
         near,
         size: [description.image.width, description.image.height],
-    })
+    };
+    let thin = |lens: description::Lens| {
+        let rotation = lens.rotation_degrees.to_radians();
+        let aperture = Aperture { radius: lens.radius, blades: lens.blades, rotation };
+        Lens { aperture, focus_distance: lens.focus_distance }
+    };
+    let projection = match projection {
+        description::Projection::Perspective { vertical_fov_degrees, lens } => {
+            let vertical_fov = vertical_fov_degrees.to_radians();
+            Projection::Perspective { vertical_fov, lens: lens.map(thin) }
+        }
+        description::Projection::Orthographic { height } => Projection::Orthographic { height },
+        description::Projection::Panoramic { horizontal_degrees, vertical_degrees } => {
+            let [horizontal, vertical] =
+                [horizontal_degrees, vertical_degrees].map(f64::to_radians);
+            Projection::Panoramic { horizontal, vertical }
+        }
+    };
+    Camera::new(&mount, projection)
 }
 
 fn material(named: &description::NamedMaterial) -> Material {
     let model = match named.surface {
-        description::Surface::Diffuse { albedo } => Model::Diffuse(Diffuse { albedo }),
+        description::Surface::Diffuse { albedo, roughness: 0.0 } => {
+            Model::Diffuse(Diffuse { albedo })
+        }
+        description::Surface::Diffuse { albedo, roughness } => {
+            Model::OrenNayar(OrenNayar { albedo, roughness })
+        }
         description::Surface::Mirror { reflectance } => Model::Mirror(Mirror { reflectance }),
-        description::Surface::Dielectric { ior, priority } => {
+        description::Surface::Conductor { metal, roughness } => {
+            Model::Conductor(Conductor::new(metal, roughness))
+        }
+        description::Surface::Dielectric { ior, priority, .. } => {
             Model::Dielectric(Dielectric { ior, priority })
+        }
+        description::Surface::Plastic { albedo, ior, roughness } => {
+            Model::Plastic(Plastic { albedo, coat: Coat::new(ior, roughness) })
         }
         description::Surface::Phong { albedo, specular, exponent, normalized } => {
             Model::Phong(Phong { albedo, specular, exponent, normalized })
         }
     };
-    Material { model, emission: named.emission }
+    let absorption = match named.surface {
+        description::Surface::Dielectric { absorption, .. } => absorption,
+        _ => Rgb::ZERO,
+    };
+    Material { model, emission: named.emission, opacity: named.opacity as f32, absorption }
 }

@@ -63,7 +63,8 @@ pub(super) fn survey(
     if layout.color.is_some() && brightest.is_none() {
         let message =
             format!("`{}` has colours for a material without albedo", table.path_to("columns"));
-        let help = "drop r, g and b, or choose a diffuse material".to_owned();
+        let help =
+            "drop r, g and b, or choose a material with a colour, such as diffuse".to_owned();
         table.report().add(table.wrong("columns", message).help(help));
     }
     match count_rows(&described.file, layout.bytes()) {
@@ -119,11 +120,14 @@ pub(super) fn import(
 /// The largest albedo that a row may have, where the material has an albedo at all.
 fn brightest_rows(surface: &Surface) -> Option<[f32; 3]> {
     match surface {
-        Surface::Diffuse { .. } | Surface::Phong { normalized: false, .. } => Some([1.0; 3]),
+        Surface::Diffuse { .. }
+        | Surface::Plastic { .. }
+        | Surface::Mirror { .. }
+        | Surface::Phong { normalized: false, .. } => Some([1.0; 3]),
         Surface::Phong { specular, .. } => {
             Some(specular.to_array().map(|share| 1.0 - share + SHARE_ROUNDING))
         }
-        Surface::Mirror { .. } | Surface::Dielectric { .. } => None,
+        Surface::Conductor { .. } | Surface::Dielectric { .. } => None,
     }
 }
 

@@ -9,9 +9,10 @@ use crate::geometry::SphereRows;
 
 use super::description::Description;
 use super::document;
+use super::environment::Pixels;
 use super::import::{RowGroup, import};
 use super::overrides::{LaidOut, Override};
-use super::read::read;
+use super::read::{Draft, read};
 use super::report::Report;
 
 /// The longest scene file in bytes; more spheres than fit belong in a table.
@@ -26,6 +27,8 @@ pub struct Loaded {
     pub rows: SphereRows,
     /// Which rows came from which table; one group for each of the description's tables.
     pub groups: Vec<RowGroup>,
+    /// The pixels of the background's image, where it has one.
+    pub environment: Option<Pixels>,
 }
 
 /// Reads a scene file, with `overrides` in place of what it says.
@@ -55,7 +58,8 @@ pub fn read_text(name: &str, text: &str, folder: &Path, overrides: &[Override]) 
     let draft = draft.expect("whoever gave up on the scene has told the report why");
     let (rows, groups) = import(&draft.description, &draft.surveys, &report)?;
     report.verdict()?;
-    Ok(Loaded { description: draft.description, rows, groups })
+    let Draft { description, environment, .. } = draft;
+    Ok(Loaded { description, rows, groups, environment })
 }
 
 fn read_to_string(path: &Path) -> Result<String> {

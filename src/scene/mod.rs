@@ -1,8 +1,10 @@
 //! From a scene file to an immutable [`Scene`].
 
 mod assemble;
+mod biases;
 pub mod description;
 mod document;
+mod environment;
 mod import;
 mod load;
 mod overrides;
@@ -11,6 +13,7 @@ mod report;
 mod values;
 
 pub use assemble::{Scene, Surface};
+pub use environment::Pixels;
 pub use import::RowGroup;
 pub use load::{Loaded, read_file, read_text};
 pub use overrides::Override;

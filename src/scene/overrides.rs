@@ -46,7 +46,7 @@ impl LaidOut {
         let value_span = value_span.unwrap_or_else(|| whole.clone());
         // Blanks in front move the spans to where the value stands.
         let blanks = value_span.start - KEY.len() - 1;
-        let value_text = format!("{:blanks$}{KEY}={value}", "");
+        let value_text = " ".repeat(blanks) + &format!("{KEY}={value}");
         Self {
             key: format!("{key}=0"),
             key_span: key_span.unwrap_or(whole),

@@ -2,7 +2,21 @@
 //! answer and compare every speed.
 
 pub mod bench;
+pub mod check;
+pub mod chi2;
+pub mod closed_forms;
+pub mod converge;
 pub mod crosscheck;
+mod densities;
 mod exact;
+pub mod intersectors;
 pub mod judge;
+mod materials;
+pub mod metrics;
+mod quadrature;
 pub mod rays;
+pub mod report;
+pub mod statistics;
+mod suite;
+
+pub use suite::{checks, checks_on};

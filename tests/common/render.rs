@@ -7,11 +7,13 @@ use photosphere::accel::{Backend, BuildOptions};
 use photosphere::film::Picture;
 use photosphere::render::{Outcome, RenderOptions, render};
 use photosphere::scene::{Override, Scene, read_text};
+pub(crate) use photosphere::verify::statistics::Estimate;
 
 /// Independent seeds behind every standard error.
 pub(crate) const SEEDS: u64 = 32;
-/// Standard errors that a mean may be off. With Student's t and 31 degrees of freedom a right
-/// program fails a check with probability 4e-4.
+/// The probability with which a right program fails one comparison.
+pub(crate) const SIGNIFICANCE: f64 = 4e-4;
+/// Standard errors that a mean of so many seeds may be off: Student's t at that significance.
 pub(crate) const ALLOWED: f64 = 4.0;
 
 /// A scene from its text and `key=value` overrides.
@@ -46,24 +48,18 @@ pub(crate) fn picture(text: &str, overrides: &[&str]) -> Picture {
     outcome(&scene(text, overrides), Backend::BruteForce).picture
 }
 
-/// A mean over seeds with its standard error.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Estimate {
-    pub(crate) mean: f64,
-    pub(crate) standard_error: f64,
+/// An estimate from the renders of a scene, and what it must be.
+pub(crate) trait Rendered: Sized {
+    /// The mean of the picture's green channel, over seeds.
+    fn of_scene(text: &str, overrides: &[&str], backend: Backend) -> Self;
+    /// Fails unless the mean is the expected value, as far as can be told.
+    fn must_be(self, expected: f64, what: &str);
+    /// Fails unless both means agree, as far as can be told.
+    fn must_agree(self, other: Self, what: &str);
 }
 
-impl Estimate {
-    /// From one value per independent seed.
-    pub(crate) fn of(values: &[f64]) -> Self {
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        Self { mean, standard_error: (variance / n).sqrt() }
-    }
-
-    /// The mean of the picture's green channel, over seeds.
-    pub(crate) fn of_scene(text: &str, overrides: &[&str], backend: Backend) -> Self {
+impl Rendered for Estimate {
+    fn of_scene(text: &str, overrides: &[&str], backend: Backend) -> Self {
         let value = |seed: u64| {
             let seed = format!("render.seed={seed}");
             let overrides: Vec<&str> = overrides.iter().copied().chain([seed.as_str()]).collect();
@@ -73,20 +69,14 @@ impl Estimate {
     }
 
     #[allow(clippy::print_stdout, reason = "the figures are worth reading with --nocapture")]
-    /// Fails unless the mean is the expected value, within the standard errors allowed and 1e-5.
-    pub(crate) fn must_be(self, expected: f64, what: &str) {
-        let allowed = ALLOWED * self.standard_error + 1e-5 * expected.abs();
-        let off = (self.mean - expected).abs();
+    fn must_be(self, expected: f64, what: &str) {
+        let p = self.p_value(expected);
         println!("{what}: {:.6} +- {:.6}, expected {expected:.6}", self.mean, self.standard_error);
-        assert!(
-            off <= allowed,
-            "{what}: {self:?} is {off:.2e} from {expected}, allowed {allowed:.2e}"
-        );
+        assert!(p >= SIGNIFICANCE, "{what}: {self:?} is not {expected}, p = {p:.1e}");
     }
 
-    /// Fails unless both means agree, within the standard errors allowed and 1e-5.
-    pub(crate) fn must_agree(self, other: Self, what: &str) {
-        let joint = self.standard_error.hypot(other.standard_error);
-        Self { mean: self.mean, standard_error: joint }.must_be(other.mean, what);
+    fn must_agree(self, other: Self, what: &str) {
+        let p = self.p_value_against(&other);
+        assert!(p >= SIGNIFICANCE, "{what}: {self:?} is not {other:?}, p = {p:.1e}");
     }
 }

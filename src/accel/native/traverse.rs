@@ -1,5 +1,6 @@
 //! One ray through the tree.
 
+use crate::fault::fault;
 use crate::geometry::Sphere;
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
@@ -50,7 +51,9 @@ impl Query {
     pub(super) fn offer(&mut self, id: u32, sphere: &Sphere) {
         let root = sphere.first_root(self.origin, self.direction, self.t_min, f64::INFINITY);
         let Some(t) = root else { return };
-        let better = t < self.t || (t == self.t && id < self.id && self.id != NO_SPHERE);
+        let better = t < self.t
+            || fault!(NotTheNearest)
+            || (t == self.t && id < self.id && self.id != NO_SPHERE);
         if better && !self.exclude.contains(&id) {
             self.t = t;
             self.id = id;
@@ -99,6 +102,7 @@ impl Stack {
         while self.len > 0 {
             self.len -= 1;
             let (t, child) = self.entries[self.len];
+            let limit = if fault!(PrunedTooEarly) { 0.9 * limit } else { limit };
             if f32::from_bits(t) <= limit {
                 return Some(child);
             }

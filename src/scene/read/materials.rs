@@ -1,5 +1,8 @@
 //! `[materials.NAME]`.
 
+mod conductor;
+mod layered;
+
 use crate::color::Rgb;
 use crate::scene::description::{NamedMaterial, Surface};
 use crate::scene::document::Table;
@@ -13,8 +16,17 @@ const SHARE: Color = Color(Limits::FromTo(0.0, 1.0));
 /// Indices of refraction: below 1 as well, for bubbles told relative to what is around them.
 const IOR: Number = Number(Limits::FromTo(0.1, 10.0));
 
+/// How rough a microsurface is.
+const ROUGHNESS: Number = Number(Limits::FromTo(0.0, 1.0));
+
 /// Phong's exponents.
 const EXPONENT: Number = Number(Limits::FromTo(0.0, 1e5));
+
+/// Shares that are one number.
+const PART: Number = Number(Limits::FromTo(0.0, 1.0));
+
+/// What a medium absorbs, per unit length.
+const ABSORPTION: Color = Color(Limits::FromTo(0.0, 1e15));
 
 /// How far the sum of two shares may exceed 1 by rounding.
 pub(in crate::scene) const SHARE_ROUNDING: f32 = 1e-6;
@@ -23,14 +35,18 @@ pub(in crate::scene) const SHARE_ROUNDING: f32 = 1e-6;
 enum Type {
     Diffuse,
     Mirror,
+    Conductor,
     Dielectric,
+    Plastic,
     Phong,
 }
 
 const TYPES: Choice<Type> = Choice(&[
     ("diffuse", Type::Diffuse),
     ("mirror", Type::Mirror),
+    ("conductor", Type::Conductor),
     ("dielectric", Type::Dielectric),
+    ("plastic", Type::Plastic),
     ("phong", Type::Phong),
 ]);
 
@@ -39,7 +55,8 @@ pub(super) fn read<'d>(root: &Table<'d>) -> Vec<(&'d str, Option<NamedMaterial>)
     root.named_sections("materials", |name, table| {
         let surface = read_surface(table);
         let emission = table.optional("emission", RADIANCE).unwrap_or(Rgb::ZERO);
-        Some(NamedMaterial { name: name.to_owned(), surface: surface?, emission })
+        let opacity = table.optional("opacity", PART).unwrap_or(1.0);
+        Some(NamedMaterial { name: name.to_owned(), surface: surface?, emission, opacity })
     })
 }
 
@@ -49,15 +66,22 @@ fn read_surface(table: &Table<'_>) -> Option<Surface> {
         return None;
     };
     match kind {
-        Type::Diffuse => Some(Surface::Diffuse { albedo: table.required("albedo", SHARE)? }),
+        Type::Diffuse => {
+            let albedo = table.required("albedo", SHARE);
+            let roughness = table.optional("roughness", PART).unwrap_or(0.0);
+            Some(Surface::Diffuse { albedo: albedo?, roughness })
+        }
         Type::Mirror => {
             Some(Surface::Mirror { reflectance: table.required("reflectance", SHARE)? })
         }
+        Type::Conductor => conductor::read(table),
         Type::Dielectric => {
             let ior = table.required("ior", IOR);
             let priority = table.optional("priority", Whole(i32::MIN..=i32::MAX));
-            Some(Surface::Dielectric { ior: ior?, priority: priority.unwrap_or(0) })
+            let absorption = table.optional("absorption", ABSORPTION).unwrap_or(Rgb::ZERO);
+            Some(Surface::Dielectric { ior: ior?, priority: priority.unwrap_or(0), absorption })
         }
+        Type::Plastic => layered::plastic(table),
         Type::Phong => read_phong(table),
     }
 }

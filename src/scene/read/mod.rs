@@ -1,6 +1,8 @@
 //! From a document to a [`Description`]: which keys there are, what they may hold, and what they
 //! are where they are left out. `docs/scene-format.md` says the same to users.
 
+mod background;
+mod camera;
 mod materials;
 mod render;
 
@@ -9,13 +11,13 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
-use crate::color::Rgb;
-use crate::math::{DVec3, MAX_COORDINATE};
+use crate::math::MAX_COORDINATE;
 
 pub(super) use materials::SHARE_ROUNDING;
 
-use super::description::{Camera, Column, Description, FilterKind, Image, SphereRow, SphereTable};
+use super::description::{Column, Description, FilterKind, Image, SphereRow, SphereTable, Window};
 use super::document::Table;
+use super::environment::Pixels;
 use super::import::{Survey, survey};
 use super::report::{Report, Wrong};
 use super::values::{COORDINATES, Choice, Color, Each, Limits, MaterialName, Number, Text, Whole};
@@ -35,9 +37,6 @@ pub(super) const SMALLEST_RADIUS: f64 = 1e-15;
 /// The largest radiance.
 const BRIGHTEST: f64 = 1e15;
 
-/// The sine of the angle between `up` and the view below which they count as parallel.
-const PARALLEL: f64 = 1e-6;
-
 /// Linear radiance, which no lamp can send out negatively.
 const RADIANCE: Color = Color(Limits::FromTo(0.0, BRIGHTEST));
 
@@ -55,6 +54,8 @@ pub(super) struct Draft {
     pub(super) description: Description,
     /// One for each of the description's tables.
     pub(super) surveys: Vec<Survey>,
+    /// The pixels of the background's image.
+    pub(super) environment: Option<Pixels>,
 }
 
 /// Reads a whole scene; relative paths start at `folder`. What is wrong goes to the report; `None`
@@ -68,14 +69,13 @@ pub(super) fn read(
     Table::root(document, report, |root| {
         read_format(root);
         let image = root.optional_section("image", read_image);
-        let camera = root.section("camera", read_camera);
-        let background = root.optional_section("background", |table| {
-            Some(table.optional("radiance", RADIANCE).unwrap_or(Rgb::ZERO))
-        });
+        let background =
+            root.optional_section("background", |table| background::read(table, folder));
         let materials = materials::read(root);
         let names = materials.iter().map(|(name, _)| *name);
         let index_of: BTreeMap<_, _> = names.zip(0..).collect();
         let spheres = root.sections("spheres", |table| read_sphere(table, &index_of));
+        let camera = root.section("camera", |table| camera::read(table, &spheres));
         let tables = root.sections("sphere_tables", |table| {
             let described = read_table(table, &index_of, folder)?;
             let surface = materials[described.material].1.as_ref()?.surface;
@@ -87,16 +87,17 @@ pub(super) fn read(
             root.optional_section("render", |table| render::read(table, integrator_of_file));
         let materials = materials.into_iter().map(|(_, material)| material);
         let (tables, surveys) = tables.into_iter().unzip();
+        let (background, environment) = background?;
         let description = Description {
             image: image?,
             camera: camera?,
-            background: background?,
+            background,
             materials: materials.collect::<Option<_>>()?,
             spheres,
             tables,
             render: render?,
         };
-        Some(Draft { description, surveys })
+        Some(Draft { description, surveys, environment })
     })
 }
 
@@ -121,9 +122,29 @@ fn read_image(table: &Table<'_>) -> Option<Image> {
         let message = format!("{width} x {height} pixels are more than 2^31");
         table.report().add(table.wrong("height", message));
     }
+    let crop = read_crop(table, width, height);
     let filter = table.optional("filter", FILTERS).unwrap_or_default();
     let radius = table.optional("filter_radius", Number(Limits::AboveTo(0.0, 64.0)));
-    Some(Image { width, height, filter, filter_radius: radius.unwrap_or(usual_radius(filter)) })
+    let filter_radius = radius.unwrap_or(usual_radius(filter));
+    Some(Image { width, height, crop, filter, filter_radius })
+}
+
+/// The part of the picture that is rendered.
+fn read_crop(table: &Table<'_>, width: u32, height: u32) -> Option<Window> {
+    let edges = table.optional("crop", Each(Whole(0..=WIDEST)))?;
+    let wrong = |message: String| table.report().add(table.wrong("crop", message));
+    let [x0, y0, x1, y1] = edges[..] else {
+        let found = edges.len();
+        wrong(format!("`image.crop` must be four numbers, [x0, y0, x1, y1], not {found}"));
+        return None;
+    };
+    if x0 >= x1 || y0 >= y1 || x1 > width || y1 > height {
+        wrong(format!(
+            "`image.crop` must be [x0, y0, x1, y1] with x0 < x1 <= {width} and y0 < y1 <= {height}"
+        ));
+        return None;
+    }
+    Some(Window { x: x0, y: y0, width: x1 - x0, height: y1 - y0 })
 }
 
 fn usual_radius(filter: FilterKind) -> f64 {
@@ -133,43 +154,6 @@ fn usual_radius(filter: FilterKind) -> f64 {
         FilterKind::Gaussian => 1.5,
         FilterKind::BlackmanHarris => 2.0,
     }
-}
-
-fn read_camera(table: &Table<'_>) -> Option<Camera> {
-    let position = table.required("position", COORDINATES);
-    let look_at = table.required("look_at", COORDINATES);
-    let up = table.optional("up", COORDINATES).unwrap_or(DVec3::Y);
-    let vertical_fov_degrees =
-        table.optional("vertical_fov_degrees", Number(Limits::Between(0.0, 180.0))).unwrap_or(36.0);
-    let near =
-        table.optional("near", Number(Limits::FromTo(0.0, MAX_COORDINATE))).unwrap_or_default();
-    let camera = Camera { position: position?, look_at: look_at?, up, vertical_fov_degrees, near };
-    check_axes(table, &camera);
-    Some(camera)
-}
-
-/// Whether the camera looks anywhere, and knows how to hold its head.
-fn check_axes(table: &Table<'_>, camera: &Camera) {
-    let view = unit(camera.look_at - camera.position);
-    let up = unit(camera.up);
-    let wrong = match (view, up) {
-        (None, _) => table.wrong("look_at", "`camera.look_at` must not be `camera.position`"),
-        (_, None) => table.wrong("up", "`camera.up` must not be [0, 0, 0]"),
-        (Some(view), Some(up)) if view.cross(up).length() < PARALLEL => {
-            let other = if view.y.abs() < 0.5 { "[0, 1, 0]" } else { "[0, 0, 1]" };
-            let key = if table.span_of("up").is_some() { "up" } else { "look_at" };
-            table
-                .wrong(key, "`camera.up` must not be parallel to the view")
-                .help(format!("any other direction will do, as in `up = {other}`"))
-        }
-        _ => return,
-    };
-    table.report().add(wrong);
-}
-
-/// The direction of a vector however long or short, if it has one.
-fn unit(v: DVec3) -> Option<DVec3> {
-    (v / v.abs().max_element()).try_normalize()
 }
 
 fn read_sphere(table: &Table<'_>, index_of: &BTreeMap<&str, usize>) -> Option<SphereRow> {

@@ -1,12 +1,18 @@
 //! `[render]`, and how many samples the paper's sub-pixels make of it.
 
-use crate::scene::description::{Hemisphere, Integrator, Miss, Paper, Render, Stop};
+use crate::math::MAX_COORDINATE;
+use crate::scene::description::{
+    Estimator, Hemisphere, Integrator, LightChoice, Miss, Paper, Render, SamplerKind, Stop,
+};
 use crate::scene::document::Table;
 use crate::scene::values::{Choice, Flag, Limits, Number, Whole};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Path,
+    Direct,
+    AmbientOcclusion,
+    Normals,
     Paper,
     Raycast,
 }
@@ -18,8 +24,23 @@ enum StopKind {
     Threshold,
 }
 
-const INTEGRATORS: Choice<Kind> =
-    Choice(&[("path", Kind::Path), ("paper", Kind::Paper), ("raycast", Kind::Raycast)]);
+const INTEGRATORS: Choice<Kind> = Choice(&[
+    ("path", Kind::Path),
+    ("direct", Kind::Direct),
+    ("ambient-occlusion", Kind::AmbientOcclusion),
+    ("normals", Kind::Normals),
+    ("paper", Kind::Paper),
+    ("raycast", Kind::Raycast),
+]);
+
+const ESTIMATORS: Choice<Estimator> =
+    Choice(&[("mis", Estimator::Mis), ("light", Estimator::Light), ("bsdf", Estimator::Bsdf)]);
+
+const SAMPLERS: Choice<SamplerKind> = Choice(&[
+    ("sobol", SamplerKind::Sobol),
+    ("independent", SamplerKind::Independent),
+    ("stratified", SamplerKind::Stratified),
+]);
 
 const HEMISPHERES: Choice<Hemisphere> = Choice(&[
     ("cosine", Hemisphere::Cosine),
@@ -35,6 +56,12 @@ const STOPS: Choice<StopKind> = Choice(&[
 
 const MISSES: Choice<Miss> = Choice(&[("background", Miss::Background), ("redraw", Miss::Redraw)]);
 
+const LIGHT_CHOICES: Choice<LightChoice> = Choice(&[
+    ("hierarchy", LightChoice::Hierarchy),
+    ("power", LightChoice::Power),
+    ("uniform", LightChoice::Uniform),
+]);
+
 /// The most sub-pixels along one side of a pixel.
 const FINEST: u32 = 256;
 
@@ -46,9 +73,16 @@ const USUAL_PATHS: u32 = 4;
 
 pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> Option<Render> {
     let kind = table.optional("integrator", INTEGRATORS).unwrap_or(Kind::Path);
+    let estimator = table.optional("estimator", ESTIMATORS).unwrap_or_default();
     let given = table.optional("samples_per_pixel", Whole(1..=u32::MAX));
     let max_depth = table.optional("max_depth", Whole(1..=u32::MAX));
+    let clamp_indirect =
+        table.optional("clamp_indirect", Number(Limits::AboveTo(0.0, super::BRIGHTEST)));
     let seed = table.optional("seed", Whole(0..=i64::MAX)).unwrap_or(0);
+    // The paper's figures show independent numbers.
+    let usual = if kind == Kind::Paper { SamplerKind::Independent } else { SamplerKind::Sobol };
+    let sampler = table.optional("sampler", SAMPLERS).unwrap_or(usual);
+    let light_choice = table.optional("light_choice", LIGHT_CHOICES).unwrap_or_default();
     let paper = table.optional_section("paper", |inner| {
         let mut paper = read_paper(inner);
         if kind == Kind::Paper {
@@ -60,12 +94,29 @@ pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> Optio
     let shadows = table.optional_section("raycast", |inner| {
         Some(inner.optional("shadows", Flag).unwrap_or(false))
     })?;
+    let distance = table.optional_section("ambient_occlusion", |inner| {
+        let distance = Number(Limits::AboveTo(0.0, MAX_COORDINATE));
+        Some(inner.optional("distance", distance).unwrap_or(f64::INFINITY))
+    })?;
+    let many = given.unwrap_or(USUAL_SAMPLES);
     let (integrator, samples_per_pixel) = match kind {
-        Kind::Path => (Integrator::Path, given.unwrap_or(USUAL_SAMPLES)),
+        Kind::Path => (Integrator::Path, many),
+        Kind::Direct => (Integrator::Direct, many),
+        Kind::AmbientOcclusion => (Integrator::AmbientOcclusion { distance }, many),
+        Kind::Normals => (Integrator::Normals, given.unwrap_or(1)),
         Kind::Paper => (Integrator::Paper(paper), counted(table, &paper)?),
         Kind::Raycast => (Integrator::Raycast { shadows }, given.unwrap_or(1)),
     };
-    Some(Render { integrator, samples_per_pixel, max_depth, seed: seed.unsigned_abs() })
+    Some(Render {
+        integrator,
+        estimator,
+        light_choice,
+        samples_per_pixel,
+        max_depth,
+        clamp_indirect,
+        seed: seed.unsigned_abs(),
+        sampler,
+    })
 }
 
 fn read_paper(table: &Table<'_>) -> Paper {

@@ -1,0 +1,163 @@
+//! The opening of a lens: a disk, or the polygon that its blades leave.
+//!
+//! Points are drawn evenly over the area; sampling, density and inversion stand together.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+
+use crate::sampling::{atan2, sin_cos};
+
+/// The opening of a lens, in its own plane: x to the right of the picture, y up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aperture {
+    /// Of the disk, or of the circle through the polygon's corners.
+    pub radius: f64,
+    /// Corners of a regular polygon, from 3; 0 for a disk.
+    pub blades: u32,
+    /// The angle from x to the first corner, counter-clockwise, in radians.
+    pub rotation: f64,
+}
+
+impl Aperture {
+    /// A point of the opening, from `u` in `[0, 1)^2`.
+    pub fn sample(&self, u: [f64; 2]) -> [f64; 2] {
+        let unit = if self.blades == 0 { disk(u) } else { self.polygon(u) };
+        unit.map(|x| x * self.radius)
+    }
+
+    /// The density of [`Self::sample`] per area: 0 outside of the opening.
+    pub fn pdf(&self, point: [f64; 2]) -> f64 {
+        let [_, r] = self.sector_and_share(point);
+        let is_outside = if self.blades == 0 { length(point) > self.radius } else { r > 1.0 };
+        if is_outside { 0.0 } else { 1.0 / self.area() }
+    }
+
+    /// The `u` that gives a point.
+    pub fn invert(&self, point: [f64; 2]) -> [f64; 2] {
+        if self.blades == 0 {
+            return invert_disk(point.map(|x| x / self.radius));
+        }
+        let [sector, r] = self.sector_and_share(point);
+        [sector / f64::from(self.blades), r * r]
+    }
+
+    /// Area of the opening.
+    pub fn area(&self) -> f64 {
+        let square = self.radius * self.radius;
+        if self.blades == 0 {
+            return PI * square;
+        }
+        let n = f64::from(self.blades);
+        0.5 * n * sin_cos(TAU / n).0 * square
+    }
+
+    /// In the triangle from the centre to an edge, lines parallel to the edge have lengths that grow
+    /// with their distance, so the square root of a uniform number is the right distance.
+    fn polygon(&self, u: [f64; 2]) -> [f64; 2] {
+        let place = u[0] * f64::from(self.blades);
+        let sector = place.floor().min(f64::from(self.blades - 1));
+        let (along, r) = (place - sector, u[1].sqrt());
+        let (a, b) = (self.corner(sector), self.corner(sector + 1.0));
+        [0, 1].map(|axis| r * ((1.0 - along) * a[axis] + along * b[axis]))
+    }
+
+    /// Number of the sector plus the place along its edge, and the distance from the centre as a
+    /// share of the edge's.
+    fn sector_and_share(&self, point: [f64; 2]) -> [f64; 2] {
+        let n = f64::from(self.blades.max(3));
+        let angle = atan2(point[1], point[0]) - self.rotation;
+        let turns = angle / TAU - (angle / TAU).floor();
+        let sector = (turns * n).floor().min(n - 1.0);
+        let (a, b) = (self.corner_of(sector, n), self.corner_of(sector + 1.0, n));
+        // The point is p = x a + y b.
+        let determinant = a[0] * b[1] - a[1] * b[0];
+        let [px, py] = point.map(|x| x / self.radius);
+        let x = (px * b[1] - py * b[0]) / determinant;
+        let y = (a[0] * py - a[1] * px) / determinant;
+        let r = x + y;
+        [sector + if r > 0.0 { y / r } else { 0.0 }, r]
+    }
+
+    fn corner(&self, number: f64) -> [f64; 2] {
+        self.corner_of(number, f64::from(self.blades))
+    }
+
+    fn corner_of(&self, number: f64, n: f64) -> [f64; 2] {
+        let (sin, cos) = sin_cos(self.rotation + TAU * number / n);
+        [cos, sin]
+    }
+}
+
+fn length([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
+/// A point of the unit disk. Squares around the centre of `u` become circles (Shirley and Chiu 1997,
+/// "A Low Distortion Map Between Disk and Square"), so points that are spread well stay so.
+fn disk(u: [f64; 2]) -> [f64; 2] {
+    let [a, b] = u.map(|u| 2.0 * u - 1.0);
+    if a == 0.0 && b == 0.0 {
+        return [0.0; 2];
+    }
+    let (r, angle) = if a.abs() > b.abs() {
+        (a, FRAC_PI_4 * (b / a))
+    } else {
+        (b, FRAC_PI_2 - FRAC_PI_4 * (a / b))
+    };
+    let (sin, cos) = sin_cos(angle);
+    [r * cos, r * sin]
+}
+
+fn invert_disk(point: [f64; 2]) -> [f64; 2] {
+    let r = length(point);
+    let angle = atan2(point[1], point[0]);
+    // From -45 degrees on, so that each quarter belongs to one side of the square.
+    let angle = if angle < -FRAC_PI_4 { angle + TAU } else { angle };
+    let share = |from: f64| (angle - from) / FRAC_PI_4 * r;
+    let [a, b] = match (angle / FRAC_PI_2 + 0.5).floor() as u32 {
+        0 => [r, share(0.0)],
+        1 => [-share(FRAC_PI_2), r],
+        2 => [-r, -share(PI)],
+        _ => [share(3.0 * FRAC_PI_2), -r],
+    };
+    [a, b].map(|x| (x + 1.0) / 2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const APERTURES: [Aperture; 4] = [
+        Aperture { radius: 2.0, blades: 0, rotation: 0.0 },
+        Aperture { radius: 2.0, blades: 3, rotation: 0.3 },
+        Aperture { radius: 0.5, blades: 6, rotation: -7.0 },
+        Aperture { radius: 1e-3, blades: 17, rotation: 2.0 },
+    ];
+
+    #[test]
+    fn inverting_a_sample_gives_its_numbers_back_and_its_density_is_the_areas() {
+        for aperture in APERTURES {
+            for i in 0..200 {
+                let u = [(f64::from(i) + 0.5) / 200.0, (f64::from(i * 71 % 200) + 0.5) / 200.0];
+                let point = aperture.sample(u);
+                let back = aperture.invert(point);
+                assert!((back[0] - u[0]).abs() < 1e-9 && (back[1] - u[1]).abs() < 1e-9, "{u:?}");
+                assert_eq!(aperture.pdf(point), 1.0 / aperture.area());
+                let r = length(point);
+                assert!(r <= aperture.radius * (1.0 + 1e-12));
+                // From the centre outwards beyond the circle there is nothing.
+                assert_eq!(aperture.pdf(point.map(|x| x * 1.01 * aperture.radius / r)), 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn corners_are_where_the_rotation_puts_them() {
+        let square = Aperture { radius: 1.0, blades: 4, rotation: FRAC_PI_4 };
+        let corner = square.sample([0.0, 1.0]);
+        assert!((corner[0] - 0.5f64.sqrt()).abs() < 1e-15);
+        assert!((corner[1] - 0.5f64.sqrt()).abs() < 1e-15);
+        assert!((square.area() - 2.0).abs() < 1e-15);
+        // The middle of an edge lies inside of the circle.
+        assert!(square.pdf([0.71, 0.0]) == 0.0 && square.pdf([0.70, 0.0]) == 0.5);
+    }
+}

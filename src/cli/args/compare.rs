@@ -1,0 +1,157 @@
+//! The options of `photosphere compare`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+/// Say how far a picture is from a reference
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  photosphere compare fig2.exr reference.exr
+  photosphere compare fig2.exr reference.exr --metric relmse,flip --max-flip 0.05
+  photosphere compare a.pfm b.hdr --metric mean --max-mean 0.001 --json
+  photosphere compare fig2.exr reference.exr --twin fig2-seed1.exr --heatmap differences.png
+
+B is the reference. Both may be .exr, .hdr, .pfm (linear light) or .png (decoded from sRGB to linear;
+8 bits, cut off at 1), ours or any other program's. Of .exr files every layer that both have is
+compared; R, G, B without a layer's name are the layer `beauty`.
+
+  mse     mean over pixels and channels of (A - B)^2
+  rmse    its square root
+  relmse  mean of ((A - B) / (|B| + 0.01))^2, which is pbrt's MRSE
+  psnr    10 log10(peak^2 / mse) in decibels; the peak is 1 or what --peak
+          says; infinite (null in JSON) for equal pictures
+  flip    LDR-FLIP (Andersson et al. 2020), mean over pixels: 0 looks the same, 1 could not differ
+          more; 67 pixels per degree, light cut off to [0, 1]
+  mean    means of A and B and their ratio, channel by channel
+
+Means get 95 % confidence intervals where the noise of the pixels is known: from a layer `variance` in
+the file (the variance of each pixel's value), or for A from --twin. Both intervals take the pixels as
+independent of each other. Else there is no interval.
+
+A --max-... that is exceeded in any compared layer makes the exit code 1. Pictures of different sizes
+and pixels that are not finite are refused (3), as are files that cannot be read (4).")]
+pub(in crate::cli) struct CompareArgs {
+    /// The picture
+    #[arg(value_name = "A")]
+    pub(in crate::cli) picture: PathBuf,
+
+    /// The reference that it is compared with
+    #[arg(value_name = "B")]
+    pub(in crate::cli) reference: PathBuf,
+
+    /// What to measure; all by default
+    #[arg(long = "metric", value_name = "NAMES", value_enum, value_delimiter = ',')]
+    metrics: Vec<Metric>,
+
+    /// This layer only; may be repeated
+    #[arg(long = "layer", value_name = "NAME")]
+    pub(in crate::cli) layers: Vec<String>,
+
+    /// The brightest value that PSNR refers to
+    #[arg(long, value_name = "VALUE", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
+    pub(in crate::cli) peak: f64,
+
+    /// A once more with other random numbers; tells how noisy its mean is
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) twin: Option<PathBuf>,
+
+    /// Draw where the pictures differ, in the layer that is compared first
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) heatmap: Option<PathBuf>,
+
+    /// What the heat map shows: flip on a scale from 0 to 1; rmse or relmse (the root of the pixel's
+    /// error) on one from 0 to the largest
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = Mapped::Flip)]
+    #[arg(requires = "heatmap")]
+    pub(in crate::cli) heatmap_of: Mapped,
+
+    #[command(flatten)]
+    pub(in crate::cli) limits: Limits,
+
+    /// Print JSON instead of a table
+    #[arg(long)]
+    pub(in crate::cli) json: bool,
+}
+
+/// What is still good enough.
+#[derive(Args, Debug)]
+pub(in crate::cli) struct Limits {
+    /// Fail when the MSE is larger
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
+    max_mse: Option<f64>,
+
+    /// Fail when the RMSE is larger
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
+    max_rmse: Option<f64>,
+
+    /// Fail when the relMSE is larger
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
+    max_relmse: Option<f64>,
+
+    /// Fail when the FLIP is larger
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
+    max_flip: Option<f64>,
+
+    /// Fail when the ratio of the means is farther from 1 in any channel
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
+    max_mean: Option<f64>,
+
+    /// Fail when the PSNR is smaller
+    #[arg(long, value_name = "DECIBELS", allow_negative_numbers = true)]
+    min_psnr: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum Metric {
+    Mse,
+    Rmse,
+    Relmse,
+    Psnr,
+    Flip,
+    Mean,
+}
+
+/// What a heat map can show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum Mapped {
+    Flip,
+    Rmse,
+    Relmse,
+}
+
+impl Limits {
+    /// Every limit that was set; for PSNR it is the smallest allowed value.
+    pub(in crate::cli) fn set(&self) -> Vec<(Metric, f64)> {
+        let all = [
+            (Metric::Mse, self.max_mse),
+            (Metric::Rmse, self.max_rmse),
+            (Metric::Relmse, self.max_relmse),
+            (Metric::Psnr, self.min_psnr),
+            (Metric::Flip, self.max_flip),
+            (Metric::Mean, self.max_mean),
+        ];
+        all.into_iter().filter_map(|(metric, limit)| Some((metric, limit?))).collect()
+    }
+}
+
+impl CompareArgs {
+    /// Whether a metric is asked for; one with a limit is.
+    pub(in crate::cli) fn wants(&self, metric: Metric) -> bool {
+        let is_limited = self.limits.set().iter().any(|&(limited, _)| limited == metric);
+        self.metrics.is_empty() || self.metrics.contains(&metric) || is_limited
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text, |value| value > 0.0).ok_or_else(|| "it must be a number above 0".to_owned())
+}
+
+fn positive_or_zero(text: &str) -> Result<f64, String> {
+    number(text, |value| value >= 0.0).ok_or_else(|| "it must be a number from 0".to_owned())
+}
+
+fn number(text: &str, is_allowed: impl Fn(f64) -> bool) -> Option<f64> {
+    text.parse().ok().filter(|&value: &f64| value.is_finite() && is_allowed(value))
+}

@@ -1,0 +1,126 @@
+//! The options of `photosphere converge`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::accel::Backend;
+use crate::verify::converge;
+
+use super::{SceneArgs, Size, backends, seed, size};
+
+/// Plot how the error of a scene falls with samples and with time
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  photosphere converge scenes/paper/fig2.toml --size 80x60 -o noise.svg
+  photosphere converge fig2.toml --size 80x60 --integrator paper,path --spp 4,40,400 -o noise.svg
+  photosphere converge fig2.toml --sampler sobol,independent --reference best.exr -o samplers.svg
+  photosphere converge fig2.toml --accel native,embree --metric relmse -o speed.svg --json
+
+Every combination of --integrator, --sampler and --accel is one curve; where none is named the scene
+decides. Each point is the mean over --seeds renders with its 95 % interval (Student's t), and so is
+each slope, fitted by least squares in log-log for every seed. Independent samples have the slope
+-0.5 (RMSE), or -1 (relMSE, the mean of ((A - B) / (|B| + 0.01))^2). `cost` is squared error times
+seconds: what a method costs, whatever the number of samples.
+
+The reference is rendered in two halves with other seeds. Half their difference tells its own error,
+which is printed and taken away from every point. That of a --reference FILE is known only if the
+file has a layer `variance`; else it stays in every point, and curves flatten where they meet it.
+
+Seconds are of this machine as it is now: close other programs, or look only at ratios. The integrator
+`paper` needs samples that are a multiple of its sub-pixels: --spp 4,40,400.")]
+pub(in crate::cli) struct ConvergeArgs {
+    #[command(flatten)]
+    pub(in crate::cli) scene: SceneArgs,
+
+    /// The plot, an .svg
+    #[arg(short, long, value_name = "FILE")]
+    pub(in crate::cli) output: PathBuf,
+
+    /// Samples per pixel, one point each
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1,2,4,8,16,32,64")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
+    spp: Vec<u32>,
+
+    /// Estimators of light to compare
+    #[arg(long = "integrator", value_name = "LIST", value_delimiter = ',')]
+    pub(in crate::cli) integrators: Vec<String>,
+
+    /// Sources of random numbers to compare
+    #[arg(long = "sampler", value_name = "LIST", value_delimiter = ',')]
+    pub(in crate::cli) samplers: Vec<String>,
+
+    /// Intersectors to compare
+    #[arg(long = "accel", value_name = "LIST", value_delimiter = ',', value_parser = backends())]
+    pub(in crate::cli) accels: Vec<Backend>,
+
+    /// Which error
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = Metric::Rmse)]
+    pub(in crate::cli) metric: Metric,
+
+    /// Independent renders behind every point
+    #[arg(long, value_name = "K", default_value_t = 8, allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub(in crate::cli) seeds: u32,
+
+    /// Chooses the random numbers; the renders take this seed and those after it
+    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(value_parser = seed())]
+    pub(in crate::cli) seed: u64,
+
+    /// Compare with this picture instead of rendering a reference
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["reference_spp", "reference_integrator"])]
+    pub(in crate::cli) reference: Option<PathBuf>,
+
+    /// Samples per pixel of the reference, both halves together; 16 times the most by default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+    reference_spp: Option<u32>,
+
+    /// The reference's estimator: by default `path` if it or `paper` is compared, else the first
+    #[arg(long, value_name = "NAME")]
+    pub(in crate::cli) reference_integrator: Option<String>,
+
+    /// The size of the pictures, as in 80x60; noise needs no large ones
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(in crate::cli) size: Option<Size>,
+
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    pub(in crate::cli) quiet: bool,
+
+    /// Print JSON instead of a table
+    #[arg(long)]
+    pub(in crate::cli) json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum Metric {
+    Rmse,
+    Relmse,
+}
+
+impl From<Metric> for converge::Metric {
+    fn from(metric: Metric) -> Self {
+        match metric {
+            Metric::Rmse => Self::Rmse,
+            Metric::Relmse => Self::Relmse,
+        }
+    }
+}
+
+impl ConvergeArgs {
+    /// Samples per pixel, rising and each once.
+    pub(in crate::cli) fn samples(&self) -> Vec<u32> {
+        let mut samples = self.spp.clone();
+        samples.sort_unstable();
+        samples.dedup();
+        samples
+    }
+
+    /// Samples per pixel of each of the reference's halves.
+    pub(in crate::cli) fn reference_half(&self) -> u32 {
+        let most = self.spp.iter().copied().max().unwrap_or(1);
+        self.reference_spp.unwrap_or(most.saturating_mul(16)) / 2
+    }
+}

@@ -1,0 +1,394 @@
+//! `photosphere converge`: error against samples and against time.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use crate::accel::{Accel, Backend, BuildOptions};
+use crate::color::Rgb;
+use crate::error::{Error, Result};
+use crate::film::Picture;
+use crate::output::WholeFile;
+use crate::render::{self, RenderOptions};
+use crate::scene::{Override, Scene};
+use crate::verify::converge::{Axis, Metric, Point, Reference, Series, plot};
+use crate::verify::statistics::Estimate;
+
+use super::args::ConvergeArgs;
+use super::compare::read_finite;
+use super::exit::Exit;
+use super::info::name_of;
+use super::progress::Progress;
+use super::{interrupt, on_threads, print};
+
+/// The seeds of the reference's halves are far from any that a user takes.
+const REFERENCE_SEED: u64 = 1 << 40;
+/// How sure the intervals are.
+const CONFIDENCE: f64 = 0.95;
+
+/// # Errors
+/// Whatever stands between the scene and the plot, the place of the plot first.
+pub(super) fn run(args: &ConvergeArgs) -> Result<Exit> {
+    let extension = args.output.extension().unwrap_or_default();
+    if !extension.eq_ignore_ascii_case("svg") {
+        let message = format!("`{}` does not end in .svg", args.output.display());
+        return Err(Error::input(message).with_help("the plot is a vector drawing"));
+    }
+    let file = WholeFile::new(&args.output)?;
+    interrupt::listen(Some(file.temporary()));
+    on_threads(args.scene.threads(), || converge(args, file))
+}
+
+fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
+    let metric = Metric::from(args.metric);
+    let study = Study::new(args)?;
+    let progress = Progress::new(args.quiet);
+    let bench = Bench { args, progress: &progress, done: AtomicU64::new(0), total: study.total() };
+    let result = study.measure(&bench);
+    progress.finish();
+    let (reference, series) = result?;
+    let about = study.about_reference(&reference, metric);
+    let title = format!("{}, {}", study.scene_name(), study.size_in_words());
+    let svg = plot::svg(&series, metric, &plot::Heading { title: &title, subtitle: &about })?;
+    file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
+    warn_of_noise(&reference, &series, metric);
+    if args.json {
+        print::json(&in_json(args, &study, &reference, &series))?;
+    } else {
+        print::result(&in_words(&title, &about, &series, metric))?;
+    }
+    if !args.quiet {
+        print::remark(format_args!("wrote {}", args.output.display()));
+    }
+    Ok(Exit::Done)
+}
+
+/// One curve.
+struct Variant {
+    integrator: Option<String>,
+    sampler: Option<String>,
+    accel: Backend,
+}
+
+/// What is to be rendered; everything that the scene can object to has been tried.
+struct Study<'a> {
+    args: &'a ConvergeArgs,
+    /// Any of the scenes: all have the same spheres.
+    scene: Scene,
+    variants: Vec<Variant>,
+    reference_integrator: String,
+}
+
+impl<'a> Study<'a> {
+    fn new(args: &'a ConvergeArgs) -> Result<Self> {
+        let options = |names: &[String]| -> Vec<Option<String>> {
+            if names.is_empty() { vec![None] } else { names.iter().cloned().map(Some).collect() }
+        };
+        let accels =
+            if args.accels.is_empty() { vec![Backend::default()] } else { args.accels.clone() };
+        let mut variants = Vec::new();
+        for integrator in options(&args.integrators) {
+            for sampler in options(&args.samplers) {
+                for &accel in &accels {
+                    let (integrator, sampler) = (integrator.clone(), sampler.clone());
+                    variants.push(Variant { integrator, sampler, accel });
+                }
+            }
+        }
+        let samples = args.samples();
+        let scene = load(args, &variants[0], samples[0])?;
+        let own = name_of(&scene.description().render.integrator);
+        let is_compared = |name: &str| match args.integrators.as_slice() {
+            [] => own == name,
+            names => names.iter().any(|one| one == name),
+        };
+        let reference_integrator = match &args.reference_integrator {
+            Some(name) => name.clone(),
+            None if is_compared("path") || is_compared("paper") => "path".to_owned(),
+            None => args.integrators.first().map_or(own, String::as_str).to_owned(),
+        };
+        let study = Self { args, scene, variants, reference_integrator };
+        study.try_all(&samples)?;
+        Ok(study)
+    }
+
+    /// Lets the scene object now and not after an hour.
+    fn try_all(&self, samples: &[u32]) -> Result<()> {
+        for variant in &self.variants {
+            for &count in samples {
+                load(self.args, variant, count)?;
+            }
+        }
+        match &self.args.reference {
+            Some(_) => Ok(()),
+            None => {
+                load(self.args, &self.reference_variant(), self.args.reference_half()).map(drop)
+            }
+        }
+    }
+
+    fn reference_variant(&self) -> Variant {
+        let integrator = Some(self.reference_integrator.clone());
+        Variant { integrator, sampler: None, accel: self.variants[0].accel }
+    }
+
+    fn pixels(&self) -> u64 {
+        let image = self.scene.description().image;
+        u64::from(image.width) * u64::from(image.height)
+    }
+
+    /// Samples in all.
+    fn total(&self) -> u64 {
+        let points: u64 = self.args.samples().into_iter().map(u64::from).sum();
+        let curves = points * self.variants.len() as u64 * u64::from(self.args.seeds);
+        let reference =
+            if self.args.reference.is_some() { 0 } else { 2 * self.args.reference_half() };
+        self.pixels() * (curves + u64::from(reference))
+    }
+
+    fn measure(&self, bench: &Bench<'_>) -> Result<(Reference, Vec<Series>)> {
+        let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
+        let accels: Vec<Box<dyn Accel>> = self
+            .variants
+            .iter()
+            .map(|variant| variant.accel.build(self.scene.spheres(), &build))
+            .collect::<Result<_>>()?;
+        let reference = self.reference(bench, &*accels[0])?;
+        let name = |variant: &Variant| self.name_of(variant);
+        let empty = |variant: &Variant| Series { name: name(variant), points: Vec::new() };
+        let mut series: Vec<Series> = self.variants.iter().map(empty).collect();
+        for count in self.args.samples() {
+            let mut scenes: Vec<Scene> = self
+                .variants
+                .iter()
+                .map(|variant| load(self.args, variant, count))
+                .collect::<Result<_>>()?;
+            let mut runs = vec![Vec::new(); scenes.len()];
+            // The variants take turns, so that what else the machine does troubles all alike.
+            for seed in self.args.seed..self.args.seed + u64::from(self.args.seeds) {
+                for ((scene, accel), runs) in scenes.iter_mut().zip(&accels).zip(&mut runs) {
+                    scene.set_seed(seed);
+                    let (pixels, seconds) = bench.render(scene, &**accel)?;
+                    runs.push(reference.judge(&pixels, seconds));
+                }
+            }
+            for (series, runs) in series.iter_mut().zip(runs) {
+                series.points.push(Point { samples: count, runs });
+            }
+        }
+        Ok((reference, series))
+    }
+
+    fn reference(&self, bench: &Bench<'_>, accel: &dyn Accel) -> Result<Reference> {
+        if let Some(path) = &self.args.reference {
+            return self.read_reference(path);
+        }
+        let half = self.args.reference_half();
+        let mut scene = load(self.args, &self.reference_variant(), half)?;
+        let mut render = |seed| {
+            scene.set_seed(seed);
+            bench.render(&scene, accel).map(|(pixels, _)| pixels)
+        };
+        let (a, b) = (render(REFERENCE_SEED)?, render(REFERENCE_SEED + 1)?);
+        Ok(Reference::of_halves(&a, &b))
+    }
+
+    fn read_reference(&self, path: &Path) -> Result<Reference> {
+        let picture = read_finite(path)?;
+        let image = self.scene.description().image;
+        let (width, height) = (image.width as usize, image.height as usize);
+        if (picture.width, picture.height) != (width, height) {
+            return Err(Error::input(format!(
+                "the reference has {} x {} pixels and the scene {width} x {height}",
+                picture.width, picture.height
+            ))
+            .with_help(format!("add --size {}x{}", picture.width, picture.height)));
+        }
+        let beauty = picture.layer(crate::output::BEAUTY).ok_or_else(|| {
+            Error::input(format!("`{}` has no layer for the whole picture", path.display()))
+        })?;
+        let variance = picture.layer("variance").map(|layer| layer.pixels.as_slice());
+        Ok(Reference::of_picture(beauty.pixels.clone(), variance))
+    }
+
+    fn name_of(&self, variant: &Variant) -> String {
+        let own = name_of(&self.scene.description().render.integrator);
+        let mut parts = vec![variant.integrator.as_deref().unwrap_or(own)];
+        parts.extend(variant.sampler.as_deref());
+        if !self.args.accels.is_empty() {
+            parts.push(variant.accel.name());
+        }
+        parts.join(", ")
+    }
+
+    fn scene_name(&self) -> String {
+        let path = &self.args.scene.path;
+        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    }
+
+    fn size_in_words(&self) -> String {
+        let image = self.scene.description().image;
+        format!("{} x {} pixels, {} seeds", image.width, image.height, self.args.seeds)
+    }
+
+    fn about_reference(&self, reference: &Reference, metric: Metric) -> String {
+        let what = match &self.args.reference {
+            Some(path) => path.display().to_string(),
+            None => format!(
+                "{}, 2 x {} samples per pixel",
+                self.reference_integrator,
+                self.args.reference_half()
+            ),
+        };
+        match reference.noise(metric) {
+            Some(own) => {
+                format!("reference: {what}; its own {} of {own:.3e} is taken away", metric.name())
+            }
+            None => format!("reference: {what}; its own error is not known and stays in"),
+        }
+    }
+}
+
+/// Renders, and shows how far all is.
+struct Bench<'a> {
+    args: &'a ConvergeArgs,
+    progress: &'a Progress,
+    done: AtomicU64,
+    total: u64,
+}
+
+impl Bench<'_> {
+    /// The beauty, and the seconds it took.
+    fn render(&self, scene: &Scene, accel: &dyn Accel) -> Result<(Vec<Rgb>, f64)> {
+        let before = self.done.load(Ordering::Relaxed);
+        let show = |state: render::Progress| {
+            let samples_done = before + state.samples_done;
+            self.progress.show(render::Progress { samples_done, samples_total: self.total });
+        };
+        let options = RenderOptions { cancel: Default::default(), progress: &show };
+        let began = Instant::now();
+        let outcome = render::render(scene, accel, &options)?;
+        let seconds = began.elapsed().as_secs_f64();
+        self.done.fetch_add(outcome.samples, Ordering::Relaxed);
+        if !self.args.quiet && self.done.load(Ordering::Relaxed) == outcome.samples {
+            outcome.warnings.iter().for_each(print::warning);
+        }
+        Ok((beauty(&outcome.picture), seconds))
+    }
+}
+
+fn beauty(picture: &Picture) -> Vec<Rgb> {
+    (0..picture.len()).map(|pixel| picture.beauty(pixel)).collect()
+}
+
+/// The scene as a variant renders it.
+fn load(args: &ConvergeArgs, variant: &Variant, samples: u32) -> Result<Scene> {
+    let mut overrides = Vec::new();
+    let mut set = |option: String, key: &str, value: String| {
+        overrides.push(Override { option, key: key.to_owned(), value });
+    };
+    if let Some(name) = &variant.integrator {
+        set(format!("--integrator {name}"), "render.integrator", name.clone());
+    }
+    if let Some(name) = &variant.sampler {
+        set(format!("--sampler {name}"), "render.sampler", name.clone());
+    }
+    if let Some(size) = args.size {
+        set(format!("--size {size}"), "image.width", size.width.to_string());
+        set(format!("--size {size}"), "image.height", size.height.to_string());
+    }
+    set(format!("--spp {samples}"), "render.samples_per_pixel", samples.to_string());
+    overrides.extend(args.scene.overrides());
+    Scene::load(&args.scene.path, &overrides)
+}
+
+/// A reference that is nearly as noisy as what it judges is no reference.
+fn warn_of_noise(reference: &Reference, series: &[Series], metric: Metric) {
+    let least = series
+        .iter()
+        .flat_map(|one| &one.points)
+        .map(|point| point.error(metric).mean)
+        .fold(f64::INFINITY, |least, error| if error >= least { least } else { error });
+    if reference.noise(metric).is_some_and(|own| own >= 0.5 * least) {
+        print::warning("the reference is nearly as noisy as the best point; raise --reference-spp");
+    }
+}
+
+/// `0.03720 +- 0.00012`, the interval in two digits.
+fn with_margin(estimate: Estimate) -> String {
+    format!("{:.4e} +- {:.1e}", estimate.mean, estimate.margin(CONFIDENCE))
+}
+
+fn in_words(title: &str, about: &str, series: &[Series], metric: Metric) -> String {
+    let mut text = format!("{title}\n{about}\nmeans and slopes with 95 % intervals\n");
+    for one in series {
+        text +=
+            &format!("\n{}\n{:>8}  {:<24}{:<24}cost\n", one.name, "spp", metric.name(), "seconds");
+        for point in &one.points {
+            text += &format!(
+                "{:>8}  {:<24}{:<24}{}\n",
+                point.samples,
+                with_margin(point.error(metric)),
+                with_margin(point.seconds()),
+                with_margin(point.cost(metric)),
+            );
+        }
+        let slope = |axis| match one.fit(metric, axis) {
+            Some(fit) => format!("{:.3} +- {:.3}", fit.slope.mean, fit.slope.margin(CONFIDENCE)),
+            None => "none".to_owned(),
+        };
+        text += &format!(
+            "slope against samples {}, against seconds {}\n",
+            slope(Axis::Samples),
+            slope(Axis::Seconds)
+        );
+    }
+    text
+}
+
+fn in_json(
+    args: &ConvergeArgs,
+    study: &Study<'_>,
+    reference: &Reference,
+    series: &[Series],
+) -> Value {
+    let metric = Metric::from(args.metric);
+    let estimate = |estimate: Estimate| json!({ "mean": estimate.mean, "half_interval_95": estimate.margin(CONFIDENCE) });
+    let point = |point: &Point| {
+        json!({
+            "samples_per_pixel": point.samples,
+            "error": estimate(point.error(metric)),
+            "seconds": estimate(point.seconds()),
+            "cost": estimate(point.cost(metric)),
+        })
+    };
+    let one = |one: &Series| {
+        let slope = |axis| one.fit(metric, axis).map(|fit| estimate(fit.slope));
+        json!({
+            "name": one.name,
+            "points": one.points.iter().map(point).collect::<Vec<_>>(),
+            "slope_against_samples": slope(Axis::Samples),
+            "slope_against_seconds": slope(Axis::Seconds),
+        })
+    };
+    let image = study.scene.description().image;
+    json!({
+        "output": args.output.display().to_string(),
+        "metric": metric.name(),
+        "width": image.width,
+        "height": image.height,
+        "seeds": args.seeds,
+        "threads": rayon::current_num_threads(),
+        "reference": match &args.reference {
+            Some(path) => json!({ "file": path.display().to_string() }),
+            None => json!({
+                "integrator": study.reference_integrator,
+                "samples_per_pixel": 2 * u64::from(args.reference_half()),
+            }),
+        },
+        "reference_error": reference.noise(metric),
+        "series": series.iter().map(one).collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,116 @@
+//! Deliberate mistakes, by which the tests are tested: each is switched on alone, and the suite must
+//! find it (`tests/faults.rs`; docs/verification.md has the table).
+//!
+//! A mistake stands where its like would be made, in one line: `if fault!(Name) { wrong } else {
+//! right }`. Without the feature `faults`, which is for that test only, the condition is the constant
+//! `false` and nothing of the mistake is compiled; with it, it is one read of an atomic number.
+
+/// Whether a mistake is switched on.
+macro_rules! fault {
+    ($name:ident) => {
+        $crate::fault::is_on($crate::fault::Fault::$name)
+    };
+}
+pub(crate) use fault;
+
+/// Makes the list of mistakes, each with what it breaks.
+macro_rules! registry {
+    ($($name:ident: $breaks:literal,)*) => {
+        /// A deliberate mistake.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[cfg_attr(feature = "faults", allow(missing_docs, reason = "`breaks` tells"))]
+        #[cfg_attr(not(feature = "faults"), allow(unreachable_pub, reason = "one list for both"))]
+        pub enum Fault {
+            $($name,)*
+        }
+
+        #[cfg(feature = "faults")]
+        impl Fault {
+            /// All mistakes.
+            pub const ALL: &[Self] = &[$(Self::$name,)*];
+
+            /// What is wrong while it is switched on.
+            pub fn breaks(self) -> &'static str {
+                match self {
+                    $(Self::$name => $breaks,)*
+                }
+            }
+        }
+    };
+}
+
+registry! {
+    // Sampling
+    CosineClaimedUniform: "the density of cosine-weighted directions is that of uniform ones",
+    AngleJacobianLost: "the density of uniform angles lacks the sine of its Jacobian",
+    PowerCosineNorm: "a power cosine is normalised with n + 2 instead of n + 1",
+    PmfOffByOne: "a discrete choice tells its neighbour's probability",
+    FilterNotNormalized: "a filter's density is per radius and not per pixel",
+    // Geometry
+    NarrowCone: "the cone of a lamp is that of its small-angle limit",
+    ConeUniformInAngle: "a lamp's cone is sampled with more weight on its middle",
+    FarRootForNear: "the far root of a sphere is taken for the near one",
+    NearRootForFar: "from inside a sphere, its near root is taken, which lies behind",
+    FarWallIgnored: "a ray going into a sphere forgets that sphere's far wall",
+    ExclusionLost: "a ray may hit the sphere that it leaves",
+    LampBlocksItself: "a shadow ray may hit the lamp that it aims at",
+    NormalFacesAway: "inside a sphere the normal points outwards still",
+    LowPartsDropped: "the ray that a backend gets is rounded to f32",
+    // Intersectors
+    NotTheNearest: "whichever sphere is looked at last is the hit",
+    PrunedTooEarly: "the tree is not searched up to the nearest hit so far",
+    // Materials
+    LambertWithoutPi: "a matt surface's BRDF is the albedo, without 1 / pi",
+    CosineTwice: "a matt surface's weight has the cosine once more",
+    SharesSwapped: "the density of Phong's lobes has their shares swapped",
+    AlphaIsRoughness: "the width of the microfacets is the roughness, and not its square",
+    HalfVectorJacobianLost: "the density of a reflection is that of its half vector",
+    OnePolarization: "Fresnel's equations forget one polarisation",
+    EtaSquaredDropped: "refraction leaves radiance as it is, without 1 / eta^2",
+    IorSwapped: "the index of refraction is inverted at every boundary",
+    AbsorbedTwice: "glass absorbs over twice the length of the way through it",
+    StackNotPopped: "a path that leaves glass believes to be in it still",
+    // Lights
+    LampsChosenAlike: "the density of a lamp takes the choice among lamps to be uniform",
+    HalfATree: "the density of a lamp in a hierarchy takes both ways at a node to be as likely",
+    InsideLampWithoutCosine: "from inside a lamp, the density lacks the cosine",
+    // Camera and film
+    CornerForCentre: "pixels are counted from their centre and not from their corner",
+    FirstBlockDropped: "the first block of samples is counted but not added",
+    DividedByN: "the sum of 4 N samples is divided by N (the paper's confusion, A3)",
+    // Integrators
+    CosineMissing: "light from a lamp is not multiplied with the cosine",
+    DoubleCounting: "light found by chance is not weighted against aiming at it",
+    HeuristicSwapped: "light found by chance gets the weight of aiming at it, and not the rest",
+    RouletteUnpaid: "paths that survive the roulette are not made up for the others",
+    DepthOffByOne: "paths are one edge longer than allowed",
+    NumberReused: "polar angle and azimuth come from the same random number",
+    ShadowsOfNothing: "a shadow ray is left what a translucent surface stops",
+    BackgroundOnlySeen: "the background lights nothing; only the camera sees it",
+}
+
+/// Whether a mistake is switched on: never, in this build.
+#[cfg(not(feature = "faults"))]
+pub(crate) const fn is_on(_: Fault) -> bool {
+    false
+}
+
+/// Whether a mistake is switched on.
+#[cfg(feature = "faults")]
+pub(crate) fn is_on(fault: Fault) -> bool {
+    ON.load(std::sync::atomic::Ordering::Relaxed) == fault as u32
+}
+
+/// Switches this mistake on, for the whole process, and all others off.
+#[cfg(feature = "faults")]
+pub fn switch_to(fault: Option<Fault>) {
+    let number = fault.map_or(NONE, |fault| fault as u32);
+    ON.store(number, std::sync::atomic::Ordering::Relaxed);
+}
+
+#[cfg(feature = "faults")]
+const NONE: u32 = u32::MAX;
+
+/// The number of the mistake that is switched on.
+#[cfg(feature = "faults")]
+static ON: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(NONE);

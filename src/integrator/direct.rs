@@ -1,0 +1,14 @@
+//! `integrator = "direct"`: what the camera sees by itself, and light scattered once on its way from
+//! a light to the camera. Mirrors and smooth glass in between do not count as scattering.
+//!
+//! It is [`super::path`] without the rest: its picture is the layer `direct` of that one, bit by bit.
+
+use crate::scene::description::Render;
+
+use super::path;
+use super::transport::Transport;
+
+/// Direct light only, as `[render]` asks for it.
+pub(super) fn new(render: &Render) -> Transport {
+    Transport { most_scatterings: 1, ..path::new(render) }
+}

@@ -1,0 +1,186 @@
+//! One path told step by step.
+//!
+//! The stages of [`super::transport`] tell a [`Recorder`] what they do. The one that renders are
+//! made with, [`Silent`], listens to nothing and costs nothing: what would be told is not even
+//! computed. The other keeps a list, so that a trace is not a retelling but the very path that the
+//! picture was made from.
+
+use crate::color::{Radiance, Rgb};
+use crate::geometry::{PathRay, SurfaceHit};
+use crate::light::{LightSample, Source};
+use crate::material::Lobe;
+use crate::math::DVec3;
+
+use super::{SampleAddress, Tally};
+
+/// The path of one sample.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// Which sample.
+    pub address: SampleAddress,
+    /// What happened, in order. Adding up the light of all [`Step::Light`] and [`Step::Shadow`] in
+    /// this order, layer by layer in f32, gives `radiance` to the bit.
+    pub steps: Vec<Step>,
+    /// What the sample brings to its pixel.
+    pub radiance: Radiance,
+    /// Rays traced, and the like.
+    pub tally: Tally,
+}
+
+/// Light that a step brings to the sample: radiance times the path's throughput and all weights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Added {
+    /// The light; black where something stands in the way.
+    pub light: Rgb,
+    /// Which layer it goes to.
+    pub is_direct: bool,
+}
+
+/// One event of a path. Directions are in world space, points relative to the spheres' origin.
+#[derive(Clone, Copy, Debug)]
+pub enum Step {
+    /// A ray leaves the camera.
+    Camera {
+        /// The ray.
+        ray: PathRay,
+        /// How often it was drawn again before.
+        redraws: u32,
+    },
+    /// A ray meets a sphere.
+    Meet {
+        /// Edges so far, counted from 1.
+        depth: u32,
+        /// Sphere, point, normal, distance and side.
+        hit: SurfaceHit,
+        /// Unit direction to the previous vertex.
+        wo: DVec3,
+        /// The product of `f cos / p` so far.
+        throughput: Rgb,
+    },
+    /// A ray meets nothing.
+    Miss {
+        /// Edges so far, counted from 1.
+        depth: u32,
+        /// Unit direction to the previous vertex.
+        wo: DVec3,
+        /// The product of `f cos / p` so far.
+        throughput: Rgb,
+    },
+    /// Light found by chance: emission of the sphere just met, or background.
+    Light {
+        /// Where it comes from.
+        source: Source,
+        /// `Le`.
+        radiance: Rgb,
+        /// The density with which chance drew the direction; `None` from the camera and after a
+        /// delta lobe, which no light sample can replace.
+        pdf: Option<f64>,
+        /// The density with which light sampling would have drawn it.
+        pdf_light: f64,
+        /// The weight of chance against light sampling.
+        weight: f32,
+        /// Throughput times radiance times weight.
+        added: Added,
+    },
+    /// A boundary that is hidden, or a surface that is not there: the path goes straight through.
+    PassThrough,
+    /// A light sample. It brings light if a later [`Step::Shadow`] says so.
+    Aim {
+        /// The light, the direction `wi`, its density and the radiance that would arrive.
+        sample: LightSample,
+        /// The BSDF for it.
+        f: Rgb,
+        /// `|cos wi|`.
+        cos: f64,
+        /// The density with which the BSDF would have drawn `wi`.
+        pdf_bsdf: f64,
+        /// The weight of light sampling against chance.
+        weight: f64,
+    },
+    /// The answer to the shadow ray of the last light sample.
+    Shadow {
+        /// Whether something is in the way.
+        is_blocked: bool,
+        /// Throughput times `f cos Le weight / p`, if nothing is.
+        added: Added,
+    },
+    /// The BSDF draws a direction.
+    Scatter {
+        /// Which kind of lobe it came from.
+        lobe: Lobe,
+        /// The direction, leaving the surface.
+        wi: DVec3,
+        /// Its density, or for a delta lobe the probability of having chosen that.
+        pdf: f64,
+        /// `f cos / p`.
+        weight: Rgb,
+        /// Index of refraction beyond the interface over that before it; 1 without refraction.
+        eta: f64,
+        /// The product of `f cos / p` so far, this one included.
+        throughput: Rgb,
+    },
+    /// Russian roulette.
+    Roulette {
+        /// The probability to go on.
+        survival: f32,
+        /// Whether the path goes on; its throughput is then divided by that probability.
+        survives: bool,
+        /// The throughput from here on.
+        throughput: Rgb,
+    },
+    /// The path ends.
+    End(End),
+}
+
+/// Why a path ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// It met nothing.
+    Missed,
+    /// `max_depth` is reached.
+    Depth,
+    /// It is longer than any path may be.
+    CutOff,
+    /// The surface sends no light this way.
+    Absorbed,
+    /// The direction grazes the surface so closely that no ray leaves it.
+    Grazing,
+    /// It lost at roulette, or its weight fell below the threshold.
+    Stopped,
+    /// The integrator follows light through one scattering only.
+    DirectOnly,
+}
+
+/// Listens to the stages.
+pub(super) trait Recorder {
+    /// Takes note of a step, which need not be computed where nobody listens.
+    fn note(&mut self, step: impl FnOnce() -> Step);
+}
+
+/// Listens to nothing.
+pub(super) struct Silent;
+
+impl Recorder for Silent {
+    #[inline(always)]
+    fn note(&mut self, _: impl FnOnce() -> Step) {}
+}
+
+impl Recorder for Vec<Step> {
+    fn note(&mut self, step: impl FnOnce() -> Step) {
+        self.push(step());
+    }
+}
+
+impl Trace {
+    /// The light that the steps bring, added up in their order.
+    pub fn sum(&self) -> Radiance {
+        let mut sum = Radiance::default();
+        for step in &self.steps {
+            if let Step::Light { added, .. } | Step::Shadow { added, .. } = step {
+                let layer = if added.is_direct { &mut sum.direct } else { &mut sum.indirect };
+                *layer += added.light;
+            }
+        }
+        sum
+    }
+}

@@ -1,0 +1,70 @@
+//! Light samples: from a vertex towards something that shines.
+
+use crate::fault::fault;
+use crate::geometry::SurfaceHit;
+use crate::light::Receiver;
+use crate::material::{Bsdf, Media};
+use crate::math::{DVec3, Frame};
+use crate::sampling::power_heuristic;
+use crate::scene::Scene;
+use crate::scene::description::Estimator;
+
+use super::super::dimension::Vertex;
+use super::super::trace::{Added, Recorder, Step};
+use super::batch::Batch;
+use super::{Aims, Path, Shadow, opacity};
+
+impl Aims<'_> {
+    /// One more shadow ray, and the media it starts in.
+    pub(super) fn extend(&mut self, scene: &Scene, aimed: Option<(Shadow, &Media)>) {
+        let Some((shadow, media)) = aimed else { return };
+        self.shadows.push(shadow);
+        if scene.has_opacity() {
+            self.media.push(*media);
+        }
+    }
+}
+
+impl<R: Recorder> Batch<'_, R> {
+    /// The shadow ray from a vertex to a sampled light, if it can bring any, and the media it starts
+    /// in; `beyond` are those on the other side of the surface, where they are others.
+    pub(super) fn aim_at_light<'p>(
+        &mut self,
+        path: &'p Path,
+        receiver: &Receiver,
+        bsdf: &Bsdf,
+        frame: &Frame,
+        wo: DVec3,
+        beyond: Option<&'p Media>,
+    ) -> Option<(Shadow, &'p Media)> {
+        let vertex = Vertex::at(path.depth);
+        let choose = path.sampler.get(vertex.lamp());
+        let u = path.sampler.get_2d(vertex.towards_lamp());
+        let scene = self.world.scene;
+        let mut aim = scene.lights().sample(scene.spheres(), receiver, choose, u)?;
+        let wi = frame.to_local(aim.direction);
+        let f = bsdf.eval(wo, wi);
+        if f.max_element() <= 0.0 {
+            return None;
+        }
+        let media = beyond.filter(|_| wi.z < 0.0).unwrap_or(&path.media);
+        let leave = match scene.has_opacity() {
+            true => SurfaceHit::leave_up_to,
+            false => SurfaceHit::leave_towards,
+        };
+        let ray = leave(&receiver.hit, aim.direction, aim.distance, aim.source.sphere())?;
+        aim.radiance =
+            opacity::radiance(scene, &aim, receiver, media) * media.transmittance(aim.distance);
+        let cos = if fault!(CosineMissing) { 1.0 } else { wi.z.abs() };
+        let pdf_bsdf = bsdf.pdf(wo, wi);
+        let weight = match self.transport.estimator {
+            Estimator::Light => 1.0,
+            _ => power_heuristic(aim.pdf, pdf_bsdf),
+        };
+        self.recorder.note(|| Step::Aim { sample: aim, f, cos, pdf_bsdf, weight });
+        let light = path.throughput * f * aim.radiance * (weight * cos / aim.pdf) as f32;
+        let added = self.arriving(light, path.scatterings + 1);
+        let Added { light, is_direct } = added;
+        Some((Shadow { sample: path.sample, ray, light, is_direct }, media))
+    }
+}

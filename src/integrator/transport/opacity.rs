@@ -1,0 +1,103 @@
+//! Shadow rays through surfaces that are there only with a probability, their opacity.
+//!
+//! A path decides at every such surface whether it is there. A shadow ray need not: it is walked
+//! from surface to surface by repeated closest queries, and its light is multiplied with the
+//! probability that nothing was there, which has the same mean and less noise. Both are weighted
+//! against each other as ever: the probability is a factor of the light on its way, the same for a
+//! direction that was aimed and for one that was found by chance.
+
+use crate::color::Rgb;
+use crate::fault::fault;
+use crate::geometry::{Side, SurfaceHit};
+use crate::light::{LightSample, Receiver, Source};
+use crate::material::Media;
+use crate::math::{Hit, Ray};
+use crate::scene::Scene;
+
+use super::super::{Tally, World, dimension};
+use super::{LONGEST, Path, Shadow};
+
+/// Whether a path finds a surface there that is there with this probability.
+pub(super) fn is_there(path: &Path, presence: f32) -> bool {
+    path.sampler.get(dimension::opacity(path.depth, path.passes)) < f64::from(presence)
+}
+
+/// Whether this is the far wall of a lamp whose near wall let the path in: light is aimed at the
+/// near one alone.
+pub(super) fn is_behind_a_lamp(scene: &Scene, path: &Path, hit: &SurfaceHit) -> bool {
+    let is_within = |at: &Receiver| at.is_within(hit.id, &scene.spheres().sphere(hit.id));
+    scene.has_opacity()
+        && hit.side == Side::Inside
+        && path.drawn.as_ref().is_some_and(|drawn| !is_within(&drawn.at))
+}
+
+/// Walks all shadow rays to their ends; what is left of their light stays in them. `media` are those
+/// that each starts in: light aimed at a lamp enters none, since a surface that is there ends it.
+pub(super) fn walk(
+    world: World<'_>,
+    shadows: &mut [Shadow],
+    media: &[Media],
+    rays: &mut Vec<Ray>,
+    hits: &mut Vec<Hit>,
+) -> Tally {
+    let spheres = world.scene.spheres();
+    let mut tally = Tally::default();
+    let mut active: Vec<usize> = (0..shadows.len()).collect();
+    for _ in 0..LONGEST {
+        if active.is_empty() {
+            return tally;
+        }
+        rays.clear();
+        rays.extend(active.iter().map(|&i| spheres.ask(&shadows[i].ray)));
+        hits.clear();
+        hits.resize(rays.len(), Hit::MISS);
+        world.accel.closest(rays, hits);
+        tally.count(rays);
+        let mut answers = hits.iter();
+        active.retain(|&i| {
+            let hit = answers.next().copied().unwrap_or(Hit::MISS);
+            let hit = spheres.answer(&shadows[i].ray, hit);
+            hit.is_some_and(|hit| pass(world.scene, &mut shadows[i], &media[i], &hit))
+        });
+    }
+    tally.cut_off += active.len() as u64;
+    active.into_iter().for_each(|i| shadows[i].light = Rgb::ZERO);
+    tally
+}
+
+/// Takes from the light what a surface stops, and goes on behind it. Returns whether the ray has to
+/// be asked again.
+fn pass(scene: &Scene, shadow: &mut Shadow, media: &Media, hit: &SurfaceHit) -> bool {
+    let (lamp, left) = (shadow.ray.aims_at, shadow.ray.t_max - hit.t);
+    if hit.id == lamp || left <= 0.0 {
+        return false;
+    }
+    let presence = scene.surface(hit.id).presence(hit.id, hit.side, media);
+    let behind = hit.leave_up_to(shadow.ray.direction, left, lamp);
+    let Some(ray) = behind.filter(|_| presence < 1.0) else {
+        shadow.light = Rgb::ZERO;
+        return false;
+    };
+    shadow.light *= if fault!(ShadowsOfNothing) { presence } else { 1.0 - presence };
+    shadow.ray = ray;
+    shadow.light.max_element() > 0.0
+}
+
+/// The radiance that a light sends to a receiver in `media`, its own opacity included. Only a lamp of
+/// glass seen from inside needs care: it is there if the path has entered it.
+pub(super) fn radiance(
+    scene: &Scene,
+    aim: &LightSample,
+    receiver: &Receiver,
+    media: &Media,
+) -> Rgb {
+    match aim.source {
+        Source::Lamp(id)
+            if scene.has_opacity() && receiver.is_within(id, &scene.spheres().sphere(id)) =>
+        {
+            let surface = scene.surface(id);
+            surface.material.emission * surface.presence(id, Side::Inside, media)
+        }
+        _ => aim.radiance,
+    }
+}

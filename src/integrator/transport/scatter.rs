@@ -1,0 +1,110 @@
+//! The next direction of a path, and whether it goes on.
+
+use crate::fault::fault;
+use crate::geometry::SurfaceHit;
+use crate::light::Receiver;
+use crate::material::{BsdfSample, Lobe, Media};
+use crate::math::DVec3;
+use crate::scene::description::Stop;
+
+use super::super::dimension::Vertex;
+use super::super::trace::{End, Recorder, Step};
+use super::batch::Batch;
+use super::{Drawn, LONGEST, Path};
+
+/// Paths shorter than this many edges are never ended by roulette.
+const ROULETTE_FROM: u32 = 4;
+
+impl<R: Recorder> Batch<'_, R> {
+    /// Goes on behind a boundary that lies hidden in another medium.
+    pub(super) fn pass_through(
+        &mut self,
+        path: &mut Path,
+        hit: &SurfaceHit,
+        beyond: Option<&Media>,
+    ) -> bool {
+        self.enter(path, beyond);
+        path.drawn = None;
+        self.go_straight_on(path, hit)
+    }
+
+    /// Goes on in the same direction on the other side of a surface that is not there.
+    pub(super) fn go_straight_on(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
+        self.recorder.note(|| Step::PassThrough);
+        path.passes += 1;
+        if path.passes >= LONGEST {
+            return self.cut_off();
+        }
+        let Some(ray) = hit.leave(path.ray.direction) else { return self.end(End::Grazing) };
+        path.ray = ray;
+        true
+    }
+
+    /// Turns the path into the sampled direction. Returns whether it goes on.
+    pub(super) fn scatter(
+        &mut self,
+        path: &mut Path,
+        from: &Receiver,
+        sample: &BsdfSample,
+        direction: DVec3,
+        beyond: Option<&Media>,
+    ) -> bool {
+        let BsdfSample { lobe, pdf, weight, eta, .. } = *sample;
+        let wi = direction.normalize();
+        path.throughput *= weight;
+        let throughput = path.throughput;
+        self.recorder.note(|| Step::Scatter { lobe, wi, pdf, weight, eta, throughput });
+        let Some(ray) = from.hit.leave(wi) else { return self.end(End::Grazing) };
+        path.ray = ray;
+        path.index_squared *= (eta * eta) as f32;
+        if lobe == Lobe::Delta {
+            path.drawn = None;
+        } else {
+            path.drawn = Some(Drawn { at: *from, pdf });
+            path.scatterings += 1;
+        }
+        if sample.wi.z < 0.0 {
+            self.enter(path, beyond);
+        }
+        self.survives(path)
+    }
+
+    /// Whether a path that has just scattered goes on, with its throughput made up for that.
+    fn survives(&mut self, path: &mut Path) -> bool {
+        let largest = path.throughput.max_element();
+        let goes_on = match self.transport.stop {
+            Stop::Roulette if path.depth >= ROULETTE_FROM => self.roulette(path),
+            Stop::Roulette | Stop::Depth => largest > 0.0,
+            Stop::Threshold(threshold) => f64::from(largest) >= threshold,
+        };
+        goes_on || self.end(End::Stopped)
+    }
+
+    /// Russian roulette.
+    ///
+    /// What counts is the throughput times the squared index of refraction where the path is: light
+    /// that refraction compressed is going to be spread again. A path whose weight `w` is below 1
+    /// survives with that probability, and then weighs 1; one that weighs more always survives. So
+    /// no weight ever exceeds the larger of 1 and what it was without roulette, and the square of
+    /// what a path gathers grows by at most the factor `1 / w`, from `w^2` to `w`: the variance stays
+    /// bounded. Ending long paths with a fixed share whatever they weigh, as is often done, breaks
+    /// that: weights would grow without limit in a room of albedo near 1.
+    fn roulette(&mut self, path: &mut Path) -> bool {
+        let weight = path.throughput.max_element() * path.index_squared;
+        let survival = weight.min(1.0);
+        let paid = if fault!(RouletteUnpaid) { 1.0 } else { survival };
+        path.throughput /= paid.max(f32::MIN_POSITIVE);
+        let u = path.sampler.get(Vertex::at(path.depth).roulette());
+        let survives = u < f64::from(survival);
+        let throughput = path.throughput;
+        self.recorder.note(|| Step::Roulette { survival, survives, throughput });
+        survives
+    }
+
+    /// Goes over to the media beyond a boundary, if they are others.
+    fn enter(&mut self, path: &mut Path, beyond: Option<&Media>) {
+        let Some(media) = beyond else { return };
+        self.tally.media_overflows += u64::from(media.overflowed() && !path.media.overflowed());
+        path.media = *media;
+    }
+}

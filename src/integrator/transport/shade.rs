@@ -1,0 +1,124 @@
+//! Surfaces: what a path meets, the light that is there, and what happens to the path.
+
+use crate::color::Rgb;
+use crate::fault::fault;
+use crate::geometry::{Side, SurfaceHit};
+use crate::light::{Receiver, Source};
+use crate::material::Lobe;
+use crate::math::Frame;
+use crate::sampling::power_heuristic;
+use crate::scene::description::Estimator;
+
+use super::super::dimension::Vertex;
+use super::super::trace::{End, Recorder, Step};
+use super::batch::Batch;
+use super::{Aims, Drawn, LONGEST, Path, opacity};
+
+impl<R: Recorder> Batch<'_, R> {
+    /// A path that meets nothing: it sees the background. Returns whether it goes on.
+    pub(super) fn miss(&mut self, path: &mut Path) -> bool {
+        self.tell_miss(path);
+        if self.redraw(path) {
+            return true;
+        }
+        let (scene, direction) = (self.world.scene, path.ray.direction);
+        let radiance = if path.depth == 1 {
+            // Nothing has turned this path yet: it looks straight from the camera.
+            let seen = scene.seen_by_camera(direction);
+            self.radiance[path.sample as usize].alpha = seen.alpha;
+            seen.direct
+        } else {
+            scene.background(direction)
+        };
+        let is_lost = path.depth > 1 && fault!(BackgroundOnlySeen);
+        let radiance = if is_lost { Rgb::ZERO } else { radiance };
+        self.gather(path, Source::Background, radiance, true);
+        self.end(End::Missed)
+    }
+
+    /// A path that meets a surface. Returns whether it goes on.
+    pub(super) fn shade(&mut self, path: &mut Path, hit: &SurfaceHit, aims: &mut Aims<'_>) -> bool {
+        path.throughput *= path.media.transmittance(hit.t - path.ray.t_min);
+        let world_wo = -path.ray.direction;
+        let Path { depth, throughput, .. } = *path;
+        self.recorder.note(|| Step::Meet { depth, hit: *hit, wo: world_wo, throughput });
+        let surface = self.world.scene.surface(hit.id);
+        let presence = surface.presence(hit.id, hit.side, &path.media);
+        if surface.material.is_emissive() {
+            let is_aimed_at = !opacity::is_behind_a_lamp(self.world.scene, path, hit);
+            let radiance = surface.material.emission * presence;
+            self.gather(path, Source::Lamp(hit.id), radiance, is_aimed_at);
+        }
+        if presence < 1.0 && !opacity::is_there(path, presence) {
+            return self.go_straight_on(path, hit);
+        }
+
+        // Straight through where a dielectric's boundary lies hidden in another one.
+        let boundary =
+            surface.medium(hit.id).map(|m| path.media.meet(m, hit.side == Side::Outside));
+        let beyond = boundary.as_ref().map(|boundary| &boundary.beyond);
+        let eta = boundary.as_ref().map_or(Some(1.0), |boundary| boundary.eta);
+        let Some(eta) = eta else { return self.pass_through(path, hit, beyond) };
+
+        // Is another edge allowed?
+        let spent = depth - u32::from(fault!(DepthOffByOne));
+        if spent >= self.transport.max_depth {
+            return self.end(End::Depth);
+        }
+        if depth >= LONGEST {
+            return self.cut_off();
+        }
+
+        // Aim at a light, then scatter.
+        let bsdf = surface.material.bsdf(surface.albedo, eta, self.transport.hemisphere);
+        let receiver = Receiver { hit: *hit, is_two_sided: bsdf.transmits() };
+        let frame = Frame::around(hit.facing_normal());
+        let wo = frame.to_local(world_wo);
+        let may_scatter = path.scatterings < self.transport.most_scatterings;
+        if self.transport.estimator != Estimator::Bsdf && may_scatter && !bsdf.is_delta() {
+            let aimed = self.aim_at_light(path, &receiver, &bsdf, &frame, wo, beyond);
+            aims.extend(self.world.scene, aimed);
+        }
+        let vertex = Vertex::at(depth);
+        let u = path.sampler.get_2d(vertex.direction());
+        let u = if fault!(NumberReused) { [u[0]; 2] } else { u };
+        let lobe = if bsdf.has_lobes() { path.sampler.get(vertex.lobe()) } else { 0.0 };
+        let Some(sample) = bsdf.sample(wo, lobe, u) else {
+            return self.end(End::Absorbed);
+        };
+        if sample.lobe != Lobe::Delta && !may_scatter {
+            return self.end(End::DirectOnly);
+        }
+        let goes_on = self.scatter(path, &receiver, &sample, frame.to_world(sample.wi), beyond);
+        path.depth += 1;
+        goes_on
+    }
+
+    /// Adds light that a path came across, and might have aimed at.
+    fn gather(&mut self, path: &Path, source: Source, radiance: Rgb, is_aimed_at: bool) {
+        let aimed = path.drawn.filter(|_| is_aimed_at);
+        let pdf_light = aimed.map_or(0.0, |drawn| self.pdf_light(path, &drawn, source));
+        let pdf = path.drawn.map(|drawn| drawn.pdf);
+        let weight = match (self.transport.estimator, pdf) {
+            (Estimator::Mis, Some(_)) if fault!(DoubleCounting) => 1.0,
+            (Estimator::Mis, Some(p)) if fault!(HeuristicSwapped) => {
+                power_heuristic(pdf_light, p) as f32
+            }
+            (Estimator::Mis, Some(pdf)) => power_heuristic(pdf, pdf_light) as f32,
+            (Estimator::Light, Some(_)) if pdf_light > 0.0 => 0.0,
+            _ => 1.0,
+        };
+        let added = self.arriving(path.throughput * radiance * weight, path.scatterings);
+        self.add(path.sample, added);
+        self.recorder.note(|| Step::Light { source, radiance, pdf, pdf_light, weight, added });
+    }
+
+    /// The density with which the direction of a path's ray would have been drawn towards a light.
+    fn pdf_light(&self, path: &Path, drawn: &Drawn, source: Source) -> f64 {
+        if self.transport.estimator == Estimator::Bsdf {
+            return 0.0;
+        }
+        let scene = self.world.scene;
+        scene.lights().pdf(scene.spheres(), &drawn.at, source, path.ray.direction)
+    }
+}

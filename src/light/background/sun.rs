@@ -1,0 +1,67 @@
+//! A disc of even radiance, infinitely far away.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::color::{Rgb, luminance};
+use crate::math::{DVec3, Frame};
+use crate::sampling::{hemisphere, sin_cos};
+
+use super::super::Receiver;
+use super::super::cluster::cosine_above_horizon;
+
+/// The sun.
+#[derive(Clone, Copy, Debug)]
+pub struct Sun {
+    frame: Frame,
+    radiance: Rgb,
+    /// What a surface facing it receives, in luminance.
+    irradiance: f64,
+    sin_rim: f64,
+    one_minus_cos_rim: f64,
+}
+
+impl Sun {
+    /// In a unit direction from everywhere, of an angular diameter in radians up to pi, bringing an
+    /// irradiance (W/m^2 per channel) to a surface that faces it.
+    pub fn new(direction: DVec3, angular_diameter: f64, irradiance: Rgb) -> Self {
+        let (sin_rim, _) = sin_cos(0.5 * angular_diameter);
+        let (sin_half, _) = sin_cos(0.25 * angular_diameter);
+        // A disc of radiance L under a half angle a brings pi L sin^2 a.
+        let radiance = irradiance.as_dvec3() / (PI * sin_rim * sin_rim);
+        Self {
+            frame: Frame::around(direction),
+            radiance: radiance.as_vec3(),
+            irradiance: f64::from(luminance(irradiance)),
+            sin_rim,
+            one_minus_cos_rim: 2.0 * sin_half * sin_half,
+        }
+    }
+
+    /// The radiance from a unit direction: 0 beside the disc.
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        if self.covers(direction) { self.radiance } else { Rgb::ZERO }
+    }
+
+    /// A direction uniform over the disc.
+    pub fn sample(&self, u: [f64; 2]) -> DVec3 {
+        let local = hemisphere::sample_cap(self.one_minus_cos_rim, u);
+        self.frame.to_world(local).normalize()
+    }
+
+    /// The density of [`Self::sample`] per solid angle.
+    pub fn pdf(&self, direction: DVec3) -> f64 {
+        if self.covers(direction) { 1.0 / (TAU * self.one_minus_cos_rim) } else { 0.0 }
+    }
+
+    /// The irradiance at a receiver, in luminance.
+    pub(in crate::light) fn importance(&self, from: &Receiver) -> f64 {
+        let cos = self.frame.z.dot(from.hit.facing_normal());
+        let cos = if from.is_two_sided { cos.abs() } else { cos };
+        self.irradiance * cosine_above_horizon(cos, self.sin_rim)
+    }
+
+    /// Squared chords tell small angles apart where cosines do not.
+    fn covers(&self, direction: DVec3) -> bool {
+        direction.distance_squared(self.frame.z) <= 2.0 * self.one_minus_cos_rim
+    }
+}

@@ -1,0 +1,145 @@
+//! A thin clear coat: a dielectric layer, smooth or rough, that reflects a part of the light by
+//! Fresnel's equations and lets the rest through to what is beneath.
+//!
+//! `E(cos)` is the share that the coat reflects of light from a direction, `1 - E(cos)` what it lets
+//! through; the light between the facets of a rough coat that single scattering loses counts as let
+//! through. Light goes both ways alike, so a matt base is seen through it with the lobe
+//! `(1 - E_o)(1 - E_i) / (pi mean(1 - E))`, which integrates to `1 - E_o` (Kelemen and Szirmay-Kalos
+//! 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling"). Inside, light that the
+//! base scatters evenly is thrown back by the share `1 - mean(1 - E) / ior^2`: what goes in and what
+//! comes out of the coat differ by the squared index, as radiance does.
+
+use std::f64::consts::FRAC_1_PI;
+
+use crate::math::DVec3;
+
+use super::energy::{hemispherical_mean, mean_over_facets};
+use super::ggx::half_vector;
+use super::mirror::reflected;
+use super::{Ggx, MissingEnergy, fresnel};
+
+/// A clear coat.
+#[derive(Clone, Copy, Debug)]
+pub struct Coat {
+    ior: f64,
+    /// `None` where it is smooth.
+    rough: Option<Rough>,
+    /// The cosine-weighted mean of `1 - E`.
+    mean_through: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Rough {
+    ggx: Ggx,
+    through: MissingEnergy,
+}
+
+/// A direction reflected by a coat.
+pub(super) struct Reflected {
+    pub(super) wi: DVec3,
+    /// `f cos / pdf`, if this lobe alone is drawn from.
+    pub(super) weight: f64,
+    pub(super) is_delta: bool,
+}
+
+impl Coat {
+    /// A coat of an index of refraction, at least 1 and relative to what is around it, and of a
+    /// roughness in `[0, 1]`.
+    pub fn new(ior: f64, roughness: f64) -> Self {
+        let rough = Ggx::new(roughness).map(|ggx| Rough { ggx, through: let_through(ggx, ior) });
+        let mean_through = match &rough {
+            Some(rough) => rough.through.average(),
+            None => hemispherical_mean(|cos| 1.0 - fresnel(cos, ior).reflectance),
+        };
+        Self { ior, rough, mean_through }
+    }
+
+    /// The share `1 - E` that comes through from a direction of this cosine.
+    pub(super) fn through(&self, cos: f64) -> f64 {
+        match &self.rough {
+            Some(rough) => rough.through.at(cos),
+            None => 1.0 - fresnel(cos.min(1.0), self.ior).reflectance,
+        }
+    }
+
+    /// What a white matt base would send through the coat: `f` without the cosine.
+    pub(super) fn lobe(&self, cos_o: f64, cos_i: f64) -> f64 {
+        self.through(cos_o) * self.through(cos_i) * FRAC_1_PI / self.mean_through
+    }
+
+    /// The share of evenly scattered light beneath that comes out at once.
+    pub(super) fn escaping(&self) -> f64 {
+        (self.mean_through / (self.ior * self.ior)).min(1.0)
+    }
+
+    /// The coat's own reflection, delta lobes left out.
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let Some(rough) = &self.rough else { return 0.0 };
+        let cos = wo.dot(half_vector(wo, wi)).clamp(0.0, 1.0);
+        rough.ggx.reflection(wo, wi) * fresnel(cos, self.ior).reflectance
+    }
+
+    /// The density of [`Self::sample`], delta lobes left out.
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.rough.as_ref().map_or(0.0, |rough| rough.ggx.reflection_pdf(wo, wi))
+    }
+
+    /// A reflected direction; `None` where a facet sends light into the surface.
+    pub(super) fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<Reflected> {
+        let Some(rough) = &self.rough else {
+            let weight = fresnel(wo.z.min(1.0), self.ior).reflectance;
+            return Some(Reflected { wi: reflected(wo), weight, is_delta: true });
+        };
+        let (wi, m) = rough.ggx.sample_reflection(wo, u)?;
+        let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.ior).reflectance;
+        Some(Reflected { wi, weight: reflectance * rough.ggx.shadowing(wo, wi), is_delta: false })
+    }
+}
+
+/// What a rough coat lets through: all that its facets do not reflect at once.
+fn let_through(ggx: Ggx, ior: f64) -> MissingEnergy {
+    // Fresnel's equations bend below a cosine of about 1/4, whatever the roughness.
+    MissingEnergy::new(f64::max(0.5, 2.0 * ggx.alpha()), |wo| {
+        mean_over_facets(ggx, wo, |m| {
+            let cos = wo.dot(m).clamp(0.0, 1.0);
+            let wi = m * (2.0 * cos) - wo;
+            let share = fresnel(cos, ior).reflectance;
+            if wi.z > 0.0 { share * ggx.shadowing(wo, wi) } else { 0.0 }
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
+
+    /// The mean reflectance from outside in closed form (Dunkle 1963; Egan and Hilgeman 1973).
+    fn mean_reflectance(n: f64) -> f64 {
+        let (n2, n4) = (n * n, n.powi(4));
+        0.5 + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0).powi(2))
+            + n2 * (n2 - 1.0).powi(2) / (n2 + 1.0).powi(3) * ((n - 1.0) / (n + 1.0)).ln()
+            - 2.0 * n.powi(3) * (n2 + 2.0 * n - 1.0) / ((n2 + 1.0) * (n4 - 1.0))
+            + 8.0 * n4 * (n4 + 1.0) / ((n2 + 1.0) * (n4 - 1.0).powi(2)) * n.ln()
+    }
+
+    #[test]
+    fn the_mean_of_a_smooth_coat_is_known_in_closed_form() {
+        for ior in [1.1, 1.5, 2.4] {
+            let coat = Coat::new(ior, 0.0);
+            assert_relative_eq!(coat.mean_through, 1.0 - mean_reflectance(ior), epsilon = 1e-5);
+            // From inside, the mean over directions with total reflection among them is the same
+            // number by reciprocity.
+            let inside = hemispherical_mean(|cos| fresnel(cos, 1.0 / ior).reflectance);
+            assert_abs_diff_eq!(1.0 - coat.escaping(), inside, epsilon = 1e-3);
+        }
+    }
+
+    #[test]
+    fn a_narrow_lobe_lets_through_what_a_smooth_coat_does() {
+        let [smooth, narrow] = [0.0, 0.02].map(|roughness| Coat::new(1.5, roughness));
+        for cos in [1.0, 0.6, 0.2, 0.1] {
+            assert_abs_diff_eq!(smooth.through(cos), narrow.through(cos), epsilon = 1e-3);
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! What a microsurface loses when its facets scatter light only once, and how it is given back.
+//!
+//! Light that one facet sends into another is lost to the single-scattering model: at roughness 1
+//! more than half of it. Kulla and Conty (2017, "Revisiting Physically Based Shading at Imageworks")
+//! give it back as a second, broad and reciprocal lobe, from the missing share of energy
+//! `1 - E(cos)` of each direction, E being the directional albedo of lossless facets.
+//!
+//! Here E is integrated for each material when a scene is built, so that nothing is interpolated
+//! between materials; between the cosines of the table the error is below 5e-4, as a test shows.
+
+use std::f64::consts::FRAC_1_PI;
+
+use crate::math::DVec3;
+
+use super::Ggx;
+
+/// Cosines in the table.
+const NODES: usize = 24;
+/// The rule that integrates over facets: rings of steepness, and sectors of half a turn.
+const RINGS: usize = 96;
+const SECTORS: usize = 24;
+/// Steps of the rule that averages over cosines.
+const STEPS: usize = 1024;
+
+/// The share of light that single scattering loses, by the cosine of the direction that it comes
+/// from.
+#[derive(Clone, Copy, Debug)]
+pub struct MissingEnergy {
+    at_node: [f32; NODES],
+    /// The cosine-weighted mean over the hemisphere.
+    average: f32,
+    /// The nodes lie close at cosines below this.
+    bend: f32,
+}
+
+impl MissingEnergy {
+    /// What lossless reflection by a microsurface loses.
+    pub fn of_reflection(ggx: Ggx) -> Self {
+        // The loss changes fast at cosines below about alpha.
+        Self::new(2.0 * ggx.alpha(), |wo| {
+            mean_over_facets(ggx, wo, |m| {
+                let wi = m * (2.0 * wo.dot(m)) - wo;
+                if wi.z > 0.0 { ggx.shadowing(wo, wi) } else { 0.0 }
+            })
+        })
+    }
+
+    /// What is missing to 1 of a directional albedo. The nodes lie close at cosines below `bend`.
+    pub(super) fn new(bend: f64, albedo: impl Fn(DVec3) -> f64) -> Self {
+        let missing = |node: usize| {
+            let cos = cosine_of(node as f64 / (NODES - 1) as f64, bend);
+            let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
+            (1.0 - albedo(wo)).clamp(0.0, 1.0) as f32
+        };
+        let at_node = std::array::from_fn(missing);
+        let mut table = Self { at_node, average: 0.0, bend: bend as f32 };
+        let middle = |i: usize| (i as f64 + 0.5) / STEPS as f64;
+        // The average of cos = t^2, which is 4 t^3 dt, of the table as it is read.
+        let terms = (0..STEPS).map(middle).map(|t| 4.0 * t.powi(3) * table.at(t * t));
+        table.average = (terms.sum::<f64>() / STEPS as f64) as f32;
+        table
+    }
+
+    /// The share that is missing for a direction of cosine `cos` in `[0, 1]`; 0 where all is there.
+    pub fn at(&self, cos: f64) -> f64 {
+        let last = NODES - 1;
+        let place = place_of(cos.clamp(0.0, 1.0), f64::from(self.bend)) * last as f64;
+        let below = (place as usize).min(last - 1);
+        let node = |i: usize| f64::from(self.at_node[i]);
+        let (b, c) = (node(below), node(below + 1));
+        // Catmull and Rom's cubic; beyond the ends the parabola through the last three nodes.
+        let a = if below > 0 { node(below - 1) } else { 3.0 * b - 3.0 * c + node(below + 2) };
+        let d = if below + 2 <= last { node(below + 2) } else { 3.0 * c - 3.0 * b + a };
+        let t = place - below as f64;
+        let bent = 2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a);
+        (b + 0.5 * t * (c - a + t * bent)).clamp(0.0, 1.0)
+    }
+
+    /// The mean over the hemisphere, weighted with the cosine.
+    pub fn average(&self) -> f64 {
+        f64::from(self.average)
+    }
+
+    /// A lobe that is reciprocal and sends what is missing for each direction over the hemisphere:
+    /// times the cosine it integrates to [`Self::at`].
+    pub fn lobe(&self, cos_o: f64, cos_i: f64) -> f64 {
+        if self.average <= 0.0 {
+            return 0.0;
+        }
+        self.at(cos_o) * self.at(cos_i) * FRAC_1_PI / self.average()
+    }
+}
+
+/// The place in the table, in `[0, 1]`, of a cosine: close together near 0, and closer yet for a
+/// narrow lobe.
+fn place_of(cos: f64, bend: f64) -> f64 {
+    (cos * (1.0 + bend) / (bend + cos)).sqrt()
+}
+
+/// The inverse of [`place_of`].
+fn cosine_of(place: f64, bend: f64) -> f64 {
+    let square = place * place;
+    (bend * square / (1.0 + bend - square)).min(1.0)
+}
+
+/// The mean of `f` over the facets that are seen from `wo`, which lies in the x-z plane; `f` must
+/// not change when y changes its sign. By the midpoint rule, denser towards the few steep facets.
+pub(super) fn mean_over_facets(ggx: Ggx, wo: DVec3, f: impl Fn(DVec3) -> f64) -> f64 {
+    let middle = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+    let ring = |i: usize| {
+        let t = middle(i, RINGS);
+        let facet = |j: usize| {
+            let u = [0.5 * middle(j, SECTORS), 1.0 - t.powi(3)];
+            f(ggx.sample_normal(wo, u))
+        };
+        3.0 * t * t * (0..SECTORS).map(facet).sum::<f64>()
+    };
+    (0..RINGS).map(ring).sum::<f64>() / (RINGS * SECTORS) as f64
+}
+
+/// The cosine-weighted mean over the hemisphere of a function of the cosine.
+pub(super) fn hemispherical_mean(f: impl Fn(f64) -> f64) -> f64 {
+    let middle = |i: usize| (i as f64 + 0.5) / STEPS as f64;
+    let mean: f64 = (0..STEPS).map(middle).map(|cos| 2.0 * cos * f(cos)).sum();
+    mean / STEPS as f64
+}
+
+/// What lossy facets give back of light that bounced between them, given their mean reflectance
+/// and the mean albedo of lossless ones: the sum of all further bounces (Kulla and Conty 2017).
+pub(super) fn after_many_bounces(reflectance: f64, missing: f64) -> f64 {
+    let escaping = 1.0 - missing;
+    reflectance * reflectance * escaping / (1.0 - reflectance * missing).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    /// The bound that the documentation states.
+    const BOUND: f64 = 5e-4;
+
+    #[test]
+    fn straight_from_above_the_loss_is_known_in_closed_form() {
+        // There G2 = G1(wi) = 2 c / (c + s), with c = cos(2 theta_m); for alpha = 1, s = 1 and
+        // E = integral of 2 (1 - 2u) / (2 - 2u) over u = sin^2(theta_m) up to 1/2 = 1 - ln 2.
+        let missing = MissingEnergy::of_reflection(Ggx::new(1.0).expect("rough"));
+        assert_abs_diff_eq!(missing.at(1.0), std::f64::consts::LN_2, epsilon = 1e-4);
+    }
+
+    #[test]
+    fn the_table_agrees_with_a_finer_integration() {
+        for roughness in [0.01, 0.1, 0.3, 0.5, 0.8, 1.0] {
+            let ggx = Ggx::new(roughness).expect("rough");
+            let table = MissingEnergy::of_reflection(ggx);
+            for cos in [1e-3, 0.02, 0.07, 0.2, 0.45, 0.7, 0.93] {
+                let wo = DVec3::new((1.0f64 - cos * cos).sqrt(), 0.0, cos);
+                let n = 500;
+                let share = |i: usize| {
+                    let (ring, sector) = ((i / n) as f64 + 0.5, (i % n) as f64 + 0.5);
+                    let t = ring / n as f64;
+                    let u = [0.5 * sector / n as f64, 1.0 - t.powi(3)];
+                    let wi = ggx.sample_reflection(wo, u);
+                    wi.map_or(0.0, |(wi, _)| 3.0 * t * t * ggx.shadowing(wo, wi))
+                };
+                let albedo = (0..n * n).map(share).sum::<f64>() / (n * n) as f64;
+                assert_abs_diff_eq!(table.at(cos), 1.0 - albedo, epsilon = BOUND);
+            }
+        }
+    }
+
+    #[test]
+    fn the_lobe_gives_back_just_what_is_missing() {
+        for roughness in [0.05, 0.4, 1.0] {
+            let missing = MissingEnergy::of_reflection(Ggx::new(roughness).expect("rough"));
+            for cos in [0.01, 0.3, 1.0] {
+                let given =
+                    std::f64::consts::PI * hemispherical_mean(|cos_i| missing.lobe(cos, cos_i));
+                assert_abs_diff_eq!(given, missing.at(cos), epsilon = 1e-5);
+            }
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Plastic, varnished wood, glazed clay: a matt base under a clear dielectric coat.
+//!
+//! The coat reflects by Fresnel's equations (see [`super::coat`]). What it lets through the base
+//! scatters evenly, and of that a part is thrown back by the coat from inside, scattered again, and
+//! so on: with the internal reflectance `r` the base of albedo `a` appears with
+//! `a (1 - r) (1 + a r + a^2 r^2 + ...) = a (1 - r) / (1 - a r)` (Saunderson 1942, "Calculation of the
+//! Color of Pigmented Plastics"). So colours are deeper than those of the bare base, a white base
+//! sends back all light, and light may go both ways.
+
+use crate::color::{Rgb, luminance};
+use crate::math::DVec3;
+use crate::sampling::Hemisphere;
+
+use super::{BsdfSample, Coat, Lobe};
+
+/// A matt base under a coat.
+#[derive(Clone, Copy, Debug)]
+pub struct Plastic {
+    /// The share of light that the base scatters, in `[0, 1]`.
+    pub albedo: Rgb,
+    /// What covers it.
+    pub coat: Coat,
+}
+
+impl Plastic {
+    /// This surface with a sphere's own colour as its base.
+    pub(super) fn colored(self, albedo: Option<Rgb>) -> Self {
+        Self { albedo: albedo.unwrap_or(self.albedo), ..self }
+    }
+
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        if wi.z <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let base = self.base() * self.coat.lobe(wo.z, wi.z) as f32;
+        base + Rgb::splat(self.coat.eval(wo, wi) as f32)
+    }
+
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        if wi.z <= 0.0 {
+            return 0.0;
+        }
+        let glossy = self.glossy_share(wo);
+        (1.0 - glossy) * Hemisphere::Cosine.pdf(wi.z) + glossy * self.coat.pdf(wo, wi)
+    }
+
+    pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+        let glossy = self.glossy_share(wo);
+        let (wi, lobe) = if lobe < glossy {
+            let coat = self.coat.sample(wo, u)?;
+            if coat.is_delta {
+                let weight = Rgb::splat((coat.weight / glossy) as f32);
+                let (pdf, lobe) = (glossy, Lobe::Delta);
+                return Some(BsdfSample { wi: coat.wi, weight, pdf, lobe, eta: 1.0 });
+            }
+            (coat.wi, Lobe::Glossy)
+        } else {
+            (Hemisphere::Cosine.sample(u), Lobe::Diffuse)
+        };
+        let pdf = self.pdf(wo, wi);
+        let weight = self.eval(wo, wi) * (wi.z / pdf) as f32;
+        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe, eta: 1.0 })
+    }
+
+    /// The colour of the base as seen through the coat.
+    fn base(&self) -> Rgb {
+        let escaping = self.coat.escaping() as f32;
+        self.albedo * escaping / (Rgb::ONE - self.albedo * (1.0 - escaping))
+    }
+
+    /// The probability of sampling the coat.
+    fn glossy_share(&self, wo: DVec3) -> f64 {
+        let through = self.coat.through(wo.z);
+        let base = f64::from(luminance(self.base())) * through;
+        let sum = 1.0 - through + base;
+        if sum > 0.0 { (1.0 - through) / sum } else { 0.0 }
+    }
+}

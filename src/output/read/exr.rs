@@ -1,0 +1,140 @@
+//! OpenEXR: every part and every channel, gathered into layers by their names.
+
+use std::path::Path;
+
+use exr::meta::MetaData;
+use exr::prelude::{AnyChannel, FlatSamples, read_all_flat_layers_from_file};
+
+use crate::color::Rgb;
+
+use super::{BEAUTY, Layer, Layered, check_samples};
+
+/// ZIP packs at most 1032 bytes into one, and no other method of the format that is read here more.
+const TIGHTEST: u64 = 1032;
+
+/// What a channel is to its layer.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Color(usize),
+    Grey,
+}
+
+pub(super) fn read(path: &Path, length: u64) -> Result<Layered, String> {
+    check_header(path, length)?;
+    let image = read_all_flat_layers_from_file(path).map_err(|e| e.to_string())?;
+    let size = image.layer_data.first().ok_or("it has no parts")?.size;
+    let mut layers = Vec::new();
+    for part in &image.layer_data {
+        // A part of another size is a picture of its own, such as a preview.
+        if part.size != size {
+            continue;
+        }
+        let part_name = part.attributes.layer_name.as_ref().map(ToString::to_string);
+        for channel in &part.channel_data.list {
+            add(channel, part_name.as_deref().unwrap_or(""), size.area(), &mut layers);
+        }
+    }
+    if layers.is_empty() {
+        return Err("it has no channels".to_owned());
+    }
+    layers.sort_by_key(|layer| layer.name != BEAUTY);
+    Ok(Layered { width: size.0, height: size.1, layers, for_screen: false })
+}
+
+/// Refuses what the reading crate would take memory for in vain.
+fn check_header(path: &Path, length: u64) -> Result<(), String> {
+    let meta = MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
+    for header in &meta.headers {
+        let size = header.layer_size;
+        let channels = &header.channels.list;
+        check_samples(size.0 as u64, size.1 as u64, channels.len() as u64)?;
+        if channels.iter().any(|channel| channel.sampling.0 != 1 || channel.sampling.1 != 1) {
+            return Err("it has channels of fewer pixels (chroma), which are not read".to_owned());
+        }
+        if header.total_pixel_bytes() as u64 / TIGHTEST > length {
+            return Err("it is shorter than its header promises".to_owned());
+        }
+    }
+    Ok(())
+}
+
+/// Puts a channel where it belongs: `direct.R` is the red of the layer `direct`.
+fn add(channel: &AnyChannel<FlatSamples>, part: &str, count: usize, layers: &mut Vec<Layer>) {
+    let full = channel.name.to_string();
+    let (prefix, last) = full.rsplit_once('.').unwrap_or(("", &full));
+    let (suffix, role) = match last.to_ascii_uppercase().as_str() {
+        "R" | "RED" => ("", Role::Color(0)),
+        "G" | "GREEN" => ("", Role::Color(1)),
+        "B" | "BLUE" => ("", Role::Color(2)),
+        "Y" => ("", Role::Grey),
+        "A" => ("alpha", Role::Grey),
+        _ => (last, Role::Grey),
+    };
+    let name = layer_name([part, prefix, suffix]);
+    let at = layers.iter().position(|layer| layer.name == name).unwrap_or_else(|| {
+        layers.push(Layer { name, pixels: vec![Rgb::ZERO; count] });
+        layers.len() - 1
+    });
+    for (pixel, value) in layers[at].pixels.iter_mut().zip(channel.sample_data.values_as_f32()) {
+        match role {
+            Role::Color(axis) => pixel[axis] = value,
+            Role::Grey => *pixel = Rgb::splat(value),
+        }
+    }
+}
+
+/// The parts that say something, joined by dots. Others call the picture itself by these names.
+fn layer_name(parts: [&str; 3]) -> String {
+    let is_beauty = |part: &str| matches!(part, "" | "rgb" | "rgba" | "RGB" | "RGBA" | "beauty");
+    let said: Vec<&str> = parts.into_iter().filter(|part| !is_beauty(part)).collect();
+    if said.is_empty() { BEAUTY.to_owned() } else { said.join(".") }
+}
+
+#[cfg(test)]
+mod tests {
+    use exr::prelude::{
+        AnyChannels, Encoding, Image, ImageAttributes, IntegerBounds, Layer as Part,
+        LayerAttributes, SmallVec, Text, WritableImage,
+    };
+
+    use super::*;
+
+    /// One part with the channels, of 2 x 1 pixels that hold `value` and `2 value`.
+    fn part(name: &str, channels: &[(&str, f32)]) -> Part<AnyChannels<FlatSamples>> {
+        let channel = |&(name, value): &(&str, f32)| {
+            AnyChannel::new(Text::from(name), FlatSamples::F32(vec![value, 2.0 * value]))
+        };
+        let channels: SmallVec<_> = channels.iter().map(channel).collect();
+        let attributes =
+            LayerAttributes { layer_name: Some(Text::from(name)), ..LayerAttributes::default() };
+        Part::new((2, 1), attributes, Encoding::UNCOMPRESSED, AnyChannels::sort(channels))
+    }
+
+    fn read_back(image: &Image<SmallVec<[Part<AnyChannels<FlatSamples>>; 2]>>) -> Layered {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        image.write().to_file(&path).unwrap();
+        super::super::read(&path).unwrap()
+    }
+
+    #[test]
+    fn the_channels_of_others_find_their_layers() {
+        let first = part(
+            "rgba",
+            &[("R", 1.0), ("G", 2.0), ("B", 3.0), ("A", 0.5), ("depth", 7.0), ("spec.Y", 4.0)],
+        );
+        let second = part("light", &[("R", 5.0), ("G", 6.0), ("B", 7.0)]);
+        let bounds = IntegerBounds::from_dimensions((2, 1));
+        let parts: SmallVec<_> = [first, second].into_iter().collect();
+        let image = Image::from_layers(ImageAttributes::new(bounds), parts);
+        let read = read_back(&image);
+        let value = |name: &str| read.layer(name).map(|layer| layer.pixels.clone());
+        assert_eq!(read.layers[0].name, BEAUTY);
+        assert_eq!(value(BEAUTY).unwrap()[1], Rgb::new(2.0, 4.0, 6.0));
+        assert_eq!(value("alpha").unwrap()[0], Rgb::splat(0.5));
+        assert_eq!(value("depth").unwrap()[0], Rgb::splat(7.0));
+        assert_eq!(value("spec").unwrap()[1], Rgb::splat(8.0));
+        assert_eq!(value("light").unwrap()[0], Rgb::new(5.0, 6.0, 7.0));
+        assert_eq!(read.layers.len(), 5);
+    }
+}

@@ -1,0 +1,186 @@
+//! Pictures come back from files: those that we write, and those that others write.
+//!
+//! A file is a list of named layers of one size. `.exr` may hold many: its channels `R`, `G`, `B` are
+//! the layer [`BEAUTY`], `direct.R`, `direct.G`, `direct.B` the layer `direct`, and so on through all
+//! parts of the file; a layer with one channel is grey, and an `A` is a grey layer of its own. All
+//! values are linear; what a `.png` holds is decoded from sRGB, whatever colour profile it names.
+//!
+//! A damaged or hostile file is an error: sizes are believed only as far as the file's length can
+//! bear them out.
+
+mod exr;
+mod pfm;
+mod pixels;
+
+use std::fs;
+use std::path::Path;
+
+use crate::color::Rgb;
+use crate::error::{Error, Result};
+
+use super::Format;
+
+/// The name of the layer that is the picture itself.
+pub const BEAUTY: &str = "beauty";
+/// More samples than this are no picture that we could hold in memory twice.
+const MOST_SAMPLES: u64 = 1 << 30;
+
+/// A picture file: layers of one size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layered {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// The layers in the order of the file, [`BEAUTY`] first where there is one.
+    pub layers: Vec<Layer>,
+    /// Whether the file holds values for the screen (sRGB, cut off at 1) and not light.
+    pub for_screen: bool,
+}
+
+/// One layer: linear Rec. 709, rows from the top, pixels of a row from the left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// Its name; [`BEAUTY`] for the picture itself.
+    pub name: String,
+    /// `width * height` values.
+    pub pixels: Vec<Rgb>,
+}
+
+impl Layered {
+    /// The layer of that name.
+    pub fn layer(&self, name: &str) -> Option<&Layer> {
+        self.layers.iter().find(|layer| layer.name == name)
+    }
+}
+
+impl Layer {
+    /// How many pixels are infinite or not a number, and the index of the first of them.
+    pub fn non_finite(&self) -> Option<(usize, usize)> {
+        let mut bad = (0..self.pixels.len()).filter(|&i| !self.pixels[i].is_finite());
+        let first = bad.next()?;
+        Some((1 + bad.count(), first))
+    }
+}
+
+/// Reads a picture; its extension says the format.
+///
+/// # Errors
+/// When the extension is none of `.png`, `.exr`, `.hdr` and `.pfm`, or when the file cannot be read as
+/// what it claims to be.
+pub fn read(path: &Path) -> Result<Layered> {
+    let format = Format::of(path)?;
+    let trouble = |reason: String| Error::file("read", path, reason);
+    let length = fs::metadata(path).map_err(|e| trouble(e.to_string()))?;
+    if length.is_dir() {
+        return Err(trouble("it is a folder".to_owned()));
+    }
+    let length = length.len();
+    let layered = match format {
+        Format::Exr => exr::read(path, length),
+        Format::Pfm => pfm::read(path, length),
+        Format::Png => pixels::read_png(path),
+        Format::Hdr => pixels::read_hdr(path),
+    };
+    let layered = layered.map_err(|reason| {
+        trouble(reason).with_help("is it whole, and what its name says? Another program may tell")
+    })?;
+    let count = layered.width * layered.height;
+    debug_assert!(layered.layers.iter().all(|layer| layer.pixels.len() == count));
+    Ok(layered)
+}
+
+/// Refuses a header whose samples (f32) would not fit into memory.
+fn check_samples(width: u64, height: u64, channels: u64) -> std::result::Result<(), String> {
+    if width == 0 || height == 0 {
+        return Err("it has no pixels".to_owned());
+    }
+    match width.checked_mul(height).and_then(|pixels| pixels.checked_mul(channels)) {
+        Some(samples) if samples <= MOST_SAMPLES => Ok(()),
+        _ => Err(format!("{width} x {height} pixels are more than can be held")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{picture, written};
+    use super::*;
+
+    #[test]
+    fn linear_formats_come_back_to_the_bit_or_to_their_step() {
+        let picture = picture();
+        for (name, steps) in [("a.exr", 0.0), ("a.pfm", 0.0), ("a.hdr", 1.0 / 128.0)] {
+            let (_folder, path) = written(&picture, name);
+            let read = read(&path).unwrap();
+            assert_eq!((read.width, read.height, read.for_screen), (13, 5, false));
+            let beauty = &read.layer(BEAUTY).unwrap().pixels;
+            for (pixel, &value) in beauty.iter().enumerate() {
+                let exact = picture.beauty(pixel);
+                let allowed = steps * exact.max_element();
+                assert!((value - exact).abs().max_element() <= allowed, "{name} {pixel}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_png_is_decoded_to_linear_light_and_cut_off_at_one() {
+        let picture = picture();
+        let (_folder, path) = written(&picture, "a.png");
+        let read = read(&path).unwrap();
+        assert!(read.for_screen);
+        // Half a step of 1/255 where the curve is steepest, 2.4 / 1.055.
+        let allowed = 0.5 / 255.0 * 2.4 / 1.055 + 1e-6;
+        for (pixel, &value) in read.layers[0].pixels.iter().enumerate() {
+            let exact = picture.beauty(pixel).min(Rgb::ONE);
+            assert!((value - exact).abs().max_element() <= allowed, "{pixel}");
+        }
+    }
+
+    #[test]
+    fn our_layers_come_back_by_name() {
+        let picture = picture();
+        let (_folder, path) = written(&picture, "a.exr");
+        let read = read(&path).unwrap();
+        assert_eq!(read.layers[0].name, BEAUTY);
+        assert_eq!(read.layer("direct").unwrap().pixels, picture.direct);
+        assert_eq!(read.layer("indirect").unwrap().pixels, picture.indirect);
+        assert_eq!(read.layer("nothing"), None);
+    }
+
+    #[test]
+    fn cut_off_and_foreign_files_are_refused() {
+        let picture = picture();
+        for name in ["a.exr", "a.pfm", "a.png", "a.hdr"] {
+            let (_folder, path) = written(&picture, name);
+            let whole = fs::read(&path).unwrap();
+            for keep in [0, 5, 20, whole.len() / 2, whole.len() - 20] {
+                fs::write(&path, &whole[..keep]).unwrap();
+                let error = read(&path).unwrap_err();
+                assert!(error.to_string().starts_with("cannot read `"), "{name} {keep}: {error}");
+            }
+            fs::write(&path, "format = 1\n".repeat(40)).unwrap();
+            assert!(read(&path).is_err(), "{name}");
+        }
+    }
+
+    #[test]
+    fn sizes_that_nobody_can_hold_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.pfm");
+        fs::write(&path, "PF\n4000000000 4000000000\n-1.0\n").unwrap();
+        assert!(read(&path).unwrap_err().to_string().contains("more than can be held"));
+        let path = folder.path().join("a.hdr");
+        let header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4000000 +X 4000000\n";
+        fs::write(&path, header).unwrap();
+        assert!(read(&path).unwrap_err().to_string().contains("more than can be held"));
+    }
+
+    #[test]
+    fn pixels_that_are_not_finite_are_counted() {
+        let mut layer = Layer { name: BEAUTY.into(), pixels: vec![Rgb::ONE; 4] };
+        assert_eq!(layer.non_finite(), None);
+        layer.pixels[2].y = f32::NAN;
+        layer.pixels[3].x = f32::INFINITY;
+        assert_eq!(layer.non_finite(), Some((2, 2)));
+    }
+}

@@ -1,0 +1,55 @@
+//! Independent numbers: a sample's address is hashed to a 64-bit key, and the dimensions are the
+//! outputs of a SplitMix64 generator (Steele, Lea and Flood 2014, "Fast Splittable Pseudorandom
+//! Number Generators", OOPSLA) started at that key, which can be read at any place.
+
+/// The increment of SplitMix64: 2^64 divided by the golden ratio, made odd.
+const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// Independent numbers of one sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Independent {
+    key: u64,
+}
+
+impl Independent {
+    pub(super) fn new(seed: u64, pixel: u64, sample: u32) -> Self {
+        Self { key: mix(pixel_key(seed, pixel) ^ u64::from(sample)) }
+    }
+
+    /// In `[0, 1)`, a multiple of 2^-53.
+    pub(super) fn get(self, dimension: u32) -> f64 {
+        (output(self.key, dimension) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+    }
+}
+
+/// 64 bits that stand for a pixel under a seed.
+pub(super) fn pixel_key(seed: u64, pixel: u64) -> u64 {
+    mix(mix(seed.wrapping_add(GAMMA)) ^ pixel)
+}
+
+/// The output number `index` of the generator that starts at `key`.
+pub(super) fn output(key: u64, index: u32) -> u64 {
+    mix(key.wrapping_add(GAMMA.wrapping_mul(u64::from(index) + 1)))
+}
+
+/// The output function of SplitMix64: a bijection in which every input bit reaches every output bit
+/// (Stafford's variant 13 of the MurmurHash3 finaliser).
+fn mix(mut z: u64) -> u64 {
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_generator_is_splitmix64() {
+        // The published first outputs for state 0.
+        let expected = [0xe220_a839_7b1d_cdaf_u64, 0x6e78_9e6a_a1b9_65f4];
+        for (index, bits) in expected.into_iter().enumerate() {
+            assert_eq!(output(0, index as u32), bits);
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Sobol's sequence itself: a binary matrix for each dimension.
+//!
+//! The matrices are grown from primitive polynomials over GF(2) and a few odd initial numbers, those
+//! of Joe and Kuo 2008, "Constructing Sobol sequences with better two-dimensional projections",
+//! SIAM J. Sci. Comput. 30(5), table `new-joe-kuo-6.21201`.
+
+/// Dimensions of the table.
+pub(super) const DIMENSIONS: usize = 32;
+
+/// One dimension: the degree `s` of its polynomial, the polynomial's inner coefficients `a` as
+/// bits, and the initial numbers `m_1 ... m_s`, the rest left 0.
+type Initial = (usize, u32, [u32; 7]);
+
+/// The dimensions after the first, which is van der Corput's and needs no table.
+const INITIAL: [Initial; DIMENSIONS - 1] = [
+    (1, 0, [1, 0, 0, 0, 0, 0, 0]),
+    (2, 1, [1, 3, 0, 0, 0, 0, 0]),
+    (3, 1, [1, 3, 1, 0, 0, 0, 0]),
+    (3, 2, [1, 1, 1, 0, 0, 0, 0]),
+    (4, 1, [1, 1, 3, 3, 0, 0, 0]),
+    (4, 4, [1, 3, 5, 13, 0, 0, 0]),
+    (5, 2, [1, 1, 5, 5, 17, 0, 0]),
+    (5, 4, [1, 1, 5, 5, 5, 0, 0]),
+    (5, 7, [1, 1, 7, 11, 19, 0, 0]),
+    (5, 11, [1, 1, 5, 1, 1, 0, 0]),
+    (5, 13, [1, 1, 1, 3, 11, 0, 0]),
+    (5, 14, [1, 3, 5, 5, 31, 0, 0]),
+    (6, 1, [1, 3, 3, 9, 7, 49, 0]),
+    (6, 13, [1, 1, 1, 15, 21, 21, 0]),
+    (6, 16, [1, 3, 1, 13, 27, 49, 0]),
+    (6, 19, [1, 1, 1, 15, 7, 5, 0]),
+    (6, 22, [1, 3, 1, 15, 13, 25, 0]),
+    (6, 25, [1, 1, 5, 5, 19, 61, 0]),
+    (7, 1, [1, 3, 7, 11, 23, 15, 103]),
+    (7, 4, [1, 3, 7, 13, 13, 15, 69]),
+    (7, 7, [1, 1, 3, 13, 7, 35, 63]),
+    (7, 8, [1, 3, 5, 9, 1, 25, 53]),
+    (7, 14, [1, 3, 1, 13, 9, 35, 107]),
+    (7, 19, [1, 3, 1, 5, 27, 61, 31]),
+    (7, 21, [1, 1, 5, 11, 19, 41, 61]),
+    (7, 28, [1, 3, 5, 3, 3, 13, 69]),
+    (7, 31, [1, 1, 7, 13, 1, 19, 1]),
+    (7, 32, [1, 3, 7, 5, 13, 19, 59]),
+    (7, 37, [1, 1, 3, 9, 25, 29, 41]),
+    (7, 41, [1, 3, 5, 13, 23, 1, 55]),
+    (7, 42, [1, 3, 7, 3, 13, 59, 17]),
+];
+
+/// What each group of four index bits adds to the point, all dimensions; the first group is that of
+/// the lowest four bits, the lowest of them first.
+static TABLES: [[[u32; 16]; 8]; DIMENSIONS] = tables();
+
+/// A coordinate of a point of the sequence. The index and the coordinate have their bits reversed: bit
+/// 31 of the index is worth 1, bit 0 of the coordinate is worth 1/2.
+pub(super) fn reversed_point(mut reversed_index: u32, dimension: usize) -> u32 {
+    if dimension == 0 {
+        return reversed_index.reverse_bits(); // van der Corput: the index reversed is the point
+    }
+    let mut point = 0;
+    for group in &TABLES[dimension] {
+        if reversed_index == 0 {
+            break;
+        }
+        point ^= group[(reversed_index >> 28) as usize];
+        reversed_index <<= 4;
+    }
+    point
+}
+
+const fn tables() -> [[[u32; 16]; 8]; DIMENSIONS] {
+    let mut tables = [[[0; 16]; 8]; DIMENSIONS];
+    let mut dimension = 1;
+    while dimension < DIMENSIONS {
+        let directions = directions(INITIAL[dimension - 1]);
+        let mut entry = 0;
+        while entry < 8 * 16 * 4 {
+            let (group, bits, bit) = (entry / 64, entry / 4 % 16, entry % 4);
+            if bits >> (3 - bit) & 1 == 1 {
+                tables[dimension][group][bits] ^= directions[4 * group + bit].reverse_bits();
+            }
+            entry += 1;
+        }
+        dimension += 1;
+    }
+    tables
+}
+
+/// The direction numbers, binary fractions in 32 bits: what each bit of the index adds to the point.
+const fn directions((degree, coefficients, initial): Initial) -> [u32; 32] {
+    let mut v = [0; 32];
+    let mut k = 0;
+    while k < 32 {
+        v[k] = if k < degree {
+            initial[k] << (31 - k)
+        } else {
+            v[k - degree] ^ (v[k - degree] >> degree)
+        };
+        let mut i = 1;
+        while i < degree && k >= degree {
+            if coefficients >> (degree - 1 - i) & 1 == 1 {
+                v[k] ^= v[k - i];
+            }
+            i += 1;
+        }
+        k += 1;
+    }
+    v
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(index: u32, dimension: usize) -> f64 {
+        f64::from(reversed_point(index.reverse_bits(), dimension).reverse_bits()) / 2f64.powi(32)
+    }
+
+    #[test]
+    fn the_first_points_are_sobols() {
+        // In the order of the index, without the Gray code: worked out by hand from the table.
+        let expected = [
+            [0.0, 0.0, 0.0, 0.0, 0.0],
+            [0.5, 0.5, 0.5, 0.5, 0.5],
+            [0.25, 0.75, 0.75, 0.75, 0.25],
+            [0.75, 0.25, 0.25, 0.25, 0.75],
+            [0.125, 0.625, 0.375, 0.125, 0.125],
+            [0.625, 0.125, 0.875, 0.625, 0.625],
+            [0.375, 0.375, 0.625, 0.875, 0.375],
+            [0.875, 0.875, 0.125, 0.375, 0.875],
+        ];
+        for (index, coordinates) in expected.into_iter().enumerate() {
+            for (dimension, expected) in coordinates.into_iter().enumerate() {
+                assert_eq!(point(index as u32, dimension), expected, "{index} {dimension}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_table_obeys_its_rules() {
+        for (row, (degree, coefficients, initial)) in INITIAL.into_iter().enumerate() {
+            let polynomial = 1 << degree | coefficients << 1 | 1;
+            assert_eq!(order_of_x(polynomial, degree), (1 << degree) - 1, "primitive, row {row}");
+            for (k, m) in initial.into_iter().enumerate() {
+                let allowed = if k < degree { m % 2 == 1 && m < 2 << k } else { m == 0 };
+                assert!(allowed, "row {row}: m_{} = {m}", k + 1);
+            }
+        }
+    }
+
+    /// The smallest power of x that is 1 modulo the polynomial.
+    fn order_of_x(polynomial: u32, degree: usize) -> u32 {
+        let (mut power, mut order) = (1u32, 0);
+        loop {
+            power <<= 1;
+            if power >> degree & 1 == 1 {
+                power ^= polynomial;
+            }
+            order += 1;
+            if power == 1 {
+                return order;
+            }
+        }
+    }
+
+    #[test]
+    fn every_dimension_by_itself_visits_every_cell_once() {
+        for dimension in 0..DIMENSIONS {
+            let mut seen = vec![false; 1024];
+            for index in 3 * 1024..4 * 1024 {
+                let cell = (point(index, dimension) * 1024.0) as usize;
+                assert!(!std::mem::replace(&mut seen[cell], true));
+            }
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Sobol's sequence with nested uniform scrambling, on its own for every pixel.
+//!
+//! Sample `i` of a pixel is point `i` of the sequence, so any aligned block of 2^k samples is evenly
+//! spread, and more samples go on where the fewer ended, up to 2^32. Dimensions come in sets of
+//! four. Every set is the same four dimensions of the sequence, with the index shuffled and each
+//! dimension scrambled anew (Burley 2020, section 4): so dimensions of one set are spread evenly
+//! together, and those of two sets are independent of one another.
+
+mod directions;
+mod scramble;
+
+use super::independent::{output, pixel_key};
+use directions::reversed_point;
+use scramble::{scramble_reversed, shuffle_reversed};
+
+/// Dimensions that are spread evenly together.
+const SET: u32 = 4;
+
+/// The numbers of one sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Sobol {
+    key: u64,
+    /// With its bits reversed.
+    sample: u32,
+}
+
+impl Sobol {
+    pub(super) fn new(seed: u64, pixel: u64, sample: u32) -> Self {
+        Self { key: pixel_key(seed, pixel), sample: sample.reverse_bits() }
+    }
+
+    pub(super) fn get(self, dimension: u32) -> f64 {
+        self.coordinate(self.index(dimension), dimension)
+    }
+
+    /// Two dimensions of one set.
+    pub(super) fn get_2d(self, dimension: u32) -> [f64; 2] {
+        let index = self.index(dimension);
+        [self.coordinate(index, dimension), self.coordinate(index, dimension + 1)]
+    }
+
+    /// Which point of the sequence serves the set of a dimension, with its bits reversed.
+    fn index(self, dimension: u32) -> u32 {
+        shuffle_reversed(self.sample, output(!self.key, dimension / SET))
+    }
+
+    /// The middle of a cell of 2^-32, so never 0 and never 1.
+    fn coordinate(self, index: u32, dimension: u32) -> f64 {
+        let point = reversed_point(index, (dimension % SET) as usize);
+        let scrambled = scramble_reversed(point, output(self.key, dimension)).reverse_bits();
+        (f64::from(scrambled) + 0.5) * (1.0 / (1u64 << 32) as f64)
+    }
+}

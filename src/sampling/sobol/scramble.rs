@@ -1,0 +1,105 @@
+//! Nested uniform scrambling (Owen 1995, "Randomly permuted (t,m,s)-nets and (t,s)-sequences") by a
+//! hash.
+//!
+//! The unit interval is cut in halves, the halves are swapped or not, at random; then each half is
+//! treated likewise, and so on for 32 levels. Whether two halves are swapped depends on where they
+//! are, that is, on the digits before. In a number with its bits reversed that means: whether a bit
+//! is flipped depends on the bits below it only. Addition, multiplication with an odd number, and
+//! `x ^= x * even` are all of that kind (Laine and Karras 2011, "Stratified Sampling for Stochastic
+//! Transparency", section 3.1), and a few of them make a good hash. The fixed multipliers are those
+//! of Vegdahl 2021, "Building a Better LK Hash"; the use with Sobol's sequence is Burley's (2020,
+//! "Practical Hash-based Owen Scrambling", JCGT 9(4)).
+//!
+//! Both know one addition and one multiplication that depend on the key. Modulo 8 these make 32 of
+//! the 128 ways to swap the upper three levels; with one more exclusive or and one more
+//! `x ^= x * even` all 128 come up, equally often.
+
+/// Scrambles a number whose bits are reversed.
+pub(super) fn scramble_reversed(mut x: u32, key: u64) -> u32 {
+    let [added, factor, flipped, even] = [0, 16, 32, 48].map(|bits| key.rotate_right(bits) as u32);
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(added);
+    x = x.wrapping_mul(factor | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= flipped;
+    x ^= x.wrapping_mul(even << 1);
+    x ^ x.wrapping_mul(0x53a2_2864)
+}
+
+/// Shuffles an index, whose bits are reversed, within every aligned block of 2^k that begins at 0.
+///
+/// Scrambled alone it would go to another aligned block. Bringing 0 back to 0 adds a constant to the
+/// index, without carry, and so one to every coordinate, which scrambling those undoes: the points are
+/// distributed alike, and a small index stays small.
+pub(super) fn shuffle_reversed(index: u32, key: u64) -> u32 {
+    scramble_reversed(index, key) ^ scramble_reversed(0, key)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::output;
+    use super::*;
+
+    /// The fraction of 2^32 that a number stands for, scrambled.
+    fn scrambled(x: u32, key: u64) -> u32 {
+        scramble_reversed(x.reverse_bits(), key).reverse_bits()
+    }
+
+    #[test]
+    fn digits_depend_on_the_digits_before_only() {
+        for i in 0..1000 {
+            let (x, key) = (output(1, i) as u32, output(2, i));
+            for digit in 0..32 {
+                let other = x ^ (1 << (31 - digit));
+                let differ = scrambled(x, key) ^ scrambled(other, key);
+                assert_eq!(differ.leading_zeros(), digit);
+            }
+        }
+    }
+
+    /// Which halves are swapped in the upper three levels of the tree: 7 bits.
+    fn swaps(key: u64) -> usize {
+        let nodes = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (2, 3)];
+        let swap = |(level, node): (u32, u32)| {
+            let x = if level == 0 { 0 } else { node << (32 - level) };
+            ((scrambled(x, key) ^ x) >> (31 - level) & 1) as usize
+        };
+        nodes.into_iter().enumerate().map(|(bit, node)| swap(node) << bit).sum()
+    }
+
+    #[test]
+    fn all_ways_to_swap_the_upper_halves_are_equally_likely() {
+        // Chi-square with 127 degrees of freedom over 2^17 keys: 210 is exceeded with a probability
+        // of 5e-6.
+        let mut counts = [0u32; 128];
+        (0..1 << 17).for_each(|i| counts[swaps(output(3, i))] += 1);
+        let chi2: f64 = counts.iter().map(|&c| (f64::from(c) - 1024.0).powi(2) / 1024.0).sum();
+        assert!(chi2 < 210.0, "{chi2}: {counts:?}");
+    }
+
+    #[test]
+    fn deep_swaps_are_fair_and_independent_of_each_other() {
+        // Two nodes of one level and a node with its parent, at all levels: each joint table has
+        // 3 degrees of freedom; 45 is exceeded with a probability of 1e-9 (about 300 tables).
+        let keys = 1 << 14;
+        let swap = |x: u32, level: u32, key| (scrambled(x, key) ^ x) >> (31 - level) & 1;
+        for level in 1..32 {
+            for pair in 0..5 {
+                let (x, y) =
+                    (output(4, level * 10 + pair) as u32, output(5, level * 10 + pair) as u32);
+                for (y, other) in [(y, level), (x, level - 1)] {
+                    let mut counts = [0u32; 4];
+                    for i in 0..keys {
+                        let key = output(6, i);
+                        counts[(2 * swap(x, level, key) + swap(y, other, key)) as usize] += 1;
+                    }
+                    let expected = f64::from(keys) / 4.0;
+                    let chi2: f64 =
+                        counts.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
+                    let same_node = other == level && (x ^ y).leading_zeros() >= level;
+                    assert!(same_node || chi2 < 45.0, "level {level}, {x:#x} {y:#x}: {counts:?}");
+                }
+            }
+        }
+    }
+}

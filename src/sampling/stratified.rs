@@ -1,0 +1,116 @@
+//! Multi-jittered numbers: one sample in each of as many cells as the pixel has samples.
+//!
+//! The square of two dimensions is cut into columns and rows, as the paper cuts a pixel, and every
+//! cell holds one sample at a random place. Within a row of cells the samples are spread over finer
+//! columns, and within a column over finer rows, so that each dimension by itself is evenly spread
+//! too (Chiu, Shirley and Wang 1994, "Multi-jittered Sampling"; Kensler 2013, "Correlated
+//! Multi-Jittered Sampling", whose way to permute without a table is followed). Which sample has
+//! which cell is permuted for every pair, so that pairs are independent of one another.
+
+use super::independent::{output, pixel_key};
+
+/// The most cells of a pair; with more samples they are filled again.
+const MOST_CELLS: u32 = 1 << 30;
+
+/// The numbers of one sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Stratified {
+    key: u64,
+    /// Which cell before it is permuted.
+    place: u32,
+    columns: u32,
+    rows: u32,
+}
+
+impl Stratified {
+    /// `samples` is how many the pixel is to have. Where they make no full rectangle some cells stay
+    /// empty, chosen at random.
+    pub(super) fn new(seed: u64, pixel: u64, sample: u32, samples: u32) -> Self {
+        let samples = samples.clamp(1, MOST_CELLS);
+        let columns = samples.isqrt();
+        let rows = samples.div_ceil(columns);
+        let cells = columns * rows;
+        let (round, place) = (sample / cells, sample % cells);
+        Self { key: output(pixel_key(seed, pixel), round), place, columns, rows }
+    }
+
+    /// The numbers of dimensions `2 pair` and `2 pair + 1`, in `[0, 1]`.
+    pub(super) fn pair(self, pair: u32) -> [f64; 2] {
+        let Self { columns, rows, .. } = self;
+        let key = output(self.key, pair);
+        let cell = permuted(self.place, columns * rows, key);
+        let (column, row) = (cell % columns, cell / columns);
+        let within = [
+            permuted(row, rows, output(key, MOST_CELLS)),
+            permuted(column, columns, output(key, MOST_CELLS + 1)),
+        ];
+        let jitter = output(key, self.place);
+        let [x, y] = [jitter as u32, (jitter >> 32) as u32].map(fraction);
+        [
+            (f64::from(column) + (f64::from(within[0]) + x) / f64::from(rows)) / f64::from(columns),
+            (f64::from(row) + (f64::from(within[1]) + y) / f64::from(columns)) / f64::from(rows),
+        ]
+    }
+}
+
+fn fraction(bits: u32) -> f64 {
+    (f64::from(bits) + 0.5) * (1.0 / (1u64 << 32) as f64)
+}
+
+/// Where `index` goes in a random permutation of `0..length` that `key` chooses: a keyed bijection
+/// of the next power of two, repeated until it ends below `length`.
+fn permuted(index: u32, length: u32, key: u64) -> u32 {
+    let mask = length.next_power_of_two() - 1;
+    let half = mask.count_ones().div_ceil(2);
+    let mut x = index;
+    loop {
+        for round in 0..4 {
+            let bits = (key >> (16 * round)) as u32;
+            x = x.wrapping_add(bits) & mask;
+            x = x.wrapping_mul(bits.wrapping_mul(0x9e37_79b1) >> 8 | 1) & mask;
+            x ^= x >> half;
+            x = x.wrapping_mul(0x2c1b_3c6d) & mask;
+            x ^= x >> half;
+        }
+        if x < length {
+            return x;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn permutations_permute() {
+        for length in [1, 2, 3, 16, 17, 100, 1000] {
+            for key in 0..20 {
+                let key = output(7, key);
+                let mut seen = vec![false; length as usize];
+                for index in 0..length {
+                    seen[permuted(index, length, key) as usize] = true;
+                }
+                assert!(seen.into_iter().all(|seen| seen));
+            }
+        }
+    }
+
+    #[test]
+    fn every_cell_row_and_column_holds_one_sample() {
+        for (samples, columns, rows) in [(16, 4, 4), (12, 3, 4), (64, 8, 8)] {
+            for pair in 0..10 {
+                let mut seen = [vec![0; samples], vec![0; samples], vec![0; samples]];
+                for sample in 0..samples {
+                    let numbers = Stratified::new(3, 5, sample as u32, samples as u32);
+                    let [x, y] = numbers.pair(pair);
+                    let in_cells = |u: f64, cells: usize| (u * cells as f64) as usize;
+                    seen[0][in_cells(y, rows) * columns + in_cells(x, columns)] += 1;
+                    seen[1][in_cells(x, samples)] += 1;
+                    seen[2][in_cells(y, samples)] += 1;
+                }
+                assert!(seen.iter().flatten().all(|&count| count == 1), "{samples}: {seen:?}");
+            }
+        }
+    }
+}

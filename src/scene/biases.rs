@@ -1,0 +1,43 @@
+//! Which of a scene's options bias its picture: those with which no number of samples brings it to
+//! the light that the scene has. Pictures carry this list with them.
+
+use super::description::{Integrator, Miss, Render, Stop};
+
+impl Render {
+    /// The options that bias the picture, as `key = value`; empty for a picture that can be trusted.
+    ///
+    /// Integrators that are not after the whole light say so by their names: `direct`,
+    /// `ambient-occlusion`, `normals` and `raycast` are not biased by leaving out what they do not
+    /// show.
+    pub fn biases(&self) -> Vec<String> {
+        let mut biases = Vec::new();
+        let follows_paths =
+            matches!(self.integrator, Integrator::Path | Integrator::Direct | Integrator::Paper(_));
+        if !follows_paths {
+            return biases;
+        }
+        if let Some(depth) = self.max_depth {
+            biases.push(format!("max_depth = {depth}"));
+        }
+        if let Some(limit) = self.clamp_indirect.filter(|_| self.integrator != Integrator::Direct) {
+            biases.push(format!("clamp_indirect = {limit}"));
+        }
+        if let Integrator::Paper(paper) = self.integrator {
+            match paper.stop {
+                Stop::Roulette => {}
+                Stop::Depth => biases.push("paper.stop = \"depth\"".to_owned()),
+                Stop::Threshold(threshold) => {
+                    biases.push("paper.stop = \"threshold\"".to_owned());
+                    biases.push(format!("paper.threshold = {threshold}"));
+                }
+            }
+            if paper.miss == Miss::Redraw {
+                biases.push("paper.miss = \"redraw\"".to_owned());
+            }
+            if paper.jitter < 1.0 {
+                biases.push(format!("paper.jitter = {}", paper.jitter));
+            }
+        }
+        biases
+    }
+}

@@ -1,0 +1,127 @@
+//! The background: its image read from a file, and its light made from its description.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use image::{ImageFormat, ImageReader};
+
+use crate::color::Rgb;
+use crate::light::{self, Orientation};
+
+use super::description::{Background, Dome, Sun};
+
+/// The most pixels along an image.
+const WIDEST: usize = 32_768;
+
+/// The pixels of an image in latitude and longitude, rows from the top, checked to be radiance.
+#[derive(Clone, Debug)]
+pub struct Pixels {
+    width: usize,
+    height: usize,
+    pixels: Vec<Rgb>,
+}
+
+impl Pixels {
+    fn dome(mut self, scale: f64) -> light::Dome {
+        self.pixels.iter_mut().for_each(|pixel| *pixel *= scale as f32);
+        light::Dome::image(self.width, self.height, &self.pixels)
+    }
+
+    /// What keeps the pixels from being a background.
+    fn check(self) -> Result<Self, String> {
+        let Self { width, height, ref pixels } = self;
+        if width != 2 * height || width > WIDEST {
+            return Err(format!(
+                "it has {width} x {height} pixels, but an image in latitude and longitude is twice \
+                 as wide as high, and at most {WIDEST} wide"
+            ));
+        }
+        let is_wrong = |pixel: &&Rgb| !pixel.is_finite() || pixel.min_element() < 0.0;
+        let wrong = pixels.iter().filter(is_wrong).count();
+        match pixels.iter().position(|pixel| is_wrong(&pixel)) {
+            None => Ok(self),
+            Some(first) => Err(format!(
+                "{wrong} of its pixels are negative, infinite or not a number, first the one in \
+                 column {}, row {}, which is {}",
+                first % width,
+                first / width,
+                pixels[first]
+            )),
+        }
+    }
+}
+
+/// Reads a `.exr` or `.hdr` file; or says what is wrong with it.
+pub(super) fn read(path: &Path) -> Result<Pixels, String> {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    match extension.to_str() {
+        Some("exr") => read_exr(BufReader::new(file))?.check(),
+        Some("hdr") => read_hdr(BufReader::new(file))?.check(),
+        _ => Err("its name does not end in .exr or .hdr".into()),
+    }
+}
+
+fn read_hdr(file: BufReader<File>) -> Result<Pixels, String> {
+    let image = ImageReader::with_format(file, ImageFormat::Hdr);
+    let image = image.decode().map_err(|error| error.to_string())?.into_rgb32f();
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let pixels = image.pixels().map(|pixel| Rgb::from_array(pixel.0)).collect();
+    Ok(Pixels { width, height, pixels })
+}
+
+/// The channels `R`, `G` and `B` of the first layer that can be read, or `Y` for all three.
+fn read_exr(file: BufReader<File>) -> Result<Pixels, String> {
+    use exr::prelude::{ReadChannels, ReadLayers};
+    let reader = exr::prelude::read().no_deep_data().largest_resolution_level();
+    let reader = reader.all_channels().first_valid_layer().all_attributes().non_parallel();
+    let layer = reader.from_buffered(file).map_err(|error| error.to_string())?.layer_data;
+    let values = |name: &str| -> Option<Vec<f32>> {
+        let channel = layer.channel_data.list.iter().find(|channel| channel.name.eq(name))?;
+        Some(channel.sample_data.values_as_f32().collect())
+    };
+    let colored = || Some([values("R")?, values("G")?, values("B")?]);
+    let grey = || values("Y").map(|y| [y.clone(), y.clone(), y]);
+    let [r, g, b] = colored().or_else(grey).ok_or("it has no channels `R`, `G`, `B` or `Y`")?;
+    let (width, height) = (layer.size.0, layer.size.1);
+    if [&r, &g, &b].iter().any(|channel| channel.len() != width * height) {
+        return Err("its channels differ in size".into());
+    }
+    let pixels = (0..r.len()).map(|i| Rgb::new(r[i], g[i], b[i])).collect();
+    Ok(Pixels { width, height, pixels })
+}
+
+/// The light of a described background.
+pub(super) fn light(of: &Background, pixels: Option<Pixels>) -> light::Background {
+    let angle = match of.dome {
+        Dome::Image { rotation_degrees, .. } => rotation_degrees.to_radians(),
+        _ => 0.0,
+    };
+    let orientation = Orientation::new(of.up, angle);
+    let dome = match (&of.dome, pixels) {
+        (Dome::Constant { radiance }, _) => light::Dome::constant(*radiance),
+        (Dome::Gradient { zenith, horizon, nadir }, _) => {
+            light::Dome::gradient(*zenith, *horizon, *nadir)
+        }
+        (Dome::Image { scale, .. }, Some(image)) => image.dome(*scale),
+        (Dome::Image { .. }, None) => light::Dome::constant(Rgb::ZERO),
+        (Dome::Sky { turbidity, ground_albedo, scale }, _) => {
+            let sun = of.sun.as_ref();
+            light::Sky {
+                turbidity: *turbidity,
+                sun: orientation.to_local(sun.map_or(of.up, |sun| sun.direction)),
+                sun_irradiance: sun.map_or(Rgb::ZERO, |sun| sun.irradiance),
+                ground: *ground_albedo,
+                scale: *scale,
+            }
+            .dome()
+        }
+    };
+    let shines = |sun: &&Sun| sun.irradiance.max_element() > 0.0;
+    let sun = of.sun.as_ref().filter(shines).map(|sun| {
+        let diameter = sun.angular_diameter_degrees.to_radians();
+        light::Sun::new(sun.direction, diameter, sun.irradiance)
+    });
+    light::Background::new(dome, orientation, sun)
+}

@@ -1,0 +1,287 @@
+//! What a check is, what comes of it, and how many of them are run as one suite.
+//!
+//! Every check is called by its name and answers alone, so a test can ask for one of them; its random
+//! numbers are a function of that name. A check passes while its statistic stays within a limit: for
+//! what is random the statistic is a p-value told in standard deviations of a normal distribution
+//! ([`sigmas`]), and the limits of all such checks of a suite together keep one family-wise
+//! significance; for what is exact it counts wrong answers, and the limit is 0.
+
+use rayon::prelude::*;
+
+use crate::accel::Cancel;
+use crate::error::Result;
+
+use super::statistics::{bonferroni, sigmas};
+
+/// The probability that a right program fails any of the random checks of a suite.
+pub const FAMILY_SIGNIFICANCE: f64 = 1e-3;
+
+/// How much work a suite may do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Effort {
+    /// Well below a minute on two cores.
+    Quick,
+    /// A few minutes.
+    #[default]
+    Normal,
+    /// As long as it takes: every combination, and four times the samples.
+    Full,
+}
+
+impl Effort {
+    /// The choice among three values, in the order quick, normal, full.
+    pub fn choose<T: Copy>(self, values: [T; 3]) -> T {
+        values[self as usize]
+    }
+}
+
+/// What a check is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Group {
+    /// Intersectors against arithmetic of twice the digits.
+    Crosscheck,
+    /// Sampling routines against their densities.
+    ChiSquare,
+    /// Energy and reciprocity of the materials.
+    Materials,
+    /// Whole renders against answers known on paper.
+    ClosedForms,
+}
+
+impl Group {
+    /// Every group, in the order of a report.
+    pub const ALL: [Self; 4] =
+        [Self::Crosscheck, Self::ChiSquare, Self::Materials, Self::ClosedForms];
+
+    /// What people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Crosscheck => "crosscheck",
+            Self::ChiSquare => "chi-square",
+            Self::Materials => "materials",
+            Self::ClosedForms => "closed forms",
+        }
+    }
+}
+
+/// How a check came by its result.
+#[derive(Clone, Debug)]
+pub enum Finding {
+    /// What happened would happen to a right program with this probability.
+    PValue(f64),
+    /// So many answers were wrong.
+    Wrong(usize),
+}
+
+/// What a check found, before it is judged.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// By which it is judged.
+    pub finding: Finding,
+    /// The figures in one line.
+    pub detail: String,
+    /// What there is to see.
+    pub pictures: Vec<Figure>,
+}
+
+/// The work of a check. It looks at the request to stop now and then.
+pub type Work = Box<dyn Fn(&Cancel) -> Result<Measured> + Send + Sync>;
+
+/// One check.
+pub struct Check {
+    /// Its name, which no other check has.
+    pub name: String,
+    /// What it is about.
+    pub group: Group,
+    /// Measures; [`Self::run`] judges as well.
+    pub work: Work,
+    /// The probability with which a right program may fail this check; [`share_significance`] sets
+    /// it. Exact checks do not heed it.
+    pub significance: f64,
+}
+
+/// The judged result of a check.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Whether the statistic is within the limit.
+    pub passed: bool,
+    /// Standard deviations for what is random, wrong answers for what is exact.
+    pub statistic: f64,
+    /// The largest statistic that passes.
+    pub limit: f64,
+    /// Whether chance has a part in it; then the statistic is in standard deviations.
+    pub is_random: bool,
+    /// The figures in one line.
+    pub detail: String,
+    /// What there is to see.
+    pub pictures: Vec<Figure>,
+}
+
+/// A picture of one number per cell, for a report.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// What it shows, in a few words.
+    pub caption: String,
+    /// Cells across.
+    pub width: usize,
+    /// Row by row from the top; not a number where there is nothing to show.
+    pub values: Vec<f64>,
+    /// How numbers become colours.
+    pub scale: Scale,
+}
+
+/// How the numbers of a figure become colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// From black at 0 to white at this value, through the curve of a screen.
+    Light(f64),
+    /// From one colour at minus this value over none at 0 to another.
+    Signed(f64),
+}
+
+impl Check {
+    /// A check of this name, to be judged alone.
+    pub fn new(
+        group: Group,
+        name: impl Into<String>,
+        work: impl Fn(&Cancel) -> Result<Measured> + Send + Sync + 'static,
+    ) -> Self {
+        let significance = FAMILY_SIGNIFICANCE;
+        Self { name: name.into(), group, work: Box::new(work), significance }
+    }
+
+    /// Does the check.
+    ///
+    /// # Errors
+    /// On cancellation, and when the means to check are missing, as an intersector that cannot be
+    /// built.
+    pub fn run(&self, cancel: &Cancel) -> Result<Outcome> {
+        cancel.check()?;
+        let measured = (self.work)(cancel)?;
+        cancel.check()?;
+        Ok(measured.judged(self.significance))
+    }
+}
+
+impl Measured {
+    /// A result without pictures.
+    pub fn new(finding: Finding, detail: impl Into<String>) -> Self {
+        Self { finding, detail: detail.into(), pictures: Vec::new() }
+    }
+
+    /// With something to see.
+    #[must_use]
+    pub fn with_pictures(self, pictures: Vec<Figure>) -> Self {
+        Self { pictures, ..self }
+    }
+
+    fn judged(self, significance: f64) -> Outcome {
+        let Self { finding, detail, pictures } = self;
+        let (statistic, limit, is_random) = match finding {
+            Finding::PValue(p) => (sigmas(p), sigmas(significance), true),
+            Finding::Wrong(count) => (count as f64, 0.0, false),
+        };
+        Outcome { passed: statistic <= limit, statistic, limit, is_random, detail, pictures }
+    }
+}
+
+/// Gives each check its share of the family-wise significance.
+pub fn share_significance(checks: &mut [Check]) {
+    let each = bonferroni(FAMILY_SIGNIFICANCE, checks.len());
+    checks.iter_mut().for_each(|check| check.significance = each);
+}
+
+/// How far a suite is.
+#[derive(Clone, Copy)]
+pub struct Progress<'a> {
+    /// Checks finished, this one included.
+    pub done: usize,
+    /// Checks in all.
+    pub total: usize,
+    /// The check that was just finished.
+    pub check: &'a Check,
+    /// What came of it.
+    pub outcome: &'a Outcome,
+}
+
+/// Runs all checks on the current rayon thread pool, several at once; the outcomes are in their
+/// order and do not depend on the number of threads. `progress` is called from any thread.
+///
+/// # Errors
+/// The first error of a check, and on cancellation.
+pub fn run_all(
+    checks: &[Check],
+    cancel: &Cancel,
+    progress: &(dyn Fn(Progress<'_>) + Sync),
+) -> Result<Vec<Outcome>> {
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let run = |check: &Check| {
+        let outcome = check.run(cancel)?;
+        let done = 1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        progress(Progress { done, total: checks.len(), check, outcome: &outcome });
+        Ok(outcome)
+    };
+    // One by one, so that a long check at the end of a thread's share is not waited for alone.
+    checks.par_iter().with_max_len(1).map(run).collect()
+}
+
+/// A seed that depends on a check's name alone, and differs for each `index`: FNV-1a (Fowler, Noll,
+/// Vo 1991), within the range that a scene takes.
+pub fn seed(name: &str, index: u64) -> u64 {
+    let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325, mix);
+    index.to_le_bytes().into_iter().fold(hash, mix) >> 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(finding: Finding) -> Check {
+        Check::new(Group::ChiSquare, "a check", move |_| Ok(Measured::new(finding.clone(), "")))
+    }
+
+    #[test]
+    fn a_check_passes_up_to_its_limit() {
+        let passes = |finding| check(finding).run(&Cancel::default()).expect("runs").passed;
+        assert!(passes(Finding::PValue(1.0)) && passes(Finding::PValue(0.01)));
+        assert!(!passes(Finding::PValue(0.0)) && !passes(Finding::PValue(0.9e-3)));
+        assert!(passes(Finding::Wrong(0)) && !passes(Finding::Wrong(1)));
+    }
+
+    #[test]
+    fn a_family_of_checks_is_judged_more_gently() {
+        let mut checks: Vec<_> = (0..100).map(|_| check(Finding::PValue(1e-4))).collect();
+        let passes = |checks: &[Check]| {
+            let outcomes = run_all(checks, &Cancel::default(), &|_| ()).expect("runs");
+            outcomes.iter().filter(|outcome| outcome.passed).count()
+        };
+        assert_eq!(passes(&checks), 0);
+        share_significance(&mut checks);
+        assert_eq!(passes(&checks), 100);
+    }
+
+    #[test]
+    fn a_request_to_stop_is_an_error_and_progress_counts_to_the_end() {
+        let cancel = Cancel::default();
+        let checks: Vec<_> = (0..7).map(|_| check(Finding::Wrong(0))).collect();
+        let most = std::sync::Mutex::new(0);
+        let count = |p: Progress<'_>| {
+            let mut most = most.lock().expect("nobody panics");
+            *most = p.done.max(*most);
+        };
+        assert_eq!(run_all(&checks, &cancel, &count).expect("runs").len(), 7);
+        assert_eq!(*most.lock().expect("nobody panics"), 7);
+        cancel.cancel();
+        assert!(run_all(&checks, &cancel, &|_| ()).is_err());
+    }
+
+    #[test]
+    fn seeds_differ_by_name_and_index() {
+        let mut seeds: Vec<_> =
+            ["a", "b"].iter().flat_map(|name| (0..50).map(|i| seed(name, i))).collect();
+        seeds.sort_unstable();
+        seeds.dedup();
+        assert_eq!(seeds.len(), 100);
+    }
+}

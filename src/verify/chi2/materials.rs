@@ -1,0 +1,77 @@
+//! Directions that surfaces scatter into.
+
+use crate::material::{Bsdf, Ggx, Lobe};
+use crate::math::DVec3;
+use crate::sampling::sin_cos;
+
+use super::super::materials::{Sample, samples};
+use super::Pair;
+
+/// Angles of `wo` from the normal, in degrees.
+const DEGREES: [f64; 3] = [0.0, 45.0, 85.0];
+
+pub(super) fn pairs() -> Vec<Pair> {
+    let spread = samples().into_iter().filter(|sample| !sample.bsdf().is_delta());
+    let rows = |sample: Sample| DEGREES.map(|degrees| bsdf(&sample.name, sample.bsdf(), degrees));
+    let microfacets =
+        [(0.4, 0.0), (0.4, 60.0), (0.4, 88.0), (1.0, 30.0), (1.0, 89.9)].map(|(r, at)| ggx(r, at));
+    spread
+        .flat_map(rows)
+        .chain(microfacets.into_iter().flatten())
+        .chain([ggx_formula(0.6)])
+        .collect()
+}
+
+fn direction(degrees: f64) -> DVec3 {
+    let (sin, cos) = sin_cos(degrees.to_radians());
+    DVec3::new(sin, 0.0, cos)
+}
+
+/// The directions of a BSDF, but for those of its delta lobes, seen from an angle in degrees: over
+/// the hemisphere, or over the sphere where light can come through.
+fn bsdf(name: &str, bsdf: Bsdf, degrees: f64) -> Pair {
+    let wo = direction(degrees);
+    let name = format!("bsdf {name}, wo at {degrees} degrees");
+    let sample = move |u: [f64; 4]| {
+        let sample = bsdf.sample(wo, u[2], [u[0], u[1]])?;
+        (sample.lobe != Lobe::Delta).then_some(sample.wi)
+    };
+    let pdf = move |wi| bsdf.pdf(wo, wi);
+    if bsdf.transmits() {
+        Pair::over_sphere(name, sample, pdf)
+    } else {
+        Pair::over_hemisphere(name, sample, pdf)
+    }
+}
+
+/// Visible normals, and the directions that they reflect to.
+fn ggx(roughness: f64, degrees: f64) -> [Pair; 2] {
+    let ggx = Ggx::new(roughness).expect("rough");
+    let wo = direction(degrees);
+    let of = format!("roughness {roughness}, wo at {degrees} degrees");
+    let normals = Pair::over_hemisphere(
+        format!("ggx normals, {of}"),
+        move |u| Some(ggx.sample_normal(wo, [u[0], u[1]])),
+        move |m| ggx.normal_pdf(wo, m),
+    );
+    let reflections = Pair::over_hemisphere(
+        format!("ggx reflection, {of}"),
+        move |u| ggx.sample_reflection(wo, [u[0], u[1]]).map(|(wi, _)| wi),
+        move |wi| ggx.reflection_pdf(wo, wi),
+    );
+    [normals, reflections]
+}
+
+/// Normals seen from straight above, against `D(m) cos` written out, which says what a roughness is.
+fn ggx_formula(roughness: f64) -> Pair {
+    let ggx = Ggx::new(roughness).expect("rough");
+    let square = roughness * roughness * roughness * roughness;
+    Pair::over_hemisphere(
+        format!("ggx normals, roughness {roughness}, against the formula"),
+        move |u| Some(ggx.sample_normal(DVec3::Z, [u[0], u[1]])),
+        move |m| {
+            let below = m.z * m.z * (square - 1.0) + 1.0;
+            square * m.z / (std::f64::consts::PI * below * below)
+        },
+    )
+}

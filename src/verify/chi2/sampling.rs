@@ -1,0 +1,55 @@
+//! Warps of the unit square, filters, and choices.
+
+use crate::sampling::{Discrete, Filter, FilterKind, Hemisphere, hemisphere};
+
+use super::Pair;
+
+pub(super) fn pairs() -> Vec<Pair> {
+    let mut pairs = Vec::new();
+    for drawn in [Hemisphere::Cosine, Hemisphere::UniformSolidAngle, Hemisphere::UniformAngle] {
+        pairs.push(Pair::over_hemisphere(
+            format!("hemisphere {drawn:?}"),
+            move |u| Some(drawn.sample([u[0], u[1]])),
+            move |w| drawn.pdf(w.z),
+        ));
+    }
+    for (exponent, up_to) in [(1.0, 1.6), (20.0, 1.6), (1000.0, 0.2)] {
+        pairs.push(power_cosine(exponent, up_to));
+    }
+    for (name, kind, radius) in [
+        ("box", FilterKind::Box, 0.5),
+        ("tent", FilterKind::Tent, 1.0),
+        ("gaussian", FilterKind::Gaussian, 1.5),
+        ("blackman-harris", FilterKind::BlackmanHarris, 2.0),
+    ] {
+        pairs.push(filter(name, kind, radius));
+    }
+    pairs.push(discrete());
+    pairs
+}
+
+fn power_cosine(exponent: f64, up_to: f64) -> Pair {
+    Pair::over_cap(
+        format!("power cosine, exponent {exponent}"),
+        up_to.min(std::f64::consts::FRAC_PI_2),
+        move |u| Some(hemisphere::sample_power_cosine(exponent, [u[0], u[1]])),
+        move |w| hemisphere::power_cosine_pdf(exponent, w.z),
+    )
+}
+
+fn filter(name: &str, kind: FilterKind, radius: f64) -> Pair {
+    let filter = Filter::new(kind, radius);
+    let density = filter.clone();
+    Pair::over_rectangle(
+        format!("filter {name}"),
+        [[-radius; 2], [radius; 2]],
+        move |u| Some(filter.sample([u[0], u[1]])),
+        move |at| density.pdf(at),
+    )
+}
+
+fn discrete() -> Pair {
+    let choice = Discrete::new([0.1, 3.0, 0.0, 0.7, 1e-3]).expect("valid weights");
+    let probabilities = (0..5).map(|i| choice.pmf(i)).collect();
+    Pair::over_indices("discrete choice", probabilities, move |u| Some(choice.sample(u[0])))
+}

@@ -1,0 +1,32 @@
+//! Glass that absorbs, in a uniform field.
+
+use crate::scene::description::{Description, Surface};
+use crate::verify::closed_forms::field::{normal, over_pixels, rays, spheres};
+
+use super::{field_radiance, material};
+
+/// The series of reflections inside one ball, all of whose chords along a path are equal.
+pub(super) fn absorption(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let ball = spheres(scene)[0];
+    let field = field_radiance(scene);
+    let (n, a) = match &material(scene, "glass").surface {
+        Surface::Dielectric { ior, absorption, .. } => (*ior, f64::from(absorption.y)),
+        _ => (1.0, 0.0),
+    };
+    over_pixels(scene, nodes, rays(scene), |line| {
+        let Some(t) = line.distance(&ball) else { return Some((1, field)) };
+        let cos = -line.direction.dot(normal(&ball, line.at(t)));
+        let cos_inside = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
+        let back = fresnel(cos, cos_inside, n);
+        let left = libm::exp(-2.0 * a * ball.radius * cos_inside);
+        let through = (1.0 - back) * (1.0 - back) * left / (1.0 - back * left);
+        Some((0, field * (back + through)))
+    })
+}
+
+/// The reflected share of unpolarised light, by the cosines outside and inside.
+fn fresnel(cos: f64, cos_inside: f64, n: f64) -> f64 {
+    let across = (cos - n * cos_inside) / (cos + n * cos_inside);
+    let along = (n * cos - cos_inside) / (n * cos + cos_inside);
+    (across * across + along * along) / 2.0
+}

@@ -1,0 +1,28 @@
+//! What other cameras than a pinhole see.
+
+use std::f64::consts::PI;
+
+use crate::scene::description::{Description, Projection};
+use crate::verify::closed_forms::field::spheres;
+use crate::verify::quadrature::integral;
+
+use super::{emission, everywhere};
+
+/// The mean over the lens of the share of the plane in focus that the lamp covers.
+pub(super) fn lens(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let camera = &scene.camera;
+    let Projection::Perspective { vertical_fov_degrees, lens: Some(lens) } = camera.projection
+    else {
+        return everywhere(scene, f64::NAN);
+    };
+    let lamp = spheres(scene)[0];
+    let f = lens.focus_distance;
+    let k_squared = lamp.center.distance_squared(camera.position) - lamp.radius * lamp.radius;
+    let covered = |p: f64| {
+        let k_cubed = k_squared * k_squared.sqrt();
+        PI * (f * lamp.radius) * (f * lamp.radius) * (p * p + k_squared).sqrt() / k_cubed
+    };
+    let mean = integral(0.0, 1.0, nodes, |share| 2.0 * share * covered(share * lens.radius));
+    let side = 2.0 * f * libm::tan(vertical_fov_degrees.to_radians() / 2.0);
+    everywhere(scene, emission(scene, "lamp") * mean / (side * side))
+}

@@ -1,0 +1,70 @@
+//! Light that goes from one ball to another and back, by a quadrature over one angle.
+
+use std::f64::consts::PI;
+
+use crate::geometry::Sphere;
+use crate::math::DVec3;
+use crate::scene::description::Description;
+use crate::verify::closed_forms::field::{Line, normal, spheres};
+use crate::verify::closed_forms::lamp::Disc;
+use crate::verify::quadrature::integral;
+
+use super::{albedo, emission, everywhere};
+
+/// Nodes for each one asked for: the integrand is smooth but for the edge of ball B, where it
+/// begins as a square root.
+const FINER: usize = 16;
+
+pub(super) fn exchange(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(scene);
+    let [a, b] = ["a", "b"].map(|name| albedo(scene, name));
+    let back = share_that_returns(&spheres[0], &spheres[1], FINER * nodes);
+    everywhere(scene, emission(scene, "a") * (1.0 + a * b * back))
+}
+
+/// Seen from the point of A that is nearest to B: the integral of B's form factor of A over the
+/// directions to B, by the cosine, divided by `pi`. With `u` the sine of the polar angle it is
+/// `2 u F du`; `u = s sin(v)`, where B ends at `s`, takes the square root at B's edge away.
+fn share_that_returns(a: &Sphere, b: &Sphere, nodes: usize) -> f64 {
+    let axis = (b.center - a.center).normalize();
+    let side = axis.any_orthonormal_vector();
+    let origin = a.center + axis * a.radius;
+    let widest = b.radius / b.center.distance(origin);
+    let at = |v: f64| {
+        let u = widest * libm::sin(v);
+        let direction: DVec3 = side * u + axis * (1.0 - u * u).sqrt();
+        let line = Line { origin, direction };
+        let Some(t) = line.distance(b) else { return 0.0 };
+        let point = line.at(t);
+        let form_factor = Disc::of(a, point, normal(b, point)).irradiance() / PI;
+        2.0 * u * form_factor * widest * libm::cos(v)
+    };
+    integral(0.0, PI / 2.0, nodes, at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+
+    #[test]
+    fn the_quadrature_converges_to_twelve_digits() {
+        let a = Sphere { center: DVec3::ZERO, radius: 1.0 };
+        let b = Sphere { center: DVec3::new(0.0, 0.0, 3.2), radius: 1.5 };
+        let [coarse, used, fine] =
+            [FINER, 4 * FINER, 64 * FINER].map(|nodes| share_that_returns(&a, &b, nodes));
+        assert!((coarse - fine).abs() < 1e-4 * fine, "{coarse} {fine}");
+        assert!((used - fine).abs() < 1e-6 * fine, "{used} {fine}");
+    }
+
+    #[test]
+    fn two_distant_balls_exchange_by_the_inverse_square() {
+        // A sees B as a small disc of (r / h)^2, B sees A with (R / D)^2, all cosines 1 on the axis
+        // and 2/3 on average over the disc of B: the integral of 2 u cos du with sin = u / s.
+        let a = Sphere { center: DVec3::ZERO, radius: 1.0 };
+        let b = Sphere { center: DVec3::new(0.0, 0.0, 2000.0), radius: 1.0 };
+        let expected = 2.0 / 3.0 / (1999.0f64 * 1999.0) / (1999.0 * 1999.0);
+        let found = share_that_returns(&a, &b, 64);
+        assert!((found / expected - 1.0).abs() < 3e-3, "{found} {expected}");
+    }
+}

@@ -1,0 +1,39 @@
+//! Glass that bends light, and lets out less of it.
+
+use crate::scene::description::{Description, Surface};
+use crate::verify::closed_forms::field::{over_pixels, rays, spheres};
+
+use super::{emission, material};
+
+/// See `scenes/verify/lamp-in-glass.toml`, and the glass that absorbs, `lamp-in-dark-glass.toml`.
+pub(super) fn lamp_in_glass(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(scene);
+    let (glass, lamp) = (spheres[0], spheres[1]);
+    let radiance = emission(scene, "lamp");
+    let Surface::Dielectric { ior, absorption, .. } = material(scene, "glass").surface else {
+        return vec![None; (scene.image.width * scene.image.height) as usize];
+    };
+    over_pixels(scene, nodes, rays(scene), |line| {
+        let Some(t) = line.distance(&glass) else { return Some((0, 0.0)) };
+        let from_center = line.at(t) - glass.center;
+        let cos = -from_center.dot(line.direction) / glass.radius;
+        let sin = (1.0 - cos * cos).sqrt();
+        if glass.radius * sin >= ior * lamp.radius {
+            return Some((0, 0.0));
+        }
+        let (arriving, refracted) = (libm::asin(sin), libm::asin(sin / ior));
+        let off = glass.radius * sin / ior;
+        let half_chord = |radius: f64| (radius * radius - off * off).sqrt();
+        let length = half_chord(glass.radius) - half_chord(lamp.radius);
+        let left = libm::exp(-f64::from(absorption.y) * length);
+        Some((1, (1.0 - reflected(arriving, refracted)) * left * radiance / (ior * ior)))
+    })
+}
+
+/// Fresnel's equations in the form of sines and tangents, for unpolarised light.
+fn reflected(arriving: f64, refracted: f64) -> f64 {
+    let (less, more) = (arriving - refracted, arriving + refracted);
+    let across = libm::sin(less) / libm::sin(more);
+    let along = libm::tan(less) / libm::tan(more);
+    (across * across + along * along) / 2.0
+}

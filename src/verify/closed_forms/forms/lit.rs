@@ -1,0 +1,75 @@
+//! Matt balls under spherical lamps. In all of these scenes the ball comes first, the lamp second.
+
+use std::f64::consts::PI;
+
+use crate::geometry::Sphere;
+use crate::scene::description::Description;
+use crate::verify::closed_forms::field::{normal, over_pixels, rays, spheres};
+use crate::verify::closed_forms::lamp::Disc;
+
+use super::{albedo, emission, field_radiance, material};
+
+/// Every direction above the ball meets the lamp, so its irradiance is `pi Le`.
+pub(super) fn inside_a_lamp(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(scene);
+    let [ball, lamp] = [albedo(scene, "ball"), 1.0].map(|a| a * emission(scene, "lamp"));
+    over_pixels(scene, nodes, rays(scene), |line| {
+        let (piece, _) = line.first(&spheres, None)?;
+        Some((piece, [ball, lamp][piece]))
+    })
+}
+
+/// The radiance of a ball at a point of its surface, lit by a lamp alone.
+pub(super) fn under(lamp: &Sphere, ball: &Sphere, point: glam::DVec3, a: f64, le: f64) -> f64 {
+    a * le * Disc::of(lamp, point, normal(ball, point)).irradiance() / PI
+}
+
+/// A ball that scatters, and before it nothing.
+pub(super) fn sphere_light(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(scene);
+    let (a, le) = (albedo(scene, "ball"), emission(scene, "lamp"));
+    over_pixels(scene, nodes, rays(scene), |line| match line.first(&spheres, None) {
+        Some((0, t)) => Some((0, under(&spheres[1], &spheres[0], line.at(t), a, le))),
+        Some((_, _)) => Some((1, le)),
+        None => Some((2, 0.0)),
+    })
+}
+
+/// A third sphere is black and in the way of some of the lamp. Where its disc lies within the lamp's,
+/// its form factor is what is missing, or a share of it where it has some opacity; where the edges
+/// cross, there is no answer.
+pub(super) fn occluder(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(scene);
+    let (a, le) = (albedo(scene, "ball"), emission(scene, "lamp"));
+    let opacity = material(scene, "black").opacity;
+    let through = (1.0 - opacity) * (1.0 - opacity); // two walls
+    over_pixels(scene, nodes, rays(scene), |line| match line.first(&spheres, None) {
+        Some((0, t)) => {
+            let point = line.at(t);
+            let n = normal(&spheres[0], point);
+            let [lamp, front] = [1, 2].map(|i: usize| Disc::of(&spheres[i], point, n));
+            let behind = lamp.irradiance_behind(&front)?;
+            let all = behind + through * (lamp.irradiance() - behind);
+            Some((0, a * le * all / PI))
+        }
+        Some((1, _)) => Some((1, le)),
+        Some(_) if opacity < 1.0 => None,
+        _ => Some((2, 0.0)),
+    })
+}
+
+/// The sky is all around above the surface, and before it the sun, a disc that the horizon may cut.
+pub(super) fn sun_and_sky(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let ball = spheres(scene)[0];
+    let a = albedo(scene, "ball");
+    let sky = field_radiance(scene);
+    let Some(sun) = scene.background.sun else { return Vec::new() };
+    let sin_radius = libm::sin(sun.angular_diameter_degrees.to_radians() / 2.0);
+    let radiance = f64::from(sun.irradiance.y) / (PI * sin_radius * sin_radius);
+    over_pixels(scene, nodes, rays(scene), |line| {
+        let n = normal(&ball, line.at(line.distance(&ball)?));
+        let direction = sun.direction;
+        let disc = Disc { direction, cos: direction.dot(n), sin_radius };
+        Some((0, a * (sky + radiance * disc.irradiance() / PI)))
+    })
+}

@@ -1,0 +1,68 @@
+//! Mirror balls before the eye and before the lamp.
+
+use crate::geometry::Sphere;
+use crate::scene::description::Description;
+use crate::verify::closed_forms::field::{Line, normal, over_pixels, rays, spheres};
+use crate::verify::closed_forms::lamp::Disc;
+
+use super::{albedo, emission, everywhere};
+
+/// The spheres are ball, lamp, mirror. What the mirror shows of the ball is lit by the lamp, where
+/// the mirror is not in its way.
+pub(super) fn before_the_eye(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(scene);
+    let (a, le) = (albedo(scene, "ball"), emission(scene, "lamp"));
+    let rho = albedo(scene, "mirror");
+    over_pixels(scene, nodes, rays(scene), |line| {
+        let (first, t) = line.first(&spheres, None)?;
+        if first != 2 {
+            return None;
+        }
+        let at = line.at(t);
+        let reflected = line.reflected(at, normal(&spheres[2], at));
+        match reflected.first(&spheres, Some(2)) {
+            Some((0, t)) => {
+                let point = reflected.at(t);
+                let n = normal(&spheres[0], point);
+                let [lamp, front] = [1, 2].map(|i: usize| Disc::of(&spheres[i], point, n));
+                let irradiance = lamp.irradiance_behind(&front)?;
+                Some((0, rho * a * le * irradiance / std::f64::consts::PI))
+            }
+            Some(_) => Some((1, rho * le)),
+            None => Some((2, 0.0)),
+        }
+    })
+}
+
+/// The spheres are ball, mirror, and a lamp around both. The point of the ball under the mirror sees
+/// the lamp beside the mirror, and in the mirror from the angle on at which the ball's own
+/// reflection ends.
+pub(super) fn before_the_lamp(scene: &Description, _: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(scene);
+    let (ball, mirror) = (&spheres[0], &spheres[1]);
+    let edge = mirror.radius / (mirror.center.distance(ball.center) - ball.radius);
+    let own = own_reflection(ball, mirror, edge);
+    let [beside, shown] = [1.0 - edge * edge, edge * edge - own * own];
+    let light = beside + albedo(scene, "mirror") * shown;
+    everywhere(scene, albedo(scene, "ball") * emission(scene, "lamp") * light)
+}
+
+/// The sine of the polar angle at which the reflected ray grazes the ball, by bisection between the
+/// axis, where it returns, and the mirror's edge, where it goes on.
+fn own_reflection(ball: &Sphere, mirror: &Sphere, edge: f64) -> f64 {
+    let axis = (mirror.center - ball.center).normalize();
+    let side = axis.any_orthonormal_vector();
+    let origin = ball.center + axis * ball.radius;
+    let returns = |sin: f64| {
+        let direction = side * sin + axis * (1.0 - sin * sin).sqrt();
+        let line = Line { origin, direction };
+        let at = line.at(line.distance(mirror).unwrap_or(f64::NAN));
+        line.reflected(at, normal(mirror, at)).distance(ball).is_some()
+    };
+    let (mut low, mut high) = (0.0, edge * (1.0 - 1e-12));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if returns(middle) { low = middle } else { high = middle }
+    }
+    low
+}

@@ -1,0 +1,258 @@
+//! Renders a closed form with independent seeds and compares the pictures with its answer.
+//!
+//! Pixels are put together in groups that have equal shares of the light, for pixels alone, and dark
+//! ones above all, have so few samples that meet light that their means are far from normal. The
+//! mean of each group over the seeds is compared with the mean of the answer over the same pixels by
+//! Student's t-test, and so is that of the whole picture; the smallest p-value, times the number of
+//! tests, is that of the check. Pixels without any light are one more group: they must be black.
+//!
+//! A sampler that spreads its numbers evenly makes some pictures all alike: the same number of
+//! samples meets the lamp in each, but for a rare event that no seed has shown. Their standard error
+//! says too little then. So a deviation is also excused with the probability that none of the pixels
+//! of any seed shows the event, one sample that is otherwise, which would explain it.
+
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use crate::accel::{Accel, Backend, BuildOptions, Cancel};
+use crate::error::{Error, Result};
+use crate::film::Picture;
+use crate::render::{RenderOptions, render};
+use crate::scene::{Override, Scene, read_text};
+use crate::verify::check::{Effort, Figure, Finding, Measured, Scale, seed};
+use crate::verify::statistics::{Estimate, ROUNDING};
+
+use super::{Form, Way};
+
+/// Independent renders behind every standard error.
+const SEEDS: u64 = 32;
+/// Groups that share the light of a picture.
+const SHARES: usize = 12;
+/// Nodes of the quadrature over a pixel, along each side.
+const NODES: usize = 4;
+/// Standard errors at which the difference is drawn in full colour.
+const FULL_COLOR: f64 = 4.0;
+
+pub(super) fn measure(
+    form: &Form,
+    way: &Way,
+    backend: Backend,
+    effort: Effort,
+    name: &str,
+    cancel: &Cancel,
+) -> Result<Measured> {
+    let folder = folder_of_tables(form)?;
+    let scenes = Scenes { form, way, effort, name, folder: folder.as_ref() };
+    let first = scenes.scene(0)?;
+    let build = BuildOptions { threads: 1, cancel: cancel.clone() };
+    let accel = backend.build(first.spheres(), &build)?;
+    let answer = (form.answer)(first.description(), NODES);
+    let pictures: Vec<Picture> = (0..SEEDS)
+        .map(|index| picture(&scenes.scene(index)?, accel.as_ref(), cancel))
+        .collect::<Result<_>>()?;
+    let samples = first.description().render.samples_per_pixel;
+    Ok(judge(&pictures, &answer, samples))
+}
+
+/// The scenes of one check, which differ by their seeds.
+struct Scenes<'a> {
+    form: &'a Form,
+    way: &'a Way,
+    effort: Effort,
+    name: &'a str,
+    folder: Option<&'a TempDir>,
+}
+
+/// The tables of the scene are part of the program, and scenes read theirs from a folder.
+fn folder_of_tables(form: &Form) -> Result<Option<TempDir>> {
+    if form.tables.is_empty() {
+        return Ok(None);
+    }
+    let trouble = |error| Error::file("write in", &std::env::temp_dir(), error);
+    let folder = tempfile::tempdir().map_err(trouble)?;
+    for (name, bytes) in form.tables {
+        std::fs::write(folder.path().join(name), bytes).map_err(trouble)?;
+    }
+    Ok(Some(folder))
+}
+
+impl Scenes<'_> {
+    fn scene(&self, index: u64) -> Result<Scene> {
+        let samples = self.form.samples * self.effort.choose([2, 8, 32]);
+        let own = [
+            format!("render.seed={}", seed(self.name, index)),
+            format!("render.samples_per_pixel={samples}"),
+        ];
+        let own = own.iter().map(String::as_str);
+        let overrides: Vec<Override> = self.way.overrides().chain(own).filter_map(set).collect();
+        let file = format!("scenes/verify/{}.toml", self.form.name);
+        let folder = self.folder.map_or(Path::new(""), TempDir::path);
+        Scene::new(read_text(&file, self.form.text, folder, &overrides)?)
+    }
+}
+
+fn set(pair: &str) -> Option<Override> {
+    let (key, value) = pair.split_once('=')?;
+    Some(Override { option: format!("--set {pair}"), key: key.into(), value: value.into() })
+}
+
+fn picture(scene: &Scene, accel: &dyn Accel, cancel: &Cancel) -> Result<Picture> {
+    let options = RenderOptions { cancel: cancel.clone(), progress: &|_| {} };
+    let outcome = render(scene, accel, &options)?;
+    cancel.check()?;
+    Ok(outcome.picture)
+}
+
+/// The mean of a pixel's three channels.
+fn value(picture: &Picture, pixel: usize) -> f64 {
+    let [r, g, b] = picture.beauty(pixel).to_array().map(f64::from);
+    (r + g + b) / 3.0
+}
+
+fn judge(pictures: &[Picture], answer: &[Option<f64>], samples: u32) -> Measured {
+    let groups = groups(answer);
+    let all: Vec<usize> = groups.iter().flatten().copied().collect();
+    let tests = groups.iter().chain([&all]);
+    let smallest = tests.map(|group| p_value(group, pictures, answer, samples)).fold(1.0, f64::min);
+    let p = (smallest * (groups.len() + 1) as f64).min(1.0);
+    let (found, expected) = (over_seeds(&all, pictures), mean_answer(&all, answer));
+    let detail = format!(
+        "{:.6} ± {:.6}, exact {expected:.6}; {} groups, {:.1e} samples",
+        found.mean,
+        found.standard_error,
+        groups.len(),
+        (pictures.len() * pictures[0].len()) as f64 * f64::from(samples)
+    );
+    Measured::new(Finding::PValue(p), detail).with_pictures(figures(pictures, answer))
+}
+
+/// The judged pixels: those that are black, and the others row by row, cut where another share of the
+/// light is full.
+fn groups(answer: &[Option<f64>]) -> Vec<Vec<usize>> {
+    let lit = |pixel: &usize| answer[*pixel].is_some_and(|light| light > 0.0);
+    let judged = (0..answer.len()).filter(|&pixel| answer[pixel].is_some());
+    let (bright, black): (Vec<usize>, Vec<usize>) = judged.partition(lit);
+    let total: f64 = bright.iter().filter_map(|&pixel| answer[pixel]).sum();
+    let mut groups = vec![Vec::new(); SHARES];
+    let mut before = 0.0;
+    for pixel in bright {
+        let share = (SHARES as f64 * before / total) as usize;
+        groups[share.min(SHARES - 1)].push(pixel);
+        before += answer[pixel].unwrap_or_default();
+    }
+    groups.push(black);
+    groups.retain(|group| !group.is_empty());
+    groups
+}
+
+/// The p-value of a group: by Student's t-test, or by the event that no seed has shown.
+fn p_value(group: &[usize], pictures: &[Picture], answer: &[Option<f64>], samples: u32) -> f64 {
+    let (found, expected) = (over_seeds(group, pictures), mean_answer(group, answer));
+    let by_t = found.p_value(expected);
+    if !(found.mean.is_finite() && expected > 0.0) {
+        return by_t;
+    }
+    // What one sample can change in the mean of its pixel, and how often it must to explain the rest.
+    let change = 2.0 * brightest(answer) / f64::from(samples);
+    let share = ((found.mean - expected).abs() / change).min(1.0);
+    let looks = (group.len() * pictures.len()) as f64;
+    by_t.max(libm::exp(looks * libm::log1p(-share)))
+}
+
+/// The largest value of an answer.
+fn brightest(answer: &[Option<f64>]) -> f64 {
+    answer.iter().flatten().copied().fold(0.0, f64::max)
+}
+
+fn over_seeds(group: &[usize], pictures: &[Picture]) -> Estimate {
+    let mean = |picture: &Picture| {
+        group.iter().map(|&pixel| value(picture, pixel)).sum::<f64>() / group.len() as f64
+    };
+    Estimate::of(&pictures.iter().map(mean).collect::<Vec<_>>())
+}
+
+fn mean_answer(group: &[usize], answer: &[Option<f64>]) -> f64 {
+    group.iter().filter_map(|&pixel| answer[pixel]).sum::<f64>() / group.len() as f64
+}
+
+/// The picture, its answer, and their difference.
+fn figures(pictures: &[Picture], answer: &[Option<f64>]) -> Vec<Figure> {
+    let width = pictures[0].width;
+    let pixels: Vec<Estimate> =
+        (0..answer.len()).map(|pixel| over_seeds(&[pixel], pictures)).collect();
+    let exact: Vec<f64> = answer.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+    let rendered: Vec<f64> = pixels.iter().map(|pixel| pixel.mean).collect();
+    let brightest = brightest(answer);
+    let light = Scale::Light(if brightest > 0.0 { brightest } else { 1.0 });
+    // A pixel that met no light seems to know its value: it has at least a quarter of the usual error.
+    let squares: f64 = pixels.iter().map(|pixel| pixel.standard_error.powi(2)).sum();
+    let usual = (squares / pixels.len() as f64).sqrt();
+    let off = |(pixel, &exact): (&Estimate, &f64)| {
+        let error = pixel.standard_error.max(0.25 * usual).max(ROUNDING * exact.abs());
+        if pixel.mean == exact { 0.0 } else { (pixel.mean - exact) / error }
+    };
+    let difference = pixels.iter().zip(&exact).map(off).collect();
+    let figure =
+        |caption: &str, values, scale| Figure { caption: caption.to_owned(), width, values, scale };
+    vec![
+        figure("rendered", rendered, light),
+        figure("exact", exact, light),
+        figure(
+            "difference: red too bright, blue too dark, full colour at 4 standard errors",
+            difference,
+            Scale::Signed(FULL_COLOR),
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::check::Effort;
+    use crate::verify::closed_forms::ways::combinations;
+    use crate::verify::closed_forms::{FORMS, check};
+
+    #[test]
+    fn the_answers_do_not_depend_on_the_nodes_of_their_quadratures() {
+        for form in FORMS {
+            let (way, _) = combinations(form, Effort::Quick, &[Backend::Native]).remove(0);
+            let folder = folder_of_tables(form).expect("a folder");
+            let folder = folder.as_ref();
+            let scenes = Scenes { form, way: &way, effort: Effort::Quick, name: "", folder };
+            let scene = scenes.scene(0);
+            let scene = scene.unwrap_or_else(|e| panic!("{}: {e}", form.name));
+            let [coarse, fine] =
+                [NODES, 2 * NODES].map(|nodes| (form.answer)(scene.description(), nodes));
+            let brightest = fine.iter().flatten().copied().fold(0.0, f64::max);
+            let judged = fine.iter().flatten().count();
+            assert!(judged >= fine.len() / 3, "{}: {judged} of {}", form.name, fine.len());
+            for (coarse, fine) in coarse.iter().flatten().zip(fine.iter().flatten()) {
+                let off = (coarse - fine).abs();
+                assert!(off <= 2e-5 * brightest, "{}: {coarse} {fine}", form.name);
+            }
+        }
+    }
+
+    #[test]
+    fn an_answer_that_is_wrong_by_two_percent_fails() {
+        static WRONG: std::sync::OnceLock<Form> = std::sync::OnceLock::new();
+        let right = FORMS.iter().find(|form| form.name == "sphere-light").expect("is there");
+        let wrong = WRONG.get_or_init(|| Form {
+            answer: |scene, nodes| {
+                let right = FORMS.iter().find(|form| form.name == "sphere-light");
+                let answer = (right.expect("is there").answer)(scene, nodes);
+                answer.into_iter().map(|value| Some(1.02 * value?)).collect()
+            },
+            ..*right
+        });
+        let backend = Backend::Native;
+        let (way, _) = combinations(right, Effort::Quick, &[backend]).remove(0);
+        let passed = |form: &'static Form| {
+            let outcome = check(form, &way, backend, Effort::Quick).run(&Cancel::default());
+            outcome.expect("runs").passed
+        };
+        assert!(passed(right));
+        assert!(!passed(wrong));
+    }
+}

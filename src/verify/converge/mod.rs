@@ -1,0 +1,278 @@
+//! How fast a picture becomes right: its error against samples and against seconds, with the slope of
+//! the line through them in log-log.
+//!
+//! Pictures of several independent seeds are held against one reference. What is found is the mean
+//! over the seeds with its interval (Student's t); the slope is fitted for each seed by least squares
+//! and judged in the same way, so that it needs no model of how errors scatter.
+//!
+//! A reference has noise of its own, which adds to every squared error. Made of two independent halves
+//! it tells how much: the variance of their mean is a quarter of their squared difference. That is
+//! taken away, so a curve does not flatten where it meets the reference's noise.
+
+pub mod plot;
+
+use crate::color::Rgb;
+
+use super::metrics::{mean_error, relative_squared, squared};
+use super::statistics::Estimate;
+
+/// Which error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Metric {
+    /// The root of the mean squared error. Independent samples give a slope of -1/2.
+    Rmse,
+    /// The mean relative squared error of [`relative_squared`]. Independent samples give -1.
+    Relmse,
+}
+
+/// Against what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Samples per pixel.
+    Samples,
+    /// Seconds of rendering.
+    Seconds,
+}
+
+/// What the pictures are held against.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    pixels: Vec<Rgb>,
+    /// Its own mean squared and mean relative squared error, where they are known.
+    noise: Option<[f64; 2]>,
+}
+
+/// One picture's figures.
+#[derive(Clone, Copy, Debug)]
+pub struct Run {
+    /// Mean squared error, the reference's own taken away.
+    pub mse: f64,
+    /// Mean relative squared error, the reference's own taken away.
+    pub relmse: f64,
+    /// Seconds of rendering.
+    pub seconds: f64,
+}
+
+/// All seeds of one number of samples.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Samples per pixel.
+    pub samples: u32,
+    /// One run for each seed.
+    pub runs: Vec<Run>,
+}
+
+/// One way to render, at several numbers of samples.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// What sets it apart.
+    pub name: String,
+    /// At least one, by rising samples, all of equally many seeds, of which there are two or more.
+    pub points: Vec<Point>,
+}
+
+/// A straight line in log-log.
+#[derive(Clone, Copy, Debug)]
+pub struct Fit {
+    /// The slope, over the seeds.
+    pub slope: Estimate,
+    /// log10 of the error where log10 of the axis is 0.
+    pub intercept: f64,
+}
+
+impl Metric {
+    /// What it is called in options and plots.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rmse => "RMSE",
+            Self::Relmse => "relMSE",
+        }
+    }
+
+    fn of(self, mse: f64, relmse: f64) -> f64 {
+        match self {
+            Self::Rmse => mse.sqrt(),
+            Self::Relmse => relmse,
+        }
+    }
+}
+
+impl Reference {
+    /// The mean of two pictures with independent seeds.
+    pub fn of_halves(a: &[Rgb], b: &[Rgb]) -> Self {
+        let pixels: Vec<Rgb> = a.iter().zip(b).map(|(&a, &b)| 0.5 * (a + b)).collect();
+        // a - mean is half of a - b, and the variance of the mean is estimated by its square.
+        let noise = [mean_error(a, &pixels, squared), mean_error(a, &pixels, relative_squared)];
+        Self { pixels, noise: Some(noise) }
+    }
+
+    /// A picture from elsewhere, with the variance of its pixels where that is known.
+    pub fn of_picture(pixels: Vec<Rgb>, variance: Option<&[Rgb]>) -> Self {
+        let noise = variance.map(|variance| {
+            let off: Vec<Rgb> = pixels
+                .iter()
+                .zip(variance)
+                .map(|(&value, v)| value + v.max(Rgb::ZERO).map(f32::sqrt))
+                .collect();
+            [mean_error(&off, &pixels, squared), mean_error(&off, &pixels, relative_squared)]
+        });
+        Self { pixels, noise }
+    }
+
+    /// Its own error in this metric; `None` where nobody knows.
+    pub fn noise(&self, metric: Metric) -> Option<f64> {
+        self.noise.map(|[mse, relmse]| metric.of(mse, relmse))
+    }
+
+    /// The figures of a picture of the same size that took so many seconds.
+    pub fn judge(&self, picture: &[Rgb], seconds: f64) -> Run {
+        let [own, own_relative] = self.noise.unwrap_or_default();
+        Run {
+            mse: mean_error(picture, &self.pixels, squared) - own,
+            relmse: mean_error(picture, &self.pixels, relative_squared) - own_relative,
+            seconds,
+        }
+    }
+}
+
+impl Run {
+    /// The error; not a number where the reference is noisier than the picture.
+    pub fn error(&self, metric: Metric) -> f64 {
+        metric.of(self.mse, self.relmse)
+    }
+}
+
+impl Point {
+    /// The error over the seeds.
+    pub fn error(&self, metric: Metric) -> Estimate {
+        self.estimate(|run| run.error(metric))
+    }
+
+    /// Seconds over the seeds.
+    pub fn seconds(&self) -> Estimate {
+        self.estimate(|run| run.seconds)
+    }
+
+    /// Squared error times seconds: what a method costs, the same at every number of independent
+    /// samples. For [`Metric::Relmse`] the relative squared error.
+    pub fn cost(&self, metric: Metric) -> Estimate {
+        self.estimate(|run| match metric {
+            Metric::Rmse => run.mse * run.seconds,
+            Metric::Relmse => run.relmse * run.seconds,
+        })
+    }
+
+    fn estimate(&self, of: impl Fn(&Run) -> f64) -> Estimate {
+        Estimate::of(&self.runs.iter().map(of).collect::<Vec<_>>())
+    }
+
+    fn place(&self, axis: Axis) -> f64 {
+        match axis {
+            Axis::Samples => f64::from(self.samples),
+            Axis::Seconds => self.seconds().mean,
+        }
+    }
+}
+
+impl Series {
+    /// The line through all points; `None` for a single point, or where an error is not positive
+    /// because the reference is too noisy.
+    pub fn fit(&self, metric: Metric, axis: Axis) -> Option<Fit> {
+        if self.points.len() < 2 {
+            return None;
+        }
+        // Each seed by its own seconds, so that what they waver by enters the interval.
+        let line_of = |seed: usize| {
+            let x = |point: &Point| match axis {
+                Axis::Samples => f64::from(point.samples),
+                Axis::Seconds => point.runs[seed].seconds,
+            };
+            let xs: Vec<f64> = self.points.iter().map(|point| libm::log10(x(point))).collect();
+            let y = |point: &Point| libm::log10(point.runs[seed].error(metric));
+            line(&xs, &self.points.iter().map(y).collect::<Vec<_>>())
+        };
+        let lines: Vec<(f64, f64)> = (0..self.points[0].runs.len()).map(line_of).collect();
+        let slope = Estimate::of(&lines.iter().map(|line| line.0).collect::<Vec<_>>());
+        let intercept = Estimate::of(&lines.iter().map(|line| line.1).collect::<Vec<_>>()).mean;
+        let is_real = slope.mean.is_finite() && intercept.is_finite();
+        is_real.then_some(Fit { slope, intercept })
+    }
+}
+
+/// Slope and intercept of the least-squares line.
+fn line(xs: &[f64], ys: &[f64]) -> (f64, f64) {
+    let n = xs.len() as f64;
+    let (x, y) = (xs.iter().sum::<f64>() / n, ys.iter().sum::<f64>() / n);
+    let covariance: f64 = xs.iter().zip(ys).map(|(a, b)| (a - x) * (b - y)).sum();
+    let variance: f64 = xs.iter().map(|a| (a - x) * (a - x)).sum();
+    let slope = covariance / variance;
+    (slope, y - slope * x)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
+
+    use super::*;
+
+    /// 1000 pixels, the mean of `n` uniform numbers each.
+    fn noisy(n: u32, random: &mut StdRng) -> Vec<Rgb> {
+        let mut mean = || (0..n).map(|_| random.random::<f32>()).sum::<f32>() / n as f32;
+        (0..1000).map(|_| Rgb::new(mean(), mean(), mean())).collect()
+    }
+
+    fn series(reference: &Reference, random: &mut StdRng) -> Series {
+        let runs = |n, random: &mut StdRng| -> Vec<Run> {
+            (0..16).map(|_| reference.judge(&noisy(n, random), f64::from(n) * 1e-3)).collect()
+        };
+        let points = [4, 8, 16, 32];
+        let points = points.map(|samples| Point { samples, runs: runs(samples, random) });
+        Series { name: "uniform".into(), points: points.into() }
+    }
+
+    /// The reference has only four times the samples of the last point: without its noise taken away
+    /// the error there would be 12 % too large, and the slope -0.47. Five standard errors are
+    /// allowed (Student's t with 15 degrees of freedom: significance 2e-4 each).
+    #[test]
+    fn independent_samples_have_a_slope_of_one_half_whatever_the_reference() {
+        let mut random = StdRng::seed_from_u64(5);
+        let halves = [64, 64].map(|n| noisy(n, &mut random));
+        let reference = Reference::of_halves(&halves[0], &halves[1]);
+        let own = reference.noise(Metric::Rmse).unwrap();
+        assert!((own / (1.0f64 / 12.0 / 128.0).sqrt() - 1.0).abs() < 0.05, "{own}");
+        let series = series(&reference, &mut random);
+        for (metric, expected) in [(Metric::Rmse, -0.5), (Metric::Relmse, -1.0)] {
+            for axis in [Axis::Samples, Axis::Seconds] {
+                let slope = series.fit(metric, axis).unwrap().slope;
+                let allowed = 5.0 * slope.standard_error;
+                assert!((slope.mean - expected).abs() < allowed, "{slope:?}");
+                assert!(allowed < 0.05);
+            }
+        }
+        let last = series.points[3].error(Metric::Rmse);
+        let expected = (1.0f64 / 12.0 / 32.0).sqrt();
+        assert!((last.mean - expected).abs() < 5.0 * last.standard_error, "{last:?}");
+        let cost = series.points[0].cost(Metric::Rmse);
+        assert!((cost.mean - 1e-3 / 12.0).abs() < 5.0 * cost.standard_error, "{cost:?}");
+    }
+
+    #[test]
+    fn a_line_goes_through_its_points_and_bad_errors_give_none() {
+        let (slope, intercept) = line(&[0.0, 1.0, 2.0], &[1.0, 0.5, 0.0]);
+        assert!((slope + 0.5).abs() < 1e-15 && (intercept - 1.0).abs() < 1e-15);
+        let run = Run { mse: -1.0, relmse: 1.0, seconds: 1.0 };
+        let point = |samples| Point { samples, runs: vec![run; 3] };
+        let series = Series { name: String::new(), points: vec![point(1), point(2)] };
+        assert!(series.fit(Metric::Rmse, Axis::Samples).is_none());
+        assert!(series.fit(Metric::Relmse, Axis::Samples).is_some());
+    }
+
+    #[test]
+    fn a_variance_layer_tells_the_noise_of_a_reference() {
+        let pixels = vec![Rgb::splat(1.0); 4];
+        let reference = Reference::of_picture(pixels.clone(), Some(&[Rgb::splat(0.04); 4]));
+        assert!((reference.noise(Metric::Rmse).unwrap() - 0.2).abs() < 1e-7);
+        assert_eq!(Reference::of_picture(pixels, None).noise(Metric::Rmse), None);
+    }
+}

@@ -1,0 +1,315 @@
+//! The plot of [`super`] as SVG: error against samples on the left, against seconds on the right, both
+//! in log-log, with the interval of every point and the fitted lines.
+
+use std::ops::Range;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use crate::error::{Error, Result};
+
+use super::super::statistics::Estimate;
+use super::{Axis, Metric, Series};
+
+/// Everything is drawn in whole units, half a pixel wide each.
+const SCALE: u32 = 2;
+const WIDTH: u32 = 1120 * SCALE;
+const PLOT_HEIGHT: u32 = 440 * SCALE;
+const TITLE_HEIGHT: u32 = 56 * SCALE;
+const ROW_HEIGHT: u32 = 24 * SCALE;
+const FONT: &str = "sans-serif";
+
+const INK: RGBColor = RGBColor(34, 34, 34);
+const FAINT: RGBColor = RGBColor(228, 228, 228);
+const FAINTER: RGBColor = RGBColor(243, 243, 243);
+/// Colours that the colour-blind can tell apart (Okabe and Ito 2008).
+const COLORS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+];
+
+/// What is written above the plots.
+pub struct Heading<'a> {
+    /// What was rendered.
+    pub title: &'a str,
+    /// What it was held against.
+    pub subtitle: &'a str,
+}
+
+type Area<DB> = DrawingArea<DB, Shift>;
+type Drawn<DB> = std::result::Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
+type Marker<C, DB> = <EmptyElement<C, DB> as std::ops::Add<Polygon<(i32, i32)>>>::Output;
+
+/// Draws the series.
+///
+/// # Errors
+/// When nothing can be drawn: no error is positive and finite.
+pub fn svg(series: &[Series], metric: Metric, heading: &Heading<'_>) -> Result<String> {
+    let mut text = String::new();
+    let height =
+        TITLE_HEIGHT + PLOT_HEIGHT + ROW_HEIGHT * (series.len() as u32 + 1) + TITLE_HEIGHT / 4;
+    let panels = [Axis::Samples, Axis::Seconds].map(|axis| Panel::new(series, metric, axis));
+    let [Some(left), Some(right)] = &panels else {
+        return Err(Error::input("there is no error above the reference's own noise to plot")
+            .with_help("make the reference better with --reference-spp"));
+    };
+    let root = SVGBackend::with_string(&mut text, (WIDTH, height)).into_drawing_area();
+    draw(&root, series, heading, left, right)
+        .map_err(|e| Error::input(format!("the plot cannot be drawn: {e}")))?;
+    drop(root);
+    // The units of the drawing stay, the size on the page is halved.
+    let (from, to) = (size(WIDTH, height), size(WIDTH / SCALE, height / SCALE));
+    Ok(text.replacen(&from, &to, 1))
+}
+
+fn size(width: u32, height: u32) -> String {
+    format!("<svg width=\"{width}\" height=\"{height}\"")
+}
+
+fn draw<DB: DrawingBackend>(
+    root: &Area<DB>,
+    series: &[Series],
+    heading: &Heading<'_>,
+    left: &Panel<'_>,
+    right: &Panel<'_>,
+) -> Drawn<DB> {
+    root.fill(&WHITE)?;
+    let (title, rest) = root.split_vertically(TITLE_HEIGHT);
+    let margin = 16 * SCALE as i32;
+    title.draw(&words(heading.title, (margin, margin), 17, INK))?;
+    title.draw(&words(heading.subtitle, (margin, margin + 22 * SCALE as i32), 12, INK))?;
+    let (plots, legend) = rest.split_vertically(PLOT_HEIGHT);
+    let (on_left, on_right) = plots.split_horizontally(WIDTH / 2);
+    left.draw(&on_left)?;
+    right.draw(&on_right)?;
+    draw_legend(&legend, series, left, right)?;
+    root.present()
+}
+
+/// Text whose middle left end is at `at`.
+fn words<'a>(
+    text: &'a str,
+    at: (i32, i32),
+    size: u32,
+    color: RGBColor,
+) -> Text<'a, (i32, i32), &'a str> {
+    let style = (FONT, size * SCALE).into_font().color(&color);
+    Text::new(text, at, style.pos(Pos::new(HPos::Left, VPos::Center)))
+}
+
+fn draw_legend<DB: DrawingBackend>(
+    area: &Area<DB>,
+    series: &[Series],
+    left: &Panel<'_>,
+    right: &Panel<'_>,
+) -> Drawn<DB> {
+    let unit = SCALE as i32;
+    let columns = [64, 460, 760].map(|x| x * unit);
+    let heads = ["", "slope against samples (95 %)", "slope against seconds (95 %)"];
+    for (x, head) in columns.into_iter().zip(heads) {
+        area.draw(&words(head, (x, ROW_HEIGHT as i32 / 2), 12, INK))?;
+    }
+    for (i, one) in series.iter().enumerate() {
+        let y = ROW_HEIGHT as i32 * (i as i32 + 1) + ROW_HEIGHT as i32 / 2;
+        let color = COLORS[i % COLORS.len()];
+        let line = vec![(20 * unit, y), (52 * unit, y)];
+        area.draw(&PathElement::new(line, color.stroke_width(2 * SCALE)))?;
+        area.draw(&marker(i, (36 * unit, y)))?;
+        let slope = |panel: &Panel<'_>| match one.fit(panel.metric, panel.axis) {
+            Some(fit) => format!("{:.3} ± {:.3}", fit.slope.mean, fit.slope.margin(0.95)),
+            None => "—".to_owned(),
+        };
+        let texts = [one.name.clone(), slope(left), slope(right)];
+        for (x, text) in columns.into_iter().zip(&texts) {
+            area.draw(&words(text, (x, y), 13, INK))?;
+        }
+    }
+    Ok(())
+}
+
+/// The mark of a series: its shape tells it apart as well as its colour.
+fn marker<C, DB: DrawingBackend>(series: usize, at: C) -> Marker<C, DB> {
+    let radius = 3.6 * f64::from(SCALE);
+    let (corners, turn) = [(24, 0.0), (3, 0.25), (4, 0.125), (4, 0.0)][series % 4];
+    let corner = |i: u32| {
+        let turns = turn + f64::from(i) / f64::from(corners);
+        let (sin, cos) = crate::sampling::sin_cos(std::f64::consts::TAU * turns);
+        ((radius * cos).round() as i32, (-radius * sin).round() as i32)
+    };
+    let outline: Vec<(i32, i32)> = (0..corners).map(corner).collect();
+    EmptyElement::at(at) + Polygon::new(outline, COLORS[series % COLORS.len()].filled())
+}
+
+/// One of the two plots.
+struct Panel<'a> {
+    series: &'a [Series],
+    metric: Metric,
+    axis: Axis,
+    x: Range<f64>,
+    y: Range<f64>,
+}
+
+/// Where a point stands, and from where to where its intervals reach.
+struct Mark {
+    x: f64,
+    y: f64,
+    across: Range<f64>,
+    along: Range<f64>,
+}
+
+impl<'a> Panel<'a> {
+    /// `None` where there is nothing to draw.
+    fn new(series: &'a [Series], metric: Metric, axis: Axis) -> Option<Self> {
+        let mut panel = Self { series, metric, axis, x: 1.0..1.0, y: 1.0..1.0 };
+        let marks: Vec<Mark> = series.iter().flat_map(|one| panel.marks(one)).collect();
+        panel.x = range(marks.iter().flat_map(|mark| [mark.x, mark.across.end]))?;
+        panel.y = range(marks.iter().flat_map(|mark| [mark.y, mark.along.end]))?;
+        Some(panel)
+    }
+
+    fn marks(&self, series: &Series) -> Vec<Mark> {
+        let interval = |estimate: Estimate| {
+            let margin = estimate.margin(0.95);
+            estimate.mean - margin..estimate.mean + margin
+        };
+        let mark = |point: &super::Point| {
+            let error = point.error(self.metric);
+            let x = point.place(self.axis);
+            let across = match self.axis {
+                Axis::Samples => x..x,
+                Axis::Seconds => interval(point.seconds()),
+            };
+            Mark { x, y: error.mean, across, along: interval(error) }
+        };
+        let marks = series.points.iter().map(mark);
+        marks.filter(|mark| mark.y > 0.0 && mark.x > 0.0 && mark.along.end.is_finite()).collect()
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Drawn<DB> {
+        let font = |size: u32| (FONT, size * SCALE).into_font().color(&INK);
+        let x_name = match self.axis {
+            Axis::Samples => "samples per pixel",
+            Axis::Seconds => "seconds",
+        };
+        let mut chart = ChartBuilder::on(area)
+            .margin(14 * SCALE)
+            .x_label_area_size(40 * SCALE)
+            .y_label_area_size(64 * SCALE)
+            .build_cartesian_2d(self.x.clone().log_scale(), self.y.clone().log_scale())?;
+        chart
+            .configure_mesh()
+            .x_desc(x_name)
+            .y_desc(self.metric.name())
+            .x_labels(5)
+            .y_labels(5)
+            .max_light_lines(10)
+            .label_style(font(13))
+            .axis_desc_style(font(14))
+            .x_label_formatter(&|value| decimal(*value))
+            .y_label_formatter(&|value| decimal(*value))
+            .axis_style(INK)
+            .bold_line_style(FAINT)
+            .light_line_style(FAINTER)
+            .draw()?;
+        for (i, series) in self.series.iter().enumerate() {
+            let color = COLORS[i % COLORS.len()];
+            if let Some(line) = self.fitted(series) {
+                let style = color.mix(0.55).stroke_width(SCALE + 1);
+                chart.draw_series([PathElement::new(line, style)])?;
+            }
+            let marks = self.marks(series);
+            let style = color.stroke_width(SCALE + 1);
+            let bars = marks.iter().flat_map(|mark| {
+                let low = (mark.across.start.max(self.x.start), mark.along.start.max(self.y.start));
+                let upright = vec![(mark.x, low.1), (mark.x, mark.along.end)];
+                let flat = vec![(low.0, mark.y), (mark.across.end, mark.y)];
+                [upright, flat].map(|ends| PathElement::new(ends, style))
+            });
+            chart.draw_series(bars)?;
+            chart.draw_series(marks.iter().map(|mark| marker(i, (mark.x, mark.y))))?;
+        }
+        Ok(())
+    }
+
+    /// The ends of the fitted line.
+    fn fitted(&self, series: &Series) -> Option<Vec<(f64, f64)>> {
+        let fit = series.fit(self.metric, self.axis)?;
+        let y = |x: f64| libm::exp10(fit.intercept + fit.slope.mean * libm::log10(x));
+        let xs = series.points.iter().map(|point| point.place(self.axis));
+        let (low, high) =
+            xs.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
+        Some(vec![(low, y(low)), (high, y(high))])
+    }
+}
+
+/// A range with some air around the values, in which two powers of ten lie at least.
+fn range(values: impl Iterator<Item = f64> + Clone) -> Option<Range<f64>> {
+    let low = libm::log10(values.clone().fold(f64::INFINITY, f64::min)) - 0.12;
+    let high = libm::log10(values.fold(0.0, f64::max)) + 0.12;
+    if !(low.is_finite() && high.is_finite()) {
+        return None;
+    }
+    let has_two = high.floor() - low.ceil() >= 1.0;
+    let (low, high) = if has_two { (low, high) } else { (low.floor(), high.ceil()) };
+    Some(libm::exp10(low)..libm::exp10(high))
+}
+
+/// A power of ten as a person writes it.
+fn decimal(value: f64) -> String {
+    let exponent = libm::log10(value).round() as i32;
+    if (-3..=4).contains(&exponent) {
+        format!("{:.*}", (-exponent).max(0) as usize, value)
+    } else {
+        format!("1e{exponent}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Point, Run};
+    use super::*;
+
+    fn series(name: &str, factor: f64) -> Series {
+        let point = |samples: u32| {
+            let run = |seed: u32| {
+                let mse = factor * (1.0 + 0.1 * f64::from(seed)) / f64::from(samples);
+                Run { mse, relmse: mse, seconds: 1e-3 * f64::from(samples) }
+            };
+            Point { samples, runs: (0..4).map(run).collect() }
+        };
+        Series { name: name.into(), points: [1, 10, 100].map(point).into() }
+    }
+
+    #[test]
+    fn the_plot_names_every_series_and_its_slope_and_escapes_names() {
+        let all = [series("path", 1.0), series("a < b", 10.0)];
+        let heading = Heading { title: "a title", subtitle: "against \"that\"" };
+        let svg = svg(&all, Metric::Rmse, &heading).unwrap();
+        assert!(svg.starts_with("<svg width=\"1120\""), "{}", &svg[..80]);
+        for text in ["path", "a &lt; b", "-0.500 ± 0.000", "samples per pixel", "seconds"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn nothing_to_draw_is_an_error() {
+        let heading = Heading { title: "", subtitle: "" };
+        assert!(svg(&[series("path", -1.0)], Metric::Rmse, &heading).is_err());
+    }
+
+    #[test]
+    fn ranges_hold_two_powers_of_ten() {
+        assert_eq!(range([0.02, 0.3].into_iter()).unwrap(), 0.01..1.0);
+        let wide = range([1.0, 64.0].into_iter()).unwrap();
+        assert!(wide.start < 1.0 && wide.end > 64.0 && wide.end < 100.0);
+        assert_eq!(range(std::iter::empty()), None);
+        assert_eq!([1e-3, 1.0, 100.0, 1e5].map(decimal), ["0.001", "1", "100", "1e5"]);
+    }
+}

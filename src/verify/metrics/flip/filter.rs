@@ -1,0 +1,112 @@
+//! The filters of FLIP: what the eye can resolve, and where it sees edges and points. All are products
+//! of a filter along x and one along y, so two short passes do.
+
+use rayon::prelude::*;
+
+use crate::sampling::exp;
+
+/// One number per pixel; rows of `width`.
+#[derive(Clone)]
+pub(super) struct Plane {
+    width: usize,
+    pub(super) values: Vec<f64>,
+}
+
+/// Weights at the places -r to r.
+type Kernel = Vec<f64>;
+
+/// The Gaussian terms `(a, b)` of each channel's sensitivity to contrast (the paper's table 1).
+const SENSITIVITY: [&[(f64, f64)]; 3] =
+    [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
+/// The widest of them decides how far all filters reach.
+const WIDEST: f64 = 0.04;
+/// Two standard deviations of the edge detector in degrees.
+const EDGE_WIDTH: f64 = 0.082;
+
+impl Plane {
+    pub(super) fn new(width: usize, values: Vec<f64>) -> Self {
+        Self { width, values }
+    }
+
+    pub(super) fn map(&self, f: impl Fn(f64) -> f64) -> Self {
+        Self { width: self.width, values: self.values.iter().map(|&v| f(v)).collect() }
+    }
+
+    fn height(&self) -> usize {
+        self.values.len() / self.width
+    }
+
+    /// The correlation with `along_x` times `along_y`; beyond the border lies its nearest pixel.
+    fn filtered(&self, along_x: &Kernel, along_y: &Kernel) -> Self {
+        let mut once = vec![0.0; self.values.len()];
+        once.par_chunks_mut(self.width).zip(self.values.par_chunks(self.width)).for_each(
+            |(to, row)| {
+                let r = along_x.len() / 2;
+                let padded: Vec<f64> = (0..row.len() + 2 * r)
+                    .map(|i| row[i.saturating_sub(r).min(row.len() - 1)])
+                    .collect();
+                for (value, window) in to.iter_mut().zip(padded.windows(along_x.len())) {
+                    *value = window.iter().zip(along_x).map(|(v, w)| v * w).sum();
+                }
+            },
+        );
+        let mut twice = vec![0.0; self.values.len()];
+        twice.par_chunks_mut(self.width).enumerate().for_each(|(y, to)| {
+            let r = along_y.len() / 2;
+            for (i, w) in along_y.iter().enumerate() {
+                let from = (y + i).saturating_sub(r).min(self.height() - 1);
+                let row = &once[from * self.width..(from + 1) * self.width];
+                to.iter_mut().zip(row).for_each(|(value, v)| *value += w * v);
+            }
+        });
+        Self { width: self.width, values: twice }
+    }
+}
+
+/// Blurs each channel as far as the eye does.
+pub(super) fn contrast_sensitivity(planes: &[Plane; 3], pixels_per_degree: f64) -> [Plane; 3] {
+    use std::f64::consts::PI;
+    let radius = (3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
+    std::array::from_fn(|channel| {
+        let mut sum = planes[channel].map(|_| 0.0);
+        let mut total = 0.0;
+        for &(a, b) in SENSITIVITY[channel] {
+            let weight = |x: f64| exp(-PI * PI * (x / pixels_per_degree).powi(2) / b);
+            let kernel = kernel(radius, weight);
+            let scale = a * (PI / b).sqrt();
+            let part = planes[channel].filtered(&kernel, &kernel);
+            sum.values.iter_mut().zip(part.values).for_each(|(sum, v)| *sum += scale * v);
+            total += scale * kernel.iter().sum::<f64>().powi(2);
+        }
+        sum.map(|v| v / total)
+    })
+}
+
+/// How strong edges and points are, by the first and second derivative of a Gaussian.
+pub(super) fn features(lightness: &Plane, pixels_per_degree: f64) -> [Vec<f64>; 2] {
+    let sigma = 0.5 * EDGE_WIDTH * pixels_per_degree;
+    let radius = (3.0 * sigma).ceil() as i32;
+    let gauss = |x: f64| exp(-(x * x) / (2.0 * sigma * sigma));
+    let smooth = kernel(radius, gauss);
+    let strength = |derivative: Kernel| -> Vec<f64> {
+        let derivative = balanced(derivative, &smooth);
+        let along_x = lightness.filtered(&derivative, &smooth);
+        let along_y = lightness.filtered(&smooth, &derivative);
+        along_x.values.iter().zip(along_y.values).map(|(&x, y)| libm::hypot(x, y)).collect()
+    };
+    let first = kernel(radius, |x| -x * gauss(x));
+    let second = kernel(radius, |x| (x * x / (sigma * sigma) - 1.0) * gauss(x));
+    [strength(first), strength(second)]
+}
+
+fn kernel(radius: i32, weight: impl Fn(f64) -> f64) -> Kernel {
+    (-radius..=radius).map(|x| weight(f64::from(x))).collect()
+}
+
+/// Scales the positive and the negative weights so that, times `across`, they sum to 1 and to -1.
+fn balanced(kernel: Kernel, across: &Kernel) -> Kernel {
+    let across: f64 = across.iter().sum();
+    let sum = |sign: f64| kernel.iter().map(|w| (sign * w).max(0.0)).sum::<f64>() * across;
+    let (positive, negative) = (sum(1.0), sum(-1.0));
+    kernel.iter().map(|&w| if w < 0.0 { w / negative } else { w / positive }).collect()
+}

@@ -1,0 +1,153 @@
+//! How far a picture is from a reference, in the numbers that papers print.
+//!
+//! All of them take linear Rec. 709 and average the three channels, unless they say otherwise. The
+//! pictures of a pair have equal sizes.
+
+pub mod flip;
+pub mod heatmap;
+
+use crate::color::Rgb;
+use crate::math::DVec3;
+
+/// The epsilon of [`relative_squared`].
+pub const RELATIVE_EPSILON: f64 = 0.01;
+/// A normal variable is within so many standard deviations with probability 95 %.
+const NORMAL_95: f64 = 1.959_964;
+
+/// The mean over the channels of (a - b)^2.
+pub fn squared(a: Rgb, b: Rgb) -> f64 {
+    (a.as_dvec3() - b.as_dvec3()).length_squared() / 3.0
+}
+
+/// The mean over the channels of ((a - b) / (|b| + epsilon))^2, where b is the reference.
+///
+/// This is the error of pbrt-v4's `imgtool diff --metric MRSE`, with its epsilon of 0.01, which keeps
+/// black pixels from deciding everything. Others write (a - b)^2 / (b^2 + epsilon) (Rousselle et al.
+/// 2011), which differs where b is small.
+pub fn relative_squared(a: Rgb, b: Rgb) -> f64 {
+    let b = b.as_dvec3();
+    ((a.as_dvec3() - b) / (b.abs() + RELATIVE_EPSILON)).length_squared() / 3.0
+}
+
+/// The mean of `error` over all pixels.
+pub fn mean_error(a: &[Rgb], b: &[Rgb], error: impl Fn(Rgb, Rgb) -> f64) -> f64 {
+    a.iter().zip(b).map(|(&a, &b)| error(a, b)).sum::<f64>() / a.len() as f64
+}
+
+/// The peak signal-to-noise ratio in decibels, 10 log10(peak^2 / MSE); infinite for equal pictures.
+pub fn psnr(mse: f64, peak: f64) -> f64 {
+    10.0 * libm::log10(peak * peak / mse)
+}
+
+/// The mean over all pixels, channel by channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mean {
+    /// The mean.
+    pub value: DVec3,
+    /// Its standard error, where the variance of the pixels is known.
+    pub standard_error: Option<DVec3>,
+}
+
+impl Mean {
+    /// The mean of a picture of which nothing else is known.
+    pub fn of(picture: &[Rgb]) -> Self {
+        let sum: DVec3 = picture.iter().map(|color| color.as_dvec3()).sum();
+        Self { value: sum / picture.len() as f64, standard_error: None }
+    }
+
+    /// The mean of a picture whose pixels have these variances. They are taken as independent of each
+    /// other, which samplers that share numbers between pixels break.
+    pub fn with_variance(picture: &[Rgb], variance: &[Rgb]) -> Self {
+        let sum: DVec3 = variance.iter().map(|v| v.as_dvec3()).sum();
+        let error = sum.max(DVec3::ZERO).map(f64::sqrt) / picture.len() as f64;
+        Self { standard_error: Some(error), ..Self::of(picture) }
+    }
+
+    /// The mean of `picture`, the variance of whose pixels is estimated from `twin`, the same picture
+    /// with other random numbers: half of the squared difference.
+    pub fn with_twin(picture: &[Rgb], twin: &[Rgb]) -> Self {
+        let half_square = |(&a, &b): (&Rgb, &Rgb)| (a - b) * (a - b) * 0.5;
+        let variance: Vec<Rgb> = picture.iter().zip(twin).map(half_square).collect();
+        Self::with_variance(picture, &variance)
+    }
+
+    /// Half the width of the 95 % confidence interval of the mean (normal: there are many pixels).
+    pub fn half_interval(&self) -> Option<DVec3> {
+        self.standard_error.map(|error| error * NORMAL_95)
+    }
+
+    /// `self` over `other`, with the half width of its 95 % interval where both are known, or one is
+    /// and the other counts as exact. 1 where both are 0.
+    pub fn ratio(&self, other: &Self) -> (DVec3, Option<DVec3>) {
+        let of = |a: f64, b: f64| if a == b { 1.0 } else { a / b };
+        let ratio = DVec3::from_array(std::array::from_fn(|c| of(self.value[c], other.value[c])));
+        if self.standard_error.is_none() && other.standard_error.is_none() {
+            return (ratio, None);
+        }
+        let error = |mean: &Self| mean.standard_error.unwrap_or(DVec3::ZERO);
+        let own = error(self) / other.value;
+        let others = ratio * error(other) / other.value;
+        let joint = (own * own + others * others).map(f64::sqrt);
+        (ratio, Some(joint * NORMAL_95))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
+
+    use super::*;
+
+    #[test]
+    fn errors_are_those_of_their_formulas() {
+        let a = [Rgb::new(1.0, 2.0, 3.0), Rgb::ZERO];
+        let b = [Rgb::new(1.0, 1.0, 1.0), Rgb::ZERO];
+        let mse = mean_error(&a, &b, squared);
+        assert!((mse - (0.0 + 1.0 + 4.0) / 6.0).abs() < 1e-12);
+        let relative = mean_error(&a, &b, relative_squared);
+        assert!((relative - (1.0 + 4.0) / (1.01 * 1.01) / 6.0).abs() < 1e-9);
+        assert!((psnr(0.01, 1.0) - 20.0).abs() < 1e-12);
+        assert!((psnr(0.01, 10.0) - 40.0).abs() < 1e-12);
+        assert_eq!(psnr(0.0, 1.0), f64::INFINITY);
+        // The reference matters: black in it is divided by epsilon alone.
+        assert!((relative_squared(Rgb::ONE, Rgb::ZERO) - 1e4).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_ratio_of_means_has_the_interval_of_its_parts() {
+        let mean = |value, error| Mean {
+            value: DVec3::splat(value),
+            standard_error: Some(DVec3::splat(error)),
+        };
+        let (ratio, half) = mean(2.0, 0.02).ratio(&mean(1.0, 0.03));
+        assert_eq!(ratio, DVec3::splat(2.0));
+        let expected = NORMAL_95 * (0.02f64 * 0.02 + 0.06 * 0.06).sqrt();
+        assert!((half.unwrap().x - expected).abs() < 1e-12);
+        let zero = Mean { value: DVec3::ZERO, standard_error: None };
+        assert_eq!(zero.ratio(&zero), (DVec3::ONE, None));
+    }
+
+    /// 400 pictures of 400 pixels with known variance: the intervals from twins and from the variance
+    /// hold the true mean as often as they say. 95 % of 400 is 380 +- 4.4; five of those (significance
+    /// 6e-7) are allowed.
+    #[test]
+    fn intervals_of_means_hold_what_they_promise() {
+        let mut random = StdRng::seed_from_u64(7);
+        let mut draw =
+            || -> Vec<Rgb> { (0..400).map(|_| Rgb::splat(random.random::<f32>())).collect() };
+        let holds = |mean: Mean| {
+            let half = mean.half_interval().unwrap().x;
+            usize::from((mean.value.x - 0.5).abs() <= half)
+        };
+        let known = vec![Rgb::splat(1.0 / 12.0); 400];
+        let (mut by_twin, mut by_variance) = (0, 0);
+        for _ in 0..400 {
+            let (a, b) = (draw(), draw());
+            by_twin += holds(Mean::with_twin(&a, &b));
+            by_variance += holds(Mean::with_variance(&a, &known));
+        }
+        assert!((358..=400).contains(&by_twin), "{by_twin}");
+        assert!((358..=400).contains(&by_variance), "{by_variance}");
+    }
+}

@@ -1,0 +1,47 @@
+//! The few words of HTML that a report is written in.
+
+/// The text with what HTML would read as markup replaced.
+pub(super) fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '"' => escaped += "&quot;",
+            _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// An element around markup.
+pub(super) fn element(tag: &str, attributes: &str, inner: &str) -> String {
+    let space = if attributes.is_empty() { "" } else { " " };
+    format!("<{tag}{space}{attributes}>{inner}</{tag}>\n")
+}
+
+/// A table: the words of its head, and the markup of its cells.
+pub(super) fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let head: String = head.iter().map(|word| element("th", "", &escape(word))).collect();
+    let row = |cells: Vec<String>| {
+        let cells: String = cells.iter().map(|cell| element("td", "", cell)).collect();
+        element("tr", "", &cells)
+    };
+    let rows: String = rows.map(row).collect();
+    let inner = element("thead", "", &element("tr", "", &head)) + &element("tbody", "", &rows);
+    element("div", "class=scroll", &element("table", "", &inner))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn markup_in_a_text_is_shown_and_not_obeyed() {
+        assert_eq!(escape("a<b> & \"c\""), "a&lt;b&gt; &amp; &quot;c&quot;");
+        assert_eq!(element("p", "", "x"), "<p>x</p>\n");
+        let table = table(&["<"], [vec!["<b>x</b>".to_owned()]].into_iter());
+        assert!(table.contains("<th>&lt;</th>") && table.contains("<td><b>x</b></td>"));
+    }
+}

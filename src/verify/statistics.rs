@@ -1,0 +1,158 @@
+//! How sure one can be: means over independent seeds with their standard errors, and the tests that
+//! they are put to.
+//!
+//! A mean over `n` seeds with standard error `s` is compared with a value by Student's t-test: were
+//! the program right, `(mean - value) / s` would follow the t distribution with `n - 1` degrees of
+//! freedom (Student 1908). Two means are compared by Welch's test (Welch 1947). Many tests at once
+//! share one significance, so that the whole family raises a false alarm no more often than that.
+
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+/// What f32 radiance and its sums may be off from the exact value, as a share of it. A mean this
+/// near is equal, however small its standard error.
+pub const ROUNDING: f64 = 1e-5;
+
+/// A mean over independent seeds, with its standard error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The mean.
+    pub mean: f64,
+    /// The standard deviation of that mean, itself estimated from the seeds.
+    pub standard_error: f64,
+    /// Independent values behind both, at least 2.
+    pub seeds: usize,
+}
+
+impl Estimate {
+    /// From one value per independent seed, of which there must be at least two.
+    pub fn of(values: &[f64]) -> Self {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+        let standard_error = (squares / (n - 1.0) / n).sqrt();
+        Self { mean, standard_error, seeds: values.len() }
+    }
+
+    /// The probability that a right program misses `expected` by as much or more, beyond
+    /// [`ROUNDING`]; 0 for a mean that is no number.
+    pub fn p_value(&self, expected: f64) -> f64 {
+        let off = (self.mean - expected).abs() - ROUNDING * expected.abs();
+        two_sided(off, self.standard_error, self.seeds as f64 - 1.0)
+    }
+
+    /// The probability that two estimates of the same value differ by as much or more, beyond
+    /// [`ROUNDING`].
+    pub fn p_value_against(&self, other: &Self) -> f64 {
+        let largest = self.mean.abs().max(other.mean.abs());
+        let off = (self.mean - other.mean).abs() - ROUNDING * largest;
+        let [a, b] = [self, other].map(|e| e.standard_error * e.standard_error);
+        // Welch and Satterthwaite's degrees of freedom; any number will do where nothing varies.
+        let [m, n] = [self, other].map(|e| e.seeds as f64 - 1.0);
+        let freedom = (a + b) * (a + b) / (a * a / m + b * b / n);
+        two_sided(off, (a + b).sqrt(), if freedom.is_finite() { freedom } else { m + n })
+    }
+
+    /// Half the width of the interval that holds the true mean with this probability, in (0, 1).
+    pub fn margin(&self, confidence: f64) -> f64 {
+        student_t_quantile(0.5 + 0.5 * confidence, self.seeds as f64 - 1.0) * self.standard_error
+    }
+}
+
+/// The probability of `|t| >= off / standard_error`.
+fn two_sided(off: f64, standard_error: f64, freedom: f64) -> f64 {
+    if off.is_nan() || standard_error.is_nan() {
+        return 0.0;
+    }
+    if off <= 0.0 {
+        return 1.0;
+    }
+    if standard_error == 0.0 {
+        return 0.0;
+    }
+    (2.0 * student_t(freedom).sf(off / standard_error)).min(1.0)
+}
+
+/// The `t` that a variable of Student's distribution stays below with probability `p`, in (0, 1);
+/// `freedom` is positive.
+pub fn student_t_quantile(p: f64, freedom: f64) -> f64 {
+    student_t(freedom).inverse_cdf(p)
+}
+
+fn student_t(freedom: f64) -> StudentsT {
+    StudentsT::new(0.0, 1.0, freedom).expect("positive degrees of freedom")
+}
+
+/// A probability as the distance from the middle of a normal distribution, in standard deviations,
+/// that is exceeded to either side with it: 0.05 is 1.96, 1e-6 is 4.89. At most 38, where f64 ends.
+pub fn sigmas(p: f64) -> f64 {
+    let normal = Normal::standard();
+    (-normal.inverse_cdf((p / 2.0).clamp(1e-315, 0.5))).max(0.0)
+}
+
+/// The significance of each of `tests` tests whose family has the significance `family`, in (0, 1),
+/// whatever they depend on (Bonferroni).
+pub fn bonferroni(family: f64, tests: usize) -> f64 {
+    family / tests.max(1) as f64
+}
+
+/// Like [`bonferroni`], exact for independent tests (Sidak 1967).
+pub fn sidak(family: f64, tests: usize) -> f64 {
+    -libm::expm1(libm::log1p(-family) / tests.max(1) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn quantiles_and_probabilities_are_those_of_the_tables() {
+        // Two-sided 5 % for 31 degrees of freedom, and one-sided 1e-3 for 4.
+        assert_relative_eq!(student_t_quantile(0.975, 31.0), 2.039513, max_relative = 1e-6);
+        assert_relative_eq!(student_t_quantile(0.999, 4.0), 7.173182, max_relative = 1e-6);
+        assert_relative_eq!(sigmas(0.05), 1.959964, max_relative = 1e-6);
+        assert_relative_eq!(sigmas(1e-6), 4.891638, max_relative = 1e-6);
+        assert_eq!(sigmas(1.0), 0.0);
+        assert!((37.0..39.0).contains(&sigmas(0.0)));
+        let estimate = Estimate { mean: 1.0, standard_error: 0.1, seeds: 32 };
+        assert_relative_eq!(estimate.margin(0.95), 0.2039513, max_relative = 1e-6);
+        let p = estimate.p_value(1.2039513 / (1.0 + ROUNDING));
+        assert_relative_eq!(p, 0.05, max_relative = 1e-3);
+    }
+
+    #[test]
+    fn an_estimate_has_the_mean_and_its_standard_error() {
+        let estimate = Estimate::of(&[1.0, 2.0, 3.0, 6.0]);
+        assert_eq!((estimate.mean, estimate.seeds), (3.0, 4));
+        assert_relative_eq!(estimate.standard_error, (14.0f64 / 3.0 / 4.0).sqrt());
+    }
+
+    #[test]
+    fn what_never_varies_must_be_equal_up_to_rounding() {
+        let still = Estimate::of(&[2.0, 2.0, 2.0]);
+        assert_eq!(still.p_value(2.0 * (1.0 + 0.9 * ROUNDING)), 1.0);
+        assert_eq!(still.p_value(2.0 * (1.0 + 2.0 * ROUNDING)), 0.0);
+        assert_eq!(still.p_value_against(&still), 1.0);
+        assert_eq!(still.p_value_against(&Estimate { mean: 2.1, ..still }), 0.0);
+        assert_eq!(Estimate::of(&[f64::NAN, 1.0]).p_value(1.0), 0.0);
+        assert_eq!(Estimate::of(&[f64::INFINITY, 1.0]).p_value(1.0), 0.0);
+    }
+
+    #[test]
+    fn welchs_test_has_the_textbook_degrees_of_freedom() {
+        // Equal errors and numbers: the degrees of freedom add up.
+        let a = Estimate { mean: 0.0, standard_error: 3.0, seeds: 11 };
+        let b = Estimate { mean: 10.0, standard_error: 3.0, seeds: 11 };
+        let t = (10.0 - 10.0 * ROUNDING) / 18.0f64.sqrt();
+        let expected = 2.0 * student_t(20.0).sf(t);
+        assert_relative_eq!(a.p_value_against(&b), expected, max_relative = 1e-9);
+    }
+
+    #[test]
+    fn a_family_shares_its_significance() {
+        assert_relative_eq!(bonferroni(0.01, 100), 1e-4);
+        let each = sidak(0.01, 100);
+        assert_relative_eq!(1.0 - (1.0 - each).powi(100), 0.01, max_relative = 1e-9);
+        assert!(each > 1e-4);
+    }
+}

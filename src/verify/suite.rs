@@ -1,0 +1,41 @@
+//! All checks of this program, in the order of a report.
+
+use crate::accel::Backend;
+
+use super::check::{Check, Effort, share_significance};
+use super::{closed_forms, densities, intersectors, materials};
+
+/// Every check on every intersector of this build.
+pub fn checks(effort: Effort) -> Vec<Check> {
+    checks_on(effort, Backend::AVAILABLE)
+}
+
+/// Every check, on these intersectors where one is used; the first of them is used most.
+pub fn checks_on(effort: Effort, backends: &[Backend]) -> Vec<Check> {
+    let mut checks = intersectors::checks(effort, backends);
+    checks.extend(densities::checks(effort));
+    checks.extend(materials::checks(effort));
+    checks.extend(closed_forms::checks(effort, backends));
+    share_significance(&mut checks);
+    checks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_differ_and_more_effort_loses_no_check() {
+        let names = |effort| {
+            let mut names: Vec<_> = checks(effort).into_iter().map(|check| check.name).collect();
+            let count = names.len();
+            names.sort();
+            names.dedup();
+            assert_eq!(names.len(), count, "every name is one check's");
+            names
+        };
+        let [quick, normal, full] = [Effort::Quick, Effort::Normal, Effort::Full].map(names);
+        assert!(quick.iter().all(|name| normal.binary_search(name).is_ok()));
+        assert!(normal.iter().all(|name| full.binary_search(name).is_ok()));
+    }
+}

@@ -1,0 +1,121 @@
+//! `photosphere converge` as its users meet it: slopes, references, refusals.
+
+use std::fs;
+use std::process::Command;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+struct Outcome {
+    code: Option<i32>,
+    stdout: String,
+    stderr: String,
+}
+
+/// A folder with figure 2 of the paper in it.
+fn desk() -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/paper/fig2.toml");
+    fs::copy(scene, folder.path().join("fig2.toml")).expect("copied");
+    folder
+}
+
+fn run(folder: &TempDir, arguments: &str) -> Outcome {
+    let output = Command::new(env!("CARGO_BIN_EXE_photosphere"))
+        .arg("converge")
+        .args(arguments.split_whitespace())
+        .current_dir(folder.path())
+        .output()
+        .expect("the program starts");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    Outcome { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+}
+
+fn json(folder: &TempDir, arguments: &str) -> Value {
+    let outcome = run(folder, &format!("{arguments} --json --quiet"));
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    serde_json::from_str(&outcome.stdout).expect("JSON")
+}
+
+/// With 12 seeds and independent numbers the slope is -1/2 within its own 99.98 % interval, which is
+/// 2.4 times the printed one (Student's t, 11 degrees of freedom).
+#[test]
+fn independent_samples_have_the_slope_of_one_half_for_every_estimator() {
+    let folder = desk();
+    let told = json(
+        &folder,
+        "fig2.toml --size 24x18 --integrator paper,path --sampler independent --spp 16,4,64 \
+         --seeds 12 -o noise.svg",
+    );
+    let names: Vec<_> = told["series"].as_array().unwrap().iter().map(|s| &s["name"]).collect();
+    assert_eq!(names, ["paper, independent", "path, independent"]);
+    for series in told["series"].as_array().unwrap() {
+        let slope = &series["slope_against_samples"];
+        let (mean, half) = (number(&slope["mean"]), number(&slope["half_interval_95"]));
+        assert!((mean + 0.5).abs() < 2.4 * half, "{series}");
+        assert!(half < 0.2, "{series}");
+        let points = series["points"].as_array().unwrap();
+        let samples: Vec<_> =
+            points.iter().map(|p| p["samples_per_pixel"].as_u64().unwrap()).collect();
+        assert_eq!(samples, [4, 16, 64]);
+        assert!(points.iter().all(|point| number(&point["seconds"]["mean"]) > 0.0));
+    }
+    assert_eq!(told["reference"]["integrator"], "path");
+    assert_eq!(told["reference"]["samples_per_pixel"], 1024);
+    let svg = fs::read_to_string(folder.path().join("noise.svg")).expect("written");
+    for text in ["fig2.toml", "paper, independent", "samples per pixel", "is taken away"] {
+        assert!(svg.contains(text), "{text}");
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+#[test]
+fn a_picture_can_be_the_reference_and_its_error_is_then_not_known() {
+    let folder = desk();
+    let picture = Command::new(env!("CARGO_BIN_EXE_photosphere"))
+        .args(
+            "render fig2.toml --integrator path --size 16x12 --spp 512 --quiet -o best.exr"
+                .split(' '),
+        )
+        .current_dir(folder.path())
+        .status();
+    assert!(picture.expect("the program starts").success());
+    let arguments = "fig2.toml --integrator path --spp 1,4 --seeds 2 --reference best.exr -o n.svg";
+    let outcome = run(&folder, &format!("{arguments} --size 16x12 --metric relmse"));
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    for told in
+        ["reference: best.exr; its own error is not known", "relMSE", "slope against samples -"]
+    {
+        assert!(outcome.stdout.contains(told), "{told}: {}", outcome.stdout);
+    }
+    let outcome = run(&folder, arguments);
+    assert_eq!(outcome.code, Some(3));
+    assert!(outcome.stderr.contains("add --size 16x12"), "{}", outcome.stderr);
+}
+
+#[test]
+fn mistakes_are_told_before_anything_is_rendered() {
+    let folder = desk();
+    for (arguments, code, told) in [
+        ("fig2.toml -o noise.png", 3, "does not end in .svg"),
+        ("fig2.toml -o none/noise.svg", 4, "does not exist"),
+        ("none.toml -o noise.svg", 4, "none.toml"),
+        ("fig2.toml --integrator path,pth -o noise.svg", 3, "--integrator pth"),
+        (
+            "fig2.toml --integrator paper --spp 4,6 -o noise.svg",
+            3,
+            "multiple of the 2 x 2 sub-pixels",
+        ),
+        ("fig2.toml --spp 0 -o noise.svg", 2, "0"),
+        ("fig2.toml --seeds 1 -o noise.svg", 2, "1"),
+        ("fig2.toml --spp 4 --reference a.exr --reference-spp 8 -o n.svg", 2, "cannot be used"),
+    ] {
+        let outcome = run(&folder, arguments);
+        assert_eq!(outcome.code, Some(code), "{arguments}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(told), "{arguments}: {}", outcome.stderr);
+        assert!(!folder.path().join("noise.svg").exists());
+    }
+}
