@@ -1,0 +1,139 @@
+//! A folder with a scene in it, where the program is run, and what it did.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use tempfile::TempDir;
+
+pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_photosphere");
+
+/// A small scene without mistakes.
+pub(crate) const SCENE: &str = r#"format = 1
+
+[image]
+width = 16
+height = 12
+
+[camera]
+position = [1.0, 2.0, 9.0]
+look_at = [0.0, 1.5, 0.0]
+up = [0.0, 1.0, 0.0]
+vertical_fov_degrees = 36.0
+
+[background]
+radiance = [0.5, 0.6, 0.7]
+
+[materials.grass]
+type = "diffuse"
+albedo = [0.2, 0.6, 0.2]
+
+[[spheres]]
+name = "ground"
+center = [0.0, -250.0, 0.0]
+radius = 250.0
+material = "grass"
+
+[[spheres]]
+name = "ball"
+center = [0.0, 1.0, 0.0]
+radius = 1.0
+material = "grass"
+
+[render]
+integrator = "path"
+samples_per_pixel = 4
+max_depth = 6
+seed = 0
+"#;
+
+/// A folder with `scene.toml` in it, where the program is run.
+pub(crate) struct Desk(TempDir);
+
+/// What the program did.
+pub(crate) struct Outcome {
+    pub(crate) code: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Desk {
+    pub(crate) fn new(scene: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder for the test");
+        fs::write(folder.path().join("scene.toml"), scene).expect("the scene is written");
+        Self(folder)
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path().join(name)).expect("the file is there")
+    }
+
+    /// The program with the arguments, which are separated by blanks.
+    pub(crate) fn command(&self, arguments: &str) -> Command {
+        // A test run may itself have been started with signals ignored; the program must not.
+        let mut command = Command::new("env");
+        command.arg("--default-signal=HUP,INT,TERM").arg(PROGRAM);
+        command.args(arguments.split_whitespace()).current_dir(self.path());
+        command
+    }
+
+    pub(crate) fn run(&self, arguments: &str) -> Outcome {
+        outcome(&mut self.command(arguments))
+    }
+
+    pub(crate) fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.path()).expect("the folder can be listed");
+        let name = |entry: std::io::Result<fs::DirEntry>| {
+            entry.expect("an entry").file_name().into_string().expect("a plain name")
+        };
+        let mut names: Vec<_> = entries.map(name).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Outcome {
+    #[track_caller]
+    pub(crate) fn succeeds(self) -> Self {
+        assert_eq!(self.code, Some(0), "{}", self.stderr);
+        self
+    }
+
+    /// The exit code and every part of the message.
+    #[track_caller]
+    pub(crate) fn fails(self, code: i32, parts: &[&str]) -> Self {
+        assert_eq!(self.code, Some(code), "{}", self.stderr);
+        for part in parts {
+            assert!(self.stderr.contains(part), "`{part}` is not in\n{}", self.stderr);
+        }
+        assert_eq!(self.stdout, "");
+        self
+    }
+
+    pub(crate) fn json(&self) -> serde_json::Value {
+        serde_json::from_str(&self.stdout).expect("the standard output is one JSON value")
+    }
+}
+
+pub(crate) fn outcome(command: &mut Command) -> Outcome {
+    let output = command.output().expect("the program starts");
+    Outcome {
+        code: output.status.code(),
+        stdout: String::from_utf8(output.stdout).expect("text"),
+        stderr: String::from_utf8(output.stderr).expect("text"),
+    }
+}
+
+/// A render of the scene with one piece of it replaced.
+#[track_caller]
+pub(crate) fn render_with(piece: &str, replacement: &str) -> Outcome {
+    assert_eq!(SCENE.matches(piece).count(), 1, "`{piece}` names one place of the scene");
+    let desk = Desk::new(&SCENE.replace(piece, replacement));
+    let outcome = desk.run("render scene.toml -o out.png --accel native");
+    assert_eq!(desk.names(), ["scene.toml"], "nothing is left behind");
+    outcome
+}

@@ -1,0 +1,51 @@
+//! Files that cannot be read or written.
+
+use std::fs;
+
+use crate::desk::{Desk, SCENE};
+
+#[test]
+fn a_scene_that_cannot_be_read_is_a_file_error() {
+    let desk = Desk::new(SCENE);
+    let message = "error: cannot read the scene `missing.toml`: No such file or directory";
+    let commands = ["render missing.toml -o a.png", "info missing.toml", "bench missing.toml"];
+    for command in commands.into_iter().chain(["crosscheck missing.toml"]) {
+        desk.run(command).fails(4, &[message]);
+    }
+    fs::create_dir(desk.path().join("folder.toml")).expect("a folder");
+    desk.run("info folder.toml").fails(4, &["cannot read the scene `folder.toml`: it is a folder"]);
+    fs::write(desk.path().join("bytes.toml"), [0xff, 0xfe]).expect("a file");
+    desk.run("info bytes.toml").fails(4, &["`bytes.toml`: it is not UTF-8 text"]);
+}
+
+#[test]
+fn the_place_of_the_picture_is_checked_before_anything_else() {
+    let desk = Desk::new(SCENE);
+    fs::create_dir(desk.path().join("folder")).expect("a folder");
+    fs::create_dir(desk.path().join("folder.png")).expect("a folder");
+    let refused = |output: &str, code: i32, parts: &[&str]| {
+        desk.run(&format!("render missing.toml -o {output}")).fails(code, parts);
+    };
+    let missing =
+        "error: cannot write `no/a.png`: the folder `no` does not exist\n  help: create it";
+    refused("no/a.png", 4, &[missing]);
+    refused("folder.png", 4, &["error: cannot write `folder.png`: it is a folder"]);
+    refused("folder", 4, &["it is a folder", "help: name a file in it", "folder/picture.png"]);
+    refused("scene.toml/a.png", 4, &["nothing can be created in `scene.toml` (Not a dir"]);
+    refused("out.bmp", 3, &["error: `out.bmp` does not end in .png, .exr, .hdr or .pfm\n"]);
+    refused("out", 3, &["does not end in", "help: the ending chooses the format"]);
+    if cfg!(target_os = "linux") {
+        let message = "cannot write `/proc/a.png`: nothing can be created in `/proc` (No such \
+                           file or directory (os error 2))\n";
+        refused("/proc/a.png", 4, &[message]);
+        refused("/dev/null", 3, &["`/dev/null` does not end in .png"]);
+    }
+    assert_eq!(desk.names(), ["folder", "folder.png", "scene.toml"]);
+}
+
+#[test]
+fn a_dump_that_cannot_be_written_is_a_file_error() {
+    let desk = Desk::new(SCENE);
+    desk.run("crosscheck scene.toml --accel native --rays 30 --dump no/rays.txt")
+        .fails(4, &["error: cannot write `no/rays.txt`: No such file or directory"]);
+}

@@ -1,0 +1,12 @@
+//! The program as its users meet it: what it prints, what it writes, and its exit codes.
+
+#![cfg(unix)]
+
+mod command_line;
+mod desk;
+mod files;
+mod mistakes_in_a_scene;
+mod pictures;
+mod reports;
+mod streams_and_signals;
+mod tables;

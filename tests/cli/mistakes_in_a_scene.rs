@@ -1,0 +1,68 @@
+//! Mistakes in a scene file, as they are shown.
+
+use crate::desk::{Desk, SCENE, render_with};
+
+#[test]
+fn all_of_them_are_shown_with_place_excerpt_and_caret() {
+    let scene = SCENE.replace("radius = 1.0", "radius = nan").replace("width", "widht");
+    let shown = Desk::new(&scene).run("render scene.toml -o out.png").fails(3, &[]);
+    let radius = r#"
+error: `spheres.ball.radius` must be a number from 1e-15 to 1e15, not nan
+    ,-[scene.toml:29:10]
+ 28 | center = [0.0, 1.0, 0.0]
+ 29 | radius = nan
+    :          ^^^
+ 30 | material = "grass"
+    `----
+"#;
+    let width = r"
+error: `image.widht` is not a key of a scene
+   ,-[scene.toml:4:1]
+ 3 | [image]
+ 4 | widht = 16
+   : ^^|^^
+   :   `-- unknown key
+ 5 | height = 12
+   `----
+  help: did you mean `width`?
+";
+    for expected in [radius.trim_start(), width.trim_start()] {
+        assert!(shown.stderr.contains(expected), "{}", shown.stderr);
+    }
+}
+
+#[test]
+fn sizes_numbers_and_names_are_checked() {
+    let cases = [
+        ("width = 16", "width = 0", "`image.width` must be a whole number from 1"),
+        ("width = 16", "width = 1e3", "`image.width` must be"),
+        ("radius = 1.0", "radius = nan", "`spheres.ball.radius` must be"),
+        ("radius = 1.0", "radius = -1.0", "`spheres.ball.radius` must be"),
+        ("[0.0, 1.0, 0.0]\nradius", "[0.0, inf, 0.0]\nradius", "`spheres.ball.center"),
+        ("albedo", "albdeo", "did you mean `albedo`"),
+        ("\"path\"", "\"pth\"", "did you mean `path`"),
+        ("\"diffuse\"", "\"difuse\"", "did you mean `diffuse`"),
+        ("format = 1", "format = 2", "format"),
+        ("samples_per_pixel = 4", "samples_per_pixel = 0", "`render.samples_per_pixel` must"),
+        ("[render]", "[render", "[scene.toml:32:8]"),
+    ];
+    for (piece, replacement, message) in cases {
+        render_with(piece, replacement).fails(3, &["error: ", "[scene.toml:", message]);
+    }
+}
+
+#[test]
+fn a_scene_without_spheres_is_refused() {
+    let start = SCENE.find("[[spheres]]").expect("spheres");
+    let end = SCENE.find("[render]").expect("render");
+    let scene = [&SCENE[..start], &SCENE[end..]].concat();
+    Desk::new(&scene).run("render scene.toml -o out.png").fails(3, &["no spheres"]);
+}
+
+#[test]
+fn samples_must_suit_the_sub_pixels_of_the_paper() {
+    let desk = Desk::new(SCENE);
+    let paper = "render scene.toml -o out.png --integrator paper";
+    desk.run(&format!("{paper} --spp 6"))
+        .fails(3, &["--spp 6", "a multiple of the 2 x 2 sub-pixels, not 6"]);
+}

@@ -1,0 +1,101 @@
+//! `info`, `doctor`, `crosscheck` and `bench`.
+
+use crate::desk::{Desk, SCENE};
+
+#[test]
+fn info_counts_what_is_in_the_scene() {
+    let desk = Desk::new(SCENE);
+    let info = desk.run("info scene.toml --json").succeeds().json();
+    assert_eq!((&info["spheres"], &info["duplicates"]), (&2.into(), &0.into()));
+    assert_eq!((&info["width"], &info["integrator"]), (&16.into(), &"path".into()));
+    assert_eq!(info["bounds"]["high"], serde_json::json!([250.0, 2.0, 250.0]));
+    assert_eq!(info["radius"], serde_json::json!({ "smallest": 1.0, "largest": 250.0 }));
+    assert_eq!(info["tables"], 0);
+    let text = desk.run("info scene.toml --set render.integrator=paper").succeeds().stdout;
+    for part in
+        ["spheres     2\n", "grass (diffuse)", "2 x 2 sub-pixels", "16 x 12 pixels", "1 to 250\n"]
+    {
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+#[test]
+fn info_warns_of_spheres_that_rounding_moved() {
+    let far =
+        SCENE.replace("[0.0, 1.0, 0.0]\nradius = 1.0", "[1000000010.3, 0.3, 0.0]\nradius = 0.1");
+    let told = Desk::new(&far).run("info scene.toml").succeeds();
+    let told_all = format!("{}{}", told.stdout, told.stderr);
+    let expected = "warning: rounding to f32 moved 1 sphere by more than 1 % of the radius";
+    assert!(told.stderr.contains(expected), "{told_all}");
+    assert!(told.stdout.contains("coarse      1 "), "{told_all}");
+}
+
+#[test]
+fn json_has_the_warnings_of_spheres_too() {
+    let twin = &SCENE[SCENE.find("[[spheres]]\nname = \"ball\"").expect("the ball")..];
+    let twin = &twin[..twin.find("[render]").expect("its end")];
+    let desk = Desk::new(&format!("{SCENE}\n{}", twin.replace("ball", "twin")));
+    let done = desk.run("render scene.toml -o a.png --accel native --json").succeeds();
+    let warning = "1 sphere left out: an earlier row is the same sphere after rounding to f32";
+    assert!(done.stderr.contains(&format!("warning: {warning}\n")), "{}", done.stderr);
+    assert_eq!(done.json()["warnings"], serde_json::json!([warning]));
+}
+
+#[test]
+fn doctor_finds_this_build_healthy() {
+    let text = Desk::new(SCENE).run("doctor").succeeds().stdout;
+    for part in ["photosphere ", "threads ", "embree ", "--accel native ", "works\n"] {
+        assert!(text.contains(part), "{text}");
+    }
+    if cfg!(not(feature = "embree")) {
+        assert!(text.contains("apt-get install libembree-dev libclang-dev"), "{text}");
+    }
+}
+
+#[test]
+fn crosscheck_finds_every_intersector_right() {
+    let desk = Desk::new(SCENE);
+    let told = desk.run("crosscheck scene.toml --rays 3000 --dump rays.txt").succeeds();
+    let headings = ["passed over", "sides"];
+    let parts = ["native ", "brute-force ", "every answer is within the stated tolerance"];
+    for part in parts.into_iter().chain(headings) {
+        assert!(told.stdout.contains(part), "{}", told.stdout);
+    }
+    let dump = String::from_utf8(desk.read("rays.txt")).expect("text");
+    assert_eq!(dump.lines().count(), 1, "only the heading: {dump}");
+    assert!(dump.starts_with("# rays relative to 0.0 -250.0 0.0; "), "{dump}");
+}
+
+#[test]
+fn crosscheck_is_right_at_the_limits_of_size() {
+    let scene = SCENE.replace("radius = 250.0", "radius = 1e15");
+    let scene = scene.replace("[0.0, -250.0, 0.0]", "[0.0, -1e15, 0.0]");
+    Desk::new(&scene).run("crosscheck scene.toml --rays 3000").succeeds();
+    let near =
+        scene.replace("vertical_fov_degrees = 36.0", "vertical_fov_degrees = 170.0\nnear = 1e15");
+    let refused = "puts the start of some camera rays out of reach";
+    Desk::new(&near).run("crosscheck scene.toml --rays 3000").fails(3, &[refused]);
+}
+
+#[cfg(feature = "embree")]
+#[test]
+fn crosscheck_warns_of_spheres_too_small_for_their_distance() {
+    let far = SCENE.replace("[1.0, 2.0, 9.0]", "[1e6, 2.0, 9e6]").replace("36.0", "1e-5");
+    let told = Desk::new(&far).run("crosscheck scene.toml --rays 3000").succeeds();
+    assert!(told.stderr.contains("% of the answers of `embree` to rays of"), "{}", told.stderr);
+    assert!(!told.stderr.contains("answers of `native`"), "{}", told.stderr);
+}
+
+#[test]
+fn bench_measures_the_intersectors_asked_for() {
+    let desk = Desk::new(SCENE);
+    let bench = "bench scene.toml --accel native --accel brute-force";
+    let text = desk.run(bench).succeeds().stdout;
+    for part in ["native ", "brute-force ", "closest", "occluded"] {
+        assert!(text.contains(part), "{text}");
+    }
+    let json = desk.run(&format!("{bench} --json")).succeeds().json();
+    assert_eq!(json["backends"].as_array().map(Vec::len), Some(2));
+    let rate = &json["backends"][0]["bounced"]["closest_rays_per_s"];
+    assert!(rate.as_f64().is_some_and(|rate| rate > 1.0), "{json}");
+}

@@ -1,0 +1,106 @@
+//! Closed pipes, full disks and Ctrl-C.
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::os::fd::OwnedFd;
+use std::os::unix::net::UnixStream;
+use std::process::{Child, Command, Stdio};
+
+use crate::desk::{Desk, SCENE, outcome};
+
+#[test]
+fn a_reader_that_has_gone_is_no_failure() {
+    for arguments in ["man", "info scene.toml", "doctor", "--help"] {
+        let (ours, theirs) = UnixStream::pair().expect("two sockets");
+        drop(theirs);
+        let desk = Desk::new(SCENE);
+        let done = outcome(desk.command(arguments).stdout(OwnedFd::from(ours)));
+        assert_eq!((done.code, done.stderr.as_str()), (Some(0), ""), "{arguments}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_under_the_standard_output_is_a_file_error() {
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has it");
+    let desk = Desk::new(SCENE);
+    outcome(desk.command("info scene.toml").stdout(full))
+        .fails(4, &["error: cannot write `standard output`: No space left on device"]);
+}
+
+/// Starts a render that would take years, and returns once it has told of finished samples.
+fn endless_render(desk: &Desk, options: &str) -> (Child, impl Iterator<Item = String> + use<>) {
+    let arguments = format!("render scene.toml -o out.pfm --spp 4294967292 {options}");
+    let mut child =
+        desk.command(&arguments).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let stderr = child.stderr.take().expect("it was asked for");
+    let mut lines = BufReader::new(stderr).lines().map(|line| line.expect("text"));
+    let first = lines.next().expect("a line of progress");
+    assert!(first.contains("samples/s") && first.ends_with(" left"), "{first}");
+    (child, lines)
+}
+
+fn interrupt(child: &Child) {
+    // The shell's own `kill`: the program of that name is not installed everywhere.
+    let kill = format!("kill -INT {}", child.id());
+    let status = Command::new("sh").args(["-c", &kill]).status().expect("a shell");
+    assert!(status.success());
+}
+
+/// The scene is a pipe that never ends, so the program is sure to be reading it.
+#[test]
+fn an_interrupt_before_the_render_ends_the_program_at_once() {
+    let commands = ["render scene.pipe -o out.pfm", "bench scene.pipe", "crosscheck scene.pipe"];
+    for command in commands {
+        let desk = Desk::new(SCENE);
+        let pipe = desk.path().join("scene.pipe");
+        assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo runs").success());
+        let mut child = desk.command(command);
+        let child = child.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = child.spawn().expect("the program starts");
+        // Returns once the program has opened the other end.
+        let _writer = fs::OpenOptions::new().write(true).open(&pipe).expect("a reader");
+        interrupt(&child);
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(130), "{command}");
+        let told = String::from_utf8(output.stderr).expect("text");
+        assert_eq!(told, "stopped; nothing was written\n");
+        assert_eq!(desk.names(), ["scene.pipe", "scene.toml"]);
+    }
+}
+
+#[test]
+fn the_first_interrupt_writes_the_picture_so_far() {
+    let desk = Desk::new(SCENE);
+    let (mut child, lines) = endless_render(&desk, "--accel native --threads 1");
+    interrupt(&child);
+    let words: Vec<_> = lines.collect();
+    assert_eq!(child.wait().expect("it ends").code(), Some(130), "{words:?}");
+    let has = |start: &str| words.iter().any(|line| line.starts_with(start));
+    assert!(has("stopping; press Ctrl-C again"), "{words:?}");
+    assert!(has("wrote out.pfm, stopped after"), "{words:?}");
+    let picture = desk.read("out.pfm");
+    assert_eq!(picture.len(), "PF\n16 12\n-1.0\n".len() + 16 * 12 * 12);
+    assert_eq!(desk.names(), ["out.pfm", "scene.toml"]);
+}
+
+#[test]
+fn the_second_interrupt_ends_the_program_at_once_and_cleanly() {
+    let table = "[[sphere_tables]]\nfile = \"many.f32\"\nmaterial = \"grass\"\n\
+                     columns = [\"x\", \"y\", \"z\", \"radius\"]\n[render]";
+    let desk = Desk::new(&SCENE.replace("[render]", table));
+    // So many spheres that the oracle needs seconds for the samples in flight.
+    let row = |i: u32| [i as f32, 3.0, 0.0, 0.3];
+    let bytes: Vec<u8> = (0..300_000).flat_map(row).flat_map(f32::to_le_bytes).collect();
+    fs::write(desk.path().join("many.f32"), bytes).expect("the table is written");
+    fs::write(desk.path().join("out.pfm"), "old").expect("an older picture");
+    let (mut child, mut lines) = endless_render(&desk, "--accel brute-force --threads 1");
+    interrupt(&child);
+    let stopping = lines.find(|line| line.starts_with("stopping;"));
+    assert!(stopping.is_some());
+    interrupt(&child);
+    assert_eq!(child.wait().expect("it ends").code(), Some(130));
+    assert_eq!(lines.count(), 0, "it has nothing more to say");
+    assert_eq!(desk.names(), ["many.f32", "out.pfm", "scene.toml"]);
+    assert_eq!(desk.read("out.pfm"), b"old");
+}

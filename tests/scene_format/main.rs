@@ -1,0 +1,10 @@
+//! The scene file as a user meets it: what is read, and how each mistake is told.
+
+mod any_text;
+mod backgrounds;
+mod metals;
+mod mistakes;
+mod options;
+mod paper;
+mod reading;
+mod scenes;

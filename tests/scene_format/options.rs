@@ -1,0 +1,87 @@
+//! Options that replace what the file says.
+
+use std::path::Path;
+
+use photosphere::scene::description::{FilterKind, Integrator, Paper, Surface};
+use photosphere::scene::{Override, read_text};
+
+use crate::scenes::{SCENE, assert_told, load, with};
+
+#[test]
+fn options_replace_what_the_file_says() {
+    let options = [
+        "materials.grass.albedo=[1,0,0]",
+        "spheres.0.radius=20",
+        "spheres.ground.center.1 = -20",
+        "spheres.1.name='a \"b\"'",
+        "render.integrator=paper",
+        "render.paper.samples=9",
+        "image.filter='tent'",
+        "render.seed=1",
+        "render.seed=2",
+    ];
+    let description = load(SCENE, &options).expect("a good scene").description;
+    let albedo = [1.0, 0.0, 0.0].into();
+    assert_eq!(description.materials[0].surface, Surface::Diffuse { albedo, roughness: 0.0 });
+    assert_eq!(description.spheres[0].radius, 20.0);
+    assert_eq!(description.spheres[0].center.y, -20.0);
+    assert_eq!(description.spheres[1].name.as_deref(), Some("a \"b\""));
+    assert!(matches!(description.render.integrator, Integrator::Paper(Paper { samples: 9, .. })));
+    assert_eq!(description.render.samples_per_pixel, 36);
+    assert_eq!(description.image.filter, FilterKind::Tent);
+    assert_eq!(description.render.seed, 2, "the last one wins");
+}
+
+#[test]
+fn options_reach_quoted_names_and_whole_tables() {
+    let named = with("name = \"ground\"", "name = \"the ground\"");
+    let description = load(&named, &["spheres.\"the ground\".radius=3"]).expect("good").description;
+    assert_eq!(description.spheres[0].radius, 3.0);
+    let whole = "materials.water={ type = \"mirror\", reflectance = [1, 1, 1] }";
+    let description = load(SCENE, &[whole, "spheres.1.material=water"]).expect("good").description;
+    assert_eq!(description.materials[description.spheres[1].material].name, "water");
+}
+
+/// What is set, and what is said of it.
+#[rustfmt::skip]
+const MISTAKES_IN_OPTIONS: &[(&str, &str)] = &[
+    ("image.widht=3", "1:7: `image.widht` is not a key of a scene | did you mean `width`?"),
+    ("images.width=3", "1:7: `images` is not a key of a scene | did you mean `image`?"),
+    ("image.width=0", "1:19: `image.width` must be a whole number from 1 to 65536, not 0"),
+    ("image.width=", "1:19: the value is missing"),
+    ("image.width=wide", "1:19: `image.width` must be a whole number from 1 to 65536, not a string"),
+    ("image..width=3", "1:7: the key cannot be read: unquoted keys cannot be empty, expected letters, numbers, `-`, `_`"),
+    ("materials.grass.albedo=[1,0", "1:34: the value is not TOML: unclosed array, expected `]`"),
+    ("materials.grass.albedo=[1,0,2]", "1:35: `materials.grass.albedo` must be three numbers from 0 to 1, not 2"),
+    ("materials.gras.albedo=[1,0,0]", "1:7: there is no material \"gras\" | did you mean `grass`?"),
+    ("spheres.2.radius=1", "1:7: `spheres` has 2 entries, counted from 0"),
+    ("spheres.-1.radius=1", "1:7: no entry of `spheres` is named \"-1\""),
+    ("spheres.grund.radius=1", "1:7: no entry of `spheres` is named \"grund\" | did you mean `ground`?"),
+    ("spheres.'0'.radius=1", "1:7: no entry of `spheres` is named \"0\""),
+    ("render.seed.x=1", "1:7: `render.seed` is an integer and has no keys"),
+    ("render.seed=1\nrender.max_depth=2", "1:19: the value must be a single one"),
+];
+
+#[test]
+fn mistakes_in_options_are_shown_in_the_option() {
+    for (option, expected) in MISTAKES_IN_OPTIONS {
+        assert_told(SCENE, &[option], &[&format!("command line:{expected}")]);
+    }
+    let twin = "[[spheres]]\nname='ground'\ncenter=[0,0,0]\nradius=1\nmaterial='grass'\n";
+    let expected = "command line:1:7: 2 entries of `spheres` are named \"ground\" \
+                    | say which by its number, as in `spheres.0`";
+    assert_told(&format!("{SCENE}{twin}"), &["spheres.ground.radius=1"], &[expected]);
+}
+
+#[test]
+fn an_option_of_its_own_name_is_shown_as_written() {
+    let spp = Override {
+        option: "--spp 0".into(),
+        key: "render.samples_per_pixel".into(),
+        value: "0".into(),
+    };
+    let error = read_text("a.toml", SCENE, Path::new(""), &[spp]).expect_err("0 samples");
+    let place = error.mistakes()[0].place.as_ref().expect("a place");
+    assert_eq!(place.source.text, "--spp 0");
+    assert_eq!(place.span, 6..7);
+}

@@ -1,0 +1,51 @@
+//! The same bits for any threads, batch and order.
+
+use photosphere::accel::Backend;
+
+use crate::common::{outcome, scene, scene_file};
+
+#[test]
+fn the_picture_has_the_same_bits_for_any_number_of_threads() {
+    let text = scene_file("paper/fig4.toml");
+    let small = ["image.width=60", "image.height=45", "render.samples_per_pixel=20"];
+    let scene = scene(&text, &small);
+    for &backend in Backend::AVAILABLE {
+        let render = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            // Embree builds with its own threads, as many as there are in the pool.
+            pool.expect("threads").install(|| outcome(&scene, backend).picture)
+        };
+        let one = render(1);
+        for threads in [2, 7] {
+            assert_eq!(one, render(threads), "{} on {threads} threads", backend.name());
+        }
+    }
+}
+
+#[test]
+fn a_sample_does_not_depend_on_its_batch_or_order() {
+    use photosphere::color::Radiance;
+    use photosphere::integrator::{SampleAddress, Workspace, World, of_scene};
+    let text = scene_file("paper/fig4.toml");
+    for integrator in ["render.integrator=path", "render.integrator=paper"] {
+        let scene = scene(&text, &["image.width=64", "image.height=48", integrator]);
+        let accel =
+            Backend::BruteForce.build(scene.spheres(), &Default::default()).expect("builds");
+        let cancel = Default::default();
+        let world = World { scene: &scene, accel: &*accel, cancel: &cancel };
+        let estimate = |samples: &[SampleAddress]| {
+            let mut radiance = vec![Radiance::default(); samples.len()];
+            of_scene(&scene).estimate(world, samples, &mut radiance, &mut Workspace::default());
+            radiance.iter().map(|r| (r.direct, r.indirect)).collect::<Vec<_>>()
+        };
+        let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i % 13 };
+        let samples: Vec<_> = (0..500).map(address).collect();
+        let together = estimate(&samples);
+        let alone: Vec<_> = samples.iter().flat_map(|&s| estimate(&[s])).collect();
+        assert_eq!(together, alone);
+        let backwards: Vec<_> = samples.iter().rev().copied().collect();
+        let mut again = estimate(&backwards);
+        again.reverse();
+        assert_eq!(together, again);
+    }
+}

@@ -1,0 +1,54 @@
+//! Direct and indirect light add up.
+
+use crate::common::{picture, scene_file};
+use crate::scenes::{CONTENTS, FURNACE, with};
+
+#[test]
+fn direct_and_indirect_light_add_up_and_depth_two_is_direct() {
+    let text = scene_file("paper/fig2.toml");
+    let small = ["image.width=40", "image.height=30", "render.samples_per_pixel=16"];
+    let all = picture(&text, &small);
+    assert!(all.direct.iter().any(|c| c.y > 0.0) && all.indirect.iter().any(|c| c.y > 0.0));
+    let direct = picture(&text, &with(&small, &["render.max_depth=2"]));
+    assert_eq!(direct.direct, all.direct, "the same numbers draw the same first edges");
+    assert!(direct.indirect.iter().all(|c| c.max_element() == 0.0));
+    for i in 0..all.len() {
+        assert_eq!(all.beauty(i), all.direct[i] + all.indirect[i]);
+    }
+}
+
+#[test]
+fn mirrors_and_glass_do_not_count_as_scattering() {
+    // Nothing scatters: all light is direct, however many mirrors and glasses it passes.
+    let black = ["materials.wall.albedo=[0,0,0]", "materials.white.albedo=[0,0,0]"];
+    let seen = picture(&format!("{FURNACE}{CONTENTS}"), &black);
+    assert!(seen.indirect.iter().all(|c| c.max_element() == 0.0));
+    assert!(seen.direct.iter().filter(|c| c.y > 0.0).count() > seen.len() / 2);
+    // A ball lit by a lamp and seen in a mirror is direct light as well: three edges, one scattering.
+    let mirrored = picture(
+        &scene_file("paper/fig4.toml"),
+        &[
+            "image.width=40",
+            "image.height=30",
+            "render.samples_per_pixel=16",
+            "render.max_depth=3",
+            "materials.floating.albedo=[0,0,0]",
+            "camera.look_at=[-1.3,0.7,0]",
+            "camera.vertical_fov_degrees=4",
+        ],
+    );
+    assert!(mirrored.indirect.iter().all(|c| c.max_element() == 0.0));
+    assert!(mirrored.direct.iter().filter(|c| c.y > 0.0).count() > mirrored.len() / 2);
+}
+
+#[test]
+fn light_of_the_background_is_split_like_a_lamps() {
+    let dark = ["materials.lamp.emission=[0,0,0]", "background.radiance=[1,1,1]"];
+    let small = ["image.width=40", "image.height=30", "render.samples_per_pixel=16"];
+    let at_depth =
+        |depth| picture(&scene_file("paper/fig2.toml"), &with(&with(&dark, &small), &[depth]));
+    let lit = |layer: &[photosphere::color::Rgb]| layer.iter().filter(|c| c.y > 0.0).count();
+    assert_eq!(lit(&at_depth("render.max_depth=2").indirect), 0);
+    assert!(lit(&at_depth("render.max_depth=3").indirect) > 100);
+    assert!(lit(&at_depth("render.max_depth=3").direct) > 1100);
+}
