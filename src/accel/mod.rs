@@ -122,6 +122,17 @@ impl Backend {
         }
     }
 
+    /// The name with the version of what does the work, such as `embree 4.3.3`: backends that say
+    /// the same here answer alike. Ours change with the program alone.
+    pub fn name_and_version(self) -> String {
+        match (self, embree_info()) {
+            (Self::Embree | Self::EmbreeUser, Some(Ok(info))) => {
+                format!("{} {}", self.name(), info.runtime_version)
+            }
+            _ => self.name().to_owned(),
+        }
+    }
+
     /// Builds this backend over the spheres.
     ///
     /// # Errors

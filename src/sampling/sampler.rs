@@ -19,6 +19,16 @@ pub enum SamplerKind {
     Stratified,
 }
 
+impl SamplerKind {
+    /// Whether all numbers change with how many samples a pixel is to have.
+    pub fn depends_on_count(self) -> bool {
+        match self {
+            Self::Sobol | Self::Independent => false,
+            Self::Stratified => true,
+        }
+    }
+}
+
 /// All the random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler(Numbers);

@@ -19,12 +19,14 @@ use crate::sampling::Filter;
 
 use super::description::{self, Description};
 use super::environment;
+use super::identity::{Identity, Ingredients};
 use super::{Loaded, Override, RowGroup, read_file};
 
 /// A scene, ready to be rendered.
 #[derive(Debug)]
 pub struct Scene {
     description: Description,
+    ingredients: Ingredients,
     spheres: Arc<SphereSet>,
     materials: Vec<Material>,
     has_opacity: bool,
@@ -83,7 +85,7 @@ impl Scene {
     /// # Errors
     /// When there are more spheres than ids, or camera rays start out of reach.
     pub fn new(loaded: Loaded) -> Result<Self> {
-        let Loaded { description, rows, groups, environment } = loaded;
+        let Loaded { description, rows, groups, environment, ingredients } = loaded;
         let spheres = Arc::new(SphereSet::new(rows)?);
         let materials: Vec<_> = description.materials.iter().map(material).collect();
         let has_opacity = materials.iter().any(|material| material.opacity < 1.0);
@@ -91,6 +93,7 @@ impl Scene {
         let filter = Filter::new(description.image.filter, description.image.filter_radius);
         let mut scene = Self {
             description,
+            ingredients,
             spheres,
             materials,
             has_opacity,
@@ -111,6 +114,17 @@ impl Scene {
     /// What the user wrote.
     pub fn description(&self) -> &Description {
         &self.description
+    }
+
+    /// What it was read from.
+    pub fn ingredients(&self) -> &Ingredients {
+        &self.ingredients
+    }
+
+    /// The identity of its pictures by an intersector, named with its version as a
+    /// backend tells it: pictures of one identity agree to the bit in all samples that they share.
+    pub fn identity(&self, intersector: &str) -> Identity {
+        self.ingredients.identity(&self.description, intersector)
     }
 
     /// Chooses other random numbers; nothing else of a scene depends on its seed.

@@ -28,6 +28,20 @@ impl Pixels {
         light::Dome::image(self.width, self.height, &self.pixels)
     }
 
+    /// The hash of size and values.
+    pub(super) fn hash(&self) -> blake3::Hash {
+        let mut hasher = blake3::Hasher::new();
+        for length in [self.width, self.height] {
+            hasher.update(&(length as u64).to_le_bytes());
+        }
+        for row in self.pixels.chunks(self.width.max(1)) {
+            let values = row.iter().flat_map(|pixel| pixel.to_array());
+            let bytes: Vec<u8> = values.flat_map(f32::to_le_bytes).collect();
+            hasher.update(&bytes);
+        }
+        hasher.finalize()
+    }
+
     /// What keeps the pixels from being a background.
     fn check(self) -> Result<Self, String> {
         let Self { width, height, ref pixels } = self;

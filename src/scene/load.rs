@@ -10,6 +10,7 @@ use crate::geometry::SphereRows;
 use super::description::Description;
 use super::document;
 use super::environment::Pixels;
+use super::identity::{Ingredients, Words, hash_of_document};
 use super::import::{RowGroup, import};
 use super::overrides::{LaidOut, Override};
 use super::read::{Draft, read};
@@ -29,6 +30,8 @@ pub struct Loaded {
     pub groups: Vec<RowGroup>,
     /// The pixels of the background's image, where it has one.
     pub environment: Option<Pixels>,
+    /// What all this was read from.
+    pub ingredients: Ingredients,
 }
 
 /// Reads a scene file, with `overrides` in place of what it says.
@@ -59,7 +62,10 @@ pub fn read_text(name: &str, text: &str, folder: &Path, overrides: &[Override]) 
     let (rows, groups) = import(&draft.description, &draft.surveys, &report)?;
     report.verdict()?;
     let Draft { description, environment, .. } = draft;
-    Ok(Loaded { description, rows, groups, environment })
+    let words =
+        Words { name, folder, text, options: overrides, document: hash_of_document(&table) };
+    let ingredients = Ingredients::new(&words, &description, &rows, &groups, environment.as_ref());
+    Ok(Loaded { description, rows, groups, environment, ingredients })
 }
 
 fn read_to_string(path: &Path) -> Result<String> {

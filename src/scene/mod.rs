@@ -5,6 +5,7 @@ mod biases;
 pub mod description;
 mod document;
 mod environment;
+mod identity;
 mod import;
 mod load;
 mod overrides;
@@ -14,6 +15,7 @@ mod values;
 
 pub use assemble::{Scene, Surface};
 pub use environment::Pixels;
+pub use identity::{Identity, Ingredient, Ingredients};
 pub use import::RowGroup;
 pub use load::{Loaded, read_file, read_text};
 pub use overrides::Override;
