@@ -6,6 +6,7 @@
 
 mod compare;
 mod converge;
+mod picture;
 mod trace;
 mod verify;
 
@@ -21,6 +22,7 @@ use super::exit::EXIT_CODES;
 
 pub(super) use compare::{CompareArgs, Mapped, Metric};
 pub(super) use converge::ConvergeArgs;
+pub(super) use picture::PictureArgs;
 pub(super) use trace::TraceArgs;
 pub(super) use verify::VerifyArgs;
 
@@ -120,37 +122,8 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) accel: AccelArg,
 
-    /// What is computed: path, direct, ambient-occlusion, normals, paper or raycast
-    #[arg(long, value_name = "NAME")]
-    integrator: Option<String>,
-
-    /// How lights are found: mis, light or bsdf
-    #[arg(long, value_name = "NAME")]
-    estimator: Option<String>,
-
-    /// How random numbers are spread: sobol, independent or stratified
-    #[arg(long, value_name = "NAME")]
-    sampler: Option<String>,
-
-    /// Samples per pixel, from 1
-    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
-    spp: Option<i128>,
-
-    /// The size of the picture in pixels, as in 640x480
-    #[arg(long, value_name = "WxH", value_parser = size)]
-    size: Option<Size>,
-
-    /// Render this part of the picture only: its first column and row, and the ones behind its last
-    #[arg(long, value_name = "X0,Y0,X1,Y1")]
-    crop: Option<String>,
-
-    /// Chooses the random numbers; equal seeds give equal pictures
-    #[arg(long, value_name = "S", value_parser = whole, allow_negative_numbers = true)]
-    seed: Option<i128>,
-
-    /// The longest path in edges: 1 sees lamps only, 2 adds direct light, 3 one bounce
-    #[arg(long, value_name = "D", value_parser = whole, allow_negative_numbers = true)]
-    max_depth: Option<i128>,
+    #[command(flatten)]
+    pub(super) picture: PictureArgs,
 
     /// Say nothing but warnings and errors
     #[arg(short, long)]
@@ -291,42 +264,9 @@ impl AccelsArg {
 }
 
 impl RenderArgs {
-    /// What the options change in the scene; `--set` has the last word.
+    /// What the options change in the scene.
     pub(super) fn overrides(&self) -> Vec<Override> {
-        let mut overrides = Vec::new();
-        let mut set = |option: String, key: &str, value: String| {
-            overrides.push(Override { option, key: key.to_owned(), value });
-        };
-        let names = [
-            ("--integrator", "render.integrator", &self.integrator),
-            ("--estimator", "render.estimator", &self.estimator),
-            ("--sampler", "render.sampler", &self.sampler),
-        ];
-        for (option, key, name) in names {
-            if let Some(name) = name {
-                set(format!("{option} {name}"), key, name.clone());
-            }
-        }
-        if let Some(Size { width, height }) = self.size {
-            let option = format!("--size {width}x{height}");
-            set(option.clone(), "image.width", width.to_string());
-            set(option, "image.height", height.to_string());
-        }
-        if let Some(crop) = &self.crop {
-            set(format!("--crop {crop}"), "image.crop", format!("[{crop}]"));
-        }
-        let numbers = [
-            ("--spp", "render.samples_per_pixel", self.spp),
-            ("--seed", "render.seed", self.seed),
-            ("--max-depth", "render.max_depth", self.max_depth),
-        ];
-        for (option, key, number) in numbers {
-            if let Some(number) = number {
-                set(format!("{option} {number}"), key, number.to_string());
-            }
-        }
-        overrides.extend(self.scene.overrides());
-        overrides
+        self.picture.overrides(&self.scene)
     }
 }
 
