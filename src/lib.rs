@@ -19,6 +19,7 @@ pub mod fault;
 #[cfg(not(feature = "faults"))]
 mod fault;
 pub mod film;
+pub mod generate;
 pub mod geometry;
 pub mod integrator;
 pub mod light;

@@ -6,6 +6,7 @@
 
 mod compare;
 mod converge;
+mod generate;
 mod picture;
 mod trace;
 mod verify;
@@ -22,6 +23,7 @@ use super::exit::EXIT_CODES;
 
 pub(super) use compare::{CompareArgs, Mapped, Metric};
 pub(super) use converge::ConvergeArgs;
+pub(super) use generate::GenerateArgs;
 pub(super) use picture::PictureArgs;
 pub(super) use trace::TraceArgs;
 pub(super) use verify::VerifyArgs;
@@ -31,6 +33,7 @@ Examples:
   photosphere render scenes/paper/fig2.toml -o fig2.png
   photosphere render scenes/paper/fig2.toml -o fig2.exr --spp 1024 --accel native
   photosphere info scenes/cornell-spheres.toml
+  photosphere generate gas -n 1e6 -o gas.f32 --scene gas.toml
   photosphere doctor";
 
 /// Renders scenes made of spheres by Monte Carlo path tracing.
@@ -54,6 +57,7 @@ pub(super) enum Command {
     Converge(ConvergeArgs),
     Trace(TraceArgs),
     Verify(VerifyArgs),
+    Generate(GenerateArgs),
     Info(InfoArgs),
     /// Say what this build and this machine can do, and what is missing
     #[command(after_help = "\

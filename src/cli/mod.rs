@@ -11,6 +11,7 @@ mod crosscheck;
 mod doctor;
 mod error;
 mod exit;
+mod generate;
 mod info;
 mod interrupt;
 mod manual;
@@ -51,6 +52,7 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Converge(args) => converge::run(args),
         Command::Trace(args) => trace::run(args),
         Command::Verify(args) => verify::run(args),
+        Command::Generate(args) => generate::run(args),
         Command::Info(args) => info::run(args),
         Command::Doctor => doctor::run(),
         Command::Completions { shell } => manual::completions(*shell),

@@ -1,0 +1,58 @@
+//! `photosphere generate`: a table of spheres to test and to measure with.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::ProgressBar;
+
+use crate::error::{Error, Result};
+use crate::generate::{Recipe, scene_text, write_rows};
+use crate::output::WholeFile;
+
+use super::args::GenerateArgs;
+use super::exit::Exit;
+use super::{interrupt, on_threads, print};
+
+/// # Errors
+/// When the number of spheres is impossible, or a file cannot be written.
+pub(super) fn run(args: &GenerateArgs) -> Result<Exit> {
+    let recipe = Recipe::new(args.arrangement, args.count, args.seed, args.colors)?;
+    if args.scene.as_ref() == Some(&args.output) {
+        return Err(Error::input("the table and the scene cannot be the same file")
+            .with_help("name another file with --scene"));
+    }
+    let table = WholeFile::new(&args.output)?;
+    let scene = args.scene.as_deref().map(WholeFile::new).transpose()?;
+    interrupt::listen(Some(table.temporary()));
+    on_threads(args.threads, || write_table(&recipe, table, &args.output))?;
+    if let (Some(file), Some(path)) = (scene, &args.scene) {
+        let text = scene_text(&recipe, &table_as_seen_from(path, &args.output));
+        file.write(|to| to.write_all(text.as_bytes()))?;
+        let path = path.display();
+        print::remark(format_args!("wrote {path}; try: photosphere render {path} -o picture.png"));
+    }
+    Ok(Exit::Done)
+}
+
+fn write_table(recipe: &Recipe, file: WholeFile, path: &Path) -> Result<()> {
+    let start = Instant::now();
+    // Draws nothing where the standard error is no terminal.
+    let bar = ProgressBar::new(recipe.count());
+    let written = file.write(|to| write_rows(recipe, to, &|rows| bar.set_position(rows)));
+    bar.finish_and_clear();
+    written?;
+    let spheres = print::count(recipe.count() as usize, "sphere");
+    let seconds = start.elapsed().as_secs_f64();
+    print::remark(format_args!("wrote {}: {spheres} in {seconds:.2} s", path.display()));
+    Ok(())
+}
+
+/// How a scene names its table: by its name alone where both are in one folder.
+fn table_as_seen_from(scene: &Path, table: &Path) -> PathBuf {
+    let name = table.file_name().map(PathBuf::from);
+    match name {
+        Some(name) if scene.parent() == table.parent() => name,
+        _ => std::path::absolute(table).unwrap_or_else(|_| table.to_path_buf()),
+    }
+}

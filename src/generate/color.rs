@@ -1,0 +1,48 @@
+//! Colours that look well together: a smooth function of where a sphere is, a little different for
+//! each.
+
+use crate::math::DVec3;
+
+use super::Arrangement;
+use super::numbers::Numbers;
+use super::places::Placed;
+
+/// Linear albedo in `[0.02, 0.87]`.
+pub(super) fn of(arrangement: Arrangement, placed: &Placed, numbers: &mut Numbers) -> [f32; 3] {
+    let own = numbers.between(-0.5, 0.5);
+    let color = match arrangement {
+        Arrangement::Gas => {
+            dusk(0.42 + 0.4 * placed.center.dot(DVec3::new(0.5, 0.9, 0.3)) + 0.12 * own)
+        }
+        Arrangement::Packed => dusk(0.45 + 0.22 * gyroid(placed.center * 9.0) + 0.15 * own),
+        Arrangement::Clusters => dusk(placed.kind + 0.1 * own),
+        Arrangement::Lattice => placed.center + 0.5,
+    };
+    (0.02 + 0.85 * color.clamp(DVec3::ZERO, DVec3::ONE)).as_vec3().to_array()
+}
+
+/// Night, sea, sand, ember and wine, as linear albedo; then night again.
+const DUSK: [[f64; 3]; 5] = [
+    [0.015, 0.05, 0.18],
+    [0.03, 0.3, 0.38],
+    [0.82, 0.66, 0.36],
+    [0.85, 0.26, 0.08],
+    [0.32, 0.03, 0.09],
+];
+
+/// A colour between the two that are nearest to `t`, which counts once around per unit.
+fn dusk(t: f64) -> DVec3 {
+    let at = (t - t.floor()) * DUSK.len() as f64;
+    let color = |i: usize| DVec3::from_array(DUSK[i % DUSK.len()]);
+    color(at as usize).lerp(color(at as usize + 1), at.fract())
+}
+
+/// A smooth function between -1.5 and 1.5 whose zeros are a minimal surface: veins.
+fn gyroid(at: DVec3) -> f64 {
+    let ([sx, cx], [sy, cy], [sz, cz]) = (wave(at.x), wave(at.y), wave(at.z));
+    sx * cy + sy * cz + sz * cx
+}
+
+fn wave(angle: f64) -> [f64; 2] {
+    [libm::sin(angle), libm::cos(angle)]
+}

@@ -1,0 +1,235 @@
+//! Scenes made of any number of spheres, to test and to measure with: what `photosphere generate`
+//! writes.
+//!
+//! Every sphere is a pure function of the recipe and its own index, so that a table has the same
+//! bytes whatever threads made it. The generator is named (`Xoshiro256PlusPlus` of `rand`, whose
+//! values are promised to stay) and transcendental functions come from `libm`, so the bytes are the
+//! same on every machine.
+
+mod color;
+mod numbers;
+mod places;
+mod scene;
+mod table;
+
+use crate::error::{Error, Result};
+use crate::math::NO_SPHERE;
+
+use places::Places;
+
+pub use scene::scene_text;
+pub use table::write_rows;
+
+/// The most spheres of a scene.
+const MOST_SPHERES: u64 = NO_SPHERE as u64 - 2;
+
+/// How the spheres are arranged. All fill a box of side 1 around the origin, more or less.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arrangement {
+    /// Uniformly random places, overlapping or not. With N spheres of mean radius r, N pi r^2 = 8
+    /// as long as r <= 0.2: a ray across the box meets about eight, however many there are. Radii
+    /// vary by a quarter.
+    Gas,
+    /// Spheres that fill half of the volume without touching: a face-centred lattice, shaken as far
+    /// as there is room, radii varying by an eighth.
+    Packed,
+    /// 400 Gaussian clusters of very different density; radii spread evenly over two decades of
+    /// their logarithm.
+    Clusters,
+    /// A cubic lattice.
+    Lattice,
+}
+
+impl Arrangement {
+    /// All of them, with their names.
+    pub const NAMES: [(&'static str, Self); 4] = [
+        ("gas", Self::Gas),
+        ("packed", Self::Packed),
+        ("clusters", Self::Clusters),
+        ("lattice", Self::Lattice),
+    ];
+
+    /// The name used on the command line.
+    pub fn name(self) -> &'static str {
+        let named = Self::NAMES.iter().find(|(_, arrangement)| *arrangement == self);
+        named.map_or("?", |(name, _)| name)
+    }
+}
+
+/// What is to be made.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    arrangement: Arrangement,
+    count: u64,
+    seed: u64,
+    colors: bool,
+    places: Places,
+}
+
+/// One sphere of a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Centre and radius.
+    pub sphere: [f32; 4],
+    /// Linear albedo, in `[0, 1]`.
+    pub color: [f32; 3],
+}
+
+impl Recipe {
+    /// `count` spheres; `colors` tells whether each has its own.
+    ///
+    /// # Errors
+    /// When there are none, or more than a scene can hold.
+    pub fn new(arrangement: Arrangement, count: u64, seed: u64, colors: bool) -> Result<Self> {
+        if count == 0 {
+            return Err(Error::input("a table has at least one sphere")
+                .with_help("ask for more with --count"));
+        }
+        if count > MOST_SPHERES {
+            let message =
+                format!("{count} spheres are more than the {MOST_SPHERES} that a scene can hold");
+            return Err(Error::input(message).with_help("ask for fewer with --count"));
+        }
+        let places = Places::new(arrangement, count, seed);
+        Ok(Self { arrangement, count, seed, colors, places })
+    }
+
+    /// How the spheres are arranged.
+    pub fn arrangement(&self) -> Arrangement {
+        self.arrangement
+    }
+
+    /// How many spheres there are.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Whether the table has colours.
+    pub fn has_colors(&self) -> bool {
+        self.colors
+    }
+
+    /// The sphere with this index, which is below the count.
+    pub fn row(&self, index: u64) -> Row {
+        let mut numbers = numbers::of(self.seed, index);
+        let placed = self.places.place(index, &mut numbers);
+        let color = color::of(self.arrangement, &placed, &mut numbers);
+        let [x, y, z] = placed.center.as_vec3().to_array();
+        Row { sphere: [x, y, z, placed.radius as f32], color }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+    use std::f64::consts::PI;
+
+    fn rows(arrangement: Arrangement, count: u64) -> Vec<Row> {
+        let recipe = Recipe::new(arrangement, count, 7, true).expect("a small count");
+        (0..count).map(|index| recipe.row(index)).collect()
+    }
+
+    fn parts(row: &Row) -> (DVec3, f64) {
+        let [x, y, z, radius] = row.sphere.map(f64::from);
+        (DVec3::new(x, y, z), radius)
+    }
+
+    fn mean(values: impl Iterator<Item = f64>, count: usize) -> f64 {
+        values.sum::<f64>() / count as f64
+    }
+
+    #[test]
+    fn every_arrangement_gives_spheres_and_colours_that_a_table_may_have() {
+        for (name, arrangement) in Arrangement::NAMES {
+            assert_eq!(arrangement.name(), name);
+            for count in [1, 2, 3, 9, 1000, 4097] {
+                for row in rows(arrangement, count) {
+                    let (center, radius) = parts(&row);
+                    assert!(center.abs().max_element() < 1.5, "{name} {count}: {row:?}");
+                    assert!(radius > 1e-6 && radius < 1.0, "{name} {count}: {row:?}");
+                    assert!(row.color.iter().all(|c| (0.0..=1.0).contains(c)), "{name}: {row:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_sphere_depends_on_its_index_and_the_recipe_alone() {
+        for (_, arrangement) in Arrangement::NAMES {
+            let recipe = Recipe::new(arrangement, 1000, 7, true).expect("a small count");
+            let alone = recipe.row(123);
+            assert_eq!(rows(arrangement, 1000)[123], alone);
+            let other = Recipe::new(arrangement, 1000, 8, true).expect("a small count").row(123);
+            if arrangement != Arrangement::Lattice {
+                assert_ne!(other.sphere, alone.sphere);
+            }
+        }
+    }
+
+    /// The standard error of each mean is far below the tolerance.
+    #[test]
+    fn a_ray_through_the_gas_meets_about_eight() {
+        let rows = rows(Arrangement::Gas, 20_000);
+        let (count, radii) = (rows.len(), rows.iter().map(|row| parts(row).1));
+        let radius = mean(radii.clone(), count);
+        assert!((count as f64 * PI * radius * radius - 8.0).abs() < 0.05);
+        let (least, most) = radii.fold((1.0, 0.0), |(a, b), r| (r.min(a), r.max(b)));
+        assert!((least / radius - 0.75).abs() < 0.01 && (most / radius - 1.25).abs() < 0.01);
+        for axis in 0..3 {
+            let at = |row: &Row| parts(row).0[axis];
+            assert!(mean(rows.iter().map(at), count).abs() < 0.01);
+            assert!((mean(rows.iter().map(|r| at(r).powi(2)), count) - 1.0 / 12.0).abs() < 0.005);
+        }
+        assert!(rows_of_three_are_small());
+    }
+
+    fn rows_of_three_are_small() -> bool {
+        rows(Arrangement::Gas, 3).iter().all(|row| parts(row).1 <= 0.25)
+    }
+
+    #[test]
+    fn packed_spheres_fill_half_of_the_box_and_do_not_touch() {
+        let rows = rows(Arrangement::Packed, 4 * 9 * 9 * 9);
+        let volume: f64 = rows.iter().map(|row| 4.0 / 3.0 * PI * parts(row).1.powi(3)).sum();
+        assert!((volume - 0.5).abs() < 0.01, "{volume}");
+        for (i, a) in rows.iter().enumerate() {
+            for b in &rows[..i] {
+                let ((a, ra), (b, rb)) = (parts(a), parts(b));
+                assert!(a.distance(b) > ra + rb, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_radii_of_clusters_span_two_decades_evenly() {
+        let radii = rows(Arrangement::Clusters, 40_000).into_iter().map(|row| parts(&row).1);
+        let mut radii: Vec<f64> = radii.collect();
+        radii.sort_unstable_by(f64::total_cmp);
+        let (least, median, most) = (radii[0], radii[20_000], radii[39_999]);
+        assert!((most / least / 100.0 - 1.0).abs() < 0.01);
+        assert!((median / least / 10.0 - 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn the_lattice_is_one() {
+        let rows = rows(Arrangement::Lattice, 1000);
+        let (first, second) = (parts(&rows[0]).0, parts(&rows[1]).0);
+        assert!(first.distance(DVec3::splat(-0.45)) < 1e-6);
+        assert!((second - first).distance(DVec3::X * 0.1) < 1e-6);
+        assert!(parts(&rows[999]).0.distance(DVec3::splat(0.45)) < 1e-6);
+    }
+
+    #[test]
+    fn impossible_counts_are_refused() {
+        let refused = |count| {
+            let recipe = Recipe::new(Arrangement::Gas, count, 0, false);
+            recipe.expect_err("too few or too many").to_string()
+        };
+        assert_eq!(refused(0), "a table has at least one sphere");
+        assert_eq!(
+            refused(1 << 32),
+            "4294967296 spheres are more than the 4294967293 that a scene can hold"
+        );
+    }
+}

@@ -1,0 +1,87 @@
+//! A scene file that shows a table at its best.
+
+use std::path::Path;
+
+use super::{Arrangement, Recipe};
+
+/// The text of a scene that shows the table `file`.
+pub fn scene_text(recipe: &Recipe, file: &Path) -> String {
+    let Recipe { arrangement, count, seed, colors, .. } = recipe;
+    let name = arrangement.name();
+    let flag = if *colors { " --colors" } else { "" };
+    let columns = if *colors { r#", "r", "g", "b""# } else { "" };
+    // What JSON escapes in a string, TOML reads alike.
+    let file = serde_json::Value::from(file.display().to_string());
+    let View { position, fov, zenith, horizon, nadir, sun } = view(*arrangement);
+    format!(
+        r#"# {count} spheres: photosphere generate {name} --count {count} --seed {seed}{flag}
+
+format = 1
+
+[image]
+width = 960
+height = 720
+filter = "blackman-harris"
+
+[camera]
+position = {position:?}
+look_at = [0.02, -0.06, 0.0]
+vertical_fov_degrees = {fov:?}
+
+[background.gradient]
+zenith = {zenith:?}
+horizon = {horizon:?}
+nadir = {nadir:?}
+
+[background.sun]
+elevation_degrees = 38.0
+azimuth_degrees = -115.0
+angular_diameter_degrees = 3.0
+irradiance = {sun:?}
+
+[materials.grain]
+type = "diffuse"
+albedo = [0.78, 0.76, 0.72]
+
+[[sphere_tables]]
+file = {file}
+columns = ["x", "y", "z", "radius"{columns}]
+material = "grain"
+
+[render]
+samples_per_pixel = 64
+"#
+    )
+}
+
+/// Camera and light.
+struct View {
+    position: [f64; 3],
+    fov: f64,
+    zenith: [f64; 3],
+    horizon: [f64; 3],
+    nadir: [f64; 3],
+    sun: [f64; 3],
+}
+
+fn view(arrangement: Arrangement) -> View {
+    let day = View {
+        position: [1.75, 1.2, 2.65],
+        fov: 29.0,
+        zenith: [0.2, 0.3, 0.5],
+        horizon: [0.62, 0.55, 0.5],
+        nadir: [0.16, 0.14, 0.14],
+        sun: [3.8, 3.3, 2.6],
+    };
+    match arrangement {
+        Arrangement::Gas | Arrangement::Packed | Arrangement::Lattice => day,
+        Arrangement::Clusters => View {
+            position: [1.3, 0.6, 2.1],
+            fov: 34.0,
+            zenith: [0.03, 0.045, 0.09],
+            horizon: [0.012, 0.014, 0.025],
+            nadir: [0.008, 0.008, 0.012],
+            sun: [6.0, 5.4, 4.6],
+        },
+    }
+}

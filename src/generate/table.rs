@@ -1,0 +1,60 @@
+//! Rows as bytes, made by all threads and written in order.
+
+use std::io::{self, Write};
+
+use rayon::prelude::*;
+
+use super::{Recipe, Row};
+
+/// Rows made at a time; their bytes are all that is held in memory.
+const AT_ONCE: u64 = 1 << 18;
+
+/// Writes the rows of a table on the current rayon pool: little-endian f32, x, y, z, radius and,
+/// where the recipe has colours, r, g, b. `progress` is told how many rows are written.
+///
+/// # Errors
+/// When the writer fails.
+pub fn write_rows(recipe: &Recipe, to: &mut dyn Write, progress: &dyn Fn(u64)) -> io::Result<()> {
+    let columns = if recipe.has_colors() { 7 } else { 4 };
+    let mut bytes = Vec::new();
+    for first in (0..recipe.count()).step_by(AT_ONCE as usize) {
+        let rows = AT_ONCE.min(recipe.count() - first) as usize;
+        bytes.resize(rows * columns * size_of::<f32>(), 0);
+        let slots = bytes.par_chunks_exact_mut(columns * size_of::<f32>()).enumerate();
+        slots.with_min_len(256).for_each(|(i, slot)| put(recipe.row(first + i as u64), slot));
+        to.write_all(&bytes)?;
+        progress(first + rows as u64);
+    }
+    Ok(())
+}
+
+/// Puts as many of the row's numbers as the slot has room for.
+fn put(row: Row, slot: &mut [u8]) {
+    let numbers = row.sphere.into_iter().chain(row.color);
+    for (place, number) in slot.chunks_exact_mut(size_of::<f32>()).zip(numbers) {
+        place.copy_from_slice(&number.to_le_bytes());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Arrangement;
+    use super::*;
+
+    fn bytes(threads: usize, colors: bool) -> Vec<u8> {
+        let recipe = Recipe::new(Arrangement::Clusters, 300_000, 3, colors).expect("a good count");
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let mut bytes = Vec::new();
+        pool.install(|| write_rows(&recipe, &mut bytes, &|_| ())).expect("memory is writable");
+        bytes
+    }
+
+    #[test]
+    fn any_number_of_threads_writes_the_same_bytes() {
+        let alone = bytes(1, true);
+        assert_eq!(alone.len(), 300_000 * 28);
+        assert!(alone == bytes(3, true));
+        let plain = bytes(2, false);
+        assert!(plain.chunks_exact(16).zip(alone.chunks_exact(28)).all(|(a, b)| a == &b[..16]));
+    }
+}
