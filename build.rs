@@ -7,11 +7,23 @@
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rustc-check-cfg=cfg(has_avx512)");
+    if rust_version().is_some_and(|minor| minor >= 89) {
+        println!("cargo::rustc-cfg=has_avx512");
+    }
     #[cfg(feature = "embree")]
     if let Err(message) = embree::build() {
         let lines = message.lines().chain(embree::ADVICE.lines());
         lines.for_each(|line| println!("cargo::error={line}"));
     }
+}
+
+/// The minor version of the compiler: Rust 1.89 is the first that knows AVX-512.
+fn rust_version() -> Option<u32> {
+    let rustc = std::env::var_os("RUSTC")?;
+    let told = std::process::Command::new(rustc).arg("--version").output().ok()?;
+    let told = String::from_utf8(told.stdout).ok()?;
+    told.strip_prefix("rustc 1.")?.split('.').next()?.parse().ok()
 }
 
 #[cfg(feature = "embree")]

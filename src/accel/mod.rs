@@ -2,7 +2,7 @@
 
 mod brute_force;
 #[cfg(feature = "embree")]
-#[allow(unsafe_code, reason = "the fence around Embree; no other room has unsafe code")]
+#[allow(unsafe_code, reason = "the fence around Embree")]
 mod embree;
 mod info;
 mod native;

@@ -23,6 +23,9 @@ pub struct Camera {
     /// From the middle of the picture to its edge, as the projection measures it: at distance 1 along
     /// the axis, in scene units, or in radians.
     half: [f64; 2],
+    /// From the middle of the picture to its right edge, and to its top, at distance 1 or in scene units.
+    to_right: DVec3,
+    to_top: DVec3,
     projection: Projection,
     size: [f64; 2],
     near: f64,
@@ -82,6 +85,7 @@ impl Camera {
         let [width, height] = mount.size.map(f64::from);
         let forward = mount.towards.normalize();
         let right = forward.cross(mount.up).normalize();
+        let up = right.cross(forward);
         let square = |half_height: f64| [half_height * width / height, half_height];
         let half = match projection {
             Projection::Perspective { vertical_fov, .. } => square(libm::tan(vertical_fov / 2.0)),
@@ -92,8 +96,10 @@ impl Camera {
             position: mount.position,
             forward,
             right,
-            up: right.cross(forward),
+            up,
             half,
+            to_right: right * half[0],
+            to_top: up * half[1],
             projection,
             size: [width, height],
             near: mount.near,
@@ -106,20 +112,19 @@ impl Camera {
         let [width, height] = self.size;
         // From -1 to 1.
         let (across, upwards) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
-        let [to_right, to_top] = [self.right * self.half[0], self.up * self.half[1]];
         match self.projection {
             Projection::Perspective { lens: None, .. } => {
-                let direction = self.forward + to_right * across + to_top * upwards;
+                let direction = self.forward + self.to_right * across + self.to_top * upwards;
                 self.leave_lens(self.position, direction)
             }
             Projection::Perspective { lens: Some(thin), .. } => {
-                let direction = self.forward + to_right * across + to_top * upwards;
+                let direction = self.forward + self.to_right * across + self.to_top * upwards;
                 let [lens_x, lens_y] = thin.aperture.sample(lens);
                 let offset = self.right * lens_x + self.up * lens_y;
                 self.leave_lens(self.position + offset, direction - offset / thin.focus_distance)
             }
             Projection::Orthographic { .. } => {
-                let origin = self.position + to_right * across + to_top * upwards;
+                let origin = self.position + self.to_right * across + self.to_top * upwards;
                 PathRay { t_min: self.near, ..PathRay::free(origin, self.forward) }
             }
             Projection::Panoramic { .. } => {
@@ -183,11 +188,12 @@ impl Camera {
         off.abs() <= radius && distance <= radius + reach
     }
 
-    /// A ray that starts at the depth `near`; the direction has any length.
+    /// A ray that starts at the depth `near`, in a direction whose part along the view axis is 1.
     fn leave_lens(&self, origin: DVec3, direction: DVec3) -> PathRay {
-        let direction = direction.normalize();
-        let t_min = self.near / direction.dot(self.forward);
-        PathRay { t_min, ..PathRay::free(origin, direction) }
+        // Along the axis the direction is 1 long.
+        let length = direction.length();
+        let direction = direction * (1.0 / length);
+        PathRay { t_min: self.near * length, ..PathRay::free(origin, direction) }
     }
 
     /// From the middle of the picture to a corner that lies `margin` pixels outside.

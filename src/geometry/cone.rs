@@ -4,7 +4,7 @@
 //! smallest that f64 can tell, keeps full relative precision.
 
 use crate::fault::fault;
-use crate::math::{DVec3, Frame};
+use crate::math::{DVec3, Frame, nearly_unit};
 use crate::sampling;
 
 use super::Sphere;
@@ -32,23 +32,29 @@ pub struct ConeSample {
 
 impl Cone {
     /// The cone under which `sphere` is seen from `point`; `None` from inside or on it.
+    #[inline(always)]
     pub fn seen_from(point: DVec3, sphere: &Sphere) -> Option<Self> {
         let to_center = sphere.center - point;
         let distance = to_center.length();
-        let sin_max = sphere.radius / distance;
-        if sin_max.is_nan() || sin_max >= 1.0 {
-            return None;
-        }
+        let cone = Self::along(to_center, distance, sphere.radius);
+        (sphere.radius < distance).then_some(cone)
+    }
+
+    /// The cone under which a sphere is seen whose centre is there, and farther than its radius.
+    #[inline(always)]
+    pub fn along(to_center: DVec3, distance: f64, radius: f64) -> Self {
+        let per_distance = 1.0 / distance;
+        let sin_max = radius * per_distance;
         // 1 - cos = sin^2 / (1 + cos), which does not cancel for a small angle; and
         // 1 - sin^2 = (d - R)(d + R) / d^2, which does not cancel near the surface.
-        let cos_max = ((distance - sphere.radius) * (distance + sphere.radius)).sqrt() / distance;
+        let cos_max = ((distance - radius) * (distance + radius)).sqrt() * per_distance;
         let cos_max = if fault!(NarrowCone) { 1.0 } else { cos_max };
-        Some(Self {
-            frame: Frame::around(to_center / distance),
+        Self {
+            frame: Frame::around(to_center * per_distance),
             distance,
-            radius: sphere.radius,
+            radius,
             one_minus_cos_max: sin_max * sin_max / (1.0 + cos_max),
-        })
+        }
     }
 
     /// The solid angle in steradian, `2 pi (1 - cos)`.
@@ -62,16 +68,17 @@ impl Cone {
     }
 
     /// A direction uniform over the cone's solid angle, from `u` in `[0, 1)^2`.
+    #[inline(always)]
     pub fn sample(&self, u: [f64; 2]) -> ConeSample {
         let share = if fault!(ConeUniformInAngle) { u[0] * u[0] } else { u[0] };
         let one_minus_cos = share * self.one_minus_cos_max;
         let sin_squared = one_minus_cos * (2.0 - one_minus_cos);
-        let (sin_phi, cos_phi) = sampling::sin_cos(std::f64::consts::TAU * u[1]);
+        let (sin_phi, cos_phi) = sampling::sin_cos_of_turns(u[1]);
         let sin = sin_squared.max(0.0).sqrt();
         let cos = 1.0 - one_minus_cos;
         let local = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
         ConeSample {
-            direction: self.frame.to_world(local).normalize(),
+            direction: nearly_unit(self.frame.to_world(local)),
             distance: self.distance_to_sphere(sin_squared, cos),
             pdf: self.pdf(),
         }
@@ -80,6 +87,7 @@ impl Cone {
     /// The nearer intersection with the sphere, at an angle from the axis:
     /// `d cos - sqrt(R^2 - d^2 sin^2)`, which is `(d^2 - R^2) / (d cos + sqrt(..))` without the
     /// cancellation.
+    #[inline(always)]
     fn distance_to_sphere(&self, sin_squared: f64, cos: f64) -> f64 {
         let (d, r) = (self.distance, self.radius);
         let half_chord = (r * r - d * d * sin_squared).max(0.0).sqrt();

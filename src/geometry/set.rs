@@ -112,16 +112,12 @@ impl SphereSet {
             _ => return None,
         };
         let sphere = self.sphere(id);
-        // Seen from the centre: adding `origin + t * direction` first would round at the scale of
-        // the coordinates, which may be far larger than that of the ray.
-        let from_center = (ray.origin - sphere.center) + ray.direction * t;
-        let normal = from_center.normalize_or(-ray.direction);
+        let (point, normal) = sphere.touched(ray.origin, ray.direction, t);
         let side = match is_far_wall {
             // Where the chord is short, rounding may leave d.n with either sign.
             true => Side::Inside,
             false => Side::of_arriving(ray.direction, normal),
         };
-        let point = sphere.center + normal * sphere.radius;
         Some(SurfaceHit { id, t, point, normal, radius: sphere.radius, side })
     }
 }

@@ -51,6 +51,7 @@ impl Sphere {
 
     /// The distance at which a line that is known to hit is taken to hit: the first root beyond
     /// `t_min`; the tangent point where f64 sees the line pass by; and never before `t_min`.
+    #[inline(always)]
     pub fn resolve(&self, origin: DVec3, direction: DVec3, t_min: f64) -> f64 {
         let Approach { t, half_chord_squared } = self.approach(origin, direction);
         let h = half_chord_squared.max(0.0).sqrt();
@@ -58,18 +59,31 @@ impl Sphere {
         root.max(t_min)
     }
 
+    /// The point of the sphere that a ray meets at a distance `t`, and the outward normal there.
+    #[inline(always)]
+    pub fn touched(&self, origin: DVec3, direction: DVec3, t: f64) -> (DVec3, DVec3) {
+        // Seen from the centre: adding `origin + t * direction` first would round at the scale of
+        // the coordinates, which may be far larger than that of the ray.
+        let from_center = (origin - self.center) + direction * t;
+        let per_length = 1.0 / from_center.length();
+        let has_length = per_length > 0.0 && per_length < f64::INFINITY;
+        let normal = if has_length { from_center * per_length } else { -direction };
+        (self.center + normal * self.radius, normal)
+    }
+
     /// Whether the point lies inside.
     pub fn contains(&self, point: DVec3) -> bool {
         point.distance_squared(self.center) < self.radius * self.radius
     }
 
+    #[inline(always)]
     fn approach(&self, origin: DVec3, direction: DVec3) -> Approach {
         let to_center = self.center - origin;
-        let length_squared = direction.length_squared();
-        let t = to_center.dot(direction) / length_squared;
+        let per_length_squared = 1.0 / direction.length_squared();
+        let t = to_center.dot(direction) * per_length_squared;
         let perpendicular = to_center - direction * t;
         let discriminant = self.radius * self.radius - perpendicular.length_squared();
-        Approach { t, half_chord_squared: discriminant / length_squared }
+        Approach { t, half_chord_squared: discriminant * per_length_squared }
     }
 }
 

@@ -21,7 +21,7 @@ pub use trace::{Added, End, Step, Trace};
 use crate::accel::{Accel, Cancel};
 use crate::color::Radiance;
 use crate::material::Media;
-use crate::math::{Hit, Ray};
+use crate::math::{Hit, Isa, Ray};
 use crate::scene::Scene;
 use crate::scene::description::Integrator as Kind;
 
@@ -83,13 +83,25 @@ pub struct Tally {
 /// Memory that one thread uses again for every batch.
 #[derive(Default)]
 pub struct Workspace {
+    isa: Isa,
     paths: Vec<transport::Path>,
+    next_paths: Vec<transport::Path>,
+    block: transport::Block,
     shadows: Vec<transport::Shadow>,
+    /// The media that each sample's path is in, where something is a dielectric.
+    media: Vec<Media>,
     /// The media that shadow rays start in, where something is not opaque.
     shadow_media: Vec<Media>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     blocked: Vec<bool>,
+}
+
+impl Workspace {
+    /// With a choice of the instructions that vectors are computed with, which changes no bit.
+    pub fn with(isa: Isa) -> Self {
+        Self { isa, ..Self::default() }
+    }
 }
 
 impl Tally {

@@ -153,6 +153,9 @@ pub enum End {
 
 /// Listens to the stages.
 pub(super) trait Recorder {
+    /// Whether it is worth telling anything.
+    const LISTENS: bool;
+
     /// Takes note of a step, which need not be computed where nobody listens.
     fn note(&mut self, step: impl FnOnce() -> Step);
 }
@@ -161,11 +164,15 @@ pub(super) trait Recorder {
 pub(super) struct Silent;
 
 impl Recorder for Silent {
+    const LISTENS: bool = false;
+
     #[inline(always)]
     fn note(&mut self, _: impl FnOnce() -> Step) {}
 }
 
 impl Recorder for Vec<Step> {
+    const LISTENS: bool = true;
+
     fn note(&mut self, step: impl FnOnce() -> Step) {
         self.push(step());
     }

@@ -41,6 +41,8 @@ pub(super) struct Choice {
 enum Chooser {
     #[default]
     Nothing,
+    /// There is none.
+    One(Cluster),
     /// The same for all receivers.
     Fixed(Discrete, Cluster),
     /// At most `FEW`.
@@ -64,6 +66,7 @@ impl Choice {
         let by = if items.len() > MOST { LightChoice::Power } else { by };
         let chooser = match by {
             _ if items.is_empty() => Chooser::Nothing,
+            _ if items.len() == 1 => Chooser::One(around(&items)),
             LightChoice::Hierarchy if items.len() <= FEW => {
                 let alone = |item: &Item| Cluster::around(item.sphere.center, &[*item]);
                 Chooser::Few(items.iter().map(alone).collect())
@@ -80,6 +83,7 @@ impl Choice {
         self.total_power
             * match &self.chooser {
                 Chooser::Nothing => 0.0,
+                Chooser::One(lamp) => lamp.importance(from),
                 Chooser::Fixed(_, all) => all.importance(from),
                 Chooser::Few(lamps) => lamps.iter().map(|lamp| lamp.importance(from)).sum(),
                 Chooser::Many(tree) => tree.importance(from),
@@ -91,6 +95,7 @@ impl Choice {
     pub(super) fn sample(&self, from: &Receiver, u: f64) -> Option<(usize, f64)> {
         match &self.chooser {
             Chooser::Nothing => None,
+            Chooser::One(_) => Some((0, 1.0)),
             Chooser::Fixed(choice, _) => {
                 let lamp = choice.sample(u);
                 Some((lamp, choice.pmf(lamp)))
@@ -104,6 +109,7 @@ impl Choice {
     pub(super) fn pmf(&self, from: &Receiver, lamp: usize) -> f64 {
         match &self.chooser {
             Chooser::Nothing => 0.0,
+            Chooser::One(_) => 1.0,
             Chooser::Fixed(choice, _) => choice.pmf(lamp),
             Chooser::Few(lamps) if fault!(LampsChosenAlike) => 1.0 / lamps.len() as f64,
             Chooser::Few(lamps) => Few::new(lamps, from).map_or(0.0, |few| few.pmf(lamp)),
@@ -113,10 +119,14 @@ impl Choice {
 }
 
 fn fixed(items: &[Item], weight: impl Fn(&Item) -> f64) -> Chooser {
-    let middle = items.iter().map(|item| item.sphere.center / items.len() as f64).sum();
-    let all = Cluster::around(middle, items);
     let choice = Discrete::new(items.iter().map(weight));
-    choice.map_or(Chooser::Nothing, |choice| Chooser::Fixed(choice, all))
+    choice.map_or(Chooser::Nothing, |choice| Chooser::Fixed(choice, around(items)))
+}
+
+/// All lamps as one cluster.
+fn around(items: &[Item]) -> Cluster {
+    let middle = items.iter().map(|item| item.sphere.center / items.len() as f64).sum();
+    Cluster::around(middle, items)
 }
 
 /// A few lamps with their importance at a receiver.

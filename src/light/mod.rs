@@ -108,6 +108,16 @@ impl Lights {
         self.lamps.len()
     }
 
+    /// Whether [`Self::sample`] heeds the number that chooses.
+    pub fn has_choice(&self) -> bool {
+        self.lamps.len() > 1 || self.background.is_aimed_at()
+    }
+
+    /// The lamp, where there is one and nothing else to aim at.
+    pub fn only_lamp(&self) -> Option<&Lamp> {
+        if self.has_choice() { None } else { self.lamps.first() }
+    }
+
     /// Whether the scene has no lamp.
     pub fn is_empty(&self) -> bool {
         self.lamps.is_empty()

@@ -23,6 +23,9 @@ impl Shares {
     /// `None` where nothing can be aimed at.
     pub(super) fn new(lights: &Lights, from: &Receiver) -> Option<Self> {
         let Lights { choice, background, .. } = lights;
+        if !background.is_aimed_at() {
+            return (!lights.is_empty()).then_some(Self { shares: [1.0, 0.0, 0.0] });
+        }
         let sun = background.sun().map_or(0.0, |sun| sun.importance(from));
         let dome = background.importance(from);
         // A scene with lamps alone is the common case, and they need not be weighed there.

@@ -17,19 +17,35 @@ pub struct Diffuse {
 }
 
 /// The density of [`Diffuse::sample`].
+#[inline(always)]
 pub(super) fn pdf(hemisphere: Hemisphere, wi: DVec3) -> f64 {
     if wi.z > 0.0 { hemisphere.pdf(wi.z) } else { 0.0 }
 }
 
 impl Diffuse {
     /// This surface in a sphere's own colour.
-    pub(super) fn colored(self, albedo: Option<Rgb>) -> Self {
+    pub fn colored(self, albedo: Option<Rgb>) -> Self {
         Self { albedo: albedo.unwrap_or(self.albedo) }
     }
 
-    pub(super) fn eval(&self, wi: DVec3) -> Rgb {
+    /// The BRDF.
+    #[inline(always)]
+    pub fn eval(&self, wi: DVec3) -> Rgb {
         let norm = if fault!(LambertWithoutPi) { 1.0 } else { FRAC_1_PI };
         if wi.z > 0.0 { self.albedo * norm } else { Rgb::ZERO }
+    }
+
+    /// A direction drawn with the cosine, from `u` in `[0, 1)`, and its density.
+    #[inline(always)]
+    pub fn sample_cosine(u: [f64; 2]) -> (DVec3, f64) {
+        let wi = Hemisphere::Cosine.sample(u);
+        (wi, Self::pdf_cosine(wi))
+    }
+
+    /// The density of [`Self::sample_cosine`].
+    #[inline(always)]
+    pub fn pdf_cosine(wi: DVec3) -> f64 {
+        pdf(Hemisphere::Cosine, wi)
     }
 
     /// A direction over the hemisphere. Drawn with the cosine, the weight is the albedo itself.

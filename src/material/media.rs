@@ -102,6 +102,11 @@ impl Media {
         }
     }
 
+    /// Whether a path here is in no dielectric, and was never in too many.
+    pub fn is_vacuum(&self) -> bool {
+        self.count == 0 && !self.overflowed
+    }
+
     fn without(mut self, sphere: u32) -> Self {
         let count = usize::from(self.count);
         if let Some(at) = self.inside[..count].iter().rposition(|m| m.sphere == sphere) {

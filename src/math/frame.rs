@@ -17,6 +17,7 @@ impl Frame {
     /// A frame around the unit vector `z`, without a branch on its direction except its sign.
     ///
     /// Duff et al. 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1).
+    #[inline(always)]
     pub fn around(z: DVec3) -> Self {
         let sign = 1.0_f64.copysign(z.z);
         let a = -1.0 / (sign + z.z);
@@ -29,14 +30,23 @@ impl Frame {
     }
 
     /// From the frame to the world.
+    #[inline(always)]
     pub fn to_world(self, v: DVec3) -> DVec3 {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 
     /// From the world to the frame.
+    #[inline(always)]
     pub fn to_local(self, v: DVec3) -> DVec3 {
         DVec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
     }
+}
+
+/// A vector that is as long as a unit vector but for rounding, such as one turned into another frame,
+/// with the rounding of its length undone: one step of Newton's method for `1 / |v|`, from 1.
+#[inline(always)]
+pub fn nearly_unit(v: DVec3) -> DVec3 {
+    v * (1.5 - 0.5 * v.length_squared())
 }
 
 #[cfg(test)]

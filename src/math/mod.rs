@@ -1,10 +1,15 @@
 //! Vectors, frames and rays.
 
 mod frame;
+#[allow(unsafe_code, reason = "calls functions compiled for the instructions that were found")]
+mod isa;
+mod lanes;
 mod ray;
 
-pub use frame::Frame;
+pub use frame::{Frame, nearly_unit};
 pub use glam::{DVec2, DVec3, Vec3};
+pub use isa::{Isa, Stage};
+pub use lanes::{LANES, Lanes, Lanes3};
 pub use ray::{Hit, MAX_COORDINATE, NO_SPHERE, Ray};
 
 /// The distance from 1 to the next larger f32, halved: the relative error of one f32 rounding.

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 use crate::fault::fault;
 use crate::math::DVec3;
 
-use super::{acos, atan2, powf, sin_cos};
+use super::{acos, atan2, powf, sin_cos, sin_cos_of_turns};
 
 /// How directions over the hemisphere are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,6 +25,7 @@ pub enum Hemisphere {
 
 impl Hemisphere {
     /// A direction.
+    #[inline(always)]
     pub fn sample(self, u: [f64; 2]) -> DVec3 {
         match self {
             Self::Cosine => {
@@ -40,6 +41,7 @@ impl Hemisphere {
     }
 
     /// The density of [`Self::sample`].
+    #[inline(always)]
     pub fn pdf(self, cos: f64) -> f64 {
         match self {
             Self::Cosine if fault!(CosineClaimedUniform) => 1.0 / TAU,
@@ -87,8 +89,9 @@ pub fn invert_power_cosine(exponent: f64, direction: DVec3) -> [f64; 2] {
     [powf(direction.z, exponent + 1.0), azimuth(direction)]
 }
 
+#[inline(always)]
 fn direction(sin: f64, cos: f64, u: f64) -> DVec3 {
-    let (sin_phi, cos_phi) = sin_cos(TAU * u);
+    let (sin_phi, cos_phi) = sin_cos_of_turns(u);
     DVec3::new(sin * cos_phi, sin * sin_phi, cos)
 }
 

@@ -23,17 +23,20 @@ impl Independent {
 }
 
 /// 64 bits that stand for a pixel under a seed.
+#[inline(always)]
 pub(super) fn pixel_key(seed: u64, pixel: u64) -> u64 {
     mix(mix(seed.wrapping_add(GAMMA)) ^ pixel)
 }
 
 /// The output number `index` of the generator that starts at `key`.
+#[inline(always)]
 pub(super) fn output(key: u64, index: u32) -> u64 {
     mix(key.wrapping_add(GAMMA.wrapping_mul(u64::from(index) + 1)))
 }
 
 /// The output function of SplitMix64: a bijection in which every input bit reaches every output bit
 /// (Stafford's variant 13 of the MurmurHash3 finaliser).
+#[inline(always)]
 fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

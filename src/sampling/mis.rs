@@ -4,6 +4,7 @@
 /// strategy would have drawn with density `other` (Veach 1997, section 9.2.4).
 ///
 /// Written with the ratio of the densities: their squares overflow for a distant lamp.
+#[inline(always)]
 pub fn power_heuristic(drawn: f64, other: f64) -> f64 {
     let ratio = other / drawn;
     1.0 / (1.0 + ratio * ratio)

@@ -19,4 +19,5 @@ pub use filter::{Filter, FilterKind};
 pub use hemisphere::Hemisphere;
 pub use mis::power_heuristic;
 pub use sampler::{Sampler, SamplerKind};
-pub use trig::{acos, atan2, cos, exp, powf, sin_cos, tan};
+pub use sobol::SobolLanes;
+pub use trig::{acos, atan2, cos, exp, powf, sin_cos, sin_cos_of_turns, tan};

@@ -4,7 +4,7 @@
 //! restarts cannot change it. There are three kinds; `docs/sampling.md` compares them.
 
 use super::independent::Independent;
-use super::sobol::Sobol;
+use super::sobol::{Sobol, SobolLanes};
 use super::stratified::Stratified;
 
 /// How the numbers of a pixel's samples are spread.
@@ -58,6 +58,18 @@ impl Sampler {
             SamplerKind::Stratified => {
                 Self(Numbers::Stratified(Stratified::new(seed, pixel, sample, samples)))
             }
+        }
+    }
+
+    /// Puts these numbers into a lane; `false` if they are not Sobol's.
+    #[inline(always)]
+    pub fn put_into(self, lanes: &mut SobolLanes, lane: usize) -> bool {
+        match self.0 {
+            Numbers::Sobol(numbers) => {
+                lanes.put(lane, numbers);
+                true
+            }
+            _ => false,
         }
     }
 

@@ -30,6 +30,7 @@ pub struct Scene {
     spheres: Arc<SphereSet>,
     materials: Vec<Material>,
     has_opacity: bool,
+    has_media: bool,
     groups: Vec<RowGroup>,
     lights: Lights,
     camera: Camera,
@@ -89,6 +90,7 @@ impl Scene {
         let spheres = Arc::new(SphereSet::new(rows)?);
         let materials: Vec<_> = description.materials.iter().map(material).collect();
         let has_opacity = materials.iter().any(|material| material.opacity < 1.0);
+        let has_media = materials.iter().any(|m| matches!(m.model, Model::Dielectric(_)));
         let camera = camera(&description, spheres.origin());
         let filter = Filter::new(description.image.filter, description.image.filter_radius);
         let mut scene = Self {
@@ -97,6 +99,7 @@ impl Scene {
             spheres,
             materials,
             has_opacity,
+            has_media,
             groups,
             lights: Lights::default(),
             camera,
@@ -182,6 +185,11 @@ impl Scene {
         self.has_opacity
     }
 
+    /// Whether a path can be inside of a dielectric.
+    pub fn has_media(&self) -> bool {
+        self.has_media
+    }
+
     /// The name of a sphere, where the scene gives one.
     pub fn name(&self, id: u32) -> Option<&str> {
         self.description.spheres.get(self.spheres.row(id) as usize)?.name.as_deref()
@@ -217,7 +225,7 @@ impl Scene {
     }
 
     fn find_media_around_camera(&self) -> Vec<(Sphere, Medium)> {
-        if !self.materials.iter().any(|m| matches!(m.model, Model::Dielectric(_))) {
+        if !self.has_media {
             return Vec::new();
         }
         let margin = self.description.image.filter_radius;

@@ -1,5 +1,6 @@
 //! Light samples: from a vertex towards something that shines.
 
+use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::SurfaceHit;
 use crate::light::Receiver;
@@ -29,8 +30,8 @@ impl<R: Recorder> Batch<'_, R> {
     /// The shadow ray from a vertex to a sampled light, if it can bring any, and the media it starts
     /// in; `beyond` are those on the other side of the surface, where they are others.
     pub(super) fn aim_at_light<'p>(
-        &mut self,
-        path: &'p Path,
+        &'p mut self,
+        path: &Path,
         receiver: &Receiver,
         bsdf: &Bsdf,
         frame: &Frame,
@@ -38,33 +39,47 @@ impl<R: Recorder> Batch<'_, R> {
         beyond: Option<&'p Media>,
     ) -> Option<(Shadow, &'p Media)> {
         let vertex = Vertex::at(path.depth);
-        let choose = path.sampler.get(vertex.lamp());
         let u = path.sampler.get_2d(vertex.towards_lamp());
         let scene = self.world.scene;
+        let has_choice = scene.lights().has_choice();
+        let choose = if has_choice { path.sampler.get(vertex.lamp()) } else { 0.0 };
         let mut aim = scene.lights().sample(scene.spheres(), receiver, choose, u)?;
         let wi = frame.to_local(aim.direction);
         let f = bsdf.eval(wo, wi);
         if f.max_element() <= 0.0 {
             return None;
         }
-        let media = beyond.filter(|_| wi.z < 0.0).unwrap_or(&path.media);
+        let is_beyond = beyond.filter(|_| wi.z < 0.0);
+        let media = is_beyond.unwrap_or_else(|| self.media_of(path));
         let leave = match scene.has_opacity() {
             true => SurfaceHit::leave_up_to,
             false => SurfaceHit::leave_towards,
         };
         let ray = leave(&receiver.hit, aim.direction, aim.distance, aim.source.sphere())?;
-        aim.radiance =
-            opacity::radiance(scene, &aim, receiver, media) * media.transmittance(aim.distance);
+        aim.radiance = opacity::radiance(scene, &aim, receiver, media);
+        if scene.has_media() {
+            aim.radiance *= media.transmittance(aim.distance);
+        }
         let cos = if fault!(CosineMissing) { 1.0 } else { wi.z.abs() };
         let pdf_bsdf = bsdf.pdf(wo, wi);
-        let weight = match self.transport.estimator {
-            Estimator::Light => 1.0,
-            _ => power_heuristic(aim.pdf, pdf_bsdf),
-        };
+        let weight = weight(self.transport.estimator, aim.pdf, pdf_bsdf);
         self.recorder.note(|| Step::Aim { sample: aim, f, cos, pdf_bsdf, weight });
         let light = path.throughput * f * aim.radiance * (weight * cos / aim.pdf) as f32;
+        if light == Rgb::ZERO {
+            return None;
+        }
         let added = self.arriving(light, path.scatterings + 1);
         let Added { light, is_direct } = added;
+        let media = is_beyond.unwrap_or_else(|| self.media_of(path));
         Some((Shadow { sample: path.sample, ray, light, is_direct }, media))
+    }
+}
+
+/// The weight of a light sample against what the BSDF might have drawn.
+#[inline(always)]
+pub(super) fn weight(estimator: Estimator, pdf: f64, pdf_bsdf: f64) -> f64 {
+    match estimator {
+        Estimator::Light => 1.0,
+        _ => power_heuristic(pdf, pdf_bsdf),
     }
 }

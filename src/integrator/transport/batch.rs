@@ -2,6 +2,7 @@
 //! intersector.
 
 use crate::color::{Radiance, Rgb};
+use crate::material::Media;
 use crate::math::Hit;
 
 use super::super::trace::{Added, End, Recorder, Step};
@@ -14,6 +15,8 @@ pub(super) struct Batch<'a, R> {
     pub(super) world: World<'a>,
     pub(super) samples: &'a [SampleAddress],
     pub(super) radiance: &'a mut [Radiance],
+    /// The media that each sample's path is in; none where nothing is a dielectric.
+    pub(super) media: Vec<Media>,
     pub(super) tally: Tally,
     pub(super) recorder: &'a mut R,
 }
@@ -22,6 +25,9 @@ impl<R: Recorder> Batch<'_, R> {
     /// All the paths from the camera to their ends.
     pub(super) fn run(mut self, workspace: &mut Workspace) -> Tally {
         self.radiance.fill(Radiance { alpha: 1.0, ..Radiance::default() });
+        let with_media = if self.world.scene.has_media() { self.samples.len() } else { 0 };
+        self.media.clear();
+        self.media.resize(with_media, Media::VACUUM);
         workspace.paths.clear();
         for sample in 0..self.samples.len() {
             workspace.paths.push(self.start(sample));
@@ -29,13 +35,20 @@ impl<R: Recorder> Batch<'_, R> {
         while !workspace.paths.is_empty() && !self.world.cancel.is_cancelled() {
             self.advance(workspace);
         }
+        workspace.media = self.media;
         self.tally
     }
 
-    /// One edge for every path: closest hits, shading, shadow rays. Paths that end are dropped, the
-    /// others keep their order.
+    /// The media that a path is in.
+    pub(super) fn media_of(&self, path: &Path) -> &Media {
+        self.media.get(path.sample as usize).unwrap_or(&Media::VACUUM)
+    }
+
+    /// One edge for every path: closest hits, shading, shadow rays. Paths that end are dropped.
     fn advance(&mut self, workspace: &mut Workspace) {
-        let Workspace { paths, shadows, shadow_media, rays, hits, blocked } = workspace;
+        let has_blocks = self.has_blocks();
+        let Workspace { paths, next_paths, block, shadows, shadow_media, rays, hits, .. } =
+            workspace;
         let spheres = self.world.scene.spheres();
 
         // Ask for the closest hits.
@@ -50,16 +63,29 @@ impl<R: Recorder> Batch<'_, R> {
         shadows.clear();
         shadow_media.clear();
         let mut aims = Aims { shadows, media: shadow_media };
-        let mut answers = hits.iter();
-        paths.retain_mut(|path| {
-            let hit = answers.next().copied().unwrap_or(Hit::MISS);
-            match spheres.answer(&path.ray, hit) {
+        next_paths.clear();
+        for index in 0..paths.len() {
+            let (path, hit) = (&mut paths[index], hits[index]);
+            if let Some(matt) = self.matt(path, hit).filter(|_| has_blocks) {
+                self.wait(block, index, path, hit.id, matt);
+                if block.is_full() {
+                    self.work(workspace.isa, block, paths, next_paths, &mut aims);
+                }
+                continue;
+            }
+            let goes_on = match spheres.answer(&path.ray, hit) {
                 Some(surface) => self.shade(path, &surface, &mut aims),
                 None => self.miss(path),
+            };
+            if goes_on {
+                next_paths.push(*path);
             }
-        });
+        }
+        self.work(workspace.isa, block, paths, next_paths, &mut aims);
+        std::mem::swap(paths, next_paths);
 
         // Ask for the shadows.
+        let blocked = &mut workspace.blocked;
         blocked.clear();
         if self.world.scene.has_opacity() {
             let walked = opacity::walk(self.world, shadows, shadow_media, rays, hits);

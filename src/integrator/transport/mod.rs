@@ -11,15 +11,17 @@
 
 mod aim;
 mod batch;
+mod matt;
 mod opacity;
 mod scatter;
 mod shade;
 mod start;
 
 use crate::color::{Radiance, Rgb};
-use crate::geometry::PathRay;
+use crate::geometry::{PathRay, Side, SphereSet, SurfaceHit};
 use crate::light::Receiver;
 use crate::material::Media;
+use crate::math::DVec3;
 use crate::sampling::{Hemisphere, Sampler};
 use crate::scene::description::{Estimator, Miss, Stop};
 
@@ -28,6 +30,8 @@ use super::trace::{Silent, Step, Trace};
 use super::{Integrator, SampleAddress, Tally, Workspace, World};
 
 use batch::Batch;
+
+pub(super) use matt::Block;
 
 /// No path has more edges, nor passes more hidden boundaries; the ones that would are counted and
 /// reported.
@@ -49,6 +53,7 @@ pub(super) struct Transport {
 }
 
 /// A path on its way.
+#[derive(Clone, Copy)]
 pub(super) struct Path {
     /// Which sample of the batch it belongs to.
     sample: u32,
@@ -64,7 +69,6 @@ pub(super) struct Path {
     passes: u32,
     /// Where the ray was drawn from a density, for weighting it against light sampling.
     drawn: Option<Drawn>,
-    media: Media,
     /// Squared index of refraction where the path is now: what refraction took from `throughput`
     /// and will give back.
     index_squared: f32,
@@ -73,8 +77,12 @@ pub(super) struct Path {
 /// A direction drawn from a density at a point.
 #[derive(Clone, Copy)]
 struct Drawn {
-    at: Receiver,
     pdf: f64,
+    point: DVec3,
+    normal: DVec3,
+    id: u32,
+    side: Side,
+    is_two_sided: bool,
 }
 
 /// A shadow ray, and what its sample gains if nothing is in its way.
@@ -92,6 +100,20 @@ struct Aims<'w> {
     media: &'w mut Vec<Media>,
 }
 
+impl Drawn {
+    fn new(from: &Receiver, pdf: f64) -> Self {
+        let Receiver { hit: SurfaceHit { id, point, normal, side, .. }, is_two_sided } = *from;
+        Self { pdf, point, normal, id, side, is_two_sided }
+    }
+
+    /// Where it was drawn; how far the way there was is forgotten.
+    fn at(&self, spheres: &SphereSet) -> Receiver {
+        let Self { point, normal, id, side, is_two_sided, .. } = *self;
+        let radius = spheres.sphere(id).radius;
+        Receiver { hit: SurfaceHit { id, t: 0.0, point, normal, radius, side }, is_two_sided }
+    }
+}
+
 impl Integrator for Transport {
     fn estimate(
         &self,
@@ -102,7 +124,8 @@ impl Integrator for Transport {
     ) -> Tally {
         let tally = Tally::default();
         let recorder = &mut Silent;
-        Batch { transport: self, world, samples, radiance, tally, recorder }.run(workspace)
+        let media = std::mem::take(&mut workspace.media);
+        Batch { transport: self, world, samples, radiance, media, tally, recorder }.run(workspace)
     }
 
     fn trace(&self, world: World<'_>, address: SampleAddress) -> Option<Trace> {
@@ -113,6 +136,7 @@ impl Integrator for Transport {
             world,
             samples: &[address],
             radiance: &mut radiance,
+            media: Vec::new(),
             tally: Tally::default(),
             recorder: &mut steps,
         };

@@ -28,7 +28,7 @@ pub(super) fn is_behind_a_lamp(scene: &Scene, path: &Path, hit: &SurfaceHit) -> 
     let is_within = |at: &Receiver| at.is_within(hit.id, &scene.spheres().sphere(hit.id));
     scene.has_opacity()
         && hit.side == Side::Inside
-        && path.drawn.as_ref().is_some_and(|drawn| !is_within(&drawn.at))
+        && path.drawn.as_ref().is_some_and(|drawn| !is_within(&drawn.at(scene.spheres())))
 }
 
 /// Walks all shadow rays to their ends; what is left of their light stays in them. `media` are those

@@ -4,7 +4,7 @@ use crate::fault::fault;
 use crate::geometry::SurfaceHit;
 use crate::light::Receiver;
 use crate::material::{BsdfSample, Lobe, Media};
-use crate::math::DVec3;
+use crate::math::{DVec3, nearly_unit};
 use crate::scene::description::Stop;
 
 use super::super::dimension::Vertex;
@@ -50,7 +50,7 @@ impl<R: Recorder> Batch<'_, R> {
         beyond: Option<&Media>,
     ) -> bool {
         let BsdfSample { lobe, pdf, weight, eta, .. } = *sample;
-        let wi = direction.normalize();
+        let wi = nearly_unit(direction);
         path.throughput *= weight;
         let throughput = path.throughput;
         self.recorder.note(|| Step::Scatter { lobe, wi, pdf, weight, eta, throughput });
@@ -60,7 +60,7 @@ impl<R: Recorder> Batch<'_, R> {
         if lobe == Lobe::Delta {
             path.drawn = None;
         } else {
-            path.drawn = Some(Drawn { at: *from, pdf });
+            path.drawn = Some(Drawn::new(from, pdf));
             path.scatterings += 1;
         }
         if sample.wi.z < 0.0 {
@@ -70,7 +70,7 @@ impl<R: Recorder> Batch<'_, R> {
     }
 
     /// Whether a path that has just scattered goes on, with its throughput made up for that.
-    fn survives(&mut self, path: &mut Path) -> bool {
+    pub(super) fn survives(&mut self, path: &mut Path) -> bool {
         let largest = path.throughput.max_element();
         let goes_on = match self.transport.stop {
             Stop::Roulette if path.depth >= ROULETTE_FROM => self.roulette(path),
@@ -94,17 +94,19 @@ impl<R: Recorder> Batch<'_, R> {
         let survival = weight.min(1.0);
         let paid = if fault!(RouletteUnpaid) { 1.0 } else { survival };
         path.throughput /= paid.max(f32::MIN_POSITIVE);
-        let u = path.sampler.get(Vertex::at(path.depth).roulette());
-        let survives = u < f64::from(survival);
+        let u = || path.sampler.get(Vertex::at(path.depth).roulette());
+        let survives = survival >= 1.0 || u() < f64::from(survival);
         let throughput = path.throughput;
         self.recorder.note(|| Step::Roulette { survival, survives, throughput });
         survives
     }
 
     /// Goes over to the media beyond a boundary, if they are others.
-    fn enter(&mut self, path: &mut Path, beyond: Option<&Media>) {
+    fn enter(&mut self, path: &Path, beyond: Option<&Media>) {
         let Some(media) = beyond else { return };
-        self.tally.media_overflows += u64::from(media.overflowed() && !path.media.overflowed());
-        path.media = *media;
+        if let Some(here) = self.media.get_mut(path.sample as usize) {
+            self.tally.media_overflows += u64::from(media.overflowed() && !here.overflowed());
+            *here = *media;
+        }
     }
 }

@@ -4,9 +4,10 @@ use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{Side, SurfaceHit};
 use crate::light::{Receiver, Source};
-use crate::material::Lobe;
+use crate::material::{Lobe, Media};
 use crate::math::Frame;
 use crate::sampling::power_heuristic;
+use crate::scene::Surface;
 use crate::scene::description::Estimator;
 
 use super::super::dimension::Vertex;
@@ -38,12 +39,15 @@ impl<R: Recorder> Batch<'_, R> {
 
     /// A path that meets a surface. Returns whether it goes on.
     pub(super) fn shade(&mut self, path: &mut Path, hit: &SurfaceHit, aims: &mut Aims<'_>) -> bool {
-        path.throughput *= path.media.transmittance(hit.t - path.ray.t_min);
+        if self.world.scene.has_media() {
+            path.throughput *= self.media_of(path).transmittance(hit.t - path.ray.t_min);
+        }
         let world_wo = -path.ray.direction;
         let Path { depth, throughput, .. } = *path;
         self.recorder.note(|| Step::Meet { depth, hit: *hit, wo: world_wo, throughput });
-        let surface = self.world.scene.surface(hit.id);
-        let presence = surface.presence(hit.id, hit.side, &path.media);
+        let scene = self.world.scene;
+        let surface = scene.surface(hit.id);
+        let presence = surface.presence(hit.id, hit.side, self.media_of(path));
         if surface.material.is_emissive() {
             let is_aimed_at = !opacity::is_behind_a_lamp(self.world.scene, path, hit);
             let radiance = surface.material.emission * presence;
@@ -54,32 +58,48 @@ impl<R: Recorder> Batch<'_, R> {
         }
 
         // Straight through where a dielectric's boundary lies hidden in another one.
-        let boundary =
-            surface.medium(hit.id).map(|m| path.media.meet(m, hit.side == Side::Outside));
+        let entering = hit.side == Side::Outside;
+        let boundary = surface.medium(hit.id).map(|m| self.media_of(path).meet(m, entering));
         let beyond = boundary.as_ref().map(|boundary| &boundary.beyond);
         let eta = boundary.as_ref().map_or(Some(1.0), |boundary| boundary.eta);
         let Some(eta) = eta else { return self.pass_through(path, hit, beyond) };
 
         // Is another edge allowed?
-        let spent = depth - u32::from(fault!(DepthOffByOne));
-        if spent >= self.transport.max_depth {
+        if self.is_at_its_end(path) {
             return self.end(End::Depth);
         }
         if depth >= LONGEST {
             return self.cut_off();
         }
+        self.turn(path, hit, &surface, eta, beyond, aims)
+    }
 
-        // Aim at a light, then scatter.
+    /// Whether a path has as many edges as it may.
+    pub(super) fn is_at_its_end(&self, path: &Path) -> bool {
+        path.depth - u32::from(fault!(DepthOffByOne)) >= self.transport.max_depth
+    }
+
+    /// Aims at a light, then scatters. Returns whether the path goes on.
+    pub(super) fn turn(
+        &mut self,
+        path: &mut Path,
+        hit: &SurfaceHit,
+        surface: &Surface<'_>,
+        eta: f64,
+        beyond: Option<&Media>,
+        aims: &mut Aims<'_>,
+    ) -> bool {
+        let scene = self.world.scene;
         let bsdf = surface.material.bsdf(surface.albedo, eta, self.transport.hemisphere);
         let receiver = Receiver { hit: *hit, is_two_sided: bsdf.transmits() };
         let frame = Frame::around(hit.facing_normal());
-        let wo = frame.to_local(world_wo);
+        let wo = frame.to_local(-path.ray.direction);
         let may_scatter = path.scatterings < self.transport.most_scatterings;
         if self.transport.estimator != Estimator::Bsdf && may_scatter && !bsdf.is_delta() {
             let aimed = self.aim_at_light(path, &receiver, &bsdf, &frame, wo, beyond);
-            aims.extend(self.world.scene, aimed);
+            aims.extend(scene, aimed);
         }
-        let vertex = Vertex::at(depth);
+        let vertex = Vertex::at(path.depth);
         let u = path.sampler.get_2d(vertex.direction());
         let u = if fault!(NumberReused) { [u[0]; 2] } else { u };
         let lobe = if bsdf.has_lobes() { path.sampler.get(vertex.lobe()) } else { 0.0 };
@@ -95,7 +115,10 @@ impl<R: Recorder> Batch<'_, R> {
     }
 
     /// Adds light that a path came across, and might have aimed at.
-    fn gather(&mut self, path: &Path, source: Source, radiance: Rgb, is_aimed_at: bool) {
+    pub(super) fn gather(&mut self, path: &Path, source: Source, radiance: Rgb, is_aimed_at: bool) {
+        if radiance == Rgb::ZERO && !R::LISTENS {
+            return;
+        }
         let aimed = path.drawn.filter(|_| is_aimed_at);
         let pdf_light = aimed.map_or(0.0, |drawn| self.pdf_light(path, &drawn, source));
         let pdf = path.drawn.map(|drawn| drawn.pdf);
@@ -119,6 +142,6 @@ impl<R: Recorder> Batch<'_, R> {
             return 0.0;
         }
         let scene = self.world.scene;
-        scene.lights().pdf(scene.spheres(), &drawn.at, source, path.ray.direction)
+        scene.lights().pdf(scene.spheres(), &drawn.at(scene.spheres()), source, path.ray.direction)
     }
 }

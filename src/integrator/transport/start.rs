@@ -1,7 +1,6 @@
 //! Camera rays: where paths begin.
 
 use crate::color::Rgb;
-use crate::material::Media;
 use crate::scene::description::Miss;
 
 use super::super::camera_rays::{camera_ray, sampler_of};
@@ -21,7 +20,7 @@ impl<R: Recorder> Batch<'_, R> {
         let sampler = sampler_of(scene, self.transport.strata, address);
         let dimensions = [dimension::PIXEL, dimension::LENS];
         let ray = camera_ray(scene, self.transport.strata, address, sampler, dimensions);
-        let mut path = Path {
+        let path = Path {
             sample: sample as u32,
             sampler,
             ray,
@@ -31,10 +30,9 @@ impl<R: Recorder> Batch<'_, R> {
             redraws: 0,
             passes: 0,
             drawn: None,
-            media: Media::VACUUM,
             index_squared: 1.0,
         };
-        self.leave_camera(&mut path);
+        self.leave_camera(&path);
         path
     }
 
@@ -55,9 +53,11 @@ impl<R: Recorder> Batch<'_, R> {
         true
     }
 
-    fn leave_camera(&mut self, path: &mut Path) {
+    fn leave_camera(&mut self, path: &Path) {
         let Path { ray, redraws, .. } = *path;
-        path.media = self.world.scene.media_at(ray.at(ray.t_min));
+        if let Some(media) = self.media.get_mut(path.sample as usize) {
+            *media = self.world.scene.media_at(ray.at(ray.t_min));
+        }
         self.recorder.note(|| Step::Camera { ray, redraws });
     }
 }

@@ -99,6 +99,11 @@ impl Background {
         self.constant.is_some() && self.sun.is_none()
     }
 
+    /// Whether there is anything to aim at, sun or dome.
+    pub(super) fn is_aimed_at(&self) -> bool {
+        self.sun.is_some() || self.dome.aimed_at() > 0.0
+    }
+
     /// The irradiance at a receiver from what is aimed at of the dome, in luminance.
     pub(super) fn importance(&self, from: &Receiver) -> f64 {
         // The mean over all ways that a surface may face.

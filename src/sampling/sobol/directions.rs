@@ -67,6 +67,11 @@ pub(super) fn reversed_point(mut reversed_index: u32, dimension: usize) -> u32 {
     point
 }
 
+/// What a bit of the reversed index adds to a coordinate of its point.
+pub(super) fn direction(dimension: u32, bit: u32) -> u32 {
+    reversed_point(1 << bit, dimension as usize)
+}
+
 const fn tables() -> [[[u32; 16]; 8]; DIMENSIONS] {
     let mut tables = [[[0; 16]; 8]; DIMENSIONS];
     let mut dimension = 1;

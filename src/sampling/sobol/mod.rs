@@ -7,7 +7,10 @@
 //! together, and those of two sets are independent of one another.
 
 mod directions;
+mod lanes;
 mod scramble;
+
+pub use lanes::SobolLanes;
 
 use super::independent::{output, pixel_key};
 use directions::reversed_point;
@@ -41,13 +44,24 @@ impl Sobol {
 
     /// Which point of the sequence serves the set of a dimension, with its bits reversed.
     fn index(self, dimension: u32) -> u32 {
-        shuffle_reversed(self.sample, output(!self.key, dimension / SET))
+        index_of(self.key, self.sample, dimension / SET)
     }
 
-    /// The middle of a cell of 2^-32, so never 0 and never 1.
     fn coordinate(self, index: u32, dimension: u32) -> f64 {
         let point = reversed_point(index, (dimension % SET) as usize);
-        let scrambled = scramble_reversed(point, output(self.key, dimension)).reverse_bits();
-        (f64::from(scrambled) + 0.5) * (1.0 / (1u64 << 32) as f64)
+        coordinate_of(point, self.key, dimension)
     }
+}
+
+/// Which point of the sequence serves a set, with its bits reversed.
+#[inline(always)]
+fn index_of(key: u64, reversed_sample: u32, set: u32) -> u32 {
+    shuffle_reversed(reversed_sample, output(!key, set))
+}
+
+/// A coordinate of a point, scrambled: the middle of a cell of 2^-32, so never 0 and never 1.
+#[inline(always)]
+fn coordinate_of(reversed_point: u32, key: u64, dimension: u32) -> f64 {
+    let scrambled = scramble_reversed(reversed_point, output(key, dimension)).reverse_bits();
+    (f64::from(scrambled) + 0.5) * (1.0 / (1u64 << 32) as f64)
 }

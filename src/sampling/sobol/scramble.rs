@@ -15,6 +15,7 @@
 //! `x ^= x * even` all 128 come up, equally often.
 
 /// Scrambles a number whose bits are reversed.
+#[inline(always)]
 pub(super) fn scramble_reversed(mut x: u32, key: u64) -> u32 {
     let [added, factor, flipped, even] = [0, 16, 32, 48].map(|bits| key.rotate_right(bits) as u32);
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -31,6 +32,7 @@ pub(super) fn scramble_reversed(mut x: u32, key: u64) -> u32 {
 /// Scrambled alone it would go to another aligned block. Bringing 0 back to 0 adds a constant to the
 /// index, without carry, and so one to every coordinate, which scrambling those undoes: the points are
 /// distributed alike, and a small index stays small.
+#[inline(always)]
 pub(super) fn shuffle_reversed(index: u32, key: u64) -> u32 {
     scramble_reversed(index, key) ^ scramble_reversed(0, key)
 }

@@ -1,0 +1,64 @@
+//! The same numbers for many samples at a time, as loops that become vector instructions.
+
+use super::directions::direction;
+use super::{SET, Sobol, coordinate_of, index_of};
+use crate::math::{LANES, Lanes};
+
+/// Sobol numbers of many samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SobolLanes {
+    key: Lanes<u64>,
+    /// With its bits reversed.
+    sample: Lanes<u32>,
+    /// The set that is being read, and which point of the sequence serves it.
+    set: Lanes<u32>,
+    index: Lanes<u32>,
+}
+
+impl SobolLanes {
+    /// Dimensions of a set.
+    pub const SET: u32 = SET;
+
+    /// Puts the numbers of a sample into a lane.
+    #[inline(always)]
+    pub(in crate::sampling) fn put(&mut self, lane: usize, Sobol { key, sample }: Sobol) {
+        self.key.0[lane] = key;
+        self.sample.0[lane] = sample;
+    }
+
+    /// Turns to a set of four dimensions in every lane: dimension `4 set` is its first.
+    #[inline(always)]
+    pub fn turn_to(&mut self, set: impl Fn(usize) -> u32) {
+        for lane in 0..LANES {
+            self.set.0[lane] = set(lane);
+            self.index.0[lane] = index_of(self.key.0[lane], self.sample.0[lane], self.set.0[lane]);
+        }
+    }
+
+    /// The numbers of one dimension of the set, 0 to 3.
+    #[inline(always)]
+    pub fn get(&self, dimension: u32, numbers: &mut Lanes<f64>) {
+        let points = self.points(dimension);
+        for lane in 0..LANES {
+            let dimension = 4 * self.set.0[lane] + dimension;
+            numbers.0[lane] = coordinate_of(points.0[lane], self.key.0[lane], dimension);
+        }
+    }
+
+    /// A dimension of the points of the sequence: what each bit of the index that is set anywhere
+    /// adds to them.
+    #[inline(always)]
+    fn points(&self, dimension: u32) -> Lanes<u32> {
+        let mut points = Lanes::default();
+        let mut used = self.index.0.iter().fold(0, |used, index| used | index);
+        while used != 0 {
+            let bit = 31 - used.leading_zeros();
+            used ^= 1 << bit;
+            let adds = direction(dimension, bit);
+            for lane in 0..LANES {
+                points.0[lane] ^= adds & 0u32.wrapping_sub(self.index.0[lane] >> bit & 1);
+            }
+        }
+        points
+    }
+}
