@@ -1,16 +1,28 @@
-//! The seam to Embree: finds it, compiles `ffi/shim.c`, binds `ffi/shim.h`, and links.
+//! Tells the program which commit it is built from and what the compiler knows, and builds the seam
+//! to Embree: finds it, compiles `ffi/shim.c`, binds `ffi/shim.h`, and links.
 //!
 //! `EMBREE_DIR` (with `include` and `lib` or `lib64`) is tried first and alone, then the system;
 //! Embree 4 before 3. Without the feature `embree` there is nothing to do.
 
 #![allow(clippy::print_stdout, reason = "that is how a build script speaks to cargo")]
 
+use std::path::Path;
+use std::process::Command;
+
+/// What the program is built from. It is looked at again only when some of it changes, which builds
+/// everything anew anyway; so the commit that is told is one with this very source.
+const SOURCES: [&str; 5] = ["build.rs", "src", "ffi", "Cargo.toml", "Cargo.lock"];
+
 fn main() {
-    println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-check-cfg=cfg(has_avx512)");
     if rust_version().is_some_and(|minor| minor >= 89) {
         println!("cargo::rustc-cfg=has_avx512");
     }
+    for source in SOURCES.into_iter().filter(|source| Path::new(source).exists()) {
+        println!("cargo::rerun-if-changed={source}");
+    }
+    let commit = commit().unwrap_or_else(|| "unknown".to_owned());
+    println!("cargo::rustc-env=PHOTOSPHERE_COMMIT={commit}");
     #[cfg(feature = "embree")]
     if let Err(message) = embree::build() {
         let lines = message.lines().chain(embree::ADVICE.lines());
@@ -21,9 +33,23 @@ fn main() {
 /// The minor version of the compiler: Rust 1.89 is the first that knows AVX-512.
 fn rust_version() -> Option<u32> {
     let rustc = std::env::var_os("RUSTC")?;
-    let told = std::process::Command::new(rustc).arg("--version").output().ok()?;
+    let told = Command::new(rustc).arg("--version").output().ok()?;
     let told = String::from_utf8(told.stdout).ok()?;
     told.strip_prefix("rustc 1.")?.split('.').next()?.parse().ok()
+}
+
+/// The commit, where this folder is the top of a repository and not unpacked somewhere in one.
+fn commit() -> Option<String> {
+    let git = |arguments: &[&str]| {
+        let output =
+            Command::new("git").arg("--no-optional-locks").args(arguments).output().ok()?;
+        let text = String::from_utf8(output.stdout).ok()?;
+        output.status.success().then(|| text.trim().to_owned())
+    };
+    let below_the_top = git(&["rev-parse", "--show-prefix"])?;
+    let commit = git(&["rev-parse", "--short=12", "HEAD"]).filter(|_| below_the_top.is_empty())?;
+    let changes = git(&[&["status", "--porcelain", "--"], &SOURCES[..]].concat())?;
+    Some(if changes.is_empty() { commit } else { format!("{commit} with changes") })
 }
 
 #[cfg(feature = "embree")]
@@ -48,9 +74,6 @@ mod embree {
     }
 
     pub(super) fn build() -> Result<()> {
-        for file in ["ffi/shim.h", "ffi/shim.c", "ffi/probe.c"] {
-            println!("cargo::rerun-if-changed={file}");
-        }
         println!("cargo::rerun-if-env-changed=EMBREE_DIR");
         let embree = match env::var_os("EMBREE_DIR") {
             Some(folder) => Embree::in_folder(Path::new(&folder))?,

@@ -26,6 +26,7 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod output;
+pub mod provenance;
 pub mod render;
 pub mod sampling;
 pub mod scene;

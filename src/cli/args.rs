@@ -7,6 +7,7 @@
 mod compare;
 mod converge;
 mod generate;
+mod output;
 mod picture;
 mod trace;
 mod verify;
@@ -24,6 +25,7 @@ use super::exit::EXIT_CODES;
 pub(super) use compare::{CompareArgs, Mapped, Metric};
 pub(super) use converge::ConvergeArgs;
 pub(super) use generate::GenerateArgs;
+pub(super) use output::OutputArgs;
 pub(super) use picture::PictureArgs;
 pub(super) use trace::TraceArgs;
 pub(super) use verify::VerifyArgs;
@@ -110,6 +112,7 @@ Examples:
   photosphere render fig2.toml -o quick.png --size 320x240 --spp 4
   photosphere render fig2.toml -o fig2.exr --integrator path --spp 1024 --seed 7
   photosphere render fig2.toml -o red.png --set 'materials.grass.albedo=[0.6,0.1,0.1]'
+  photosphere render fig2.toml -o fig2.exr -o fig2.png --tone agx --exposure 1
   photosphere render fig2.toml -o fig2.pfm --quiet --json | jq .samples_per_s
 
 Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,
@@ -118,10 +121,8 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
 
-    /// The picture; its extension chooses the format: .png (sRGB, 8 bit), .exr (linear, with the
-    /// layers direct and indirect), .hdr or .pfm (linear)
-    #[arg(short, long, value_name = "FILE")]
-    pub(super) output: PathBuf,
+    #[command(flatten)]
+    pub(super) output: OutputArgs,
 
     #[command(flatten)]
     pub(super) accel: AccelArg,
@@ -191,11 +192,12 @@ pub(super) struct BenchArgs {
     pub(super) json: bool,
 }
 
-/// Say what is in a scene, and what of it deserves attention
+/// Say what is in a scene and what of it deserves attention, or how a picture was made
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   photosphere info scenes/cornell-spheres.toml
+  photosphere info fig2.png
   photosphere info grains.toml --json | jq .spheres")]
 pub(super) struct InfoArgs {
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! Ctrl-C. While there is nothing to save, it ends the program at once; once there is, the first asks
 //! the work to stop, and the second ends the program at once.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -21,10 +21,10 @@ pub(super) struct Interrupt {
 ///
 /// A signal that the program was started to ignore, as under `nohup`, stays ignored, and then none
 /// is listened for. `unfinished` is removed before the program dies at once.
-pub(super) fn listen(unfinished: Option<&Path>) -> Interrupt {
+pub(super) fn listen<'p>(unfinished: impl IntoIterator<Item = &'p Path>) -> Interrupt {
     let interrupt = Interrupt::default();
     let ours = interrupt.clone();
-    let unfinished = unfinished.map(Path::to_path_buf);
+    let unfinished: Vec<PathBuf> = unfinished.into_iter().map(Path::to_path_buf).collect();
     let handler = move || {
         let is_second = ours.cancel.is_cancelled();
         if ours.can_save.load(Ordering::Relaxed) && !is_second {
@@ -32,8 +32,10 @@ pub(super) fn listen(unfinished: Option<&Path>) -> Interrupt {
             print::remark("stopping; press Ctrl-C again to stop at once and write nothing");
             return;
         }
-        // It may be gone already: the picture is then complete under its own name.
-        let _ = unfinished.as_ref().map(std::fs::remove_file);
+        // One may be gone already: the picture is then complete under its own name.
+        for file in &unfinished {
+            let _ = std::fs::remove_file(file);
+        }
         if !is_second {
             print::remark("stopped; nothing was written");
         }

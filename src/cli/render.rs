@@ -9,13 +9,14 @@ use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::geometry::SphereSet;
-use crate::output::{Crop, Notes, Target};
+use crate::provenance::{Made, Run, Samples};
 use crate::render::{self, Outcome, RenderOptions};
 use crate::scene::Scene;
 
 use super::args::RenderArgs;
 use super::exit::Exit;
 use super::interrupt::Interrupt;
+use super::outputs::{self, Outputs};
 use super::progress::Progress;
 use super::{interrupt, on_threads, print, system};
 
@@ -29,12 +30,12 @@ struct Figures {
 /// # Errors
 /// Whatever stands between the scene and the picture, the place of the picture first.
 pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
-    let target = Target::new(&args.output)?;
-    let interrupt = interrupt::listen(Some(target.temporary()));
-    on_threads(args.scene.threads(), || render(args, target, &interrupt))
+    let outputs = Outputs::new(&args.output)?;
+    let interrupt = interrupt::listen(outputs.temporaries());
+    on_threads(args.scene.threads(), || render(args, outputs, &interrupt))
 }
 
-fn render(args: &RenderArgs, target: Target, interrupt: &Interrupt) -> Result<Exit> {
+fn render(args: &RenderArgs, outputs: Outputs, interrupt: &Interrupt) -> Result<Exit> {
     let mut clock = Clock(Instant::now());
     let scene = Scene::load(&args.scene.path, &args.overrides())?;
     let load_s = clock.lap();
@@ -60,7 +61,15 @@ fn render(args: &RenderArgs, target: Target, interrupt: &Interrupt) -> Result<Ex
             Error::cancelled().with_help("no sample was finished, so no picture was written")
         );
     }
-    target.write_with(&outcome.picture, &notes(&scene))?;
+    let made = Made::new(&scene, args.accel.backend, samples(&outcome));
+    let run = Run {
+        command: system::command_line(),
+        scene_file: system::full_path(&args.scene.path),
+        rays: outcome.rays,
+        seconds: figures.render_s,
+        threads,
+    };
+    outputs.write(&outcome.picture, &scene, &made, &run)?;
     outcome.warnings.iter().for_each(print::warning);
     outcome.warnings.splice(..0, about_spheres);
     report(args, &scene, &outcome, &figures)?;
@@ -84,15 +93,11 @@ fn check_memory(scene: &Scene) -> Result<()> {
     }
 }
 
-/// What the file says of the picture beside its pixels.
-fn notes(scene: &Scene) -> Notes {
-    let image = scene.description().image;
-    let window = image.window();
-    let cropped_from = image.crop.map(|_| Crop {
-        full_size: [image.width, image.height].map(|pixels| pixels as usize),
-        corner: [window.x, window.y].map(|pixels| pixels as usize),
-    });
-    Notes { cropped_from, biased_by: scene.description().render.biases() }
+/// Which samples the picture has: those of stopped renders are spread over the pixels in whole blocks.
+fn samples(outcome: &Outcome) -> Samples {
+    let pixels = outcome.picture.len() as u64;
+    let (fewest, most) = (outcome.samples / pixels, outcome.samples.div_ceil(pixels));
+    Samples { first: 0, fewest: fewest as u32, most: most as u32 }
 }
 
 /// What the user should know of spheres that are there twice, and of those that f32 cannot hold well.
@@ -141,8 +146,7 @@ fn in_words(args: &RenderArgs, outcome: &Outcome, figures: &Figures) -> String {
     if let Some(peak) = system::peak_memory() {
         line(format_args!(", peak memory {}", print::bytes(peak)));
     }
-    let output = args.output.display();
-    line(format_args!("\nwrote {output}{stopped}"));
+    line(format_args!("\nwrote {}{stopped}", outputs::in_words(&args.output.files)));
     text
 }
 
@@ -153,7 +157,7 @@ fn in_json(
     figures: &Figures,
 ) -> serde_json::Value {
     json!({
-        "output": args.output.display().to_string(),
+        "output": outputs::in_words(&args.output.files),
         "complete": outcome.complete,
         "accel": args.accel.backend.name(),
         "spheres": scene.spheres().len(),

@@ -1,4 +1,6 @@
-//! What the operating system says of memory; `None` where it does not say.
+//! What the operating system says of memory, `None` where it does not say; and of this very run.
+
+use std::path::Path;
 
 /// The most memory that this process has held so far, in bytes.
 pub(super) fn peak_memory() -> Option<u64> {
@@ -20,6 +22,21 @@ pub(super) fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// The command line, quoted for a shell, with the program by its name.
+pub(super) fn command_line() -> String {
+    let arguments: Vec<String> =
+        std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+    let words = std::iter::once("photosphere").chain(arguments.iter().map(String::as_str));
+    // What cannot be quoted holds a zero byte, which no argument can.
+    shlex::try_join(words).unwrap_or_default()
+}
+
+/// The path from the root on, as well as it is known.
+pub(super) fn full_path(path: &Path) -> String {
+    let full = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    full.display().to_string()
 }
 
 /// A line such as `VmHWM:    1234 kB`, in bytes.

@@ -1,4 +1,8 @@
-//! Colours: linear Rec. 709 radiance and reflectance, and the curve to the screen.
+//! Colours: linear Rec. 709 radiance and reflectance, and the ways to the screen.
+
+mod tone;
+
+pub use tone::{Look, Tone};
 
 /// Red, green, blue in linear Rec. 709. Radiance is in W/(sr m^2) per channel.
 pub type Rgb = glam::Vec3;

@@ -1,13 +1,16 @@
 //! OpenEXR: linear 32-bit float, the beauty as `R G B` and the layers `direct.*` and `indirect.*`
 //! beside it in one part, where every viewer finds them. A picture with alpha
-//! has that as the channel `A`, with which the colours are multiplied, as OpenEXR has it. ZIP loses nothing, and neither time nor
-//! machine enter the file: equal pictures have equal bytes.
+//! has that as the channel `A`, with which the colours are multiplied, as OpenEXR has it. ZIP loses nothing, and
+//! nothing but the picture and its records enters the file: equal ones have equal bytes.
 //!
 //! The `exr` crate is generic to its core; this file asks it for one concrete kind of image only,
 //! because every other kind would be compiled anew.
 
-use std::io;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::Path;
 
+use exr::meta::MetaData;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds, Layer,
     LayerAttributes, SmallVec, Text, Vec2, WritableImage,
@@ -16,7 +19,10 @@ use exr::prelude::{
 use crate::color::Rgb;
 use crate::film::Picture;
 
-use super::{BIASED, Crop, Notes, Sink};
+use super::{Crop, Notes, Record, Sink};
+
+/// Bytes of the magic number and the version, which the attributes follow.
+const HEAD: u64 = 8;
 
 /// Writes the beauty and both layers. A cropped picture lies in the window of the whole one.
 pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Result<()> {
@@ -38,9 +44,9 @@ pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Resu
         software_name: Some(Text::from(concat!("photosphere ", env!("CARGO_PKG_VERSION")))),
         ..LayerAttributes::default()
     };
-    if let Some(biased) = notes.biased() {
-        let value = AttributeValue::Text(Text::from(biased.as_str()));
-        attributes.other.insert(Text::from(BIASED), value);
+    for record in &notes.records {
+        let text = Text::from_slice_unchecked(record.text.as_bytes());
+        attributes.other.insert(Text::from(record.key().as_str()), AttributeValue::Text(text));
     }
     if let Some(Crop { corner: [x, y], .. }) = notes.cropped_from {
         attributes.layer_position = Vec2(x as i32, y as i32);
@@ -51,10 +57,53 @@ pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Resu
     if let Some(Crop { full_size: [width, height], .. }) = notes.cropped_from {
         image.attributes.display_window = IntegerBounds::from_dimensions((width, height));
     }
-    image.write().non_parallel().to_buffered(to).map_err(|e| match e {
+    image.write().non_parallel().to_buffered(&mut *to).map_err(|e| match e {
         exr::error::Error::Io(e) => e,
         other => io::Error::other(other),
-    })
+    })?;
+    to.flush()?;
+    sort_attributes(to.get_mut())
+}
+
+/// Brings the attributes of a finished file with one part into the order of their names, as OpenEXR's
+/// own library writes them: the crate's order is that of a hash map, which chance decides.
+fn sort_attributes(file: &mut File) -> io::Result<()> {
+    file.seek(SeekFrom::Start(HEAD))?;
+    let mut attributes = Vec::new();
+    let mut from = BufReader::new(&mut *file);
+    loop {
+        // The name, the type, both ended by a zero; the number of bytes, and they.
+        let mut attribute = Vec::new();
+        from.read_until(0, &mut attribute)?;
+        if attribute.len() <= 1 {
+            break;
+        }
+        from.read_until(0, &mut attribute)?;
+        let mut size = [0; 4];
+        from.read_exact(&mut size)?;
+        attribute.extend(size);
+        from.by_ref().take(u32::from_le_bytes(size).into()).read_to_end(&mut attribute)?;
+        attributes.push(attribute);
+    }
+    attributes.sort();
+    file.seek(SeekFrom::Start(HEAD))?;
+    file.write_all(&attributes.concat())?;
+    file.seek(SeekFrom::End(0)).map(|_| ())
+}
+
+/// The records of a file.
+pub(super) fn records(path: &Path) -> Result<Vec<Record>, String> {
+    let meta = MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
+    let header = meta.headers.first().ok_or("it has no parts")?;
+    let shared = header.shared_attributes.other.iter();
+    let record = |(name, value): (&Text, &AttributeValue)| match value {
+        AttributeValue::Text(text) => {
+            let text = String::from_utf8_lossy(text.as_slice()).into_owned();
+            Record::of_file(&name.to_string(), text)
+        }
+        _ => None,
+    };
+    Ok(header.own_attributes.other.iter().chain(shared).filter_map(record).collect())
 }
 
 #[cfg(test)]
@@ -106,18 +155,16 @@ mod tests {
     }
 
     #[test]
-    fn a_crop_lies_in_the_whole_picture_and_bias_has_a_name() {
+    fn a_crop_lies_in_the_whole_picture() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         let cropped_from = Some(Crop { full_size: [640, 480], corner: [31, 17] });
-        let notes = Notes { cropped_from, biased_by: vec!["max_depth = 5".to_owned()] };
+        let notes = Notes { cropped_from, ..Notes::default() };
         Target::new(&path).unwrap().write_with(&picture(), &notes).unwrap();
         let image = exr::prelude::read_first_flat_layer_from_file(&path).unwrap();
         assert_eq!(image.attributes.display_window.size, Vec2(640, 480));
         let attributes = &image.layer_data.attributes;
         assert_eq!(attributes.layer_position, Vec2(31, 17));
-        let biased = attributes.other.get(&Text::from(BIASED)).unwrap();
-        assert_eq!(*biased, AttributeValue::Text(Text::from("max_depth = 5")));
     }
 
     #[test]

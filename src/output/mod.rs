@@ -14,15 +14,17 @@ mod hdr;
 mod pfm;
 mod png;
 mod read;
+mod records;
 mod whole;
 
 use std::path::Path;
 
-use crate::color::Rgb;
+use crate::color::{Look, Rgb};
 use crate::error::{Error, Result};
 use crate::film::Picture;
 
 pub use read::{BEAUTY, Layer, Layered, read};
+pub use records::{Record, records};
 pub use whole::{Sink, WholeFile};
 
 /// A place where a picture can be written: the folder is there and lets us in.
@@ -46,8 +48,10 @@ enum Format {
 pub struct Notes {
     /// Which part of a larger picture this is; an EXR file places it there.
     pub cropped_from: Option<Crop>,
-    /// The options that bias the picture: `photosphere:biased` in PNG and EXR files.
-    pub biased_by: Vec<String>,
+    /// How a PNG file shows it.
+    pub look: Look,
+    /// How it was made, in PNG and EXR files.
+    pub records: Vec<Record>,
 }
 
 /// The place of a part in a larger picture.
@@ -57,16 +61,6 @@ pub struct Crop {
     pub full_size: [usize; 2],
     /// Column and row there of the part's upper left pixel.
     pub corner: [usize; 2],
-}
-
-/// The name under which files tell which options bias the picture.
-const BIASED: &str = "photosphere:biased";
-
-impl Notes {
-    /// The options that bias the picture, in one line.
-    fn biased(&self) -> Option<String> {
-        (!self.biased_by.is_empty()).then(|| self.biased_by.join(", "))
-    }
 }
 
 impl Target {
@@ -81,6 +75,11 @@ impl Target {
         whole::refuse_folder(path, "picture.png")?;
         let format = Format::of(path)?;
         Ok(Self { file: WholeFile::new(path)?, format })
+    }
+
+    /// Whether the file is for the screen, and so has a [`Look`].
+    pub fn is_for_screen(&self) -> bool {
+        self.format == Format::Png
     }
 
     /// The unfinished file. It disappears with this target; a program that is about to die without

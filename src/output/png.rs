@@ -1,72 +1,92 @@
-//! PNG: 8-bit sRGB for the screen. Brighter than 1 is white, there is no exposure.
+//! PNG: 8 bit for the screen, through the picture's [`Look`](crate::color::Look); without one that
+//! is the sRGB curve, and brighter than 1 is white.
 //!
 //! A picture with alpha becomes RGBA whose colours are not multiplied with it, as the specification
 //! has it (PNG third edition, section 6.2).
 
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, BufReader};
+use std::path::Path;
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use png::text_metadata::ITXtChunk;
+use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter};
 
-use crate::color::srgb_from_linear;
 use crate::film::Picture;
 
-use super::{BIASED, Notes, Sink, finite_beauty};
+use super::{Crop, Notes, Record, Sink, finite_beauty};
 
-/// Bytes of the signature and the header chunk, behind which others may stand.
-const HEAD: usize = 8 + 25;
+/// Texts of more bytes than this are compressed.
+const SHORT: usize = 512;
 
-/// Writes beauty through the sRGB curve, rounded to the nearest of 256 steps.
+/// The longest text that is read, in bytes.
+const LONGEST: usize = 64 << 20;
+
+/// Writes beauty for the screen, rounded to the nearest of 256 steps.
 pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Result<()> {
-    let step = |linear: f32| (srgb_from_linear(linear) * 255.0).round() as u8;
+    let mut encoder = Encoder::new(to, picture.width as u32, picture.height as u32);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Adaptive);
+    encoder.set_color(match picture.alpha {
+        None => ColorType::Rgb,
+        Some(_) => ColorType::Rgba,
+    });
+    let mut writer = encoder.write_header()?;
+    for record in &notes.records {
+        let mut chunk = ITXtChunk::new(record.key(), &record.text);
+        chunk.compressed = record.text.len() > SHORT;
+        writer.write_text_chunk(&chunk)?;
+    }
+    writer.write_image_data(&bytes(picture, notes))?;
+    writer.finish()?;
+    Ok(())
+}
+
+/// The pixels, row by row.
+fn bytes(picture: &Picture, notes: &Notes) -> Vec<u8> {
+    let [left, top] = notes.cropped_from.map_or([0; 2], |Crop { corner, .. }| corner);
+    let place = |pixel: usize| (left + pixel % picture.width, top + pixel / picture.width);
+    let steps = |pixel: usize, covered: f32| {
+        let (column, row) = place(pixel);
+        notes.look.steps(finite_beauty(picture, pixel) * covered, column, row)
+    };
     let pixels = 0..picture.len();
-    let (bytes, kind): (Vec<u8>, _) = match &picture.alpha {
-        None => {
-            let rgb = |pixel| finite_beauty(picture, pixel).to_array().map(step);
-            (pixels.flat_map(rgb).collect(), ExtendedColorType::Rgb8)
-        }
+    match &picture.alpha {
+        None => pixels.flat_map(|pixel| steps(pixel, 1.0)).collect(),
         Some(alpha) => {
             let rgba = |pixel: usize| {
                 let alpha = alpha[pixel];
                 let covered = if alpha > 0.0 { 1.0 / alpha } else { 0.0 };
-                let [r, g, b] = (finite_beauty(picture, pixel) * covered).to_array().map(step);
+                let [r, g, b] = steps(pixel, covered);
                 [r, g, b, (alpha * 255.0).round() as u8]
             };
-            (pixels.flat_map(rgba).collect(), ExtendedColorType::Rgba8)
+            pixels.flat_map(rgba).collect()
         }
-    };
-    let (width, height) = (picture.width as u32, picture.height as u32);
-    let mut file = Vec::new();
-    PngEncoder::new(&mut file)
-        .write_image(&bytes, width, height, kind)
-        .map_err(io::Error::other)?;
-    let (head, rest) = file.split_at(HEAD);
-    to.write_all(head)?;
-    if let Some(biased) = notes.biased() {
-        to.write_all(&text_chunk(BIASED, &biased))?;
     }
-    to.write_all(rest)
 }
 
-/// A chunk of text under a keyword (PNG specification, section 11.3.3.2): Latin-1, which is what
-/// our options are written in.
-fn text_chunk(keyword: &str, text: &str) -> Vec<u8> {
-    let body = [b"tEXt", keyword.as_bytes(), &[0], text.as_bytes()].concat();
-    let length = body.len() as u32 - 4;
-    [&length.to_be_bytes(), &body[..], &crc(&body).to_be_bytes()].concat()
-}
-
-/// The checksum of a chunk (PNG specification, annex D).
-fn crc(bytes: &[u8]) -> u32 {
-    let shift = |crc: u32, _| if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 };
-    !bytes.iter().fold(!0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), shift))
+/// The records of a file.
+pub(super) fn records(path: &Path) -> Result<Vec<Record>, String> {
+    let file = File::open(path).map_err(|e| e.to_string())?;
+    let reader = Decoder::new(BufReader::new(file)).read_info().map_err(|e| e.to_string())?;
+    let info = reader.info();
+    let mut found = Vec::new();
+    for chunk in &info.uncompressed_latin1_text {
+        found.extend(Record::of_file(&chunk.keyword, chunk.text.clone()));
+    }
+    for chunk in &info.utf8_text {
+        let mut chunk = chunk.clone();
+        chunk.decompress_text_with_limit(LONGEST).map_err(|e| e.to_string())?;
+        found.extend(Record::of_file(&chunk.keyword, chunk.get_text().map_err(|e| e.to_string())?));
+    }
+    Ok(found)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::tests::{picture, written};
-    use super::super::{Notes, Target};
-    use crate::color::{Rgb, srgb_from_linear};
+    use super::super::{Crop, Notes, Target};
+    use crate::color::{Look, Rgb, Tone, srgb_from_linear};
 
     #[test]
     fn pixels_come_back_in_place_and_rounded() {
@@ -101,19 +121,19 @@ mod tests {
     }
 
     #[test]
-    fn options_that_bias_stand_in_the_file() {
-        // The checksum of the empty chunk that ends every file.
-        assert_eq!(super::crc(b"IEND"), 0xae42_6082);
+    fn the_look_is_that_of_the_notes() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        let biased_by = vec!["clamp_indirect = 10".to_owned(), "max_depth = 5".to_owned()];
-        let notes = Notes { biased_by, ..Notes::default() };
-        Target::new(&path).unwrap().write_with(&picture(), &notes).unwrap();
-        let bytes = std::fs::read(&path).unwrap();
-        let text = b"tEXtphotosphere:biased\0clamp_indirect = 10, max_depth = 5";
-        assert!(bytes.windows(text.len()).any(|part| part == text));
-        // Readers check the checksum.
-        assert_eq!(image::open(&path).unwrap().into_rgb8().dimensions(), (13, 5));
+        let look = Look { exposure: -2.5, tone: Tone::AgX, dither: true };
+        let cropped_from = Some(Crop { full_size: [640, 480], corner: [31, 17] });
+        let notes = Notes { look, cropped_from, ..Notes::default() };
+        let picture = picture();
+        Target::new(&path).unwrap().write_with(&picture, &notes).unwrap();
+        let image = image::open(&path).unwrap().into_rgb8();
+        for (x, y, read) in image.enumerate_pixels() {
+            let (x, y) = (x as usize, y as usize);
+            assert_eq!(read.0, look.steps(picture.beauty(13 * y + x), 31 + x, 17 + y));
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod desk;
 mod files;
 mod mistakes_in_a_scene;
 mod pictures;
+mod provenance;
 mod reports;
 mod streams_and_signals;
 mod tables;

@@ -1,9 +1,11 @@
-//! `photosphere info`: what is in a scene.
+//! `photosphere info`: what is in a scene, and how a picture was made.
+
+mod picture;
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
 use crate::scene::Scene;
@@ -14,8 +16,20 @@ use super::exit::Exit;
 use super::{on_threads, print, render};
 
 /// # Errors
-/// When the scene cannot be read or has mistakes.
+/// When the scene or the picture cannot be read, or the scene has mistakes.
 pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
+    if picture::is_picture(&args.scene.path) {
+        if let Some(option) = args.scene.overrides().first() {
+            let message = format!(
+                "`{}` changes scenes, but `{}` is a picture",
+                option.option,
+                args.scene.path.display()
+            );
+            return Err(Error::input(message).with_help("leave it out"));
+        }
+        picture::show(&args.scene.path, args.json)?;
+        return Ok(Exit::Done);
+    }
     on_threads(args.scene.threads(), || {
         let scene = Scene::load(&args.scene.path, &args.scene.overrides())?;
         render::about_spheres(scene.spheres()).iter().for_each(print::warning);

@@ -1,0 +1,69 @@
+//! The options that say where pictures go, and what their files are like; for every command that
+//! writes any.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use crate::color::{Look, Tone};
+
+/// The files, and how those for the screen show the picture.
+#[derive(Args, Debug)]
+pub(in crate::cli) struct OutputArgs {
+    /// The picture; its extension chooses the format: .png (8 bit for the screen), .exr (linear, with
+    /// the layers direct and indirect), .hdr or .pfm (linear). May be repeated
+    #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
+    pub(in crate::cli) files: Vec<PathBuf>,
+
+    /// Brighten .png files by this many stops, each of which doubles the light
+    #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = exposure)]
+    exposure: Option<f32>,
+
+    /// How .png files show bright light: srgb (cut off at 1), filmic or agx
+    #[arg(long, value_name = "NAME", value_parser = tones())]
+    tone: Option<Tone>,
+
+    /// Spread the rounding of .png files to 8 bits over neighbouring pixels, which hides steps in
+    /// smooth gradients
+    #[arg(long)]
+    dither: bool,
+
+    /// Leave the command, the time and the machine out of the file, so that equal pictures are
+    /// equal files
+    #[arg(long)]
+    pub(in crate::cli) no_run_figures: bool,
+}
+
+impl OutputArgs {
+    /// How files for the screen show the picture.
+    pub(in crate::cli) fn look(&self) -> Look {
+        let (exposure, tone) = (self.exposure.unwrap_or(0.0), self.tone.unwrap_or_default());
+        Look { exposure, tone, dither: self.dither }
+    }
+
+    /// The first of the options that shape files for the screen, if there is one.
+    pub(in crate::cli) fn look_option(&self) -> Option<&'static str> {
+        let given = [
+            ("--exposure", self.exposure.is_some()),
+            ("--tone", self.tone.is_some()),
+            ("--dither", self.dither),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
+    }
+}
+
+fn exposure(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(stops) if (-100.0..=100.0).contains(&stops) => Ok(stops),
+        _ => Err("it must be a number of stops from -100 to 100".to_owned()),
+    }
+}
+
+fn tones() -> impl TypedValueParser<Value = Tone> {
+    let names = Tone::NAMES.map(|(name, _)| name);
+    PossibleValuesParser::new(names).map(|name| {
+        let named = Tone::NAMES.into_iter().find(|(tone, _)| *tone == name);
+        named.map_or(Tone::default(), |(_, tone)| tone)
+    })
+}

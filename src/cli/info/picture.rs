@@ -1,0 +1,59 @@
+//! What a picture's file says of how it was made.
+
+use std::path::Path;
+
+use serde_json::{Map, Value};
+
+use crate::cli::print;
+use crate::error::{Error, Result};
+use crate::output::{self, Record};
+use crate::provenance;
+
+/// Whether the name is that of a picture.
+pub(super) fn is_picture(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    ["png", "exr", "hdr", "pfm"].iter().any(|picture| extension == *picture)
+}
+
+/// Prints all that the file says.
+///
+/// # Errors
+/// When it cannot be read, or says nothing.
+pub(super) fn show(path: &Path, as_json: bool) -> Result<()> {
+    let mut records = output::records(path)?;
+    if records.is_empty() {
+        let message = format!("`{}` does not say how it was made", path.display());
+        let help = "older versions do not say it, and other programs may drop it on saving";
+        return Err(Error::input(message).with_help(help));
+    }
+    provenance::sort(&mut records);
+    if as_json { print::json(&in_json(&records)) } else { print::result(&in_words(&records)) }
+}
+
+/// One row each; a text of several lines comes last, under its name.
+fn in_words(records: &[Record]) -> String {
+    let (texts, rows): (Vec<&Record>, Vec<_>) =
+        records.iter().partition(|record| record.text.contains('\n'));
+    let mut words = String::new();
+    for Record { name, text } in rows {
+        words += &format!("{name:<12}{text}\n");
+    }
+    for Record { name, text } in texts {
+        words += &format!("{name}:\n");
+        for line in text.lines() {
+            words += format!("    {line}").trim_end();
+            words.push('\n');
+        }
+    }
+    words
+}
+
+/// Texts as they are; what is JSON in the file is JSON here.
+fn in_json(records: &[Record]) -> Value {
+    let value = |Record { name, text }: &Record| match name.as_str() {
+        "options" | "files" => serde_json::from_str(text).unwrap_or_else(|_| text.clone().into()),
+        _ => Value::from(text.clone()),
+    };
+    let entries = records.iter().map(|record| (record.name.clone(), value(record)));
+    Value::Object(Map::from_iter(entries))
+}

@@ -1,0 +1,100 @@
+//! What a file says of its picture beside the pixels: texts with names, all of which begin with
+//! [`PREFIX`] in the file. PNG files hold them as text chunks, EXR files as attributes.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+use super::{Format, exr, png};
+
+/// What all our names in files begin with.
+pub(super) const PREFIX: &str = "photosphere:";
+
+/// A text with a name, such as `seed`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Record {
+    /// The name without the prefix: ASCII letters, digits and `-`, 60 at most.
+    pub name: String,
+    /// Any text without zero bytes.
+    pub text: String,
+}
+
+impl Record {
+    /// A record.
+    pub fn new(name: &str, text: impl Into<String>) -> Self {
+        Self { name: name.to_owned(), text: text.into().replace('\0', "") }
+    }
+
+    /// The name in files.
+    pub(super) fn key(&self) -> String {
+        format!("{PREFIX}{}", self.name)
+    }
+
+    /// A record of a file, if it is one of ours.
+    pub(super) fn of_file(key: &str, text: String) -> Option<Self> {
+        Some(Self { name: key.strip_prefix(PREFIX)?.to_owned(), text })
+    }
+}
+
+/// The records of a `.png` or `.exr` file, in no particular order; none in a file of another program.
+///
+/// # Errors
+/// When the file cannot be read, or its format has no place for records.
+pub fn records(path: &Path) -> Result<Vec<Record>> {
+    let trouble = |reason: String| Error::file("read", path, reason);
+    let records = match Format::of(path)? {
+        Format::Png => png::records(path),
+        Format::Exr => exr::records(path),
+        Format::Hdr | Format::Pfm => {
+            let format = path.extension().unwrap_or_default().to_string_lossy();
+            return Err(Error::input(format!(
+                "`{}` cannot say how it was made: .{format} files hold pixels only",
+                path.display()
+            ))
+            .with_help("ask a .png or .exr file"));
+        }
+    };
+    records.map_err(|reason| trouble(reason).with_help("is it whole, and what its name says?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::picture;
+    use super::super::{Notes, Target};
+    use super::*;
+
+    #[test]
+    fn records_come_back_from_both_formats() {
+        let folder = tempfile::tempdir().unwrap();
+        let long = "κόσμος = [1, 2]\n".repeat(1000);
+        let records = vec![
+            Record::new("version", "1.2.3"),
+            Record::new("scene", long),
+            Record::new("empty", ""),
+            Record::new("word", "Bär \u{1F43B}"),
+        ];
+        let notes = Notes { records: records.clone(), ..Notes::default() };
+        for name in ["a.png", "a.exr"] {
+            let path = folder.path().join(name);
+            Target::new(&path).unwrap().write_with(&picture(), &notes).unwrap();
+            let mut found = super::records(&path).unwrap();
+            found.sort_by_key(|record| records.iter().position(|r| r.name == record.name));
+            assert_eq!(found, records, "{name}");
+            // Others read the file too.
+            if name == "a.png" {
+                assert_eq!(::image::open(&path).unwrap().into_rgb8().dimensions(), (13, 5));
+                assert!(std::fs::metadata(&path).unwrap().len() < 4000, "long texts are packed");
+            }
+            // Files do not depend on chance.
+            let again = folder.path().join(format!("again-{name}"));
+            Target::new(&again).unwrap().write_with(&picture(), &notes).unwrap();
+            assert_eq!(std::fs::read(&path).unwrap(), std::fs::read(&again).unwrap(), "{name}");
+        }
+    }
+
+    #[test]
+    fn formats_without_records_say_so() {
+        let error = super::records(Path::new("a.pfm")).unwrap_err().to_string();
+        assert_eq!(error, "`a.pfm` cannot say how it was made: .pfm files hold pixels only");
+    }
+}

@@ -1,0 +1,53 @@
+//! How a picture was made, as its file says it: enough to render it again, and to tell what differs
+//! where the result does.
+//!
+//! There are two groups of records. The first, [`Made`], is all that decides the pixels: whoever
+//! renders the same thing again gets the same records. The second, [`Run`], is about one run: the
+//! command, the time, the machine. Files in which it is left out are equal to the byte where the
+//! pictures are.
+
+mod made;
+mod run;
+
+pub use made::{Made, Samples, Source};
+pub use run::Run;
+
+use crate::output::Record;
+
+/// The records in the order in which people read them.
+const ORDER: [&str; 21] = [
+    "version",
+    "commit",
+    "identity",
+    "intersector",
+    "size",
+    "crop",
+    "samples",
+    "seed",
+    "error",
+    "biased",
+    "look",
+    "options",
+    "files",
+    "command",
+    "scene-file",
+    "rays",
+    "seconds",
+    "threads",
+    "embree",
+    "scene-hash",
+    "scene",
+];
+
+/// The version of this program.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The commit that this program was built from, and whether it was changed; `unknown` where the build
+/// found no repository.
+pub const COMMIT: &str = env!("PHOTOSPHERE_COMMIT");
+
+/// Sorts records for reading; those of other versions come last.
+pub fn sort(records: &mut [Record]) {
+    let place = |record: &Record| ORDER.iter().position(|name| *name == record.name);
+    records.sort_by_key(|record| (place(record).unwrap_or(ORDER.len()), record.name.clone()));
+}

@@ -1,0 +1,99 @@
+//! Pictures that say how they were made, and how they look.
+
+use std::fs;
+
+use image::RgbImage;
+
+use crate::desk::{Desk, SCENE};
+
+fn pixels(desk: &Desk, name: &str) -> RgbImage {
+    image::load_from_memory(&desk.read(name)).expect("a picture").into_rgb8()
+}
+
+#[test]
+fn a_picture_says_how_it_was_made() {
+    let desk = Desk::new(SCENE);
+    let options = "--accel native --spp 3 --seed 5 --set materials.grass.albedo=[0.5,0.4,0.3]";
+    desk.run(&format!("render scene.toml -o a.png -o a.exr {options}")).succeeds();
+    for name in ["a.png", "a.exr"] {
+        let shown = desk.run(&format!("info {name}")).succeeds().stdout;
+        for row in
+            ["version     0.", "intersector native\n", "size        16x12\n", "samples     0..3\n"]
+        {
+            assert!(shown.contains(row), "`{row}` is not in\n{shown}");
+        }
+        assert!(shown.contains("biased      max_depth = 6\n"), "{shown}");
+        assert!(shown.contains("\n    radius = 250.0\n"), "{shown}");
+        let said = desk.run(&format!("info {name} --json")).succeeds().json();
+        assert_eq!(said["scene"], SCENE);
+        assert_eq!(said["seed"], "5");
+        assert_eq!(said["options"], serde_json::json!(["materials.grass.albedo=[0.5,0.4,0.3]"]));
+        assert_eq!(said["identity"].as_str().map(str::len), Some(64));
+        let command = said["command"].as_str().expect("a command");
+        assert!(command.starts_with("photosphere render scene.toml -o a.png"), "{command}");
+        assert!(said["rays"].as_str().is_some_and(|rays| rays.parse::<u64>().is_ok()));
+        assert!(said["commit"].is_string() && said["seconds"].is_string());
+    }
+}
+
+#[test]
+fn equal_pictures_are_equal_files_without_the_figures_of_the_run() {
+    let desk = Desk::new(SCENE);
+    let render = "render scene.toml --accel native --quiet";
+    desk.run(&format!("{render} -o a.exr -o a.png --threads 1 --no-run-figures")).succeeds();
+    desk.run(&format!("{render} -o b.exr -o b.png --threads 2 --no-run-figures")).succeeds();
+    desk.run(&format!("{render} -o c.exr -o c.png --threads 2")).succeeds();
+    assert_eq!(desk.read("a.exr"), desk.read("b.exr"));
+    assert_eq!(desk.read("a.png"), desk.read("b.png"));
+    let said = desk.run("info a.png").succeeds().stdout;
+    assert!(!said.contains("command") && !said.contains("seconds"), "{said}");
+    assert_eq!(pixels(&desk, "a.png"), pixels(&desk, "c.png"));
+    desk.run("compare a.exr c.exr --max-rmse 0").succeeds();
+}
+
+#[test]
+fn what_has_no_records_says_so() {
+    let desk = Desk::new(SCENE);
+    RgbImage::new(2, 2).save(desk.path().join("foreign.png")).expect("a picture");
+    desk.run("info foreign.png").fails(3, &["`foreign.png` does not say how it was made"]);
+    desk.run("render scene.toml -o a.hdr --accel native").succeeds();
+    desk.run("info a.hdr").fails(3, &[".hdr files hold pixels only", "help: ask a .png or .exr"]);
+    desk.run("info missing.exr").fails(4, &["cannot read `missing.exr`"]);
+    fs::write(desk.path().join("broken.png"), "no picture").expect("a file");
+    desk.run("info broken.png").fails(4, &["cannot read `broken.png`"]);
+    desk.run("info a.png --set render.seed=1").fails(3, &["but `a.png` is a picture"]);
+}
+
+#[test]
+fn a_tone_is_for_the_screen_alone() {
+    let desk = Desk::new(SCENE);
+    let render = "render scene.toml --accel native --quiet";
+    desk.run(&format!("{render} -o plain.exr -o plain.png --no-run-figures")).succeeds();
+    let toned = "--no-run-figures --tone agx --exposure 1.5 --dither";
+    desk.run(&format!("{render} -o agx.exr -o agx.png {toned}")).succeeds();
+    assert_eq!(desk.read("plain.exr"), desk.read("agx.exr"));
+    let (plain, agx) = (pixels(&desk, "plain.png"), pixels(&desk, "agx.png"));
+    assert!(plain.pixels().zip(agx.pixels()).all(|(plain, agx)| plain.0[1] < agx.0[1]));
+    let said = desk.run("info agx.png").succeeds().stdout;
+    assert!(said.contains("look        agx, exposure 1.5, dithered\n"), "{said}");
+    assert!(!desk.run("info plain.png").succeeds().stdout.contains("\nlook "));
+}
+
+#[test]
+fn a_tone_without_a_screen_is_refused() {
+    let desk = Desk::new(SCENE);
+    let refused = |options: &str, code: i32, parts: &[&str]| {
+        desk.run(&format!("render scene.toml {options}")).fails(code, parts);
+        assert_eq!(desk.names(), ["scene.toml"]);
+    };
+    refused(
+        "-o a.exr --tone filmic",
+        3,
+        &["`--tone` is for .png files, but `a.exr` holds light", "help: name a .png file"],
+    );
+    refused("-o a.pfm -o a.hdr --exposure -1", 3, &["`--exposure`", "`a.pfm` and `a.hdr` hold"]);
+    refused("-o a.exr --dither", 3, &["`--dither` is for .png files"]);
+    refused("-o a.png --tone aces", 2, &["invalid value 'aces'", "srgb, filmic, agx"]);
+    refused("-o a.png --exposure bright", 2, &["a number of stops from -100 to 100"]);
+    refused("-o a.png -o a.exr -o a.png", 3, &["`a.png` is named twice as the picture"]);
+}
