@@ -79,7 +79,7 @@ fn render(args: &RenderArgs, outputs: Outputs, interrupt: &Interrupt) -> Result<
 /// Refuses a film that the machine has no memory for, before the system kills the program for it.
 fn check_memory(scene: &Scene) -> Result<()> {
     let image = scene.description().image.window();
-    let film = Film::bytes(image.width as usize, image.height as usize) as u64;
+    let film = Film::bytes(&render::format_of(scene)) as u64;
     match system::available_memory() {
         Some(available) if film > available => Err(Error::input(format!(
             "the film of {} x {} pixels needs {} of memory, and {} are free",

@@ -1,109 +1,279 @@
-//! Per-pixel sums of samples.
+//! Sums of samples per pixel, exact, so that no order and no split can change a bit of a picture.
+//!
+//! Sixteen consecutive samples of a pixel are a block and are added in index order, in f64. Finished
+//! blocks are rounded once, to steps that the scene fixes ([`Scale`]), and added as whole numbers: so
+//! threads, passes, stops, ranges of samples and windows of the picture may come in any order. The last
+//! and unfinished block of a pixel is kept as the running sum that it is, and the next sample goes on
+//! with that.
+//!
+//! A sample that is not finite is left out and counted; a mean is over the others. A block that is
+//! brighter than the sums can hold is an error, never a wrap.
+//!
+//! A film is shared by threads: every tile has a lock of its own, so that a picture or a checkpoint
+//! can be made of it while others are adding. Of a tile's pixels, every one is then at a whole call of
+//! [`Film::add`].
 
+mod fixed;
+mod frame;
+mod layer;
 mod picture;
+#[cfg(test)]
+mod tests;
+mod tile;
 
+pub use frame::{Frame, Rect, TILE};
+pub use layer::{Layer, Scale};
 pub use picture::Picture;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::color::{Radiance, Rgb};
 use crate::error::{Error, Result};
 use crate::fault::fault;
 
+use tile::{Plan, Tile, TooBright};
+
 /// Samples are summed in blocks of this many consecutive ones, in index order.
 pub const BLOCK: u32 = 16;
 
-/// The running sums of one pixel.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Pixel {
-    direct: [f64; 3],
-    indirect: [f64; 3],
-    alpha: f64,
-    samples: u32,
+/// What a film is to hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Format {
+    /// Its pixels.
+    pub frame: Frame,
+    /// The index of the first sample of every pixel, a multiple of [`BLOCK`].
+    pub first_sample: u32,
+    /// How large values are.
+    pub scale: Scale,
+    /// The layers that are summed.
+    pub layers: Vec<Layer>,
+    /// Whether squares are summed as well, so that the error of the means is known.
+    pub squares: bool,
 }
 
-/// The running sums of a picture, row by row from the upper left corner.
-#[derive(Clone, Debug)]
+/// The sums of a picture.
+#[derive(Debug)]
 pub struct Film {
-    width: usize,
-    height: usize,
-    pixels: Vec<Pixel>,
-}
-
-impl Pixel {
-    /// Adds the next samples in index order: first to the sum of their block, then that sum to the
-    /// pixel, so that the bits do not depend on who adds when. `samples` is one whole block, or the
-    /// last and unfinished one.
-    pub fn add_block(&mut self, samples: &[Radiance]) {
-        let mut sums = [[0.0; 3]; 2];
-        for sample in samples {
-            for (sum, color) in sums.iter_mut().zip([sample.direct, sample.indirect]) {
-                for (sum, channel) in sum.iter_mut().zip(color.to_array()) {
-                    *sum += f64::from(channel);
-                }
-            }
-        }
-        if fault!(FirstBlockDropped) && self.samples == 0 {
-            sums = Default::default();
-        }
-        let [direct, indirect] = sums;
-        self.alpha += samples.iter().map(|sample| f64::from(sample.alpha)).sum::<f64>();
-        self.direct.iter_mut().zip(direct).for_each(|(total, sum)| *total += sum);
-        self.indirect.iter_mut().zip(indirect).for_each(|(total, sum)| *total += sum);
-        self.samples += samples.len() as u32;
-    }
-
-    /// Samples so far.
-    pub fn samples(&self) -> u32 {
-        self.samples
-    }
-
-    fn mean(&self, sums: [f64; 3]) -> Rgb {
-        let n = if fault!(DividedByN) { self.samples / 4 } else { self.samples };
-        let count = f64::from(n.max(1));
-        Rgb::from_array(sums.map(|sum| (sum / count) as f32))
-    }
+    frame: Frame,
+    first_sample: u32,
+    plan: Plan,
+    tiles: Vec<Mutex<Tile>>,
 }
 
 impl Film {
-    /// An empty film.
+    /// A film without samples.
     ///
     /// # Errors
     /// When there is no memory for it.
-    pub fn new(width: usize, height: usize) -> Result<Self> {
-        let mut pixels = Vec::new();
-        let count = width * height;
-        pixels.try_reserve_exact(count).map_err(|_| {
-            let bytes = Self::bytes(width, height);
+    pub fn new(format: &Format) -> Result<Self> {
+        let Format { frame, first_sample, scale, ref layers, squares } = *format;
+        debug_assert!(first_sample % BLOCK == 0);
+        let plan = Plan::new(scale, layers, squares);
+        let no_memory = || {
+            let bytes = Self::bytes(format);
             Error::input(format!("there is no memory for a film of {bytes} bytes"))
                 .with_help("render a smaller picture")
-        })?;
-        pixels.resize(count, Pixel::default());
-        Ok(Self { width, height, pixels })
+        };
+        let mut tiles = Vec::new();
+        tiles.try_reserve_exact(frame.tiles()).map_err(|_| no_memory())?;
+        for tile in 0..frame.tiles() {
+            let tile = Tile::new(&plan, frame.tile(tile).pixels()).ok_or_else(no_memory)?;
+            tiles.push(Mutex::new(tile));
+        }
+        Ok(Self { frame, first_sample, plan, tiles })
     }
 
-    /// Bytes that a film of this size holds.
-    pub fn bytes(width: usize, height: usize) -> usize {
-        width * height * size_of::<Pixel>()
+    /// Bytes that such a film holds, but for unfinished blocks.
+    pub fn bytes(format: &Format) -> usize {
+        let plan = Plan::new(format.scale, &format.layers, format.squares);
+        format.frame.pixels() * plan.bytes_per_pixel() + format.frame.tiles() * size_of::<Tile>()
     }
 
-    /// The pixels, row by row, to be added to.
-    pub fn pixels_mut(&mut self) -> &mut [Pixel] {
-        &mut self.pixels
-    }
-
-    /// The mean of every pixel; black where there is no sample yet.
-    pub fn picture(&self) -> Picture {
-        Picture {
-            width: self.width,
-            height: self.height,
-            direct: self.pixels.iter().map(|pixel| pixel.mean(pixel.direct)).collect(),
-            indirect: self.pixels.iter().map(|pixel| pixel.mean(pixel.indirect)).collect(),
-            alpha: None,
+    /// What it holds.
+    pub fn format(&self) -> Format {
+        Format {
+            frame: self.frame,
+            first_sample: self.first_sample,
+            scale: self.plan.scale,
+            layers: self.plan.layers.clone(),
+            squares: self.plan.squares,
         }
     }
 
-    /// The same, with the share of each pixel that something covers.
-    pub fn picture_with_alpha(&self) -> Picture {
-        let alpha = |pixel: &Pixel| (pixel.alpha / f64::from(pixel.samples.max(1))) as f32;
-        Picture { alpha: Some(self.pixels.iter().map(alpha).collect()), ..self.picture() }
+    /// Its pixels, in tiles.
+    pub fn frame(&self) -> &Frame {
+        &self.frame
     }
+
+    /// The index of the first sample of every pixel.
+    pub fn first_sample(&self) -> u32 {
+        self.first_sample
+    }
+
+    /// How many samples each pixel of a tile has, along the rows; added to `counts`.
+    pub fn counts_of_tile(&self, tile: usize, counts: &mut Vec<u32>) {
+        counts.extend_from_slice(&self.lock(tile).counts);
+    }
+
+    /// How many samples the pixel of a tile has that has the fewest.
+    pub fn fewest_samples(&self, tile: usize) -> u32 {
+        self.lock(tile).counts.iter().copied().min().unwrap_or(0)
+    }
+
+    /// Adds the next samples of the pixels of a tile: `counts` of each pixel, along the rows, and
+    /// `samples` in the same order.
+    ///
+    /// # Errors
+    /// When a block is too bright for the sums; neither it nor a later one is added then.
+    pub fn add(&self, tile: usize, counts: &[u32], samples: &[Radiance]) -> Result<()> {
+        let added = self.lock(tile).add(&self.plan, counts, samples);
+        added.map_err(|over| self.too_bright(tile, over))
+    }
+
+    /// Adds what another film of the same kind holds, which are other samples of some of these pixels.
+    ///
+    /// # Errors
+    /// When the other has pixels that this one has not, when both hold an unfinished block of the same
+    /// pixel, or on overflow, which films of one scene cannot bring about. This film is then of no use
+    /// any more.
+    pub fn add_film(&mut self, other: &Self) -> Result<()> {
+        let window = self.frame.window;
+        if other.plan != self.plan || other.frame.window.common(&window) != Some(other.frame.window)
+        {
+            return Err(Error::input("films of different kinds cannot be added"));
+        }
+        for tile in 0..self.tiles.len() {
+            let place = self.frame.tile(tile);
+            // Tiles are aligned, so no tile of the other has pixels of two of ours.
+            let Some(theirs) = (0..other.tiles.len())
+                .find(|&theirs| other.frame.tile(theirs).common(&place).is_some())
+            else {
+                continue;
+            };
+            let (their_place, theirs) = (other.frame.tile(theirs), other.lock(theirs));
+            let mut sums = self.lock(tile);
+            for (their_pixel, [x, y]) in their_place.places().enumerate() {
+                let pixel = (y - place.y) * place.width + (x - place.x);
+                sums.add_pixel(&self.plan, pixel as usize, &theirs, their_pixel)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// All samples so far.
+    pub fn samples(&self) -> u64 {
+        let of_tile = |tile| self.lock(tile).counts.iter().map(|&count| u64::from(count)).sum();
+        (0..self.tiles.len()).map(|tile| -> u64 { of_tile(tile) }).sum()
+    }
+
+    /// How many samples were left out because they were not finite, and one of their pixels.
+    pub fn left_out(&self) -> Option<(u64, [u32; 2])> {
+        let mut found = None;
+        for tile in 0..self.tiles.len() {
+            let sums = self.lock(tile);
+            for (&count, place) in sums.left_out.iter().zip(self.frame.tile(tile).places()) {
+                if count > 0 {
+                    let (total, first) = found.unwrap_or((0, place));
+                    found = Some((total + u64::from(count), first));
+                }
+            }
+        }
+        found
+    }
+
+    /// The mean of every pixel. A pixel without samples is black; one whose samples were all left out
+    /// is not a number.
+    pub fn picture(&self) -> Picture {
+        let color = |layer| self.mean(layer).unwrap_or_else(|| vec![[0.0; 3]; self.frame.pixels()]);
+        let colors = |layer| color(layer).into_iter().map(Rgb::from_array).collect();
+        Picture {
+            width: self.frame.window.width as usize,
+            height: self.frame.window.height as usize,
+            direct: colors(Layer::Direct),
+            indirect: colors(Layer::Indirect),
+            alpha: self.mean(Layer::Alpha).map(|alpha| alpha.iter().map(|[a, ..]| *a).collect()),
+        }
+    }
+
+    /// The mean of a layer over every pixel's samples, along the rows; `None` for a layer that is not
+    /// summed. Channels that the layer has not are 0.
+    pub fn mean(&self, layer: Layer) -> Option<Vec<[f32; 3]>> {
+        let plane = self.plan.plane_of(layer)?;
+        Some(self.map(|sums, pixel| {
+            let count = f64::from(divisor(sums.summed(pixel)));
+            let mut mean = [0.0; 3];
+            for (channel, mean) in mean.iter_mut().take(layer.channels()).enumerate() {
+                *mean = (sums.sum(&self.plan, plane + channel, pixel) / count) as f32;
+            }
+            let lost = sums.summed(pixel) == 0 && sums.counts[pixel] > 0;
+            if lost { [f32::NAN; 3] } else { mean }
+        }))
+    }
+
+    /// The variance of the mean of the beauty, per channel: what the samples differ by, over their
+    /// number. It is that of independent samples; where they are spread evenly, the error is
+    /// smaller. Infinite for fewer than two samples; `None` where squares are not summed.
+    pub fn variance(&self) -> Option<Vec<[f32; 3]>> {
+        let direct = self.plan.plane_of(Layer::Direct)?;
+        let indirect = self.plan.plane_of(Layer::Indirect)?;
+        let of_pixel = |sums: &Tile, pixel: usize| {
+            let count = f64::from(sums.summed(pixel));
+            std::array::from_fn(|axis| {
+                if count < 2.0 {
+                    return f32::INFINITY;
+                }
+                let plane = |first: usize| sums.sum(&self.plan, first + axis, pixel);
+                let sum = plane(direct) + plane(indirect);
+                let squares = sums.sum_of_squares(&self.plan, axis, pixel);
+                let spread = (squares - sum * (sum / count)).max(0.0);
+                (spread / (count - 1.0) / count) as f32
+            })
+        };
+        self.plan.squares.then(|| self.map(of_pixel))
+    }
+
+    /// How many samples every pixel has, along the rows; those left out are among them.
+    pub fn counts(&self) -> Vec<u32> {
+        self.map(|sums, pixel| sums.counts[pixel])
+    }
+
+    /// Something of every pixel, along the rows of the window.
+    fn map<T: Copy + Default>(&self, of: impl Fn(&Tile, usize) -> T) -> Vec<T> {
+        let Rect { x: left, y: top, width, .. } = self.frame.window;
+        let mut all = vec![T::default(); self.frame.pixels()];
+        for tile in 0..self.tiles.len() {
+            let sums = self.lock(tile);
+            for (pixel, [x, y]) in self.frame.tile(tile).places().enumerate() {
+                all[(y - top) as usize * width as usize + (x - left) as usize] = of(&sums, pixel);
+            }
+        }
+        all
+    }
+
+    /// A panic elsewhere leaves the sums of a tile between two blocks, which is a good state.
+    fn lock(&self, tile: usize) -> MutexGuard<'_, Tile> {
+        self.tiles[tile].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn too_bright(&self, tile: usize, over: TooBright) -> Error {
+        let TooBright { pixel, first_sample, value, limit } = over;
+        let [x, y] = self.frame.tile(tile).places().nth(pixel).unwrap_or_default();
+        let first = self.first_sample + first_sample;
+        Error::input(format!(
+            "samples {first} to {} of the pixel in column {x}, row {y} add up to {value:.1e}, and the \
+             film holds less than {limit:.1e}, 2^{} times the brightest light of the scene",
+            first + BLOCK - 1,
+            layer::HEADROOM,
+        ))
+        .with_help(
+            "light was found with a tiny probability: choose `estimator = \"mis\"`, or bound what \
+             one path brings with `clamp_indirect`, which biases the picture",
+        )
+    }
+}
+
+/// What the sum of so many samples is divided by.
+fn divisor(samples: u32) -> u32 {
+    let samples = if fault!(DividedByN) { samples / 4 } else { samples };
+    samples.max(1)
 }

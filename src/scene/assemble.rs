@@ -160,6 +160,20 @@ impl Scene {
         self.lights.background().radiance(direction)
     }
 
+    /// The largest radiance that anything in the scene sends out, in any channel; 1 for integrators
+    /// whose pictures are no light.
+    pub fn brightest(&self) -> f32 {
+        use description::Integrator::{AmbientOcclusion, Normals};
+        let integrator = &self.description.render.integrator;
+        if matches!(integrator, AmbientOcclusion { .. } | Normals) {
+            return 1.0;
+        }
+        let emissions = self.materials.iter().map(|material| material.emission.max_element());
+        let brightest = emissions.fold(self.lights.background().brightest(), f32::max);
+        // Two that each fit may not fit together: a dome and a sun before it.
+        brightest.min(f32::MAX)
+    }
+
     /// What a camera ray in this direction brings that meets nothing: the background, unless it is
     /// hidden from the camera.
     pub fn seen_by_camera(&self, direction: DVec3) -> Radiance {

@@ -103,6 +103,11 @@ impl Dome {
         self.radiance.iter().all(|radiance| *radiance == self.radiance[0])
     }
 
+    /// The largest radiance in any channel.
+    pub(super) fn brightest(&self) -> f32 {
+        self.radiance.iter().map(|radiance| radiance.max_element()).fold(0.0, f32::max)
+    }
+
     /// The radiance from a unit direction.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         let place = self.place(direction);

@@ -88,6 +88,11 @@ impl Background {
         self.sun.map_or(dome, |sun| dome + sun.radiance(direction))
     }
 
+    /// The largest radiance that arrives from anywhere, in any channel; no less than that.
+    pub fn brightest(&self) -> f32 {
+        self.dome.brightest() + self.sun.map_or(0.0, |sun| sun.brightest())
+    }
+
     /// The sun.
     pub(super) fn sun(&self) -> Option<&Sun> {
         self.sun.as_ref()

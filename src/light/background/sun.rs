@@ -37,6 +37,11 @@ impl Sun {
         }
     }
 
+    /// The largest radiance in any channel.
+    pub(super) fn brightest(&self) -> f32 {
+        self.radiance.max_element()
+    }
+
     /// The radiance from a unit direction: 0 beside the disc.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         if self.covers(direction) { self.radiance } else { Rgb::ZERO }

@@ -1,0 +1,189 @@
+//! Sums without rounding, so that their order and grouping cannot matter.
+//!
+//! A number is rounded once, to a whole number of steps of `2^step`, and whole numbers are added. The
+//! largest allowed addend leaves room for the blocks of 2^32 samples, so that no sum of them can
+//! overflow: what does not fit is refused before it is added.
+
+/// The most blocks of a pixel are `2^MOST_BLOCKS`: the blocks of 2^32 samples.
+const MOST_BLOCKS: i32 = 28;
+
+/// Bits of a 53-bit mantissa.
+const MANTISSA: i32 = 53;
+
+/// A sum that can be negative.
+pub(super) trait Sum: Copy + Default {
+    /// Addends are smaller than `2^BITS` steps.
+    const BITS: i32;
+
+    /// The nearest whole number of steps; ties away from 0. `x` must be finite and below
+    /// [`limit`].
+    fn rounded(x: f64, step: i32) -> Self;
+
+    /// The sum, unless it overflows.
+    fn plus(self, other: Self) -> Option<Self>;
+
+    /// The value, rounded to f64.
+    fn value(self, step: i32) -> f64;
+}
+
+/// What the size of an addend must stay below.
+pub(super) fn limit<S: Sum>(step: i32) -> f64 {
+    power_of_two(step + S::BITS)
+}
+
+/// The step with which addends below `2^exponent` can be added up.
+pub(super) fn step_below<S: Sum>(exponent: i32) -> i32 {
+    exponent - S::BITS
+}
+
+impl Sum for i128 {
+    const BITS: i32 = 126 - MOST_BLOCKS;
+
+    fn rounded(x: f64, step: i32) -> Self {
+        let Parts { mantissa, shift } = Parts::of(x, step);
+        let magnitude = i128::from(mantissa) << shift;
+        if x < 0.0 { -magnitude } else { magnitude }
+    }
+
+    fn plus(self, other: Self) -> Option<Self> {
+        self.checked_add(other)
+    }
+
+    fn value(self, step: i32) -> f64 {
+        self as f64 * power_of_two(step)
+    }
+}
+
+/// A sum of numbers that are not negative, in 192 bits, the lowest first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Wide(pub(super) [u64; 3]);
+
+impl Sum for Wide {
+    const BITS: i32 = 191 - MOST_BLOCKS;
+
+    fn rounded(x: f64, step: i32) -> Self {
+        let Parts { mantissa, shift } = Parts::of(x, step);
+        let mut words = [0; 3];
+        let (word, bit) = (shift as usize / 64, shift % 64);
+        words[word] = mantissa << bit;
+        if bit > 0 && word < 2 {
+            words[word + 1] = mantissa >> (64 - bit);
+        }
+        Self(words)
+    }
+
+    fn plus(self, other: Self) -> Option<Self> {
+        let mut carry = false;
+        let words = std::array::from_fn(|i| {
+            let (sum, over) = self.0[i].overflowing_add(other.0[i]);
+            let (sum, over_again) = sum.overflowing_add(u64::from(carry));
+            carry = over || over_again;
+            sum
+        });
+        (!carry).then_some(Self(words))
+    }
+
+    fn value(self, step: i32) -> f64 {
+        let [low, middle, high] = self.0;
+        let low = u128::from(middle) << 64 | u128::from(low);
+        (high as f64 * power_of_two(128) + low as f64) * power_of_two(step)
+    }
+}
+
+/// A number of steps as `mantissa << shift`.
+struct Parts {
+    mantissa: u64,
+    shift: u32,
+}
+
+impl Parts {
+    fn of(x: f64, step: i32) -> Self {
+        let bits = x.to_bits();
+        let exponent = (bits >> 52 & 0x7ff) as i32;
+        if exponent == 0 {
+            // Zero, or far below any step.
+            return Self { mantissa: 0, shift: 0 };
+        }
+        let mantissa = bits & ((1 << 52) - 1) | 1 << 52;
+        let shift = exponent - 1023 - 52 - step;
+        match shift {
+            0.. => Self { mantissa, shift: shift as u32 },
+            _ if shift < -MANTISSA => Self { mantissa: 0, shift: 0 },
+            _ => Self { mantissa: (mantissa + (1 << (-shift - 1))) >> -shift, shift: 0 },
+        }
+    }
+}
+
+/// `2^exponent`, for a normal number.
+fn power_of_two(exponent: i32) -> f64 {
+    debug_assert!((-1022..=1023).contains(&exponent));
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Rounding by the definition: scaled exactly, then to the nearest whole number.
+    fn by_definition(x: f64, step: i32) -> f64 {
+        (x * power_of_two(-step)).round()
+    }
+
+    #[test]
+    fn numbers_are_rounded_to_the_nearest_step_ties_away_from_zero() {
+        for (x, expected) in [
+            (0.0, 0),
+            (0.25, 0),
+            (0.5, 1),
+            (-0.5, -1),
+            (0.49999999999999994, 0),
+            (2.5, 3),
+            (-2.4, -2),
+            (1e15, 1_000_000_000_000_000),
+            (2f64.powi(97), 1 << 97),
+            (f64::MIN_POSITIVE / 2.0, 0),
+        ] {
+            assert_eq!(i128::rounded(x, 0), expected, "{x}");
+        }
+        assert_eq!(Wide::rounded(2f64.powi(162), 0).0, [0, 0, 1 << 34]);
+        assert_eq!(Wide::rounded(0.5, 0).0, [1, 0, 0]);
+    }
+
+    #[test]
+    fn as_many_blocks_as_there_can_be_do_not_overflow() {
+        let most = f64::from_bits(limit::<i128>(-10).to_bits() - 1);
+        let addend = i128::rounded(most, -10);
+        assert!(addend.checked_mul(1 << MOST_BLOCKS).is_some());
+        assert!(addend.checked_mul(1 << (MOST_BLOCKS + 2)).is_none());
+        // Doubling is adding: 2^28 of them.
+        let mut sum = Wide::rounded(f64::from_bits(limit::<Wide>(7).to_bits() - 1), 7);
+        for _ in 0..MOST_BLOCKS {
+            sum = sum.plus(sum).expect("it fits");
+        }
+        assert_eq!(sum.plus(sum).and_then(|sum| sum.plus(sum)), None);
+        assert_eq!(i128::MAX.plus(1), None);
+    }
+
+    proptest! {
+        #[test]
+        fn rounding_and_reading_agree_with_the_definition(
+            x in -1e25f64..1e25,
+            step in -40i32..40,
+        ) {
+            prop_assume!(x.abs() < limit::<i128>(step));
+            prop_assert_eq!(i128::rounded(x, step) as f64, by_definition(x, step));
+            let wide = Wide::rounded(x.abs(), step);
+            prop_assert_eq!(wide.value(0), by_definition(x.abs(), step));
+        }
+
+        #[test]
+        fn wide_sums_carry(a in any::<[u64; 3]>(), b in any::<[u64; 3]>()) {
+            let low = |words: [u64; 3]| u128::from(words[1]) << 64 | u128::from(words[0]);
+            let (sum, carry) = low(a).overflowing_add(low(b));
+            let high = u128::from(a[2]) + u128::from(b[2]) + u128::from(carry);
+            let expected = u64::try_from(high).ok().map(|high| [sum as u64, (sum >> 64) as u64, high]);
+            prop_assert_eq!(Wide(a).plus(Wide(b)).map(|wide| wide.0), expected);
+        }
+    }
+}

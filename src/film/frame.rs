@@ -1,0 +1,124 @@
+//! Which pixels a film has, and how they are shared out.
+
+/// A part of a picture, and the whole that it is a part of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Frame {
+    /// Pixels of the whole picture, across and down.
+    pub full_size: [u32; 2],
+    /// The part that the film has.
+    pub window: Rect,
+}
+
+/// A rectangle of pixels of the whole picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Rect {
+    /// Its first column.
+    pub x: u32,
+    /// Its first row.
+    pub y: u32,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+}
+
+/// Pixels across and down of a tile. Tiles are aligned in the whole picture, so that those of a part
+/// are those of the whole, and four of them make a square of 16 pixels.
+pub const TILE: [u32; 2] = [16, 4];
+
+impl Frame {
+    /// The whole of a picture.
+    pub fn whole(width: u32, height: u32) -> Self {
+        let full_size = [width, height];
+        Self { full_size, window: Rect { x: 0, y: 0, width, height } }
+    }
+
+    /// Pixels of the part.
+    pub fn pixels(&self) -> usize {
+        self.window.pixels()
+    }
+
+    /// Tiles across and down.
+    fn tiles_each_way(&self) -> [usize; 2] {
+        let Rect { x, y, width, height } = self.window;
+        let count = |first: u32, length: u32, tile: u32| {
+            let end = u64::from(first) + u64::from(length);
+            (end.div_ceil(tile.into()) - u64::from(first / tile)) as usize
+        };
+        [count(x, width, TILE[0]), count(y, height, TILE[1])]
+    }
+
+    /// How many tiles the part has; they are counted along their rows.
+    pub fn tiles(&self) -> usize {
+        let [across, down] = self.tiles_each_way();
+        across * down
+    }
+
+    /// Where a tile lies. Tiles at the edges may be smaller.
+    pub fn tile(&self, index: usize) -> Rect {
+        let Rect { x, y, width, height } = self.window;
+        let across = self.tiles_each_way()[0];
+        let span = |first: u32, length: u32, tile: u32, at: usize| {
+            let begin = (first / tile + at as u32) * tile;
+            let end = begin.saturating_add(tile).min(first + length);
+            let begin = begin.max(first);
+            (begin, end - begin)
+        };
+        let (x, width) = span(x, width, TILE[0], index % across);
+        let (y, height) = span(y, height, TILE[1], index / across);
+        Rect { x, y, width, height }
+    }
+}
+
+impl Rect {
+    /// How many pixels it has.
+    pub fn pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// The columns and rows of its pixels, along the rows.
+    pub fn places(self) -> impl Iterator<Item = [u32; 2]> {
+        let Self { x, y, width, height } = self;
+        (y..y + height).flat_map(move |row| (x..x + width).map(move |column| [column, row]))
+    }
+
+    /// What it has in common with another, if anything.
+    pub fn common(&self, other: &Self) -> Option<Self> {
+        let overlap = |a: u32, a_length: u32, b: u32, b_length: u32| {
+            let begin = a.max(b);
+            let end = (a + a_length).min(b + b_length);
+            (begin < end).then(|| (begin, end - begin))
+        };
+        let (x, width) = overlap(self.x, self.width, other.x, other.width)?;
+        let (y, height) = overlap(self.y, self.height, other.y, other.height)?;
+        Some(Self { x, y, width, height })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_every_pixel_once_and_are_those_of_the_whole() {
+        let whole = Frame::whole(50, 21);
+        for window in [
+            whole.window,
+            Rect { x: 15, y: 3, width: 18, height: 2 },
+            Rect { x: 49, y: 20, width: 1, height: 1 },
+            Rect { x: 16, y: 4, width: 16, height: 4 },
+        ] {
+            let frame = Frame { window, ..whole };
+            let mut places: Vec<_> =
+                (0..frame.tiles()).flat_map(|tile| frame.tile(tile).places()).collect();
+            places.sort_by_key(|[x, y]| (*y, *x));
+            assert_eq!(places, window.places().collect::<Vec<_>>());
+            for tile in 0..frame.tiles() {
+                let place = frame.tile(tile);
+                let wholes = |of: &usize| whole.tile(*of).common(&place).is_some();
+                assert_eq!((0..whole.tiles()).filter(wholes).count(), 1, "{place:?}");
+            }
+        }
+        assert_eq!(whole.tile(5), Rect { x: 16, y: 4, width: 16, height: 4 });
+    }
+}

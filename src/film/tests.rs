@@ -1,0 +1,201 @@
+//! The same bits however samples come.
+
+use proptest::prelude::*;
+
+use super::*;
+
+const WIDTH: u32 = 21;
+const HEIGHT: u32 = 9;
+
+/// A sample of any size and sign that the scale allows, from its address alone.
+fn sample([x, y]: [u32; 2], index: u32) -> Radiance {
+    let mut bits = u64::from(x) << 40 ^ u64::from(y) << 20 ^ u64::from(index);
+    let mut next = || {
+        bits = (bits ^ 0x9e37_79b9_7f4a_7c15).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits ^= bits >> 29;
+        let mantissa = (bits >> 40) as f32 / (1u32 << 23) as f32 - 1.0;
+        mantissa * 10f32.powi((bits % 17) as i32 - 12)
+    };
+    let direct = Rgb::new(next(), next(), next());
+    Radiance { direct, indirect: Rgb::new(next(), next(), next()), alpha: (index % 3) as f32 }
+}
+
+fn format(window: Rect, first_sample: u32) -> Format {
+    Format {
+        frame: Frame { window, ..Frame::whole(WIDTH, HEIGHT) },
+        first_sample,
+        scale: Scale::of_brightest(3.0),
+        layers: Layer::ALL.to_vec(),
+        squares: true,
+    }
+}
+
+fn whole() -> Rect {
+    Frame::whole(WIDTH, HEIGHT).window
+}
+
+/// Adds samples to all pixels of a film up to an index, in steps of the given sizes, over and over.
+fn fill(film: &Film, end: u32, steps: &[u32], tiles: &[usize]) {
+    let mut steps = steps.iter().copied().cycle();
+    while let Some(&tile) =
+        tiles.iter().find(|&&tile| film.fewest_samples(tile) < end - film.first_sample())
+    {
+        let step = steps.next().unwrap();
+        let mut counts = Vec::new();
+        film.counts_of_tile(tile, &mut counts);
+        let mut samples = Vec::new();
+        for (count, place) in counts.iter_mut().zip(film.frame().tile(tile).places()) {
+            let next = film.first_sample() + *count;
+            let range = next..next.saturating_add(step).min(end);
+            *count = range.len() as u32;
+            samples.extend(range.map(|index| sample(place, index)));
+        }
+        film.add(tile, &counts, &samples).unwrap();
+    }
+}
+
+fn filled(window: Rect, samples: std::ops::Range<u32>, steps: &[u32]) -> Film {
+    let film = Film::new(&format(window, samples.start)).unwrap();
+    let tiles: Vec<usize> = (0..film.frame().tiles()).collect();
+    fill(&film, samples.end, steps, &tiles);
+    film
+}
+
+/// All that can be seen of a film, to the bit.
+fn bits(film: &Film) -> Vec<u32> {
+    let layers = film.plan.layers.iter().map(|&layer| film.mean(layer).unwrap());
+    let all = layers.chain(film.variance()).flatten().flatten().map(f32::to_bits);
+    all.chain(film.counts()).collect()
+}
+
+/// And all that cannot: the sums themselves.
+fn assert_same(a: &Film, b: &Film) {
+    assert_eq!(bits(a), bits(b));
+    for tile in 0..a.tiles.len() {
+        let (a, b) = (a.lock(tile).clone(), b.lock(tile).clone());
+        assert_eq!((a.sums, a.squares, a.counts), (b.sums, b.squares, b.counts));
+        let open = |open: Vec<f64>| open.iter().map(|sum| sum.to_bits()).collect::<Vec<_>>();
+        let (a, b) = (open(a.open), open(b.open));
+        // Once there was an unfinished block, there is room for the next.
+        let unused = |open: &[u64]| open.iter().all(|&bits| bits == 0);
+        assert!(a == b || unused(&a) && unused(&b));
+    }
+}
+
+#[test]
+fn means_and_variances_are_those_of_the_samples() {
+    let film = filled(whole(), 0..37, &[37]);
+    let (direct, variance) = (film.mean(Layer::Direct).unwrap(), film.variance().unwrap());
+    for (pixel, place) in whole().places().enumerate() {
+        let samples: Vec<Radiance> = (0..37).map(|index| sample(place, index)).collect();
+        let of = |axis: usize| samples.iter().map(move |s| f64::from(s.direct[axis]));
+        for axis in 0..3 {
+            let mean = of(axis).sum::<f64>() / 37.0;
+            // 2^-69 of the brightest light, and one rounding to f32.
+            assert!((f64::from(direct[pixel][axis]) - mean).abs() <= 1e-7 * mean.abs() + 1e-15);
+            let beauty =
+                || samples.iter().map(|s| f64::from(s.direct[axis]) + f64::from(s.indirect[axis]));
+            let mean = beauty().sum::<f64>() / 37.0;
+            let spread = beauty().map(|b| (b - mean).powi(2)).sum::<f64>() / 36.0 / 37.0;
+            assert!((f64::from(variance[pixel][axis]) / spread - 1.0).abs() < 1e-6);
+        }
+    }
+    let empty = Film::new(&format(whole(), 0)).unwrap();
+    assert_eq!(empty.picture().direct[3], Rgb::ZERO);
+    assert_eq!(empty.variance().unwrap()[3], [f32::INFINITY; 3]);
+}
+
+#[test]
+fn samples_that_are_not_finite_are_left_out_and_counted() {
+    let frame = Frame::whole(1, 1);
+    let film = Film::new(&Format { frame, ..format(frame.window, 0) }).unwrap();
+    let good = Radiance { direct: Rgb::splat(2.0), ..Radiance::default() };
+    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY]
+        .map(|value| Radiance { indirect: Rgb::new(0.0, value, 0.0), ..good });
+    assert_eq!(film.left_out(), None);
+    film.add(0, &[5], &[bad[0], good, bad[1], good, bad[2]]).unwrap();
+    assert_eq!(film.picture().direct[0], Rgb::splat(2.0));
+    assert_eq!(film.left_out(), Some((3, [0, 0])));
+    film.add(0, &[27], &[good; 27]).unwrap();
+    assert_eq!((film.picture().direct[0], film.counts()[0]), (Rgb::splat(2.0), 32));
+    assert_eq!(film.variance().unwrap()[0], [0.0; 3]);
+
+    let film = Film::new(&Format { frame, ..format(frame.window, 0) }).unwrap();
+    film.add(0, &[3], &bad).unwrap();
+    assert!(film.picture().direct[0].is_nan(), "no light is known, which is not darkness");
+}
+
+#[test]
+fn what_is_too_bright_is_an_error_and_never_wraps() {
+    let frame = Frame::whole(40, 9);
+    let film = Film::new(&Format { frame, ..format(frame.window, 0) }).unwrap();
+    let bright = |value: f32| Radiance { direct: Rgb::new(0.0, value, 0.0), ..Radiance::default() };
+    // The scale is 4, so that a block holds less than 2^36.
+    let tile = 5;
+    let mut counts = vec![0; film.frame().tile(tile).pixels()];
+    counts[2] = 16;
+    let most = 2f32.powi(32);
+    let mut block = [bright(most); 16];
+    block[0] = bright(0.5 * most);
+    film.add(tile, &counts, &block).unwrap();
+    film.add(tile, &counts, &block).unwrap();
+    let error = film.add(tile, &counts, &[bright(most); 16]).unwrap_err();
+    let expected = "samples 32 to 47 of the pixel in column 34, row 4 add up to 6.9e10, and the film \
+                    holds less than 6.9e10, 2^34 times the brightest light of the scene";
+    assert_eq!(error.to_string(), expected);
+    assert!(error.help().unwrap().contains("clamp_indirect"));
+    // As dark as bright: negative lobes do not exist, but wrapping would be as wrong.
+    assert!(film.add(tile, &counts, &[bright(-most); 16]).is_err());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn batches_and_the_order_of_tiles_change_nothing(
+        end in 1u32..70,
+        steps in proptest::collection::vec(1u32..40, 1..6),
+        shuffled in Just((0..Frame::whole(WIDTH, HEIGHT).tiles()).collect::<Vec<_>>()).prop_shuffle(),
+    ) {
+        let film = Film::new(&format(whole(), 0)).unwrap();
+        fill(&film, end, &steps, &shuffled);
+        assert_same(&film, &filled(whole(), 0..end, &[end]));
+    }
+
+    #[test]
+    fn ranges_and_windows_add_up_to_the_whole(
+        end in 1u32..100,
+        cuts in proptest::collection::vec(0u32..6, 0..4),
+        [column, row] in [1..WIDTH, 1..HEIGHT],
+        order in Just((0..60usize).collect::<Vec<_>>()).prop_shuffle(),
+    ) {
+        let mut cuts: Vec<u32> = cuts.iter().map(|cut| cut * BLOCK).filter(|&cut| cut < end).collect();
+        cuts.extend([0, end]);
+        cuts.sort_unstable();
+        cuts.dedup();
+        let windows = [
+            Rect { x: 0, y: 0, width: column, height: HEIGHT },
+            Rect { x: column, y: 0, width: WIDTH - column, height: row },
+            Rect { x: column, y: row, width: WIDTH - column, height: HEIGHT - row },
+        ];
+        let parts: Vec<Film> = cuts
+            .windows(2)
+            .flat_map(|range| windows.map(|window| filled(window, range[0]..range[1], &[7])))
+            .collect();
+        let mut sum = Film::new(&format(whole(), 0)).unwrap();
+        for index in order.into_iter().filter(|&index| index < parts.len()) {
+            sum.add_film(&parts[index]).unwrap();
+        }
+        assert_same(&sum, &filled(whole(), 0..end, &[end]));
+    }
+}
+
+#[test]
+fn films_that_do_not_belong_together_are_not_added() {
+    let mut film = filled(whole(), 0..20, &[20]);
+    assert!(film.add_film(&filled(whole(), 0..20, &[20])).is_err(), "two unfinished blocks");
+    let mut part = Film::new(&format(Rect { x: 0, y: 0, width: 3, height: 3 }, 0)).unwrap();
+    assert!(part.add_film(&film).is_err(), "pixels without a place");
+    let other = Format { scale: Scale::of_brightest(1.0), ..format(whole(), 0) };
+    assert!(film.add_film(&Film::new(&other).unwrap()).is_err(), "another scale");
+}

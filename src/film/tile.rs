@@ -1,0 +1,311 @@
+//! The sums of a few neighbouring pixels.
+
+use crate::color::Radiance;
+use crate::error::{Error, Result};
+use crate::fault::fault;
+
+use super::BLOCK;
+use super::fixed::{Sum, Wide, limit};
+use super::layer::{Layer, Scale, add_squares};
+
+/// Channels of the squares.
+const COLOR: usize = 3;
+
+/// Which numbers are summed, and how finely: one plane for every channel of every layer, then those
+/// of the squares.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Plan {
+    pub(super) scale: Scale,
+    pub(super) layers: Vec<Layer>,
+    pub(super) squares: bool,
+    steps: Vec<i32>,
+    limits: Vec<f64>,
+}
+
+impl Plan {
+    pub(super) fn new(scale: Scale, layers: &[Layer], squares: bool) -> Self {
+        let steps: Vec<i32> = layers
+            .iter()
+            .flat_map(|layer| std::iter::repeat_n(layer.step(scale), layer.channels()))
+            .collect();
+        let mut limits: Vec<f64> = steps.iter().map(|&step| limit::<i128>(step)).collect();
+        limits
+            .extend(vec![limit::<Wide>(scale.step_of_squares()); if squares { COLOR } else { 0 }]);
+        Self { scale, layers: layers.to_vec(), squares, steps, limits }
+    }
+
+    /// Numbers summed for a pixel in 128 bits.
+    pub(super) fn sums(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Numbers summed for a pixel in 192 bits.
+    pub(super) fn wide_sums(&self) -> usize {
+        self.limits.len() - self.steps.len()
+    }
+
+    /// Numbers summed for a pixel in all.
+    pub(super) fn planes(&self) -> usize {
+        self.limits.len()
+    }
+
+    /// The plane of a layer's first channel.
+    pub(super) fn plane_of(&self, layer: Layer) -> Option<usize> {
+        let at = self.layers.iter().position(|kept| *kept == layer)?;
+        Some(self.layers[..at].iter().map(|layer| layer.channels()).sum())
+    }
+
+    /// Bytes for a pixel without unfinished blocks.
+    pub(super) fn bytes_per_pixel(&self) -> usize {
+        size_of::<u32>() + self.sums() * size_of::<i128>() + self.wide_sums() * size_of::<Wide>()
+    }
+
+    /// Goes on with the running sums of some pixels, each by its samples.
+    fn go_on(&self, sums: &mut [f64], runs: &[&[Radiance]]) {
+        let mut rest = sums;
+        for layer in &self.layers {
+            let (own, others) = rest.split_at_mut(layer.channels() * runs.len());
+            layer.add(own, runs);
+            rest = others;
+        }
+        if self.squares {
+            add_squares(rest, runs);
+        }
+    }
+
+    /// Whether all sums of a plane after the other are finite and below the limits.
+    fn holds(&self, sums: &[f64], pixels: usize) -> bool {
+        let planes = sums.chunks_exact(pixels).zip(&self.limits);
+        planes.into_iter().all(|(plane, limit)| plane.iter().all(|sum| sum.abs() < *limit))
+    }
+
+    fn is_finite(&self, sample: &Radiance) -> bool {
+        self.layers.iter().all(|layer| layer.of(sample).iter().all(|value| value.is_finite()))
+    }
+}
+
+/// A block that is brighter than the sums can hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TooBright {
+    pub(super) pixel: usize,
+    pub(super) first_sample: u32,
+    pub(super) value: f64,
+    pub(super) limit: f64,
+}
+
+/// The sums of some pixels: plane after plane, the pixels of a plane in their order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Tile {
+    /// Samples so far of each pixel, those left out included.
+    pub(super) counts: Vec<u32>,
+    /// Finished blocks. Empty before the first sample.
+    pub(super) sums: Vec<i128>,
+    /// Finished blocks of the squares.
+    pub(super) squares: Vec<Wide>,
+    /// The running sums of unfinished blocks; empty where no pixel has one.
+    pub(super) open: Vec<f64>,
+    /// Samples of each pixel that were not finite; empty where there is none.
+    pub(super) left_out: Vec<u32>,
+}
+
+impl Tile {
+    /// A tile of so many pixels without samples, which holds all the memory that it will need for
+    /// finished blocks. `None` where there is not enough.
+    pub(super) fn new(plan: &Plan, pixels: usize) -> Option<Self> {
+        let mut tile = Self { counts: vec![0; pixels], ..Self::default() };
+        tile.sums.try_reserve_exact(pixels * plan.sums()).ok()?;
+        tile.squares.try_reserve_exact(pixels * plan.wide_sums()).ok()?;
+        Some(tile)
+    }
+
+    /// Adds the next samples of all pixels: `counts` of each, one pixel's after the other's. On failure
+    /// nothing is added from the block on that does not fit.
+    pub(super) fn add(
+        &mut self,
+        plan: &Plan,
+        counts: &[u32],
+        samples: &[Radiance],
+    ) -> std::result::Result<(), TooBright> {
+        self.make_room(plan);
+        let mut rest = samples;
+        let mut own: Vec<&[Radiance]> = counts
+            .iter()
+            .map(|&count| {
+                let (own, others) = rest.split_at(count as usize);
+                rest = others;
+                own
+            })
+            .collect();
+        // Up to the end of the block that each pixel is in, and on.
+        while own.iter().any(|samples| !samples.is_empty()) {
+            let runs: Vec<&[Radiance]> = own
+                .iter_mut()
+                .zip(&self.counts)
+                .map(|(samples, count)| {
+                    let left = (BLOCK - count % BLOCK) as usize;
+                    let (run, others) = samples.split_at(samples.len().min(left));
+                    *samples = others;
+                    run
+                })
+                .collect();
+            self.add_runs(plan, &runs)?;
+        }
+        Ok(())
+    }
+
+    fn make_room(&mut self, plan: &Plan) {
+        let pixels = self.counts.len();
+        self.sums.resize(pixels * plan.sums(), 0);
+        self.squares.resize(pixels * plan.wide_sums(), Wide::default());
+    }
+
+    /// Adds samples to every pixel, all in one block of it.
+    fn add_runs(
+        &mut self,
+        plan: &Plan,
+        runs: &[&[Radiance]],
+    ) -> std::result::Result<(), TooBright> {
+        let pixels = self.counts.len();
+        let mut running = self.open.clone();
+        running.resize(pixels * plan.planes(), 0.0);
+        plan.go_on(&mut running, runs);
+        if !plan.holds(&running, pixels) {
+            let left_out = self.without_bad_samples(plan, &mut running, runs);
+            self.check(plan, &running)?;
+            self.left_out.resize(pixels, 0);
+            self.left_out.iter_mut().zip(left_out).for_each(|(total, more)| *total += more);
+        }
+        if fault!(FirstBlockDropped) {
+            let is_first = |pixel: usize| self.counts[pixel % pixels] == 0;
+            (0..running.len()).filter(|&at| is_first(at)).for_each(|at| running[at] = 0.0);
+        }
+
+        for (count, run) in self.counts.iter_mut().zip(runs) {
+            *count += run.len() as u32;
+        }
+        // Finished blocks move to the sums; the others stay open.
+        let (sums, squares) = running.split_at_mut(pixels * plan.sums());
+        let grew = |pixel: usize| !runs[pixel].is_empty();
+        let is_finished = |pixel: usize| grew(pixel) && self.counts[pixel] % BLOCK == 0;
+        let all_finished = (0..pixels).all(is_finished);
+        let finished: Vec<bool> = (0..pixels).map(is_finished).collect();
+        let planes = sums.chunks_exact_mut(pixels).zip(self.sums.chunks_exact_mut(pixels));
+        for ((block, totals), &step) in planes.zip(&plan.steps) {
+            move_finished(block, totals, &finished, step);
+        }
+        let step = plan.scale.step_of_squares();
+        let planes = squares.chunks_exact_mut(pixels).zip(self.squares.chunks_exact_mut(pixels));
+        planes.for_each(|(block, totals)| move_finished(block, totals, &finished, step));
+        self.open = if all_finished { Vec::new() } else { running };
+        Ok(())
+    }
+
+    /// Does the running sums again without the samples that are not finite; returns how many those are
+    /// of each pixel.
+    fn without_bad_samples(
+        &self,
+        plan: &Plan,
+        running: &mut [f64],
+        runs: &[&[Radiance]],
+    ) -> Vec<u32> {
+        running.fill(0.0);
+        running[..self.open.len()].copy_from_slice(&self.open);
+        let good = |run: &&[Radiance]| -> Vec<Radiance> {
+            run.iter().filter(|sample| plan.is_finite(sample)).copied().collect()
+        };
+        let good: Vec<Vec<Radiance>> = runs.iter().map(good).collect();
+        let good: Vec<&[Radiance]> = good.iter().map(Vec::as_slice).collect();
+        plan.go_on(running, &good);
+        runs.iter().zip(good).map(|(run, good)| (run.len() - good.len()) as u32).collect()
+    }
+
+    fn check(&self, plan: &Plan, running: &[f64]) -> std::result::Result<(), TooBright> {
+        let pixels = self.counts.len();
+        for (plane, &limit) in running.chunks_exact(pixels).zip(&plan.limits) {
+            if let Some(pixel) = plane.iter().position(|sum| sum.abs() >= limit) {
+                let first_sample = self.counts[pixel] / BLOCK * BLOCK;
+                return Err(TooBright { pixel, first_sample, value: plane[pixel], limit });
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds other samples of a pixel.
+    ///
+    /// # Errors
+    /// When both have an unfinished block, and on overflow.
+    pub(super) fn add_pixel(
+        &mut self,
+        plan: &Plan,
+        pixel: usize,
+        other: &Self,
+        other_pixel: usize,
+    ) -> Result<()> {
+        let overflow = || Error::input("the sums of these films are too large to be added");
+        let (pixels, other_pixels) = (self.counts.len(), other.counts.len());
+        let at = |plane: usize| (plane * pixels + pixel, plane * other_pixels + other_pixel);
+        if other.counts[other_pixel] == 0 {
+            return Ok(());
+        }
+        let unfinished = other.counts[other_pixel] % BLOCK != 0;
+        if unfinished && self.counts[pixel] % BLOCK != 0 {
+            return Err(Error::input("two films have an unfinished block of the same pixel"));
+        }
+        self.make_room(plan);
+        for plane in 0..plan.sums() {
+            let (to, from) = at(plane);
+            self.sums[to] = self.sums[to].plus(other.sums[from]).ok_or_else(overflow)?;
+        }
+        for plane in 0..plan.wide_sums() {
+            let (to, from) = at(plane);
+            self.squares[to] = self.squares[to].plus(other.squares[from]).ok_or_else(overflow)?;
+        }
+        if unfinished {
+            self.open.resize(pixels * plan.planes(), 0.0);
+            for plane in 0..plan.planes() {
+                let (to, from) = at(plane);
+                self.open[to] = other.open[from];
+            }
+        }
+        let left_out = other.left_out.get(other_pixel).copied().unwrap_or(0);
+        if left_out > 0 {
+            self.left_out.resize(pixels, 0);
+            self.left_out[pixel] += left_out;
+        }
+        let count = self.counts[pixel].checked_add(other.counts[other_pixel]);
+        self.counts[pixel] = count.ok_or_else(overflow)?;
+        Ok(())
+    }
+
+    /// How many samples of a pixel its sums hold.
+    pub(super) fn summed(&self, pixel: usize) -> u32 {
+        self.counts[pixel] - self.left_out.get(pixel).copied().unwrap_or(0)
+    }
+
+    /// The sum of one channel of a layer over a pixel's samples.
+    pub(super) fn sum(&self, plan: &Plan, plane: usize, pixel: usize) -> f64 {
+        let at = plane * self.counts.len() + pixel;
+        let finished = self.sums.get(at).map_or(0.0, |sum| sum.value(plan.steps[plane]));
+        finished + self.open.get(at).copied().unwrap_or(0.0)
+    }
+
+    /// The sum of the squares of one channel of the beauty.
+    pub(super) fn sum_of_squares(&self, plan: &Plan, axis: usize, pixel: usize) -> f64 {
+        let pixels = self.counts.len();
+        let finished = self.squares.get(axis * pixels + pixel);
+        let finished = finished.map_or(0.0, |sum| sum.value(plan.scale.step_of_squares()));
+        let open = self.open.get((plan.sums() + axis) * pixels + pixel);
+        finished + open.copied().unwrap_or(0.0)
+    }
+}
+
+/// Adds the finished blocks of one plane to its sums, and leaves zeros in their place.
+fn move_finished<S: Sum>(blocks: &mut [f64], totals: &mut [S], finished: &[bool], step: i32) {
+    for ((block, total), &finished) in blocks.iter_mut().zip(totals).zip(finished) {
+        if finished {
+            // So many blocks below the limit cannot overflow.
+            *total = total.plus(S::rounded(*block, step)).unwrap_or(*total);
+            *block = 0.0;
+        }
+    }
+}

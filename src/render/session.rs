@@ -1,0 +1,182 @@
+//! A film that is being filled: pass by pass, on all threads of the current pool.
+//!
+//! A pass brings the pixels that it is asked for to the end of a block of samples, in jobs of some
+//! tiles. The film is exact, so the bits of the picture do not depend on which pixels are asked for
+//! when, nor on who did what.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use crate::accel::{Accel, Cancel};
+use crate::color::Radiance;
+use crate::error::Result;
+use crate::film::{BLOCK, Film, TILE};
+use crate::integrator::{self, Integrator, SampleAddress, Tally, Workspace, World};
+use crate::scene::Scene;
+
+use super::{Progress, RenderOptions};
+
+/// Samples that a job aims to have in flight at once.
+const BATCH: usize = 1024;
+
+/// The work on one film.
+pub struct Session<'a> {
+    world: World<'a>,
+    integrator: Box<dyn Integrator>,
+    film: &'a Film,
+    progress: &'a (dyn Fn(Progress) + Sync),
+    samples_done: AtomicU64,
+    samples_total: AtomicU64,
+    tally: Mutex<Tally>,
+}
+
+/// What a thread keeps between jobs.
+#[derive(Default)]
+struct Desk {
+    workspace: Workspace,
+    samples: Vec<SampleAddress>,
+    radiance: Vec<Radiance>,
+    /// Samples that each pixel has, and then those that it gets.
+    counts: Vec<u32>,
+}
+
+impl<'a> Session<'a> {
+    /// Work on a film of the scene's picture: an empty one, or one that holds some samples of this
+    /// very scene.
+    pub fn new(
+        scene: &'a Scene,
+        accel: &'a dyn Accel,
+        film: &'a Film,
+        options: &'a RenderOptions<'_>,
+    ) -> Self {
+        let cancel = &options.cancel;
+        let samples_per_pixel = u64::from(scene.description().render.samples_per_pixel);
+        Self {
+            world: World { scene, accel, cancel },
+            integrator: integrator::of_scene(scene),
+            film,
+            progress: options.progress,
+            samples_done: AtomicU64::new(film.samples()),
+            samples_total: AtomicU64::new(film.frame().pixels() as u64 * samples_per_pixel),
+            tally: Mutex::new(Tally::default()),
+        }
+    }
+
+    /// The film.
+    pub fn film(&self) -> &'a Film {
+        self.film
+    }
+
+    /// Tells the progress how many samples the film is going to have.
+    pub fn expect_samples(&self, total: u64) {
+        self.samples_total.store(total, Ordering::Relaxed);
+    }
+
+    /// Brings the tiles that `wants` chooses to sample number `end` (its index not included), however
+    /// far each of them is. Returns whether it got there: cancelled, it leaves every tile of the film at
+    /// some whole block.
+    ///
+    /// # Errors
+    /// When a pixel is too bright for the film.
+    pub fn advance(&self, end: u32, wants: &(dyn Fn(usize) -> bool + Sync)) -> Result<bool> {
+        let chosen: Vec<usize> =
+            (0..self.film.frame().tiles()).filter(|&tile| wants(tile)).collect();
+        // The first sample that some pixel lacks.
+        while let Some(next) = chosen.iter().map(|&tile| self.next_sample(tile)).min() {
+            if next >= end {
+                return Ok(true);
+            }
+            self.pass(&chosen, end.min((next / BLOCK + 1).saturating_mul(BLOCK)))?;
+            if self.cancel().is_cancelled() {
+                return Ok(chosen.iter().all(|&tile| self.next_sample(tile) >= end));
+            }
+        }
+        Ok(true)
+    }
+
+    /// What happened so far.
+    pub fn tally(&self) -> Tally {
+        *self.tally.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Samples of the film so far.
+    pub fn samples_done(&self) -> u64 {
+        self.samples_done.load(Ordering::Relaxed)
+    }
+
+    /// Whoever wants the work to stop holds this.
+    pub fn cancel(&self) -> &'a Cancel {
+        self.world.cancel
+    }
+
+    /// The first sample that some pixel of a tile lacks.
+    fn next_sample(&self, tile: usize) -> u32 {
+        self.film.first_sample() + self.film.fewest_samples(tile)
+    }
+
+    /// Brings tiles to sample `end`; none is more than a block behind.
+    fn pass(&self, tiles: &[usize], end: u32) -> Result<()> {
+        let lacking: Vec<usize> =
+            tiles.iter().copied().filter(|&tile| self.next_sample(tile) < end).collect();
+        let block = (end - 1) % BLOCK + 1;
+        let tiles_per_job = BATCH / (TILE[0] * TILE[1] * block) as usize;
+        lacking
+            .par_chunks(tiles_per_job.max(1))
+            .try_for_each_init(Desk::default, |desk, tiles| self.job(desk, tiles, end))
+    }
+
+    fn job(&self, desk: &mut Desk, tiles: &[usize], end: u32) -> Result<()> {
+        if self.cancel().is_cancelled() {
+            return Ok(());
+        }
+        let Desk { workspace, samples, radiance, counts } = desk;
+        samples.clear();
+        counts.clear();
+        let first = self.film.first_sample();
+        for &tile in tiles {
+            let begin = counts.len();
+            self.film.counts_of_tile(tile, counts);
+            for (count, [x, y]) in
+                counts[begin..].iter_mut().zip(self.film.frame().tile(tile).places())
+            {
+                let lacks = first + *count..end;
+                *count = lacks.len() as u32;
+                samples.extend(lacks.map(|sample| SampleAddress { x, y, sample }));
+            }
+        }
+        radiance.clear();
+        radiance.resize(samples.len(), Radiance::default());
+        let tally = self.integrator.estimate(self.world, samples, radiance, workspace);
+        if self.cancel().is_cancelled() {
+            return Ok(()); // stopped half-way: what there is of these samples is not used
+        }
+        self.keep(tiles, counts, radiance)?;
+        {
+            let mut total = self.tally.lock().unwrap_or_else(PoisonError::into_inner);
+            *total = *total + tally;
+        }
+        self.report(samples.len() as u64);
+        Ok(())
+    }
+
+    /// Adds the samples of some tiles to the film.
+    fn keep(&self, tiles: &[usize], counts: &[u32], radiance: &[Radiance]) -> Result<()> {
+        let (mut counts, mut radiance) = (counts, radiance);
+        for &tile in tiles {
+            let (own, others) = counts.split_at(self.film.frame().tile(tile).pixels());
+            let many: u32 = own.iter().sum();
+            let (values, rest) = radiance.split_at(many as usize);
+            self.film.add(tile, own, values)?;
+            (counts, radiance) = (others, rest);
+        }
+        Ok(())
+    }
+
+    fn report(&self, samples: u64) {
+        let samples_done = self.samples_done.fetch_add(samples, Ordering::Relaxed) + samples;
+        let samples_total = self.samples_total.load(Ordering::Relaxed);
+        (self.progress)(Progress { samples_done, samples_total });
+    }
+}
