@@ -6,6 +6,7 @@ mod brute_force;
 mod embree;
 mod info;
 mod native;
+mod plan;
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -16,6 +17,7 @@ use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
 
 pub use info::EmbreeInfo;
+pub use plan::PlannedBytes;
 
 /// An intersector over a fixed set of spheres.
 ///
@@ -131,6 +133,11 @@ impl Backend {
             }
             _ => self.name().to_owned(),
         }
+    }
+
+    /// Whether it needs Embree.
+    pub fn uses_embree(self) -> bool {
+        matches!(self, Self::Embree | Self::EmbreeUser)
     }
 
     /// Builds this backend over the spheres.

@@ -1,7 +1,9 @@
 //! Renders a scene on all threads: a [`Session`] fills a film, and [`render`] does all of it at once.
 
+mod plan;
 mod session;
 
+pub use plan::{MemoryPlan, Step};
 pub use session::Session;
 
 use crate::accel::{Accel, Cancel};
@@ -9,6 +11,7 @@ use crate::error::Result;
 use crate::film::{Film, Format, Frame, Layer, Picture, Rect, Scale};
 use crate::integrator::Tally;
 use crate::scene::Scene;
+use crate::scene::description::Description;
 
 /// How to render.
 pub struct RenderOptions<'a> {
@@ -61,7 +64,11 @@ pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> 
 
 /// The film that a scene asks for, from the first sample on.
 pub fn format_of(scene: &Scene) -> Format {
-    let description = scene.description();
+    format_of_description(scene.description(), Scale::of_brightest(scene.brightest()))
+}
+
+/// The same, before the scene's lamps are known.
+fn format_of_description(description: &Description, scale: Scale) -> Format {
     let mut layers = vec![Layer::Direct, Layer::Indirect];
     if description.background.transparent {
         layers.push(Layer::Alpha);
@@ -73,7 +80,7 @@ pub fn format_of(scene: &Scene) -> Format {
             window: Rect { x: window.x, y: window.y, width: window.width, height: window.height },
         },
         first_sample: 0,
-        scale: Scale::of_brightest(scene.brightest()),
+        scale,
         layers,
         squares: true,
     }

@@ -189,8 +189,8 @@ impl Scene {
             return Surface { material: &self.materials[sphere.material], albedo: None };
         }
         let group = &self.groups[self.groups.partition_point(|g| g.first_row <= row) - 1];
-        let albedo =
-            group.colors.as_ref().map(|colors| Rgb::from(colors[(row - group.first_row) as usize]));
+        let in_table = (row - group.first_row) as usize;
+        let albedo = group.colors.as_ref().map(|colors| colors.get(in_table));
         Surface { material: &self.materials[group.material], albedo }
     }
 
