@@ -41,7 +41,7 @@ fn write(folder: &TempDir, name: &str, size: (usize, usize), direct: f32, indire
         height: size.1,
         direct: layer(direct),
         indirect: layer(indirect),
-        alpha: None,
+        ..Picture::default()
     };
     let path = folder.path().join(name);
     Target::new(&path).expect("a writable place").write(&picture).expect("written");

@@ -127,7 +127,7 @@ fn an_image_shines_on_a_plane_like_its_interpolation() {
     let pixels: Vec<f32> = (0..width * height).map(pixel).collect();
     let direct = pixels.iter().map(|&value| Rgb::splat(value)).collect();
     let indirect = vec![Rgb::ZERO; width * height];
-    let picture = Picture { width, height, direct, indirect, alpha: None };
+    let picture = Picture { width, height, direct, indirect, ..Picture::default() };
     let file = folder.path().join("image.exr");
     Target::new(&file).expect("a place").write(&picture).expect("room");
 

@@ -6,7 +6,6 @@ mod brute_force;
 mod embree;
 mod info;
 mod native;
-mod plan;
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -17,7 +16,6 @@ use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
 
 pub use info::EmbreeInfo;
-pub use plan::PlannedBytes;
 
 /// An intersector over a fixed set of spheres.
 ///
@@ -133,11 +131,6 @@ impl Backend {
             }
             _ => self.name().to_owned(),
         }
-    }
-
-    /// Whether it needs Embree.
-    pub fn uses_embree(self) -> bool {
-        matches!(self, Self::Embree | Self::EmbreeUser)
     }
 
     /// Builds this backend over the spheres.

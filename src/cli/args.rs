@@ -7,7 +7,6 @@
 mod compare;
 mod converge;
 mod generate;
-mod memory;
 mod output;
 mod picture;
 mod trace;
@@ -26,7 +25,6 @@ use super::exit::EXIT_CODES;
 pub(super) use compare::{CompareArgs, Mapped, Metric};
 pub(super) use converge::ConvergeArgs;
 pub(super) use generate::GenerateArgs;
-pub(super) use memory::MemoryArg;
 pub(super) use output::OutputArgs;
 pub(super) use picture::PictureArgs;
 pub(super) use trace::TraceArgs;
@@ -115,6 +113,7 @@ Examples:
   photosphere render fig2.toml -o fig2.exr --integrator path --spp 1024 --seed 7
   photosphere render fig2.toml -o red.png --set 'materials.grass.albedo=[0.6,0.1,0.1]'
   photosphere render fig2.toml -o fig2.exr -o fig2.png --tone agx --exposure 1
+  photosphere render fig2.toml -o fig2.exr --layers direct,indirect,albedo,normal,depth
   photosphere render fig2.toml -o fig2.pfm --quiet --json | jq .samples_per_s
 
 Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,
@@ -128,9 +127,6 @@ pub(super) struct RenderArgs {
 
     #[command(flatten)]
     pub(super) accel: AccelArg,
-
-    #[command(flatten)]
-    pub(super) memory: MemoryArg,
 
     #[command(flatten)]
     pub(super) picture: PictureArgs,
@@ -192,9 +188,6 @@ pub(super) struct BenchArgs {
     #[command(flatten)]
     pub(super) accels: AccelsArg,
 
-    #[command(flatten)]
-    pub(super) memory: MemoryArg,
-
     /// Print JSON instead of a table
     #[arg(long)]
     pub(super) json: bool,
@@ -206,20 +199,10 @@ pub(super) struct BenchArgs {
 Examples:
   photosphere info scenes/cornell-spheres.toml
   photosphere info fig2.png
-  photosphere info grains.toml --json | jq .spheres
-  photosphere info grains.toml --memory-limit 8GiB
-
-What comes first is the memory that a render will take with each intersector: from the lengths of the
-tables and the scene alone, before anything is loaded.")]
+  photosphere info grains.toml --json | jq .spheres")]
 pub(super) struct InfoArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
-
-    #[command(flatten)]
-    pub(super) accel: AccelArg,
-
-    #[command(flatten)]
-    pub(super) memory: MemoryArg,
 
     /// Print one JSON object
     #[arg(long)]

@@ -15,7 +15,6 @@ mod generate;
 mod info;
 mod interrupt;
 mod manual;
-mod memory;
 mod outputs;
 mod print;
 mod progress;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::color::Look;
 use crate::error::{Error, Result};
-use crate::film::Picture;
+use crate::film::{Kind, Layer, Picture};
 use crate::output::{Crop, Notes, Record, Target};
 use crate::provenance::{self, Made, Run};
 use crate::scene::Scene;
@@ -15,6 +15,7 @@ use super::args::OutputArgs;
 pub(super) struct Outputs {
     targets: Vec<(PathBuf, Target)>,
     look: Look,
+    kinds: Vec<Kind>,
     with_run: bool,
 }
 
@@ -32,15 +33,21 @@ impl Outputs {
             }
             targets.push((path.clone(), Target::new(path)?));
         }
+        refuse_layers_without_place(args, &targets)?;
         if let Some(option) = args.look_option() {
             refuse_look_without_screen(option, &targets)?;
         }
-        Ok(Self { targets, look: args.look(), with_run: !args.no_run_figures })
+        Ok(Self { targets, look: args.look(), kinds: args.kinds(), with_run: !args.no_run_figures })
     }
 
     /// The unfinished files; a program that is about to die may remove them.
     pub(super) fn temporaries(&self) -> impl Iterator<Item = &Path> {
         self.targets.iter().map(|(_, target)| target.temporary())
+    }
+
+    /// The layers that are asked for.
+    pub(super) fn kinds(&self) -> &[Kind] {
+        &self.kinds
     }
 
     /// Writes all files.
@@ -62,6 +69,10 @@ impl Outputs {
             let mut records = records.clone();
             if target.is_for_screen() {
                 records.extend(look_in_words(&self.look).map(|words| Record::new("look", words)));
+            }
+            if target.has_layers() {
+                let names: Vec<&str> = self.kinds.iter().map(|kind| kind.row().name).collect();
+                records.push(Record::new("layers", names.join(",")));
             }
             provenance::sort(&mut records);
             let notes = Notes { cropped_from: crop(scene), look: self.look, records };
@@ -87,13 +98,37 @@ pub(super) fn in_words(files: &[PathBuf]) -> String {
     names.join(" and ")
 }
 
+/// `.png` has the beauty, and alpha; the formats of linear light have the beauty alone.
+fn refuse_layers_without_place(args: &OutputArgs, targets: &[(PathBuf, Target)]) -> Result<()> {
+    let any = |test: fn(&Target) -> bool| targets.iter().any(|(_, target)| test(target));
+    if !args.asks_for_layers() || any(Target::has_layers) {
+        return Ok(());
+    }
+    let has_place = |kind: &Kind| match kind {
+        Kind::Beauty => true,
+        Kind::Mean(Layer::Alpha) => any(Target::is_for_screen),
+        _ => false,
+    };
+    let Some(homeless) = args.kinds().into_iter().find(|kind| !has_place(kind)) else {
+        return Ok(());
+    };
+    let (layer, names) = (homeless.row().name, quoted(targets));
+    let verb = if targets.len() == 1 { "has" } else { "have" };
+    Err(Error::input(format!("{names} {verb} no place for the layer `{layer}`"))
+        .with_help("layers go into .exr files; name one beside it where you want both"))
+}
+
+fn quoted(targets: &[(PathBuf, Target)]) -> String {
+    let names: Vec<String> =
+        targets.iter().map(|(path, _)| format!("`{}`", path.display())).collect();
+    names.join(" and ")
+}
+
 fn refuse_look_without_screen(option: &str, targets: &[(PathBuf, Target)]) -> Result<()> {
     if targets.iter().any(|(_, target)| target.is_for_screen()) {
         return Ok(());
     }
-    let files: Vec<&Path> = targets.iter().map(|(path, _)| path.as_path()).collect();
-    let names: Vec<String> = files.iter().map(|path| format!("`{}`", path.display())).collect();
-    let (names, verb) = (names.join(" and "), if files.len() == 1 { "holds" } else { "hold" });
+    let (names, verb) = (quoted(targets), if targets.len() == 1 { "holds" } else { "hold" });
     Err(Error::input(format!(
         "`{option}` is for .png files, but {names} {verb} light, which stays as it is"
     ))

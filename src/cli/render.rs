@@ -7,17 +7,18 @@ use serde_json::json;
 
 use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
+use crate::film::{Film, Kind};
 use crate::geometry::SphereSet;
 use crate::provenance::{Made, Run, Samples};
 use crate::render::{self, Outcome, RenderOptions};
-use crate::scene::{Scene, open_file};
+use crate::scene::Scene;
 
 use super::args::RenderArgs;
 use super::exit::Exit;
 use super::interrupt::Interrupt;
 use super::outputs::{self, Outputs};
 use super::progress::Progress;
-use super::{interrupt, memory, on_threads, print, system};
+use super::{interrupt, on_threads, print, system};
 
 /// What a render took, in seconds.
 struct Figures {
@@ -36,10 +37,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
 
 fn render(args: &RenderArgs, outputs: Outputs, interrupt: &Interrupt) -> Result<Exit> {
     let mut clock = Clock(Instant::now());
-    let opened = open_file(&args.scene.path, &args.overrides())?;
-    memory::check(&opened, &[args.accel.backend], args.memory.limit, 0)?;
-    let scene = Scene::new(opened.read()?)?;
+    let scene = Scene::load(&args.scene.path, &args.overrides())?;
     let load_s = clock.lap();
+    check_memory(&scene, outputs.kinds())?;
     let about_spheres = about_spheres(scene.spheres());
     about_spheres.iter().for_each(print::warning);
     let threads = rayon::current_num_threads();
@@ -51,7 +51,7 @@ fn render(args: &RenderArgs, outputs: Outputs, interrupt: &Interrupt) -> Result<
     interrupt.save_from_now_on();
     let options =
         RenderOptions { cancel: interrupt.cancel(), progress: &|state| progress.show(state) };
-    let outcome = render::render(&scene, accel.as_ref(), &options);
+    let outcome = render::render_layers(&scene, accel.as_ref(), outputs.kinds(), &options);
     progress.finish();
     let mut outcome = outcome?;
     let figures = Figures { load_s, build_s, render_s: clock.lap() };
@@ -74,6 +74,23 @@ fn render(args: &RenderArgs, outputs: Outputs, interrupt: &Interrupt) -> Result<
     outcome.warnings.splice(..0, about_spheres);
     report(args, &scene, &outcome, &figures)?;
     Ok(if outcome.complete { Exit::Done } else { Exit::Stopped })
+}
+
+/// Refuses a film that the machine has no memory for, before the system kills the program for it.
+fn check_memory(scene: &Scene, kinds: &[Kind]) -> Result<()> {
+    let image = scene.description().image.window();
+    let film = Film::bytes(&render::format_with(scene, kinds)) as u64;
+    match system::available_memory() {
+        Some(available) if film > available => Err(Error::input(format!(
+            "the film of {} x {} pixels needs {} of memory, and {} are free",
+            image.width,
+            image.height,
+            print::bytes(film),
+            print::bytes(available)
+        ))
+        .with_help("render a smaller picture, or one with fewer layers")),
+        _ => Ok(()),
+    }
 }
 
 /// Which samples the picture has: those of stopped renders are spread over the pixels in whole blocks.

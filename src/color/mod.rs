@@ -1,7 +1,9 @@
 //! Colours: linear Rec. 709 radiance and reflectance, and the ways to the screen.
 
+mod seen;
 mod tone;
 
+pub use seen::{NOTHING, Seen};
 pub use tone::{Look, Tone};
 
 /// Red, green, blue in linear Rec. 709. Radiance is in W/(sr m^2) per channel.

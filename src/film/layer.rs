@@ -1,13 +1,13 @@
 //! What is summed for every pixel.
 
-use crate::color::Radiance;
+use crate::color::{Radiance, Rgb, Seen};
 
 use super::fixed::{Wide, step_below};
 
 /// A layer whose pixels are means over their samples.
 ///
-/// To add one, add a variant, let the compiler find its places below, and give [`Radiance`] the value
-/// that an integrator fills in. A film without the layer spends nothing on it. What is not a mean, such
+/// To add one, add a variant, let the compiler find its places below, and give [`Radiance`] or [`Seen`]
+/// the value that an integrator fills in. A film without the layer spends nothing on it. What is not a mean, such
 /// as the id at a pixel's centre, is no layer of the film: it does not depend on the samples and can
 /// be computed when the picture is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,11 +18,30 @@ pub enum Layer {
     Indirect,
     /// The share of the pixel that something covers.
     Alpha,
+    /// The part of direct light that the camera sees straight.
+    Emission,
+    /// The colour of what is seen first.
+    Albedo,
+    /// The normal of what is seen first.
+    Normal,
+    /// How far what is seen first is, along the camera ray: summed over the samples that see something.
+    Depth,
+    /// Where what is seen first is: summed over the samples that see something.
+    Position,
 }
 
 impl Layer {
     /// Every layer there is.
-    pub const ALL: &[Self] = &[Self::Direct, Self::Indirect, Self::Alpha];
+    pub const ALL: &[Self] = &[
+        Self::Direct,
+        Self::Indirect,
+        Self::Alpha,
+        Self::Emission,
+        Self::Albedo,
+        Self::Normal,
+        Self::Depth,
+        Self::Position,
+    ];
 
     /// The name in files.
     pub fn name(self) -> &'static str {
@@ -30,51 +49,122 @@ impl Layer {
             Self::Direct => "direct",
             Self::Indirect => "indirect",
             Self::Alpha => "alpha",
+            Self::Emission => "emission",
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Depth => "depth",
+            Self::Position => "position",
         }
     }
 
     /// How many numbers a pixel has, up to three.
     pub fn channels(self) -> usize {
         match self {
-            Self::Direct | Self::Indirect => 3,
-            Self::Alpha => 1,
+            Self::Alpha | Self::Depth => 1,
+            Self::Direct
+            | Self::Indirect
+            | Self::Emission
+            | Self::Albedo
+            | Self::Normal
+            | Self::Position => 3,
         }
+    }
+
+    /// Whether it is about what samples see first, which integrators record only where it is wanted.
+    pub fn is_of_seen(self) -> bool {
+        match self {
+            Self::Direct | Self::Indirect | Self::Alpha => false,
+            Self::Emission | Self::Albedo | Self::Normal | Self::Depth | Self::Position => true,
+        }
+    }
+
+    /// Whether a pixel's value is the mean over those samples alone that see something.
+    pub(super) fn is_of_hits(self) -> bool {
+        matches!(self, Self::Depth | Self::Position)
     }
 
     /// The steps in which a block is summed.
     pub(super) fn step(self, scale: Scale) -> i32 {
         step_below::<i128>(match self {
-            Self::Direct | Self::Indirect => scale.brightest + HEADROOM,
-            // Shares of 1.
-            Self::Alpha => HEADROOM,
+            Self::Direct | Self::Indirect | Self::Emission => scale.brightest + HEADROOM,
+            // Shares of 1, and coordinates of unit vectors.
+            Self::Alpha | Self::Albedo | Self::Normal => HEADROOM,
+            // Sixteen times what coordinates can be; the steps are 2^-38.
+            Self::Depth | Self::Position => 60,
         })
     }
 
-    /// A sample's value; the channels that the layer has not are 0.
-    pub(super) fn of(self, sample: &Radiance) -> [f32; 3] {
+    /// Whether a sample's value is finite.
+    pub(super) fn is_finite(self, light: &Radiance, seen: Option<&Seen>) -> bool {
+        let seen = seen.unwrap_or(&Seen::NOTHING);
         match self {
-            Self::Direct => sample.direct.to_array(),
-            Self::Indirect => sample.indirect.to_array(),
-            Self::Alpha => [sample.alpha, 0.0, 0.0],
+            Self::Direct => light.direct.is_finite(),
+            Self::Indirect => light.indirect.is_finite(),
+            Self::Alpha => light.alpha.is_finite(),
+            Self::Emission => seen.emission.is_finite(),
+            Self::Albedo => seen.albedo.is_finite(),
+            Self::Normal => seen.normal.is_finite(),
+            Self::Depth => seen.distance.is_finite(),
+            Self::Position => seen.position.is_finite(),
         }
     }
 
     /// Goes on with the running sums of some pixels, each by its samples in their order; `sums` are the
     /// planes of the layer's channels.
-    pub(super) fn add(self, sums: &mut [f64], runs: &[&[Radiance]]) {
+    pub(super) fn add(self, sums: &mut [f64], runs: &[Run<'_>]) {
+        let (light, seen) = (Run::light, Run::seen);
         // The choice of the layer stands outside of the loops.
         match self {
-            Self::Direct => add_all(sums, runs, |sample| wide(Self::Direct.of(sample))),
-            Self::Indirect => add_all(sums, runs, |sample| wide(Self::Indirect.of(sample))),
-            Self::Alpha => add_all(sums, runs, |sample| [f64::from(sample.alpha)]),
+            Self::Direct => add_all(sums, runs, light, |light| wide(light.direct)),
+            Self::Indirect => add_all(sums, runs, light, |light| wide(light.indirect)),
+            Self::Alpha => add_all(sums, runs, light, |light| [f64::from(light.alpha)]),
+            Self::Emission => add_all(sums, runs, seen, |seen| wide(seen.emission)),
+            Self::Albedo => add_all(sums, runs, seen, |seen| wide(seen.albedo)),
+            Self::Normal => add_all(sums, runs, seen, |seen| wide(seen.normal)),
+            Self::Depth => add_all(sums, runs, seen, |seen| [f64::from(seen.distance)]),
+            Self::Position => add_all(sums, runs, seen, |seen| wide(seen.position)),
         }
     }
 }
 
+/// Consecutive samples of a pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Run<'a> {
+    /// The light of each.
+    pub light: &'a [Radiance],
+    /// What each sees first; empty where no layer is about that.
+    pub seen: &'a [Seen],
+}
+
+impl<'a> Run<'a> {
+    fn light(&self) -> &'a [Radiance] {
+        self.light
+    }
+
+    fn seen(&self) -> &'a [Seen] {
+        self.seen
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.light.len()
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.light.is_empty()
+    }
+
+    /// The first `count` samples, and the others.
+    pub fn split_at(&self, count: usize) -> (Self, Self) {
+        let (light, other_light) = self.light.split_at(count);
+        let (seen, other_seen) = self.seen.split_at(count.min(self.seen.len()));
+        (Self { light, seen }, Self { light: other_light, seen: other_seen })
+    }
+}
+
 /// Goes on with the squares of the samples' beauty.
-pub(super) fn add_squares(sums: &mut [f64], runs: &[&[Radiance]]) {
-    add_all(sums, runs, |sample| {
-        let [direct, indirect] = [sample.direct, sample.indirect].map(|color| wide(color.into()));
+pub(super) fn add_squares(sums: &mut [f64], runs: &[Run<'_>]) {
+    add_all(sums, runs, Run::light, |sample| {
+        let [direct, indirect] = [sample.direct, sample.indirect].map(wide);
         std::array::from_fn::<_, 3, _>(|axis| {
             let beauty = direct[axis] + indirect[axis];
             beauty * beauty
@@ -82,20 +172,21 @@ pub(super) fn add_squares(sums: &mut [f64], runs: &[&[Radiance]]) {
     });
 }
 
-fn wide(values: [f32; 3]) -> [f64; 3] {
-    values.map(f64::from)
+fn wide(values: Rgb) -> [f64; 3] {
+    values.to_array().map(f64::from)
 }
 
-fn add_all<const CHANNELS: usize>(
+fn add_all<'a, S: 'a, const CHANNELS: usize>(
     sums: &mut [f64],
-    runs: &[&[Radiance]],
-    of: impl Fn(&Radiance) -> [f64; CHANNELS],
+    runs: &[Run<'a>],
+    samples: impl Fn(&Run<'a>) -> &'a [S],
+    of: impl Fn(&S) -> [f64; CHANNELS],
 ) {
     let pixels = runs.len();
     for (pixel, run) in runs.iter().enumerate() {
         let mut running: [f64; CHANNELS] =
             std::array::from_fn(|channel| sums[channel * pixels + pixel]);
-        for sample in *run {
+        for sample in samples(run) {
             let values = of(sample);
             for channel in 0..CHANNELS {
                 running[channel] += values[channel];

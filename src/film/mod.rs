@@ -15,6 +15,7 @@
 
 mod fixed;
 mod frame;
+mod kind;
 mod layer;
 mod picture;
 #[cfg(test)]
@@ -22,12 +23,13 @@ mod tests;
 mod tile;
 
 pub use frame::{Frame, Rect, TILE};
-pub use layer::{Layer, Scale};
-pub use picture::Picture;
+pub use kind::{KINDS, Kind, Merge, summed_for};
+pub use layer::{Layer, Run, Scale};
+pub use picture::{Picture, Plane, Values};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::color::{Radiance, Rgb};
+use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::fault::fault;
 
@@ -125,7 +127,7 @@ impl Film {
     ///
     /// # Errors
     /// When a block is too bright for the sums; neither it nor a later one is added then.
-    pub fn add(&self, tile: usize, counts: &[u32], samples: &[Radiance]) -> Result<()> {
+    pub fn add(&self, tile: usize, counts: &[u32], samples: Run<'_>) -> Result<()> {
         let added = self.lock(tile).add(&self.plan, counts, samples);
         added.map_err(|over| self.too_bright(tile, over))
     }
@@ -192,15 +194,30 @@ impl Film {
             direct: colors(Layer::Direct),
             indirect: colors(Layer::Indirect),
             alpha: self.mean(Layer::Alpha).map(|alpha| alpha.iter().map(|[a, ..]| *a).collect()),
+            ..Picture::default()
         }
     }
 
     /// The mean of a layer over every pixel's samples, along the rows; `None` for a layer that is not
     /// summed. Channels that the layer has not are 0.
+    ///
+    /// Of what is seen, depth and position are means over the samples that see something, for which
+    /// alpha must be summed too; where none does, depth is infinite and the position 0.
     pub fn mean(&self, layer: Layer) -> Option<Vec<[f32; 3]>> {
         let plane = self.plan.plane_of(layer)?;
+        let hits = match layer.is_of_hits() {
+            true => Some(self.plan.plane_of(Layer::Alpha)?),
+            false => None,
+        };
         Some(self.map(|sums, pixel| {
-            let count = f64::from(divisor(sums.summed(pixel)));
+            let count = match hits {
+                Some(hits) => sums.sum(&self.plan, hits, pixel),
+                None => f64::from(divisor(sums.summed(pixel))),
+            };
+            if count == 0.0 {
+                let nowhere = if layer == Layer::Depth { f32::INFINITY } else { 0.0 };
+                return [nowhere, 0.0, 0.0];
+            }
             let mut mean = [0.0; 3];
             for (channel, mean) in mean.iter_mut().take(layer.channels()).enumerate() {
                 *mean = (sums.sum(&self.plan, plane + channel, pixel) / count) as f32;

@@ -4,6 +4,8 @@ use glam::DVec3;
 
 use crate::color::Rgb;
 
+use super::Layer;
+
 /// Linear Rec. 709 radiance of every pixel, split by how the light came.
 ///
 /// Rows run from the top, pixels of a row from the left. Both layers hold `width * height` pixels.
@@ -20,6 +22,35 @@ pub struct Picture {
     /// The share of each pixel that something covers, where the scene asks for it; the layers are
     /// then light over nothing (premultiplied).
     pub alpha: Option<Vec<f32>>,
+    /// Of direct and indirect light, what files do not show apart.
+    pub left_out: Vec<Layer>,
+    /// Further channels, for files that have a place for them.
+    pub planes: Vec<Plane>,
+}
+
+/// A channel of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane {
+    /// Its whole name, such as `normal.X`.
+    pub name: String,
+    /// A value for each pixel.
+    pub values: Values,
+}
+
+/// The values of a channel.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// 32-bit floats.
+    Float(Vec<f32>),
+    /// 32-bit whole numbers.
+    Whole(Vec<u32>),
+}
+
+impl Plane {
+    /// A channel.
+    pub fn new(name: &str, values: Values) -> Self {
+        Self { name: name.to_owned(), values }
+    }
 }
 
 impl Picture {
@@ -61,7 +92,7 @@ mod tests {
             height: 1,
             direct: vec![Rgb::new(1.0, 2.0, 3.0), Rgb::ZERO],
             indirect: vec![Rgb::ONE, Rgb::new(0.0, 1.0, 2.0)],
-            alpha: None,
+            ..Picture::default()
         };
         assert_eq!(picture.beauty(0), Rgb::new(2.0, 3.0, 4.0));
         assert_eq!(picture.mean(), DVec3::new(1.0, 2.0, 3.0));

@@ -3,9 +3,14 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::color::{Radiance, Seen};
 
 const WIDTH: u32 = 21;
 const HEIGHT: u32 = 9;
+
+fn light(samples: &[Radiance]) -> Run<'_> {
+    Run { light: samples, seen: &[] }
+}
 
 /// A sample of any size and sign that the scale allows, from its address alone.
 fn sample([x, y]: [u32; 2], index: u32) -> Radiance {
@@ -18,6 +23,19 @@ fn sample([x, y]: [u32; 2], index: u32) -> Radiance {
     };
     let direct = Rgb::new(next(), next(), next());
     Radiance { direct, indirect: Rgb::new(next(), next(), next()), alpha: (index % 3) as f32 }
+}
+
+/// What a sample sees, made of its light.
+fn seen(place: [u32; 2], index: u32) -> Seen {
+    let Radiance { direct, indirect, alpha } = sample(place, index);
+    Seen {
+        emission: direct,
+        albedo: indirect.abs().min(Rgb::ONE),
+        normal: direct.normalize_or_zero(),
+        distance: direct.length() * alpha,
+        position: indirect * alpha,
+        row: index,
+    }
 }
 
 fn format(window: Rect, first_sample: u32) -> Format {
@@ -48,9 +66,10 @@ fn fill(film: &Film, end: u32, steps: &[u32], tiles: &[usize]) {
             let next = film.first_sample() + *count;
             let range = next..next.saturating_add(step).min(end);
             *count = range.len() as u32;
-            samples.extend(range.map(|index| sample(place, index)));
+            samples.extend(range.map(|index| (sample(place, index), seen(place, index))));
         }
-        film.add(tile, &counts, &samples).unwrap();
+        let (light, seen): (Vec<_>, Vec<_>) = samples.into_iter().unzip();
+        film.add(tile, &counts, Run { light: &light, seen: &seen }).unwrap();
     }
 }
 
@@ -113,15 +132,15 @@ fn samples_that_are_not_finite_are_left_out_and_counted() {
     let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY]
         .map(|value| Radiance { indirect: Rgb::new(0.0, value, 0.0), ..good });
     assert_eq!(film.left_out(), None);
-    film.add(0, &[5], &[bad[0], good, bad[1], good, bad[2]]).unwrap();
+    film.add(0, &[5], light(&[bad[0], good, bad[1], good, bad[2]])).unwrap();
     assert_eq!(film.picture().direct[0], Rgb::splat(2.0));
     assert_eq!(film.left_out(), Some((3, [0, 0])));
-    film.add(0, &[27], &[good; 27]).unwrap();
+    film.add(0, &[27], light(&[good; 27])).unwrap();
     assert_eq!((film.picture().direct[0], film.counts()[0]), (Rgb::splat(2.0), 32));
     assert_eq!(film.variance().unwrap()[0], [0.0; 3]);
 
     let film = Film::new(&Format { frame, ..format(frame.window, 0) }).unwrap();
-    film.add(0, &[3], &bad).unwrap();
+    film.add(0, &[3], light(&bad)).unwrap();
     assert!(film.picture().direct[0].is_nan(), "no light is known, which is not darkness");
 }
 
@@ -137,15 +156,15 @@ fn what_is_too_bright_is_an_error_and_never_wraps() {
     let most = 2f32.powi(32);
     let mut block = [bright(most); 16];
     block[0] = bright(0.5 * most);
-    film.add(tile, &counts, &block).unwrap();
-    film.add(tile, &counts, &block).unwrap();
-    let error = film.add(tile, &counts, &[bright(most); 16]).unwrap_err();
+    film.add(tile, &counts, light(&block)).unwrap();
+    film.add(tile, &counts, light(&block)).unwrap();
+    let error = film.add(tile, &counts, light(&[bright(most); 16])).unwrap_err();
     let expected = "samples 32 to 47 of the pixel in column 34, row 4 add up to 6.9e10, and the film \
                     holds less than 6.9e10, 2^34 times the brightest light of the scene";
     assert_eq!(error.to_string(), expected);
     assert!(error.help().unwrap().contains("clamp_indirect"));
     // As dark as bright: negative lobes do not exist, but wrapping would be as wrong.
-    assert!(film.add(tile, &counts, &[bright(-most); 16]).is_err());
+    assert!(film.add(tile, &counts, light(&[bright(-most); 16])).is_err());
 }
 
 proptest! {

@@ -1,12 +1,12 @@
 //! The sums of a few neighbouring pixels.
 
-use crate::color::Radiance;
+use crate::color::{Radiance, Seen};
 use crate::error::{Error, Result};
 use crate::fault::fault;
 
 use super::BLOCK;
 use super::fixed::{Sum, Wide, limit};
-use super::layer::{Layer, Scale, add_squares};
+use super::layer::{Layer, Run, Scale, add_squares};
 
 /// Channels of the squares.
 const COLOR: usize = 3;
@@ -61,7 +61,7 @@ impl Plan {
     }
 
     /// Goes on with the running sums of some pixels, each by its samples.
-    fn go_on(&self, sums: &mut [f64], runs: &[&[Radiance]]) {
+    fn go_on(&self, sums: &mut [f64], runs: &[Run<'_>]) {
         let mut rest = sums;
         for layer in &self.layers {
             let (own, others) = rest.split_at_mut(layer.channels() * runs.len());
@@ -79,8 +79,8 @@ impl Plan {
         planes.into_iter().all(|(plane, limit)| plane.iter().all(|sum| sum.abs() < *limit))
     }
 
-    fn is_finite(&self, sample: &Radiance) -> bool {
-        self.layers.iter().all(|layer| layer.of(sample).iter().all(|value| value.is_finite()))
+    fn is_finite(&self, light: &Radiance, seen: Option<&Seen>) -> bool {
+        self.layers.iter().all(|layer| layer.is_finite(light, seen))
     }
 }
 
@@ -124,11 +124,11 @@ impl Tile {
         &mut self,
         plan: &Plan,
         counts: &[u32],
-        samples: &[Radiance],
+        samples: Run<'_>,
     ) -> std::result::Result<(), TooBright> {
         self.make_room(plan);
         let mut rest = samples;
-        let mut own: Vec<&[Radiance]> = counts
+        let mut own: Vec<Run<'_>> = counts
             .iter()
             .map(|&count| {
                 let (own, others) = rest.split_at(count as usize);
@@ -138,7 +138,7 @@ impl Tile {
             .collect();
         // Up to the end of the block that each pixel is in, and on.
         while own.iter().any(|samples| !samples.is_empty()) {
-            let runs: Vec<&[Radiance]> = own
+            let runs: Vec<Run<'_>> = own
                 .iter_mut()
                 .zip(&self.counts)
                 .map(|(samples, count)| {
@@ -160,11 +160,7 @@ impl Tile {
     }
 
     /// Adds samples to every pixel, all in one block of it.
-    fn add_runs(
-        &mut self,
-        plan: &Plan,
-        runs: &[&[Radiance]],
-    ) -> std::result::Result<(), TooBright> {
+    fn add_runs(&mut self, plan: &Plan, runs: &[Run<'_>]) -> std::result::Result<(), TooBright> {
         let pixels = self.counts.len();
         let mut running = self.open.clone();
         running.resize(pixels * plan.planes(), 0.0);
@@ -202,19 +198,18 @@ impl Tile {
 
     /// Does the running sums again without the samples that are not finite; returns how many those are
     /// of each pixel.
-    fn without_bad_samples(
-        &self,
-        plan: &Plan,
-        running: &mut [f64],
-        runs: &[&[Radiance]],
-    ) -> Vec<u32> {
+    fn without_bad_samples(&self, plan: &Plan, running: &mut [f64], runs: &[Run<'_>]) -> Vec<u32> {
         running.fill(0.0);
         running[..self.open.len()].copy_from_slice(&self.open);
-        let good = |run: &&[Radiance]| -> Vec<Radiance> {
-            run.iter().filter(|sample| plan.is_finite(sample)).copied().collect()
+        let good = |run: &Run<'_>| -> (Vec<Radiance>, Vec<Seen>) {
+            let (light, seen) = (run.light, run.seen);
+            let is_good = |&at: &usize| plan.is_finite(&light[at], seen.get(at));
+            let good: Vec<usize> = (0..run.len()).filter(is_good).collect();
+            let seen = good.iter().filter_map(|&at| seen.get(at).copied());
+            (good.iter().map(|&at| light[at]).collect(), seen.collect())
         };
-        let good: Vec<Vec<Radiance>> = runs.iter().map(good).collect();
-        let good: Vec<&[Radiance]> = good.iter().map(Vec::as_slice).collect();
+        let good: Vec<_> = runs.iter().map(good).collect();
+        let good: Vec<Run<'_>> = good.iter().map(|(light, seen)| Run { light, seen }).collect();
         plan.go_on(running, &good);
         runs.iter().zip(good).map(|(run, good)| (run.len() - good.len()) as u32).collect()
     }

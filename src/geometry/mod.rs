@@ -3,7 +3,6 @@
 mod arrange;
 mod cone;
 mod giants;
-mod median;
 mod morton;
 mod origin;
 mod set;

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::math::Vec3;
 
-/// The rows of `spheres` in their order along the curve; equal spheres end up next to each other, the
+/// The order of `spheres` along the curve, as indices; equal spheres end up next to each other, the
 /// one of the smaller row first. Those that `last` picks come at the end, in index order.
 ///
 /// Sorts 8-byte keys (a 30-bit code and the index) and breaks ties with a 63-bit code, so that a
@@ -14,15 +14,6 @@ pub(super) fn order(
     row_of: impl Fn(u32) -> u32 + Sync,
     last: impl Fn(u32) -> bool + Sync,
 ) -> Vec<u32> {
-    let row = |&key: &u64| row_of(index_of(key));
-    sorted_keys(spheres, &row_of, last).par_iter().map(row).collect()
-}
-
-fn sorted_keys(
-    spheres: &[[f32; 4]],
-    row_of: &(impl Fn(u32) -> u32 + Sync),
-    last: impl Fn(u32) -> bool + Sync,
-) -> Vec<u64> {
     let bounds = Bounds::of(spheres);
     let key = |index: u32| {
         let code =
@@ -39,7 +30,7 @@ fn sorted_keys(
     keys.par_chunk_by_mut(|a, b| a >> 32 == b >> 32)
         .filter(|cell| cell.len() > 1 && cell[0] >> 32 != u64::from(u32::MAX))
         .for_each(|cell| cell.par_sort_unstable_by_key(rank));
-    keys
+    keys.into_iter().map(index_of).collect()
 }
 
 fn index_of(key: u64) -> u32 {

@@ -4,7 +4,7 @@ use crate::geometry::{PathRay, SurfaceHit};
 use crate::math::Hit;
 
 use super::camera_rays::{Strata, camera_ray, sampler_of};
-use super::{SampleAddress, Tally, Workspace, World, dimension};
+use super::{SampleAddress, Tally, Workspace, World, dimension, seen};
 
 /// The camera ray of a sample, and where it ends if it meets anything.
 pub(super) struct FirstHit {
@@ -44,6 +44,12 @@ pub(super) fn first_hits(
     tally.count(rays);
     for (first, hit) in found.iter_mut().zip(&*hits) {
         first.surface = spheres.answer(&first.ray, *hit);
+    }
+    workspace.begin_seen(samples.len());
+    for (record, first) in workspace.seen.iter_mut().zip(&found) {
+        if let Some(hit) = &first.surface {
+            seen::note(record, scene, hit);
+        }
     }
     found
 }

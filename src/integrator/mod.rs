@@ -13,13 +13,14 @@ mod normals;
 mod paper;
 mod path;
 mod raycast;
+mod seen;
 mod trace;
 mod transport;
 
 pub use trace::{Added, End, Step, Trace};
 
 use crate::accel::{Accel, Cancel};
-use crate::color::Radiance;
+use crate::color::{Radiance, Seen};
 use crate::material::Media;
 use crate::math::{Hit, Isa, Ray};
 use crate::scene::Scene;
@@ -95,12 +96,31 @@ pub struct Workspace {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     blocked: Vec<bool>,
+    records_seen: bool,
+    /// What each sample sees first, where that is recorded.
+    seen: Vec<Seen>,
 }
 
 impl Workspace {
     /// With a choice of the instructions that vectors are computed with, which changes no bit.
     pub fn with(isa: Isa) -> Self {
         Self { isa, ..Self::default() }
+    }
+
+    /// Whether estimates from here on record what each sample sees first.
+    pub fn record_seen(&mut self, wanted: bool) {
+        self.records_seen = wanted;
+    }
+
+    /// What each sample of the last estimate sees first; empty where that is not recorded.
+    pub fn seen(&self) -> &[Seen] {
+        &self.seen
+    }
+
+    /// Forgets the records of the last estimate, and makes room for so many where they are wanted.
+    fn begin_seen(&mut self, samples: usize) {
+        self.seen.clear();
+        self.seen.resize(if self.records_seen { samples } else { 0 }, Seen::NOTHING);
     }
 }
 

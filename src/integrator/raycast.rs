@@ -17,7 +17,7 @@ use crate::scene::Scene;
 
 use super::camera_rays::Strata;
 use super::first_hits::{FirstHit, first_hits, strata_without_noise};
-use super::{Integrator, SampleAddress, Tally, Workspace, World};
+use super::{Integrator, SampleAddress, Tally, Workspace, World, seen};
 
 /// Ray casting.
 pub(super) struct Raycast {
@@ -51,14 +51,18 @@ impl Integrator for Raycast {
         let spheres = scene.spheres();
         let mut tally = Tally::default();
         let found = first_hits(world, self.strata, samples, workspace, &mut tally);
-        let Workspace { rays, blocked, .. } = workspace;
+        let Workspace { rays, blocked, seen, .. } = workspace;
 
-        for (FirstHit { ray, surface }, radiance) in found.into_iter().zip(radiance) {
+        for (index, FirstHit { ray, surface }) in found.into_iter().enumerate() {
+            let radiance = &mut radiance[index];
+            let mut see = |light| seen.get_mut(index).map(|seen| seen::add_emission(seen, light));
             let Some(surface) = surface else {
                 *radiance = scene.seen_by_camera(ray.direction);
+                see(radiance.direct);
                 continue;
             };
             let mut light = scene.surface(surface.id).material.emission;
+            see(light);
             let lamps = scene.lights().lamps().iter();
             let mut lit: Vec<FromLamp> =
                 lamps.filter_map(|lamp| shade(scene, &surface, ray.direction, lamp)).collect();

@@ -74,6 +74,11 @@ impl Conductor {
         Self { metal, rough }
     }
 
+    /// Its metal.
+    pub(super) fn metal(&self) -> Metal {
+        self.metal
+    }
+
     pub(super) fn is_delta(&self) -> bool {
         self.rough.is_none()
     }

@@ -135,6 +135,24 @@ impl Material {
         }
     }
 
+    /// The colour that a surface has by itself, in `[0, 1]`, for layers and denoisers: what it
+    /// scatters or reflects, of metal what it reflects straight back, and white for glass. `albedo` is
+    /// the sphere's own colour where it has one.
+    pub fn base_color(&self, albedo: Option<Rgb>) -> Rgb {
+        match self.model {
+            Model::Diffuse(diffuse) => diffuse.colored(albedo).albedo,
+            Model::OrenNayar(rough) => rough.colored(albedo).albedo,
+            Model::Mirror(mirror) => mirror.colored(albedo).reflectance,
+            Model::Conductor(conductor) => conductor.metal().reflectance(1.0),
+            Model::Dielectric(_) => Rgb::ONE,
+            Model::Plastic(plastic) => plastic.colored(albedo).albedo,
+            Model::Phong(phong) => {
+                let Phong { albedo, specular, .. } = phong.colored(albedo);
+                (albedo + specular).min(Rgb::ONE)
+            }
+        }
+    }
+
     /// Whether the surface sends out light of its own.
     pub fn is_emissive(&self) -> bool {
         self.emission.max_element() > 0.0

@@ -1,4 +1,4 @@
-//! OpenEXR: linear 32-bit float, the beauty as `R G B` and the layers `direct.*` and `indirect.*`
+//! OpenEXR: linear 32-bit float, the beauty as `R G B` and the other layers (`direct.*`, `albedo.*`, ...)
 //! beside it in one part, where every viewer finds them. A picture with alpha
 //! has that as the channel `A`, with which the colours are multiplied, as OpenEXR has it. ZIP loses nothing, and
 //! nothing but the picture and its records enters the file: equal ones have equal bytes.
@@ -12,12 +12,12 @@ use std::path::Path;
 
 use exr::meta::MetaData;
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds, Layer,
-    LayerAttributes, SmallVec, Text, Vec2, WritableImage,
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds,
+    Layer as Part, LayerAttributes, SmallVec, Text, Vec2, WritableImage,
 };
 
 use crate::color::Rgb;
-use crate::film::Picture;
+use crate::film::{Layer, Picture, Plane, Values};
 
 use super::{Crop, Notes, Record, Sink};
 
@@ -34,8 +34,20 @@ pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Resu
             channels.push(AnyChannel::new(Text::from(name.as_str()), FlatSamples::F32(samples)));
         };
         add(name.to_owned(), &|pixel| picture.beauty(pixel));
-        add(format!("direct.{name}"), &|pixel| picture.direct[pixel]);
-        add(format!("indirect.{name}"), &|pixel| picture.indirect[pixel]);
+        for (layer, values) in
+            [(Layer::Direct, &picture.direct), (Layer::Indirect, &picture.indirect)]
+        {
+            if !picture.left_out.contains(&layer) {
+                add(format!("{}.{name}", layer.name()), &|pixel| values[pixel]);
+            }
+        }
+    }
+    for Plane { name, values } in &picture.planes {
+        let samples = match values {
+            Values::Float(values) => FlatSamples::F32(values.clone()),
+            Values::Whole(values) => FlatSamples::U32(values.clone()),
+        };
+        channels.push(AnyChannel::new(Text::from(name.as_str()), samples));
     }
     if let Some(alpha) = &picture.alpha {
         channels.push(AnyChannel::new(Text::from("A"), FlatSamples::F32(alpha.clone())));
@@ -52,7 +64,7 @@ pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Resu
         attributes.layer_position = Vec2(x as i32, y as i32);
     }
     let size = (picture.width, picture.height);
-    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    let layer = Part::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut image = Image::from_layer(layer);
     if let Some(Crop { full_size: [width, height], .. }) = notes.cropped_from {
         image.attributes.display_window = IntegerBounds::from_dimensions((width, height));

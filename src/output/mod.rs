@@ -77,6 +77,11 @@ impl Target {
         Ok(Self { file: WholeFile::new(path)?, format })
     }
 
+    /// Whether the file has layers.
+    pub fn has_layers(&self) -> bool {
+        self.format == Format::Exr
+    }
+
     /// Whether the file is for the screen, and so has a [`Look`].
     pub fn is_for_screen(&self) -> bool {
         self.format == Format::Png
@@ -154,7 +159,7 @@ mod tests {
                 .map(|i| Rgb::new(i as f32, 0.3 + (i % 7) as f32, 1e-3) * scale)
                 .collect()
         };
-        Picture { width, height, direct: layer(0.013), indirect: layer(0.37), alpha: None }
+        Picture { width, height, direct: layer(0.013), indirect: layer(0.37), ..Picture::default() }
     }
 
     /// Writes the picture in a folder of its own and returns that and the file's path.

@@ -15,7 +15,7 @@ pub use run::Run;
 use crate::output::Record;
 
 /// The records in the order in which people read them.
-const ORDER: [&str; 21] = [
+const ORDER: [&str; 22] = [
     "version",
     "commit",
     "identity",
@@ -27,6 +27,7 @@ const ORDER: [&str; 21] = [
     "error",
     "biased",
     "look",
+    "layers",
     "options",
     "files",
     "command",

@@ -1,17 +1,16 @@
 //! Renders a scene on all threads: a [`Session`] fills a film, and [`render`] does all of it at once.
 
-mod plan;
+mod layers;
 mod session;
 
-pub use plan::{MemoryPlan, Step};
+pub use layers::picture;
 pub use session::Session;
 
 use crate::accel::{Accel, Cancel};
 use crate::error::Result;
-use crate::film::{Film, Format, Frame, Layer, Picture, Rect, Scale};
+use crate::film::{Film, Format, Frame, Kind, Layer, Picture, Rect, Scale, summed_for};
 use crate::integrator::Tally;
 use crate::scene::Scene;
-use crate::scene::description::Description;
 
 /// How to render.
 pub struct RenderOptions<'a> {
@@ -50,7 +49,20 @@ pub struct Outcome {
 /// # Errors
 /// When there is no memory for the picture, or a pixel is too bright for the film.
 pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> Result<Outcome> {
-    let film = Film::new(&format_of(scene))?;
+    render_layers(scene, accel, &Kind::USUAL, options)
+}
+
+/// The same with a choice of layers.
+///
+/// # Errors
+/// Like [`render`].
+pub fn render_layers(
+    scene: &Scene,
+    accel: &dyn Accel,
+    kinds: &[Kind],
+    options: &RenderOptions<'_>,
+) -> Result<Outcome> {
+    let film = Film::new(&format_with(scene, kinds))?;
     let session = Session::new(scene, accel, &film, options);
     let complete = session.advance(scene.description().render.samples_per_pixel, &|_| true)?;
     Ok(Outcome {
@@ -58,19 +70,20 @@ pub fn render(scene: &Scene, accel: &dyn Accel, options: &RenderOptions<'_>) -> 
         rays: session.tally().rays,
         complete,
         warnings: warnings(scene, &session.tally(), &film),
-        picture: film.picture(),
+        picture: picture(scene, accel, &film, kinds),
     })
 }
 
-/// The film that a scene asks for, from the first sample on.
+/// The film of the usual picture of a scene, from the first sample on.
 pub fn format_of(scene: &Scene) -> Format {
-    format_of_description(scene.description(), Scale::of_brightest(scene.brightest()))
+    format_with(scene, &Kind::USUAL)
 }
 
-/// The same, before the scene's lamps are known.
-fn format_of_description(description: &Description, scale: Scale) -> Format {
-    let mut layers = vec![Layer::Direct, Layer::Indirect];
-    if description.background.transparent {
+/// The film of a picture with these layers, from the first sample on.
+pub fn format_with(scene: &Scene, kinds: &[Kind]) -> Format {
+    let description = scene.description();
+    let mut layers = summed_for(kinds);
+    if description.background.transparent && !layers.contains(&Layer::Alpha) {
         layers.push(Layer::Alpha);
     }
     let window = description.image.window();
@@ -80,7 +93,7 @@ fn format_of_description(description: &Description, scale: Scale) -> Format {
             window: Rect { x: window.x, y: window.y, width: window.width, height: window.height },
         },
         first_sample: 0,
-        scale,
+        scale: Scale::of_brightest(scene.brightest()),
         layers,
         squares: true,
     }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::accel::{Accel, Cancel};
 use crate::color::Radiance;
 use crate::error::Result;
-use crate::film::{BLOCK, Film, TILE};
+use crate::film::{BLOCK, Film, Run, TILE};
 use crate::integrator::{self, Integrator, SampleAddress, Tally, Workspace, World};
 use crate::scene::Scene;
 
@@ -148,11 +148,12 @@ impl<'a> Session<'a> {
         }
         radiance.clear();
         radiance.resize(samples.len(), Radiance::default());
+        workspace.record_seen(self.film.format().layers.iter().any(|layer| layer.is_of_seen()));
         let tally = self.integrator.estimate(self.world, samples, radiance, workspace);
         if self.cancel().is_cancelled() {
             return Ok(()); // stopped half-way: what there is of these samples is not used
         }
-        self.keep(tiles, counts, radiance)?;
+        self.keep(tiles, counts, Run { light: radiance, seen: workspace.seen() })?;
         {
             let mut total = self.tally.lock().unwrap_or_else(PoisonError::into_inner);
             *total = *total + tally;
@@ -162,14 +163,14 @@ impl<'a> Session<'a> {
     }
 
     /// Adds the samples of some tiles to the film.
-    fn keep(&self, tiles: &[usize], counts: &[u32], radiance: &[Radiance]) -> Result<()> {
-        let (mut counts, mut radiance) = (counts, radiance);
+    fn keep(&self, tiles: &[usize], counts: &[u32], samples: Run<'_>) -> Result<()> {
+        let (mut counts, mut samples) = (counts, samples);
         for &tile in tiles {
             let (own, others) = counts.split_at(self.film.frame().tile(tile).pixels());
             let many: u32 = own.iter().sum();
-            let (values, rest) = radiance.split_at(many as usize);
+            let (values, rest) = samples.split_at(many as usize);
             self.film.add(tile, own, values)?;
-            (counts, radiance) = (others, rest);
+            (counts, samples) = (others, rest);
         }
         Ok(())
     }

@@ -188,9 +188,9 @@ impl Scene {
         if let Some(sphere) = self.description.spheres.get(row as usize) {
             return Surface { material: &self.materials[sphere.material], albedo: None };
         }
-        let group = &self.groups[self.groups.partition_point(|g| g.first_row <= row) - 1];
-        let in_table = (row - group.first_row) as usize;
-        let albedo = group.colors.as_ref().map(|colors| colors.get(in_table));
+        let group = self.group_of(row);
+        let albedo =
+            group.colors.as_ref().map(|colors| Rgb::from(colors[(row - group.first_row) as usize]));
         Surface { material: &self.materials[group.material], albedo }
     }
 
@@ -202,6 +202,19 @@ impl Scene {
     /// Whether a path can be inside of a dielectric.
     pub fn has_media(&self) -> bool {
         self.has_media
+    }
+
+    /// The material of the sphere in a row of the scene, counted as its file names them.
+    pub fn material_of_row(&self, row: u32) -> usize {
+        match self.description.spheres.get(row as usize) {
+            Some(sphere) => sphere.material,
+            None => self.group_of(row).material,
+        }
+    }
+
+    /// The table that a row comes from, of those that are no spheres of the scene file.
+    fn group_of(&self, row: u32) -> &RowGroup {
+        &self.groups[self.groups.partition_point(|group| group.first_row <= row) - 1]
     }
 
     /// The name of a sphere, where the scene gives one.

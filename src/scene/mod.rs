@@ -2,7 +2,6 @@
 
 mod assemble;
 mod biases;
-mod colors;
 pub mod description;
 mod document;
 mod environment;
@@ -12,13 +11,11 @@ mod load;
 mod overrides;
 mod read;
 mod report;
-mod rows;
 mod values;
 
 pub use assemble::{Scene, Surface};
-pub use colors::{Colors, Packed};
 pub use environment::Pixels;
 pub use identity::{Identity, Ingredient, Ingredients};
 pub use import::RowGroup;
-pub use load::{Loaded, Opened, open_file, open_text, read_file, read_text};
+pub use load::{Loaded, read_file, read_text};
 pub use overrides::Override;

@@ -97,3 +97,33 @@ fn a_tone_without_a_screen_is_refused() {
     refused("-o a.png --exposure bright", 2, &["a number of stops from -100 to 100"]);
     refused("-o a.png -o a.exr -o a.png", 3, &["`a.png` is named twice as the picture"]);
 }
+
+#[test]
+fn layers_need_a_file_with_a_place_for_them() {
+    let desk = Desk::new(SCENE);
+    let refused = |options: &str, code: i32, parts: &[&str]| {
+        desk.run(&format!("render scene.toml {options}")).fails(code, parts);
+        assert_eq!(desk.names(), ["scene.toml"]);
+    };
+    refused(
+        "-o a.exr --layers direct,albdo",
+        2,
+        &["invalid value 'albdo'", "emission, albedo, normal", "similar value exists: 'albedo'"],
+    );
+    refused(
+        "-o a.png --layers beauty,normal",
+        3,
+        &["`a.png` has no place for the layer `normal`", "help: layers go into .exr files"],
+    );
+    refused(
+        "-o a.pfm -o b.hdr --layers alpha",
+        3,
+        &["`a.pfm` and `b.hdr` have no place", "`alpha`"],
+    );
+    desk.run("render scene.toml -o a.png -o a.exr --layers depth,alpha,sphere_id").succeeds();
+    assert!(
+        desk.run("info a.exr").succeeds().stdout.contains("layers      depth,alpha,sphere_id\n")
+    );
+    assert!(!desk.run("info a.png").succeeds().stdout.contains("\nlayers"));
+    desk.run("render scene.toml -o b.png --layers beauty,alpha").succeeds();
+}

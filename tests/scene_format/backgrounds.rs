@@ -80,7 +80,7 @@ fn images_that_are_no_background_say_why() {
     let write = |name: &str, width: usize, height: usize, pixel: f32| {
         let layer = vec![Rgb::splat(1.0); width * height];
         let mut picture =
-            Picture { width, height, direct: layer.clone(), indirect: layer, alpha: None };
+            Picture { width, height, direct: layer.clone(), indirect: layer, ..Picture::default() };
         picture.direct[5] = Rgb::new(1.0, pixel, 1.0);
         Target::new(&folder.path().join(name)).unwrap().write(&picture).unwrap();
     };

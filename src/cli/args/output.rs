@@ -7,14 +7,19 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::color::{Look, Tone};
+use crate::film::{KINDS, Kind};
 
 /// The files, and how those for the screen show the picture.
 #[derive(Args, Debug)]
 pub(in crate::cli) struct OutputArgs {
     /// The picture; its extension chooses the format: .png (8 bit for the screen), .exr (linear, with
-    /// the layers direct and indirect), .hdr or .pfm (linear). May be repeated
+    /// layers), .hdr or .pfm (linear). May be repeated
     #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
     pub(in crate::cli) files: Vec<PathBuf>,
+
+    /// The layers of .exr files beside the beauty, as in --layers direct,albedo,normal
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = kinds())]
+    layers: Option<Vec<Kind>>,
 
     /// Brighten .png files by this many stops, each of which doubles the light
     #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = exposure)]
@@ -36,6 +41,22 @@ pub(in crate::cli) struct OutputArgs {
 }
 
 impl OutputArgs {
+    /// The layers asked for, each once; or the usual ones.
+    pub(in crate::cli) fn kinds(&self) -> Vec<Kind> {
+        let mut kinds = Vec::new();
+        for kind in self.layers.as_deref().unwrap_or(&Kind::USUAL) {
+            if !kinds.contains(kind) {
+                kinds.push(*kind);
+            }
+        }
+        kinds
+    }
+
+    /// Whether layers are asked for.
+    pub(in crate::cli) fn asks_for_layers(&self) -> bool {
+        self.layers.is_some()
+    }
+
     /// How files for the screen show the picture.
     pub(in crate::cli) fn look(&self) -> Look {
         let (exposure, tone) = (self.exposure.unwrap_or(0.0), self.tone.unwrap_or_default());
@@ -58,6 +79,11 @@ fn exposure(text: &str) -> Result<f32, String> {
         Ok(stops) if (-100.0..=100.0).contains(&stops) => Ok(stops),
         _ => Err("it must be a number of stops from -100 to 100".to_owned()),
     }
+}
+
+fn kinds() -> impl TypedValueParser<Value = Kind> {
+    let names = KINDS.map(|row| row.name);
+    PossibleValuesParser::new(names).map(|name| Kind::named(&name).unwrap_or(Kind::Beauty))
 }
 
 fn tones() -> impl TypedValueParser<Value = Tone> {

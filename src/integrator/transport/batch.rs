@@ -1,7 +1,7 @@
 //! The samples that are estimated together, and one edge of all their paths: the questions to the
 //! intersector.
 
-use crate::color::{Radiance, Rgb};
+use crate::color::{Radiance, Rgb, Seen};
 use crate::material::Media;
 use crate::math::Hit;
 
@@ -17,6 +17,8 @@ pub(super) struct Batch<'a, R> {
     pub(super) radiance: &'a mut [Radiance],
     /// The media that each sample's path is in; none where nothing is a dielectric.
     pub(super) media: Vec<Media>,
+    /// What each sample sees first; none where nobody wants to know.
+    pub(super) seen: Vec<Seen>,
     pub(super) tally: Tally,
     pub(super) recorder: &'a mut R,
 }
@@ -36,6 +38,7 @@ impl<R: Recorder> Batch<'_, R> {
             self.advance(workspace);
         }
         workspace.media = self.media;
+        workspace.seen = self.seen;
         self.tally
     }
 
@@ -66,6 +69,7 @@ impl<R: Recorder> Batch<'_, R> {
         next_paths.clear();
         for index in 0..paths.len() {
             let (path, hit) = (&mut paths[index], hits[index]);
+            self.see(path, hit);
             if let Some(matt) = self.matt(path, hit).filter(|_| has_blocks) {
                 self.wait(block, index, path, hit.id, matt);
                 if block.is_full() {

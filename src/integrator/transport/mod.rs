@@ -14,6 +14,7 @@ mod batch;
 mod matt;
 mod opacity;
 mod scatter;
+mod see;
 mod shade;
 mod start;
 
@@ -125,7 +126,10 @@ impl Integrator for Transport {
         let tally = Tally::default();
         let recorder = &mut Silent;
         let media = std::mem::take(&mut workspace.media);
-        Batch { transport: self, world, samples, radiance, media, tally, recorder }.run(workspace)
+        workspace.begin_seen(samples.len());
+        let seen = std::mem::take(&mut workspace.seen);
+        Batch { transport: self, world, samples, radiance, media, seen, tally, recorder }
+            .run(workspace)
     }
 
     fn trace(&self, world: World<'_>, address: SampleAddress) -> Option<Trace> {
@@ -137,6 +141,7 @@ impl Integrator for Transport {
             samples: &[address],
             radiance: &mut radiance,
             media: Vec::new(),
+            seen: Vec::new(),
             tally: Tally::default(),
             recorder: &mut steps,
         };

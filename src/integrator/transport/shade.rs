@@ -25,9 +25,10 @@ impl<R: Recorder> Batch<'_, R> {
         let (scene, direction) = (self.world.scene, path.ray.direction);
         let radiance = if path.depth == 1 {
             // Nothing has turned this path yet: it looks straight from the camera.
-            let seen = scene.seen_by_camera(direction);
-            self.radiance[path.sample as usize].alpha = seen.alpha;
-            seen.direct
+            let radiance = scene.seen_by_camera(direction);
+            self.radiance[path.sample as usize].alpha = radiance.alpha;
+            self.see_nothing(path, radiance.direct);
+            radiance.direct
         } else {
             scene.background(direction)
         };

@@ -30,8 +30,10 @@ pub(super) fn read(path: &Path, length: u64) -> Result<Layered, String> {
             continue;
         }
         let part_name = part.attributes.layer_name.as_ref().map(ToString::to_string);
-        for channel in &part.channel_data.list {
-            add(channel, part_name.as_deref().unwrap_or(""), size.area(), &mut layers);
+        let channels = &part.channel_data.list;
+        let has = |name: &str| channels.iter().any(|channel| channel.name.eq(name));
+        for channel in channels {
+            add(channel, &has, part_name.as_deref().unwrap_or(""), size.area(), &mut layers);
         }
     }
     if layers.is_empty() {
@@ -58,11 +60,23 @@ fn check_header(path: &Path, length: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// Puts a channel where it belongs: `direct.R` is the red of the layer `direct`.
-fn add(channel: &AnyChannel<FlatSamples>, part: &str, count: usize, layers: &mut Vec<Layer>) {
+/// Puts a channel where it belongs: `direct.R` is the red of the layer `direct`, and `normal.X` the first
+/// of the three numbers of `normal`. `has` knows the other channels.
+fn add(
+    channel: &AnyChannel<FlatSamples>,
+    has: &dyn Fn(&str) -> bool,
+    part: &str,
+    count: usize,
+    layers: &mut Vec<Layer>,
+) {
     let full = channel.name.to_string();
     let (prefix, last) = full.rsplit_once('.').unwrap_or(("", &full));
+    // A `Y` alone is a grey picture, and a `Z` alone a depth.
+    let is_vector = ["X", "Y", "Z"].iter().all(|axis| has(&format!("{prefix}.{axis}")));
     let (suffix, role) = match last.to_ascii_uppercase().as_str() {
+        "X" if is_vector => ("", Role::Color(0)),
+        "Y" if is_vector => ("", Role::Color(1)),
+        "Z" if is_vector => ("", Role::Color(2)),
         "R" | "RED" => ("", Role::Color(0)),
         "G" | "GREEN" => ("", Role::Color(1)),
         "B" | "BLUE" => ("", Role::Color(2)),
@@ -121,7 +135,17 @@ mod tests {
     fn the_channels_of_others_find_their_layers() {
         let first = part(
             "rgba",
-            &[("R", 1.0), ("G", 2.0), ("B", 3.0), ("A", 0.5), ("depth", 7.0), ("spec.Y", 4.0)],
+            &[
+                ("R", 1.0),
+                ("G", 2.0),
+                ("B", 3.0),
+                ("A", 0.5),
+                ("depth", 7.0),
+                ("spec.Y", 4.0),
+                ("n.X", 1.0),
+                ("n.Y", 2.0),
+                ("n.Z", 3.0),
+            ],
         );
         let second = part("light", &[("R", 5.0), ("G", 6.0), ("B", 7.0)]);
         let bounds = IntegerBounds::from_dimensions((2, 1));
@@ -135,6 +159,7 @@ mod tests {
         assert_eq!(value("depth").unwrap()[0], Rgb::splat(7.0));
         assert_eq!(value("spec").unwrap()[1], Rgb::splat(8.0));
         assert_eq!(value("light").unwrap()[0], Rgb::new(5.0, 6.0, 7.0));
-        assert_eq!(read.layers.len(), 5);
+        assert_eq!(value("n").unwrap()[0], Rgb::new(1.0, 2.0, 3.0));
+        assert_eq!(read.layers.len(), 6);
     }
 }

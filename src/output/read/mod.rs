@@ -2,7 +2,7 @@
 //!
 //! A file is a list of named layers of one size. `.exr` may hold many: its channels `R`, `G`, `B` are
 //! the layer [`BEAUTY`], `direct.R`, `direct.G`, `direct.B` the layer `direct`, and so on through all
-//! parts of the file; a layer with one channel is grey, and an `A` is a grey layer of its own. All
+//! parts of the file; `normal.X`, `normal.Y`, `normal.Z` are the layer `normal`; a layer with one channel is grey, and an `A` is a grey layer of its own. All
 //! values are linear; what a `.png` holds is decoded from sRGB, whatever colour profile it names.
 //!
 //! A damaged or hostile file is an error: sizes are believed only as far as the file's length can

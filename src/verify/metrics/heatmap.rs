@@ -34,7 +34,7 @@ pub fn draw(values: &[f64], width: usize, most: f64) -> Picture {
     };
     let direct: Vec<Rgb> = (0..wide * total).map(pixel).collect();
     let indirect = vec![Rgb::ZERO; direct.len()];
-    Picture { width: wide, height: total, direct, indirect, alpha: None }
+    Picture { width: wide, height: total, direct, indirect, ..Picture::default() }
 }
 
 /// The linear colour of a share in [0, 1].

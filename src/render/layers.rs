@@ -1,0 +1,95 @@
+//! From a film to a picture with the layers that are asked for.
+
+use rayon::prelude::*;
+
+use crate::accel::Accel;
+use crate::color::NOTHING;
+use crate::film::{Film, Frame, Kind, Layer, Picture, Plane, Values};
+use crate::geometry::PathRay;
+use crate::math::Hit;
+use crate::scene::Scene;
+
+/// The picture of a film of this scene, with these layers.
+pub fn picture(scene: &Scene, accel: &dyn Accel, film: &Film, kinds: &[Kind]) -> Picture {
+    let mut picture = film.picture();
+    let wants_alpha = kinds.contains(&Kind::Mean(Layer::Alpha));
+    if !scene.description().background.transparent && !wants_alpha {
+        // It was summed for others.
+        picture.alpha = None;
+    }
+    let is_missing = |layer: &Layer| !kinds.contains(&Kind::Mean(*layer));
+    picture.left_out = [Layer::Direct, Layer::Indirect].into_iter().filter(is_missing).collect();
+    let ids = kinds.iter().any(|kind| matches!(kind, Kind::SphereId | Kind::MaterialId));
+    let rows = if ids { rows_at_centres(scene, accel, film.frame()) } else { Vec::new() };
+    for kind in kinds {
+        picture.planes.extend(planes(scene, film, *kind, &rows));
+    }
+    picture
+}
+
+/// The channels of a layer, but for those that a picture has by itself.
+fn planes(scene: &Scene, film: &Film, kind: Kind, rows: &[u32]) -> Vec<Plane> {
+    let whole = |values: Vec<u32>| vec![Plane::new(kind.row().name, Values::Whole(values))];
+    match kind {
+        Kind::Beauty | Kind::Mean(Layer::Direct | Layer::Indirect | Layer::Alpha) => Vec::new(),
+        Kind::Mean(layer) => spread(kind, film.mean(layer)),
+        Kind::Variance => spread(kind, film.variance()),
+        Kind::SampleCount => whole(film.counts()),
+        Kind::SphereId => whole(rows.to_vec()),
+        Kind::MaterialId => {
+            let material = |&row: &u32| match row {
+                NOTHING => NOTHING,
+                row => scene.material_of_row(row) as u32,
+            };
+            whole(rows.iter().map(material).collect())
+        }
+    }
+}
+
+/// A plane for each channel.
+fn spread(kind: Kind, values: Option<Vec<[f32; 3]>>) -> Vec<Plane> {
+    let (row, values) = (kind.row(), values.unwrap_or_default());
+    let plane = |name: String, axis: usize| Plane {
+        name,
+        values: Values::Float(values.iter().map(|value| value[axis]).collect()),
+    };
+    if row.channels.is_empty() {
+        return vec![plane(row.name.to_owned(), 0)];
+    }
+    let channels = row.channels.iter().enumerate();
+    channels.map(|(axis, channel)| plane(format!("{}.{channel}", row.name), axis)).collect()
+}
+
+/// The row of the sphere that the ray through each pixel's centre, and the lens's, meets first. Spheres
+/// that are never there do not count.
+fn rows_at_centres(scene: &Scene, accel: &dyn Accel, frame: &Frame) -> Vec<u32> {
+    let window = frame.window;
+    let line = |y: u32| {
+        let center = |x: u32| scene.camera().ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.5; 2]);
+        rows_along(scene, accel, (window.x..window.x + window.width).map(center).collect())
+    };
+    (window.y..window.y + window.height).into_par_iter().flat_map_iter(line).collect()
+}
+
+fn rows_along(scene: &Scene, accel: &dyn Accel, mut rays: Vec<PathRay>) -> Vec<u32> {
+    let spheres = scene.spheres();
+    let mut rows = vec![NOTHING; rays.len()];
+    let mut active: Vec<usize> = (0..rays.len()).collect();
+    while !active.is_empty() {
+        let questions: Vec<_> = active.iter().map(|&at| spheres.ask(&rays[at])).collect();
+        let mut hits = vec![Hit::MISS; questions.len()];
+        accel.closest(&questions, &mut hits);
+        let mut answers = hits.into_iter();
+        active.retain(|&at| {
+            let hit = answers.next().and_then(|hit| spheres.answer(&rays[at], hit));
+            let Some(hit) = hit else { return false };
+            if scene.surface(hit.id).material.opacity > 0.0 {
+                rows[at] = spheres.row(hit.id);
+                return false;
+            }
+            let behind = hit.leave(rays[at].direction);
+            behind.inspect(|ray| rays[at] = *ray).is_some()
+        });
+    }
+    rows
+}
