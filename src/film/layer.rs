@@ -161,17 +161,6 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Goes on with the squares of the samples' beauty.
-pub(super) fn add_squares(sums: &mut [f64], runs: &[Run<'_>]) {
-    add_all(sums, runs, Run::light, |sample| {
-        let [direct, indirect] = [sample.direct, sample.indirect].map(wide);
-        std::array::from_fn::<_, 3, _>(|axis| {
-            let beauty = direct[axis] + indirect[axis];
-            beauty * beauty
-        })
-    });
-}
-
 fn wide(values: Rgb) -> [f64; 3] {
     values.to_array().map(f64::from)
 }
@@ -210,7 +199,8 @@ pub(super) const HEADROOM: i32 = 34;
 /// it has 24 bits; they are all right down to 2^-45 of the brightest light, which is the darkness of
 /// 3e-14 beside a lamp of 1, or of 1e-6 beside the sun's disc of 4e7 W/(sr m^2).
 ///
-/// Squares are summed in steps of `2^(2 brightest + 64 - 163)`.
+/// The squares of blocks of the beauty, which is the sum of two layers, are summed in steps of
+/// `2^(2 brightest + 70 - 163)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale {
     brightest: i32,
@@ -240,7 +230,7 @@ impl Scale {
 
     /// The steps in which squares are summed.
     pub(super) fn step_of_squares(self) -> i32 {
-        step_below::<Wide>(2 * (self.brightest + HEADROOM) - 4)
+        step_below::<Wide>(2 * (self.brightest + HEADROOM + 1))
     }
 }
 
@@ -265,6 +255,6 @@ mod tests {
         let scale = Scale::of_brightest(8.0);
         assert_eq!(Layer::Direct.step(scale), 3 - 64);
         assert_eq!(Layer::Alpha.step(scale), -64);
-        assert_eq!(scale.step_of_squares(), 2 * 3 + 64 - 163);
+        assert_eq!(scale.step_of_squares(), 2 * 3 + 70 - 163);
     }
 }

@@ -13,6 +13,7 @@
 //! can be made of it while others are adding. Of a tile's pixels, every one is then at a whole call of
 //! [`Film::add`].
 
+mod estimate;
 mod fixed;
 mod frame;
 mod kind;
@@ -22,6 +23,7 @@ mod picture;
 mod tests;
 mod tile;
 
+pub use estimate::Estimate;
 pub use frame::{Frame, Rect, TILE};
 pub use kind::{KINDS, Kind, Merge, summed_for};
 pub use layer::{Layer, Run, Scale};
@@ -227,23 +229,25 @@ impl Film {
         }))
     }
 
-    /// The variance of the mean of the beauty, per channel: what the samples differ by, over their
-    /// number. It is that of independent samples; where they are spread evenly, the error is
-    /// smaller. Infinite for fewer than two samples; `None` where squares are not summed.
+    /// The variance of the mean of the beauty, per channel, from what finished blocks differ by. It is
+    /// that of independent blocks; where those are spread evenly together, the error is smaller.
+    /// Infinite for fewer than two finished blocks; `None` where squares are not summed.
     pub fn variance(&self) -> Option<Vec<[f32; 3]>> {
         let direct = self.plan.plane_of(Layer::Direct)?;
         let indirect = self.plan.plane_of(Layer::Indirect)?;
         let of_pixel = |sums: &Tile, pixel: usize| {
-            let count = f64::from(sums.summed(pixel));
+            let blocks = f64::from(sums.counts[pixel] / BLOCK);
+            let samples = f64::from(sums.summed(pixel));
             std::array::from_fn(|axis| {
-                if count < 2.0 {
+                if blocks < 2.0 {
                     return f32::INFINITY;
                 }
-                let plane = |first: usize| sums.sum(&self.plan, first + axis, pixel);
+                let plane = |first: usize| sums.finished(&self.plan, first + axis, pixel);
                 let sum = plane(direct) + plane(indirect);
                 let squares = sums.sum_of_squares(&self.plan, axis, pixel);
-                let spread = (squares - sum * (sum / count)).max(0.0);
-                (spread / (count - 1.0) / count) as f32
+                // Of the sum of a block, 16 times the variance of a sample.
+                let of_block = (squares - sum * (sum / blocks)).max(0.0) / (blocks - 1.0);
+                (of_block / f64::from(BLOCK) / samples) as f32
             })
         };
         self.plan.squares.then(|| self.map(of_pixel))

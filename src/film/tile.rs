@@ -6,13 +6,13 @@ use crate::fault::fault;
 
 use super::BLOCK;
 use super::fixed::{Sum, Wide, limit};
-use super::layer::{Layer, Run, Scale, add_squares};
+use super::layer::{Layer, Run, Scale};
 
 /// Channels of the squares.
 const COLOR: usize = 3;
 
-/// Which numbers are summed, and how finely: one plane for every channel of every layer, then those
-/// of the squares.
+/// Which numbers are summed, and how finely: one plane for every channel of every layer, and the
+/// squares of the finished blocks of the beauty.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plan {
     pub(super) scale: Scale,
@@ -28,9 +28,7 @@ impl Plan {
             .iter()
             .flat_map(|layer| std::iter::repeat_n(layer.step(scale), layer.channels()))
             .collect();
-        let mut limits: Vec<f64> = steps.iter().map(|&step| limit::<i128>(step)).collect();
-        limits
-            .extend(vec![limit::<Wide>(scale.step_of_squares()); if squares { COLOR } else { 0 }]);
+        let limits = steps.iter().map(|&step| limit::<i128>(step)).collect();
         Self { scale, layers: layers.to_vec(), squares, steps, limits }
     }
 
@@ -41,12 +39,7 @@ impl Plan {
 
     /// Numbers summed for a pixel in 192 bits.
     pub(super) fn wide_sums(&self) -> usize {
-        self.limits.len() - self.steps.len()
-    }
-
-    /// Numbers summed for a pixel in all.
-    pub(super) fn planes(&self) -> usize {
-        self.limits.len()
+        if self.squares { COLOR } else { 0 }
     }
 
     /// The plane of a layer's first channel.
@@ -68,9 +61,12 @@ impl Plan {
             layer.add(own, runs);
             rest = others;
         }
-        if self.squares {
-            add_squares(rest, runs);
-        }
+    }
+
+    /// The planes of direct and indirect light where their squares are summed.
+    pub(super) fn squared(&self) -> Option<[usize; 2]> {
+        let planes = [self.plane_of(Layer::Direct)?, self.plane_of(Layer::Indirect)?];
+        self.squares.then_some(planes)
     }
 
     /// Whether all sums of a plane after the other are finite and below the limits.
@@ -163,7 +159,7 @@ impl Tile {
     fn add_runs(&mut self, plan: &Plan, runs: &[Run<'_>]) -> std::result::Result<(), TooBright> {
         let pixels = self.counts.len();
         let mut running = self.open.clone();
-        running.resize(pixels * plan.planes(), 0.0);
+        running.resize(pixels * plan.sums(), 0.0);
         plan.go_on(&mut running, runs);
         if !plan.holds(&running, pixels) {
             let left_out = self.without_bad_samples(plan, &mut running, runs);
@@ -180,20 +176,34 @@ impl Tile {
             *count += run.len() as u32;
         }
         // Finished blocks move to the sums; the others stay open.
-        let (sums, squares) = running.split_at_mut(pixels * plan.sums());
         let grew = |pixel: usize| !runs[pixel].is_empty();
         let is_finished = |pixel: usize| grew(pixel) && self.counts[pixel] % BLOCK == 0;
         let all_finished = (0..pixels).all(is_finished);
         let finished: Vec<bool> = (0..pixels).map(is_finished).collect();
-        let planes = sums.chunks_exact_mut(pixels).zip(self.sums.chunks_exact_mut(pixels));
+        self.add_squares(plan, &running, &finished);
+        let planes = running.chunks_exact_mut(pixels).zip(self.sums.chunks_exact_mut(pixels));
         for ((block, totals), &step) in planes.zip(&plan.steps) {
             move_finished(block, totals, &finished, step);
         }
-        let step = plan.scale.step_of_squares();
-        let planes = squares.chunks_exact_mut(pixels).zip(self.squares.chunks_exact_mut(pixels));
-        planes.for_each(|(block, totals)| move_finished(block, totals, &finished, step));
         self.open = if all_finished { Vec::new() } else { running };
         Ok(())
+    }
+
+    /// Adds the squares of the finished blocks of the beauty.
+    fn add_squares(&mut self, plan: &Plan, blocks: &[f64], finished: &[bool]) {
+        let Some([direct, indirect]) = plan.squared() else { return };
+        let pixels = self.counts.len();
+        let step = plan.scale.step_of_squares();
+        for (axis, totals) in self.squares.chunks_exact_mut(pixels).enumerate() {
+            let plane = |first: usize| &blocks[(first + axis) * pixels..][..pixels];
+            let light = plane(direct).iter().zip(plane(indirect)).map(|(a, b)| a + b);
+            for ((total, light), &finished) in totals.iter_mut().zip(light).zip(finished) {
+                if finished {
+                    // So many blocks below the limit cannot overflow.
+                    *total = total.plus(Wide::rounded(light * light, step)).unwrap_or(*total);
+                }
+            }
+        }
     }
 
     /// Does the running sums again without the samples that are not finite; returns how many those are
@@ -256,8 +266,8 @@ impl Tile {
             self.squares[to] = self.squares[to].plus(other.squares[from]).ok_or_else(overflow)?;
         }
         if unfinished {
-            self.open.resize(pixels * plan.planes(), 0.0);
-            for plane in 0..plan.planes() {
+            self.open.resize(pixels * plan.sums(), 0.0);
+            for plane in 0..plan.sums() {
                 let (to, from) = at(plane);
                 self.open[to] = other.open[from];
             }
@@ -280,17 +290,20 @@ impl Tile {
     /// The sum of one channel of a layer over a pixel's samples.
     pub(super) fn sum(&self, plan: &Plan, plane: usize, pixel: usize) -> f64 {
         let at = plane * self.counts.len() + pixel;
-        let finished = self.sums.get(at).map_or(0.0, |sum| sum.value(plan.steps[plane]));
-        finished + self.open.get(at).copied().unwrap_or(0.0)
+        self.finished(plan, plane, pixel) + self.open.get(at).copied().unwrap_or(0.0)
     }
 
-    /// The sum of the squares of one channel of the beauty.
+    /// The same over its finished blocks.
+    pub(super) fn finished(&self, plan: &Plan, plane: usize, pixel: usize) -> f64 {
+        let at = plane * self.counts.len() + pixel;
+        self.sums.get(at).map_or(0.0, |sum| sum.value(plan.steps[plane]))
+    }
+
+    /// The sum of the squares of the finished blocks of one channel of the beauty.
     pub(super) fn sum_of_squares(&self, plan: &Plan, axis: usize, pixel: usize) -> f64 {
         let pixels = self.counts.len();
         let finished = self.squares.get(axis * pixels + pixel);
-        let finished = finished.map_or(0.0, |sum| sum.value(plan.scale.step_of_squares()));
-        let open = self.open.get((plan.sums() + axis) * pixels + pixel);
-        finished + open.copied().unwrap_or(0.0)
+        finished.map_or(0.0, |sum| sum.value(plan.scale.step_of_squares()))
     }
 }
 

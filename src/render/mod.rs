@@ -1,9 +1,14 @@
 //! Renders a scene on all threads: a [`Session`] fills a film, and [`render`] does all of it at once.
 
+mod adaptive;
 mod layers;
+mod noise;
 mod session;
+mod squares;
 
+pub use adaptive::{FIRST_DECISION, Standing, error_so_far, half_widths, render_to};
 pub use layers::picture;
+pub use noise::Target;
 pub use session::Session;
 
 use crate::accel::{Accel, Cancel};
@@ -65,13 +70,21 @@ pub fn render_layers(
     let film = Film::new(&format_with(scene, kinds))?;
     let session = Session::new(scene, accel, &film, options);
     let complete = session.advance(scene.description().render.samples_per_pixel, &|_| true)?;
-    Ok(Outcome {
-        samples: session.samples_done(),
-        rays: session.tally().rays,
-        complete,
-        warnings: warnings(scene, &session.tally(), &film),
-        picture: picture(scene, accel, &film, kinds),
-    })
+    let picture = picture(scene, accel, &film, kinds);
+    Ok(session.outcome(scene, complete, picture))
+}
+
+impl Session<'_> {
+    /// What came of the work on a scene; `complete` if it is done.
+    pub fn outcome(&self, scene: &Scene, complete: bool, picture: Picture) -> Outcome {
+        Outcome {
+            samples: self.samples_done(),
+            rays: self.tally().rays,
+            complete,
+            warnings: warnings(scene, &self.tally(), self.film()),
+            picture,
+        }
+    }
 }
 
 /// The film of the usual picture of a scene, from the first sample on.

@@ -81,8 +81,8 @@ impl<'a> Session<'a> {
     /// # Errors
     /// When a pixel is too bright for the film.
     pub fn advance(&self, end: u32, wants: &(dyn Fn(usize) -> bool + Sync)) -> Result<bool> {
-        let chosen: Vec<usize> =
-            (0..self.film.frame().tiles()).filter(|&tile| wants(tile)).collect();
+        let chosen = (0..self.film.frame().tiles()).filter(|&tile| wants(tile)).collect();
+        let chosen = scattered(chosen);
         // The first sample that some pixel lacks.
         while let Some(next) = chosen.iter().map(|&tile| self.next_sample(tile)).min() {
             if next >= end {
@@ -179,5 +179,44 @@ impl<'a> Session<'a> {
         let samples_done = self.samples_done.fetch_add(samples, Ordering::Relaxed) + samples;
         let samples_total = self.samples_total.load(Ordering::Relaxed);
         (self.progress)(Progress { samples_done, samples_total });
+    }
+}
+
+/// The tiles in steps of about the golden section of their number, so that any stretch of them is
+/// spread over the picture: what a part of a pass took then tells what the rest will take, however
+/// unlike the parts of the picture are.
+fn scattered(tiles: Vec<usize>) -> Vec<usize> {
+    let count = tiles.len();
+    let has_common_factor = |step: usize| {
+        let (mut a, mut b) = (step, count);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a > 1
+    };
+    let mut step = (count as f64 * 0.618_034) as usize;
+    while step > 1 && has_common_factor(step) {
+        step -= 1;
+    }
+    (0..count).map(|i| tiles[i * step.max(1) % count]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scattered_tiles_are_the_same_tiles_and_any_tenth_is_spread_over_all() {
+        for count in [0, 1, 2, 3, 4, 12, 100, 1200, 4801] {
+            let tiles = scattered((0..count).collect());
+            let mut sorted = tiles.clone();
+            sorted.sort_unstable();
+            assert!(sorted.into_iter().eq(0..count), "{count}");
+        }
+        let tiles = scattered((0..4800).collect());
+        for stretch in tiles.chunks(480) {
+            let mean = stretch.iter().sum::<usize>() as f64 / 480.0;
+            assert!((mean / 2400.0 - 1.0).abs() < 0.02, "{mean}");
+        }
     }
 }
