@@ -218,7 +218,7 @@ fn a_cancelled_build_says_so_and_a_later_one_works() {
     for backend in BOTH {
         let cancel = Cancel::default();
         cancel.cancel();
-        let options = BuildOptions { threads: 1, cancel };
+        let options = BuildOptions { threads: 1, cancel, ..Default::default() };
         let error = backend.build(&set, &options).err().expect("cancelled");
         assert_eq!(error.category(), Category::Cancelled);
         let hit = closest(&*build(backend, &set), &[free(DVec3::ZERO, DVec3::X)])[0];

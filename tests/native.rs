@@ -8,7 +8,7 @@ mod scenes;
 
 use std::sync::Arc;
 
-use photosphere::accel::{Accel, Backend, BuildOptions};
+use photosphere::accel::{Accel, Backend, BuildOptions, Instance};
 use photosphere::geometry::{Sphere, SphereRows, SphereSet};
 use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
 use proptest::prelude::*;
@@ -17,41 +17,50 @@ use rand::{RngExt, SeedableRng};
 
 const NOTHING: [u32; 2] = [NO_SPHERE; 2];
 
-/// The two backends over the same spheres.
+/// The two backends over the same spheres, the native one in every form of its kernel.
 struct Pair {
     set: Arc<SphereSet>,
-    native: Box<dyn Accel>,
+    native: Vec<(&'static str, Box<dyn Accel>)>,
     brute_force: Box<dyn Accel>,
 }
+
+/// One ray, fewer than are under way at once, many, and very many.
+const BATCHES: [usize; 4] = [1, 7, 64, 1000];
 
 impl Pair {
     fn over(exact: Vec<Sphere>) -> Self {
         let rows = SphereRows { exact, ..SphereRows::default() };
         let set = Arc::new(SphereSet::new(rows).expect("few spheres"));
-        let build = |backend: Backend| backend.build(&set, &BuildOptions::default());
-        let native = build(Backend::Native).expect("nobody cancels");
-        let brute_force = build(Backend::BruteForce).expect("nobody cancels");
+        let native = Instance::ALL
+            .iter()
+            .filter(|instance| instance.is_available())
+            .map(|&instance| (instance.name(), native(&set, instance)))
+            .collect();
+        let options = BuildOptions::default();
+        let brute_force = Backend::BruteForce.build(&set, &options).expect("nobody cancels");
         Self { set, native, brute_force }
     }
 
     /// Asserts equal answers; returns how many rays hit.
     fn compare(&self, rays: &[Ray]) -> usize {
-        let closest = |accel: &dyn Accel| {
-            let mut hits = vec![Hit { t: 0.0, id: 0 }; rays.len()];
-            accel.closest(rays, &mut hits);
-            hits
-        };
-        let occluded = |accel: &dyn Accel| {
-            let mut blocked = vec![true; rays.len()];
-            accel.occluded(rays, &mut blocked);
-            blocked
-        };
-        let expected = closest(&*self.brute_force);
-        for ((ray, found), expected) in rays.iter().zip(closest(&*self.native)).zip(&expected) {
-            assert_eq!(found, *expected, "{ray:?}");
-        }
-        for ((ray, blocked), hit) in rays.iter().zip(occluded(&*self.native)).zip(&expected) {
-            assert_eq!(blocked, !hit.is_miss(), "{ray:?}");
+        let mut expected = vec![Hit { t: 0.0, id: 0 }; rays.len()];
+        self.brute_force.closest(rays, &mut expected);
+        for (name, accel) in &self.native {
+            for batch in BATCHES {
+                let mut hits = vec![Hit { t: 0.0, id: 0 }; rays.len()];
+                let mut blocked = vec![true; rays.len()];
+                for (rays, hits) in rays.chunks(batch).zip(hits.chunks_mut(batch)) {
+                    accel.closest(rays, hits);
+                }
+                for (rays, blocked) in rays.chunks(batch).zip(blocked.chunks_mut(batch)) {
+                    accel.occluded(rays, blocked);
+                }
+                for (i, ray) in rays.iter().enumerate() {
+                    let about = || format!("{name}, batches of {batch}, ray {i}: {ray:?}");
+                    assert_eq!(hits[i], expected[i], "{}", about());
+                    assert_eq!(blocked[i], !expected[i].is_miss(), "{}", about());
+                }
+            }
         }
         expected.iter().filter(|hit| !hit.is_miss()).count()
     }
@@ -61,6 +70,11 @@ impl Pair {
         let id = rng.random_range(0..self.set.len() as u32);
         (id, self.set.sphere(id))
     }
+}
+
+fn native(set: &Arc<SphereSet>, instance: Instance) -> Box<dyn Accel> {
+    let options = BuildOptions { instance: Some(instance), ..Default::default() };
+    Backend::Native.build(set, &options).expect("nobody cancels")
 }
 
 fn ray(origin: DVec3, direction: DVec3) -> Ray {
@@ -143,7 +157,7 @@ fn a_hundred_thousand_giants_are_found_through_their_own_tree() {
 fn an_empty_scene_is_never_hit() {
     let pair = Pair::over(Vec::new());
     assert_eq!(pair.compare(&[ray(DVec3::ZERO, DVec3::X)]), 0);
-    assert_eq!(pair.native.bytes(), 0);
+    assert_eq!(native(&pair.set, Instance::best()).bytes(), 0);
 }
 
 #[test]
@@ -177,7 +191,7 @@ fn the_interval_is_open_and_excluded_spheres_are_overlooked() {
         let ray = Ray::new(start, DVec3::X, t_min, t_max, exclude);
         pair.compare(&[ray]);
         let mut hits = [Hit::MISS];
-        pair.native.closest(&[ray], &mut hits);
+        pair.native[0].1.closest(&[ray], &mut hits);
         hits[0]
     };
     let end = f64::INFINITY;
@@ -198,7 +212,7 @@ fn of_two_spheres_at_the_same_distance_the_smaller_id_is_hit() {
     let mut hits = [Hit::MISS];
     for exclude in [NOTHING, [0, NO_SPHERE], [0, 1]] {
         let ray = Ray::new(start, DVec3::X, 0.0, f64::INFINITY, exclude);
-        pair.native.closest(&[ray], &mut hits);
+        pair.native[0].1.closest(&[ray], &mut hits);
         let first = (0..64).find(|id| !exclude.contains(id)).expect("one is left");
         assert_eq!(hits[0], Hit { t: 8.0, id: first });
         pair.compare(&[ray]);

@@ -16,6 +16,7 @@ use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
 
 pub use info::EmbreeInfo;
+pub use native::Instance;
 
 /// An intersector over a fixed set of spheres.
 ///
@@ -73,6 +74,8 @@ pub struct BuildOptions {
     /// Threads that Embree's own build may use; 0 means all. The native backend builds on the
     /// current rayon pool.
     pub threads: usize,
+    /// The form of the native kernel; the fastest that there is where `None`.
+    pub instance: Option<Instance>,
     /// Set from elsewhere to stop the build, which then fails with a cancellation.
     pub cancel: Cancel,
 }

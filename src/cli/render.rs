@@ -43,7 +43,7 @@ fn render(args: &RenderArgs, outputs: Outputs, interrupt: &Interrupt) -> Result<
     let about_spheres = about_spheres(scene.spheres());
     about_spheres.iter().for_each(print::warning);
     let threads = rayon::current_num_threads();
-    let build = BuildOptions { threads, cancel: interrupt.cancel() };
+    let build = BuildOptions { threads, cancel: interrupt.cancel(), ..Default::default() };
     let accel = args.accel.backend.build(scene.spheres(), &build)?;
     let build_s = clock.lap();
 

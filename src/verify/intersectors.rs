@@ -51,7 +51,7 @@ fn measure(
 ) -> Result<Measured> {
     let exact = family(count, &mut StdRng::seed_from_u64(count as u64));
     let spheres = Arc::new(SphereSet::new(SphereRows { exact, table: Vec::new() })?);
-    let build = BuildOptions { threads: 1, cancel: cancel.clone() };
+    let build = BuildOptions { threads: 1, cancel: cancel.clone(), ..Default::default() };
     let accel = backend.build(&spheres, &build)?;
     let contender = Contender { name: backend.name(), accel: accel.as_ref() };
     let mut asked = rays::random(&spheres, rays, 1);

@@ -20,7 +20,7 @@ pub(crate) fn set_of(exact: Vec<Sphere>) -> Arc<SphereSet> {
 
 /// One backend over the spheres.
 pub(crate) fn built(backend: Backend, spheres: &Arc<SphereSet>) -> Box<dyn Accel> {
-    let options = BuildOptions { threads: 1, cancel: Cancel::default() };
+    let options = BuildOptions { threads: 1, ..Default::default() };
     let built = backend.build(spheres, &options);
     built.unwrap_or_else(|error| panic!("{}: {error}", backend.name()))
 }

@@ -6,8 +6,8 @@
 //! is asked of Embree's error state on that path, because invalid rays, the one way to fail there,
 //! never reach Embree.
 //!
-//! This is the one room with `unsafe` code. No Embree type enters it: `ffi/shim.h` speaks of
-//! handles and plain numbers only.
+//! This and the native kernel are the places with `unsafe` code. No Embree type enters here:
+//! `ffi/shim.h` speaks of handles and plain numbers only.
 
 mod device;
 mod scene;

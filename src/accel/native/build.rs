@@ -11,27 +11,17 @@ use crate::accel::Cancel;
 use crate::error::{Error, Result};
 
 use super::bounds::Bounds;
-use super::node::{Child, LEAF_SIZE, Leaf, LeafIds, Node, WIDTH};
+use super::kernel::pages::Pages;
+use super::node::{Child, LEAF_SIZE, Leaf, Node, WIDTH};
 use super::split::{self, Cut, Item};
+use super::tree::Tree;
 
 /// Levels of nodes that the heuristic may shape; below them, items are halved.
 const SHAPED_LEVELS: usize = 20;
 /// A node in the halved levels has at most half (rounded up) of its parent's items, so 30 levels
 /// bring 2^32 items down to a leaf.
-const LEVELS: usize = SHAPED_LEVELS + 30;
-/// Entries that the stack of a traversal needs: each level takes one and leaves up to eight.
-pub(super) const STACK_SIZE: usize = (WIDTH - 1) * LEVELS + WIDTH;
 /// Below this many items a subtree is built by one thread.
 const PARALLEL: usize = 4096;
-
-/// The finished tree.
-pub(super) struct Tree {
-    pub(super) nodes: Box<[Node]>,
-    pub(super) leaves: Box<[Leaf]>,
-    pub(super) ids: Box<[LeafIds]>,
-    /// Where a traversal starts; `None` for an empty tree.
-    pub(super) root: Option<Child>,
-}
 
 impl Tree {
     /// Builds the tree over `[x, y, z, radius]`; ids are indices.
@@ -52,15 +42,15 @@ impl Tree {
             return Err(Error::backend("there are more spheres than the native intersector takes"));
         }
         let leaf = |range: &LeafRange| &items[range.first as usize..][..range.count as usize];
-        let leaves = grown.leaves.par_iter().map(|range| Leaf::of(leaf(range))).collect();
-        let ids = grown.leaves.par_iter().map(|range| Leaf::ids_of(leaf(range))).collect();
+        let (mut nodes, mut leaves, mut ids) =
+            (Pages::with_capacity(0)?, Pages::with_capacity(0)?, Pages::with_capacity(0)?);
+        nodes.grow(grown.nodes.len())?.copy_from_slice(&grown.nodes);
+        let into = leaves.grow(grown.leaves.len())?.par_iter_mut().zip(&grown.leaves);
+        into.for_each(|(into, range)| *into = Leaf::of(leaf(range)));
+        let into = ids.grow(grown.leaves.len())?.par_iter_mut().zip(&grown.leaves);
+        into.for_each(|(into, range)| *into = Leaf::ids_of(leaf(range)));
         cancel.check()?;
-        Ok(Self { nodes: grown.nodes.into_boxed_slice(), leaves, ids, root })
-    }
-
-    /// Bytes held.
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.leaves) + size_of_val(&*self.ids)
+        Ok(Self::new(nodes, leaves, ids, root))
     }
 }
 
@@ -198,6 +188,7 @@ impl Grown {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::native::tree::LEVELS;
 
     fn scattered(count: u32) -> Vec<[f32; 4]> {
         let wave = |i: u32, k: u32| (i.wrapping_mul(k) % 100_003) as f32 / 100_003.0;
@@ -216,14 +207,14 @@ mod tests {
         if child.is_leaf() {
             return 0;
         }
-        let node = &tree.nodes[child.index()];
+        let node = &tree.nodes()[child.index()];
         let used = (0..WIDTH).filter(|&lane| node.planes[0][lane] < f32::INFINITY);
         1 + used.map(|lane| depth(tree, node.children[lane])).max().unwrap_or(0)
     }
 
     fn sorted_ids(tree: &Tree) -> Vec<u32> {
         let mut ids: Vec<u32> =
-            tree.ids.iter().flatten().copied().filter(|&id| id != u32::MAX).collect();
+            tree.ids().iter().flatten().copied().filter(|&id| id != u32::MAX).collect();
         ids.sort_unstable();
         ids
     }
@@ -234,8 +225,8 @@ mod tests {
         let one = tree_on(1, &spheres);
         for threads in [2, 7] {
             let other = tree_on(threads, &spheres);
-            assert_eq!(one.nodes, other.nodes);
-            assert_eq!(one.ids, other.ids);
+            assert_eq!(one.nodes(), other.nodes());
+            assert_eq!(one.ids(), other.ids());
             assert_eq!(one.root, other.root);
         }
     }

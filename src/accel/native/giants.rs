@@ -10,7 +10,7 @@ use crate::geometry::Sphere;
 use crate::math::DVec3;
 
 use super::node::F64_SLACK;
-use super::traverse::{Goal, Query};
+use super::query::Query;
 
 /// As many giants as are tested one by one.
 const LIST: usize = 64;
@@ -60,19 +60,26 @@ impl Giants {
         size_of_val(&*self.giants) + size_of_val(&*self.nodes)
     }
 
-    /// Offers the query every giant that may be better than what it has.
-    pub(super) fn trace(&self, query: &mut Query, goal: Goal) {
+    /// Whether there is none.
+    #[inline(always)]
+    pub(super) fn is_empty(&self) -> bool {
+        self.giants.is_empty()
+    }
+
+    /// Offers the query every giant that may be better than what it has; with `any`, until one is
+    /// hit.
+    pub(super) fn trace(&self, query: &mut Query, any: bool) {
         if self.nodes.is_empty() {
             offer_all(&self.giants, query);
         } else {
-            self.descend(0, inverse_of(query.direction), query, goal);
+            self.descend(0, inverse_of(query.direction), query, any);
         }
     }
 
     /// Recursion goes as deep as the tree, which is at most 30 levels, as it is halved.
-    fn descend(&self, index: usize, inverse: DVec3, query: &mut Query, goal: Goal) {
+    fn descend(&self, index: usize, inverse: DVec3, query: &mut Query, any: bool) {
         let node = &self.nodes[index];
-        if query.reaches(goal) || !node.may_be_met(inverse, query) {
+        if (any && query.has_hit()) || !node.may_be_met(inverse, query) {
             return;
         }
         match node.right {
@@ -85,8 +92,8 @@ impl Giants {
                 };
                 let (near, far) =
                     if ahead(left) <= ahead(right) { (left, right) } else { (right, left) };
-                self.descend(near, inverse, query, goal);
-                self.descend(far, inverse, query, goal);
+                self.descend(near, inverse, query, any);
+                self.descend(far, inverse, query, any);
             }
         }
     }

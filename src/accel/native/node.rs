@@ -15,8 +15,8 @@ pub(super) const LEAF_SIZE: usize = 8;
 /// What f64 arithmetic may move a surface by, relative to the numbers it works with: 4 times the
 /// bound derived in [`Node::set`].
 pub(super) const F64_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
-/// Relative slack that makes up for a few roundings to f32 (each at most 2^-24).
-pub(super) const F32_SLACK: f64 = 1.0 / (1u32 << 22) as f64;
+/// What a box is larger by, as a part of its coordinates: 8 roundings to f32.
+const F32_SLACK: f64 = 1.0 / (1u32 << 21) as f64;
 /// Absolute slack, 2^-90, where numbers underflow and relative bounds mean nothing.
 pub(super) const TINY: f64 = f32::from_bits((127 - 90) << 23) as f64;
 
@@ -25,7 +25,7 @@ pub(super) const TINY: f64 = f32::from_bits((127 - 90) << 23) as f64;
 pub(super) struct Child(pub(super) u32);
 
 /// Up to eight boxes and what is in them. Two hundred and fifty-six bytes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Planes of the boxes: low x, y, z, then high x, y, z; an unused lane is inside out.
@@ -34,7 +34,7 @@ pub(super) struct Node {
 }
 
 /// Up to eight spheres. The radius of an unused lane is NaN, which no comparison accepts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Leaf {
     pub(super) x: [f32; LEAF_SIZE],
@@ -48,8 +48,10 @@ pub(super) type LeafIds = [u32; LEAF_SIZE];
 
 impl Child {
     const LEAF: u32 = 1 << 31;
+    /// Neither.
+    pub(super) const NONE: Self = Self(u32::MAX);
     /// As many nodes, or leaves, as can be referred to.
-    pub(super) const LIMIT: usize = Self::LEAF as usize;
+    pub(super) const LIMIT: usize = Self::LEAF as usize - 1;
 
     pub(super) fn node(index: usize) -> Self {
         Self(index as u32)
@@ -93,8 +95,9 @@ impl Node {
     /// incidence too: there the error of `t` runs along the surface). With `|v|` for the largest
     /// coordinate of `v`, and `B` for the largest of the box, `|c| + R <= B` and this is less than
     /// `2^-46 (|o| + B)`. The part with `B` is added here, 4 times over, and the part with `|o|` is
-    /// added to the ray's origin ([`super::slabs`]). `bounds` itself was rounded to f32 once, and
-    /// is rounded again here: `F32_SLACK` of the coordinate covers that 4 times over.
+    /// added to the ray's origin (`kernel::slot`). `bounds` itself was rounded to f32 once, and is
+    /// rounded again here: of the 8 roundings that are added, the ray's arithmetic needs less than 4,
+    /// see there.
     pub(super) fn set(&mut self, lane: usize, bounds: &Bounds, child: Child) {
         let everywhere = F64_SLACK * f64::from(bounds.magnitude()) + TINY;
         let slack = |plane: f32| F32_SLACK * f64::from(plane.abs()) + everywhere;
@@ -125,30 +128,10 @@ impl Leaf {
         ids
     }
 
+    #[inline(always)]
     pub(super) fn sphere(&self, lane: usize) -> Sphere {
         let center = DVec3::new(self.x[lane].into(), self.y[lane].into(), self.z[lane].into());
         Sphere { center, radius: self.radius[lane].into() }
-    }
-
-    /// The lanes, as bits, whose sphere the line `origin + t unit` may hit; no lane that
-    /// [`Sphere::first_root`] would accept is left out.
-    ///
-    /// The centre's squared distance to the line is `v.v - (v.u)^2` here, wrong by at most
-    /// `2^-49 v.v`; less a 2^-44 part of `v.v`, it is compared with a radius as much too large.
-    #[inline(always)]
-    pub(super) fn candidates(&self, origin: DVec3, unit: DVec3) -> u32 {
-        let mut excess = [0.0; LEAF_SIZE];
-        for (lane, excess) in excess.iter_mut().enumerate() {
-            let x = f64::from(self.x[lane]) - origin.x;
-            let y = f64::from(self.y[lane]) - origin.y;
-            let z = f64::from(self.z[lane]) - origin.z;
-            let radius = f64::from(self.radius[lane]);
-            let along = x * unit.x + y * unit.y + z * unit.z;
-            let squared = x * x + y * y + z * z;
-            let reach = radius * radius * (1.0 + F64_SLACK);
-            *excess = squared * (1.0 - F64_SLACK) - along * along - reach;
-        }
-        lanes_where::<LEAF_SIZE>(|lane| excess[lane] <= 0.0)
     }
 }
 

@@ -45,7 +45,7 @@ pub(super) fn measure(
     let folder = folder_of_tables(form)?;
     let scenes = Scenes { form, way, effort, name, folder: folder.as_ref() };
     let first = scenes.scene(0)?;
-    let build = BuildOptions { threads: 1, cancel: cancel.clone() };
+    let build = BuildOptions { threads: 1, cancel: cancel.clone(), ..Default::default() };
     let accel = backend.build(first.spheres(), &build)?;
     let answer = (form.answer)(first.description(), NODES);
     let pictures: Vec<Picture> = (0..SEEDS)

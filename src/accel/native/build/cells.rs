@@ -1,0 +1,87 @@
+//! The upper part of the tree: the curve that the spheres are sorted along, cut into cells.
+
+use std::ops::Range;
+
+use crate::geometry::SphereSet;
+
+use super::binary::Binary;
+use super::bounds::Bounds;
+
+/// Most spheres of a cell.
+pub(super) const CELL: usize = 4096;
+/// Levels that the curve may shape; below them, its spheres are halved.
+const SHAPED_LEVELS: usize = 40;
+/// Most levels: 20 more halve 2^32 spheres down to a cell.
+pub(super) const LEVELS: usize = SHAPED_LEVELS + 20;
+
+/// The cells of a set, in the order of the curve, and the binary tree over them.
+pub(super) struct Cells {
+    /// The spheres of each cell. None is empty.
+    pub(super) ranges: Vec<Range<usize>>,
+    /// For each node of the tree, children first, its two children; `None` for the next cell.
+    tree: Vec<Option<[u32; 2]>>,
+}
+
+impl Cells {
+    pub(super) fn of(set: &SphereSet) -> Self {
+        let mut cells = Self { ranges: Vec::new(), tree: Vec::new() };
+        if !set.particles().is_empty() {
+            cells.cut(set, 0..set.particles().len(), 0);
+        }
+        cells
+    }
+
+    fn cut(&mut self, set: &SphereSet, range: Range<usize>, level: usize) -> u32 {
+        if range.len() <= CELL {
+            self.ranges.push(range);
+            self.tree.push(None);
+        } else {
+            let at = range.start + place_to_cut(set, &range, level);
+            let left = self.cut(set, range.start..at, level + 1);
+            let right = self.cut(set, at..range.end, level + 1);
+            self.tree.push(Some([left, right]));
+        }
+        self.tree.len() as u32 - 1
+    }
+
+    /// The cells in order, as many at a time as have at least `spheres` spheres.
+    pub(super) fn waves(&self, spheres: usize) -> impl Iterator<Item = &[Range<usize>]> {
+        let mut ahead = &self.ranges[..];
+        std::iter::from_fn(move || {
+            let first = ahead.first()?.start;
+            let end = ahead.partition_point(|range| range.start < first + spheres);
+            let (wave, rest) = ahead.split_at(end);
+            ahead = rest;
+            Some(wave)
+        })
+    }
+
+    /// The binary tree over the cells, whose items are the cells.
+    pub(super) fn tree_over(&self, boxes: &[Bounds]) -> Binary {
+        let mut binary = Binary::default();
+        let mut cell = 0;
+        for node in &self.tree {
+            match *node {
+                Some([left, right]) => binary.join(left, right),
+                None => {
+                    cell += 1;
+                    binary.leaf(1, cell as u32 - 1, boxes[cell - 1])
+                }
+            };
+        }
+        binary
+    }
+}
+
+/// Where the highest bit changes that the places along the curve do not all have; in the middle
+/// where all are the same.
+fn place_to_cut(set: &SphereSet, range: &Range<usize>, level: usize) -> usize {
+    let spheres = &set.particles()[range.clone()];
+    let code = |sphere: &[f32; 4]| set.place_on_curve(sphere);
+    let differing = code(&spheres[0]) ^ code(&spheres[spheres.len() - 1]);
+    if level >= SHAPED_LEVELS || differing == 0 {
+        return spheres.len() / 2;
+    }
+    let bit = 1u64 << differing.ilog2();
+    spheres.partition_point(|sphere| code(sphere) & bit == 0)
+}

@@ -1,0 +1,131 @@
+use super::*;
+use crate::accel::native::node::WIDTH;
+use crate::accel::native::tree::LEVELS;
+use crate::accel::{Cancel, Progress};
+use crate::geometry::SphereRows;
+
+fn scattered(count: u32) -> Vec<[f32; 4]> {
+    let wave = |i: u32, k: u32| (i.wrapping_mul(k) % 100_003) as f32 / 100_003.0;
+    let sphere =
+        |i| [wave(i, 48_271), wave(i, 69_621), wave(i, 39_373), 1e-3 * (0.1 + wave(i, 16_807))];
+    (0..count).map(sphere).collect()
+}
+
+fn set(table: Vec<[f32; 4]>) -> SphereSet {
+    SphereSet::new(SphereRows { exact: Vec::new(), table }).expect("few spheres")
+}
+
+fn tree_on(threads: usize, set: &SphereSet, quality: Quality) -> (Tree, Shape) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+    let options = BuildOptions { quality, ..Default::default() };
+    pool.install(|| build(set, &options)).expect("not cancelled")
+}
+
+/// Levels of nodes below and with this child.
+fn depth(tree: &Tree, child: Child) -> usize {
+    if child.is_leaf() {
+        return 0;
+    }
+    let node = &tree.nodes()[child.index()];
+    let used = (0..WIDTH).filter(|&lane| node.planes[0][lane] < f32::INFINITY);
+    1 + used.map(|lane| depth(tree, node.children[lane])).max().unwrap_or(0)
+}
+
+fn sorted_ids(tree: &Tree) -> Vec<u32> {
+    let mut ids: Vec<u32> =
+        tree.ids().iter().flatten().copied().filter(|&id| id != u32::MAX).collect();
+    ids.sort_unstable();
+    ids
+}
+
+/// The ids below a child, each box of which holds its spheres.
+fn assert_boxes_hold(set: &SphereSet, tree: &Tree, child: Child) -> Bounds {
+    if child.is_leaf() {
+        let ids = tree.ids()[child.index()].iter().filter(|&&id| id != u32::MAX);
+        let around = |&id: &u32| Bounds::of_sphere(&set.particles()[id as usize]);
+        return ids.map(around).fold(Bounds::EMPTY, |a, b| a.join(&b));
+    }
+    let node = &tree.nodes()[child.index()];
+    let mut whole = Bounds::EMPTY;
+    for lane in (0..WIDTH).filter(|&lane| node.planes[0][lane] < f32::INFINITY) {
+        let inner = assert_boxes_hold(set, tree, node.children[lane]);
+        for axis in 0..3 {
+            assert!(node.planes[axis][lane] < inner.low[axis], "axis {axis}, {child:?}");
+            assert!(node.planes[axis + 3][lane] > inner.high[axis], "axis {axis}, {child:?}");
+        }
+        whole = whole.join(&inner);
+    }
+    whole
+}
+
+#[test]
+fn the_tree_is_the_same_for_any_number_of_threads() {
+    let set = set(scattered(100_003));
+    for quality in [Quality::Best, Quality::Fast] {
+        let (one, shape) = tree_on(1, &set, quality);
+        assert!(shape.cells > 20);
+        for threads in [2, 7] {
+            let (other, other_shape) = tree_on(threads, &set, quality);
+            assert!(one.nodes() == other.nodes());
+            assert!(one.ids() == other.ids());
+            assert_eq!(one.root, other.root);
+            assert_eq!(shape, other_shape);
+        }
+    }
+}
+
+#[test]
+fn every_sphere_is_in_one_leaf_and_in_every_box_above() {
+    for count in [0, 1, 4, 5, 8, 9, 63, 1000, 20_000] {
+        let set = set(scattered(count));
+        for quality in [Quality::Best, Quality::Fast] {
+            let (tree, _) = tree_on(2, &set, quality);
+            assert_eq!(sorted_ids(&tree), (0..count).collect::<Vec<_>>());
+            if let Some(root) = tree.root {
+                assert_boxes_hold(&set, &tree, root);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_stack_bound_holds_for_hostile_scenes() {
+    let concentric = |i: u32| [0.0, 0.0, 0.0, 1.0 + i as f32];
+    let geometric = |i: u32| [0.875f32.powi(i as i32 % 640), 0.0, 0.0, 1e-3 + 1e-9 * i as f32];
+    let halving = |i: u32| [0.5f32.powi(i as i32 % 120), 0.0, 0.0, 1e-30 * (1 + i) as f32];
+    for scene in [concentric as fn(u32) -> [f32; 4], geometric, halving] {
+        let set = set((0..30_000).map(scene).collect());
+        for quality in [Quality::Best, Quality::Fast] {
+            let (tree, _) = tree_on(2, &set, quality);
+            let depth = depth(&tree, tree.root.expect("not empty"));
+            assert!(depth <= LEVELS, "{depth} levels");
+            assert_eq!(sorted_ids(&tree).len(), set.particles().len());
+        }
+    }
+}
+
+#[test]
+fn the_optimal_cut_is_taken_only_where_it_is_better() {
+    let set = set(scattered(4000));
+    let item = |(id, &sphere): (usize, &[f32; 4])| Item { sphere, id: id as u32 };
+    let mut items: Vec<_> = set.particles().iter().enumerate().map(item).collect();
+    let binary = Binary::shaped(&mut items);
+    let best = Collapse::best(&binary, Leaves::Spheres);
+    let greedy = Collapse::greedy(&binary, Leaves::Spheres);
+    assert!(best.product() <= greedy.product());
+    assert!(best.is_optimal());
+}
+
+#[test]
+fn a_build_tells_how_far_it_is_and_can_be_cancelled() {
+    let set = set(scattered(10_000));
+    let cancel = Cancel::default();
+    let last = std::sync::Arc::new(std::sync::Mutex::new(0.0));
+    let seen = last.clone();
+    let progress = Progress::new(move |done| *seen.lock().expect("no panic") = done);
+    let options = BuildOptions { cancel: cancel.clone(), progress, ..Default::default() };
+    build(&set, &options).expect("not cancelled");
+    assert_eq!(*last.lock().expect("no panic"), 1.0);
+    cancel.cancel();
+    assert!(build(&set, &options).is_err());
+}
