@@ -48,7 +48,11 @@ fn small_workload() {
         assert_eq!(trace(backend), truth, "{backend:?}");
         let cancel = Cancel::default();
         cancel.cancel();
-        assert!(backend.build(&set, &BuildOptions { threads: 1, cancel, ..Default::default() }).is_err());
+        assert!(
+            backend
+                .build(&set, &BuildOptions { threads: 1, cancel, ..Default::default() })
+                .is_err()
+        );
     }
 }
 

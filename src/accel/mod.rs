@@ -7,6 +7,7 @@ mod embree;
 mod info;
 mod native;
 
+use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,6 +38,11 @@ pub trait Accel: Send + Sync {
 
     /// Bytes held by the structure, without the spheres themselves.
     fn bytes(&self) -> usize;
+
+    /// How it was built and works, in a few words for people; empty where there is nothing to say.
+    fn details(&self) -> String {
+        String::new()
+    }
 }
 
 /// The stated error of a backend's arithmetic, as a backward error: an answer is exact for spheres
@@ -74,10 +80,48 @@ pub struct BuildOptions {
     /// Threads that Embree's own build may use; 0 means all. The native backend builds on the
     /// current rayon pool.
     pub threads: usize,
+    /// How much care the native backend takes.
+    pub quality: Quality,
+    /// Told how far a build is.
+    pub progress: Progress,
     /// The form of the native kernel; the fastest that there is where `None`.
     pub instance: Option<Instance>,
     /// Set from elsewhere to stop the build, which then fails with a cancellation.
     pub cancel: Cancel,
+}
+
+/// How much care a build takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// For pictures that take longer than the build.
+    #[default]
+    Best,
+    /// Three times faster to build, and up to a tenth slower to trace: for previews.
+    Fast,
+}
+
+/// Whoever wants to know how far a build is.
+#[derive(Clone, Default)]
+pub struct Progress(Option<Arc<dyn Fn(f64) + Send + Sync>>);
+
+impl Progress {
+    /// Calls `listener`, from any thread, with the share that is done.
+    pub fn new(listener: impl Fn(f64) + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new(listener)))
+    }
+
+    /// Tells the share that is done, in 0 to 1.
+    pub fn report(&self, done: f64) {
+        if let Some(listener) = &self.0 {
+            listener(done);
+        }
+    }
+}
+
+impl fmt::Debug for Progress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.0.is_some() { "Progress(listened to)" } else { "Progress(none)" })
+    }
 }
 
 /// A request to stop, shared between threads.

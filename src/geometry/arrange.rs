@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::math::{DVec3, NO_SPHERE};
 
 use super::set::widened;
-use super::{Sphere, SphereRows, SphereSet, giants::Shells, morton, origin};
+use super::{Sphere, SphereRows, SphereSet, giants::Shells, morton, morton::Curve, origin};
 
 /// The share of its radius beyond which a sphere that was moved by rounding is reported.
 const COARSE: f64 = 0.01;
@@ -38,7 +38,7 @@ impl SphereSet {
         let mut unsorted = Unsorted::new(rows)?;
         let mut giants = unsorted.find_giants();
         let coarse = unsorted.round_all_but(&giants);
-        let (mut rows, mut duplicates) = unsorted.sort_all_but(&giants);
+        let (mut rows, mut duplicates, curve) = unsorted.sort_all_but(&giants);
 
         giants.iter_mut().for_each(|(index, _)| *index = unsorted.row_of(*index));
         giants.sort_unstable_by_key(|(row, _)| *row);
@@ -46,7 +46,7 @@ impl SphereSet {
         rows.extend(giants.iter().map(|(row, _)| *row));
         let giants = giants.into_iter().map(|(_, sphere)| sphere).collect();
         let Unsorted { table: particles, origin, .. } = unsorted;
-        Ok(Self { origin, particles, giants, rows, duplicates, coarse })
+        Ok(Self { origin, particles, giants, rows, curve, duplicates, coarse })
     }
 }
 
@@ -99,16 +99,17 @@ impl Unsorted {
         table.par_iter_mut().enumerate().map(round).sum()
     }
 
-    /// Sorts the spheres, without the giants and without repetitions; returns their rows, and how
-    /// many were repetitions.
-    fn sort_all_but(&mut self, giants: &[Giant]) -> (Vec<u32>, usize) {
-        let order = morton::order(&self.table, |i| self.row_of(i), |index| is_among(giants, index));
+    /// Sorts the spheres, without the giants and without repetitions; returns their rows, how many
+    /// were repetitions, and the curve.
+    fn sort_all_but(&mut self, giants: &[Giant]) -> (Vec<u32>, usize, Curve) {
+        let (order, curve) =
+            morton::order(&self.table, |i| self.row_of(i), |index| is_among(giants, index));
         let sorted = self.table.len() - giants.len();
         let mut rows: Vec<u32> = order[..sorted].par_iter().map(|&i| self.row_of(i)).collect();
         permute(&mut self.table, order);
         self.table.truncate(sorted);
         let repeated = drop_repeated(&mut self.table, &mut rows);
-        (rows, repeated)
+        (rows, repeated, curve)
     }
 }
 

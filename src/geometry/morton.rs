@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use crate::math::Vec3;
 
 /// The order of `spheres` along the curve, as indices; equal spheres end up next to each other, the
-/// one of the smaller row first. Those that `last` picks come at the end, in index order.
+/// one of the smaller row first. Those that `last` picks come at the end, in index order. Also the
+/// curve.
 ///
 /// Sorts 8-byte keys (a 30-bit code and the index) and breaks ties with a 63-bit code, so that a
 /// cluster far smaller than the bounding box is sorted too.
@@ -13,11 +14,10 @@ pub(super) fn order(
     spheres: &[[f32; 4]],
     row_of: impl Fn(u32) -> u32 + Sync,
     last: impl Fn(u32) -> bool + Sync,
-) -> Vec<u32> {
-    let bounds = Bounds::of(spheres);
+) -> (Vec<u32>, Curve) {
+    let curve = Curve::of(spheres);
     let key = |index: u32| {
-        let code =
-            if last(index) { u32::MAX } else { bounds.coarse_code(&spheres[index as usize]) };
+        let code = if last(index) { u32::MAX } else { curve.coarse_code(&spheres[index as usize]) };
         u64::from(code) << 32 | u64::from(index)
     };
     let count = u32::try_from(spheres.len()).expect("the scene checks the number of spheres");
@@ -25,22 +25,22 @@ pub(super) fn order(
     keys.par_sort_unstable();
     let rank = |&key: &u64| {
         let sphere = &spheres[index_of(key) as usize];
-        (bounds.fine_code(sphere), sphere.map(f32::to_bits), row_of(index_of(key)))
+        (curve.fine_code(sphere), sphere.map(f32::to_bits), row_of(index_of(key)))
     };
     keys.par_chunk_by_mut(|a, b| a >> 32 == b >> 32)
         .filter(|cell| cell.len() > 1 && cell[0] >> 32 != u64::from(u32::MAX))
         .for_each(|cell| cell.par_sort_unstable_by_key(rank));
-    keys.into_iter().map(index_of).collect()
+    (keys.into_iter().map(index_of).collect(), curve)
 }
 
 fn index_of(key: u64) -> u32 {
     (key & u64::from(u32::MAX)) as u32
 }
 
-/// The box that is cut into cells: nearly all centres, so that one lamp far away does not put the
+/// The curve, by the box that it cuts into cells: nearly all centres, so that one lamp far away does not put the
 /// crowd into a few cells. What lies outside is sorted into the cells at the edge.
-#[derive(Clone, Copy)]
-struct Bounds {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Curve {
     low: Vec3,
     high: Vec3,
 }
@@ -50,7 +50,7 @@ const SAMPLED: usize = 1 << 14;
 /// The share of them that may lie outside, at either end of an axis.
 const OUTSIDE: usize = 1000;
 
-impl Bounds {
+impl Curve {
     fn of(spheres: &[[f32; 4]]) -> Self {
         let sampled = || spheres.iter().step_by(spheres.len().div_ceil(SAMPLED).max(1));
         let ends = |axis: usize| {
@@ -69,7 +69,7 @@ impl Bounds {
     }
 
     /// 21 bits an axis, interleaved, x highest.
-    fn fine_code(self, &[x, y, z, _]: &[f32; 4]) -> u64 {
+    pub(super) fn fine_code(self, &[x, y, z, _]: &[f32; 4]) -> u64 {
         const CELLS: f32 = (1u32 << 21) as f32;
         let extent = (self.high - self.low).max(Vec3::splat(f32::MIN_POSITIVE));
         let cell = ((Vec3::new(x, y, z) - self.low) / extent * CELLS)
@@ -104,7 +104,7 @@ mod tests {
     fn order_is_a_permutation_with_equal_spheres_side_by_side() {
         let at = |x: f32| [x, 0.0, 0.0, 1.0];
         let spheres = [at(0.9), at(0.1), at(0.5), at(0.1), at(0.0), at(1.0)];
-        assert_eq!(order(&spheres, |i| i, |i| i == 2), [4, 1, 3, 0, 5, 2]);
+        assert_eq!(order(&spheres, |i| i, |i| i == 2).0, [4, 1, 3, 0, 5, 2]);
     }
 
     #[test]
@@ -113,7 +113,7 @@ mod tests {
             (0..100u32).map(|i| [(i * 37 % 100) as f32, 0.0, 0.0, 1.0]).collect();
         spheres.push([1e6, 0.0, 0.0, 1.0]);
         let xs: Vec<_> =
-            order(&spheres, |i| i, |_| false).iter().map(|&i| spheres[i as usize][0]).collect();
+            order(&spheres, |i| i, |_| false).0.iter().map(|&i| spheres[i as usize][0]).collect();
         assert!(xs.is_sorted());
     }
 }

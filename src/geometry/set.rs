@@ -8,7 +8,7 @@
 use crate::fault::fault;
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
-use super::{PathRay, Side, Sphere, SurfaceHit};
+use super::{PathRay, Side, Sphere, SurfaceHit, morton::Curve};
 
 /// The spheres as the user gave them. Rows are numbered through: `exact` first, then `table`.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +27,7 @@ pub struct SphereSet {
     pub(super) giants: Vec<Sphere>,
     /// The user's row of each id.
     pub(super) rows: Vec<u32>,
+    pub(super) curve: Curve,
     pub(super) duplicates: usize,
     pub(super) coarse: usize,
 }
@@ -50,6 +51,12 @@ impl SphereSet {
     /// The spheres stored in f32: `[x, y, z, radius]`, relative to the origin.
     pub fn particles(&self) -> &[[f32; 4]] {
         &self.particles
+    }
+
+    /// Where a sphere lies along the curve that the particles are sorted by: they come in ascending
+    /// order. Three bits for each halving of space.
+    pub(crate) fn place_on_curve(&self, sphere: &[f32; 4]) -> u64 {
+        self.curve.fine_code(sphere)
     }
 
     /// The spheres stored in f64, relative to the origin; their ids follow the particles'.

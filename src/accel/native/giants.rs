@@ -79,7 +79,7 @@ impl Giants {
     /// Recursion goes as deep as the tree, which is at most 30 levels, as it is halved.
     fn descend(&self, index: usize, inverse: DVec3, query: &mut Query, any: bool) {
         let node = &self.nodes[index];
-        if (any && query.has_hit()) || !node.may_be_met(inverse, query) {
+        if (any && query.best.is_hit()) || !node.may_be_met(inverse, query) {
             return;
         }
         match node.right {
@@ -159,7 +159,7 @@ impl Node {
         let slack = F64_SLACK * query.origin.abs().max_element();
         let a = (self.low - slack - query.origin) * inverse;
         let b = (self.high + slack - query.origin) * inverse;
-        let (mut enter, mut leave) = (query.t_min, query.t);
+        let (mut enter, mut leave) = (query.t_min, query.best.t);
         for axis in 0..3 {
             enter = enter.max(a[axis].min(b[axis]));
             leave = leave.min(a[axis].max(b[axis]));

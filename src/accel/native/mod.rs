@@ -6,14 +6,12 @@
 //! [`crate::geometry::Sphere::first_root`], as in the brute-force backend, so that the two give the
 //! same ids, and every form of the kernel too.
 
-mod bounds;
 mod build;
 mod giants;
 #[allow(unsafe_code, reason = "the one measured kernel; its head says why it is sound")]
 mod kernel;
 mod node;
 mod query;
-mod split;
 mod tree;
 
 use crate::accel::{Accel, BuildOptions, Precision};
@@ -23,14 +21,15 @@ use crate::math::{Hit, Ray};
 
 pub use kernel::Instance;
 
+use build::Shape;
 use giants::Giants;
-use node::Child;
-use query::Query;
+use query::{Best, Query};
 use tree::Tree;
 
 /// The tree of the particles, and the giants beside it.
 pub(super) struct Native {
     tree: Tree,
+    shape: Shape,
     giants: Giants,
     instance: Instance,
 }
@@ -38,27 +37,23 @@ pub(super) struct Native {
 impl Native {
     /// Builds on the current rayon pool, whatever `options.threads` says.
     pub(super) fn new(spheres: &SphereSet, options: &BuildOptions) -> Result<Self> {
-        let tree = Tree::build(spheres.particles(), &options.cancel)?;
+        let (tree, shape) = build::build(spheres, options)?;
         let first_giant = spheres.particles().len();
         let giants = Giants::build(spheres.giants(), first_giant, &options.cancel)?;
-        Ok(Self { tree, giants, instance: options.instance.unwrap_or_else(Instance::best) })
+        Ok(Self { tree, shape, giants, instance: options.instance.unwrap_or_else(Instance::best) })
     }
 
-    /// A ray that needs the tree, with the tree's root; else what is known of it already, which is
-    /// nothing if it is not valid. Giants come first: there are few, and a hit on one shortens the
-    /// way through the tree.
+    /// The best hit of a valid ray on a giant; with `any`, some hit. Giants come first: there are few,
+    /// and a hit on one shortens the way through the tree.
     #[inline(always)]
-    fn begin(&self, ray: &Ray, any: bool) -> std::result::Result<(Query, Child), Option<Query>> {
-        let mut query = Query::new(ray).ok_or(None)?;
-        if !self.giants.is_empty() {
-            self.giants.trace(&mut query, any);
+    fn best_giant(&self, ray: &Ray, any: bool) -> Best {
+        let best = Best::none(ray);
+        if self.giants.is_empty() {
+            return best;
         }
-        match self.tree.root {
-            Some(root) if query.direction.length_squared() > 0.0 && !(any && query.has_hit()) => {
-                Ok((query, root))
-            }
-            _ => Err(Some(query)),
-        }
+        let mut query = Query::new(ray, best);
+        self.giants.trace(&mut query, any);
+        query.best
     }
 }
 
@@ -81,5 +76,10 @@ impl Accel for Native {
 
     fn bytes(&self) -> usize {
         self.tree.bytes() + self.giants.bytes()
+    }
+
+    fn details(&self) -> String {
+        let Shape { cells, optimal } = self.shape;
+        format!("{}; {optimal} of {cells} cells collapsed optimally", self.instance.name())
     }
 }

@@ -4,8 +4,7 @@
 use crate::geometry::Sphere;
 use crate::math::{DVec3, NO_SPHERE};
 
-use super::bounds::Bounds;
-use super::split::Item;
+use super::build::{Bounds, Item};
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
@@ -133,12 +132,6 @@ impl Leaf {
         let center = DVec3::new(self.x[lane].into(), self.y[lane].into(), self.z[lane].into());
         Sphere { center, radius: self.radius[lane].into() }
     }
-}
-
-/// The lanes with a property, as bits.
-#[inline(always)]
-pub(super) fn lanes_where<const LANES: usize>(holds: impl Fn(usize) -> bool) -> u32 {
-    (0..LANES).fold(0, |lanes, lane| lanes | u32::from(holds(lane)) << lane)
 }
 
 /// The numbers of the bits that are set.

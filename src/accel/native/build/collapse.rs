@@ -5,8 +5,8 @@
 //! programming from the leaves up, the cheapest of all ways to cut the binary tree (Ylitie et al.
 //! 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"). What is cheap
 //! is here the product of the time to trace, as the surface area heuristic has it, and of the
-//! memory: near the greedy tree, with its time `T` and bytes `B`, a change of `T B` is one of `t / T
-//! + b / B`, which is a sum over nodes and leaves. Of the two, the tree with the smaller product is
+//! memory: near the greedy tree, with its time `T` and bytes `B`, a change of `T B` is one of
+//! `t / T + b / B`, which is a sum over nodes and leaves. Of the two, the tree with the smaller product is
 //! taken, so that the optimal way is never worse than the greedy one.
 
 use crate::accel::native::node::{LEAF_SIZE, Leaf, LeafIds, Node, WIDTH};
@@ -171,8 +171,7 @@ impl<'a> Collapse<'a> {
         let mut choice = Choice::default();
         choice.left[WIDTH - 1] = if is_leaf { 0 } else { cut[WIDTH].1 };
         choice.cost[0] = if is_leaf { as_leaf } else { as_node };
-        for parts in 2..=WIDTH {
-            let (cost, left) = cut[parts];
+        for (parts, &(cost, left)) in cut.iter().enumerate().skip(2) {
             let before = choice.cost[parts - 2];
             choice.cost[parts - 1] = before.min(cost);
             if parts < WIDTH {

@@ -4,11 +4,12 @@ use std::mem::MaybeUninit;
 
 use crate::accel::native::Native;
 use crate::accel::native::node::{Child, each_lane};
-use crate::accel::native::query::Query;
+use crate::accel::native::query::{Best, Query};
 use crate::accel::native::tree::Tree;
 use crate::math::{Hit, Ray};
 
 use super::lanes::{Lanes, Portable};
+use super::pending::Pending;
 use super::slot::{KEPT, Slot};
 
 /// Rays under way at once. Eight are 6 to 8 % slower where memory is, and 32 no faster.
@@ -21,10 +22,7 @@ pub(super) trait Question {
     /// What each ray is told.
     type Answer;
 
-    fn answer(query: &Query) -> Self::Answer;
-    fn no() -> Self::Answer;
-    /// For a hit that needs no distance.
-    fn yes() -> Self::Answer;
+    fn answer(best: Best) -> Self::Answer;
 }
 
 /// Which sphere is hit first.
@@ -38,16 +36,8 @@ impl Question for Closest {
     type Answer = Hit;
 
     #[inline(always)]
-    fn answer(query: &Query) -> Hit {
-        query.hit()
-    }
-
-    fn no() -> Hit {
-        Hit::MISS
-    }
-
-    fn yes() -> Hit {
-        unreachable!("the first hit is always judged")
+    fn answer(best: Best) -> Hit {
+        best.hit()
     }
 }
 
@@ -56,17 +46,8 @@ impl Question for Any {
     type Answer = bool;
 
     #[inline(always)]
-    fn answer(query: &Query) -> bool {
-        query.has_hit()
-    }
-
-    fn no() -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn yes() -> bool {
-        true
+    fn answer(best: Best) -> bool {
+        best.is_hit()
     }
 }
 
@@ -83,29 +64,31 @@ pub(super) unsafe fn fly<L: Lanes, Q: Question>(
     let mut slots: [MaybeUninit<Slot>; SLOTS] = [const { MaybeUninit::uninit() }; SLOTS];
     let mut under_way: [*mut Slot; SLOTS] = [std::ptr::null_mut(); SLOTS];
     let mut batch = Batch::<Q> { native, rays, answers, next: 0 };
+    let mut pending = Pending::new();
     let mut count = 0;
     for slot in &mut slots {
         // SAFETY: there are as many answers as rays.
-        if unsafe { batch.board(slot.as_mut_ptr()) } {
-            under_way[count] = slot.as_mut_ptr();
-            count += 1;
-        } else {
+        if !unsafe { batch.board::<L>(slot.as_mut_ptr()) } {
             break;
         }
+        under_way[count] = slot.as_mut_ptr();
+        count += 1;
     }
     while count > 0 {
         let mut turn = 0;
         while turn < count {
             // SAFETY: `under_way` holds distinct slots that have been boarded, up to `count`; the
-            // instructions are there by the caller's promise.
+            // instructions are there by the caller's promise, and as many answers as rays.
             unsafe {
                 let slot = *under_way.get_unchecked(turn);
-                let is_done = step::<L, Q>(&native.tree, &mut *slot);
-                if is_done {
-                    batch.answer(&mut *slot);
-                    if !batch.board(slot) {
+                if step::<L, Q>(&batch, &mut *slot) {
+                    pending.add::<L>(&*slot);
+                    if pending.is_full() {
+                        pending.settle(&mut batch);
+                    }
+                    if !batch.board::<L>(slot) {
                         count -= 1;
-                        under_way[turn] = under_way[count];
+                        *under_way.get_unchecked_mut(turn) = *under_way.get_unchecked(count);
                         continue;
                     }
                 } else {
@@ -115,6 +98,8 @@ pub(super) unsafe fn fly<L: Lanes, Q: Question>(
             turn += 1;
         }
     }
+    // SAFETY: all that is pending was added above.
+    unsafe { pending.settle(&mut batch) };
 }
 
 /// One step of one ray; whether it was its last.
@@ -122,7 +107,8 @@ pub(super) unsafe fn fly<L: Lanes, Q: Question>(
 /// # Safety
 /// The slot has been boarded and is not done; the instructions of `L` are there.
 #[inline(always)]
-unsafe fn step<L: Lanes, Q: Question>(tree: &Tree, slot: &mut Slot) -> bool {
+unsafe fn step<L: Lanes, Q: Question>(batch: &Batch<'_, Q>, slot: &mut Slot) -> bool {
+    let tree = &batch.native.tree;
     let next = slot.next;
     // SAFETY: `next` is a node or leaf of this tree. The stack has room by the builder's bound, and
     // `kept` is below its end, as `make_room` sees to.
@@ -134,14 +120,13 @@ unsafe fn step<L: Lanes, Q: Question>(tree: &Tree, slot: &mut Slot) -> bool {
             } else {
                 slot.through_leaf::<L, false>(leaf, next.index() as u32)
             };
-            let ids = tree.ids().as_ptr();
             let place = if found.candidates != 0 { next.index() } else { 0 };
-            L::prefetch(ids.add(place).cast());
+            L::prefetch(tree.ids().as_ptr().add(place).cast());
             if Q::ANY && found.sure != 0 {
                 slot.sure = found.sure;
                 return true;
             }
-            if slot.kept as usize == KEPT && make_room::<Q>(tree, slot) {
+            if slot.kept as usize == KEPT && make_room(batch, slot) {
                 return true;
             }
         } else if Q::ANY {
@@ -181,43 +166,38 @@ unsafe fn prefetch<L: Lanes>(tree: &Tree, next: Child) {
 /// Judges the leaves kept so far, so that more can be; whether that answered the question.
 ///
 /// # Safety
-/// The slot has been boarded and all its kept leaves are of this tree.
+/// The slot holds a ray of the batch, and the leaves that it has kept are of its tree.
 #[cold]
 #[inline(never)]
-unsafe fn make_room<Q: Question>(tree: &Tree, slot: &mut Slot) -> bool {
+unsafe fn make_room<Q: Question>(batch: &Batch<'_, Q>, slot: &mut Slot) -> bool {
     // SAFETY: the caller's promise.
-    unsafe { judge(tree, slot) };
-    slot.kept = 0;
-    let limit = slot.limit_of(slot.query.t);
+    unsafe { judge(&batch.native.tree, batch.rays.get_unchecked(slot.ray as usize), slot) };
+    let limit = slot.limit_of(slot.best.t);
     slot.limit = if Q::ANY || limit > slot.limit { slot.limit } else { limit };
-    Q::ANY && slot.query.has_hit()
+    Q::ANY && slot.best.is_hit()
 }
 
-/// Offers the query what was kept and is not beyond the limit.
+/// Offers the ray what its slot has kept and is not beyond the limit, and keeps nothing of it.
 ///
 /// # Safety
-/// The slot has been boarded and all its kept leaves are of this tree.
-#[inline(always)]
-unsafe fn judge(tree: &Tree, slot: &mut Slot) {
+/// The slot holds the ray, and the leaves that it has kept are of the tree.
+unsafe fn judge(tree: &Tree, ray: &Ray, slot: &mut Slot) {
+    let mut query = Query::new(ray, slot.best);
     for number in 0..slot.kept {
-        // SAFETY: the number is below `kept`, and the leaf one of this tree's.
-        unsafe {
-            let (leaf, lanes) = slot.kept_lanes(number);
-            let ids = tree.ids().get_unchecked(leaf as usize);
-            let leaf = tree.leaves().get_unchecked(leaf as usize);
-            for lane in each_lane(lanes) {
-                let id = *ids.get_unchecked(lane);
-                slot.query.offer(id, &leaf.sphere(lane));
-            }
-        }
+        // SAFETY: the number is below `kept`.
+        let (leaf, lanes) = unsafe { slot.kept::<Portable>(number) };
+        let (ids, leaf) = (&tree.ids()[leaf as usize], &tree.leaves()[leaf as usize]);
+        each_lane(lanes).for_each(|lane| query.offer(ids[lane], &leaf.sphere(lane)));
     }
+    slot.best = query.best;
+    slot.kept = 0;
 }
 
 /// The rays of a batch, and how far it has come.
-struct Batch<'a, Q: Question> {
-    native: &'a Native,
-    rays: &'a [Ray],
-    answers: &'a mut [Q::Answer],
+pub(super) struct Batch<'a, Q: Question> {
+    pub(super) native: &'a Native,
+    pub(super) rays: &'a [Ray],
+    pub(super) answers: &'a mut [Q::Answer],
     /// The first ray that has not been on its way yet.
     next: usize,
 }
@@ -227,100 +207,80 @@ impl<Q: Question> Batch<'_, Q> {
     /// `false` when there is none left.
     ///
     /// # Safety
-    /// `slot` is valid for writing, and there are as many answers as rays.
+    /// `slot` is valid for writing, the instructions of `L` are there, and as many answers as rays.
     #[inline(always)]
-    unsafe fn board(&mut self, slot: *mut Slot) -> bool {
+    unsafe fn board<L: Lanes>(&mut self, slot: *mut Slot) -> bool {
         while let Some(ray) = self.rays.get(self.next) {
             let number = self.next;
             self.next += 1;
-            match self.native.begin(ray, Q::ANY) {
-                // SAFETY: the caller's promise.
-                Ok((query, root)) => unsafe {
-                    Slot::begin(slot, query, number as u32, root);
-                    return true;
-                },
-                Err(answered) => {
-                    let answer = answered.map_or_else(Q::no, |query| Q::answer(&query));
-                    // SAFETY: there are as many answers as rays.
-                    unsafe { *self.answers.get_unchecked_mut(number) = answer };
+            let mut best = Best::none(ray);
+            // SAFETY: the caller's promise.
+            unsafe {
+                if is_valid::<L>(ray) {
+                    best = self.native.best_giant(ray, Q::ANY);
+                    if let Some(root) = self.native.tree.root {
+                        let is_open = !(Q::ANY && best.is_hit());
+                        if is_open && Slot::begin(slot, ray, best, number as u32, root) {
+                            return true;
+                        }
+                    }
                 }
+                *self.answers.get_unchecked_mut(number) = Q::answer(best);
             }
         }
         false
     }
-
-    /// Answers a ray that has taken its last step.
-    ///
-    /// # Safety
-    /// The slot holds a ray of this batch that is done.
-    #[inline(always)]
-    unsafe fn answer(&mut self, slot: &mut Slot) {
-        // SAFETY: the caller's promise.
-        let answer = unsafe { conclude::<Q>(self.native, slot) };
-        let answer = match answer {
-            Some(answer) => answer,
-            // SAFETY: the ray is one of this batch.
-            None => alone::<Q>(self.native, unsafe { self.rays.get_unchecked(slot.ray as usize) }),
-        };
-        // SAFETY: the ray is one of this batch, which has as many answers.
-        unsafe { *self.answers.get_unchecked_mut(slot.ray as usize) = answer };
-    }
 }
 
-/// What a ray that is done is told; `None` where its way was cut short by a sphere that it is to
-/// overlook.
-///
-/// Nothing tests for such spheres on the way, because it hardly ever matters: a sphere that a ray
-/// leaves is never sure to be hit, as the ray starts on it, nor is a lamp that ends it.
+/// [`Ray::is_valid`], all numbers at once.
 ///
 /// # Safety
-/// The slot holds a ray that is done, in this tree.
+/// The instructions of `L` are there.
 #[inline(always)]
-unsafe fn conclude<Q: Question>(native: &Native, slot: &mut Slot) -> Option<Q::Answer> {
-    let tree = &native.tree;
-    if Q::ANY && slot.sure != 0 {
-        // SAFETY: sure hits are of the leaf that was kept last, and of lanes below 8.
-        let is_hit = unsafe {
-            let leaf = slot.kept_leaf(slot.kept - 1);
-            let ids = tree.ids().get_unchecked(leaf as usize);
-            each_lane(slot.sure).any(|lane| !slot.query.excludes(*ids.get_unchecked(lane)))
-        };
-        return is_hit.then(Q::yes);
+unsafe fn is_valid<L: Lanes>(ray: &Ray) -> bool {
+    /// As [`Bounds`], lane by lane.
+    #[repr(C, align(32))]
+    struct Bounds([f32; 8]);
+    const MOST: f32 = 4.0 * crate::math::MAX_COORDINATE as f32;
+    const INFINITE: f32 = f32::INFINITY;
+    static LOW: Bounds = Bounds([-MOST, -MOST, -MOST, 0.0, -MOST, -MOST, -MOST, 0.0]);
+    static HIGH: Bounds = Bounds([MOST, MOST, MOST, MOST, MOST, MOST, MOST, INFINITE]);
+    // SAFETY: a ray begins with its origin, t_min, direction and t_max, eight numbers, aligned.
+    unsafe {
+        let numbers = L::load(std::ptr::from_ref(ray).cast());
+        let is_above = L::le(L::load(LOW.0.as_ptr()), numbers);
+        let is_below = L::le(numbers, L::load(HIGH.0.as_ptr()));
+        L::bits(L::and(is_above, is_below)) == 0xff
     }
-    // SAFETY: the caller's promise.
-    unsafe { judge(tree, slot) };
-    let reached = slot.query.t * slot.length;
-    let is_cut_short = !Q::ANY && reached > f64::from(slot.limit);
-    (!is_cut_short).then(|| Q::answer(&slot.query))
 }
 
-/// The same for a single ray, with every candidate judged at once: for rays that were cut short.
+/// A single ray, with every candidate judged at once: for rays whose way was cut short by a sphere
+/// that they are to overlook.
 #[cold]
 #[inline(never)]
-fn alone<Q: Question>(native: &Native, ray: &Ray) -> Q::Answer {
-    let (query, root) = match native.begin(ray, Q::ANY) {
-        Ok(begun) => begun,
-        Err(answered) => return answered.map_or_else(Q::no, |query| Q::answer(&query)),
+pub(super) fn alone<Q: Question>(native: &Native, ray: &Ray) -> Q::Answer {
+    let best = native.best_giant(ray, Q::ANY);
+    let (Some(root), false) = (native.tree.root, Q::ANY && best.is_hit()) else {
+        return Q::answer(best);
     };
     let tree = &native.tree;
     let mut slot = MaybeUninit::<Slot>::uninit();
     // SAFETY: as in `step`; leaves are kept one at a time. With `ANY`, a leaf leaves the limit alone.
     unsafe {
-        Slot::begin(slot.as_mut_ptr(), query, 0, root);
+        Slot::begin(slot.as_mut_ptr(), ray, best, 0, root);
         let slot = slot.assume_init_mut();
-        while slot.next != Child::NONE && !(Q::ANY && slot.query.has_hit()) {
+        while slot.next != Child::NONE && !(Q::ANY && slot.best.is_hit()) {
             let next = slot.next;
             if next.is_leaf() {
                 let leaf = tree.leaves().as_ptr().add(next.index());
                 slot.through_leaf::<Portable, true>(leaf, next.index() as u32);
-                judge(tree, slot);
-                slot.kept = 0;
-                slot.limit = slot.limit_of(slot.query.t);
+                judge(tree, ray, slot);
+                slot.limit = slot.limit_of(slot.best.t);
             } else {
                 slot.through_node::<Portable, false>(tree.nodes().as_ptr().add(next.index()));
             }
             slot.pop::<false>();
         }
-        Q::answer(&slot.query)
+        Q::answer(slot.best)
     }
 }

@@ -23,6 +23,7 @@
 //!   which is asserted.
 
 mod lanes;
+mod pending;
 mod slot;
 
 #[cfg(target_arch = "x86_64")]

@@ -62,6 +62,11 @@ impl<T: Plain> Pages<T> {
         Ok(pages)
     }
 
+    /// Elements there are.
+    pub(in crate::accel::native) fn len(&self) -> usize {
+        self.len
+    }
+
     fn capacity(&self) -> usize {
         let bytes = self.map.as_ref().map_or(0, |map| map.len() - self.skipped);
         bytes / size_of::<T>()

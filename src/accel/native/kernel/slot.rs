@@ -3,13 +3,14 @@
 //!
 //! # What the f32 numbers of a leaf may be wrong by
 //!
-//! All is told in units of length, with `u` the unit direction, `v = c - o`, `b = v.u`, `p = v - b u`
-//! (the way from the line to the centre), and `e = 2^-24`. Rounding `o` moves it by `e |o|`, rounding
+//! `u` is the direction, of unit length within `6.5 e`, where `e = 2^-24`; `v = c - o`, `b = v.u`,
+//! and `p = v - b u` is the way from the line to the centre. Rounding `o` moves it by `e |o|`, rounding
 //! `u` by `e`. So the computed `v` is wrong by at most `e (|v| + |o|)`, `b` by `e (5 |v| + |o|)`, and
-//! `p`, whose error by that of `b` runs along the line, by `e (9 |v| + 2 |o|)`; its square adds `e 2
-//! |p|`. With `|v| <= |b| + |p|` and `|p| <= R` for a hit, the length of `p` is known to within
+//! `p` by `e (9 |v| + 2 |o|)`, where the error of `b` is left out, which runs along the line; its square
+//! adds `2 e |p|`. That `u` is not quite unit makes `b` and `p` wrong by `13 e |b|` more. With `|v| <=
+//! |b| + |p|`, and `|p| <= R` for a hit, the length of `p` is known to within
 //!
-//! `E' = e (11 (|b| + R) + 2 |o|)`, which is less than 11/16 of `E = 16 e (|b| + R + |o|)`.
+//! `E' = e (24 (|b| + R) + 2 |o|)`, which is at most 3/4 of `E = 32 e (|b| + R + |o|)`.
 //!
 //! This holds with fused and with separate roundings. It follows that
 //!
@@ -20,8 +21,8 @@
 //!   value is at most `2 R E + E^2 + 2 (R + E) E' + E'^2` and the roundings again. Where this is above
 //!   0, the sphere is certainly hit;
 //! * the roots lie in `b - h - E .. b - h' + E` and `b + h' - E .. b + h + E`, `h'` being the root of
-//!   that lower bound: of each `E` the error of `b` takes 6/16, and the roundings of the sums and the
-//!   root at most 4/16.
+//!   that lower bound: of each `E` the error of `b` takes 18/32, the length of `u` in half the chord
+//!   7/32, and the roundings of the sums and the root 4/32.
 //!
 //! `E` is at least 2^-60, so that what underflows is far below the room that is left.
 //!
@@ -42,17 +43,19 @@
 
 use std::mem::MaybeUninit;
 
-use crate::accel::native::node::{Child, F64_SLACK, Leaf, Node, TINY, lanes_where};
-use crate::accel::native::query::Query;
+use crate::accel::native::build::larger;
+use crate::accel::native::node::{Child, F64_SLACK, Leaf, Node, TINY};
+use crate::accel::native::query::Best;
 use crate::accel::native::tree::STACK_SIZE;
 use crate::fault::fault;
+use crate::math::Ray;
 
 use super::lanes::Lanes;
 
 /// Leaves with candidates that a slot can hold.
 pub(super) const KEPT: usize = 16;
-/// `16 e` of the module's head.
-const ERROR: f32 = 1.0 / (1u32 << 20) as f32;
+/// `32 e` of the module's head.
+const ERROR: f32 = 1.0 / (1u32 << 19) as f32;
 /// What a box gives way to a ray from `o`, as a part of `|o|`.
 const BOX_SLACK: f32 = 1.0 / (1u32 << 21) as f32;
 /// The smallest error that is reckoned with.
@@ -61,45 +64,51 @@ const LEAST_ERROR: f32 = f32::from_bits((127 - 60) << 23);
 const SMALLEST: f32 = f32::from_bits((127 - 60) << 23);
 /// Relative slack that makes up for a few roundings to f32.
 const F32_SLACK: f64 = 1.0 / (1u32 << 22) as f64;
-/// A direction whose squared length differs from 1 by less is unit for the bounds above.
-const UNIT_WITHIN: f64 = 1.0 / (1u64 << 40) as f64;
+/// A direction whose squared length in f32 differs from 1 by less is unit for the bounds above.
+const UNIT_WITHIN: f32 = 1.0 / (1u32 << 21) as f32;
 
 /// A ray and its stack. What is read first comes first: two cache lines serve the steps.
 #[repr(C, align(64))]
 pub(super) struct Slot {
     // For boxes.
-    inverse: [f32; 3],
-    enter: [f32; 3],
-    leave: [f32; 3],
+    inverse: [f32; 4],
+    enter: [f32; 4],
+    leave: [f32; 4],
+    /// Where the planes that the ray meets first are in a node, in numbers.
+    near: [u32; 4],
     t_min: f32,
     /// No hit beyond this distance is of interest.
     pub(super) limit: f32,
     /// Entries of the stack.
     top: u32,
-    /// Where the planes that the ray meets first are in a node, in numbers.
-    near: [u32; 3],
     /// Leaves with candidates so far.
     pub(super) kept: u32,
-    // For leaves.
-    origin: [f32; 3],
-    unit: [f32; 3],
-    /// The part of `E` that does not depend on the sphere.
-    error: f32,
-    t_min_above: f32,
     /// What the ray does next.
     pub(super) next: Child,
-    /// Lanes of the leaf kept last that settle the question, as bits.
-    pub(super) sure: u32,
     /// Which of the batch's rays this is.
     pub(super) ray: u32,
-    /// Length of the ray's own direction.
+    // For leaves.
+    t_min_above: f32,
+    /// The part of `E` that does not depend on the sphere.
+    error: f32,
+    origin: [f32; 4],
+    unit: [f32; 4],
+    /// Lanes of the leaf kept last that settle the question, as bits.
+    pub(super) sure: u32,
+    /// The best hit that does not come from the leaves kept.
+    pub(super) best: Best,
+    /// Length of the ray's own direction; 1 where that is unit.
     pub(super) length: f64,
-    pub(super) query: Query,
     kept_leaves: [MaybeUninit<u32>; KEPT],
-    kept_from: [MaybeUninit<[f32; 8]>; KEPT],
+    kept_from: [MaybeUninit<Eight>; KEPT],
     keys: [MaybeUninit<u32>; STACK_SIZE],
     children: [MaybeUninit<u32>; STACK_SIZE],
 }
+
+/// Eight numbers as [`Lanes::load`] wants them.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+struct Eight([f32; 8]);
 
 /// What a step through a leaf found.
 pub(super) struct Found {
@@ -110,53 +119,60 @@ pub(super) struct Found {
 }
 
 impl Slot {
-    /// Puts a ray into the slot, at the root of the tree.
+    /// Puts a ray into the slot, at the root of the tree; `false` if it has no direction.
     ///
     /// # Safety
-    /// `slot` is valid for writing, and afterwards for reading.
+    /// `slot` is valid for writing, and after `true` for reading.
     #[inline(always)]
-    pub(super) unsafe fn begin(slot: *mut Self, query: Query, ray: u32, root: Child) {
+    pub(super) unsafe fn begin(
+        slot: *mut Self,
+        ray: &Ray,
+        best: Best,
+        number: u32,
+        root: Child,
+    ) -> bool {
         // SAFETY: all fields that are read before they are written are set here; the arrays at the
-        // end need no value.
-        let slot = unsafe {
-            (&raw mut (*slot).query).write(query);
-            &mut *slot
-        };
-        let squared = query.direction.length_squared();
-        let (unit, length) = if (squared - 1.0).abs() < UNIT_WITHIN {
-            (query.direction, 1.0)
+        // end need no value. All of them are plain numbers.
+        let slot = unsafe { &mut *slot };
+        let [x, y, z] = ray.direction;
+        let off_unit = x * x + y * y + z * z - 1.0;
+        let (unit, length) = if off_unit.abs() < UNIT_WITHIN {
+            (ray.direction, 1.0)
         } else {
-            let length = squared.sqrt();
-            (query.direction / length, length)
+            let direction = ray.direction_f64();
+            let length = direction.length();
+            ((direction / length).as_vec3().to_array(), length)
         };
-        slot.length = length;
-        let (origin, unit) = (query.origin.as_vec3(), unit.as_vec3());
-        let magnitude = origin.abs();
-        let everywhere = F64_SLACK as f32 * magnitude.max_element() + TINY as f32;
-        let (origin, unit, magnitude) = (origin.to_array(), unit.to_array(), magnitude.to_array());
-        for axis in 0..3 {
-            let (o, u) = (origin[axis], unit[axis]);
-            let slack = (BOX_SLACK * magnitude[axis] + everywhere).copysign(u);
-            let inverse = 1.0 / u.abs().max(SMALLEST).copysign(u);
+        let [x, y, z] = unit;
+        slot.unit = [x, y, z, 1.0];
+        let [x, y, z] = ray.origin;
+        slot.origin = [x, y, z, 0.0];
+        let sum = x.abs() + y.abs() + z.abs();
+        slot.error = ERROR * sum + LEAST_ERROR;
+        let everywhere = F64_SLACK as f32 * sum + TINY as f32;
+        for axis in 0..4 {
+            let (o, u) = (slot.origin[axis], slot.unit[axis]);
+            let slack = (BOX_SLACK * o.abs() + everywhere).copysign(u);
+            let inverse = 1.0 / larger(u.abs(), SMALLEST).copysign(u);
             slot.inverse[axis] = inverse;
             slot.enter[axis] = -inverse * (o + slack);
             slot.leave[axis] = -inverse * (o - slack);
             slot.near[axis] = 8 * axis as u32 + 24 * (u.to_bits() >> 31);
         }
-        slot.origin = origin;
-        slot.unit = unit;
-        slot.error = ERROR * (magnitude[0] + magnitude[1] + magnitude[2]) + LEAST_ERROR;
-        let t_min = query.t_min * length;
-        slot.t_min = (t_min * (1.0 - F32_SLACK) - TINY).max(0.0) as f32;
+        slot.length = length;
+        let t_min = f64::from(ray.t_min) * length;
+        slot.t_min = larger((t_min * (1.0 - F32_SLACK) - TINY) as f32, 0.0);
         slot.t_min_above = (t_min * (1.0 + F32_SLACK) + TINY) as f32;
-        slot.limit = slot.limit_of(query.t);
+        slot.best = best;
+        slot.limit = slot.limit_of(best.t);
         slot.kept = 0;
         slot.sure = 0;
-        slot.ray = ray;
+        slot.ray = number;
         slot.next = root;
         slot.keys[0].write(0);
         slot.children[0].write(Child::NONE.0);
         slot.top = 1;
+        length > 0.0
     }
 
     /// The distance up to which boxes and spheres matter when hits matter up to `t`.
@@ -177,13 +193,13 @@ impl Slot {
         // each pair; its children follow. Eight entries fit behind `top` by the caller's promise.
         unsafe {
             let planes = node.cast::<f32>();
-            let meet = |axis: usize, add: &[f32; 3], from: usize| {
+            let meet = |axis: usize, add: &[f32; 4], from: usize| {
                 let plane = L::load(planes.add(from));
                 L::mul_add(plane, L::splat(self.inverse[axis]), L::splat(add[axis]))
             };
-            let near = self.near.map(|near| near as usize);
-            let enter = |axis| meet(axis, &self.enter, near[axis]);
-            let leave = |axis| meet(axis, &self.leave, 16 * axis + 24 - near[axis]);
+            let near = |axis: usize| self.near[axis] as usize;
+            let enter = |axis| meet(axis, &self.enter, near(axis));
+            let leave = |axis| meet(axis, &self.leave, 16 * axis + 24 - near(axis));
             let entered =
                 L::max(L::max(enter(0), enter(1)), L::max(enter(2), L::splat(self.t_min)));
             let left = L::min(L::min(leave(0), leave(1)), L::min(leave(2), L::splat(self.limit)));
@@ -219,7 +235,7 @@ impl Slot {
                 |axis: usize| L::sub(L::load(place.add(8 * axis)), L::splat(self.origin[axis]));
             let v = [from_origin(0), from_origin(1), from_origin(2)];
             let radius = L::load(place.add(24));
-            let u = self.unit.map(|u| L::splat(u));
+            let u = [L::splat(self.unit[0]), L::splat(self.unit[1]), L::splat(self.unit[2])];
             let b = L::mul_add(v[0], u[0], L::mul_add(v[1], u[1], L::mul(v[2], u[2])));
             let p =
                 [L::sub_mul(b, u[0], v[0]), L::sub_mul(b, u[1], v[1]), L::sub_mul(b, u[2], v[2])];
@@ -287,26 +303,18 @@ impl Slot {
         }
     }
 
-    /// The kept leaf of this number.
-    ///
-    /// # Safety
-    /// `number` is below [`Self::kept`].
-    #[inline(always)]
-    pub(super) unsafe fn kept_leaf(&self, number: u32) -> u32 {
-        // SAFETY: what is below `kept` was written.
-        unsafe { self.kept_leaves.get_unchecked(number as usize).assume_init() }
-    }
-
     /// The kept leaf of this number, and its lanes that are not beyond the limit, as bits.
     ///
     /// # Safety
     /// `number` is below [`Self::kept`].
     #[inline(always)]
-    pub(super) unsafe fn kept_lanes(&self, number: u32) -> (u32, u32) {
+    pub(super) unsafe fn kept<L: Lanes>(&self, number: u32) -> (u32, u32) {
         // SAFETY: what is below `kept` was written.
         unsafe {
-            let from = self.kept_from.get_unchecked(number as usize).assume_init();
-            (self.kept_leaf(number), lanes_where::<8>(|lane| from[lane] <= self.limit))
+            let number = number as usize;
+            let leaf = self.kept_leaves.get_unchecked(number).assume_init();
+            let from = L::load(self.kept_from.as_ptr().add(number).cast());
+            (leaf, L::bits(L::le(from, L::splat(self.limit))))
         }
     }
 }

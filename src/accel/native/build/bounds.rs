@@ -2,30 +2,31 @@
 
 /// A box; the fourth lane is unused, so that growing one is two vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Bounds {
-    pub(super) low: [f32; 4],
-    pub(super) high: [f32; 4],
+pub(in crate::accel::native) struct Bounds {
+    pub(in crate::accel::native) low: [f32; 4],
+    pub(in crate::accel::native) high: [f32; 4],
 }
 
 impl Bounds {
     /// Contains nothing, and adds nothing to a box that it is joined with.
-    pub(super) const EMPTY: Self = Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
+    pub(in crate::accel::native) const EMPTY: Self =
+        Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
 
     /// The box of `[x, y, z, radius]`, with the f32 rounding of `x - radius`; see
-    /// [`super::node::Node::set`] for what makes up for it.
-    pub(super) fn of_sphere(sphere: &[f32; 4]) -> Self {
+    /// [`crate::accel::native::node::Node::set`] for what makes up for it.
+    pub(in crate::accel::native) fn of_sphere(sphere: &[f32; 4]) -> Self {
         let radius = sphere[3];
         Self { low: sphere.map(|x| x - radius), high: sphere.map(|x| x + radius) }
     }
 
     /// The box of one point; the fourth coordinate is ignored.
-    pub(super) fn of_point(point: &[f32; 4]) -> Self {
+    pub(in crate::accel::native) fn of_point(point: &[f32; 4]) -> Self {
         Self { low: *point, high: *point }
     }
 
     /// The smallest box around both.
     #[must_use]
-    pub(super) fn join(&self, other: &Self) -> Self {
+    pub(in crate::accel::native) fn join(&self, other: &Self) -> Self {
         let mut joined = *self;
         for lane in 0..4 {
             joined.low[lane] = smaller(self.low[lane], other.low[lane]);
@@ -34,28 +35,29 @@ impl Bounds {
         joined
     }
 
-    /// Half the surface; 0 for the empty box. In f64, because its f32 value can overflow.
-    pub(super) fn half_area(&self) -> f64 {
-        let extent =
-            |axis: usize| (f64::from(self.high[axis]) - f64::from(self.low[axis])).max(0.0);
+    /// Half the surface; 0 for the empty box. Coordinates within
+    /// [`crate::math::MAX_COORDINATE`] do not make it overflow.
+    #[inline(always)]
+    pub(in crate::accel::native) fn half_area(&self) -> f32 {
+        let extent = |axis: usize| larger(self.high[axis] - self.low[axis], 0.0);
         let (x, y, z) = (extent(0), extent(1), extent(2));
         x * y + y * z + z * x
     }
 
     /// The largest absolute value of any coordinate.
-    pub(super) fn magnitude(&self) -> f32 {
+    pub(in crate::accel::native) fn magnitude(&self) -> f32 {
         (0..3).map(|i| self.low[i].abs().max(self.high[i].abs())).fold(0.0, f32::max)
     }
 }
 
 /// The smaller number as one machine instruction; `b` where either is NaN.
 #[inline(always)]
-pub(super) fn smaller(a: f32, b: f32) -> f32 {
+pub(in crate::accel::native) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// The larger number as one machine instruction; `b` where either is NaN.
 #[inline(always)]
-pub(super) fn larger(a: f32, b: f32) -> f32 {
+pub(in crate::accel::native) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }

@@ -1,0 +1,215 @@
+//! Where to cut a group of spheres in two: the surface area heuristic over bins.
+//!
+//! Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies": the centres fall
+//! into equal bins along each axis, and the cheapest of the planes between bins is taken.
+
+use super::bounds::Bounds;
+
+/// A sphere on its way into a leaf.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::accel::native) struct Item {
+    /// `[x, y, z, radius]`.
+    pub(in crate::accel::native) sphere: [f32; 4],
+    pub(in crate::accel::native) id: u32,
+}
+
+/// The two sides of a cut: the first `at` items, and the rest.
+pub(super) struct Cut {
+    pub(super) at: usize,
+    pub(super) bounds: [Bounds; 2],
+}
+
+/// As many spheres are not cut any more, and the heuristic counts spheres in groups of this.
+pub(super) const GROUP: usize = 4;
+/// Most bins along an axis; fewer for few items.
+const BINS: usize = 16;
+
+/// The box around the items.
+pub(super) fn bounds_of(items: &[Item]) -> Bounds {
+    let around = |sum: Bounds, item: &Item| sum.join(&Bounds::of_sphere(&item.sphere));
+    items.iter().fold(Bounds::EMPTY, around)
+}
+
+fn centers_of(items: &[Item]) -> Bounds {
+    let around = |sum: Bounds, item: &Item| sum.join(&Bounds::of_point(&item.sphere));
+    items.iter().fold(Bounds::EMPTY, around)
+}
+
+/// Cuts two items or more where the heuristic says so, and reorders them.
+pub(super) fn cut(items: &mut [Item]) -> Cut {
+    let bins = if items.len() <= 2 * BINS { BINS / 2 } else { BINS };
+    let binning = Binning::new(&centers_of(items), bins);
+    match Bins::of(items, &binning).best_plane(bins) {
+        Some(plane) => {
+            let at = partition(items, |item| binning.bin(item, plane.axis) < plane.bin);
+            Cut { at, bounds: plane.bounds }
+        }
+        None => halve(items),
+    }
+}
+
+/// Cuts the items into halves along the longest extent of their centres, or by radius where the
+/// centres coincide.
+pub(super) fn halve(items: &mut [Item]) -> Cut {
+    let centers = centers_of(items);
+    let extent = |axis: usize| centers.high[axis] - centers.low[axis];
+    let longest = (0..4).rev().filter(|&axis| axis < 3).fold(3, |best, axis| {
+        if extent(axis) > 0.0 && (best == 3 || extent(axis) >= extent(best)) { axis } else { best }
+    });
+    let at = items.len() / 2;
+    items.select_nth_unstable_by(at, |a, b| {
+        a.sphere[longest].total_cmp(&b.sphere[longest]).then(a.id.cmp(&b.id))
+    });
+    let (left, right) = items.split_at(at);
+    Cut { at, bounds: [bounds_of(left), bounds_of(right)] }
+}
+
+/// Where places along a curve, in order, first have the highest bit that they do not all have; in
+/// the middle where all are the same.
+pub(super) fn curve_cut(codes: &[u64]) -> usize {
+    let (first, last) = (codes[0], codes[codes.len() - 1]);
+    let differing = first ^ last;
+    if differing == 0 {
+        return codes.len() / 2;
+    }
+    let bit = 1u64 << differing.ilog2();
+    codes.partition_point(|code| code & bit == 0)
+}
+
+/// The heuristic's cost of testing `count` spheres in a box, in units of area.
+fn cost(count: u32, bounds: &Bounds) -> f32 {
+    count.div_ceil(GROUP as u32) as f32 * bounds.half_area()
+}
+
+/// Which bin a centre falls into.
+struct Binning {
+    low: [f32; 4],
+    scale: [f32; 4],
+    last: u32,
+}
+
+impl Binning {
+    fn new(centers: &Bounds, bins: usize) -> Self {
+        let mut scale = [0.0; 4];
+        for (axis, scale) in scale.iter_mut().enumerate() {
+            *scale = bins as f32 / (centers.high[axis] - centers.low[axis]);
+        }
+        Self { low: centers.low, scale, last: bins as u32 - 1 }
+    }
+
+    /// The bin along an axis. Without extent along it, the position is undefined, and the
+    /// saturating cast puts NaN into bin 0.
+    #[inline(always)]
+    fn bin(&self, item: &Item, axis: usize) -> usize {
+        let position = (item.sphere[axis] - self.low[axis]) * self.scale[axis];
+        (position as u32).min(self.last) as usize
+    }
+}
+
+/// Counts and boxes of the bins along the three axes.
+struct Bins {
+    count: [[u32; BINS]; 3],
+    bounds: [[Bounds; BINS]; 3],
+}
+
+/// A plane between two bins.
+struct Plane {
+    axis: usize,
+    /// The first bin of the right side.
+    bin: usize,
+    cost: f32,
+    bounds: [Bounds; 2],
+}
+
+impl Bins {
+    fn of(items: &[Item], binning: &Binning) -> Self {
+        let mut filled = Self { count: [[0; BINS]; 3], bounds: [[Bounds::EMPTY; BINS]; 3] };
+        for item in items {
+            let bounds = Bounds::of_sphere(&item.sphere);
+            for axis in 0..3 {
+                let bin = binning.bin(item, axis);
+                filled.count[axis][bin] += 1;
+                filled.bounds[axis][bin] = filled.bounds[axis][bin].join(&bounds);
+            }
+        }
+        filled
+    }
+
+    /// The cheapest plane with something on both sides.
+    fn best_plane(&self, bins: usize) -> Option<Plane> {
+        let mut best: Option<Plane> = None;
+        for axis in 0..3 {
+            let (counts, boxes) = (&self.count[axis][..bins], &self.bounds[axis][..bins]);
+            let mut from_right = [(0, Bounds::EMPTY); BINS];
+            let mut sum = (0, Bounds::EMPTY);
+            for bin in (1..bins).rev() {
+                sum = (sum.0 + counts[bin], sum.1.join(&boxes[bin]));
+                from_right[bin] = sum;
+            }
+            let mut left = (0, Bounds::EMPTY);
+            for bin in 1..bins {
+                left = (left.0 + counts[bin - 1], left.1.join(&boxes[bin - 1]));
+                let right = &from_right[bin];
+                // Beside an empty bin the next plane cuts the same.
+                if left.0 == 0 || right.0 == 0 || counts[bin] == 0 {
+                    continue;
+                }
+                let cost = cost(left.0, &left.1) + cost(right.0, &right.1);
+                if best.as_ref().is_none_or(|best| cost < best.cost) {
+                    best = Some(Plane { axis, bin, cost, bounds: [left.1, right.1] });
+                }
+            }
+        }
+        best
+    }
+}
+
+/// Moves the items of the left side to the front; returns how many there are.
+fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
+    let (mut at, mut end) = (0, items.len());
+    while at < end {
+        if is_left(&items[at]) {
+            at += 1;
+        } else {
+            end -= 1;
+            items.swap(at, end);
+        }
+    }
+    at
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn item(x: f32, radius: f32, id: u32) -> Item {
+        Item { sphere: [x, 0.0, 0.0, radius], id }
+    }
+
+    #[test]
+    fn two_distant_groups_are_cut_apart() {
+        let mut items: Vec<_> = (0..20)
+            .map(|id| item(if id % 2 == 0 { 0.0 } else { 100.0 } + id as f32 * 0.1, 0.1, id))
+            .collect();
+        let cut = cut(&mut items);
+        assert_eq!(cut.at, 10);
+        assert!(items[..10].iter().all(|item| item.id % 2 == 0));
+        assert_eq!(cut.bounds, [bounds_of(&items[..10]), bounds_of(&items[10..])]);
+    }
+
+    #[test]
+    fn equal_centres_are_halved_by_radius() {
+        let mut items: Vec<_> =
+            (0..12).map(|id| item(7.0, 1.0 + (id * 5 % 12) as f32, id)).collect();
+        let cut = cut(&mut items);
+        assert_eq!(cut.at, 6);
+        assert!(items[..6].iter().all(|item| item.sphere[3] <= 6.0));
+    }
+
+    #[test]
+    fn a_curve_is_cut_where_its_highest_bit_changes() {
+        assert_eq!(curve_cut(&[0b0001, 0b0010, 0b0011, 0b1000]), 3);
+        assert_eq!(curve_cut(&[0b1001, 0b1010, 0b1011, 0b1011]), 1);
+        assert_eq!(curve_cut(&[5; 6]), 3);
+    }
+}

@@ -1,0 +1,146 @@
+//! Rays that have taken their last step and wait for their answer.
+//!
+//! What a ray has kept is judged in f64, which takes two divisions and a root one after the other,
+//! and the ids of its candidates may still be on their way from memory. So answers wait until there
+//! are several, which then do not wait for each other.
+
+use std::mem::MaybeUninit;
+
+use crate::accel::native::node::each_lane;
+use crate::accel::native::query::{Best, Query};
+
+use super::flight::{Batch, Question, alone};
+use super::lanes::Lanes;
+use super::slot::{KEPT, Slot};
+
+/// Rays that wait at most.
+const RAYS: usize = 16;
+/// Leaves that they have kept together.
+const LEAVES: usize = 64;
+
+/// The rays, and what each has kept.
+pub(super) struct Pending {
+    rays: [MaybeUninit<Waiting>; RAYS],
+    count: usize,
+    leaves: [MaybeUninit<Kept>; LEAVES],
+    leaf_count: usize,
+}
+
+#[derive(Clone, Copy)]
+struct Waiting {
+    ray: u32,
+    /// Behind the last of its leaves.
+    end: u32,
+    /// Up to where every candidate was kept.
+    limit: f32,
+    /// Whether a sphere of the last leaf is hit for certain, so that nothing is left to judge.
+    is_sure: bool,
+    best: Best,
+    length: f64,
+}
+
+#[derive(Clone, Copy)]
+struct Kept {
+    leaf: u32,
+    lanes: u32,
+}
+
+impl Pending {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        let (rays, leaves) =
+            ([const { MaybeUninit::uninit() }; RAYS], [const { MaybeUninit::uninit() }; LEAVES]);
+        Self { rays, count: 0, leaves, leaf_count: 0 }
+    }
+
+    /// Adds a ray that is done.
+    ///
+    /// # Safety
+    /// The slot holds a ray that is done, this is not [full](Self::is_full), and the instructions of
+    /// `L` are there.
+    #[inline(always)]
+    pub(super) unsafe fn add<L: Lanes>(&mut self, slot: &Slot) {
+        // SAFETY: there is room for one ray and all that it can have kept.
+        unsafe {
+            if slot.sure != 0 {
+                let (leaf, _) = slot.kept::<L>(slot.kept - 1);
+                let kept = Kept { leaf, lanes: slot.sure };
+                self.leaves.get_unchecked_mut(self.leaf_count).write(kept);
+                self.leaf_count += 1;
+            } else {
+                for number in 0..slot.kept {
+                    let (leaf, lanes) = slot.kept::<L>(number);
+                    let kept = Kept { leaf, lanes };
+                    self.leaves.get_unchecked_mut(self.leaf_count).write(kept);
+                    self.leaf_count += usize::from(lanes != 0);
+                }
+            }
+            self.rays.get_unchecked_mut(self.count).write(Waiting {
+                ray: slot.ray,
+                end: self.leaf_count as u32,
+                limit: slot.limit,
+                is_sure: slot.sure != 0,
+                best: slot.best,
+                length: slot.length,
+            });
+            self.count += 1;
+        }
+    }
+
+    /// Whether there may be no room for another ray.
+    #[inline(always)]
+    pub(super) fn is_full(&self) -> bool {
+        self.count == RAYS || self.leaf_count > LEAVES - KEPT
+    }
+
+    /// Answers all that wait.
+    ///
+    /// Nothing tests on the way for the spheres that a ray is to overlook, because it hardly ever
+    /// matters: a sphere that a ray leaves is never sure to be hit, as the ray starts on it, nor is
+    /// a lamp that ends it. Where such a sphere was sure and cut the way short, it is seen here.
+    ///
+    /// # Safety
+    /// All that waits is of this batch, which has as many answers as rays.
+    #[inline(always)]
+    pub(super) unsafe fn settle<Q: Question>(&mut self, batch: &mut Batch<'_, Q>) {
+        let tree = &batch.native.tree;
+        let mut first = 0;
+        for waiting in &self.rays[..self.count] {
+            // SAFETY: what is below the counts was written, with leaves of this tree and rays of this
+            // batch; lanes are below 8.
+            unsafe {
+                let waiting = waiting.assume_init_ref();
+                let ray = batch.rays.get_unchecked(waiting.ray as usize);
+                let kept = self.leaves.get_unchecked(first..waiting.end as usize);
+                first = waiting.end as usize;
+                let mut best = waiting.best;
+                let is_cut_short;
+                if Q::ANY && waiting.is_sure {
+                    let Kept { leaf, lanes } = kept.get_unchecked(0).assume_init();
+                    let ids = tree.ids().get_unchecked(leaf as usize);
+                    let others = |lane: &usize| !ray.excludes(*ids.get_unchecked(*lane));
+                    let other = each_lane(lanes).find(others);
+                    is_cut_short = other.is_none();
+                    best.id = other.map_or(best.id, |lane| *ids.get_unchecked(lane));
+                } else {
+                    let mut query = Query::new(ray, best);
+                    for kept in kept {
+                        let Kept { leaf, lanes } = kept.assume_init();
+                        let ids = tree.ids().get_unchecked(leaf as usize);
+                        let leaf = tree.leaves().get_unchecked(leaf as usize);
+                        for lane in each_lane(lanes) {
+                            query.offer(*ids.get_unchecked(lane), &leaf.sphere(lane));
+                        }
+                    }
+                    best = query.best;
+                    is_cut_short = !Q::ANY && best.t * waiting.length > f64::from(waiting.limit);
+                }
+                let answer =
+                    if is_cut_short { alone::<Q>(batch.native, ray) } else { Q::answer(best) };
+                *batch.answers.get_unchecked_mut(waiting.ray as usize) = answer;
+            }
+        }
+        self.count = 0;
+        self.leaf_count = 0;
+    }
+}
