@@ -32,6 +32,15 @@ extinction = [1.0, 1.0, 1.0]
 type = "conductor"
 metal = "gold"
 roughness = 0.4
+[materials.glass]
+type = "dielectric"
+ior = 1.5
+[materials.mixture]
+type = "principled"
+base_color = [0.8, 0.8, 0.8]
+metallic = 0.2
+transmission = 0.6
+coat = 0.5
 [materials.lamp]
 type = "diffuse"
 albedo = [0.0, 0.0, 0.0]
@@ -44,6 +53,11 @@ material = "lossless"
 [render]
 samples_per_pixel = 16
 "#;
+
+/// The ball's surface there.
+const LOSSLESS: &str = "type = \"conductor\"
+ior = [0.0, 0.0, 0.0]
+extinction = [1.0, 1.0, 1.0]";
 
 /// Two lamps in place of the field, one so near that it reaches below the ball's horizon.
 const LAMPS: &str = r#"
@@ -73,17 +87,64 @@ fn a_lossless_metal_vanishes_in_a_uniform_field_at_every_roughness() {
 }
 
 #[test]
-fn light_found_by_chance_and_light_aimed_at_agree_on_rough_metal() {
-    let text = format!("{FIELD}{LAMPS}");
-    for roughness in ["0.2", "0.6", "1"] {
-        let roughness = format!("materials.gold.roughness={roughness}");
-        let scene = ["background.radiance=[0,0,0]", "spheres.ball.material=gold", &roughness];
-        let by = |more: &[&str]| {
-            let overrides: Vec<&str> = scene.iter().chain(more).copied().collect();
-            Estimate::of_scene(&text, &overrides, Backend::BruteForce)
-        };
-        let aimed = by(&["render.samples_per_pixel=64"]);
-        let by_chance = by(&["render.integrator=paper", "render.samples_per_pixel=256"]);
-        aimed.must_agree(by_chance, &roughness);
+fn light_found_by_chance_and_light_aimed_at_agree_on_rough_surfaces() {
+    for material in ["gold", "glass", "mixture"] {
+        for roughness in ["0.2", "0.6", "1"] {
+            both_ways_agree(LAMPS, material, roughness);
+        }
+    }
+}
+
+#[test]
+fn they_agree_where_the_lamp_is_behind_rough_glass_or_in_it() {
+    let behind = "[[spheres]]\ncenter = [0, 0, -4]\nradius = 1.5\nmaterial = \"lamp\"\n";
+    let inside = "[[spheres]]\ncenter = [0.1, 0.2, 0]\nradius = 0.3\nmaterial = \"lamp\"\n";
+    let around = "[[spheres]]\ncenter = [0, 0, 0]\nradius = 2.0\nmaterial = \"mixture\"\n";
+    both_ways_agree(behind, "glass", "0.4");
+    both_ways_agree(inside, "glass", "0.4");
+    both_ways_agree(&format!("{inside}{around}"), "glass", "0.7");
+}
+
+/// The same picture of a rough ball by aiming at lamps and by chance.
+fn both_ways_agree(spheres: &str, material: &str, roughness: &str) {
+    let text = format!("{FIELD}{spheres}");
+    let of_ball = format!("spheres.ball.material={material}");
+    let roughness = format!("materials.{material}.roughness={roughness}");
+    let by = |more: &[&str]| {
+        let scene = ["background.radiance=[0,0,0]", &of_ball, &roughness];
+        let overrides: Vec<&str> = scene.iter().chain(more).copied().collect();
+        Estimate::of_scene(&text, &overrides, Backend::BruteForce)
+    };
+    let aimed = by(&["render.samples_per_pixel=64"]);
+    let by_chance = by(&["render.integrator=paper", "render.samples_per_pixel=256"]);
+    aimed.must_agree(by_chance, &roughness);
+}
+
+#[test]
+fn every_material_may_glow() {
+    for surface in [
+        "type = \"diffuse\"\nalbedo = [0, 0, 0]",
+        "type = \"diffuse\"\nalbedo = [0, 0, 0]\nroughness = 0.5",
+        "type = \"mirror\"\nreflectance = [0, 0, 0]",
+        "type = \"conductor\"\nmetal = \"iron\"\nroughness = 0.5",
+        "type = \"dielectric\"\nglass = \"diamond\"",
+        "type = \"dielectric\"\nior = 1.5\nroughness = 0.3",
+        "type = \"plastic\"\nalbedo = [0, 0, 0]",
+        "type = \"principled\"\nbase_color = [0, 0, 0]",
+        "type = \"principled\"\nbase_color = [1, 1, 1]\ntransmission = 1",
+        "type = \"phong\"\nalbedo = [0, 0, 0]\nspecular = [0, 0, 0]\nexponent = 1",
+    ] {
+        // In the dark a ball sends its emission and, where light can run through it, more.
+        let ball = format!("{surface}\nemission = [0.5, 0.5, 0.5]");
+        let text = FIELD.replace(LOSSLESS, &ball);
+        let dark = ["background.radiance=[0,0,0]", "camera.vertical_fov_degrees=10"];
+        let estimate = Estimate::of_scene(&text, &dark, Backend::BruteForce);
+        let is_opaque = !surface.contains("dielectric") && !surface.contains("transmission");
+        if is_opaque {
+            must_be_near(estimate, 0.5, surface);
+        } else {
+            // Le at the front, and through it, over the squared index, what glows behind.
+            assert!(estimate.mean > 0.52, "{surface}: {estimate:?}");
+        }
     }
 }

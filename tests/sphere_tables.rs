@@ -223,20 +223,28 @@ fn columns_must_make_a_sphere() {
 }
 
 #[test]
-fn colours_need_a_material_that_they_can_colour() {
+fn colours_are_as_bright_as_their_material_lets_them_be() {
     let values = [0.75, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
     let colored =
         |material: &str| Scene::new().table("a.f32", COLORED, material).values("a.f32", &values);
     colored("matt").load().expect("a diffuse table");
-    assert_eq!(
-        colored("glass").told(),
-        ["`sphere_tables.0.columns` has colours for a material without albedo"]
-    );
+    colored("glass").load().expect("a table of coloured glass");
     assert_eq!(
         colored("glossy").told(),
         ["`a.f32`: row 0 (the first is 0) has r = 0.75 at byte 0; it must be from 0 to 0.500001"],
         "0.75 and the material's specular 0.5 are more than 1"
     );
+}
+
+#[test]
+fn a_coloured_bead_leaves_its_colour_of_light_that_crosses_it() {
+    let values = [1.0, 0.5, 0.0, 2.0, 0.0, 0.0, 0.0];
+    let loaded = Scene::new().table("a.f32", COLORED, "glass").values("a.f32", &values);
+    let scene = photosphere::scene::Scene::new(loaded.load().expect("a good scene"));
+    let medium = scene.expect("one sphere").surface(0).medium(0).expect("glass");
+    assert_eq!(medium.absorption.x, 0.0);
+    assert!((f64::from(medium.absorption.y) - std::f64::consts::LN_2 / 4.0).abs() < 1e-7);
+    assert!(medium.absorption.z > 10.0 && medium.absorption.is_finite());
 }
 
 #[test]

@@ -11,12 +11,13 @@
 
 use std::f64::consts::FRAC_1_PI;
 
+use crate::color::Rgb;
 use crate::math::DVec3;
 
 use super::energy::{hemispherical_mean, mean_over_facets};
 use super::ggx::half_vector;
 use super::mirror::reflected;
-use super::{Ggx, MissingEnergy, fresnel};
+use super::{BsdfSample, Ggx, Lobe, MissingEnergy, fresnel};
 
 /// A clear coat.
 #[derive(Clone, Copy, Debug)]
@@ -32,14 +33,6 @@ pub struct Coat {
 struct Rough {
     ggx: Ggx,
     through: MissingEnergy,
-}
-
-/// A direction reflected by a coat.
-pub(super) struct Reflected {
-    pub(super) wi: DVec3,
-    /// `f cos / pdf`, if this lobe alone is drawn from.
-    pub(super) weight: f64,
-    pub(super) is_delta: bool,
 }
 
 impl Coat {
@@ -84,22 +77,30 @@ impl Coat {
         self.rough.as_ref().map_or(0.0, |rough| rough.ggx.reflection_pdf(wo, wi))
     }
 
-    /// A reflected direction; `None` where a facet sends light into the surface.
-    pub(super) fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<Reflected> {
+    pub(super) fn is_delta(&self) -> bool {
+        self.rough.is_none()
+    }
+
+    /// A reflected direction, as if this lobe alone were drawn from; `None` where a facet sends light
+    /// into the surface.
+    pub(super) fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<BsdfSample> {
         let Some(rough) = &self.rough else {
-            let weight = fresnel(wo.z.min(1.0), self.ior).reflectance;
-            return Some(Reflected { wi: reflected(wo), weight, is_delta: true });
+            let weight = Rgb::splat(fresnel(wo.z.min(1.0), self.ior).reflectance as f32);
+            let (wi, lobe) = (reflected(wo), Lobe::Delta);
+            return Some(BsdfSample { wi, weight, pdf: 1.0, lobe, eta: 1.0 });
         };
         let (wi, m) = rough.ggx.sample_reflection(wo, u)?;
         let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.ior).reflectance;
-        Some(Reflected { wi, weight: reflectance * rough.ggx.shadowing(wo, wi), is_delta: false })
+        let weight = Rgb::splat((reflectance * rough.ggx.shadowing(wo, wi)) as f32);
+        let (pdf, lobe) = (rough.ggx.reflection_pdf(wo, wi), Lobe::Glossy);
+        Some(BsdfSample { wi, weight, pdf, lobe, eta: 1.0 })
     }
 }
 
 /// What a rough coat lets through: all that its facets do not reflect at once.
 fn let_through(ggx: Ggx, ior: f64) -> MissingEnergy {
     // Fresnel's equations bend below a cosine of about 1/4, whatever the roughness.
-    MissingEnergy::new(f64::max(0.5, 2.0 * ggx.alpha()), |wo| {
+    MissingEnergy::new([f64::max(0.5, 2.0 * ggx.alpha()); 2], |wo| {
         mean_over_facets(ggx, wo, |m| {
             let cos = wo.dot(m).clamp(0.0, 1.0);
             let wi = m * (2.0 * cos) - wo;

@@ -4,6 +4,9 @@
 //! Wolf, section 14.2). Light that bounces between facets is given back (see [`super::energy`]),
 //! coloured by the further bounces, so that metal does not darken where it is rough. The BRDF is
 //! reciprocal. Where the facets reflect everything it scatters all light, within 5e-4.
+//!
+//! A metal may also be told by a colour, that of its reflectance straight from above; the rest
+//! follows from Schlick (1994, "An Inexpensive BRDF Model for Physically-based Rendering").
 
 use crate::color::Rgb;
 use crate::math::DVec3;
@@ -17,9 +20,18 @@ use super::{BsdfSample, Ggx, Lobe, Metal, MissingEnergy};
 /// A metal surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Conductor {
-    metal: Metal,
+    facets: Facets,
     /// `None` where it is smooth.
     rough: Option<Rough>,
+}
+
+/// What a facet reflects.
+#[derive(Clone, Copy, Debug)]
+enum Facets {
+    /// By Fresnel's equations.
+    Metal(Metal),
+    /// By Schlick's approximation, from the reflectance straight from above.
+    Colored(Rgb),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -60,23 +72,72 @@ impl Metal {
     }
 }
 
+impl Facets {
+    /// The reflectance at the cosine `cos >= 0`.
+    fn reflectance(&self, cos: f64) -> Rgb {
+        match self {
+            Self::Metal(metal) => metal.reflectance(cos),
+            Self::Colored(color) => {
+                let rest = (1.0 - cos).clamp(0.0, 1.0).powi(5);
+                *color + (Rgb::ONE - color) * rest as f32
+            }
+        }
+    }
+
+    /// The mean over the hemisphere, weighted with the cosine.
+    fn mean_reflectance(&self) -> Rgb {
+        match self {
+            Self::Metal(metal) => {
+                metal.per_channel(|n, k| hemispherical_mean(|cos| fresnel_conductor(cos, n, k)))
+            }
+            Self::Colored(color) => *color + (Rgb::ONE - color) / 21.0,
+        }
+    }
+}
+
+impl Rough {
+    fn new(ggx: Ggx, facets: &Facets) -> Self {
+        Self { ggx, missing: MissingEnergy::of_reflection(ggx), tint: Rgb::ZERO }.tinted(facets)
+    }
+
+    fn tinted(self, facets: &Facets) -> Self {
+        let missing = self.missing.average();
+        let tint = |mean: f32| after_many_bounces(f64::from(mean), missing) as f32;
+        let tint = Rgb::from_array(facets.mean_reflectance().to_array().map(tint));
+        Self { tint, ..self }
+    }
+}
+
 impl Conductor {
     /// A metal of a roughness in `[0, 1]`.
     pub fn new(metal: Metal, roughness: f64) -> Self {
-        let rough = Ggx::new(roughness).map(|ggx| {
-            let missing = MissingEnergy::of_reflection(ggx);
-            let tint = metal.per_channel(|n, k| {
-                let mean = hemispherical_mean(|cos| fresnel_conductor(cos, n, k));
-                after_many_bounces(mean, missing.average())
-            });
-            Rough { ggx, missing, tint }
-        });
-        Self { metal, rough }
+        Self::of_facets(Facets::Metal(metal), roughness)
     }
 
-    /// Its metal.
-    pub(super) fn metal(&self) -> Metal {
-        self.metal
+    /// A metal that reflects the share `color` straight from above.
+    pub fn of_color(color: Rgb, roughness: f64) -> Self {
+        Self::of_facets(Facets::Colored(color), roughness)
+    }
+
+    fn of_facets(facets: Facets, roughness: f64) -> Self {
+        Self { facets, rough: Ggx::new(roughness).map(|ggx| Rough::new(ggx, &facets)) }
+    }
+
+    /// This metal where a sphere has its own colour.
+    pub(super) fn colored(self, color: Option<Rgb>) -> Self {
+        let Some(color) = color else { return self };
+        let facets = Facets::Colored(color);
+        Self { facets, rough: self.rough.map(|rough| rough.tinted(&facets)) }
+    }
+
+    /// The mean reflectance of its facets.
+    pub(super) fn mean_reflectance(&self) -> Rgb {
+        self.facets.mean_reflectance()
+    }
+
+    /// The reflectance of its facets at the cosine `cos >= 0`.
+    pub(super) fn reflectance(&self, cos: f64) -> Rgb {
+        self.facets.reflectance(cos)
     }
 
     pub(super) fn is_delta(&self) -> bool {
@@ -90,7 +151,7 @@ impl Conductor {
         }
         let once = rough.ggx.reflection(wo, wi) as f32;
         let often = rough.missing.lobe(wo.z, wi.z) as f32;
-        self.metal.reflectance(wo.dot(half_vector(wo, wi))) * once + rough.tint * often
+        self.facets.reflectance(wo.dot(half_vector(wo, wi))) * once + rough.tint * often
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
@@ -106,7 +167,7 @@ impl Conductor {
     /// by the cosine. `None` where the facet sends light into the surface.
     pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
         let Some(rough) = &self.rough else {
-            let (wi, weight) = (reflected(wo), self.metal.reflectance(wo.z));
+            let (wi, weight) = (reflected(wo), self.facets.reflectance(wo.z));
             return Some(BsdfSample { wi, weight, pdf: 1.0, lobe: Lobe::Delta, eta: 1.0 });
         };
         let wi = if lobe < rough.missing.at(wo.z) {

@@ -1,19 +1,55 @@
-//! A smooth interface between two transparent media, such as glass and air.
+//! An interface between two transparent media, such as glass and air: smooth, or rough as a GGX
+//! microsurface.
+//!
+//! Each facet reflects by Fresnel's equations and refracts the rest (Walter et al. 2007, "Microfacet
+//! Models for Refraction through Rough Surfaces"). Light that bounces between facets is given back on
+//! both sides (see [`super::energy`]): all light is sent on, within 2e-3 at every angle.
+//!
+//! **Radiance between media.** An interface conserves radiance over the squared index (Veach 1997,
+//! section 5.2). Here `wo` leads to the camera and `eta` is the index beyond over the index on its
+//! side, so refraction divides by `eta^2`, and light may go both ways in the sense that
+//! `eta^2 f(wo, wi) = f(wi, wo)`, the right hand side seen from beyond.
+
+use std::f64::consts::FRAC_1_PI;
+use std::sync::{Arc, OnceLock};
 
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::math::DVec3;
+use crate::sampling::Hemisphere;
 
+use super::ggx::half_vector;
 use super::mirror::reflected;
-use super::{BsdfSample, Lobe};
+use super::{BsdfSample, EnergyOfSide, Ggx, InterfaceEnergy, Lobe};
 
-/// Smooth glass.
-#[derive(Clone, Copy, Debug)]
+/// Media whose indices differ by less than this part have no rough boundary: facets would bend light
+/// by less than a degree, which broad lobes do not resemble.
+const MATCHED: f64 = 0.01;
+
+/// Glass.
+#[derive(Clone, Debug)]
 pub struct Dielectric {
     /// Index of refraction relative to vacuum.
     pub ior: f64,
     /// Where dielectric spheres overlap, the higher priority fills the common part.
     pub priority: i32,
+    /// `None` where it is smooth.
+    rough: Option<Arc<Rough>>,
+}
+
+#[derive(Debug)]
+struct Rough {
+    ggx: Ggx,
+    /// By the ratio of this index of refraction and another; prepared where light meets it.
+    energies: Vec<(f64, OnceLock<InterfaceEnergy>)>,
+}
+
+/// Glass where light meets it.
+#[derive(Clone, Copy, Debug)]
+pub struct Interface<'a> {
+    /// The index of refraction beyond over the one on the side of `wo`.
+    eta: f64,
+    rough: Option<(Ggx, EnergyOfSide<'a>)>,
 }
 
 /// What a smooth interface does with unpolarised light.
@@ -40,27 +76,148 @@ pub fn fresnel(cos: f64, eta: f64) -> Fresnel {
     Fresnel { reflectance, cos_transmitted }
 }
 
+/// Where a facet of normal `m` sends the light that it does not reflect; `None` where it reflects
+/// all.
+pub(super) fn refracted(wo: DVec3, m: DVec3, eta: f64) -> Option<DVec3> {
+    let cos = wo.dot(m).clamp(0.0, 1.0);
+    let Fresnel { reflectance, cos_transmitted } = fresnel(cos, eta);
+    let along = cos / eta - cos_transmitted;
+    (reflectance < 1.0).then(|| (m * along - wo / eta).normalize())
+}
+
 impl Dielectric {
-    /// Reflects with the Fresnel probability and refracts otherwise, so that the weight is 1 but
-    /// for the change of radiance between media: radiance over the squared index is what an
-    /// interface conserves (Veach 1997, section 5.2), so going from here to beyond, a path that
-    /// carries importance from the camera is divided by `eta^2`.
-    pub(super) fn sample(&self, eta: f64, wo: DVec3, lobe: f64) -> BsdfSample {
+    /// Glass of a roughness in `[0, 1]`. `others` are the indices of all media that it may border on:
+    /// what is costly is prepared once for each.
+    pub fn new(ior: f64, priority: i32, roughness: f64, others: &[f64]) -> Self {
+        let energies = || others.iter().map(|other| (ior / other, OnceLock::new())).collect();
+        let rough = Ggx::new(roughness).map(|ggx| Arc::new(Rough { ggx, energies: energies() }));
+        Self { ior, priority, rough }
+    }
+
+    /// This glass where the index of refraction beyond over the one on this side is `eta`: its own
+    /// over one of the `others`, or the inverse.
+    pub fn interface(&self, eta: f64) -> Interface<'_> {
+        let rough = self.rough.as_ref().filter(|_| (eta - 1.0).abs() >= MATCHED);
+        Interface { eta, rough: rough.and_then(|rough| Some((rough.ggx, rough.energy(eta)?))) }
+    }
+}
+
+impl Rough {
+    /// The energy for the ratio that is told, which rounding may have moved a little.
+    fn energy(&self, eta: f64) -> Option<EnergyOfSide<'_>> {
+        let off = |ratio: f64| f64::min((ratio - eta).abs(), (1.0 / ratio - eta).abs());
+        let nearest = self.energies.iter().min_by(|(a, _), (b, _)| off(*a).total_cmp(&off(*b)));
+        let (ratio, energy) = nearest?;
+        let energy = energy.get_or_init(|| InterfaceEnergy::new(self.ggx, *ratio));
+        let is_told_from_here = (*ratio > 1.0) == (eta > 1.0);
+        Some(if is_told_from_here { energy.from_here() } else { energy.from_beyond() })
+    }
+}
+
+/// A facet that refracts `wi` to `wo`.
+struct Facet {
+    normal: DVec3,
+    /// The share that it reflects.
+    reflectance: f64,
+    /// `wo.m`, positive.
+    cos_o: f64,
+    /// The density of `wi` over that of its half vector, which is the facet's normal.
+    jacobian: f64,
+}
+
+impl Interface<'_> {
+    pub(super) fn is_delta(&self) -> bool {
+        self.rough.is_none()
+    }
+
+    /// The facet between two directions on either side; `None` where no facet can be.
+    fn facet(&self, wo: DVec3, wi: DVec3) -> Option<Facet> {
+        let eta = self.eta;
+        // By Snell's law what `wo + eta wi` has beside the normal cancels. It points to the side of
+        // the lower index.
+        let half = if fault!(HalfVectorOfWrongSide) { wo * eta + wi } else { wo + wi * eta };
+        let length = half.length();
+        let normal = half / if eta > 1.0 { -length } else { length };
+        let (cos_o, cos_i) = (wo.dot(normal), -wi.dot(normal));
+        if normal.z <= 0.0 || cos_o <= 0.0 || cos_i <= 0.0 {
+            return None;
+        }
+        let reflectance = fresnel(cos_o.min(1.0), eta).reflectance;
+        let jacobian = eta * eta * cos_i / (length * length);
+        let jacobian = if fault!(RefractionJacobianLost) { 1.0 } else { jacobian };
+        Some(Facet { normal, reflectance, cos_o, jacobian })
+    }
+
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let Some((ggx, energy)) = &self.rough else { return 0.0 };
+        let broad = energy.lobe(wo, wi);
+        if wi.z > 0.0 {
+            let cos = wo.dot(half_vector(wo, wi)).clamp(0.0, 1.0);
+            return ggx.reflection(wo, wi) * fresnel(cos, self.eta).reflectance + broad;
+        }
+        let once = self.facet(wo, wi).map_or(0.0, |facet| {
+            let seen = 4.0 * facet.cos_o * ggx.d(facet.normal) * ggx.g2_over_cosines(wo, wi);
+            (1.0 - facet.reflectance) * seen * facet.jacobian
+        });
+        (once + broad) / self.squared()
+    }
+
+    /// What refraction divides radiance by.
+    fn squared(&self) -> f64 {
+        if fault!(EtaSquaredDropped) { 1.0 } else { self.eta * self.eta }
+    }
+
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let Some((ggx, energy)) = &self.rough else { return 0.0 };
+        let (missing, through) = (energy.missing(wo), energy.through());
+        let broad = missing * wi.z.abs() * FRAC_1_PI;
+        if wi.z > 0.0 {
+            let cos = wo.dot(half_vector(wo, wi)).clamp(0.0, 1.0);
+            let once = fresnel(cos, self.eta).reflectance * ggx.reflection_pdf(wo, wi);
+            return (1.0 - missing) * once + (1.0 - through) * broad;
+        }
+        let once = self.facet(wo, wi).map_or(0.0, |facet| {
+            (1.0 - facet.reflectance) * ggx.normal_pdf(wo, facet.normal) * facet.jacobian
+        });
+        (1.0 - missing) * once + through * broad
+    }
+
+    /// Reflects with the Fresnel probability and refracts otherwise: at a facet that is seen from
+    /// `wo`, or, as often as light bounces between facets, to any direction by the cosine. `None`
+    /// where a facet sends light to the wrong side.
+    pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+        let Some((ggx, energy)) = &self.rough else { return Some(self.sample_smooth(wo, lobe)) };
+        let missing = energy.missing(wo);
+        let wi = if lobe < missing {
+            let wi = Hemisphere::Cosine.sample(u);
+            if lobe < missing * energy.through() { DVec3::new(wi.x, wi.y, -wi.z) } else { wi }
+        } else {
+            let m = ggx.sample_normal(wo, u);
+            let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.eta).reflectance;
+            if lobe - missing < (1.0 - missing) * reflectance {
+                let wi = (m * (2.0 * wo.dot(m)) - wo).normalize();
+                (wi.z > 0.0).then_some(wi)?
+            } else {
+                refracted(wo, m, self.eta).filter(|wi| wi.z < 0.0)?
+            }
+        };
+        let pdf = self.pdf(wo, wi);
+        let weight = Rgb::splat((self.eval(wo, wi) * wi.z.abs() / pdf) as f32);
+        let eta = if wi.z < 0.0 { self.eta } else { 1.0 };
+        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe: Lobe::Glossy, eta })
+    }
+
+    /// The weight is 1 but for the change of radiance between media.
+    fn sample_smooth(&self, wo: DVec3, lobe: f64) -> BsdfSample {
+        let eta = self.eta;
         let Fresnel { reflectance, cos_transmitted } = fresnel(wo.z.min(1.0), eta);
         if lobe < reflectance {
-            let wi = reflected(wo);
-            return BsdfSample {
-                wi,
-                weight: Rgb::ONE,
-                pdf: reflectance,
-                lobe: Lobe::Delta,
-                eta: 1.0,
-            };
+            let (wi, weight) = (reflected(wo), Rgb::ONE);
+            return BsdfSample { wi, weight, pdf: reflectance, lobe: Lobe::Delta, eta: 1.0 };
         }
-        let squared = if fault!(EtaSquaredDropped) { 1.0 } else { eta * eta };
         BsdfSample {
             wi: DVec3::new(-wo.x / eta, -wo.y / eta, -cos_transmitted).normalize(),
-            weight: Rgb::splat((1.0 / squared) as f32),
+            weight: Rgb::splat((1.0 / self.squared()) as f32),
             pdf: 1.0 - reflectance,
             lobe: Lobe::Delta,
             eta,
@@ -92,13 +249,60 @@ mod tests {
         assert_relative_eq!(fresnel(cos, eta).reflectance, expected, max_relative = 1e-12);
     }
 
+    fn glass(roughness: f64) -> Dielectric {
+        Dielectric::new(1.5, 0, roughness, &[1.0, 1.33])
+    }
+
     #[test]
     fn refraction_obeys_snells_law_both_ways() {
-        let glass = Dielectric { ior: 1.5, priority: 0 };
+        // A narrow lobe goes where light goes through smooth glass, the facet being the surface.
+        for roughness in [0.0, 0.01] {
+            let glass = glass(roughness);
+            let wo = DVec3::new(0.6, 0.0, 0.8);
+            let sample = |eta: f64, wo| glass.interface(eta).sample(wo, 0.999, [0.5, 0.0]);
+            let into = sample(1.5, wo).expect("a direction").wi;
+            assert_relative_eq!(into.x, -0.4, max_relative = 1e-3);
+            let back = DVec3::new(into.x, into.y, -into.z);
+            let back = sample(1.0 / 1.5, back).expect("a direction").wi;
+            assert_relative_eq!(back.x, 0.6, max_relative = 1e-3);
+        }
+    }
+
+    #[test]
+    fn rough_glass_without_a_boundary_is_not_there() {
         let wo = DVec3::new(0.6, 0.0, 0.8);
-        let into = glass.sample(1.5, wo, 0.999).wi;
-        assert_relative_eq!(into.x, -0.4, max_relative = 1e-12);
-        let back = glass.sample(1.0 / 1.5, DVec3::new(into.x, into.y, -into.z), 0.999).wi;
-        assert_relative_eq!(back.x, 0.6, max_relative = 1e-12);
+        let glass = glass(0.8);
+        let matched = glass.interface(1.0);
+        let sample = matched.sample(wo, 0.5, [0.3, 0.3]).expect("a direction");
+        assert!(matched.is_delta() && (sample.wi + wo).length() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_prepared_is_found_from_both_sides() {
+        let (wo, wi) = (DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.0, 0.28, -0.96));
+        let (many, ggx) = (glass(0.7), Ggx::new(0.7).expect("rough"));
+        for eta in [1.5, 1.0 / 1.5, 1.5 / 1.33, 1.33 / 1.5] {
+            let energy = InterfaceEnergy::new(ggx, eta);
+            let fresh = Interface { eta, rough: Some((ggx, energy.from_here())) };
+            assert_relative_eq!(many.interface(eta).eval(wo, wi), fresh.eval(wo, wi));
+        }
+    }
+
+    #[test]
+    fn nothing_breaks_at_the_horizon() {
+        for (roughness, eta) in [(0.01, 1.5), (0.5, 0.5), (1.0, 1.02), (1.0, 10.0), (0.01, 0.1)] {
+            let glass = Dielectric::new(eta, 0, roughness, &[1.0]);
+            let glass = glass.interface(eta);
+            for wo in [DVec3::X, DVec3::new(1.0, 0.0, 1e-300), DVec3::Z] {
+                for u in [[0.0, 0.0], [0.5, 0.5], [0.25, 1.0 - f64::EPSILON]] {
+                    for lobe in [0.0, 0.3, 1.0 - f64::EPSILON] {
+                        let Some(sample) = glass.sample(wo, lobe, u) else { continue };
+                        let most = 10.0 * f64::max(1.0, 1.0 / (eta * eta)) as f32;
+                        assert!(sample.wi.is_normalized() && sample.pdf.is_finite());
+                        assert!(sample.weight.x >= 0.0 && sample.weight.x < most, "{sample:?}");
+                    }
+                }
+            }
+        }
     }
 }

@@ -11,32 +11,36 @@ mod dielectric;
 mod diffuse;
 mod energy;
 mod ggx;
+mod glasses;
 mod media;
 mod metals;
 mod mirror;
 mod oren_nayar;
 mod phong;
 mod plastic;
+mod principled;
 
 pub use coat::Coat;
 pub use conductor::{Conductor, fresnel_conductor};
-pub use dielectric::{Dielectric, fresnel};
+pub use dielectric::{Dielectric, Interface, fresnel};
 pub use diffuse::Diffuse;
-pub use energy::MissingEnergy;
+pub use energy::{EnergyOfSide, InterfaceEnergy, MissingEnergy};
 pub use ggx::{Ggx, half_vector};
+pub use glasses::GLASSES;
 pub use media::{Boundary, Media, Medium};
 pub use metals::Metal;
 pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
 pub use phong::Phong;
 pub use plastic::Plastic;
+pub use principled::{Principled, PrincipledBsdf, PrincipledParameters};
 
 use crate::color::Rgb;
 use crate::math::DVec3;
 use crate::sampling::Hemisphere;
 
 /// A surface as the scene describes it. Acts, and emits, on both sides of a sphere.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Material {
     /// The reflection model with its parameters.
     pub model: Model,
@@ -49,7 +53,7 @@ pub struct Material {
 }
 
 /// The reflection models.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Model {
     /// Lambert.
     Diffuse(Diffuse),
@@ -59,17 +63,19 @@ pub enum Model {
     Mirror(Mirror),
     /// Metal.
     Conductor(Conductor),
-    /// Smooth glass.
+    /// Glass.
     Dielectric(Dielectric),
     /// A matt base under a clear coat.
     Plastic(Plastic),
+    /// A mixture of the others.
+    Principled(Principled),
     /// Phong's shading model.
     Phong(Phong),
 }
 
 /// A material at a point: light from `wi` to `wo`.
 #[derive(Clone, Copy, Debug)]
-pub enum Bsdf {
+pub enum Bsdf<'a> {
     /// Lambert, with the way its directions are drawn.
     Diffuse(Diffuse, Hemisphere),
     /// A rough matt surface, with the way its directions are drawn.
@@ -78,10 +84,12 @@ pub enum Bsdf {
     Mirror(Mirror),
     /// Metal.
     Conductor(Conductor),
-    /// A smooth interface; the second number is the index beyond it over the index on `wo`'s side.
-    Dielectric(Dielectric, f64),
+    /// An interface between transparent media.
+    Dielectric(Interface<'a>),
     /// A matt base under a clear coat.
     Plastic(Plastic),
+    /// A mixture of the others.
+    Principled(PrincipledBsdf<'a>),
     /// Phong's shading model.
     Phong(Phong),
 }
@@ -123,14 +131,15 @@ impl Material {
     /// The BSDF at a point. `albedo` is the sphere's own colour where it has one; `eta` is the
     /// index of refraction beyond the surface over the index on this side; `hemisphere` says how
     /// diffuse directions are drawn.
-    pub fn bsdf(&self, albedo: Option<Rgb>, eta: f64, hemisphere: Hemisphere) -> Bsdf {
-        match self.model {
+    pub fn bsdf(&self, albedo: Option<Rgb>, eta: f64, hemisphere: Hemisphere) -> Bsdf<'_> {
+        match &self.model {
             Model::Diffuse(diffuse) => Bsdf::Diffuse(diffuse.colored(albedo), hemisphere),
             Model::OrenNayar(rough) => Bsdf::OrenNayar(rough.colored(albedo), hemisphere),
             Model::Mirror(mirror) => Bsdf::Mirror(mirror.colored(albedo)),
-            Model::Conductor(conductor) => Bsdf::Conductor(conductor),
-            Model::Dielectric(dielectric) => Bsdf::Dielectric(dielectric, eta),
+            Model::Conductor(conductor) => Bsdf::Conductor(conductor.colored(albedo)),
+            Model::Dielectric(dielectric) => Bsdf::Dielectric(dielectric.interface(eta)),
             Model::Plastic(plastic) => Bsdf::Plastic(plastic.colored(albedo)),
+            Model::Principled(principled) => Bsdf::Principled(principled.at(albedo, eta)),
             Model::Phong(phong) => Bsdf::Phong(phong.colored(albedo)),
         }
     }
@@ -139,17 +148,27 @@ impl Material {
     /// scatters or reflects, of metal what it reflects straight back, and white for glass. `albedo` is
     /// the sphere's own colour where it has one.
     pub fn base_color(&self, albedo: Option<Rgb>) -> Rgb {
-        match self.model {
+        match &self.model {
             Model::Diffuse(diffuse) => diffuse.colored(albedo).albedo,
             Model::OrenNayar(rough) => rough.colored(albedo).albedo,
             Model::Mirror(mirror) => mirror.colored(albedo).reflectance,
-            Model::Conductor(conductor) => conductor.metal().reflectance(1.0),
+            Model::Conductor(conductor) => conductor.colored(albedo).reflectance(1.0),
             Model::Dielectric(_) => Rgb::ONE,
             Model::Plastic(plastic) => plastic.colored(albedo).albedo,
+            Model::Principled(principled) => albedo.unwrap_or(principled.base_color()),
             Model::Phong(phong) => {
                 let Phong { albedo, specular, .. } = phong.colored(albedo);
                 (albedo + specular).min(Rgb::ONE)
             }
+        }
+    }
+
+    /// The glass that fills a sphere of this material, where light may enter it.
+    pub fn glass(&self) -> Option<&Dielectric> {
+        match &self.model {
+            Model::Dielectric(glass) => Some(glass),
+            Model::Principled(principled) => principled.glass(),
+            _ => None,
         }
     }
 
@@ -159,7 +178,7 @@ impl Material {
     }
 }
 
-impl Bsdf {
+impl Bsdf<'_> {
     /// The BSDF without the cosine. Delta lobes are left out.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         match self {
@@ -168,7 +187,9 @@ impl Bsdf {
             Self::Phong(phong) => phong.eval(wo, wi),
             Self::Plastic(plastic) => plastic.eval(wo, wi),
             Self::Conductor(conductor) => conductor.eval(wo, wi),
-            Self::Mirror(_) | Self::Dielectric(..) => Rgb::ZERO,
+            Self::Dielectric(interface) => Rgb::splat(interface.eval(wo, wi) as f32),
+            Self::Principled(principled) => principled.eval(wo, wi),
+            Self::Mirror(_) => Rgb::ZERO,
         }
     }
 
@@ -181,7 +202,9 @@ impl Bsdf {
             Self::Phong(phong) => phong.pdf(wo, wi),
             Self::Plastic(plastic) => plastic.pdf(wo, wi),
             Self::Conductor(conductor) => conductor.pdf(wo, wi),
-            Self::Mirror(_) | Self::Dielectric(..) => 0.0,
+            Self::Dielectric(interface) => interface.pdf(wo, wi),
+            Self::Principled(principled) => principled.pdf(wo, wi),
+            Self::Mirror(_) => 0.0,
         }
     }
 
@@ -191,16 +214,21 @@ impl Bsdf {
             Self::Diffuse(diffuse, hemisphere) => diffuse.sample(*hemisphere, u),
             Self::OrenNayar(rough, hemisphere) => rough.sample(*hemisphere, wo, u),
             Self::Mirror(mirror) => Some(mirror.sample(wo)),
-            Self::Dielectric(dielectric, eta) => Some(dielectric.sample(*eta, wo, lobe)),
+            Self::Dielectric(interface) => interface.sample(wo, lobe, u),
+            Self::Principled(principled) => principled.sample(wo, lobe, u),
             Self::Phong(phong) => phong.sample(wo, lobe, u),
             Self::Plastic(plastic) => plastic.sample(wo, lobe, u),
             Self::Conductor(conductor) => conductor.sample(wo, lobe, u),
         }
     }
 
-    /// Whether light may come through from behind the surface.
+    /// Whether light may come through from behind the surface, in more than single directions.
     pub fn transmits(&self) -> bool {
-        matches!(self, Self::Dielectric(..))
+        match self {
+            Self::Dielectric(interface) => !interface.is_delta(),
+            Self::Principled(principled) => principled.transmits(),
+            _ => false,
+        }
     }
 
     /// Whether [`Self::sample`] heeds the number that chooses a lobe.
@@ -211,7 +239,9 @@ impl Bsdf {
     /// Whether there is nothing but delta lobes, so that lamps cannot be sampled from here.
     pub fn is_delta(&self) -> bool {
         match self {
-            Self::Mirror(_) | Self::Dielectric(..) => true,
+            Self::Mirror(_) => true,
+            Self::Dielectric(interface) => interface.is_delta(),
+            Self::Principled(principled) => principled.is_delta(),
             Self::Conductor(conductor) => conductor.is_delta(),
             Self::Diffuse(..) | Self::OrenNayar(..) | Self::Plastic(_) | Self::Phong(_) => false,
         }

@@ -48,12 +48,11 @@ impl Plastic {
         let glossy = self.glossy_share(wo);
         let (wi, lobe) = if lobe < glossy {
             let coat = self.coat.sample(wo, u)?;
-            if coat.is_delta {
-                let weight = Rgb::splat((coat.weight / glossy) as f32);
-                let (pdf, lobe) = (glossy, Lobe::Delta);
-                return Some(BsdfSample { wi: coat.wi, weight, pdf, lobe, eta: 1.0 });
+            if coat.lobe == Lobe::Delta {
+                let weight = coat.weight / glossy as f32;
+                return Some(BsdfSample { weight, pdf: glossy, ..coat });
             }
-            (coat.wi, Lobe::Glossy)
+            (coat.wi, coat.lobe)
         } else {
             (Hemisphere::Cosine.sample(u), Lobe::Diffuse)
         };

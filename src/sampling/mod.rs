@@ -20,4 +20,4 @@ pub use hemisphere::Hemisphere;
 pub use mis::power_heuristic;
 pub use sampler::{Sampler, SamplerKind};
 pub use sobol::SobolLanes;
-pub use trig::{acos, atan2, cos, exp, powf, sin_cos, sin_cos_of_turns, tan};
+pub use trig::{acos, atan2, cos, exp, ln, powf, sin_cos, sin_cos_of_turns, tan};

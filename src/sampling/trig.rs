@@ -80,6 +80,11 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
+/// The natural logarithm of `x > 0`.
+pub fn ln(x: f64) -> f64 {
+    libm::log(x)
+}
+
 /// `base^exponent`.
 pub fn powf(base: f64, exponent: f64) -> f64 {
     libm::pow(base, exponent)

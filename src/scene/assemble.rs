@@ -8,18 +8,16 @@ use rayon::prelude::*;
 use crate::camera::{Aperture, Camera, Lens, Mount, Projection};
 use crate::color::{Radiance, Rgb};
 use crate::error::{Error, Result};
-use crate::geometry::{Side, Sphere, SphereSet};
+use crate::geometry::{Sphere, SphereSet};
 use crate::light::{Lamp, Lights};
-use crate::material::{
-    Coat, Conductor, Dielectric, Diffuse, Material, Media, Medium, Mirror, Model, OrenNayar, Phong,
-    Plastic,
-};
+use crate::material::{Material, Media, Medium};
 use crate::math::{DVec3, MAX_COORDINATE};
 use crate::sampling::Filter;
 
 use super::description::{self, Description};
 use super::environment;
 use super::identity::{Identity, Ingredients};
+use super::surface::{Surface, materials};
 use super::{Loaded, Override, RowGroup, read_file};
 
 /// A scene, ready to be rendered.
@@ -39,39 +37,6 @@ pub struct Scene {
     around_camera: Vec<(Sphere, Medium)>,
 }
 
-/// What a sphere is made of.
-#[derive(Clone, Copy, Debug)]
-pub struct Surface<'a> {
-    /// Its material.
-    pub material: &'a Material,
-    /// Its own colour, where a table gives one.
-    pub albedo: Option<Rgb>,
-}
-
-impl Surface<'_> {
-    /// The medium inside a dielectric sphere; `None` for other materials, and for a sphere that is
-    /// never there.
-    pub fn medium(&self, sphere: u32) -> Option<Medium> {
-        let absorption = self.material.absorption;
-        match self.material.model {
-            Model::Dielectric(Dielectric { ior, priority }) if self.material.opacity > 0.0 => {
-                Some(Medium { sphere, priority, ior, absorption })
-            }
-            _ => None,
-        }
-    }
-
-    /// The probability that this sphere is there for light that meets it from `side` in `media`.
-    /// Glass is there as a whole or not at all: that is decided where it is entered.
-    pub fn presence(&self, sphere: u32, side: Side, media: &Media) -> f32 {
-        let opacity = self.material.opacity;
-        if opacity < 1.0 && side == Side::Inside && self.medium(sphere).is_some() {
-            return if media.contains(sphere) { 1.0 } else { 0.0 };
-        }
-        opacity
-    }
-}
-
 impl Scene {
     /// Reads, checks and prepares a scene file, changed by `overrides`.
     ///
@@ -88,9 +53,9 @@ impl Scene {
     pub fn new(loaded: Loaded) -> Result<Self> {
         let Loaded { description, rows, groups, environment, ingredients } = loaded;
         let spheres = Arc::new(SphereSet::new(rows)?);
-        let materials: Vec<_> = description.materials.iter().map(material).collect();
+        let materials = materials(&description.materials);
         let has_opacity = materials.iter().any(|material| material.opacity < 1.0);
-        let has_media = materials.iter().any(|m| matches!(m.model, Model::Dielectric(_)));
+        let has_media = materials.iter().any(|material| material.glass().is_some());
         let camera = camera(&description, spheres.origin());
         let filter = Filter::new(description.image.filter, description.image.filter_radius);
         let mut scene = Self {
@@ -186,12 +151,13 @@ impl Scene {
     pub fn surface(&self, id: u32) -> Surface<'_> {
         let row = self.spheres.row(id);
         if let Some(sphere) = self.description.spheres.get(row as usize) {
-            return Surface { material: &self.materials[sphere.material], albedo: None };
+            return Surface::new(&self.materials[sphere.material], None, || sphere.radius);
         }
         let group = self.group_of(row);
-        let albedo =
-            group.colors.as_ref().map(|colors| Rgb::from(colors[(row - group.first_row) as usize]));
-        Surface { material: &self.materials[group.material], albedo }
+        let colors = group.colors.as_ref();
+        let color = colors.map(|colors| Rgb::from(colors[(row - group.first_row) as usize]));
+        let radius = || self.spheres.sphere(id).radius;
+        Surface::new(&self.materials[group.material], color, radius)
     }
 
     /// Whether some surface is only there with a probability.
@@ -295,33 +261,4 @@ fn camera(description: &Description, origin: DVec3) -> Camera {
         }
     };
     Camera::new(&mount, projection)
-}
-
-fn material(named: &description::NamedMaterial) -> Material {
-    let model = match named.surface {
-        description::Surface::Diffuse { albedo, roughness: 0.0 } => {
-            Model::Diffuse(Diffuse { albedo })
-        }
-        description::Surface::Diffuse { albedo, roughness } => {
-            Model::OrenNayar(OrenNayar { albedo, roughness })
-        }
-        description::Surface::Mirror { reflectance } => Model::Mirror(Mirror { reflectance }),
-        description::Surface::Conductor { metal, roughness } => {
-            Model::Conductor(Conductor::new(metal, roughness))
-        }
-        description::Surface::Dielectric { ior, priority, .. } => {
-            Model::Dielectric(Dielectric { ior, priority })
-        }
-        description::Surface::Plastic { albedo, ior, roughness } => {
-            Model::Plastic(Plastic { albedo, coat: Coat::new(ior, roughness) })
-        }
-        description::Surface::Phong { albedo, specular, exponent, normalized } => {
-            Model::Phong(Phong { albedo, specular, exponent, normalized })
-        }
-    };
-    let absorption = match named.surface {
-        description::Surface::Dielectric { absorption, .. } => absorption,
-        _ => Rgb::ZERO,
-    };
-    Material { model, emission: named.emission, opacity: named.opacity as f32, absorption }
 }

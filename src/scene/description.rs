@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use crate::color::Rgb;
-use crate::material::Metal;
+use crate::material::{Metal, PrincipledParameters};
 use crate::math::DVec3;
 
 pub use crate::light::LightChoice;
@@ -216,10 +216,12 @@ pub enum Surface {
         /// From 0, smooth, to 1; the square root of the microsurface's alpha.
         roughness: f64,
     },
-    /// `type = "dielectric"`: smooth glass.
+    /// `type = "dielectric"`: glass.
     Dielectric {
         /// Index of refraction relative to vacuum.
         ior: f64,
+        /// From 0, smooth, to 1; the square root of the microsurface's alpha.
+        roughness: f64,
         /// Where glass spheres overlap, the higher priority fills the common part.
         priority: i32,
         /// What the inside absorbs, per unit length.
@@ -234,6 +236,8 @@ pub enum Surface {
         /// The coat's roughness, from 0, smooth, to 1.
         roughness: f64,
     },
+    /// `type = "principled"`: a mixture of the others.
+    Principled(PrincipledParameters),
     /// `type = "phong"`: the shading model of the paper's section 1.1, for teaching.
     Phong {
         /// The diffuse share.

@@ -38,7 +38,7 @@ pub struct RowGroup {
     pub count: u32,
     /// Index into [`Description::materials`].
     pub material: usize,
-    /// Each row's own linear albedo, in `[0, 1]`, where the table has one.
+    /// Each row's own linear colour, in `[0, 1]`, where the table has one.
     pub colors: Option<Vec<[f32; 3]>>,
 }
 
@@ -48,7 +48,7 @@ pub(super) struct Survey {
     /// Where the scene names the file.
     span: Span,
     rows: u64,
-    /// The largest albedo that a row may have.
+    /// The largest colour that a row may have.
     brightest: [f32; 3],
 }
 
@@ -60,19 +60,8 @@ pub(super) fn survey(
 ) -> Option<Survey> {
     let brightest = brightest_rows(surface);
     let layout = Layout::new(&described.columns);
-    if layout.color.is_some() && brightest.is_none() {
-        let message =
-            format!("`{}` has colours for a material without albedo", table.path_to("columns"));
-        let help =
-            "drop r, g and b, or choose a material with a colour, such as diffuse".to_owned();
-        table.report().add(table.wrong("columns", message).help(help));
-    }
     match count_rows(&described.file, layout.bytes()) {
-        Ok(rows) => Some(Survey {
-            span: table.span_of("file")?,
-            rows,
-            brightest: brightest.unwrap_or_default(),
-        }),
+        Ok(rows) => Some(Survey { span: table.span_of("file")?, rows, brightest }),
         Err((message, help)) => {
             table.report().add(table.wrong("file", message).help(help));
             None
@@ -117,17 +106,19 @@ pub(super) fn import(
     Ok((SphereRows { exact, table: all }, groups))
 }
 
-/// The largest albedo that a row may have, where the material has an albedo at all.
-fn brightest_rows(surface: &Surface) -> Option<[f32; 3]> {
+/// The largest colour that a row may have.
+fn brightest_rows(surface: &Surface) -> [f32; 3] {
     match surface {
         Surface::Diffuse { .. }
         | Surface::Plastic { .. }
+        | Surface::Principled(_)
         | Surface::Mirror { .. }
-        | Surface::Phong { normalized: false, .. } => Some([1.0; 3]),
+        | Surface::Conductor { .. }
+        | Surface::Dielectric { .. }
+        | Surface::Phong { normalized: false, .. } => [1.0; 3],
         Surface::Phong { specular, .. } => {
-            Some(specular.to_array().map(|share| 1.0 - share + SHARE_ROUNDING))
+            specular.to_array().map(|share| 1.0 - share + SHARE_ROUNDING)
         }
-        Surface::Conductor { .. } | Surface::Dielectric { .. } => None,
     }
 }
 

@@ -11,11 +11,13 @@ mod load;
 mod overrides;
 mod read;
 mod report;
+mod surface;
 mod values;
 
-pub use assemble::{Scene, Surface};
+pub use assemble::Scene;
 pub use environment::Pixels;
 pub use identity::{Identity, Ingredient, Ingredients};
 pub use import::RowGroup;
 pub use load::{Loaded, read_file, read_text};
 pub use overrides::Override;
+pub use surface::Surface;

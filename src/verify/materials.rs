@@ -10,7 +10,7 @@ use crate::color::Rgb;
 use crate::error::Result;
 use crate::material::{
     Bsdf, Coat, Conductor, Dielectric, Diffuse, Lobe, Material, Metal, Mirror, Model, OrenNayar,
-    Phong, Plastic,
+    Phong, Plastic, Principled, PrincipledParameters,
 };
 use crate::math::DVec3;
 use crate::sampling::{Hemisphere, Sampler, sin_cos};
@@ -38,6 +38,8 @@ pub(super) struct Sample {
     /// The index of refraction beyond the surface over the one before.
     eta: f64,
     promise: Promise,
+    /// Whether the chi-square table has rows of it.
+    pub(super) is_tabled: bool,
 }
 
 /// What a model says of its energy.
@@ -51,62 +53,139 @@ enum Promise {
     Neither,
 }
 
+use Promise::{All, AtMostAll, Neither};
+
 impl Sample {
+    /// A material that light does not come through.
+    fn opaque(name: impl Into<String>, model: Model, promise: Promise) -> Self {
+        Self { name: name.into(), material: model.into(), eta: 1.0, promise, is_tabled: true }
+    }
+
     /// The material as it is met.
-    pub(super) fn bsdf(&self) -> Bsdf {
+    pub(super) fn bsdf(&self) -> Bsdf<'_> {
         self.material.bsdf(None, self.eta, Hemisphere::Cosine)
     }
 
     /// The material met from its other side.
-    fn behind(&self) -> Bsdf {
+    fn behind(&self) -> Bsdf<'_> {
         self.material.bsdf(None, 1.0 / self.eta, Hemisphere::Cosine)
     }
 }
 
 /// One material of every model, over their roughness.
 pub(super) fn samples() -> Vec<Sample> {
-    use Promise::{All, AtMostAll, Neither};
-    let mut samples = Vec::new();
-    let mut add = |name: &str, model: Model, eta: f64, promise| {
-        samples.push(Sample { name: name.to_owned(), material: model.into(), eta, promise });
-    };
-    let grey = Rgb::new(0.9, 0.5, 0.1);
-    add("white diffuse", Model::Diffuse(Diffuse { albedo: Rgb::ONE }), 1.0, All);
+    [matt(), metals(), glass(), plastic(), principled(), phong()].into_iter().flatten().collect()
+}
+
+/// A colour that tells its channels apart.
+const RED: Rgb = Rgb::new(0.9, 0.5, 0.1);
+
+fn matt() -> Vec<Sample> {
+    let white = Model::Diffuse(Diffuse { albedo: Rgb::ONE });
+    let mut samples = vec![Sample::opaque("white diffuse", white, All)];
     for roughness in [0.3, 1.0] {
-        let white = OrenNayar { albedo: Rgb::ONE, roughness };
-        add(&format!("white rough diffuse {roughness}"), Model::OrenNayar(white), 1.0, All);
-        let coloured = OrenNayar { albedo: grey, roughness };
-        add(&format!("rough diffuse {roughness}"), Model::OrenNayar(coloured), 1.0, AtMostAll);
-    }
-    add("mirror", Model::Mirror(Mirror { reflectance: Rgb::ONE }), 1.0, All);
-    for roughness in [0.0, 0.4, 1.0] {
-        let gold = Conductor::new(Metal::NAMED[0].1, roughness);
-        let name = format!("{}, roughness {roughness}", Metal::NAMED[0].0);
-        add(&name, Model::Conductor(gold), 1.0, AtMostAll);
-        let lossless = Metal { ior: Rgb::ZERO, extinction: Rgb::ONE };
-        let lossless = Model::Conductor(Conductor::new(lossless, roughness));
-        add(&format!("lossless metal, roughness {roughness}"), lossless, 1.0, All);
-    }
-    for eta in [1.5, 1.0 / 1.5, 2.4] {
-        let glass = Dielectric { ior: eta, priority: 0 };
-        add(&format!("glass, eta {eta:.2}"), Model::Dielectric(glass), eta, All);
-    }
-    for roughness in [0.0, 0.3, 0.7, 1.0] {
-        for (colour, albedo, promise) in [("white", Rgb::ONE, All), ("red", grey, AtMostAll)] {
-            let plastic = Plastic { albedo, coat: Coat::new(1.5, roughness) };
-            let name = format!("{colour} plastic, roughness {roughness}");
-            add(&name, Model::Plastic(plastic), 1.0, promise);
+        for (color, albedo, promise) in [("white ", Rgb::ONE, All), ("", RED, AtMostAll)] {
+            let name = format!("{color}rough diffuse {roughness}");
+            let model = Model::OrenNayar(OrenNayar { albedo, roughness });
+            samples.push(Sample::opaque(name, model, promise));
         }
     }
+    samples
+}
+
+fn metals() -> Vec<Sample> {
+    let mirror = Model::Mirror(Mirror { reflectance: Rgb::ONE });
+    let mut samples = vec![Sample::opaque("mirror", mirror, All)];
+    let lossless = Metal { ior: Rgb::ZERO, extinction: Rgb::ONE };
+    for roughness in [0.0, 0.4, 1.0] {
+        for (name, metal, promise) in [
+            (Metal::NAMED[0].0, Conductor::new(Metal::NAMED[0].1, roughness), AtMostAll),
+            ("lossless metal", Conductor::new(lossless, roughness), All),
+            ("white metal", Conductor::of_color(Rgb::ONE, roughness), All),
+            ("red metal", Conductor::of_color(RED, roughness), AtMostAll),
+        ] {
+            let name = format!("{name}, roughness {roughness}");
+            samples.push(Sample::opaque(name, Model::Conductor(metal), promise));
+        }
+    }
+    samples
+}
+
+/// From both sides. Lobes of little roughness are narrower than the cells of the chi-square table;
+/// that has rows of its own for indices that are nearly the same.
+fn glass() -> Vec<Sample> {
+    let mut samples = Vec::new();
+    for roughness in [0.0, 0.01, 0.1, 0.3, 0.6, 1.0] {
+        for eta in [1.5, 1.0 / 1.5, 2.4, 1.05] {
+            let glass = Dielectric::new(eta, 0, roughness, &[1.0]);
+            let name = format!("glass, eta {eta:.2}, roughness {roughness}");
+            let is_tabled = roughness > 0.1 && eta != 1.05 && (eta < 2.0 || roughness == 0.6);
+            let model = Model::Dielectric(glass);
+            samples.push(Sample { eta, is_tabled, ..Sample::opaque(name, model, All) });
+        }
+    }
+    samples
+}
+
+fn plastic() -> Vec<Sample> {
+    let mut samples = Vec::new();
+    for roughness in [0.0, 0.3, 0.7, 1.0] {
+        for (color, albedo, promise) in [("white", Rgb::ONE, All), ("red", RED, AtMostAll)] {
+            let model = Model::Plastic(Plastic { albedo, coat: Coat::new(1.5, roughness) });
+            let name = format!("{color} plastic, roughness {roughness}");
+            samples.push(Sample::opaque(name, model, promise));
+        }
+    }
+    samples
+}
+
+/// Mixtures, white and coloured, of all their parts, from both sides.
+fn principled() -> Vec<Sample> {
+    let plain = PrincipledParameters {
+        base_color: Rgb::ONE,
+        metallic: 0.0,
+        roughness: 0.5,
+        specular: 0.5,
+        ior: 1.5,
+        coat: 0.0,
+        coat_roughness: 0.3,
+        transmission: 0.0,
+    };
+    let mixed = PrincipledParameters { metallic: 0.3, transmission: 0.4, ..plain };
+    let coated = PrincipledParameters { coat: 0.5, roughness: 0.9, specular: 1.0, ..mixed };
+    let mut samples = Vec::new();
+    for (name, eta, parameters) in [
+        ("matt", 1.0, plain),
+        ("mixture", 1.5, mixed),
+        ("mixture from inside", 1.0 / 1.5, mixed),
+        ("smooth mixture", 1.5, PrincipledParameters { roughness: 0.0, ..mixed }),
+        ("matt, coated", 1.0, PrincipledParameters { coat: 1.0, ..plain }),
+        ("metal, coated", 1.0, PrincipledParameters { coat: 1.0, metallic: 1.0, ..plain }),
+        ("mixture, coated", 1.5, coated),
+        ("mixture, coated, from inside", 1.0 / 1.5, coated),
+    ] {
+        for (color, base_color) in [("white", Rgb::ONE), ("red", RED)] {
+            let is_lossless = color == "white" && parameters.coat == 0.0;
+            let promise = if is_lossless { All } else { AtMostAll };
+            let parameters = PrincipledParameters { base_color, ..parameters };
+            let model = Model::Principled(Principled::new(parameters, &[1.0]));
+            let sample = Sample::opaque(format!("principled {color} {name}"), model, promise);
+            samples.push(Sample { eta, is_tabled: color == "red", ..sample });
+        }
+    }
+    samples
+}
+
+fn phong() -> Vec<Sample> {
     let phong = |exponent, normalized| {
         let (albedo, specular) = (Rgb::splat(0.3), Rgb::splat(0.7));
         Model::Phong(Phong { albedo, specular, exponent, normalized })
     };
-    for exponent in [3.0, 30.0, 300.0] {
-        add(&format!("phong, exponent {exponent}"), phong(exponent, true), 1.0, AtMostAll);
-    }
-    add("classic phong, exponent 3", phong(3.0, false), 1.0, Neither);
-    samples
+    let of = |exponent: f64| {
+        Sample::opaque(format!("phong, exponent {exponent}"), phong(exponent, true), AtMostAll)
+    };
+    let classic = Sample::opaque("classic phong, exponent 3", phong(3.0, false), Neither);
+    [of(3.0), of(30.0), of(300.0), classic].into()
 }
 
 /// Two checks for each material: energy, and reciprocity together with the weights.
@@ -159,7 +238,7 @@ fn p_value(energy: Estimate, promise: Promise) -> f64 {
 }
 
 /// The mean weights of directions drawn, one for each seed.
-fn mean_weights(bsdf: &Bsdf, wo: DVec3, directions: u32, name: &str) -> Vec<[f64; 3]> {
+fn mean_weights(bsdf: &Bsdf<'_>, wo: DVec3, directions: u32, name: &str) -> Vec<[f64; 3]> {
     let weight = |seed: u64, i: u32| {
         let u = Sampler::new(seed, 0, i);
         let drawn = bsdf.sample(wo, u.get(2), u.get_2d(0));
@@ -232,12 +311,8 @@ mod tests {
     /// A surface that sends back two percent too much, and one that is not reciprocal.
     #[test]
     fn a_broken_promise_is_found() {
-        let bright = Sample {
-            name: "too bright".to_owned(),
-            material: Model::Diffuse(Diffuse { albedo: Rgb::splat(1.02) }).into(),
-            eta: 1.0,
-            promise: Promise::AtMostAll,
-        };
+        let bright = Model::Diffuse(Diffuse { albedo: Rgb::splat(1.02) });
+        let bright = Sample::opaque("too bright", bright, AtMostAll);
         let found = energy(&bright, 500, &Cancel::default()).expect("nobody cancels");
         assert!(matches!(found.finding, Finding::PValue(p) if p < 1e-9));
         let classic = samples().into_iter().find(|s| matches!(s.promise, Promise::Neither));

@@ -2,6 +2,7 @@
 
 mod any_text;
 mod backgrounds;
+mod layers;
 mod metals;
 mod mistakes;
 mod options;

@@ -59,7 +59,7 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nup = [0, 0, 0]", "10:6: `camera.up` must not be [0, 0, 0]"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nup = [0, 0, 3]", "10:6: `camera.up` must not be parallel to the view | any other direction will do, as in `up = [0, 1, 0]`"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nvertical_fov_degrees = 180", "10:24: `camera.vertical_fov_degrees` must be a number above 0 and below 180, not 180"),
-    ("type = \"diffuse\"", "", "11:1: `materials.grass.type` is missing | add `type = ...`, \"diffuse\" or \"mirror\" or \"conductor\" or \"dielectric\" or \"plastic\" or \"phong\""),
+    ("type = \"diffuse\"", "", "11:1: `materials.grass.type` is missing | add `type = ...`, \"diffuse\" or \"mirror\" or \"conductor\" or \"dielectric\" or \"plastic\" or \"principled\" or \"phong\""),
     ("type = \"diffuse\"", "type = \"mirror\"\nreflectance = [1, 1, 1]", "14:1: `materials.grass.albedo` is not a key of a scene | known here: type, reflectance, emission, opacity"),
     ("type = \"diffuse\"", "type = \"phong\"\nspecular = [0.9, 0, 0]\nexponent = 9", "13:12: `materials.grass.specular` and albedo add up to more than 1, so that the surface would create light | lower one of them; `normalized = false` is Phong's own form"),
     ("type = \"diffuse\"", "type = \"diffuse\"\nemission = [-1, 0, 0]", "13:13: `materials.grass.emission` must be three numbers from 0 to 1e15, not -1"),

@@ -41,7 +41,7 @@ fn what_is_left_out_has_its_default() {
     assert_eq!(description.image.filter_radius, 0.5);
     assert_eq!(
         description.materials[1].surface,
-        Surface::Dielectric { ior: 1.5, priority: 0, absorption: Rgb::ZERO }
+        Surface::Dielectric { ior: 1.5, roughness: 0.0, priority: 0, absorption: Rgb::ZERO }
     );
     let render = description.render;
     assert_eq!((render.samples_per_pixel, render.max_depth, render.seed), (64, None, 7));

@@ -138,6 +138,7 @@ fn materials(description: &Description) -> Vec<(&str, &'static str)> {
         Surface::Conductor { .. } => "conductor",
         Surface::Dielectric { .. } => "dielectric",
         Surface::Plastic { .. } => "plastic",
+        Surface::Principled(_) => "principled",
         Surface::Phong { .. } => "phong",
     };
     description.materials.iter().map(|m| (m.name.as_str(), kind(&m.surface))).collect()

@@ -33,7 +33,7 @@ impl<R: Recorder> Batch<'_, R> {
         &'p mut self,
         path: &Path,
         receiver: &Receiver,
-        bsdf: &Bsdf,
+        bsdf: &Bsdf<'_>,
         frame: &Frame,
         wo: DVec3,
         beyond: Option<&'p Media>,

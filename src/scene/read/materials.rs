@@ -1,20 +1,18 @@
 //! `[materials.NAME]`.
 
 mod conductor;
+mod dielectric;
 mod layered;
 
 use crate::color::Rgb;
 use crate::scene::description::{NamedMaterial, Surface};
 use crate::scene::document::Table;
-use crate::scene::values::{Choice, Color, Flag, Limits, Number, Whole};
+use crate::scene::values::{Choice, Color, Flag, Limits, Number};
 
 use super::RADIANCE;
 
 /// Shares of light.
 const SHARE: Color = Color(Limits::FromTo(0.0, 1.0));
-
-/// Indices of refraction: below 1 as well, for bubbles told relative to what is around them.
-const IOR: Number = Number(Limits::FromTo(0.1, 10.0));
 
 /// How rough a microsurface is.
 const ROUGHNESS: Number = Number(Limits::FromTo(0.0, 1.0));
@@ -24,9 +22,6 @@ const EXPONENT: Number = Number(Limits::FromTo(0.0, 1e5));
 
 /// Shares that are one number.
 const PART: Number = Number(Limits::FromTo(0.0, 1.0));
-
-/// What a medium absorbs, per unit length.
-const ABSORPTION: Color = Color(Limits::FromTo(0.0, 1e15));
 
 /// How far the sum of two shares may exceed 1 by rounding.
 pub(in crate::scene) const SHARE_ROUNDING: f32 = 1e-6;
@@ -38,6 +33,7 @@ enum Type {
     Conductor,
     Dielectric,
     Plastic,
+    Principled,
     Phong,
 }
 
@@ -47,6 +43,7 @@ const TYPES: Choice<Type> = Choice(&[
     ("conductor", Type::Conductor),
     ("dielectric", Type::Dielectric),
     ("plastic", Type::Plastic),
+    ("principled", Type::Principled),
     ("phong", Type::Phong),
 ]);
 
@@ -75,13 +72,9 @@ fn read_surface(table: &Table<'_>) -> Option<Surface> {
             Some(Surface::Mirror { reflectance: table.required("reflectance", SHARE)? })
         }
         Type::Conductor => conductor::read(table),
-        Type::Dielectric => {
-            let ior = table.required("ior", IOR);
-            let priority = table.optional("priority", Whole(i32::MIN..=i32::MAX));
-            let absorption = table.optional("absorption", ABSORPTION).unwrap_or(Rgb::ZERO);
-            Some(Surface::Dielectric { ior: ior?, priority: priority.unwrap_or(0), absorption })
-        }
+        Type::Dielectric => dielectric::read(table),
         Type::Plastic => layered::plastic(table),
+        Type::Principled => layered::principled(table),
         Type::Phong => read_phong(table),
     }
 }

@@ -1,7 +1,9 @@
 //! Directions that surfaces scatter into.
 
-use crate::material::{Bsdf, Ggx, Lobe};
-use crate::math::DVec3;
+use std::sync::Arc;
+
+use crate::material::{Bsdf, Dielectric, Ggx, Lobe};
+use crate::math::{DVec3, Frame};
 use crate::sampling::sin_cos;
 
 use super::super::materials::{Sample, samples};
@@ -11,14 +13,15 @@ use super::Pair;
 const DEGREES: [f64; 3] = [0.0, 45.0, 85.0];
 
 pub(super) fn pairs() -> Vec<Pair> {
-    let spread = samples().into_iter().filter(|sample| !sample.bsdf().is_delta());
-    let rows = |sample: Sample| DEGREES.map(|degrees| bsdf(&sample.name, sample.bsdf(), degrees));
+    let spread = samples().into_iter().filter(|s| s.is_tabled && !s.bsdf().is_delta());
+    let rows = |sample: Arc<Sample>| DEGREES.map(|degrees| bsdf(sample.clone(), degrees));
     let microfacets =
         [(0.4, 0.0), (0.4, 60.0), (0.4, 88.0), (1.0, 30.0), (1.0, 89.9)].map(|(r, at)| ggx(r, at));
     spread
+        .map(Arc::new)
         .flat_map(rows)
         .chain(microfacets.into_iter().flatten())
-        .chain([ggx_formula(0.6)])
+        .chain([ggx_formula(0.6), nearly_matched(0.3, 0.0, 0.03), nearly_matched(1.0, 85.0, 0.5)])
         .collect()
 }
 
@@ -29,19 +32,43 @@ fn direction(degrees: f64) -> DVec3 {
 
 /// The directions of a BSDF, but for those of its delta lobes, seen from an angle in degrees: over
 /// the hemisphere, or over the sphere where light can come through.
-fn bsdf(name: &str, bsdf: Bsdf, degrees: f64) -> Pair {
+fn bsdf(surface: Arc<Sample>, degrees: f64) -> Pair {
     let wo = direction(degrees);
-    let name = format!("bsdf {name}, wo at {degrees} degrees");
+    let name = format!("bsdf {}, wo at {degrees} degrees", surface.name);
+    let (transmits, is_glass) =
+        (surface.bsdf().transmits(), matches!(surface.bsdf(), Bsdf::Dielectric(_)));
+    let drawn = surface.clone();
     let sample = move |u: [f64; 4]| {
-        let sample = bsdf.sample(wo, u[2], [u[0], u[1]])?;
+        let sample = drawn.bsdf().sample(wo, u[2], [u[0], u[1]])?;
         (sample.lobe != Lobe::Delta).then_some(sample.wi)
     };
-    let pdf = move |wi| bsdf.pdf(wo, wi);
-    if bsdf.transmits() {
-        Pair::over_sphere(name, sample, pdf)
-    } else {
-        Pair::over_hemisphere(name, sample, pdf)
+    let pdf = move |wi| surface.bsdf().pdf(wo, wi);
+    if !transmits {
+        return Pair::over_hemisphere(name, sample, pdf);
     }
+    let pair = Pair::over_sphere(name, sample, pdf);
+    // Where facets would have to face away, what they refract ends at an edge.
+    if is_glass && degrees > 80.0 { pair.with_edges() } else { pair }
+}
+
+/// Rough glass in a medium of nearly its index bends light so little that the cells lie close around
+/// the way straight on.
+fn nearly_matched(roughness: f64, degrees: f64, up_to: f64) -> Pair {
+    let eta = 1.05;
+    let glass = Arc::new(Dielectric::new(eta, 0, roughness, &[1.0]));
+    let drawn = glass.clone();
+    let wo = direction(degrees);
+    let frame = Frame::around(-wo);
+    Pair::over_cap(
+        format!("bsdf glass, eta {eta}, roughness {roughness}, wo at {degrees} degrees"),
+        up_to,
+        move |u| {
+            let interface = Bsdf::Dielectric(drawn.interface(eta));
+            Some(frame.to_local(interface.sample(wo, u[2], [u[0], u[1]])?.wi))
+        },
+        move |w| Bsdf::Dielectric(glass.interface(eta)).pdf(wo, frame.to_world(w)),
+    )
+    .with_edges()
 }
 
 /// Visible normals, and the directions that they reflect to.

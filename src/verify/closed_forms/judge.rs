@@ -43,25 +43,17 @@ pub(super) fn measure(
     cancel: &Cancel,
 ) -> Result<Measured> {
     let folder = folder_of_tables(form)?;
-    let scenes = Scenes { form, way, effort, name, folder: folder.as_ref() };
-    let first = scenes.scene(0)?;
+    let mut scene = scene(form, way, effort, folder.as_ref())?;
     let build = BuildOptions { threads: 1, cancel: cancel.clone(), ..Default::default() };
-    let accel = backend.build(first.spheres(), &build)?;
-    let answer = (form.answer)(first.description(), NODES);
-    let pictures: Vec<Picture> = (0..SEEDS)
-        .map(|index| picture(&scenes.scene(index)?, accel.as_ref(), cancel))
-        .collect::<Result<_>>()?;
-    let samples = first.description().render.samples_per_pixel;
+    let accel = backend.build(scene.spheres(), &build)?;
+    let answer = (form.answer)(scene.description(), NODES);
+    let one = |index: u64| {
+        scene.set_seed(seed(name, index));
+        picture(&scene, accel.as_ref(), cancel)
+    };
+    let pictures: Vec<Picture> = (0..SEEDS).map(one).collect::<Result<_>>()?;
+    let samples = scene.description().render.samples_per_pixel;
     Ok(judge(&pictures, &answer, samples))
-}
-
-/// The scenes of one check, which differ by their seeds.
-struct Scenes<'a> {
-    form: &'a Form,
-    way: &'a Way,
-    effort: Effort,
-    name: &'a str,
-    folder: Option<&'a TempDir>,
 }
 
 /// The tables of the scene are part of the program, and scenes read theirs from a folder.
@@ -77,19 +69,13 @@ fn folder_of_tables(form: &Form) -> Result<Option<TempDir>> {
     Ok(Some(folder))
 }
 
-impl Scenes<'_> {
-    fn scene(&self, index: u64) -> Result<Scene> {
-        let samples = self.form.samples * self.effort.choose([2, 8, 32]);
-        let own = [
-            format!("render.seed={}", seed(self.name, index)),
-            format!("render.samples_per_pixel={samples}"),
-        ];
-        let own = own.iter().map(String::as_str);
-        let overrides: Vec<Override> = self.way.overrides().chain(own).filter_map(set).collect();
-        let file = format!("scenes/verify/{}.toml", self.form.name);
-        let folder = self.folder.map_or(Path::new(""), TempDir::path);
-        Scene::new(read_text(&file, self.form.text, folder, &overrides)?)
-    }
+fn scene(form: &Form, way: &Way, effort: Effort, folder: Option<&TempDir>) -> Result<Scene> {
+    let samples = form.samples * effort.choose([2, 8, 32]);
+    let own = format!("render.samples_per_pixel={samples}");
+    let overrides: Vec<Override> = way.overrides().chain([&*own]).filter_map(set).collect();
+    let file = format!("scenes/verify/{}.toml", form.name);
+    let folder = folder.map_or(Path::new(""), TempDir::path);
+    Scene::new(read_text(&file, form.text, folder, &overrides)?)
 }
 
 fn set(pair: &str) -> Option<Override> {
@@ -218,9 +204,7 @@ mod tests {
         for form in FORMS {
             let (way, _) = combinations(form, Effort::Quick, &[Backend::Native]).remove(0);
             let folder = folder_of_tables(form).expect("a folder");
-            let folder = folder.as_ref();
-            let scenes = Scenes { form, way: &way, effort: Effort::Quick, name: "", folder };
-            let scene = scenes.scene(0);
+            let scene = scene(form, &way, Effort::Quick, folder.as_ref());
             let scene = scene.unwrap_or_else(|e| panic!("{}: {e}", form.name));
             let [coarse, fine] =
                 [NODES, 2 * NODES].map(|nodes| (form.answer)(scene.description(), nodes));

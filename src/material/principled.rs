@@ -1,0 +1,364 @@
+//! One material for most things, by the parameters that other renderers share (Burley 2012 and 2015,
+//! "Physically Based Shading at Disney"): a mixture of the models beside this one.
+//!
+//! With the shares `metal = metallic`, `glass = (1 - metallic) transmission` and `matt`, the rest,
+//!
+//! ```text
+//! f = c coat + t (metal conductor + glass dielectric + matt gloss) + matt diffuse
+//! ```
+//!
+//! - conductor: GGX of `roughness`, with `base_color` as its reflectance straight from above;
+//! - dielectric: glass of `ior` and `roughness`; light that comes through is multiplied with the
+//!   square root of `base_color`, so that what crosses a body has its colour;
+//! - gloss: a [`Coat`] of `roughness` and of the index that reflects `2 specular` times as much as
+//!   `ior`; E is the share that it reflects;
+//! - diffuse: matt, seen through the gloss and the coat as [`Coat::lobe`] is, and of `base_color`
+//!   itself: the deeper colour of [`super::Plastic`] is not asked for;
+//! - coat: a [`Coat`] of index 1.5 and `coat_roughness`, there to the share `c = coat`. It reflects
+//!   the share C, so that `1 - c C` comes to what lies beneath; `t`, the smaller of this in both
+//!   directions, makes sure that no light is made, and that it may go both ways.
+//!
+//! No light is made; with a `base_color` of 1 and no coat all of it is sent on.
+
+use std::f64::consts::FRAC_1_PI;
+
+use crate::color::{Rgb, luminance};
+use crate::fault::fault;
+use crate::math::DVec3;
+use crate::sampling::Hemisphere;
+
+use super::dielectric::Interface;
+use super::energy::hemispherical_mean;
+use super::{BsdfSample, Coat, Conductor, Dielectric, Lobe};
+
+/// The index of refraction of the coat.
+const COAT_IOR: f64 = 1.5;
+/// The gloss reflects at most this share straight from above.
+const MOST_GLOSS: f64 = 0.65;
+
+/// What a principled surface is told by, named as in scene files. All but the colour and the index
+/// of refraction are from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrincipledParameters {
+    /// The colour of what is matt, metal, or behind glass; each channel from 0 to 1.
+    pub base_color: Rgb,
+    /// The share that is metal.
+    pub metallic: f64,
+    /// Of everything beneath the coat.
+    pub roughness: f64,
+    /// How strong the gloss of the matt part is; 0.5 is what `ior` says.
+    pub specular: f64,
+    /// Index of refraction, at least 1.
+    pub ior: f64,
+    /// How much coat there is.
+    pub coat: f64,
+    /// The roughness of the coat.
+    pub coat_roughness: f64,
+    /// The share of what is not metal that is glass.
+    pub transmission: f64,
+}
+
+/// A surface of metal, glass and matt parts under a coat. Parts whose share is 0 are `None`.
+#[derive(Clone, Debug)]
+pub struct Principled {
+    base_color: Rgb,
+    metal: Option<(f64, Conductor)>,
+    glass: Option<(f64, Dielectric)>,
+    layers: Box<Layers>,
+}
+
+/// What depends neither on a sphere's own colour nor on what is behind the surface.
+#[derive(Clone, Debug)]
+struct Layers {
+    coat: Option<(f64, Coat)>,
+    matt: Option<Matt>,
+}
+
+/// A principled surface at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct PrincipledBsdf<'a> {
+    base_color: Rgb,
+    metal: Option<(f64, Conductor)>,
+    glass: Option<(f64, Interface<'a>)>,
+    layers: &'a Layers,
+}
+
+/// Matt under a gloss.
+#[derive(Clone, Copy, Debug)]
+struct Matt {
+    share: f64,
+    gloss: Coat,
+    /// The cosine-weighted mean of the share that comes through gloss and coat.
+    mean_through: f64,
+}
+
+/// The lobes that are drawn from.
+#[derive(Clone, Copy, PartialEq)]
+enum Part {
+    Coat,
+    Metal,
+    Gloss,
+    Diffuse,
+    Glass,
+}
+
+const PARTS: [Part; 5] = [Part::Coat, Part::Metal, Part::Gloss, Part::Diffuse, Part::Glass];
+
+impl Principled {
+    /// The surface of these parameters; `others` are the indices of the media that it may border on,
+    /// as for [`Dielectric::new`].
+    pub fn new(parameters: PrincipledParameters, others: &[f64]) -> Self {
+        let PrincipledParameters { base_color, metallic, roughness, ior, .. } = parameters;
+        let transmission = parameters.transmission;
+        let glass = (1.0 - metallic) * transmission;
+        let matt = (1.0 - metallic) * (1.0 - transmission);
+        let coat = part(parameters.coat, || Coat::new(COAT_IOR, parameters.coat_roughness));
+        let gloss = || Coat::new(gloss_ior(ior, parameters.specular), roughness);
+        let matt = part(matt, gloss).map(|(share, gloss)| {
+            let through = |cos| gloss.through(cos) * through(coat.as_ref(), cos);
+            Matt { share, gloss, mean_through: hemispherical_mean(through) }
+        });
+        let metal = part(metallic, || Conductor::of_color(base_color, roughness));
+        let glass = part(glass, || Dielectric::new(ior, 0, roughness, others));
+        Self { base_color, metal, glass, layers: Box::new(Layers { coat, matt }) }
+    }
+
+    /// Its base colour.
+    pub fn base_color(&self) -> Rgb {
+        self.base_color
+    }
+
+    /// The glass, where there is some.
+    pub fn glass(&self) -> Option<&Dielectric> {
+        self.glass.as_ref().map(|(_, glass)| glass)
+    }
+
+    /// This surface at a point, with a sphere's own colour in place of the base colour; `eta` is the
+    /// index of refraction beyond over the one on this side.
+    pub(super) fn at(&self, color: Option<Rgb>, eta: f64) -> PrincipledBsdf<'_> {
+        PrincipledBsdf {
+            base_color: color.unwrap_or(self.base_color),
+            metal: self.metal.map(|(share, metal)| (share, metal.colored(color))),
+            glass: self.glass.as_ref().map(|(share, glass)| (*share, glass.interface(eta))),
+            layers: &self.layers,
+        }
+    }
+}
+
+/// A part with its share, if it has any.
+fn part<T>(share: f64, make: impl FnOnce() -> T) -> Option<(f64, T)> {
+    (share > 0.0).then(|| (share, make()))
+}
+
+/// The index that reflects `2 specular` times as much straight from above as `ior` does.
+fn gloss_ior(ior: f64, specular: f64) -> f64 {
+    let amplitude = (ior - 1.0) / (ior + 1.0);
+    let amplitude = (2.0 * specular * amplitude * amplitude).min(MOST_GLOSS).sqrt();
+    (1.0 + amplitude) / (1.0 - amplitude)
+}
+
+/// The share of light that comes through a coat from a direction of this cosine.
+fn through(coat: Option<&(f64, Coat)>, cos: f64) -> f64 {
+    if fault!(CoatNotPaidFor) {
+        return 1.0;
+    }
+    coat.map_or(1.0, |(share, coat)| 1.0 - share * (1.0 - coat.through(cos)))
+}
+
+impl PrincipledBsdf<'_> {
+    pub(super) fn is_delta(&self) -> bool {
+        let Layers { coat, matt } = self.layers;
+        matt.is_none()
+            && coat.is_none_or(|(_, coat)| coat.is_delta())
+            && self.metal.is_none_or(|(_, metal)| metal.is_delta())
+            && self.glass.is_none_or(|(_, glass)| glass.is_delta())
+    }
+
+    /// Whether light comes through, and not in a single direction alone.
+    pub(super) fn transmits(&self) -> bool {
+        self.glass.is_some_and(|(_, glass)| !glass.is_delta())
+    }
+
+    /// What comes through the coat in both directions.
+    fn beneath(&self, cos_o: f64, cos_i: f64) -> f64 {
+        let coat = self.layers.coat.as_ref();
+        through(coat, cos_o).min(through(coat, cos_i))
+    }
+
+    /// The colour of light that comes through glass.
+    fn tint(&self) -> Rgb {
+        Rgb::from_array(self.base_color.to_array().map(f32::sqrt))
+    }
+
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
+        let beneath = self.beneath(wo.z, wi.z.abs());
+        let glass = self.glass.map_or(0.0, |(share, glass)| share * beneath * glass.eval(wo, wi));
+        if wi.z <= 0.0 {
+            return self.tint() * glass as f32;
+        }
+        let Layers { coat, matt } = self.layers;
+        let mut white = glass;
+        let mut f = Rgb::ZERO;
+        if let Some((share, coat)) = coat {
+            white += share * coat.eval(wo, wi);
+        }
+        if let Some((share, metal)) = &self.metal {
+            f += metal.eval(wo, wi) * (share * beneath) as f32;
+        }
+        if let Some(Matt { share, gloss, mean_through }) = matt {
+            white += share * beneath * gloss.eval(wo, wi);
+            let through = |cos| gloss.through(cos) * through(coat.as_ref(), cos);
+            let diffuse = share * through(wo.z) * through(wi.z) * FRAC_1_PI / mean_through;
+            f += self.base_color * diffuse as f32;
+        }
+        f + Rgb::splat(white as f32)
+    }
+
+    /// With which probability each of [`PARTS`] is drawn from; about in proportion to its light.
+    fn shares(&self, wo: DVec3) -> [f64; 5] {
+        let Layers { coat, matt } = self.layers;
+        let beneath = through(coat.as_ref(), wo.z);
+        let of_coat = coat.map_or(0.0, |(share, coat)| share * (1.0 - coat.through(wo.z)));
+        let of_metal = self.metal.map_or(0.0, |(share, metal)| {
+            share * beneath * f64::from(luminance(metal.mean_reflectance()))
+        });
+        let [of_gloss, of_diffuse] =
+            matt.as_ref().map_or([0.0; 2], |Matt { share, gloss, .. }| {
+                let through = gloss.through(wo.z);
+                let color = f64::from(luminance(self.base_color));
+                [share * beneath * (1.0 - through), share * beneath * through * color]
+            });
+        let of_glass = self.glass.map_or(0.0, |(share, _)| share * beneath);
+        let shares = [of_coat, of_metal, of_gloss, of_diffuse, of_glass];
+        let sum: f64 = shares.iter().sum();
+        shares.map(|share| if sum > 0.0 { share / sum } else { 0.0 })
+    }
+
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let shares = self.shares(wo);
+        let of = |(part, share): (Part, f64)| {
+            if share > 0.0 { share * self.pdf_of(part, wo, wi) } else { 0.0 }
+        };
+        PARTS.into_iter().zip(shares).map(of).sum()
+    }
+
+    fn pdf_of(&self, part: Part, wo: DVec3, wi: DVec3) -> f64 {
+        let Layers { coat, matt } = self.layers;
+        let pdf = match part {
+            Part::Glass => return self.glass.map_or(0.0, |(_, glass)| glass.pdf(wo, wi)),
+            _ if wi.z <= 0.0 => return 0.0,
+            Part::Coat => coat.map(|(_, coat)| coat.pdf(wo, wi)),
+            Part::Metal => self.metal.map(|(_, metal)| metal.pdf(wo, wi)),
+            Part::Gloss => matt.map(|matt| matt.gloss.pdf(wo, wi)),
+            Part::Diffuse => matt.map(|_| Hemisphere::Cosine.pdf(wi.z)),
+        };
+        pdf.unwrap_or(0.0)
+    }
+
+    /// A direction of one of the parts.
+    pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+        let shares = self.shares(wo);
+        let mut rest = lobe;
+        let mut chosen = None;
+        for (part, share) in PARTS.into_iter().zip(shares).filter(|(_, share)| *share > 0.0) {
+            rest -= chosen.map_or(0.0, |(_, before): (Part, f64)| before);
+            chosen = Some((part, share));
+            if rest < share {
+                break;
+            }
+        }
+        let (part, share) = chosen?;
+        let within = (rest / share).clamp(0.0, 1.0 - f64::EPSILON);
+        let (drawn, scale) = self.draw(part, wo, within, u)?;
+        if drawn.lobe == Lobe::Delta {
+            let beneath = self.beneath(wo.z, drawn.wi.z.abs());
+            let scale = if part == Part::Coat { scale } else { scale * beneath };
+            let tint = if drawn.wi.z < 0.0 { self.tint() } else { Rgb::ONE };
+            let weight = drawn.weight * tint * (scale / share) as f32;
+            return Some(BsdfSample { weight, pdf: share * drawn.pdf, ..drawn });
+        }
+        let pdf = self.pdf(wo, drawn.wi);
+        let weight = self.eval(wo, drawn.wi) * (drawn.wi.z.abs() / pdf) as f32;
+        (pdf > 0.0).then_some(BsdfSample { weight, pdf, ..drawn })
+    }
+
+    /// A direction of this part as if it were alone, and what the part is multiplied with.
+    fn draw(&self, part: Part, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<(BsdfSample, f64)> {
+        let Layers { coat, matt } = self.layers;
+        match part {
+            Part::Coat => coat.and_then(|(share, coat)| Some((coat.sample(wo, u)?, share))),
+            Part::Metal => {
+                self.metal.and_then(|(share, metal)| Some((metal.sample(wo, lobe, u)?, share)))
+            }
+            Part::Gloss => matt.and_then(|matt| Some((matt.gloss.sample(wo, u)?, matt.share))),
+            Part::Diffuse => matt.map(|matt| {
+                let wi = Hemisphere::Cosine.sample(u);
+                let lobe = Lobe::Diffuse;
+                let drawn = BsdfSample { wi, weight: Rgb::ONE, pdf: 1.0, lobe, eta: 1.0 };
+                (drawn, matt.share)
+            }),
+            Part::Glass => {
+                self.glass.and_then(|(share, glass)| Some((glass.sample(wo, lobe, u)?, share)))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    const PLAIN: PrincipledParameters = PrincipledParameters {
+        base_color: Rgb::new(0.8, 0.4, 0.2),
+        metallic: 0.0,
+        roughness: 0.4,
+        specular: 0.5,
+        ior: 1.5,
+        coat: 0.0,
+        coat_roughness: 0.0,
+        transmission: 0.0,
+    };
+
+    fn eval(parameters: PrincipledParameters, wi: DVec3) -> Rgb {
+        Principled::new(parameters, &[1.0]).at(None, parameters.ior).eval(WO, wi)
+    }
+
+    const WO: DVec3 = DVec3::new(0.6, 0.0, 0.8);
+    const WI: DVec3 = DVec3::new(-0.28, 0.0, 0.96);
+
+    #[test]
+    fn its_ends_are_the_models_that_it_is_made_of() {
+        let PrincipledParameters { base_color, roughness, .. } = PLAIN;
+        let metal = eval(PrincipledParameters { metallic: 1.0, ..PLAIN }, WI);
+        assert_eq!(metal, Conductor::of_color(base_color, roughness).eval(WO, WI));
+        let glass = PrincipledParameters { transmission: 1.0, ..PLAIN };
+        let expected = Dielectric::new(1.5, 0, roughness, &[1.0]);
+        let expected = expected.interface(1.5);
+        assert_relative_eq!(eval(glass, WI).x, expected.eval(WO, WI) as f32);
+        let through = eval(glass, -WI).x / expected.eval(WO, -WI) as f32;
+        assert_relative_eq!(through * through, base_color.x, max_relative = 1e-6);
+    }
+
+    #[test]
+    fn half_of_specular_is_what_the_index_says() {
+        assert_relative_eq!(gloss_ior(1.33, 0.5), 1.33, max_relative = 1e-12);
+        assert_eq!(gloss_ior(1.33, 0.0), 1.0);
+        // Burley's 0.08 specular, for an index of 1.5.
+        let amplitude = (gloss_ior(1.5, 1.0) - 1.0) / (gloss_ior(1.5, 1.0) + 1.0);
+        assert_relative_eq!(amplitude * amplitude, 0.08, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn a_spheres_own_colour_is_the_base_colour() {
+        for (metallic, transmission) in [(0.0, 0.0), (1.0, 0.0), (0.3, 0.6)] {
+            let told = PrincipledParameters { metallic, transmission, coat: 0.7, ..PLAIN };
+            let grey = PrincipledParameters { base_color: Rgb::splat(0.5), ..told };
+            let grey = Principled::new(grey, &[1.0]);
+            let own = grey.at(Some(told.base_color), 1.5);
+            for wi in [WI, -WI] {
+                assert_relative_eq!(own.eval(WO, wi).x, eval(told, wi).x);
+            }
+        }
+    }
+}
