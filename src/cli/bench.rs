@@ -24,7 +24,7 @@ const MOST_RAYS: usize = 1 << 20;
 /// # Errors
 /// When the scene cannot be had or an intersector not be built.
 pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
-    interrupt::listen([]);
+    interrupt::listen();
     on_threads(args.scene.threads(), || measure(args))
 }
 

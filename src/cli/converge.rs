@@ -37,7 +37,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<Exit> {
         return Err(Error::input(message).with_help("the plot is a vector drawing"));
     }
     let file = WholeFile::new(&args.output)?;
-    interrupt::listen(Some(file.temporary()));
+    interrupt::listen();
     on_threads(args.scene.threads(), || converge(args, file))
 }
 

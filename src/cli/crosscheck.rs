@@ -27,7 +27,7 @@ const TOLERABLE_AMBIGUITY: f64 = 0.01;
 /// # Errors
 /// When the scene cannot be had, an intersector not be built, or the dump not be written.
 pub(super) fn run(args: &CrosscheckArgs) -> Result<Exit> {
-    interrupt::listen([]);
+    interrupt::listen();
     on_threads(args.scene.threads(), || check(args))
 }
 

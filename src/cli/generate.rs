@@ -24,7 +24,7 @@ pub(super) fn run(args: &GenerateArgs) -> Result<Exit> {
     }
     let table = WholeFile::new(&args.output)?;
     let scene = args.scene.as_deref().map(WholeFile::new).transpose()?;
-    interrupt::listen(Some(table.temporary()));
+    interrupt::listen();
     on_threads(args.threads, || write_table(&recipe, table, &args.output))?;
     if let (Some(file), Some(path)) = (scene, &args.scene) {
         let text = scene_text(&recipe, &table_as_seen_from(path, &args.output));

@@ -1,11 +1,11 @@
 //! Ctrl-C. While there is nothing to save, it ends the program at once; once there is, the first asks
 //! the work to stop, and the second ends the program at once.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::accel::Cancel;
+use crate::output::remove_unfinished;
 
 use super::exit::Exit;
 use super::print;
@@ -20,11 +20,10 @@ pub(super) struct Interrupt {
 /// Listens for Ctrl-C and for being told to terminate, with nothing to save so far.
 ///
 /// A signal that the program was started to ignore, as under `nohup`, stays ignored, and then none
-/// is listened for. `unfinished` is removed before the program dies at once.
-pub(super) fn listen<'p>(unfinished: impl IntoIterator<Item = &'p Path>) -> Interrupt {
+/// is listened for. Unfinished files are removed before the program dies at once.
+pub(super) fn listen() -> Interrupt {
     let interrupt = Interrupt::default();
     let ours = interrupt.clone();
-    let unfinished: Vec<PathBuf> = unfinished.into_iter().map(Path::to_path_buf).collect();
     let handler = move || {
         let is_second = ours.cancel.is_cancelled();
         if ours.can_save.load(Ordering::Relaxed) && !is_second {
@@ -32,10 +31,7 @@ pub(super) fn listen<'p>(unfinished: impl IntoIterator<Item = &'p Path>) -> Inte
             print::remark("stopping; press Ctrl-C again to stop at once and write nothing");
             return;
         }
-        // One may be gone already: the picture is then complete under its own name.
-        for file in &unfinished {
-            let _ = std::fs::remove_file(file);
-        }
+        remove_unfinished();
         if !is_second {
             print::remark("stopped; nothing was written");
         }

@@ -40,11 +40,6 @@ impl Outputs {
         Ok(Self { targets, look: args.look(), kinds: args.kinds(), with_run: !args.no_run_figures })
     }
 
-    /// The unfinished files; a program that is about to die may remove them.
-    pub(super) fn temporaries(&self) -> impl Iterator<Item = &Path> {
-        self.targets.iter().map(|(_, target)| target.temporary())
-    }
-
     /// The layers that are asked for.
     pub(super) fn kinds(&self) -> &[Kind] {
         &self.kinds
@@ -55,7 +50,7 @@ impl Outputs {
     /// # Errors
     /// When one cannot be written; those before it are.
     pub(super) fn write(
-        self,
+        &self,
         picture: &Picture,
         scene: &Scene,
         made: &Made,
@@ -65,7 +60,7 @@ impl Outputs {
         if self.with_run {
             records.extend(run.records());
         }
-        for (_, target) in self.targets {
+        for (_, target) in &self.targets {
             let mut records = records.clone();
             if target.is_for_screen() {
                 records.extend(look_in_words(&self.look).map(|words| Record::new("look", words)));

@@ -31,7 +31,7 @@ struct Figures {
 /// Whatever stands between the scene and the picture, the place of the picture first.
 pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
     let outputs = Outputs::new(&args.output)?;
-    let interrupt = interrupt::listen(outputs.temporaries());
+    let interrupt = interrupt::listen();
     on_threads(args.scene.threads(), || render(args, outputs, &interrupt))
 }
 

@@ -27,7 +27,7 @@ const BAR: &str = "{bar:32} {pos} of {len}  {elapsed}  {wide_msg}";
 /// When an intersector cannot be built, or the report not be written.
 pub(super) fn run(args: &VerifyArgs) -> Result<Exit> {
     let report = args.report.as_deref().map(WholeFile::new).transpose()?;
-    interrupt::listen(report.as_ref().map(WholeFile::temporary));
+    interrupt::listen();
     on_threads(args.threads, || verify(args, report))
 }
 

@@ -13,6 +13,7 @@
 //! can be made of it while others are adding. Of a tile's pixels, every one is then at a whole call of
 //! [`Film::add`].
 
+mod bytes;
 mod estimate;
 mod fixed;
 mod frame;
@@ -85,6 +86,15 @@ impl Film {
             tiles.push(Mutex::new(tile));
         }
         Ok(Self { frame, first_sample, plan, tiles })
+    }
+
+    /// A film without samples that takes memory for sums only as they come. Its frame must fit its full
+    /// size.
+    pub fn without_memory(format: &Format) -> Self {
+        let Format { frame, first_sample, scale, ref layers, squares } = *format;
+        let plan = Plan::new(scale, layers, squares);
+        let tile = |tile| Mutex::new(Tile::without_memory(frame.tile(tile).pixels()));
+        Self { frame, first_sample, plan, tiles: (0..frame.tiles()).map(tile).collect() }
     }
 
     /// Bytes that such a film holds, but for unfinished blocks.

@@ -220,3 +220,62 @@ fn films_that_do_not_belong_together_are_not_added() {
     let other = Format { scale: Scale::of_brightest(1.0), ..format(whole(), 0) };
     assert!(film.add_film(&Film::new(&other).unwrap()).is_err(), "another scale");
 }
+
+/// A film that reads as this one was written.
+fn copied(film: &Film) -> Film {
+    let mut copy = Film::new(&film.format()).unwrap();
+    for tile in 0..film.tiles.len() {
+        let mut bytes = Vec::new();
+        film.write_tile(tile, &mut bytes);
+        assert!(copy.read_tile(tile, &bytes));
+    }
+    copy
+}
+
+#[test]
+fn films_come_back_from_bytes_and_go_on() {
+    let window = Rect { x: 3, y: 1, width: 17, height: 7 };
+    for end in [0, 5, 16, 37] {
+        let film = filled(window, 0..end, &[end.max(1)]);
+        let bad = Radiance { direct: Rgb::splat(f32::NAN), ..Radiance::default() };
+        let mut counts = vec![0; film.frame().tile(2).pixels()];
+        counts[..3].copy_from_slice(&[1, 0, 2]);
+        film.add(2, &counts, &[bad, bad, sample([9, 9], 1)]).unwrap();
+        let copy = copied(&film);
+        assert_same(&copy, &film);
+        assert_eq!(copy.left_out(), film.left_out());
+        let tiles: Vec<usize> = (0..film.frame().tiles()).collect();
+        fill(&film, 50, &[3], &tiles);
+        fill(&copy, 50, &[50], &tiles);
+        assert_same(&copy, &film);
+    }
+}
+
+#[test]
+fn bytes_that_no_film_wrote_are_refused_or_harmless() {
+    let window = Rect { x: 0, y: 0, width: 5, height: 3 };
+    let film = filled(window, 0..37, &[37]);
+    let mut bytes = Vec::new();
+    film.write_tile(0, &mut bytes);
+    let mut target = Film::new(&format(window, 0)).unwrap();
+    for length in 0..bytes.len() {
+        assert!(!target.read_tile(0, &bytes[..length]), "{length}");
+    }
+    assert!(!target.read_tile(0, &[&bytes[..], &[0]].concat()));
+    assert_same(&target, &Film::new(&format(window, 0)).unwrap());
+    // Whatever else is read, more samples can be added to it.
+    let mut read = 0;
+    for at in 0..bytes.len() {
+        for flip in [0x01, 0x80, 0xff] {
+            let mut forged = bytes.clone();
+            forged[at] ^= flip;
+            let mut film = Film::new(&format(window, 0)).unwrap();
+            if film.read_tile(0, &forged) {
+                read += 1;
+                film.add(0, &[40; 15], &[sample([0, 0], 0); 600]).unwrap();
+                assert!(film.picture().direct[0].is_finite());
+            }
+        }
+    }
+    assert!(read > 0 && read < 3 * bytes.len());
+}

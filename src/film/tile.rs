@@ -70,7 +70,7 @@ impl Plan {
     }
 
     /// Whether all sums of a plane after the other are finite and below the limits.
-    fn holds(&self, sums: &[f64], pixels: usize) -> bool {
+    pub(super) fn holds(&self, sums: &[f64], pixels: usize) -> bool {
         let planes = sums.chunks_exact(pixels).zip(&self.limits);
         planes.into_iter().all(|(plane, limit)| plane.iter().all(|sum| sum.abs() < *limit))
     }
@@ -108,10 +108,15 @@ impl Tile {
     /// A tile of so many pixels without samples, which holds all the memory that it will need for
     /// finished blocks. `None` where there is not enough.
     pub(super) fn new(plan: &Plan, pixels: usize) -> Option<Self> {
-        let mut tile = Self { counts: vec![0; pixels], ..Self::default() };
+        let mut tile = Self::without_memory(pixels);
         tile.sums.try_reserve_exact(pixels * plan.sums()).ok()?;
         tile.squares.try_reserve_exact(pixels * plan.wide_sums()).ok()?;
         Some(tile)
+    }
+
+    /// A tile of so many pixels without samples.
+    pub(super) fn without_memory(pixels: usize) -> Self {
+        Self { counts: vec![0; pixels], ..Self::default() }
     }
 
     /// Adds the next samples of all pixels: `counts` of each, one pixel's after the other's. On failure

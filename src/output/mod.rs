@@ -11,6 +11,7 @@
 
 mod exr;
 mod hdr;
+mod part;
 mod pfm;
 mod png;
 mod read;
@@ -23,9 +24,10 @@ use crate::color::{Look, Rgb};
 use crate::error::{Error, Result};
 use crate::film::Picture;
 
+pub use part::{PartFile, PartHead, write_part};
 pub use read::{BEAUTY, Layer, Layered, read};
 pub use records::{Record, records};
-pub use whole::{Sink, WholeFile};
+pub use whole::{Sink, WholeFile, remove_unfinished};
 
 /// A place where a picture can be written: the folder is there and lets us in.
 #[derive(Debug)]
@@ -87,18 +89,12 @@ impl Target {
         self.format == Format::Png
     }
 
-    /// The unfinished file. It disappears with this target; a program that is about to die without
-    /// cleaning up may remove it.
-    pub fn temporary(&self) -> &Path {
-        self.file.temporary()
-    }
-
-    /// Writes the picture and gives the file its name.
+    /// Writes the picture, whole, as often as one likes, and gives the file its name.
     ///
     /// # Errors
     /// When the disk refuses; a file that was there before is then unchanged, and nothing else is
     /// left behind.
-    pub fn write(self, picture: &Picture) -> Result<()> {
+    pub fn write(&self, picture: &Picture) -> Result<()> {
         self.write_with(picture, &Notes::default())
     }
 
@@ -106,7 +102,7 @@ impl Target {
     ///
     /// # Errors
     /// Like [`Self::write`].
-    pub fn write_with(self, picture: &Picture, notes: &Notes) -> Result<()> {
+    pub fn write_with(&self, picture: &Picture, notes: &Notes) -> Result<()> {
         self.file.write(|sink| match self.format {
             Format::Png => png::write(picture, notes, sink),
             Format::Exr => exr::write(picture, notes, sink),

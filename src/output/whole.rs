@@ -3,6 +3,8 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use tempfile::NamedTempFile;
 
@@ -11,16 +13,25 @@ use crate::error::{Error, Result};
 /// What a file's content is written to.
 pub type Sink<'a> = BufWriter<&'a mut File>;
 
-/// A place where a file can be written: the folder is there and lets us in. The content goes into a
-/// temporary file beside it, which takes the name once every byte is on the disk.
-#[derive(Debug)]
+/// A place where a file can be written: the folder was there and let us in. The content goes into a
+/// temporary file beside it, which takes the name once every byte is on the disk. It can be written
+/// again and again.
+#[derive(Clone, Debug)]
 pub struct WholeFile {
     path: PathBuf,
-    temporary: NamedTempFile,
 }
 
+/// The unfinished files of this process.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// How the names of unfinished files end.
+const SUFFIX: &str = ".photosphere-tmp";
+
+/// An unfinished file that nobody wrote to for so long belongs to a process that died.
+const FORGOTTEN: Duration = Duration::from_secs(600);
+
 impl WholeFile {
-    /// Prepares to write `path`.
+    /// Prepares to write `path`, and removes what processes that died have left of it.
     ///
     /// # Errors
     /// When `path` is a folder or no regular file, or when its folder is missing or cannot be written
@@ -31,14 +42,9 @@ impl WholeFile {
             return Err(Error::file("write", path, "it is not a regular file"));
         }
         let path = end_of_link(path)?;
-        let temporary = create_beside(&path)?;
-        Ok(Self { path, temporary })
-    }
-
-    /// The unfinished file, which disappears with this; a program that is about to die without
-    /// cleaning up may remove it.
-    pub fn temporary(&self) -> &Path {
-        self.temporary.path()
+        remove_forgotten(&path);
+        drop(Unfinished::beside(&path)?);
+        Ok(Self { path })
     }
 
     /// Writes the content and gives the file its name.
@@ -46,13 +52,90 @@ impl WholeFile {
     /// # Errors
     /// When the disk refuses; a file that was there before is then unchanged, and nothing else is
     /// left behind.
-    pub fn write(mut self, content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>) -> Result<()> {
-        let failed = |e: io::Error| Error::file("write", &self.path, e);
-        let mut sink = BufWriter::new(self.temporary.as_file_mut());
+    pub fn write(&self, content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>) -> Result<()> {
+        let failed = |e: io::Error| Error::file("write", &self.path, system_words(&e));
+        let mut unfinished = Unfinished::beside(&self.path)?;
+        let mut sink = BufWriter::with_capacity(1 << 16, unfinished.file.as_file_mut());
         content(&mut sink).map_err(failed)?;
         sink.into_inner().map_err(|e| failed(e.into_error()))?.sync_all().map_err(failed)?;
-        self.temporary.persist(&self.path).map_err(|e| failed(e.error))?;
+        let Unfinished { file, known_as } = unfinished;
+        file.persist(&self.path).map_err(|e| failed(e.error))?;
+        drop(known_as);
+        sync_folder(&self.path);
         Ok(())
+    }
+}
+
+/// Removes the unfinished files of this process, which is about to die.
+pub fn remove_unfinished() {
+    let unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in unfinished.iter() {
+        // It may be finished already, under its own name.
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// A temporary file that [`remove_unfinished`] knows of.
+struct Unfinished {
+    file: NamedTempFile,
+    known_as: Known,
+}
+
+/// The entry of an unfinished file in the list.
+struct Known(PathBuf);
+
+impl Drop for Known {
+    fn drop(&mut self) {
+        let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+        unfinished.retain(|path| *path != self.0);
+    }
+}
+
+impl Unfinished {
+    fn beside(path: &Path) -> Result<Self> {
+        // Locked until the file is in the list, so that none is overlooked.
+        let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = create_beside(path)?;
+        unfinished.push(file.path().to_path_buf());
+        let known_as = Known(file.path().to_path_buf());
+        Ok(Self { file, known_as })
+    }
+}
+
+/// How the names of a file's unfinished versions begin; long names are cut, so that there is room for
+/// the rest.
+fn prefix(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    format!(".{}.", name.chars().take(48).collect::<String>())
+}
+
+/// Removes what processes that died have left of a file.
+fn remove_forgotten(path: &Path) {
+    let prefix = prefix(path);
+    let Ok(entries) = fs::read_dir(folder_of(path)) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let is_unfinished = name.starts_with(&prefix) && name.ends_with(SUFFIX);
+        let modified = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
+        if is_unfinished && modified().is_some_and(|age| age > FORGOTTEN) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Brings a file's new name to the disk, where the system can.
+fn sync_folder(path: &Path) {
+    #[cfg(unix)]
+    let _ = File::open(folder_of(path)).and_then(|folder| folder.sync_all());
+    #[cfg(not(unix))]
+    let _ = path;
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
     }
 }
 
@@ -81,17 +164,15 @@ fn end_of_link(path: &Path) -> Result<PathBuf> {
 /// default the library makes it private).
 fn create_beside(path: &Path) -> Result<NamedTempFile> {
     let refused = |reason: String| Error::file("write", path, reason);
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     let shown = folder.display();
     if !folder.exists() {
         return Err(refused(format!("the folder `{shown}` does not exist"))
             .with_help(format!("create it first: mkdir -p '{shown}'")));
     }
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".photosphere-").suffix(".tmp");
+    let prefix = prefix(path);
+    builder.prefix(&prefix).suffix(SUFFIX);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder
@@ -103,4 +184,53 @@ fn create_beside(path: &Path) -> Result<NamedTempFile> {
 fn system_words(error: &io::Error) -> String {
     let words = error.to_string();
     words.split(" at path ").next().unwrap_or_default().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn what_a_dead_process_left_is_removed_once_it_is_old() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.part");
+        let at = |name: &str| folder.path().join(name);
+        let old = File::create(at(".a.part.x1y2.photosphere-tmp")).unwrap();
+        old.set_modified(std::time::SystemTime::now() - 2 * FORGOTTEN).unwrap();
+        for name in [".a.part.new.photosphere-tmp", ".b.part.old.photosphere-tmp", "a.part.tmp"] {
+            let file = File::create(at(name)).unwrap();
+            if !name.contains("new") {
+                file.set_modified(std::time::SystemTime::now() - 2 * FORGOTTEN).unwrap();
+            }
+        }
+        let file = WholeFile::new(&path).unwrap();
+        assert!(!at(".a.part.x1y2.photosphere-tmp").exists());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
+        for text in ["first", "second"] {
+            file.write(|to| to.write_all(text.as_bytes())).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
+    }
+
+    #[test]
+    fn a_failed_write_tells_why_and_leaves_the_old_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.part");
+        let file = WholeFile::new(&path).unwrap();
+        file.write(|to| to.write_all(b"old")).unwrap();
+        let full = || io::Error::new(io::ErrorKind::StorageFull, "no space left");
+        let error = file.write(|_| Err(full())).unwrap_err().to_string();
+        assert!(error.ends_with("a.part`: no space left"), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        // The folder goes, and comes back.
+        fs::remove_dir_all(folder.path()).unwrap();
+        let error = file.write(|to| to.write_all(b"new")).unwrap_err().to_string();
+        assert!(error.ends_with("does not exist"), "{error}");
+        fs::create_dir(folder.path()).unwrap();
+        file.write(|to| to.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
 }

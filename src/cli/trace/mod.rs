@@ -22,7 +22,7 @@ use super::{interrupt, on_threads, print};
 /// When the scene cannot be had, has no such pixel or sample, or its integrator follows no paths.
 pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
     let file = args.svg.as_deref().map(WholeFile::new).transpose()?;
-    interrupt::listen(file.as_ref().map(WholeFile::temporary));
+    interrupt::listen();
     on_threads(args.scene.threads(), || trace(args, file))
 }
 

@@ -1,0 +1,184 @@
+//! A film as bytes, tile by tile, and back.
+//!
+//! Whole numbers are written without the zeros that most of them begin and end with. Reading trusts
+//! nothing: what cannot be the sums of a render is refused, and the memory taken is in proportion
+//! to the bytes that were read.
+
+use super::fixed::{Sum, Wide};
+use super::tile::{Plan, Tile};
+use super::{BLOCK, Film};
+
+/// The bits of a byte before a number that tell how many bytes follow.
+const LENGTH: u8 = 0x3f;
+/// The bit of that byte that is set for a negative number.
+const NEGATIVE: u8 = 0x80;
+
+/// How the counts of a tile's pixels are written.
+const EMPTY: u8 = 0;
+const ALL_ALIKE: u8 = 1;
+const EACH: u8 = 2;
+
+impl Film {
+    /// Adds the bytes of a tile to `to`. The tile is then as it is now, however much is added to it
+    /// while the others are written.
+    pub fn write_tile(&self, tile: usize, to: &mut Vec<u8>) {
+        self.lock(tile).write(&self.plan, to);
+    }
+
+    /// Replaces a tile by what [`Self::write_tile`] wrote for a film of the same format. `false`, and
+    /// the tile stays as it is, where these bytes are none that it could have written.
+    pub fn read_tile(&mut self, tile: usize, bytes: &[u8]) -> bool {
+        let pixels = self.frame.tile(tile).pixels();
+        let most = u32::MAX - self.first_sample;
+        match Tile::read(&self.plan, pixels, most, bytes) {
+            Some(sums) => {
+                *self.lock(tile) = sums;
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+impl Tile {
+    fn write(&self, plan: &Plan, to: &mut Vec<u8>) {
+        match self.counts.iter().max() {
+            None | Some(0) => return to.push(EMPTY),
+            Some(count) if self.counts.iter().all(|other| other == count) => {
+                to.push(ALL_ALIKE);
+                to.extend(count.to_le_bytes());
+            }
+            _ => {
+                to.push(EACH);
+                to.extend(self.counts.iter().flat_map(|count| count.to_le_bytes()));
+            }
+        }
+        to.push(u8::from(!self.left_out.is_empty()));
+        to.extend(self.left_out.iter().flat_map(|count| count.to_le_bytes()));
+        for sum in &self.sums {
+            write_number(sum.is_negative(), &sum.unsigned_abs().to_le_bytes(), to);
+        }
+        for Wide([low, middle, high]) in &self.squares {
+            let bytes = [low.to_le_bytes(), middle.to_le_bytes(), high.to_le_bytes()].concat();
+            write_number(false, &bytes, to);
+        }
+        // An empty list stands for zeros; what finished pixels have is zero too.
+        for pixel in (0..self.counts.len()).filter(|&pixel| self.counts[pixel] % BLOCK != 0) {
+            for plane in self.open.chunks_exact(self.counts.len()).take(plan.sums()) {
+                to.extend(plane[pixel].to_bits().to_le_bytes());
+            }
+        }
+    }
+
+    fn read(plan: &Plan, pixels: usize, most_samples: u32, bytes: &[u8]) -> Option<Self> {
+        let mut from = Reader(bytes);
+        let mut tile = Self { counts: vec![0; pixels], ..Self::default() };
+        match from.byte()? {
+            EMPTY => return from.0.is_empty().then_some(tile),
+            ALL_ALIKE => tile.counts.fill(from.u32()?),
+            EACH => tile.counts = from.u32s(pixels)?,
+            _ => return None,
+        }
+        match from.byte()? {
+            0 => {}
+            1 => tile.left_out = from.u32s(pixels)?,
+            _ => return None,
+        }
+        let counts = tile.counts.iter();
+        if counts.clone().any(|&count| count > most_samples)
+            || counts.zip(&tile.left_out).any(|(count, left_out)| left_out > count)
+        {
+            return None;
+        }
+        // Every number takes a byte at least.
+        if bytes.len() < pixels * (plan.sums() + plan.wide_sums()) {
+            return None;
+        }
+        let blocks = |at: usize| u128::from(tile.counts[at % pixels] / BLOCK);
+        for at in 0..pixels * plan.sums() {
+            let (is_negative, bytes) = from.number::<16>()?;
+            let magnitude = u128::from_le_bytes(bytes);
+            // Blocks below the limit, so that what comes later cannot overflow either.
+            if magnitude > blocks(at) << <i128 as Sum>::BITS {
+                return None;
+            }
+            let magnitude = magnitude as i128;
+            tile.sums.push(if is_negative { -magnitude } else { magnitude });
+        }
+        for at in 0..pixels * plan.wide_sums() {
+            let (is_negative, bytes) = from.number::<24>()?;
+            let (low, high) = bytes.split_at(16);
+            let low = u128::from_le_bytes(low.try_into().ok()?);
+            let high = u64::from_le_bytes(high.try_into().ok()?);
+            let most = blocks(at) << (<Wide as Sum>::BITS - 128);
+            if is_negative || u128::from(high) >= most && (low, high) != (0, 0) {
+                return None;
+            }
+            tile.squares.push(Wide([low as u64, (low >> 64) as u64, high]));
+        }
+        let unfinished: Vec<usize> =
+            (0..pixels).filter(|&pixel| tile.counts[pixel] % BLOCK != 0).collect();
+        if !unfinished.is_empty() {
+            tile.open = vec![0.0; pixels * plan.sums()];
+        }
+        for pixel in unfinished {
+            for plane in 0..plan.sums() {
+                tile.open[plane * pixels + pixel] = from.f64()?;
+            }
+        }
+        (from.0.is_empty() && plan.holds(&tile.open, pixels)).then_some(tile)
+    }
+}
+
+/// A number by its sign and its magnitude, the lowest byte first: a byte with the sign and how many
+/// bytes are kept, then, unless it is 0, how many zeros were dropped below them, and then those.
+fn write_number(is_negative: bool, magnitude: &[u8], to: &mut Vec<u8>) {
+    let Some(last) = magnitude.iter().rposition(|&byte| byte != 0) else { return to.push(0) };
+    let first = magnitude.iter().position(|&byte| byte != 0).unwrap_or(0);
+    let kept = &magnitude[first..=last];
+    to.push(kept.len() as u8 | if is_negative { NEGATIVE } else { 0 });
+    to.push(first as u8);
+    to.extend_from_slice(kept);
+}
+
+/// Takes bytes from the front; `None` where there are too few.
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk::<N>()?;
+        self.0 = rest;
+        Some(*first)
+    }
+
+    fn byte(&mut self) -> Option<u8> {
+        self.take::<1>().map(|[byte]| byte)
+    }
+
+    fn u32(&mut self) -> Option<u32> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    fn u32s(&mut self, count: usize) -> Option<Vec<u32>> {
+        (0..count).map(|_| self.u32()).collect()
+    }
+
+    fn f64(&mut self) -> Option<f64> {
+        self.take().map(|bytes| f64::from_bits(u64::from_le_bytes(bytes)))
+    }
+
+    /// What [`write_number`] wrote.
+    fn number<const N: usize>(&mut self) -> Option<(bool, [u8; N])> {
+        let mut magnitude = [0; N];
+        let head = self.byte()?;
+        let length = usize::from(head & LENGTH);
+        if length > 0 {
+            let first = usize::from(self.byte()?);
+            let place = magnitude.get_mut(first..first + length)?;
+            let (kept, rest) = self.0.split_at_checked(length)?;
+            place.copy_from_slice(kept);
+            self.0 = rest;
+        }
+        Some((head & NEGATIVE != 0, magnitude))
+    }
+}
