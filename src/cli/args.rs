@@ -7,6 +7,7 @@
 mod compare;
 mod converge;
 mod generate;
+mod keep;
 mod output;
 mod picture;
 mod trace;
@@ -25,6 +26,7 @@ use super::exit::EXIT_CODES;
 pub(super) use compare::{CompareArgs, Mapped, Metric};
 pub(super) use converge::ConvergeArgs;
 pub(super) use generate::GenerateArgs;
+pub(super) use keep::{KeepArgs, MergeArgs, ResumeArgs};
 pub(super) use output::OutputArgs;
 pub(super) use picture::PictureArgs;
 pub(super) use trace::TraceArgs;
@@ -53,6 +55,8 @@ pub(super) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Render(RenderArgs),
+    Resume(ResumeArgs),
+    Merge(MergeArgs),
     Crosscheck(CrosscheckArgs),
     Bench(BenchArgs),
     Compare(CompareArgs),
@@ -115,9 +119,12 @@ Examples:
   photosphere render fig2.toml -o fig2.exr -o fig2.png --tone agx --exposure 1
   photosphere render fig2.toml -o fig2.exr --layers direct,indirect,albedo,normal,depth
   photosphere render fig2.toml -o fig2.pfm --quiet --json | jq .samples_per_s
+  photosphere render fig2.toml -o fig2.exr --spp 65536 --checkpoint fig2.state
+  photosphere render fig2.toml -o right.part --samples 0..64 --crop 320,0,640,480
 
 Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,
-stops at once and writes nothing.")]
+stops at once and writes nothing. With --checkpoint FILE, `photosphere resume FILE` goes on, and so
+does the same command.")]
 pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -131,6 +138,14 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     pub(super) picture: PictureArgs,
 
+    /// Render these samples of each pixel only, as in 0..64; a range starts on a multiple of 16, and
+    /// ends on one unless it is the last
+    #[arg(long, value_name = "A..B", value_parser = keep::samples)]
+    pub(super) samples: Option<std::ops::Range<u32>>,
+
+    #[command(flatten)]
+    pub(super) keep: KeepArgs,
+
     /// Say nothing but warnings and errors
     #[arg(short, long)]
     pub(super) quiet: bool,
@@ -138,6 +153,19 @@ pub(super) struct RenderArgs {
     /// Print one JSON object with the figures of the render on the standard output
     #[arg(long)]
     pub(super) json: bool,
+
+    /// Where this is a render that goes on.
+    #[arg(skip)]
+    pub(super) resumed: Option<Resumed>,
+}
+
+/// What a render that goes on takes from its checkpoint, beside the options.
+#[derive(Clone, Debug)]
+pub(super) struct Resumed {
+    /// The arguments of the command that began it.
+    pub(super) arguments: Vec<String>,
+    /// The samples per pixel that `--extend-to` asks for.
+    pub(super) extended_to: Option<u32>,
 }
 
 /// Check every intersector against exact arithmetic, on rays of the scene
@@ -252,6 +280,11 @@ impl SceneArgs {
         self.threads
     }
 
+    /// Asks for other threads.
+    pub(super) fn set_threads(&mut self, threads: Option<usize>) {
+        self.threads = threads;
+    }
+
     /// What `--set` says.
     pub(super) fn overrides(&self) -> Vec<Override> {
         let setting = |Setting { key, value }: &Setting| Override {
@@ -273,7 +306,15 @@ impl AccelsArg {
 impl RenderArgs {
     /// What the options change in the scene.
     pub(super) fn overrides(&self) -> Vec<Override> {
-        self.picture.overrides(&self.scene)
+        let mut overrides = self.picture.overrides(&self.scene);
+        if let Some(samples) = self.resumed.as_ref().and_then(|resumed| resumed.extended_to) {
+            overrides.push(Override {
+                option: format!("--extend-to {samples}"),
+                key: "render.samples_per_pixel".to_owned(),
+                value: samples.to_string(),
+            });
+        }
+        overrides
     }
 }
 

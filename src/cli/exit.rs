@@ -29,7 +29,7 @@ Exit codes:
        cannot be read, or pictures cannot be compared
   4    any other file could not be read or written
   5    the intersector is missing or failed
-  130  stopped by Ctrl-C; render has written the samples it had, if any";
+  130  stopped by Ctrl-C, SIGTERM or SIGHUP; render has written the samples it had, if any";
 
 impl Exit {
     pub(super) fn of(error: &Error) -> Self {

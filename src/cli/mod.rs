@@ -14,11 +14,14 @@ mod exit;
 mod generate;
 mod info;
 mod interrupt;
+mod keeper;
 mod manual;
+mod merge;
 mod outputs;
 mod print;
 mod progress;
 mod render;
+mod resume;
 mod system;
 mod trace;
 mod verify;
@@ -47,6 +50,8 @@ pub fn main() -> ExitCode {
 fn run(command: &Command) -> Result<Exit> {
     match command {
         Command::Render(args) => render::run(args),
+        Command::Resume(args) => resume::run(args),
+        Command::Merge(args) => merge::run(args),
         Command::Crosscheck(args) => crosscheck::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Compare(args) => compare::run(args),

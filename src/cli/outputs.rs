@@ -4,19 +4,29 @@ use std::path::{Path, PathBuf};
 
 use crate::color::Look;
 use crate::error::{Error, Result};
-use crate::film::{Kind, Layer, Picture};
+use crate::film::{Frame, Kind, Layer, Picture};
 use crate::output::{Crop, Notes, Record, Target};
 use crate::provenance::{self, Made, Run};
-use crate::scene::Scene;
 
 use super::args::OutputArgs;
 
 /// The files that a picture goes to.
 pub(super) struct Outputs {
     targets: Vec<(PathBuf, Target)>,
+    /// Where the sums themselves go.
+    part: Option<PathBuf>,
     look: Look,
     kinds: Vec<Kind>,
     with_run: bool,
+}
+
+/// The name of the record that lists the layers.
+const LAYERS: &str = "layers";
+
+/// The layers that a file says it is for, if it does.
+pub(super) fn kinds_of(records: &[Record]) -> Option<Vec<Kind>> {
+    let record = records.iter().find(|record| record.name == LAYERS)?;
+    record.text.split(',').filter(|name| !name.is_empty()).map(Kind::named).collect()
 }
 
 impl Outputs {
@@ -26,23 +36,56 @@ impl Outputs {
     /// When one cannot be written, is named twice, or none has a place for what is asked.
     pub(super) fn new(args: &OutputArgs) -> Result<Self> {
         let mut targets: Vec<(PathBuf, Target)> = Vec::new();
+        let mut part = None;
         for path in &args.files {
+            if is_part(path) {
+                if let Some(earlier) = part.replace(path.clone()) {
+                    let (a, b) = (earlier.display(), path.display());
+                    let message = format!("`{a}` and `{b}` are both parts");
+                    return Err(Error::input(message).with_help("one holds all there is"));
+                }
+                continue;
+            }
             if targets.iter().any(|(earlier, _)| earlier == path) {
                 let message = format!("`{}` is named twice as the picture", path.display());
                 return Err(Error::input(message).with_help("leave one out"));
             }
             targets.push((path.clone(), Target::new(path)?));
         }
-        refuse_layers_without_place(args, &targets)?;
-        if let Some(option) = args.look_option() {
-            refuse_look_without_screen(option, &targets)?;
+        if part.is_none() {
+            refuse_layers_without_place(args, &targets)?;
         }
-        Ok(Self { targets, look: args.look(), kinds: args.kinds(), with_run: !args.no_run_figures })
+        if let Some(option) = args.look_option() {
+            refuse_look_without_screen(option, args, &targets)?;
+        }
+        let (look, kinds, with_run) = (args.look(), args.kinds(), !args.no_run_figures);
+        Ok(Self { targets, part, look, kinds, with_run })
     }
 
     /// The layers that are asked for.
     pub(super) fn kinds(&self) -> &[Kind] {
         &self.kinds
+    }
+
+    /// Says which those are.
+    pub(super) fn record_of_layers(&self) -> Record {
+        let names: Vec<&str> = self.kinds.iter().map(|kind| kind.row().name).collect();
+        Record::new(LAYERS, names.join(","))
+    }
+
+    /// Asks for other layers.
+    pub(super) fn set_kinds(&mut self, kinds: Vec<Kind>) {
+        self.kinds = kinds;
+    }
+
+    /// Where the sums themselves go.
+    pub(super) fn part(&self) -> Option<&Path> {
+        self.part.as_deref()
+    }
+
+    /// Whether there is any picture among the files.
+    pub(super) fn has_pictures(&self) -> bool {
+        !self.targets.is_empty()
     }
 
     /// Writes all files.
@@ -52,7 +95,7 @@ impl Outputs {
     pub(super) fn write(
         &self,
         picture: &Picture,
-        scene: &Scene,
+        frame: &Frame,
         made: &Made,
         run: &Run,
     ) -> Result<()> {
@@ -66,25 +109,28 @@ impl Outputs {
                 records.extend(look_in_words(&self.look).map(|words| Record::new("look", words)));
             }
             if target.has_layers() {
-                let names: Vec<&str> = self.kinds.iter().map(|kind| kind.row().name).collect();
-                records.push(Record::new("layers", names.join(",")));
+                records.push(self.record_of_layers());
             }
             provenance::sort(&mut records);
-            let notes = Notes { cropped_from: crop(scene), look: self.look, records };
+            let notes = Notes { cropped_from: crop(frame), look: self.look, records };
             target.write_with(picture, &notes)?;
         }
         Ok(())
     }
 }
 
-/// Which part of the whole picture the scene asks for.
-pub(super) fn crop(scene: &Scene) -> Option<Crop> {
-    let image = scene.description().image;
-    let window = image.window();
-    image.crop.map(|_| Crop {
-        full_size: [image.width, image.height].map(|pixels| pixels as usize),
+/// Which part of the whole picture this is, unless it is all of it.
+fn crop(frame: &Frame) -> Option<Crop> {
+    let Frame { full_size, window } = *frame;
+    (*frame != Frame::whole(full_size[0], full_size[1])).then(|| Crop {
+        full_size: full_size.map(|pixels| pixels as usize),
         corner: [window.x, window.y].map(|pixels| pixels as usize),
     })
+}
+
+/// Whether a file is to hold the sums themselves.
+pub(super) fn is_part(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("part"))
 }
 
 /// Names, in words: `a.png and b.exr`.
@@ -119,11 +165,18 @@ fn quoted(targets: &[(PathBuf, Target)]) -> String {
     names.join(" and ")
 }
 
-fn refuse_look_without_screen(option: &str, targets: &[(PathBuf, Target)]) -> Result<()> {
+fn refuse_look_without_screen(
+    option: &str,
+    args: &OutputArgs,
+    targets: &[(PathBuf, Target)],
+) -> Result<()> {
     if targets.iter().any(|(_, target)| target.is_for_screen()) {
         return Ok(());
     }
-    let (names, verb) = (quoted(targets), if targets.len() == 1 { "holds" } else { "hold" });
+    let verb = if args.files.len() == 1 { "holds" } else { "hold" };
+    let names: Vec<String> =
+        args.files.iter().map(|path| format!("`{}`", path.display())).collect();
+    let names = names.join(" and ");
     Err(Error::input(format!(
         "`{option}` is for .png files, but {names} {verb} light, which stays as it is"
     ))

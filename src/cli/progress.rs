@@ -51,6 +51,14 @@ impl Progress {
         }
     }
 
+    /// Lets something be said without a bar in the way.
+    pub(super) fn say(&self, words: impl FnOnce()) {
+        match self {
+            Self::Bar(bar) => bar.suspend(words),
+            _ => words(),
+        }
+    }
+
     /// Takes the bar away.
     pub(super) fn finish(&self) {
         if let Self::Bar(bar) = self {

@@ -54,6 +54,15 @@ impl Frame {
         across * down
     }
 
+    /// The tile that has this pixel of the whole picture; `None` outside of the part.
+    pub fn tile_with(&self, [column, row]: [u32; 2]) -> Option<usize> {
+        let Rect { x, y, width, height } = self.window;
+        let is_within = (x..x + width).contains(&column) && (y..y + height).contains(&row);
+        let across = self.tiles_each_way()[0];
+        let at = |place: u32, first: u32, tile: u32| (place / tile - first / tile) as usize;
+        is_within.then(|| at(row, y, TILE[1]) * across + at(column, x, TILE[0]))
+    }
+
     /// Where a tile lies. Tiles at the edges may be smaller.
     pub fn tile(&self, index: usize) -> Rect {
         let Rect { x, y, width, height } = self.window;
@@ -115,10 +124,12 @@ mod tests {
             assert_eq!(places, window.places().collect::<Vec<_>>());
             for tile in 0..frame.tiles() {
                 let place = frame.tile(tile);
+                assert!(place.places().all(|pixel| frame.tile_with(pixel) == Some(tile)));
                 let wholes = |of: &usize| whole.tile(*of).common(&place).is_some();
                 assert_eq!((0..whole.tiles()).filter(wholes).count(), 1, "{place:?}");
             }
         }
+        assert_eq!(whole.tile_with([50, 3]), None);
         assert_eq!(whole.tile(5), Rect { x: 16, y: 4, width: 16, height: 4 });
     }
 }

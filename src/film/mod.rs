@@ -134,6 +134,15 @@ impl Film {
         self.lock(tile).counts.iter().copied().min().unwrap_or(0)
     }
 
+    /// How many samples the pixel has that has the fewest, and the one that has the most.
+    pub fn fewest_and_most(&self) -> (u32, u32) {
+        (0..self.tiles.len()).fold((u32::MAX, 0), |(fewest, most), tile| {
+            let counts = &self.lock(tile).counts;
+            let all = || counts.iter().copied();
+            (fewest.min(all().min().unwrap_or(fewest)), most.max(all().max().unwrap_or(0)))
+        })
+    }
+
     /// Adds the next samples of the pixels of a tile: `counts` of each pixel, along the rows, and
     /// `samples` in the same order.
     ///
@@ -156,16 +165,12 @@ impl Film {
         {
             return Err(Error::input("films of different kinds cannot be added"));
         }
-        for tile in 0..self.tiles.len() {
-            let place = self.frame.tile(tile);
-            // Tiles are aligned, so no tile of the other has pixels of two of ours.
-            let Some(theirs) = (0..other.tiles.len())
-                .find(|&theirs| other.frame.tile(theirs).common(&place).is_some())
-            else {
-                continue;
-            };
-            let (their_place, theirs) = (other.frame.tile(theirs), other.lock(theirs));
-            let mut sums = self.lock(tile);
+        for theirs in 0..other.tiles.len() {
+            let their_place = other.frame.tile(theirs);
+            // Tiles are aligned, so no tile of theirs has pixels of two of ours.
+            let Some(ours) = self.frame.tile_with([their_place.x, their_place.y]) else { continue };
+            let place = self.frame.tile(ours);
+            let (mut sums, theirs) = (self.lock(ours), other.lock(theirs));
             for (their_pixel, [x, y]) in their_place.places().enumerate() {
                 let pixel = (y - place.y) * place.width + (x - place.x);
                 sums.add_pixel(&self.plan, pixel as usize, &theirs, their_pixel)?;

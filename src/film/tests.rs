@@ -240,7 +240,7 @@ fn films_come_back_from_bytes_and_go_on() {
         let bad = Radiance { direct: Rgb::splat(f32::NAN), ..Radiance::default() };
         let mut counts = vec![0; film.frame().tile(2).pixels()];
         counts[..3].copy_from_slice(&[1, 0, 2]);
-        film.add(2, &counts, &[bad, bad, sample([9, 9], 1)]).unwrap();
+        film.add(2, &counts, light(&[bad, bad, sample([9, 9], 1)])).unwrap();
         let copy = copied(&film);
         assert_same(&copy, &film);
         assert_eq!(copy.left_out(), film.left_out());
@@ -272,7 +272,7 @@ fn bytes_that_no_film_wrote_are_refused_or_harmless() {
             let mut film = Film::new(&format(window, 0)).unwrap();
             if film.read_tile(0, &forged) {
                 read += 1;
-                film.add(0, &[40; 15], &[sample([0, 0], 0); 600]).unwrap();
+                film.add(0, &[40; 15], light(&[sample([0, 0], 0); 600])).unwrap();
                 assert!(film.picture().direct[0].is_finite());
             }
         }

@@ -343,6 +343,7 @@ impl<S: Read> Hashing<S> {
 mod tests {
     use super::*;
     use crate::color::{Radiance, Rgb};
+    use crate::film::Run;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     /// A part with finished and unfinished blocks and an empty tile, and its bytes.
@@ -365,7 +366,7 @@ mod tests {
                     ..Default::default()
                 })
                 .collect();
-            film.add(tile, &counts, &samples).unwrap();
+            film.add(tile, &counts, Run { light: &samples, seen: &[] }).unwrap();
         }
         let records = vec![Record::new("seed", "7"), Record::new("scene", "format = 1\n\"x\"")];
         let (_folder, path) = written(&film, &records);

@@ -6,6 +6,7 @@
 //! command, the time, the machine. Files in which it is left out are equal to the byte where the
 //! pictures are.
 
+mod difference;
 mod made;
 mod run;
 

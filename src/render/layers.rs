@@ -11,38 +11,63 @@ use crate::scene::Scene;
 
 /// The picture of a film of this scene, with these layers.
 pub fn picture(scene: &Scene, accel: &dyn Accel, film: &Film, kinds: &[Kind]) -> Picture {
+    let rows = match kinds.iter().any(|kind| needs_scene(*kind)) {
+        true => rows_at_centres(scene, accel, film.frame()),
+        false => Vec::new(),
+    };
+    let of_scene = |kind: Kind| {
+        let material = |&row: &u32| match row {
+            NOTHING => NOTHING,
+            row => scene.material_of_row(row) as u32,
+        };
+        match kind {
+            Kind::MaterialId => rows.iter().map(material).collect(),
+            _ => rows.clone(),
+        }
+    };
+    assembled(film, kinds, scene.description().background.transparent, &of_scene)
+}
+
+/// Whether a layer is about the scene itself and not about samples.
+pub fn needs_scene(kind: Kind) -> bool {
+    matches!(kind, Kind::SphereId | Kind::MaterialId)
+}
+
+/// The same without the scene, for layers that do not need it; `transparent` is what the scene says of
+/// its background.
+pub fn picture_of_sums(film: &Film, kinds: &[Kind], transparent: bool) -> Picture {
+    assembled(film, kinds, transparent, &|_| Vec::new())
+}
+
+fn assembled(
+    film: &Film,
+    kinds: &[Kind],
+    transparent: bool,
+    of_scene: &dyn Fn(Kind) -> Vec<u32>,
+) -> Picture {
     let mut picture = film.picture();
     let wants_alpha = kinds.contains(&Kind::Mean(Layer::Alpha));
-    if !scene.description().background.transparent && !wants_alpha {
+    if !transparent && !wants_alpha {
         // It was summed for others.
         picture.alpha = None;
     }
     let is_missing = |layer: &Layer| !kinds.contains(&Kind::Mean(*layer));
     picture.left_out = [Layer::Direct, Layer::Indirect].into_iter().filter(is_missing).collect();
-    let ids = kinds.iter().any(|kind| matches!(kind, Kind::SphereId | Kind::MaterialId));
-    let rows = if ids { rows_at_centres(scene, accel, film.frame()) } else { Vec::new() };
     for kind in kinds {
-        picture.planes.extend(planes(scene, film, *kind, &rows));
+        picture.planes.extend(planes(film, *kind, of_scene));
     }
     picture
 }
 
 /// The channels of a layer, but for those that a picture has by itself.
-fn planes(scene: &Scene, film: &Film, kind: Kind, rows: &[u32]) -> Vec<Plane> {
+fn planes(film: &Film, kind: Kind, of_scene: &dyn Fn(Kind) -> Vec<u32>) -> Vec<Plane> {
     let whole = |values: Vec<u32>| vec![Plane::new(kind.row().name, Values::Whole(values))];
     match kind {
         Kind::Beauty | Kind::Mean(Layer::Direct | Layer::Indirect | Layer::Alpha) => Vec::new(),
         Kind::Mean(layer) => spread(kind, film.mean(layer)),
         Kind::Variance => spread(kind, film.variance()),
         Kind::SampleCount => whole(film.counts()),
-        Kind::SphereId => whole(rows.to_vec()),
-        Kind::MaterialId => {
-            let material = |&row: &u32| match row {
-                NOTHING => NOTHING,
-                row => scene.material_of_row(row) as u32,
-            };
-            whole(rows.iter().map(material).collect())
-        }
+        Kind::SphereId | Kind::MaterialId => whole(of_scene(kind)),
     }
 }
 

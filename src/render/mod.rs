@@ -7,7 +7,7 @@ mod session;
 mod squares;
 
 pub use adaptive::{FIRST_DECISION, Standing, error_so_far, half_widths, render_to};
-pub use layers::picture;
+pub use layers::{needs_scene, picture, picture_of_sums};
 pub use noise::Target;
 pub use session::Session;
 

@@ -5,6 +5,7 @@
 mod command_line;
 mod desk;
 mod files;
+mod long_renders;
 mod mistakes_in_a_scene;
 mod pictures;
 mod provenance;

@@ -13,7 +13,7 @@ use crate::film::{KINDS, Kind};
 #[derive(Args, Debug)]
 pub(in crate::cli) struct OutputArgs {
     /// The picture; its extension chooses the format: .png (8 bit for the screen), .exr (linear, with
-    /// layers), .hdr or .pfm (linear). May be repeated
+    /// layers), .hdr or .pfm (linear); or .part, the sums themselves, to be merged. May be repeated
     #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
     pub(in crate::cli) files: Vec<PathBuf>,
 

@@ -44,7 +44,8 @@ pub(super) fn walk(
     let mut tally = Tally::default();
     let mut active: Vec<usize> = (0..shadows.len()).collect();
     for _ in 0..LONGEST {
-        if active.is_empty() {
+        // What is estimated after a request to stop is not used.
+        if active.is_empty() || world.cancel.is_cancelled() {
             return tally;
         }
         rays.clear();

@@ -1,0 +1,197 @@
+//! A render at work: what it keeps and writes, at any time and from any thread.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use serde_json::json;
+
+use crate::accel::Accel;
+use crate::error::{Error, Result};
+use crate::film::Film;
+use crate::integrator::Tally;
+use crate::output::{Record, write_part};
+use crate::provenance::{Made, Run, Samples};
+use crate::render::{self, Session};
+use crate::scene::Scene;
+
+use super::super::args::RenderArgs;
+use super::super::exit::Exit;
+use super::super::keeper::Chore;
+use super::super::outputs::Outputs;
+use super::super::{print, system};
+use super::report::{Figures, Report};
+use super::start::{Before, Keep};
+
+/// The name of the record that says how to go on.
+pub(in crate::cli) const RESUME: &str = "resume";
+
+/// A render at work.
+pub(super) struct Job<'a> {
+    pub(super) args: &'a RenderArgs,
+    pub(super) scene: &'a Scene,
+    pub(super) accel: &'a dyn Accel,
+    pub(super) session: &'a Session<'a>,
+    /// The samples that every pixel is to have.
+    pub(super) samples: Range<u32>,
+    pub(super) outputs: &'a Outputs,
+    pub(super) keep: Option<&'a Keep>,
+    /// What decides the pixels, but for how many samples they have so far.
+    pub(super) made: Made,
+    pub(super) before: Before,
+    pub(super) samples_before: u64,
+    pub(super) began: Instant,
+    /// Held while all is saved, so that it is saved once.
+    pub(super) saving: Mutex<()>,
+}
+
+impl Job<'_> {
+    fn film(&self) -> &Film {
+        self.session.film()
+    }
+
+    /// What is to be done beside it.
+    pub(super) fn chores(&self) -> Vec<Chore<'_>> {
+        let keep = self.keep.map(|keep| Chore {
+            what: format!("write `{}`", keep.path.display()),
+            every: keep.every,
+            work: Box::new(|| self.save_part(keep)),
+        });
+        keep.into_iter().collect()
+    }
+
+    /// Saves what there is and ends the program.
+    pub(super) fn give_up(&self) {
+        let saved = self.save_all();
+        // Never let go: the threads that render may get here yet.
+        let _saving = self.saving.lock().unwrap_or_else(PoisonError::into_inner);
+        let exit = match saved {
+            Ok(()) => Exit::Stopped,
+            Err(error) => {
+                super::super::error::print(&error);
+                Exit::of(&error)
+            }
+        };
+        std::process::exit(i32::from(exit as u8));
+    }
+
+    /// Writes the part and the pictures.
+    ///
+    /// # Errors
+    /// When something cannot be written; the others are, where they can be. When there is not one
+    /// sample.
+    pub(super) fn save_all(&self) -> Result<()> {
+        let _saving = self.saving.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.film().samples() == 0 {
+            let help = "no sample was finished, so no picture was written";
+            return Err(Error::cancelled().with_help(help));
+        }
+        let kept = self.keep.map_or(Ok(()), |keep| self.save_part(keep));
+        let shown = self.save_pictures();
+        match (kept, shown) {
+            (Ok(()), Err(error)) if self.keep.is_some() => {
+                let path = self.keep.map(|keep| keep.path.display().to_string());
+                let path = path.unwrap_or_default();
+                Err(error.with_help(format!(
+                    "the samples are safe: photosphere resume '{path}' writes it again"
+                )))
+            }
+            (kept, shown) => shown.and(kept),
+        }
+    }
+
+    fn save_pictures(&self) -> Result<()> {
+        if !self.outputs.has_pictures() {
+            return Ok(());
+        }
+        let film = self.film();
+        let picture = render::picture(self.scene, self.accel, film, self.outputs.kinds());
+        self.outputs.write(&picture, film.frame(), &self.made(), &self.run())
+    }
+
+    fn save_part(&self, keep: &Keep) -> Result<()> {
+        let mut records = self.made().records();
+        records.extend(self.run().records());
+        let tally = self.tally();
+        records.push(Record::new("media-overflows", tally.media_overflows.to_string()));
+        records.push(Record::new("cut-off", tally.cut_off.to_string()));
+        let last = self.scene.description().render.samples_per_pixel;
+        records.push(Record::new("samples-per-pixel", last.to_string()));
+        let transparent = self.scene.description().background.transparent;
+        records.push(Record::new("transparent", transparent.to_string()));
+        records.push(self.outputs.record_of_layers());
+        records.push(Record::new(RESUME, self.how_to_go_on().to_string()));
+        write_part(&keep.file, self.film(), &self.samples, &records)
+    }
+
+    /// What `resume` needs to know of the command.
+    fn how_to_go_on(&self) -> serde_json::Value {
+        let resumed = self.args.resumed.as_ref();
+        let arguments = match resumed {
+            Some(resumed) => resumed.arguments.clone(),
+            None => std::env::args_os()
+                .skip(1)
+                .map(|word| word.to_string_lossy().into_owned())
+                .collect(),
+        };
+        let absolute = |file: &PathBuf| std::path::absolute(file).unwrap_or_else(|_| file.clone());
+        let files: Vec<PathBuf> = self.args.output.files.iter().map(absolute).collect();
+        json!({
+            "arguments": arguments,
+            "scene": absolute(&self.args.scene.path),
+            "files": files,
+            "extended_to": resumed.and_then(|resumed| resumed.extended_to),
+        })
+    }
+
+    fn made(&self) -> Made {
+        let (fewest, most) = self.film().fewest_and_most();
+        let samples = Samples { first: self.samples.start, fewest, most };
+        Made { samples, ..self.made.clone() }
+    }
+
+    fn run(&self) -> Run {
+        Run {
+            command: system::command_line(),
+            scene_file: system::full_path(&self.args.scene.path),
+            rays: self.tally().rays,
+            seconds: self.before.seconds + self.began.elapsed().as_secs_f64(),
+            threads: rayon::current_num_threads(),
+        }
+    }
+
+    /// What happened in this run and those before.
+    fn tally(&self) -> Tally {
+        let Before { rays, media_overflows, cut_off, .. } = self.before;
+        self.session.tally() + Tally { rays, media_overflows, cut_off }
+    }
+
+    /// Tells what came of it.
+    ///
+    /// # Errors
+    /// When the standard output is closed.
+    pub(super) fn report(
+        &self,
+        complete: bool,
+        figures: &Figures,
+        about_spheres: Vec<String>,
+    ) -> Result<()> {
+        let about_film = render::warnings(self.scene, &self.tally(), self.film());
+        about_film.iter().for_each(print::warning);
+        let report = Report {
+            args: self.args,
+            scene: self.scene,
+            picture: self.film().picture(),
+            complete,
+            samples: self.session.samples_done() - self.samples_before,
+            samples_in_all: self.session.samples_done(),
+            rays: self.session.tally().rays,
+            kept: self.keep.map(|keep| keep.path.as_path()),
+            has_pictures: self.outputs.has_pictures(),
+            figures,
+            warnings: about_spheres.into_iter().chain(about_film).collect(),
+        };
+        report.print()
+    }
+}

@@ -1,0 +1,179 @@
+//! `photosphere render`: a scene walks in, a picture walks out.
+
+mod job;
+mod report;
+mod start;
+
+use std::ops::Range;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use crate::accel::BuildOptions;
+use crate::error::{Error, Result};
+use crate::film::{BLOCK, Film, Format};
+use crate::geometry::SphereSet;
+use crate::provenance::{Made, Samples};
+use crate::render::{RenderOptions, Session, format_with};
+use crate::scene::Scene;
+
+use super::args::RenderArgs;
+use super::exit::Exit;
+use super::interrupt::Interrupt;
+use super::keeper::{self, Orders};
+use super::outputs::Outputs;
+use super::progress::Progress;
+use super::{interrupt, on_threads, print, system};
+
+pub(super) use job::RESUME;
+
+use job::Job;
+use report::Figures;
+use start::{Keep, Start};
+
+/// # Errors
+/// Whatever stands between the scene and the picture, the place of the picture first.
+pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
+    let outputs = Outputs::new(&args.output)?;
+    let keep = Keep::new(args, &outputs)?;
+    let interrupt = interrupt::listen();
+    on_threads(args.scene.threads(), || render(args, &outputs, keep.as_ref(), &interrupt))
+}
+
+fn render(
+    args: &RenderArgs,
+    outputs: &Outputs,
+    keep: Option<&Keep>,
+    interrupt: &Interrupt,
+) -> Result<Exit> {
+    let mut clock = Clock(Instant::now());
+    let scene = Scene::load(&args.scene.path, &args.overrides())?;
+    let mut figures = Figures { load_s: clock.lap(), ..Figures::default() };
+    let samples = samples_of(args, &scene)?;
+    let format = Format { first_sample: samples.start, ..format_with(&scene, outputs.kinds()) };
+    check_memory(&format)?;
+    let about_spheres = about_spheres(scene.spheres());
+    about_spheres.iter().for_each(print::warning);
+    let made = Made::new(&scene, args.accel.backend, Samples::all(0));
+    let Start { film, before } = start::of(keep, &made, &format, &samples, args.quiet)?;
+
+    let threads = rayon::current_num_threads();
+    let build = BuildOptions { threads, cancel: interrupt.cancel(), ..Default::default() };
+    let accel = args.accel.backend.build(scene.spheres(), &build)?;
+    figures.build_s = clock.lap();
+
+    let progress = Progress::new(args.quiet);
+    interrupt.save_from_now_on();
+    let options =
+        RenderOptions { cancel: interrupt.cancel(), progress: &|state| progress.show(state) };
+    let session = Session::new(&scene, accel.as_ref(), &film, &options);
+    session.expect_samples(film.frame().pixels() as u64 * samples.len() as u64);
+    let job = Job {
+        args,
+        scene: &scene,
+        accel: accel.as_ref(),
+        session: &session,
+        samples: samples.clone(),
+        outputs,
+        keep,
+        made,
+        before,
+        samples_before: film.samples(),
+        began: Instant::now(),
+        saving: Mutex::default(),
+    };
+    let orders = Orders {
+        chores: job.chores(),
+        cancel: &options.cancel,
+        warn: &|text| progress.say(|| print::warning(&text)),
+        give_up: &|| {
+            progress.finish();
+            job.give_up()
+        },
+    };
+    let complete = keeper::beside(orders, || session.advance(samples.end, &|_| true));
+    progress.finish();
+    let complete = complete?;
+    figures.render_s = clock.lap();
+    job.save_all()?;
+    job.report(complete, &figures, about_spheres)?;
+    Ok(if complete { Exit::Done } else { Exit::Stopped })
+}
+
+/// The samples that are asked for.
+fn samples_of(args: &RenderArgs, scene: &Scene) -> Result<Range<u32>> {
+    let last = scene.description().render.samples_per_pixel;
+    let Some(samples) = args.samples.clone() else { return Ok(0..last) };
+    let Range { start, end } = samples;
+    let extended = args.resumed.as_ref().and_then(|resumed| resumed.extended_to);
+    let end = extended.unwrap_or(end);
+    let refused = |message: String, help: String| Err(Error::input(message).with_help(help));
+    if start % BLOCK != 0 {
+        let near = start / BLOCK * BLOCK;
+        return refused(
+            format!("`--samples {start}..{end}` must start on a multiple of {BLOCK}"),
+            format!("samples are summed in blocks of {BLOCK}; try {near}..{end}"),
+        );
+    }
+    if end > last {
+        return refused(
+            format!("`--samples {start}..{end}` ends behind the last sample, of {last} per pixel"),
+            format!("ask for more samples per pixel, as in --spp {end}"),
+        );
+    }
+    if end % BLOCK != 0 && end != last {
+        let near = end.next_multiple_of(BLOCK).min(last);
+        return refused(
+            format!(
+                "`--samples {start}..{end}` must end on a multiple of {BLOCK}, or at the last \
+                 sample, {last}"
+            ),
+            format!("samples are summed in blocks of {BLOCK}; try {start}..{near}"),
+        );
+    }
+    Ok(start..end)
+}
+
+/// Refuses a film that the machine has no memory for, before the system kills the program for it.
+fn check_memory(format: &Format) -> Result<()> {
+    let film = Film::bytes(format) as u64;
+    match system::available_memory() {
+        Some(available) if film > available => Err(Error::input(format!(
+            "the film of {} x {} pixels needs {} of memory, and {} are free",
+            format.frame.window.width,
+            format.frame.window.height,
+            print::bytes(film),
+            print::bytes(available)
+        ))
+        .with_help("render a smaller picture, or one with fewer layers")),
+        _ => Ok(()),
+    }
+}
+
+/// What the user should know of spheres that are there twice, and of those that f32 cannot hold well.
+pub(super) fn about_spheres(spheres: &SphereSet) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if spheres.duplicates() > 0 {
+        warnings.push(format!(
+            "{} left out: an earlier row is the same sphere after rounding to f32",
+            print::count(spheres.duplicates(), "sphere"),
+        ));
+    }
+    if spheres.coarse() > 0 {
+        warnings.push(format!(
+            "rounding to f32 moved {} by more than 1 % of the radius; they are small and far from \
+             most others",
+            print::count(spheres.coarse(), "sphere"),
+        ));
+    }
+    warnings
+}
+
+/// Seconds since it was last asked.
+struct Clock(Instant);
+
+impl Clock {
+    fn lap(&mut self) -> f64 {
+        let last = std::mem::replace(&mut self.0, Instant::now());
+        (self.0 - last).as_secs_f64()
+    }
+}

@@ -1,0 +1,102 @@
+//! What a render says of itself at its end.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde_json::json;
+
+use crate::error::Result;
+use crate::film::Picture;
+use crate::scene::Scene;
+
+use super::super::args::RenderArgs;
+use super::super::{outputs, print, system};
+
+/// What this run took, in seconds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Figures {
+    pub(super) load_s: f64,
+    pub(super) build_s: f64,
+    pub(super) render_s: f64,
+}
+
+/// All that there is to be told.
+pub(super) struct Report<'a> {
+    pub(super) args: &'a RenderArgs,
+    pub(super) scene: &'a Scene,
+    pub(super) picture: Picture,
+    pub(super) complete: bool,
+    /// Of this run.
+    pub(super) samples: u64,
+    /// And of those before it.
+    pub(super) samples_in_all: u64,
+    /// Of this run.
+    pub(super) rays: u64,
+    pub(super) kept: Option<&'a Path>,
+    pub(super) has_pictures: bool,
+    pub(super) figures: &'a Figures,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Report<'_> {
+    /// # Errors
+    /// When the standard output is closed.
+    pub(super) fn print(&self) -> Result<()> {
+        if !self.args.quiet {
+            print::remark(self.in_words());
+        }
+        if self.args.json { print::json(&self.in_json()) } else { Ok(()) }
+    }
+
+    fn in_words(&self) -> String {
+        let Figures { load_s, build_s, render_s } = self.figures;
+        let mut text = String::new();
+        let per_pixel = self.samples_in_all as f64 / self.picture.len() as f64;
+        let stopped = match self.complete {
+            true => String::new(),
+            false => format!(", stopped after {per_pixel:.1} samples per pixel"),
+        };
+        let mut line = |words: std::fmt::Arguments<'_>| {
+            text.write_fmt(words).expect("a string takes all that is written to it");
+        };
+        line(format_args!("load {load_s:.3} s, build {build_s:.3} s, render {render_s:.3} s\n"));
+        line(format_args!(
+            "{}samples/s, {}rays/s",
+            print::si(self.samples as f64 / render_s),
+            print::si(self.rays as f64 / render_s)
+        ));
+        if let Some(peak) = system::peak_memory() {
+            line(format_args!(", peak memory {}", print::bytes(peak)));
+        }
+        line(format_args!("\nwrote {}{stopped}", outputs::in_words(&self.args.output.files)));
+        if let Some(kept) = self.kept.filter(|_| self.has_pictures && !self.complete) {
+            line(format_args!("\ngo on with: photosphere resume '{}'", kept.display()));
+        }
+        text
+    }
+
+    fn in_json(&self) -> serde_json::Value {
+        let Figures { load_s, build_s, render_s } = self.figures;
+        json!({
+            "output": outputs::in_words(&self.args.output.files),
+            "complete": self.complete,
+            "accel": self.args.accel.backend.name(),
+            "spheres": self.scene.spheres().len(),
+            "width": self.picture.width,
+            "height": self.picture.height,
+            "threads": rayon::current_num_threads(),
+            "load_s": load_s,
+            "build_s": build_s,
+            "render_s": render_s,
+            "samples": self.samples,
+            "samples_in_all": self.samples_in_all,
+            "rays": self.rays,
+            "samples_per_s": self.samples as f64 / render_s,
+            "rays_per_s": self.rays as f64 / render_s,
+            "peak_rss_bytes": system::peak_memory(),
+            "mean_rgb": self.picture.mean().to_array(),
+            "non_finite_pixels": self.picture.non_finite(),
+            "warnings": self.warnings,
+        })
+    }
+}

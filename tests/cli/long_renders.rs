@@ -1,0 +1,244 @@
+//! Renders that stop and go on, in parts and in one: always the same bytes.
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::desk::{Desk, SCENE, outcome};
+
+/// The small scene with more samples than a block, and the last block unfinished.
+fn desk() -> Desk {
+    Desk::new(&SCENE.replace("samples_per_pixel = 4", "samples_per_pixel = 41"))
+}
+
+/// Renders the whole picture without a break.
+fn whole(desk: &Desk, options: &str) -> Vec<u8> {
+    desk.run(&format!("render scene.toml -o whole.exr --no-run-figures {options}")).succeeds();
+    desk.read("whole.exr")
+}
+
+#[test]
+fn parts_add_up_to_the_very_bytes_of_one_render() {
+    let desk = desk();
+    let whole = whole(&desk, "");
+    for (name, options) in [
+        ("a", "--samples 0..16"),
+        ("b", "--samples 16..41 --crop 0,0,7,12"),
+        ("c", "--samples 16..32 --crop 7,0,16,12 --threads 1"),
+        ("d", "--samples 32..41 --crop 7,0,16,5"),
+        ("e", "--samples 32..41 --crop 7,5,16,12"),
+    ] {
+        desk.run(&format!("render scene.toml -o {name}.part {options}")).succeeds();
+    }
+    let told = desk.run("merge d.part a.part e.part c.part b.part -o sum.exr --no-run-figures");
+    assert!(told.succeeds().stderr.contains("wrote sum.exr, samples 0..41 of 5 parts"));
+    assert!(desk.read("sum.exr") == whole);
+
+    // Parts of parts, in another order.
+    desk.run("merge c.part e.part -o ce.part").fails(3, &["samples 32..41", "are missing"]);
+    desk.run("merge e.part d.part -o de.part").succeeds();
+    desk.run("merge c.part de.part -o cde.part").succeeds();
+    desk.run("merge cde.part b.part -o bcde.part").succeeds();
+    desk.run("merge bcde.part a.part -o all.part -o again.exr --no-run-figures").succeeds();
+    assert!(desk.read("again.exr") == whole);
+    desk.run("merge all.part -o once.exr --no-run-figures").succeeds();
+    assert!(desk.read("once.exr") == whole);
+}
+
+#[test]
+fn what_does_not_add_up_is_refused_with_the_reason() {
+    let desk = desk();
+    desk.run("render scene.toml -o a.part --samples 0..32").succeeds();
+    desk.run("render scene.toml -o b.part --samples 16..41").succeeds();
+    desk.run("render scene.toml -o c.part --samples 32..41").succeeds();
+    desk.run("render scene.toml -o left.part --samples 0..16 --crop 0,0,9,12").succeeds();
+    desk.run("render scene.toml -o seed.part --samples 32..41 --seed 5").succeeds();
+    desk.run("render scene.toml -o size.part --samples 32..41 --size 16x13").succeeds();
+    desk.run("render scene.toml -o accel.part --samples 32..41 --accel brute-force").succeeds();
+    desk.run("render scene.toml -o short.part --samples 0..20 --spp 20").succeeds();
+    fs::write(desk.path().join("other.toml"), SCENE.replace("0.2, 0.6, 0.2", "0.3, 0.6, 0.2"))
+        .expect("written");
+    desk.run("render other.toml -o other.part --samples 32..41 --spp 41").succeeds();
+
+    let refused = |parts: &str, words: &[&str]| {
+        desk.run(&format!("merge {parts} -o sum.pfm")).fails(3, words);
+        assert!(!desk.path().join("sum.pfm").exists(), "{parts}");
+    };
+    let overlap = "`a.part` and `b.part` both hold samples 16..32 of the pixels 0,0,16,12";
+    refused("a.part b.part", &[overlap, "leave one of them out"]);
+    refused("b.part a.part c.part", &[overlap]);
+    refused("a.part a.part", &["both hold samples 0..32"]);
+    refused("a.part", &["samples 32..41 of the pixels 0,0,16,12 are missing", "--allow-gaps"]);
+    refused("b.part", &["samples 0..16 of the pixels 0,0,16,12 are missing"]);
+    refused("left.part b.part", &["samples 0..16 of the pixels 9,0,16,12 are missing"]);
+    refused("a.part seed.part", &["are no parts of one picture", "the seed is 5, not 0"]);
+    refused("a.part size.part", &["the picture's size is 16 x 13, not 16 x 12"]);
+    refused("a.part accel.part", &["the intersector is brute-force, not "]);
+    refused("a.part other.part", &["the scene file's text is another"]);
+    let within = "`short.part` ends within a block, at sample 20, so that `c.part` cannot follow";
+    refused("c.part short.part", &[within]);
+    desk.run("merge a.part missing.part -o sum.pfm").fails(4, &["cannot read `missing.part`"]);
+    desk.run("merge a.part scene.toml -o sum.pfm").fails(4, &["it is no part"]);
+
+    let error = "the following required arguments were not provided:\n  <PART>";
+    desk.run("merge -o sum.pfm").fails(2, &[error]);
+    desk.run("merge a.part -o sum.bmp").fails(3, &["does not end in .png, .exr, .hdr or .pfm"]);
+
+    desk.run("merge left.part c.part -o sum.pfm --allow-gaps").succeeds();
+    assert_eq!(desk.read("sum.pfm").len(), "PF\n16 12\n-1.0\n".len() + 16 * 12 * 12);
+}
+
+#[test]
+fn ranges_that_do_not_fit_are_refused() {
+    let desk = desk();
+    let refused = |range: &str, words: &[&str]| {
+        desk.run(&format!("render scene.toml -o a.part --samples {range}")).fails(3, words);
+    };
+    refused("8..41", &["must start on a multiple of 16", "try 0..41"]);
+    refused("0..40", &["must end on a multiple of 16, or at the last sample, 41", "try 0..41"]);
+    refused("16..17", &["try 16..32"]);
+    refused("32..64", &["ends behind the last sample, of 41 per pixel", "--spp 64"]);
+    desk.run("render scene.toml -o a.part --samples 9").fails(2, &["as in 0..64"]);
+    assert_eq!(desk.names(), ["scene.toml"]);
+}
+
+#[test]
+fn a_render_goes_on_from_its_checkpoint_and_beyond() {
+    let desk = desk();
+    let whole = whole(&desk, "--spp 73");
+    let figures = "--no-run-figures";
+    // Stopped by its own range, so to say: the first samples only.
+    desk.run(&format!("render scene.toml -o a.exr {figures} --checkpoint a.state --spp 25"))
+        .succeeds();
+    let told = desk.run("resume a.state --extend-to 41").succeeds();
+    assert!(told.stderr.contains("going on with `a.state`: 25.0 of 41 samples per pixel"));
+    desk.run("resume a.state --extend-to 73 -o b.exr").succeeds();
+    assert!(desk.read("b.exr") == whole);
+    // The same command again finds everything done, and so does `resume`.
+    let again =
+        format!("render scene.toml -o c.exr {figures} --checkpoint a.state --spp 73 --json");
+    let again = desk.run(&again).succeeds();
+    assert!(again.stdout.contains("\"samples\": 0"), "{}", again.stdout);
+    assert!(desk.read("c.exr") == whole);
+    fs::remove_file(desk.path().join("c.exr")).expect("it was there");
+    desk.run("resume a.state").succeeds();
+    assert!(desk.read("c.exr") == whole);
+
+    // From another folder, to another one, with a part for the file.
+    fs::create_dir(desk.path().join("sub")).expect("a folder");
+    desk.run(&format!("render scene.toml -o s.part -o s.exr {figures} --samples 0..16 --spp 73"))
+        .succeeds();
+    fs::rename(desk.path().join("s.part"), desk.path().join("sub/moved.part")).expect("moved");
+    let mut resume = desk.command("resume moved.part --extend-to 73 -o here.exr");
+    outcome(resume.current_dir(desk.path().join("sub"))).succeeds();
+    assert!(desk.read("sub/here.exr") == whole);
+}
+
+#[test]
+fn what_is_not_this_render_is_not_gone_on_with() {
+    let desk = desk();
+    let render = "render scene.toml -o a.pfm --checkpoint a.state";
+    desk.run(render).succeeds();
+    let kept = desk.read("a.state");
+    let refused = |command: &str, words: &[&str]| {
+        desk.run(command).fails(3, words);
+        assert!(desk.read("a.state") == kept, "{command}");
+    };
+    let other = |options: &str, words: &str| {
+        let words = ["cannot go on with `a.state`", words];
+        refused(&format!("{render} {options}"), &words);
+    };
+    other("--seed 3", "it is of another render: the seed is 0, not 3");
+    other("--max-depth 3", "the options are none, not render.max_depth=3");
+    other("--crop 0,0,5,5", "it is of the crop 0,0,16,12, not 0,0,5,5");
+    other("--samples 16..41", "its samples start at 0, not at 16");
+    other("--spp 32", "it has samples up to 41, more than the 32 that are asked for");
+    other("--spp 64 --sampler stratified", "the options are none, not render.sampler=stratified");
+
+    let stratified = "render scene.toml -o a.pfm --checkpoint s.state --sampler stratified";
+    desk.run(stratified).succeeds();
+    desk.run("resume s.state --extend-to 64")
+        .fails(3, &["the number of samples per pixel changes each"]);
+
+    let at = |name: &str, bytes: &[u8]| fs::write(desk.path().join(name), bytes).expect("written");
+    at("cut.state", &kept[..kept.len() / 2]);
+    desk.run("resume cut.state").fails(4, &["cannot read `cut.state`: it is cut off after"]);
+    let mut damaged = kept.clone();
+    let middle = kept.len() - 100;
+    damaged[middle] ^= 4;
+    at("damaged.state", &damaged);
+    desk.run("resume damaged.state").fails(4, &["it is damaged"]);
+    let newer = [&kept[..8], &9u32.to_le_bytes(), &kept[12..]].concat();
+    at("newer.state", &newer);
+    let words = ["it is written in version 9 of the format", "use the photosphere that wrote it"];
+    desk.run("resume newer.state").fails(4, &words);
+    desk.run("resume scene.toml").fails(4, &["it is no part and no checkpoint"]);
+    desk.run("render scene.toml -o a.pfm --checkpoint scene.toml").fails(4, &["it is no part"]);
+
+    fs::write(desk.path().join("scene.toml"), SCENE.replace("0.2, 0.6", "0.3, 0.6"))
+        .expect("written");
+    refused("resume a.state", &["the scene file's text is another"]);
+}
+
+/// A render that is far from its end when it has begun to render, and its first words.
+fn begun(desk: &Desk, options: &str) -> std::process::Child {
+    let command = format!("render scene.toml --spp 100000000 {options}");
+    let child = desk.command(&command).stderr(Stdio::piped()).spawn().expect("it starts");
+    let state = desk.path().join("a.state");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !state.exists() {
+        assert!(Instant::now() < deadline, "no checkpoint");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child
+}
+
+#[test]
+fn every_signal_to_end_leaves_a_checkpoint_and_a_picture() {
+    for signal in ["INT", "TERM", "HUP"] {
+        let desk = desk();
+        let options = "-o a.exr --no-run-figures --checkpoint a.state --checkpoint-every 10ms";
+        let child = begun(&desk, options);
+        let kill = format!("kill -{signal} {}", child.id());
+        assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+        let output = child.wait_with_output().expect("it ends");
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(130), "{told}");
+        assert!(told.contains("go on with: photosphere resume 'a.state'"), "{told}");
+        // What was kept is what is shown.
+        let shown = desk.read("a.exr");
+        desk.run("merge a.state -o b.exr --no-run-figures --allow-gaps").succeeds();
+        assert!(desk.read("b.exr") == shown);
+        assert_eq!(desk.names(), ["a.exr", "a.state", "b.exr", "scene.toml"]);
+    }
+}
+
+#[test]
+fn a_folder_that_vanishes_does_not_end_a_render() {
+    let desk = desk();
+    fs::create_dir(desk.path().join("kept")).expect("a folder");
+    let state = desk.path().join("kept/a.state");
+    let options = "-o a.pfm --checkpoint kept/a.state --checkpoint-every 20ms";
+    let command = format!("render scene.toml --spp 100000000 {options}");
+    let child = desk.command(&command).stderr(Stdio::piped()).spawn().expect("it starts");
+    let wait = |what: &str, condition: &dyn Fn() -> bool| {
+        let deadline = Instant::now() + Duration::from_secs(60);
+        while !condition() {
+            assert!(Instant::now() < deadline, "{what}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    wait("a checkpoint", &|| state.exists());
+    // While it is being removed, a new file may come into it.
+    while fs::remove_dir_all(desk.path().join("kept")).is_err() {}
+    std::thread::sleep(Duration::from_millis(300));
+    fs::create_dir(desk.path().join("kept")).expect("a folder again");
+    wait("another checkpoint", &|| state.exists());
+    let kill = format!("kill -INT {}", child.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+    let output = child.wait_with_output().expect("it ends");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(130), "{told}");
+    assert!(told.contains("the render goes on and tries again to write `kept/a.state`"), "{told}");
+    assert!(told.contains("warning: can write `kept/a.state` again"), "{told}");
+}

@@ -1,0 +1,104 @@
+//! The proof that long renders survive: hundreds of times the program is killed without warning, at
+//! random instants, and goes on. What comes out in the end has the bytes of a render without a break.
+
+#![cfg(unix)]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use photosphere::output::PartFile;
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+
+const SCENE: &str = r#"
+format = 1
+image = { width = 60, height = 45 }
+camera = { position = [0, 1, 6], look_at = [0, 1, 0] }
+background.radiance = [0.5, 0.6, 0.7]
+materials.matt = { type = "diffuse", albedo = [0.5, 0.4, 0.3] }
+materials.glass = { type = "dielectric", ior = 1.5 }
+materials.lamp = { type = "diffuse", albedo = [0, 0, 0], emission = [9, 9, 9] }
+spheres = [
+    { center = [0, -1e6, 0], radius = 1e6, material = "matt" },
+    { center = [-1, 1, 0], radius = 1, material = "matt" },
+    { center = [1, 1, 0], radius = 1, material = "glass" },
+    { center = [0, 4, 0], radius = 0.5, material = "lamp" },
+]
+render.samples_per_pixel = 135
+"#;
+
+const KILLS: usize = 300;
+
+/// All samples of the picture.
+const ALL: u64 = 60 * 45 * 135;
+
+fn start(folder: &Path, command: &str) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_photosphere"))
+        .args(command.split_whitespace())
+        .current_dir(folder)
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts")
+}
+
+/// Lets the program run for so long and kills it; whether it had ended by itself.
+fn kill_after(mut child: Child, delay: Duration) -> bool {
+    std::thread::sleep(delay);
+    // Also where it has just ended, there is a process until it is waited for.
+    child.kill().expect("it can be killed");
+    child.wait().expect("it ends").success()
+}
+
+/// The samples that are kept. The file must be whole whenever the program was killed.
+fn kept(folder: &Path) -> u64 {
+    let path = folder.join("a.part");
+    if !path.exists() {
+        return 0;
+    }
+    PartFile::open(&path).and_then(PartFile::film).unwrap_or_else(|e| panic!("{e}")).samples()
+}
+
+#[test]
+fn killed_hundreds_of_times_a_render_gives_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("scene.toml"), SCENE).expect("the scene is written");
+    let render = "render scene.toml --accel native --no-run-figures --quiet -o a.exr \
+                  --checkpoint a.part --checkpoint-every 4ms";
+    let began = Instant::now();
+    assert!(start(folder, render).wait().expect("it ends").success());
+    let whole_run = began.elapsed();
+    let whole = fs::read(folder.join("a.exr")).expect("the picture");
+    assert_eq!(kept(folder), ALL);
+
+    let mut rng = StdRng::seed_from_u64(2026);
+    let (mut kills, mut in_the_middle, mut finished) = (0, 0, 0);
+    while kills < KILLS || finished == 0 {
+        for name in ["a.exr", "a.part"] {
+            fs::remove_file(folder.join(name)).expect("it was there");
+        }
+        let mut before = 0;
+        loop {
+            // The same command again goes on, and so does `resume`.
+            let goes_on = folder.join("a.part").exists() && rng.random();
+            let child = start(folder, if goes_on { "resume a.part --quiet" } else { render });
+            if kills >= KILLS {
+                assert!(child.wait_with_output().expect("it ends").status.success());
+                break;
+            }
+            if kill_after(child, whole_run.mul_f64(rng.random_range(0.0..0.4))) {
+                break;
+            }
+            kills += 1;
+            let now = kept(folder);
+            assert!(now >= before, "samples were lost: {now} of {before}");
+            in_the_middle += usize::from(now > 0 && now < ALL);
+            before = now;
+        }
+        finished += 1;
+        assert!(fs::read(folder.join("a.exr")).expect("the picture") == whole, "{kills} kills");
+        assert_eq!(kept(folder), ALL);
+    }
+    assert!(in_the_middle > KILLS / 5, "{in_the_middle} of {KILLS} kills met a render at work");
+}
