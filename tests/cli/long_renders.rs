@@ -1,10 +1,11 @@
 //! Renders that stop and go on, in parts and in one: always the same bytes.
 
 use std::fs;
+use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use super::desk::{Desk, SCENE, outcome};
+use super::desk::{Desk, PROGRAM, SCENE, outcome};
 
 /// The small scene with more samples than a block, and the last block unfinished.
 fn desk() -> Desk {
@@ -241,4 +242,43 @@ fn a_folder_that_vanishes_does_not_end_a_render() {
     assert_eq!(output.status.code(), Some(130), "{told}");
     assert!(told.contains("the render goes on and tries again to write `kept/a.state`"), "{told}");
     assert!(told.contains("warning: can write `kept/a.state` again"), "{told}");
+}
+
+/// A limit on the size of files stands for a full disk: it needs no rights, and can be lifted.
+#[test]
+fn a_full_disk_does_not_end_a_render() {
+    if Command::new("prlimit").arg("--version").output().is_err() {
+        // Past the test harness, which would swallow it: a check left out must be seen.
+        writeln!(std::io::stderr(), "SKIPPED: no prlimit, so a full disk was not tried")
+            .expect("told");
+        return;
+    }
+    let desk = desk();
+    let options = "-o a.pfm --checkpoint a.state --checkpoint-every 20ms --spp 100000000";
+    // Too small for the checkpoint, and told by an error in place of a signal.
+    let limited = format!(
+        "trap '' XFSZ; ulimit -S -f 4; exec {PROGRAM} render scene.toml --size 160x120 {options}"
+    );
+    let mut child = Command::new("env")
+        .args(["--default-signal=HUP,INT,TERM", "sh", "-c", &limited])
+        .current_dir(desk.path())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
+    let mut told = |start: &str| {
+        let line = lines.find(|line| line.as_ref().is_ok_and(|line| line.starts_with(start)));
+        line.unwrap_or_else(|| panic!("{start}")).expect("text")
+    };
+    let warning = told("warning: cannot write `a.state`: ");
+    assert!(warning.ends_with("the render goes on and tries again to write `a.state`"), "{warning}");
+    assert!(!desk.path().join("a.state").exists());
+    let limit = ["--pid", &child.id().to_string(), "--fsize=unlimited:"].map(str::to_owned);
+    assert!(Command::new("prlimit").args(limit).status().expect("it runs").success());
+    told("warning: can write `a.state` again");
+    let kill = format!("kill -INT {}", child.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+    told("wrote a.pfm, stopped after");
+    assert_eq!(child.wait().expect("it ends").code(), Some(130));
+    assert_eq!(desk.names(), ["a.pfm", "a.state", "scene.toml"]);
 }
