@@ -186,8 +186,8 @@ mod tests {
 
     #[test]
     fn equal_giants_are_one_and_the_first_row_stays() {
-        let [ground, wall] = [ball(0.0, -1e5, 0.0, 1e5), ball(-0.0, -1e5, -0.0, 2e5)];
-        let wall_again = ball(0.0, -1e5, 0.0, 2e5);
+        let [ground, wall] = [ball(0.0, -1e5, 0.0, 1e5), ball(0.0, -2e5, -0.0, 2e5)];
+        let wall_again = ball(0.0, -2e5, 0.0, 2e5);
         let around = [1.0, 2.0, 3.0].map(|x| ball(x, 1.0, 0.0, 1.0));
         let set = set([vec![ground, wall, ground, wall_again], around.to_vec()].concat(), vec![]);
         assert_eq!((set.giants().len(), set.duplicates()), (2, 2));
@@ -197,7 +197,8 @@ mod tests {
     #[test]
     fn a_set_without_spheres_is_empty() {
         let empty = set(vec![], vec![]);
-        assert!(empty.is_empty() && empty.len() == 0 && empty.bytes() == 0);
+        assert!(empty.is_empty());
+        assert_eq!((empty.len(), empty.bytes()), (0, 0));
         assert!(!set(vec![ball(0.0, 0.0, 0.0, 1.0)], vec![]).is_empty());
     }
 
@@ -210,8 +211,8 @@ mod tests {
                 .coarse(),
             1
         );
-        // 0.3 is less than a hundredth of a radius of 50.
-        let large = ball(1e9 + 0.3, 0.0, 0.0, 50.0);
+        // Moved by less than 1, a hundredth of this radius.
+        let large = ball(1e9 + 0.3, 0.0, 0.0, 100.0);
         let near = [0.0, 1.0].map(|x| ball(x, 0.0, 0.0, 1.0));
         assert_eq!(set([near.to_vec(), vec![large]].concat(), vec![]).coarse(), 0);
     }
