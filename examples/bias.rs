@@ -1,4 +1,5 @@
-//! What each of the paper's shortcuts costs: its bias, its variance and its time against the default.
+//! What each of the paper's shortcuts costs: its bias, its variance, its rays and its time against the
+//! default.
 //!
 //! Figure 2, 8 x 6 pixels, 102400 samples per pixel in 32 independent seeds. Prints the table of
 //! `docs/paper.md`:
@@ -13,9 +14,9 @@ use std::time::Instant;
 use photosphere::Result;
 use photosphere::accel::{Backend, BuildOptions};
 use photosphere::film::Picture;
-use photosphere::render::{RenderOptions, render};
+use photosphere::render::{Outcome, RenderOptions, render};
 use photosphere::scene::{Override, Scene};
-use photosphere::verify::statistics::{Estimate, student_t_quantile};
+use photosphere::verify::statistics::Estimate;
 
 const SEEDS: u64 = 32;
 const SAMPLES: u32 = 3200;
@@ -42,69 +43,89 @@ const ROWS: [(&str, &[&str]); 12] = [
     ("clamped indirect light", &["integrator=path", "clamp_indirect=0.2"]),
 ];
 
-/// What all seeds of a row say.
+/// What the seeds of a row say, one value for each where it is a list.
 struct Row {
-    /// The mean of the picture over all channels, one value for each seed.
-    means: Vec<f64>,
-    /// The variance of one sample, averaged over pixels and channels.
-    variance: f64,
-    /// Seconds of all seeds.
-    seconds: f64,
+    name: &'static str,
+    keys: &'static [&'static str],
+    pictures: Vec<Picture>,
+    rays: u64,
+    seconds: Vec<f64>,
 }
 
 fn main() -> Result<()> {
-    println!("| estimator | keys in `[render]` | error of the mean | variance | time |");
-    println!("|---|---|---|---|---|");
-    let mut default: Option<Row> = None;
-    for (name, keys) in ROWS {
-        let row = measure(keys)?;
-        let against = default.as_ref().unwrap_or(&row);
-        let error = if default.is_none() { "reference".to_owned() } else { error(&row, against) };
+    let empty = |&(name, keys): &(&'static str, &'static [&'static str])| Row {
+        name,
+        keys,
+        pictures: Vec::new(),
+        rays: 0,
+        seconds: Vec::new(),
+    };
+    let mut rows: Vec<Row> = ROWS.iter().map(empty).collect();
+    // Row by row within a seed, so that what else the machine does slows all of them alike.
+    for seed in 0..SEEDS {
+        for row in &mut rows {
+            let began = Instant::now();
+            let Outcome { picture, rays, .. } = outcome(row.keys, seed)?;
+            row.seconds.push(began.elapsed().as_secs_f64());
+            row.pictures.push(picture);
+            row.rays += rays;
+        }
+    }
+    println!("| estimator | keys in `[render]` | error of the mean | variance | rays | time |");
+    println!("|---|---|---|---|---|---|");
+    let default = &rows[0];
+    for (index, row) in rows.iter().enumerate() {
         println!(
-            "| {name} | {} | {error} | {:.3} | {:.2} |",
-            keys.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", "),
-            row.variance / against.variance,
-            row.seconds / against.seconds,
+            "| {} | {} | {} | {:.3} | {:.2} | {:.2} |",
+            row.name,
+            row.keys.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", "),
+            if index == 0 { "reference".to_owned() } else { row.error(default) },
+            row.variance() / default.variance(),
+            row.rays as f64 / default.rays as f64,
+            row.time(default),
         );
-        default = default.or(Some(row));
     }
     Ok(())
 }
 
-fn measure(keys: &[&str]) -> Result<Row> {
-    let mut pictures = Vec::new();
-    let began = Instant::now();
-    for seed in 0..SEEDS {
-        pictures.push(picture(keys, seed)?);
+impl Row {
+    /// The mean of each picture over all pixels and channels.
+    fn means(&self) -> impl Iterator<Item = f64> + '_ {
+        self.pictures.iter().map(|picture| picture.mean().to_array().iter().sum::<f64>() / 3.0)
     }
-    let seconds = began.elapsed().as_secs_f64();
-    let mean = |picture: &Picture| picture.mean().to_array().iter().sum::<f64>() / 3.0;
-    Ok(Row { means: pictures.iter().map(mean).collect(), variance: variance(&pictures), seconds })
-}
 
-/// The variance over the seeds of a pixel, times the samples behind it.
-fn variance(pictures: &[Picture]) -> f64 {
-    let pixels = pictures[0].len();
-    let values = |pixel: usize, channel: usize| -> Vec<f64> {
-        pictures.iter().map(|picture| f64::from(picture.beauty(pixel)[channel])).collect()
-    };
-    let of_mean = |i: usize| Estimate::of(&values(i / 3, i % 3)).standard_error.powi(2);
-    let mean = (0..3 * pixels).map(of_mean).sum::<f64>() / (3 * pixels) as f64;
-    mean * SEEDS as f64 * f64::from(SAMPLES)
-}
+    /// How far the mean is from the default's, in per cent, with its 95 % interval. A seed gives both
+    /// the same random numbers, so their differences are judged.
+    fn error(&self, default: &Self) -> String {
+        let differences: Vec<f64> =
+            self.means().zip(default.means()).map(|(ours, theirs)| ours - theirs).collect();
+        let difference = Estimate::of(&differences);
+        let percent = 100.0 / Estimate::of(&default.means().collect::<Vec<_>>()).mean;
+        format!("{:+.2} +- {:.2} %", percent * difference.mean, percent * difference.margin(0.95))
+    }
 
-/// How far the mean is from the default's, in per cent, with its 95 % interval.
-fn error(row: &Row, default: &Row) -> String {
-    let (ours, theirs) = (Estimate::of(&row.means), Estimate::of(&default.means));
-    let error = 100.0 * (ours.mean / theirs.mean - 1.0);
-    let spread = (ours.standard_error / theirs.mean)
-        .hypot(ours.mean / theirs.mean * theirs.standard_error / theirs.mean);
-    let margin = 100.0 * student_t_quantile(0.975, SEEDS as f64 - 1.0) * spread;
-    format!("{error:+.2} +- {margin:.2} %")
+    /// The variance of one sample, averaged over pixels and channels.
+    fn variance(&self) -> f64 {
+        let values = |i: usize| -> Vec<f64> {
+            self.pictures.iter().map(|p| f64::from(p.beauty(i / 3)[i % 3])).collect()
+        };
+        let count = 3 * self.pictures[0].len();
+        let of_mean = |i: usize| Estimate::of(&values(i)).standard_error.powi(2);
+        let mean = (0..count).map(of_mean).sum::<f64>() / count as f64;
+        mean * SEEDS as f64 * f64::from(SAMPLES)
+    }
+
+    /// The median over the seeds of the time over the default's.
+    fn time(&self, default: &Self) -> f64 {
+        let mut ratios: Vec<f64> =
+            self.seconds.iter().zip(&default.seconds).map(|(a, b)| a / b).collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios[ratios.len() / 2]
+    }
 }
 
 /// Figure 2 with these keys of `[render]`, in 8 x 6 pixels with independent random numbers.
-fn picture(keys: &[&str], seed: u64) -> Result<Picture> {
+fn outcome(keys: &[&str], seed: u64) -> Result<Outcome> {
     let set = |pair: &str| {
         let (key, value) = pair.split_once('=').expect("key=value");
         Override { option: format!("--set {pair}"), key: key.into(), value: value.into() }
@@ -118,5 +139,5 @@ fn picture(keys: &[&str], seed: u64) -> Result<Picture> {
     let scene = Scene::load(&path, &overrides)?;
     let accel = Backend::BruteForce.build(scene.spheres(), &BuildOptions::default())?;
     let options = RenderOptions { cancel: Default::default(), progress: &|_| {} };
-    Ok(render(&scene, &*accel, &options)?.picture)
+    render(&scene, &*accel, &options)
 }

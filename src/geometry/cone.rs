@@ -128,4 +128,39 @@ mod tests {
             assert!((point - sphere.center).dot(direction) <= 1e-6);
         }
     }
+
+    #[test]
+    fn a_cone_is_that_of_its_sphere_wherever_it_is_seen_from() {
+        let sphere = Sphere { center: DVec3::new(3.0, -2.0, 5.0), radius: 3.0 };
+        let point = DVec3::new(-1.0, 4.0, 2.0);
+        let cone = Cone::seen_from(point, &sphere).expect("outside");
+        let distance = sphere.center.distance(point);
+        let cos_max = (1.0 - 9.0 / (distance * distance)).sqrt();
+        assert_relative_eq!(
+            cone.solid_angle(),
+            std::f64::consts::TAU * (1.0 - cos_max),
+            max_relative = 1e-14
+        );
+        assert_eq!(cone.pdf(), 1.0 / cone.solid_angle());
+        let axis = (sphere.center - point) / distance;
+        for i in 0..100 {
+            let u = [f64::from(i) / 100.0, f64::from(i * 37 % 100) / 100.0];
+            let sample = cone.sample(u);
+            // Uniform in the chord from the axis to the rim.
+            let chord = 1.0 - sample.direction.dot(axis);
+            assert!((chord - u[0] * (1.0 - cos_max)).abs() < 1e-14);
+            let met = sphere.roots(point, sample.direction).expect("inside the cone");
+            assert_relative_eq!(sample.distance, met.near, max_relative = 1e-12);
+            assert_eq!(sample.pdf, cone.pdf());
+        }
+    }
+
+    #[test]
+    fn there_is_no_cone_from_inside() {
+        let sphere = Sphere { center: DVec3::new(1.0, 0.0, 0.0), radius: 2.0 };
+        for x in [1.0, 2.0, 3.0] {
+            assert!(Cone::seen_from(DVec3::new(x, 0.0, 0.0), &sphere).is_none(), "{x}");
+        }
+        assert!(Cone::seen_from(DVec3::NAN, &sphere).is_none());
+    }
 }

@@ -115,4 +115,35 @@ mod tests {
         }
         assert_eq!(giants(&spheres).iter().filter(|&&g| g).count(), 0);
     }
+
+    #[test]
+    fn shells_are_powers_of_two() {
+        let lowest = [0.0, 1e-30, 0.99, 1.0, 1.99, 2.0, 3.9, 1e30].map(shell_at);
+        assert_eq!(lowest, [0, 0, 59, 60, 60, 61, 61, 120]);
+        // From the nearest to the farthest point of the surface.
+        assert_eq!(shells_of(&ball(3.0, 0.0, 0.0, 1.0)), 61..63);
+        assert_eq!(shells_of(&ball(1.0, 0.0, 0.0, 4.0)), 61..63);
+    }
+
+    #[test]
+    fn a_giant_is_moved_by_a_thousandth_of_the_smallest_radius() {
+        // 2^-24 of twice its radius is a thousandth of 1 at a radius of 8389.
+        let ground = |radius: f64| ball(0.0, -radius, 0.0, radius);
+        let beside = ball(0.0, 1.0, 0.0, 1.0);
+        assert_eq!(giants(&[ground(8300.0), beside]), [false, false]);
+        assert_eq!(giants(&[ground(8500.0), beside]), [true, false]);
+        // What it is measured by is the smallest.
+        let smaller = ball(5.0, 0.5, 0.0, 0.5);
+        assert_eq!(giants(&[ground(4100.0), smaller, beside]), [false; 3]);
+        assert_eq!(giants(&[ground(4300.0), beside, smaller]), [true, false, false]);
+    }
+
+    #[test]
+    fn only_what_is_near_the_origin_makes_a_giant() {
+        // The ground's numbers reach 40000: more than 8 times 4096, where the first shell ends, and
+        // less than 8 times 8192.
+        let ground = ball(0.0, -20000.0, 0.0, 20000.0);
+        assert_eq!(giants(&[ground, ball(3000.0, 0.0, 0.0, 1.0)]), [true, false]);
+        assert_eq!(giants(&[ground, ball(5000.0, 0.0, 0.0, 1.0)]), [false, false]);
+    }
 }

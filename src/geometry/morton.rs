@@ -116,4 +116,47 @@ mod tests {
             order(&spheres, |i| i, |_| false).0.iter().map(|&i| spheres[i as usize][0]).collect();
         assert!(xs.is_sorted());
     }
+
+    /// The order of the cells of a grid along the curve: their bits interleaved, x highest.
+    fn along_the_curve(cells: u32, step: f32) {
+        let place = |i: u32| [i % cells, i / cells % cells, i / cells / cells];
+        let spheres: Vec<[f32; 4]> = (0..cells.pow(3))
+            .map(|i| place(i).map(|c| c as f32 * step))
+            .map(|[x, y, z]| [x, y, z, 1.0])
+            .chain([[1.0, 1.0, 1.0, 1.0]])
+            .collect();
+        let code = |i: u32| {
+            let bit = |c: u32, k: u32, axis: u32| u64::from(c >> k & 1) << (3 * k + 2 - axis);
+            let [x, y, z] = place(i);
+            (0..10).map(|k| bit(x, k, 0) | bit(y, k, 1) | bit(z, k, 2)).sum::<u64>()
+        };
+        let mut expected: Vec<u32> = (0..cells.pow(3)).collect();
+        expected.sort_by_key(|&i| code(i));
+        expected.push(cells.pow(3));
+        assert_eq!(order(&spheres, |i| i, |_| false), expected, "steps of {step}");
+    }
+
+    #[test]
+    fn spheres_stand_along_the_curve_at_every_scale() {
+        // The last sphere spans the box; the cells are larger than those of the coarse code, which
+        // are 2^-10 wide, or far smaller.
+        along_the_curve(8, 0.125);
+        along_the_curve(16, 2f32.powi(-20));
+    }
+
+    #[test]
+    fn one_in_a_thousand_may_lie_outside_of_the_box() {
+        let at = |i: u32| [i as f32, 2.0 * i as f32, 0.0, 1.0];
+        let Bounds { low, high } = Bounds::of(&(0..5000).map(at).collect::<Vec<_>>());
+        assert_eq!(low.to_array(), [5.0, 10.0, 0.0]);
+        assert_eq!(high.to_array(), [4994.0, 9988.0, 0.0]);
+        let outside = [-1e6, 1e6].map(|x| Bounds { low, high }.fine_code(&[x, x, x, 1.0]));
+        assert_eq!(outside, [0, (1 << 63) - 1]);
+    }
+
+    #[test]
+    fn what_comes_last_keeps_the_order_of_its_indices() {
+        let spheres = [0.5, 0.1, 0.9, 0.3].map(|x| [x, 0.0, 0.0, 1.0]);
+        assert_eq!(order(&spheres, |i| i, |i| i != 2), [2, 0, 1, 3]);
+    }
 }

@@ -88,4 +88,12 @@ mod tests {
         assert_eq!(choose(&spheres), DVec3::new(2.0, 6.0, 0.0));
         assert_eq!(choose(&[]), DVec3::ZERO);
     }
+
+    #[test]
+    fn small_is_measured_by_the_smallest() {
+        // The grounds are larger than 1e4 times the balls, and smaller than 1e4.
+        let mut spheres = vec![[0.0, -1000.0, 0.0, 1000.0]; 200];
+        spheres.extend([[3.0, 1.0, 0.0, 0.01], [5.0, 1.0, 0.0, 0.01]]);
+        assert_eq!(choose(&spheres), DVec3::new(3.0, 1.0, 0.0));
+    }
 }

@@ -161,6 +161,10 @@ mod tests {
             assert_eq!(stored.radius, given.radius);
         }
         assert_eq!(set.row(51), 0, "the giant is the last id");
+        let mut rows = set.rows().to_vec();
+        rows.sort_unstable();
+        assert!(rows.into_iter().eq(0..52), "every row has one id");
+        assert_eq!(set.bytes(), 51 * 16 + 32 + 52 * 4);
     }
 
     #[test]
@@ -172,6 +176,33 @@ mod tests {
     }
 
     #[test]
+    fn a_zero_has_no_sign() {
+        let zeros = [0.0, -0.0].map(|zero| ball(zero, zero, zero, 1.0));
+        let signs = [[0.0, 0.0, -0.0], [0.0, -0.0, 0.0], [-0.0, 0.0, 0.0]];
+        let table = signs.map(|[x, y, z]| [x, y, z, 1.0]);
+        let set = set(zeros.to_vec(), table.to_vec());
+        assert_eq!((set.len(), set.duplicates()), (1, 4));
+    }
+
+    #[test]
+    fn equal_giants_are_one_and_the_first_row_stays() {
+        let [ground, wall] = [ball(0.0, -1e5, 0.0, 1e5), ball(0.0, -2e5, -0.0, 2e5)];
+        let wall_again = ball(0.0, -2e5, 0.0, 2e5);
+        let around = [1.0, 2.0, 3.0].map(|x| ball(x, 1.0, 0.0, 1.0));
+        let set = set([vec![ground, wall, ground, wall_again], around.to_vec()].concat(), vec![]);
+        assert_eq!((set.giants().len(), set.duplicates()), (2, 2));
+        assert_eq!(set.rows()[3..], [0, 1]);
+    }
+
+    #[test]
+    fn a_set_without_spheres_is_empty() {
+        let empty = set(vec![], vec![]);
+        assert!(empty.is_empty());
+        assert_eq!((empty.len(), empty.bytes()), (0, 0));
+        assert!(!set(vec![ball(0.0, 0.0, 0.0, 1.0)], vec![]).is_empty());
+    }
+
+    #[test]
     fn coarse_rounding_is_counted() {
         let far = |x: f64| ball(1e9 + x, 0.0, 0.0, 1.0);
         assert_eq!(set(vec![far(0.0), far(10.3)], vec![]).coarse(), 0, "the origin moves there");
@@ -180,6 +211,10 @@ mod tests {
                 .coarse(),
             1
         );
+        // Moved by less than 1, a hundredth of this radius.
+        let large = ball(1e9 + 0.3, 0.0, 0.0, 100.0);
+        let near = [0.0, 1.0].map(|x| ball(x, 0.0, 0.0, 1.0));
+        assert_eq!(set([near.to_vec(), vec![large]].concat(), vec![]).coarse(), 0);
     }
 
     #[test]

@@ -18,6 +18,9 @@ use view::View;
 /// More spheres than these only hide the path.
 const MOST_SPHERES: usize = 400;
 
+/// What the name of a sphere takes, about.
+const LABEL: DVec2 = DVec2::new(80.0, 16.0);
+
 const STYLE: &str = "\
 text { font: 13px sans-serif; fill: #222 }\n\
 .small { font-size: 11.5px; fill: #555 }\n\
@@ -149,6 +152,7 @@ fn draw_spheres(svg: &mut String, scene: &Scene, sketch: &Sketch, view: &View) -
     circles.truncate(MOST_SPHERES);
     circles.sort_by(|a, b| b.2.total_cmp(&a.2));
     let mut labels = String::new();
+    let mut taken: Vec<DVec2> = Vec::new();
     for (id, center, radius) in circles {
         let class = match (sketch.lamps.contains(&id), sketch.met.contains(&id)) {
             (true, _) => "lamp",
@@ -162,7 +166,8 @@ fn draw_spheres(svg: &mut String, scene: &Scene, sketch: &Sketch, view: &View) -
         };
         view.circle(svg, &format!("{class}{around}"), center, radius);
         if is_named(id) {
-            let at = view.label_place(center, radius);
+            let at = below_all(view.label_place(center, radius), &taken);
+            taken.push(at);
             let name = escaped(name(scene, id).trim_matches('`'));
             put(
                 &mut labels,
@@ -174,6 +179,16 @@ fn draw_spheres(svg: &mut String, scene: &Scene, sketch: &Sketch, view: &View) -
         }
     }
     labels
+}
+
+/// The place of a label, moved down until it covers none of the others, each of which moves it once.
+fn below_all(mut at: DVec2, others: &[DVec2]) -> DVec2 {
+    for _ in others {
+        let covered = others.iter().find(|other| (at - **other).abs().cmplt(LABEL).all());
+        let Some(other) = covered else { break };
+        at.y = other.y + LABEL.y + 1.0;
+    }
+    at
 }
 
 fn draw_line(svg: &mut String, line: &Line, view: &View) {
@@ -268,4 +283,20 @@ fn escaped(text: &str) -> String {
 
 fn put(svg: &mut String, text: std::fmt::Arguments<'_>) {
     svg.write_fmt(text).expect("a string takes all that is written to it");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_in_one_place_stand_below_each_other() {
+        let place = DVec2::new(100.0, 50.0);
+        let mut taken = vec![DVec2::new(300.0, 50.0)];
+        for row in 0..4 {
+            let at = below_all(place + DVec2::new(f64::from(row), 0.0), &taken);
+            assert_eq!(at.y, 50.0 + (LABEL.y + 1.0) * f64::from(row));
+            taken.push(at);
+        }
+    }
 }

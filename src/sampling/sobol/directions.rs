@@ -4,47 +4,16 @@
 //! of Joe and Kuo 2008, "Constructing Sobol sequences with better two-dimensional projections",
 //! SIAM J. Sci. Comput. 30(5), table `new-joe-kuo-6.21201`.
 
-/// Dimensions of the table.
-pub(super) const DIMENSIONS: usize = 32;
+/// Dimensions of the table: those of a set. More of them serve nobody, see `docs/sampling.md`.
+pub(super) const DIMENSIONS: usize = 4;
 
 /// One dimension: the degree `s` of its polynomial, the polynomial's inner coefficients `a` as
 /// bits, and the initial numbers `m_1 ... m_s`, the rest left 0.
-type Initial = (usize, u32, [u32; 7]);
+type Initial = (usize, u32, [u32; 3]);
 
 /// The dimensions after the first, which is van der Corput's and needs no table.
-const INITIAL: [Initial; DIMENSIONS - 1] = [
-    (1, 0, [1, 0, 0, 0, 0, 0, 0]),
-    (2, 1, [1, 3, 0, 0, 0, 0, 0]),
-    (3, 1, [1, 3, 1, 0, 0, 0, 0]),
-    (3, 2, [1, 1, 1, 0, 0, 0, 0]),
-    (4, 1, [1, 1, 3, 3, 0, 0, 0]),
-    (4, 4, [1, 3, 5, 13, 0, 0, 0]),
-    (5, 2, [1, 1, 5, 5, 17, 0, 0]),
-    (5, 4, [1, 1, 5, 5, 5, 0, 0]),
-    (5, 7, [1, 1, 7, 11, 19, 0, 0]),
-    (5, 11, [1, 1, 5, 1, 1, 0, 0]),
-    (5, 13, [1, 1, 1, 3, 11, 0, 0]),
-    (5, 14, [1, 3, 5, 5, 31, 0, 0]),
-    (6, 1, [1, 3, 3, 9, 7, 49, 0]),
-    (6, 13, [1, 1, 1, 15, 21, 21, 0]),
-    (6, 16, [1, 3, 1, 13, 27, 49, 0]),
-    (6, 19, [1, 1, 1, 15, 7, 5, 0]),
-    (6, 22, [1, 3, 1, 15, 13, 25, 0]),
-    (6, 25, [1, 1, 5, 5, 19, 61, 0]),
-    (7, 1, [1, 3, 7, 11, 23, 15, 103]),
-    (7, 4, [1, 3, 7, 13, 13, 15, 69]),
-    (7, 7, [1, 1, 3, 13, 7, 35, 63]),
-    (7, 8, [1, 3, 5, 9, 1, 25, 53]),
-    (7, 14, [1, 3, 1, 13, 9, 35, 107]),
-    (7, 19, [1, 3, 1, 5, 27, 61, 31]),
-    (7, 21, [1, 1, 5, 11, 19, 41, 61]),
-    (7, 28, [1, 3, 5, 3, 3, 13, 69]),
-    (7, 31, [1, 1, 7, 13, 1, 19, 1]),
-    (7, 32, [1, 3, 7, 5, 13, 19, 59]),
-    (7, 37, [1, 1, 3, 9, 25, 29, 41]),
-    (7, 41, [1, 3, 5, 13, 23, 1, 55]),
-    (7, 42, [1, 3, 7, 3, 13, 59, 17]),
-];
+const INITIAL: [Initial; DIMENSIONS - 1] =
+    [(1, 0, [1, 0, 0]), (2, 1, [1, 3, 0]), (3, 1, [1, 3, 1])];
 
 /// What each group of four index bits adds to the point, all dimensions; the first group is that of
 /// the lowest four bits, the lowest of them first.
@@ -124,20 +93,31 @@ mod tests {
     fn the_first_points_are_sobols() {
         // In the order of the index, without the Gray code: worked out by hand from the table.
         let expected = [
-            [0.0, 0.0, 0.0, 0.0, 0.0],
-            [0.5, 0.5, 0.5, 0.5, 0.5],
-            [0.25, 0.75, 0.75, 0.75, 0.25],
-            [0.75, 0.25, 0.25, 0.25, 0.75],
-            [0.125, 0.625, 0.375, 0.125, 0.125],
-            [0.625, 0.125, 0.875, 0.625, 0.625],
-            [0.375, 0.375, 0.625, 0.875, 0.375],
-            [0.875, 0.875, 0.125, 0.375, 0.875],
+            [0.0, 0.0, 0.0, 0.0],
+            [0.5, 0.5, 0.5, 0.5],
+            [0.25, 0.75, 0.75, 0.75],
+            [0.75, 0.25, 0.25, 0.25],
+            [0.125, 0.625, 0.375, 0.125],
+            [0.625, 0.125, 0.875, 0.625],
+            [0.375, 0.375, 0.625, 0.875],
+            [0.875, 0.875, 0.125, 0.375],
         ];
         for (index, coordinates) in expected.into_iter().enumerate() {
             for (dimension, expected) in coordinates.into_iter().enumerate() {
                 assert_eq!(point(index as u32, dimension), expected, "{index} {dimension}");
             }
         }
+    }
+
+    #[test]
+    fn direction_numbers_follow_from_the_ones_before() {
+        // m_k = 2 a_1 m_(k-1) ^ 4 a_2 m_(k-2) ^ ... ^ 2^s m_(k-s) ^ m_(k-s), by hand.
+        let numbers = |initial| -> [u32; 6] {
+            let v = directions(initial);
+            std::array::from_fn(|k| v[k] >> (31 - k))
+        };
+        let expected = [[1, 3, 5, 15, 17, 51], [1, 3, 3, 9, 29, 23], [1, 3, 1, 5, 31, 29]];
+        assert_eq!(INITIAL.map(numbers), expected);
     }
 
     #[test]

@@ -133,9 +133,14 @@ fn closed_form(form: &Form, judged: &[Judged<'_>]) -> String {
         ),
     );
     let figures: String = outcome.pictures.iter().map(picture::figure).collect();
-    let shown = format!("The pictures are those of {}.", first.name);
+    let shown = format!(
+        "The pictures are those of {}: {}<br>{}",
+        escape(&first.name),
+        escape(&outcome.detail),
+        statistic(outcome)
+    );
     text += &element("div", "", &figures);
-    text += &element("p", "class=soft", &escape(&shown));
+    text += &element("p", "class=soft", &shown);
     text += &details("the derivation", &element("pre", "", &escape(&derivation(form))));
     text + &details("every way", &listing(&of_form))
 }

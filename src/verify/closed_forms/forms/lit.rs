@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use crate::geometry::Sphere;
-use crate::scene::description::Description;
+use crate::scene::description::{Description, Dome};
 use crate::verify::closed_forms::field::{normal, over_pixels, rays, spheres};
 use crate::verify::closed_forms::lamp::Disc;
 
-use super::{albedo, emission, field_radiance, material};
+use super::{albedo, emission, material};
 
 /// Every direction above the ball meets the lamp, so its irradiance is `pi Le`.
 pub(super) fn inside_a_lamp(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
@@ -58,11 +58,13 @@ pub(super) fn occluder(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
     })
 }
 
-/// The sky is all around above the surface, and before it the sun, a disc that the horizon may cut.
+/// The sky's radiance is linear in the height of a direction, and before it is the sun, a disc that the
+/// horizon may cut.
 pub(super) fn sun_and_sky(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
     let ball = spheres(scene)[0];
     let a = albedo(scene, "ball");
-    let sky = field_radiance(scene);
+    let Dome::Gradient { zenith, horizon, .. } = scene.background.dome else { return Vec::new() };
+    let [zenith, horizon] = [zenith, horizon].map(|radiance| f64::from(radiance.y));
     let Some(sun) = scene.background.sun else { return Vec::new() };
     let sin_radius = libm::sin(sun.angular_diameter_degrees.to_radians() / 2.0);
     let radiance = f64::from(sun.irradiance.y) / (PI * sin_radius * sin_radius);
@@ -70,6 +72,7 @@ pub(super) fn sun_and_sky(scene: &Description, nodes: usize) -> Vec<Option<f64>>
         let n = normal(&ball, line.at(line.distance(&ball)?));
         let direction = sun.direction;
         let disc = Disc { direction, cos: direction.dot(n), sin_radius };
+        let sky = horizon + 2.0 / 3.0 * (zenith - horizon) * n.y;
         Some((0, a * (sky + radiance * disc.irradiance() / PI)))
     })
 }

@@ -223,8 +223,8 @@ pub static FORMS: &[Form] = &[
     },
     Form {
         name: "sun-and-sky",
-        title: "a ball under a sun and an even sky",
-        formula: "L = a (Ls + F E / (π sin² s))",
+        title: "a ball under a sun and a sky that is brighter above",
+        formula: "L = a (Lh + ⅔ g n_y + F E / (π sin² s))",
         text: scene!("sun-and-sky"),
         tables: &[],
         is_direct: true,
