@@ -133,7 +133,7 @@ mod tests {
         let mut expected: Vec<u32> = (0..cells.pow(3)).collect();
         expected.sort_by_key(|&i| code(i));
         expected.push(cells.pow(3));
-        assert_eq!(order(&spheres, |i| i, |_| false), expected, "steps of {step}");
+        assert_eq!(order(&spheres, |i| i, |_| false).0, expected, "steps of {step}");
     }
 
     #[test]
@@ -147,16 +147,16 @@ mod tests {
     #[test]
     fn one_in_a_thousand_may_lie_outside_of_the_box() {
         let at = |i: u32| [i as f32, 2.0 * i as f32, 0.0, 1.0];
-        let Bounds { low, high } = Bounds::of(&(0..5000).map(at).collect::<Vec<_>>());
+        let Curve { low, high } = Curve::of(&(0..5000).map(at).collect::<Vec<_>>());
         assert_eq!(low.to_array(), [5.0, 10.0, 0.0]);
         assert_eq!(high.to_array(), [4994.0, 9988.0, 0.0]);
-        let outside = [-1e6, 1e6].map(|x| Bounds { low, high }.fine_code(&[x, x, x, 1.0]));
+        let outside = [-1e6, 1e6].map(|x| Curve { low, high }.fine_code(&[x, x, x, 1.0]));
         assert_eq!(outside, [0, (1 << 63) - 1]);
     }
 
     #[test]
     fn what_comes_last_keeps_the_order_of_its_indices() {
         let spheres = [0.5, 0.1, 0.9, 0.3].map(|x| [x, 0.0, 0.0, 1.0]);
-        assert_eq!(order(&spheres, |i| i, |i| i != 2), [2, 0, 1, 3]);
+        assert_eq!(order(&spheres, |i| i, |i| i != 2).0, [2, 0, 1, 3]);
     }
 }

@@ -271,7 +271,10 @@ fn a_full_disk_does_not_end_a_render() {
         line.unwrap_or_else(|| panic!("{start}")).expect("text")
     };
     let warning = told("warning: cannot write `a.state`: ");
-    assert!(warning.ends_with("the render goes on and tries again to write `a.state`"), "{warning}");
+    assert!(
+        warning.ends_with("the render goes on and tries again to write `a.state`"),
+        "{warning}"
+    );
     assert!(!desk.path().join("a.state").exists());
     let limit = ["--pid", &child.id().to_string(), "--fsize=unlimited:"].map(str::to_owned);
     assert!(Command::new("prlimit").args(limit).status().expect("it runs").success());
