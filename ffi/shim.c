@@ -115,12 +115,12 @@ static double dot(const double a[3], const double b[3]) {
 static double first_root(const Sphere *sphere, const Query *query) {
     const double *o = query->origin, *d = query->direction, *c = sphere->center;
     const double to_center[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
-    double length_squared = dot(d, d);
-    double t = dot(to_center, d) / length_squared;
+    double per_length_squared = 1.0 / dot(d, d);
+    double t = dot(to_center, d) * per_length_squared;
     const double perpendicular[3] = {to_center[0] - d[0] * t, to_center[1] - d[1] * t,
                                      to_center[2] - d[2] * t};
     double discriminant = sphere->radius * sphere->radius - dot(perpendicular, perpendicular);
-    double half_chord_squared = discriminant / length_squared;
+    double half_chord_squared = discriminant * per_length_squared;
     if (!(half_chord_squared >= 0.0)) return NAN;
     double h = sqrt(half_chord_squared);
     return t - h > query->ray->t_min ? t - h : t + h;
