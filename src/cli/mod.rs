@@ -15,6 +15,7 @@ mod generate;
 mod info;
 mod interrupt;
 mod manual;
+mod memory;
 mod outputs;
 mod print;
 mod progress;

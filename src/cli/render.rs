@@ -7,18 +7,18 @@ use serde_json::json;
 
 use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
-use crate::film::{Film, Kind};
 use crate::geometry::SphereSet;
 use crate::provenance::{Made, Run, Samples};
 use crate::render::{self, Outcome, RenderOptions};
-use crate::scene::Scene;
+use crate::scene::{Scene, open_file};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
 use super::interrupt::Interrupt;
+use super::memory::Needs;
 use super::outputs::{self, Outputs};
 use super::progress::Progress;
-use super::{interrupt, on_threads, print, system};
+use super::{interrupt, memory, on_threads, print, system};
 
 /// What a render took, in seconds.
 struct Figures {
@@ -37,9 +37,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
 
 fn render(args: &RenderArgs, outputs: Outputs, interrupt: &Interrupt) -> Result<Exit> {
     let mut clock = Clock(Instant::now());
-    let scene = Scene::load(&args.scene.path, &args.overrides())?;
+    let opened = open_file(&args.scene.path, &args.overrides())?;
+    let needs = Needs { backends: &[args.accel.backend], kinds: outputs.kinds(), besides: 0 };
+    memory::check(&opened, &needs, args.memory.limit)?;
+    let scene = Scene::new(opened.read()?)?;
     let load_s = clock.lap();
-    check_memory(&scene, outputs.kinds())?;
     let about_spheres = about_spheres(scene.spheres());
     about_spheres.iter().for_each(print::warning);
     let threads = rayon::current_num_threads();
@@ -74,23 +76,6 @@ fn render(args: &RenderArgs, outputs: Outputs, interrupt: &Interrupt) -> Result<
     outcome.warnings.splice(..0, about_spheres);
     report(args, &scene, &outcome, &figures)?;
     Ok(if outcome.complete { Exit::Done } else { Exit::Stopped })
-}
-
-/// Refuses a film that the machine has no memory for, before the system kills the program for it.
-fn check_memory(scene: &Scene, kinds: &[Kind]) -> Result<()> {
-    let image = scene.description().image.window();
-    let film = Film::bytes(&render::format_with(scene, kinds)) as u64;
-    match system::available_memory() {
-        Some(available) if film > available => Err(Error::input(format!(
-            "the film of {} x {} pixels needs {} of memory, and {} are free",
-            image.width,
-            image.height,
-            print::bytes(film),
-            print::bytes(available)
-        ))
-        .with_help("render a smaller picture, or one with fewer layers")),
-        _ => Ok(()),
-    }
 }
 
 /// Which samples the picture has: those of stopped renders are spread over the pixels in whole blocks.
