@@ -43,10 +43,6 @@ impl Layout {
     pub(super) fn bytes(&self) -> usize {
         self.columns * VALUE
     }
-
-    pub(super) fn has_color(&self) -> bool {
-        self.color.is_some()
-    }
 }
 
 /// One value of a row.
