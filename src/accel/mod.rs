@@ -6,6 +6,7 @@ mod brute_force;
 mod embree;
 mod info;
 mod native;
+mod plan;
 
 use std::fmt;
 use std::str::FromStr;
@@ -18,6 +19,7 @@ use crate::math::{Hit, Ray};
 
 pub use info::EmbreeInfo;
 pub use native::Instance;
+pub use plan::PlannedBytes;
 
 /// An intersector over a fixed set of spheres.
 ///
@@ -178,6 +180,11 @@ impl Backend {
             }
             _ => self.name().to_owned(),
         }
+    }
+
+    /// Whether it needs Embree.
+    pub fn uses_embree(self) -> bool {
+        matches!(self, Self::Embree | Self::EmbreeUser)
     }
 
     /// Builds this backend over the spheres.

@@ -8,6 +8,7 @@ mod compare;
 mod converge;
 mod generate;
 mod keep;
+mod memory;
 mod output;
 mod picture;
 mod trace;
@@ -27,6 +28,7 @@ pub(super) use compare::{CompareArgs, Mapped, Metric};
 pub(super) use converge::ConvergeArgs;
 pub(super) use generate::GenerateArgs;
 pub(super) use keep::{KeepArgs, MergeArgs, ResumeArgs};
+pub(super) use memory::MemoryArg;
 pub(super) use output::OutputArgs;
 pub(super) use picture::PictureArgs;
 pub(super) use trace::TraceArgs;
@@ -136,6 +138,9 @@ pub(super) struct RenderArgs {
     pub(super) accel: AccelArg,
 
     #[command(flatten)]
+    pub(super) memory: MemoryArg,
+
+    #[command(flatten)]
     pub(super) picture: PictureArgs,
 
     /// Render these samples of each pixel only, as in 0..64; a range starts on a multiple of 16, and
@@ -216,6 +221,9 @@ pub(super) struct BenchArgs {
     #[command(flatten)]
     pub(super) accels: AccelsArg,
 
+    #[command(flatten)]
+    pub(super) memory: MemoryArg,
+
     /// Print JSON instead of a table
     #[arg(long)]
     pub(super) json: bool,
@@ -227,10 +235,20 @@ pub(super) struct BenchArgs {
 Examples:
   photosphere info scenes/cornell-spheres.toml
   photosphere info fig2.png
-  photosphere info grains.toml --json | jq .spheres")]
+  photosphere info grains.toml --json | jq .spheres
+  photosphere info grains.toml --memory-limit 8GiB
+
+What comes first is the memory that a render will take with each intersector: from the lengths of the
+tables and the scene alone, before anything is loaded.")]
 pub(super) struct InfoArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
+
+    #[command(flatten)]
+    pub(super) accel: AccelArg,
+
+    #[command(flatten)]
+    pub(super) memory: MemoryArg,
 
     /// Print one JSON object
     #[arg(long)]

@@ -6,13 +6,14 @@ use crate::accel::BuildOptions;
 use crate::error::Result;
 use crate::geometry::PathRay;
 use crate::math::Ray;
-use crate::scene::Scene;
+use crate::scene::{Opened, Scene, open_file};
 use crate::verify::bench::{BackendBench, BenchRays, Rates, bench};
 use crate::verify::rays;
 
 use super::args::BenchArgs;
 use super::exit::Exit;
-use super::{interrupt, on_threads, print};
+use super::memory::Needs;
+use super::{interrupt, memory, on_threads, print};
 
 /// Rounds of measurement; each figure is their median.
 const ROUNDS: usize = 5;
@@ -29,9 +30,12 @@ pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
 }
 
 fn measure(args: &BenchArgs) -> Result<Exit> {
-    let scene = Scene::load(&args.scene.path, &args.scene.overrides())?;
-    let spheres = scene.spheres();
+    let opened = open_file(&args.scene.path, &args.scene.overrides())?;
     let backends = args.accels.backends();
+    let besides = bytes_of_rays(&opened, backends.len());
+    memory::check(&opened, &Needs { backends, kinds: &[], besides }, args.memory.limit)?;
+    let scene = Scene::new(opened.read()?)?;
+    let spheres = scene.spheres();
     let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
 
     let camera = camera_rays(&scene);
@@ -49,6 +53,14 @@ fn measure(args: &BenchArgs) -> Result<Exit> {
         print::result(&table(&results, &scene))?;
     }
     Ok(Exit::Done)
+}
+
+/// What all the rays take at most, and the copies that each intersector is asked with.
+fn bytes_of_rays(opened: &Opened, backends: usize) -> u64 {
+    let image = opened.description().image;
+    let rays = (image.width as usize * image.height as usize).min(MOST_RAYS);
+    let each = 2 * (size_of::<PathRay>() + size_of::<Ray>()) + 4 * backends * size_of::<Ray>();
+    (rays * each) as u64
 }
 
 /// Which two numbers give the middle of a lens, or nearly so where it has blades.

@@ -16,6 +16,7 @@ mod info;
 mod interrupt;
 mod keeper;
 mod manual;
+mod memory;
 mod merge;
 mod outputs;
 mod print;

@@ -1,8 +1,9 @@
 //! From the user's rows to a [`SphereSet`]: choose the origin, part the giants, round the rest, sort
 //! it along a Morton curve, and drop what is there twice.
 //!
-//! The table's own storage becomes the set's; beside it there are 8 bytes a sphere for sorting and 4
-//! for the row of each id.
+//! Sorting takes 8 bytes a sphere for the keys, then 4 for the row of each id and 16 for the spheres in
+//! their new order: less than any tree that is built afterwards, so that this is never the peak. Only
+//! two arrays are kept, the spheres and their rows.
 
 use std::collections::HashSet;
 
@@ -76,6 +77,14 @@ impl Unsorted {
         }
     }
 
+    /// The index with this row.
+    fn index_of(&self, row: u32) -> usize {
+        match (row as usize).checked_sub(self.exact.len()) {
+            Some(in_table) => in_table,
+            None => self.from_table + row as usize,
+        }
+    }
+
     /// The giants, by index, in the order of the indices.
     fn find_giants(&self) -> Vec<Giant> {
         let shells = Shells::survey(self.table.len(), |i| self.given(i));
@@ -102,12 +111,11 @@ impl Unsorted {
     /// Sorts the spheres, without the giants and without repetitions; returns their rows, how many
     /// were repetitions, and the curve.
     fn sort_all_but(&mut self, giants: &[Giant]) -> (Vec<u32>, usize, Curve) {
-        let (order, curve) =
+        let (mut rows, curve) =
             morton::order(&self.table, |i| self.row_of(i), |index| is_among(giants, index));
-        let sorted = self.table.len() - giants.len();
-        let mut rows: Vec<u32> = order[..sorted].par_iter().map(|&i| self.row_of(i)).collect();
-        permute(&mut self.table, order);
-        self.table.truncate(sorted);
+        rows.truncate(self.table.len() - giants.len());
+        // Out of place, because cycles in place follow one cache miss after another on one thread.
+        self.table = rows.par_iter().map(|&row| self.table[self.index_of(row)]).collect();
         let repeated = drop_repeated(&mut self.table, &mut rows);
         (rows, repeated, curve)
     }
@@ -140,30 +148,16 @@ fn displacement(exact: &Sphere, stored: &[f32; 4]) -> f64 {
     stored.center.distance(exact.center) + (stored.radius - exact.radius).abs()
 }
 
-/// Puts `table[order[i]]` at place `i`, in place, cycle by cycle.
-fn permute(table: &mut [[f32; 4]], mut order: Vec<u32>) {
-    const DONE: u32 = u32::MAX;
-    for start in 0..order.len() {
-        let first = table[start];
-        let mut place = start;
-        while order[place] != DONE {
-            let from = std::mem::replace(&mut order[place], DONE) as usize;
-            if from == start {
-                table[place] = first;
-                break;
-            }
-            table[place] = table[from];
-            place = from;
-        }
-    }
-}
-
 /// Keeps the first of each run of equal spheres; returns how many went.
 fn drop_repeated(table: &mut Vec<[f32; 4]>, rows: &mut Vec<u32>) -> usize {
-    let bits = |sphere: &[f32; 4]| sphere.map(f32::to_bits);
-    let mut kept = 0;
-    for i in 0..table.len() {
-        if kept > 0 && bits(&table[i]) == bits(&table[kept - 1]) {
+    let are_equal = |a: &[f32; 4], b: &[f32; 4]| a.map(f32::to_bits) == b.map(f32::to_bits);
+    let Some(first) = table.par_windows(2).position_first(|pair| are_equal(&pair[0], &pair[1]))
+    else {
+        return 0;
+    };
+    let mut kept = first + 1;
+    for i in first + 1..table.len() {
+        if are_equal(&table[i], &table[kept - 1]) {
             continue;
         }
         table[kept] = table[i];

@@ -29,6 +29,8 @@ const OUT_OF_SCALE: f64 = 8.0;
 /// The smallest radius whose surface enters each shell around the origin.
 pub(super) struct Shells {
     smallest_radius: [f64; SHELLS],
+    /// The smallest radius of all.
+    smallest: f64,
 }
 
 impl Shells {
@@ -49,13 +51,17 @@ impl Shells {
                 a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
                 a
             });
-        Self { smallest_radius }
+        let smallest = smallest_radius.iter().copied().fold(f64::INFINITY, f64::min);
+        Self { smallest_radius, smallest }
     }
 
     /// Whether the sphere is a giant among those surveyed.
     pub(super) fn is_giant(&self, sphere: &Sphere) -> bool {
         let scale = sphere.center.length() + sphere.radius;
         let moved = F32_ROUNDING * scale;
+        if moved <= TOLERATED * self.smallest {
+            return false; // nearly always
+        }
         shells_of(sphere).any(|shell| {
             let shell_end = 2f64.powi(LOWEST + shell as i32 + 1);
             scale > OUT_OF_SCALE * shell_end && moved > TOLERATED * self.smallest_radius[shell]
@@ -71,8 +77,8 @@ fn shells_of(sphere: &Sphere) -> std::ops::Range<usize> {
 }
 
 fn shell_at(distance: f64) -> usize {
-    let (_, exponent) = libm::frexp(distance);
-    let exponent = if distance > 0.0 { exponent - 1 } else { LOWEST };
+    // The exponent as f64 stores it; below the lowest shell for 0 and subnormal numbers.
+    let exponent = (distance.to_bits() >> 52) as i32 - 1023;
     (exponent.clamp(LOWEST, HIGHEST) - LOWEST) as usize
 }
 
@@ -94,6 +100,13 @@ mod tests {
     fn a_huge_ground_under_small_balls_is_a_giant_and_the_balls_are_not() {
         let ground = ball(0.0, -1e5, 0.0, 1e5);
         assert_eq!(giants(&[ground, ball(0.0, 1.0, 0.0, 1.0)]), [true, false]);
+    }
+
+    #[test]
+    fn shells_begin_at_powers_of_two() {
+        let shell = |distance| shell_at(distance) as i32 + LOWEST;
+        assert_eq!([1.0, 1.999, 2.0, 0.75].map(shell), [0, 0, 1, -1]);
+        assert_eq!([0.0, 1e-320, 1e300].map(shell), [LOWEST, LOWEST, HIGHEST]);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod arrange;
 mod cone;
 mod giants;
+mod median;
 mod morton;
 mod origin;
 mod set;

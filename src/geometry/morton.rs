@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::math::Vec3;
 
-/// The order of `spheres` along the curve, as indices; equal spheres end up next to each other, the
+/// The rows of `spheres` in their order along the curve; equal spheres end up next to each other, the
 /// one of the smaller row first. Those that `last` picks come at the end, in index order. Also the
 /// curve.
 ///
@@ -16,6 +16,17 @@ pub(super) fn order(
     last: impl Fn(u32) -> bool + Sync,
 ) -> (Vec<u32>, Curve) {
     let curve = Curve::of(spheres);
+    let row = |&key: &u64| row_of(index_of(key));
+    let keys = sorted_keys(spheres, curve, &row_of, last);
+    (keys.par_iter().map(row).collect(), curve)
+}
+
+fn sorted_keys(
+    spheres: &[[f32; 4]],
+    curve: Curve,
+    row_of: &(impl Fn(u32) -> u32 + Sync),
+    last: impl Fn(u32) -> bool + Sync,
+) -> Vec<u64> {
     let key = |index: u32| {
         let code = if last(index) { u32::MAX } else { curve.coarse_code(&spheres[index as usize]) };
         u64::from(code) << 32 | u64::from(index)
@@ -30,7 +41,7 @@ pub(super) fn order(
     keys.par_chunk_by_mut(|a, b| a >> 32 == b >> 32)
         .filter(|cell| cell.len() > 1 && cell[0] >> 32 != u64::from(u32::MAX))
         .for_each(|cell| cell.par_sort_unstable_by_key(rank));
-    (keys.into_iter().map(index_of).collect(), curve)
+    keys
 }
 
 fn index_of(key: u64) -> u32 {

@@ -8,6 +8,8 @@ use rayon::prelude::*;
 
 use crate::math::{DVec3, F32_ROUNDING};
 
+use super::median::lower_median;
+
 /// The share of its radius by which rounding may move a sphere before another origin is tried.
 const TOLERATED: f64 = 1e-3;
 /// Spheres larger than this many times the smallest may turn out to be giants, which f32 need not
@@ -21,7 +23,7 @@ pub(super) fn choose(spheres: &[[f32; 4]]) -> DVec3 {
         return all;
     }
     let smallest = spheres.par_iter().map(|s| s[3]).reduce(|| f32::INFINITY, f32::min);
-    let smaller_half = median(spheres, lower_median(spheres.iter().map(|s| s[3])));
+    let smaller_half = median(spheres, lower_median(spheres, |s| Some(s[3])));
     let small = median(spheres, SMALL * smallest);
     // `min_by_key` keeps the first of equals.
     let places = [all, smaller_half, small];
@@ -31,20 +33,10 @@ pub(super) fn choose(spheres: &[[f32; 4]]) -> DVec3 {
 /// The per-axis median of the centres of the spheres up to a radius.
 fn median(spheres: &[[f32; 4]], largest: f32) -> DVec3 {
     let of_axis = |axis: usize| {
-        let chosen = spheres.iter().filter(|sphere| sphere[3] <= largest);
-        f64::from(lower_median(chosen.map(|sphere| sphere[axis])))
+        let chosen = |sphere: &[f32; 4]| (sphere[3] <= largest).then_some(sphere[axis]);
+        f64::from(lower_median(spheres, chosen))
     };
     DVec3::new(of_axis(0), of_axis(1), of_axis(2))
-}
-
-/// The lower median; 0 for none.
-fn lower_median(values: impl Iterator<Item = f32>) -> f32 {
-    let mut values: Vec<f32> = values.collect();
-    let middle = values.len().saturating_sub(1) / 2;
-    if values.is_empty() {
-        return 0.0;
-    }
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 /// How many spheres rounding relative to this place could move by too much of their radius.

@@ -3,12 +3,14 @@
 mod adaptive;
 mod layers;
 mod noise;
+mod plan;
 mod session;
 mod squares;
 
 pub use adaptive::{FIRST_DECISION, Standing, error_so_far, half_widths, render_to};
 pub use layers::{needs_scene, picture, picture_of_sums};
 pub use noise::Target;
+pub use plan::{MemoryPlan, Step};
 pub use session::Session;
 
 use crate::accel::{Accel, Cancel};
@@ -16,6 +18,7 @@ use crate::error::Result;
 use crate::film::{Film, Format, Frame, Kind, Layer, Picture, Rect, Scale, summed_for};
 use crate::integrator::Tally;
 use crate::scene::Scene;
+use crate::scene::description::Description;
 
 /// How to render.
 pub struct RenderOptions<'a> {
@@ -94,7 +97,11 @@ pub fn format_of(scene: &Scene) -> Format {
 
 /// The film of a picture with these layers, from the first sample on.
 pub fn format_with(scene: &Scene, kinds: &[Kind]) -> Format {
-    let description = scene.description();
+    format_of_description(scene.description(), Scale::of_brightest(scene.brightest()), kinds)
+}
+
+/// The same, before the scene's lamps are known.
+fn format_of_description(description: &Description, scale: Scale, kinds: &[Kind]) -> Format {
     let mut layers = summed_for(kinds);
     if description.background.transparent && !layers.contains(&Layer::Alpha) {
         layers.push(Layer::Alpha);
@@ -106,7 +113,7 @@ pub fn format_with(scene: &Scene, kinds: &[Kind]) -> Format {
             window: Rect { x: window.x, y: window.y, width: window.width, height: window.height },
         },
         first_sample: 0,
-        scale: Scale::of_brightest(scene.brightest()),
+        scale,
         layers,
         squares: true,
     }

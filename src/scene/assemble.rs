@@ -154,8 +154,8 @@ impl Scene {
             return Surface::new(&self.materials[sphere.material], None, || sphere.radius);
         }
         let group = self.group_of(row);
-        let colors = group.colors.as_ref();
-        let color = colors.map(|colors| Rgb::from(colors[(row - group.first_row) as usize]));
+        let in_table = (row - group.first_row) as usize;
+        let color = group.colors.as_ref().map(|colors| colors.get(in_table));
         let radius = || self.spheres.sphere(id).radius;
         Surface::new(&self.materials[group.material], color, radius)
     }

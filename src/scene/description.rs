@@ -274,6 +274,18 @@ pub struct SphereTable {
     pub columns: Vec<Column>,
     /// Index into [`Description::materials`].
     pub material: usize,
+    /// `colors`: how the rows' colours are kept, where there are some.
+    pub colors: ColorStorage,
+}
+
+/// How the colours of a table are kept in memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ColorStorage {
+    /// `"exact"`: as they are in the file.
+    #[default]
+    Exact,
+    /// `"packed"`: rounded, in a third of the memory.
+    Packed,
 }
 
 /// A column of a sphere table.

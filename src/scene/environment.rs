@@ -28,6 +28,11 @@ impl Pixels {
         light::Dome::image(self.width, self.height, &self.pixels)
     }
 
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.pixels.len()
+    }
+
     /// The hash of size and values.
     pub(super) fn hash(&self) -> blake3::Hash {
         let mut hasher = blake3::Hasher::new();

@@ -15,6 +15,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::geometry::SphereRows;
 
+use super::colors::Colors;
 use super::description::{Description, Dome, Integrator};
 use super::environment::Pixels;
 use super::import::RowGroup;
@@ -125,10 +126,7 @@ impl Ingredients {
         let table = |(file, group): (&Path, &RowGroup)| {
             let begin = group.first_row as usize - exact;
             let rows = &rows.table[begin..begin + group.count as usize];
-            Ingredient {
-                file: file.to_path_buf(),
-                hash: hash_of_rows(rows, group.colors.as_deref()),
-            }
+            Ingredient { file: file.to_path_buf(), hash: hash_of_rows(rows, group.colors.as_ref()) }
         };
         let tables = description.tables.iter().map(|table| table.file.as_path()).zip(groups);
         let mut files: Vec<Ingredient> = tables.map(table).collect();
@@ -251,20 +249,31 @@ fn is_left_out(path: &[String]) -> bool {
 }
 
 /// The hash of a table's values: that of the hashes of its pieces, which all threads share.
-fn hash_of_rows(rows: &[[f32; 4]], colors: Option<&[[f32; 3]]>) -> Identity {
+fn hash_of_rows(rows: &[[f32; 4]], colors: Option<&Colors>) -> Identity {
     let mut hasher = Hasher::new();
     hasher.update(&(rows.len() as u64).to_le_bytes());
-    add_rows(&mut hasher, rows);
-    colors.into_iter().for_each(|colors| add_rows(&mut hasher, colors));
+    add_rows(&mut hasher, rows.len(), |row| rows[row]);
+    if let Some(colors) = colors {
+        add_rows(&mut hasher, colors.len(), |row| colors.get(row).to_array());
+    }
     Identity(hasher.finalize().into())
 }
 
-fn add_rows<const N: usize>(hasher: &mut Hasher, rows: &[[f32; N]]) {
-    let hash_of_piece = |piece: &[[f32; N]]| {
-        let bytes: Vec<u8> = piece.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+fn add_rows<const N: usize>(
+    hasher: &mut Hasher,
+    count: usize,
+    values: impl Fn(usize) -> [f32; N] + Sync,
+) {
+    let hash_of_piece = |piece: usize| {
+        let rows = piece * ROWS..count.min((piece + 1) * ROWS);
+        let mut bytes = Vec::with_capacity(rows.len() * N * size_of::<f32>());
+        for row in rows {
+            values(row).iter().for_each(|value| bytes.extend(value.to_le_bytes()));
+        }
         blake3::hash(&bytes)
     };
-    let hashes: Vec<blake3::Hash> = rows.par_chunks(ROWS).map(hash_of_piece).collect();
+    let pieces = (0..count.div_ceil(ROWS)).into_par_iter();
+    let hashes: Vec<blake3::Hash> = pieces.map(hash_of_piece).collect();
     for hash in hashes {
         hasher.update(hash.as_bytes());
     }

@@ -1,30 +1,21 @@
 //! Sphere tables: raw files of little-endian f32 rows, read into one array.
 //!
 //! A table may be larger than half the memory, so nothing of it is ever held twice: the array is
-//! made once, in its final size, from the lengths that the files really have, and the bytes pass
-//! through a small buffer.
+//! made once, in its final size, from the lengths that the files really have.
 
-use std::fs::File;
-use std::io::{self, Read};
-use std::ops::RangeInclusive;
+use std::io;
 use std::path::Path;
-
-use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Sphere, SphereRows};
-use crate::math::{MAX_COORDINATE, NO_SPHERE};
+use crate::math::NO_SPHERE;
 
-use super::description::{Column, Description, SphereTable, Surface};
+use super::colors::Colors;
+use super::description::{Description, SphereTable, Surface};
 use super::document::Table;
-use super::read::{SHARE_ROUNDING, SMALLEST_RADIUS};
+use super::read::SHARE_ROUNDING;
 use super::report::{Report, Span, Wrong};
-
-/// Bytes of one f32.
-const VALUE: usize = size_of::<f32>();
-
-/// Bytes read at a time, or a little less: whole rows.
-const CHUNK: usize = 4 << 20;
+use super::rows::{Layout, TableRows, VALUE};
 
 /// The most spheres of a scene, so that rows and ids fit in 32 bits.
 const MOST_SPHERES: u64 = NO_SPHERE as u64 - 2;
@@ -39,7 +30,7 @@ pub struct RowGroup {
     /// Index into [`Description::materials`].
     pub material: usize,
     /// Each row's own linear colour, in `[0, 1]`, where the table has one.
-    pub colors: Option<Vec<[f32; 3]>>,
+    pub colors: Option<Colors>,
 }
 
 /// What is known of a table's file before it is read.
@@ -47,9 +38,9 @@ pub struct RowGroup {
 pub(super) struct Survey {
     /// Where the scene names the file.
     span: Span,
-    rows: u64,
+    pub(super) rows: u64,
     /// The largest colour that a row may have.
-    brightest: [f32; 3],
+    pub(super) brightest: [f32; 3],
 }
 
 /// Looks at the file of a table that is described in `table`; what is wrong goes to its report.
@@ -85,11 +76,7 @@ pub(super) fn import(
         .collect();
     let in_tables: u64 = surveys.iter().map(|survey| survey.rows).sum();
     let count = in_tables + exact.len() as u64;
-    if count > MOST_SPHERES {
-        return Err(Error::input(format!(
-            "{count} spheres are more than the {MOST_SPHERES} that a scene can hold"
-        )));
-    }
+    check_count(count)?;
     // The exact spheres will be appended to this very array.
     let mut all = with_capacity(count)?;
     let mut groups = Vec::with_capacity(surveys.len());
@@ -104,6 +91,19 @@ pub(super) fn import(
         groups.push(RowGroup { first_row, count: survey.rows as u32, material, colors });
     }
     Ok((SphereRows { exact, table: all }, groups))
+}
+
+/// # Errors
+/// When there are more spheres than ids.
+pub(super) fn check_count(spheres: u64) -> Result<()> {
+    if spheres > MOST_SPHERES {
+        return Err(Error::input(format!(
+            "{spheres} spheres are more than the {MOST_SPHERES} that a scene can hold: their numbers \
+             have 32 bits"
+        ))
+        .with_help("leave some tables out, or thin them out"));
+    }
+    Ok(())
 }
 
 /// The largest colour that a row may have.
@@ -123,7 +123,7 @@ fn brightest_rows(surface: &Surface) -> [f32; 3] {
 }
 
 /// What is wrong with a table, and what to do about it.
-type Complaint = (String, Option<String>);
+pub(super) type Complaint = (String, Option<String>);
 
 /// How many whole rows the file has, or what is wrong with it.
 fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, Complaint> {
@@ -153,7 +153,7 @@ fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, Complaint> {
     }
 }
 
-fn unreadable(path: &Path, error: &io::Error) -> Complaint {
+pub(super) fn unreadable(path: &Path, error: &io::Error) -> Complaint {
     let help = match error.kind() {
         io::ErrorKind::NotFound => Some("a relative path starts at the scene's folder".to_owned()),
         _ => None,
@@ -162,17 +162,11 @@ fn unreadable(path: &Path, error: &io::Error) -> Complaint {
 }
 
 /// What to look at where the rows are not what was expected.
-fn layout_help(columns: u64) -> String {
+pub(super) fn layout_help(columns: u64) -> String {
     format!(
         "a row is {columns} little-endian f32 numbers, as `columns` says, and there is no header: \
          mend `columns` or the file"
     )
-}
-
-/// The shortest number that reads back as the same f32.
-fn in_words(x: f32) -> String {
-    let is_handy = x == 0.0 || (1e-4..1e6).contains(&x.abs());
-    if is_handy { x.to_string() } else { format!("{x:e}") }
 }
 
 /// `1 row`, `2 rows`.
@@ -181,156 +175,11 @@ fn counted(number: u64, singular: &str) -> String {
     format!("{number} {singular}{plural}")
 }
 
-fn with_capacity<T>(count: u64) -> Result<Vec<T>> {
+pub(super) fn with_capacity<T>(count: u64) -> Result<Vec<T>> {
     let mut vec = Vec::new();
     vec.try_reserve_exact(count as usize).map_err(|_| {
         Error::input(format!("there is not enough memory for {count} spheres"))
             .with_help("leave some sphere tables out")
     })?;
     Ok(vec)
-}
-
-/// Where the values of a row stand, as numbers of columns.
-struct Layout {
-    columns: usize,
-    sphere: [usize; 4],
-    color: Option<[usize; 3]>,
-}
-
-impl Layout {
-    /// `columns` has x, y, z and radius once each, and all of r, g, b or none.
-    fn new(columns: &[Column]) -> Self {
-        let of = |column: Column| columns.iter().position(|&c| c == column);
-        let required = |column: Column| of(column).unwrap_or_default();
-        let sphere = [Column::X, Column::Y, Column::Z, Column::Radius].map(required);
-        let color = [Column::Red, Column::Green, Column::Blue];
-        let color = of(Column::Red).map(|_| color.map(required));
-        Self { columns: columns.len(), sphere, color }
-    }
-
-    fn bytes(&self) -> usize {
-        self.columns * VALUE
-    }
-}
-
-/// One value of a row.
-fn value(row: &[u8], column: usize) -> f32 {
-    let mut bytes = [0; VALUE];
-    bytes.copy_from_slice(&row[column * VALUE..][..VALUE]);
-    f32::from_le_bytes(bytes)
-}
-
-/// The rows of one table on their way into the array of all.
-struct TableRows<'r> {
-    columns: &'r [Column],
-    layout: Layout,
-    survey: &'r Survey,
-    all: &'r mut Vec<[f32; 4]>,
-    colors: Option<Vec<[f32; 3]>>,
-}
-
-/// The rows that cannot be spheres.
-#[derive(Clone, Copy, Default)]
-struct Flaws {
-    first: Option<usize>,
-    count: usize,
-}
-
-impl Flaws {
-    fn of_row(number: usize, is_wrong: bool) -> Self {
-        Self { first: is_wrong.then_some(number), count: usize::from(is_wrong) }
-    }
-
-    fn join(self, later: Self) -> Self {
-        Self { first: self.first.or(later.first), count: self.count + later.count }
-    }
-}
-
-impl<'r> TableRows<'r> {
-    fn new(table: &'r SphereTable, survey: &'r Survey, all: &'r mut Vec<[f32; 4]>) -> Result<Self> {
-        let layout = Layout::new(&table.columns);
-        let colors = layout.color.map(|_| with_capacity(survey.rows)).transpose()?;
-        Ok(Self { columns: &table.columns, layout, survey, all, colors })
-    }
-
-    fn read(&mut self, path: &Path) -> std::result::Result<(), Complaint> {
-        let trouble = |error| unreadable(path, &error);
-        let mut file = File::open(path).map_err(trouble)?;
-        let rows_at_once = CHUNK / self.layout.bytes();
-        let mut buffer = vec![0; rows_at_once * self.layout.bytes()];
-        let (mut flaws, mut first_flaw) = (Flaws::default(), None);
-        let mut done = 0;
-        let rows = self.survey.rows as usize;
-        while done < rows {
-            let count = rows_at_once.min(rows - done);
-            let chunk = &mut buffer[..count * self.layout.bytes()];
-            file.read_exact(chunk).map_err(trouble)?;
-            let found = self.take(chunk);
-            if let (None, Some(at)) = (flaws.first, found.first) {
-                first_flaw = Some(self.tell(&chunk[at * self.layout.bytes()..], done + at));
-            }
-            flaws = flaws.join(found);
-            done += count;
-        }
-        let Some(first) = first_flaw else {
-            return Ok(());
-        };
-        let others = match flaws.count - 1 {
-            0 => String::new(),
-            1 => "; 1 more row is wrong".to_owned(),
-            count => format!("; {count} more rows are wrong"),
-        };
-        let help = layout_help(self.layout.columns as u64);
-        Err((format!("`{}`: {first}{others}", path.display()), Some(help)))
-    }
-
-    /// Appends the rows; says which of them are wrong.
-    fn take(&mut self, chunk: &[u8]) -> Flaws {
-        let rows = chunk.par_chunks_exact(self.layout.bytes());
-        let sphere = self.layout.sphere;
-        self.all.par_extend(rows.clone().map(|row| sphere.map(|column| value(row, column))));
-        if let (Some(colors), Some(color)) = (&mut self.colors, self.layout.color) {
-            colors.par_extend(rows.clone().map(|row| color.map(|column| value(row, column))));
-        }
-        let flaw = |(number, row)| Flaws::of_row(number, self.flaw_in(row).is_some());
-        rows.enumerate().map(flaw).reduce(Flaws::default, Flaws::join)
-    }
-
-    /// The first column whose value cannot be.
-    fn flaw_in(&self, row: &[u8]) -> Option<usize> {
-        (0..self.layout.columns).find(|&column| !self.allows(column, value(row, column)))
-    }
-
-    fn allows(&self, column: usize, value: f32) -> bool {
-        self.allowed(column).contains(&value)
-    }
-
-    /// What the values of a column may be.
-    fn allowed(&self, column: usize) -> RangeInclusive<f32> {
-        let largest = MAX_COORDINATE as f32;
-        let [red, green, blue] = self.survey.brightest;
-        match self.columns[column] {
-            Column::X | Column::Y | Column::Z => -largest..=largest,
-            Column::Radius => SMALLEST_RADIUS as f32..=largest,
-            Column::Red => 0.0..=red,
-            Column::Green => 0.0..=green,
-            Column::Blue => 0.0..=blue,
-        }
-    }
-
-    /// Tells of the flaw in a row.
-    fn tell(&self, row: &[u8], number: usize) -> String {
-        let column = self.flaw_in(row).unwrap_or_default();
-        let is_this = |(_, known): &&(_, Column)| *known == self.columns[column];
-        let name = Column::NAMES.iter().find(is_this).map_or("?", |(name, _)| name);
-        let offset = (number * self.layout.columns + column) * VALUE;
-        let allowed = self.allowed(column);
-        format!(
-            "row {number} (the first is 0) has {name} = {:?} at byte {offset}; it must be from {} to \
-             {}",
-            value(row, column),
-            in_words(*allowed.start()),
-            in_words(*allowed.end()),
-        )
-    }
 }

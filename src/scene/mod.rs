@@ -2,6 +2,7 @@
 
 mod assemble;
 mod biases;
+mod colors;
 pub mod description;
 mod document;
 mod environment;
@@ -11,13 +12,15 @@ mod load;
 mod overrides;
 mod read;
 mod report;
+mod rows;
 mod surface;
 mod values;
 
 pub use assemble::Scene;
+pub use colors::{Colors, Packed};
 pub use environment::Pixels;
 pub use identity::{Identity, Ingredient, Ingredients};
 pub use import::RowGroup;
-pub use load::{Loaded, read_file, read_text};
+pub use load::{Loaded, Opened, open_file, open_text, read_file, read_text};
 pub use overrides::Override;
 pub use surface::Surface;

@@ -5,7 +5,7 @@ use std::path::Path;
 use photosphere::color::Rgb;
 use photosphere::math::DVec3;
 use photosphere::scene::description::{Dome, FilterKind, Integrator, Projection, Surface};
-use photosphere::scene::{Loaded, read_file};
+use photosphere::scene::{Colors, Loaded, read_file};
 
 use crate::scenes::{EXAMPLE, SCENE, load};
 
@@ -27,8 +27,8 @@ fn the_example_is_read_as_written() {
     assert_eq!(rows.table, [[1.0, 2.0, 3.0, 0.5], [-1.0, 0.0, 1.0, 0.25]]);
     assert!(rows.table.capacity() >= 3, "there is room for the exact sphere");
     assert_eq!((groups[0].first_row, groups[0].count, groups[0].material), (1, 2, 0));
-    let colors = groups[0].colors.as_deref().expect("colours");
-    assert_eq!(colors, [[0.25, 0.5, 0.75], [0.0, 1.0, 0.5]]);
+    let colors = Colors::Exact(vec![[0.25, 0.5, 0.75], [0.0, 1.0, 0.5]]);
+    assert_eq!(groups[0].colors, Some(colors));
 }
 
 #[test]

@@ -6,14 +6,16 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::error::{Error, Result};
+use crate::film::Kind;
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
-use crate::scene::Scene;
 use crate::scene::description::{Description, Hemisphere, Integrator, Stop, Surface};
+use crate::scene::{Scene, open_file};
 
 use super::args::InfoArgs;
 use super::exit::Exit;
-use super::{on_threads, print, render};
+use super::memory::Needs;
+use super::{memory, on_threads, print, render};
 
 /// # Errors
 /// When the scene or the picture cannot be read, or the scene has mistakes.
@@ -31,10 +33,19 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
         return Ok(Exit::Done);
     }
     on_threads(args.scene.threads(), || {
-        let scene = Scene::load(&args.scene.path, &args.scene.overrides())?;
+        let opened = open_file(&args.scene.path, &args.scene.overrides())?;
+        let plan = memory::in_json(&opened);
+        if !args.json {
+            // Before anything is loaded: that may be what there is no memory for.
+            print::result(&memory::in_words(&opened))?;
+        }
+        let backends = [args.accel.backend];
+        let needs = Needs { backends: &backends, kinds: &Kind::USUAL, besides: 0 };
+        memory::check(&opened, &needs, args.memory.limit)?;
+        let scene = Scene::new(opened.read()?)?;
         render::about_spheres(scene.spheres()).iter().for_each(print::warning);
         if args.json {
-            print::json(&in_json(&scene))?
+            print::json(&in_json(&scene, plan))?
         } else {
             print::result(&in_words(&scene))?
         }
@@ -90,7 +101,6 @@ fn in_words(scene: &Scene) -> String {
     }
     row("bounds", format!("{} to {}", triple(low), triple(high)));
     row("radii", format!("{} to {}", rounded(smallest), rounded(largest)));
-    row("memory", format!("{} for spheres", print::bytes(spheres.bytes() as u64)));
     row("image", format!("{} x {} pixels", image.width, image.height));
     row("integrator", integrator(&render.integrator));
     row("samples", format!("{} per pixel", render.samples_per_pixel));
@@ -103,7 +113,7 @@ fn in_words(scene: &Scene) -> String {
     text
 }
 
-fn in_json(scene: &Scene) -> Value {
+fn in_json(scene: &Scene, plan: Value) -> Value {
     let (spheres, Description { image, render, .. }) = (scene.spheres(), scene.description());
     let Bounds { low, high, smallest, largest } = Bounds::of(spheres);
     let materials = materials(scene.description());
@@ -119,7 +129,7 @@ fn in_json(scene: &Scene) -> Value {
         "materials": materials,
         "bounds": { "low": low.to_array(), "high": high.to_array() },
         "radius": { "smallest": smallest, "largest": largest },
-        "sphere_bytes": spheres.bytes(),
+        "memory_plan": plan,
         "width": image.width,
         "height": image.height,
         "integrator": name_of(&render.integrator),

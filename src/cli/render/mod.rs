@@ -10,19 +10,20 @@ use std::time::Instant;
 
 use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
-use crate::film::{BLOCK, Film, Format};
+use crate::film::{BLOCK, Format};
 use crate::geometry::SphereSet;
 use crate::provenance::{Made, Samples};
 use crate::render::{RenderOptions, Session, format_with};
-use crate::scene::Scene;
+use crate::scene::{Scene, open_file};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
 use super::interrupt::Interrupt;
 use super::keeper::{self, Orders};
+use super::memory::Needs;
 use super::outputs::Outputs;
 use super::progress::Progress;
-use super::{interrupt, on_threads, print, system};
+use super::{interrupt, memory, on_threads, print};
 
 pub(super) use job::RESUME;
 
@@ -46,11 +47,13 @@ fn render(
     interrupt: &Interrupt,
 ) -> Result<Exit> {
     let mut clock = Clock(Instant::now());
-    let scene = Scene::load(&args.scene.path, &args.overrides())?;
+    let opened = open_file(&args.scene.path, &args.overrides())?;
+    let needs = Needs { backends: &[args.accel.backend], kinds: outputs.kinds(), besides: 0 };
+    memory::check(&opened, &needs, args.memory.limit)?;
+    let scene = Scene::new(opened.read()?)?;
     let mut figures = Figures { load_s: clock.lap(), ..Figures::default() };
     let samples = samples_of(args, &scene)?;
     let format = Format { first_sample: samples.start, ..format_with(&scene, outputs.kinds()) };
-    check_memory(&format)?;
     let about_spheres = about_spheres(scene.spheres());
     about_spheres.iter().for_each(print::warning);
     let made = Made::new(&scene, args.accel.backend, Samples::all(0));
@@ -131,22 +134,6 @@ fn samples_of(args: &RenderArgs, scene: &Scene) -> Result<Range<u32>> {
         );
     }
     Ok(start..end)
-}
-
-/// Refuses a film that the machine has no memory for, before the system kills the program for it.
-fn check_memory(format: &Format) -> Result<()> {
-    let film = Film::bytes(format) as u64;
-    match system::available_memory() {
-        Some(available) if film > available => Err(Error::input(format!(
-            "the film of {} x {} pixels needs {} of memory, and {} are free",
-            format.frame.window.width,
-            format.frame.window.height,
-            print::bytes(film),
-            print::bytes(available)
-        ))
-        .with_help("render a smaller picture, or one with fewer layers")),
-        _ => Ok(()),
-    }
 }
 
 /// What the user should know of spheres that are there twice, and of those that f32 cannot hold well.

@@ -15,7 +15,9 @@ use crate::math::MAX_COORDINATE;
 
 pub(super) use materials::SHARE_ROUNDING;
 
-use super::description::{Column, Description, FilterKind, Image, SphereRow, SphereTable, Window};
+use super::description::{
+    ColorStorage, Column, Description, FilterKind, Image, SphereRow, SphereTable, Window,
+};
 use super::document::Table;
 use super::environment::Pixels;
 use super::import::{Survey, survey};
@@ -47,9 +49,13 @@ const FILTERS: Choice<FilterKind> = Choice(&[
     ("blackman-harris", FilterKind::BlackmanHarris),
 ]);
 
+const COLOR_STORAGE: Choice<ColorStorage> =
+    Choice(&[("exact", ColorStorage::Exact), ("packed", ColorStorage::Packed)]);
+
 const COLUMNS: Choice<Column> = Choice(&Column::NAMES);
 
 /// What a document says, and what is known of its tables' files so far.
+#[derive(Debug)]
 pub(super) struct Draft {
     pub(super) description: Description,
     /// One for each of the description's tables.
@@ -173,7 +179,15 @@ fn read_table(
     let columns = table.required("columns", Each(COLUMNS));
     let material = table.required("material", MaterialName(index_of));
     let columns = columns.filter(|columns| check_columns(table, columns));
-    Some(SphereTable { file: folder.join(file?), columns: columns?, material: material? })
+    let colors = table.optional("colors", COLOR_STORAGE);
+    let columns = columns?;
+    if colors.is_some() && !columns.iter().any(|column| column.is_color()) {
+        let message = format!("`{}` is for tables with colours", table.path_to("colors"));
+        let help = "drop it, or add r, g and b to `columns`".to_owned();
+        table.report().add(table.wrong("colors", message).help(help));
+    }
+    let (file, colors) = (folder.join(file?), colors.unwrap_or_default());
+    Some(SphereTable { file, columns, material: material?, colors })
 }
 
 /// Whether every column is there that must be, and none twice.

@@ -1,0 +1,29 @@
+//! How much memory a backend takes, known before it is built.
+
+use super::Backend;
+
+/// Bytes that a backend holds, without the spheres themselves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlannedBytes {
+    /// Once it is built.
+    pub finished: u64,
+    /// The most at any time while it is built.
+    pub peak: u64,
+}
+
+impl Backend {
+    /// What building over so many spheres takes: bytes of each, as measured on random and on clustered
+    /// spheres from a million upwards; other scenes differ by some percent. Giants count like other
+    /// spheres.
+    pub fn planned_bytes(self, spheres: u64) -> PlannedBytes {
+        let n = spheres as f64;
+        let [finished, peak] = match self {
+            Self::BruteForce => [0.0, 0.0],
+            Self::Native => [40.0 * n, 78.0 * n],
+            // Embree takes some millions of bytes at once.
+            Self::Embree => [32.0 * n, 32.2 * n].map(|bytes| bytes + (10.0 * n).min(6e6)),
+            Self::EmbreeUser => [77.0 * n, 119.0 * n],
+        };
+        PlannedBytes { finished: finished as u64, peak: peak as u64 }
+    }
+}

@@ -1,0 +1,144 @@
+//! The memory plan in words, and the refusal of what would not fit.
+
+use serde_json::{Value, json};
+
+use crate::accel::Backend;
+use crate::error::{Error, Result};
+use crate::film::Kind;
+use crate::render::{MemoryPlan, Step};
+use crate::scene::Opened;
+use crate::scene::description::ColorStorage;
+
+use super::{print, system};
+
+/// What a command needs memory for, beside the scene.
+pub(super) struct Needs<'a> {
+    /// They are built one after the other and kept.
+    pub(super) backends: &'a [Backend],
+    /// The layers of the picture.
+    pub(super) kinds: &'a [Kind],
+    /// Other bytes.
+    pub(super) besides: u64,
+}
+
+/// Refuses a scene that needs more memory than the user allows or, if nothing was said, than is free.
+///
+/// # Errors
+/// With the number, and the cheaper choice where there is one.
+pub(super) fn check(opened: &Opened, needs: &Needs<'_>, limit: Option<u64>) -> Result<()> {
+    let Needs { backends, kinds, besides } = *needs;
+    let (limit, whose) = match (limit, system::available_memory()) {
+        (Some(limit), _) => (limit, "more than the limit of"),
+        (None, Some(free)) => (free, "but there is free only"),
+        (None, None) => return Ok(()),
+    };
+    let peak = |backends: &[Backend], colors| {
+        let threads = rayon::current_num_threads();
+        MemoryPlan::new(opened, backends, kinds, threads, colors).peak() + besides
+    };
+    let needed = peak(backends, None);
+    if needed <= limit {
+        return Ok(());
+    }
+    let (needed, shown) = (print::bytes(needed), print::bytes(limit));
+    let message = format!("this would need {needed} of memory at its peak, {whose} {shown}");
+    Err(Error::input(message).with_help(cheaper(opened, backends, limit, &peak)))
+}
+
+/// The least change that makes the scene fit.
+fn cheaper(
+    opened: &Opened,
+    backends: &[Backend],
+    limit: u64,
+    peak: &dyn Fn(&[Backend], Option<ColorStorage>) -> u64,
+) -> String {
+    let packed = Some(ColorStorage::Packed);
+    let others: &[Backend] = if backends.len() > 1 { backends } else { Backend::AVAILABLE };
+    let mut choices = vec![(pack_colors(opened), peak(backends, packed))];
+    for colors in [None, packed] {
+        // Every ray against every sphere is no way out for scenes that are large.
+        for &backend in others.iter().filter(|&&backend| backend != Backend::BruteForce) {
+            let pack = if colors.is_some() { pack_colors(opened) } else { String::new() };
+            let words = format!("--accel {} {pack}", backend.name());
+            choices.push((words, peak(&[backend], colors)));
+        }
+    }
+    let fitting = choices.iter().find(|(words, bytes)| !words.is_empty() && *bytes <= limit);
+    match fitting {
+        Some((words, bytes)) => {
+            format!("{} would need {}", words.trim_end(), print::bytes(*bytes))
+        }
+        None => "nothing cheaper fits: thin the tables out, or render a smaller picture".to_owned(),
+    }
+}
+
+/// The options that pack the colours of all tables; none where there is nothing to pack.
+fn pack_colors(opened: &Opened) -> String {
+    let tables = opened.description().tables.iter().enumerate();
+    let unpacked = tables.filter(|(_, table)| {
+        table.colors == ColorStorage::Exact && table.columns.iter().any(|column| column.is_color())
+    });
+    let options = unpacked.map(|(i, _)| format!("--set sphere_tables.{i}.colors=packed"));
+    options.collect::<Vec<_>>().join(" ")
+}
+
+fn plans(opened: &Opened) -> impl Iterator<Item = (&'static str, MemoryPlan)> {
+    let plan = move |&backend: &Backend| {
+        let threads = rayon::current_num_threads();
+        let plan = MemoryPlan::new(opened, &[backend], &Kind::USUAL, threads, None);
+        (backend.name(), plan)
+    };
+    Backend::AVAILABLE.iter().map(plan)
+}
+
+/// The plan as rows of a name and a value.
+pub(super) fn in_words(opened: &Opened) -> String {
+    let mut text = String::new();
+    let mut row = |name: &str, value: String| text += &format!("{name:<12}{value}\n");
+    for (index, (name, plan)) in plans(opened).enumerate() {
+        if index == 0 {
+            row("memory plan", "of a render".to_owned());
+            let held = [
+                ("spheres", plan.spheres),
+                ("rows", plan.rows),
+                ("colours", plan.colors),
+                ("lamps", plan.lamps),
+                ("background", plan.background),
+                ("film", plan.film),
+            ];
+            for (name, bytes) in held.into_iter().filter(|(_, bytes)| *bytes > 0) {
+                row("", format!("{name:<14}{}", print::bytes(bytes)));
+            }
+        }
+        let (tree, peak) = (print::bytes(plan.tree), print::bytes(plan.peak()));
+        let doing = match plan.critical() {
+            Step::Sorting => "sorting",
+            Step::Building => "building the tree",
+            Step::Rendering => "rendering",
+        };
+        row("", format!("{name:<14}tree {tree}, peak {peak} while {doing}"));
+    }
+    text
+}
+
+/// The same for programs.
+pub(super) fn in_json(opened: &Opened) -> Value {
+    let backend = |(name, plan): (&str, MemoryPlan)| {
+        let MemoryPlan { spheres, rows, colors, lamps, background, tree, build, film, program } =
+            plan;
+        json!({
+            "accel": name,
+            "sphere_bytes": spheres,
+            "row_bytes": rows,
+            "color_bytes": colors,
+            "lamp_bytes": lamps,
+            "background_bytes": background,
+            "tree_bytes": tree,
+            "build_bytes": build,
+            "film_bytes": film,
+            "program_bytes": program,
+            "peak_bytes": plan.peak(),
+        })
+    };
+    plans(opened).map(backend).collect()
+}

@@ -1,0 +1,82 @@
+//! The median of very many numbers, by all threads and without a copy of them.
+
+use rayon::prelude::*;
+
+/// Half of the bits of an f32 are told apart in each of two passes.
+const DIGITS: usize = 1 << 16;
+/// Numbers that one thread counts at a time; each time costs a table of [`DIGITS`] counts.
+const AT_ONCE: usize = 1 << 22;
+
+/// The lower median, by `f32::total_cmp`, of what `value` gives for `items`; 0 for none.
+pub(super) fn lower_median<T: Sync>(items: &[T], value: impl Fn(&T) -> Option<f32> + Sync) -> f32 {
+    let high = |key: u32| Some((key >> 16) as usize);
+    let counts = count(items, &value, high);
+    let all: u64 = counts.iter().sum();
+    let Some(last) = all.checked_sub(1) else { return 0.0 };
+    let (first_half, rest) = locate(&counts, last / 2);
+    let low = |key: u32| (high(key) == Some(first_half)).then_some(key as usize % DIGITS);
+    let (second_half, _) = locate(&count(items, &value, low), rest);
+    of_key((first_half << 16 | second_half) as u32)
+}
+
+/// How many items have each digit.
+fn count<T: Sync>(
+    items: &[T],
+    value: &(impl Fn(&T) -> Option<f32> + Sync),
+    digit: impl Fn(u32) -> Option<usize> + Sync,
+) -> Vec<u64> {
+    let of_chunk = |items: &[T]| {
+        let mut counts = vec![0u64; DIGITS];
+        let digits = items.iter().filter_map(|item| digit(key(value(item)?)));
+        digits.for_each(|digit| counts[digit] += 1);
+        counts
+    };
+    let added = |mut a: Vec<u64>, b: Vec<u64>| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        a
+    };
+    items.par_chunks(AT_ONCE).map(of_chunk).reduce_with(added).unwrap_or_else(|| vec![0; DIGITS])
+}
+
+/// The digit of the item with this rank, and its rank among those of the same digit.
+fn locate(counts: &[u64], mut rank: u64) -> (usize, u64) {
+    for (digit, &count) in counts.iter().enumerate() {
+        match rank.checked_sub(count) {
+            None => return (digit, rank),
+            Some(rest) => rank = rest,
+        }
+    }
+    (0, 0)
+}
+
+/// Numbers in the order of `f32::total_cmp`.
+fn key(value: f32) -> u32 {
+    let bits = value.to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}
+
+fn of_key(key: u32) -> f32 {
+    f32::from_bits(if key >> 31 == 1 { key ^ 1 << 31 } else { !key })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn of_none_it_is_0() {
+        assert_eq!(lower_median(&[1.0, 2.0], |_| None), 0.0);
+    }
+
+    proptest! {
+        #[test]
+        fn it_is_what_sorting_finds(
+            mut values in proptest::collection::vec(prop_oneof![-1f32..1.0, any::<f32>(), Just(-0.0)], 1..300),
+        ) {
+            let found = lower_median(&values, |&value| Some(value));
+            values.sort_unstable_by(f32::total_cmp);
+            prop_assert_eq!(found.to_bits(), values[(values.len() - 1) / 2].to_bits());
+        }
+    }
+}
