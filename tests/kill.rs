@@ -42,12 +42,26 @@ fn start(folder: &Path, command: &str) -> Child {
         .expect("the program starts")
 }
 
-/// Lets the program run for so long and kills it; whether it had ended by itself.
-fn kill_after(mut child: Child, delay: Duration) -> bool {
+/// Lets the program run for so long and kills it; whether it had ended by itself. `from` is the moment
+/// when it starts, or when it next writes what it keeps.
+fn kill_after(mut child: Child, delay: Duration, from: &From<'_>) -> bool {
+    if let From::NextCheckpoint(folder) = from {
+        let written = || fs::metadata(folder.join("a.part")).and_then(|file| file.modified()).ok();
+        let before = written();
+        while written() == before && child.try_wait().expect("it can be asked").is_none() {
+            std::thread::sleep(Duration::from_micros(200));
+        }
+    }
     std::thread::sleep(delay);
     // Also where it has just ended, there is a process until it is waited for.
     child.kill().expect("it can be killed");
     child.wait().expect("it ends").success()
+}
+
+/// From when on the time to a kill is counted.
+enum From<'a> {
+    Start,
+    NextCheckpoint(&'a Path),
 }
 
 /// The samples that are kept. The file must be whole whenever the program was killed.
@@ -87,7 +101,13 @@ fn killed_hundreds_of_times_a_render_gives_the_same_bytes() {
                 assert!(child.wait_with_output().expect("it ends").status.success());
                 break;
             }
-            if kill_after(child, whole_run.mul_f64(rng.random_range(0.0..0.4))) {
+            // Half of the kills may come at any time, also while the program loads; the others meet it
+            // at work, however long loading takes on a busy machine.
+            let (from, longest) = match rng.random() {
+                true => (From::Start, 0.4),
+                false => (From::NextCheckpoint(folder), 0.1),
+            };
+            if kill_after(child, whole_run.mul_f64(rng.random_range(0.0..longest)), &from) {
                 break;
             }
             kills += 1;
@@ -100,6 +120,5 @@ fn killed_hundreds_of_times_a_render_gives_the_same_bytes() {
         assert!(fs::read(folder.join("a.exr")).expect("the picture") == whole, "{kills} kills");
         assert_eq!(kept(folder), ALL);
     }
-    // How many meet it depends on the machine; that some do is what matters.
-    assert!(in_the_middle > KILLS / 20, "{in_the_middle} of {KILLS} kills met a render at work");
+    assert!(in_the_middle > KILLS / 5, "{in_the_middle} of {KILLS} kills met a render at work");
 }

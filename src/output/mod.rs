@@ -24,7 +24,7 @@ use crate::color::{Look, Rgb};
 use crate::error::{Error, Result};
 use crate::film::Picture;
 
-pub use part::{PartFile, PartHead, write_part};
+pub use part::{PartFile, PartHead, is_part_file, write_part};
 pub use read::{BEAUTY, Layer, Layered, read};
 pub use records::{Record, records};
 pub use whole::{Sink, WholeFile, remove_unfinished};

@@ -59,6 +59,14 @@ pub struct PartFile {
     bytes: u64,
 }
 
+/// Whether a file begins as a part does.
+pub fn is_part_file(path: &Path) -> bool {
+    let mut magic = [0; 8];
+    let read = |mut file: File| file.read_exact(&mut magic);
+    // Nothing else is opened: reading from a pipe would take from it.
+    path.is_file() && File::open(path).and_then(read).is_ok() && magic == MAGIC
+}
+
 /// Writes a part. The film may be added to meanwhile: every tile is written as it then is.
 ///
 /// # Errors

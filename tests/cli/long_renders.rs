@@ -44,6 +44,13 @@ fn parts_add_up_to_the_very_bytes_of_one_render() {
     assert!(desk.read("again.exr") == whole);
     desk.run("merge all.part -o once.exr --no-run-figures").succeeds();
     assert!(desk.read("once.exr") == whole);
+
+    let told = desk.run("info b.part").succeeds().stdout;
+    for line in
+        ["\nsamples     16..41\n", "\ncrop        0,0,7,12\n", "\ncommand     photosphere render"]
+    {
+        assert!(told.contains(line), "{told}");
+    }
 }
 
 #[test]

@@ -6,13 +6,14 @@ use serde_json::{Map, Value};
 
 use crate::cli::print;
 use crate::error::{Error, Result};
-use crate::output::{self, Record};
+use crate::output::{self, PartFile, Record};
 use crate::provenance;
 
-/// Whether the name is that of a picture.
+/// Whether the name is that of a picture, or the file is a part or a checkpoint.
 pub(super) fn is_picture(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     ["png", "exr", "hdr", "pfm"].iter().any(|picture| extension == *picture)
+        || output::is_part_file(path)
 }
 
 /// Prints all that the file says.
@@ -20,7 +21,10 @@ pub(super) fn is_picture(path: &Path) -> bool {
 /// # Errors
 /// When it cannot be read, or says nothing.
 pub(super) fn show(path: &Path, as_json: bool) -> Result<()> {
-    let mut records = output::records(path)?;
+    let mut records = match output::is_part_file(path) {
+        true => PartFile::open(path)?.head().records.clone(),
+        false => output::records(path)?,
+    };
     if records.is_empty() {
         let message = format!("`{}` does not say how it was made", path.display());
         let help = "older versions do not say it, and other programs may drop it on saving";
@@ -36,7 +40,7 @@ fn in_words(records: &[Record]) -> String {
         records.iter().partition(|record| record.text.contains('\n'));
     let mut words = String::new();
     for Record { name, text } in rows {
-        words += &format!("{name:<12}{text}\n");
+        words += &format!("{name:<11} {text}\n");
     }
     for Record { name, text } in texts {
         words += &format!("{name}:\n");
@@ -51,7 +55,9 @@ fn in_words(records: &[Record]) -> String {
 /// Texts as they are; what is JSON in the file is JSON here.
 fn in_json(records: &[Record]) -> Value {
     let value = |Record { name, text }: &Record| match name.as_str() {
-        "options" | "files" => serde_json::from_str(text).unwrap_or_else(|_| text.clone().into()),
+        "options" | "files" | "resume" => {
+            serde_json::from_str(text).unwrap_or_else(|_| text.clone().into())
+        }
         _ => Value::from(text.clone()),
     };
     let entries = records.iter().map(|record| (record.name.clone(), value(record)));
