@@ -11,6 +11,7 @@ mod keep;
 mod memory;
 mod output;
 mod picture;
+mod reproduce;
 mod trace;
 mod verify;
 
@@ -31,6 +32,7 @@ pub(super) use keep::{KeepArgs, MergeArgs, ResumeArgs};
 pub(super) use memory::MemoryArg;
 pub(super) use output::OutputArgs;
 pub(super) use picture::PictureArgs;
+pub(super) use reproduce::ReproduceArgs;
 pub(super) use trace::TraceArgs;
 pub(super) use verify::VerifyArgs;
 
@@ -63,6 +65,7 @@ pub(super) enum Command {
     Bench(BenchArgs),
     Compare(CompareArgs),
     Converge(ConvergeArgs),
+    Reproduce(ReproduceArgs),
     Trace(TraceArgs),
     Verify(VerifyArgs),
     Generate(GenerateArgs),

@@ -22,6 +22,7 @@ mod outputs;
 mod print;
 mod progress;
 mod render;
+mod reproduce;
 mod resume;
 mod system;
 mod trace;
@@ -57,6 +58,7 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Bench(args) => bench::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Converge(args) => converge::run(args),
+        Command::Reproduce(args) => reproduce::run(args),
         Command::Trace(args) => trace::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Generate(args) => generate::run(args),

@@ -106,7 +106,9 @@ impl Outputs {
         for (_, target) in &self.targets {
             let mut records = records.clone();
             if target.is_for_screen() {
-                records.extend(look_in_words(&self.look).map(|words| Record::new("look", words)));
+                records.extend(
+                    provenance::look_in_words(&self.look).map(|words| Record::new("look", words)),
+                );
             }
             if target.has_layers() {
                 records.push(self.record_of_layers());
@@ -120,7 +122,7 @@ impl Outputs {
 }
 
 /// Which part of the whole picture this is, unless it is all of it.
-fn crop(frame: &Frame) -> Option<Crop> {
+pub(super) fn crop(frame: &Frame) -> Option<Crop> {
     let Frame { full_size, window } = *frame;
     (*frame != Frame::whole(full_size[0], full_size[1])).then(|| Crop {
         full_size: full_size.map(|pixels| pixels as usize),
@@ -181,20 +183,4 @@ fn refuse_look_without_screen(
         "`{option}` is for .png files, but {names} {verb} light, which stays as it is"
     ))
     .with_help("name a .png file, beside it where you want both: -o a.exr -o a.png"))
-}
-
-/// How files for the screen show the picture; `None` for the usual way.
-fn look_in_words(look: &Look) -> Option<String> {
-    let usual = Look::default();
-    let mut words = Vec::new();
-    if look.tone != usual.tone {
-        words.push(look.tone.name().to_owned());
-    }
-    if look.exposure != usual.exposure {
-        words.push(format!("exposure {}", look.exposure));
-    }
-    if look.dither {
-        words.push("dithered".to_owned());
-    }
-    (!words.is_empty()).then(|| words.join(", "))
 }

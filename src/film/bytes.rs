@@ -6,7 +6,7 @@
 
 use super::fixed::{Sum, Wide};
 use super::tile::{Plan, Tile};
-use super::{BLOCK, Film};
+use super::{BLOCK, Film, Layer};
 
 /// The bits of a byte before a number that tell how many bytes follow.
 const LENGTH: u8 = 0x3f;
@@ -62,6 +62,12 @@ impl Tile {
             let bytes = [low.to_le_bytes(), middle.to_le_bytes(), high.to_le_bytes()].concat();
             write_number(false, &bytes, to);
         }
+        for rows in &self.coverage {
+            to.extend((rows.len() as u32).to_le_bytes());
+            to.extend(
+                rows.iter().flat_map(|(row, count)| [*row, *count]).flat_map(u32::to_le_bytes),
+            );
+        }
         // An empty list stands for zeros; what finished pixels have is zero too.
         for pixel in (0..self.counts.len()).filter(|&pixel| self.counts[pixel] % BLOCK != 0) {
             for plane in self.open.chunks_exact(self.counts.len()).take(plan.sums()) {
@@ -116,6 +122,11 @@ impl Tile {
             }
             tile.squares.push(Wide([low as u64, (low >> 64) as u64, high]));
         }
+        if plan.layers.contains(&Layer::Coverage) {
+            for pixel in 0..pixels {
+                tile.coverage.push(from.coverage(tile.counts[pixel])?);
+            }
+        }
         let unfinished: Vec<usize> =
             (0..pixels).filter(|&pixel| tile.counts[pixel] % BLOCK != 0).collect();
         if !unfinished.is_empty() {
@@ -165,6 +176,21 @@ impl Reader<'_> {
 
     fn f64(&mut self) -> Option<f64> {
         self.take().map(|bytes| f64::from_bits(u64::from_le_bytes(bytes)))
+    }
+
+    /// Rows with the numbers of samples that see them, in the order of the rows; all `samples` see one.
+    fn coverage(&mut self, samples: u32) -> Option<Vec<(u32, u32)>> {
+        let mut rows: Vec<(u32, u32)> = Vec::new();
+        let mut left = samples;
+        for _ in 0..self.u32()? {
+            let (row, count) = (self.u32()?, self.u32()?);
+            if count == 0 || rows.last().is_some_and(|(last, _)| *last >= row) {
+                return None;
+            }
+            left = left.checked_sub(count)?;
+            rows.push((row, count));
+        }
+        (left == 0).then_some(rows)
     }
 
     /// What [`write_number`] wrote.

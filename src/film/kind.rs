@@ -18,6 +18,19 @@ pub enum Kind {
     SampleCount,
     /// The variance of the mean of the beauty.
     Variance,
+    /// Which things cover how much of the pixel.
+    Cryptomatte(By),
+}
+
+/// The things that a Cryptomatte tells apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum By {
+    /// Spheres.
+    Sphere,
+    /// Materials.
+    Material,
+    /// Tables of spheres.
+    Table,
 }
 
 /// How a layer of two parts that differ in their samples becomes that of both.
@@ -31,6 +44,8 @@ pub enum Merge {
     Squares,
     /// Numbers are added.
     Counts,
+    /// The numbers of samples that see each sphere are added, and divided by the number of samples.
+    Coverage,
     /// Both parts have the same: it does not depend on samples.
     Same,
 }
@@ -42,7 +57,8 @@ pub struct Row {
     pub kind: Kind,
     /// Its name on the command line and in files.
     pub name: &'static str,
-    /// Its channels in files, behind the name and a dot; none for one that is a channel by itself.
+    /// Its channels in files, behind the name and a dot; none for one that is a channel by itself. Those
+    /// of a Cryptomatte have the names that its specification gives them.
     pub channels: &'static [&'static str],
     /// How parts are put together.
     pub merge: Merge,
@@ -62,7 +78,7 @@ const fn row(
 }
 
 /// Every layer. docs/layers.md tells users the same.
-pub const KINDS: [Row; 13] = [
+pub const KINDS: [Row; 16] = [
     row(Kind::Beauty, "beauty", RGB, Merge::Sums),
     row(Kind::Mean(Layer::Direct), "direct", RGB, Merge::Sums),
     row(Kind::Mean(Layer::Indirect), "indirect", RGB, Merge::Sums),
@@ -76,6 +92,9 @@ pub const KINDS: [Row; 13] = [
     row(Kind::SampleCount, "sample_count", ONE, Merge::Counts),
     row(Kind::Variance, "variance", RGB, Merge::Squares),
     row(Kind::Mean(Layer::Alpha), "alpha", ONE, Merge::Sums),
+    row(Kind::Cryptomatte(By::Sphere), "crypto_sphere", ONE, Merge::Coverage),
+    row(Kind::Cryptomatte(By::Material), "crypto_material", ONE, Merge::Coverage),
+    row(Kind::Cryptomatte(By::Table), "crypto_table", ONE, Merge::Coverage),
 ];
 
 impl Kind {
@@ -102,6 +121,7 @@ pub fn summed_for(kinds: &[Kind]) -> Vec<Layer> {
             Kind::Mean(layer) => layer.is_of_hits() || *layer == Layer::Alpha,
             _ => false,
         }),
+        Layer::Coverage => kinds.iter().any(|kind| matches!(kind, Kind::Cryptomatte(_))),
         layer => kinds.contains(&Kind::Mean(*layer)),
     };
     Layer::ALL.iter().copied().filter(is_wanted).collect()
@@ -113,7 +133,7 @@ mod tests {
 
     #[test]
     fn every_layer_that_is_summed_has_its_row() {
-        for layer in Layer::ALL {
+        for layer in Layer::ALL.iter().filter(|layer| **layer != Layer::Coverage) {
             let row = Kind::Mean(*layer).row();
             assert_eq!(row.name, layer.name());
             assert_eq!(row.channels.len().max(1), layer.channels());

@@ -28,6 +28,8 @@ pub enum Layer {
     Depth,
     /// Where what is seen first is: summed over the samples that see something.
     Position,
+    /// How many samples see each sphere first. It has no channels: its numbers are counted apart.
+    Coverage,
 }
 
 impl Layer {
@@ -41,6 +43,7 @@ impl Layer {
         Self::Normal,
         Self::Depth,
         Self::Position,
+        Self::Coverage,
     ];
 
     /// The name in files.
@@ -54,12 +57,14 @@ impl Layer {
             Self::Normal => "normal",
             Self::Depth => "depth",
             Self::Position => "position",
+            Self::Coverage => "coverage",
         }
     }
 
     /// How many numbers a pixel has, up to three.
     pub fn channels(self) -> usize {
         match self {
+            Self::Coverage => 0,
             Self::Alpha | Self::Depth => 1,
             Self::Direct
             | Self::Indirect
@@ -74,7 +79,12 @@ impl Layer {
     pub fn is_of_seen(self) -> bool {
         match self {
             Self::Direct | Self::Indirect | Self::Alpha => false,
-            Self::Emission | Self::Albedo | Self::Normal | Self::Depth | Self::Position => true,
+            Self::Emission
+            | Self::Albedo
+            | Self::Normal
+            | Self::Depth
+            | Self::Position
+            | Self::Coverage => true,
         }
     }
 
@@ -91,6 +101,7 @@ impl Layer {
             Self::Alpha | Self::Albedo | Self::Normal => HEADROOM,
             // Sixteen times what coordinates can be; the steps are 2^-38.
             Self::Depth | Self::Position => 60,
+            Self::Coverage => 0,
         })
     }
 
@@ -106,6 +117,7 @@ impl Layer {
             Self::Normal => seen.normal.is_finite(),
             Self::Depth => seen.distance.is_finite(),
             Self::Position => seen.position.is_finite(),
+            Self::Coverage => true,
         }
     }
 
@@ -123,6 +135,7 @@ impl Layer {
             Self::Normal => add_all(sums, runs, seen, |seen| wide(seen.normal)),
             Self::Depth => add_all(sums, runs, seen, |seen| [f64::from(seen.distance)]),
             Self::Position => add_all(sums, runs, seen, |seen| wide(seen.position)),
+            Self::Coverage => {}
         }
     }
 }

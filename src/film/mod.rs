@@ -26,7 +26,7 @@ mod tile;
 
 pub use estimate::Estimate;
 pub use frame::{Frame, Rect, TILE};
-pub use kind::{KINDS, Kind, Merge, summed_for};
+pub use kind::{By, KINDS, Kind, Merge, summed_for};
 pub use layer::{Layer, Run, Scale};
 pub use picture::{Picture, Plane, Values};
 
@@ -268,13 +268,21 @@ impl Film {
         self.plan.squares.then(|| self.map(of_pixel))
     }
 
+    /// How many samples of every pixel, along the rows, see which row of the scene first, in the order of
+    /// the rows; `None` where that is not counted.
+    pub fn coverage(&self) -> Option<Vec<Vec<(u32, u32)>>> {
+        let of_pixel = |sums: &Tile, pixel: usize| sums.coverage.get(pixel).cloned();
+        let is_counted = self.plan.layers.contains(&Layer::Coverage);
+        is_counted.then(|| self.map(|sums, pixel| of_pixel(sums, pixel).unwrap_or_default()))
+    }
+
     /// How many samples every pixel has, along the rows; those left out are among them.
     pub fn counts(&self) -> Vec<u32> {
         self.map(|sums, pixel| sums.counts[pixel])
     }
 
     /// Something of every pixel, along the rows of the window.
-    fn map<T: Copy + Default>(&self, of: impl Fn(&Tile, usize) -> T) -> Vec<T> {
+    fn map<T: Clone + Default>(&self, of: impl Fn(&Tile, usize) -> T) -> Vec<T> {
         let Rect { x: left, y: top, width, .. } = self.frame.window;
         let mut all = vec![T::default(); self.frame.pixels()];
         for tile in 0..self.tiles.len() {

@@ -26,6 +26,8 @@ pub struct Picture {
     pub left_out: Vec<Layer>,
     /// Further channels, for files that have a place for them.
     pub planes: Vec<Plane>,
+    /// What readers of those channels need to know: names and texts of attributes.
+    pub attributes: Vec<(String, String)>,
 }
 
 /// A channel of a file.

@@ -50,7 +50,11 @@ impl Plan {
 
     /// Bytes for a pixel without unfinished blocks.
     pub(super) fn bytes_per_pixel(&self) -> usize {
-        size_of::<u32>() + self.sums() * size_of::<i128>() + self.wide_sums() * size_of::<Wide>()
+        let coverage = self.layers.contains(&Layer::Coverage);
+        // As for a pixel that sees one sphere.
+        let coverage = if coverage { size_of::<Vec<(u32, u32)>>() + 4 * 8 } else { 0 };
+        let sums = self.sums() * size_of::<i128>() + self.wide_sums() * size_of::<Wide>();
+        size_of::<u32>() + sums + coverage
     }
 
     /// Goes on with the running sums of some pixels, each by its samples.
@@ -102,6 +106,9 @@ pub(super) struct Tile {
     pub(super) open: Vec<f64>,
     /// Samples of each pixel that were not finite; empty where there is none.
     pub(super) left_out: Vec<u32>,
+    /// How many samples of each pixel see which row first, in the order of the rows; empty where that
+    /// is not counted.
+    pub(super) coverage: Vec<Vec<(u32, u32)>>,
 }
 
 impl Tile {
@@ -158,6 +165,9 @@ impl Tile {
         let pixels = self.counts.len();
         self.sums.resize(pixels * plan.sums(), 0);
         self.squares.resize(pixels * plan.wide_sums(), Wide::default());
+        if plan.layers.contains(&Layer::Coverage) {
+            self.coverage.resize(pixels, Vec::new());
+        }
     }
 
     /// Adds samples to every pixel, all in one block of it.
@@ -179,6 +189,9 @@ impl Tile {
 
         for (count, run) in self.counts.iter_mut().zip(runs) {
             *count += run.len() as u32;
+        }
+        for (rows, run) in self.coverage.iter_mut().zip(runs) {
+            run.seen.iter().for_each(|seen| count_row(rows, seen.row, 1));
         }
         // Finished blocks move to the sums; the others stay open.
         let grew = |pixel: usize| !runs[pixel].is_empty();
@@ -277,6 +290,9 @@ impl Tile {
                 self.open[to] = other.open[from];
             }
         }
+        for &(row, count) in other.coverage.get(other_pixel).into_iter().flatten() {
+            count_row(&mut self.coverage[pixel], row, count);
+        }
         let left_out = other.left_out.get(other_pixel).copied().unwrap_or(0);
         if left_out > 0 {
             self.left_out.resize(pixels, 0);
@@ -309,6 +325,14 @@ impl Tile {
         let pixels = self.counts.len();
         let finished = self.squares.get(axis * pixels + pixel);
         finished.map_or(0.0, |sum| sum.value(plan.scale.step_of_squares()))
+    }
+}
+
+/// Counts more samples that see a row.
+fn count_row(rows: &mut Vec<(u32, u32)>, row: u32, more: u32) {
+    match rows.binary_search_by_key(&row, |(row, _)| *row) {
+        Ok(at) => rows[at].1 = rows[at].1.saturating_add(more),
+        Err(at) => rows.insert(at, (row, more)),
     }
 }
 

@@ -56,6 +56,10 @@ pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Resu
         software_name: Some(Text::from(concat!("photosphere ", env!("CARGO_PKG_VERSION")))),
         ..LayerAttributes::default()
     };
+    for (name, text) in &picture.attributes {
+        let text = Text::from_slice_unchecked(text.as_bytes());
+        attributes.other.insert(Text::from(name.as_str()), AttributeValue::Text(text));
+    }
     for record in &notes.records {
         let text = Text::from_slice_unchecked(record.text.as_bytes());
         attributes.other.insert(Text::from(record.key().as_str()), AttributeValue::Text(text));

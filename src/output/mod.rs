@@ -25,7 +25,7 @@ use crate::error::{Error, Result};
 use crate::film::Picture;
 
 pub use part::{PartFile, PartHead, is_part_file, write_part};
-pub use read::{BEAUTY, Layer, Layered, read};
+pub use read::{BEAUTY, Layer, Layered, RawChannel, raw_channels, read};
 pub use records::{Record, records};
 pub use whole::{Sink, WholeFile, remove_unfinished};
 

@@ -6,10 +6,13 @@
 //! command, the time, the machine. Files in which it is left out are equal to the byte where the
 //! pictures are.
 
+mod again;
 mod difference;
+mod look;
 mod made;
 mod run;
 
+pub use look::{look_in_words, look_of_words};
 pub use made::{Made, Samples, Source};
 pub use run::Run;
 

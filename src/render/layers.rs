@@ -9,9 +9,12 @@ use crate::geometry::PathRay;
 use crate::math::Hit;
 use crate::scene::Scene;
 
+use super::cryptomatte;
+
 /// The picture of a film of this scene, with these layers.
 pub fn picture(scene: &Scene, accel: &dyn Accel, film: &Film, kinds: &[Kind]) -> Picture {
-    let rows = match kinds.iter().any(|kind| needs_scene(*kind)) {
+    let wants_ids = |kind: &Kind| matches!(kind, Kind::SphereId | Kind::MaterialId);
+    let rows = match kinds.iter().any(wants_ids) {
         true => rows_at_centres(scene, accel, film.frame()),
         false => Vec::new(),
     };
@@ -25,12 +28,19 @@ pub fn picture(scene: &Scene, accel: &dyn Accel, film: &Film, kinds: &[Kind]) ->
             _ => rows.clone(),
         }
     };
-    assembled(film, kinds, scene.description().background.transparent, &of_scene)
+    let transparent = scene.description().background.transparent;
+    let mut picture = assembled(film, kinds, transparent, &of_scene);
+    for kind in kinds {
+        if let Kind::Cryptomatte(by) = kind {
+            cryptomatte::add(&mut picture, scene, film, *by);
+        }
+    }
+    picture
 }
 
-/// Whether a layer is about the scene itself and not about samples.
+/// Whether a layer is about the scene itself and not about samples alone: its ids, or its names.
 pub fn needs_scene(kind: Kind) -> bool {
-    matches!(kind, Kind::SphereId | Kind::MaterialId)
+    matches!(kind, Kind::SphereId | Kind::MaterialId | Kind::Cryptomatte(_))
 }
 
 /// The same without the scene, for layers that do not need it; `transparent` is what the scene says of
@@ -63,7 +73,9 @@ fn assembled(
 fn planes(film: &Film, kind: Kind, of_scene: &dyn Fn(Kind) -> Vec<u32>) -> Vec<Plane> {
     let whole = |values: Vec<u32>| vec![Plane::new(kind.row().name, Values::Whole(values))];
     match kind {
-        Kind::Beauty | Kind::Mean(Layer::Direct | Layer::Indirect | Layer::Alpha) => Vec::new(),
+        Kind::Beauty
+        | Kind::Mean(Layer::Direct | Layer::Indirect | Layer::Alpha | Layer::Coverage)
+        | Kind::Cryptomatte(_) => Vec::new(),
         Kind::Mean(layer) => spread(kind, film.mean(layer)),
         Kind::Variance => spread(kind, film.variance()),
         Kind::SampleCount => whole(film.counts()),

@@ -1,6 +1,7 @@
 //! Renders a scene on all threads: a [`Session`] fills a film, and [`render`] does all of it at once.
 
 mod adaptive;
+mod cryptomatte;
 mod layers;
 mod noise;
 mod plan;

@@ -178,6 +178,29 @@ impl Scene {
         }
     }
 
+    /// The name of the sphere in a row of the scene, or of its place: `sphere 3`, or `grains.f32:17` for
+    /// a row of a table.
+    pub fn name_of_row(&self, row: u32) -> String {
+        match self.description.spheres.get(row as usize) {
+            Some(sphere) => sphere.name.clone().unwrap_or_else(|| format!("sphere {row}")),
+            None => {
+                let group = self.group_of(row);
+                format!("{}:{}", self.table_of_row(row), row - group.first_row)
+            }
+        }
+    }
+
+    /// The table that a row of the scene comes from, as the scene names its file; `spheres` for the
+    /// spheres of the scene file.
+    pub fn table_of_row(&self, row: u32) -> String {
+        if (row as usize) < self.description.spheres.len() {
+            return "spheres".to_owned();
+        }
+        let before = self.groups.partition_point(|group| group.first_row <= row);
+        let file = &self.description.tables[before - 1].file;
+        file.strip_prefix(&self.ingredients.folder).unwrap_or(file).display().to_string()
+    }
+
     /// The table that a row comes from, of those that are no spheres of the scene file.
     fn group_of(&self, row: u32) -> &RowGroup {
         &self.groups[self.groups.partition_point(|group| group.first_row <= row) - 1]

@@ -10,5 +10,6 @@ mod mistakes_in_a_scene;
 mod pictures;
 mod provenance;
 mod reports;
+mod reproduce;
 mod streams_and_signals;
 mod tables;

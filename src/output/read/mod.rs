@@ -11,6 +11,7 @@
 mod exr;
 mod pfm;
 mod pixels;
+mod raw;
 
 use std::fs;
 use std::path::Path;
@@ -19,6 +20,8 @@ use crate::color::Rgb;
 use crate::error::{Error, Result};
 
 use super::Format;
+
+pub use raw::{RawChannel, raw_channels};
 
 /// The name of the layer that is the picture itself.
 pub const BEAUTY: &str = "beauty";

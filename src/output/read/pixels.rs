@@ -31,7 +31,7 @@ pub(super) fn read_hdr(path: &Path) -> Result<Layered, String> {
     Ok(Layered { width, height, layers, for_screen: false })
 }
 
-fn decode(path: &Path, format: ImageFormat) -> Result<DynamicImage, String> {
+pub(super) fn decode(path: &Path, format: ImageFormat) -> Result<DynamicImage, String> {
     let open = || -> Result<_, String> {
         let mut reader = ImageReader::open(path).map_err(|e| e.to_string())?;
         reader.set_format(format);

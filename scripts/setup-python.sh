@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# Makes a Python in target/python with packages of others that read our files, for the tests that
+# compare with them. Those tests skip without it, so failing to make it is no error.
+#
+#   scripts/setup-python.sh
+set -uo pipefail
+exec >&2
+cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 1
+
+folder=target/python
+python=$folder/bin/python
+packages=(OpenEXR cryptomatte-api)
+
+has_packages() {
+    "$python" -c 'import OpenEXR, cryptomatte_api' 2>/dev/null
+}
+
+has_packages && exit 0
+for system in python3 python; do
+    command -v "$system" >/dev/null || continue
+    echo "Making a Python with ${packages[*]} in $folder"
+    "$system" -m venv "$folder" &&
+        "$python" -m pip --quiet --disable-pip-version-check install "${packages[@]}"
+    break
+done
+has_packages || echo "Going on without ${packages[*]}: tests that need them will skip."

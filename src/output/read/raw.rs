@@ -1,0 +1,61 @@
+//! The values of a picture's file as they are stored, to be compared to the bit.
+
+use std::path::Path;
+
+use exr::prelude::{FlatSamples, read_all_flat_layers_from_file};
+
+use crate::error::{Error, Result};
+
+use super::super::Format;
+
+/// A channel as it is stored.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RawChannel {
+    /// Its name in the file; `R`, `G`, `B` and `A` in one that knows no others.
+    pub name: String,
+    /// Its values, along the rows: whole numbers, or the bits of floats.
+    pub bits: Vec<u32>,
+}
+
+/// All channels of a `.exr` or `.png` file, in the order of their names.
+///
+/// # Errors
+/// When it cannot be read, or is of another format.
+pub fn raw_channels(path: &Path) -> Result<Vec<RawChannel>> {
+    let trouble = |reason: String| Error::file("read", path, reason);
+    match Format::of(path)? {
+        Format::Exr => exr(path).map_err(trouble),
+        Format::Png => png(path).map_err(trouble),
+        Format::Hdr | Format::Pfm => Err(trouble("it is neither .exr nor .png".to_owned())),
+    }
+}
+
+fn exr(path: &Path) -> std::result::Result<Vec<RawChannel>, String> {
+    let image = read_all_flat_layers_from_file(path).map_err(|e| e.to_string())?;
+    let channels = image.layer_data.iter().flat_map(|part| &part.channel_data.list);
+    let raw = channels.map(|channel| {
+        let bits = match &channel.sample_data {
+            FlatSamples::F32(values) => values.iter().map(|value| value.to_bits()).collect(),
+            FlatSamples::U32(values) => values.clone(),
+            FlatSamples::F16(values) => values.iter().map(|v| u32::from(v.to_bits())).collect(),
+        };
+        RawChannel { name: channel.name.to_string(), bits }
+    });
+    let mut raw: Vec<RawChannel> = raw.collect();
+    raw.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(raw)
+}
+
+fn png(path: &Path) -> std::result::Result<Vec<RawChannel>, String> {
+    let image = super::pixels::decode(path, image::ImageFormat::Png)?;
+    let count = if image.color().has_alpha() { 4 } else { 3 };
+    let image = image.into_rgba16();
+    let channel = |(at, name): (usize, &str)| RawChannel {
+        name: name.to_owned(),
+        bits: image.pixels().map(|pixel| u32::from(pixel.0[at])).collect(),
+    };
+    let mut raw: Vec<RawChannel> =
+        ["R", "G", "B", "A"].into_iter().take(count).enumerate().map(channel).collect();
+    raw.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(raw)
+}

@@ -1,0 +1,158 @@
+//! Cryptomatte: which spheres, materials or tables cover how much of each pixel, so that a compositor
+//! can pick them by name (J. Friedman and A. C. Jones, "Fully Automatic ID Mattes with Support for
+//! Motion Blur and Transparency", SIGGRAPH 2015; the specification is version 1.2.1).
+//!
+//! A name's hash is its id. A pixel has its ids ranked by the share of its samples that see them, two
+//! to a layer of four channels.
+
+use std::collections::{BTreeMap, HashMap};
+
+use crate::color::NOTHING;
+use crate::film::{By, Film, Picture, Plane, Values};
+use crate::scene::Scene;
+
+/// Ids of a pixel that are written, those with the largest shares; two for each layer.
+const RANKS: usize = 6;
+
+/// Above so many names there is no list of them, which the specification allows.
+const MOST_NAMES: usize = 100_000;
+
+/// Adds the layers to a picture, and what readers need to know of them.
+pub(super) fn add(picture: &mut Picture, scene: &Scene, film: &Film, by: By) {
+    let Some(coverage) = film.coverage() else { return };
+    let mut names = Names { scene, by, ids: HashMap::new(), hashes: BTreeMap::new() };
+    let counts = film.counts();
+    let mut ranked = vec![[[0.0f32; 2]; RANKS]; counts.len()];
+    for ((ranked, rows), count) in ranked.iter_mut().zip(coverage).zip(counts) {
+        let shares = names.shares(&rows);
+        for (rank, (id, seen)) in ranked.iter_mut().zip(shares) {
+            *rank = [f32::from_bits(id), (f64::from(seen) / f64::from(count)) as f32];
+        }
+    }
+    let name = type_name(by);
+    for layer in 0..RANKS / 2 {
+        for (channel, letter) in ["R", "G", "B", "A"].into_iter().enumerate() {
+            let (rank, value) = (2 * layer + channel / 2, channel % 2);
+            let values = ranked.iter().map(|ranked| ranked[rank][value]).collect();
+            let name = format!("{name}{layer:02}.{letter}");
+            picture.planes.push(Plane { name, values: Values::Float(values) });
+        }
+    }
+    picture.attributes.extend(attributes(name, &names.hashes));
+}
+
+/// What the layers are called.
+fn type_name(by: By) -> &'static str {
+    match by {
+        By::Sphere => "CryptoSphere",
+        By::Material => "CryptoMaterial",
+        By::Table => "CryptoTable",
+    }
+}
+
+/// The attributes of the file that tell of the layers.
+fn attributes(name: &str, hashes: &BTreeMap<String, u32>) -> Vec<(String, String)> {
+    // Seven digits of the hash of the layers' name.
+    let key = &format!("{:08x}", id_of_name(name))[..7];
+    let mut attributes = vec![
+        ("name", name.to_owned()),
+        ("hash", "MurmurHash3_32".to_owned()),
+        ("conversion", "uint32_to_float32".to_owned()),
+    ];
+    if hashes.len() <= MOST_NAMES {
+        let digits = hashes.iter().map(|(name, hash)| (name.clone(), format!("{hash:08x}").into()));
+        attributes.push(("manifest", serde_json::Value::Object(digits.collect()).to_string()));
+    }
+    let full = |(end, text): (&str, String)| (format!("cryptomatte/{key}/{end}"), text);
+    attributes.into_iter().map(full).collect()
+}
+
+/// The names that are seen.
+struct Names<'a> {
+    scene: &'a Scene,
+    by: By,
+    /// The id of each row.
+    ids: HashMap<u32, u32>,
+    /// The id of each name.
+    hashes: BTreeMap<String, u32>,
+}
+
+impl Names<'_> {
+    /// The ids of a pixel with the number of samples that see them, the largest first.
+    fn shares(&mut self, rows: &[(u32, u32)]) -> Vec<(u32, u32)> {
+        let mut shares: Vec<(u32, u32)> = Vec::new();
+        for &(row, seen) in rows.iter().filter(|(row, _)| *row != NOTHING) {
+            let id = self.id(row);
+            match shares.iter_mut().find(|(known, _)| *known == id) {
+                Some((_, total)) => *total += seen,
+                None => shares.push((id, seen)),
+            }
+        }
+        shares.sort_by_key(|&(id, seen)| (std::cmp::Reverse(seen), id));
+        shares
+    }
+
+    fn id(&mut self, row: u32) -> u32 {
+        if let Some(id) = self.ids.get(&row) {
+            return *id;
+        }
+        let name = match self.by {
+            By::Sphere => self.scene.name_of_row(row),
+            By::Material => {
+                let material = self.scene.material_of_row(row);
+                self.scene.description().materials[material].name.clone()
+            }
+            By::Table => self.scene.table_of_row(row),
+        };
+        let id = id_of_name(&name);
+        self.hashes.insert(name, id);
+        self.ids.insert(row, id);
+        id
+    }
+}
+
+/// The bits of the float that stands for a name: its hash, with one bit of the exponent turned where
+/// the float would be 0, denormal, infinite or not a number.
+fn id_of_name(name: &str) -> u32 {
+    let hash = murmur3(name.as_bytes());
+    match hash >> 23 & 0xff {
+        0 | 0xff => hash ^ 1 << 23,
+        _ => hash,
+    }
+}
+
+/// MurmurHash3 for 32 bits with the seed 0 (A. Appleby, 2011, public domain).
+fn murmur3(bytes: &[u8]) -> u32 {
+    let mix = |word: u32| word.wrapping_mul(0xcc9e_2d51).rotate_left(15).wrapping_mul(0x1b87_3593);
+    let words = bytes.chunks_exact(4);
+    let tail = words.remainder().iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte));
+    let hash = words.fold(0u32, |hash, word| {
+        let word = u32::from_le_bytes([word[0], word[1], word[2], word[3]]);
+        (hash ^ mix(word)).rotate_left(13).wrapping_mul(5).wrapping_add(0xe654_6b64)
+    });
+    let mut hash = hash ^ mix(tail) ^ bytes.len() as u32;
+    hash = (hash ^ hash >> 16).wrapping_mul(0x85eb_ca6b);
+    hash = (hash ^ hash >> 13).wrapping_mul(0xc2b2_ae35);
+    hash ^ hash >> 16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_are_those_of_others() {
+        // From Python's `mmh3`.
+        assert_eq!(murmur3(b""), 0);
+        assert_eq!(murmur3(b"test"), 0xba6b_d213);
+        assert_eq!(murmur3(b"Hello, world!"), 0xc036_3e43);
+    }
+
+    #[test]
+    fn every_id_is_an_ordinary_float() {
+        for number in 0..100_000 {
+            let id = f32::from_bits(id_of_name(&format!("sphere {number}")));
+            assert!(id.is_normal(), "{number}");
+        }
+    }
+}

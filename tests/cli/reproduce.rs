@@ -1,0 +1,106 @@
+//! Pictures rendered again from what they say of themselves.
+
+use std::fs;
+
+use crate::desk::{Desk, SCENE};
+
+const TABLE: &str = r#"
+[[sphere_tables]]
+file = "grains.f32"
+columns = ["x", "y", "z", "radius"]
+material = "grass"
+"#;
+
+fn desk_with_table(radius: f32) -> Desk {
+    let desk = Desk::new(&format!("{SCENE}{TABLE}"));
+    write_table(&desk, "grains.f32", radius);
+    desk
+}
+
+fn write_table(desk: &Desk, name: &str, radius: f32) {
+    let row = [1.5f32, 2.5, 0.0, radius];
+    let bytes: Vec<u8> = row.iter().flat_map(|value| value.to_le_bytes()).collect();
+    fs::write(desk.path().join(name), bytes).expect("a table");
+}
+
+#[test]
+fn pictures_come_out_again_to_the_bit() {
+    let desk = desk_with_table(0.5);
+    let options = "--accel native --seed 3 --spp 20 --size 20x15 --crop 2,3,19,13 --quiet \
+                   --set materials.grass.albedo=[0.5,0.4,0.3]";
+    let files = "-o a.exr -o a.png --layers direct,normal,sphere_id,variance,alpha,crypto_sphere \
+                 --tone agx --exposure 0.5 --dither";
+    desk.run(&format!("render scene.toml {files} {options}")).succeeds();
+    // The scene file is not needed any more.
+    fs::remove_file(desk.path().join("scene.toml")).expect("it is there");
+    for name in ["a.exr", "a.png"] {
+        let said = desk.run(&format!("reproduce {name} --quiet --threads 1")).succeeds().stdout;
+        assert!(said.starts_with("all pixels agree to the bit, in "), "{said}");
+    }
+    assert_eq!(desk.names(), ["a.exr", "a.png", "grains.f32"]);
+}
+
+#[test]
+fn what_differs_is_told_in_standard_errors() {
+    let desk = Desk::new(SCENE);
+    let picture = "--spp 16 --quiet -o a.exr -o a.png";
+    desk.run(&format!("render scene.toml --accel native {picture}")).succeeds();
+    // Another intersector is another way to make it, though its bits may well be the same.
+    let other = desk.run("reproduce a.exr --accel brute-force --quiet");
+    assert!(matches!(other.code, Some(0 | 1)), "{}", other.stderr);
+    // A picture of other random numbers that claims to be the first.
+    desk.run(&format!("render scene.toml --accel native --seed 4 {picture}")).succeeds();
+    for name in ["a.exr", "a.png"] {
+        let mut bytes = desk.read(name);
+        // The seed's record is a text of one digit.
+        let key: &[u8] = match name {
+            "a.exr" => b"photosphere:seed\0string\0\x01\0\0\0",
+            _ => b"photosphere:seed\0\0\0\0\0",
+        };
+        let at = bytes.windows(key.len()).position(|part| part == key).expect(name) + key.len();
+        assert_eq!(bytes[at], b'4');
+        bytes[at] = b'0';
+        if name == "a.png" {
+            let chunk = at - key.len() - 4..at + 1;
+            let crc = crc(&bytes[chunk]);
+            bytes[at + 1..at + 5].copy_from_slice(&crc.to_be_bytes());
+        }
+        fs::write(desk.path().join(name), bytes).expect("a file");
+        let said = desk.run(&format!("reproduce {name} --quiet"));
+        assert_eq!(said.code, Some(1), "{}", said.stderr);
+        assert!(said.stdout.contains(&format!("`{name}` comes out differently, in ")));
+        assert!(said.stdout.contains("nothing that is known differs"), "{}", said.stdout);
+        let measure = if name == "a.exr" { "standard errors" } else { "of 255 steps" };
+        assert!(said.stdout.contains(measure), "{}", said.stdout);
+    }
+}
+
+/// The checksum of a PNG chunk (PNG specification, annex D).
+fn crc(bytes: &[u8]) -> u32 {
+    let shift = |crc: u32, _| if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 };
+    !bytes.iter().fold(!0, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), shift))
+}
+
+#[test]
+fn tables_must_be_there_and_be_the_same() {
+    let desk = desk_with_table(0.5);
+    desk.run("render scene.toml -o a.png --accel native --quiet").succeeds();
+    write_table(&desk, "grains.f32", 0.25);
+    let message = "grains.f32` is not what the picture was made of";
+    desk.run("reproduce a.png --quiet").fails(3, &[message, "help: --folder names another folder"]);
+    fs::remove_file(desk.path().join("grains.f32")).expect("it is there");
+    desk.run("reproduce a.png --quiet").fails(3, &["cannot read", "grains.f32`"]);
+    fs::create_dir(desk.path().join("moved")).expect("a folder");
+    write_table(&desk, "moved/grains.f32", 0.5);
+    desk.run("reproduce a.png --quiet --folder moved").succeeds();
+}
+
+#[test]
+fn pictures_that_say_nothing_cannot_be_reproduced() {
+    let desk = Desk::new(SCENE);
+    image::RgbImage::new(2, 2).save(desk.path().join("foreign.png")).expect("a picture");
+    desk.run("reproduce foreign.png")
+        .fails(3, &["`foreign.png` does not say how it was made: `version` is missing"]);
+    desk.run("reproduce missing.exr").fails(4, &["cannot read `missing.exr`"]);
+    desk.run("reproduce a.pfm").fails(3, &[".pfm files hold pixels only"]);
+}
