@@ -12,6 +12,7 @@ mod memory;
 mod output;
 mod picture;
 mod reproduce;
+mod stop;
 mod trace;
 mod verify;
 
@@ -24,6 +25,7 @@ use crate::accel::Backend;
 use crate::scene::Override;
 
 use super::exit::EXIT_CODES;
+use super::goal::Goal;
 
 pub(super) use compare::{CompareArgs, Mapped, Metric};
 pub(super) use converge::ConvergeArgs;
@@ -33,6 +35,7 @@ pub(super) use memory::MemoryArg;
 pub(super) use output::OutputArgs;
 pub(super) use picture::PictureArgs;
 pub(super) use reproduce::ReproduceArgs;
+pub(super) use stop::{StopArgs, WatchArgs};
 pub(super) use trace::TraceArgs;
 pub(super) use verify::VerifyArgs;
 
@@ -126,6 +129,7 @@ Examples:
   photosphere render fig2.toml -o fig2.pfm --quiet --json | jq .samples_per_s
   photosphere render fig2.toml -o fig2.exr --spp 65536 --checkpoint fig2.state
   photosphere render fig2.toml -o right.part --samples 0..64 --crop 320,0,640,480
+  photosphere render fig2.toml -o fig2.exr --noise 2% --preview so-far.png
 
 Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,
 stops at once and writes nothing. With --checkpoint FILE, `photosphere resume FILE` goes on, and so
@@ -153,6 +157,12 @@ pub(super) struct RenderArgs {
 
     #[command(flatten)]
     pub(super) keep: KeepArgs,
+
+    #[command(flatten)]
+    pub(super) stop: StopArgs,
+
+    #[command(flatten)]
+    pub(super) watch: WatchArgs,
 
     /// Say nothing but warnings and errors
     #[arg(short, long)]
@@ -327,7 +337,9 @@ impl AccelsArg {
 impl RenderArgs {
     /// What the options change in the scene.
     pub(super) fn overrides(&self) -> Vec<Override> {
-        let mut overrides = self.picture.overrides(&self.scene);
+        let most = Goal::overrides(&self.stop, self.picture.has_samples());
+        let mut overrides: Vec<_> =
+            most.into_iter().chain(self.picture.overrides(&self.scene)).collect();
         if let Some(samples) = self.resumed.as_ref().and_then(|resumed| resumed.extended_to) {
             overrides.push(Override {
                 option: format!("--extend-to {samples}"),

@@ -20,7 +20,7 @@ use super::args::ConvergeArgs;
 use super::compare::read_finite;
 use super::exit::Exit;
 use super::info::name_of;
-use super::progress::Progress;
+use super::progress::{Progress, State};
 use super::{interrupt, on_threads, print};
 
 /// The seeds of the reference's halves are far from any that a user takes.
@@ -45,7 +45,8 @@ fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
     let metric = Metric::from(args.metric);
     let study = Study::new(args)?;
     let progress = Progress::new(args.quiet);
-    let bench = Bench { args, progress: &progress, done: AtomicU64::new(0), total: study.total() };
+    let (done, total, began) = (AtomicU64::new(0), study.total(), Instant::now());
+    let bench = Bench { args, progress: &progress, done, total, began };
     let result = study.measure(&bench);
     progress.finish();
     let (reference, series) = result?;
@@ -257,6 +258,7 @@ struct Bench<'a> {
     progress: &'a Progress,
     done: AtomicU64,
     total: u64,
+    began: Instant,
 }
 
 impl Bench<'_> {
@@ -265,7 +267,7 @@ impl Bench<'_> {
         let before = self.done.load(Ordering::Relaxed);
         let show = |state: render::Progress| {
             let samples_done = before + state.samples_done;
-            self.progress.show(render::Progress { samples_done, samples_total: self.total });
+            self.progress.show(&State::since(self.began, samples_done, self.total));
         };
         let options = RenderOptions { cancel: Default::default(), progress: &show };
         let began = Instant::now();

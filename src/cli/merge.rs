@@ -9,14 +9,16 @@ use crate::accel::{Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::film::{BLOCK, Film, Format, Frame, Kind, Picture, Rect, summed_for};
 use crate::output::{PartFile, PartHead, Record, WholeFile, write_part};
-use crate::provenance::{Made, Run, Samples};
-use crate::render::{needs_scene, picture, picture_of_sums};
+use crate::provenance::{Counts, Made, Run, Samples};
+use crate::render::{error_so_far, needs_scene, picture, picture_of_sums};
 use crate::scene::Scene;
 use crate::scene::description::Window;
 
 use super::args::MergeArgs;
 use super::exit::Exit;
+use super::goal::CONFIDENCE;
 use super::outputs::{self, Outputs, kinds_of};
+use super::render::ENDED;
 use super::{interrupt, print, system};
 
 /// One of the parts.
@@ -56,7 +58,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
         sum.add_film(&film)?;
     }
     let made = whole.made(first, &sum);
-    let run = whole.run(&pieces);
+    let run = whole.run(&pieces, &sum);
     if let Some(part) = part {
         let mut records = whole.records(&pieces, &made, &run);
         records.push(outputs.record_of_layers());
@@ -145,7 +147,8 @@ impl Piece {
     /// Refuses what has not all of its samples.
     fn check_finished(&self, film: &Film) -> Result<()> {
         let (fewest, all) = (film.fewest_and_most().0, self.samples().len());
-        if fewest as usize == all {
+        // One that ends at a noise target or at a time has as many as that took.
+        if fewest as usize == all || self.record(ENDED).is_some() {
             return Ok(());
         }
         let path = self.path.display();
@@ -268,19 +271,22 @@ impl Whole {
         let is_whole = Frame::whole(full_size[0], full_size[1]).window == window;
         Made {
             samples: Samples { first: self.samples.start, fewest, most },
+            counts: Counts::of(sum),
             crop: (!is_whole).then_some(Window { x, y, width, height }),
             ..first.made.clone()
         }
     }
 
     /// The parts' work.
-    fn run(&self, pieces: &[Piece]) -> Run {
+    fn run(&self, pieces: &[Piece], sum: &Film) -> Run {
         Run {
             command: system::command_line(),
             scene_file: pieces[0].record("scene-file").unwrap_or_default().to_owned(),
             rays: total(pieces, "rays"),
             seconds: total(pieces, "seconds"),
             threads: 1,
+            error: error_so_far(sum, CONFIDENCE),
+            noise: pieces[0].record("noise").map(str::to_owned),
         }
     }
 

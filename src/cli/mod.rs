@@ -12,6 +12,7 @@ mod doctor;
 mod error;
 mod exit;
 mod generate;
+mod goal;
 mod info;
 mod interrupt;
 mod keeper;
@@ -19,6 +20,7 @@ mod manual;
 mod memory;
 mod merge;
 mod outputs;
+mod pace;
 mod print;
 mod progress;
 mod render;
@@ -27,6 +29,7 @@ mod resume;
 mod system;
 mod trace;
 mod verify;
+mod watch;
 
 use std::process::ExitCode;
 

@@ -52,6 +52,16 @@ pub(super) fn si(value: f64) -> String {
     format!("{scaled:.decimals$}{prefix}")
 }
 
+/// A share in three digits: `1.23 %`.
+pub(super) fn percent(share: f64) -> String {
+    let decimals = match 100.0 * share {
+        x if x < 9.995 => 2,
+        x if x < 99.95 => 1,
+        _ => 0,
+    };
+    format!("{:.decimals$} %", 100.0 * share)
+}
+
 /// A number of bytes with a binary prefix: `12.34 MiB`.
 pub(super) fn bytes(bytes: u64) -> String {
     indicatif::BinaryBytes(bytes).to_string()
@@ -71,6 +81,10 @@ mod tests {
     fn numbers_have_three_digits_and_a_prefix() {
         let shown = [0.0, 1.5, 999.0, 1234.0, 12.34e6, 99.96e6, 5e9].map(si);
         assert_eq!(shown, ["0.00 ", "1.50 ", "999 ", "1.23 k", "12.3 M", "100 M", "5.00 G"]);
+        assert_eq!(
+            [0.0123, 0.0999, 0.1234, 1.5].map(percent),
+            ["1.23 %", "9.99 %", "12.3 %", "150 %"]
+        );
         assert_eq!(bytes(3 << 20), "3.00 MiB");
         assert_eq!((count(1, "ray"), count(2, "ray")), ("1 ray".into(), "2 rays".into()));
     }

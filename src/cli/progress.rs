@@ -4,48 +4,83 @@ use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::render;
-
+use super::pace::{self, Pace};
 use super::print;
 
 const BETWEEN_LINES: Duration = Duration::from_secs(3);
-const BAR: &str = "{bar:32} {percent:>3} %  {rate}  {eta} left";
+const BAR: &str = "{bar:24} {percent:>3} %  {msg}";
+
+/// What there is to tell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct State {
+    pub(super) samples_done: u64,
+    /// Samples of the whole render; the most where only an estimate is known.
+    pub(super) samples_total: u64,
+    /// Samples per second.
+    pub(super) rate: f64,
+    /// The error of the picture so far, as a share of the brightness of its pixels.
+    pub(super) error: Option<f64>,
+    /// Squares that are good enough, and all of them.
+    pub(super) squares: Option<[usize; 2]>,
+    /// The time left, in words.
+    pub(super) left: Option<String>,
+}
+
+impl State {
+    /// The state of work that began at some time, and takes so many samples.
+    pub(super) fn since(began: Instant, samples_done: u64, samples_total: u64) -> Self {
+        let left = samples_total.saturating_sub(samples_done);
+        let pace = Pace { elapsed: began.elapsed(), samples: samples_done, left: left..left };
+        Self {
+            samples_done,
+            samples_total,
+            rate: pace.rate(),
+            left: pace.time_left().map(|left| pace::in_words(&left)),
+            ..Self::default()
+        }
+    }
+}
 
 /// Shows the progress of one render on the standard error.
 pub(super) enum Progress {
     Quiet,
     Bar(ProgressBar),
-    Lines { started: Instant, last: Mutex<Instant> },
+    Lines { last: Mutex<Instant> },
 }
 
 impl Progress {
     pub(super) fn new(quiet: bool) -> Self {
-        let now = Instant::now();
         if quiet {
             Self::Quiet
         } else if std::io::stderr().is_terminal() {
             Self::Bar(bar())
         } else {
-            Self::Lines { started: now, last: Mutex::new(now) }
+            Self::Lines { last: Mutex::new(Instant::now()) }
         }
     }
 
+    /// Whether anybody sees it.
+    pub(super) fn is_shown(&self) -> bool {
+        !matches!(self, Self::Quiet)
+    }
+
     /// Shows the state; called from any thread, as often as it likes.
-    pub(super) fn show(&self, state: render::Progress) {
+    pub(super) fn show(&self, state: &State) {
         match self {
             Self::Quiet => {}
             Self::Bar(bar) => {
                 bar.set_length(state.samples_total);
+                bar.set_message(details(state));
                 bar.set_position(state.samples_done);
             }
-            Self::Lines { started, last } => {
+            Self::Lines { last } => {
                 // Another thread that holds the lock is printing a line just now.
                 let Ok(mut last) = last.try_lock() else { return };
                 if last.elapsed() >= BETWEEN_LINES {
                     *last = Instant::now();
-                    print::remark(line(state, started.elapsed()));
+                    print::remark(line(state));
                 }
             }
         }
@@ -69,31 +104,27 @@ impl Progress {
 
 fn bar() -> ProgressBar {
     let style = ProgressStyle::with_template(BAR).expect("the template is a constant");
-    let rate = |state: &indicatif::ProgressState, f: &mut dyn std::fmt::Write| {
-        // A bar that cannot be drawn is not worth an error.
-        let _ = write!(f, "{}samples/s", print::si(state.per_sec()));
-    };
-    let bar = ProgressBar::no_length().with_style(style.with_key("rate", rate));
-    bar.enable_steady_tick(Duration::from_millis(200));
-    bar
+    ProgressBar::no_length().with_style(style)
 }
 
-fn line(state: render::Progress, elapsed: Duration) -> String {
-    let render::Progress { samples_done: done, samples_total: total } = state;
-    let share = done as f64 / total.max(1) as f64;
-    let rate = done as f64 / elapsed.as_secs_f64();
-    let left = if share > 0.0 {
-        let seconds = elapsed.as_secs_f64() * (1.0 - share) / share;
-        format!("{} left", HumanDuration(Duration::from_secs_f64(seconds.min(1e9))))
-    } else {
-        "just begun".to_owned()
+fn line(state: &State) -> String {
+    let share = state.samples_done as f64 / state.samples_total.max(1) as f64;
+    let total = print::si(state.samples_total as f64);
+    format!("{:.0} % of {total}samples, {}", 100.0 * share.min(1.0), details(state))
+}
+
+/// All but the share that is done.
+fn details(state: &State) -> String {
+    let rate = format!("{}samples/s", print::si(state.rate));
+    let error = state.error.map(|error| format!("error {}", print::percent(error)));
+    let squares = state.squares.map(|[done, all]| format!("{done} of {all} squares done"));
+    let left = match &state.left {
+        Some(left) => format!("{left} left"),
+        None => "just begun".to_owned(),
     };
-    format!(
-        "{:.0} % of {}samples, {}samples/s, {left}",
-        100.0 * share,
-        print::si(total as f64),
-        print::si(rate)
-    )
+    let words: Vec<String> =
+        [Some(rate), error, squares, Some(left)].into_iter().flatten().collect();
+    words.join(", ")
 }
 
 #[cfg(test)]
@@ -101,13 +132,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_tells_share_rate_and_time_left() {
-        let at = |samples_done| {
-            let state = render::Progress { samples_done, samples_total: 4_000_000 };
-            line(state, Duration::from_secs(10))
+    fn a_line_tells_share_rate_error_and_time_left() {
+        let state = State {
+            samples_done: 1_000_000,
+            samples_total: 4_000_000,
+            rate: 1e5,
+            left: Some("30 s".to_owned()),
+            ..State::default()
         };
-        assert_eq!(at(1_000_000), "25 % of 4.00 Msamples, 100 ksamples/s, 30 seconds left");
-        assert_eq!(at(0), "0 % of 4.00 Msamples, 0.00 samples/s, just begun");
+        assert_eq!(line(&state), "25 % of 4.00 Msamples, 100 ksamples/s, 30 s left");
+        let state = State { error: Some(0.0234), squares: Some([3, 40]), ..state };
+        let told =
+            "25 % of 4.00 Msamples, 100 ksamples/s, error 2.34 %, 3 of 40 squares done, 30 s left";
+        assert_eq!(line(&state), told);
+        let begun = State { samples_total: 4_000_000, ..State::default() };
+        assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, just begun");
     }
 
     #[test]

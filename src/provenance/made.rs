@@ -10,7 +10,7 @@ use crate::output::Record;
 use crate::scene::description::Window;
 use crate::scene::{Identity, Ingredient, Override, Scene};
 
-use super::{COMMIT, VERSION};
+use super::{COMMIT, Counts, VERSION};
 
 /// All that decides the pixels of a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +31,8 @@ pub struct Made {
     pub crop: Option<Window>,
     /// Which samples of each pixel.
     pub samples: Samples,
+    /// How many of them in each tile, where that differs.
+    pub counts: Counts,
     /// Chooses the random numbers.
     pub seed: u64,
     /// The options that bias the picture.
@@ -79,6 +81,7 @@ impl Made {
             size: [description.image.width, description.image.height],
             crop: description.image.crop,
             samples,
+            counts: Counts::default(),
             seed: description.render.seed,
             biased: description.render.biases(),
         }
@@ -99,6 +102,9 @@ impl Made {
         ];
         if let Some(Window { x, y, width, height }) = self.crop {
             records.push(Record::new("crop", format!("{x},{y},{},{}", x + width, y + height)));
+        }
+        if !self.counts.0.is_empty() {
+            records.push(Record::new("counts", self.counts.to_string()));
         }
         if !self.biased.is_empty() {
             records.push(Record::new("biased", self.biased.join(", ")));
@@ -141,6 +147,7 @@ impl Made {
             size: from.parsed("size", |text| numbers(&text.replace('x', ",")))?,
             crop: from.optional("crop", crop)?,
             samples: from.parsed("samples", Samples::read)?,
+            counts: from.optional("counts", Counts::read)?.unwrap_or_default(),
             seed: from.parsed("seed", |text| text.parse().ok())?,
             biased: from
                 .get("biased")

@@ -7,11 +7,13 @@
 //! pictures are.
 
 mod again;
+mod counts;
 mod difference;
 mod look;
 mod made;
 mod run;
 
+pub use counts::Counts;
 pub use look::{look_in_words, look_of_words};
 pub use made::{Made, Samples, Source};
 pub use run::Run;
@@ -19,7 +21,7 @@ pub use run::Run;
 use crate::output::Record;
 
 /// The records in the order in which people read them.
-const ORDER: [&str; 22] = [
+const ORDER: [&str; 24] = [
     "version",
     "commit",
     "identity",
@@ -27,7 +29,9 @@ const ORDER: [&str; 22] = [
     "size",
     "crop",
     "samples",
+    "counts",
     "seed",
+    "noise",
     "error",
     "biased",
     "look",

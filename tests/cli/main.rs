@@ -11,5 +11,6 @@ mod pictures;
 mod provenance;
 mod reports;
 mod reproduce;
+mod stopping;
 mod streams_and_signals;
 mod tables;

@@ -43,6 +43,11 @@ pub(in crate::cli) struct PictureArgs {
 }
 
 impl PictureArgs {
+    /// Whether the number of samples is given.
+    pub(in crate::cli) fn has_samples(&self) -> bool {
+        self.spp.is_some()
+    }
+
     /// What the options change in the scene; `--set` has the last word.
     pub(in crate::cli) fn overrides(&self, scene: &SceneArgs) -> Vec<Override> {
         let mut overrides = Vec::new();

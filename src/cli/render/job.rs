@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
@@ -12,12 +13,13 @@ use crate::error::{Error, Result};
 use crate::film::Film;
 use crate::integrator::Tally;
 use crate::output::{Record, write_part};
-use crate::provenance::{Made, Run, Samples};
+use crate::provenance::{Counts, Made, Run, Samples};
 use crate::render::{self, Session};
 use crate::scene::Scene;
 
 use super::super::args::RenderArgs;
 use super::super::exit::Exit;
+use super::super::goal::{Goal, Reached};
 use super::super::keeper::Chore;
 use super::super::outputs::Outputs;
 use super::super::{print, system};
@@ -26,6 +28,9 @@ use super::start::{Before, Keep};
 
 /// The name of the record that says how to go on.
 pub(in crate::cli) const RESUME: &str = "resume";
+
+/// The name of the record of a part that is finished, however many samples its pixels have.
+pub(in crate::cli) const ENDED: &str = "ended";
 
 /// A render at work.
 pub(super) struct Job<'a> {
@@ -37,6 +42,9 @@ pub(super) struct Job<'a> {
     pub(super) samples: Range<u32>,
     pub(super) outputs: &'a Outputs,
     pub(super) keep: Option<&'a Keep>,
+    pub(super) goal: &'a Goal,
+    /// Set when it has come to its end, be that at a noise target or at a time.
+    pub(super) has_ended: AtomicBool,
     /// What decides the pixels, but for how many samples they have so far.
     pub(super) made: Made,
     pub(super) before: Before,
@@ -67,6 +75,7 @@ impl Job<'_> {
         // Never let go: the threads that render may get here yet.
         let _saving = self.saving.lock().unwrap_or_else(PoisonError::into_inner);
         let exit = match saved {
+            Ok(()) if self.goal.is_time_up() => Exit::Done,
             Ok(()) => Exit::Stopped,
             Err(error) => {
                 super::super::error::print(&error);
@@ -120,6 +129,9 @@ impl Job<'_> {
         records.push(Record::new("samples-per-pixel", last.to_string()));
         let transparent = self.scene.description().background.transparent;
         records.push(Record::new("transparent", transparent.to_string()));
+        if self.has_ended.load(Ordering::Relaxed) {
+            records.push(Record::new(ENDED, "true"));
+        }
         records.push(self.outputs.record_of_layers());
         records.push(Record::new(RESUME, self.how_to_go_on().to_string()));
         write_part(&keep.file, self.film(), &self.samples, &records)
@@ -148,7 +160,7 @@ impl Job<'_> {
     fn made(&self) -> Made {
         let (fewest, most) = self.film().fewest_and_most();
         let samples = Samples { first: self.samples.start, fewest, most };
-        Made { samples, ..self.made.clone() }
+        Made { samples, counts: Counts::of(self.film()), ..self.made.clone() }
     }
 
     fn run(&self) -> Run {
@@ -158,6 +170,8 @@ impl Job<'_> {
             rays: self.tally().rays,
             seconds: self.before.seconds + self.began.elapsed().as_secs_f64(),
             threads: rayon::current_num_threads(),
+            error: self.goal.error(self.film()),
+            noise: self.goal.noise_in_words(),
         }
     }
 
@@ -173,24 +187,25 @@ impl Job<'_> {
     /// When the standard output is closed.
     pub(super) fn report(
         &self,
-        complete: bool,
+        reached: &Reached,
         figures: &Figures,
         about_spheres: Vec<String>,
     ) -> Result<()> {
         let about_film = render::warnings(self.scene, &self.tally(), self.film());
-        about_film.iter().for_each(print::warning);
+        let complaint = reached.complaint();
+        about_film.iter().chain(&complaint).for_each(print::warning);
         let report = Report {
             args: self.args,
             scene: self.scene,
             picture: self.film().picture(),
-            complete,
+            reached,
             samples: self.session.samples_done() - self.samples_before,
             samples_in_all: self.session.samples_done(),
             rays: self.session.tally().rays,
             kept: self.keep.map(|keep| keep.path.as_path()),
             has_pictures: self.outputs.has_pictures(),
             figures,
-            warnings: about_spheres.into_iter().chain(about_film).collect(),
+            warnings: about_spheres.into_iter().chain(about_film).chain(complaint).collect(),
         };
         report.print()
     }

@@ -6,6 +6,7 @@ mod start;
 
 use std::ops::Range;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use crate::accel::BuildOptions;
@@ -18,14 +19,16 @@ use crate::scene::{Scene, open_file};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
+use super::goal::Goal;
 use super::interrupt::Interrupt;
 use super::keeper::{self, Orders};
 use super::memory::Needs;
-use super::outputs::Outputs;
+use super::outputs::{self, Outputs};
 use super::progress::Progress;
+use super::watch::{Shows, Told, Watch};
 use super::{interrupt, memory, on_threads, print};
 
-pub(super) use job::RESUME;
+pub(super) use job::{ENDED, RESUME};
 
 use job::Job;
 use report::Figures;
@@ -36,14 +39,17 @@ use start::{Keep, Start};
 pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
     let outputs = Outputs::new(&args.output)?;
     let keep = Keep::new(args, &outputs)?;
+    let name = outputs::in_words(&args.output.files);
+    let shows = Shows::new(&args.watch, args.output.look(), name)?;
     let interrupt = interrupt::listen();
-    on_threads(args.scene.threads(), || render(args, &outputs, keep.as_ref(), &interrupt))
+    on_threads(args.scene.threads(), || render(args, &outputs, keep.as_ref(), shows, &interrupt))
 }
 
 fn render(
     args: &RenderArgs,
     outputs: &Outputs,
     keep: Option<&Keep>,
+    shows: Shows,
     interrupt: &Interrupt,
 ) -> Result<Exit> {
     let mut clock = Clock(Instant::now());
@@ -53,6 +59,7 @@ fn render(
     let scene = Scene::new(opened.read()?)?;
     let mut figures = Figures { load_s: clock.lap(), ..Figures::default() };
     let samples = samples_of(args, &scene)?;
+    let goal = Goal::new(&args.stop, &scene, samples.end)?;
     let format = Format { first_sample: samples.start, ..format_with(&scene, outputs.kinds()) };
     let about_spheres = about_spheres(scene.spheres());
     about_spheres.iter().for_each(print::warning);
@@ -65,9 +72,10 @@ fn render(
     figures.build_s = clock.lap();
 
     let progress = Progress::new(args.quiet);
+    let told = Told::default();
     interrupt.save_from_now_on();
     let options =
-        RenderOptions { cancel: interrupt.cancel(), progress: &|state| progress.show(state) };
+        RenderOptions { cancel: interrupt.cancel(), progress: &|state| told.progress(state) };
     let session = Session::new(&scene, accel.as_ref(), &film, &options);
     session.expect_samples(film.frame().pixels() as u64 * samples.len() as u64);
     let job = Job {
@@ -78,6 +86,8 @@ fn render(
         samples: samples.clone(),
         outputs,
         keep,
+        goal: &goal,
+        has_ended: AtomicBool::new(false),
         made,
         before,
         samples_before: film.samples(),
@@ -93,13 +103,18 @@ fn render(
             job.give_up()
         },
     };
-    let complete = keeper::beside(orders, || session.advance(samples.end, &|_| true));
-    progress.finish();
-    let complete = complete?;
+    let deadline = goal.deadline(film.frame().pixels(), interrupt.cancel());
+    let watch = Watch { film: &film, told: &told, progress: &progress, shows, deadline };
+    let reached = watch.during(|| keeper::beside(orders, || goal.reach(&session, &told)))?;
     figures.render_s = clock.lap();
+    job.has_ended.store(reached.is_complete, Ordering::Relaxed);
     job.save_all()?;
-    job.report(complete, &figures, about_spheres)?;
-    Ok(if complete { Exit::Done } else { Exit::Stopped })
+    job.report(&reached, &figures, about_spheres)?;
+    Ok(match (reached.is_complete, reached.is_good_enough()) {
+        (false, _) => Exit::Stopped,
+        (true, false) => Exit::CheckFailed,
+        (true, true) => Exit::Done,
+    })
 }
 
 /// The samples that are asked for.

@@ -10,6 +10,7 @@ use crate::film::Picture;
 use crate::scene::Scene;
 
 use super::super::args::RenderArgs;
+use super::super::goal::Reached;
 use super::super::{outputs, print, system};
 
 /// What this run took, in seconds.
@@ -25,7 +26,7 @@ pub(super) struct Report<'a> {
     pub(super) args: &'a RenderArgs,
     pub(super) scene: &'a Scene,
     pub(super) picture: Picture,
-    pub(super) complete: bool,
+    pub(super) reached: &'a Reached,
     /// Of this run.
     pub(super) samples: u64,
     /// And of those before it.
@@ -52,7 +53,7 @@ impl Report<'_> {
         let Figures { load_s, build_s, render_s } = self.figures;
         let mut text = String::new();
         let per_pixel = self.samples_in_all as f64 / self.picture.len() as f64;
-        let stopped = match self.complete {
+        let stopped = match self.reached.is_complete {
             true => String::new(),
             false => format!(", stopped after {per_pixel:.1} samples per pixel"),
         };
@@ -65,11 +66,14 @@ impl Report<'_> {
             print::si(self.samples as f64 / render_s),
             print::si(self.rays as f64 / render_s)
         ));
+        if let Some(error) = self.reached.error {
+            line(format_args!(", error {}", print::percent(error)));
+        }
         if let Some(peak) = system::peak_memory() {
             line(format_args!(", peak memory {}", print::bytes(peak)));
         }
         line(format_args!("\nwrote {}{stopped}", outputs::in_words(&self.args.output.files)));
-        if let Some(kept) = self.kept.filter(|_| self.has_pictures && !self.complete) {
+        if let Some(kept) = self.kept.filter(|_| self.has_pictures && !self.reached.is_complete) {
             line(format_args!("\ngo on with: photosphere resume '{}'", kept.display()));
         }
         text
@@ -79,7 +83,7 @@ impl Report<'_> {
         let Figures { load_s, build_s, render_s } = self.figures;
         json!({
             "output": outputs::in_words(&self.args.output.files),
-            "complete": self.complete,
+            "complete": self.reached.is_complete,
             "accel": self.args.accel.backend.name(),
             "spheres": self.scene.spheres().len(),
             "width": self.picture.width,
@@ -91,6 +95,8 @@ impl Report<'_> {
             "samples": self.samples,
             "samples_in_all": self.samples_in_all,
             "rays": self.rays,
+            "error": self.reached.error,
+            "noise": self.reached.in_json(),
             "samples_per_s": self.samples as f64 / render_s,
             "rays_per_s": self.rays as f64 / render_s,
             "peak_rss_bytes": system::peak_memory(),

@@ -1,0 +1,90 @@
+//! When a render ends, and who looks on until then.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+
+use super::keep::duration;
+
+/// When the picture is good enough.
+#[derive(Args, Debug)]
+pub(in crate::cli) struct StopArgs {
+    /// Render each square of 16 x 16 pixels until the error is below this share of the brightness,
+    /// as in 1% or 0.01 (docs/stopping.md)
+    #[arg(long, value_name = "ERROR", value_parser = noise, conflicts_with_all = ["spp", "samples"], allow_negative_numbers = true)]
+    pub(in crate::cli) noise: Option<f64>,
+
+    /// The share of the values of each square whose error must be below --noise
+    #[arg(long, value_name = "SHARE", value_parser = confidence, default_value = "95%", allow_negative_numbers = true)]
+    pub(in crate::cli) confidence: f64,
+
+    /// With --noise, the most samples per pixel, from 64: where they are not enough, the picture is
+    /// written all the same, and the exit code is 1
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "noise",
+        default_value_t = 65536,
+        allow_negative_numbers = true
+    )]
+    #[arg(value_parser = clap::value_parser!(u32).range(64..))]
+    pub(in crate::cli) max_spp: u32,
+
+    /// Stop after this time, as in 30s, 5m or 1h, with as many samples as there are then; at least 16
+    /// per pixel. Without --spp, the time alone decides
+    #[arg(long, value_name = "TIME", value_parser = duration, allow_negative_numbers = true)]
+    pub(in crate::cli) time: Option<Duration>,
+}
+
+/// Who looks on.
+#[derive(Args, Debug)]
+pub(in crate::cli) struct WatchArgs {
+    /// Keep a .png file of the picture so far
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) preview: Option<PathBuf>,
+
+    /// The time between two pictures for --preview and --tev
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "2s", allow_negative_numbers = true)]
+    pub(in crate::cli) preview_every: Duration,
+
+    /// Show the picture so far in the viewer tev, which listens there; its own default is
+    /// 127.0.0.1:14158
+    #[arg(long, value_name = "HOST:PORT")]
+    pub(in crate::cli) tev: Option<String>,
+}
+
+fn noise(text: &str) -> Result<f64, String> {
+    share(text, 1e-6..=0.5)
+        .ok_or_else(|| "it must be a share up to 50%, as in 1% or 0.01".to_owned())
+}
+
+fn confidence(text: &str) -> Result<f64, String> {
+    share(text, 0.5..=0.9999)
+        .ok_or_else(|| "it must be a share from 50% to 99.99%, as in 95% or 0.95".to_owned())
+}
+
+/// `1%` or `0.01`.
+fn share(text: &str, allowed: std::ops::RangeInclusive<f64>) -> Option<f64> {
+    let share = match text.trim().strip_suffix('%') {
+        Some(percent) => percent.trim_end().parse::<f64>().ok()? / 100.0,
+        None => text.trim().parse().ok()?,
+    };
+    allowed.contains(&share).then_some(share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_percentages_or_fractions() {
+        assert_eq!(noise("1%"), Ok(0.01));
+        assert_eq!(noise("0.01"), Ok(0.01));
+        assert_eq!(confidence("99.5 %"), Ok(0.995));
+        for wrong in ["1", "0", "0%", "-1%", "60%", "nan", "NaN%", "", "%", "1 percent"] {
+            assert!(noise(wrong).is_err(), "{wrong}");
+        }
+        assert!(confidence("100%").is_err() && confidence("5%").is_err());
+    }
+}

@@ -1,0 +1,203 @@
+//! Those who look on while a scene is rendered: the progress, a preview file, the viewer tev.
+//!
+//! They have one thread, which reads the film as it is and never makes the render wait. What it
+//! spends on pictures and errors is held below a fiftieth of the time, however large the picture and
+//! however short the wish of `--preview-every`.
+
+mod preview;
+mod tev;
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+use crate::accel::Cancel;
+use crate::color::Look;
+use crate::error::Result;
+use crate::film::Film;
+use crate::render::{self, Standing};
+
+use super::args::WatchArgs;
+use super::goal::CONFIDENCE;
+use super::pace::{self, Pace};
+use super::print;
+use super::progress::{Progress, State};
+
+use preview::Preview;
+use tev::Tev;
+
+/// Between two looks at the clock.
+const TICK: Duration = Duration::from_millis(100);
+/// Between two estimates of the error.
+const BETWEEN_ERRORS: Duration = Duration::from_secs(2);
+/// After work that took some time, so many times as long without.
+const REST: u32 = 49;
+
+/// What a render tells of itself, from any of its threads.
+#[derive(Default)]
+pub(super) struct Told {
+    samples_done: AtomicU64,
+    samples_total: AtomicU64,
+    standing: Mutex<Option<Standing>>,
+}
+
+impl Told {
+    pub(super) fn progress(&self, state: render::Progress) {
+        self.samples_done.fetch_max(state.samples_done, Ordering::Relaxed);
+        self.samples_total.store(state.samples_total, Ordering::Relaxed);
+    }
+
+    pub(super) fn standing(&self, standing: Standing) {
+        if let Ok(mut told) = self.standing.lock() {
+            *told = Some(standing);
+        }
+    }
+}
+
+/// Where the picture so far is to be seen.
+pub(super) struct Shows {
+    preview: Option<Preview>,
+    tev: Option<Tev>,
+    /// Between two pictures.
+    every: Duration,
+}
+
+impl Shows {
+    /// `look` is how the preview shows light, `name` what the picture is called elsewhere.
+    ///
+    /// # Errors
+    /// When the preview cannot be written, or tev cannot be reached.
+    pub(super) fn new(args: &WatchArgs, look: Look, name: String) -> Result<Self> {
+        let preview = args.preview.as_deref().map(|path| Preview::new(path, look)).transpose()?;
+        let tev = args.tev.as_deref().map(|place| Tev::find(place, name)).transpose()?;
+        Ok(Self { preview, tev, every: args.preview_every })
+    }
+
+    /// Brings the pictures up to date. Who cannot be reached any more is told of once.
+    fn update(&mut self, film: &Film) {
+        if self.preview.is_none() && self.tev.is_none() || film.samples() == 0 {
+            return;
+        }
+        let picture = film.picture();
+        if let Some(preview) = &mut self.preview {
+            preview.write(&picture);
+        }
+        if let Some(Err(e)) = self.tev.as_mut().map(|tev| tev.show(&picture)) {
+            print::warning(format_args!("tev does not take the picture any more: {e}"));
+            self.tev = None;
+        }
+    }
+}
+
+/// The thread's equipment.
+pub(super) struct Watch<'a> {
+    pub(super) film: &'a Film,
+    pub(super) told: &'a Told,
+    pub(super) progress: &'a Progress,
+    pub(super) shows: Shows,
+    /// When to stop the render, and how.
+    pub(super) deadline: Option<Deadline<'a>>,
+}
+
+/// The end of the time that a render may take.
+pub(super) struct Deadline<'a> {
+    pub(super) at: Instant,
+    pub(super) cancel: Cancel,
+    /// Samples that there must be before: one block of every pixel.
+    pub(super) at_least: u64,
+    /// Set when the time is up.
+    pub(super) is_up: &'a AtomicBool,
+}
+
+impl Watch<'_> {
+    /// Runs `work` while another thread watches. The pictures are brought up to date once more at the
+    /// end.
+    pub(super) fn during<T>(mut self, work: impl FnOnce() -> T) -> T {
+        let (end, ended) = mpsc::channel::<()>();
+        std::thread::scope(|threads| {
+            threads.spawn(move || self.run(&ended));
+            let result = work();
+            drop(end);
+            result
+        })
+    }
+
+    fn run(&mut self, ended: &mpsc::Receiver<()>) {
+        let began = Instant::now();
+        let samples_before = self.film.samples();
+        let (mut picture_due, mut error_due) = (began + self.shows.every, began + BETWEEN_ERRORS);
+        let mut error = None;
+        while ended.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
+            self.mind_the_deadline();
+            let now = Instant::now();
+            if now >= picture_due {
+                self.shows.update(self.film);
+                picture_due = self.next(now, self.shows.every);
+            }
+            if self.progress.is_shown() {
+                if now >= error_due {
+                    error = render::error_so_far(self.film, self.confidence());
+                    error_due = self.next(now, BETWEEN_ERRORS);
+                }
+                self.progress.show(&self.state(began, samples_before, error));
+            }
+        }
+        self.progress.finish();
+        self.shows.update(self.film);
+    }
+
+    /// When work that began just `now` may begin again.
+    fn next(&self, now: Instant, every: Duration) -> Instant {
+        now + every.max(now.elapsed() * (REST + 1))
+    }
+
+    fn mind_the_deadline(&self) {
+        if let Some(deadline) = &self.deadline {
+            let enough = self.told.samples_done.load(Ordering::Relaxed) >= deadline.at_least;
+            if enough && Instant::now() >= deadline.at {
+                deadline.is_up.store(true, Ordering::Relaxed);
+                deadline.cancel.cancel();
+            }
+        }
+    }
+
+    fn confidence(&self) -> f64 {
+        self.standing().map_or(CONFIDENCE, |standing| standing.target.confidence)
+    }
+
+    fn standing(&self) -> Option<Standing> {
+        self.told.standing.lock().ok().and_then(|told| told.clone())
+    }
+
+    fn state(&self, began: Instant, samples_before: u64, error: Option<f64>) -> State {
+        let done = self.told.samples_done.load(Ordering::Relaxed).max(samples_before);
+        let standing = self.standing();
+        let mut total = match &standing {
+            Some(standing) => standing.samples.clone(),
+            None => {
+                let total = self.told.samples_total.load(Ordering::Relaxed);
+                total..total
+            }
+        };
+        let (elapsed, samples) = (began.elapsed(), done - samples_before);
+        if let Some(deadline) = &self.deadline {
+            let rest = deadline.at.saturating_duration_since(Instant::now());
+            let in_time = done + pace::samples_in(rest, samples, elapsed);
+            total = total.start.min(in_time)..total.end.min(in_time);
+        }
+        let left = total.start.saturating_sub(done)..total.end.saturating_sub(done);
+        let pace = Pace { elapsed, samples, left };
+        // Before the first decisions nobody knows.
+        let is_known = standing.as_ref().is_none_or(|standing| standing.worst.is_finite());
+        let left = pace.time_left().filter(|_| is_known || self.deadline.is_some());
+        State {
+            samples_done: done,
+            samples_total: total.end,
+            rate: pace.rate(),
+            error,
+            squares: standing.map(|standing| [standing.done, standing.squares]),
+            left: left.map(|left| pace::in_words(&left)),
+        }
+    }
+}

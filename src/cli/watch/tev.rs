@@ -1,0 +1,90 @@
+//! The picture so far, in the viewer tev.
+
+use std::io;
+use std::net::{TcpStream, ToSocketAddrs};
+use std::time::Duration;
+
+use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
+
+use crate::error::{Error, Result};
+use crate::film::Picture;
+
+/// How long tev may take to answer, and to take what it is sent. Nobody waits for it but the thread
+/// that shows pictures.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Numbers sent at once: 4 MiB.
+const NUMBERS: usize = 1 << 20;
+const CHANNELS: [&str; 3] = ["R", "G", "B"];
+
+/// A picture in a tev that runs somewhere.
+pub(super) struct Tev {
+    client: TevClient,
+    name: String,
+    is_there: bool,
+}
+
+impl Tev {
+    /// Finds a tev that listens at `HOST:PORT`. The picture there will be called `name`.
+    ///
+    /// # Errors
+    /// When there is no such place, or nobody answers there.
+    pub(super) fn find(place: &str, name: String) -> Result<Self> {
+        let failed = |e: io::Error| {
+            Error::input(format!("cannot reach tev at `{place}`: {e}"))
+                .with_help("start tev first; it listens at 127.0.0.1:14158 unless told otherwise")
+        };
+        let connect = || {
+            let mut failure = io::Error::other("the name stands for no address");
+            for address in place.to_socket_addrs()? {
+                match TcpStream::connect_timeout(&address, PATIENCE) {
+                    Ok(stream) => {
+                        stream.set_write_timeout(Some(PATIENCE))?;
+                        return Ok(stream);
+                    }
+                    Err(e) => failure = e,
+                }
+            }
+            Err(failure)
+        };
+        let stream = connect().map_err(failed)?;
+        Ok(Self { client: TevClient::wrap(stream), name, is_there: false })
+    }
+
+    /// Shows the picture in place of the one before.
+    ///
+    /// # Errors
+    /// When tev has gone away, or does not listen any more.
+    pub(super) fn show(&mut self, picture: &Picture) -> io::Result<()> {
+        let (width, height) = (picture.width, picture.height);
+        if !self.is_there {
+            self.client.send(PacketCreateImage {
+                image_name: &self.name,
+                grab_focus: true,
+                width: width as u32,
+                height: height as u32,
+                channel_names: &CHANNELS,
+            })?;
+            self.is_there = true;
+        }
+        let rows_at_once = (NUMBERS / (CHANNELS.len() * width)).max(1);
+        for first in (0..height).step_by(rows_at_once) {
+            let rows = rows_at_once.min(height - first);
+            let pixels = first * width..(first + rows) * width;
+            let data: Vec<f32> =
+                pixels.flat_map(|pixel| picture.beauty(pixel).to_array()).collect();
+            self.client.send(PacketUpdateImage {
+                image_name: &self.name,
+                grab_focus: false,
+                channel_names: &CHANNELS,
+                channel_offsets: &[0, 1, 2],
+                channel_strides: &[3; 3],
+                x: 0,
+                y: first as u32,
+                width: width as u32,
+                height: rows as u32,
+                data: &data,
+            })?;
+        }
+        Ok(())
+    }
+}

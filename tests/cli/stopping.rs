@@ -1,0 +1,226 @@
+//! Renders that end at a noise target or at a time, and those who look on.
+
+use std::fs;
+use std::io::Read;
+use std::net::{TcpListener, TcpStream};
+use std::thread;
+
+use image::GenericImageView;
+
+use crate::desk::{Desk, SCENE};
+
+#[test]
+fn a_noise_target_is_met_and_the_file_says_how() {
+    let desk = Desk::new(SCENE);
+    let render = "render scene.toml --accel native --noise 15% --no-run-figures --json";
+    let layers = "--layers beauty,sample_count";
+    let said = desk.run(&format!("{render} -o a.exr {layers} --threads 1")).succeeds().json();
+    assert_eq!(said["noise"]["squares"], 1);
+    assert_eq!(said["noise"]["squares_done"], 1);
+    assert!(said["noise"]["worst"].as_f64().is_some_and(|worst| worst <= 0.15), "{said}");
+    assert_eq!(said["samples"].as_u64().map(|samples| samples % (64 * 16 * 12)), Some(0));
+    desk.run(&format!("{render} -o b.exr {layers} --threads 2")).succeeds();
+    assert_eq!(desk.read("a.exr"), desk.read("b.exr"));
+    let info = desk.run("info a.exr").succeeds().stdout;
+    assert!(info.contains("samples     0..64\n"), "{info}");
+}
+
+/// Two squares, one of them with less to see.
+const WIDE: [(&str, &str); 2] = [("width = 16", "width = 32"), ("height = 12", "height = 16")];
+
+#[test]
+fn stopped_squares_go_on_and_add_up_to_the_same_bytes() {
+    let scene = WIDE.iter().fold(SCENE.to_owned(), |text, (from, to)| text.replacen(from, to, 1));
+    let desk = Desk::new(&scene);
+    let render = "render scene.toml --accel native --noise 4% --quiet";
+    desk.run(&format!("{render} -o whole.exr --no-run-figures --threads 1")).succeeds();
+    let said = desk.run("info whole.exr --json").succeeds().json();
+    assert_eq!(said["counts"].as_str().map(|runs| runs.split(' ').count()), Some(8), "{said}");
+    let parts = [("0,0,16,16", "a.part"), ("16,0,32,16", "b.part")];
+    for (crop, part) in parts {
+        desk.run(&format!("{render} --crop {crop} -o {part}")).succeeds();
+        // Nothing is left to do.
+        let before = desk.read(part);
+        desk.run(&format!("{render} --crop {crop} -o {part}")).succeeds();
+        assert_eq!(before.len(), desk.read(part).len());
+    }
+    desk.run("merge b.part a.part -o merged.exr --no-run-figures --quiet").succeeds();
+    assert_eq!(desk.read("merged.exr"), desk.read("whole.exr"));
+}
+
+#[test]
+fn a_target_that_is_not_met_is_told_and_the_picture_is_there() {
+    let desk = Desk::new(SCENE);
+    let outcome =
+        desk.run("render scene.toml -o a.pfm --accel native --noise 0.01% --max-spp 64 --quiet");
+    outcome.fails(
+        1,
+        &["warning: the noise target of 0.01 % is not met in 1 of 1 squares", "an error of"],
+    );
+    assert_eq!(desk.names(), ["a.pfm", "scene.toml"]);
+}
+
+#[test]
+fn what_makes_no_sense_together_is_refused() {
+    let desk = Desk::new(SCENE);
+    let refused = |options: &str, code: i32, words: &str| {
+        desk.run(&format!("render scene.toml -o a.png --accel native {options}"))
+            .fails(code, &[words]);
+    };
+    refused("--noise 1% --spp 64", 2, "'--noise <ERROR>' cannot be used with '--spp <N>'");
+    refused("--max-spp 64", 2, "--noise <ERROR>");
+    refused("--noise 1", 2, "it must be a share up to 50%, as in 1% or 0.01");
+    refused("--noise 1% --max-spp 63", 2, "63 is not in 64..");
+    refused("--time 5", 2, "it must be a time with its unit, as in 30s, 5m or 1h");
+    let counted = "--noise decides when to stop, but stratified samples are spread over a number";
+    refused("--noise 1% --sampler stratified", 3, counted);
+    refused("--time 1s --sampler stratified", 3, "--time decides when to stop");
+    let cells = "3 x 3 sub-pixels do not fit into its blocks of 16 samples";
+    refused("--time 1s --integrator paper --set render.paper.subpixels=3", 3, cells);
+    refused("--preview a.jpg", 3, "the preview `a.jpg` is not a .png file");
+    refused("--preview nowhere/a.png", 4, "nowhere` does not exist");
+    refused("--tev 127.0.0.1", 3, "cannot reach tev at `127.0.0.1`");
+    assert_eq!(desk.names(), ["scene.toml"]);
+}
+
+#[test]
+fn a_render_ends_with_its_time_and_has_whole_blocks() {
+    let desk = Desk::new(SCENE);
+    let said =
+        desk.run("render scene.toml -o a.png --accel native --time 200ms --json").succeeds().json();
+    let samples = said["samples"].as_u64().expect("a number");
+    assert!(samples >= 16 * 16 * 12 && samples % 16 == 0, "{samples}");
+    assert_eq!(said["complete"], true);
+    // What a number of samples ends first has no need of the time.
+    let said =
+        desk.run("render scene.toml -o a.png --accel native --time 1h --spp 3 --json").succeeds();
+    assert_eq!(said.json()["samples"], 3 * 16 * 12);
+}
+
+#[test]
+fn a_preview_is_a_whole_picture_at_any_time_and_the_last_one_is_the_picture() {
+    let desk = Desk::new(SCENE);
+    let render = "render scene.toml -o a.png --accel native --preview p.png --preview-every 1ms";
+    let mut child =
+        desk.command(&format!("{render} --time 1s --quiet")).spawn().expect("it starts");
+    let mut seen = 0;
+    while child.try_wait().expect("it runs").is_none() {
+        if let Ok(bytes) = fs::read(desk.path().join("p.png")) {
+            let picture = image::load_from_memory(&bytes).expect("never half a picture");
+            assert_eq!(picture.dimensions(), (16, 12));
+            seen += 1;
+        }
+    }
+    assert!(seen > 0, "there was none before the end");
+    let pixels =
+        |name: &str| image::load_from_memory(&desk.read(name)).expect("a picture").into_rgb8();
+    assert_eq!(pixels("p.png"), pixels("a.png"));
+    assert_eq!(desk.names(), ["a.png", "p.png", "scene.toml"]);
+}
+
+/// What tev is told: the name and the pixels of one picture.
+#[derive(Default)]
+struct Shown {
+    name: String,
+    size: [usize; 2],
+    pixels: Vec<f32>,
+    updates: usize,
+}
+
+/// Takes what a program sends to tev, until it goes away. Names and numbers are those of tev's own
+/// protocol: a packet is its length, its kind, and then its fields, all little-endian.
+fn tev(stream: &mut TcpStream) -> Shown {
+    let mut shown = Shown::default();
+    let mut length = [0; 4];
+    while stream.read_exact(&mut length).is_ok() {
+        let mut bytes = vec![0; u32::from_le_bytes(length) as usize - 4];
+        stream.read_exact(&mut bytes).expect("a whole packet");
+        let mut packet = Packet(&bytes);
+        match (packet.byte(), packet.byte()) {
+            (4, 1) => {
+                shown.name = packet.text();
+                shown.size = [packet.number(), packet.number()];
+                shown.pixels = vec![0.0; 3 * shown.size[0] * shown.size[1]];
+                let channels: Vec<String> = (0..packet.number()).map(|_| packet.text()).collect();
+                assert_eq!(channels, ["R", "G", "B"]);
+            }
+            (6, 0) => {
+                assert_eq!((packet.text(), packet.number()), (shown.name.clone(), 3));
+                (0..3).for_each(|_| drop(packet.text()));
+                let [x, y, width, height] = std::array::from_fn(|_| packet.number());
+                let layout: [u64; 6] = std::array::from_fn(|_| packet.wide());
+                assert_eq!((x, width, layout), (0, shown.size[0], [0, 1, 2, 3, 3, 3]));
+                let rows = 3 * width * y..3 * width * (y + height);
+                shown.pixels[rows].fill_with(|| f32::from_bits(packet.number() as u32));
+                shown.updates += 1;
+            }
+            other => panic!("tev knows no {other:?}"),
+        }
+        assert!(packet.0.is_empty());
+    }
+    shown
+}
+
+struct Packet<'a>(&'a [u8]);
+
+impl Packet<'_> {
+    fn take<const N: usize>(&mut self) -> [u8; N] {
+        let (taken, rest) = self.0.split_first_chunk().expect("as much as was announced");
+        self.0 = rest;
+        *taken
+    }
+
+    fn byte(&mut self) -> u8 {
+        self.take::<1>()[0]
+    }
+
+    fn number(&mut self) -> usize {
+        u32::from_le_bytes(self.take()) as usize
+    }
+
+    fn wide(&mut self) -> u64 {
+        u64::from_le_bytes(self.take())
+    }
+
+    fn text(&mut self) -> String {
+        let bytes: Vec<u8> =
+            std::iter::from_fn(|| Some(self.byte()).filter(|byte| *byte != 0)).collect();
+        String::from_utf8(bytes).expect("text")
+    }
+}
+
+#[test]
+fn tev_sees_the_picture_grow_and_in_the_end_all_of_it() {
+    let desk = Desk::new(SCENE);
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = listener.local_addr().expect("an address").port();
+    let viewer = thread::spawn(move || tev(&mut listener.accept().expect("a program").0));
+    let options = "--preview-every 1ms --time 500ms --quiet";
+    desk.run(&format!(
+        "render scene.toml -o a.pfm --accel native --tev 127.0.0.1:{port} {options}"
+    ))
+    .succeeds();
+    let shown = viewer.join().expect("it understood all packets");
+    assert_eq!((shown.name.as_str(), shown.size), ("a.pfm", [16, 12]));
+    assert!(shown.updates > 1, "{}", shown.updates);
+    // The last one is the picture; PFM begins with the lowest row.
+    let file = desk.read("a.pfm");
+    let floats = file[file.len() - 4 * 3 * 16 * 12..].chunks_exact(4);
+    let rows: Vec<f32> =
+        floats.map(|bytes| f32::from_le_bytes(bytes.try_into().expect("four"))).collect();
+    let expected: Vec<f32> = rows.chunks(3 * 16).rev().flatten().copied().collect();
+    assert_eq!(shown.pixels, expected);
+}
+
+#[test]
+fn a_tev_that_goes_away_is_told_of_once_and_changes_nothing() {
+    let desk = Desk::new(SCENE);
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = listener.local_addr().expect("an address").port();
+    let viewer = thread::spawn(move || drop(listener.accept()));
+    let options = format!("--preview-every 1ms --time 500ms --tev 127.0.0.1:{port} --quiet");
+    let done = desk.run(&format!("render scene.toml -o a.pfm --accel native {options}")).succeeds();
+    viewer.join().expect("it went away");
+    assert_eq!(done.stderr.matches("warning: tev does not take the picture any more").count(), 1);
+    assert_eq!(desk.names(), ["a.pfm", "scene.toml"]);
+}
