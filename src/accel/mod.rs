@@ -1,6 +1,7 @@
 //! Who is hit? One trait, and its backends, built from the same [`SphereSet`].
 
 mod brute_force;
+mod choice;
 #[cfg(feature = "embree")]
 #[allow(unsafe_code, reason = "the fence around Embree")]
 mod embree;
@@ -17,6 +18,7 @@ use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
 
+pub use choice::{Choice, Chosen};
 pub use info::EmbreeInfo;
 pub use native::Instance;
 pub use plan::PlannedBytes;
@@ -216,6 +218,28 @@ impl Backend {
 impl Default for Backend {
     fn default() -> Self {
         Self::AVAILABLE[0]
+    }
+}
+
+impl Quality {
+    /// Every kind of care.
+    pub const ALL: &[Self] = &[Self::Best, Self::Fast];
+
+    /// The name used on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Best => "best",
+            Self::Fast => "fast",
+        }
+    }
+}
+
+impl FromStr for Quality {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        let find = Self::ALL.iter().find(|quality| quality.name() == name);
+        find.copied().ok_or_else(|| Error::input(format!("there is no build `{name}`")))
     }
 }
 

@@ -4,6 +4,7 @@
 //! Values that mean something to a scene become [`Override`]s and are judged where the scene is, so
 //! that `--spp 0` is refused in the same words as `samples_per_pixel = 0`.
 
+mod accel;
 mod compare;
 mod converge;
 mod generate;
@@ -18,15 +19,16 @@ mod verify;
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::TypedValueParser;
 use clap::{Args, Parser, Subcommand};
 
-use crate::accel::Backend;
 use crate::scene::Override;
 
 use super::exit::EXIT_CODES;
 use super::goal::Goal;
 
+use accel::backends;
+pub(super) use accel::{AccelArg, AccelsArg, BuildArg};
 pub(super) use compare::{CompareArgs, Mapped, Metric};
 pub(super) use converge::ConvergeArgs;
 pub(super) use generate::GenerateArgs;
@@ -61,7 +63,7 @@ pub(super) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     Resume(ResumeArgs),
     Merge(MergeArgs),
     Crosscheck(CrosscheckArgs),
@@ -226,7 +228,11 @@ pub(super) struct CrosscheckArgs {
 #[command(after_help = "\
 Examples:
   photosphere bench scenes/paper/fig2.toml
-  photosphere bench grains.toml --accel native --threads 1 --json")]
+  photosphere bench grains.toml --accel native --accel embree --threads 1 --rounds 9 --json
+
+Rays come from the camera, from one and from two diffuse bounces, and as shadow rays from what the
+camera sees towards any sphere. Intersectors take turns, so that a busy machine hinders all alike.
+`other ids` counts rays, of some thousands of each kind, that the first intersector answers otherwise.")]
 pub(super) struct BenchArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -236,6 +242,19 @@ pub(super) struct BenchArgs {
 
     #[command(flatten)]
     pub(super) memory: MemoryArg,
+
+    #[command(flatten)]
+    pub(super) build: BuildArg,
+
+    /// Rounds in which all take turns; each figure is the median over them
+    #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
+    pub(super) rounds: u16,
+
+    /// Rays in one call; an integrator has 256 to 1024
+    #[arg(long, value_name = "N", default_value_t = 512, allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub(super) batch: u32,
 
     /// Print JSON instead of a table
     #[arg(long)]
@@ -266,23 +285,6 @@ pub(super) struct InfoArgs {
     /// Print one JSON object
     #[arg(long)]
     pub(super) json: bool,
-}
-
-/// Which intersector.
-#[derive(Args, Debug)]
-pub(super) struct AccelArg {
-    /// The intersector
-    #[arg(long = "accel", value_name = "NAME", default_value = Backend::default().name())]
-    #[arg(value_parser = backends())]
-    pub(super) backend: Backend,
-}
-
-/// Which intersectors.
-#[derive(Args, Debug)]
-pub(super) struct AccelsArg {
-    /// This intersector only; may be repeated. All by default
-    #[arg(long = "accel", value_name = "NAME", value_parser = backends())]
-    chosen: Vec<Backend>,
 }
 
 /// `KEY=VALUE`.
@@ -324,13 +326,6 @@ impl SceneArgs {
             value: value.clone(),
         };
         self.set.iter().map(setting).collect()
-    }
-}
-
-impl AccelsArg {
-    /// Those asked for, or all of this build.
-    pub(super) fn backends(&self) -> &[Backend] {
-        if self.chosen.is_empty() { Backend::AVAILABLE } else { &self.chosen }
     }
 }
 
@@ -383,32 +378,16 @@ fn seed() -> impl TypedValueParser<Value = u64> {
     clap::value_parser!(i64).range(0..=i64::MAX).map(i64::unsigned_abs)
 }
 
-fn backends() -> impl TypedValueParser<Value = Backend> {
-    let possible = Backend::ALL.iter().map(|backend| {
-        let value = PossibleValue::new(backend.name()).help(meaning(*backend));
-        value.hide(!Backend::AVAILABLE.contains(backend))
-    });
-    PossibleValuesParser::new(possible).try_map(|name| name.parse::<Backend>())
-}
-
-fn meaning(backend: Backend) -> &'static str {
-    match backend {
-        Backend::Embree => "Embree, with spheres as points; the default where it is built in",
-        Backend::EmbreeUser => "Embree, with our own arithmetic for every sphere",
-        Backend::Native => "our own bounding volume hierarchy",
-        Backend::BruteForce => "every ray against every sphere, in f64; for tiny scenes",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::{Backend, Choice, Quality};
     use clap::CommandFactory;
 
     fn render(words: &str) -> RenderArgs {
         let words = ["photosphere", "render"].into_iter().chain(words.split_whitespace());
         match Cli::try_parse_from(words).unwrap().command {
-            Command::Render(args) => args,
+            Command::Render(args) => *args,
             other => panic!("{other:?}"),
         }
     }
@@ -443,11 +422,17 @@ mod tests {
     }
 
     #[test]
-    fn every_backend_can_be_named_and_the_default_is_the_first() {
-        assert_eq!(render("a.toml -o a.png").accel.backend, Backend::AVAILABLE[0]);
+    fn every_backend_can_be_named_and_the_choice_is_automatic_by_default() {
+        assert_eq!(render("a.toml -o a.png").accel.choice, Choice::Auto);
         for backend in Backend::ALL {
             let args = render(&format!("a.toml -o a.png --accel {}", backend.name()));
-            assert_eq!(args.accel.backend, *backend);
+            assert_eq!(args.accel.choice, Choice::Only(*backend));
         }
+    }
+
+    #[test]
+    fn a_build_can_be_fast() {
+        assert_eq!(render("a.toml -o a.png").accel.build.quality, Quality::Best);
+        assert_eq!(render("a.toml -o a.png --build fast").accel.build.quality, Quality::Fast);
     }
 }

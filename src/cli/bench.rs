@@ -2,12 +2,12 @@
 
 use serde_json::{Value, json};
 
-use crate::accel::BuildOptions;
+use crate::accel::{Accel, BuildOptions, Choice, Chosen};
 use crate::error::Result;
 use crate::geometry::PathRay;
 use crate::math::Ray;
 use crate::scene::{Opened, Scene, open_file};
-use crate::verify::bench::{BackendBench, BenchRays, Rates, bench};
+use crate::verify::bench::{BackendBench, Rate, Rates, RayKind, Rounds, bench};
 use crate::verify::rays;
 
 use super::args::BenchArgs;
@@ -15,8 +15,8 @@ use super::exit::Exit;
 use super::memory::Needs;
 use super::{interrupt, memory, on_threads, print};
 
-/// Rounds of measurement; each figure is their median.
-const ROUNDS: usize = 5;
+/// Kinds of rays.
+const KINDS: usize = 4;
 /// Chooses the directions of the bounces.
 const SEED: u64 = 0;
 /// More camera rays than this only take memory.
@@ -36,21 +36,16 @@ fn measure(args: &BenchArgs) -> Result<Exit> {
     memory::check(&opened, &Needs { backends, kinds: &[], besides }, args.memory.limit)?;
     let scene = Scene::new(opened.read()?)?;
     let spheres = scene.spheres();
-    let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
-
-    let camera = camera_rays(&scene);
-    let bounced = {
-        let accel = backends[0].build(spheres, &build)?;
-        rays::bounces(spheres, accel.as_ref(), &camera, SEED)
-    };
-    let ask = |rays: &[PathRay]| -> Vec<Ray> { rays.iter().map(|ray| spheres.ask(ray)).collect() };
-    let (camera, bounced) = (ask(&camera), ask(&bounced));
-    let rays = BenchRays { camera: &camera, bounced: &bounced };
-    let results = bench(spheres, backends, rays, &build, ROUNDS)?;
+    let (threads, quality) = (rayon::current_num_threads(), args.build.quality);
+    let build = BuildOptions { threads, quality, ..Default::default() };
+    let kinds = rays_of(&scene, &*backends[0].build(spheres, &build)?);
+    let rounds = Rounds { count: args.rounds.into(), batch: args.batch as usize };
+    let results = bench(spheres, backends, &kinds, &build, rounds)?;
+    let report = Report { scene: &scene, rounds, kinds: &kinds, results: &results };
     if args.json {
-        print::json(&in_json(&results, &scene))?;
+        print::json(&report.in_json())?;
     } else {
-        print::result(&table(&results, &scene))?;
+        print::result(&report.table())?;
     }
     Ok(Exit::Done)
 }
@@ -59,8 +54,28 @@ fn measure(args: &BenchArgs) -> Result<Exit> {
 fn bytes_of_rays(opened: &Opened, backends: usize) -> u64 {
     let image = opened.description().image;
     let rays = (image.width as usize * image.height as usize).min(MOST_RAYS);
-    let each = 2 * (size_of::<PathRay>() + size_of::<Ray>()) + 4 * backends * size_of::<Ray>();
+    let each = KINDS * (size_of::<PathRay>() + size_of::<Ray>() * (1 + 2 * backends));
     (rays * each) as u64
+}
+
+/// Rays of the camera, what becomes of them at diffuse surfaces, and shadow rays.
+fn rays_of(scene: &Scene, accel: &dyn Accel) -> Vec<RayKind> {
+    let spheres = scene.spheres();
+    let camera = camera_rays(scene);
+    let first = rays::bounces(spheres, accel, &camera, SEED);
+    let second = rays::bounces(spheres, accel, &first, SEED + 1);
+    let shadow = rays::shadows(spheres, accel, &camera, SEED + 2);
+    let kinds: [_; KINDS] = [
+        ("camera", camera),
+        ("first bounce", first),
+        ("second bounce", second),
+        ("shadow", shadow),
+    ];
+    let ask = |(name, rays): (_, Vec<PathRay>)| RayKind {
+        name,
+        rays: rays.iter().map(|ray| spheres.ask(ray)).collect(),
+    };
+    kinds.into_iter().map(ask).collect()
 }
 
 /// Which two numbers give the middle of a lens, or nearly so where it has blades.
@@ -78,63 +93,108 @@ fn camera_rays(scene: &Scene) -> Vec<PathRay> {
     (0..count).map(ray).collect()
 }
 
-fn table(results: &[BackendBench], scene: &Scene) -> String {
-    let spheres = print::count(scene.spheres().len(), "sphere");
-    let threads = print::count(rayon::current_num_threads(), "thread");
-    let mut text = format!(
-        "{spheres}, {threads}; rays per second of all threads, median of {ROUNDS}\n\
-         {:<12}{:>10}{:>14}{:>13}{:>13}{:>13}{:>13}\n{:<12}{:>10}{:>14}{:>13}{:>13}{:>13}{:>13}\n",
-        "",
-        "",
-        "bytes per",
-        "camera",
-        "camera",
-        "bounced",
-        "bounced",
-        "",
-        "build (s)",
-        "sphere",
-        "closest",
-        "occluded",
-        "closest",
-        "occluded",
-    );
-    for result in results {
-        let rate = |rates: Option<Rates>, which: fn(Rates) -> f64| {
-            rates.map_or_else(|| "-".to_owned(), |rates| print::si(which(rates)))
-        };
-        text += &format!(
-            "{:<12}{:>10.3}{:>14.1}{:>13}{:>13}{:>13}{:>13}\n",
-            result.backend.name(),
-            result.build_s,
-            result.bytes_per_sphere,
-            rate(result.camera, |rates| rates.closest),
-            rate(result.camera, |rates| rates.occluded),
-            rate(result.bounced, |rates| rates.closest),
-            rate(result.bounced, |rates| rates.occluded),
-        );
-    }
-    text
+/// What was measured.
+struct Report<'a> {
+    scene: &'a Scene,
+    rounds: Rounds,
+    kinds: &'a [RayKind],
+    results: &'a [BackendBench],
 }
 
-fn in_json(results: &[BackendBench], scene: &Scene) -> Value {
-    let rates = |rates: Option<Rates>| {
-        rates.map(|Rates { closest, occluded }| {
-            json!({ "closest_rays_per_s": closest, "occluded_rays_per_s": occluded })
-        })
-    };
-    let backend = |result: &BackendBench| {
+impl Report<'_> {
+    fn choice(&self) -> Chosen {
+        Choice::Auto.choose(self.scene.spheres())
+    }
+
+    fn table(&self) -> String {
+        let spheres = print::count(self.scene.spheres().len(), "sphere");
+        let threads = print::count(rayon::current_num_threads(), "thread");
+        let Rounds { count, batch } = self.rounds;
+        let Chosen { backend, reason } = self.choice();
+        let mut text = format!(
+            "{spheres}, {threads}, {}; --accel auto takes {} ({reason})\n\n\
+             {:<12}{:>10}{:>18}\n",
+            print::count(batch, "ray") + " a call",
+            backend.name(),
+            "",
+            "build (s)",
+            "bytes per sphere",
+        );
+        for result in self.results {
+            text += &format!(
+                "{:<12}{:>10.3}{:>18.1}   {}\n",
+                result.backend.name(),
+                result.build_s,
+                result.bytes_per_sphere,
+                result.details
+            );
+        }
+        text += &format!(
+            "\nrays per second of all threads: median of {}, and the spread of half of them\n",
+            print::count(count, "round")
+        );
+        for (kind, RayKind { name, .. }) in self.kinds.iter().enumerate() {
+            text += &format!(
+                "\n{name:<14}{:>10}{:>8}{:>8}{:>12}{:>8}{:>8}{:>12}\n",
+                "closest", "+-", "ratio", "occluded", "+-", "ratio", "other ids"
+            );
+            for result in self.results {
+                text += &self.row(result, kind);
+            }
+        }
+        text
+    }
+
+    /// One backend's rates for one kind of rays, and how they compare with the first backend's.
+    fn row(&self, result: &BackendBench, kind: usize) -> String {
+        let name = result.backend.name();
+        let Some(rates) = result.rates[kind] else {
+            return format!("{name:<14}{:>10}\n", "-");
+        };
+        let first = self.results[0].rates[kind].unwrap_or(rates);
+        let figures = |rate: Rate, first: Rate| {
+            let percent = format!("{:.0} %", 100.0 * rate.spread);
+            (print::si(rate.median), percent, rate.median / first.median)
+        };
+        let closest = figures(rates.closest, first.closest);
+        let occluded = figures(rates.occluded, first.occluded);
+        format!(
+            "{name:<14}{:>10}{:>8}{:>8.2}{:>12}{:>8}{:>8.2}{:>12}\n",
+            closest.0, closest.1, closest.2, occluded.0, occluded.1, occluded.2, rates.other_ids
+        )
+    }
+
+    fn in_json(&self) -> Value {
+        let rate = |rate: Rate| json!({ "rays_per_s": rate.median, "spread": rate.spread });
+        let rates = |result: &BackendBench, kind: usize| {
+            result.rates[kind].map(|Rates { closest, occluded, other_ids }| {
+                let (closest, occluded) = (rate(closest), rate(occluded));
+                json!({ "closest": closest, "occluded": occluded, "other_ids": other_ids })
+            })
+        };
+        let backend = |result: &BackendBench| {
+            let kinds = self.kinds.iter().enumerate();
+            let rates: serde_json::Map<String, Value> = kinds
+                .map(|(kind, RayKind { name, .. })| {
+                    (name.replace(' ', "_"), json!(rates(result, kind)))
+                })
+                .collect();
+            json!({
+                "accel": result.backend.name(),
+                "details": result.details,
+                "build_s": result.build_s,
+                "bytes_per_sphere": result.bytes_per_sphere,
+                "rays": rates,
+            })
+        };
+        let Chosen { backend: auto, reason } = self.choice();
         json!({
-            "accel": result.backend.name(),
-            "build_s": result.build_s,
-            "bytes_per_sphere": result.bytes_per_sphere,
-            "camera": rates(result.camera),
-            "bounced": rates(result.bounced),
+            "spheres": self.scene.spheres().len(),
+            "threads": rayon::current_num_threads(),
+            "rounds": self.rounds.count,
+            "batch": self.rounds.batch,
+            "auto": { "accel": auto.name(), "reason": reason },
+            "backends": self.results.iter().map(backend).collect::<Vec<_>>(),
         })
-    };
-    json!({
-        "spheres": scene.spheres().len(),
-        "threads": rayon::current_num_threads(),
-        "backends": results.iter().map(backend).collect::<Vec<_>>(),
-    })
+    }
 }

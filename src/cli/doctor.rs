@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::accel::{self, Accel, Backend, BuildOptions, EmbreeInfo};
+use crate::accel::{self, Accel, Backend, BuildOptions, Choice, Chosen, EmbreeInfo};
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use crate::math::{DVec3, Hit};
@@ -30,6 +30,7 @@ pub(super) fn run() -> Result<Exit> {
     for backend in Backend::AVAILABLE {
         report.backend(*backend);
     }
+    report.choice();
     print::result(&report.text)?;
     Ok(if report.healthy { Exit::Done } else { Exit::Backend })
 }
@@ -92,6 +93,19 @@ impl Report {
         match try_out(backend) {
             Ok(()) => self.text += &format!("{name:<22}works\n"),
             Err(error) => self.broken(&name, &error),
+        }
+    }
+
+    /// What `--accel auto` takes, for all numbers of spheres.
+    fn choice(&mut self) {
+        let few = Choice::VERY_FEW;
+        for (spheres, words) in
+            [(few, format!("up to {few} spheres")), (few + 1, "more".to_owned())]
+        {
+            let Chosen { backend, reason } = Choice::Auto.choose_for(spheres);
+            let line = format!("{words}: {} ({reason})", backend.name());
+            self.text +=
+                &format!("{:<22}{line}\n", if spheres == few { "--accel auto" } else { "" });
         }
     }
 

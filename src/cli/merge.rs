@@ -9,7 +9,7 @@ use crate::accel::{Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::film::{BLOCK, Film, Format, Frame, Kind, Picture, Rect, summed_for};
 use crate::output::{PartFile, PartHead, Record, WholeFile, write_part};
-use crate::provenance::{Counts, Made, Run, Samples};
+use crate::provenance::{Counts, INTERSECTOR_CHOICE, Made, Run, Samples};
 use crate::render::{error_so_far, needs_scene, picture, picture_of_sums};
 use crate::scene::Scene;
 use crate::scene::description::Window;
@@ -287,6 +287,7 @@ impl Whole {
             threads: 1,
             error: error_so_far(sum, CONFIDENCE),
             noise: pieces[0].record("noise").map(str::to_owned),
+            intersector: pieces[0].record(INTERSECTOR_CHOICE).unwrap_or_default().to_owned(),
         }
     }
 

@@ -6,6 +6,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::accel;
+
 use super::pace::{self, Pace};
 use super::print;
 
@@ -100,6 +102,21 @@ impl Progress {
             bar.finish_and_clear();
         }
     }
+}
+
+/// Says how far a build is, every few seconds: nothing for builds that are over by then.
+pub(super) fn of_a_build(quiet: bool) -> accel::Progress {
+    if quiet {
+        return accel::Progress::default();
+    }
+    let last = Mutex::new(Instant::now());
+    accel::Progress::new(move |done| {
+        let Ok(mut last) = last.try_lock() else { return };
+        if last.elapsed() >= BETWEEN_LINES && done < 1.0 {
+            *last = Instant::now();
+            print::remark(format_args!("{:.0} % of the intersector built", 100.0 * done));
+        }
+    })
 }
 
 fn bar() -> ProgressBar {

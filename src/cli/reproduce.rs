@@ -1,6 +1,7 @@
 //! `photosphere reproduce`: a picture again, from what it says of itself.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use crate::accel::{Backend, BuildOptions};
 use crate::color::Look;
@@ -12,7 +13,7 @@ use crate::render::{self, RenderOptions, Session};
 
 use super::args::ReproduceArgs;
 use super::exit::Exit;
-use super::progress::Progress;
+use super::progress::{Progress, State};
 use super::{interrupt, on_threads, outputs, print};
 
 /// What a picture says of itself, as far as it is needed here.
@@ -90,8 +91,11 @@ fn render_again(args: &ReproduceArgs, said: &Said, then: &[RawChannel]) -> Resul
     format.first_sample = said.made.samples.first;
     let film = Film::new(&format)?;
     let progress = Progress::new(args.quiet);
-    let options =
-        RenderOptions { cancel: interrupt.cancel(), progress: &|state| progress.show(state) };
+    let began = Instant::now();
+    let show = |state: render::Progress| {
+        progress.show(&State::since(began, state.samples_done, state.samples_total));
+    };
+    let options = RenderOptions { cancel: interrupt.cancel(), progress: &show };
     let session = Session::new(&scene, accel.as_ref(), &film, &options);
     let filled = fill(&session, &said.made.samples, then);
     progress.finish();

@@ -67,5 +67,5 @@ fn interrupted(args: &ResumeArgs, records: &[Record]) -> Result<RenderArgs> {
     let extended_before = extended_before.and_then(|samples| u32::try_from(samples).ok());
     let extended_to = args.extend_to.or(extended_before);
     render.resumed = Some(Resumed { arguments, extended_to });
-    Ok(render)
+    Ok(*render)
 }

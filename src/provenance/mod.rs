@@ -16,12 +16,12 @@ mod run;
 pub use counts::Counts;
 pub use look::{look_in_words, look_of_words};
 pub use made::{Made, Samples, Source};
-pub use run::Run;
+pub use run::{INTERSECTOR_CHOICE, Run};
 
 use crate::output::Record;
 
 /// The records in the order in which people read them.
-const ORDER: [&str; 24] = [
+const ORDER: [&str; 25] = [
     "version",
     "commit",
     "identity",
@@ -43,6 +43,7 @@ const ORDER: [&str; 24] = [
     "rays",
     "seconds",
     "threads",
+    "intersector-choice",
     "embree",
     "scene-hash",
     "scene",

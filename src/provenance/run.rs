@@ -3,6 +3,9 @@
 use crate::accel;
 use crate::output::Record;
 
+/// The name of the record with [`Run::intersector`].
+pub const INTERSECTOR_CHOICE: &str = "intersector-choice";
+
 /// Figures of one run; nothing of them decides the pixels.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
@@ -21,6 +24,8 @@ pub struct Run {
     pub error: Option<f64>,
     /// The noise that was asked for, in words.
     pub noise: Option<String>,
+    /// Which intersector found the hits, and why it.
+    pub intersector: String,
 }
 
 impl Run {
@@ -32,6 +37,7 @@ impl Run {
             Record::new("rays", self.rays.to_string()),
             Record::new("seconds", format!("{:.3}", self.seconds)),
             Record::new("threads", self.threads.to_string()),
+            Record::new(INTERSECTOR_CHOICE, &self.intersector),
         ];
         records.extend(self.error.map(|error| Record::new("error", format!("{error:.3e}"))));
         records.extend(self.noise.as_ref().map(|noise| Record::new("noise", noise)));

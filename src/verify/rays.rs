@@ -38,14 +38,37 @@ pub fn bounces(
     seed: u64,
 ) -> Vec<PathRay> {
     let mut rng = StdRng::seed_from_u64(seed);
-    let asked: Vec<Ray> = rays.iter().map(|ray| spheres.ask(ray)).collect();
-    let mut hits = vec![Hit::MISS; rays.len()];
-    accel.closest(&asked, &mut hits);
-    let mut bounce = |(ray, &hit): (&PathRay, &Hit)| {
+    let mut bounce = |(ray, hit): (&PathRay, Hit)| {
         let hit = spheres.answer(ray, hit)?;
         hit.leave(cosine_about(hit.facing_normal(), &mut rng))
     };
-    rays.iter().zip(&hits).filter_map(&mut bounce).collect()
+    rays.iter().zip(first_hits(spheres, accel, rays)).filter_map(&mut bounce).collect()
+}
+
+/// Shadow rays from where `rays` end towards a sphere of the scene each, as if it were a lamp; none
+/// where the sphere's own surface is in the way. Reproducible from the seed.
+pub fn shadows(
+    spheres: &SphereSet,
+    accel: &dyn Accel,
+    rays: &[PathRay],
+    seed: u64,
+) -> Vec<PathRay> {
+    let mut rng = StdRng::seed_from_u64(seed);
+    let mut shadow = |(ray, hit): (&PathRay, Hit)| {
+        let hit = spheres.answer(ray, hit)?;
+        let lamp = rng.random_range(0..spheres.len() as u32);
+        let cone = Cone::seen_from(hit.point, &spheres.sphere(lamp))?;
+        let sample = cone.sample([rng.random(), rng.random()]);
+        hit.leave_towards(sample.direction, sample.distance, lamp)
+    };
+    rays.iter().zip(first_hits(spheres, accel, rays)).filter_map(&mut shadow).collect()
+}
+
+fn first_hits(spheres: &SphereSet, accel: &dyn Accel, rays: &[PathRay]) -> Vec<Hit> {
+    let asked: Vec<Ray> = rays.iter().map(|ray| spheres.ask(ray)).collect();
+    let mut hits = vec![Hit::MISS; rays.len()];
+    accel.closest(&asked, &mut hits);
+    hits
 }
 
 /// A direction on the unit sphere.

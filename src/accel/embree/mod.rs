@@ -56,7 +56,7 @@ impl Embree {
         if spheres.user_count() > 0 {
             builder = builder.attach(&Geometry::user(&device, &spheres)?)?;
         }
-        Ok(Self { scene: builder.commit(&options.cancel)?, particles })
+        Ok(Self { scene: builder.commit(options)?, particles })
     }
 }
 

@@ -9,7 +9,7 @@ use std::ffi::c_void;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
-use crate::accel::Cancel;
+use crate::accel::BuildOptions;
 use crate::error::Result;
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
@@ -160,10 +160,10 @@ impl SceneBuilder {
     }
 
     /// Builds the tree.
-    pub(super) fn commit(self, cancel: &Cancel) -> Result<Scene> {
+    pub(super) fn commit(self, options: &BuildOptions) -> Result<Scene> {
         let raw = self.handle.raw.as_ptr();
-        let listener = ptr::from_ref(cancel).cast_mut().cast::<c_void>();
-        // SAFETY: `self` is the only user of the scene. `go_on` reads `cancel` as shared, and is
+        let listener = ptr::from_ref(options).cast_mut().cast::<c_void>();
+        // SAFETY: `self` is the only user of the scene. `go_on` reads `options` as shared, and is
         // taken away again before the borrow ends.
         unsafe {
             sys::ps_scene_on_progress(raw, Some(go_on), listener);
@@ -175,10 +175,11 @@ impl SceneBuilder {
     }
 }
 
-unsafe extern "C" fn go_on(cancel: *mut c_void, _done: f64) -> bool {
-    // SAFETY: `commit` passed a `&Cancel` that it holds while this may be called.
-    let cancel = unsafe { &*cancel.cast::<Cancel>() };
-    !cancel.is_cancelled()
+unsafe extern "C" fn go_on(options: *mut c_void, done: f64) -> bool {
+    // SAFETY: `commit` passed a `&BuildOptions` that it holds while this may be called.
+    let options = unsafe { &*options.cast::<BuildOptions>() };
+    options.progress.report(done);
+    !options.cancel.is_cancelled()
 }
 
 /// A committed scene: it can only be asked.

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::accel::Cancel;
+use crate::accel::BuildOptions;
 use crate::error::Category;
 use crate::geometry::{SphereRows, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
@@ -27,7 +27,7 @@ fn commit(device: &Arc<Device>, spheres: &Arc<Spheres>) -> Scene {
     let user = Geometry::user(device, spheres).expect("takes");
     let builder = SceneBuilder::new(device).expect("begins");
     let builder = builder.attach(&points).and_then(|b| b.attach(&user)).expect("attaches");
-    builder.commit(&Cancel::default()).expect("builds")
+    builder.commit(&BuildOptions::default()).expect("builds")
 }
 
 /// A ray down through the middle of the grid hits a sphere, and one beside it the ground.
@@ -117,7 +117,8 @@ fn a_build_that_fails_in_the_middle_says_why_and_leaves_nothing_behind() {
     let raw = Geometry::uncommitted(raw, &device, &spheres, "share").expect("shares");
     let builder = SceneBuilder::new(&device).and_then(|b| b.attach(&good)).expect("attaches");
     let builder = builder.attach(&raw).expect("attaches");
-    let error = builder.commit(&Cancel::default()).err().expect("the points are not committed");
+    let error =
+        builder.commit(&BuildOptions::default()).err().expect("the points are not committed");
     let text = error.to_string();
     assert!(text.starts_with("Embree cannot build its tree: "), "{text}");
     assert!(text.contains("not committed"), "{text}");
@@ -132,9 +133,9 @@ fn a_commit_stops_when_asked_and_a_later_one_works() {
     let spheres = Spheres::new(&set, Particles::Points);
     let points = Geometry::points(&device, &spheres).expect("shares");
     let builder = SceneBuilder::new(&device).and_then(|b| b.attach(&points)).expect("attaches");
-    let cancel = Cancel::default();
-    cancel.cancel();
-    let error = builder.commit(&cancel).err().expect("stopped");
+    let options = BuildOptions::default();
+    options.cancel.cancel();
+    let error = builder.commit(&options).err().expect("stopped");
     assert_eq!(error.category(), Category::Cancelled);
     ask(&commit(&device, &spheres));
 }

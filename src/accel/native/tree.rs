@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::kernel::pages::Pages;
+use super::kernel::{KEPT, pages::Pages};
 use super::node::{Child, Leaf, LeafIds, Node, WIDTH};
 
 /// Levels of nodes that no tree has more of; the builder sees to that.
@@ -16,7 +16,8 @@ pub(super) struct Tree {
     nodes: Pages<Node>,
     leaves: Pages<Leaf>,
     ids: Pages<LeafIds>,
-    /// Where a traversal starts; `None` for an empty tree.
+    /// Where a traversal starts; `None` for a list of leaves without a tree over it, which are no more
+    /// than a ray can keep.
     pub(super) root: Option<Child>,
 }
 
@@ -36,7 +37,10 @@ impl Tree {
             let there = if child.is_leaf() { tree.leaves().len() } else { tree.nodes().len() };
             child.index() < there
         };
-        assert!(tree.root.iter().all(exists), "the root exists");
+        match tree.root {
+            Some(root) => assert!(exists(&root), "the root exists"),
+            None => assert!(tree.leaves().len() <= KEPT, "a list is short"),
+        }
         let of_nodes = tree.nodes().par_iter();
         assert!(of_nodes.all(|node| node.children.iter().all(exists)), "all children exist");
         assert_eq!(tree.leaves().len(), tree.ids().len(), "every leaf has its ids");

@@ -39,7 +39,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
             // Before anything is loaded: that may be what there is no memory for.
             print::result(&memory::in_words(&opened))?;
         }
-        let backends = [args.accel.backend];
+        let backends = [args.accel.choice.choose_for(opened.sphere_count() as usize).backend];
         let needs = Needs { backends: &backends, kinds: &Kind::USUAL, besides: 0 };
         memory::check(&opened, &needs, args.memory.limit)?;
         let scene = Scene::new(opened.read()?)?;

@@ -47,6 +47,8 @@ pub(super) struct Job<'a> {
     pub(super) has_ended: AtomicBool,
     /// What decides the pixels, but for how many samples they have so far.
     pub(super) made: Made,
+    /// The intersector, and why it.
+    pub(super) intersector: String,
     pub(super) before: Before,
     pub(super) samples_before: u64,
     pub(super) began: Instant,
@@ -172,6 +174,7 @@ impl Job<'_> {
             threads: rayon::current_num_threads(),
             error: self.goal.error(self.film()),
             noise: self.goal.noise_in_words(),
+            intersector: self.intersector.clone(),
         }
     }
 

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use crate::accel::BuildOptions;
+use crate::accel::{BuildOptions, Chosen};
 use crate::error::{Error, Result};
 use crate::film::{BLOCK, Format};
 use crate::geometry::SphereSet;
@@ -24,14 +24,14 @@ use super::interrupt::Interrupt;
 use super::keeper::{self, Orders};
 use super::memory::Needs;
 use super::outputs::{self, Outputs};
-use super::progress::Progress;
+use super::progress::{self, Progress};
 use super::watch::{Shows, Told, Watch};
 use super::{interrupt, memory, on_threads, print};
 
 pub(super) use job::{ENDED, RESUME};
 
 use job::Job;
-use report::Figures;
+use report::{AccelFigures, Figures};
 use start::{Keep, Start};
 
 /// # Errors
@@ -54,7 +54,9 @@ fn render(
 ) -> Result<Exit> {
     let mut clock = Clock(Instant::now());
     let opened = open_file(&args.scene.path, &args.overrides())?;
-    let needs = Needs { backends: &[args.accel.backend], kinds: outputs.kinds(), besides: 0 };
+    // Before spheres that are there twice are left out.
+    let chosen = args.accel.choice.choose_for(opened.sphere_count() as usize);
+    let needs = Needs { backends: &[chosen.backend], kinds: outputs.kinds(), besides: 0 };
     memory::check(&opened, &needs, args.memory.limit)?;
     let scene = Scene::new(opened.read()?)?;
     let mut figures = Figures { load_s: clock.lap(), ..Figures::default() };
@@ -63,13 +65,21 @@ fn render(
     let format = Format { first_sample: samples.start, ..format_with(&scene, outputs.kinds()) };
     let about_spheres = about_spheres(scene.spheres());
     about_spheres.iter().for_each(print::warning);
-    let made = Made::new(&scene, args.accel.backend, Samples::all(0));
+    let Chosen { backend, reason } = args.accel.choice.choose(scene.spheres());
+    let made = Made::new(&scene, backend, Samples::all(0));
     let Start { film, before } = start::of(keep, &made, &format, &samples, args.quiet)?;
 
     let threads = rayon::current_num_threads();
-    let build = BuildOptions { threads, cancel: interrupt.cancel(), ..Default::default() };
-    let accel = args.accel.backend.build(scene.spheres(), &build)?;
+    let build = BuildOptions {
+        threads,
+        quality: args.accel.build.quality,
+        progress: progress::of_a_build(args.quiet),
+        cancel: interrupt.cancel(),
+        ..Default::default()
+    };
+    let accel = backend.build(scene.spheres(), &build)?;
     figures.build_s = clock.lap();
+    figures.accel = AccelFigures::of(backend, reason, &*accel);
 
     let progress = Progress::new(args.quiet);
     let told = Told::default();
@@ -89,6 +99,7 @@ fn render(
         goal: &goal,
         has_ended: AtomicBool::new(false),
         made,
+        intersector: figures.accel.in_words(),
         before,
         samples_before: film.samples(),
         began: Instant::now(),

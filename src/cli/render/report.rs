@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde_json::json;
 
+use crate::accel::{Accel, Backend};
 use crate::error::Result;
 use crate::film::Picture;
 use crate::scene::Scene;
@@ -13,12 +14,34 @@ use super::super::args::RenderArgs;
 use super::super::goal::Reached;
 use super::super::{outputs, print, system};
 
-/// What this run took, in seconds.
-#[derive(Clone, Copy, Debug, Default)]
+/// What this run took, in seconds, and what found the hits.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Figures {
     pub(super) load_s: f64,
     pub(super) build_s: f64,
     pub(super) render_s: f64,
+    pub(super) accel: AccelFigures,
+}
+
+/// The intersector, why it, and what it is like.
+#[derive(Clone, Debug, Default)]
+pub(super) struct AccelFigures {
+    name: &'static str,
+    reason: String,
+    details: String,
+    bytes: usize,
+}
+
+impl AccelFigures {
+    pub(super) fn of(backend: Backend, reason: String, accel: &dyn Accel) -> Self {
+        Self { name: backend.name(), reason, details: accel.details(), bytes: accel.bytes() }
+    }
+
+    /// As in "native (fastest on processors with AVX2; ...)".
+    pub(super) fn in_words(&self) -> String {
+        let details = if self.details.is_empty() { "" } else { "; " };
+        format!("{} ({}{details}{})", self.name, self.reason, self.details)
+    }
 }
 
 /// All that there is to be told.
@@ -50,7 +73,7 @@ impl Report<'_> {
     }
 
     fn in_words(&self) -> String {
-        let Figures { load_s, build_s, render_s } = self.figures;
+        let Figures { load_s, build_s, render_s, accel } = self.figures;
         let mut text = String::new();
         let per_pixel = self.samples_in_all as f64 / self.picture.len() as f64;
         let stopped = match self.reached.is_complete {
@@ -60,6 +83,7 @@ impl Report<'_> {
         let mut line = |words: std::fmt::Arguments<'_>| {
             text.write_fmt(words).expect("a string takes all that is written to it");
         };
+        line(format_args!("intersector {}\n", accel.in_words()));
         line(format_args!("load {load_s:.3} s, build {build_s:.3} s, render {render_s:.3} s\n"));
         line(format_args!(
             "{}samples/s, {}rays/s",
@@ -80,11 +104,14 @@ impl Report<'_> {
     }
 
     fn in_json(&self) -> serde_json::Value {
-        let Figures { load_s, build_s, render_s } = self.figures;
+        let Figures { load_s, build_s, render_s, accel } = self.figures;
         json!({
             "output": outputs::in_words(&self.args.output.files),
             "complete": self.reached.is_complete,
-            "accel": self.args.accel.backend.name(),
+            "accel": accel.name,
+            "accel_reason": accel.reason,
+            "accel_details": accel.details,
+            "accel_bytes": accel.bytes,
             "spheres": self.scene.spheres().len(),
             "width": self.picture.width,
             "height": self.picture.height,

@@ -29,8 +29,9 @@ pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
 fn trace(args: &TraceArgs, file: Option<WholeFile>) -> Result<Exit> {
     let scene = Scene::load(&args.scene.path, &args.overrides())?;
     let address = address(args, &scene)?;
-    let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
-    let accel = args.accel.backend.build(scene.spheres(), &build)?;
+    let (threads, quality) = (rayon::current_num_threads(), args.accel.build.quality);
+    let build = BuildOptions { threads, quality, ..Default::default() };
+    let accel = args.accel.choice.choose(scene.spheres()).backend.build(scene.spheres(), &build)?;
     let cancel = Cancel::default();
     let world = World { scene: &scene, accel: &*accel, cancel: &cancel };
     let trace = integrator::of_scene(&scene).trace(world, address).ok_or_else(|| {

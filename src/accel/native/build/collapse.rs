@@ -62,7 +62,7 @@ impl<'a> Collapse<'a> {
         if optimal.price().product() < price.product() { optimal } else { greedy }
     }
 
-    pub(super) fn greedy(binary: &'a Binary, leaves: Leaves) -> Self {
+    fn greedy(binary: &'a Binary, leaves: Leaves) -> Self {
         Self { binary, leaves, choices: Vec::new() }
     }
 
@@ -73,11 +73,6 @@ impl<'a> Collapse<'a> {
             collapse.choices.push(choice);
         }
         collapse
-    }
-
-    #[cfg(test)]
-    pub(super) fn product(&self) -> f32 {
-        self.price().product()
     }
 
     /// Whether the optimal way was taken.
@@ -238,5 +233,38 @@ impl Price {
     fn near(self, other: Self) -> f32 {
         let share = |part: f32, of: f32| if of > 0.0 { part / of } else { 0.0 };
         share(self.time, other.time) + share(self.bytes, other.bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::split::Item;
+    use super::*;
+
+    /// Spheres in a row, ever farther apart: greedy opens the long end again and again.
+    fn row(count: u32) -> Vec<Item> {
+        let sphere = |i: u32| [1.02f32.powi(i as i32), 0.3 * (i % 7) as f32, 0.0, 0.2];
+        (0..count).map(|id| Item { sphere: sphere(id), id }).collect()
+    }
+
+    #[test]
+    fn the_optimal_way_is_taken_where_it_is_better_and_never_where_it_is_worse() {
+        for count in [9, 20, 100, 1000] {
+            let binary = Binary::shaped(&mut row(count));
+            let greedy = Collapse::greedy(&binary, Leaves::Spheres).price();
+            let best = Collapse::best(&binary, Leaves::Spheres);
+            assert!(best.price().product() <= greedy.product(), "{count} spheres");
+            assert_eq!(best.is_optimal(), best.price().product() < greedy.product());
+        }
+        assert!(Collapse::best(&Binary::shaped(&mut row(1000)), Leaves::Spheres).is_optimal());
+    }
+
+    #[test]
+    fn opening_a_part_puts_its_halves_in_its_place() {
+        let mut children = Children { parts: [0; WIDTH], count: 0 };
+        children.open(0, [1, 2]);
+        children.open(0, [3, 4]);
+        children.open(1, [5, 6]);
+        assert_eq!(children.as_slice(), [3, 5, 6, 2]);
     }
 }

@@ -16,6 +16,8 @@ mod collapse;
 mod grown;
 mod split;
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::accel::{BuildOptions, Quality};
@@ -23,7 +25,7 @@ use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 
 use super::kernel::pages::Pages;
-use super::node::{Child, Leaf, LeafIds, Node};
+use super::node::{Child, LEAF_SIZE, Leaf, LeafIds, Node};
 use super::tree::{LEVELS, Tree};
 
 use binary::Binary;
@@ -62,6 +64,9 @@ struct Cell {
 /// On cancellation, when memory does not suffice, and beyond 2^31 leaves.
 pub(super) fn build(set: &SphereSet, options: &BuildOptions) -> Result<(Tree, Shape)> {
     let spheres = set.particles();
+    if spheres.len() <= LIST {
+        return Ok((list(set)?, Shape::default()));
+    }
     let cells = Cells::of(set);
     let (nodes, leaves) = expected(spheres.len());
     let mut forest = Forest {
@@ -89,24 +94,39 @@ pub(super) fn build(set: &SphereSet, options: &BuildOptions) -> Result<(Tree, Sh
     Ok((Tree::new(forest.nodes, forest.leaves, forest.ids, root), shape))
 }
 
+/// As many spheres are tested one after the other: a tree over them would cost more than it saves.
+const LIST: usize = 32;
+
+/// The leaves of a few spheres, without a tree.
+fn list(set: &SphereSet) -> Result<Tree> {
+    let items: Vec<Item> = items(set, 0..set.particles().len()).collect();
+    let groups = || items.chunks(LEAF_SIZE);
+    let mut leaves = Pages::with_capacity(0)?;
+    let mut ids = Pages::with_capacity(0)?;
+    leaves.grow(groups().len())?.iter_mut().zip(groups()).for_each(|(to, of)| *to = Leaf::of(of));
+    ids.grow(groups().len())?.iter_mut().zip(groups()).for_each(|(to, of)| *to = Leaf::ids_of(of));
+    Ok(Tree::new(Pages::with_capacity(0)?, leaves, ids, None))
+}
+
+/// Some of the set's spheres with their ids.
+fn items(set: &SphereSet, range: Range<usize>) -> impl Iterator<Item = Item> {
+    let start = range.start as u32;
+    let spheres = set.particles()[range].iter();
+    spheres.zip(start..).map(|(&sphere, id)| Item { sphere, id })
+}
+
 /// Builds one cell.
-fn cell(set: &SphereSet, range: std::ops::Range<usize>, quality: Quality) -> Cell {
-    let start = range.start;
-    let item = |(i, &sphere): (usize, &[f32; 4])| Item { sphere, id: (start + i) as u32 };
-    let spheres = &set.particles()[range];
-    let mut items: Vec<Item> = spheres.iter().enumerate().map(item).collect();
-    let (binary, collapse);
-    match quality {
-        Quality::Best => {
-            binary = Binary::shaped(&mut items);
-            collapse = Collapse::best(&binary, Leaves::Spheres);
-        }
+fn cell(set: &SphereSet, range: Range<usize>, quality: Quality) -> Cell {
+    let spheres = &set.particles()[range.clone()];
+    let mut items: Vec<Item> = items(set, range).collect();
+    let binary = match quality {
+        Quality::Best => Binary::shaped(&mut items),
         Quality::Fast => {
             let codes: Vec<u64> = spheres.iter().map(|sphere| set.place_on_curve(sphere)).collect();
-            binary = Binary::along_the_curve(&items, &codes);
-            collapse = Collapse::greedy(&binary, Leaves::Spheres);
+            Binary::along_the_curve(&items, &codes)
         }
-    }
+    };
+    let collapse = Collapse::best(&binary, Leaves::Spheres);
     let mut grown = Grown::default();
     let root = grown.subtree(&binary, &collapse, &items, binary.root());
     let bounds = binary.nodes[binary.root() as usize].bounds;

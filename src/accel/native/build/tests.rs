@@ -105,15 +105,19 @@ fn the_stack_bound_holds_for_hostile_scenes() {
 }
 
 #[test]
-fn the_optimal_cut_is_taken_only_where_it_is_better() {
-    let set = set(scattered(4000));
-    let item = |(id, &sphere): (usize, &[f32; 4])| Item { sphere, id: id as u32 };
-    let mut items: Vec<_> = set.particles().iter().enumerate().map(item).collect();
-    let binary = Binary::shaped(&mut items);
-    let best = Collapse::best(&binary, Leaves::Spheres);
-    let greedy = Collapse::greedy(&binary, Leaves::Spheres);
-    assert!(best.product() <= greedy.product());
-    assert!(best.is_optimal());
+fn a_few_spheres_are_a_list_without_a_tree() {
+    for (count, leaves) in [(0, 0), (1, 1), (8, 1), (9, 2), (LIST as u32, LIST / 8)] {
+        let (tree, _) = tree_on(1, &set(scattered(count)), Quality::Best);
+        assert_eq!((tree.root, tree.leaves().len()), (None, leaves));
+        assert_eq!(sorted_ids(&tree), (0..count).collect::<Vec<_>>());
+    }
+    assert!(tree_on(1, &set(scattered(LIST as u32 + 1)), Quality::Best).0.root.is_some());
+}
+
+#[test]
+fn the_spheres_of_a_set_come_in_the_order_of_its_curve() {
+    let set = set(scattered(10_000));
+    assert!(set.particles().is_sorted_by_key(|sphere| set.place_on_curve(sphere)));
 }
 
 #[test]

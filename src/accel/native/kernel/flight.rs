@@ -102,6 +102,43 @@ pub(super) unsafe fn fly<L: Lanes, Q: Question>(
     unsafe { pending.settle(&mut batch) };
 }
 
+/// As [`fly`], but through a list of leaves that has no tree.
+///
+/// # Safety
+/// Needs the instructions of `L`, and as many answers as rays.
+#[inline(always)]
+pub(super) unsafe fn walk<L: Lanes, Q: Question>(
+    native: &Native,
+    rays: &[Ray],
+    answers: &mut [Q::Answer],
+) {
+    let mut slot = MaybeUninit::<Slot>::uninit();
+    let mut batch = Batch::<Q> { native, rays, answers, next: 0 };
+    let mut pending = Pending::new();
+    // SAFETY: the slot is boarded before it is read. There are no more leaves than a slot can keep.
+    unsafe {
+        while batch.board::<L>(slot.as_mut_ptr()) {
+            let slot = slot.assume_init_mut();
+            for (index, leaf) in native.tree.leaves().iter().enumerate() {
+                if Q::ANY {
+                    let found = slot.through_leaf::<L, true>(leaf, index as u32);
+                    if found.sure != 0 {
+                        slot.sure = found.sure;
+                        break;
+                    }
+                } else {
+                    slot.through_leaf::<L, false>(leaf, index as u32);
+                }
+            }
+            pending.add::<L>(slot);
+            if pending.is_full() {
+                pending.settle(&mut batch);
+            }
+        }
+        pending.settle(&mut batch);
+    }
+}
+
 /// One step of one ray; whether it was its last.
 ///
 /// # Safety
@@ -218,11 +255,10 @@ impl<Q: Question> Batch<'_, Q> {
             unsafe {
                 if is_valid::<L>(ray) {
                     best = self.native.best_giant(ray, Q::ANY);
-                    if let Some(root) = self.native.tree.root {
-                        let is_open = !(Q::ANY && best.is_hit());
-                        if is_open && Slot::begin(slot, ray, best, number as u32, root) {
-                            return true;
-                        }
+                    let root = self.native.tree.root;
+                    let is_open = !(Q::ANY && best.is_hit());
+                    if is_open && Slot::begin(slot, ray, best, number as u32, root) {
+                        return true;
                     }
                 }
                 *self.answers.get_unchecked_mut(number) = Q::answer(best);
@@ -260,15 +296,22 @@ unsafe fn is_valid<L: Lanes>(ray: &Ray) -> bool {
 #[inline(never)]
 pub(super) fn alone<Q: Question>(native: &Native, ray: &Ray) -> Q::Answer {
     let best = native.best_giant(ray, Q::ANY);
-    let (Some(root), false) = (native.tree.root, Q::ANY && best.is_hit()) else {
+    if Q::ANY && best.is_hit() {
         return Q::answer(best);
-    };
+    }
     let tree = &native.tree;
     let mut slot = MaybeUninit::<Slot>::uninit();
     // SAFETY: as in `step`; leaves are kept one at a time. With `ANY`, a leaf leaves the limit alone.
     unsafe {
-        Slot::begin(slot.as_mut_ptr(), ray, best, 0, root);
+        Slot::begin(slot.as_mut_ptr(), ray, best, 0, tree.root);
         let slot = slot.assume_init_mut();
+        if tree.root.is_none() {
+            for (index, leaf) in tree.leaves().iter().enumerate() {
+                slot.through_leaf::<Portable, true>(leaf, index as u32);
+            }
+            judge(tree, ray, slot);
+            return Q::answer(slot.best);
+        }
         while slot.next != Child::NONE && !(Q::ANY && slot.best.is_hit()) {
             let next = slot.next;
             if next.is_leaf() {

@@ -37,11 +37,13 @@ mod x86;
 mod flight;
 pub(super) mod pages;
 
+pub(super) use slot::KEPT;
+
 use crate::math::{Hit, Ray};
 
 use super::Native;
 use flight::{Any, Closest, Question};
-use lanes::Portable;
+use lanes::{Lanes, Portable};
 
 /// The forms in which the kernel is compiled. All give the same answers, bit for bit, as each judges
 /// its candidates by the same f64 routine.
@@ -125,7 +127,21 @@ fn trace<Q: Question>(native: &Native, rays: &[Ray], answers: &mut [Q::Answer]) 
             unsafe { avx512_form::<Q>(native, rays, answers) }
         }
         // SAFETY: this form needs no special instructions.
-        _ => unsafe { flight::fly::<Portable, Q>(native, rays, answers) },
+        _ => unsafe { form::<Portable, Q>(native, rays, answers) },
+    }
+}
+
+/// # Safety
+/// Needs the instructions of `L`, and as many answers as rays.
+#[inline(always)]
+unsafe fn form<L: Lanes, Q: Question>(native: &Native, rays: &[Ray], answers: &mut [Q::Answer]) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        if native.tree.root.is_some() {
+            flight::fly::<L, Q>(native, rays, answers);
+        } else {
+            flight::walk::<L, Q>(native, rays, answers);
+        }
     }
 }
 
@@ -135,7 +151,7 @@ fn trace<Q: Question>(native: &Native, rays: &[Ray], answers: &mut [Q::Answer]) 
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn avx2_form<Q: Question>(native: &Native, rays: &[Ray], answers: &mut [Q::Answer]) {
     // SAFETY: the caller's promise.
-    unsafe { flight::fly::<avx2::Avx2, Q>(native, rays, answers) }
+    unsafe { form::<avx2::Avx2, Q>(native, rays, answers) }
 }
 
 /// # Safety
@@ -144,5 +160,5 @@ unsafe fn avx2_form<Q: Question>(native: &Native, rays: &[Ray], answers: &mut [Q
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl")]
 unsafe fn avx512_form<Q: Question>(native: &Native, rays: &[Ray], answers: &mut [Q::Answer]) {
     // SAFETY: the caller's promise.
-    unsafe { flight::fly::<avx512::Avx512, Q>(native, rays, answers) }
+    unsafe { form::<avx512::Avx512, Q>(native, rays, answers) }
 }

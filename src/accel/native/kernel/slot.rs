@@ -53,7 +53,7 @@ use crate::math::Ray;
 use super::lanes::Lanes;
 
 /// Leaves with candidates that a slot can hold.
-pub(super) const KEPT: usize = 16;
+pub(in crate::accel::native) const KEPT: usize = 16;
 /// `32 e` of the module's head.
 const ERROR: f32 = 1.0 / (1u32 << 19) as f32;
 /// What a box gives way to a ray from `o`, as a part of `|o|`.
@@ -119,7 +119,8 @@ pub(super) struct Found {
 }
 
 impl Slot {
-    /// Puts a ray into the slot, at the root of the tree; `false` if it has no direction.
+    /// Puts a ray into the slot, at the root of the tree, or with no boxes to meet where there is
+    /// none; `false` if it has no direction.
     ///
     /// # Safety
     /// `slot` is valid for writing, and after `true` for reading.
@@ -129,7 +130,7 @@ impl Slot {
         ray: &Ray,
         best: Best,
         number: u32,
-        root: Child,
+        root: Option<Child>,
     ) -> bool {
         // SAFETY: all fields that are read before they are written are set here; the arrays at the
         // end need no value. All of them are plain numbers.
@@ -149,15 +150,8 @@ impl Slot {
         slot.origin = [x, y, z, 0.0];
         let sum = x.abs() + y.abs() + z.abs();
         slot.error = ERROR * sum + LEAST_ERROR;
-        let everywhere = F64_SLACK as f32 * sum + TINY as f32;
-        for axis in 0..4 {
-            let (o, u) = (slot.origin[axis], slot.unit[axis]);
-            let slack = (BOX_SLACK * o.abs() + everywhere).copysign(u);
-            let inverse = 1.0 / larger(u.abs(), SMALLEST).copysign(u);
-            slot.inverse[axis] = inverse;
-            slot.enter[axis] = -inverse * (o + slack);
-            slot.leave[axis] = -inverse * (o - slack);
-            slot.near[axis] = 8 * axis as u32 + 24 * (u.to_bits() >> 31);
+        if let Some(root) = root {
+            slot.begin_at(root, F64_SLACK as f32 * sum + TINY as f32);
         }
         slot.length = length;
         let t_min = f64::from(ray.t_min) * length;
@@ -168,11 +162,25 @@ impl Slot {
         slot.kept = 0;
         slot.sure = 0;
         slot.ray = number;
-        slot.next = root;
-        slot.keys[0].write(0);
-        slot.children[0].write(Child::NONE.0);
-        slot.top = 1;
         length > 0.0
+    }
+
+    /// What boxes need, and the stack with the root; `slack` is what boxes give way everywhere.
+    #[inline(always)]
+    fn begin_at(&mut self, root: Child, slack: f32) {
+        for axis in 0..4 {
+            let (o, u) = (self.origin[axis], self.unit[axis]);
+            let slack = (BOX_SLACK * o.abs() + slack).copysign(u);
+            let inverse = 1.0 / larger(u.abs(), SMALLEST).copysign(u);
+            self.inverse[axis] = inverse;
+            self.enter[axis] = -inverse * (o + slack);
+            self.leave[axis] = -inverse * (o - slack);
+            self.near[axis] = 8 * axis as u32 + 24 * (u.to_bits() >> 31);
+        }
+        self.next = root;
+        self.keys[0].write(0);
+        self.children[0].write(Child::NONE.0);
+        self.top = 1;
     }
 
     /// The distance up to which boxes and spheres matter when hits matter up to `t`.

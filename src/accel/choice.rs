@@ -1,0 +1,113 @@
+//! Which backend suits a scene, for those who do not want to choose.
+
+use std::str::FromStr;
+
+use crate::error::{Error, Result};
+use crate::geometry::SphereSet;
+
+use super::{Backend, Instance};
+
+/// What `--accel` asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Choice {
+    /// Whatever is fastest for the scene, by what was measured.
+    #[default]
+    Auto,
+    /// This one.
+    Only(Backend),
+}
+
+/// The backend to use, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Chosen {
+    /// The backend.
+    pub backend: Backend,
+    /// Why, in a few words.
+    pub reason: String,
+}
+
+impl Choice {
+    /// Up to as many spheres, f64 arithmetic on each is fastest: with more, the eight-wide test of
+    /// the native backend pays.
+    pub const VERY_FEW: usize = 4;
+
+    /// The name used on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Only(backend) => backend.name(),
+        }
+    }
+
+    /// The backend for a scene.
+    ///
+    /// `benches/record/` has the measurements: on x86-64 the native kernel is faster than Embree for
+    /// every kind of scene and ray that was tried, and on other processors, where it is only
+    /// portable code, slower.
+    pub fn choose(self, spheres: &SphereSet) -> Chosen {
+        self.choose_for(spheres.len())
+    }
+
+    /// The backend for so many spheres.
+    pub fn choose_for(self, spheres: usize) -> Chosen {
+        match self {
+            Self::Only(backend) => Chosen { backend, reason: "as asked for".to_owned() },
+            Self::Auto => choose_for(spheres, Instance::best()),
+        }
+    }
+}
+
+fn choose_for(spheres: usize, instance: Instance) -> Chosen {
+    let chosen = |backend, reason: String| Chosen { backend, reason };
+    if spheres <= Choice::VERY_FEW {
+        return chosen(
+            Backend::BruteForce,
+            format!("fastest for up to {} spheres", Choice::VERY_FEW),
+        );
+    }
+    match instance {
+        Instance::Portable if Backend::AVAILABLE.contains(&Backend::Embree) => {
+            chosen(Backend::Embree, "faster than portable code on this processor".to_owned())
+        }
+        Instance::Portable => chosen(Backend::Native, "this build has no Embree".to_owned()),
+        Instance::Avx2 | Instance::Avx512 => {
+            chosen(Backend::Native, format!("fastest on processors with {}", instance.name()))
+        }
+    }
+}
+
+impl FromStr for Choice {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        if name == Self::Auto.name() { Ok(Self::Auto) } else { name.parse().map(Self::Only) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_choice_follows_the_number_of_spheres_and_the_processor() {
+        let backend = |spheres, instance| choose_for(spheres, instance).backend;
+        for instance in Instance::ALL {
+            assert_eq!(backend(0, *instance), Backend::BruteForce);
+            assert_eq!(backend(Choice::VERY_FEW, *instance), Backend::BruteForce);
+        }
+        assert_eq!(backend(Choice::VERY_FEW + 1, Instance::Avx2), Backend::Native);
+        assert_eq!(backend(1_000_000, Instance::Avx512), Backend::Native);
+        let without_vectors =
+            if cfg!(feature = "embree") { Backend::Embree } else { Backend::Native };
+        assert_eq!(backend(1_000_000, Instance::Portable), without_vectors);
+    }
+
+    #[test]
+    fn every_choice_can_be_named() {
+        let choices = Backend::ALL.iter().map(|&backend| Choice::Only(backend));
+        for choice in choices.chain([Choice::Auto]) {
+            assert_eq!(choice.name().parse::<Choice>().expect("a name"), choice);
+        }
+        assert!("fast".parse::<Choice>().is_err());
+    }
+}
