@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, Result};
-use crate::geometry::SphereSet;
+use crate::geometry::{PathRays, SphereSet};
 use crate::math::{Hit, Ray};
 
 pub use choice::{Choice, Chosen};
@@ -37,6 +37,31 @@ pub trait Accel: Send + Sync {
     /// Whether each ray hits anything. The slices have equal lengths.
     fn occluded(&self, rays: &[Ray], blocked: &mut [bool]);
 
+    /// [`Self::closest`] for the f64 rays of paths. Most backends are asked with [`SphereSet::ask`] of
+    /// each, for which `asked` is room; one that computes in f64 may take them as they are.
+    fn closest_of(
+        &self,
+        spheres: &SphereSet,
+        rays: &PathRays,
+        asked: &mut Vec<Ray>,
+        hits: &mut [Hit],
+    ) {
+        ask(spheres, rays, asked);
+        self.closest(asked, hits);
+    }
+
+    /// [`Self::occluded`] for the f64 rays of paths.
+    fn occluded_of(
+        &self,
+        spheres: &SphereSet,
+        rays: &PathRays,
+        asked: &mut Vec<Ray>,
+        blocked: &mut [bool],
+    ) {
+        ask(spheres, rays, asked);
+        self.occluded(asked, blocked);
+    }
+
     /// How far this backend's arithmetic may move a sphere's surface for a ray.
     fn precision(&self) -> Precision;
 
@@ -47,6 +72,11 @@ pub trait Accel: Send + Sync {
     fn details(&self) -> String {
         String::new()
     }
+}
+
+fn ask(spheres: &SphereSet, rays: &PathRays, asked: &mut Vec<Ray>) {
+    asked.clear();
+    asked.extend(rays.iter().map(|ray| spheres.ask(&ray)));
 }
 
 /// The stated error of a backend's arithmetic, as a backward error: an answer is exact for spheres

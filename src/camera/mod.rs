@@ -28,6 +28,8 @@ pub struct Camera {
     to_top: DVec3,
     projection: Projection,
     size: [f64; 2],
+    /// Twice the share of the picture that a pixel takes, across and down.
+    per_pixel: [f64; 2],
     near: f64,
 }
 
@@ -102,6 +104,7 @@ impl Camera {
             to_top: up * half[1],
             projection,
             size: [width, height],
+            per_pixel: [2.0 / width, 2.0 / height],
             near: mount.near,
         }
     }
@@ -109,14 +112,9 @@ impl Camera {
     /// The ray through a place in the picture, in pixels from its upper left corner, and the place on
     /// the lens that two numbers in `[0, 1)` give.
     pub fn ray(&self, x: f64, y: f64, lens: [f64; 2]) -> PathRay {
-        let [width, height] = self.size;
-        // From -1 to 1.
-        let (across, upwards) = (2.0 * x / width - 1.0, 1.0 - 2.0 * y / height);
+        let [across, upwards] = self.off_middle(x, y);
         match self.projection {
-            Projection::Perspective { lens: None, .. } => {
-                let direction = self.forward + self.to_right * across + self.to_top * upwards;
-                self.leave_lens(self.position, direction)
-            }
+            Projection::Perspective { lens: None, .. } => self.pinhole_ray(x, y),
             Projection::Perspective { lens: Some(thin), .. } => {
                 let direction = self.forward + self.to_right * across + self.to_top * upwards;
                 let [lens_x, lens_y] = thin.aperture.sample(lens);
@@ -136,6 +134,25 @@ impl Camera {
                 PathRay { t_min: self.near, ..free }
             }
         }
+    }
+
+    /// [`Self::ray`] of a pinhole camera.
+    #[inline(always)]
+    pub fn pinhole_ray(&self, x: f64, y: f64) -> PathRay {
+        let [across, upwards] = self.off_middle(x, y);
+        let direction = self.forward + self.to_right * across + self.to_top * upwards;
+        self.leave_lens(self.position, direction)
+    }
+
+    /// A place in the picture, from -1 to 1: to the right, and to the top.
+    #[inline(always)]
+    fn off_middle(&self, x: f64, y: f64) -> [f64; 2] {
+        [self.per_pixel[0] * x - 1.0, 1.0 - self.per_pixel[1] * y]
+    }
+
+    /// Whether all rays come from one point, through a picture that is flat.
+    pub fn is_pinhole(&self) -> bool {
+        matches!(self.projection, Projection::Perspective { lens: None, .. })
     }
 
     /// Whether [`Self::ray`] heeds the place on the lens.
@@ -189,6 +206,7 @@ impl Camera {
     }
 
     /// A ray that starts at the depth `near`, in a direction whose part along the view axis is 1.
+    #[inline(always)]
     fn leave_lens(&self, origin: DVec3, direction: DVec3) -> PathRay {
         // Along the axis the direction is 1 long.
         let length = direction.length();

@@ -6,11 +6,13 @@ mod giants;
 mod median;
 mod morton;
 mod origin;
+mod rays;
 mod set;
 mod sphere;
 mod surface;
 
 pub use cone::{Cone, ConeSample};
+pub use rays::{PathRays, RayBlock};
 pub use set::{SphereRows, SphereSet};
 pub use sphere::{Roots, Sphere};
 pub use surface::{PathRay, Side, SurfaceHit};

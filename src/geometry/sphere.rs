@@ -28,7 +28,9 @@ impl Sphere {
     /// which cancels for small and for distant spheres (Haines et al. 2019, "Precision Improvements
     /// for Ray/Sphere Intersection", Ray Tracing Gems, ch. 7).
     pub fn roots(&self, origin: DVec3, direction: DVec3) -> Option<Roots> {
-        let Approach { t, half_chord_squared } = self.approach(origin, direction);
+        let per_length_squared = 1.0 / direction.length_squared();
+        let Approach { t, half_chord_squared } =
+            self.approach(origin, direction, per_length_squared);
         if half_chord_squared < 0.0 {
             return None;
         }
@@ -44,16 +46,35 @@ impl Sphere {
         t_min: f64,
         t_max: f64,
     ) -> Option<f64> {
-        let Roots { near, far } = self.roots(origin, direction)?;
-        let t = if near > t_min || fault!(NearRootForFar) { near } else { far };
+        let per_length_squared = 1.0 / direction.length_squared();
+        let t = self.nearer_root(origin, direction, per_length_squared, t_min);
         (t > t_min && t < t_max).then_some(t)
+    }
+
+    /// The nearer root if it lies beyond `t_min`, else the farther one, which may lie anywhere; not a
+    /// number where the line passes by. For loops that meet many rays with a sphere: the reciprocal of
+    /// the direction's squared length is given.
+    #[inline(always)]
+    pub fn nearer_root(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        per_length_squared: f64,
+        t_min: f64,
+    ) -> f64 {
+        let Approach { t, half_chord_squared } =
+            self.approach(origin, direction, per_length_squared);
+        let h = half_chord_squared.sqrt();
+        if t - h > t_min || fault!(NearRootForFar) { t - h } else { t + h }
     }
 
     /// The distance at which a line that is known to hit is taken to hit: the first root beyond
     /// `t_min`; the tangent point where f64 sees the line pass by; and never before `t_min`.
     #[inline(always)]
     pub fn resolve(&self, origin: DVec3, direction: DVec3, t_min: f64) -> f64 {
-        let Approach { t, half_chord_squared } = self.approach(origin, direction);
+        let per_length_squared = 1.0 / direction.length_squared();
+        let Approach { t, half_chord_squared } =
+            self.approach(origin, direction, per_length_squared);
         let h = half_chord_squared.max(0.0).sqrt();
         let root = if t - h > t_min && !fault!(FarRootForNear) { t - h } else { t + h };
         root.max(t_min)
@@ -77,9 +98,8 @@ impl Sphere {
     }
 
     #[inline(always)]
-    fn approach(&self, origin: DVec3, direction: DVec3) -> Approach {
+    fn approach(&self, origin: DVec3, direction: DVec3, per_length_squared: f64) -> Approach {
         let to_center = self.center - origin;
-        let per_length_squared = 1.0 / direction.length_squared();
         let t = to_center.dot(direction) * per_length_squared;
         let perpendicular = to_center - direction * t;
         let discriminant = self.radius * self.radius - perpendicular.length_squared();

@@ -27,11 +27,19 @@ impl Strata {
 
     fn place(&self, sample: u32, u: [f64; 2]) -> [f64; 2] {
         let k = self.subpixels;
+        if self.is_none() {
+            return u;
+        }
         let cell = [sample % k, sample / k % k];
         std::array::from_fn(|axis| {
             let shift = self.jitter * (u[axis] - 0.5);
             (f64::from(cell[axis]) + 0.5 + shift) / f64::from(k)
         })
+    }
+
+    /// Whether samples may be anywhere in their pixel.
+    pub(super) fn is_none(&self) -> bool {
+        self.subpixels == 1 && self.jitter == 1.0
     }
 }
 

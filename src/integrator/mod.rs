@@ -21,8 +21,10 @@ pub use trace::{Added, End, Step, Trace};
 
 use crate::accel::{Accel, Cancel};
 use crate::color::{Radiance, Seen};
+use crate::geometry::PathRays;
 use crate::material::Media;
 use crate::math::{Hit, Isa, Ray};
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::scene::description::Integrator as Kind;
 
@@ -85,10 +87,13 @@ pub struct Tally {
 #[derive(Default)]
 pub struct Workspace {
     isa: Isa,
-    paths: Vec<transport::Path>,
-    next_paths: Vec<transport::Path>,
+    paths: transport::Paths,
+    next_paths: transport::Paths,
+    start: transport::StartBlock,
     block: transport::Block,
-    shadows: Vec<transport::Shadow>,
+    shadows: transport::Shadows,
+    samplers: Vec<Sampler>,
+    drawn: Vec<transport::Drawn>,
     /// The media that each sample's path is in, where something is a dielectric.
     media: Vec<Media>,
     /// The media that shadow rays start in, where something is not opaque.
@@ -130,6 +135,11 @@ impl Tally {
     fn count(&mut self, rays: &[Ray]) {
         let is_traced = |ray: &&Ray| ray.is_valid() && ray.t_min < ray.t_max;
         self.rays += rays.iter().filter(is_traced).count() as u64;
+    }
+
+    /// The same for the rays of paths.
+    fn count_of(&mut self, rays: &PathRays, isa: Isa) {
+        self.rays += rays.count_traced(isa) as u64;
     }
 }
 

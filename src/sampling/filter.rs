@@ -62,6 +62,12 @@ impl Filter {
         u.map(|u| self.profile.sample(u) * self.radius)
     }
 
+    /// The radius of a box; `None` for other filters. [`Self::sample`] is then [`box_sample`] of either
+    /// number, times the radius.
+    pub fn radius_of_box(&self) -> Option<f64> {
+        matches!(self.profile, Profile::Box).then_some(self.radius)
+    }
+
     /// The density of [`Self::sample`], per square pixel.
     pub fn pdf(&self, offset: [f64; 2]) -> f64 {
         let scale = if fault!(FilterNotNormalized) { 1.0 } else { self.radius };
@@ -74,10 +80,16 @@ impl Filter {
     }
 }
 
+/// A place in a box from -1 to 1.
+#[inline(always)]
+pub fn box_sample(u: f64) -> f64 {
+    2.0 * u - 1.0
+}
+
 impl Profile {
     fn sample(&self, u: f64) -> f64 {
         match self {
-            Self::Box => 2.0 * u - 1.0,
+            Self::Box => box_sample(u),
             Self::Tent if u < 0.5 => (2.0 * u).sqrt() - 1.0,
             Self::Tent => 1.0 - (2.0 - 2.0 * u).sqrt(),
             Self::Bins(bins) => {

@@ -15,7 +15,7 @@ mod stratified;
 mod trig;
 
 pub use discrete::Discrete;
-pub use filter::{Filter, FilterKind};
+pub use filter::{Filter, FilterKind, box_sample};
 pub use hemisphere::Hemisphere;
 pub use mis::power_heuristic;
 pub use sampler::{Sampler, SamplerKind};

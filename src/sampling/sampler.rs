@@ -61,6 +61,12 @@ impl Sampler {
         }
     }
 
+    /// The numbers of a lane's sample.
+    #[inline(always)]
+    pub fn of_lane(lanes: &SobolLanes, lane: usize) -> Self {
+        Self(Numbers::Sobol(lanes.take(lane)))
+    }
+
     /// Puts these numbers into a lane; `false` if they are not Sobol's.
     #[inline(always)]
     pub fn put_into(self, lanes: &mut SobolLanes, lane: usize) -> bool {

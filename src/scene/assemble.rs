@@ -139,11 +139,15 @@ impl Scene {
         brightest.min(f32::MAX)
     }
 
+    /// Whether the camera sees the background.
+    pub fn shows_background(&self) -> bool {
+        self.description.background.camera_visible
+    }
+
     /// What a camera ray in this direction brings that meets nothing: the background, unless it is
     /// hidden from the camera.
     pub fn seen_by_camera(&self, direction: DVec3) -> Radiance {
-        let visible = self.description.background.camera_visible;
-        let direct = if visible { self.background(direction) } else { Rgb::ZERO };
+        let direct = if self.shows_background() { self.background(direction) } else { Rgb::ZERO };
         Radiance { direct, indirect: Rgb::ZERO, alpha: 0.0 }
     }
 

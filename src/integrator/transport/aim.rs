@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::fault::fault;
-use crate::geometry::SurfaceHit;
+use crate::geometry::{PathRay, SurfaceHit};
 use crate::light::Receiver;
 use crate::material::{Bsdf, Media};
 use crate::math::{DVec3, Frame};
@@ -13,13 +13,13 @@ use crate::scene::description::Estimator;
 use super::super::dimension::Vertex;
 use super::super::trace::{Added, Recorder, Step};
 use super::batch::Batch;
-use super::{Aims, Path, Shadow, opacity};
+use super::{Aims, Gain, Path, opacity};
 
 impl Aims<'_> {
     /// One more shadow ray, and the media it starts in.
-    pub(super) fn extend(&mut self, scene: &Scene, aimed: Option<(Shadow, &Media)>) {
-        let Some((shadow, media)) = aimed else { return };
-        self.shadows.push(shadow);
+    pub(super) fn extend(&mut self, scene: &Scene, aimed: Option<(PathRay, Gain, &Media)>) {
+        let Some((ray, gain, media)) = aimed else { return };
+        self.shadows.push(&ray, gain);
         if scene.has_opacity() {
             self.media.push(*media);
         }
@@ -37,12 +37,13 @@ impl<R: Recorder> Batch<'_, R> {
         frame: &Frame,
         wo: DVec3,
         beyond: Option<&'p Media>,
-    ) -> Option<(Shadow, &'p Media)> {
-        let vertex = Vertex::at(path.depth);
-        let u = path.sampler.get_2d(vertex.towards_lamp());
+    ) -> Option<(PathRay, Gain, &'p Media)> {
+        let vertex = Vertex::at(path.state.depth);
+        let sampler = self.sampler(path);
+        let u = sampler.get_2d(vertex.towards_lamp());
         let scene = self.world.scene;
         let has_choice = scene.lights().has_choice();
-        let choose = if has_choice { path.sampler.get(vertex.lamp()) } else { 0.0 };
+        let choose = if has_choice { sampler.get(vertex.lamp()) } else { 0.0 };
         let mut aim = scene.lights().sample(scene.spheres(), receiver, choose, u)?;
         let wi = frame.to_local(aim.direction);
         let f = bsdf.eval(wo, wi);
@@ -64,14 +65,14 @@ impl<R: Recorder> Batch<'_, R> {
         let pdf_bsdf = bsdf.pdf(wo, wi);
         let weight = weight(self.transport.estimator, aim.pdf, pdf_bsdf);
         self.recorder.note(|| Step::Aim { sample: aim, f, cos, pdf_bsdf, weight });
-        let light = path.throughput * f * aim.radiance * (weight * cos / aim.pdf) as f32;
+        let light = path.state.throughput * f * aim.radiance * (weight * cos / aim.pdf) as f32;
         if light == Rgb::ZERO {
             return None;
         }
-        let added = self.arriving(light, path.scatterings + 1);
+        let added = self.arriving(light, path.state.scatterings + 1);
         let Added { light, is_direct } = added;
         let media = is_beyond.unwrap_or_else(|| self.media_of(path));
-        Some((Shadow { sample: path.sample, ray, light, is_direct }, media))
+        Some((ray, Gain { sample: path.state.sample, light, is_direct }, media))
     }
 }
 

@@ -4,10 +4,11 @@
 use crate::color::{Radiance, Rgb, Seen};
 use crate::material::Media;
 use crate::math::Hit;
+use crate::sampling::Sampler;
 
 use super::super::trace::{Added, End, Recorder, Step};
 use super::super::{SampleAddress, Tally, Workspace, World};
-use super::{Aims, Path, Transport, opacity};
+use super::{Aims, Drawn, Path, Transport, opacity};
 
 /// The samples that are estimated together.
 pub(super) struct Batch<'a, R> {
@@ -19,6 +20,10 @@ pub(super) struct Batch<'a, R> {
     pub(super) media: Vec<Media>,
     /// What each sample sees first; none where nobody wants to know.
     pub(super) seen: Vec<Seen>,
+    /// Each sample's random numbers.
+    pub(super) samplers: Vec<Sampler>,
+    /// How the ray of each sample's path was drawn, where it was.
+    pub(super) drawn: Vec<Drawn>,
     pub(super) tally: Tally,
     pub(super) recorder: &'a mut R,
 }
@@ -30,83 +35,99 @@ impl<R: Recorder> Batch<'_, R> {
         let with_media = if self.world.scene.has_media() { self.samples.len() } else { 0 };
         self.media.clear();
         self.media.resize(with_media, Media::VACUUM);
-        workspace.paths.clear();
-        for sample in 0..self.samples.len() {
-            workspace.paths.push(self.start(sample));
-        }
-        while !workspace.paths.is_empty() && !self.world.cancel.is_cancelled() {
+        self.drawn.clear();
+        self.drawn.resize(self.samples.len(), Drawn::NOTHING);
+        self.start_all(workspace);
+        while !workspace.paths.states.is_empty() && !self.world.cancel.is_cancelled() {
             self.advance(workspace);
         }
         workspace.media = self.media;
         workspace.seen = self.seen;
+        workspace.samplers = self.samplers;
+        workspace.drawn = self.drawn;
         self.tally
+    }
+
+    /// The random numbers of a path.
+    pub(super) fn sampler(&self, path: &Path) -> Sampler {
+        self.samplers[path.state.sample as usize]
+    }
+
+    /// How the ray of a path was drawn, if it was.
+    pub(super) fn drawn(&self, path: &Path) -> Option<&Drawn> {
+        path.state.is_drawn.then(|| &self.drawn[path.state.sample as usize])
     }
 
     /// The media that a path is in.
     pub(super) fn media_of(&self, path: &Path) -> &Media {
-        self.media.get(path.sample as usize).unwrap_or(&Media::VACUUM)
+        self.media.get(path.state.sample as usize).unwrap_or(&Media::VACUUM)
     }
 
     /// One edge for every path: closest hits, shading, shadow rays. Paths that end are dropped.
     fn advance(&mut self, workspace: &mut Workspace) {
-        let has_blocks = self.has_blocks();
-        let Workspace { paths, next_paths, block, shadows, shadow_media, rays, hits, .. } =
-            workspace;
+        let (has_blocks, isa) = (self.has_blocks(), workspace.isa);
+        let even_background = self.even_background();
+        let Workspace {
+            paths, next_paths, block, shadows, shadow_media, rays, hits, blocked, ..
+        } = workspace;
         let spheres = self.world.scene.spheres();
 
         // Ask for the closest hits.
-        rays.clear();
-        rays.extend(paths.iter().map(|path| spheres.ask(&path.ray)));
         hits.clear();
-        hits.resize(rays.len(), Hit::MISS);
-        self.world.accel.closest(rays, hits);
-        self.tally.count(rays);
+        hits.resize(paths.states.len(), Hit::MISS);
+        self.world.accel.closest_of(spheres, &paths.rays, rays, hits);
+        self.tally.count_of(&paths.rays, isa);
 
         // Shade: gather emission, aim at a light, scatter.
         shadows.clear();
         shadow_media.clear();
         let mut aims = Aims { shadows, media: shadow_media };
         next_paths.clear();
-        for index in 0..paths.len() {
-            let (path, hit) = (&mut paths[index], hits[index]);
-            self.see(path, hit);
-            if let Some(matt) = self.matt(path, hit).filter(|_| has_blocks) {
-                self.wait(block, index, path, hit.id, matt);
+        for (index, &hit) in hits.iter().enumerate() {
+            if !self.seen.is_empty() {
+                self.see(&paths.get(index), hit);
+            }
+            if hit.is_miss() && !paths.rays.goes_in(index) {
+                if let Some(radiance) = even_background {
+                    self.miss_evenly(&paths.states[index], radiance);
+                    continue;
+                }
+            }
+            if let Some(matt) = self.matt(paths, index, hit).filter(|_| has_blocks) {
+                self.wait(block, paths, index, hit.id, matt);
                 if block.is_full() {
-                    self.work(workspace.isa, block, paths, next_paths, &mut aims);
+                    self.work(isa, block, paths, next_paths, &mut aims);
                 }
                 continue;
             }
+            let mut path = paths.get(index);
             let goes_on = match spheres.answer(&path.ray, hit) {
-                Some(surface) => self.shade(path, &surface, &mut aims),
-                None => self.miss(path),
+                Some(surface) => self.shade(&mut path, &surface, &mut aims),
+                None => self.miss(&mut path),
             };
             if goes_on {
-                next_paths.push(*path);
+                next_paths.push(&path);
             }
         }
-        self.work(workspace.isa, block, paths, next_paths, &mut aims);
+        self.work(isa, block, paths, next_paths, &mut aims);
         std::mem::swap(paths, next_paths);
 
         // Ask for the shadows.
-        let blocked = &mut workspace.blocked;
         blocked.clear();
         if self.world.scene.has_opacity() {
             let walked = opacity::walk(self.world, shadows, shadow_media, rays, hits);
             self.tally = self.tally + walked;
-            blocked.extend(shadows.iter().map(|shadow| shadow.light == Rgb::ZERO));
+            blocked.extend(shadows.gains.iter().map(|gain| gain.light == Rgb::ZERO));
         } else {
-            rays.clear();
-            rays.extend(shadows.iter().map(|shadow| spheres.ask(&shadow.ray)));
-            blocked.resize(rays.len(), false);
-            self.world.accel.occluded(rays, blocked);
-            self.tally.count(rays);
+            blocked.resize(shadows.gains.len(), false);
+            self.world.accel.occluded_of(spheres, &shadows.rays, rays, blocked);
+            self.tally.count_of(&shadows.rays, isa);
         }
-        for (shadow, &is_blocked) in shadows.iter().zip(&*blocked) {
-            let light = if is_blocked { Rgb::ZERO } else { shadow.light };
-            let added = Added { light, is_direct: shadow.is_direct };
+        for (gain, &is_blocked) in shadows.gains.iter().zip(&*blocked) {
+            let light = if is_blocked { Rgb::ZERO } else { gain.light };
+            let added = Added { light, is_direct: gain.is_direct };
             if !is_blocked {
-                self.add(shadow.sample, added);
+                self.add(gain.sample, added);
             }
             self.recorder.note(|| Step::Shadow { is_blocked, added });
         }
@@ -147,9 +168,9 @@ impl<R: Recorder> Batch<'_, R> {
     /// Tells what the ray of a path met.
     pub(super) fn tell_miss(&mut self, path: &Path) {
         self.recorder.note(|| Step::Miss {
-            depth: path.depth,
+            depth: path.state.depth,
             wo: -path.ray.direction,
-            throughput: path.throughput,
+            throughput: path.state.throughput,
         });
     }
 }

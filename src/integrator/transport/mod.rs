@@ -18,12 +18,14 @@ mod see;
 mod shade;
 mod start;
 
+use std::mem::take;
+
 use crate::color::{Radiance, Rgb};
-use crate::geometry::{PathRay, Side, SphereSet, SurfaceHit};
+use crate::geometry::{PathRay, PathRays, Side, SphereSet, SurfaceHit};
 use crate::light::Receiver;
 use crate::material::Media;
-use crate::math::DVec3;
-use crate::sampling::{Hemisphere, Sampler};
+use crate::math::{DVec3, NO_SPHERE};
+use crate::sampling::Hemisphere;
 use crate::scene::description::{Estimator, Miss, Stop};
 
 use super::camera_rays::Strata;
@@ -33,6 +35,7 @@ use super::{Integrator, SampleAddress, Tally, Workspace, World};
 use batch::Batch;
 
 pub(super) use matt::Block;
+pub(super) use start::StartBlock;
 
 /// No path has more edges, nor passes more hidden boundaries; the ones that would are counted and
 /// reported.
@@ -54,12 +57,16 @@ pub(super) struct Transport {
 }
 
 /// A path on its way.
+struct Path {
+    ray: PathRay,
+    state: State,
+}
+
+/// All but the ray of a path.
 #[derive(Clone, Copy)]
-pub(super) struct Path {
+struct State {
     /// Which sample of the batch it belongs to.
     sample: u32,
-    sampler: Sampler,
-    ray: PathRay,
     throughput: Rgb,
     /// Edges, the ray's own included.
     depth: u32,
@@ -68,16 +75,17 @@ pub(super) struct Path {
     redraws: u32,
     /// Hidden boundaries that it went straight through.
     passes: u32,
-    /// Where the ray was drawn from a density, for weighting it against light sampling.
-    drawn: Option<Drawn>,
+    /// Whether the ray was drawn from a density, which [`Batch::drawn`] tells.
+    is_drawn: bool,
     /// Squared index of refraction where the path is now: what refraction took from `throughput`
     /// and will give back.
     index_squared: f32,
 }
 
-/// A direction drawn from a density at a point.
+/// A direction drawn from a density at a point: for weighting what the ray meets against light
+/// sampling.
 #[derive(Clone, Copy)]
-struct Drawn {
+pub(super) struct Drawn {
     pdf: f64,
     point: DVec3,
     normal: DVec3,
@@ -86,22 +94,92 @@ struct Drawn {
     is_two_sided: bool,
 }
 
-/// A shadow ray, and what its sample gains if nothing is in its way.
-pub(super) struct Shadow {
+/// The paths of a stage.
+#[derive(Default)]
+pub(super) struct Paths {
+    rays: PathRays,
+    states: Vec<State>,
+}
+
+/// What a sample gains if nothing is in the way of a shadow ray.
+struct Gain {
     sample: u32,
-    ray: PathRay,
     light: Rgb,
     is_direct: bool,
 }
 
+/// The shadow rays of a stage, and what each is worth.
+#[derive(Default)]
+pub(super) struct Shadows {
+    rays: PathRays,
+    gains: Vec<Gain>,
+}
+
 /// The shadow rays of a stage.
 struct Aims<'w> {
-    shadows: &'w mut Vec<Shadow>,
+    shadows: &'w mut Shadows,
     /// The media that each starts in, where something is not opaque.
     media: &'w mut Vec<Media>,
 }
 
+impl State {
+    /// At the camera.
+    fn new(sample: u32) -> Self {
+        Self {
+            sample,
+            throughput: Rgb::ONE,
+            depth: 1,
+            scatterings: 0,
+            redraws: 0,
+            passes: 0,
+            is_drawn: false,
+            index_squared: 1.0,
+        }
+    }
+}
+
+impl Paths {
+    fn clear(&mut self) {
+        self.rays.clear();
+        self.states.clear();
+    }
+
+    #[inline(always)]
+    fn push(&mut self, path: &Path) {
+        self.rays.push(&path.ray);
+        self.states.push(path.state);
+    }
+
+    #[inline(always)]
+    fn get(&self, index: usize) -> Path {
+        Path { ray: self.rays.get(index), state: self.states[index] }
+    }
+}
+
+impl Shadows {
+    fn clear(&mut self) {
+        self.rays.clear();
+        self.gains.clear();
+    }
+
+    #[inline(always)]
+    fn push(&mut self, ray: &PathRay, gain: Gain) {
+        self.rays.push(ray);
+        self.gains.push(gain);
+    }
+}
+
 impl Drawn {
+    /// None yet.
+    const NOTHING: Self = Self {
+        pdf: 0.0,
+        point: DVec3::ZERO,
+        normal: DVec3::ZERO,
+        id: NO_SPHERE,
+        side: Side::Outside,
+        is_two_sided: false,
+    };
+
     fn new(from: &Receiver, pdf: f64) -> Self {
         let Receiver { hit: SurfaceHit { id, point, normal, side, .. }, is_two_sided } = *from;
         Self { pdf, point, normal, id, side, is_two_sided }
@@ -125,10 +203,11 @@ impl Integrator for Transport {
     ) -> Tally {
         let tally = Tally::default();
         let recorder = &mut Silent;
-        let media = std::mem::take(&mut workspace.media);
         workspace.begin_seen(samples.len());
-        let seen = std::mem::take(&mut workspace.seen);
-        Batch { transport: self, world, samples, radiance, media, seen, tally, recorder }
+        let Workspace { media, seen, samplers, drawn, .. } = workspace;
+        let (media, seen, samplers, drawn) = (take(media), take(seen), take(samplers), take(drawn));
+        let transport = self;
+        Batch { transport, world, samples, radiance, media, seen, samplers, drawn, tally, recorder }
             .run(workspace)
     }
 
@@ -142,6 +221,8 @@ impl Integrator for Transport {
             radiance: &mut radiance,
             media: Vec::new(),
             seen: Vec::new(),
+            samplers: Vec::new(),
+            drawn: Vec::new(),
             tally: Tally::default(),
             recorder: &mut steps,
         };

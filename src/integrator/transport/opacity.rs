@@ -12,44 +12,45 @@ use crate::geometry::{Side, SurfaceHit};
 use crate::light::{LightSample, Receiver, Source};
 use crate::material::Media;
 use crate::math::{Hit, Ray};
+use crate::sampling::Sampler;
 use crate::scene::Scene;
 
 use super::super::{Tally, World, dimension};
-use super::{LONGEST, Path, Shadow};
+use super::{Drawn, LONGEST, Path, Shadows};
 
 /// Whether a path finds a surface there that is there with this probability.
-pub(super) fn is_there(path: &Path, presence: f32) -> bool {
-    path.sampler.get(dimension::opacity(path.depth, path.passes)) < f64::from(presence)
+pub(super) fn is_there(path: &Path, sampler: Sampler, presence: f32) -> bool {
+    sampler.get(dimension::opacity(path.state.depth, path.state.passes)) < f64::from(presence)
 }
 
 /// Whether this is the far wall of a lamp whose near wall let the path in: light is aimed at the
 /// near one alone.
-pub(super) fn is_behind_a_lamp(scene: &Scene, path: &Path, hit: &SurfaceHit) -> bool {
+pub(super) fn is_behind_a_lamp(scene: &Scene, drawn: Option<&Drawn>, hit: &SurfaceHit) -> bool {
     let is_within = |at: &Receiver| at.is_within(hit.id, &scene.spheres().sphere(hit.id));
     scene.has_opacity()
         && hit.side == Side::Inside
-        && path.drawn.as_ref().is_some_and(|drawn| !is_within(&drawn.at(scene.spheres())))
+        && drawn.is_some_and(|drawn| !is_within(&drawn.at(scene.spheres())))
 }
 
 /// Walks all shadow rays to their ends; what is left of their light stays in them. `media` are those
 /// that each starts in: light aimed at a lamp enters none, since a surface that is there ends it.
 pub(super) fn walk(
     world: World<'_>,
-    shadows: &mut [Shadow],
+    shadows: &mut Shadows,
     media: &[Media],
     rays: &mut Vec<Ray>,
     hits: &mut Vec<Hit>,
 ) -> Tally {
     let spheres = world.scene.spheres();
     let mut tally = Tally::default();
-    let mut active: Vec<usize> = (0..shadows.len()).collect();
+    let mut active: Vec<usize> = (0..shadows.gains.len()).collect();
     for _ in 0..LONGEST {
         // What is estimated after a request to stop is not used.
         if active.is_empty() || world.cancel.is_cancelled() {
             return tally;
         }
         rays.clear();
-        rays.extend(active.iter().map(|&i| spheres.ask(&shadows[i].ray)));
+        rays.extend(active.iter().map(|&i| spheres.ask(&shadows.rays.get(i))));
         hits.clear();
         hits.resize(rays.len(), Hit::MISS);
         world.accel.closest(rays, hits);
@@ -57,31 +58,38 @@ pub(super) fn walk(
         let mut answers = hits.iter();
         active.retain(|&i| {
             let hit = answers.next().copied().unwrap_or(Hit::MISS);
-            let hit = spheres.answer(&shadows[i].ray, hit);
-            hit.is_some_and(|hit| pass(world.scene, &mut shadows[i], &media[i], &hit))
+            let hit = spheres.answer(&shadows.rays.get(i), hit);
+            hit.is_some_and(|hit| pass(world.scene, shadows, i, &media[i], &hit))
         });
     }
     tally.cut_off += active.len() as u64;
-    active.into_iter().for_each(|i| shadows[i].light = Rgb::ZERO);
+    active.into_iter().for_each(|i| shadows.gains[i].light = Rgb::ZERO);
     tally
 }
 
 /// Takes from the light what a surface stops, and goes on behind it. Returns whether the ray has to
 /// be asked again.
-fn pass(scene: &Scene, shadow: &mut Shadow, media: &Media, hit: &SurfaceHit) -> bool {
-    let (lamp, left) = (shadow.ray.aims_at, shadow.ray.t_max - hit.t);
+fn pass(
+    scene: &Scene,
+    shadows: &mut Shadows,
+    index: usize,
+    media: &Media,
+    hit: &SurfaceHit,
+) -> bool {
+    let (ray, light) = (shadows.rays.get(index), &mut shadows.gains[index].light);
+    let (lamp, left) = (ray.aims_at, ray.t_max - hit.t);
     if hit.id == lamp || left <= 0.0 {
         return false;
     }
     let presence = scene.surface(hit.id).presence(hit.id, hit.side, media);
-    let behind = hit.leave_up_to(shadow.ray.direction, left, lamp);
+    let behind = hit.leave_up_to(ray.direction, left, lamp);
     let Some(ray) = behind.filter(|_| presence < 1.0) else {
-        shadow.light = Rgb::ZERO;
+        *light = Rgb::ZERO;
         return false;
     };
-    shadow.light *= if fault!(ShadowsOfNothing) { presence } else { 1.0 - presence };
-    shadow.ray = ray;
-    shadow.light.max_element() > 0.0
+    *light *= if fault!(ShadowsOfNothing) { presence } else { 1.0 - presence };
+    shadows.rays.set(index, &ray);
+    light.max_element() > 0.0
 }
 
 /// The radiance that a light sends to a receiver in `media`, its own opacity included. Only a lamp of

@@ -1,5 +1,6 @@
 //! The next direction of a path, and whether it goes on.
 
+use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::SurfaceHit;
 use crate::light::Receiver;
@@ -10,7 +11,7 @@ use crate::scene::description::Stop;
 use super::super::dimension::Vertex;
 use super::super::trace::{End, Recorder, Step};
 use super::batch::Batch;
-use super::{Drawn, LONGEST, Path};
+use super::{Drawn, LONGEST, Path, State};
 
 /// Paths shorter than this many edges are never ended by roulette.
 const ROULETTE_FROM: u32 = 4;
@@ -24,15 +25,15 @@ impl<R: Recorder> Batch<'_, R> {
         beyond: Option<&Media>,
     ) -> bool {
         self.enter(path, beyond);
-        path.drawn = None;
+        path.state.is_drawn = false;
         self.go_straight_on(path, hit)
     }
 
     /// Goes on in the same direction on the other side of a surface that is not there.
     pub(super) fn go_straight_on(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
         self.recorder.note(|| Step::PassThrough);
-        path.passes += 1;
-        if path.passes >= LONGEST {
+        path.state.passes += 1;
+        if path.state.passes >= LONGEST {
             return self.cut_off();
         }
         let Some(ray) = hit.leave(path.ray.direction) else { return self.end(End::Grazing) };
@@ -51,36 +52,40 @@ impl<R: Recorder> Batch<'_, R> {
     ) -> bool {
         let BsdfSample { lobe, pdf, weight, eta, .. } = *sample;
         let wi = nearly_unit(direction);
-        path.throughput *= weight;
-        let throughput = path.throughput;
+        path.state.throughput *= weight;
+        let throughput = path.state.throughput;
         self.recorder.note(|| Step::Scatter { lobe, wi, pdf, weight, eta, throughput });
         let Some(ray) = from.hit.leave(wi) else { return self.end(End::Grazing) };
         path.ray = ray;
-        path.index_squared *= (eta * eta) as f32;
-        if lobe == Lobe::Delta {
-            path.drawn = None;
-        } else {
-            path.drawn = Some(Drawn::new(from, pdf));
-            path.scatterings += 1;
+        path.state.index_squared *= (eta * eta) as f32;
+        path.state.is_drawn = lobe != Lobe::Delta;
+        if path.state.is_drawn {
+            self.drawn[path.state.sample as usize] = Drawn::new(from, pdf);
+            path.state.scatterings += 1;
         }
         if sample.wi.z < 0.0 {
             self.enter(path, beyond);
         }
-        self.survives(path)
+        self.survives(&mut path.state)
     }
 
     /// Whether a path that has just scattered goes on, with its throughput made up for that.
-    pub(super) fn survives(&mut self, path: &mut Path) -> bool {
-        let largest = path.throughput.max_element();
+    #[inline(always)]
+    pub(super) fn survives(&mut self, state: &mut State) -> bool {
+        let largest = state.throughput.max_element();
         let goes_on = match self.transport.stop {
-            Stop::Roulette if path.depth >= ROULETTE_FROM => self.roulette(path),
+            Stop::Roulette if state.depth >= ROULETTE_FROM => {
+                let survivor = self.roulette(*state);
+                state.throughput = survivor.unwrap_or(Rgb::ZERO);
+                survivor.is_some()
+            }
             Stop::Roulette | Stop::Depth => largest > 0.0,
             Stop::Threshold(threshold) => f64::from(largest) >= threshold,
         };
         goes_on || self.end(End::Stopped)
     }
 
-    /// Russian roulette.
+    /// Russian roulette. The throughput of a path that goes on; `None` for one that does not.
     ///
     /// What counts is the throughput times the squared index of refraction where the path is: light
     /// that refraction compressed is going to be spread again. A path whose weight `w` is below 1
@@ -89,22 +94,21 @@ impl<R: Recorder> Batch<'_, R> {
     /// what a path gathers grows by at most the factor `1 / w`, from `w^2` to `w`: the variance stays
     /// bounded. Ending long paths with a fixed share whatever they weigh, as is often done, breaks
     /// that: weights would grow without limit in a room of albedo near 1.
-    fn roulette(&mut self, path: &mut Path) -> bool {
-        let weight = path.throughput.max_element() * path.index_squared;
+    fn roulette(&mut self, state: State) -> Option<Rgb> {
+        let weight = state.throughput.max_element() * state.index_squared;
         let survival = weight.min(1.0);
         let paid = if fault!(RouletteUnpaid) { 1.0 } else { survival };
-        path.throughput /= paid.max(f32::MIN_POSITIVE);
-        let u = || path.sampler.get(Vertex::at(path.depth).roulette());
+        let throughput = state.throughput / paid.max(f32::MIN_POSITIVE);
+        let u = || self.samplers[state.sample as usize].get(Vertex::at(state.depth).roulette());
         let survives = survival >= 1.0 || u() < f64::from(survival);
-        let throughput = path.throughput;
         self.recorder.note(|| Step::Roulette { survival, survives, throughput });
-        survives
+        survives.then_some(throughput)
     }
 
     /// Goes over to the media beyond a boundary, if they are others.
     fn enter(&mut self, path: &Path, beyond: Option<&Media>) {
         let Some(media) = beyond else { return };
-        if let Some(here) = self.media.get_mut(path.sample as usize) {
+        if let Some(here) = self.media.get_mut(path.state.sample as usize) {
             self.tally.media_overflows += u64::from(media.overflowed() && !here.overflowed());
             *here = *media;
         }

@@ -15,7 +15,7 @@ impl<R: Recorder> Batch<'_, R> {
     /// Notes what the edge of a path meets, where that is wanted and the path looks straight from the
     /// camera.
     pub(super) fn see(&mut self, path: &Path, hit: Hit) {
-        if self.seen.is_empty() || path.depth > 1 {
+        if self.seen.is_empty() || path.state.depth > 1 {
             return;
         }
         let scene = self.world.scene;
@@ -23,10 +23,11 @@ impl<R: Recorder> Batch<'_, R> {
         let surface = scene.surface(hit.id);
         let media = self.media_of(path);
         let presence = surface.presence(hit.id, hit.side, media);
-        let throughput = path.throughput * media.transmittance(hit.t - path.ray.t_min);
+        let throughput = path.state.throughput * media.transmittance(hit.t - path.ray.t_min);
         let emission = throughput * (surface.material.emission * presence);
-        let is_seen = opacity::is_there(path, presence) && !self.is_hidden(path, &hit);
-        let record = &mut self.seen[path.sample as usize];
+        let is_seen =
+            opacity::is_there(path, self.sampler(path), presence) && !self.is_hidden(path, &hit);
+        let record = &mut self.seen[path.state.sample as usize];
         seen::add_emission(record, emission);
         if is_seen {
             seen::note(record, scene, &hit);
@@ -37,8 +38,8 @@ impl<R: Recorder> Batch<'_, R> {
 
     /// Notes that a path meets nothing but the background.
     pub(super) fn see_nothing(&mut self, path: &Path, radiance: Rgb) {
-        if let Some(record) = self.seen.get_mut(path.sample as usize) {
-            seen::add_emission(record, path.throughput * radiance);
+        if let Some(record) = self.seen.get_mut(path.state.sample as usize) {
+            seen::add_emission(record, path.state.throughput * radiance);
             record.distance = 0.0;
         }
     }

@@ -8,12 +8,12 @@ use crate::material::{Lobe, Media};
 use crate::math::Frame;
 use crate::sampling::power_heuristic;
 use crate::scene::Surface;
-use crate::scene::description::Estimator;
+use crate::scene::description::{Estimator, Miss};
 
 use super::super::dimension::Vertex;
 use super::super::trace::{End, Recorder, Step};
 use super::batch::Batch;
-use super::{Aims, Drawn, LONGEST, Path, opacity};
+use super::{Aims, Drawn, LONGEST, Path, State, opacity};
 
 impl<R: Recorder> Batch<'_, R> {
     /// A path that meets nothing: it sees the background. Returns whether it goes on.
@@ -23,38 +23,62 @@ impl<R: Recorder> Batch<'_, R> {
             return true;
         }
         let (scene, direction) = (self.world.scene, path.ray.direction);
-        let radiance = if path.depth == 1 {
+        let radiance = if path.state.depth == 1 {
             // Nothing has turned this path yet: it looks straight from the camera.
             let radiance = scene.seen_by_camera(direction);
-            self.radiance[path.sample as usize].alpha = radiance.alpha;
+            self.radiance[path.state.sample as usize].alpha = radiance.alpha;
             self.see_nothing(path, radiance.direct);
             radiance.direct
         } else {
             scene.background(direction)
         };
-        let is_lost = path.depth > 1 && fault!(BackgroundOnlySeen);
+        let is_lost = path.state.depth > 1 && fault!(BackgroundOnlySeen);
         let radiance = if is_lost { Rgb::ZERO } else { radiance };
         self.gather(path, Source::Background, radiance, true);
         self.end(End::Missed)
     }
 
+    /// The radiance of a background that is the same from everywhere, where meeting it takes no more
+    /// than [`Self::miss_evenly`].
+    pub(super) fn even_background(&self) -> Option<Rgb> {
+        let is_plain = !R::LISTENS && self.seen.is_empty() && !cfg!(feature = "faults");
+        let is_plain = is_plain && self.transport.miss != Miss::Redraw;
+        self.world.scene.lights().background().even().filter(|_| is_plain)
+    }
+
+    /// Ends a path that meets nothing but a background of this radiance, as [`Self::miss`] does:
+    /// nobody aims at such a background.
+    #[inline(always)]
+    pub(super) fn miss_evenly(&mut self, state: &State, mut radiance: Rgb) {
+        if state.depth == 1 {
+            self.radiance[state.sample as usize].alpha = 0.0;
+            if !self.world.scene.shows_background() {
+                radiance = Rgb::ZERO;
+            }
+        }
+        if radiance != Rgb::ZERO {
+            let added = self.arriving(state.throughput * radiance, state.scatterings);
+            self.add(state.sample, added);
+        }
+    }
+
     /// A path that meets a surface. Returns whether it goes on.
     pub(super) fn shade(&mut self, path: &mut Path, hit: &SurfaceHit, aims: &mut Aims<'_>) -> bool {
         if self.world.scene.has_media() {
-            path.throughput *= self.media_of(path).transmittance(hit.t - path.ray.t_min);
+            path.state.throughput *= self.media_of(path).transmittance(hit.t - path.ray.t_min);
         }
         let world_wo = -path.ray.direction;
-        let Path { depth, throughput, .. } = *path;
+        let State { depth, throughput, .. } = path.state;
         self.recorder.note(|| Step::Meet { depth, hit: *hit, wo: world_wo, throughput });
         let scene = self.world.scene;
         let surface = scene.surface(hit.id);
         let presence = surface.presence(hit.id, hit.side, self.media_of(path));
         if surface.material.is_emissive() {
-            let is_aimed_at = !opacity::is_behind_a_lamp(self.world.scene, path, hit);
+            let is_aimed_at = !opacity::is_behind_a_lamp(scene, self.drawn(path), hit);
             let radiance = surface.material.emission * presence;
             self.gather(path, Source::Lamp(hit.id), radiance, is_aimed_at);
         }
-        if presence < 1.0 && !opacity::is_there(path, presence) {
+        if presence < 1.0 && !opacity::is_there(path, self.sampler(path), presence) {
             return self.go_straight_on(path, hit);
         }
 
@@ -66,7 +90,7 @@ impl<R: Recorder> Batch<'_, R> {
         let Some(eta) = eta else { return self.pass_through(path, hit, beyond) };
 
         // Is another edge allowed?
-        if self.is_at_its_end(path) {
+        if self.is_at_its_end(&path.state) {
             return self.end(End::Depth);
         }
         if depth >= LONGEST {
@@ -76,8 +100,8 @@ impl<R: Recorder> Batch<'_, R> {
     }
 
     /// Whether a path has as many edges as it may.
-    pub(super) fn is_at_its_end(&self, path: &Path) -> bool {
-        path.depth - u32::from(fault!(DepthOffByOne)) >= self.transport.max_depth
+    pub(super) fn is_at_its_end(&self, state: &State) -> bool {
+        state.depth - u32::from(fault!(DepthOffByOne)) >= self.transport.max_depth
     }
 
     /// Aims at a light, then scatters. Returns whether the path goes on.
@@ -95,15 +119,16 @@ impl<R: Recorder> Batch<'_, R> {
         let receiver = Receiver { hit: *hit, is_two_sided: bsdf.transmits() };
         let frame = Frame::around(hit.facing_normal());
         let wo = frame.to_local(-path.ray.direction);
-        let may_scatter = path.scatterings < self.transport.most_scatterings;
+        let may_scatter = path.state.scatterings < self.transport.most_scatterings;
         if self.transport.estimator != Estimator::Bsdf && may_scatter && !bsdf.is_delta() {
             let aimed = self.aim_at_light(path, &receiver, &bsdf, &frame, wo, beyond);
             aims.extend(scene, aimed);
         }
-        let vertex = Vertex::at(path.depth);
-        let u = path.sampler.get_2d(vertex.direction());
+        let vertex = Vertex::at(path.state.depth);
+        let sampler = self.sampler(path);
+        let u = sampler.get_2d(vertex.direction());
         let u = if fault!(NumberReused) { [u[0]; 2] } else { u };
-        let lobe = if bsdf.has_lobes() { path.sampler.get(vertex.lobe()) } else { 0.0 };
+        let lobe = if bsdf.has_lobes() { sampler.get(vertex.lobe()) } else { 0.0 };
         let Some(sample) = bsdf.sample(wo, lobe, u) else {
             return self.end(End::Absorbed);
         };
@@ -111,7 +136,7 @@ impl<R: Recorder> Batch<'_, R> {
             return self.end(End::DirectOnly);
         }
         let goes_on = self.scatter(path, &receiver, &sample, frame.to_world(sample.wi), beyond);
-        path.depth += 1;
+        path.state.depth += 1;
         goes_on
     }
 
@@ -120,9 +145,10 @@ impl<R: Recorder> Batch<'_, R> {
         if radiance == Rgb::ZERO && !R::LISTENS {
             return;
         }
-        let aimed = path.drawn.filter(|_| is_aimed_at);
-        let pdf_light = aimed.map_or(0.0, |drawn| self.pdf_light(path, &drawn, source));
-        let pdf = path.drawn.map(|drawn| drawn.pdf);
+        let drawn = self.drawn(path);
+        let aimed = drawn.filter(|_| is_aimed_at);
+        let pdf_light = aimed.map_or(0.0, |drawn| self.pdf_light(path, drawn, source));
+        let pdf = drawn.map(|drawn| drawn.pdf);
         let weight = match (self.transport.estimator, pdf) {
             (Estimator::Mis, Some(_)) if fault!(DoubleCounting) => 1.0,
             (Estimator::Mis, Some(p)) if fault!(HeuristicSwapped) => {
@@ -132,8 +158,9 @@ impl<R: Recorder> Batch<'_, R> {
             (Estimator::Light, Some(_)) if pdf_light > 0.0 => 0.0,
             _ => 1.0,
         };
-        let added = self.arriving(path.throughput * radiance * weight, path.scatterings);
-        self.add(path.sample, added);
+        let added =
+            self.arriving(path.state.throughput * radiance * weight, path.state.scatterings);
+        self.add(path.state.sample, added);
         self.recorder.note(|| Step::Light { source, radiance, pdf, pdf_light, weight, added });
     }
 

@@ -104,6 +104,11 @@ impl Background {
         self.constant.is_some() && self.sun.is_none()
     }
 
+    /// The radiance, where it is the same from everywhere.
+    pub fn even(&self) -> Option<Rgb> {
+        if self.sun.is_none() { self.constant } else { None }
+    }
+
     /// Whether there is anything to aim at, sun or dome.
     pub(super) fn is_aimed_at(&self) -> bool {
         self.sun.is_some() || self.dome.aimed_at() > 0.0

@@ -19,6 +19,27 @@ impl SobolLanes {
     /// Dimensions of a set.
     pub const SET: u32 = SET;
 
+    /// Turns to samples of pixels, given for every lane.
+    #[inline(always)]
+    pub fn begin(
+        &mut self,
+        seed: u64,
+        pixel: impl Fn(usize) -> u64,
+        sample: impl Fn(usize) -> u32,
+    ) {
+        for lane in 0..LANES {
+            let Sobol { key, sample } = Sobol::new(seed, pixel(lane), sample(lane));
+            self.key.0[lane] = key;
+            self.sample.0[lane] = sample;
+        }
+    }
+
+    /// The numbers of a lane's sample.
+    #[inline(always)]
+    pub(in crate::sampling) fn take(&self, lane: usize) -> Sobol {
+        Sobol { key: self.key.0[lane], sample: self.sample.0[lane] }
+    }
+
     /// Puts the numbers of a sample into a lane.
     #[inline(always)]
     pub(in crate::sampling) fn put(&mut self, lane: usize, Sobol { key, sample }: Sobol) {

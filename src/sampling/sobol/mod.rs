@@ -28,6 +28,7 @@ pub(super) struct Sobol {
 }
 
 impl Sobol {
+    #[inline(always)]
     pub(super) fn new(seed: u64, pixel: u64, sample: u32) -> Self {
         Self { key: pixel_key(seed, pixel), sample: sample.reverse_bits() }
     }

@@ -12,13 +12,13 @@ use crate::color::Rgb;
 use crate::geometry::{PathRay, Side, SurfaceHit};
 use crate::light::{Receiver, Source};
 use crate::material::{Diffuse, Model};
-use crate::math::{Hit, Isa};
+use crate::math::{DVec3, Hit, Isa};
 use crate::sampling::{Hemisphere, SamplerKind};
 use crate::scene::description::Estimator;
 
-use super::super::trace::Recorder;
+use super::super::trace::{Added, Recorder};
 use super::batch::Batch;
-use super::{Aims, Drawn, LONGEST, Path, Shadow};
+use super::{Aims, Drawn, Gain, LONGEST, Path, Paths};
 
 pub(in super::super) use block::Block;
 use block::{AimAtLamp, Light, Meet, Turn, Waiting};
@@ -37,9 +37,11 @@ impl<R: Recorder> Batch<'_, R> {
     }
 
     /// The colour of the surface that a path meets, if it is one of those that a block takes.
-    pub(super) fn matt(&self, path: &Path, hit: Hit) -> Option<(Rgb, Rgb)> {
-        let is_in_medium = || self.media.get(path.sample as usize).is_some_and(|m| !m.is_vacuum());
-        if hit.is_miss() || path.ray.far_wall < f64::INFINITY || is_in_medium() {
+    #[inline(always)]
+    pub(super) fn matt(&self, paths: &Paths, index: usize, hit: Hit) -> Option<(Rgb, Rgb)> {
+        let sample = paths.states[index].sample as usize;
+        let is_in_medium = || self.media.get(sample).is_some_and(|media| !media.is_vacuum());
+        if hit.is_miss() || paths.rays.goes_in(index) || is_in_medium() {
             return None;
         }
         let surface = self.world.scene.surface(hit.id);
@@ -52,28 +54,31 @@ impl<R: Recorder> Batch<'_, R> {
     }
 
     /// Adds the light that shines at a vertex, and puts the vertex into the block unless the path
-    /// ends there. Returns whether it goes on in the block.
+    /// ends there.
+    #[inline(always)]
     pub(super) fn wait(
         &mut self,
         block: &mut Block,
+        paths: &Paths,
         index: usize,
-        path: &Path,
         id: u32,
         (albedo, emission): (Rgb, Rgb),
     ) {
+        let state = &paths.states[index];
         if emission.max_element() > 0.0 {
-            self.gather(path, Source::Lamp(id), emission, true);
+            self.gather(&paths.get(index), Source::Lamp(id), emission, true);
         }
-        if self.is_at_its_end(path) {
+        if self.is_at_its_end(state) {
             return;
         }
-        if path.depth >= LONGEST {
+        if state.depth >= LONGEST {
             self.cut_off();
             return;
         }
         let waiting = Waiting { path: index as u32, id, albedo };
         let sphere = self.world.scene.spheres().sphere(id);
-        block.push(waiting, &path.ray, &sphere, path.sampler, path.depth);
+        let sampler = self.samplers[state.sample as usize];
+        block.push(waiting, &paths.rays.get(index), &sphere, sampler, state.depth);
     }
 
     /// Works on the vertices of a block and empties it. What goes on is put behind `next`.
@@ -81,10 +86,13 @@ impl<R: Recorder> Batch<'_, R> {
         &mut self,
         isa: Isa,
         block: &mut Block,
-        paths: &[Path],
-        next: &mut Vec<Path>,
+        paths: &Paths,
+        next: &mut Paths,
         aims: &mut Aims<'_>,
     ) {
+        if block.count == 0 {
+            return;
+        }
         let scene = self.world.scene;
         let lights = scene.lights();
         let estimator = self.transport.estimator;
@@ -105,63 +113,65 @@ impl<R: Recorder> Batch<'_, R> {
         }
         isa.run(Turn { block, estimator });
         for lane in 0..block.count {
-            let mut path = paths[block.vertices[lane].path as usize];
-            if self.go_on(block, lane, &mut path, aims) {
-                next.push(path);
-            }
+            self.go_on(block, lane, paths, next, aims);
         }
         block.count = 0;
     }
 
-    /// Takes the outcome of a lane. Returns whether the path goes on.
-    fn go_on(&mut self, block: &Block, lane: usize, path: &mut Path, aims: &mut Aims<'_>) -> bool {
-        let scene = self.world.scene;
-        let Waiting { id, albedo, .. } = block.vertices[lane];
+    /// Takes the outcome of a lane.
+    #[inline(always)]
+    fn go_on(
+        &mut self,
+        block: &Block,
+        lane: usize,
+        paths: &Paths,
+        next: &mut Paths,
+        aims: &mut Aims<'_>,
+    ) {
+        let Waiting { path, id, albedo } = block.vertices[lane];
         let Light { radiance, sphere: lamp } = block.aim.lights[lane];
-        let pdf_aim = block.aim.pdf.0[lane];
+        let (pdf_aim, pdf) = (block.aim.pdf.0[lane], block.next.pdf.0[lane]);
         let is_own_lamp = lamp == id;
-        let is_from_inside = block.met.cos.0[lane] > 0.0;
         let is_within_lamp = pdf_aim < 0.0 && !is_own_lamp;
-        if is_from_inside || is_within_lamp || block.next.cos.0[lane] < 0.0 {
-            let Some(hit) = scene.spheres().answer(&path.ray, Hit { t: 0.0, id }) else {
-                return false;
-            };
-            return self.turn(path, &hit, &scene.surface(id), 1.0, None, aims);
+        if block.met.cos.0[lane] > 0.0 || is_within_lamp || block.next.cos.0[lane] < 0.0 {
+            return self.go_on_alone(id, paths.get(path as usize), next, aims);
         }
-        let hit = met(block, lane);
-        let matt = Diffuse { albedo };
+        let mut state = paths.states[path as usize];
+        let (point, normal) = (block.met.point.get(lane), block.met.normal.get(lane));
         if pdf_aim > 0.0 && !is_own_lamp {
-            let f = matt.eval(crate::math::DVec3::Z);
-            let light = path.throughput * f * radiance * block.aim.factor.0[lane];
+            let f = Diffuse { albedo }.eval(DVec3::Z);
+            let light = state.throughput * f * radiance * block.aim.factor.0[lane];
             if light != Rgb::ZERO {
-                let added = self.arriving(light, path.scatterings + 1);
-                let distance = block.aim.distance.0[lane];
-                let ray = PathRay {
-                    leaves: id,
-                    aims_at: lamp,
-                    t_max: distance,
-                    ..PathRay::free(hit.point, block.aim.direction.get(lane))
-                };
-                aims.shadows.push(Shadow {
-                    sample: path.sample,
-                    ray,
-                    light: added.light,
-                    is_direct: added.is_direct,
-                });
+                let (direction, t_max) =
+                    (block.aim.direction.get(lane), block.aim.distance.0[lane]);
+                let free = PathRay::free(point, direction);
+                let ray = PathRay { leaves: id, aims_at: lamp, t_max, ..free };
+                let Added { light, is_direct } = self.arriving(light, state.scatterings + 1);
+                aims.shadows.push(&ray, Gain { sample: state.sample, light, is_direct });
             }
         }
-        let pdf = block.next.pdf.0[lane];
-        if pdf <= 0.0 {
-            return false;
+        state.throughput *= albedo;
+        state.scatterings += 1;
+        state.is_drawn = true;
+        if pdf > 0.0 && self.survives(&mut state) {
+            state.depth += 1;
+            let free = PathRay::free(point, block.next.direction.get(lane));
+            next.rays.push(&PathRay { leaves: id, ..free });
+            next.states.push(state);
+            let (side, is_two_sided) = (Side::Outside, false);
+            self.drawn[state.sample as usize] =
+                Drawn { pdf, point, normal, id, side, is_two_sided };
         }
-        path.throughput *= albedo;
-        path.ray =
-            PathRay { leaves: id, ..PathRay::free(hit.point, block.next.direction.get(lane)) };
-        path.drawn = Some(Drawn::new(&Receiver { hit, is_two_sided: false }, pdf));
-        path.scatterings += 1;
-        let goes_on = self.survives(path);
-        path.depth += 1;
-        goes_on
+    }
+
+    /// A vertex that is unlike the others of its block.
+    #[inline(never)]
+    fn go_on_alone(&mut self, id: u32, mut path: Path, next: &mut Paths, aims: &mut Aims<'_>) {
+        let scene = self.world.scene;
+        let Some(hit) = scene.spheres().answer(&path.ray, Hit { t: 0.0, id }) else { return };
+        if self.turn(&mut path, &hit, &scene.surface(id), 1.0, None, aims) {
+            next.push(&path);
+        }
     }
 }
 

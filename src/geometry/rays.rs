@@ -1,0 +1,209 @@
+//! Rays of many paths, side by side: field by field in blocks, for loops that become vector instructions.
+
+use crate::math::{Isa, LANES, Lanes, Lanes3, MAX_COORDINATE, NO_SPHERE, Stage};
+
+use super::PathRay;
+
+/// Rays in an order, in blocks of [`LANES`].
+#[derive(Debug, Default)]
+pub struct PathRays {
+    /// As many as were ever needed; what lies behind `len` is old.
+    blocks: Vec<RayBlock>,
+    len: usize,
+}
+
+/// Some rays of [`PathRays`], whose fields are those of [`PathRay`].
+#[derive(Clone, Debug, Default)]
+pub struct RayBlock {
+    /// Where they start.
+    pub origin: Lanes3,
+    /// Where they go.
+    pub direction: Lanes3,
+    /// Hits at or before this distance do not count.
+    pub t_min: Lanes<f64>,
+    /// Hits at or beyond this distance do not count.
+    pub t_max: Lanes<f64>,
+    /// Where they meet the sphere that they leave again; infinite outwards.
+    pub far_wall: Lanes<f64>,
+    /// The sphere whose surface they start on.
+    pub leaves: Lanes<u32>,
+    /// The sphere that they aim at.
+    pub aims_at: Lanes<u32>,
+}
+
+impl PathRays {
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Adds one.
+    #[inline(always)]
+    pub fn push(&mut self, ray: &PathRay) {
+        if self.len / LANES == self.blocks.len() {
+            self.blocks.push(RayBlock::default());
+        }
+        self.len += 1;
+        self.set(self.len - 1, ray);
+    }
+
+    /// Adds as many as a block holds, or fewer, behind whole blocks. They leave points in space, in
+    /// directions that are still to be set.
+    ///
+    /// # Panics
+    /// When the last block has lanes left.
+    pub fn push_block(&mut self, count: usize) -> &mut RayBlock {
+        assert!(self.len % LANES == 0 && count <= LANES, "behind whole blocks");
+        let index = self.len / LANES;
+        if index == self.blocks.len() {
+            self.blocks.push(RayBlock::default());
+        }
+        self.len += count;
+        let block = &mut self.blocks[index];
+        block.t_max = Lanes::splat(f64::INFINITY);
+        block.far_wall = Lanes::splat(f64::INFINITY);
+        block.leaves = Lanes::splat(NO_SPHERE);
+        block.aims_at = Lanes::splat(NO_SPHERE);
+        block
+    }
+
+    /// Changes one.
+    #[inline(always)]
+    pub fn set(&mut self, index: usize, ray: &PathRay) {
+        let (block, lane) = (&mut self.blocks[index / LANES], index % LANES);
+        block.origin.set(lane, ray.origin);
+        block.direction.set(lane, ray.direction);
+        block.t_min.0[lane] = ray.t_min;
+        block.t_max.0[lane] = ray.t_max;
+        block.far_wall.0[lane] = ray.far_wall;
+        block.leaves.0[lane] = ray.leaves;
+        block.aims_at.0[lane] = ray.aims_at;
+    }
+
+    /// One of them.
+    #[inline(always)]
+    pub fn get(&self, index: usize) -> PathRay {
+        let (block, lane) = (&self.blocks[index / LANES], index % LANES);
+        PathRay {
+            origin: block.origin.get(lane),
+            direction: block.direction.get(lane),
+            t_min: block.t_min.0[lane],
+            t_max: block.t_max.0[lane],
+            leaves: block.leaves.0[lane],
+            aims_at: block.aims_at.0[lane],
+            far_wall: block.far_wall.0[lane],
+        }
+    }
+
+    /// Whether one goes into the sphere that it leaves.
+    #[inline(always)]
+    pub fn goes_in(&self, index: usize) -> bool {
+        self.blocks[index / LANES].far_wall.0[index % LANES] < f64::INFINITY
+    }
+
+    /// All, in order.
+    pub fn iter(&self) -> impl Iterator<Item = PathRay> + '_ {
+        (0..self.len).map(|index| self.get(index))
+    }
+
+    /// All blocks in use; the lanes of the last one that lie behind the rays hold what was there
+    /// before.
+    pub fn blocks(&self) -> &[RayBlock] {
+        &self.blocks[..self.len.div_ceil(LANES)]
+    }
+
+    /// How many a backend traces: those that are valid and whose interval is not empty.
+    pub fn count_traced(&self, isa: Isa) -> usize {
+        let mut count = 0;
+        let mut left = self.len;
+        for block in self.blocks() {
+            let mut is_traced = Lanes::default();
+            isa.run(Survey { block, is_traced: &mut is_traced });
+            let used = left.min(LANES);
+            count += is_traced.0[..used].iter().sum::<u32>() as usize;
+            left -= used;
+        }
+        count
+    }
+}
+
+impl RayBlock {
+    /// The end of the interval in which the ray of a lane may hit anything but its own far wall;
+    /// minus infinity if it may not be asked: the same rule as [`crate::math::Ray::is_valid`].
+    #[inline(always)]
+    pub fn end(&self, lane: usize) -> f64 {
+        const LIMIT: f64 = 4.0 * MAX_COORDINATE;
+        let [origin, direction] =
+            [self.origin.get(lane), self.direction.get(lane)].map(|v| v.abs());
+        let t_min = self.t_min.0[lane];
+        let (t_max, far_wall) = (self.t_max.0[lane], self.far_wall.0[lane]);
+        let t_max = if far_wall < t_max { far_wall } else { t_max };
+        // Without branches, which would keep loops from becoming vector instructions.
+        let is_valid = (origin.x <= LIMIT)
+            & (origin.y <= LIMIT)
+            & (origin.z <= LIMIT)
+            & (direction.x <= LIMIT)
+            & (direction.y <= LIMIT)
+            & (direction.z <= LIMIT)
+            & (t_min >= 0.0)
+            & (t_max >= 0.0)
+            & (t_min <= LIMIT);
+        if is_valid { t_max } else { f64::NEG_INFINITY }
+    }
+}
+
+/// Finds out which rays of a block are traced.
+struct Survey<'a> {
+    block: &'a RayBlock,
+    /// 1 or 0.
+    is_traced: &'a mut Lanes<u32>,
+}
+
+impl Stage for Survey<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for lane in 0..LANES {
+            let is_traced = self.block.t_min.0[lane] < self.block.end(lane);
+            self.is_traced.0[lane] = u32::from(is_traced);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+
+    #[test]
+    fn rays_come_back_as_they_were_pushed_and_those_that_cannot_be_asked_do_not_count() {
+        let mut rays = PathRays::default();
+        for round in 0..2 {
+            rays.clear();
+            for i in 0..100u32 {
+                let x = f64::from(i + round);
+                let ray = PathRay { leaves: i, ..PathRay::free(DVec3::new(x, 1.0, 2.0), DVec3::Z) };
+                rays.push(&match i % 4 {
+                    0 => ray,
+                    1 => PathRay { far_wall: 0.0, ..ray },
+                    2 => PathRay { origin: DVec3::splat(f64::NAN), ..ray },
+                    _ => PathRay { t_min: 1.0, t_max: 3.0, ..ray },
+                });
+            }
+            let found: Vec<PathRay> = rays.iter().collect();
+            assert_eq!(found.len(), 100);
+            assert_eq!(found[43].origin.x, 43.0 + f64::from(round));
+            assert!((0..100).all(|i| found[i as usize].leaves == i));
+            assert!(Isa::all().into_iter().all(|isa| rays.count_traced(isa) == 50));
+        }
+    }
+}
