@@ -8,8 +8,10 @@ use crate::color::{Radiance, Seen};
 const WIDTH: u32 = 21;
 const HEIGHT: u32 = 9;
 
+/// Samples that see nothing but light.
 fn light(samples: &[Radiance]) -> Run<'_> {
-    Run { light: samples, seen: &[] }
+    static SEEN: [Seen; 1024] = [Seen::NOTHING; 1024];
+    Run { light: samples, seen: &SEEN[..samples.len()] }
 }
 
 /// A sample of any size and sign that the scale allows, from its address alone.
@@ -93,6 +95,7 @@ fn assert_same(a: &Film, b: &Film) {
     for tile in 0..a.tiles.len() {
         let (a, b) = (a.lock(tile).clone(), b.lock(tile).clone());
         assert_eq!((a.sums, a.squares, a.counts), (b.sums, b.squares, b.counts));
+        assert_eq!(a.coverage, b.coverage);
         let open = |open: Vec<f64>| open.iter().map(|sum| sum.to_bits()).collect::<Vec<_>>();
         let (a, b) = (open(a.open), open(b.open));
         // Once there was an unfinished block, there is room for the next.

@@ -350,7 +350,7 @@ impl<S: Read> Hashing<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::{Radiance, Rgb};
+    use crate::color::{Radiance, Rgb, Seen};
     use crate::film::Run;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
@@ -374,7 +374,8 @@ mod tests {
                     ..Default::default()
                 })
                 .collect();
-            film.add(tile, &counts, Run { light: &samples, seen: &[] }).unwrap();
+            let seen = vec![Seen { row: 7, ..Seen::NOTHING }; samples.len()];
+            film.add(tile, &counts, Run { light: &samples, seen: &seen }).unwrap();
         }
         let records = vec![Record::new("seed", "7"), Record::new("scene", "format = 1\n\"x\"")];
         let (_folder, path) = written(&film, &records);

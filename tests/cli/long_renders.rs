@@ -62,7 +62,7 @@ fn what_does_not_add_up_is_refused_with_the_reason() {
     desk.run("render scene.toml -o left.part --samples 0..16 --crop 0,0,9,12").succeeds();
     desk.run("render scene.toml -o seed.part --samples 32..41 --seed 5").succeeds();
     desk.run("render scene.toml -o size.part --samples 32..41 --size 16x13").succeeds();
-    desk.run("render scene.toml -o accel.part --samples 32..41 --accel brute-force").succeeds();
+    desk.run("render scene.toml -o accel.part --samples 32..41 --accel native").succeeds();
     desk.run("render scene.toml -o short.part --samples 0..20 --spp 20").succeeds();
     fs::write(desk.path().join("other.toml"), SCENE.replace("0.2, 0.6, 0.2", "0.3, 0.6, 0.2"))
         .expect("written");
@@ -81,7 +81,7 @@ fn what_does_not_add_up_is_refused_with_the_reason() {
     refused("left.part b.part", &["samples 0..16 of the pixels 9,0,16,12 are missing"]);
     refused("a.part seed.part", &["are no parts of one picture", "the seed is 5, not 0"]);
     refused("a.part size.part", &["the picture's size is 16 x 13, not 16 x 12"]);
-    refused("a.part accel.part", &["the intersector is brute-force, not "]);
+    refused("a.part accel.part", &["the intersector is native, not "]);
     refused("a.part other.part", &["the scene file's text is another"]);
     let within = "`short.part` ends within a block, at sample 20, so that `c.part` cannot follow";
     refused("c.part short.part", &[within]);

@@ -96,6 +96,6 @@ fn bench_measures_the_intersectors_asked_for() {
     }
     let json = desk.run(&format!("{bench} --json")).succeeds().json();
     assert_eq!(json["backends"].as_array().map(Vec::len), Some(2));
-    let rate = &json["backends"][0]["bounced"]["closest_rays_per_s"];
+    let rate = &json["backends"][0]["rays"]["second_bounce"]["closest"]["rays_per_s"];
     assert!(rate.as_f64().is_some_and(|rate| rate > 1.0), "{json}");
 }
