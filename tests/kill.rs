@@ -25,13 +25,13 @@ spheres = [
     { center = [1, 1, 0], radius = 1, material = "glass" },
     { center = [0, 4, 0], radius = 0.5, material = "lamp" },
 ]
-render.samples_per_pixel = 135
+render.samples_per_pixel = 263
 "#;
 
 const KILLS: usize = 300;
 
 /// All samples of the picture.
-const ALL: u64 = 60 * 45 * 135;
+const ALL: u64 = 60 * 45 * 263;
 
 fn start(folder: &Path, command: &str) -> Child {
     Command::new(env!("CARGO_BIN_EXE_photosphere"))
