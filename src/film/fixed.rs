@@ -19,8 +19,8 @@ pub(super) trait Sum: Copy + Default {
     /// [`limit`].
     fn rounded(x: f64, step: i32) -> Self;
 
-    /// The sum, unless it overflows.
-    fn plus(self, other: Self) -> Option<Self>;
+    /// The sum, and whether it overflows.
+    fn plus(self, other: Self) -> (Self, bool);
 
     /// The value, rounded to f64.
     fn value(self, step: i32) -> f64;
@@ -40,13 +40,15 @@ impl Sum for i128 {
     const BITS: i32 = 126 - MOST_BLOCKS;
 
     fn rounded(x: f64, step: i32) -> Self {
-        let Parts { mantissa, shift } = Parts::of(x, step);
-        let magnitude = i128::from(mantissa) << shift;
-        if x < 0.0 { -magnitude } else { magnitude }
+        let [low, high] = Parts::of(x, step).words();
+        let magnitude = i128::from(high) << 64 | i128::from(low);
+        // Negated where the sign bit is set: this is called for every block, and must not branch.
+        let sign = i128::from(x.to_bits() as i64 >> 63);
+        (magnitude ^ sign) - sign
     }
 
-    fn plus(self, other: Self) -> Option<Self> {
-        self.checked_add(other)
+    fn plus(self, other: Self) -> (Self, bool) {
+        self.overflowing_add(other)
     }
 
     fn value(self, step: i32) -> f64 {
@@ -62,25 +64,21 @@ impl Sum for Wide {
     const BITS: i32 = 191 - MOST_BLOCKS;
 
     fn rounded(x: f64, step: i32) -> Self {
-        let Parts { mantissa, shift } = Parts::of(x, step);
-        let mut words = [0; 3];
-        let (word, bit) = (shift as usize / 64, shift % 64);
-        words[word] = mantissa << bit;
-        if bit > 0 && word < 2 {
-            words[word + 1] = mantissa >> (64 - bit);
-        }
-        Self(words)
+        let parts = Parts::of(x, step);
+        let [low, high] = parts.words();
+        Self(match parts.shift / 64 {
+            0 => [low, high, 0],
+            1 => [0, low, high],
+            _ => [0, 0, low],
+        })
     }
 
-    fn plus(self, other: Self) -> Option<Self> {
-        let mut carry = false;
-        let words = std::array::from_fn(|i| {
-            let (sum, over) = self.0[i].overflowing_add(other.0[i]);
-            let (sum, over_again) = sum.overflowing_add(u64::from(carry));
-            carry = over || over_again;
-            sum
-        });
-        (!carry).then_some(Self(words))
+    fn plus(self, other: Self) -> (Self, bool) {
+        let low = |Self([low, middle, _]): Self| u128::from(middle) << 64 | u128::from(low);
+        let (sum, carry) = low(self).overflowing_add(low(other));
+        let (high, over) = self.0[2].overflowing_add(other.0[2]);
+        let (high, over_again) = high.overflowing_add(u64::from(carry));
+        (Self([sum as u64, (sum >> 64) as u64, high]), over || over_again)
     }
 
     fn value(self, step: i32) -> f64 {
@@ -111,6 +109,12 @@ impl Parts {
             _ if shift < -MANTISSA => Self { mantissa: 0, shift: 0 },
             _ => Self { mantissa: (mantissa + (1 << (-shift - 1))) >> -shift, shift: 0 },
         }
+    }
+
+    /// The number's 128 bits, but for whole words of the shift; the lower ones first.
+    fn words(&self) -> [u64; 2] {
+        let bit = self.shift % 64;
+        [self.mantissa << bit, (self.mantissa >> 1) >> (63 - bit)]
     }
 }
 
@@ -159,10 +163,13 @@ mod tests {
         // Doubling is adding: 2^28 of them.
         let mut sum = Wide::rounded(f64::from_bits(limit::<Wide>(7).to_bits() - 1), 7);
         for _ in 0..MOST_BLOCKS {
-            sum = sum.plus(sum).expect("it fits");
+            let (double, over) = sum.plus(sum);
+            assert!(!over);
+            sum = double;
         }
-        assert_eq!(sum.plus(sum).and_then(|sum| sum.plus(sum)), None);
-        assert_eq!(i128::MAX.plus(1), None);
+        let (double, over) = sum.plus(sum);
+        assert!(!over && double.plus(double).1);
+        assert!(i128::MAX.plus(1).1 && i128::MIN.plus(-1).1);
     }
 
     proptest! {
@@ -182,8 +189,8 @@ mod tests {
             let low = |words: [u64; 3]| u128::from(words[1]) << 64 | u128::from(words[0]);
             let (sum, carry) = low(a).overflowing_add(low(b));
             let high = u128::from(a[2]) + u128::from(b[2]) + u128::from(carry);
-            let expected = u64::try_from(high).ok().map(|high| [sum as u64, (sum >> 64) as u64, high]);
-            prop_assert_eq!(Wide(a).plus(Wide(b)).map(|wide| wide.0), expected);
+            let expected = Wide([sum as u64, (sum >> 64) as u64, high as u64]);
+            prop_assert_eq!(Wide(a).plus(Wide(b)), (expected, high >> 64 > 0));
         }
     }
 }

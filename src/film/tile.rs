@@ -194,14 +194,20 @@ impl Tile {
             run.seen.iter().for_each(|seen| count_row(rows, seen.row, 1));
         }
         // Finished blocks move to the sums; the others stay open.
-        let grew = |pixel: usize| !runs[pixel].is_empty();
-        let is_finished = |pixel: usize| grew(pixel) && self.counts[pixel] % BLOCK == 0;
-        let all_finished = (0..pixels).all(is_finished);
-        let finished: Vec<bool> = (0..pixels).map(is_finished).collect();
+        let finished: Vec<bool> = runs
+            .iter()
+            .zip(&self.counts)
+            .map(|(run, count)| !run.is_empty() && count % BLOCK == 0)
+            .collect();
         self.add_squares(plan, &running, &finished);
+        let all_finished = finished.iter().all(|&finished| finished);
         let planes = running.chunks_exact_mut(pixels).zip(self.sums.chunks_exact_mut(pixels));
         for ((block, totals), &step) in planes.zip(&plan.steps) {
-            move_finished(block, totals, &finished, step);
+            if all_finished {
+                add_all(block, totals, step);
+            } else {
+                move_finished(block, totals, &finished, step);
+            }
         }
         self.open = if all_finished { Vec::new() } else { running };
         Ok(())
@@ -214,13 +220,12 @@ impl Tile {
         let step = plan.scale.step_of_squares();
         for (axis, totals) in self.squares.chunks_exact_mut(pixels).enumerate() {
             let plane = |first: usize| &blocks[(first + axis) * pixels..][..pixels];
-            let light = plane(direct).iter().zip(plane(indirect)).map(|(a, b)| a + b);
-            for ((total, light), &finished) in totals.iter_mut().zip(light).zip(finished) {
-                if finished {
-                    // So many blocks below the limit cannot overflow.
-                    *total = total.plus(Wide::rounded(light * light, step)).unwrap_or(*total);
-                }
-            }
+            let light = plane(direct).iter().zip(plane(indirect)).zip(finished);
+            let squares = light.map(|((a, b), &finished)| {
+                let light = if finished { a + b } else { 0.0 };
+                light * light
+            });
+            add_each(squares, totals, step);
         }
     }
 
@@ -264,7 +269,6 @@ impl Tile {
         other: &Self,
         other_pixel: usize,
     ) -> Result<()> {
-        let overflow = || Error::input("the sums of these films are too large to be added");
         let (pixels, other_pixels) = (self.counts.len(), other.counts.len());
         let at = |plane: usize| (plane * pixels + pixel, plane * other_pixels + other_pixel);
         if other.counts[other_pixel] == 0 {
@@ -275,13 +279,18 @@ impl Tile {
             return Err(Error::input("two films have an unfinished block of the same pixel"));
         }
         self.make_room(plan);
+        let mut overflows = false;
         for plane in 0..plan.sums() {
             let (to, from) = at(plane);
-            self.sums[to] = self.sums[to].plus(other.sums[from]).ok_or_else(overflow)?;
+            let (sum, over) = self.sums[to].plus(other.sums[from]);
+            self.sums[to] = sum;
+            overflows |= over;
         }
         for plane in 0..plan.wide_sums() {
             let (to, from) = at(plane);
-            self.squares[to] = self.squares[to].plus(other.squares[from]).ok_or_else(overflow)?;
+            let (sum, over) = self.squares[to].plus(other.squares[from]);
+            self.squares[to] = sum;
+            overflows |= over;
         }
         if unfinished {
             self.open.resize(pixels * plan.sums(), 0.0);
@@ -298,9 +307,12 @@ impl Tile {
             self.left_out.resize(pixels, 0);
             self.left_out[pixel] += left_out;
         }
-        let count = self.counts[pixel].checked_add(other.counts[other_pixel]);
-        self.counts[pixel] = count.ok_or_else(overflow)?;
-        Ok(())
+        let (count, over) = self.counts[pixel].overflowing_add(other.counts[other_pixel]);
+        self.counts[pixel] = count;
+        match overflows || over {
+            true => Err(Error::input("the sums of these films are too large to be added")),
+            false => Ok(()),
+        }
     }
 
     /// How many samples of a pixel its sums hold.
@@ -336,13 +348,27 @@ fn count_row(rows: &mut Vec<(u32, u32)>, row: u32, more: u32) {
     }
 }
 
+/// Adds the blocks of one plane to its sums.
+fn add_all<S: Sum>(blocks: &[f64], totals: &mut [S], step: i32) {
+    add_each(blocks.iter().copied(), totals, step);
+}
+
 /// Adds the finished blocks of one plane to its sums, and leaves zeros in their place.
 fn move_finished<S: Sum>(blocks: &mut [f64], totals: &mut [S], finished: &[bool], step: i32) {
-    for ((block, total), &finished) in blocks.iter_mut().zip(totals).zip(finished) {
-        if finished {
-            // So many blocks below the limit cannot overflow.
-            *total = total.plus(S::rounded(*block, step)).unwrap_or(*total);
-            *block = 0.0;
-        }
+    let taken = blocks
+        .iter_mut()
+        .zip(finished)
+        .map(|(block, &finished)| if finished { std::mem::take(block) } else { 0.0 });
+    add_each(taken, totals, step);
+}
+
+fn add_each<S: Sum>(values: impl Iterator<Item = f64>, totals: &mut [S], step: i32) {
+    let mut overflows = false;
+    for (total, value) in totals.iter_mut().zip(values) {
+        let (sum, over) = total.plus(S::rounded(value, step));
+        *total = sum;
+        overflows |= over;
     }
+    // So many blocks below the limit cannot, and larger sums are not read from files.
+    debug_assert!(!overflows, "the limits leave room for every block");
 }
