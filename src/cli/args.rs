@@ -109,6 +109,13 @@ pub(super) struct SceneArgs {
     #[arg(value_name = "SCENE")]
     pub(super) path: PathBuf,
 
+    #[command(flatten)]
+    options: SceneOptions,
+}
+
+/// What is changed in the scene, and how much of the machine is used.
+#[derive(Args, Debug)]
+pub(super) struct SceneOptions {
     /// Set any key of the scene, as in --set materials.grass.albedo=[0.1,0.5,0.1]; may be repeated
     #[arg(long, value_name = "KEY=VALUE", value_parser = setting)]
     set: Vec<Setting>,
@@ -229,13 +236,19 @@ pub(super) struct CrosscheckArgs {
 Examples:
   photosphere bench scenes/paper/fig2.toml
   photosphere bench grains.toml --accel native --accel embree --threads 1 --rounds 9 --json
+  photosphere bench grains.toml --svg grains.svg
+  photosphere bench --suite speed.html --largest 1e6
 
 Rays come from the camera, from one and from two diffuse bounces, and as shadow rays from what the
 camera sees towards any sphere. Intersectors take turns, so that a busy machine hinders all alike.
 `other ids` counts rays, of some thousands of each kind, that the first intersector answers otherwise.")]
 pub(super) struct BenchArgs {
+    /// The scene file
+    #[arg(value_name = "SCENE", required_unless_present = "suite")]
+    pub(super) path: Option<PathBuf>,
+
     #[command(flatten)]
-    pub(super) scene: SceneArgs,
+    pub(super) scene: SceneOptions,
 
     #[command(flatten)]
     pub(super) accels: AccelsArg,
@@ -257,8 +270,22 @@ pub(super) struct BenchArgs {
     pub(super) batch: u32,
 
     /// Print JSON instead of a table
-    #[arg(long)]
+    #[arg(long, conflicts_with = "suite")]
     pub(super) json: bool,
+
+    /// Draw the rates as bars
+    #[arg(long, value_name = "FILE", conflicts_with = "suite")]
+    pub(super) svg: Option<PathBuf>,
+
+    /// Measure the standard scenes in place of one, and write a page about them: gas, packed spheres,
+    /// clusters and a lattice of 3, 100, 1000 spheres and so on, as far as memory allows
+    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["path", "set"])]
+    pub(super) suite: Option<PathBuf>,
+
+    /// The most spheres of the suite, as in 1e6
+    #[arg(long, value_name = "N", requires = "suite", value_parser = generate::count)]
+    #[arg(allow_negative_numbers = true)]
+    pub(super) largest: Option<u64>,
 }
 
 /// Say what is in a scene and what of it deserves attention, or how a picture was made
@@ -308,6 +335,23 @@ impl std::fmt::Display for Size {
 }
 
 impl SceneArgs {
+    /// Threads asked for.
+    pub(super) fn threads(&self) -> Option<usize> {
+        self.options.threads()
+    }
+
+    /// Asks for other threads.
+    pub(super) fn set_threads(&mut self, threads: Option<usize>) {
+        self.options.set_threads(threads);
+    }
+
+    /// What `--set` says.
+    pub(super) fn overrides(&self) -> Vec<Override> {
+        self.options.overrides()
+    }
+}
+
+impl SceneOptions {
     /// Threads asked for.
     pub(super) fn threads(&self) -> Option<usize> {
         self.threads

@@ -1,24 +1,26 @@
 //! `photosphere bench`: rays per second of every intersector, on the rays of a scene.
 
+use std::io::Write;
+use std::path::Path;
+
 use serde_json::{Value, json};
 
-use crate::accel::{Accel, BuildOptions, Choice, Chosen};
-use crate::error::Result;
+use crate::accel::{BuildOptions, Choice, Chosen};
+use crate::error::{Error, Result};
 use crate::geometry::PathRay;
 use crate::math::Ray;
+use crate::output::WholeFile;
 use crate::scene::{Opened, Scene, open_file};
-use crate::verify::bench::{BackendBench, Rate, Rates, RayKind, Rounds, bench};
-use crate::verify::rays;
+use crate::verify::bench::{
+    BackendBench, KINDS, Rate, Rates, RayKind, Rounds, bench, kinds_of_rays,
+};
+use crate::verify::bench_page::drawing as drawing_of;
 
 use super::args::BenchArgs;
 use super::exit::Exit;
 use super::memory::Needs;
-use super::{interrupt, memory, on_threads, print};
+use super::{interrupt, memory, on_threads, print, suite, system};
 
-/// Kinds of rays.
-const KINDS: usize = 4;
-/// Chooses the directions of the bounces.
-const SEED: u64 = 0;
 /// More camera rays than this only take memory.
 const MOST_RAYS: usize = 1 << 20;
 
@@ -26,11 +28,17 @@ const MOST_RAYS: usize = 1 << 20;
 /// When the scene cannot be had or an intersector not be built.
 pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
     interrupt::listen();
-    on_threads(args.scene.threads(), || measure(args))
+    on_threads(args.scene.threads(), || match (&args.suite, &args.path) {
+        (Some(page), _) => suite::run(args, page),
+        (None, Some(scene)) => measure(args, scene),
+        (None, None) => Err(Error::input("there is nothing to measure")
+            .with_help("name a scene, or ask for --suite FILE.html")),
+    })
 }
 
-fn measure(args: &BenchArgs) -> Result<Exit> {
-    let opened = open_file(&args.scene.path, &args.scene.overrides())?;
+fn measure(args: &BenchArgs, path: &Path) -> Result<Exit> {
+    let drawing = args.svg.as_deref().map(WholeFile::new).transpose()?;
+    let opened = open_file(path, &args.scene.overrides())?;
     let backends = args.accels.backends();
     let besides = bytes_of_rays(&opened, backends.len());
     memory::check(&opened, &Needs { backends, kinds: &[], besides }, args.memory.limit)?;
@@ -38,9 +46,17 @@ fn measure(args: &BenchArgs) -> Result<Exit> {
     let spheres = scene.spheres();
     let (threads, quality) = (rayon::current_num_threads(), args.build.quality);
     let build = BuildOptions { threads, quality, ..Default::default() };
-    let kinds = rays_of(&scene, &*backends[0].build(spheres, &build)?);
+    let camera = camera_rays(&scene);
+    let kinds = kinds_of_rays(spheres, &*backends[0].build(spheres, &build)?, camera);
     let rounds = Rounds { count: args.rounds.into(), batch: args.batch as usize };
     let results = bench(spheres, backends, &kinds, &build, rounds)?;
+    if let Some(file) = drawing {
+        let title = format!("{}: rays per second", path.display());
+        let spheres = print::count(spheres.len(), "sphere");
+        let subtitle = format!("{spheres}, {}", circumstances(rounds));
+        let svg = drawing_of(&title, &subtitle, &kinds, &results)?;
+        file.write(|to| to.write_all(svg.as_bytes()))?;
+    }
     let report = Report { scene: &scene, rounds, kinds: &kinds, results: &results };
     if args.json {
         print::json(&report.in_json())?;
@@ -58,24 +74,15 @@ fn bytes_of_rays(opened: &Opened, backends: usize) -> u64 {
     (rays * each) as u64
 }
 
-/// Rays of the camera, what becomes of them at diffuse surfaces, and shadow rays.
-fn rays_of(scene: &Scene, accel: &dyn Accel) -> Vec<RayKind> {
-    let spheres = scene.spheres();
-    let camera = camera_rays(scene);
-    let first = rays::bounces(spheres, accel, &camera, SEED);
-    let second = rays::bounces(spheres, accel, &first, SEED + 1);
-    let shadow = rays::shadows(spheres, accel, &camera, SEED + 2);
-    let kinds: [_; KINDS] = [
-        ("camera", camera),
-        ("first bounce", first),
-        ("second bounce", second),
-        ("shadow", shadow),
-    ];
-    let ask = |(name, rays): (_, Vec<PathRay>)| RayKind {
-        name,
-        rays: rays.iter().map(|ray| spheres.ask(ray)).collect(),
-    };
-    kinds.into_iter().map(ask).collect()
+/// On what, and how, was measured.
+pub(super) fn circumstances(rounds: Rounds) -> String {
+    let threads = print::count(rayon::current_num_threads(), "thread");
+    let processor = system::processor().map_or(String::new(), |name| format!(" of {name}"));
+    let rays = print::count(rounds.batch, "ray");
+    format!(
+        "{threads}{processor}, {rays} a call, median of {}",
+        print::count(rounds.count, "round")
+    )
 }
 
 /// Which two numbers give the middle of a lens, or nearly so where it has blades.

@@ -26,6 +26,7 @@ mod progress;
 mod render;
 mod reproduce;
 mod resume;
+mod suite;
 mod system;
 mod trace;
 mod verify;

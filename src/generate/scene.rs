@@ -4,6 +4,18 @@ use std::path::Path;
 
 use super::{Arrangement, Recipe};
 
+/// Where the camera looks.
+const LOOK_AT: [f64; 3] = [0.02, -0.06, 0.0];
+
+impl Recipe {
+    /// Where the camera of [`scene_text`] stands, where it looks, and its vertical field of view in
+    /// degrees.
+    pub fn view(&self) -> ([f64; 3], [f64; 3], f64) {
+        let view = view(self.arrangement);
+        (view.position, LOOK_AT, view.fov)
+    }
+}
+
 /// The text of a scene that shows the table `file`.
 pub fn scene_text(recipe: &Recipe, file: &Path) -> String {
     let Recipe { arrangement, count, seed, colors, .. } = recipe;
@@ -25,7 +37,7 @@ filter = "blackman-harris"
 
 [camera]
 position = {position:?}
-look_at = [0.02, -0.06, 0.0]
+look_at = {LOOK_AT:?}
 vertical_fov_degrees = {fov:?}
 
 [background.gradient]

@@ -74,20 +74,32 @@ impl MemoryPlan {
         let description = opened.description();
         // How bright the lamps are does not change the film's size.
         let format = super::format_of_description(description, Scale::of_brightest(1.0), kinds);
-        let count = opened.sphere_count();
         let written_out = description.spheres.len() as u64;
+        let bare = Self::of_spheres(opened.sphere_count(), backends, threads);
+        Self {
+            spheres: bare.spheres + written_out * WRITTEN_OUT,
+            colors: bytes_of_colors(opened, colors),
+            lamps: count_lamps(opened) * LAMP,
+            background: opened.environment_pixels() * BACKGROUND_PIXEL,
+            film: Film::bytes(&format) as u64 + format.frame.pixels() as u64 * PICTURE_PIXEL,
+            ..bare
+        }
+    }
+
+    /// The plan for so many spheres without anything else, and these intersectors.
+    pub fn of_spheres(count: u64, backends: &[Backend], threads: usize) -> Self {
         let mut trees = Trees::default();
         backends.iter().for_each(|backend| trees.build(*backend, count));
         let with_embree = backends.iter().any(|backend| backend.uses_embree());
         Self {
-            spheres: count * SPHERE + written_out * WRITTEN_OUT,
+            spheres: count * SPHERE,
             rows: count * ROW,
-            colors: bytes_of_colors(opened, colors),
-            lamps: count_lamps(opened) * LAMP,
-            background: opened.environment_pixels() * BACKGROUND_PIXEL,
+            colors: 0,
+            lamps: 0,
+            background: 0,
             tree: trees.finished,
             build: trees.peak,
-            film: Film::bytes(&format) as u64 + format.frame.pixels() as u64 * PICTURE_PIXEL,
+            film: 0,
             program: PROGRAM[usize::from(with_embree)] + threads as u64 * THREAD,
         }
     }

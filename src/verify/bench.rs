@@ -11,8 +11,10 @@ use rayon::prelude::*;
 
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::Result;
-use crate::geometry::SphereSet;
+use crate::geometry::{PathRay, SphereSet};
 use crate::math::{Hit, Ray};
+
+use super::rays;
 
 /// Rays of one run of neighbouring rays.
 const RUN: usize = 512;
@@ -72,6 +74,30 @@ pub struct Rate {
     pub median: f64,
     /// Half of the rounds lie within this share of the median, up and down.
     pub spread: f64,
+}
+
+/// Kinds of rays that [`kinds_of_rays`] makes.
+pub const KINDS: usize = 4;
+
+/// Chooses the directions of bounces and shadow rays.
+const SEED: u64 = 0;
+
+/// Rays of a camera, what becomes of them at diffuse surfaces, and shadow rays.
+pub fn kinds_of_rays(spheres: &SphereSet, accel: &dyn Accel, camera: Vec<PathRay>) -> Vec<RayKind> {
+    let first = rays::bounces(spheres, accel, &camera, SEED);
+    let second = rays::bounces(spheres, accel, &first, SEED + 1);
+    let shadow = rays::shadows(spheres, accel, &camera, SEED + 2);
+    let kinds: [_; KINDS] = [
+        ("camera", camera),
+        ("first bounce", first),
+        ("second bounce", second),
+        ("shadow", shadow),
+    ];
+    let ask = |(name, rays): (_, Vec<PathRay>)| RayKind {
+        name,
+        rays: rays.iter().map(|ray| spheres.ask(ray)).collect(),
+    };
+    kinds.into_iter().map(ask).collect()
 }
 
 /// Builds every backend and measures them against each other on the current rayon pool.

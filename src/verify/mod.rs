@@ -2,12 +2,15 @@
 //! answer and compare every speed.
 
 pub mod bench;
+pub mod bench_page;
+pub mod chart;
 pub mod check;
 pub mod chi2;
 pub mod closed_forms;
 pub mod converge;
 pub mod crosscheck;
 mod densities;
+mod drawing;
 mod exact;
 pub mod intersectors;
 pub mod judge;
@@ -16,6 +19,7 @@ pub mod metrics;
 mod quadrature;
 pub mod rays;
 pub mod report;
+pub mod standard;
 pub mod statistics;
 mod suite;
 

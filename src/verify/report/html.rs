@@ -1,7 +1,19 @@
 //! The few words of HTML that a report is written in.
 
+const STYLE: &str = include_str!("style.css");
+
+/// A whole page that needs nothing beside itself.
+pub(in crate::verify) fn page_of(title: &str, body: &str) -> String {
+    let head = element("title", "", &escape(title))
+        + &element("style", "", STYLE)
+        + "<meta name=viewport content=\"width=device-width, initial-scale=1\">\n";
+    format!(
+        "<!doctype html>\n<html lang=en>\n<meta charset=utf-8>\n{head}<body>\n{body}</body>\n</html>\n"
+    )
+}
+
 /// The text with what HTML would read as markup replaced.
-pub(super) fn escape(text: &str) -> String {
+pub(in crate::verify) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -16,13 +28,13 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// An element around markup.
-pub(super) fn element(tag: &str, attributes: &str, inner: &str) -> String {
+pub(in crate::verify) fn element(tag: &str, attributes: &str, inner: &str) -> String {
     let space = if attributes.is_empty() { "" } else { " " };
     format!("<{tag}{space}{attributes}>{inner}</{tag}>\n")
 }
 
 /// A table: the words of its head, and the markup of its cells.
-pub(super) fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+pub(in crate::verify) fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let head: String = head.iter().map(|word| element("th", "", &escape(word))).collect();
     let row = |cells: Vec<String>| {
         let cells: String = cells.iter().map(|cell| element("td", "", cell)).collect();

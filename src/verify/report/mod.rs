@@ -1,13 +1,11 @@
 //! The report of a suite: one HTML page that needs nothing beside itself.
 
-mod html;
+pub(super) mod html;
 mod picture;
 
 use super::check::{Check, FAMILY_SIGNIFICANCE, Group, Outcome};
 use super::closed_forms::{FORMS, Form};
-use html::{element, escape, table};
-
-const STYLE: &str = include_str!("style.css");
+use html::{element, escape, page_of, table};
 
 /// A check and what came of it.
 pub type Judged<'a> = (&'a Check, &'a Outcome);
@@ -33,12 +31,7 @@ pub fn page(facts: &[(&str, String)], judged: &[Judged<'_>]) -> String {
             body += &section(group, &of_group);
         }
     }
-    let head = element("title", "", "photosphere: verification report")
-        + &element("style", "", STYLE)
-        + "<meta name=viewport content=\"width=device-width, initial-scale=1\">\n";
-    format!(
-        "<!doctype html>\n<html lang=en>\n<meta charset=utf-8>\n{head}<body>\n{body}</body>\n</html>\n"
-    )
+    page_of("photosphere: verification report", &body)
 }
 
 fn verdict(total: usize, failed: usize) -> String {

@@ -1,0 +1,78 @@
+//! The standard scenes of `photosphere bench --suite`: the same for everyone, of any size, made in
+//! memory.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::camera::{Camera, Mount, Projection};
+use crate::error::Result;
+use crate::generate::{Arrangement, Recipe};
+use crate::geometry::{PathRay, SphereRows, SphereSet};
+use crate::math::DVec3;
+
+/// Pixels along each side of the picture that camera rays go through.
+const SIDE: u32 = 512;
+/// Chooses the spheres.
+const SEED: u64 = 0;
+
+/// Spheres, and the rays of a camera that looks at them.
+#[derive(Debug)]
+pub struct StandardScene {
+    /// The spheres.
+    pub spheres: Arc<SphereSet>,
+    /// One ray through the middle of every pixel, row by row.
+    pub camera: Vec<PathRay>,
+}
+
+impl StandardScene {
+    /// So many spheres of `photosphere generate`, seen as by the scene that it writes.
+    ///
+    /// # Errors
+    /// When the number of spheres is impossible.
+    pub fn new(arrangement: Arrangement, count: u64) -> Result<Self> {
+        let recipe = Recipe::new(arrangement, count, SEED, false)?;
+        let table = (0..count).into_par_iter().map(|index| recipe.row(index).sphere).collect();
+        let spheres = SphereSet::new(SphereRows { exact: Vec::new(), table })?;
+        let (position, look_at, fov) = recipe.view();
+        let mount = Mount {
+            position: DVec3::from_array(position) - spheres.origin(),
+            towards: DVec3::from_array(look_at) - DVec3::from_array(position),
+            up: DVec3::Y,
+            near: 0.0,
+            size: [SIDE; 2],
+        };
+        let projection = Projection::Perspective { vertical_fov: fov.to_radians(), lens: None };
+        let camera = Camera::new(&mount, projection);
+        let pixels = (0..SIDE * SIDE).map(|pixel| {
+            let [x, y] = [pixel % SIDE, pixel / SIDE].map(|place| f64::from(place) + 0.5);
+            camera.ray(x, y, [0.5; 2])
+        });
+        let camera = pixels.collect();
+        Ok(Self { spheres: Arc::new(spheres), camera })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Backend, BuildOptions};
+    use crate::math::{Hit, Ray};
+
+    #[test]
+    fn the_camera_sees_the_spheres_however_many_there_are() {
+        for (name, arrangement) in Arrangement::NAMES {
+            for count in [3, 1000] {
+                let scene = StandardScene::new(arrangement, count).unwrap();
+                let options = BuildOptions::default();
+                let accel = Backend::Native.build(&scene.spheres, &options).unwrap();
+                let rays: Vec<Ray> =
+                    scene.camera.iter().map(|ray| scene.spheres.ask(ray)).collect();
+                let mut hits = vec![Hit::MISS; rays.len()];
+                accel.closest(&rays, &mut hits);
+                let met = hits.iter().filter(|hit| !hit.is_miss()).count();
+                assert!(met > rays.len() / 100, "{name} {count}: {met} of {}", rays.len());
+            }
+        }
+    }
+}
