@@ -4,15 +4,26 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use serde_json::Value;
+
 fn photosphere(folder: &Path, words: &str) -> Output {
     let program = env!("CARGO_BIN_EXE_photosphere");
     let run = Command::new(program).args(words.split_whitespace()).current_dir(folder).output();
     run.expect("the program starts")
 }
 
-fn succeed(folder: &Path, words: &str) {
+fn succeed(folder: &Path, words: &str) -> String {
     let output = photosphere(folder, words);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("it prints UTF-8")
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("it is JSON")
+}
+
+fn is_positive(value: &Value) -> bool {
+    value.as_f64().is_some_and(|value| value > 0.0)
 }
 
 #[test]
@@ -27,7 +38,13 @@ fn a_scene_is_drawn_and_the_suite_makes_a_page() {
     for text in ["s.toml", "camera rays, closest hit", "native", "brute-force", "M rays/s"] {
         assert!(svg.contains(text), "{text}");
     }
-    succeed(desk.path(), &format!("bench --suite page.html --largest 100 {few}"));
+    let suite =
+        succeed(desk.path(), &format!("bench --suite page.html --largest 100 {few} --json"));
+    let suite = json(&suite);
+    // Four arrangements of 3 and of 100 spheres.
+    assert_eq!(suite.as_array().map(Vec::len), Some(8));
+    assert_eq!(suite[7]["arrangement"], "lattice");
+    assert_eq!(suite[7]["measured"]["spheres"], 100);
     let page = read("page.html");
     for text in ["<h2>gas</h2>", "<h2>clusters</h2>", "second bounce rays, occluded", "<svg"] {
         assert!(page.contains(text), "{text}");
@@ -35,9 +52,62 @@ fn a_scene_is_drawn_and_the_suite_makes_a_page() {
 }
 
 #[test]
+fn batches_threads_and_whole_renders_are_compared() {
+    let desk = tempfile::tempdir().expect("a folder");
+    succeed(desk.path(), "generate packed -n 500 -o t.f32 --scene s.toml");
+    let bench = "bench s.toml --set image.width=16 --set image.height=12 --threads 2 --rounds 1 \
+                 --set render.samples_per_pixel=2 --accel native --accel brute-force --builds 2 \
+                 --batch 64,1 --scaling --render";
+    let text = succeed(desk.path(), bench);
+    for part in ["64 rays a call", "1 ray a call", "1 thread;", "2 threads;", "pure arithmetic"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let found = json(&succeed(desk.path(), &format!("{bench} --json")));
+    let settings = |key: &str, which: &str| -> Vec<u64> {
+        let all = found[key].as_array().expect("a list");
+        all.iter().filter_map(|one| one[which].as_u64()).collect()
+    };
+    assert_eq!(settings("batches", "batch"), [64, 1]);
+    assert_eq!(settings("scaling", "threads"), [1, 2]);
+    let swept = &found["scaling"][1];
+    for accel in ["native", "brute-force"] {
+        assert!(is_positive(&swept["second_bounce"][accel]["occluded"]["rays_per_s"]), "{swept}");
+    }
+    assert!(is_positive(&swept["arithmetic_passes_per_s"]), "{swept}");
+    for render in found["renders"].as_array().expect("a list") {
+        assert_eq!(render["samples"], 16 * 12 * 2);
+        assert_eq!(render["other_pixels"], 0);
+        assert!(is_positive(&render["seconds"]), "{render}");
+        assert!(render["intersector_share"].as_f64().is_some_and(|share| share < 1.0), "{render}");
+    }
+}
+
+#[test]
+fn nothing_is_left_where_something_is_missing() {
+    let desk = tempfile::tempdir().expect("a folder");
+    for words in ["bench missing.toml --svg a.svg", "bench --suite no/such/page.html --largest 3"] {
+        let output = photosphere(desk.path(), words);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && said.starts_with("error:"), "{words}: {said}");
+        assert_eq!(fs::read_dir(desk.path()).expect("it is there").count(), 0, "{words}");
+    }
+    succeed(desk.path(), "bench --suite page.html --largest 100 --memory-limit 1MB");
+    let page = fs::read_to_string(desk.path().join("page.html")).expect("an empty page");
+    assert!(!page.contains("<svg"), "nothing fits into a megabyte");
+}
+
+#[test]
 fn bench_wants_a_scene_or_the_suite_and_not_both() {
     let desk = tempfile::tempdir().expect("a folder");
-    for words in ["bench", "bench s.toml --suite p.html", "bench s.toml --largest 5"] {
+    for words in [
+        "bench",
+        "bench s.toml --suite p.html",
+        "bench s.toml --largest 5",
+        "bench s.toml --batch 0",
+        "bench s.toml --batch 1,many",
+        "bench --suite p.html --svg a.svg",
+        "bench --suite p.html --render",
+    ] {
         assert_eq!(photosphere(desk.path(), words).status.code(), Some(2), "{words}");
     }
 }

@@ -5,6 +5,7 @@
 //! that `--spp 0` is refused in the same words as `samples_per_pixel = 0`.
 
 mod accel;
+mod bench;
 mod compare;
 mod converge;
 mod generate;
@@ -29,6 +30,7 @@ use super::goal::Goal;
 
 use accel::backends;
 pub(super) use accel::{AccelArg, AccelsArg, BuildArg};
+pub(super) use bench::BenchArgs;
 pub(super) use compare::{CompareArgs, Mapped, Metric};
 pub(super) use converge::ConvergeArgs;
 pub(super) use generate::GenerateArgs;
@@ -228,64 +230,6 @@ pub(super) struct CrosscheckArgs {
     /// Write the rays that were answered wrongly to a file
     #[arg(long, value_name = "FILE")]
     pub(super) dump: Option<PathBuf>,
-}
-
-/// Measure the rays per second of every intersector on a scene
-#[derive(Args, Debug)]
-#[command(after_help = "\
-Examples:
-  photosphere bench scenes/paper/fig2.toml
-  photosphere bench grains.toml --accel native --accel embree --threads 1 --rounds 9 --json
-  photosphere bench grains.toml --svg grains.svg
-  photosphere bench --suite speed.html --largest 1e6
-
-Rays come from the camera, from one and from two diffuse bounces, and as shadow rays from what the
-camera sees towards any sphere. Intersectors take turns, so that a busy machine hinders all alike.
-`other ids` counts rays, of some thousands of each kind, that the first intersector answers otherwise.")]
-pub(super) struct BenchArgs {
-    /// The scene file
-    #[arg(value_name = "SCENE", required_unless_present = "suite")]
-    pub(super) path: Option<PathBuf>,
-
-    #[command(flatten)]
-    pub(super) scene: SceneOptions,
-
-    #[command(flatten)]
-    pub(super) accels: AccelsArg,
-
-    #[command(flatten)]
-    pub(super) memory: MemoryArg,
-
-    #[command(flatten)]
-    pub(super) build: BuildArg,
-
-    /// Rounds in which all take turns; each figure is the median over them
-    #[arg(long, value_name = "N", default_value_t = 5, allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
-    pub(super) rounds: u16,
-
-    /// Rays in one call; an integrator has 256 to 1024
-    #[arg(long, value_name = "N", default_value_t = 512, allow_negative_numbers = true)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
-    pub(super) batch: u32,
-
-    /// Print JSON instead of a table
-    #[arg(long, conflicts_with = "suite")]
-    pub(super) json: bool,
-
-    /// Draw the rates as bars
-    #[arg(long, value_name = "FILE", conflicts_with = "suite")]
-    pub(super) svg: Option<PathBuf>,
-
-    /// Measure the standard scenes in place of one, and write a page about them: gas, packed spheres,
-    /// clusters and a lattice of 3, 100, 1000 spheres and so on, as far as memory allows
-    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["path", "set"])]
-    pub(super) suite: Option<PathBuf>,
-
-    /// The most spheres of the suite, as in 1e6
-    #[arg(long, value_name = "N", requires = "suite", value_parser = generate::count)]
-    #[arg(allow_negative_numbers = true)]
-    pub(super) largest: Option<u64>,
 }
 
 /// Say what is in a scene and what of it deserves attention, or how a picture was made

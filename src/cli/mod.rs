@@ -26,7 +26,6 @@ mod progress;
 mod render;
 mod reproduce;
 mod resume;
-mod suite;
 mod system;
 mod trace;
 mod verify;

@@ -2,8 +2,6 @@
 //! answer and compare every speed.
 
 pub mod bench;
-pub mod bench_page;
-pub mod chart;
 pub mod check;
 pub mod chi2;
 pub mod closed_forms;
@@ -19,7 +17,6 @@ pub mod metrics;
 mod quadrature;
 pub mod rays;
 pub mod report;
-pub mod standard;
 pub mod statistics;
 mod suite;
 

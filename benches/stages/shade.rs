@@ -1,0 +1,47 @@
+//! Paths in scenes of a few spheres, where finding hits costs next to nothing: camera, surfaces, lamps
+//! and scattering, on one thread, with each set of vector instructions that there is.
+
+use std::path::Path;
+
+use criterion::{BenchmarkId, Criterion, Throughput};
+
+use photosphere::accel::{Backend, BuildOptions, Cancel};
+use photosphere::color::Radiance;
+use photosphere::integrator::{SampleAddress, Workspace, World, of_scene};
+use photosphere::math::Isa;
+use photosphere::scene::Scene;
+
+/// Samples of a batch, as in a render.
+const SAMPLES: u32 = 1024;
+
+pub(crate) fn bench(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("shade");
+    group.throughput(Throughput::Elements(SAMPLES.into()));
+    for (name, file) in [("matt", "paper/fig2.toml"), ("materials", "materials.toml")] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(file);
+        let scene = Scene::load(&path, &[]).expect("a scene of ours");
+        let options = BuildOptions::default();
+        let accel = Backend::BruteForce.build(scene.spheres(), &options).expect("builds");
+        let world = World { scene: &scene, accel: &*accel, cancel: &Cancel::default() };
+        let integrator = of_scene(&scene);
+        // A block of neighbouring pixels in the middle, as a tile has them.
+        let image = scene.description().image;
+        let place = |i: u32| SampleAddress {
+            x: image.width / 2 + i / 16 % 8,
+            y: image.height / 2 + i / 128,
+            sample: i % 16,
+        };
+        let samples: Vec<_> = (0..SAMPLES).map(place).collect();
+        let mut radiance = vec![Radiance::default(); samples.len()];
+        for isa in Isa::all() {
+            let mut workspace = Workspace::with(isa);
+            group.bench_function(BenchmarkId::new(name, isa.name()), |bencher| {
+                bencher.iter(|| {
+                    radiance.fill(Radiance::default());
+                    integrator.estimate(world, &samples, &mut radiance, &mut workspace)
+                });
+            });
+        }
+    }
+    group.finish();
+}

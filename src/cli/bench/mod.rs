@@ -1,0 +1,166 @@
+//! `photosphere bench`: how fast every intersector answers, builds and renders.
+
+mod report;
+mod suite;
+
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::accel::{Backend, BuildOptions, Cancel};
+use crate::error::{Error, Result};
+use crate::film::Kind;
+use crate::geometry::{PathRay, SphereSet};
+use crate::math::Ray;
+use crate::output::WholeFile;
+use crate::scene::{Opened, Scene, open_file};
+use crate::verify::bench::page::Measured;
+use crate::verify::bench::{Field, KINDS, Rounds, SECOND_BOUNCE, Setting, bench, renders, sweep};
+
+use super::args::BenchArgs;
+use super::exit::Exit;
+use super::memory::Needs;
+use super::{interrupt, memory, on_threads, print, system};
+use report::Report;
+
+/// More camera rays than this only take memory.
+const MOST_RAYS: usize = 1 << 20;
+
+/// # Errors
+/// When the scene cannot be had, an intersector not be built, or a file not be written.
+pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
+    let interrupt = interrupt::listen();
+    on_threads(args.scene.threads(), || match (&args.suite, &args.path) {
+        (Some(page), _) => suite::run(args, page, &interrupt),
+        (None, Some(scene)) => measure_file(args, scene),
+        (None, None) => Err(Error::input("there is nothing to measure")
+            .with_help("name a scene, or ask for --suite FILE.html")),
+    })
+}
+
+fn measure_file(args: &BenchArgs, path: &Path) -> Result<Exit> {
+    let drawing = args.svg.as_deref().map(WholeFile::new).transpose()?;
+    let opened = open_file(path, &args.scene.overrides())?;
+    let backends = args.accels.backends();
+    let besides = bytes_of_rays(&opened, backends.len());
+    let kinds: &[Kind] = if args.render { &Kind::USUAL } else { &[] };
+    memory::check(&opened, &Needs { backends, kinds, besides }, args.memory.limit)?;
+    let scene = Scene::new(opened.read()?)?;
+    let cancel = Cancel::default();
+    let field = build(args, scene.spheres(), backends, &cancel)?;
+    let mut measured = measure(args, &field, camera_rays(&scene), &cancel)?;
+    if args.render {
+        measured.renders = renders(&scene, &field, args.rounds.into(), &cancel)?;
+    }
+    let spheres = scene.spheres().len();
+    if let Some(file) = drawing {
+        let title = format!("{}: speed of the intersectors", path.display());
+        let subtitle =
+            format!("{}, {}", print::count(spheres, "sphere"), circumstances(rounds(args)));
+        let svg = measured.drawing(&title, &subtitle)?;
+        file.write(|to| to.write_all(svg.as_bytes()))?;
+    }
+    let report = Report { spheres, rounds: rounds(args), measured: &measured };
+    if args.json {
+        print::json(&report.in_json())?;
+    } else {
+        print::result(&report.in_words())?;
+    }
+    Ok(Exit::Done)
+}
+
+fn rounds(args: &BenchArgs) -> Rounds {
+    let batch = args.batches.first().map_or(1, |&batch| batch as usize);
+    Rounds { count: args.rounds.into(), batch }
+}
+
+fn build(
+    args: &BenchArgs,
+    spheres: &Arc<SphereSet>,
+    backends: &[Backend],
+    cancel: &Cancel,
+) -> Result<Field> {
+    let (threads, quality) = (rayon::current_num_threads(), args.build.quality);
+    let options = BuildOptions { threads, quality, cancel: cancel.clone(), ..Default::default() };
+    Field::build(spheres, backends, &options, args.builds.into())
+}
+
+/// Everything but whole renders.
+fn measure(
+    args: &BenchArgs,
+    field: &Field,
+    camera: Vec<PathRay>,
+    cancel: &Cancel,
+) -> Result<Measured> {
+    let kinds = field.kinds_of_rays(camera);
+    let rounds = rounds(args);
+    let results = bench(field, &kinds, rounds, cancel)?;
+    let bounced = kinds.iter().find(|kind| kind.name == SECOND_BOUNCE);
+    let bounced = bounced.map_or(&[][..], |kind| &kind.rays);
+    let threads = rayon::current_num_threads();
+    let swept = |settings: &[Setting]| match settings {
+        [] | [_] => Ok(Vec::new()),
+        settings => sweep(field, bounced, settings, rounds.count, cancel),
+    };
+    let of_batch = |&batch: &u32| Setting { threads, batch: batch as usize };
+    let batches = swept(&args.batches.iter().map(of_batch).collect::<Vec<_>>())?;
+    let of_threads = |threads| Setting { threads, batch: rounds.batch };
+    let most = if args.scaling { threads } else { 1 };
+    let scaling = swept(&doubling(most).map(of_threads).collect::<Vec<_>>())?;
+    let kinds = kinds.iter().map(|kind| kind.name).collect();
+    Ok(Measured { kinds, results, batches, scaling, renders: Vec::new() })
+}
+
+/// 1, 2, 4 and so on, and the most.
+fn doubling(most: usize) -> impl Iterator<Item = usize> {
+    let powers = std::iter::successors(Some(1), |threads: &usize| Some(2 * threads));
+    powers.take_while(move |&threads| threads < most).chain([most])
+}
+
+/// What all the rays take at most, and the copies that each intersector is asked with.
+fn bytes_of_rays(opened: &Opened, backends: usize) -> u64 {
+    let image = opened.description().image;
+    let rays = (image.width as usize * image.height as usize).min(MOST_RAYS);
+    let each = KINDS * (size_of::<PathRay>() + size_of::<Ray>() * (1 + 2 * backends));
+    (rays * each) as u64
+}
+
+/// On what, and how, was measured.
+fn circumstances(rounds: Rounds) -> String {
+    let threads = print::count(rayon::current_num_threads(), "thread");
+    let processor = system::processor().map_or(String::new(), |name| format!(" of {name}"));
+    let rays = print::count(rounds.batch, "ray");
+    format!(
+        "{threads}{processor}, {rays} a call, median of {}",
+        print::count(rounds.count, "round")
+    )
+}
+
+/// Which two numbers give the middle of a lens, or nearly so where it has blades.
+const MIDDLE_OF_THE_LENS: [f64; 2] = [0.5; 2];
+
+/// One ray through the middle of every pixel, row by row.
+fn camera_rays(scene: &Scene) -> Vec<PathRay> {
+    let image = scene.description().image;
+    let width = image.width as usize;
+    let count = (width * image.height as usize).min(MOST_RAYS);
+    let ray = |pixel: usize| {
+        let (x, y) = ((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
+        scene.camera().ray(x, y, MIDDLE_OF_THE_LENS)
+    };
+    (0..count).map(ray).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_double_up_to_the_most() {
+        let of = |most| doubling(most).collect::<Vec<_>>();
+        assert_eq!(of(1), [1]);
+        assert_eq!(of(2), [1, 2]);
+        assert_eq!(of(6), [1, 2, 4, 6]);
+        assert_eq!(of(8), [1, 2, 4, 8]);
+    }
+}

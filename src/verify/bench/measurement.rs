@@ -1,0 +1,179 @@
+//! One question, put to one backend again and again, and what came of it.
+
+use std::borrow::Cow;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::accel::Accel;
+use crate::math::{Hit, Ray};
+
+/// Rays of one run of neighbouring rays.
+const RUN: usize = 512;
+/// What one measurement of one round should take at most, in seconds.
+const ROUND_SECONDS: f64 = 0.2;
+
+/// What was measured in several rounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figure {
+    /// The median over the rounds.
+    pub median: f64,
+    /// The middle half of the rounds is not below this,
+    pub low: f64,
+    /// and not above this.
+    pub high: f64,
+}
+
+impl Figure {
+    /// Of one value for each round; `None` without any.
+    pub fn of(mut values: Vec<f64>) -> Option<Self> {
+        values.sort_unstable_by(f64::total_cmp);
+        let last = values.len().checked_sub(1)?;
+        let median = 0.5 * (values[last / 2] + values[last.div_ceil(2)]);
+        let quarter = values.len() / 4;
+        Some(Self { median, low: values[quarter], high: values[last - quarter] })
+    }
+
+    /// Of one value alone.
+    pub fn once(value: f64) -> Self {
+        Self { median: value, low: value, high: value }
+    }
+
+    /// The same in another unit.
+    pub fn times(self, factor: f64) -> Self {
+        let Self { median, low, high } = self;
+        Self { median: factor * median, low: factor * low, high: factor * high }
+    }
+
+    /// Half the width of the middle half, as a share of the median.
+    pub fn spread(&self) -> f64 {
+        0.5 * (self.high - self.low) / self.median.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// What rays ask.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// The first sphere along each ray.
+    Closest,
+    /// Whether each ray hits anything.
+    Occluded,
+}
+
+impl Question {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Closest, Self::Occluded];
+
+    /// How long all the rays take, in batches shared among the threads of the current pool.
+    fn seconds_for(self, rays: &[Ray], batch: usize, accel: &dyn Accel) -> f64 {
+        match self {
+            Self::Closest => {
+                let mut hits = vec![Hit::MISS; rays.len()];
+                timed(rays, &mut hits, batch, |rays, hits| accel.closest(rays, hits))
+            }
+            Self::Occluded => {
+                let mut blocked = vec![false; rays.len()];
+                timed(rays, &mut blocked, batch, |rays, blocked| accel.occluded(rays, blocked))
+            }
+        }
+    }
+}
+
+/// One kind of question, put again and again.
+pub(super) struct Measurement<'a> {
+    question: Question,
+    rays: Cow<'a, [Ray]>,
+    batch: usize,
+    /// Rays per second of each round.
+    rates: Vec<f64>,
+}
+
+impl<'a> Measurement<'a> {
+    /// With as many rays as fit into a round, found by trying more and more.
+    pub(super) fn calibrated(
+        question: Question,
+        rays: &'a [Ray],
+        batch: usize,
+        accel: &dyn Accel,
+    ) -> Self {
+        let mut count = rays.len().min(1);
+        loop {
+            let chosen = spread(rays, count);
+            let seconds = question.seconds_for(&chosen, batch, accel);
+            if count >= rays.len() || seconds > ROUND_SECONDS / 4.0 {
+                return Self { question, rays: chosen, batch, rates: Vec::new() };
+            }
+            count = (4 * count).min(rays.len());
+        }
+    }
+
+    /// One more round, on the current pool.
+    pub(super) fn repeat(&mut self, accel: &dyn Accel) {
+        if !self.rays.is_empty() {
+            let seconds = self.question.seconds_for(&self.rays, self.batch, accel);
+            self.rates.push(self.rays.len() as f64 / seconds.max(1e-9));
+        }
+    }
+
+    /// Rays per second; `None` without rays.
+    pub(super) fn rate(&self) -> Option<Figure> {
+        Figure::of(self.rates.clone())
+    }
+}
+
+fn timed<T: Send>(
+    rays: &[Ray],
+    answers: &mut [T],
+    batch: usize,
+    ask: impl Fn(&[Ray], &mut [T]) + Sync,
+) -> f64 {
+    let start = Instant::now();
+    let batches = rays.par_chunks(batch).zip(answers.par_chunks_mut(batch));
+    batches.for_each(|(rays, answers)| ask(rays, answers));
+    start.elapsed().as_secs_f64()
+}
+
+/// `count` of the rays, in runs of neighbours that are spread evenly.
+pub(super) fn spread(rays: &[Ray], count: usize) -> Cow<'_, [Ray]> {
+    if count >= rays.len() {
+        return Cow::Borrowed(rays);
+    }
+    let run = count.clamp(1, RUN);
+    let runs = count / run;
+    let starts = (0..runs).map(|i| i * (rays.len() - run) / runs);
+    starts.flat_map(|start| &rays[start..start + run]).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{DVec3, NO_SPHERE};
+
+    fn ray(x: f64) -> Ray {
+        Ray::new(DVec3::new(x, 0.0, -9.0), DVec3::Z, 0.0, f64::INFINITY, [NO_SPHERE; 2])
+    }
+
+    #[test]
+    fn fewer_rays_come_from_everywhere() {
+        let rays: Vec<_> = (0..10_000).map(|i| ray(f64::from(i))).collect();
+        let chosen = spread(&rays, 2048);
+        assert_eq!(chosen.len(), 2048);
+        assert_eq!(chosen[0], rays[0]);
+        assert_eq!(chosen[511], rays[511]);
+        assert!(chosen[2047].origin[0] > 7000.0);
+        assert_eq!(spread(&rays, 1).len(), 1);
+        assert_eq!(*spread(&rays, 20_000), rays);
+    }
+
+    #[test]
+    fn a_figure_is_the_median_and_the_middle_half() {
+        let figure = Figure::of(vec![1.0, 50.0, 100.0, 25.0, 40.0]);
+        assert_eq!(figure, Some(Figure { median: 40.0, low: 25.0, high: 50.0 }));
+        assert_eq!(figure.map(|figure| figure.spread()), Some(0.5 * (50.0 - 25.0) / 40.0));
+        let two = Figure { median: 2.0, low: 1.0, high: 3.0 };
+        assert_eq!(Figure::of(vec![3.0, 1.0]), Some(two));
+        assert_eq!(Figure::of(vec![7.0]), Some(Figure::once(7.0)));
+        assert_eq!(two.times(0.5), Figure { median: 1.0, low: 0.5, high: 1.5 });
+        assert_eq!(Figure::of(Vec::new()), None);
+    }
+}

@@ -1,0 +1,153 @@
+//! How a rate changes with the rays of a call and with the threads.
+//!
+//! Cores that share caches, power and a clock do not give twice the work of one, whatever the program;
+//! so threads are held against a loop of arithmetic that touches no memory, measured in the same
+//! rounds.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::accel::Cancel;
+use crate::error::{Error, Result};
+use crate::math::Ray;
+
+use super::measurement::spread;
+use super::{Field, Figure, Measurement, Question};
+
+/// The most rays that are asked with.
+pub(super) const MOST_RAYS: usize = 1 << 18;
+
+/// Under what circumstances is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// Threads that share the work; at least one.
+    pub threads: usize,
+    /// Rays in one call; at least one.
+    pub batch: usize,
+}
+
+/// What was measured under one setting.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Swept {
+    /// Which one.
+    pub setting: Setting,
+    /// Rays per second of all threads, closest hit and occlusion, for each backend of the field in
+    /// its order.
+    pub rates: Vec<[Figure; 2]>,
+    /// Passes per second of the loop of arithmetic on as many threads.
+    pub arithmetic: Figure,
+}
+
+/// Measures every backend under every setting on rays of one kind, all in turns. Nothing comes of it
+/// where there are no rays.
+///
+/// # Errors
+/// When threads cannot be started, or on cancellation.
+pub fn sweep(
+    field: &Field,
+    rays: &[Ray],
+    settings: &[Setting],
+    rounds: usize,
+    cancel: &Cancel,
+) -> Result<Vec<Swept>> {
+    let rays = spread(rays, MOST_RAYS);
+    if rays.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut stands = Vec::new();
+    for &setting in settings {
+        stands.push(Stand::set_up(setting, field, &rays)?);
+    }
+    for _ in 0..rounds.max(1) {
+        for stand in &mut stands {
+            cancel.check()?;
+            stand.repeat(field);
+        }
+    }
+    Ok(stands.iter().filter_map(Stand::result).collect())
+}
+
+/// A setting with its measurements, for each backend.
+struct Stand<'a> {
+    setting: Setting,
+    pool: ThreadPool,
+    measurements: Vec<[Measurement<'a>; 2]>,
+    /// Passes per second of each round.
+    arithmetic: Vec<f64>,
+}
+
+impl<'a> Stand<'a> {
+    fn set_up(setting: Setting, field: &Field, rays: &'a [Ray]) -> Result<Self> {
+        let Setting { threads, batch } = setting;
+        let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build().map_err(|e| {
+            Error::input(format!("cannot start {threads} threads: {e}"))
+                .with_help("ask for fewer with --threads")
+        })?;
+        let measurements = pool.install(|| {
+            let of = |accel| Question::ALL.map(|q| Measurement::calibrated(q, rays, batch, accel));
+            field.accels().map(of).collect()
+        });
+        Ok(Self { setting, pool, measurements, arithmetic: Vec::new() })
+    }
+
+    fn repeat(&mut self, field: &Field) {
+        let Self { pool, measurements, arithmetic, .. } = self;
+        pool.install(|| {
+            for (accel, both) in field.accels().zip(measurements) {
+                both.iter_mut().for_each(|measurement| measurement.repeat(accel));
+            }
+            arithmetic.push(passes_per_second());
+        });
+    }
+
+    fn result(&self) -> Option<Swept> {
+        let rates =
+            |[closest, occluded]: &[Measurement<'_>; 2]| Some([closest.rate()?, occluded.rate()?]);
+        Some(Swept {
+            setting: self.setting,
+            rates: self.measurements.iter().map(rates).collect::<Option<_>>()?,
+            arithmetic: Figure::of(self.arithmetic.clone())?,
+        })
+    }
+}
+
+/// How often the threads of the current pool get through a loop of arithmetic in a second.
+fn passes_per_second() -> f64 {
+    const PASSES: usize = 256;
+    const STEPS: usize = 50_000;
+    let pass = |pass: usize| {
+        let mut lanes = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8].map(|x| x + pass as f64);
+        for _ in 0..STEPS {
+            lanes = lanes.map(|x| x * 0.999 + 0.5);
+        }
+        black_box(lanes);
+    };
+    let start = Instant::now();
+    (0..PASSES).into_par_iter().with_max_len(1).for_each(pass);
+    PASSES as f64 / start.elapsed().as_secs_f64().max(1e-9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Backend;
+    use crate::verify::bench::tests::{field, rays};
+
+    #[test]
+    fn every_setting_is_measured_for_every_backend() {
+        let field = field(&[Backend::Native, Backend::BruteForce]);
+        let settings = [(1, 1), (1, 64), (2, 64)];
+        let settings = settings.map(|(threads, batch)| Setting { threads, batch });
+        let swept = sweep(&field, &rays(), &settings, 1, &Cancel::default()).unwrap();
+        assert_eq!(swept.iter().map(|one| one.setting).collect::<Vec<_>>(), settings);
+        for one in &swept {
+            assert_eq!(one.rates.len(), 2);
+            let figures = one.rates.iter().flatten().chain([&one.arithmetic]);
+            assert!(figures.into_iter().all(|figure| figure.median > 1.0), "{one:?}");
+        }
+        assert_eq!(sweep(&field, &[], &settings, 1, &Cancel::default()).unwrap(), []);
+    }
+}
