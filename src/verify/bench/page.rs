@@ -132,7 +132,7 @@ pub fn page(facts: &[(&str, String)], entries: &[Entry]) -> Result<String> {
         if !of_scene.is_empty() {
             body += &element("h2", "", name);
             body += &charts.section(&of_scene)?;
-            body += &element("div", "class=scroll", &figures(&of_scene));
+            body += &element("div", "class=\"scroll figures\"", &figures(&of_scene));
         }
     }
     Ok(page_of(title, &body))
@@ -230,6 +230,9 @@ fn chart(title: &str, axes: &Option<Axes>, entries: &[&Entry], value: Value<'_>)
     }
 }
 
+/// Stands where there is no figure.
+const NOTHING: &str = "–";
+
 /// Everything in figures.
 fn figures(entries: &[&Entry]) -> String {
     let kinds = entries.first().map_or(&[][..], |entry| &entry.measured.kinds);
@@ -241,11 +244,11 @@ fn figures(entries: &[&Entry]) -> String {
             let mut row = vec![
                 entry.spheres.to_string(),
                 escape(result.backend.name()),
-                significant(result.build_s.median),
+                build_seconds(entry, result).map_or(NOTHING.to_owned(), |s| significant(s.median)),
                 significant(result.bytes_per_sphere),
             ];
             row.extend(result.rates.iter().map(|rates| {
-                rates.map_or("–".to_owned(), |rates| {
+                rates.map_or(NOTHING.to_owned(), |rates| {
                     let [closest, occluded] =
                         Question::ALL.map(|question| significant(1e-6 * rates.of(question).median));
                     format!("{closest} / {occluded}")
