@@ -13,6 +13,7 @@ mod keep;
 mod memory;
 mod output;
 mod picture;
+mod plan;
 mod reproduce;
 mod stop;
 mod trace;
@@ -38,6 +39,7 @@ pub(super) use keep::{KeepArgs, MergeArgs, ResumeArgs};
 pub(super) use memory::MemoryArg;
 pub(super) use output::OutputArgs;
 pub(super) use picture::PictureArgs;
+pub(super) use plan::{Division, Format, PlanArgs};
 pub(super) use reproduce::ReproduceArgs;
 pub(super) use stop::{StopArgs, WatchArgs};
 pub(super) use trace::TraceArgs;
@@ -68,6 +70,7 @@ pub(super) enum Command {
     Render(Box<RenderArgs>),
     Resume(ResumeArgs),
     Merge(MergeArgs),
+    Plan(Box<PlanArgs>),
     Crosscheck(CrosscheckArgs),
     Bench(BenchArgs),
     Compare(CompareArgs),
@@ -163,7 +166,7 @@ pub(super) struct RenderArgs {
 
     /// Render these samples of each pixel only, as in 0..64; a range starts on a multiple of 16, and
     /// ends on one unless it is the last
-    #[arg(long, value_name = "A..B", value_parser = keep::samples)]
+    #[arg(long, value_name = "A..B", value_parser = keep::samples, conflicts_with = "noise")]
     pub(super) samples: Option<std::ops::Range<u32>>,
 
     #[command(flatten)]

@@ -23,7 +23,7 @@ pub(super) const EXIT_CODES: &str = "\
 Exit codes:
   0    done
   1    a check failed: crosscheck found a wrong answer, verify an error, compare a difference
-       beyond a --max-..., or render did not meet --noise (the picture is written)
+       beyond a --max-..., or render or merge did not meet --noise (the picture is written)
   2    the command line is wrong: an unknown option, a missing or malformed value
   3    the scene, a table or the value of an option says something impossible; also where a table
        cannot be read, or pictures cannot be compared

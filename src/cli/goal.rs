@@ -123,7 +123,10 @@ impl Goal {
 }
 
 /// Refuses what spreads its samples over a number that must be known before.
-fn refuse_counted_samples(option: &str, render: &Render) -> Result<()> {
+///
+/// # Errors
+/// With what it is, and what to use in its place.
+pub(super) fn refuse_counted_samples(option: &str, render: &Render) -> Result<()> {
     let refuse = |what: &str, help: &str| {
         let message = format!("{option} decides when to stop, but {what}");
         Err(Error::input(message).with_help(help))

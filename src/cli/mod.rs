@@ -21,6 +21,7 @@ mod memory;
 mod merge;
 mod outputs;
 mod pace;
+mod plan;
 mod print;
 mod progress;
 mod render;
@@ -57,6 +58,7 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Render(args) => render::run(args),
         Command::Resume(args) => resume::run(args),
         Command::Merge(args) => merge::run(args),
+        Command::Plan(args) => plan::run(args),
         Command::Crosscheck(args) => crosscheck::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Compare(args) => compare::run(args),

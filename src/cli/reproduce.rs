@@ -38,7 +38,7 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
     let path = &args.picture;
     let said = read(path)?;
     let then = output::raw_channels(path)?;
-    let again = on_threads(args.threads, || render_again(args, &said, &then))?;
+    let again = on_threads(args.threads, || render_again(args, &said))?;
     let wrong = differing(&then, &again.channels);
     let count = then.len();
     if wrong.is_empty() {
@@ -79,7 +79,7 @@ fn made_with_alpha(path: &Path) -> Result<bool> {
     Ok(output::raw_channels(path)?.iter().any(|channel| channel.name == "A"))
 }
 
-fn render_again(args: &ReproduceArgs, said: &Said, then: &[RawChannel]) -> Result<Again> {
+fn render_again(args: &ReproduceArgs, said: &Said) -> Result<Again> {
     let folder = folder(args, said);
     let scene = said.made.scene(&folder, said.scene_file.as_deref())?;
     let backend = backend(args, said)?;
@@ -97,7 +97,7 @@ fn render_again(args: &ReproduceArgs, said: &Said, then: &[RawChannel]) -> Resul
     };
     let options = RenderOptions { cancel: interrupt.cancel(), progress: &show };
     let session = Session::new(&scene, accel.as_ref(), &film, &options);
-    let filled = fill(&session, &said.made.samples, then);
+    let filled = fill(&session, &said.made);
     progress.finish();
     filled?;
     let picture = render::picture(&scene, accel.as_ref(), &film, &said.kinds);
@@ -138,28 +138,26 @@ fn backend(args: &ReproduceArgs, said: &Said) -> Result<Backend> {
         .with_help("take another and see by how much it differs: --accel native"))
 }
 
-/// Renders as many samples of each pixel as the picture has.
-fn fill(session: &Session<'_>, samples: &Samples, then: &[RawChannel]) -> Result<()> {
-    let Samples { first, fewest, most } = *samples;
-    let counts = then.iter().find(|channel| channel.name == "sample_count");
-    let frame = *session.film().frame();
-    let of_tile = |tile: usize| match counts {
-        None => most,
-        Some(counts) => {
-            let (place, window) = (frame.tile(tile), frame.window);
-            let row = (place.y - window.y) as usize * window.width as usize;
-            counts.bits.get(row + (place.x - window.x) as usize).copied().unwrap_or(most)
+/// Renders as many samples of each pixel as the picture has. Where a noise target, a time or a signal
+/// ended it, they differ from tile to tile, and the picture says how many each has.
+fn fill(session: &Session<'_>, made: &Made) -> Result<()> {
+    let Samples { first, fewest, most } = made.samples;
+    let tiles = session.film().frame().tiles();
+    let counts = match made.counts.0.as_slice() {
+        [] if fewest == most => vec![most; tiles],
+        counts if counts.len() == tiles => counts.to_vec(),
+        _ => {
+            let what = "its pixels have different numbers of samples, and it does not say which";
+            return Err(
+                Error::input(what).with_help("it may be of an older version of photosphere")
+            );
         }
     };
-    if fewest != most && counts.is_none() {
-        return Err(Error::input("its pixels have different numbers of samples, and it does not say which")
-            .with_help("write the layer `sample_count` into a .exr file: --layers direct,indirect,sample_count"));
-    }
-    let mut wanted: Vec<u32> = (0..frame.tiles()).map(of_tile).collect();
-    wanted.sort_unstable();
-    wanted.dedup();
-    for count in wanted {
-        session.advance(first + count, &|tile| of_tile(tile) >= count)?;
+    let mut steps = counts.clone();
+    steps.sort_unstable();
+    steps.dedup();
+    for step in steps {
+        session.advance(first + step, &|tile| counts[tile] >= step)?;
         session.cancel().check()?;
     }
     Ok(())

@@ -8,6 +8,7 @@ mod files;
 mod long_renders;
 mod mistakes_in_a_scene;
 mod pictures;
+mod plan;
 mod provenance;
 mod reports;
 mod reproduce;

@@ -1,6 +1,7 @@
 //! Pictures rendered again from what they say of themselves.
 
 use std::fs;
+use std::process::Command;
 
 use crate::desk::{Desk, SCENE};
 
@@ -38,6 +39,40 @@ fn pictures_come_out_again_to_the_bit() {
         assert!(said.starts_with("all pixels agree to the bit, in "), "{said}");
     }
     assert_eq!(desk.names(), ["a.exr", "a.png", "grains.f32"]);
+}
+
+/// Whatever decides how many samples each pixel gets, the picture says what was decided.
+#[test]
+fn pictures_that_a_noise_target_a_time_or_a_signal_ended_come_out_again() {
+    let wide = SCENE.replace("width = 16", "width = 400").replace("height = 12", "height = 300");
+    let desk = Desk::new(&wide);
+    let render = |options: &str| format!("render scene.toml --accel native --quiet {options}");
+    let files = |name: &str| format!("-o {name}.exr -o {name}.png --layers normal,sample_count");
+    let noise = "--noise 8% --size 50x40 --crop 3,2,50,40 --max-spp 200";
+    desk.run(&render(&format!("{noise} {}", files("noise")))).succeeds();
+    desk.run(&render(&format!("--time 60ms {}", files("time")))).succeeds();
+    // Stopped while it renders: with a part, to know when that is.
+    let kept = format!("{} --checkpoint s.state --checkpoint-every 5ms", files("signal"));
+    let command = render(&format!("--spp 1000000 --threads 1 {kept}"));
+    let mut child = desk.command(&command).spawn().expect("it starts");
+    while !desk.path().join("s.state").exists() {
+        assert!(child.try_wait().expect("it runs").is_none());
+    }
+    let kill = format!("kill -INT {}", child.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+    assert_eq!(child.wait().expect("it ends").code(), Some(130));
+
+    let mut differing = 0;
+    for name in ["noise", "time", "signal"] {
+        for file in [format!("{name}.exr"), format!("{name}.png")] {
+            let said = desk.run(&format!("reproduce {file} --quiet"));
+            assert!(said.stdout.starts_with("all pixels agree"), "{file}: {}", said.stdout);
+            let info = desk.run(&format!("info {file} --json")).succeeds().json();
+            differing += usize::from(info["counts"].is_string());
+        }
+    }
+    // That of noise for certain; the others where they were stopped within a pass.
+    assert!(differing >= 2, "{differing}");
 }
 
 #[test]

@@ -6,6 +6,8 @@ use std::time::Duration;
 
 use clap::Args;
 
+use crate::film::Rect;
+
 use super::{OutputArgs, threads};
 
 /// How a render is kept from being lost.
@@ -84,6 +86,10 @@ pub(in crate::cli) struct MergeArgs {
     #[command(flatten)]
     pub(in crate::cli) output: OutputArgs,
 
+    /// The window that parts of several windows make together, where that is not the whole picture
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = window)]
+    pub(in crate::cli) crop: Option<Rect>,
+
     /// Make a picture of what there is, also where pixels or samples are missing
     #[arg(long)]
     pub(in crate::cli) allow_gaps: bool,
@@ -104,6 +110,20 @@ pub(in crate::cli) fn duration(text: &str) -> Result<Duration, String> {
         Some(seconds) if (0.001..1e9).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
         _ => Err("it must be a time, as in 30s, 5m or 1h".to_owned()),
     }
+}
+
+/// `X0,Y0,X1,Y1`.
+fn window(text: &str) -> Result<Rect, String> {
+    let corners = || {
+        let corners: Option<Vec<u32>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+        let [x, y, right, bottom] = corners?.try_into().ok()?;
+        let (width, height) = (right.checked_sub(x)?, bottom.checked_sub(y)?);
+        (width > 0 && height > 0).then_some(Rect { x, y, width, height })
+    };
+    corners().ok_or_else(|| {
+        "it must be the first column and row and the ones behind the last, as in 0,0,320,240"
+            .to_owned()
+    })
 }
 
 /// `A..B`.
@@ -131,6 +151,14 @@ mod tests {
         }
         for text in ["", "s", "-3s", "0", "nan", "1e99h", "3 days"] {
             assert!(duration(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn windows_have_two_corners() {
+        assert_eq!(window("3,4,10,6"), Ok(Rect { x: 3, y: 4, width: 7, height: 2 }));
+        for text in ["", "1,2,3", "0,0,0,5", "5,0,4,9", "-1,0,4,9", "0,0,4,9,9", "a,b,c,d"] {
+            assert!(window(text).is_err(), "{text}");
         }
     }
 

@@ -10,7 +10,7 @@ use crate::color::{Look, Tone};
 use crate::film::{KINDS, Kind};
 
 /// The files, and how those for the screen show the picture.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(in crate::cli) struct OutputArgs {
     /// The picture; its extension chooses the format: .png (8 bit for the screen), .exr (linear, with
     /// layers), .hdr or .pfm (linear); or .part, the sums themselves, to be merged. May be repeated
@@ -61,6 +61,27 @@ impl OutputArgs {
     pub(in crate::cli) fn look(&self) -> Look {
         let (exposure, tone) = (self.exposure.unwrap_or(0.0), self.tone.unwrap_or_default());
         Look { exposure, tone, dither: self.dither }
+    }
+
+    /// The options again, as words of a command: those that parts need to know of, and those that only
+    /// files for people do.
+    pub(in crate::cli) fn words(&self) -> [Vec<String>; 2] {
+        let mut of_parts = Vec::new();
+        if let Some(kinds) = &self.layers {
+            let names: Vec<&str> = kinds.iter().map(|kind| kind.row().name).collect();
+            of_parts.extend(["--layers".to_owned(), names.join(",")]);
+        }
+        let mut of_pictures = Vec::new();
+        if let Some(stops) = self.exposure {
+            of_pictures.extend(["--exposure".to_owned(), stops.to_string()]);
+        }
+        if let Some(tone) = self.tone {
+            of_pictures.extend(["--tone".to_owned(), tone.name().to_owned()]);
+        }
+        let flags = [("--dither", self.dither), ("--no-run-figures", self.no_run_figures)];
+        let given = flags.into_iter().filter(|(_, given)| *given);
+        of_pictures.extend(given.map(|(flag, _)| flag.to_owned()));
+        [of_parts, of_pictures]
     }
 
     /// The first of the options that shape files for the screen, if there is one.

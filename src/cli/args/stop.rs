@@ -12,7 +12,7 @@ use super::keep::duration;
 pub(in crate::cli) struct StopArgs {
     /// Render each square of 16 x 16 pixels until the error is below this share of the brightness,
     /// as in 1% or 0.01 (docs/stopping.md)
-    #[arg(long, value_name = "ERROR", value_parser = noise, conflicts_with_all = ["spp", "samples"], allow_negative_numbers = true)]
+    #[arg(long, value_name = "ERROR", value_parser = noise, conflicts_with = "spp", allow_negative_numbers = true)]
     pub(in crate::cli) noise: Option<f64>,
 
     /// The share of the values of each square whose error must be below --noise

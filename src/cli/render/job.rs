@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 use serde_json::json;
@@ -32,6 +32,9 @@ pub(in crate::cli) const RESUME: &str = "resume";
 /// The name of the record of a part that is finished, however many samples its pixels have.
 pub(in crate::cli) const ENDED: &str = "ended";
 
+/// The name of the record of a part that ended without having met its noise target: how far it got.
+pub(in crate::cli) const MISSED: &str = "missed";
+
 /// A render at work.
 pub(super) struct Job<'a> {
     pub(super) args: &'a RenderArgs,
@@ -45,6 +48,8 @@ pub(super) struct Job<'a> {
     pub(super) goal: &'a Goal,
     /// Set when it has come to its end, be that at a noise target or at a time.
     pub(super) has_ended: AtomicBool,
+    /// Set when it has ended without having met its noise target.
+    pub(super) missed: OnceLock<String>,
     /// What decides the pixels, but for how many samples they have so far.
     pub(super) made: Made,
     /// The intersector, and why it.
@@ -134,6 +139,7 @@ impl Job<'_> {
         if self.has_ended.load(Ordering::Relaxed) {
             records.push(Record::new(ENDED, "true"));
         }
+        records.extend(self.missed.get().map(|missed| Record::new(MISSED, missed)));
         records.push(self.outputs.record_of_layers());
         records.push(Record::new(RESUME, self.how_to_go_on().to_string()));
         write_part(&keep.file, self.film(), &self.samples, &records)

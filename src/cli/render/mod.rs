@@ -5,8 +5,8 @@ mod report;
 mod start;
 
 use std::ops::Range;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 use crate::accel::{BuildOptions, Chosen};
@@ -28,7 +28,7 @@ use super::progress::{self, Progress};
 use super::watch::{Shows, Told, Watch};
 use super::{interrupt, memory, on_threads, print};
 
-pub(super) use job::{ENDED, RESUME};
+pub(super) use job::{ENDED, MISSED, RESUME};
 
 use job::Job;
 use report::{AccelFigures, Figures};
@@ -98,6 +98,7 @@ fn render(
         keep,
         goal: &goal,
         has_ended: AtomicBool::new(false),
+        missed: OnceLock::new(),
         made,
         intersector: figures.accel.in_words(),
         before,
@@ -119,12 +120,16 @@ fn render(
     let reached = watch.during(|| keeper::beside(orders, || goal.reach(&session, &told)))?;
     figures.render_s = clock.lap();
     job.has_ended.store(reached.is_complete, Ordering::Relaxed);
+    if let (true, Some(complaint)) = (reached.is_complete, reached.complaint()) {
+        job.missed.get_or_init(|| complaint);
+    }
     job.save_all()?;
     job.report(&reached, &figures, about_spheres)?;
     Ok(match (reached.is_complete, reached.is_good_enough()) {
         (false, _) => Exit::Stopped,
-        (true, false) => Exit::CheckFailed,
-        (true, true) => Exit::Done,
+        // Of a picture that is shared out, the merge says so.
+        (true, false) if outputs.has_pictures() => Exit::CheckFailed,
+        (true, _) => Exit::Done,
     })
 }
 

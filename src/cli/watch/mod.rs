@@ -27,8 +27,9 @@ use super::progress::{Progress, State};
 use preview::Preview;
 use tev::Tev;
 
-/// Between two looks at the clock.
+/// Between two looks at the clock; where a time is nearly up, sooner.
 const TICK: Duration = Duration::from_millis(100);
+const SHORTEST_TICK: Duration = Duration::from_millis(5);
 /// Between two estimates of the error.
 const BETWEEN_ERRORS: Duration = Duration::from_secs(2);
 /// After work that took some time, so many times as long without.
@@ -128,7 +129,7 @@ impl Watch<'_> {
         let samples_before = self.film.samples();
         let (mut picture_due, mut error_due) = (began + self.shows.every, began + BETWEEN_ERRORS);
         let mut error = None;
-        while ended.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
+        while ended.recv_timeout(self.tick()) == Err(RecvTimeoutError::Timeout) {
             self.mind_the_deadline();
             let now = Instant::now();
             if now >= picture_due {
@@ -145,6 +146,13 @@ impl Watch<'_> {
         }
         self.progress.finish();
         self.shows.update(self.film);
+    }
+
+    fn tick(&self) -> Duration {
+        let left = self.deadline.as_ref().map(|deadline| {
+            deadline.at.saturating_duration_since(Instant::now()).max(SHORTEST_TICK)
+        });
+        left.map_or(TICK, |left| left.min(TICK))
     }
 
     /// When work that began just `now` may begin again.

@@ -1,25 +1,25 @@
 //! `photosphere merge`: parts of a picture become one.
 
-use std::iter::Sum;
+mod whole;
+
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use crate::accel::{Backend, BuildOptions};
 use crate::error::{Error, Result};
-use crate::film::{BLOCK, Film, Format, Frame, Kind, Picture, Rect, summed_for};
+use crate::film::{BLOCK, Film, Format, Kind, Picture, Rect, summed_for};
 use crate::output::{PartFile, PartHead, Record, WholeFile, write_part};
-use crate::provenance::{Counts, INTERSECTOR_CHOICE, Made, Run, Samples};
-use crate::render::{error_so_far, needs_scene, picture, picture_of_sums};
+use crate::provenance::Made;
+use crate::render::{needs_scene, picture, picture_of_sums};
 use crate::scene::Scene;
-use crate::scene::description::Window;
 
 use super::args::MergeArgs;
 use super::exit::Exit;
-use super::goal::CONFIDENCE;
 use super::outputs::{self, Outputs, kinds_of};
-use super::render::ENDED;
-use super::{interrupt, print, system};
+use super::render::{ENDED, MISSED};
+use super::{interrupt, print};
+
+use whole::Whole;
 
 /// One of the parts.
 struct Piece {
@@ -44,9 +44,9 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
         outputs.set_kinds(kinds);
     }
     check_layers(outputs.kinds(), first)?;
-    let whole = Whole::of(&pieces);
+    let whole = Whole::of(&pieces, args.crop)?;
     if !args.allow_gaps || part.is_some() {
-        whole.check_gaps(&pieces, outputs.has_pictures())?;
+        whole.check_gaps(&pieces, outputs.has_pictures(), args.crop)?;
     }
 
     let mut sum = Film::without_memory(&whole.format);
@@ -62,6 +62,9 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     if let Some(part) = part {
         let mut records = whole.records(&pieces, &made, &run);
         records.push(outputs.record_of_layers());
+        if !args.allow_gaps {
+            records.push(Record::new(ENDED, "true")); // as all its parts are
+        }
         write_part(&part, &sum, &whole.samples, &records)?;
     }
     if outputs.has_pictures() {
@@ -73,7 +76,19 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
         let (files, samples) = (outputs::in_words(&args.output.files), made.samples);
         print::remark(format_args!("wrote {files}, samples {samples} of {parts}"));
     }
-    Ok(Exit::Done)
+    Ok(tell_missed(&pieces))
+}
+
+/// Says which parts ended without having met their noise target.
+fn tell_missed(pieces: &[Piece]) -> Exit {
+    let mut exit = Exit::Done;
+    for piece in pieces {
+        if let Some(missed) = piece.record(MISSED) {
+            print::warning(format_args!("`{}`: {missed}", piece.path.display()));
+            exit = Exit::CheckFailed;
+        }
+    }
+    exit
 }
 
 impl Piece {
@@ -207,145 +222,4 @@ fn check_overlaps(pieces: &[Piece]) -> Result<()> {
 /// `0,0,640,480`, as `--crop` has it.
 fn corners(Rect { x, y, width, height }: Rect) -> String {
     format!("{x},{y},{},{}", x + width, y + height)
-}
-
-/// What the parts make together.
-struct Whole {
-    format: Format,
-    samples: Range<u32>,
-    last_sample: u32,
-}
-
-impl Whole {
-    /// The least rectangle and range that hold all the parts.
-    fn of(pieces: &[Piece]) -> Self {
-        let around = pieces.iter().map(Piece::window).reduce(|a, b| {
-            let (x, y) = (a.x.min(b.x), a.y.min(b.y));
-            let width = (a.x + a.width).max(b.x + b.width) - x;
-            let height = (a.y + a.height).max(b.y + b.height) - y;
-            Rect { x, y, width, height }
-        });
-        let format = &pieces[0].head.format;
-        let window = around.unwrap_or(format.frame.window);
-        let start = pieces.iter().map(|piece| piece.samples().start).min().unwrap_or(0);
-        let end = pieces.iter().map(|piece| piece.samples().end).max().unwrap_or(0);
-        let frame = Frame { window, ..format.frame };
-        Self {
-            format: Format { frame, first_sample: start, ..format.clone() },
-            samples: start..end,
-            last_sample: pieces.iter().map(Piece::last_sample).max().unwrap_or(end),
-        }
-    }
-
-    /// Refuses pixels or samples that no part holds. Parts of one window make a picture of that window,
-    /// parts of several make one of the whole; and a picture has all samples that the scene asks for.
-    fn check_gaps(&self, pieces: &[Piece], is_picture: bool) -> Result<()> {
-        let one_window = pieces.iter().all(|piece| piece.window() == pieces[0].window());
-        let Frame { full_size: [width, height], window } = self.format.frame;
-        let window = match is_picture && !one_window {
-            true => Rect { x: 0, y: 0, width, height },
-            false => window,
-        };
-        let samples = match is_picture {
-            true => 0..self.last_sample.max(self.samples.end),
-            false => self.samples.clone(),
-        };
-        let Some((pixels, missing)) = first_gap(pieces, window, &samples) else { return Ok(()) };
-        let what = format!(
-            "samples {}..{} of the pixels {} are missing",
-            missing.start,
-            missing.end,
-            corners(pixels)
-        );
-        let help = match is_picture {
-            true => "name the parts that hold them, or add --allow-gaps",
-            false => "name the parts that hold them",
-        };
-        Err(Error::input(what).with_help(help))
-    }
-
-    fn made(&self, first: &Piece, sum: &Film) -> Made {
-        let (fewest, most) = sum.fewest_and_most();
-        let Frame { full_size, window } = self.format.frame;
-        let Rect { x, y, width, height } = window;
-        let is_whole = Frame::whole(full_size[0], full_size[1]).window == window;
-        Made {
-            samples: Samples { first: self.samples.start, fewest, most },
-            counts: Counts::of(sum),
-            crop: (!is_whole).then_some(Window { x, y, width, height }),
-            ..first.made.clone()
-        }
-    }
-
-    /// The parts' work.
-    fn run(&self, pieces: &[Piece], sum: &Film) -> Run {
-        Run {
-            command: system::command_line(),
-            scene_file: pieces[0].record("scene-file").unwrap_or_default().to_owned(),
-            rays: total(pieces, "rays"),
-            seconds: total(pieces, "seconds"),
-            threads: 1,
-            error: error_so_far(sum, CONFIDENCE),
-            noise: pieces[0].record("noise").map(str::to_owned),
-            intersector: pieces[0].record(INTERSECTOR_CHOICE).unwrap_or_default().to_owned(),
-        }
-    }
-
-    fn records(&self, pieces: &[Piece], made: &Made, run: &Run) -> Vec<Record> {
-        let mut records = made.records();
-        records.extend(run.records());
-        for name in ["media-overflows", "cut-off"] {
-            records.push(Record::new(name, total::<u64>(pieces, name).to_string()));
-        }
-        records.push(Record::new("samples-per-pixel", self.last_sample.to_string()));
-        let transparent = pieces[0].record("transparent").unwrap_or_default();
-        records.push(Record::new("transparent", transparent));
-        records
-    }
-}
-
-/// A figure that the parts tell, added up.
-fn total<N: FromStr + Sum<N>>(pieces: &[Piece], name: &str) -> N {
-    pieces.iter().filter_map(|piece| piece.record(name)?.parse().ok()).sum()
-}
-
-/// The first pixels and samples of a box that no piece holds.
-///
-/// The sides of the pieces cut the box into cells, each of which a piece holds whole or not at all.
-fn first_gap(pieces: &[Piece], window: Rect, samples: &Range<u32>) -> Option<(Rect, Range<u32>)> {
-    let cuts = |from: u32, to: u32, of: &dyn Fn(&Piece) -> [u32; 2]| {
-        let mut cuts: Vec<u32> = pieces.iter().flat_map(of).collect();
-        cuts.extend([from, to]);
-        cuts.retain(|cut| (from..=to).contains(cut));
-        cuts.sort_unstable();
-        cuts.dedup();
-        cuts
-    };
-    let columns = cuts(window.x, window.x + window.width, &|piece| {
-        let Rect { x, width, .. } = piece.window();
-        [x, x + width]
-    });
-    let times =
-        cuts(samples.start, samples.end, &|piece| [piece.samples().start, piece.samples().end]);
-    let rows = cuts(window.y, window.y + window.height, &|piece| {
-        let Rect { y, height, .. } = piece.window();
-        [y, y + height]
-    });
-    for row in rows.windows(2) {
-        for column in columns.windows(2) {
-            let (x, y) = (column[0], row[0]);
-            let pixels = Rect { x, y, width: column[1] - x, height: row[1] - y };
-            // Only those that have these pixels can have samples of them.
-            let here: Vec<&Range<u32>> = pieces
-                .iter()
-                .filter(|piece| piece.window().common(&pixels).is_some())
-                .map(Piece::samples)
-                .collect();
-            let is_held = |time: &[u32]| here.iter().any(|range| range.contains(&time[0]));
-            if let Some(time) = times.windows(2).find(|time| !is_held(time)) {
-                return Some((pixels, time[0]..time[1]));
-            }
-        }
-    }
-    None
 }

@@ -1,0 +1,108 @@
+//! Plans as job templates of the Open Job Description specification, version 2023-09.
+//!
+//! A template has one task per shard and a step that merges when all of them are done. It is JSON,
+//! which the specification allows beside YAML.
+
+use serde_json::{Value, json};
+
+use crate::error::{Error, Result};
+
+use super::Plan;
+use super::script::without_controls;
+use crate::cli::args::Division;
+
+/// The most values that the specification allows a task parameter.
+const MOST_TASKS: usize = 1024;
+/// The longest name of a job, in characters.
+const LONGEST_NAME: usize = 128;
+/// Stands for the folder of the files in commands.
+const FOLDER: &str = "{{Param.Folder}}";
+
+/// The template, as JSON text.
+///
+/// # Errors
+/// When there are more shards than a template can have tasks, or a name holds what a template would
+/// replace.
+pub(super) fn template(plan: &Plan) -> Result<String> {
+    if plan.shards.len() > MOST_TASKS {
+        return Err(Error::input(format!(
+            "a job template has at most {MOST_TASKS} tasks, too few for {} shards",
+            plan.shards.len()
+        ))
+        .with_help("use fewer shards, or --format slurm"));
+    }
+    let mut names = [&plan.name, &plan.scene].into_iter().chain(&plan.options).chain(&plan.outputs);
+    if let Some(name) = names.find(|name| name.contains("{{")) {
+        return Err(Error::input(format!("`{name}` contains `{{{{`, which a template replaces"))
+            .with_help("rename the file, or say it in another way"));
+    }
+    let shown = match plan.division {
+        Division::Samples => "Samples",
+        Division::Crop => "Crop",
+    };
+    let shards: Vec<String> = plan.shards.iter().map(ToString::to_string).collect();
+    let render = in_folder(plan).render(&format!("{{{{Task.Param.{shown}}}}}"));
+    let template = json!({
+        "specificationVersion": "jobtemplate-2023-09",
+        "name": without_controls(&plan.name).chars().take(LONGEST_NAME).collect::<String>(),
+        "description": "Planned by photosphere: shards, then the merge. Each task may be run again.",
+        "parameterDefinitions": parameters(),
+        "steps": [
+            {
+                "name": "Shards",
+                "parameterSpace": {
+                    "taskParameterDefinitions": [
+                        { "name": shown, "type": "STRING", "range": shards },
+                    ],
+                },
+                "script": script(&render),
+            },
+            {
+                "name": "Merge",
+                "dependencies": [{ "dependsOn": "Shards" }],
+                "script": script(&in_folder(plan).merge()),
+            },
+        ],
+    });
+    Ok(format!("{template:#}\n"))
+}
+
+fn parameters() -> Value {
+    json!([
+        {
+            "name": "Folder",
+            "type": "PATH",
+            "objectType": "DIRECTORY",
+            "dataFlow": "INOUT",
+            "default": ".",
+            "description": "The folder that relative names refer to: of the scene, the parts and the picture. By default the one of this template.",
+        },
+        {
+            "name": "Program",
+            "type": "STRING",
+            "default": "photosphere",
+            "description": "The program: a name to be found in PATH, or a path.",
+        },
+    ])
+}
+
+fn script(words: &[String]) -> Value {
+    json!({ "actions": { "onRun": { "command": "{{Param.Program}}", "args": words } } })
+}
+
+/// The plan with its files in the job's folder, where they are not named from the root.
+fn in_folder(plan: &Plan) -> Plan {
+    let placed = |name: &String| match name.starts_with('/') {
+        true => name.clone(),
+        false => format!("{FOLDER}/{name}"),
+    };
+    Plan {
+        name: plan.name.clone(),
+        scene: placed(&plan.scene),
+        outputs: plan.outputs.iter().map(placed).collect(),
+        division: plan.division,
+        shards: plan.shards.clone(),
+        options: plan.options.clone(),
+        merge_options: plan.merge_options.clone(),
+    }
+}
