@@ -38,7 +38,7 @@ const TRACED: [(Arrangement, u64, [f64; 2]); 5] = [
     (PACKED, 10_000_000, [1.9, 3.5]),
 ];
 
-/// Scenes, and the ratio asked for.
+/// Matt spheres under a sky that is equally bright everywhere, and the ratio asked for.
 const RENDERED: [(Arrangement, u64, f64); 3] =
     [(GAS, 1_000_000, 2.6), (GAS, 10_000_000, 3.3), (PACKED, 1_000_000, 1.7)];
 
@@ -267,18 +267,31 @@ fn render(wanted: &Wanted) -> Outcome<()> {
         "", "samples", "ours (s)", "embree (s)", "ratio", "ours", "outside (15 %)", "other pixels"
     );
     let tiny = Path::new(env!("CARGO_MANIFEST_DIR")).join(TINY);
-    one_render("three and a lamp", &tiny, TINY_RATIO, 64, wanted)?;
+    one_render("three and a lamp", &tiny, Some(TINY_RATIO), 64, wanted)?;
     let folder = tempfile::tempdir()?;
     for (arrangement, spheres, asked) in RENDERED {
         if spheres as f64 <= wanted.largest {
             let scene = generated(folder.path(), arrangement, spheres)?;
-            one_render(&name(arrangement, spheres), &scene, asked, 16, wanted)?;
+            one_render(&name(arrangement, spheres), &scene, Some(asked), 16, wanted)?;
         }
+    }
+    // The same spheres in the light that `photosphere generate` gives them.
+    if wanted.largest >= 1e6 {
+        let scene = folder.path().join("gas-1000000.toml");
+        let recipe = Recipe::new(GAS, 1_000_000, 0, false)?;
+        fs::write(&scene, scene_text(&recipe, &scene.with_extension("f32")))?;
+        one_render("... sun and sky", &scene, None, 16, wanted)?;
     }
     Ok(())
 }
 
-fn one_render(name: &str, path: &Path, asked: f64, samples: u32, wanted: &Wanted) -> Outcome<()> {
+fn one_render(
+    name: &str,
+    path: &Path,
+    asked: Option<f64>,
+    samples: u32,
+    wanted: &Wanted,
+) -> Outcome<()> {
     let [width, height] = SIZE;
     let keys =
         [("image.width", width), ("image.height", height), ("render.samples_per_pixel", samples)];
@@ -296,10 +309,11 @@ fn one_render(name: &str, path: &Path, asked: f64, samples: u32, wanted: &Wanted
     let seconds =
         |figure: Figure| format!("{:7.3} +-{:2.0} %", figure.median, 100.0 * figure.spread());
     println!(
-        "{name:<18}{samples:8}{:>16}{:>16}{:10.2} ({asked:4.2}){:>16}{:14.1} %{:>14}",
+        "{name:<18}{samples:8}{:>16}{:>16}{:10.2} {:<6}{:>16}{:14.1} %{:>14}",
         seconds(ours.seconds),
         seconds(embree.seconds),
         embree.seconds.median / ours.seconds.median,
+        asked.map_or(String::new(), |asked| format!("({asked:.2})")),
         ours.backend.name(),
         100.0 * (1.0 - ours.inside.median),
         embree.other_pixels
@@ -314,7 +328,28 @@ fn generated(folder: &Path, arrangement: Arrangement, spheres: u64) -> Outcome<P
     let mut file = std::io::BufWriter::new(fs::File::create(&table)?);
     write_rows(&recipe, &mut file, &|_| {})?;
     std::io::Write::flush(&mut file)?;
+    let (position, look_at, fov) = recipe.view();
+    let text = format!(
+        r#"format = 1
+[camera]
+position = {position:?}
+look_at = {look_at:?}
+vertical_fov_degrees = {fov:?}
+[background]
+radiance = [1.0, 1.0, 1.0]
+[materials.grain]
+type = "diffuse"
+albedo = [0.7, 0.7, 0.7]
+[[sphere_tables]]
+file = "{}"
+columns = ["x", "y", "z", "radius"]
+material = "grain"
+[render]
+max_depth = 6
+"#,
+        table.display()
+    );
     let path = table.with_extension("toml");
-    fs::write(&path, scene_text(&recipe, &table))?;
+    fs::write(&path, text)?;
     Ok(path)
 }
