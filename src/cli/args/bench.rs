@@ -61,7 +61,7 @@ pub(in crate::cli) struct BenchArgs {
     #[arg(long)]
     pub(in crate::cli) scaling: bool,
 
-    /// Render the picture with every intersector as well
+    /// Render the picture with every intersector as well; with brute force only up to 10000 spheres
     #[arg(long, conflicts_with = "suite")]
     pub(in crate::cli) render: bool,
 

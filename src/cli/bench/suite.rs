@@ -12,7 +12,7 @@ use crate::output::WholeFile;
 use crate::provenance::COMMIT;
 use crate::render::MemoryPlan;
 use crate::verify::bench::page::{Entry, page};
-use crate::verify::bench::{Rounds, SECOND_BOUNCE, StandardScene};
+use crate::verify::bench::{MOST_FOR_BRUTE_FORCE, Rounds, SECOND_BOUNCE, StandardScene};
 
 use super::super::args::BenchArgs;
 use super::super::exit::Exit;
@@ -23,8 +23,6 @@ use super::{build, circumstances, measure, rounds};
 
 /// The largest scene unless `--largest` says another.
 const LARGEST: u64 = 100_000_000;
-/// The most spheres that every ray is held against one by one.
-const MOST_FOR_BRUTE_FORCE: u64 = 10_000;
 /// All the rays, and their copies for each intersector.
 const RAYS: u64 = 1 << 30;
 

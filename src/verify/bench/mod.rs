@@ -165,6 +165,9 @@ impl Field {
     }
 }
 
+/// With more spheres than this, brute force is not worth the wait.
+pub const MOST_FOR_BRUTE_FORCE: u64 = 10_000;
+
 /// Kinds of rays that [`Field::kinds_of_rays`] makes.
 pub const KINDS: usize = 4;
 

@@ -11,7 +11,7 @@ use crate::math::{Hit, Ray};
 use crate::render::{RenderOptions, render};
 use crate::scene::Scene;
 
-use super::{Field, Figure};
+use super::{Field, Figure, MOST_FOR_BRUTE_FORCE};
 
 /// What renders with one intersector took.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +32,7 @@ pub struct WholeBench {
 }
 
 /// Renders the scene with every intersector of the field, which are over its spheres, in turns on the
-/// current pool.
+/// current pool; with brute force only where that comes to an end.
 ///
 /// # Errors
 /// When a render fails, or on cancellation.
@@ -42,7 +42,9 @@ pub fn renders(
     rounds: usize,
     cancel: &Cancel,
 ) -> Result<Vec<WholeBench>> {
-    let mut stands: Vec<Stand<'_>> = field.contenders().map(Stand::new).collect();
+    let few = field.spheres().len() as u64 <= MOST_FOR_BRUTE_FORCE;
+    let can = |(backend, _): &(Backend, &dyn Accel)| few || *backend != Backend::BruteForce;
+    let mut stands: Vec<Stand<'_>> = field.contenders().filter(can).map(Stand::new).collect();
     for _ in 0..rounds.max(1) {
         for stand in &mut stands {
             stand.repeat(scene, cancel)?;
