@@ -185,6 +185,8 @@ fn stopping_does_not_bias_and_the_interval_holds_the_truth() {
 /// Standard errors that a mean over the seeds may be off: 18 comparisons fail a right program with a
 /// probability of 0.2 %.
 const ALLOWED: f64 = 4.0;
+/// A bias that nobody minds, relative.
+const ALLOWANCE: f64 = 1e-5;
 
 /// Compares the means over all seeds with the reference, for the whole and for each square.
 #[allow(clippy::print_stdout, reason = "the figures are worth reading with --nocapture")]
@@ -203,7 +205,8 @@ fn must_not_be_biased(sampler: &str, runs: &[Run], reference: &Film) {
         let Estimate { mean, standard_error, .. } = Estimate::of(&ratios);
         let error = standard_error.hypot(of_reference);
         println!("{sampler}, {part}, channel {channel}: {mean:.5} +- {error:.5} of the reference");
-        assert!((mean - 1.0).abs() <= ALLOWED * error, "{sampler}, {part}, {channel}: {mean}");
+        let most = ALLOWED * error + ALLOWANCE;
+        assert!((mean - 1.0).abs() <= most, "{sampler}, {part}, {channel}: {mean}");
         // What could hide there is far below the noise that the target leaves to a pixel.
         assert!(ALLOWED * error < TARGET.error / 10.0, "{error}");
     }

@@ -50,6 +50,7 @@ Examples:
   photosphere render scenes/paper/fig2.toml -o fig2.png
   photosphere render scenes/paper/fig2.toml -o fig2.exr --spp 1024 --accel native
   photosphere info scenes/cornell-spheres.toml
+  photosphere plan scenes/paper/fig2.toml --shards 4 --spp 4096 -o fig2.exr
   photosphere generate gas -n 1e6 -o gas.f32 --scene gas.toml
   photosphere doctor";
 

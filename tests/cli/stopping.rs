@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::Read;
 use std::net::{TcpListener, TcpStream};
+use std::process::Command;
 use std::thread;
 
 use image::GenericImageView;
@@ -46,6 +47,27 @@ fn stopped_squares_go_on_and_add_up_to_the_same_bytes() {
     }
     desk.run("merge b.part a.part -o merged.exr --no-run-figures --quiet").succeeds();
     assert_eq!(desk.read("merged.exr"), desk.read("whole.exr"));
+}
+
+#[test]
+fn a_render_to_a_noise_target_that_was_stopped_ends_with_the_same_bytes() {
+    let changes = [("width = 16", "width = 90"), ("height = 12", "height = 70")];
+    let desk =
+        Desk::new(&changes.iter().fold(SCENE.to_owned(), |text, (a, b)| text.replacen(a, b, 1)));
+    let render = "render scene.toml --accel native --no-run-figures --quiet --noise 0.8%";
+    desk.run(&format!("{render} -o whole.exr --layers sample_count")).succeeds();
+    let kept = "--checkpoint a.state --checkpoint-every 5ms --threads 1";
+    let command = format!("{render} -o a.exr --layers sample_count {kept}");
+    let mut child = desk.command(&command).spawn().expect("it starts");
+    while !desk.path().join("a.state").exists() {
+        assert!(child.try_wait().expect("it runs").is_none(), "it ended before it was stopped");
+    }
+    let kill = format!("kill -INT {}", child.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+    assert_eq!(child.wait().expect("it ends").code(), Some(130));
+    assert!(desk.read("a.exr") != desk.read("whole.exr"));
+    desk.run("resume a.state --quiet").succeeds();
+    assert!(desk.read("a.exr") == desk.read("whole.exr"));
 }
 
 #[test]

@@ -75,9 +75,12 @@ Examples:
   photosphere render fig2.toml --samples 32..64 -o b.part
   photosphere merge a.part b.part -o fig2.exr
   photosphere merge a.part b.part -o both.part
+  photosphere merge left.part right.part -o face.exr --crop 200,100,300,200
 
-Parts are ranges of samples (--samples), windows (--crop) or both, in any order. What comes out has
-the very bits of one render without a break.")]
+`photosphere plan` prints such commands for any number of shards. Parts are ranges of samples
+(--samples), windows (--crop) or both, in any order. What comes out has the very bits of one render
+without a break. Where parts did not meet their noise target, the picture is written, too, and the exit
+code is 1.")]
 pub(in crate::cli) struct MergeArgs {
     /// The parts; checkpoints are parts, too
     #[arg(value_name = "PART", required = true)]

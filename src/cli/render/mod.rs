@@ -116,7 +116,7 @@ fn render(
         },
     };
     let deadline = goal.deadline(film.frame().pixels(), interrupt.cancel());
-    let watch = Watch { film: &film, told: &told, progress: &progress, shows, deadline };
+    let watch = Watch { film: &film, told: &told, progress: &progress, shows, threads, deadline };
     let reached = watch.during(|| keeper::beside(orders, || goal.reach(&session, &told)))?;
     figures.render_s = clock.lap();
     job.has_ended.store(reached.is_complete, Ordering::Relaxed);

@@ -1,11 +1,13 @@
 //! Those who look on while a scene is rendered: the progress, a preview file, the viewer tev.
 //!
 //! They have one thread, which reads the film as it is and never makes the render wait. What it
-//! spends on pictures and errors is held below a fiftieth of the time, however large the picture and
-//! however short the wish of `--preview-every`.
+//! spends on pictures and errors is held below a fiftieth of the time of all threads, however large the
+//! picture and however short the wish of `--preview-every`. The picture at the end is always shown: a
+//! render that is over sooner than that pays for it has no other.
 
 mod preview;
 mod tev;
+mod turns;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -26,14 +28,20 @@ use super::progress::{Progress, State};
 
 use preview::Preview;
 use tev::Tev;
+use turns::Turns;
 
 /// Between two looks at the clock; where a time is nearly up, sooner.
 const TICK: Duration = Duration::from_millis(100);
 const SHORTEST_TICK: Duration = Duration::from_millis(5);
 /// Between two estimates of the error.
 const BETWEEN_ERRORS: Duration = Duration::from_secs(2);
-/// After work that took some time, so many times as long without.
-const REST: u32 = 49;
+/// The shares of the time of all threads that pictures and errors may take.
+const FOR_PICTURES: f64 = 1.0 / 64.0;
+const FOR_ERRORS: f64 = 1.0 / 256.0;
+/// About what a pixel of a picture takes, and what an error does: measured, and known better after the
+/// first.
+const PIXEL: Duration = Duration::from_nanos(300);
+const ERROR: Duration = Duration::from_millis(5);
 
 /// What a render tells of itself, from any of its threads.
 #[derive(Default)]
@@ -97,6 +105,8 @@ pub(super) struct Watch<'a> {
     pub(super) told: &'a Told,
     pub(super) progress: &'a Progress,
     pub(super) shows: Shows,
+    /// Threads that render.
+    pub(super) threads: usize,
     /// When to stop the render, and how.
     pub(super) deadline: Option<Deadline<'a>>,
 }
@@ -127,20 +137,16 @@ impl Watch<'_> {
     fn run(&mut self, ended: &mpsc::Receiver<()>) {
         let began = Instant::now();
         let samples_before = self.film.samples();
-        let (mut picture_due, mut error_due) = (began + self.shows.every, began + BETWEEN_ERRORS);
+        let picture = PIXEL.saturating_mul(self.film.frame().pixels() as u32);
+        let mut pictures = Turns::new(self.shows.every, FOR_PICTURES, self.threads, picture);
+        let mut errors = Turns::new(BETWEEN_ERRORS, FOR_ERRORS, self.threads, ERROR);
         let mut error = None;
         while ended.recv_timeout(self.tick()) == Err(RecvTimeoutError::Timeout) {
             self.mind_the_deadline();
-            let now = Instant::now();
-            if now >= picture_due {
-                self.shows.update(self.film);
-                picture_due = self.next(now, self.shows.every);
-            }
+            pictures.take(|| self.shows.update(self.film));
             if self.progress.is_shown() {
-                if now >= error_due {
-                    error = render::error_so_far(self.film, self.confidence());
-                    error_due = self.next(now, BETWEEN_ERRORS);
-                }
+                let confidence = self.confidence();
+                errors.take(|| error = render::error_so_far(self.film, confidence));
                 self.progress.show(&self.state(began, samples_before, error));
             }
         }
@@ -153,11 +159,6 @@ impl Watch<'_> {
             deadline.at.saturating_duration_since(Instant::now()).max(SHORTEST_TICK)
         });
         left.map_or(TICK, |left| left.min(TICK))
-    }
-
-    /// When work that began just `now` may begin again.
-    fn next(&self, now: Instant, every: Duration) -> Instant {
-        now + every.max(now.elapsed() * (REST + 1))
     }
 
     fn mind_the_deadline(&self) {
