@@ -226,7 +226,7 @@ impl Backend {
     pub fn build(self, spheres: &Arc<SphereSet>, options: &BuildOptions) -> Result<Box<dyn Accel>> {
         options.cancel.check()?;
         match self {
-            Self::Native => Ok(Box::new(native::Native::new(spheres, options)?)),
+            Self::Native => Ok(Box::new(native::Native::new(Arc::clone(spheres), options)?)),
             #[cfg(feature = "embree")]
             Self::Embree => {
                 Ok(Box::new(embree::Embree::build(spheres, embree::Particles::Points, options)?))

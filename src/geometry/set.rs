@@ -5,6 +5,8 @@
 //! buffer as it stands. Giants (see [`super::giants`]) stay in f64 behind it: ids below
 //! `particles().len()` are particles, the ids from there on are giants.
 
+use std::hint::black_box;
+
 use crate::fault::fault;
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
@@ -90,6 +92,16 @@ impl SphereSet {
             Some(giant) => self.giants[giant],
             None => widened(&self.particles[id as usize]),
         }
+    }
+
+    /// Reads spheres, so that they are in the processor's near memory when they are asked for one by
+    /// one: no read here waits for another.
+    pub fn warm(&self, ids: impl Iterator<Item = u32>) {
+        let read = |id: u32| {
+            let particle = self.particles.get(id as usize);
+            self.row(id) ^ particle.map_or(0, |[x, ..]| x.to_bits())
+        };
+        black_box(ids.fold(0, |all, id| all ^ read(id)));
     }
 
     /// Bytes held.

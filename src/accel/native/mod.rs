@@ -14,6 +14,8 @@ mod node;
 mod query;
 mod tree;
 
+use std::sync::Arc;
+
 use crate::accel::{Accel, BuildOptions, Precision};
 use crate::error::Result;
 use crate::geometry::SphereSet;
@@ -32,15 +34,17 @@ pub(super) struct Native {
     shape: Shape,
     giants: Giants,
     instance: Instance,
+    spheres: Arc<SphereSet>,
 }
 
 impl Native {
     /// Builds on the current rayon pool, whatever `options.threads` says.
-    pub(super) fn new(spheres: &SphereSet, options: &BuildOptions) -> Result<Self> {
-        let (tree, shape) = build::build(spheres, options)?;
+    pub(super) fn new(spheres: Arc<SphereSet>, options: &BuildOptions) -> Result<Self> {
+        let (tree, shape) = build::build(&spheres, options)?;
         let first_giant = spheres.particles().len();
         let giants = Giants::build(spheres.giants(), first_giant, &options.cancel)?;
-        Ok(Self { tree, shape, giants, instance: options.instance.unwrap_or_else(Instance::best) })
+        let instance = options.instance.unwrap_or_else(Instance::best);
+        Ok(Self { tree, shape, giants, instance, spheres })
     }
 
     /// The best hit of a valid ray on a giant; with `any`, some hit. Giants come first: there are few,

@@ -77,6 +77,7 @@ impl<R: Recorder> Batch<'_, R> {
         hits.resize(paths.states.len(), Hit::MISS);
         self.world.accel.closest_of(spheres, &paths.rays, rays, hits);
         self.tally.count_of(&paths.rays, isa);
+        self.world.scene.warm(hits);
 
         // Shade: gather emission, aim at a light, scatter.
         shadows.clear();

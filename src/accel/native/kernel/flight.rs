@@ -84,7 +84,7 @@ pub(super) unsafe fn fly<L: Lanes, Q: Question>(
                 if step::<L, Q>(&batch, &mut *slot) {
                     pending.add::<L>(&*slot);
                     if pending.is_full() {
-                        pending.settle(&mut batch);
+                        pending.settle::<L, Q>(&mut batch);
                     }
                     if !batch.board::<L>(slot) {
                         count -= 1;
@@ -98,8 +98,8 @@ pub(super) unsafe fn fly<L: Lanes, Q: Question>(
             turn += 1;
         }
     }
-    // SAFETY: all that is pending was added above.
-    unsafe { pending.settle(&mut batch) };
+    // SAFETY: all that is pending was added above; the rest is the caller's promise.
+    unsafe { pending.settle::<L, Q>(&mut batch) };
 }
 
 /// As [`fly`], but through a list of leaves that has no tree.
@@ -132,10 +132,10 @@ pub(super) unsafe fn walk<L: Lanes, Q: Question>(
             }
             pending.add::<L>(slot);
             if pending.is_full() {
-                pending.settle(&mut batch);
+                pending.settle::<L, Q>(&mut batch);
             }
         }
-        pending.settle(&mut batch);
+        pending.settle::<L, Q>(&mut batch);
     }
 }
 

@@ -99,10 +99,14 @@ impl Pending {
     /// matters: a sphere that a ray leaves is never sure to be hit, as the ray starts on it, nor is
     /// a lamp that ends it. Where such a sphere was sure and cut the way short, it is seen here.
     ///
+    /// What is hit first will be looked at next: the memory of those spheres is asked for here, so that
+    /// it comes while other rays are on their way.
+    ///
     /// # Safety
-    /// All that waits is of this batch, which has as many answers as rays.
+    /// All that waits is of this batch, which has as many answers as rays, and the instructions of `L`
+    /// are there.
     #[inline(always)]
-    pub(super) unsafe fn settle<Q: Question>(&mut self, batch: &mut Batch<'_, Q>) {
+    pub(super) unsafe fn settle<L: Lanes, Q: Question>(&mut self, batch: &mut Batch<'_, Q>) {
         let tree = &batch.native.tree;
         let mut first = 0;
         for waiting in &self.rays[..self.count] {
@@ -138,6 +142,12 @@ impl Pending {
                 let answer =
                     if is_cut_short { alone::<Q>(batch.native, ray) } else { Q::answer(best) };
                 *batch.answers.get_unchecked_mut(waiting.ray as usize) = answer;
+                if !Q::ANY {
+                    let spheres = &batch.native.spheres;
+                    let at = best.id as usize;
+                    L::prefetch(spheres.particles().as_ptr().wrapping_add(at).cast());
+                    L::prefetch(spheres.rows().as_ptr().wrapping_add(at).cast());
+                }
             }
         }
         self.count = 0;
