@@ -4,7 +4,7 @@
 # its bytes are compared with those of one render: undisturbed, with a shard that is sent back to the
 # queue while it runs, and with a shard that is killed, after which the plan is submitted again.
 #
-#   scripts/try-slurm.sh [SECONDS]     gives up after so many seconds; 300 by default
+#   scripts/try-slurm.sh [SECONDS]     gives up after so many seconds; 600 by default
 #
 # Needs root, because slurmd starts jobs as their user. Slurm and munge come from Debian's packages,
 # which are installed where they are missing. The program is the one that PHOTOSPHERE names; where it
@@ -12,7 +12,7 @@
 set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-limit=${1:-300}
+limit=${1:-600}
 scene=$repository/scenes/paper/fig2.toml
 packages=(slurmctld slurmd slurm-client munge)
 daemons=()
@@ -66,7 +66,7 @@ SlurmctldHost=$host(127.0.0.1)
 SlurmctldPort=$(free_port)
 SlurmdPort=$(free_port)
 AuthType=auth/munge
-AuthInfo=socket=$root/run/munge.socket,cred_expire=3
+AuthInfo=socket=$root/run/munge.socket
 CredType=cred/munge
 SlurmUser=root
 StateSaveLocation=$root/state
@@ -117,8 +117,13 @@ wait_for() {
 clean_up() {
     local at
     if ((${#daemons[@]} == 3)); then
-        timeout 10 scancel --quiet --full --signal=KILL --state=RUNNING --user=root || true
+        # Those who watch over jobs would wait for the daemons for ever.
         timeout 10 scancel --quiet --user=root || true
+        timeout 10 scancel --quiet --full --signal=KILL --state=RUNNING --user=root || true
+        for ((at = 0; at < 100; at++)); do
+            if no_jobs; then break; fi
+            sleep 0.2
+        done
     fi
     for ((at = ${#daemons[@]} - 1; at >= 0; at--)); do
         kill "${daemons[at]}" 2>/dev/null || true
@@ -175,9 +180,10 @@ undisturbed() {
 }
 
 requeued() {
-    plan requeued --size 256x192 --spp 2048
+    plan requeued --size 256x192 --spp 768
     submit requeued
     wait_for_a_shard requeued
+    # Slurm lets it wait for two minutes.
     scontrol requeue "${array}_0"
     wait_for "the shard to go on" has_restarted
     wait_for "the jobs" no_jobs
@@ -189,7 +195,7 @@ has_restarted() {
 }
 
 killed() {
-    plan killed --size 256x192 --spp 2048 --seed 5
+    plan killed --size 256x192 --spp 768 --seed 5
     submit killed
     wait_for_a_shard killed
     scancel --full --signal=KILL "${array}_0"

@@ -86,8 +86,14 @@ fn parameters() -> Value {
     ])
 }
 
+/// A task that is to be cancelled is told so first, and keeps what it has.
 fn script(words: &[String]) -> Value {
-    json!({ "actions": { "onRun": { "command": "{{Param.Program}}", "args": words } } })
+    let run = json!({
+        "command": "{{Param.Program}}",
+        "args": words,
+        "cancelation": { "mode": "NOTIFY_THEN_TERMINATE", "notifyPeriodInSeconds": 30 },
+    });
+    json!({ "actions": { "onRun": run } })
 }
 
 /// The plan with its files in the job's folder, where they are not named from the root.
