@@ -172,8 +172,8 @@ impl Scene {
         if self.groups.iter().any(|group| group.colors.is_some()) {
             let read = |id: u32| {
                 let row = self.spheres.row(id);
-                let group = (row as usize >= self.description.spheres.len())
-                    .then(|| self.group_of(row))?;
+                let group =
+                    (row as usize >= self.description.spheres.len()).then(|| self.group_of(row))?;
                 Some(group.colors.as_ref()?.get((row - group.first_row) as usize).x.to_bits())
             };
             black_box(ids().filter_map(read).fold(0, |all, bits| all ^ bits));
