@@ -111,6 +111,11 @@ mod tests {
         [SamplerKind::Sobol, SamplerKind::Independent, SamplerKind::Stratified];
 
     #[test]
+    fn between_the_largest_number_and_one_there_is_none() {
+        assert_eq!(BELOW_ONE.to_bits() + 1, 1f64.to_bits());
+    }
+
+    #[test]
     fn the_kinds_whose_numbers_depend_on_their_count_say_so() {
         for kind in KINDS {
             let differ = Sampler::of_kind(kind, 1, 2, 3, 16) != Sampler::of_kind(kind, 1, 2, 3, 40);
