@@ -69,6 +69,14 @@ mod tests {
         assert_eq!(lower_median(&[1.0, 2.0], |_| None), 0.0);
     }
 
+    #[test]
+    fn more_numbers_than_are_counted_at_once_are_counted_together() {
+        // A whole table of one number and half a table of a smaller one.
+        let items: Vec<bool> = (0..AT_ONCE + AT_ONCE / 2).map(|i| i < AT_ONCE).collect();
+        let value = |&is_large: &bool| Some(if is_large { 5.0 } else { -7.0 });
+        assert_eq!(lower_median(&items, value), 5.0);
+    }
+
     proptest! {
         #[test]
         fn it_is_what_sorting_finds(

@@ -170,4 +170,17 @@ mod tests {
         let spheres = [0.5, 0.1, 0.9, 0.3].map(|x| [x, 0.0, 0.0, 1.0]);
         assert_eq!(order(&spheres, |i| i, |i| i != 2).0, [2, 0, 1, 3]);
     }
+
+    #[test]
+    fn the_cells_divide_the_box_wherever_it_lies() {
+        let low = Vec3::new(-3.0, 1.0, 10.0);
+        let curve = Curve { low, high: Vec3::new(-1.0, 2.0, 14.0) };
+        let code = |x: f32, y: f32, z: f32| curve.fine_code(&[x, y, z, 1.0]);
+        assert_eq!(code(-3.0, 1.0, 10.0), 0);
+        // Halfway along an axis its highest bit is set, and a quarter of the way the next one.
+        assert_eq!(code(-2.0, 1.0, 10.0), 1 << 62);
+        assert_eq!(code(-3.0, 1.5, 10.0), 1 << 61);
+        assert_eq!(code(-3.0, 1.0, 12.0), 1 << 60);
+        assert_eq!(code(-2.5, 1.25, 11.0), 0b111 << 57);
+    }
 }

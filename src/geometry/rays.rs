@@ -182,7 +182,12 @@ impl Stage for Survey<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{SphereRows, SphereSet};
     use crate::math::DVec3;
+
+    fn from(x: f64) -> PathRay {
+        PathRay::free(DVec3::new(x, 1.0, 2.0), DVec3::Z)
+    }
 
     #[test]
     fn rays_come_back_as_they_were_pushed_and_those_that_cannot_be_asked_do_not_count() {
@@ -204,6 +209,74 @@ mod tests {
             assert_eq!(found[43].origin.x, 43.0 + f64::from(round));
             assert!((0..100).all(|i| found[i as usize].leaves == i));
             assert!(Isa::all().into_iter().all(|isa| rays.count_traced(isa) == 50));
+        }
+    }
+
+    #[test]
+    fn rays_are_counted_and_what_an_earlier_batch_left_behind_them_is_not() {
+        let mut rays = PathRays::default();
+        assert!(rays.is_empty() && rays.blocks().is_empty());
+        (0..2 * LANES).for_each(|i| rays.push(&from(i as f64)));
+        assert_eq!((rays.len(), rays.blocks().len()), (2 * LANES, 2));
+        (0..LANES * LANES).for_each(|i| rays.push(&from(i as f64)));
+        let last = rays.get(LANES * (LANES + 2) - 1);
+        assert_eq!(last.origin.x, (LANES * LANES - 1) as f64);
+        rays.clear();
+        assert!(rays.is_empty());
+        (0..LANES + 3).for_each(|i| rays.push(&from(i as f64)));
+        rays.set(2, &PathRay { t_max: 0.0, ..from(0.0) });
+        assert_eq!((rays.len(), rays.blocks().len()), (LANES + 3, 2));
+        assert!(!rays.is_empty());
+        assert!(Isa::all().into_iter().all(|isa| rays.count_traced(isa) == LANES + 2));
+    }
+
+    #[test]
+    fn a_block_of_rays_stands_behind_the_others_and_aims_at_nothing() {
+        let mut rays = PathRays::default();
+        let shadow = PathRay { t_max: 1.0, leaves: 3, aims_at: 4, far_wall: 0.5, ..from(0.0) };
+        (0..3).for_each(|_| _ = rays.push_block(LANES));
+        assert!((0..3 * LANES).all(|index| !rays.goes_in(index)));
+        rays.set(LANES + 1, &shadow);
+        let into = (0..3 * LANES).filter(|&index| rays.goes_in(index));
+        assert!(into.eq([LANES + 1]));
+        rays.clear();
+        (0..LANES).for_each(|_| rays.push(&shadow));
+        rays.push_block(3).origin.set(2, DVec3::X);
+        assert_eq!(rays.len(), LANES + 3);
+        let PathRay { origin, t_max, leaves, aims_at, far_wall, .. } = rays.get(LANES + 2);
+        assert_eq!((origin, t_max, far_wall), (DVec3::X, f64::INFINITY, f64::INFINITY));
+        assert_eq!((leaves, aims_at), (NO_SPHERE, NO_SPHERE));
+        assert!(rays.goes_in(LANES - 1) && !rays.goes_in(LANES));
+        assert_eq!(rays.get(LANES - 1).far_wall, 0.5);
+    }
+
+    /// Every number of a ray beyond its range, one at a time.
+    #[test]
+    fn a_ray_of_a_block_ends_where_that_of_a_backend_does() {
+        let limit = 4.0 * MAX_COORDINATE;
+        let mut rays = vec![PathRay { far_wall: 3.0, t_max: 5.0, ..from(0.0) }];
+        for value in [limit, -limit, 1.1 * limit, -1.1 * limit, f64::INFINITY, f64::NAN] {
+            for axis in 0..3 {
+                let mut bent = [from(0.0); 2];
+                bent[0].origin[axis] = value;
+                bent[1].direction[axis] = value;
+                rays.extend(bent);
+            }
+            rays.push(PathRay { t_min: value, ..from(0.0) });
+        }
+        let ends = [0.0, 2.0, -1.0, limit, f64::INFINITY];
+        rays.extend(ends.map(|t_max| PathRay { t_max, ..from(0.0) }));
+        rays.extend(ends.map(|t_min| PathRay { t_min, ..from(0.0) }));
+        let set = SphereSet::new(SphereRows::default()).expect("nothing");
+        let end = |ray: &PathRay| {
+            let mut rays = PathRays::default();
+            rays.push(ray);
+            rays.blocks()[0].end(0)
+        };
+        for ray in &rays {
+            let is_valid = set.ask(ray).is_valid();
+            let expected = if is_valid { ray.t_max.min(ray.far_wall) } else { f64::NEG_INFINITY };
+            assert_eq!(end(ray), expected, "{ray:?}");
         }
     }
 }

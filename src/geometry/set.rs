@@ -188,6 +188,22 @@ mod tests {
     }
 
     #[test]
+    fn what_stands_between_and_behind_equal_spheres_stays() {
+        let places = [4, 2, 0, 2, 1, 3, 4, 2, 3, 5];
+        let set = set(vec![], places.map(|x| [x as f32, 0.0, 0.0, 0.25]).to_vec());
+        assert_eq!((set.len(), set.duplicates()), (6, 4));
+        // In order along the curve, which is a line here; each with its first row.
+        assert_eq!(set.rows(), [2, 4, 1, 5, 0, 9]);
+        let stored: Vec<f64> = (0..6).map(|id| (set.sphere(id).center + set.origin()).x).collect();
+        assert_eq!(stored, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        let in_f32: Vec<f64> = set.particles().iter().map(|&[x, ..]| f64::from(x)).collect();
+        assert_eq!(in_f32.len(), 6);
+        assert!(in_f32.into_iter().map(|x| x + set.origin().x).eq(stored));
+        let places: Vec<u64> = set.particles().iter().map(|s| set.place_on_curve(s)).collect();
+        assert!(places.is_sorted_by(|a, b| a < b), "{places:?}");
+    }
+
+    #[test]
     fn a_zero_has_no_sign() {
         let zeros = [0.0, -0.0].map(|zero| ball(zero, zero, zero, 1.0));
         let signs = [[0.0, 0.0, -0.0], [0.0, -0.0, 0.0], [-0.0, 0.0, 0.0]];
@@ -201,9 +217,11 @@ mod tests {
         let [ground, wall] = [ball(0.0, -1e5, 0.0, 1e5), ball(0.0, -2e5, -0.0, 2e5)];
         let wall_again = ball(0.0, -2e5, 0.0, 2e5);
         let around = [1.0, 2.0, 3.0].map(|x| ball(x, 1.0, 0.0, 1.0));
-        let set = set([vec![ground, wall, ground, wall_again], around.to_vec()].concat(), vec![]);
-        assert_eq!((set.giants().len(), set.duplicates()), (2, 2));
-        assert_eq!(set.rows()[3..], [0, 1]);
+        let cellar = ball(0.0, -3e5, 0.0, 3e5);
+        let giants = vec![ground, wall, ground, wall_again, cellar];
+        let set = set([giants, around.to_vec()].concat(), vec![]);
+        assert_eq!((set.giants().len(), set.duplicates()), (3, 2));
+        assert_eq!(set.rows()[3..], [0, 1, 4]);
     }
 
     #[test]
@@ -227,6 +245,12 @@ mod tests {
         let large = ball(1e9 + 0.3, 0.0, 0.0, 100.0);
         let near = [0.0, 1.0].map(|x| ball(x, 0.0, 0.0, 1.0));
         assert_eq!(set([near.to_vec(), vec![large]].concat(), vec![]).coarse(), 0);
+        // Moved by exactly a hundredth of its radius.
+        let moved_by_1 = ball(1e9 + 1.0, 0.0, 0.0, 100.0);
+        let around_0 = [-1.0, 0.0].map(|x| ball(x, 0.0, 0.0, 1.0));
+        assert_eq!(set([around_0.to_vec(), vec![moved_by_1]].concat(), vec![]).coarse(), 0);
+        // A radius so small that f32 has few digits for it.
+        assert_eq!(set(vec![ball(0.0, 0.0, 0.0, 2e-45)], vec![]).coarse(), 1);
     }
 
     #[test]
@@ -269,5 +293,22 @@ mod tests {
         let hit = set.answer(&ray, Hit { t: 4.0, id }).expect("hits");
         let expected = ray.direction * hit.t - DVec3::X * 5.0;
         assert!((hit.normal - expected).length() < 1e-14);
+    }
+
+    #[test]
+    fn the_first_of_the_far_wall_and_what_was_found_is_the_answer() {
+        let set = set(vec![ball(0.0, 0.0, 0.0, 2.0), ball(3.0, 0.0, 0.0, 2.0)], vec![]);
+        let [left, right] = [0, 1].map(|row| (0..2).find(|&id| set.row(id) == row).expect("row"));
+        let start = DVec3::new(-2.0, 0.0, 0.0) - set.origin();
+        let inward = PathRay { leaves: left, far_wall: 4.0, ..PathRay::free(start, DVec3::X) };
+        let answer = |ray: &PathRay, hit| set.answer(ray, hit).map(|hit| (hit.id, hit.t));
+        let found = Hit { t: 3.0, id: right };
+        assert_eq!(answer(&inward, found), Some((right, 3.0)));
+        let nearer_wall = PathRay { far_wall: 2.5, ..inward };
+        assert_eq!(answer(&nearer_wall, found), Some((left, 2.5)));
+        assert_eq!(answer(&inward, Hit::MISS), Some((left, 4.0)));
+        let up_to = |t_max| answer(&PathRay { t_max, ..inward }, Hit::MISS);
+        assert_eq!([4.5, 4.0, 3.5].map(up_to), [Some((left, 4.0)), None, None]);
+        assert_eq!(answer(&PathRay::free(start, -DVec3::X), Hit::MISS), None);
     }
 }

@@ -148,4 +148,50 @@ mod tests {
         assert_eq!(UNIT.resolve(origin, DVec3::Z, 0.0), 3.0);
         assert_eq!(UNIT.resolve(DVec3::new(0.0, 0.0, 2.0), DVec3::Z, 0.0), 0.0);
     }
+
+    #[test]
+    fn roots_are_in_units_of_the_direction() {
+        let origin = DVec3::new(0.5, 0.0, -3.0);
+        let one = UNIT.roots(origin, DVec3::Z).expect("hits");
+        let four = UNIT.roots(origin, DVec3::Z * 4.0).expect("hits");
+        assert_eq!([four.near * 4.0, four.far * 4.0], [one.near, one.far]);
+        assert_relative_eq!(one.far - one.near, 3f64.sqrt(), max_relative = 1e-15);
+        assert_eq!(UNIT.resolve(origin, DVec3::Z * 4.0, 0.0), four.near);
+    }
+
+    #[test]
+    fn a_tangent_meets_in_one_point() {
+        let roots = UNIT.roots(DVec3::new(1.0, 0.0, -3.0), DVec3::Z);
+        assert_eq!(roots, Some(Roots { near: 3.0, far: 3.0 }));
+    }
+
+    #[test]
+    fn a_root_at_an_end_of_the_interval_does_not_count() {
+        let origin = DVec3::new(0.0, 0.0, -3.0);
+        let first = |t_min, t_max| UNIT.first_root(origin, DVec3::Z, t_min, t_max);
+        assert_eq!(first(0.0, 2.0), None);
+        assert_eq!(first(2.0, 5.0), Some(4.0));
+        assert_eq!(first(2.0, 4.0), None);
+        assert_eq!(first(4.0, 5.0), None);
+        assert_eq!([1.9, 2.0, 4.5].map(|t| UNIT.resolve(origin, DVec3::Z, t)), [2.0, 4.0, 4.5]);
+        assert_eq!(UNIT.resolve(DVec3::Z * 0.5, DVec3::Z, 0.0), 0.5, "from inside");
+    }
+
+    #[test]
+    fn what_is_touched_lies_on_the_sphere_and_has_a_normal_even_where_it_has_no_direction() {
+        let sphere = Sphere { center: DVec3::new(10.0, -4.0, 7.0), radius: 3.0 };
+        let (point, normal) = sphere.touched(DVec3::new(10.0, -4.0, 0.0), DVec3::Z, 4.0);
+        assert_eq!((point, normal), (DVec3::new(10.0, -4.0, 4.0), -DVec3::Z));
+        let (point, normal) = sphere.touched(sphere.center, DVec3::X, 0.0);
+        assert_eq!((point, normal), (DVec3::new(7.0, -4.0, 7.0), -DVec3::X));
+        let beyond_f64 = sphere.touched(DVec3::ZERO, DVec3::ONE, f64::INFINITY);
+        assert_eq!(beyond_f64.1, -DVec3::ONE);
+    }
+
+    #[test]
+    fn its_surface_is_not_inside() {
+        let sphere = Sphere { center: DVec3::new(5.0, 0.0, 0.0), radius: 3.0 };
+        let inside = [2.0, 2.1, 5.0, 7.9, 8.1].map(|x| sphere.contains(DVec3::X * x));
+        assert_eq!(inside, [false, true, true, true, false]);
+    }
 }

@@ -121,3 +121,69 @@ impl SurfaceHit {
         self.leave(direction).map(|ray| PathRay { t_max: distance, aims_at: lamp, ..ray })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At the left end of a ball of radius 2 around the origin.
+    const LEFT: SurfaceHit = SurfaceHit {
+        id: 7,
+        t: 1.0,
+        point: DVec3::new(-2.0, 0.0, 0.0),
+        normal: DVec3::NEG_X,
+        radius: 2.0,
+        side: Side::Outside,
+    };
+
+    #[test]
+    fn a_point_along_a_ray_is_that_far_away() {
+        let ray = PathRay::free(DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.0, 0.6, 0.8));
+        assert_eq!(ray.at(10.0), DVec3::new(1.0, 8.0, 11.0));
+    }
+
+    #[test]
+    fn a_side_is_the_sign_of_a_cosine_and_along_the_surface_it_is_outside() {
+        for (x, leaving, arriving) in [
+            (1.0, Side::Outside, Side::Inside),
+            (0.0, Side::Outside, Side::Outside),
+            (-1.0, Side::Inside, Side::Outside),
+        ] {
+            let direction = DVec3::new(x, 1.0, 0.0);
+            assert_eq!(Side::of_leaving(direction, DVec3::X), leaving, "{x}");
+            assert_eq!(Side::of_arriving(direction, DVec3::X), arriving, "{x}");
+        }
+        assert_eq!(LEFT.facing_normal(), DVec3::NEG_X);
+        assert_eq!(SurfaceHit { side: Side::Inside, ..LEFT }.facing_normal(), DVec3::X);
+    }
+
+    #[test]
+    fn a_ray_going_in_meets_the_far_wall_and_one_going_out_does_not() {
+        let leave = |x: f64, y: f64| LEFT.leave(DVec3::new(x, y, 0.0)).expect("a ray");
+        let inwards = leave(1.0, 0.0);
+        assert_eq!((inwards.origin, inwards.leaves, inwards.far_wall), (LEFT.point, 7, 4.0));
+        // A chord at an angle, and a direction that is no unit vector.
+        assert!((leave(0.6, 0.8).far_wall - 2.4).abs() < 1e-15);
+        assert_eq!(leave(4.0, 0.0).far_wall, 1.0);
+        assert_eq!([leave(-1.0, 0.0), leave(0.0, 1.0)].map(|r| r.far_wall), [f64::INFINITY; 2]);
+        assert!(LEFT.leave(DVec3::new(5e-324, 1.0, 0.0)).is_some(), "the shortest chord");
+        let speck = SurfaceHit { radius: 0.1, ..LEFT };
+        assert!(speck.leave(DVec3::new(5e-324, 1.0, 0.0)).is_none(), "a chord without length");
+    }
+
+    #[test]
+    fn a_sphere_stands_in_its_own_light_up_to_its_far_wall() {
+        let [inwards, outwards] = [DVec3::X, DVec3::NEG_X];
+        // Another lamp: within the sphere, on its far wall, behind it, and on the other side.
+        let reaches = |direction, distance| LEFT.leave_towards(direction, distance, 3).is_some();
+        assert!(reaches(inwards, 3.9));
+        assert!(!reaches(inwards, 4.0) && !reaches(inwards, 4.1));
+        assert!(!reaches(inwards, f64::INFINITY));
+        assert!(reaches(outwards, 4.1) && reaches(outwards, f64::INFINITY));
+        // The sphere itself as the lamp, and light that may pass through.
+        let own = LEFT.leave_towards(inwards, 4.0, 7).expect("its own light");
+        let through = LEFT.leave_up_to(inwards, 9.0, 3).expect("a ray");
+        assert_eq!((own.t_max, own.aims_at, own.leaves), (4.0, 7, 7));
+        assert_eq!((through.t_max, through.aims_at, through.far_wall), (9.0, 3, 4.0));
+    }
+}

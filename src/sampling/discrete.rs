@@ -58,6 +58,9 @@ mod tests {
         assert_relative_eq!(choice.pmf(2), 0.75);
         assert_eq!([0.0, 0.2499, 0.25, 0.999_999].map(|u| choice.sample(u)), [0, 0, 2, 2]);
         assert_relative_eq!(choice.remap(2, 0.625), 0.5);
+        // Rounding may bring a number to the end of its stretch, and no further.
+        assert_eq!(choice.sample(1.0), 2);
+        assert_eq!([(0, 0.25), (2, 1.0)].map(|(i, u)| choice.remap(i, u) < 1.0), [true; 2]);
     }
 
     #[test]

@@ -163,4 +163,27 @@ mod tests {
             assert!(filter.sample([0.0, 1.0 - f64::EPSILON]).iter().all(|x| x.abs() <= 2.0));
         }
     }
+
+    #[test]
+    fn a_density_has_the_shape_of_its_name() {
+        for (kind, at_half, at_edge) in [
+            (FilterKind::Box, 1.0, 1.0),
+            (FilterKind::Tent, 0.5, 0.0),
+            (FilterKind::Gaussian, (-1.125f64).exp(), (-4.5f64).exp()),
+            (FilterKind::BlackmanHarris, 0.217_47, 6e-5),
+        ] {
+            let filter = Filter::new(kind, 2.0);
+            // Within a bin the density is constant.
+            let share = |x: f64| filter.pdf([0.0, x]) / filter.pdf([0.0, 0.0]);
+            for (x, expected) in [(1.0, at_half), (-1.0, at_half), (2.0, at_edge), (-2.0, at_edge)]
+            {
+                assert!((share(x) - expected).abs() < 5e-3, "{kind:?} at {x}: {}", share(x));
+            }
+            assert_eq!([2.001, -2.001].map(share), [0.0; 2], "{kind:?} ends at its radius");
+        }
+        let boxes = [0.25, 3.0].map(|radius| Filter::new(FilterKind::Box, radius));
+        assert_eq!(boxes[0].pdf([0.1, -0.2]), 4.0);
+        assert_eq!(boxes.map(|filter| filter.radius_of_box()), [Some(0.25), Some(3.0)]);
+        assert!(Filter::new(FilterKind::Tent, 1.0).radius_of_box().is_none());
+    }
 }

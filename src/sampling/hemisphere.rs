@@ -122,4 +122,32 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn an_azimuth_is_never_a_whole_turn() {
+        for (x, y, turns) in
+            [(1.0, 0.0, 0.0), (0.0, 1.0, 0.25), (-1.0, 0.0, 0.5), (0.0, -1.0, 0.75)]
+        {
+            assert_eq!(Hemisphere::Cosine.invert(DVec3::new(x, y, 0.0))[1], turns);
+        }
+    }
+
+    #[test]
+    fn points_of_a_cap_lie_at_their_share_of_its_height() {
+        // From a pin's head to the whole sphere.
+        for rim in [1e-12, 0.3, 1.0, 2.0] {
+            for i in 0..50 {
+                let u = [f64::from(i) / 50.0, f64::from(i * 7 % 50) / 50.0];
+                let drawn = sample_cap(rim, u);
+                assert!((drawn.length() - 1.0).abs() < 1e-15);
+                let chord_squared = drawn.distance_squared(DVec3::Z);
+                let expected = 2.0 * u[0] * rim;
+                assert!((chord_squared - expected).abs() <= 1e-14 * expected.max(1e-3 * rim));
+                if i > 0 && rim < 2.0 {
+                    let turns = Hemisphere::Cosine.invert(drawn)[1];
+                    assert!((turns - u[1]).abs() < 1e-12, "{turns} {}", u[1]);
+                }
+            }
+        }
+    }
 }

@@ -102,3 +102,34 @@ impl Sampler {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KINDS: [SamplerKind; 3] =
+        [SamplerKind::Sobol, SamplerKind::Independent, SamplerKind::Stratified];
+
+    #[test]
+    fn between_the_largest_number_and_one_there_is_none() {
+        assert_eq!(BELOW_ONE.to_bits() + 1, 1f64.to_bits());
+    }
+
+    #[test]
+    fn the_kinds_whose_numbers_depend_on_their_count_say_so() {
+        for kind in KINDS {
+            let differ = Sampler::of_kind(kind, 1, 2, 3, 16) != Sampler::of_kind(kind, 1, 2, 3, 40);
+            assert_eq!(kind.depends_on_count(), differ, "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn only_numbers_of_sobol_go_into_lanes_and_they_come_back() {
+        for kind in KINDS {
+            let mut lanes = SobolLanes::default();
+            let numbers = Sampler::of_kind(kind, 1, 2, 3, 16);
+            assert_eq!(numbers.put_into(&mut lanes, 5), kind == SamplerKind::Sobol);
+            assert_eq!(Sampler::of_lane(&lanes, 5) == numbers, kind == SamplerKind::Sobol);
+        }
+    }
+}

@@ -83,6 +83,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn places_within_a_cell_reach_neither_of_its_ends() {
+        let [first, last] = [0, u32::MAX].map(fraction);
+        assert!(first > 0.0 && last < 1.0);
+        assert_eq!(first, 1.0 - last);
+    }
+
+    #[test]
     fn permutations_permute() {
         for length in [1, 2, 3, 16, 17, 100, 1000] {
             for key in 0..20 {

@@ -136,4 +136,31 @@ mod tests {
             [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 1.0)]
         );
     }
+
+    #[test]
+    fn functions_have_their_known_values() {
+        use std::f64::consts::{E, FRAC_PI_3, FRAC_PI_4, LN_2, PI, SQRT_2};
+        let pairs = [
+            (tan(FRAC_PI_3), 3f64.sqrt()),
+            (tan(-FRAC_PI_4), -1.0),
+            (cos(FRAC_PI_3), 0.5),
+            (cos(PI), -1.0),
+            (sin_cos(FRAC_PI_4).0, SQRT_2 / 2.0),
+            (sin_cos(2.0 * FRAC_PI_3).1, -0.5),
+            (acos(0.5), FRAC_PI_3),
+            (acos(-1.5), PI),
+            (acos(1.5), 0.0),
+            (atan2(1.0, -1.0), 3.0 * FRAC_PI_4),
+            (atan2(-1.0, 1.0), -FRAC_PI_4),
+            (exp(1.0), E),
+            (exp(-LN_2), 0.5),
+            (ln(2.0), LN_2),
+            (ln(1.0 / E), -1.0),
+            (powf(2.0, 0.5), SQRT_2),
+            (powf(4.0, -1.5), 0.125),
+        ];
+        for (index, (found, expected)) in pairs.into_iter().enumerate() {
+            assert!((found - expected).abs() < 1e-15, "{index}: {found} {expected}");
+        }
+    }
 }

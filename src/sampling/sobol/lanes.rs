@@ -83,3 +83,31 @@ impl SobolLanes {
         points
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_lane_reads_the_numbers_of_its_own_sample() {
+        let pixel = |lane: usize| 1000 + 7 * lane as u64;
+        // Indices of few bits and of many.
+        for samples in [[0u32; LANES], std::array::from_fn(|lane| 1 << (4 * lane as u32 % 32))] {
+            let mut lanes = SobolLanes::default();
+            lanes.begin(5, pixel, |lane| samples[lane] + lane as u32);
+            let one = |lane: usize| Sobol::new(5, pixel(lane), samples[lane] + lane as u32);
+            let set = |lane: usize| 3 * (lane as u32 % 3);
+            lanes.turn_to(set);
+            for dimension in 0..SET {
+                let mut numbers = Lanes::default();
+                lanes.get(dimension, &mut numbers);
+                for (lane, number) in numbers.0.into_iter().enumerate() {
+                    assert_eq!(number, one(lane).get(SET * set(lane) + dimension), "lane {lane}");
+                    assert_eq!(lanes.take(lane), one(lane));
+                }
+            }
+            lanes.put(1, one(2));
+            assert_eq!([0, 1, 2].map(|lane| lanes.take(lane)), [0, 2, 2].map(one));
+        }
+    }
+}
