@@ -21,6 +21,9 @@ use super::identity::{Identity, Ingredients};
 use super::surface::{Surface, materials};
 use super::{Loaded, Override, RowGroup, read_file};
 
+/// So many spheres stay in a processor's near memory by themselves.
+const NEAR: usize = 1000;
+
 /// A scene, ready to be rendered.
 #[derive(Debug)]
 pub struct Scene {
@@ -165,8 +168,12 @@ impl Scene {
         Surface::new(&self.materials[group.material], color, radius)
     }
 
-    /// Reads what is known of the spheres that were hit; see [`SphereSet::warm`].
+    /// Reads what is known of the spheres that were hit, unless there are so few that all of them are
+    /// near at hand; see [`SphereSet::warm`].
     pub fn warm(&self, hits: &[Hit]) {
+        if self.spheres.len() <= NEAR {
+            return;
+        }
         let ids = || hits.iter().filter(|hit| !hit.is_miss()).map(|hit| hit.id);
         self.spheres.warm(ids());
         if self.groups.iter().any(|group| group.colors.is_some()) {
