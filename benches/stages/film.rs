@@ -1,6 +1,6 @@
 //! What it takes to add samples to a film, and to make a picture of it.
 
-use criterion::{BatchSize, Criterion, Throughput};
+use criterion::{Criterion, Throughput};
 
 use photosphere::color::{Radiance, Rgb};
 use photosphere::film::{BLOCK, Film, Format, Frame, Kind, Run, Scale, summed_for};
@@ -17,29 +17,56 @@ pub(crate) fn bench(criterion: &mut Criterion) {
     };
     let mut group = criterion.benchmark_group("film");
     group.throughput(Throughput::Elements(u64::from(SIDE * SIDE * BLOCK)));
-    group.bench_function("add a block to every pixel", |bencher| {
-        let empty = || Film::new(&format).expect("a small film");
-        bencher.iter_batched_ref(empty, |film| add_block(film), BatchSize::LargeInput);
-    });
+    let light = light(16 * 4 * BLOCK);
+    // One film for all rounds: a render touches a pixel's memory for the first time only once.
     let film = Film::new(&format).expect("a small film");
-    add_block(&film);
+    group.bench_function("add a block to every pixel", |bencher| {
+        bencher.iter(|| add_block(&light, &film));
+    });
+    let mut sums = vec![[0.0; 9]; (SIDE * SIDE) as usize];
+    group.bench_function("the same sums in f64, which are not exact", |bencher| {
+        bencher.iter(|| add_block_inexactly(&light, &mut sums));
+    });
     group.throughput(Throughput::Elements(u64::from(SIDE * SIDE)));
     group.bench_function("picture", |bencher| bencher.iter(|| film.picture()));
     group.finish();
 }
 
-/// One block of samples for every pixel.
-fn add_block(film: &Film) {
-    let light = |i: u32| Radiance {
+fn light(samples: u32) -> Vec<Radiance> {
+    let of = |i: u32| Radiance {
         direct: Rgb::splat(0.001 * (i % 997) as f32),
         indirect: Rgb::splat(0.002 * (i % 499) as f32),
         ..Radiance::default()
     };
-    let light: Vec<_> = (0..16 * 4 * BLOCK).map(light).collect();
+    (0..samples).map(of).collect()
+}
+
+/// One block of samples for every pixel.
+fn add_block(light: &[Radiance], film: &Film) {
     let counts = vec![BLOCK; light.len() / BLOCK as usize];
     for tile in 0..film.frame().tiles() {
         let pixels = film.frame().tile(tile).pixels();
         let run = Run { light: &light[..pixels * BLOCK as usize], seen: &[] };
         film.add(tile, &counts[..pixels], run).expect("nothing is too bright");
+    }
+}
+
+/// What [`add_block`] adds, by plain arithmetic: both layers, and the squares of their sum.
+fn add_block_inexactly(light: &[Radiance], sums: &mut [[f64; 9]]) {
+    let blocks = light.chunks_exact(BLOCK as usize).cycle();
+    for (sums, block) in sums.iter_mut().zip(blocks) {
+        let mut of_block = [0.0; 6];
+        for sample in block {
+            for channel in 0..3 {
+                of_block[channel] += f64::from(sample.direct[channel]);
+                of_block[3 + channel] += f64::from(sample.indirect[channel]);
+            }
+        }
+        for channel in 0..3 {
+            let [direct, indirect] = [of_block[channel], of_block[3 + channel]];
+            sums[channel] += direct;
+            sums[3 + channel] += indirect;
+            sums[6 + channel] += (direct + indirect) * (direct + indirect);
+        }
     }
 }
