@@ -148,6 +148,7 @@ fn what_cannot_be_compared_is_refused() {
         ("a.exr b.exr --peak 0", 2, "above 0"),
         ("a.exr b.exr --metric ssim", 2, "ssim"),
         ("a.exr b.exr --heatmap none/h.png", 4, "does not exist"),
+        ("a.exr b.exr --heatmap a.exr", 3, "the heat map would replace `a.exr`"),
     ] {
         let outcome = run(&folder, arguments);
         assert_eq!(outcome.code, Some(code), "{arguments}: {}", outcome.stderr);
@@ -174,4 +175,14 @@ fn a_heat_map_is_drawn_with_its_scale_told() {
     let outcome = run(&folder, "a.exr b.exr --heatmap-of rmse");
     assert_eq!(outcome.code, Some(2));
     assert!(!Path::new("h.png").exists());
+}
+
+#[test]
+fn values_that_are_infinite_by_their_meaning_are_no_obstacle() {
+    let folder = desk();
+    write(&folder, "far.exr", SIZE, 0.25, f32::INFINITY);
+    write(&folder, "far2.exr", SIZE, 0.25, f32::INFINITY);
+    let outcome = run(&folder, "far.exr far2.exr --json");
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    assert_eq!(run(&folder, "far.exr a.exr").code, Some(3));
 }

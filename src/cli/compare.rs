@@ -20,6 +20,7 @@ const VARIANCE: &str = "variance";
 /// # Errors
 /// When a picture cannot be read, or the pictures cannot be compared.
 pub(super) fn run(args: &CompareArgs) -> Result<Exit> {
+    check_heatmap(args)?;
     let heatmap = args.heatmap.as_deref().map(Target::new).transpose()?;
     let pair = Pair::read(args)?;
     let compared = pair.names(&args.layers)?;
@@ -39,6 +40,18 @@ pub(super) fn run(args: &CompareArgs) -> Result<Exit> {
     Ok(if exceeded.is_empty() { Exit::Done } else { Exit::CheckFailed })
 }
 
+/// Refuses to draw over what is compared.
+fn check_heatmap(args: &CompareArgs) -> Result<()> {
+    let whole = |path: &Path| path.canonicalize().ok();
+    let Some(map) = args.heatmap.as_deref().and_then(whole) else { return Ok(()) };
+    let read = [Some(&args.picture), Some(&args.reference), args.twin.as_ref()];
+    match read.into_iter().flatten().find(|path| whole(path).as_ref() == Some(&map)) {
+        Some(path) => Err(Error::input(format!("the heat map would replace `{}`", path.display()))
+            .with_help("give --heatmap another name")),
+        None => Ok(()),
+    }
+}
+
 /// The pictures, all of one size.
 struct Pair {
     a: Layered,
@@ -48,9 +61,16 @@ struct Pair {
 
 impl Pair {
     fn read(args: &CompareArgs) -> Result<Self> {
-        let [a, b] = [&args.picture, &args.reference].map(|path| read_finite(path));
-        let twin = args.twin.as_deref().map(read_finite).transpose()?;
-        let (a, b) = (a?, b?);
+        let (mut a, mut b) = (output::read(&args.picture)?, output::read(&args.reference)?);
+        forget_equal_infinities(&mut a, &mut b);
+        let is_compared =
+            |name: &str| args.layers.is_empty() || args.layers.iter().any(|layer| layer == name);
+        check_finite(&args.picture, &a, is_compared)?;
+        check_finite(&args.reference, &b, is_compared)?;
+        let twin = args.twin.as_deref().map(output::read).transpose()?;
+        if let Some((path, twin)) = args.twin.as_deref().zip(twin.as_ref()) {
+            check_finite(path, twin, |name| name == BEAUTY)?;
+        }
         let others = twin.iter().map(|twin| (twin, args.twin.as_deref()));
         for (other, path) in others.chain([(&b, Some(args.reference.as_path()))]) {
             if (other.width, other.height) != (a.width, a.height) {
@@ -138,10 +158,32 @@ fn pixels<'a>(picture: &'a Layered, name: &str) -> &'a [Rgb] {
     &picture.layer(name).expect("the layer was chosen because it is there").pixels
 }
 
-/// Reads a picture and refuses it if a pixel is not finite.
-pub(super) fn read_finite(path: &Path) -> Result<Layered> {
-    let picture = output::read(path)?;
-    for layer in &picture.layers {
+/// Puts 0 where both pictures have the same value that is not finite, as the depth of nothing is
+/// infinite: there is no difference.
+fn forget_equal_infinities(a: &mut Layered, b: &mut Layered) {
+    for ours in &mut a.layers {
+        let Some(theirs) = b.layers.iter_mut().find(|layer| layer.name == ours.name) else {
+            continue;
+        };
+        for (x, y) in ours.pixels.iter_mut().zip(&mut theirs.pixels) {
+            if !x.is_finite() && x.to_array().map(f32::to_bits) == y.to_array().map(f32::to_bits) {
+                (*x, *y) = (Rgb::ZERO, Rgb::ZERO);
+            }
+        }
+    }
+}
+
+/// Refuses pixels that are not finite in the layers that are to be compared. A variance may be infinite:
+/// it is then not known.
+pub(super) fn check_finite(
+    path: &Path,
+    picture: &Layered,
+    is_compared: impl Fn(&str) -> bool,
+) -> Result<()> {
+    for layer in picture.layers.iter().filter(|layer| is_compared(&layer.name)) {
+        if layer.name == VARIANCE {
+            continue;
+        }
         if let Some((count, first)) = layer.non_finite() {
             let (x, y) = (first % picture.width, first / picture.width);
             return Err(Error::input(format!(
@@ -150,10 +192,10 @@ pub(super) fn read_finite(path: &Path) -> Result<Layered> {
                 print::count(count, "pixel"),
                 layer.name,
             ))
-            .with_help("no difference can be computed from them; render the picture anew"));
+            .with_help("no difference can be computed from them; choose others with --layer"));
         }
     }
-    Ok(picture)
+    Ok(())
 }
 
 /// How one layer differs.

@@ -10,14 +10,14 @@ use crate::accel::{Accel, Backend, BuildOptions};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::film::Picture;
-use crate::output::WholeFile;
+use crate::output::{self, BEAUTY, WholeFile};
 use crate::render::{self, RenderOptions};
 use crate::scene::{Override, Scene};
 use crate::verify::converge::{Axis, Metric, Point, Reference, Series, plot};
 use crate::verify::statistics::Estimate;
 
 use super::args::ConvergeArgs;
-use super::compare::read_finite;
+use super::compare::check_finite;
 use super::exit::Exit;
 use super::info::name_of;
 use super::progress::{Progress, State};
@@ -197,7 +197,8 @@ impl<'a> Study<'a> {
     }
 
     fn read_reference(&self, path: &Path) -> Result<Reference> {
-        let picture = read_finite(path)?;
+        let picture = output::read(path)?;
+        check_finite(path, &picture, |name| name == BEAUTY)?;
         let image = self.scene.description().image;
         let (width, height) = (image.width as usize, image.height as usize);
         if (picture.width, picture.height) != (width, height) {
@@ -207,7 +208,7 @@ impl<'a> Study<'a> {
             ))
             .with_help(format!("add --size {}x{}", picture.width, picture.height)));
         }
-        let beauty = picture.layer(crate::output::BEAUTY).ok_or_else(|| {
+        let beauty = picture.layer(BEAUTY).ok_or_else(|| {
             Error::input(format!("`{}` has no layer for the whole picture", path.display()))
         })?;
         let variance = picture.layer("variance").map(|layer| layer.pixels.as_slice());

@@ -1,8 +1,13 @@
 //! Ctrl-C. While there is nothing to save, it ends the program at once; once there is, the first asks
 //! the work to stop, and the second ends the program at once.
 
+use std::fs;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
 
 use crate::accel::Cancel;
 use crate::output::remove_unfinished;
@@ -19,8 +24,8 @@ pub(super) struct Interrupt {
 
 /// Listens for Ctrl-C and for being told to terminate, with nothing to save so far.
 ///
-/// A signal that the program was started to ignore, as under `nohup`, stays ignored, and then none
-/// is listened for. Unfinished files are removed before the program dies at once.
+/// A signal that the program was started to ignore, as SIGHUP under `nohup` or SIGINT in the background
+/// of a script, stays ignored. Unfinished files are removed before the program dies at once.
 pub(super) fn listen() -> Interrupt {
     let interrupt = Interrupt::default();
     let ours = interrupt.clone();
@@ -37,9 +42,24 @@ pub(super) fn listen() -> Interrupt {
         }
         std::process::exit(i32::from(Exit::Stopped as u8));
     };
-    // Refused where the parent process ignores one of the signals; its wish is the user's.
-    let _ = ctrlc::try_set_handler(handler);
+    // Without them, signals do what they do to any program.
+    if let Ok(mut signals) = Signals::new(heeded()) {
+        let listener = move || signals.forever().for_each(|_| handler());
+        let _ = thread::Builder::new().name("signals".to_owned()).spawn(listener);
+    }
     interrupt
+}
+
+/// The signals to end, but for those that the parent process made this one ignore: its wish is the
+/// user's.
+fn heeded() -> Vec<i32> {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = mask.and_then(|hex| u64::from_str_radix(hex.trim(), 16).ok()).unwrap_or(0);
+    [SIGINT, SIGTERM, SIGHUP]
+        .into_iter()
+        .filter(|signal| ignored >> (signal - 1) & 1 == 0)
+        .collect()
 }
 
 impl Interrupt {

@@ -201,6 +201,31 @@ fn begun(desk: &Desk, options: &str) -> std::process::Child {
     child
 }
 
+/// As under `nohup`, or in the background of a script: what is ignored stays so, the rest is heeded.
+#[cfg(target_os = "linux")]
+#[test]
+fn signals_are_heeded_where_others_are_ignored() {
+    let desk = desk();
+    let render = "render scene.toml --spp 100000000 -o a.exr --checkpoint a.state \
+                  --checkpoint-every 10ms --quiet";
+    let script = format!("trap '' HUP INT; exec '{}' {render}", env!("CARGO_BIN_EXE_photosphere"));
+    let mut child =
+        Command::new("sh").args(["-c", &script]).current_dir(desk.path()).spawn().expect("a shell");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !desk.path().join("a.state").exists() {
+        assert!(Instant::now() < deadline, "no checkpoint");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let kill = format!("kill -HUP {0}; kill -INT {0}", child.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+    std::thread::sleep(Duration::from_millis(100));
+    assert!(child.try_wait().expect("it can be asked").is_none(), "an ignored signal ended it");
+    let kill = format!("kill -TERM {}", child.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+    assert_eq!(child.wait().expect("it ends").code(), Some(130));
+    assert_eq!(desk.names(), ["a.exr", "a.state", "scene.toml"]);
+}
+
 #[test]
 fn every_signal_to_end_leaves_a_checkpoint_and_a_picture() {
     for signal in ["INT", "TERM", "HUP"] {

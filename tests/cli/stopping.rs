@@ -247,3 +247,49 @@ fn a_tev_that_goes_away_is_told_of_once_and_changes_nothing() {
     assert_eq!(done.stderr.matches("warning: tev does not take the picture any more").count(), 1);
     assert_eq!(desk.names(), ["a.pfm", "scene.toml"]);
 }
+
+#[test]
+fn another_noise_target_is_not_gone_on_with_unless_it_asks_for_more() {
+    let desk = Desk::new(SCENE);
+    let render = |noise: &str, file: &str, keep: &str| {
+        format!(
+            "render scene.toml --accel native --no-run-figures --quiet -o {file} {keep} {noise}"
+        )
+    };
+    let kept = "--checkpoint kept.state";
+    desk.run(&render("--noise 3%", "a.exr", kept)).succeeds();
+    let words = ["cannot go on with `kept.state`: its noise target was 0.03", "beyond 0.2"];
+    desk.run(&render("--noise 20%", "a.exr", kept)).fails(3, &words);
+    desk.run(&render("--noise 2%", "a.exr", kept)).succeeds();
+    desk.run(&render("--noise 2%", "b.exr", "")).succeeds();
+    assert!(desk.read("a.exr") == desk.read("b.exr"));
+}
+
+#[test]
+fn parts_with_noise_targets_must_be_of_one_kind_and_of_whole_squares() {
+    let scene = WIDE.iter().fold(SCENE.to_owned(), |text, (from, to)| text.replacen(from, to, 1));
+    let desk = Desk::new(&scene);
+    let render = |options: &str| {
+        desk.run(&format!("render scene.toml --accel native --quiet {options}")).succeeds();
+    };
+    render("--noise 15% --crop 0,0,16,16 -o a.part");
+    render("--noise 25% --crop 16,0,32,16 -o b.part");
+    let words = ["are no parts of one picture", "the noise target is 0.15 for 0.95", "not 0.25"];
+    desk.run("merge a.part b.part -o sum.exr").fails(3, &words);
+    render("--noise 15% --crop 0,0,24,16 -o c.part");
+    render("--noise 15% --crop 24,0,32,16 -o d.part");
+    let words = ["`c.part` has a noise target, and its window 0,0,24,16 cuts squares of 16 pixels"];
+    desk.run("merge c.part d.part -o sum.exr").fails(3, &words);
+}
+
+#[test]
+fn a_part_that_ended_early_cannot_be_followed() {
+    let desk = Desk::new(SCENE);
+    let render = "render scene.toml --accel native --quiet --spp 100000032";
+    desk.run(&format!("{render} --samples 0..100000000 --time 50ms -o a.part")).succeeds();
+    desk.run(&format!("{render} --samples 100000000..100000032 -o b.part")).succeeds();
+    let words = ["`a.part` ended at sample", "of 100000000, so `b.part` cannot follow it"];
+    desk.run("merge a.part b.part -o sum.exr").fails(3, &words);
+    desk.run("merge b.part a.part -o sum.part --allow-gaps").fails(3, &words);
+    assert_eq!(desk.names(), ["a.part", "b.part", "scene.toml"]);
+}

@@ -45,6 +45,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     }
     check_layers(outputs.kinds(), first)?;
     let whole = Whole::of(&pieces, args.crop)?;
+    whole.check_squares(&pieces)?;
     if !args.allow_gaps || part.is_some() {
         whole.check_gaps(&pieces, outputs.has_pictures(), args.crop)?;
     }
@@ -52,6 +53,9 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     let mut sum = Film::without_memory(&whole.format);
     for piece in &pieces {
         let film = PartFile::open(&piece.path)?.film()?;
+        if !args.allow_gaps || part.is_some() {
+            piece.check_followed(&film, &pieces)?;
+        }
         if !args.allow_gaps {
             piece.check_finished(&film)?;
         }
@@ -156,7 +160,33 @@ impl Piece {
         if kind(self) != kind(first) {
             return refused("they keep other layers");
         }
+        let noise = |piece: &Self| piece.record("noise").unwrap_or("none").to_owned();
+        if noise(self) != noise(first) {
+            let (first, ours) = (noise(first), noise(self));
+            return refused(&format!("in the first, the noise target is {first}, not {ours}"));
+        }
         Ok(())
+    }
+
+    /// Refuses what ended before the samples that another part goes on with: there would be a hole, which
+    /// a film cannot tell from the samples behind it.
+    fn check_followed(&self, film: &Film, pieces: &[Self]) -> Result<()> {
+        let end = self.samples().start + film.fewest_and_most().0;
+        let follows = |other: &&Self| {
+            other.samples().start >= self.samples().end
+                && !other.samples().is_empty()
+                && other.window().common(&self.window()).is_some()
+        };
+        let Some(other) = pieces.iter().find(follows).filter(|_| end < self.samples().end) else {
+            return Ok(());
+        };
+        let (ours, theirs) = (self.path.display(), other.path.display());
+        let what = format!(
+            "`{ours}` ended at sample {end} of {}, so `{theirs}` cannot follow it",
+            self.samples().end
+        );
+        Err(Error::input(what)
+            .with_help("render it again without --time and --noise, or leave it out"))
     }
 
     /// Refuses what has not all of its samples.

@@ -17,6 +17,9 @@ use crate::cli::system;
 
 use super::{Piece, corners};
 
+/// Pixels along the side of a square that a noise target decides about.
+const SQUARE: u32 = 16;
+
 /// What the parts make together.
 pub(super) struct Whole {
     pub(super) format: Format,
@@ -52,6 +55,31 @@ impl Whole {
             samples: start..end,
             last_sample: pieces.iter().map(Piece::last_sample).max().unwrap_or(end),
         })
+    }
+
+    /// Refuses parts with a noise target whose sides cut squares: each half decided by itself, not as the
+    /// square of one render does.
+    ///
+    /// # Errors
+    /// With the first of them.
+    pub(super) fn check_squares(&self, pieces: &[Piece]) -> Result<()> {
+        let whole = self.format.frame.window;
+        let cuts =
+            |at: u32, from: u32, length: u32| at > from && at < from + length && at % SQUARE != 0;
+        for piece in pieces.iter().filter(|piece| piece.record("noise").is_some()) {
+            let Rect { x, y, width, height } = piece.window();
+            if [x, x + width].iter().any(|at| cuts(*at, whole.x, whole.width))
+                || [y, y + height].iter().any(|at| cuts(*at, whole.y, whole.height))
+            {
+                let (path, window) = (piece.path.display(), corners(piece.window()));
+                let what = format!(
+                    "`{path}` has a noise target, and its window {window} cuts squares of {SQUARE} pixels"
+                );
+                let help = format!("render crops whose sides are multiples of {SQUARE}");
+                return Err(Error::input(what).with_help(help));
+            }
+        }
+        Ok(())
     }
 
     /// Refuses pixels or samples that no part holds. Parts of one window make a picture of that window,

@@ -67,7 +67,9 @@ fn render(
     about_spheres.iter().for_each(print::warning);
     let Chosen { backend, reason } = args.accel.choice.choose(scene.spheres());
     let made = Made::new(&scene, backend, Samples::all(0));
-    let Start { film, before } = start::of(keep, &made, &format, &samples, args.quiet)?;
+    let noise = goal.noise_in_words();
+    let Start { film, before } =
+        start::of(keep, &made, &format, &samples, noise.as_deref(), args.quiet)?;
 
     let threads = rayon::current_num_threads();
     let build = BuildOptions {

@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::film::{Film, Format};
 use crate::output::{PartFile, PartHead, Record, WholeFile};
 use crate::provenance::Made;
+use crate::render::FIRST_DECISION;
 
 use super::super::args::RenderArgs;
 use super::super::outputs::Outputs;
@@ -68,6 +69,7 @@ pub(super) fn of(
     made: &Made,
     format: &Format,
     samples: &Range<u32>,
+    noise: Option<&str>,
     quiet: bool,
 ) -> Result<Start> {
     let Some(keep) = keep.filter(|keep| keep.path.exists()) else {
@@ -80,8 +82,18 @@ pub(super) fn of(
         return Err(refused(keep, &what));
     }
     let before = Before::of(&part.head().records);
+    let noise_then = part.head().records.iter().find(|record| record.name == "noise");
+    let noise_then = noise_then.map(|record| record.text.clone());
+    let noise_then = noise_then.as_deref();
     let film = part.film()?;
     let most = film.fewest_and_most().1;
+    if noise.is_some_and(|noise| most > FIRST_DECISION && !is_at_most(noise, noise_then)) {
+        let words = |noise: Option<&str>| noise.unwrap_or("none").to_owned();
+        let (then, now) = (words(noise_then), words(noise));
+        let what =
+            format!("its noise target was {then}, and some squares are beyond {now} already");
+        return Err(refused(keep, &what));
+    }
     if most > samples.len() as u32 {
         let (has, asked) = (samples.start + most, samples.end);
         let what = format!("it has samples up to {has}, more than the {asked} that are asked for");
@@ -93,6 +105,19 @@ pub(super) fn of(
         print::remark(format_args!("going on with `{path}`: {each:.1} of {all} samples per pixel"));
     }
     Ok(Start { film, before })
+}
+
+/// Whether a noise target, in words, asks for no more noise than another: then every decision of that
+/// one to go on is one of this one too.
+fn is_at_most(noise: &str, other: Option<&str>) -> bool {
+    let parts = |text: &str| -> Option<(f64, String)> {
+        let (error, share) = text.split_once(' ')?;
+        Some((error.parse().ok()?, share.to_owned()))
+    };
+    match (parts(noise), other.and_then(parts)) {
+        (Some((now, share)), Some((then, same))) => share == same && now <= then,
+        _ => false,
+    }
 }
 
 fn refused(keep: &Keep, what: &str) -> Error {

@@ -86,7 +86,7 @@ fn read_lens(table: &Table<'_>, view: Option<&View>, spheres: &[SphereRow]) -> O
     let view = view?;
     let on_sphere = sphere.map(|index| {
         let depth = depth_of(view, &spheres[index]);
-        if depth <= 0.0 {
+        if depth.is_nan() || depth <= 0.0 {
             let message = "the sphere of `camera.focus_on` is not in front of the camera";
             table.report().add(table.wrong("focus_on", message));
         }
