@@ -29,6 +29,7 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::LowPartsDropped, "clusters inside clusters"),
     (Fault::NotTheNearest, "a gas of balls"),
     (Fault::PrunedTooEarly, "a gas of balls"),
+    (Fault::BeamTooThin, "a gas of balls"),
     (Fault::LambertWithoutPi, "sphere-light: path"),
     (Fault::CosineTwice, "furnace: path"),
     (Fault::SharesSwapped, "bsdf phong, exponent 3"),

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use photosphere::accel::{Accel, Backend, BuildOptions, Instance};
 use photosphere::geometry::{Sphere, SphereRows, SphereSet};
 use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
+use photosphere::verify::rays;
 use proptest::prelude::*;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -82,7 +83,7 @@ fn ray(origin: DVec3, direction: DVec3) -> Ray {
 }
 
 /// The kinds of rays, by turns, aimed at a scene that is not empty.
-fn rays(pair: &Pair, count: usize, seed: u64) -> Vec<Ray> {
+fn one_by_one(pair: &Pair, count: usize, seed: u64) -> Vec<Ray> {
     let mut rng = StdRng::seed_from_u64(seed);
     (0..count).map(|i| one_ray(pair, i, &mut rng)).collect()
 }
@@ -140,7 +141,20 @@ fn families() -> Vec<(&'static str, Vec<Sphere>)> {
 fn ids_and_occlusion_equal_brute_force_on_every_family() {
     for (seed, (name, spheres)) in families().into_iter().enumerate() {
         let pair = Pair::over(spheres);
-        let hits = pair.compare(&rays(&pair, 12_000, seed as u64));
+        let hits = pair.compare(&one_by_one(&pair, 12_000, seed as u64));
+        assert!(hits > 2000, "{name}: only {hits} rays hit");
+    }
+}
+
+#[test]
+fn beams_of_rays_that_go_together_equal_brute_force_on_every_family() {
+    for (seed, (name, spheres)) in families().into_iter().enumerate() {
+        let pair = Pair::over(spheres);
+        let beams = rays::beams(&pair.set, 12_000, seed as u64);
+        let mut beams: Vec<Ray> = beams.iter().map(|ray| pair.set.ask(ray)).collect();
+        // Some without a partner in front, so that beams begin anywhere in a batch.
+        beams.splice(16 * 300..16 * 300, one_by_one(&pair, 48, seed as u64));
+        let hits = pair.compare(&beams);
         assert!(hits > 2000, "{name}: only {hits} rays hit");
     }
 }
@@ -149,7 +163,7 @@ fn ids_and_occlusion_equal_brute_force_on_every_family() {
 fn a_hundred_thousand_giants_are_found_through_their_own_tree() {
     let pair = Pair::over(scenes::giants(100_000, 13));
     assert!(pair.set.giants().len() > 90_000);
-    let hits = pair.compare(&rays(&pair, 240, 14));
+    let hits = pair.compare(&one_by_one(&pair, 240, 14));
     assert!(hits > 100);
 }
 
@@ -222,7 +236,7 @@ fn of_two_spheres_at_the_same_distance_the_smaller_id_is_hit() {
 #[test]
 fn the_direction_need_not_be_a_unit_vector() {
     let pair = Pair::over(scenes::gas(500, 16));
-    let mut rays = rays(&pair, 2400, 17);
+    let mut rays = one_by_one(&pair, 2400, 17);
     for (i, ray) in rays.iter_mut().enumerate() {
         let direction = ray.direction_f64() * [1e-9, 0.25, 3.0, 1e9][i % 4];
         *ray = Ray::new(ray.origin_f64(), direction, 0.0, f64::INFINITY, NOTHING);

@@ -46,7 +46,9 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
         backends.iter().map(|(name, accel)| Contender { name, accel: accel.as_ref() }).collect();
 
     let of_scene = rays_of_scene(&scene, bouncer(spheres).build(spheres, &build)?.as_ref(), args);
-    let random = rays::random(spheres, args.rays as usize - of_scene.len(), args.seed);
+    let left = args.rays as usize - of_scene.len();
+    let mut random = rays::beams(spheres, left / 4, args.seed);
+    random.extend(rays::random(spheres, left - random.len(), args.seed));
     let mut tallies = crosscheck::compare(spheres, &contenders, &of_scene, &build.cancel)?;
     tallies.iter().filter_map(about_ambiguity).for_each(print::warning);
     let about_random = crosscheck::compare(spheres, &contenders, &random, &build.cancel)?;

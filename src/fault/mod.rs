@@ -59,6 +59,7 @@ registry! {
     // Intersectors
     NotTheNearest: "whichever sphere is looked at last is the hit",
     PrunedTooEarly: "the tree is not searched up to the nearest hit so far",
+    BeamTooThin: "rays that go through the tree together are thought to be closer together",
     // Materials
     LambertWithoutPi: "a matt surface's BRDF is the albedo, without 1 / pi",
     CosineTwice: "a matt surface's weight has the cosine once more",

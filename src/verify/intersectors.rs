@@ -54,8 +54,11 @@ fn measure(
     let build = BuildOptions { threads: 1, cancel: cancel.clone(), ..Default::default() };
     let accel = backend.build(&spheres, &build)?;
     let contender = Contender { name: backend.name(), accel: accel.as_ref() };
-    let mut asked = rays::random(&spheres, rays, 1);
-    asked.extend(rays::bounces(&spheres, accel.as_ref(), &asked[..rays / 4], 2));
+    // Beams first: a backend finds them where the batches are cut.
+    let mut asked = rays::beams(&spheres, rays / 2, 3);
+    let random = rays::random(&spheres, rays, 1);
+    asked.extend(rays::bounces(&spheres, accel.as_ref(), &random[..rays / 4], 2));
+    asked.extend(random);
     asked.retain(|ray| rays::can_be_asked(&spheres, ray));
     let tally = compare(&spheres, &[contender], &asked, cancel)?.remove(0);
     Ok(Measured::new(Finding::Wrong(tally.failures()), detail(&tally)))

@@ -8,6 +8,9 @@ use crate::geometry::{Cone, PathRay, Side, SphereSet, SurfaceHit};
 use crate::math::{DVec3, Frame, Hit, MAX_COORDINATE, Ray};
 use crate::sampling;
 
+/// Rays of a beam.
+const BEAM: usize = 16;
+
 /// No coordinate of a place is larger: less than backends take, and beyond every surface.
 const FARTHEST: f64 = 3.5 * MAX_COORDINATE;
 
@@ -22,6 +25,14 @@ pub fn random(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
         ray.unwrap_or_else(|| source.any())
     });
     drawn.collect()
+}
+
+/// Beams of as many rays as the samples of a block, one after the other: from one place or from places
+/// nearby, in nearly the same direction. Their number is the largest of whole beams up to `count`.
+/// Reproducible from the seed.
+pub fn beams(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
+    let mut source = Source { spheres, rng: StdRng::seed_from_u64(seed) };
+    (0..count / BEAM).flat_map(|number| source.beam(number)).collect()
 }
 
 /// Whether a backend takes the ray at all: a scene as large as can be has places beyond its reach.
@@ -208,6 +219,25 @@ impl Source<'_> {
         let cone = Cone::seen_from(from.point, &self.spheres.sphere(lamp))?;
         let sample = cone.sample([self.rng.random(), self.rng.random()]);
         from.leave_towards(sample.direction, sample.distance, lamp)
+    }
+
+    /// Rays around another, within an angle and a distance from it.
+    fn beam(&mut self, number: usize) -> Vec<PathRay> {
+        let leads = [Self::through, Self::axis_parallel, Self::leaving, Self::clipped];
+        let lead = leads[number % leads.len()](self).filter(|ray| can_be_asked(self.spheres, ray));
+        let lead = lead.unwrap_or_else(|| self.any());
+        let angle = self.log_uniform(1e-9, 1e-1);
+        let sphere = self.spheres.sphere(self.id());
+        let away = if number % 2 == 0 { 0.0 } else { sphere.radius * self.log_uniform(1e-6, 1.0) };
+        let is_straight = number % 3 == 0;
+        let one = |_| {
+            let turned = lead.direction + direction(&mut self.rng) * angle;
+            let turned = if is_straight { lead.direction } else { turned.normalize() };
+            let origin = lead.origin + direction(&mut self.rng) * away;
+            let ray = PathRay { origin, direction: turned, ..lead };
+            if can_be_asked(self.spheres, &ray) { ray } else { lead }
+        };
+        (0..BEAM).map(one).collect()
     }
 
     /// An interval such as a camera's near plane or a limited reach leaves.

@@ -19,6 +19,10 @@ pub(super) struct Tree {
     /// Where a traversal starts; `None` for a list of leaves without a tree over it, which are no more
     /// than a ray can keep.
     pub(super) root: Option<Child>,
+    /// The middle of the root's boxes; the origin without a tree.
+    pub(super) middle: [f32; 3],
+    /// The mean extent of the boxes of leaves, over all axes; 0 without a tree.
+    pub(super) grain: f32,
 }
 
 impl Tree {
@@ -32,7 +36,7 @@ impl Tree {
         ids: Pages<LeafIds>,
         root: Option<Child>,
     ) -> Self {
-        let tree = Self { nodes, leaves, ids, root };
+        let mut tree = Self { nodes, leaves, ids, root, middle: [0.0; 3], grain: 0.0 };
         let exists = |child: &Child| {
             let there = if child.is_leaf() { tree.leaves().len() } else { tree.nodes().len() };
             child.index() < there
@@ -44,7 +48,21 @@ impl Tree {
         let of_nodes = tree.nodes().par_iter();
         assert!(of_nodes.all(|node| node.children.iter().all(exists)), "all children exist");
         assert_eq!(tree.leaves().len(), tree.ids().len(), "every leaf has its ids");
+        tree.measure();
         tree
+    }
+
+    /// Finds the middle and the grain.
+    fn measure(&mut self) {
+        let Some(root) = self.root.filter(|root| !root.is_leaf()) else { return };
+        let root = &self.nodes()[root.index()];
+        let least = |planes: &[f32; WIDTH]| planes.iter().copied().fold(f32::INFINITY, f32::min);
+        let most = |planes: &[f32; WIDTH]| planes.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let middle =
+            [0, 1, 2].map(|axis| 0.5 * (least(&root.planes[axis]) + most(&root.planes[axis + 3])));
+        let extents: f64 = self.nodes().par_iter().map(extents_of_leaves).sum();
+        self.grain = (extents / (3 * self.leaves().len()) as f64) as f32;
+        self.middle = middle;
     }
 
     #[inline(always)]
@@ -67,4 +85,12 @@ impl Tree {
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.nodes()) + size_of_val(self.leaves()) + size_of_val(self.ids())
     }
+}
+
+/// The extents of a node's leaves along the axes, added up.
+fn extents_of_leaves(node: &Node) -> f64 {
+    let lanes = (0..WIDTH).filter(|&lane| node.children[lane].is_leaf());
+    let extent = |lane: usize, axis: usize| node.planes[axis + 3][lane] - node.planes[axis][lane];
+    let extents = lanes.map(|lane| (0..3).map(|axis| f64::from(extent(lane, axis))).sum::<f64>());
+    extents.sum()
 }

@@ -3,17 +3,17 @@
 use std::mem::MaybeUninit;
 
 use crate::accel::native::Native;
-use crate::accel::native::node::{Child, each_lane};
-use crate::accel::native::query::{Best, Query};
-use crate::accel::native::tree::Tree;
+use crate::accel::native::query::Best;
 use crate::math::{Hit, Ray};
 
-use super::lanes::{Lanes, Portable};
+use super::lanes::Lanes;
+use super::packet::{Packet, RAYS, Step, may_be_alike};
 use super::pending::Pending;
-use super::slot::{KEPT, Slot};
+use super::single::{alone, one_by_one, prefetch};
+use super::slot::Slot;
 
-/// Rays under way at once. Eight are 6 to 8 % slower where memory is, and 32 no faster.
-const SLOTS: usize = 16;
+/// Packets under way at once.
+const PACKETS: usize = 4;
 
 /// What a batch is asked.
 pub(super) trait Question {
@@ -23,6 +23,19 @@ pub(super) trait Question {
     type Answer;
 
     fn answer(best: Best) -> Self::Answer;
+
+    /// Answers the rays of a batch; what is still to be judged stays pending.
+    ///
+    /// # Safety
+    /// As for [`fly`].
+    #[inline(always)]
+    unsafe fn trace<L: Lanes>(batch: &mut Batch<'_, Self>, pending: &mut Pending)
+    where
+        Self: Sized,
+    {
+        // SAFETY: the caller's promise.
+        unsafe { one_by_one::<L, Self>(batch, pending) };
+    }
 }
 
 /// Which sphere is hit first.
@@ -39,6 +52,12 @@ impl Question for Closest {
     fn answer(best: Best) -> Hit {
         best.hit()
     }
+
+    #[inline(always)]
+    unsafe fn trace<L: Lanes>(batch: &mut Batch<'_, Self>, pending: &mut Pending) {
+        // SAFETY: the caller's promise.
+        unsafe { in_packets::<L>(batch, pending) };
+    }
 }
 
 impl Question for Any {
@@ -51,55 +70,83 @@ impl Question for Any {
     }
 }
 
-/// Answers all rays of a batch.
+/// Answers all rays of a batch: those that are alike in packets, the others by themselves.
 ///
 /// # Safety
-/// Needs the instructions of `L`, and as many answers as rays.
+/// Needs the instructions of `L`, and as many answers as rays; the tree has a root.
 #[inline(always)]
 pub(super) unsafe fn fly<L: Lanes, Q: Question>(
     native: &Native,
     rays: &[Ray],
     answers: &mut [Q::Answer],
 ) {
-    let mut slots: [MaybeUninit<Slot>; SLOTS] = [const { MaybeUninit::uninit() }; SLOTS];
-    let mut under_way: [*mut Slot; SLOTS] = [std::ptr::null_mut(); SLOTS];
-    let mut batch = Batch::<Q> { native, rays, answers, next: 0 };
     let mut pending = Pending::new();
-    let mut count = 0;
-    for slot in &mut slots {
-        // SAFETY: there are as many answers as rays.
-        if !unsafe { batch.board::<L>(slot.as_mut_ptr()) } {
-            break;
-        }
-        under_way[count] = slot.as_mut_ptr();
-        count += 1;
+    let mut batch = Batch::<Q> { native, rays, answers, next: 0, end: rays.len() };
+    // SAFETY: the caller's promise; all that is pending was added here.
+    unsafe {
+        Q::trace::<L>(&mut batch, &mut pending);
+        pending.settle::<L, Q>(&mut batch);
     }
-    while count > 0 {
-        let mut turn = 0;
-        while turn < count {
-            // SAFETY: `under_way` holds distinct slots that have been boarded, up to `count`; the
-            // instructions are there by the caller's promise, and as many answers as rays.
-            unsafe {
-                let slot = *under_way.get_unchecked(turn);
-                if step::<L, Q>(&batch, &mut *slot) {
-                    pending.add::<L>(&*slot);
-                    if pending.is_full() {
-                        pending.settle::<L, Q>(&mut batch);
+}
+
+/// Packets of rays, as long as there are any, and what is between them ray by ray.
+///
+/// # Safety
+/// As for [`fly`].
+#[inline(always)]
+unsafe fn in_packets<L: Lanes>(batch: &mut Batch<'_, Closest>, pending: &mut Pending) {
+    let mut packets = [const { MaybeUninit::<Packet>::uninit() }; PACKETS];
+    let mut under_way = packets.each_mut().map(MaybeUninit::as_mut_ptr);
+    let tree = &batch.native.tree;
+    let mut next = 0;
+    // SAFETY: `under_way` holds distinct packets, those up to `count` have begun; the rest is the
+    // caller's promise.
+    unsafe {
+        loop {
+            // Rays that are not alike.
+            let first = next;
+            while next < batch.rays.len() && !batch.board_packet::<L>(under_way[0], next) {
+                next = batch.rays.len().min(next + RAYS);
+            }
+            (batch.next, batch.end) = (first, next);
+            one_by_one::<L, Closest>(batch, pending);
+            if next == batch.rays.len() {
+                return;
+            }
+            next += RAYS;
+            let mut count = 1;
+            while count < PACKETS && batch.board_packet::<L>(under_way[count], next) {
+                next += RAYS;
+                count += 1;
+            }
+            // Rays that are.
+            while count > 0 {
+                let mut turn = 0;
+                while turn < count {
+                    let packet = under_way[turn];
+                    match (*packet).step::<L>(tree) {
+                        Step::OnTheWay => {
+                            prefetch::<L>(tree, (*packet).next());
+                            turn += 1;
+                            continue;
+                        }
+                        Step::Done => (*packet).land::<L>(batch, pending),
+                        Step::Full => {
+                            batch.next = (*packet).first();
+                            batch.end = batch.next + RAYS;
+                            one_by_one::<L, Closest>(batch, pending);
+                        }
                     }
-                    if !batch.board::<L>(slot) {
+                    if batch.board_packet::<L>(packet, next) {
+                        next += RAYS;
+                    } else {
                         count -= 1;
-                        *under_way.get_unchecked_mut(turn) = *under_way.get_unchecked(count);
-                        continue;
+                        under_way.swap(turn, count);
                     }
-                } else {
-                    prefetch::<L>(&native.tree, (*slot).next);
                 }
             }
-            turn += 1;
         }
     }
-    // SAFETY: all that is pending was added above; the rest is the caller's promise.
-    unsafe { pending.settle::<L, Q>(&mut batch) };
 }
 
 /// As [`fly`], but through a list of leaves that has no tree.
@@ -113,7 +160,7 @@ pub(super) unsafe fn walk<L: Lanes, Q: Question>(
     answers: &mut [Q::Answer],
 ) {
     let mut slot = MaybeUninit::<Slot>::uninit();
-    let mut batch = Batch::<Q> { native, rays, answers, next: 0 };
+    let mut batch = Batch::<Q> { native, rays, answers, next: 0, end: rays.len() };
     let mut pending = Pending::new();
     // SAFETY: the slot is boarded before it is read. There are no more leaves than a slot can keep.
     unsafe {
@@ -139,104 +186,15 @@ pub(super) unsafe fn walk<L: Lanes, Q: Question>(
     }
 }
 
-/// One step of one ray; whether it was its last.
-///
-/// # Safety
-/// The slot has been boarded and is not done; the instructions of `L` are there.
-#[inline(always)]
-unsafe fn step<L: Lanes, Q: Question>(batch: &Batch<'_, Q>, slot: &mut Slot) -> bool {
-    let tree = &batch.native.tree;
-    let next = slot.next;
-    // SAFETY: `next` is a node or leaf of this tree. The stack has room by the builder's bound, and
-    // `kept` is below its end, as `make_room` sees to.
-    unsafe {
-        if next.is_leaf() {
-            let leaf = tree.leaves().as_ptr().add(next.index());
-            let found = if Q::ANY {
-                slot.through_leaf::<L, true>(leaf, next.index() as u32)
-            } else {
-                slot.through_leaf::<L, false>(leaf, next.index() as u32)
-            };
-            let place = if found.candidates != 0 { next.index() } else { 0 };
-            L::prefetch(tree.ids().as_ptr().add(place).cast());
-            if Q::ANY && found.sure != 0 {
-                slot.sure = found.sure;
-                return true;
-            }
-            if slot.kept as usize == KEPT && make_room(batch, slot) {
-                return true;
-            }
-        } else if Q::ANY {
-            slot.through_node::<L, true>(tree.nodes().as_ptr().add(next.index()));
-        } else {
-            slot.through_node::<L, false>(tree.nodes().as_ptr().add(next.index()));
-        }
-        if Q::ANY {
-            slot.pop::<true>();
-        } else {
-            slot.pop::<false>();
-        }
-    }
-    slot.next == Child::NONE
-}
-
-/// Asks for all lines of what comes next: four for a node, two for a leaf.
-///
-/// # Safety
-/// `next` is a node or leaf of this tree.
-#[inline(always)]
-unsafe fn prefetch<L: Lanes>(tree: &Tree, next: Child) {
-    let index = next.index();
-    let leaf = tree.leaves().as_ptr().wrapping_add(index).cast::<u8>();
-    let node = tree.nodes().as_ptr().wrapping_add(index).cast::<u8>();
-    let (first, second) =
-        if next.is_leaf() { (leaf, leaf) } else { (node, node.wrapping_add(128)) };
-    // SAFETY: nothing is read; the instructions are there.
-    unsafe {
-        L::prefetch(first);
-        L::prefetch(first.wrapping_add(64));
-        L::prefetch(second);
-        L::prefetch(second.wrapping_add(64));
-    }
-}
-
-/// Judges the leaves kept so far, so that more can be; whether that answered the question.
-///
-/// # Safety
-/// The slot holds a ray of the batch, and the leaves that it has kept are of its tree.
-#[cold]
-#[inline(never)]
-unsafe fn make_room<Q: Question>(batch: &Batch<'_, Q>, slot: &mut Slot) -> bool {
-    // SAFETY: the caller's promise.
-    unsafe { judge(&batch.native.tree, batch.rays.get_unchecked(slot.ray as usize), slot) };
-    let limit = slot.limit_of(slot.best.t);
-    slot.limit = if Q::ANY || limit > slot.limit { slot.limit } else { limit };
-    Q::ANY && slot.best.is_hit()
-}
-
-/// Offers the ray what its slot has kept and is not beyond the limit, and keeps nothing of it.
-///
-/// # Safety
-/// The slot holds the ray, and the leaves that it has kept are of the tree.
-unsafe fn judge(tree: &Tree, ray: &Ray, slot: &mut Slot) {
-    let mut query = Query::new(ray, slot.best);
-    for number in 0..slot.kept {
-        // SAFETY: the number is below `kept`.
-        let (leaf, lanes) = unsafe { slot.kept::<Portable>(number) };
-        let (ids, leaf) = (&tree.ids()[leaf as usize], &tree.leaves()[leaf as usize]);
-        each_lane(lanes).for_each(|lane| query.offer(ids[lane], &leaf.sphere(lane)));
-    }
-    slot.best = query.best;
-    slot.kept = 0;
-}
-
 /// The rays of a batch, and how far it has come.
 pub(super) struct Batch<'a, Q: Question> {
     pub(super) native: &'a Native,
     pub(super) rays: &'a [Ray],
     pub(super) answers: &'a mut [Q::Answer],
     /// The first ray that has not been on its way yet.
-    next: usize,
+    pub(super) next: usize,
+    /// Behind the last ray that is to go.
+    pub(super) end: usize,
 }
 
 impl<Q: Question> Batch<'_, Q> {
@@ -246,8 +204,8 @@ impl<Q: Question> Batch<'_, Q> {
     /// # Safety
     /// `slot` is valid for writing, the instructions of `L` are there, and as many answers as rays.
     #[inline(always)]
-    unsafe fn board<L: Lanes>(&mut self, slot: *mut Slot) -> bool {
-        while let Some(ray) = self.rays.get(self.next) {
+    pub(super) unsafe fn board<L: Lanes>(&mut self, slot: *mut Slot) -> bool {
+        while let Some(ray) = self.rays[..self.end].get(self.next) {
             let number = self.next;
             self.next += 1;
             let mut best = Best::none(ray);
@@ -265,6 +223,34 @@ impl<Q: Question> Batch<'_, Q> {
             }
         }
         false
+    }
+}
+
+impl Batch<'_, Closest> {
+    /// Makes a packet of the sixteen rays from this one on; `false` if they are not alike, or too few.
+    ///
+    /// # Safety
+    /// `packet` is valid for writing, the tree has a root, and the instructions of `L` are there.
+    #[inline(always)]
+    unsafe fn board_packet<L: Lanes>(&self, packet: *mut Packet, first: usize) -> bool {
+        let rays = self.rays.get(first..).and_then(|rays| rays.first_chunk::<RAYS>());
+        let Some(rays) = rays.filter(|rays| may_be_alike(rays)) else { return false };
+        // SAFETY: the caller's promise.
+        unsafe {
+            for ray in rays {
+                if !is_valid::<L>(ray) {
+                    return false;
+                }
+            }
+            let best = rays.each_ref().map(|ray| self.native.best_giant(ray, false));
+            Packet::begin::<L>(packet, &self.native.tree, rays, &best, first as u32)
+        }
+    }
+
+    /// Answers a ray by itself.
+    #[inline(always)]
+    pub(super) fn answer_alone(&mut self, ray: u32) {
+        self.answers[ray as usize] = alone::<Closest>(self.native, &self.rays[ray as usize]);
     }
 }
 
@@ -287,43 +273,5 @@ unsafe fn is_valid<L: Lanes>(ray: &Ray) -> bool {
         let is_above = L::le(L::load(LOW.0.as_ptr()), numbers);
         let is_below = L::le(numbers, L::load(HIGH.0.as_ptr()));
         L::bits(L::and(is_above, is_below)) == 0xff
-    }
-}
-
-/// A single ray, with every candidate judged at once: for rays whose way was cut short by a sphere
-/// that they are to overlook.
-#[cold]
-#[inline(never)]
-pub(super) fn alone<Q: Question>(native: &Native, ray: &Ray) -> Q::Answer {
-    let best = native.best_giant(ray, Q::ANY);
-    if Q::ANY && best.is_hit() {
-        return Q::answer(best);
-    }
-    let tree = &native.tree;
-    let mut slot = MaybeUninit::<Slot>::uninit();
-    // SAFETY: as in `step`; leaves are kept one at a time. With `ANY`, a leaf leaves the limit alone.
-    unsafe {
-        Slot::begin(slot.as_mut_ptr(), ray, best, 0, tree.root);
-        let slot = slot.assume_init_mut();
-        if tree.root.is_none() {
-            for (index, leaf) in tree.leaves().iter().enumerate() {
-                slot.through_leaf::<Portable, true>(leaf, index as u32);
-            }
-            judge(tree, ray, slot);
-            return Q::answer(slot.best);
-        }
-        while slot.next != Child::NONE && !(Q::ANY && slot.best.is_hit()) {
-            let next = slot.next;
-            if next.is_leaf() {
-                let leaf = tree.leaves().as_ptr().add(next.index());
-                slot.through_leaf::<Portable, true>(leaf, next.index() as u32);
-                judge(tree, ray, slot);
-                slot.limit = slot.limit_of(slot.best.t);
-            } else {
-                slot.through_node::<Portable, false>(tree.nodes().as_ptr().add(next.index()));
-            }
-            slot.pop::<false>();
-        }
-        Q::answer(slot.best)
     }
 }

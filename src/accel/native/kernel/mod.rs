@@ -22,9 +22,14 @@
 //! * **Batches.** Answers are written through the index of a ray, and there are as many as rays,
 //!   which is asserted.
 
+mod beam;
 mod lanes;
+mod packet;
 mod pending;
+mod single;
+mod slabs;
 mod slot;
+mod spheres;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -9,8 +9,9 @@ use std::mem::MaybeUninit;
 use crate::accel::native::node::each_lane;
 use crate::accel::native::query::{Best, Query};
 
-use super::flight::{Batch, Question, alone};
+use super::flight::{Batch, Question};
 use super::lanes::Lanes;
+use super::single::alone;
 use super::slot::{KEPT, Slot};
 
 /// Rays that wait at most.
@@ -26,23 +27,25 @@ pub(super) struct Pending {
     leaf_count: usize,
 }
 
+/// A ray that is done.
 #[derive(Clone, Copy)]
-struct Waiting {
-    ray: u32,
+pub(super) struct Waiting {
+    pub(super) ray: u32,
     /// Behind the last of its leaves.
-    end: u32,
+    pub(super) end: u32,
     /// Up to where every candidate was kept.
-    limit: f32,
+    pub(super) limit: f32,
     /// Whether a sphere of the last leaf is hit for certain, so that nothing is left to judge.
-    is_sure: bool,
-    best: Best,
-    length: f64,
+    pub(super) is_sure: bool,
+    pub(super) best: Best,
+    pub(super) length: f64,
 }
 
+/// A leaf, and the lanes of it that matter, as bits.
 #[derive(Clone, Copy)]
-struct Kept {
-    leaf: u32,
-    lanes: u32,
+pub(super) struct Kept {
+    pub(super) leaf: u32,
+    pub(super) lanes: u32,
 }
 
 impl Pending {
@@ -64,27 +67,40 @@ impl Pending {
         unsafe {
             if slot.sure != 0 {
                 let (leaf, _) = slot.kept::<L>(slot.kept - 1);
-                let kept = Kept { leaf, lanes: slot.sure };
-                self.leaves.get_unchecked_mut(self.leaf_count).write(kept);
-                self.leaf_count += 1;
+                self.keep(Kept { leaf, lanes: slot.sure });
             } else {
                 for number in 0..slot.kept {
                     let (leaf, lanes) = slot.kept::<L>(number);
-                    let kept = Kept { leaf, lanes };
-                    self.leaves.get_unchecked_mut(self.leaf_count).write(kept);
-                    self.leaf_count += usize::from(lanes != 0);
+                    self.keep(Kept { leaf, lanes });
                 }
             }
-            self.rays.get_unchecked_mut(self.count).write(Waiting {
-                ray: slot.ray,
-                end: self.leaf_count as u32,
-                limit: slot.limit,
-                is_sure: slot.sure != 0,
-                best: slot.best,
-                length: slot.length,
-            });
-            self.count += 1;
+            let Slot { ray, limit, sure, best, length, .. } = *slot;
+            self.finish(Waiting { ray, end: 0, limit, is_sure: sure != 0, best, length });
         }
+    }
+
+    /// Adds what the next ray has kept, if any lane of it.
+    ///
+    /// # Safety
+    /// There is room for it: no ray has kept more than [`KEPT`], and this was not
+    /// [full](Self::is_full) before the first of them.
+    #[inline(always)]
+    pub(super) unsafe fn keep(&mut self, kept: Kept) {
+        // SAFETY: the caller's promise.
+        unsafe { self.leaves.get_unchecked_mut(self.leaf_count).write(kept) };
+        self.leaf_count += usize::from(kept.lanes != 0);
+    }
+
+    /// Adds the ray to which belongs what was kept since the one before.
+    ///
+    /// # Safety
+    /// There is room for it, as for [`Self::keep`].
+    #[inline(always)]
+    pub(super) unsafe fn finish(&mut self, ray: Waiting) {
+        let ray = Waiting { end: self.leaf_count as u32, ..ray };
+        // SAFETY: the caller's promise.
+        unsafe { self.rays.get_unchecked_mut(self.count).write(ray) };
+        self.count += 1;
     }
 
     /// Whether there may be no room for another ray.

@@ -1,67 +1,21 @@
 //! One ray on its way through the tree, and the two steps that it takes: through a node, and through
 //! a leaf.
-//!
-//! # What the f32 numbers of a leaf may be wrong by
-//!
-//! `u` is the direction, of unit length within `6.5 e`, where `e = 2^-24`; `v = c - o`, `b = v.u`,
-//! and `p = v - b u` is the way from the line to the centre. Rounding `o` moves it by `e |o|`, rounding
-//! `u` by `e`. So the computed `v` is wrong by at most `e (|v| + |o|)`, `b` by `e (5 |v| + |o|)`, and
-//! `p` by `e (9 |v| + 2 |o|)`, where the error of `b` is left out, which runs along the line; its square
-//! adds `2 e |p|`. That `u` is not quite unit makes `b` and `p` wrong by `13 e |b|` more. With `|v| <=
-//! |b| + |p|`, and `|p| <= R` for a hit, the length of `p` is known to within
-//!
-//! `E' = e (24 (|b| + R) + 2 |o|)`, which is at most 3/4 of `E = 32 e (|b| + R + |o|)`.
-//!
-//! This holds with fused and with separate roundings. It follows that
-//!
-//! * a sphere that is hit has `q = p.p <= (R + E)^2` as computed: the others are no candidates;
-//! * half the chord is at most `h = sqrt((R + E)^2 - q)`, roundings included, which take at most `4 e
-//!   R^2` of the `2 R (E - E')` that there is room for;
-//! * half the chord squared is at least `(R + E)^2 - q - 4 (R + E) E`, because `h^2` less its true
-//!   value is at most `2 R E + E^2 + 2 (R + E) E' + E'^2` and the roundings again. Where this is above
-//!   0, the sphere is certainly hit;
-//! * the roots lie in `b - h - E .. b - h' + E` and `b + h' - E .. b + h + E`, `h'` being the root of
-//!   that lower bound: of each `E` the error of `b` takes 18/32, the length of `u` in half the chord
-//!   7/32, and the roundings of the sums and the root 4/32.
-//!
-//! `E` is at least 2^-60, so that what underflows is far below the room that is left.
-//!
-//! A candidate is *sure* if it is hit for certain, beyond `t_min` and, for occlusion, before `t_max`.
-//! The smallest upper bound of a sure hit limits the search; every candidate whose lower bound is not
-//! beyond that is kept, and those that remain at the end are judged in f64.
-//!
-//! # Boxes
-//!
-//! A ray meets a plane at `(p - o) / u`, computed as `p i + a` with `i = 1 / u` and `a = -i (o +- s)`.
-//! `i` is wrong by `2 e`, `a` by `3 e |o|` in terms of the place, and the sum rounds once more. With
-//! `|p - o| <= |p| + |o|` the place of the plane is wrong by at most `3.1 e |p| + 6.2 e |o|`. The part
-//! with `|p|` is in the box ([`Node::set`]), the part with `|o|` is `s`: upwards for entering and
-//! downwards for leaving, if `u > 0`. What lies behind the origin may be entered too late, but never
-//! after the origin. Components of `u` below 2^-60 are raised to that, which moves a point at distance
-//! `t` by `2^-60 t`. There is no division by zero and no NaN: even the infinite planes of unused lanes
-//! only give infinities.
 
 use std::mem::MaybeUninit;
 
 use crate::accel::native::build::larger;
-use crate::accel::native::node::{Child, F64_SLACK, Leaf, Node, TINY};
+use crate::accel::native::node::{Child, Leaf, Node, TINY};
 use crate::accel::native::query::Best;
 use crate::accel::native::tree::STACK_SIZE;
 use crate::fault::fault;
 use crate::math::Ray;
 
 use super::lanes::Lanes;
+use super::slabs::{Near, Slabs, slack};
+use super::spheres::{ERROR, LEAST_ERROR, Met, Rays, radii, to_centers};
 
 /// Leaves with candidates that a slot can hold.
 pub(in crate::accel::native) const KEPT: usize = 16;
-/// `32 e` of the module's head.
-const ERROR: f32 = 1.0 / (1u32 << 19) as f32;
-/// What a box gives way to a ray from `o`, as a part of `|o|`.
-const BOX_SLACK: f32 = 1.0 / (1u32 << 21) as f32;
-/// The smallest error that is reckoned with.
-const LEAST_ERROR: f32 = f32::from_bits((127 - 60) << 23);
-/// The smallest component of a direction that is told from zero, 2^-60.
-const SMALLEST: f32 = f32::from_bits((127 - 60) << 23);
 /// Relative slack that makes up for a few roundings to f32.
 const F32_SLACK: f64 = 1.0 / (1u32 << 22) as f64;
 /// A direction whose squared length in f32 differs from 1 by less is unit for the bounds above.
@@ -71,11 +25,8 @@ const UNIT_WITHIN: f32 = 1.0 / (1u32 << 21) as f32;
 #[repr(C, align(64))]
 pub(super) struct Slot {
     // For boxes.
-    inverse: [f32; 4],
-    enter: [f32; 4],
-    leave: [f32; 4],
-    /// Where the planes that the ray meets first are in a node, in numbers.
-    near: [u32; 4],
+    slabs: Slabs,
+    near: Near,
     t_min: f32,
     /// No hit beyond this distance is of interest.
     pub(super) limit: f32,
@@ -108,7 +59,7 @@ pub(super) struct Slot {
 /// Eight numbers as [`Lanes::load`] wants them.
 #[derive(Clone, Copy)]
 #[repr(C, align(32))]
-struct Eight([f32; 8]);
+pub(super) struct Eight(pub(super) [f32; 8]);
 
 /// What a step through a leaf found.
 pub(super) struct Found {
@@ -135,9 +86,7 @@ impl Slot {
         // SAFETY: all fields that are read before they are written are set here; the arrays at the
         // end need no value. All of them are plain numbers.
         let slot = unsafe { &mut *slot };
-        let [x, y, z] = ray.direction;
-        let off_unit = x * x + y * y + z * z - 1.0;
-        let (unit, length) = if off_unit.abs() < UNIT_WITHIN {
+        let (unit, length) = if is_unit(ray) {
             (ray.direction, 1.0)
         } else {
             let direction = ray.direction_f64();
@@ -151,12 +100,12 @@ impl Slot {
         let sum = x.abs() + y.abs() + z.abs();
         slot.error = ERROR * sum + LEAST_ERROR;
         if let Some(root) = root {
-            slot.begin_at(root, F64_SLACK as f32 * sum + TINY as f32);
+            slot.slabs = Slabs::between(&slot.origin, &slot.origin, &slot.unit, slack(sum));
+            slot.near = Near::of(&slot.unit);
+            slot.enter(root);
         }
         slot.length = length;
-        let t_min = f64::from(ray.t_min) * length;
-        slot.t_min = larger((t_min * (1.0 - F32_SLACK) - TINY) as f32, 0.0);
-        slot.t_min_above = (t_min * (1.0 + F32_SLACK) + TINY) as f32;
+        [slot.t_min, slot.t_min_above] = begin_of(ray, length);
         slot.best = best;
         slot.limit = slot.limit_of(best.t);
         slot.kept = 0;
@@ -165,18 +114,17 @@ impl Slot {
         length > 0.0
     }
 
-    /// What boxes need, and the stack with the root; `slack` is what boxes give way everywhere.
+    /// Makes this the lead of a packet of rays, at the root of the tree: between these distances,
+    /// with these planes.
     #[inline(always)]
-    fn begin_at(&mut self, root: Child, slack: f32) {
-        for axis in 0..4 {
-            let (o, u) = (self.origin[axis], self.unit[axis]);
-            let slack = (BOX_SLACK * o.abs() + slack).copysign(u);
-            let inverse = 1.0 / larger(u.abs(), SMALLEST).copysign(u);
-            self.inverse[axis] = inverse;
-            self.enter[axis] = -inverse * (o + slack);
-            self.leave[axis] = -inverse * (o - slack);
-            self.near[axis] = 8 * axis as u32 + 24 * (u.to_bits() >> 31);
-        }
+    pub(super) fn lead(&mut self, root: Child, slabs: Slabs, near: Near, [t_min, limit]: [f32; 2]) {
+        (self.slabs, self.near, self.t_min, self.limit) = (slabs, near, t_min, limit);
+        self.enter(root);
+    }
+
+    /// Goes to the root of a tree.
+    #[inline(always)]
+    fn enter(&mut self, root: Child) {
         self.next = root;
         self.keys[0].write(0);
         self.children[0].write(Child::NONE.0);
@@ -186,7 +134,7 @@ impl Slot {
     /// The distance up to which boxes and spheres matter when hits matter up to `t`.
     #[inline(always)]
     pub(super) fn limit_of(&self, t: f64) -> f32 {
-        (t * self.length * (1.0 + F32_SLACK) + TINY) as f32
+        limit_of(t * self.length)
     }
 
     /// Puts the children of a node that are met onto the stack: for `ANY` in any order, else the
@@ -197,22 +145,48 @@ impl Slot {
     /// builder's depth can leave there ([`STACK_SIZE`]).
     #[inline(always)]
     pub(super) unsafe fn through_node<L: Lanes, const ANY: bool>(&mut self, node: *const Node) {
-        // SAFETY: a node's planes are its first 48 numbers, aligned, of which `near` selects one of
-        // each pair; its children follow. Eight entries fit behind `top` by the caller's promise.
+        // SAFETY: the caller's promise.
         unsafe {
-            let planes = node.cast::<f32>();
-            let meet = |axis: usize, add: &[f32; 4], from: usize| {
-                let plane = L::load(planes.add(from));
-                L::mul_add(plane, L::splat(self.inverse[axis]), L::splat(add[axis]))
-            };
-            let near = |axis: usize| self.near[axis] as usize;
-            let enter = |axis| meet(axis, &self.enter, near(axis));
-            let leave = |axis| meet(axis, &self.leave, 16 * axis + 24 - near(axis));
-            let entered =
-                L::max(L::max(enter(0), enter(1)), L::max(enter(2), L::splat(self.t_min)));
-            let left = L::min(L::min(leave(0), leave(1)), L::min(leave(2), L::splat(self.limit)));
+            let x = self.slabs.meet::<L>(node, &self.near, 0);
+            let y = self.slabs.meet::<L>(node, &self.near, 1);
+            let z = self.slabs.meet::<L>(node, &self.near, 2);
+            self.push::<L, ANY>([x, y, z], node);
+        }
+    }
+
+    /// [`Self::through_node`] for all rays between this one and another with these planes.
+    ///
+    /// # Safety
+    /// As there, after [`Self::lead`].
+    #[inline(always)]
+    pub(super) unsafe fn through_node_with<L: Lanes>(&mut self, other: &Slabs, node: *const Node) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let x = self.slabs.meet_with::<L>(other, node, &self.near, 0);
+            let y = self.slabs.meet_with::<L>(other, node, &self.near, 1);
+            let z = self.slabs.meet_with::<L>(other, node, &self.near, 2);
+            self.push::<L, false>([x, y, z], node);
+        }
+    }
+
+    /// Puts the children of a node onto the stack that are met between these distances, of each axis
+    /// where their boxes are entered and where they are left.
+    ///
+    /// # Safety
+    /// As for [`Self::through_node`].
+    #[inline(always)]
+    unsafe fn push<L: Lanes, const ANY: bool>(
+        &mut self,
+        [x, y, z]: [[L::F; 2]; 3],
+        node: *const Node,
+    ) {
+        // SAFETY: a node's children follow its 48 planes. Eight entries fit behind `top` by the
+        // caller's promise.
+        unsafe {
+            let entered = L::max(L::max(x[0], y[0]), L::max(z[0], L::splat(self.t_min)));
+            let left = L::min(L::min(x[1], y[1]), L::min(z[1], L::splat(self.limit)));
             let met = L::le(entered, left);
-            let from = planes.add(48).cast::<u32>();
+            let from = node.cast::<u32>().add(48);
             let top = self.top as usize;
             let children = self.children.as_mut_ptr().add(top).cast::<u32>();
             if ANY {
@@ -238,37 +212,14 @@ impl Slot {
     ) -> Found {
         // SAFETY: a leaf is four times eight numbers, aligned; `kept` is a place of the arrays.
         unsafe {
-            let place = leaf.cast::<f32>();
-            let from_origin =
-                |axis: usize| L::sub(L::load(place.add(8 * axis)), L::splat(self.origin[axis]));
-            let v = [from_origin(0), from_origin(1), from_origin(2)];
-            let radius = L::load(place.add(24));
-            let u = [L::splat(self.unit[0]), L::splat(self.unit[1]), L::splat(self.unit[2])];
-            let b = L::mul_add(v[0], u[0], L::mul_add(v[1], u[1], L::mul(v[2], u[2])));
-            let p =
-                [L::sub_mul(b, u[0], v[0]), L::sub_mul(b, u[1], v[1]), L::sub_mul(b, u[2], v[2])];
-            let q = L::mul_add(p[0], p[0], L::mul_add(p[1], p[1], L::mul(p[2], p[2])));
-
-            let zero = L::splat(0.0);
-            let error =
-                L::mul_add(L::add(L::abs(b), radius), L::splat(ERROR), L::splat(self.error));
-            let reach = L::add(radius, error);
-            let above = L::mul_sub(reach, reach, q);
-            let below = L::sub_mul(L::mul(error, L::splat(4.0)), reach, above);
-            let longest = L::sqrt(L::max(above, zero));
-            let shortest = L::sqrt(L::max(below, zero));
-            let (b_below, b_above) = (L::sub(b, error), L::add(b, error));
-            let near = (L::sub(b_below, longest), L::sub(b_above, shortest));
-            let far = (L::add(b_below, shortest), L::add(b_above, longest));
-
-            let (t_min, limit) = (L::splat(self.t_min), L::splat(self.limit));
-            let starts_inside = L::le(near.1, t_min);
-            let t = L::select(starts_inside, far.0, near.0);
-            let t_above = L::select(starts_inside, far.1, near.1);
-            let hit = L::and(L::le(zero, above), L::lt(t_min, far.1));
-            let candidate = L::and(hit, L::le(t, limit));
-            let sure = L::and(L::lt(zero, below), L::lt(L::splat(self.t_min_above), t));
-            let sure = L::and(candidate, sure);
+            let rays = Rays::<L> {
+                to_center: to_centers::<L>(leaf, &self.origin),
+                unit: [L::splat(self.unit[0]), L::splat(self.unit[1]), L::splat(self.unit[2])],
+                error: L::splat(self.error),
+                t_min: [L::splat(self.t_min), L::splat(self.t_min_above)],
+                limit: L::splat(self.limit),
+            };
+            let Met { candidate, sure, t, t_above } = rays.meet(radii::<L>(leaf));
             let (candidates, sure) = if ANY {
                 let t_max = L::splat(self.limit * (1.0 - 4.0 * F32_SLACK as f32));
                 let sure = L::and(sure, L::lt(t_above, t_max));
@@ -325,4 +276,26 @@ impl Slot {
             (leaf, L::bits(L::le(from, L::splat(self.limit))))
         }
     }
+}
+
+/// Whether a ray's direction is of unit length, for the bounds of [`super::spheres`].
+#[inline(always)]
+pub(super) fn is_unit(ray: &Ray) -> bool {
+    let [x, y, z] = ray.direction;
+    (x * x + y * y + z * z - 1.0).abs() < UNIT_WITHIN
+}
+
+/// Where a ray with a direction of this length begins, in units of space, at the earliest and at the
+/// latest.
+#[inline(always)]
+pub(super) fn begin_of(ray: &Ray, length: f64) -> [f32; 2] {
+    let t_min = f64::from(ray.t_min) * length;
+    let earliest = (t_min * (1.0 - F32_SLACK) - TINY) as f32;
+    [larger(earliest, 0.0), (t_min * (1.0 + F32_SLACK) + TINY) as f32]
+}
+
+/// The distance up to which boxes and spheres matter when hits matter up to another.
+#[inline(always)]
+pub(super) fn limit_of(distance: f64) -> f32 {
+    (distance * (1.0 + F32_SLACK) + TINY) as f32
 }

@@ -1,0 +1,175 @@
+//! What all rays of a packet are in: a cone, cut off where they begin.
+//!
+//! Around the mean origin `m` and the unit vector `a`: all origins are within `r` of `m`, and all
+//! directions within `s < 1/4` of `a`. A ray that hits the sphere `(c, R)` does so at most `|v| + R + r`
+//! away, where `v = c - m`. There it is within `r + s t` of the beam's axis, so the way `p` from the
+//! axis to `c` has `|p| <= R + r + s (|v| + R + r)`. With `|v| <= |b| + |p|`, `b = v.a`, this gives
+//!
+//! `|p| <= reach = ((R + r) (1 + s) + s |b|) / (1 - s)`,
+//!
+//! and the hit is at a distance between `b - R - r` and `b + reach`. What f32 makes of `v`, `b` and `p`
+//! is wrong by at most `E = 32 e (|b| + reach + |o|)`, as in [`super::spheres`].
+
+use crate::accel::native::build::larger;
+use crate::accel::native::node::Leaf;
+use crate::accel::native::tree::Tree;
+use crate::fault::fault;
+
+use super::lanes::Lanes;
+use super::slot::Eight;
+use super::spheres::{ERROR, LEAST_ERROR, project, radii, squared, to_centers};
+
+/// A beam is as wide, at the distance of the tree's middle, as so many leaves at most.
+const WIDEST: f32 = 2.0;
+/// More than the roundings of a length to f32 may make of it.
+const LENGTH_SLACK: f32 = 1.0 + 1.0 / (1u32 << 20) as f32;
+
+/// A number for each of sixteen rays.
+pub(super) type Each = [Eight; 2];
+
+/// The smallest and the largest number for each axis.
+pub(super) type Extremes = [[f32; 2]; 3];
+
+/// What all rays of a packet are in.
+#[derive(Clone, Copy)]
+pub(super) struct Beam {
+    /// `m` of the module's head.
+    middle: [f32; 4],
+    /// `a`.
+    axis: [f32; 3],
+    /// `r`.
+    radius: f32,
+    /// `s`.
+    spread: f32,
+    /// The largest sum of an origin's coordinates.
+    pub(super) sum: f32,
+}
+
+impl Beam {
+    /// The beam of rays with these origins and directions, and the extremes of both.
+    ///
+    /// # Safety
+    /// The instructions of `L` are there.
+    #[inline(always)]
+    pub(super) unsafe fn around<L: Lanes>(
+        (origins, origin): (&[Each; 3], &Extremes),
+        (units, unit): (&[Each; 3], &Extremes),
+    ) -> Self {
+        let [x, y, z] = origin.map(|[low, high]| 0.5 * (low + high));
+        let middle = [x, y, z, 0.0];
+        let axis = unit.map(|[low, high]| f64::from(low) + f64::from(high));
+        let length = (axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]).sqrt();
+        let axis = axis.map(|component| (component / length) as f32);
+        // SAFETY: the caller's promise.
+        let (radius, spread) =
+            unsafe { (farthest::<L>(origins, [x, y, z]), farthest::<L>(units, axis)) };
+        let largest = |[low, high]: &[f32; 2]| if -low > *high { -low } else { *high };
+        Self {
+            middle,
+            axis,
+            radius: radius + LEAST_ERROR,
+            spread: spread + ERROR,
+            sum: origin.iter().map(largest).sum(),
+        }
+    }
+
+    /// Whether it is thin enough beside the leaves of a tree that its rays mostly visit the same.
+    #[inline(always)]
+    pub(super) fn is_thin(&self, tree: &Tree) -> bool {
+        let Self { middle, radius, spread, .. } = *self;
+        let to_tree: [f32; 3] = std::array::from_fn(|axis| tree.middle[axis] - middle[axis]);
+        let distance = to_tree.iter().map(|x| x * x).sum::<f32>().sqrt();
+        spread < 0.25 && radius + spread * distance < WIDEST * tree.grain
+    }
+
+    /// The spheres of a leaf that it may touch before this distance, as bits.
+    ///
+    /// # Safety
+    /// `leaf` is valid, and the instructions of `L` are there.
+    #[inline(always)]
+    pub(super) unsafe fn touched<L: Lanes>(&self, leaf: *const Leaf, limit: f32) -> u32 {
+        // SAFETY: a leaf is four times eight numbers, aligned.
+        unsafe {
+            let u = [L::splat(self.axis[0]), L::splat(self.axis[1]), L::splat(self.axis[2])];
+            let (b, p) = project::<L>(to_centers::<L>(leaf, &self.middle), u);
+            let q = squared::<L>(p);
+
+            let away = L::abs(b);
+            let near = L::add(radii::<L>(leaf), L::splat(self.radius));
+            let narrowed = 1.0 / (1.0 - self.spread);
+            let reach = L::mul(near, L::splat((1.0 + self.spread) * narrowed));
+            let reach = L::mul_add(away, L::splat(self.spread * narrowed), reach);
+            let error = L::splat(ERROR * self.sum + LEAST_ERROR);
+            let error = L::mul_add(L::add(away, reach), L::splat(ERROR), error);
+            let reach = L::add(reach, error);
+            let reach = if fault!(BeamTooThin) { L::mul(reach, L::splat(0.5)) } else { reach };
+            let is_within = L::le(q, L::mul(reach, reach));
+            let is_ahead = L::le(L::splat(0.0), L::add(b, reach));
+            let is_near = L::le(L::sub(L::sub(b, near), error), L::splat(limit));
+            L::bits(L::and(L::and(is_within, is_ahead), is_near))
+        }
+    }
+}
+
+/// # Safety
+/// The instructions of `L` are there.
+#[inline(always)]
+pub(super) unsafe fn load<L: Lanes>(eight: &Eight) -> L::F {
+    // SAFETY: eight numbers, aligned.
+    unsafe { L::load(eight.0.as_ptr()) }
+}
+
+/// # Safety
+/// The instructions of `L` are there.
+#[inline(always)]
+pub(super) unsafe fn load_all<L: Lanes>([x, y, z]: &[Each; 3], half: usize) -> [L::F; 3] {
+    // SAFETY: the caller's promise.
+    unsafe { [load::<L>(&x[half]), load::<L>(&y[half]), load::<L>(&z[half])] }
+}
+
+/// The smallest and the largest number for each axis; none is NaN.
+///
+/// # Safety
+/// The instructions of `L` are there.
+#[inline(always)]
+pub(super) unsafe fn all_extremes<L: Lanes>([x, y, z]: &[Each; 3]) -> Extremes {
+    // SAFETY: the caller's promise.
+    unsafe { [extremes::<L>(x), extremes::<L>(y), extremes::<L>(z)] }
+}
+
+/// The smallest and the largest number; none is NaN.
+///
+/// # Safety
+/// The instructions of `L` are there.
+#[inline(always)]
+pub(super) unsafe fn extremes<L: Lanes>(each: &Each) -> [f32; 2] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let (one, two) = (load::<L>(&each[0]), load::<L>(&each[1]));
+        let opposite = L::sub(L::splat(0.0), L::max(one, two));
+        [L::smallest(L::min(one, two)), -L::smallest(opposite)]
+    }
+}
+
+/// The largest distance from a place.
+///
+/// # Safety
+/// The instructions of `L` are there.
+#[inline(always)]
+unsafe fn farthest<L: Lanes>(places: &[Each; 3], [from_x, from_y, from_z]: [f32; 3]) -> f32 {
+    let mut most = 0.0;
+    for half in 0..2 {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let [x, y, z] = load_all::<L>(places, half);
+            let apart = [
+                L::sub(x, L::splat(from_x)),
+                L::sub(y, L::splat(from_y)),
+                L::sub(z, L::splat(from_z)),
+            ];
+            let squared = squared::<L>(apart);
+            most = larger(most, -L::smallest(L::sub(L::splat(0.0), squared)));
+        }
+    }
+    most.sqrt() * LENGTH_SLACK
+}

@@ -1,0 +1,150 @@
+//! Rays and spheres in f32: where a sphere may be hit, where it is hit for certain.
+//!
+//! # What the f32 numbers of a leaf may be wrong by
+//!
+//! `u` is the direction, of unit length within `6.5 e`, where `e = 2^-24`; `v = c - o`, `b = v.u`,
+//! and `p = v - b u` is the way from the line to the centre. Rounding `o` moves it by `e |o|`, rounding
+//! `u` by `e`. So the computed `v` is wrong by at most `e (|v| + |o|)`, `b` by `e (5 |v| + |o|)`, and
+//! `p` by `e (9 |v| + 2 |o|)`, where the error of `b` is left out, which runs along the line; its square
+//! adds `2 e |p|`. That `u` is not quite unit makes `b` and `p` wrong by `13 e |b|` more. With `|v| <=
+//! |b| + |p|`, and `|p| <= R` for a hit, the length of `p` is known to within
+//!
+//! `E' = e (24 (|b| + R) + 2 |o|)`, which is at most 3/4 of `E = 32 e (|b| + R + |o|)`.
+//!
+//! This holds with fused and with separate roundings. It follows that
+//!
+//! * a sphere that is hit has `q = p.p <= (R + E)^2` as computed: the others are no candidates;
+//! * half the chord is at most `h = sqrt((R + E)^2 - q)`, roundings included, which take at most `4 e
+//!   R^2` of the `2 R (E - E')` that there is room for;
+//! * half the chord squared is at least `(R + E)^2 - q - 4 (R + E) E`, because `h^2` less its true
+//!   value is at most `2 R E + E^2 + 2 (R + E) E' + E'^2` and the roundings again. Where this is above
+//!   0, the sphere is certainly hit;
+//! * the roots lie in `b - h - E .. b - h' + E` and `b + h' - E .. b + h + E`, `h'` being the root of
+//!   that lower bound: of each `E` the error of `b` takes 18/32, the length of `u` in half the chord
+//!   7/32, and the roundings of the sums and the root 4/32.
+//!
+//! `E` is at least 2^-60, so that what underflows is far below the room that is left.
+//!
+//! A candidate is *sure* if it is hit for certain, beyond `t_min` and, for occlusion, before `t_max`.
+//! The smallest upper bound of a sure hit limits the search; every candidate whose lower bound is not
+//! beyond that is kept, and those that remain at the end are judged in f64.
+
+use crate::accel::native::node::Leaf;
+
+use super::lanes::Lanes;
+
+/// `32 e` of the module's head.
+pub(super) const ERROR: f32 = 1.0 / (1u32 << 19) as f32;
+/// The smallest error that is reckoned with.
+pub(super) const LEAST_ERROR: f32 = f32::from_bits((127 - 60) << 23);
+
+/// Rays lane by lane, or one ray in all lanes.
+pub(super) struct Rays<L: Lanes> {
+    /// From the rays' origins to the spheres' centres.
+    pub(super) to_center: [L::F; 3],
+    /// Directions of unit length.
+    pub(super) unit: [L::F; 3],
+    /// The part of `E` that does not depend on the sphere.
+    pub(super) error: L::F,
+    /// Where the rays begin, at the earliest and at the latest.
+    pub(super) t_min: [L::F; 2],
+    /// No hit beyond this distance is of interest.
+    pub(super) limit: L::F,
+}
+
+/// Where rays meet spheres, lane by lane.
+pub(super) struct Met<L: Lanes> {
+    /// Whether there may be a hit.
+    pub(super) candidate: L::M,
+    /// Whether there is one for certain, beyond where the ray begins.
+    pub(super) sure: L::M,
+    /// The hit is no nearer than this.
+    pub(super) t: L::F,
+    /// A sure hit is no farther than this.
+    pub(super) t_above: L::F,
+}
+
+impl<L: Lanes> Rays<L> {
+    /// Where the rays meet spheres of these radii.
+    ///
+    /// # Safety
+    /// The instructions of `L` are there.
+    #[inline(always)]
+    pub(super) unsafe fn meet(&self, radius: L::F) -> Met<L> {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let (b, p) = project::<L>(self.to_center, self.unit);
+            let q = squared::<L>(p);
+
+            let zero = L::splat(0.0);
+            let error = L::mul_add(L::add(L::abs(b), radius), L::splat(ERROR), self.error);
+            let reach = L::add(radius, error);
+            let above = L::mul_sub(reach, reach, q);
+            let below = L::sub_mul(L::mul(error, L::splat(4.0)), reach, above);
+            let longest = L::sqrt(L::max(above, zero));
+            let shortest = L::sqrt(L::max(below, zero));
+            let (b_below, b_above) = (L::sub(b, error), L::add(b, error));
+            let near = (L::sub(b_below, longest), L::sub(b_above, shortest));
+            let far = (L::add(b_below, shortest), L::add(b_above, longest));
+
+            let [t_min, t_min_above] = self.t_min;
+            let starts_inside = L::le(near.1, t_min);
+            let t = L::select(starts_inside, far.0, near.0);
+            let t_above = L::select(starts_inside, far.1, near.1);
+            let hit = L::and(L::le(zero, above), L::lt(t_min, far.1));
+            let candidate = L::and(hit, L::le(t, self.limit));
+            let sure = L::and(L::lt(zero, below), L::lt(t_min_above, t));
+            Met { candidate, sure: L::and(candidate, sure), t, t_above }
+        }
+    }
+}
+
+/// From a place, whose fourth number is of no use, to the centres of a leaf's spheres.
+///
+/// # Safety
+/// `leaf` is valid, and the instructions of `L` are there.
+#[inline(always)]
+pub(super) unsafe fn to_centers<L: Lanes>(leaf: *const Leaf, from: &[f32; 4]) -> [L::F; 3] {
+    // SAFETY: a leaf is four times eight numbers, aligned.
+    unsafe {
+        let place = leaf.cast::<f32>();
+        [
+            L::sub(L::load(place), L::splat(from[0])),
+            L::sub(L::load(place.add(8)), L::splat(from[1])),
+            L::sub(L::load(place.add(16)), L::splat(from[2])),
+        ]
+    }
+}
+
+/// The radii of a leaf's spheres.
+///
+/// # Safety
+/// `leaf` is valid, and the instructions of `L` are there.
+#[inline(always)]
+pub(super) unsafe fn radii<L: Lanes>(leaf: *const Leaf) -> L::F {
+    // SAFETY: as above.
+    unsafe { L::load(leaf.cast::<f32>().add(24)) }
+}
+
+/// How far along lines through the origin each of these places is, and the way to it from there.
+///
+/// # Safety
+/// The instructions of `L` are there.
+#[inline(always)]
+pub(super) unsafe fn project<L: Lanes>(v: [L::F; 3], u: [L::F; 3]) -> (L::F, [L::F; 3]) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let b = L::mul_add(v[0], u[0], L::mul_add(v[1], u[1], L::mul(v[2], u[2])));
+        (b, [L::sub_mul(b, u[0], v[0]), L::sub_mul(b, u[1], v[1]), L::sub_mul(b, u[2], v[2])])
+    }
+}
+
+/// The squared length.
+///
+/// # Safety
+/// The instructions of `L` are there.
+#[inline(always)]
+pub(super) unsafe fn squared<L: Lanes>([x, y, z]: [L::F; 3]) -> L::F {
+    // SAFETY: the caller's promise.
+    unsafe { L::mul_add(x, x, L::mul_add(y, y, L::mul(z, z))) }
+}
