@@ -16,8 +16,8 @@ Examples:
   photosphere bench grains.toml --render --set render.samples_per_pixel=16
   photosphere bench --suite speed.html --largest 1e6
 
-Rays come from the camera, from one and from two diffuse bounces, and as shadow rays from what the
-camera sees towards any sphere. Intersectors take turns, so that a busy machine hinders all alike;
+Rays come from the camera, sixteen to a pixel, from one and from two diffuse bounces, and as shadow
+rays from what the camera sees towards any sphere. Intersectors take turns, so that a busy machine hinders all alike;
 a figure is the median over the rounds, `+-` the spread of the middle half of them. `ratio` compares
 with the first intersector. `other ids` counts rays, of some thousands of each kind, that the first
 intersector answers otherwise.

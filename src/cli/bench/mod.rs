@@ -15,7 +15,9 @@ use crate::math::Ray;
 use crate::output::WholeFile;
 use crate::scene::{Opened, Scene, open_file};
 use crate::verify::bench::page::Measured;
-use crate::verify::bench::{Field, KINDS, Rounds, SECOND_BOUNCE, Setting, bench, renders, sweep};
+use crate::verify::bench::{
+    Field, KINDS, Rounds, SECOND_BOUNCE, Setting, bench, camera_rays, renders, sweep,
+};
 
 use super::args::BenchArgs;
 use super::exit::Exit;
@@ -48,7 +50,9 @@ fn measure_file(args: &BenchArgs, path: &Path) -> Result<Exit> {
     let scene = Scene::new(opened.read()?)?;
     let cancel = Cancel::default();
     let field = build(args, scene.spheres(), backends, &cancel)?;
-    let mut measured = measure(args, &field, camera_rays(&scene), &cancel)?;
+    let image = scene.description().image;
+    let camera = camera_rays(scene.camera(), [image.width, image.height], MOST_RAYS);
+    let mut measured = measure(args, &field, camera, &cancel)?;
     if args.render {
         measured.renders = renders(&scene, &field, args.rounds.into(), &cancel)?;
     }
@@ -120,9 +124,9 @@ fn doubling(most: usize) -> impl Iterator<Item = usize> {
 /// What all the rays take at most, and the copies that each intersector is asked with.
 fn bytes_of_rays(opened: &Opened, backends: usize) -> u64 {
     let image = opened.description().image;
-    let rays = (image.width as usize * image.height as usize).min(MOST_RAYS);
+    let rays = 16 * u64::from(image.width) * u64::from(image.height);
     let each = KINDS * (size_of::<PathRay>() + size_of::<Ray>() * (1 + 2 * backends));
-    (rays * each) as u64
+    rays.min(MOST_RAYS as u64) * each as u64
 }
 
 /// On what, and how, was measured.
@@ -134,21 +138,6 @@ fn circumstances(rounds: Rounds) -> String {
         "{threads}{processor}, {rays} a call, median of {}",
         print::count(rounds.count, "round")
     )
-}
-
-/// Which two numbers give the middle of a lens, or nearly so where it has blades.
-const MIDDLE_OF_THE_LENS: [f64; 2] = [0.5; 2];
-
-/// One ray through the middle of every pixel, row by row.
-fn camera_rays(scene: &Scene) -> Vec<PathRay> {
-    let image = scene.description().image;
-    let width = image.width as usize;
-    let count = (width * image.height as usize).min(MOST_RAYS);
-    let ray = |pixel: usize| {
-        let (x, y) = ((pixel % width) as f64 + 0.5, (pixel / width) as f64 + 0.5);
-        scene.camera().ray(x, y, MIDDLE_OF_THE_LENS)
-    };
-    (0..count).map(ray).collect()
 }
 
 #[cfg(test)]

@@ -8,6 +8,8 @@ use rayon::prelude::*;
 use crate::accel::Accel;
 use crate::math::{Hit, Ray};
 
+/// Rays of the camera through one pixel.
+pub(super) const SAMPLES_PER_PIXEL: usize = 16;
 /// Rays of one run of neighbouring rays.
 const RUN: usize = 512;
 /// What one measurement of one round should take at most, in seconds.
@@ -133,7 +135,8 @@ fn timed<T: Send>(
     start.elapsed().as_secs_f64()
 }
 
-/// `count` of the rays, in runs of neighbours that are spread evenly.
+/// `count` of the rays, in runs of neighbours that are spread evenly. Runs do not begin in the middle
+/// of a pixel.
 pub(super) fn spread(rays: &[Ray], count: usize) -> Cow<'_, [Ray]> {
     if count >= rays.len() {
         return Cow::Borrowed(rays);
@@ -141,6 +144,7 @@ pub(super) fn spread(rays: &[Ray], count: usize) -> Cow<'_, [Ray]> {
     let run = count.clamp(1, RUN);
     let runs = count / run;
     let starts = (0..runs).map(|i| i * (rays.len() - run) / runs);
+    let starts = starts.map(|start| start - start % SAMPLES_PER_PIXEL);
     starts.flat_map(|start| &rays[start..start + run]).copied().collect()
 }
 

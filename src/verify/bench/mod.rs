@@ -15,12 +15,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::accel::{Accel, Backend, BuildOptions, Cancel};
+use crate::camera::Camera;
 use crate::error::Result;
 use crate::geometry::{PathRay, SphereSet};
 use crate::math::{Hit, Ray};
 
 use super::rays;
-use measurement::{Measurement, spread};
+use measurement::{Measurement, SAMPLES_PER_PIXEL, spread};
 
 pub use measurement::{Figure, Question};
 pub use standard::StandardScene;
@@ -164,6 +165,26 @@ impl Field {
         kinds.into_iter().map(ask).collect()
     }
 }
+
+/// Rays of a camera with so many pixels as a render sends them, sixteen through each pixel: of all
+/// pixels, or of as many in a grid over the picture as at most `most` rays allow.
+pub fn camera_rays(camera: &Camera, [width, height]: [u32; 2], most: usize) -> Vec<PathRay> {
+    let side = (SAMPLES_PER_PIXEL as f64).sqrt() as u32;
+    let rays = |step: u32| {
+        (width.div_ceil(step) as usize * height.div_ceil(step) as usize) * SAMPLES_PER_PIXEL
+    };
+    let step = (1..).find(|&step| step >= width.max(height) || rays(step) <= most).unwrap_or(1);
+    let place =
+        |pixel: u32, cell: u32| f64::from(pixel) + (f64::from(cell) + 0.5) / f64::from(side);
+    let columns = || (0..width).step_by(step as usize);
+    let pixels = (0..height).step_by(step as usize).flat_map(|y| columns().map(move |x| (x, y)));
+    let cells = || (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
+    let ray = |(x, y), (column, row)| camera.ray(place(x, column), place(y, row), MIDDLE_OF_LENS);
+    pixels.flat_map(|pixel| cells().map(move |cell| ray(pixel, cell))).collect()
+}
+
+/// Which two numbers give the middle of a lens, or nearly so where it has blades.
+const MIDDLE_OF_LENS: [f64; 2] = [0.5; 2];
 
 /// With more spheres than this, brute force is not worth the wait.
 pub const MOST_FOR_BRUTE_FORCE: u64 = 10_000;

@@ -11,7 +11,9 @@ use crate::generate::{Arrangement, Recipe};
 use crate::geometry::{PathRay, SphereRows, SphereSet};
 use crate::math::DVec3;
 
-/// Pixels along each side of the picture that camera rays go through.
+use super::camera_rays;
+
+/// Pixels along each side of the picture that camera rays go through; there are as many rays.
 const SIDE: u32 = 512;
 /// Chooses the spheres.
 const SEED: u64 = 0;
@@ -21,7 +23,7 @@ const SEED: u64 = 0;
 pub struct StandardScene {
     /// The spheres.
     pub spheres: Arc<SphereSet>,
-    /// One ray through the middle of every pixel, row by row.
+    /// Rays of the camera, as [`camera_rays`] gives them.
     pub camera: Vec<PathRay>,
 }
 
@@ -44,11 +46,7 @@ impl StandardScene {
         };
         let projection = Projection::Perspective { vertical_fov: fov.to_radians(), lens: None };
         let camera = Camera::new(&mount, projection);
-        let pixels = (0..SIDE * SIDE).map(|pixel| {
-            let [x, y] = [pixel % SIDE, pixel / SIDE].map(|place| f64::from(place) + 0.5);
-            camera.ray(x, y, [0.5; 2])
-        });
-        let camera = pixels.collect();
+        let camera = camera_rays(&camera, [SIDE; 2], (SIDE * SIDE) as usize);
         Ok(Self { spheres: Arc::new(spheres), camera })
     }
 }

@@ -275,3 +275,59 @@ unsafe fn is_valid<L: Lanes>(ray: &Ray) -> bool {
         L::bits(L::and(is_above, is_below)) == 0xff
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::BuildOptions;
+    use crate::accel::native::kernel::lanes::Portable;
+    use crate::geometry::{Sphere, SphereRows, SphereSet};
+    use crate::math::{DVec3, NO_SPHERE};
+    use std::sync::Arc;
+
+    /// A cube of 16 x 16 x 16 balls, two apart.
+    fn cube() -> Native {
+        let place = |i: i32| DVec3::new((i % 16).into(), (i / 16 % 16).into(), (i / 256).into());
+        let ball = |i| Sphere { center: 2.0 * place(i) - 15.0, radius: 0.5 };
+        let rows = SphereRows { exact: (0..4096).map(ball).collect(), ..SphereRows::default() };
+        let set = Arc::new(SphereSet::new(rows).expect("few spheres"));
+        Native::new(set, &BuildOptions::default()).expect("nobody cancels")
+    }
+
+    /// Sixteen rays from one place whose directions differ by up to this.
+    fn beam(apart: f64) -> Vec<Ray> {
+        let direction = |i: i32| DVec3::new(0.3, 0.2 + apart * f64::from(i) / 15.0, -1.0);
+        let origin = DVec3::new(-9.0, -6.0, 40.0);
+        let exclude = [NO_SPHERE; 2];
+        (0..16)
+            .map(|i| Ray::new(origin, direction(i).normalize(), 0.0, f64::INFINITY, exclude))
+            .collect()
+    }
+
+    fn is_packet(native: &Native, rays: &[Ray]) -> bool {
+        let answers = &mut vec![Hit::MISS; rays.len()];
+        let batch = Batch::<Closest> { native, rays, answers, next: 0, end: rays.len() };
+        let mut packet = MaybeUninit::uninit();
+        // SAFETY: the tree has a root, and the portable form needs no special instructions.
+        unsafe { batch.board_packet::<Portable>(packet.as_mut_ptr(), 0) }
+    }
+
+    #[test]
+    fn rays_go_together_that_are_close_beside_the_leaves() {
+        let native = cube();
+        for apart in [0.0, 1e-6, 1e-3, 1e-2] {
+            assert!(is_packet(&native, &beam(apart)), "{apart}");
+        }
+        for apart in [0.5, 2.0] {
+            assert!(!is_packet(&native, &beam(apart)), "{apart}");
+        }
+        assert!(!is_packet(&native, &beam(0.0)[1..]));
+        let mut rays = beam(1e-3);
+        rays[7].t_min = f32::NAN;
+        assert!(!is_packet(&native, &rays));
+        rays[7] = Ray { direction: [0.0, 0.0, -2.0], ..rays[0] };
+        assert!(!is_packet(&native, &rays));
+        rays[7] = Ray { direction: [-1e-4, 0.0, -1.0], ..rays[0] };
+        assert!(!is_packet(&native, &rays));
+    }
+}
