@@ -14,12 +14,12 @@ use std::path::{Path, PathBuf};
 
 use photosphere::accel::{Accel, Backend, BuildOptions, Cancel, Choice, embree_info};
 use photosphere::generate::{Arrangement, Recipe, scene_text, write_rows};
-use photosphere::geometry::{PathRay, SphereSet};
-use photosphere::math::{Hit, NO_SPHERE, Ray};
+use photosphere::geometry::{PathRay, Sphere, SphereSet};
+use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
 use photosphere::provenance::{COMMIT, VERSION};
 use photosphere::scene::{Override, Scene};
 use photosphere::verify::bench::{
-    Field, Figure, Question, RayKind, Rounds, SECOND_BOUNCE, Setting, StandardScene, bench,
+    CAMERA, Field, Figure, Question, RayKind, Rounds, SECOND_BOUNCE, Setting, StandardScene, bench,
     renders, sweep,
 };
 use photosphere::verify::rays;
@@ -83,6 +83,7 @@ fn main() -> Outcome<()> {
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let all = rayon::ThreadPoolBuilder::new().build()?;
     one.install(|| trace(&wanted))?;
+    one.install(|| giants(&wanted))?;
     all.install(|| build(&wanted))?;
     all.install(|| scale(&wanted))?;
     one.install(|| render(&wanted))
@@ -114,7 +115,10 @@ fn millions(figure: Figure) -> String {
 
 /// Rays of the second bounce on one thread, and what their exactness costs.
 fn trace(wanted: &Wanted) -> Outcome<()> {
-    println!("\nOne thread, rays of the second bounce, millions of rays per second");
+    println!(
+        "\nOne thread, millions of rays per second: rays of the second bounce, closest hit and"
+    );
+    println!("occlusion; rays of the camera, sixteen to a pixel, closest hit");
     println!("{:<13}{:<10}{:>15}{:>17}{:>17}", "", "", "native", "embree", "ratio");
     let mut costs = String::new();
     for (arrangement, spheres, asked) in TRACED {
@@ -123,6 +127,7 @@ fn trace(wanted: &Wanted) -> Outcome<()> {
         }
         let scene = StandardScene::new(arrangement, spheres)?;
         let field = Field::build(&scene.spheres, &PAIR, &options(), 1)?;
+        let camera = scene.camera.iter().map(|ray| scene.spheres.ask(ray)).collect();
         let (accel, bounced) = second_bounce(&field, scene.camera)?;
         let ask = |ray: &PathRay| scene.spheres.ask(ray);
         let kinds = [
@@ -131,13 +136,16 @@ fn trace(wanted: &Wanted) -> Outcome<()> {
                 name: "free",
                 rays: bounced.iter().map(|ray| ask(&freed(&scene.spheres, ray))).collect(),
             },
+            RayKind { name: CAMERA, rays: camera },
         ];
         let rounds = Rounds { count: wanted.rounds, batch: 512 };
         let [native, embree] = &bench(&field, &kinds, rounds, &Cancel::default())?[..] else {
             return Err("two intersectors were asked".into());
         };
         let name = name(arrangement, spheres);
-        let [Some(ours), free] = native.rates[..] else { return Err("no ray bounces".into()) };
+        let [Some(ours), free, ours_of_camera] = native.rates[..] else {
+            return Err("no ray bounces".into());
+        };
         let Some(theirs) = embree.rates[0] else { return Err("no ray bounces".into()) };
         for (question, asked) in Question::ALL.into_iter().zip(asked) {
             let (ours, theirs) = (ours.of(question), theirs.of(question));
@@ -148,6 +156,11 @@ fn trace(wanted: &Wanted) -> Outcome<()> {
                 millions(ours),
                 millions(theirs),
             );
+        }
+        if let (Some(ours), Some(theirs)) = (ours_of_camera, embree.rates[2]) {
+            let ratio = ours.closest.median / theirs.closest.median;
+            let [ours, theirs] = [ours, theirs].map(|rates| millions(rates.closest));
+            println!("{name:<13}{:<10}{ours}  {theirs}   {ratio:5.2}", "camera");
         }
         if theirs.other_ids > 0 {
             println!("{name:<13}{} of 4096 ids differ, as f32 allows", theirs.other_ids);
@@ -168,6 +181,43 @@ fn trace(wanted: &Wanted) -> Outcome<()> {
     );
     println!("{:<13}{:>10}{:>10}{:>14}", "", "closest", "occluded", "exact hit");
     print!("{costs}");
+    Ok(())
+}
+
+/// What one giant beside the tree costs every ray.
+fn giants(wanted: &Wanted) -> Outcome<()> {
+    println!(
+        "\nThe rate of rays of the second bounce where a giant lies below, against that without it"
+    );
+    println!("{:<13}{:>10}{:>10}", "", "closest", "occluded");
+    for arrangement in [GAS, PACKED] {
+        let spheres = wanted.largest.min(1e6) as u64;
+        let giant = Sphere { center: DVec3::NEG_Y * (1e7 + 1.0), radius: 1e7 };
+        let mut fields = Vec::new();
+        for giants in [vec![giant], Vec::new()] {
+            let count = giants.len();
+            let scene = StandardScene::beside(giants, arrangement, spheres)?;
+            assert_eq!(scene.spheres.giants().len(), count, "it is one");
+            let field = Field::build(&scene.spheres, &PAIR[..1], &options(), 1)?;
+            let (_, bounced) = second_bounce(&field, scene.camera)?;
+            let rays = bounced.iter().map(|ray| scene.spheres.ask(ray)).collect();
+            fields.push((field, [RayKind { name: SECOND_BOUNCE, rays }]));
+        }
+        let mut ratios = [Vec::new(), Vec::new()];
+        for _ in 0..wanted.rounds {
+            let mut rates = Vec::new();
+            for (field, kinds) in &fields {
+                let measured = bench(field, kinds, ROUND, &Cancel::default())?;
+                rates.push(measured[0].rates[0].ok_or("no ray bounces")?);
+            }
+            for (ratios, question) in ratios.iter_mut().zip(Question::ALL) {
+                ratios.push(rates[0].of(question).median / rates[1].of(question).median);
+            }
+        }
+        let [closest, occluded] =
+            ratios.map(|ratios| Figure::of(ratios).map_or(f64::NAN, |figure| figure.median));
+        println!("{:<13}{closest:10.2}{occluded:10.2}", name(arrangement, spheres));
+    }
     Ok(())
 }
 

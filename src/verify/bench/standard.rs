@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::camera::{Camera, Mount, Projection};
 use crate::error::Result;
 use crate::generate::{Arrangement, Recipe};
-use crate::geometry::{PathRay, SphereRows, SphereSet};
+use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use crate::math::DVec3;
 
 use super::camera_rays;
@@ -33,9 +33,17 @@ impl StandardScene {
     /// # Errors
     /// When the number of spheres is impossible.
     pub fn new(arrangement: Arrangement, count: u64) -> Result<Self> {
+        Self::beside(Vec::new(), arrangement, count)
+    }
+
+    /// The same with further spheres.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn beside(exact: Vec<Sphere>, arrangement: Arrangement, count: u64) -> Result<Self> {
         let recipe = Recipe::new(arrangement, count, SEED, false)?;
         let table = (0..count).into_par_iter().map(|index| recipe.row(index).sphere).collect();
-        let spheres = SphereSet::new(SphereRows { exact: Vec::new(), table })?;
+        let spheres = SphereSet::new(SphereRows { exact, table })?;
         let (position, look_at, fov) = recipe.view();
         let mount = Mount {
             position: DVec3::from_array(position) - spheres.origin(),
