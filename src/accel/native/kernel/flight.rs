@@ -131,7 +131,7 @@ unsafe fn in_packets<L: Lanes>(batch: &mut Batch<'_, Closest>, pending: &mut Pen
                             continue;
                         }
                         Step::Done => (*packet).land::<L>(batch, pending),
-                        Step::Full => {
+                        Step::Split => {
                             batch.next = (*packet).first();
                             batch.end = batch.next + RAYS;
                             one_by_one::<L, Closest>(batch, pending);

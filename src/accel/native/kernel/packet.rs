@@ -34,6 +34,9 @@ use super::spheres::{ERROR, LEAST_ERROR, Met, Rays};
 
 /// Rays of a packet.
 pub(super) const RAYS: usize = 2 * 8;
+/// Steps after which a packet is given up. Sixteen rays by themselves take some hundreds together, and
+/// packets that pay far fewer than these.
+const MOST_STEPS: u32 = 384;
 /// Spheres with candidates that a packet can hold, as many as a number has bits.
 const SPHERES: usize = 64;
 
@@ -55,6 +58,7 @@ pub(super) struct Packet {
     first: u32,
     /// Spheres with candidates so far.
     count: u32,
+    steps: u32,
     spheres: [MaybeUninit<Kept>; SPHERES],
     from: [MaybeUninit<Each>; SPHERES],
 }
@@ -63,8 +67,9 @@ pub(super) struct Packet {
 pub(super) enum Step {
     OnTheWay,
     Done,
-    /// There is no room for another sphere.
-    Full,
+    /// The rays go better by themselves: there is no room for another sphere, or where they go the tree
+    /// is much finer than the beam.
+    Split,
 }
 
 /// Whether rays may be a packet, judged by two of them. Never leaves out rays that pass all of
@@ -134,6 +139,7 @@ impl Packet {
         packet.best = *best;
         packet.first = first;
         packet.count = 0;
+        packet.steps = 0;
         true
     }
 
@@ -150,14 +156,21 @@ impl Packet {
             if next.is_leaf() {
                 let leaf = tree.leaves().as_ptr().add(next.index());
                 if !self.through_leaf::<L>(leaf, next.index() as u32) {
-                    return Step::Full;
+                    return Step::Split;
                 }
             } else {
                 let node = tree.nodes().as_ptr().add(next.index());
                 self.lead.through_node_with::<L>(&self.other, node);
             }
             self.lead.pop::<false>();
-            if self.lead.next == Child::NONE { Step::Done } else { Step::OnTheWay }
+            self.steps += 1;
+            if self.lead.next == Child::NONE {
+                Step::Done
+            } else if self.steps < MOST_STEPS {
+                Step::OnTheWay
+            } else {
+                Step::Split
+            }
         }
     }
 
