@@ -157,15 +157,21 @@ impl Scene {
 
     /// What a sphere is made of.
     pub fn surface(&self, id: u32) -> Surface<'_> {
+        let (material, color) = self.material(id);
+        Surface::new(material, color, || self.spheres.sphere(id).radius)
+    }
+
+    /// What a sphere is made of, and its own colour where a table gives one.
+    #[inline(always)]
+    pub(crate) fn material(&self, id: u32) -> (&Material, Option<Rgb>) {
         let row = self.spheres.row(id);
         if let Some(sphere) = self.description.spheres.get(row as usize) {
-            return Surface::new(&self.materials[sphere.material], None, || sphere.radius);
+            return (&self.materials[sphere.material], None);
         }
         let group = self.group_of(row);
         let in_table = (row - group.first_row) as usize;
         let color = group.colors.as_ref().map(|colors| colors.get(in_table));
-        let radius = || self.spheres.sphere(id).radius;
-        Surface::new(&self.materials[group.material], color, radius)
+        (&self.materials[group.material], color)
     }
 
     /// Reads what is known of the spheres that were hit, unless there are so few that all of them are

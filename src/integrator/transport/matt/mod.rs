@@ -23,7 +23,15 @@ use super::{Aims, Drawn, Gain, LONGEST, Path, Paths};
 pub(in super::super) use block::Block;
 use block::{AimAtLamp, Light, Meet, Turn, Waiting};
 
-impl<R: Recorder> Batch<'_, R> {
+/// A matt surface. What a stage passes on for every path is kept small, and not written and read again
+/// in pieces of other sizes, for which processors wait.
+#[derive(Clone, Copy)]
+pub(super) struct Matt<'a> {
+    albedo: Rgb,
+    emission: &'a Rgb,
+}
+
+impl<'a, R: Recorder> Batch<'a, R> {
     /// Whether matt surfaces are worked on many at a time: not where somebody listens, and not where
     /// the scene or the integrator makes their vertices unlike each other.
     pub(super) fn has_blocks(&self) -> bool {
@@ -36,18 +44,18 @@ impl<R: Recorder> Batch<'_, R> {
             && scene.description().render.sampler == SamplerKind::Sobol
     }
 
-    /// The colour of the surface that a path meets, if it is one of those that a block takes.
+    /// The surface that a path meets, if it is one of those that a block takes.
     #[inline(always)]
-    pub(super) fn matt(&self, paths: &Paths, index: usize, hit: Hit) -> Option<(Rgb, Rgb)> {
+    pub(super) fn matt(&self, paths: &Paths, index: usize, hit: Hit) -> Option<Matt<'a>> {
         let sample = paths.states[index].sample as usize;
         let is_in_medium = || self.media.get(sample).is_some_and(|media| !media.is_vacuum());
         if hit.is_miss() || paths.rays.goes_in(index) || is_in_medium() {
             return None;
         }
-        let surface = self.world.scene.surface(hit.id);
-        match surface.material.model {
+        let (material, color) = self.world.scene.material(hit.id);
+        match &material.model {
             Model::Diffuse(matt) => {
-                Some((matt.colored(surface.albedo).albedo, surface.material.emission))
+                Some(Matt { albedo: matt.colored(color).albedo, emission: &material.emission })
             }
             _ => None,
         }
@@ -62,11 +70,11 @@ impl<R: Recorder> Batch<'_, R> {
         paths: &Paths,
         index: usize,
         id: u32,
-        (albedo, emission): (Rgb, Rgb),
+        Matt { albedo, emission }: Matt<'_>,
     ) {
         let state = &paths.states[index];
         if emission.max_element() > 0.0 {
-            self.gather(&paths.get(index), Source::Lamp(id), emission, true);
+            self.gather(&paths.get(index), Source::Lamp(id), *emission, true);
         }
         if self.is_at_its_end(state) {
             return;
