@@ -53,6 +53,31 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
+/// After a request to stop no job begins, and what is in flight is not finished: at most those are kept that
+/// were being added just then, one on each thread.
+#[test]
+fn a_request_to_stop_is_followed_by_no_new_work() {
+    let scene = small();
+    let accel = accel(&scene);
+    for threads in [1, 2, 7] {
+        let (film, cancel) = (Film::new(&format_of(&scene)).expect("small"), Cancel::default());
+        let reports = AtomicUsize::new(0);
+        let stop_at_the_fifth = |_| {
+            if reports.fetch_add(1, Ordering::SeqCst) + 1 == 5 {
+                cancel.cancel();
+            }
+        };
+        let options = RenderOptions { cancel: cancel.clone(), progress: &stop_at_the_fifth };
+        let session = Session::new(&scene, &*accel, &film, &options);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let ended = pool.install(|| session.advance(41, &|_| true)).expect("not too bright");
+        let reports = reports.load(Ordering::SeqCst);
+        assert!(!ended && (5..5 + threads).contains(&reports), "{reports} of {threads} threads");
+        // Every job reports once: 1024 samples, or four tiles of 64 pixels with less at the edges.
+        assert!(film.samples() <= reports as u64 * 1024, "{}", film.samples());
+    }
+}
+
 #[test]
 fn neither_passes_nor_the_order_of_tiles_change_a_bit() {
     let scene = small();

@@ -77,11 +77,16 @@ impl Goal {
         })
     }
 
-    /// The end of the time, counted from now.
-    pub(super) fn deadline(&self, pixels: usize, cancel: Cancel) -> Option<Deadline<'_>> {
-        let at_least = pixels as u64 * u64::from(BLOCK.min(self.most));
+    /// The end of the time, counted from now, but for the seconds that runs before this one took. Where
+    /// those were all of it, nothing more is to be done: it is up at once.
+    pub(super) fn deadline(&self, film: &Film, spent: f64, cancel: Cancel) -> Option<Deadline<'_>> {
+        let at_least = film.frame().pixels() as u64 * u64::from(BLOCK.min(self.most));
         let is_up = &self.is_time_up;
-        self.time.map(|time| Deadline { at: Instant::now() + time, cancel, at_least, is_up })
+        let left =
+            self.time?.saturating_sub(Duration::try_from_secs_f64(spent).unwrap_or_default());
+        let deadline = Deadline { at: Instant::now() + left, cancel, at_least, is_up };
+        deadline.mind(film.samples());
+        Some(deadline)
     }
 
     /// The error of a film by the measure of the target.

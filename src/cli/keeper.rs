@@ -29,9 +29,9 @@ pub(super) struct Orders<'a> {
     pub(super) give_up: &'a (dyn Fn() + Sync),
 }
 
-/// How long the threads that render may take to follow a request to stop. With the time for saving,
-/// this stays below two seconds.
-const PATIENCE: Duration = Duration::from_millis(1200);
+/// How long the threads that render may take to follow a request to stop: most of the two seconds in which
+/// a program should be gone are for saving. Nothing is lost with them but what is in flight.
+const PATIENCE: Duration = Duration::from_millis(500);
 
 /// How often the clock is looked at.
 const TICK: Duration = Duration::from_millis(40);

@@ -30,11 +30,11 @@ pub(super) fn kinds_of(records: &[Record]) -> Option<Vec<Kind>> {
 }
 
 impl Outputs {
-    /// Prepares all files.
+    /// Prepares all files; with a preview there is something for the screen in any case.
     ///
     /// # Errors
     /// When one cannot be written, is named twice, or none has a place for what is asked.
-    pub(super) fn new(args: &OutputArgs) -> Result<Self> {
+    pub(super) fn new(args: &OutputArgs, has_preview: bool) -> Result<Self> {
         let mut targets: Vec<(PathBuf, Target)> = Vec::new();
         let mut part = None;
         for path in &args.files {
@@ -46,16 +46,12 @@ impl Outputs {
                 }
                 continue;
             }
-            if targets.iter().any(|(earlier, _)| earlier == path) {
-                let message = format!("`{}` is named twice as the picture", path.display());
-                return Err(Error::input(message).with_help("leave one out"));
-            }
             targets.push((path.clone(), Target::new(path)?));
         }
         if part.is_none() {
             refuse_layers_without_place(args, &targets)?;
         }
-        if let Some(option) = args.look_option() {
+        if let Some(option) = args.look_option().filter(|_| !has_preview) {
             refuse_look_without_screen(option, args, &targets)?;
         }
         let (look, kinds, with_run) = (args.look(), args.kinds(), !args.no_run_figures);
@@ -88,7 +84,7 @@ impl Outputs {
         !self.targets.is_empty()
     }
 
-    /// Writes all files.
+    /// Writes all files; `quickly` where somebody waits for the end of it.
     ///
     /// # Errors
     /// When one cannot be written; those before it are.
@@ -98,6 +94,7 @@ impl Outputs {
         frame: &Frame,
         made: &Made,
         run: &Run,
+        quickly: bool,
     ) -> Result<()> {
         let mut records = made.records();
         if self.with_run {
@@ -114,11 +111,36 @@ impl Outputs {
                 records.push(self.record_of_layers());
             }
             provenance::sort(&mut records);
-            let notes = Notes { cropped_from: crop(frame), look: self.look, records };
+            let notes = Notes { cropped_from: crop(frame), look: self.look, records, quickly };
             target.write_with(picture, &notes)?;
         }
         Ok(())
     }
+}
+
+/// Refuses two files in one place, however they are written: one would replace the other.
+///
+/// # Errors
+/// With the first two of them.
+pub(super) fn refuse_same_places(files: &[(&str, &Path)]) -> Result<()> {
+    let places: Vec<PathBuf> = files.iter().map(|(_, file)| place(file)).collect();
+    for (at, (option, file)) in files.iter().enumerate() {
+        let Some(earlier) = places[..at].iter().position(|place| *place == places[at]) else {
+            continue;
+        };
+        let (first_option, first) = files[earlier];
+        let (first, file) = (first.display(), file.display());
+        let message = format!("{first_option} {first} and {option} {file} are the same file");
+        return Err(Error::input(message).with_help("leave one out, or give it another name"));
+    }
+    Ok(())
+}
+
+/// A file's name from the root on, through links, as far as it is there.
+fn place(file: &Path) -> PathBuf {
+    let full = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
+    let beside = || Some(full.parent()?.canonicalize().ok()?.join(full.file_name()?));
+    full.canonicalize().ok().or_else(beside).unwrap_or_else(|| full.clone())
 }
 
 /// Which part of the whole picture this is, unless it is all of it.

@@ -40,6 +40,13 @@ pub(super) fn samples_in(time: Duration, samples: u64, elapsed: Duration) -> u64
     (samples as f64 * time.as_secs_f64() / elapsed.as_secs_f64().max(1e-9)) as u64
 }
 
+/// The total that there will be when the time is up: so many in that time, but never less than what is done
+/// in any case.
+pub(super) fn total_in_time(total: &Range<u64>, in_time: u64, at_least: u64) -> Range<u64> {
+    let most = in_time.max(at_least);
+    total.start.min(most)..total.end.min(most)
+}
+
 /// `3 min`, `50 to 80 s`, in two digits of the unit that suits the longer one.
 pub(super) fn in_words(left: &Range<Duration>) -> String {
     let (unit, name) = [(86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s")]
@@ -104,6 +111,18 @@ mod tests {
                 assert!((ratio - 1.0).abs() < 0.1, "{ratio} at {at} of {end}");
             }
         }
+    }
+
+    #[test]
+    fn a_time_that_is_up_does_not_end_a_render_before_its_first_block() {
+        let endless = u64::MAX..u64::MAX;
+        // Up after 300 of 1000 samples that there must be: the rest takes as long as it does.
+        let total = total_in_time(&endless, 300, 1000);
+        assert_eq!(total, 1000..1000);
+        let left = pace(3.0, 300, total.end - 300).time_left().unwrap();
+        assert_eq!(left, Duration::from_secs(7)..Duration::from_secs(7));
+        assert_eq!(total_in_time(&endless, 5000, 1000), 5000..5000);
+        assert_eq!(total_in_time(&(2000..6000), 5000, 1000), 2000..5000);
     }
 
     #[test]

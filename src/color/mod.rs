@@ -3,6 +3,8 @@
 mod seen;
 mod tone;
 
+use std::sync::LazyLock;
+
 pub use seen::{NOTHING, Seen};
 pub use tone::{Look, Tone};
 
@@ -32,6 +34,26 @@ pub fn srgb_from_linear(linear: f32) -> f32 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * libm::powf(x, 1.0 / 2.4) - 0.055 }
 }
 
+/// The nearest of 256 steps of the same, without its power for each value.
+pub fn srgb_step(linear: f32) -> u8 {
+    STEPS.partition_point(|from| *from <= linear) as u8
+}
+
+/// From which light on each step but the first is the nearest: found once, to the last bit.
+static STEPS: LazyLock<[f32; 255]> = LazyLock::new(|| {
+    std::array::from_fn(|step| {
+        let is_there =
+            |bits: u32| (srgb_from_linear(f32::from_bits(bits)) * 255.0).round() > step as f32;
+        // Floats that are not negative have the order of their bits.
+        let (mut below, mut there) = (0, 1.0f32.to_bits());
+        while there - below > 1 {
+            let middle = below + (there - below) / 2;
+            if is_there(middle) { there = middle } else { below = middle }
+        }
+        f32::from_bits(there)
+    })
+});
+
 /// The inverse of [`srgb_from_linear`] for one channel in `[0, 1]`.
 pub fn linear_from_srgb(value: f32) -> f32 {
     if value <= 0.040_45 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
@@ -47,6 +69,18 @@ mod tests {
         assert_eq!(srgb_from_linear(-1.0), 0.0);
         assert_abs_diff_eq!(srgb_from_linear(2.0), 1.0, epsilon = 1e-6);
         assert_abs_diff_eq!(srgb_from_linear(0.214_041_14), 0.5, epsilon = 1e-5);
+    }
+
+    #[test]
+    fn steps_are_those_of_the_curve() {
+        let by_curve = |light: f32| (srgb_from_linear(light) * 255.0).round() as u8;
+        // Every 997th float from 0 to beyond 1, and around each place where the step changes.
+        let all = (0..1.5f32.to_bits()).step_by(997);
+        let edges = STEPS.iter().flat_map(|edge| edge.to_bits() - 1..=edge.to_bits() + 1);
+        for light in all.chain(edges).map(f32::from_bits) {
+            assert_eq!(srgb_step(light), by_curve(light), "{light:e}");
+        }
+        assert_eq!([-1.0, -0.0, f32::MIN, f32::MAX].map(srgb_step), [0, 0, 0, 255]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! Every curve takes linear Rec. 709 and gives values for the screen in `[0, 1]`. They are for eyes
 //! only; whoever measures takes a file of linear light.
 
-use super::{Rgb, srgb_from_linear};
+use super::{Rgb, srgb_from_linear, srgb_step};
 
 /// How light becomes values for the screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,10 +45,7 @@ impl Tone {
 impl Look {
     /// The value for the screen of each channel, in `[0, 1]`; light must be finite.
     pub fn screen(&self, light: Rgb) -> [f32; 3] {
-        let light = match self.exposure {
-            0.0 => light,
-            stops => (light * libm::exp2f(stops)).clamp(Rgb::splat(f32::MIN), Rgb::splat(f32::MAX)),
-        };
+        let light = self.exposed(light);
         match self.tone {
             Tone::Srgb => light.to_array().map(srgb_from_linear),
             Tone::Filmic => light.to_array().map(|value| srgb_from_linear(filmic(value))),
@@ -56,8 +53,18 @@ impl Look {
         }
     }
 
+    fn exposed(&self, light: Rgb) -> Rgb {
+        match self.exposure {
+            0.0 => light,
+            stops => (light * libm::exp2f(stops)).clamp(Rgb::splat(f32::MIN), Rgb::splat(f32::MAX)),
+        }
+    }
+
     /// The same in steps of 8 bits, for the pixel in this column and row of the full picture.
     pub fn steps(&self, light: Rgb, column: usize, row: usize) -> [u8; 3] {
+        if self.tone == Tone::Srgb && !self.dither {
+            return self.exposed(light).to_array().map(srgb_step);
+        }
         let screen = self.screen(light).map(|value| value * 255.0);
         if self.dither {
             let shift = gradient_noise(column, row);

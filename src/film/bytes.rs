@@ -55,12 +55,13 @@ impl Tile {
         }
         to.push(u8::from(!self.left_out.is_empty()));
         to.extend(self.left_out.iter().flat_map(|count| count.to_le_bytes()));
+        // A sum takes up to 16 bytes and two before them, and most take nearly all.
+        to.reserve(self.sums.len() * 18 + self.squares.len() * 26);
         for sum in &self.sums {
-            write_number(sum.is_negative(), &sum.unsigned_abs().to_le_bytes(), to);
+            write_number(sum.is_negative(), sum.unsigned_abs(), 0, to);
         }
         for Wide([low, middle, high]) in &self.squares {
-            let bytes = [low.to_le_bytes(), middle.to_le_bytes(), high.to_le_bytes()].concat();
-            write_number(false, &bytes, to);
+            write_number(false, u128::from(*middle) << 64 | u128::from(*low), *high, to);
         }
         for rows in &self.coverage {
             to.extend((rows.len() as u32).to_le_bytes());
@@ -141,15 +142,27 @@ impl Tile {
     }
 }
 
-/// A number by its sign and its magnitude, the lowest byte first: a byte with the sign and how many
-/// bytes are kept, then, unless it is 0, how many zeros were dropped below them, and then those.
-fn write_number(is_negative: bool, magnitude: &[u8], to: &mut Vec<u8>) {
-    let Some(last) = magnitude.iter().rposition(|&byte| byte != 0) else { return to.push(0) };
-    let first = magnitude.iter().position(|&byte| byte != 0).unwrap_or(0);
-    let kept = &magnitude[first..=last];
-    to.push(kept.len() as u8 | if is_negative { NEGATIVE } else { 0 });
-    to.push(first as u8);
-    to.extend_from_slice(kept);
+/// A number by its sign and its magnitude of up to 192 bits, the lowest byte first: a byte with the sign and
+/// how many bytes are kept, then, unless it is 0, how many zeros were dropped below them, and then those.
+fn write_number(is_negative: bool, low: u128, high: u64, to: &mut Vec<u8>) {
+    let (first, end) = match (low, high) {
+        (0, 0) => return to.push(0),
+        (0, high) => (16 + high.trailing_zeros() / 8, 24 - high.leading_zeros() / 8),
+        (low, 0) => (low.trailing_zeros() / 8, 16 - low.leading_zeros() / 8),
+        (low, high) => (low.trailing_zeros() / 8, 24 - high.leading_zeros() / 8),
+    };
+    let (first, kept) = (first as usize, (end - first) as usize);
+    to.extend([kept as u8 | if is_negative { NEGATIVE } else { 0 }, first as u8]);
+    let begin = to.len();
+    // All bytes at once, and then those that are not kept away: faster than as many as there are.
+    if first < 16 {
+        to.extend((low >> (8 * first)).to_le_bytes());
+    }
+    if end > 16 {
+        to.truncate(begin + 16usize.saturating_sub(first));
+        to.extend((high >> (8 * first.saturating_sub(16))).to_le_bytes());
+    }
+    to.truncate(begin + kept);
 }
 
 /// Takes bytes from the front; `None` where there are too few.
@@ -206,5 +219,39 @@ impl Reader<'_> {
             self.0 = rest;
         }
         Some((head & NEGATIVE != 0, magnitude))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::StdRng};
+
+    #[test]
+    fn numbers_of_any_length_come_back() {
+        let mut rng = StdRng::seed_from_u64(8);
+        for round in 0..200_000 {
+            let words: [u64; 3] = rng.random();
+            let (mut low, mut high) = (u128::from(words[0]) << 64 | u128::from(words[1]), words[2]);
+            // Zeros at both ends, of any number.
+            low = low >> rng.random_range(0..128) << rng.random_range(0..128);
+            high = high >> rng.random_range(0..64) << rng.random_range(0..64);
+            match round % 4 {
+                0 => low = 0,
+                1 => high = 0,
+                _ => {}
+            }
+            let (is_negative, mut bytes) = (rng.random(), Vec::new());
+            write_number(is_negative, low, high, &mut bytes);
+            let mut from = Reader(&bytes);
+            let (sign, magnitude) = from.number::<24>().unwrap();
+            assert_eq!(magnitude[..16], low.to_le_bytes(), "{low:x} {high:x}");
+            assert_eq!(magnitude[16..], high.to_le_bytes(), "{low:x} {high:x}");
+            assert!(from.0.is_empty() && (sign == is_negative || (low, high) == (0, 0)));
+            // Nothing but what is needed.
+            if (low, high) != (0, 0) {
+                assert!(bytes[2] != 0 && bytes[bytes.len() - 1] != 0, "{bytes:?}");
+            }
+        }
     }
 }

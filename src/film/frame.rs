@@ -54,6 +54,11 @@ impl Frame {
         across * down
     }
 
+    /// How many tiles a row of them has.
+    pub fn tiles_across(&self) -> usize {
+        self.tiles_each_way()[0]
+    }
+
     /// The tile that has this pixel of the whole picture; `None` outside of the part.
     pub fn tile_with(&self, [column, row]: [u32; 2]) -> Option<usize> {
         let Rect { x, y, width, height } = self.window;

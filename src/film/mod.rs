@@ -17,6 +17,7 @@ mod bytes;
 mod estimate;
 mod fixed;
 mod frame;
+pub(crate) mod hands;
 mod kind;
 mod layer;
 mod picture;
@@ -132,6 +133,13 @@ impl Film {
     /// How many samples the pixel of a tile has that has the fewest.
     pub fn fewest_samples(&self, tile: usize) -> u32 {
         self.lock(tile).counts.iter().copied().min().unwrap_or(0)
+    }
+
+    /// How many samples each pixel of a tile has, where all have the same.
+    pub fn samples_of_tile(&self, tile: usize) -> Option<u32> {
+        let counts = &self.lock(tile).counts;
+        let first = counts.first().copied().unwrap_or(0);
+        counts.iter().all(|count| *count == first).then_some(first)
     }
 
     /// How many samples the pixel has that has the fewest, and the one that has the most.
@@ -282,15 +290,39 @@ impl Film {
     }
 
     /// Something of every pixel, along the rows of the window.
-    fn map<T: Clone + Default>(&self, of: impl Fn(&Tile, usize) -> T) -> Vec<T> {
-        let Rect { x: left, y: top, width, .. } = self.frame.window;
+    fn map<T: Clone + Default + Send>(
+        &self,
+        of: impl Fn(&Tile, usize) -> T + Send + Sync,
+    ) -> Vec<T> {
         let mut all = vec![T::default(); self.frame.pixels()];
-        for tile in 0..self.tiles.len() {
-            let sums = self.lock(tile);
-            for (pixel, [x, y]) in self.frame.tile(tile).places().enumerate() {
-                all[(y - top) as usize * width as usize + (x - left) as usize] = of(&sums, pixel);
-            }
+        let width = self.frame.window.width as usize;
+        let across = self.frame.tiles_across();
+        // The pixels of each row of tiles lie together.
+        let mut rest = all.as_mut_slice();
+        let mut rows = Vec::new();
+        for first in (0..self.tiles.len()).step_by(across) {
+            let height = self.frame.tile(first).height as usize;
+            let (row, others) = rest.split_at_mut(height * width);
+            rows.push((first, row));
+            rest = others;
         }
+        hands::map(rows, |(first, row): (usize, &mut [T])| {
+            let Rect { x: left, y: top, .. } = self.frame.tile(first);
+            for tile in first..first + across {
+                let place = self.frame.tile(tile);
+                let sums = self.lock(tile);
+                let mut pixel = 0;
+                for line in
+                    row.chunks_exact_mut(width).take((place.y + place.height - top) as usize)
+                {
+                    let begin = (place.x - left) as usize;
+                    for value in &mut line[begin..begin + place.width as usize] {
+                        *value = of(&sums, pixel);
+                        pixel += 1;
+                    }
+                }
+            }
+        });
         all
     }
 

@@ -3,82 +3,163 @@
 //! has that as the channel `A`, with which the colours are multiplied, as OpenEXR has it. ZIP loses nothing, and
 //! nothing but the picture and its records enters the file: equal ones have equal bytes.
 //!
-//! The `exr` crate is generic to its core; this file asks it for one concrete kind of image only,
-//! because every other kind would be compiled anew.
+//! Blocks of rows are made and compressed by all hands that are free ([`hands`]), and written in their
+//! order.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::Path;
 
-use exr::meta::MetaData;
-use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, IntegerBounds,
-    Layer as Part, LayerAttributes, SmallVec, Text, Vec2, WritableImage,
-};
+use exr::block::writer::ChunksWriter;
+use exr::block::{UncompressedBlock, enumerate_ordered_header_block_indices};
+use exr::compression::Compression;
+use exr::meta::attribute::{ChannelDescription, LineOrder, SampleType};
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use exr::meta::{BlockDescription, MetaData};
+use exr::prelude::{AttributeValue, IntegerBounds, Text, Vec2};
 
 use crate::color::Rgb;
-use crate::film::{Layer, Picture, Plane, Values};
+use crate::film::{Layer, Picture, Plane, Values, hands};
 
 use super::{Crop, Notes, Record, Sink};
+
+/// Files with more bytes of pixels than this are written quickly where they are wanted quickly.
+const LARGE: usize = 32 << 20;
+
+/// Blocks that a hand makes before they are written.
+const BLOCKS: usize = 4;
 
 /// Bytes of the magic number and the version, which the attributes follow.
 const HEAD: u64 = 8;
 
-/// Writes the beauty and both layers. A cropped picture lies in the window of the whole one.
+/// A channel of the file.
+struct Channel<'a> {
+    name: String,
+    values: Source<'a>,
+}
+
+/// Where the values of a channel are.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    Beauty(usize),
+    Color(&'a [Rgb], usize),
+    Float(&'a [f32]),
+    Whole(&'a [u32]),
+}
+
+/// Writes the beauty and all layers. A cropped picture lies in the window of the whole one.
 pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Result<()> {
-    let mut channels = SmallVec::new();
-    let pixels = 0..picture.len();
-    for (axis, name) in ["R", "G", "B"].into_iter().enumerate() {
-        let mut add = |name: String, value: &dyn Fn(usize) -> Rgb| {
-            let samples = pixels.clone().map(|pixel| value(pixel)[axis]).collect();
-            channels.push(AnyChannel::new(Text::from(name.as_str()), FlatSamples::F32(samples)));
-        };
-        add(name.to_owned(), &|pixel| picture.beauty(pixel));
-        for (layer, values) in
-            [(Layer::Direct, &picture.direct), (Layer::Indirect, &picture.indirect)]
-        {
-            if !picture.left_out.contains(&layer) {
-                add(format!("{}.{name}", layer.name()), &|pixel| values[pixel]);
+    let channels = channels(picture);
+    let headers = vec![header(picture, &channels, notes)];
+    exr::block::write(&mut *to, headers.into(), true, |meta, file| {
+        let blocks: Vec<_> = enumerate_ordered_header_block_indices(&meta.headers).collect();
+        for some in blocks.chunks(BLOCKS * hands::count()) {
+            let compressed = hands::map(some.to_vec(), |(at, index)| {
+                let rows = index.pixel_position.1..index.pixel_position.1 + index.pixel_size.1;
+                let data = bytes_of(picture, &channels, rows);
+                (at, UncompressedBlock { index, data }.compress_to_chunk(&meta.headers))
+            });
+            for (at, chunk) in compressed {
+                file.write_chunk(at, chunk?)?;
             }
         }
-    }
-    for Plane { name, values } in &picture.planes {
-        let samples = match values {
-            Values::Float(values) => FlatSamples::F32(values.clone()),
-            Values::Whole(values) => FlatSamples::U32(values.clone()),
-        };
-        channels.push(AnyChannel::new(Text::from(name.as_str()), samples));
-    }
-    if let Some(alpha) = &picture.alpha {
-        channels.push(AnyChannel::new(Text::from("A"), FlatSamples::F32(alpha.clone())));
-    }
-    let mut attributes = LayerAttributes {
-        software_name: Some(Text::from(concat!("photosphere ", env!("CARGO_PKG_VERSION")))),
-        ..LayerAttributes::default()
-    };
-    for (name, text) in &picture.attributes {
-        let text = Text::from_slice_unchecked(text.as_bytes());
-        attributes.other.insert(Text::from(name.as_str()), AttributeValue::Text(text));
-    }
-    for record in &notes.records {
-        let text = Text::from_slice_unchecked(record.text.as_bytes());
-        attributes.other.insert(Text::from(record.key().as_str()), AttributeValue::Text(text));
-    }
-    if let Some(Crop { corner: [x, y], .. }) = notes.cropped_from {
-        attributes.layer_position = Vec2(x as i32, y as i32);
-    }
-    let size = (picture.width, picture.height);
-    let layer = Part::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
-    let mut image = Image::from_layer(layer);
-    if let Some(Crop { full_size: [width, height], .. }) = notes.cropped_from {
-        image.attributes.display_window = IntegerBounds::from_dimensions((width, height));
-    }
-    image.write().non_parallel().to_buffered(&mut *to).map_err(|e| match e {
+        Ok(())
+    })
+    .map_err(|e| match e {
         exr::error::Error::Io(e) => e,
         other => io::Error::other(other),
     })?;
     to.flush()?;
     sort_attributes(to.get_mut())
+}
+
+/// In the order of their names, as OpenEXR has it.
+fn channels(picture: &Picture) -> Vec<Channel<'_>> {
+    let mut channels = Vec::new();
+    let mut add = |name: String, values| channels.push(Channel { name, values });
+    for (axis, name) in ["R", "G", "B"].into_iter().enumerate() {
+        add(name.to_owned(), Source::Beauty(axis));
+        let layers = [(Layer::Direct, &picture.direct), (Layer::Indirect, &picture.indirect)];
+        for (layer, values) in
+            layers.into_iter().filter(|(layer, _)| !picture.left_out.contains(layer))
+        {
+            add(format!("{}.{name}", layer.name()), Source::Color(values, axis));
+        }
+    }
+    for Plane { name, values } in &picture.planes {
+        let values = match values {
+            Values::Float(values) => Source::Float(values),
+            Values::Whole(values) => Source::Whole(values),
+        };
+        add(name.clone(), values);
+    }
+    if let Some(alpha) = &picture.alpha {
+        add("A".to_owned(), Source::Float(alpha));
+    }
+    channels.sort_by(|a, b| a.name.cmp(&b.name));
+    channels
+}
+
+fn header(picture: &Picture, channels: &[Channel<'_>], notes: &Notes) -> Header {
+    let mut attributes = LayerAttributes {
+        software_name: Some(Text::from(concat!("photosphere ", env!("CARGO_PKG_VERSION")))),
+        ..LayerAttributes::default()
+    };
+    let mut add = |name: &str, text: &str| {
+        let text = Text::from_slice_unchecked(text.as_bytes());
+        attributes.other.insert(Text::from(name), AttributeValue::Text(text));
+    };
+    picture.attributes.iter().for_each(|(name, text)| add(name, text));
+    notes.records.iter().for_each(|record| add(&record.key(), &record.text));
+    let size = Vec2(picture.width, picture.height);
+    let mut shared = ImageAttributes::with_size(size);
+    if let Some(Crop { full_size: [width, height], corner: [x, y] }) = notes.cropped_from {
+        attributes.layer_position = Vec2(x as i32, y as i32);
+        shared.display_window = IntegerBounds::from_dimensions((width, height));
+    }
+    let is_large = picture.len() * channels.len() * size_of::<f32>() > LARGE;
+    let compression = match notes.quickly && is_large {
+        true => Compression::RLE,
+        false => Compression::ZIP16,
+    };
+    let description = |channel: &Channel<'_>| {
+        let kind = match channel.values {
+            Source::Whole(_) => SampleType::U32,
+            _ => SampleType::F32,
+        };
+        ChannelDescription::named(channel.name.as_str(), kind)
+    };
+    Header::new(Text::from(""), size, channels.iter().map(description).collect())
+        .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_attributes(attributes)
+        .with_shared_attributes(shared)
+}
+
+/// Some rows: of each, the values of one channel after the other.
+fn bytes_of(picture: &Picture, channels: &[Channel<'_>], rows: Range<usize>) -> Vec<u8> {
+    let mut bytes =
+        Vec::with_capacity(rows.len() * picture.width * channels.len() * size_of::<f32>());
+    for row in rows {
+        let pixels = row * picture.width..(row + 1) * picture.width;
+        for channel in channels {
+            match channel.values {
+                Source::Beauty(axis) => pixels
+                    .clone()
+                    .for_each(|pixel| bytes.extend(picture.beauty(pixel)[axis].to_ne_bytes())),
+                Source::Color(values, axis) => values[pixels.clone()]
+                    .iter()
+                    .for_each(|value| bytes.extend(value[axis].to_ne_bytes())),
+                Source::Float(values) => {
+                    values[pixels.clone()].iter().for_each(|v| bytes.extend(v.to_ne_bytes()));
+                }
+                Source::Whole(values) => {
+                    values[pixels.clone()].iter().for_each(|v| bytes.extend(v.to_ne_bytes()));
+                }
+            }
+        }
+    }
+    bytes
 }
 
 /// Brings the attributes of a finished file with one part into the order of their names, as OpenEXR's
@@ -181,6 +262,33 @@ mod tests {
         assert_eq!(image.attributes.display_window.size, Vec2(640, 480));
         let attributes = &image.layer_data.attributes;
         assert_eq!(attributes.layer_position, Vec2(31, 17));
+    }
+
+    /// Written quickly and by several hands, a large file has the same values.
+    #[test]
+    fn a_large_picture_is_the_same_however_it_is_written() {
+        let (width, height) = (2048, 700);
+        let layer = |scale: f32| -> Vec<Rgb> {
+            let value = |i: usize| Rgb::new((i % 191) as f32, 0.3, (i / 7) as f32) * scale;
+            (0..width * height).map(value).collect()
+        };
+        let (direct, indirect) = (layer(0.01), layer(0.3));
+        let large = Picture { width, height, direct, indirect, ..Picture::default() };
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, quickly: bool| {
+            let path = folder.path().join(name);
+            let notes = Notes { quickly, ..Notes::default() };
+            Target::new(&path).unwrap().write_with(&large, &notes).unwrap();
+            path
+        };
+        let small = write("small.exr", false);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        let (quick, again) = pool.install(|| (write("quick.exr", true), write("again.exr", false)));
+        assert!(std::fs::read(&small).unwrap() == std::fs::read(again).unwrap());
+        let values = |path: &Path| crate::output::raw_channels(path).unwrap();
+        assert!(values(&small) == values(&quick));
+        let bytes = |path: &Path| std::fs::metadata(path).unwrap().len();
+        assert!(bytes(&quick) > bytes(&small));
     }
 
     #[test]

@@ -54,6 +54,9 @@ pub struct Notes {
     pub look: Look,
     /// How it was made, in PNG and EXR files.
     pub records: Vec<Record>,
+    /// Whether the file is wanted soon rather than small: it is then compressed less, and left to the
+    /// system to be brought to the disk.
+    pub quickly: bool,
 }
 
 /// The place of a part in a larger picture.
@@ -103,12 +106,16 @@ impl Target {
     /// # Errors
     /// Like [`Self::write`].
     pub fn write_with(&self, picture: &Picture, notes: &Notes) -> Result<()> {
-        self.file.write(|sink| match self.format {
+        let content = |sink: &mut Sink<'_>| match self.format {
             Format::Png => png::write(picture, notes, sink),
             Format::Exr => exr::write(picture, notes, sink),
             Format::Hdr => hdr::write(picture, sink),
             Format::Pfm => pfm::write(picture, sink),
-        })
+        };
+        match notes.quickly {
+            true => self.file.write_unsynced(content),
+            false => self.file.write(content),
+        }
     }
 }
 

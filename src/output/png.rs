@@ -6,17 +6,21 @@
 
 use std::fs::File;
 use std::io::{self, BufReader};
+use std::ops::Range;
 use std::path::Path;
 
 use png::text_metadata::ITXtChunk;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter};
 
-use crate::film::Picture;
+use crate::film::{Picture, hands};
 
 use super::{Crop, Notes, Record, Sink, finite_beauty};
 
 /// Texts of more bytes than this are compressed.
 const SHORT: usize = 512;
+
+/// Rows that are made bytes of at once.
+const ROWS: usize = 16;
 
 /// The longest text that is read, in bytes.
 const LONGEST: usize = 64 << 20;
@@ -26,7 +30,7 @@ pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Resu
     let mut encoder = Encoder::new(to, picture.width as u32, picture.height as u32);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);
-    encoder.set_filter(Filter::Adaptive);
+    encoder.set_filter(if notes.quickly { Filter::Up } else { Filter::Adaptive });
     encoder.set_color(match picture.alpha {
         None => ColorType::Rgb,
         Some(_) => ColorType::Rgba,
@@ -44,25 +48,28 @@ pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Resu
 
 /// The pixels, row by row.
 fn bytes(picture: &Picture, notes: &Notes) -> Vec<u8> {
+    let rows = (0..picture.height).step_by(ROWS).map(|row| row..(row + ROWS).min(picture.height));
+    hands::map(rows.collect(), |rows| bytes_of(picture, notes, rows)).concat()
+}
+
+fn bytes_of(picture: &Picture, notes: &Notes, rows: Range<usize>) -> Vec<u8> {
     let [left, top] = notes.cropped_from.map_or([0; 2], |Crop { corner, .. }| corner);
-    let place = |pixel: usize| (left + pixel % picture.width, top + pixel / picture.width);
-    let steps = |pixel: usize, covered: f32| {
-        let (column, row) = place(pixel);
-        notes.look.steps(finite_beauty(picture, pixel) * covered, column, row)
-    };
-    let pixels = 0..picture.len();
-    match &picture.alpha {
-        None => pixels.flat_map(|pixel| steps(pixel, 1.0)).collect(),
-        Some(alpha) => {
-            let rgba = |pixel: usize| {
-                let alpha = alpha[pixel];
-                let covered = if alpha > 0.0 { 1.0 / alpha } else { 0.0 };
-                let [r, g, b] = steps(pixel, covered);
-                [r, g, b, (alpha * 255.0).round() as u8]
+    let mut bytes = Vec::with_capacity(4 * rows.len() * picture.width);
+    for row in rows {
+        for column in 0..picture.width {
+            let pixel = row * picture.width + column;
+            let alpha = picture.alpha.as_ref().map(|alpha| alpha[pixel]);
+            let covered = match alpha {
+                None => 1.0,
+                Some(alpha) if alpha > 0.0 => 1.0 / alpha,
+                Some(_) => 0.0,
             };
-            pixels.flat_map(rgba).collect()
+            let light = finite_beauty(picture, pixel) * covered;
+            bytes.extend(notes.look.steps(light, left + column, top + row));
+            bytes.extend(alpha.map(|alpha| (alpha * 255.0).round() as u8));
         }
     }
+    bytes
 }
 
 /// The records of a file.

@@ -53,15 +53,40 @@ impl WholeFile {
     /// When the disk refuses; a file that was there before is then unchanged, and nothing else is
     /// left behind.
     pub fn write(&self, content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>) -> Result<()> {
+        self.put(content, true)
+    }
+
+    /// The same without waiting for the disk: the system brings it there in its own time. The file is
+    /// whole or the old one all the same, unless the power fails before that.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn write_unsynced(
+        &self,
+        content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
+    ) -> Result<()> {
+        self.put(content, false)
+    }
+
+    fn put(
+        &self,
+        content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
+        is_synced: bool,
+    ) -> Result<()> {
         let failed = |e: io::Error| Error::file("write", &self.path, system_words(&e));
         let mut unfinished = Unfinished::beside(&self.path)?;
         let mut sink = BufWriter::with_capacity(1 << 16, unfinished.file.as_file_mut());
         content(&mut sink).map_err(failed)?;
-        sink.into_inner().map_err(|e| failed(e.into_error()))?.sync_all().map_err(failed)?;
+        let file = sink.into_inner().map_err(|e| failed(e.into_error()))?;
+        if is_synced {
+            file.sync_all().map_err(failed)?;
+        }
         let Unfinished { file, known_as } = unfinished;
         file.persist(&self.path).map_err(|e| failed(e.error))?;
         drop(known_as);
-        sync_folder(&self.path);
+        if is_synced {
+            sync_folder(&self.path);
+        }
         Ok(())
     }
 }

@@ -9,12 +9,13 @@ use crate::film::Film;
 pub struct Counts(pub Vec<u32>);
 
 impl Counts {
-    /// Those of a film.
-    pub fn of(film: &Film) -> Self {
-        let counts: Vec<u32> =
-            (0..film.frame().tiles()).map(|tile| film.fewest_samples(tile)).collect();
+    /// Those of a film; `None` where the pixels of some tile differ, as windows that cut it can have it.
+    pub fn of(film: &Film) -> Option<Self> {
+        let counts: Vec<u32> = (0..film.frame().tiles())
+            .map(|tile| film.samples_of_tile(tile))
+            .collect::<Option<_>>()?;
         let differ = counts.iter().any(|count| *count != counts[0]);
-        Self(if differ { counts } else { Vec::new() })
+        Some(Self(if differ { counts } else { Vec::new() }))
     }
 
     /// What [`Display`](fmt::Display) writes.

@@ -10,7 +10,8 @@ use crate::output::Record;
 use crate::scene::description::Window;
 use crate::scene::{Identity, Ingredient, Override, Scene};
 
-use super::{COMMIT, Counts, VERSION};
+use super::shares::{corners, read_window};
+use super::{COMMIT, Counts, Shares, VERSION};
 
 /// All that decides the pixels of a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +34,10 @@ pub struct Made {
     pub samples: Samples,
     /// How many of them in each tile, where that differs.
     pub counts: Counts,
+    /// The samples of each of its parts, where those two do not tell it.
+    pub shares: Shares,
+    /// The number of samples per pixel that the samples are spread over, where it changes each of them.
+    pub spread_over: Option<u32>,
     /// Chooses the random numbers.
     pub seed: u64,
     /// The options that bias the picture.
@@ -72,6 +77,7 @@ impl Made {
     pub fn new(scene: &Scene, backend: Backend, samples: Samples) -> Self {
         let intersector = backend.name_and_version();
         let description = scene.description();
+        let render = &description.render;
         Self {
             version: VERSION.to_owned(),
             commit: COMMIT.to_owned(),
@@ -82,8 +88,10 @@ impl Made {
             crop: description.image.crop,
             samples,
             counts: Counts::default(),
-            seed: description.render.seed,
-            biased: description.render.biases(),
+            shares: Shares::default(),
+            spread_over: render.sampler.depends_on_count().then_some(render.samples_per_pixel),
+            seed: render.seed,
+            biased: render.biases(),
         }
     }
 
@@ -96,16 +104,19 @@ impl Made {
             Record::new("identity", self.identity.to_string()),
             Record::new("intersector", &self.intersector),
             Record::new("size", format!("{width}x{height}")),
-            Record::new("samples", self.samples.to_string()),
+            Record::new("samples", self.samples_in_words()),
             Record::new("seed", self.seed.to_string()),
             Record::new("scene-hash", self.source.hash.to_string()),
         ];
-        if let Some(Window { x, y, width, height }) = self.crop {
-            records.push(Record::new("crop", format!("{x},{y},{},{}", x + width, y + height)));
-        }
+        records.extend(self.crop.map(|crop| Record::new("crop", corners(&crop))));
         if !self.counts.0.is_empty() {
             records.push(Record::new("counts", self.counts.to_string()));
         }
+        if !self.shares.is_empty() {
+            records.push(Record::new("parts", self.shares.to_string()));
+        }
+        let spread_over = self.spread_over.map(|count| count.to_string());
+        records.extend(spread_over.map(|count| Record::new("spread-over", count)));
         if !self.biased.is_empty() {
             records.push(Record::new("biased", self.biased.join(", ")));
         }
@@ -129,10 +140,7 @@ impl Made {
     /// When one is missing or makes no sense; the message names the picture.
     pub fn read(picture: &Path, records: &[Record]) -> Result<Self> {
         let from = Reader { picture, records };
-        let crop = |text: &str| -> Option<Window> {
-            let [x, y, right, bottom] = numbers(text)?;
-            Some(Window { x, y, width: right.checked_sub(x)?, height: bottom.checked_sub(y)? })
-        };
+        let shares = from.optional("parts", Shares::read)?.unwrap_or_default();
         Ok(Self {
             version: from.text("version")?.to_owned(),
             commit: from.text("commit")?.to_owned(),
@@ -145,15 +153,25 @@ impl Made {
                 files: from.optional("files", files)?.unwrap_or_default(),
             },
             size: from.parsed("size", |text| numbers(&text.replace('x', ",")))?,
-            crop: from.optional("crop", crop)?,
-            samples: from.parsed("samples", Samples::read)?,
+            crop: from.optional("crop", read_window)?,
+            samples: match shares.is_empty() {
+                true => from.parsed("samples", Samples::read)?,
+                false => shares.samples(),
+            },
             counts: from.optional("counts", Counts::read)?.unwrap_or_default(),
+            shares,
+            spread_over: from.optional("spread-over", |text| text.parse().ok())?,
             seed: from.parsed("seed", |text| text.parse().ok())?,
             biased: from
                 .get("biased")
                 .map(|text| text.split(", ").map(str::to_owned).collect())
                 .unwrap_or_default(),
         })
+    }
+
+    /// The indices of the samples: `0..64`, or `0..16, 32..64` where some are missing in between.
+    pub fn samples_in_words(&self) -> String {
+        if self.shares.is_empty() { self.samples.to_string() } else { self.shares.ranges() }
     }
 
     /// The options that make the same picture of the same scene file.
@@ -164,10 +182,11 @@ impl Made {
             value,
         };
         let Samples { first, most, .. } = self.samples;
+        let samples = self.spread_over.unwrap_or(first + most);
         let mut overrides: Vec<_> =
             self.source.options.iter().map(|(key, value)| setting(key, value.clone())).collect();
         overrides.push(setting("render.seed", self.seed.to_string()));
-        overrides.push(setting("render.samples_per_pixel", (first + most).to_string()));
+        overrides.push(setting("render.samples_per_pixel", samples.to_string()));
         if let Some(Window { x, y, width, height }) = self.crop {
             let corners = format!("[{x}, {y}, {}, {}]", x + width, y + height);
             overrides.push(setting("image.crop", corners));
@@ -201,7 +220,7 @@ impl Samples {
     }
 
     /// What [`Display`](std::fmt::Display) writes.
-    fn read(text: &str) -> Option<Self> {
+    pub(super) fn read(text: &str) -> Option<Self> {
         let (range, most) = text.split_once(" to ").unwrap_or((text, ""));
         let (first, end) = range.split_once("..")?;
         let first: u32 = first.parse().ok()?;

@@ -12,16 +12,18 @@ mod difference;
 mod look;
 mod made;
 mod run;
+mod shares;
 
 pub use counts::Counts;
 pub use look::{look_in_words, look_of_words};
 pub use made::{Made, Samples, Source};
 pub use run::{INTERSECTOR_CHOICE, Run};
+pub use shares::{Share, Shares};
 
 use crate::output::Record;
 
 /// The records in the order in which people read them.
-const ORDER: [&str; 25] = [
+const ORDER: [&str; 27] = [
     "version",
     "commit",
     "identity",
@@ -30,6 +32,8 @@ const ORDER: [&str; 25] = [
     "crop",
     "samples",
     "counts",
+    "parts",
+    "spread-over",
     "seed",
     "noise",
     "error",

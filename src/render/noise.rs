@@ -95,6 +95,11 @@ impl Square {
     /// From the estimates of its pixels. Those with fewer than two blocks say nothing of their error,
     /// and pixels that are no numbers are left out.
     pub(super) fn new(pixels: &[Estimate]) -> Self {
+        Self::of_some(pixels, 1)
+    }
+
+    /// The same with the values of every so many pixels only; what they have in common is that of all.
+    pub(super) fn of_some(pixels: &[Estimate], every: usize) -> Self {
         let known: Vec<&Estimate> = pixels.iter().filter(|pixel| pixel.is_known()).collect();
         let darkest = DARKEST * mean(&known, brightness);
         let shared = Shared::of(&known);
@@ -102,7 +107,7 @@ impl Square {
             let brightness = brightness(pixel).max(darkest);
             shared.spreads(pixel).map(|spread| Value { brightness, spread })
         };
-        Self { values: known.iter().flat_map(of_pixel).collect() }
+        Self { values: known.iter().step_by(every).flat_map(of_pixel).collect() }
     }
 
     /// Whether the target is met.

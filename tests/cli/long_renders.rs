@@ -188,6 +188,76 @@ fn what_is_not_this_render_is_not_gone_on_with() {
     refused("resume a.state", &["the scene file's text is another"]);
 }
 
+#[test]
+fn a_merged_part_is_gone_on_with_by_naming_it() {
+    let desk = desk();
+    let whole = whole(&desk, "--spp 73");
+    for range in ["0..16", "16..32"] {
+        desk.run(&format!("render scene.toml -o {range}.part --samples {range}")).succeeds();
+    }
+    desk.run("merge 0..16.part 16..32.part -o both.part").succeeds();
+    let words = ["`both.part` does not say which command made it", "--checkpoint 'both.part'"];
+    desk.run("resume both.part").fails(3, &words);
+    let options = "--checkpoint both.part --spp 73 --no-run-figures";
+    desk.run(&format!("render scene.toml -o a.exr {options}")).succeeds();
+    assert!(desk.read("a.exr") == whole);
+}
+
+#[test]
+fn resume_keeps_the_options_of_the_command_and_says_what_it_cannot_do() {
+    let desk = desk();
+    let options = "--checkpoint a.state --spp 25 --json --quiet --threads 1";
+    desk.run(&format!("render scene.toml -o a.exr {options}")).succeeds();
+    let again = desk.run("resume a.state --extend-to 41").succeeds();
+    assert_eq!(again.stderr, "");
+    assert_eq!(again.json()["threads"], 1);
+    let words = ["`b.part` is a part, but the samples stay in `a.state`", "cp 'a.state' 'b.part'"];
+    desk.run("resume a.state -o b.part").fails(3, &words);
+    let told = desk.run("info a.state").succeeds().stdout;
+    let way_on = told.lines().find(|line| line.starts_with("resume ")).expect("it is told");
+    assert!(way_on.contains("/scene.toml to /") && way_on.contains("/a.exr, up to 41 samples"));
+    assert!(!told.contains('{'), "{told}");
+}
+
+/// Who looked on may have gone; a relative name means the folder where the first command was run.
+#[test]
+fn a_render_goes_on_without_those_who_looked_on() {
+    let desk = desk();
+    fs::create_dir(desk.path().join("seen")).expect("a folder");
+    fs::create_dir(desk.path().join("sub")).expect("a folder");
+    let kept = "--checkpoint a.state --preview seen/p.png --quiet";
+    desk.run(&format!("render scene.toml -o a.exr --spp 16 {kept}")).succeeds();
+    let resume = |samples: u32| {
+        let mut command = desk.command(&format!("resume ../a.state --extend-to {samples}"));
+        outcome(command.current_dir(desk.path().join("sub"))).succeeds().stderr
+    };
+    fs::remove_file(desk.path().join("seen/p.png")).expect("it was there");
+    assert_eq!(resume(32), "");
+    assert!(desk.path().join("seen/p.png").exists());
+    fs::remove_dir_all(desk.path().join("seen")).expect("it was there");
+    let told = resume(48);
+    assert!(told.starts_with("warning: cannot write `") && told.contains("seen` does not exist"));
+    assert!(told.contains("; the render goes on without it"), "{told}");
+    assert!(desk.path().join("a.exr").exists());
+}
+
+#[test]
+fn one_place_is_for_one_file() {
+    let desk = desk();
+    fs::create_dir(desk.path().join("sub")).expect("a folder");
+    let refused = |options: &str, words: &str| {
+        desk.run(&format!("render scene.toml {options}")).fails(3, &[words]);
+    };
+    refused("-o a.exr --checkpoint a.exr", "-o a.exr and --checkpoint a.exr are the same file");
+    refused("-o a.png -o ./a.png", "-o a.png and -o ./a.png are the same file");
+    refused("-o a.png -o sub/../a.png", "are the same file");
+    refused("-o a.png --preview a.png", "-o a.png and --preview a.png are the same file");
+    desk.run("plan scene.toml --shards 1 -o a.exr -o a.exr").fails(3, &["are the same file"]);
+    desk.run("render scene.toml -o a.part --checkpoint a.part --quiet").succeeds();
+    desk.run("merge a.part -o a.exr -o ./a.exr").fails(3, &["are the same file"]);
+    assert_eq!(desk.names(), ["a.part", "scene.toml", "sub"]);
+}
+
 /// A render that is far from its end when it has begun to render, and its first words.
 fn begun(desk: &Desk, options: &str) -> std::process::Child {
     let command = format!("render scene.toml --spp 100000000 {options}");

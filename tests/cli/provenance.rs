@@ -93,9 +93,17 @@ fn a_tone_without_a_screen_is_refused() {
     );
     refused("-o a.pfm -o a.hdr --exposure -1", 3, &["`--exposure`", "`a.pfm` and `a.hdr` hold"]);
     refused("-o a.exr --dither", 3, &["`--dither` is for .png files"]);
+    // A preview is for the screen.
+    let preview = "--tone filmic --preview p.png --quiet";
+    desk.run(&format!("render scene.toml -o a.exr {preview}")).succeeds();
+    desk.run("render scene.toml -o a.png --tone filmic --quiet").succeeds();
+    assert_eq!(pixels(&desk, "a.png"), pixels(&desk, "p.png"));
+    for name in ["a.exr", "a.png", "p.png"] {
+        fs::remove_file(desk.path().join(name)).expect("it was written");
+    }
     refused("-o a.png --tone aces", 2, &["invalid value 'aces'", "srgb, filmic, agx"]);
     refused("-o a.png --exposure bright", 2, &["a number of stops from -100 to 100"]);
-    refused("-o a.png -o a.exr -o a.png", 3, &["`a.png` is named twice as the picture"]);
+    refused("-o a.png -o a.exr -o a.png", 3, &["-o a.png and -o a.png are the same file"]);
 }
 
 #[test]

@@ -75,10 +75,55 @@ fn pictures_that_a_noise_target_a_time_or_a_signal_ended_come_out_again() {
     assert!(differing >= 2, "{differing}");
 }
 
+/// Pictures merged over gaps, and of windows with different numbers of samples that cut tiles.
+#[test]
+fn pictures_of_parts_with_gaps_say_what_they_hold_and_come_out_again() {
+    let desk = Desk::new(SCENE);
+    let render = |options: &str| {
+        desk.run(&format!("render scene.toml --accel native --quiet --spp 57 {options}")).succeeds()
+    };
+    for (name, options) in [
+        ("a", "--samples 0..16"),
+        ("c", "--samples 32..57"),
+        ("left", "--samples 0..16 --crop 0,0,9,12"),
+        ("right", "--samples 16..48 --crop 9,0,16,12"),
+    ] {
+        render(&format!("-o {name}.part --layers direct,sample_count,variance,depth {options}"));
+    }
+    let merge = |parts: &str, name: &str| {
+        let files = format!("-o {name}.exr -o {name}.png --allow-gaps");
+        let told = desk.run(&format!("merge {parts} {files}")).succeeds().stderr;
+        for file in [format!("{name}.exr"), format!("{name}.png")] {
+            let said = desk.run(&format!("reproduce {file} --quiet"));
+            assert!(said.stdout.starts_with("all pixels agree"), "{file}: {}", said.stdout);
+        }
+        (told, desk.run(&format!("info {name}.exr")).succeeds().stdout)
+    };
+    let (told, info) = merge("c.part a.part", "gap");
+    assert!(told.contains("wrote gap.exr and gap.png, samples 0..16, 32..57 of 2 parts"), "{told}");
+    assert!(info.contains("\nsamples     0..16, 32..57\n"), "{info}");
+    assert!(info.contains("\nparts:\n    0,0,16,12: 0..16\n    0,0,16,12: 32..57\n"), "{info}");
+    let (_, info) = merge("left.part right.part", "ragged");
+    assert!(info.contains("\nparts:\n    0,0,9,12: 0..16\n    9,0,16,12: 16..48\n"), "{info}");
+    // Without a gap nothing is said of parts.
+    render("-o b.part --layers direct,sample_count,variance,depth --samples 16..32");
+    let (_, info) = merge("a.part b.part c.part", "whole");
+    assert!(info.contains("\nsamples     0..57\n") && !info.contains("parts"), "{info}");
+}
+
+#[test]
+fn samples_that_are_spread_over_a_number_come_out_again_where_there_are_fewer() {
+    let desk = Desk::new(SCENE);
+    let options = "--accel native --quiet --sampler stratified --spp 64 --samples 0..32";
+    desk.run(&format!("render scene.toml -o a.exr {options}")).succeeds();
+    let said = desk.run("reproduce a.exr --quiet");
+    assert!(said.stdout.starts_with("all pixels agree"), "{}", said.stdout);
+}
+
 #[test]
 fn what_differs_is_told_in_standard_errors() {
     let desk = Desk::new(SCENE);
-    let picture = "--spp 16 --quiet -o a.exr -o a.png";
+    let picture = "--spp 32 --quiet -o a.exr -o a.png";
     desk.run(&format!("render scene.toml --accel native {picture}")).succeeds();
     // Another intersector is another way to make it, though its bits may well be the same.
     let other = desk.run("reproduce a.exr --accel brute-force --quiet");
@@ -138,4 +183,10 @@ fn pictures_that_say_nothing_cannot_be_reproduced() {
         .fails(3, &["`foreign.png` does not say how it was made: `version` is missing"]);
     desk.run("reproduce missing.exr").fails(4, &["cannot read `missing.exr`"]);
     desk.run("reproduce a.pfm").fails(3, &[".pfm files hold pixels only"]);
+    desk.run("render scene.toml -o a.part --accel native --quiet").succeeds();
+    let words = [
+        "`a.part` is a part, and a part is no picture",
+        "photosphere merge 'a.part' -o picture.exr",
+    ];
+    desk.run("reproduce a.part").fails(3, &words);
 }

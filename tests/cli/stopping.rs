@@ -3,8 +3,9 @@
 use std::fs;
 use std::io::Read;
 use std::net::{TcpListener, TcpStream};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::thread;
+use std::time::Duration;
 
 use image::GenericImageView;
 
@@ -93,6 +94,12 @@ fn what_makes_no_sense_together_is_refused() {
     refused("--noise 1% --samples 0..64", 2, "cannot be used with");
     refused("--max-spp 64", 2, "--noise <ERROR>");
     refused("--noise 1", 2, "it must be a share up to 50%, as in 1% or 0.01");
+    refused("--noise -1%", 2, "it must be a share up to 50%, as in 1% or 0.01");
+    refused("--confidence 90%", 2, "--noise <ERROR>");
+    refused("--noise 1% --confidence -5%", 2, "it must be a share from 50% to 99.99%");
+    refused("--time -3s", 2, "it must be a time, as in 30s, 5m or 1h");
+    refused("--preview-every -3s", 2, "it must be a time, as in 30s, 5m or 1h");
+    refused("--checkpoint-every -3s", 2, "it must be a time, as in 30s, 5m or 1h");
     refused("--noise 1% --max-spp 63", 2, "63 is not in 64..");
     refused("--time soon", 2, "it must be a time, as in 30s, 5m or 1h");
     let counted = "--noise decides when to stop, but stratified samples are spread over a number";
@@ -118,6 +125,41 @@ fn a_render_ends_with_its_time_and_has_whole_blocks() {
     let said =
         desk.run("render scene.toml -o a.png --accel native --time 1h --spp 3 --json").succeeds();
     assert_eq!(said.json()["samples"], 3 * 16 * 12);
+}
+
+#[test]
+fn a_render_that_goes_on_has_what_is_left_of_its_time() {
+    let desk = Desk::new(SCENE);
+    let render = "render scene.toml -o a.png --accel native --checkpoint a.state --json --quiet";
+    let said = desk.run(&format!("{render} --time 150ms")).succeeds().json();
+    let samples = said["samples"].as_u64().expect("a number");
+    // All of it was taken, so nothing is left to do.
+    for again in ["resume a.state", &format!("{render} --time 100ms")] {
+        let said = desk.run(again).succeeds().json();
+        let [new, all] = ["samples", "samples_in_all"].map(|name| said[name].as_u64());
+        assert_eq!((new, all), (Some(0), Some(samples)), "{again}");
+        assert_eq!(said["complete"], true);
+    }
+    let said = desk.run(&format!("{render} --time 250ms")).succeeds().json();
+    assert!(said["samples"].as_u64().is_some_and(|more| more > 0), "{said}");
+    // A number of samples takes the place of the time.
+    let most = said["samples_in_all"].as_u64().expect("a number") / (16 * 12) + 32;
+    let said = desk.run(&format!("resume a.state --extend-to {most}")).succeeds().json();
+    assert_eq!(said["samples_in_all"].as_u64(), Some(most * 16 * 12));
+}
+
+#[test]
+fn samples_are_added_to_a_picture_that_met_its_noise_target() {
+    let scene = WIDE.iter().fold(SCENE.to_owned(), |text, (from, to)| text.replacen(from, to, 1));
+    let desk = Desk::new(&scene);
+    let render = "render scene.toml --accel native --no-run-figures --quiet";
+    desk.run(&format!("{render} --noise 3.5% -o a.exr --checkpoint a.state")).succeeds();
+    let said = desk.run("info a.exr --json").succeeds().json();
+    assert!(said["counts"].is_string(), "{said}");
+    desk.run("resume a.state --extend-to 16").fails(3, &["more than the 16 that are asked for"]);
+    desk.run("resume a.state --extend-to 1040").succeeds();
+    desk.run(&format!("{render} --spp 1040 -o b.exr")).succeeds();
+    assert!(desk.read("a.exr") == desk.read("b.exr"));
 }
 
 #[test]
@@ -246,6 +288,33 @@ fn a_tev_that_goes_away_is_told_of_once_and_changes_nothing() {
     viewer.join().expect("it went away");
     assert_eq!(done.stderr.matches("warning: tev does not take the picture any more").count(), 1);
     assert_eq!(desk.names(), ["a.pfm", "scene.toml"]);
+}
+
+/// A viewer that takes nothing any more: the picture is saved before it is waited for, and the program
+/// ends all the same.
+#[test]
+fn a_tev_that_hangs_keeps_nothing_from_being_saved() {
+    let large = SCENE.replace("width = 16", "width = 1600").replace("height = 12", "height = 1200");
+    let desk = Desk::new(&large);
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = listener.local_addr().expect("an address").port();
+    // More than sockets buffer: the last packet cannot have been sent.
+    let options = format!("--spp 1 --integrator normals --tev 127.0.0.1:{port} --quiet");
+    let mut child = desk
+        .command(&format!("render scene.toml -o a.pfm --accel native {options}"))
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let viewer = listener.accept().expect("a program");
+    while !desk.path().join("a.pfm").exists() {
+        assert!(child.try_wait().expect("it runs").is_none(), "it ended without a picture");
+        thread::sleep(Duration::from_millis(5));
+    }
+    let output = child.wait_with_output().expect("it ends");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(told.contains("warning: tev does not take the picture any more"), "{told}");
+    assert_eq!(output.status.code(), Some(0));
+    drop(viewer);
 }
 
 #[test]

@@ -84,6 +84,11 @@ impl Accel for Native {
 
     fn details(&self) -> String {
         let Shape { cells, optimal } = self.shape;
-        format!("{}; {optimal} of {cells} cells collapsed optimally", self.instance.name())
+        match cells {
+            0 => self.instance.name().to_owned(),
+            _ => {
+                format!("{}; {optimal} of {cells} cells collapsed optimally", self.instance.name())
+            }
+        }
     }
 }

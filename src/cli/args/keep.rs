@@ -19,7 +19,7 @@ pub(in crate::cli) struct KeepArgs {
     pub(in crate::cli) checkpoint: Option<PathBuf>,
 
     /// How often the checkpoint is written, as in 90s, 5m or 1h; for -o FILE.part as well
-    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
+    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration, allow_hyphen_values = true)]
     pub(in crate::cli) checkpoint_every: Duration,
 }
 
@@ -42,8 +42,10 @@ pub(in crate::cli) struct ResumeArgs {
     #[arg(short = 'o', long = "output", value_name = "FILE")]
     pub(in crate::cli) outputs: Vec<PathBuf>,
 
-    /// Render this many samples per pixel, also where all that were asked for are there
+    /// Render this many samples of every pixel, also where all that were asked for are there; in place
+    /// of --noise and --time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(allow_negative_numbers = true)]
     pub(in crate::cli) extend_to: Option<u32>,
 
     /// The scene file, where it is somewhere else now
@@ -51,10 +53,10 @@ pub(in crate::cli) struct ResumeArgs {
     pub(in crate::cli) scene: Option<PathBuf>,
 
     /// How often the checkpoint is written [default: as before]
-    #[arg(long, value_name = "TIME", value_parser = duration)]
+    #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
     pub(in crate::cli) checkpoint_every: Option<Duration>,
 
-    /// Threads to use; all cores by default
+    /// Threads to use [default: as before]
     #[arg(long, value_name = "T", value_parser = threads(), allow_negative_numbers = true)]
     pub(in crate::cli) threads: Option<usize>,
 

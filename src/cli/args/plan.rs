@@ -55,7 +55,7 @@ pub(in crate::cli) struct PlanArgs {
     pub(in crate::cli) stop: StopArgs,
 
     /// How often each shard keeps what it has, as in 90s, 5m or 1h
-    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
+    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration, allow_hyphen_values = true)]
     pub(in crate::cli) checkpoint_every: Duration,
 }
 

@@ -12,11 +12,11 @@ use super::keep::duration;
 pub(in crate::cli) struct StopArgs {
     /// Render each square of 16 x 16 pixels until the error is below this share of the brightness,
     /// as in 1% or 0.01 (docs/stopping.md)
-    #[arg(long, value_name = "ERROR", value_parser = noise, conflicts_with = "spp", allow_negative_numbers = true)]
+    #[arg(long, value_name = "ERROR", value_parser = noise, conflicts_with = "spp", allow_hyphen_values = true)]
     pub(in crate::cli) noise: Option<f64>,
 
     /// The share of the values of each square whose error must be below --noise
-    #[arg(long, value_name = "SHARE", value_parser = confidence, default_value = "95%", allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", value_parser = confidence, requires = "noise", default_value = "95%", allow_hyphen_values = true)]
     pub(in crate::cli) confidence: f64,
 
     /// With --noise, the most samples per pixel, from 64: where they are not enough, the picture is
@@ -32,8 +32,8 @@ pub(in crate::cli) struct StopArgs {
     pub(in crate::cli) max_spp: u32,
 
     /// Stop after this time, as in 30s, 5m or 1h, with as many samples as there are then; at least 16
-    /// per pixel. Without --spp, the time alone decides
-    #[arg(long, value_name = "TIME", value_parser = duration, allow_negative_numbers = true)]
+    /// per pixel. Without --spp, the time alone decides. A render that goes on has what is left of it
+    #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
     pub(in crate::cli) time: Option<Duration>,
 }
 
@@ -45,7 +45,7 @@ pub(in crate::cli) struct WatchArgs {
     pub(in crate::cli) preview: Option<PathBuf>,
 
     /// The time between two pictures for --preview and --tev
-    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "2s", allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = duration, default_value = "2s", allow_hyphen_values = true)]
     pub(in crate::cli) preview_every: Duration,
 
     /// Show the picture so far in the viewer tev, which listens there; its own default is

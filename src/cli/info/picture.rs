@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::{Map, Value};
 
 use crate::cli::print;
+use crate::cli::render::RESUME;
 use crate::error::{Error, Result};
 use crate::output::{self, PartFile, Record};
 use crate::provenance;
@@ -40,6 +41,10 @@ fn in_words(records: &[Record]) -> String {
         records.iter().partition(|record| record.text.contains('\n'));
     let mut words = String::new();
     for Record { name, text } in rows {
+        let text = match name.as_str() {
+            RESUME => way_on(text).unwrap_or_else(|| text.clone()),
+            _ => text.clone(),
+        };
         words += &format!("{name:<11} {text}\n");
     }
     for Record { name, text } in texts {
@@ -52,10 +57,26 @@ fn in_words(records: &[Record]) -> String {
     words
 }
 
+/// What `photosphere resume` does with a part.
+fn way_on(text: &str) -> Option<String> {
+    let value: Value = serde_json::from_str(text).ok()?;
+    let files: Vec<&str> =
+        value.get("files")?.as_array()?.iter().filter_map(Value::as_str).collect();
+    let scene = value.get("scene")?.as_str()?;
+    let mut words = format!("renders {scene} to {}", files.join(" and "));
+    if let Some(samples) = value.get("extended_to").and_then(Value::as_u64) {
+        words += &format!(", up to {samples} samples per pixel");
+    }
+    if let Some(preview) = value.get("preview").and_then(Value::as_str) {
+        words += &format!(", previewed in {preview}");
+    }
+    Some(words)
+}
+
 /// Texts as they are; what is JSON in the file is JSON here.
 fn in_json(records: &[Record]) -> Value {
     let value = |Record { name, text }: &Record| match name.as_str() {
-        "options" | "files" | "resume" => {
+        "options" | "files" | RESUME => {
             serde_json::from_str(text).unwrap_or_else(|_| text.clone().into())
         }
         _ => Value::from(text.clone()),

@@ -1,5 +1,6 @@
 //! `photosphere merge`: parts of a picture become one.
 
+mod cells;
 mod whole;
 
 use std::ops::Range;
@@ -9,9 +10,10 @@ use crate::accel::{Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::film::{BLOCK, Film, Format, Kind, Picture, Rect, summed_for};
 use crate::output::{PartFile, PartHead, Record, WholeFile, write_part};
-use crate::provenance::Made;
+use crate::provenance::{Counts, Made, Samples, Share};
 use crate::render::{needs_scene, picture, picture_of_sums};
 use crate::scene::Scene;
+use crate::scene::description::Window;
 
 use super::args::MergeArgs;
 use super::exit::Exit;
@@ -32,7 +34,9 @@ struct Piece {
 /// When a part is damaged or foreign, when parts overlap, when something is missing, and when the
 /// result cannot be written.
 pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
-    let mut outputs = Outputs::new(&args.output)?;
+    let files: Vec<_> = args.output.files.iter().map(|file| ("-o", file.as_path())).collect();
+    outputs::refuse_same_places(&files)?;
+    let mut outputs = Outputs::new(&args.output, false)?;
     let part = outputs.part().map(WholeFile::new).transpose()?;
     interrupt::listen();
     let pieces: Vec<Piece> =
@@ -51,6 +55,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     }
 
     let mut sum = Film::without_memory(&whole.format);
+    let mut shares = Vec::new();
     for piece in &pieces {
         let film = PartFile::open(&piece.path)?.film()?;
         if !args.allow_gaps || part.is_some() {
@@ -59,9 +64,10 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
         if !args.allow_gaps {
             piece.check_finished(&film)?;
         }
+        shares.extend(piece.shares(&film));
         sum.add_film(&film)?;
     }
-    let made = whole.made(first, &sum);
+    let made = whole.made(first, shares, &sum);
     let run = whole.run(&pieces, &sum);
     if let Some(part) = part {
         let mut records = whole.records(&pieces, &made, &run);
@@ -73,11 +79,11 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     }
     if outputs.has_pictures() {
         let picture = first.picture(&sum, &made, outputs.kinds())?;
-        outputs.write(&picture, sum.frame(), &made, &run)?;
+        outputs.write(&picture, sum.frame(), &made, &run, false)?;
     }
     if !args.quiet {
         let parts = print::count(pieces.len(), "part");
-        let (files, samples) = (outputs::in_words(&args.output.files), made.samples);
+        let (files, samples) = (outputs::in_words(&args.output.files), made.samples_in_words());
         print::remark(format_args!("wrote {files}, samples {samples} of {parts}"));
     }
     Ok(tell_missed(&pieces))
@@ -113,6 +119,18 @@ impl Piece {
     fn record(&self, name: &str) -> Option<&str> {
         let found = self.head.records.iter().find(|record| record.name == name);
         found.map(|record| record.text.as_str())
+    }
+
+    /// Which samples it holds of which pixels.
+    fn shares(&self, film: &Film) -> Vec<Share> {
+        if !self.made.shares.is_empty() {
+            return self.made.shares.0.clone();
+        }
+        let (fewest, most) = film.fewest_and_most();
+        let Rect { x, y, width, height } = self.window();
+        let samples = Samples { first: self.samples().start, fewest, most };
+        let counts = Counts::of(film).unwrap_or_default();
+        vec![Share { window: Window { x, y, width, height }, samples, counts }]
     }
 
     /// How many samples per pixel the scene asks for.

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use crate::error::{Error, Result};
 use crate::film::{Film, Format, Frame, Rect};
 use crate::output::Record;
-use crate::provenance::{Counts, INTERSECTOR_CHOICE, Made, Run, Samples};
+use crate::provenance::{Counts, INTERSECTOR_CHOICE, Made, Run, Samples, Share, Shares};
 use crate::render::error_so_far;
 use crate::scene::description::Window;
 
@@ -15,6 +15,7 @@ use crate::cli::goal::CONFIDENCE;
 use crate::cli::render::MISSED;
 use crate::cli::system;
 
+use super::cells::{are_from_first_on, cells, first_missing};
 use super::{Piece, corners};
 
 /// Pixels along the side of a square that a noise target decides about.
@@ -118,17 +119,24 @@ impl Whole {
         Err(Error::input(what).with_help(help))
     }
 
-    /// How the sum of the parts was made.
-    pub(super) fn made(&self, first: &Piece, sum: &Film) -> Made {
-        let (fewest, most) = sum.fewest_and_most();
+    /// How the sum of the parts, of which each brings its share, was made.
+    pub(super) fn made(&self, first: &Piece, shares: Vec<Share>, sum: &Film) -> Made {
         let Frame { full_size, window } = self.format.frame;
         let Rect { x, y, width, height } = window;
         let is_whole = Frame::whole(full_size[0], full_size[1]).window == window;
-        Made {
-            samples: Samples { first: self.samples.start, fewest, most },
-            counts: Counts::of(sum),
-            crop: (!is_whole).then_some(Window { x, y, width, height }),
-            ..first.made.clone()
+        let crop = (!is_whole).then_some(Window { x, y, width, height });
+        let made = Made { crop, ..first.made.clone() };
+        let start = self.samples.start;
+        match Counts::of(sum).filter(|_| are_from_first_on(&shares, window, start)) {
+            Some(counts) => {
+                let (fewest, most) = sum.fewest_and_most();
+                let samples = Samples { first: start, fewest, most };
+                Made { samples, counts, shares: Shares::default(), ..made }
+            }
+            None => {
+                let shares = Shares::of(shares);
+                Made { samples: shares.samples(), counts: Counts::default(), shares, ..made }
+            }
         }
     }
 
@@ -170,42 +178,11 @@ fn total<N: FromStr + Sum<N>>(pieces: &[Piece], name: &str) -> N {
 }
 
 /// The first pixels and samples of a box that no piece holds.
-///
-/// The sides of the pieces cut the box into cells, each of which a piece holds whole or not at all.
 fn first_gap(pieces: &[Piece], window: Rect, samples: &Range<u32>) -> Option<(Rect, Range<u32>)> {
-    let cuts = |from: u32, to: u32, of: &dyn Fn(&Piece) -> [u32; 2]| {
-        let mut cuts: Vec<u32> = pieces.iter().flat_map(of).collect();
-        cuts.extend([from, to]);
-        cuts.retain(|cut| (from..=to).contains(cut));
-        cuts.sort_unstable();
-        cuts.dedup();
-        cuts
-    };
-    let columns = cuts(window.x, window.x + window.width, &|piece| {
-        let Rect { x, width, .. } = piece.window();
-        [x, x + width]
-    });
-    let times =
-        cuts(samples.start, samples.end, &|piece| [piece.samples().start, piece.samples().end]);
-    let rows = cuts(window.y, window.y + window.height, &|piece| {
-        let Rect { y, height, .. } = piece.window();
-        [y, y + height]
-    });
-    for row in rows.windows(2) {
-        for column in columns.windows(2) {
-            let (x, y) = (column[0], row[0]);
-            let pixels = Rect { x, y, width: column[1] - x, height: row[1] - y };
-            // Only those that have these pixels can have samples of them.
-            let here: Vec<&Range<u32>> = pieces
-                .iter()
-                .filter(|piece| piece.window().common(&pixels).is_some())
-                .map(Piece::samples)
-                .collect();
-            let is_held = |time: &[u32]| here.iter().any(|range| range.contains(&time[0]));
-            if let Some(time) = times.windows(2).find(|time| !is_held(time)) {
-                return Some((pixels, time[0]..time[1]));
-            }
-        }
-    }
-    None
+    let windows: Vec<Rect> = pieces.iter().map(Piece::window).collect();
+    cells(&windows, window).into_iter().find_map(|cell| {
+        let here = pieces.iter().filter(|piece| piece.window().common(&cell).is_some());
+        let ranges = here.map(|piece| piece.samples().clone()).collect();
+        Some((cell, first_missing(ranges, samples)?))
+    })
 }

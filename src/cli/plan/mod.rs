@@ -17,7 +17,7 @@ use crate::scene::{Override, open_file};
 use super::args::{Division, Format, OutputArgs, PlanArgs, StopArgs};
 use super::exit::Exit;
 use super::goal::{self, Goal};
-use super::outputs::{Outputs, is_part};
+use super::outputs::{Outputs, is_part, refuse_same_places};
 use super::{on_threads, print};
 use shards::Shard;
 
@@ -41,7 +41,9 @@ struct Plan {
 /// there is less to share out than there are shards, or when shards would not fit together.
 pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     let outputs = outputs(args);
-    Outputs::new(&outputs)?;
+    let files: Vec<_> = outputs.files.iter().map(|file| ("-o", file.as_path())).collect();
+    refuse_same_places(&files)?;
+    Outputs::new(&outputs, false)?;
     let overrides = overrides(args);
     // Its tables are looked at, but not read: that may take more memory than there is here.
     let opened = on_threads(args.scene.threads(), || open_file(&args.scene.path, &overrides))?;

@@ -10,7 +10,7 @@ use serde_json::json;
 
 use crate::accel::Accel;
 use crate::error::{Error, Result};
-use crate::film::Film;
+use crate::film::{Film, hands};
 use crate::integrator::Tally;
 use crate::output::{Record, write_part};
 use crate::provenance::{Counts, Made, Run, Samples};
@@ -22,8 +22,8 @@ use super::super::exit::Exit;
 use super::super::goal::{Goal, Reached};
 use super::super::keeper::Chore;
 use super::super::outputs::Outputs;
-use super::super::{print, system};
-use super::report::{Figures, Report};
+use super::super::{on_threads, print, system};
+use super::report::{self, Figures, Report};
 use super::start::{Before, Keep};
 
 /// The name of the record that says how to go on.
@@ -78,7 +78,13 @@ impl Job<'_> {
 
     /// Saves what there is and ends the program.
     pub(super) fn give_up(&self) {
-        let saved = self.save_all();
+        self.has_ended.fetch_or(self.goal.is_time_up(), Ordering::Relaxed);
+        // The threads that render are stuck, so others must help.
+        let saved = on_threads(self.args.scene.threads(), || self.save_all());
+        if saved.is_ok() && !self.args.quiet {
+            let kept = self.keep.map(|keep| keep.path.as_path());
+            print::remark(report::ending(self.args, self.film(), self.goal.is_time_up(), kept));
+        }
         // Never let go: the threads that render may get here yet.
         let _saving = self.saving.lock().unwrap_or_else(PoisonError::into_inner);
         let exit = match saved {
@@ -103,8 +109,10 @@ impl Job<'_> {
             let help = "no sample was finished, so no picture was written";
             return Err(Error::cancelled().with_help(help));
         }
-        let kept = self.keep.map_or(Ok(()), |keep| self.save_part(keep));
-        let shown = self.save_pictures();
+        let (kept, shown) = hands::join(
+            || self.keep.map_or(Ok(()), |keep| self.save_part(keep)),
+            || self.save_pictures(),
+        );
         match (kept, shown) {
             (Ok(()), Err(error)) if self.keep.is_some() => {
                 let path = self.keep.map(|keep| keep.path.display().to_string());
@@ -123,7 +131,9 @@ impl Job<'_> {
         }
         let film = self.film();
         let picture = render::picture(self.scene, self.accel, film, self.outputs.kinds());
-        self.outputs.write(&picture, film.frame(), &self.made(), &self.run())
+        // Whoever stops a render waits for the end of it.
+        let quickly = self.session.cancel().is_cancelled() && !self.goal.is_time_up();
+        self.outputs.write(&picture, film.frame(), &self.made(), &self.run(), quickly)
     }
 
     fn save_part(&self, keep: &Keep) -> Result<()> {
@@ -161,6 +171,7 @@ impl Job<'_> {
             "arguments": arguments,
             "scene": absolute(&self.args.scene.path),
             "files": files,
+            "preview": self.args.watch.preview.as_ref().map(absolute),
             "extended_to": resumed.and_then(|resumed| resumed.extended_to),
         })
     }
@@ -168,7 +179,9 @@ impl Job<'_> {
     fn made(&self) -> Made {
         let (fewest, most) = self.film().fewest_and_most();
         let samples = Samples { first: self.samples.start, fewest, most };
-        Made { samples, counts: Counts::of(self.film()), ..self.made.clone() }
+        // Parts that cut tiles may have been gone on with: then nothing short tells how many each has.
+        let counts = Counts::of(self.film()).unwrap_or_default();
+        Made { samples, counts, ..self.made.clone() }
     }
 
     fn run(&self) -> Run {
@@ -211,8 +224,12 @@ impl Job<'_> {
             samples: self.session.samples_done() - self.samples_before,
             samples_in_all: self.session.samples_done(),
             rays: self.session.tally().rays,
-            kept: self.keep.map(|keep| keep.path.as_path()),
-            has_pictures: self.outputs.has_pictures(),
+            ending: report::ending(
+                self.args,
+                self.film(),
+                reached.is_complete,
+                self.keep.map(|keep| keep.path.as_path()),
+            ),
             figures,
             warnings: about_spheres.into_iter().chain(about_film).chain(complaint).collect(),
         };

@@ -5,6 +5,7 @@ mod report;
 mod start;
 
 use std::ops::Range;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
@@ -23,7 +24,7 @@ use super::goal::Goal;
 use super::interrupt::Interrupt;
 use super::keeper::{self, Orders};
 use super::memory::Needs;
-use super::outputs::{self, Outputs};
+use super::outputs::{self, Outputs, is_part};
 use super::progress::{self, Progress};
 use super::watch::{Shows, Told, Watch};
 use super::{interrupt, memory, on_threads, print};
@@ -37,10 +38,11 @@ use start::{Keep, Start};
 /// # Errors
 /// Whatever stands between the scene and the picture, the place of the picture first.
 pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
-    let outputs = Outputs::new(&args.output)?;
+    outputs::refuse_same_places(&places(args))?;
+    let outputs = Outputs::new(&args.output, args.watch.preview.is_some())?;
     let keep = Keep::new(args, &outputs)?;
     let name = outputs::in_words(&args.output.files);
-    let shows = Shows::new(&args.watch, args.output.look(), name)?;
+    let shows = Shows::new(&args.watch, args.output.look(), name, args.resumed.is_some())?;
     let interrupt = interrupt::listen();
     on_threads(args.scene.threads(), || render(args, &outputs, keep.as_ref(), shows, &interrupt))
 }
@@ -117,15 +119,27 @@ fn render(
             job.give_up()
         },
     };
-    let deadline = goal.deadline(film.frame().pixels(), interrupt.cancel());
-    let watch = Watch { film: &film, told: &told, progress: &progress, shows, threads, deadline };
-    let reached = watch.during(|| keeper::beside(orders, || goal.reach(&session, &told)))?;
-    figures.render_s = clock.lap();
-    job.has_ended.store(reached.is_complete, Ordering::Relaxed);
-    if let (true, Some(complaint)) = (reached.is_complete, reached.complaint()) {
-        job.missed.get_or_init(|| complaint);
-    }
-    job.save_all()?;
+    let deadline = goal.deadline(&film, before.seconds, interrupt.cancel());
+    let watch = Watch {
+        film: &film,
+        told: &told,
+        progress: &progress,
+        shows,
+        threads,
+        deadline,
+        cancel: interrupt.cancel(),
+    };
+    // Saved first, and shown then: who looks on may keep nobody waiting.
+    let reached = watch.during(|| {
+        let reached = keeper::beside(orders, || goal.reach(&session, &told))?;
+        told.end();
+        figures.render_s = clock.lap();
+        job.has_ended.store(reached.is_complete, Ordering::Relaxed);
+        if let (true, Some(complaint)) = (reached.is_complete, reached.complaint()) {
+            job.missed.get_or_init(|| complaint);
+        }
+        job.save_all().map(|()| reached)
+    })?;
     job.report(&reached, &figures, about_spheres)?;
     Ok(match (reached.is_complete, reached.is_good_enough()) {
         (false, _) => Exit::Stopped,
@@ -133,6 +147,16 @@ fn render(
         (true, false) if outputs.has_pictures() => Exit::CheckFailed,
         (true, _) => Exit::Done,
     })
+}
+
+/// What is to be written, and where; `-o FILE.part` may be named as the checkpoint, too.
+fn places(args: &RenderArgs) -> Vec<(&'static str, &Path)> {
+    let files = args.output.files.iter().map(|file| ("-o", file.as_path()));
+    let checkpoint = args.keep.checkpoint.as_deref().map(|file| ("--checkpoint", file));
+    let is_part = |file: &&Path| args.output.files.iter().any(|part| part == file && is_part(part));
+    let checkpoint = checkpoint.filter(|(_, file)| !is_part(file));
+    let preview = args.watch.preview.as_deref().map(|file| ("--preview", file));
+    files.chain(checkpoint).chain(preview).collect()
 }
 
 /// The samples that are asked for.

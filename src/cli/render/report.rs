@@ -7,7 +7,7 @@ use serde_json::json;
 
 use crate::accel::{Accel, Backend};
 use crate::error::Result;
-use crate::film::Picture;
+use crate::film::{Film, Picture};
 use crate::scene::Scene;
 
 use super::super::args::RenderArgs;
@@ -56,10 +56,28 @@ pub(super) struct Report<'a> {
     pub(super) samples_in_all: u64,
     /// Of this run.
     pub(super) rays: u64,
-    pub(super) kept: Option<&'a Path>,
-    pub(super) has_pictures: bool,
+    /// What was written.
+    pub(super) ending: String,
     pub(super) figures: &'a Figures,
     pub(super) warnings: Vec<String>,
+}
+
+/// What was written, and how to go on where that is not all.
+pub(super) fn ending(
+    args: &RenderArgs,
+    film: &Film,
+    is_complete: bool,
+    kept: Option<&Path>,
+) -> String {
+    let mut text = format!("wrote {}", outputs::in_words(&args.output.files));
+    if !is_complete {
+        let per_pixel = film.samples() as f64 / film.frame().pixels() as f64;
+        text += &format!(", stopped after {per_pixel:.1} samples per pixel");
+        if let Some(kept) = kept {
+            text += &format!("\ngo on with: photosphere resume '{}'", kept.display());
+        }
+    }
+    text
 }
 
 impl Report<'_> {
@@ -75,11 +93,6 @@ impl Report<'_> {
     fn in_words(&self) -> String {
         let Figures { load_s, build_s, render_s, accel } = self.figures;
         let mut text = String::new();
-        let per_pixel = self.samples_in_all as f64 / self.picture.len() as f64;
-        let stopped = match self.reached.is_complete {
-            true => String::new(),
-            false => format!(", stopped after {per_pixel:.1} samples per pixel"),
-        };
         let mut line = |words: std::fmt::Arguments<'_>| {
             text.write_fmt(words).expect("a string takes all that is written to it");
         };
@@ -96,10 +109,7 @@ impl Report<'_> {
         if let Some(peak) = system::peak_memory() {
             line(format_args!(", peak memory {}", print::bytes(peak)));
         }
-        line(format_args!("\nwrote {}{stopped}", outputs::in_words(&self.args.output.files)));
-        if let Some(kept) = self.kept.filter(|_| self.has_pictures && !self.reached.is_complete) {
-            line(format_args!("\ngo on with: photosphere resume '{}'", kept.display()));
-        }
+        line(format_args!("\n{}", self.ending));
         text
     }
 

@@ -30,6 +30,10 @@ use preview::Preview;
 use tev::Tev;
 use turns::Turns;
 
+/// How long those who look on may take for the last picture, when all is saved.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// The same where somebody waits for the program to be gone.
+const PATIENCE_WHEN_STOPPED: Duration = Duration::from_millis(300);
 /// Between two looks at the clock; where a time is nearly up, sooner.
 const TICK: Duration = Duration::from_millis(100);
 const SHORTEST_TICK: Duration = Duration::from_millis(5);
@@ -49,12 +53,19 @@ pub(super) struct Told {
     samples_done: AtomicU64,
     samples_total: AtomicU64,
     standing: Mutex<Option<Standing>>,
+    /// Set when nothing more is rendered.
+    has_ended: AtomicBool,
 }
 
 impl Told {
     pub(super) fn progress(&self, state: render::Progress) {
         self.samples_done.fetch_max(state.samples_done, Ordering::Relaxed);
         self.samples_total.store(state.samples_total, Ordering::Relaxed);
+    }
+
+    /// Nothing more is rendered from now on.
+    pub(super) fn end(&self) {
+        self.has_ended.store(true, Ordering::Relaxed);
     }
 
     pub(super) fn standing(&self, standing: Standing) {
@@ -73,13 +84,15 @@ pub(super) struct Shows {
 }
 
 impl Shows {
-    /// `look` is how the preview shows light, `name` what the picture is called elsewhere.
+    /// `look` is how the preview shows light, `name` what the picture is called elsewhere. A render that
+    /// goes on does so without those who have gone away since.
     ///
     /// # Errors
-    /// When the preview cannot be written, or tev cannot be reached.
-    pub(super) fn new(args: &WatchArgs, look: Look, name: String) -> Result<Self> {
-        let preview = args.preview.as_deref().map(|path| Preview::new(path, look)).transpose()?;
-        let tev = args.tev.as_deref().map(|place| Tev::find(place, name)).transpose()?;
+    /// When the preview cannot be written, or tev cannot be reached, and it does not go on.
+    pub(super) fn new(args: &WatchArgs, look: Look, name: String, goes_on: bool) -> Result<Self> {
+        let preview = args.preview.as_deref().map(|path| Preview::new(path, look));
+        let tev = args.tev.as_deref().map(|place| Tev::find(place, name));
+        let (preview, tev) = (there(preview, goes_on)?, there(tev, goes_on)?);
         Ok(Self { preview, tev, every: args.preview_every })
     }
 
@@ -99,6 +112,17 @@ impl Shows {
     }
 }
 
+/// Who is there to look on.
+fn there<T>(found: Option<Result<T>>, goes_on: bool) -> Result<Option<T>> {
+    match found {
+        Some(Err(e)) if goes_on => {
+            print::warning(format_args!("{e}; the render goes on without it"));
+            Ok(None)
+        }
+        found => found.transpose(),
+    }
+}
+
 /// The thread's equipment.
 pub(super) struct Watch<'a> {
     pub(super) film: &'a Film,
@@ -109,6 +133,8 @@ pub(super) struct Watch<'a> {
     pub(super) threads: usize,
     /// When to stop the render, and how.
     pub(super) deadline: Option<Deadline<'a>>,
+    /// A request to stop.
+    pub(super) cancel: Cancel,
 }
 
 /// The end of the time that a render may take.
@@ -121,15 +147,44 @@ pub(super) struct Deadline<'a> {
     pub(super) is_up: &'a AtomicBool,
 }
 
+impl Deadline<'_> {
+    /// Stops the render, if it is time and it has so many samples.
+    pub(super) fn mind(&self, samples: u64) {
+        if samples >= self.at_least && Instant::now() >= self.at {
+            self.is_up.store(true, Ordering::Relaxed);
+            self.cancel.cancel();
+        }
+    }
+}
+
 impl Watch<'_> {
     /// Runs `work` while another thread watches. The pictures are brought up to date once more at the
-    /// end.
+    /// end; a viewer that does not take its picture then is left after a while.
     pub(super) fn during<T>(mut self, work: impl FnOnce() -> T) -> T {
         let (end, ended) = mpsc::channel::<()>();
+        let (shown, all_shown) = mpsc::channel::<()>();
+        let hang_up = self.shows.tev.as_ref().and_then(Tev::hang_up);
+        let cancel = self.cancel.clone();
+        let is_up = self.deadline.as_ref().map(|deadline| deadline.is_up);
         std::thread::scope(|threads| {
-            threads.spawn(move || self.run(&ended));
+            let watch = move || {
+                self.run(&ended);
+                drop(shown);
+            };
+            // By its name its share of the time can be measured (benches/record/).
+            let watcher = std::thread::Builder::new().name("watch".to_owned());
+            if let Err(e) = watcher.spawn_scoped(threads, watch) {
+                print::warning(format_args!("nobody can look on: {e}"));
+            }
             let result = work();
             drop(end);
+            let in_time = is_up.is_some_and(|is_up| is_up.load(Ordering::Relaxed));
+            let is_stopped = cancel.is_cancelled() && !in_time;
+            let patience = if is_stopped { PATIENCE_WHEN_STOPPED } else { PATIENCE };
+            let waited = all_shown.recv_timeout(patience);
+            if let (Err(RecvTimeoutError::Timeout), Some(hang_up)) = (waited, hang_up) {
+                hang_up();
+            }
             result
         })
     }
@@ -142,7 +197,12 @@ impl Watch<'_> {
         let mut errors = Turns::new(BETWEEN_ERRORS, FOR_ERRORS, self.threads, ERROR);
         let mut error = None;
         while ended.recv_timeout(self.tick()) == Err(RecvTimeoutError::Timeout) {
-            self.mind_the_deadline();
+            if let Some(deadline) = &self.deadline {
+                deadline.mind(self.told.samples_done.load(Ordering::Relaxed));
+            }
+            if self.told.has_ended.load(Ordering::Relaxed) {
+                continue; // what it came to is being saved
+            }
             pictures.take(|| self.shows.update(self.film));
             if self.progress.is_shown() {
                 let confidence = self.confidence();
@@ -159,16 +219,6 @@ impl Watch<'_> {
             deadline.at.saturating_duration_since(Instant::now()).max(SHORTEST_TICK)
         });
         left.map_or(TICK, |left| left.min(TICK))
-    }
-
-    fn mind_the_deadline(&self) {
-        if let Some(deadline) = &self.deadline {
-            let enough = self.told.samples_done.load(Ordering::Relaxed) >= deadline.at_least;
-            if enough && Instant::now() >= deadline.at {
-                deadline.is_up.store(true, Ordering::Relaxed);
-                deadline.cancel.cancel();
-            }
-        }
     }
 
     fn confidence(&self) -> f64 {
@@ -193,7 +243,7 @@ impl Watch<'_> {
         if let Some(deadline) = &self.deadline {
             let rest = deadline.at.saturating_duration_since(Instant::now());
             let in_time = done + pace::samples_in(rest, samples, elapsed);
-            total = total.start.min(in_time)..total.end.min(in_time);
+            total = pace::total_in_time(&total, in_time, deadline.at_least);
         }
         let left = total.start.saturating_sub(done)..total.end.saturating_sub(done);
         let pace = Pace { elapsed, samples, left };

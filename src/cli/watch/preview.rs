@@ -35,7 +35,7 @@ impl Preview {
     /// Replaces the file. What goes wrong is a warning, once until it goes well again: the render
     /// matters more.
     pub(super) fn write(&mut self, picture: &Picture) {
-        let notes = Notes { look: self.look, ..Notes::default() };
+        let notes = Notes { look: self.look, quickly: true, ..Notes::default() };
         let written = Target::new(&self.path).and_then(|target| target.write_with(picture, &notes));
         if let (Err(e), false) = (&written, self.is_failing) {
             print::warning(format_args!("no preview for now: {e}"));

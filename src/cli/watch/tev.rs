@@ -1,7 +1,7 @@
 //! The picture so far, in the viewer tev.
 
 use std::io;
-use std::net::{TcpStream, ToSocketAddrs};
+use std::net::{Shutdown, TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
@@ -19,6 +19,8 @@ const CHANNELS: [&str; 3] = ["R", "G", "B"];
 /// A picture in a tev that runs somewhere.
 pub(super) struct Tev {
     client: TevClient,
+    /// The same connection.
+    stream: TcpStream,
     name: String,
     is_there: bool,
 }
@@ -47,7 +49,14 @@ impl Tev {
             Err(failure)
         };
         let stream = connect().map_err(failed)?;
-        Ok(Self { client: TevClient::wrap(stream), name, is_there: false })
+        let client = TevClient::wrap(stream.try_clone().map_err(failed)?);
+        Ok(Self { client, stream, name, is_there: false })
+    }
+
+    /// What ends the connection from elsewhere, in the middle of a picture that it does not take.
+    pub(super) fn hang_up(&self) -> Option<impl FnOnce() + use<>> {
+        let stream = self.stream.try_clone().ok()?;
+        Some(move || drop(stream.shutdown(Shutdown::Both)))
     }
 
     /// Shows the picture in place of the one before.
