@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::color::{Radiance, Seen};
+use crate::color::{Radiance, Rgb, Seen};
 
 const WIDTH: u32 = 21;
 const HEIGHT: u32 = 9;

@@ -165,7 +165,9 @@ fn samples_are_added_to_a_picture_that_met_its_noise_target() {
 #[test]
 fn a_preview_is_a_whole_picture_at_any_time_and_the_last_one_is_the_picture() {
     let desk = Desk::new(SCENE);
-    let render = "render scene.toml -o a.png --accel native --preview p.png --preview-every 1ms";
+    // Depth needs alpha summed, which the picture does not show.
+    let render = "render scene.toml -o a.png -o a.exr --layers depth --accel native \
+                  --preview p.png --preview-every 1ms";
     let mut child =
         desk.command(&format!("{render} --time 1s --quiet")).spawn().expect("it starts");
     let mut seen = 0;
@@ -173,6 +175,7 @@ fn a_preview_is_a_whole_picture_at_any_time_and_the_last_one_is_the_picture() {
         if let Ok(bytes) = fs::read(desk.path().join("p.png")) {
             let picture = image::load_from_memory(&bytes).expect("never half a picture");
             assert_eq!(picture.dimensions(), (16, 12));
+            assert_eq!(picture.color(), image::ColorType::Rgb8);
             seen += 1;
         }
     }
@@ -180,7 +183,7 @@ fn a_preview_is_a_whole_picture_at_any_time_and_the_last_one_is_the_picture() {
     let pixels =
         |name: &str| image::load_from_memory(&desk.read(name)).expect("a picture").into_rgb8();
     assert_eq!(pixels("p.png"), pixels("a.png"));
-    assert_eq!(desk.names(), ["a.png", "p.png", "scene.toml"]);
+    assert_eq!(desk.names(), ["a.exr", "a.png", "p.png", "scene.toml"]);
 }
 
 /// What tev is told: the name and the pixels of one picture.
@@ -288,6 +291,24 @@ fn a_tev_that_goes_away_is_told_of_once_and_changes_nothing() {
     viewer.join().expect("it went away");
     assert_eq!(done.stderr.matches("warning: tev does not take the picture any more").count(), 1);
     assert_eq!(desk.names(), ["a.pfm", "scene.toml"]);
+}
+
+#[test]
+fn a_render_goes_on_without_a_tev_that_is_gone() {
+    let desk = Desk::new(SCENE);
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = listener.local_addr().expect("an address").port();
+    let viewer = thread::spawn(move || tev(&mut listener.accept().expect("a program").0));
+    let kept = format!("--checkpoint a.state --tev 127.0.0.1:{port} --quiet");
+    desk.run(&format!("render scene.toml -o a.pfm --accel native {kept}")).succeeds();
+    viewer.join().expect("it understood all packets");
+    let again = desk.run("resume a.state --extend-to 32").succeeds();
+    let warning = format!("warning: cannot reach tev at `127.0.0.1:{port}`");
+    assert!(again.stderr.starts_with(&warning), "{}", again.stderr);
+    assert!(again.stderr.contains("; the render goes on without it"), "{}", again.stderr);
+    // The command itself still means what it says.
+    let words = ["cannot reach tev", "help: start tev first"];
+    desk.run(&format!("render scene.toml -o b.pfm --tev 127.0.0.1:{port}")).fails(3, &words);
 }
 
 /// A viewer that takes nothing any more: the picture is saved before it is waited for, and the program

@@ -39,7 +39,7 @@ pub(super) fn first_missing(mut ranges: Vec<Range<u32>>, all: &Range<u32>) -> Op
         }
         next = next.max(end);
     }
-    (next < all.end).then(|| next..all.end)
+    (next < all.end).then_some(next..all.end)
 }
 
 /// Whether the samples of every pixel are those from `first` on, without a gap: how many there are then
@@ -94,7 +94,7 @@ mod tests {
     fn the_first_gap_is_found_wherever_it_is() {
         let found = |ranges: &[Range<u32>]| first_missing(ranges.to_vec(), &(0..48));
         assert_eq!(found(&[16..48, 0..16]), None);
-        assert_eq!(found(&[16..32]), Some(0..16));
+        assert_eq!(found(&[0..0, 16..32]), Some(0..16));
         assert_eq!(found(&[0..16, 32..64]), Some(16..32));
         assert_eq!(found(&[0..16, 16..32]), Some(32..48));
         assert_eq!(found(&[0..0, 64..80]), Some(0..48));

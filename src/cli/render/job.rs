@@ -22,6 +22,7 @@ use super::super::exit::Exit;
 use super::super::goal::{Goal, Reached};
 use super::super::keeper::Chore;
 use super::super::outputs::Outputs;
+use super::super::watch::Told;
 use super::super::{on_threads, print, system};
 use super::report::{self, Figures, Report};
 use super::start::{Before, Keep};
@@ -46,6 +47,7 @@ pub(super) struct Job<'a> {
     pub(super) outputs: &'a Outputs,
     pub(super) keep: Option<&'a Keep>,
     pub(super) goal: &'a Goal,
+    pub(super) told: &'a Told,
     /// Set when it has come to its end, be that at a noise target or at a time.
     pub(super) has_ended: AtomicBool,
     /// Set when it has ended without having met its noise target.
@@ -133,7 +135,10 @@ impl Job<'_> {
         let picture = render::picture(self.scene, self.accel, film, self.outputs.kinds());
         // Whoever stops a render waits for the end of it.
         let quickly = self.session.cancel().is_cancelled() && !self.goal.is_time_up();
-        self.outputs.write(&picture, film.frame(), &self.made(), &self.run(), quickly)
+        let written =
+            self.outputs.write(&picture, film.frame(), &self.made(), &self.run(), quickly);
+        self.told.picture(picture);
+        written
     }
 
     fn save_part(&self, keep: &Keep) -> Result<()> {

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use crate::accel::{BuildOptions, Chosen};
 use crate::error::{Error, Result};
-use crate::film::{BLOCK, Format};
+use crate::film::{BLOCK, Format, Kind, Layer};
 use crate::geometry::SphereSet;
 use crate::provenance::{Made, Samples};
 use crate::render::{RenderOptions, Session, format_with};
@@ -101,6 +101,7 @@ fn render(
         outputs,
         keep,
         goal: &goal,
+        told: &told,
         has_ended: AtomicBool::new(false),
         missed: OnceLock::new(),
         made,
@@ -128,6 +129,8 @@ fn render(
         threads,
         deadline,
         cancel: interrupt.cancel(),
+        has_alpha: outputs.kinds().contains(&Kind::Mean(Layer::Alpha))
+            || scene.description().background.transparent,
     };
     // Saved first, and shown then: who looks on may keep nobody waiting.
     let reached = watch.during(|| {

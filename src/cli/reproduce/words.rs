@@ -1,5 +1,6 @@
 //! By how much a picture that comes out differently differs, in words.
 
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -48,7 +49,8 @@ struct Worst {
 impl Worst {
     fn see(&mut self, value: f64, pixel: usize) {
         // Also what is no number.
-        if !(value <= self.value) && !self.value.is_nan() {
+        let is_more = value.partial_cmp(&self.value).is_none_or(Ordering::is_gt);
+        if is_more && !self.value.is_nan() {
             *self = Self { value, pixel };
         }
     }

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use crate::accel::Cancel;
 use crate::color::Look;
 use crate::error::Result;
-use crate::film::Film;
+use crate::film::{Film, Picture};
 use crate::render::{self, Standing};
 
 use super::args::WatchArgs;
@@ -42,8 +42,8 @@ const BETWEEN_ERRORS: Duration = Duration::from_secs(2);
 /// The shares of the time of all threads that pictures and errors may take.
 const FOR_PICTURES: f64 = 1.0 / 64.0;
 const FOR_ERRORS: f64 = 1.0 / 256.0;
-/// About what a pixel of a picture takes, and what an error does: measured, and known better after the
-/// first.
+/// What a pixel of a picture takes, and what an error does: known better after the first, so on the safe
+/// side of what was measured.
 const PIXEL: Duration = Duration::from_nanos(300);
 const ERROR: Duration = Duration::from_millis(5);
 
@@ -55,6 +55,8 @@ pub(super) struct Told {
     standing: Mutex<Option<Standing>>,
     /// Set when nothing more is rendered.
     has_ended: AtomicBool,
+    /// The picture that it came to.
+    picture: Mutex<Option<Picture>>,
 }
 
 impl Told {
@@ -66,6 +68,13 @@ impl Told {
     /// Nothing more is rendered from now on.
     pub(super) fn end(&self) {
         self.has_ended.store(true, Ordering::Relaxed);
+    }
+
+    /// The picture that it came to: so nobody needs to make it again.
+    pub(super) fn picture(&self, picture: Picture) {
+        if let Ok(mut told) = self.picture.lock() {
+            *told = Some(picture);
+        }
     }
 
     pub(super) fn standing(&self, standing: Standing) {
@@ -96,16 +105,16 @@ impl Shows {
         Ok(Self { preview, tev, every: args.preview_every })
     }
 
+    fn is_empty(&self) -> bool {
+        self.preview.is_none() && self.tev.is_none()
+    }
+
     /// Brings the pictures up to date. Who cannot be reached any more is told of once.
-    fn update(&mut self, film: &Film) {
-        if self.preview.is_none() && self.tev.is_none() || film.samples() == 0 {
-            return;
-        }
-        let picture = film.picture();
+    fn update(&mut self, picture: &Picture) {
         if let Some(preview) = &mut self.preview {
-            preview.write(&picture);
+            preview.write(picture);
         }
-        if let Some(Err(e)) = self.tev.as_mut().map(|tev| tev.show(&picture)) {
+        if let Some(Err(e)) = self.tev.as_mut().map(|tev| tev.show(picture)) {
             print::warning(format_args!("tev does not take the picture any more: {e}"));
             self.tev = None;
         }
@@ -135,9 +144,12 @@ pub(super) struct Watch<'a> {
     pub(super) deadline: Option<Deadline<'a>>,
     /// A request to stop.
     pub(super) cancel: Cancel,
+    /// Whether the picture has an alpha channel: the film may sum it for other layers alone.
+    pub(super) has_alpha: bool,
 }
 
 /// The end of the time that a render may take.
+#[derive(Clone)]
 pub(super) struct Deadline<'a> {
     pub(super) at: Instant,
     pub(super) cancel: Cancel,
@@ -148,6 +160,17 @@ pub(super) struct Deadline<'a> {
 }
 
 impl Deadline<'_> {
+    /// Minds the time until there is nothing more to end, by a thread of its own: who looks on may hang.
+    fn mind_until(&self, ended: &mpsc::Receiver<()>, told: &Told) {
+        let tick = || {
+            let left = self.at.saturating_duration_since(Instant::now());
+            left.clamp(SHORTEST_TICK, TICK)
+        };
+        while ended.recv_timeout(tick()) == Err(RecvTimeoutError::Timeout) {
+            self.mind(told.samples_done.load(Ordering::Relaxed));
+        }
+    }
+
     /// Stops the render, if it is time and it has so many samples.
     pub(super) fn mind(&self, samples: u64) {
         if samples >= self.at_least && Instant::now() >= self.at {
@@ -162,11 +185,16 @@ impl Watch<'_> {
     /// end; a viewer that does not take its picture then is left after a while.
     pub(super) fn during<T>(mut self, work: impl FnOnce() -> T) -> T {
         let (end, ended) = mpsc::channel::<()>();
+        let (end_of_time, time_ended) = mpsc::channel::<()>();
         let (shown, all_shown) = mpsc::channel::<()>();
         let hang_up = self.shows.tev.as_ref().and_then(Tev::hang_up);
         let cancel = self.cancel.clone();
+        let (deadline, told) = (self.deadline.clone(), self.told);
         let is_up = self.deadline.as_ref().map(|deadline| deadline.is_up);
         std::thread::scope(|threads| {
+            if let Some(deadline) = deadline {
+                threads.spawn(move || deadline.mind_until(&time_ended, told));
+            }
             let watch = move || {
                 self.run(&ended);
                 drop(shown);
@@ -177,6 +205,7 @@ impl Watch<'_> {
                 print::warning(format_args!("nobody can look on: {e}"));
             }
             let result = work();
+            drop(end_of_time);
             drop(end);
             let in_time = is_up.is_some_and(|is_up| is_up.load(Ordering::Relaxed));
             let is_stopped = cancel.is_cancelled() && !in_time;
@@ -196,14 +225,11 @@ impl Watch<'_> {
         let mut pictures = Turns::new(self.shows.every, FOR_PICTURES, self.threads, picture);
         let mut errors = Turns::new(BETWEEN_ERRORS, FOR_ERRORS, self.threads, ERROR);
         let mut error = None;
-        while ended.recv_timeout(self.tick()) == Err(RecvTimeoutError::Timeout) {
-            if let Some(deadline) = &self.deadline {
-                deadline.mind(self.told.samples_done.load(Ordering::Relaxed));
-            }
+        while ended.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
             if self.told.has_ended.load(Ordering::Relaxed) {
                 continue; // what it came to is being saved
             }
-            pictures.take(|| self.shows.update(self.film));
+            pictures.take(|| self.show());
             if self.progress.is_shown() {
                 let confidence = self.confidence();
                 errors.take(|| error = render::error_so_far(self.film, confidence));
@@ -211,14 +237,20 @@ impl Watch<'_> {
             }
         }
         self.progress.finish();
-        self.shows.update(self.film);
+        match self.told.picture.lock().ok().and_then(|mut told| told.take()) {
+            Some(picture) => self.shows.update(&picture),
+            None => self.show(),
+        }
     }
 
-    fn tick(&self) -> Duration {
-        let left = self.deadline.as_ref().map(|deadline| {
-            deadline.at.saturating_duration_since(Instant::now()).max(SHORTEST_TICK)
-        });
-        left.map_or(TICK, |left| left.min(TICK))
+    /// Shows the picture so far, if somebody sees it.
+    fn show(&mut self) {
+        if self.shows.is_empty() || self.film.samples() == 0 {
+            return;
+        }
+        let mut picture = self.film.picture();
+        picture.alpha = picture.alpha.filter(|_| self.has_alpha);
+        self.shows.update(&picture);
     }
 
     fn confidence(&self) -> f64 {
