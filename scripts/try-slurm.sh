@@ -8,7 +8,7 @@
 #
 # Needs root, because slurmd starts jobs as their user. Slurm and munge come from Debian's packages,
 # which are installed where they are missing. The program is the one that PHOTOSPHERE names; where it
-# names none, it is built.
+# names none, it is built. In a chroot, /proc, /dev and /sys must be mounted.
 set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

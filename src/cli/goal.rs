@@ -19,7 +19,7 @@ use super::watch::{Deadline, Told};
 
 /// Samples per pixel of a render that only its time ends: more than anybody has time for, in whole
 /// blocks, and a multiple of all usual numbers of sub-pixels.
-const ENDLESS: u32 = 74_565 * 60 * 60 * BLOCK;
+pub(super) const ENDLESS: u32 = 74_565 * 60 * 60 * BLOCK;
 
 /// Of an error that nobody asked for.
 pub(super) const CONFIDENCE: f64 = 0.95;

@@ -11,6 +11,7 @@ use crate::provenance::Made;
 use crate::render::FIRST_DECISION;
 
 use super::super::args::RenderArgs;
+use super::super::goal::ENDLESS;
 use super::super::outputs::Outputs;
 use super::super::print;
 
@@ -101,8 +102,12 @@ pub(super) fn of(
     }
     if !quiet {
         let each = film.samples() as f64 / film.frame().pixels() as f64;
-        let (path, all) = (keep.path.display(), samples.len());
-        print::remark(format_args!("going on with `{path}`: {each:.1} of {all} samples per pixel"));
+        let all = match samples.end {
+            ENDLESS => String::new(),
+            _ => format!(" of {}", samples.len()),
+        };
+        let path = keep.path.display();
+        print::remark(format_args!("going on with `{path}`: {each:.1}{all} samples per pixel"));
     }
     Ok(Start { film, before })
 }
