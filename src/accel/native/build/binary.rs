@@ -37,6 +37,7 @@ impl Binary {
     }
 
     fn shape(&mut self, items: &mut [Item], first: u32, bounds: Bounds, level: usize) -> u32 {
+        debug_assert!(level <= LEVELS, "{level}");
         if items.len() <= GROUP {
             return self.leaf(items.len(), first, bounds);
         }
@@ -58,6 +59,7 @@ impl Binary {
     }
 
     fn follow(&mut self, items: &[Item], codes: &[u64], first: u32, level: usize) -> u32 {
+        debug_assert!(level <= LEVELS, "{level}");
         if items.len() <= GROUP {
             return self.leaf(items.len(), first, split::bounds_of(items));
         }

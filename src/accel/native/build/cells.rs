@@ -32,6 +32,7 @@ impl Cells {
     }
 
     fn cut(&mut self, set: &SphereSet, range: Range<usize>, level: usize) -> u32 {
+        debug_assert!(level <= LEVELS, "{level}");
         if range.len() <= CELL {
             self.ranges.push(range);
             self.tree.push(None);
