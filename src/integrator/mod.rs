@@ -101,6 +101,8 @@ pub struct Workspace {
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     blocked: Vec<bool>,
+    /// The share of the light of each shadow ray that arrives.
+    passed: Vec<f32>,
     records_seen: bool,
     /// What each sample sees first, where that is recorded.
     seen: Vec<Seen>,

@@ -32,6 +32,8 @@ pub struct Trace {
 pub struct Added {
     /// The light; black where something stands in the way.
     pub light: Rgb,
+    /// What `clamp_indirect` left of it; 1 where that did not bite.
+    pub clamp: f32,
     /// Which layer it goes to.
     pub is_direct: bool,
 }
@@ -54,7 +56,11 @@ pub enum Step {
         hit: SurfaceHit,
         /// Unit direction to the previous vertex.
         wo: DVec3,
-        /// The product of `f cos / p` so far.
+        /// The probability with which the surface is there: its opacity.
+        presence: f32,
+        /// What the medium on the way let through.
+        transmittance: Rgb,
+        /// The product of `f cos / p` so far, and of what media let through.
         throughput: Rgb,
     },
     /// A ray meets nothing.
@@ -70,7 +76,7 @@ pub enum Step {
     Light {
         /// Where it comes from.
         source: Source,
-        /// `Le`.
+        /// `Le`, times the lamp's opacity.
         radiance: Rgb,
         /// The density with which chance drew the direction; `None` from the camera and after a
         /// delta lobe, which no light sample can replace.
@@ -82,12 +88,17 @@ pub enum Step {
         /// Throughput times radiance times weight.
         added: Added,
     },
-    /// A boundary that is hidden, or a surface that is not there: the path goes straight through.
-    PassThrough,
+    /// The boundary just met is hidden in a medium of higher priority: the path goes straight through.
+    Hidden,
+    /// The surface just met is not there this time, since it is not opaque: the path goes straight
+    /// through.
+    Absent,
     /// A light sample. It brings light if a later [`Step::Shadow`] says so.
     Aim {
-        /// The light, the direction `wi`, its density and the radiance that would arrive.
+        /// The light, the direction `wi`, its density and the radiance `Le`, times the lamp's opacity.
         sample: LightSample,
+        /// What the medium on the way would let through.
+        transmittance: Rgb,
         /// The BSDF for it.
         f: Rgb,
         /// `|cos wi|`.
@@ -99,9 +110,10 @@ pub enum Step {
     },
     /// The answer to the shadow ray of the last light sample.
     Shadow {
-        /// Whether something is in the way.
-        is_blocked: bool,
-        /// Throughput times `f cos Le weight / p`, if nothing is.
+        /// The share that what is in the way lets through: 0 for an opaque surface, 1 minus the opacity
+        /// for each other one, 1 if there is nothing.
+        passed: f32,
+        /// Throughput times `f cos Le weight / p`, times what passes.
         added: Added,
     },
     /// The BSDF draws a direction.

@@ -110,11 +110,11 @@ impl Sketch {
                     if let Source::Lamp(id) = sample.source {
                         sketch.lamps.push(id);
                     }
-                    let Some((is_blocked, _)) = answer(&trace.steps, at) else { continue };
+                    let Some((passed, _)) = answer(&trace.steps, at) else { continue };
                     let Some(&from) = sketch.vertices.last() else { continue };
                     let is_near = sample.distance.is_finite();
                     sketch.lines.push(Line {
-                        class: if is_blocked { "blocked" } else { "free" },
+                        class: if passed == 0.0 { "blocked" } else { "free" },
                         from,
                         to: is_near.then(|| from + sample.distance * sample.direction),
                         direction: sample.direction,
@@ -152,7 +152,7 @@ fn draw_spheres(svg: &mut String, scene: &Scene, sketch: &Sketch, view: &View) -
     circles.truncate(MOST_SPHERES);
     circles.sort_by(|a, b| b.2.total_cmp(&a.2));
     let mut labels = String::new();
-    let mut taken: Vec<DVec2> = Vec::new();
+    let mut taken = vertex_labels(sketch, view);
     for (id, center, radius) in circles {
         let class = match (sketch.lamps.contains(&id), sketch.met.contains(&id)) {
             (true, _) => "lamp",
@@ -206,15 +206,22 @@ fn draw_line(svg: &mut String, line: &Line, view: &View) {
     );
 }
 
-fn draw_vertices(svg: &mut String, sketch: &Sketch, view: &View) {
+/// Where the names of the vertices stand: away from where the path comes from, the camera's above it.
+fn vertex_labels(sketch: &Sketch, view: &View) -> Vec<DVec2> {
     let places: Vec<DVec2> = sketch.vertices.iter().map(|&point| view.project(point)).collect();
-    for (k, at) in places.iter().enumerate() {
-        // The label stands away from where the path comes from, the camera's above it.
+    let label = |(k, at): (usize, &DVec2)| {
         let away = match places[..k].last() {
             None => DVec2::new(0.0, -0.9),
             Some(before) => (*at - *before).normalize_or(DVec2::Y),
         };
-        let label = *at + 15.0 * away + DVec2::new(0.0, 4.0);
+        *at + 15.0 * away + DVec2::new(0.0, 4.0)
+    };
+    places.iter().enumerate().map(label).collect()
+}
+
+fn draw_vertices(svg: &mut String, sketch: &Sketch, view: &View) {
+    for (k, label) in vertex_labels(sketch, view).into_iter().enumerate() {
+        let at = view.project(sketch.vertices[k]);
         let text = if k == 0 { "camera, x₀".to_owned() } else { format!("x{}", subscript(k)) };
         put(
             svg,

@@ -21,7 +21,8 @@ use super::{interrupt, on_threads, print};
 /// # Errors
 /// When the scene cannot be had, has no such pixel or sample, or its integrator follows no paths.
 pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
-    let file = args.svg.as_deref().map(WholeFile::new).transpose()?;
+    let svg = |path| WholeFile::ending_in(path, "svg");
+    let file = args.svg.as_deref().map(svg).transpose()?;
     interrupt::listen();
     on_threads(args.scene.threads(), || trace(args, file))
 }
@@ -91,13 +92,13 @@ fn place(scene: &Scene, point: DVec3) -> DVec3 {
     point + scene.spheres().origin()
 }
 
-/// The answer to the light sample that is step number `aim`: whether it is blocked, and the light.
+/// The answer to the light sample that is step number `aim`: the share that passes, and the light.
 /// `None` where no ray could be sent.
-fn answer(steps: &[Step], aim: usize) -> Option<(bool, integrator::Added)> {
+fn answer(steps: &[Step], aim: usize) -> Option<(f32, integrator::Added)> {
     let after = &steps[aim + 1..];
     let until_next = after.iter().take_while(|step| !matches!(step, Step::Aim { .. }));
     until_next.into_iter().find_map(|step| match step {
-        Step::Shadow { is_blocked, added } => Some((*is_blocked, *added)),
+        Step::Shadow { passed, added } => Some((*passed, *added)),
         _ => None,
     })
 }
@@ -127,7 +128,7 @@ fn step_in_json(scene: &Scene, step: &Step) -> Value {
             "direction": ray.direction.to_array(),
             "redraws": redraws,
         }),
-        Step::Meet { depth, hit, wo, throughput } => json!({
+        Step::Meet { depth, hit, wo, presence, transmittance, throughput } => json!({
             "step": "meet",
             "depth": depth,
             "sphere": scene.spheres().row(hit.id),
@@ -137,6 +138,8 @@ fn step_in_json(scene: &Scene, step: &Step) -> Value {
             "normal": hit.normal.to_array(),
             "side": format!("{:?}", hit.side).to_lowercase(),
             "wo": wo.to_array(),
+            "opacity": presence,
+            "transmittance": transmittance.to_array(),
             "throughput": throughput.to_array(),
         }),
         Step::Miss { depth, wo, throughput } => json!({
@@ -152,25 +155,30 @@ fn step_in_json(scene: &Scene, step: &Step) -> Value {
             "p": pdf,
             "p_light": pdf_light,
             "weight": weight,
+            "clamp": added.clamp,
             "added": added.light.to_array(),
             "is_direct": added.is_direct,
         }),
-        Step::PassThrough => json!({ "step": "pass-through" }),
-        Step::Aim { sample, f, cos, pdf_bsdf, weight } => json!({
+        Step::Hidden => json!({ "step": "hidden" }),
+        Step::Absent => json!({ "step": "absent" }),
+        Step::Aim { sample, transmittance, f, cos, pdf_bsdf, weight } => json!({
             "step": "aim",
             "source": source_name(scene, sample.source),
             "wi": sample.direction.to_array(),
             "distance": sample.distance,
             "L_e": sample.radiance.to_array(),
+            "transmittance": transmittance.to_array(),
             "p": sample.pdf,
             "f_r": f.to_array(),
             "cos": cos,
             "p_bsdf": pdf_bsdf,
             "weight": weight,
         }),
-        Step::Shadow { is_blocked, added } => json!({
+        Step::Shadow { passed, added } => json!({
             "step": "shadow",
-            "is_blocked": is_blocked,
+            "is_blocked": *passed == 0.0,
+            "V": passed,
+            "clamp": added.clamp,
             "added": added.light.to_array(),
             "is_direct": added.is_direct,
         }),

@@ -50,16 +50,22 @@ fn one(scene: &Scene, trace: &Trace, at: usize, vertex: usize) -> String {
             let origin = vector(place(scene, ray.origin));
             format!("x_0  the camera at {origin} looks along {}{again}\n", vector(ray.direction))
         }
-        Step::Meet { hit, wo, throughput, .. } => {
+        Step::Meet { hit, wo, presence, transmittance, throughput, .. } => {
             let side = match hit.side {
                 Side::Outside => "outside",
                 Side::Inside => "inside",
             };
+            let opacity = match presence {
+                1.0 => String::new(),
+                o => format!("; opacity {}", number(f64::from(*o))),
+            };
             format!(
-                "\nx_{vertex}  {} met from {side} at {}, after {}\n     n = {}, w_o = {}, T = {}\n",
+                "\nx_{vertex}  {} met from {side} at {}, after {}{}{opacity}\n     n = {}, w_o = {}, \
+                 T = {}\n",
                 name(scene, hit.id),
                 vector(place(scene, hit.point)),
                 number(hit.t),
+                absorbed(*transmittance),
                 vector(hit.normal),
                 vector(*wo),
                 color(*throughput),
@@ -82,17 +88,14 @@ fn one(scene: &Scene, trace: &Trace, at: usize, vertex: usize) -> String {
             let light = color(*radiance);
             format!("     {of} shines: L_e = {light}; {weighed}\n{}", plus("T L_e w", *added))
         }
-        Step::PassThrough => {
+        Step::Hidden => {
             "     a boundary inside a medium of higher priority: straight through\n".to_owned()
         }
-        Step::Aim { sample, f, cos, pdf_bsdf, weight } => {
-            let aimed = aim(scene, sample, *f, *cos, *pdf_bsdf, *weight);
-            aimed
-                + &match answer(&trace.steps, at) {
-                    Some((false, added)) => plus("T f_r |cos| L_e w / p", added),
-                    Some((true, _)) => "     something is in the way\n".to_owned(),
-                    None => "     no ray leaves the surface so flat\n".to_owned(),
-                }
+        Step::Absent => "     it is not there for this path: straight through\n".to_owned(),
+        Step::Aim { sample, transmittance, f, cos, pdf_bsdf, weight } => {
+            let told = aim(scene, sample, *transmittance, *f, *cos, *pdf_bsdf, *weight);
+            let tau = if *transmittance == Rgb::ONE { "" } else { " tau" };
+            told + &arrival(tau, answer(&trace.steps, at))
         }
         Step::Shadow { .. } => String::new(), // told where it was aimed
         Step::Scatter { lobe, wi, pdf, weight, eta, throughput } => {
@@ -113,9 +116,32 @@ fn one(scene: &Scene, trace: &Trace, at: usize, vertex: usize) -> String {
     }
 }
 
+/// What becomes of light that was aimed at, `tau` being the letter of what a medium lets through.
+fn arrival(tau: &str, answer: Option<(f32, Added)>) -> String {
+    match answer {
+        None => "     no ray leaves the surface so flat\n".to_owned(),
+        Some((0.0, _)) => "     something is in the way\n".to_owned(),
+        Some((1.0, added)) => plus(&format!("T f_r |cos| L_e{tau} w / p"), added),
+        Some((passed, added)) => {
+            let share = number(f64::from(passed));
+            format!("     surfaces that are not opaque are in the way and let pass V = {share}\n")
+                + &plus(&format!("T f_r |cos| L_e{tau} V w / p"), added)
+        }
+    }
+}
+
+/// What a medium lets through, where that is not all.
+fn absorbed(transmittance: Rgb) -> String {
+    match transmittance {
+        Rgb::ONE => String::new(),
+        tau => format!(" through a medium, tau = {}", color(tau)),
+    }
+}
+
 fn aim(
     scene: &Scene,
     sample: &LightSample,
+    transmittance: Rgb,
     f: Rgb,
     cos: f64,
     pdf_bsdf: f64,
@@ -127,8 +153,9 @@ fn aim(
         false => String::new(),
     };
     format!(
-        "     aims at {to}{distance}: w_i = {}, L_e = {}\n     f_r = {}, |cos| = {}, p = {}, by \
+        "     aims at {to}{distance}{}: w_i = {}, L_e = {}\n     f_r = {}, |cos| = {}, p = {}, by \
          chance {}: w = {}\n",
+        absorbed(transmittance),
         vector(sample.direction),
         color(sample.radiance),
         color(f),
@@ -159,7 +186,11 @@ fn scatter(lobe: Lobe, wi: DVec3, pdf: f64, weight: Rgb, eta: f64) -> String {
 
 fn plus(formula: &str, added: Added) -> String {
     let layer = if added.is_direct { "direct" } else { "indirect" };
-    format!("   + {formula} = {} ({layer})\n", color(added.light))
+    let clamped = match added.clamp {
+        1.0 => String::new(),
+        share => format!(", of which clamp_indirect left {}", number(f64::from(share))),
+    };
+    format!("   + {formula} = {} ({layer}{clamped})\n", color(added.light))
 }
 
 /// Why a path ends, in words.

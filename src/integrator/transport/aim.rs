@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::scene::description::Estimator;
 
 use super::super::dimension::Vertex;
-use super::super::trace::{Added, Recorder, Step};
+use super::super::trace::{Recorder, Step};
 use super::batch::Batch;
 use super::{Aims, Gain, Path, opacity};
 
@@ -58,19 +58,20 @@ impl<R: Recorder> Batch<'_, R> {
         };
         let ray = leave(&receiver.hit, aim.direction, aim.distance, aim.source.sphere())?;
         aim.radiance = opacity::radiance(scene, &aim, receiver, media);
-        if scene.has_media() {
-            aim.radiance *= media.transmittance(aim.distance);
-        }
+        let transmittance = match scene.has_media() {
+            true => media.transmittance(aim.distance),
+            false => Rgb::ONE,
+        };
         let cos = if fault!(CosineMissing) { 1.0 } else { wi.z.abs() };
         let pdf_bsdf = bsdf.pdf(wo, wi);
         let weight = weight(self.transport.estimator, aim.pdf, pdf_bsdf);
-        self.recorder.note(|| Step::Aim { sample: aim, f, cos, pdf_bsdf, weight });
-        let light = path.state.throughput * f * aim.radiance * (weight * cos / aim.pdf) as f32;
+        self.recorder.note(|| Step::Aim { sample: aim, transmittance, f, cos, pdf_bsdf, weight });
+        let radiance = aim.radiance * transmittance;
+        let light = path.state.throughput * f * radiance * (weight * cos / aim.pdf) as f32;
         if light == Rgb::ZERO {
             return None;
         }
-        let added = self.arriving(light, path.state.scatterings + 1);
-        let Added { light, is_direct } = added;
+        let is_direct = path.state.aims_directly();
         let media = is_beyond.unwrap_or_else(|| self.media_of(path));
         Some((ray, Gain { sample: path.state.sample, light, is_direct }, media))
     }

@@ -68,7 +68,16 @@ impl<R: Recorder> Batch<'_, R> {
         let (has_blocks, isa) = (self.has_blocks(), workspace.isa);
         let even_background = self.even_background();
         let Workspace {
-            paths, next_paths, block, shadows, shadow_media, rays, hits, blocked, ..
+            paths,
+            next_paths,
+            block,
+            shadows,
+            shadow_media,
+            rays,
+            hits,
+            blocked,
+            passed,
+            ..
         } = workspace;
         let spheres = self.world.scene.spheres();
 
@@ -103,7 +112,7 @@ impl<R: Recorder> Batch<'_, R> {
             }
             let mut path = paths.get(index);
             let goes_on = match spheres.answer(&path.ray, hit) {
-                Some(surface) => self.shade(&mut path, &surface, &mut aims),
+                Some(surface) => self.shade(&mut path, surface, &mut aims),
                 None => self.miss(&mut path),
             };
             if goes_on {
@@ -114,23 +123,24 @@ impl<R: Recorder> Batch<'_, R> {
         std::mem::swap(paths, next_paths);
 
         // Ask for the shadows.
-        blocked.clear();
-        if self.world.scene.has_opacity() {
-            let walked = opacity::walk(self.world, shadows, shadow_media, rays, hits);
+        let has_opacity = self.world.scene.has_opacity();
+        if has_opacity {
+            let walked = opacity::walk(self.world, shadows, shadow_media, rays, hits, passed);
             self.tally = self.tally + walked;
-            blocked.extend(shadows.gains.iter().map(|gain| gain.light == Rgb::ZERO));
         } else {
+            blocked.clear();
             blocked.resize(shadows.gains.len(), false);
             self.world.accel.occluded_of(spheres, &shadows.rays, rays, blocked);
             self.tally.count_of(&shadows.rays, isa);
         }
-        for (gain, &is_blocked) in shadows.gains.iter().zip(&*blocked) {
-            let light = if is_blocked { Rgb::ZERO } else { gain.light };
-            let added = Added { light, is_direct: gain.is_direct };
-            if !is_blocked {
-                self.add(gain.sample, added);
+        for (index, gain) in shadows.gains.iter().enumerate() {
+            let passed = if has_opacity { passed[index] } else { f32::from(!blocked[index]) };
+            if passed == 0.0 && !R::LISTENS {
+                continue;
             }
-            self.recorder.note(|| Step::Shadow { is_blocked, added });
+            let added = self.arriving(gain.light * passed, gain.is_direct);
+            self.add(gain.sample, added);
+            self.recorder.note(|| Step::Shadow { passed, added });
         }
     }
 
@@ -153,16 +163,15 @@ impl<R: Recorder> Batch<'_, R> {
         self.end(End::CutOff)
     }
 
-    /// Light that reaches the camera along a path which scattered it so many times; clamped where
-    /// the scene asks for that.
-    pub(super) fn arriving(&self, light: Rgb, scatterings: u32) -> Added {
-        let is_direct = scatterings <= 1;
+    /// Light that reaches the camera; clamped where the scene asks for that.
+    pub(super) fn arriving(&self, light: Rgb, is_direct: bool) -> Added {
         let brightest = light.max_element();
         match self.transport.clamp_indirect {
             Some(limit) if !is_direct && brightest > limit => {
-                Added { light: light * (limit / brightest), is_direct }
+                let clamp = limit / brightest;
+                Added { light: light * clamp, clamp, is_direct }
             }
-            _ => Added { light, is_direct },
+            _ => Added { light, clamp: 1.0, is_direct },
         }
     }
 

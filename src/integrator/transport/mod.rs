@@ -136,6 +136,16 @@ impl State {
             index_squared: 1.0,
         }
     }
+
+    /// Whether light that the path comes across has been scattered once at most.
+    fn is_direct(&self) -> bool {
+        self.scatterings <= 1
+    }
+
+    /// The same of light that is aimed at, and scattered once more here.
+    fn aims_directly(&self) -> bool {
+        self.scatterings == 0
+    }
 }
 
 impl Paths {

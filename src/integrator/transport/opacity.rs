@@ -8,7 +8,7 @@
 
 use crate::color::Rgb;
 use crate::fault::fault;
-use crate::geometry::{Side, SurfaceHit};
+use crate::geometry::{PathRay, Side, SurfaceHit};
 use crate::light::{LightSample, Receiver, Source};
 use crate::material::Media;
 use crate::math::{Hit, Ray};
@@ -32,17 +32,21 @@ pub(super) fn is_behind_a_lamp(scene: &Scene, drawn: Option<&Drawn>, hit: &Surfa
         && drawn.is_some_and(|drawn| !is_within(&drawn.at(scene.spheres())))
 }
 
-/// Walks all shadow rays to their ends; what is left of their light stays in them. `media` are those
-/// that each starts in: light aimed at a lamp enters none, since a surface that is there ends it.
+/// Walks all shadow rays to their ends; `passed` becomes the share of the light of each that arrives.
+/// `media` are those that each starts in: light aimed at a lamp enters none, since a surface that is
+/// there ends it.
 pub(super) fn walk(
     world: World<'_>,
     shadows: &mut Shadows,
     media: &[Media],
     rays: &mut Vec<Ray>,
     hits: &mut Vec<Hit>,
+    passed: &mut Vec<f32>,
 ) -> Tally {
     let spheres = world.scene.spheres();
     let mut tally = Tally::default();
+    passed.clear();
+    passed.resize(shadows.gains.len(), 1.0);
     let mut active: Vec<usize> = (0..shadows.gains.len()).collect();
     for _ in 0..LONGEST {
         // What is estimated after a request to stop is not used.
@@ -59,37 +63,30 @@ pub(super) fn walk(
         active.retain(|&i| {
             let hit = answers.next().copied().unwrap_or(Hit::MISS);
             let hit = spheres.answer(&shadows.rays.get(i), hit);
-            hit.is_some_and(|hit| pass(world.scene, shadows, i, &media[i], &hit))
+            let Some(hit) = hit else { return false };
+            let (share, ray) = pass(world.scene, &shadows.rays.get(i), &media[i], &hit);
+            passed[i] *= share;
+            let behind = ray.filter(|_| passed[i] > 0.0);
+            behind.inspect(|ray| shadows.rays.set(i, ray)).is_some()
         });
     }
     tally.cut_off += active.len() as u64;
-    active.into_iter().for_each(|i| shadows.gains[i].light = Rgb::ZERO);
+    active.into_iter().for_each(|i| passed[i] = 0.0);
     tally
 }
 
-/// Takes from the light what a surface stops, and goes on behind it. Returns whether the ray has to
-/// be asked again.
-fn pass(
-    scene: &Scene,
-    shadows: &mut Shadows,
-    index: usize,
-    media: &Media,
-    hit: &SurfaceHit,
-) -> bool {
-    let (ray, light) = (shadows.rays.get(index), &mut shadows.gains[index].light);
+/// The share of the light that a surface lets through, and the ray behind it, if there is more to ask.
+fn pass(scene: &Scene, ray: &PathRay, media: &Media, hit: &SurfaceHit) -> (f32, Option<PathRay>) {
     let (lamp, left) = (ray.aims_at, ray.t_max - hit.t);
     if hit.id == lamp || left <= 0.0 {
-        return false;
+        return (1.0, None);
     }
     let presence = scene.surface(hit.id).presence(hit.id, hit.side, media);
     let behind = hit.leave_up_to(ray.direction, left, lamp);
-    let Some(ray) = behind.filter(|_| presence < 1.0) else {
-        *light = Rgb::ZERO;
-        return false;
-    };
-    *light *= if fault!(ShadowsOfNothing) { presence } else { 1.0 - presence };
-    shadows.rays.set(index, &ray);
-    light.max_element() > 0.0
+    if presence >= 1.0 || behind.is_none() {
+        return (0.0, None);
+    }
+    (if fault!(ShadowsOfNothing) { presence } else { 1.0 - presence }, behind)
 }
 
 /// The radiance that a light sends to a receiver in `media`, its own opacity included. Only a lamp of

@@ -24,14 +24,20 @@ impl<R: Recorder> Batch<'_, R> {
         hit: &SurfaceHit,
         beyond: Option<&Media>,
     ) -> bool {
+        self.recorder.note(|| Step::Hidden);
         self.enter(path, beyond);
         path.state.is_drawn = false;
         self.go_straight_on(path, hit)
     }
 
-    /// Goes on in the same direction on the other side of a surface that is not there.
-    pub(super) fn go_straight_on(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
-        self.recorder.note(|| Step::PassThrough);
+    /// Goes on behind a surface that is not there.
+    pub(super) fn pass_unhindered(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
+        self.recorder.note(|| Step::Absent);
+        self.go_straight_on(path, hit)
+    }
+
+    /// Goes on in the same direction on the other side of a surface.
+    fn go_straight_on(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
         path.state.passes += 1;
         if path.state.passes >= LONGEST {
             return self.cut_off();

@@ -57,29 +57,32 @@ impl<R: Recorder> Batch<'_, R> {
             }
         }
         if radiance != Rgb::ZERO {
-            let added = self.arriving(state.throughput * radiance, state.scatterings);
+            let added = self.arriving(state.throughput * radiance, state.is_direct());
             self.add(state.sample, added);
         }
     }
 
     /// A path that meets a surface. Returns whether it goes on.
-    pub(super) fn shade(&mut self, path: &mut Path, hit: &SurfaceHit, aims: &mut Aims<'_>) -> bool {
-        if self.world.scene.has_media() {
-            path.state.throughput *= self.media_of(path).transmittance(hit.t - path.ray.t_min);
-        }
-        let world_wo = -path.ray.direction;
-        let State { depth, throughput, .. } = path.state;
-        self.recorder.note(|| Step::Meet { depth, hit: *hit, wo: world_wo, throughput });
+    pub(super) fn shade(&mut self, path: &mut Path, hit: SurfaceHit, aims: &mut Aims<'_>) -> bool {
         let scene = self.world.scene;
+        let transmittance = match scene.has_media() {
+            true => self.media_of(path).transmittance(hit.t - path.ray.t_min),
+            false => Rgb::ONE,
+        };
+        path.state.throughput *= transmittance;
+        let State { depth, throughput, .. } = path.state;
         let surface = scene.surface(hit.id);
         let presence = surface.presence(hit.id, hit.side, self.media_of(path));
+        let wo = -path.ray.direction;
+        let meet = || Step::Meet { depth, hit, wo, presence, transmittance, throughput };
+        self.recorder.note(meet);
         if surface.material.is_emissive() {
-            let is_aimed_at = !opacity::is_behind_a_lamp(scene, self.drawn(path), hit);
+            let is_aimed_at = !opacity::is_behind_a_lamp(scene, self.drawn(path), &hit);
             let radiance = surface.material.emission * presence;
             self.gather(path, Source::Lamp(hit.id), radiance, is_aimed_at);
         }
         if presence < 1.0 && !opacity::is_there(path, self.sampler(path), presence) {
-            return self.go_straight_on(path, hit);
+            return self.pass_unhindered(path, &hit);
         }
 
         // Straight through where a dielectric's boundary lies hidden in another one.
@@ -87,7 +90,7 @@ impl<R: Recorder> Batch<'_, R> {
         let boundary = surface.medium(hit.id).map(|m| self.media_of(path).meet(m, entering));
         let beyond = boundary.as_ref().map(|boundary| &boundary.beyond);
         let eta = boundary.as_ref().map_or(Some(1.0), |boundary| boundary.eta);
-        let Some(eta) = eta else { return self.pass_through(path, hit, beyond) };
+        let Some(eta) = eta else { return self.pass_through(path, &hit, beyond) };
 
         // Is another edge allowed?
         if self.is_at_its_end(&path.state) {
@@ -96,7 +99,7 @@ impl<R: Recorder> Batch<'_, R> {
         if depth >= LONGEST {
             return self.cut_off();
         }
-        self.turn(path, hit, &surface, eta, beyond, aims)
+        self.turn(path, &hit, &surface, eta, beyond, aims)
     }
 
     /// Whether a path has as many edges as it may.
@@ -159,7 +162,7 @@ impl<R: Recorder> Batch<'_, R> {
             _ => 1.0,
         };
         let added =
-            self.arriving(path.state.throughput * radiance * weight, path.state.scatterings);
+            self.arriving(path.state.throughput * radiance * weight, path.state.is_direct());
         self.add(path.state.sample, added);
         self.recorder.note(|| Step::Light { source, radiance, pdf, pdf_light, weight, added });
     }

@@ -16,7 +16,7 @@ use crate::math::{DVec3, Hit, Isa};
 use crate::sampling::{Hemisphere, SamplerKind};
 use crate::scene::description::Estimator;
 
-use super::super::trace::{Added, Recorder};
+use super::super::trace::Recorder;
 use super::batch::Batch;
 use super::{Aims, Drawn, Gain, LONGEST, Path, Paths};
 
@@ -154,7 +154,7 @@ impl<'a, R: Recorder> Batch<'a, R> {
                     (block.aim.direction.get(lane), block.aim.distance.0[lane]);
                 let free = PathRay::free(point, direction);
                 let ray = PathRay { leaves: id, aims_at: lamp, t_max, ..free };
-                let Added { light, is_direct } = self.arriving(light, state.scatterings + 1);
+                let is_direct = state.aims_directly();
                 aims.shadows.push(&ray, Gain { sample: state.sample, light, is_direct });
             }
         }
