@@ -88,17 +88,19 @@ fn a_net_of_a_million_grows_out_of_smaller_ones() {
     assert!((0.0..1.0).contains(&sobol(4, 8, u32::MAX).get(11)));
 }
 
+/// Chi-square at a significance of 1e-5.
+fn must_be_uniform(counts: &[u32], what: String) {
+    let total: u32 = counts.iter().sum();
+    let expected = f64::from(total) / counts.len() as f64;
+    let chi2: f64 = counts.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
+    let p = ChiSquared::new(counts.len() as f64 - 1.0).expect("positive").sf(chi2);
+    assert!(p > 1e-5, "{what}: p = {p:.1e}");
+}
+
 #[test]
 fn every_number_is_uniform_over_the_pixels() {
     // Chi-square of 256 cells over 2^16 pixels, for single numbers and for pairs (16 x 16 cells).
     // 108 tests at 1e-5: a right program fails with a probability of 1e-3.
-    let uniform = |counts: &[u32], what: String| {
-        let total: u32 = counts.iter().sum();
-        let expected = f64::from(total) / counts.len() as f64;
-        let chi2: f64 = counts.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
-        let p = ChiSquared::new(counts.len() as f64 - 1.0).expect("positive").sf(chi2);
-        assert!(p > 1e-5, "{what}: p = {p:.1e}");
-    };
     for kind in KINDS {
         for dimension in [0, 2, 4, 6, 44, 46] {
             for sample in [0, 1, 1000] {
@@ -109,8 +111,28 @@ fn every_number_is_uniform_over_the_pixels() {
                     one[(x * 256.0) as usize] += 1;
                     two[(x * 16.0) as usize * 16 + (y * 16.0) as usize] += 1;
                 }
-                uniform(&one, format!("{kind:?}, sample {sample}, dimension {dimension}"));
-                uniform(&two, format!("{kind:?}, sample {sample}, pair {dimension}"));
+                must_be_uniform(&one, format!("{kind:?}, sample {sample}, dimension {dimension}"));
+                must_be_uniform(&two, format!("{kind:?}, sample {sample}, pair {dimension}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn pairs_are_uniform_down_to_the_cells_within_cells() {
+    // Where a pixel has few samples each has a cell of its own, and within that its own row and
+    // column: n^2 places, all as likely. Chi-square over 2^17 pixels, one sample of each; 18 tests at
+    // 1e-5.
+    for kind in KINDS {
+        for n in [4, 9, 16] {
+            for pair in [0, 6] {
+                let mut counts = vec![0; (n * n) as usize];
+                for pixel in 0..1 << 17 {
+                    let sampler = Sampler::of_kind(kind, 4, pixel, pixel as u32 % n, n);
+                    let [x, y] = sampler.get_2d(pair).map(|u| (u * f64::from(n)) as u32);
+                    counts[(x * n + y) as usize] += 1;
+                }
+                must_be_uniform(&counts, format!("{kind:?}, {n} samples, pair {pair}"));
             }
         }
     }
@@ -193,7 +215,7 @@ fn the_error_of_a_smooth_integral_falls_with_the_power_that_theory_says() {
             let slope = (rms(4096) / rms(64)).ln() / 64f64.ln();
             println!("{kind:?}, dimension {dimension}: {slope:.3}");
             let not_worse = slope < expected + 0.3;
-            let not_better = slope > expected - 0.3 || kind == SamplerKind::Stratified;
+            let not_better = slope > expected - 0.3;
             assert!(not_worse && not_better, "{kind:?}, dimension {dimension}: {slope}");
         }
     }
@@ -231,4 +253,31 @@ fn a_number_is_the_same_alone_and_in_its_pair_and_never_one() {
             }
         }
     }
+}
+
+/// Scene, seed and sample name a number for good: a checkpoint goes on with the numbers of the
+/// program that wrote it, and a picture can be made again. So these are pinned, as they were in the
+/// first version. If they change then every picture does: that is a decision, and goes into the
+/// changelog.
+#[test]
+fn numbers_are_those_of_every_version() {
+    let digest = |kind| {
+        let mut digest = 0u64;
+        for seed in [0, 1, 0x1234_5678_9abc] {
+            for pixel in [0, 1, 639, 307_199, 1 << 40] {
+                for (sample, samples) in [(0, 1), (3, 4), (11, 12), (37, 64), (12_345, 10_000)] {
+                    let sampler = Sampler::of_kind(kind, seed, pixel, sample, samples);
+                    for dimension in [0, 1, 2, 3, 4, 9, 14, 100, 1 << 30, (1 << 31) + 7] {
+                        let bits = sampler.get(dimension).to_bits();
+                        digest = (digest ^ bits).wrapping_mul(0x0100_0000_01b3).rotate_left(29);
+                    }
+                }
+            }
+        }
+        digest
+    };
+    assert_eq!(
+        KINDS.map(digest),
+        [0xb12d_933f_b9fe_ecfb, 0xb0a9_ace4_7963_2071, 0x1331_24dd_1d2d_f6fa],
+    );
 }

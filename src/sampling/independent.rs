@@ -3,7 +3,7 @@
 //! Number Generators", OOPSLA) started at that key, which can be read at any place.
 
 /// The increment of SplitMix64: 2^64 divided by the golden ratio, made odd.
-const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
+pub(super) const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Independent numbers of one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

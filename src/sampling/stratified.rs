@@ -4,10 +4,12 @@
 //! cell holds one sample at a random place. Within a row of cells the samples are spread over finer
 //! columns, and within a column over finer rows, so that each dimension by itself is evenly spread
 //! too (Chiu, Shirley and Wang 1994, "Multi-jittered Sampling"; Kensler 2013, "Correlated
-//! Multi-Jittered Sampling", whose way to permute without a table is followed). Which sample has
-//! which cell is permuted for every pair, so that pairs are independent of one another.
+//! Multi-Jittered Sampling", whose way to permute without a table is followed). Every column and every
+//! row of cells is permuted on its own, as the first have it: with one permutation for all of them, as
+//! the second has it, the error of a smooth integral falls less fast than that of plain jitter. Which
+//! sample has which cell is permuted for every pair, so that pairs are independent of one another.
 
-use super::independent::{output, pixel_key};
+use super::independent::{GAMMA, output, pixel_key};
 
 /// The most cells of a pair; with more samples they are filled again.
 const MOST_CELLS: u32 = 1 << 30;
@@ -40,10 +42,10 @@ impl Stratified {
         let key = output(self.key, pair);
         let cell = permuted(self.place, columns * rows, key);
         let (column, row) = (cell % columns, cell / columns);
-        let within = [
-            permuted(row, rows, output(key, MOST_CELLS)),
-            permuted(column, columns, output(key, MOST_CELLS + 1)),
-        ];
+        // Each column of cells, and each row, is permuted on its own.
+        let [of_column, of_row] = [(0, column), (1, row)]
+            .map(|(axis, place)| output(output(key, MOST_CELLS + axis), place));
+        let within = [permuted(row, rows, of_column), permuted(column, columns, of_row)];
         let jitter = output(key, self.place);
         let [x, y] = [jitter as u32, (jitter >> 32) as u32].map(fraction);
         [
@@ -58,10 +60,13 @@ fn fraction(bits: u32) -> f64 {
 }
 
 /// Where `index` goes in a random permutation of `0..length` that `key` chooses: a keyed bijection
-/// of the next power of two, repeated until it ends below `length`.
+/// of the next power of two, repeated until it ends below `length`, and then a turn by a random number
+/// of places. Only that makes all places as likely for each index: of a length that is no power of two
+/// the bijection alone prefers some.
 fn permuted(index: u32, length: u32, key: u64) -> u32 {
     let mask = length.next_power_of_two() - 1;
     let half = mask.count_ones().div_ceil(2);
+    let turn = ((key.wrapping_mul(GAMMA) >> 32) * u64::from(length)) >> 32;
     let mut x = index;
     loop {
         for round in 0..4 {
@@ -73,7 +78,7 @@ fn permuted(index: u32, length: u32, key: u64) -> u32 {
             x ^= x >> half;
         }
         if x < length {
-            return x;
+            return (x + turn as u32) % length;
         }
     }
 }
