@@ -1,18 +1,21 @@
-//! What the plots of this room share: colours, marks, axes, and the size of the page.
+//! What the plots of this room share: the page, its headline, axes, marks and colours.
 
 use std::ops::Range;
 
 use plotters::coord::Shift;
+use plotters::coord::combinators::LogCoord;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use crate::error::{Error, Result};
+
 /// Everything is drawn in whole units, half a pixel wide each.
 pub(super) const SCALE: u32 = 2;
-pub(super) const FONT: &str = "sans-serif";
+const FONT: &str = "sans-serif";
 
 pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
-pub(super) const FAINT: RGBColor = RGBColor(228, 228, 228);
-pub(super) const FAINTER: RGBColor = RGBColor(243, 243, 243);
+const FAINT: RGBColor = RGBColor(228, 228, 228);
+const FAINTER: RGBColor = RGBColor(243, 243, 243);
 /// Colours that the colour-blind can tell apart (Okabe and Ito 2008).
 pub(super) const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
@@ -29,8 +32,74 @@ pub(super) type Drawn<DB> =
     std::result::Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 pub(super) type Marker<C, DB> = <EmptyElement<C, DB> as std::ops::Add<Polygon<(i32, i32)>>>::Output;
 
+/// Axes of powers of ten.
+pub(super) type LogChart<'a, DB> = ChartContext<'a, DB, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+
+/// From the edge of the page to what is written there.
+pub(super) const MARGIN: i32 = 16 * SCALE as i32;
+
+/// A whole drawing of this size, as SVG.
+///
+/// # Errors
+/// When the drawing fails.
+pub(super) fn drawn(
+    size: [u32; 2],
+    content: impl Fn(&Area<SVGBackend<'_>>) -> Drawn<SVGBackend<'static>>,
+) -> Result<String> {
+    let mut text = String::new();
+    let root = SVGBackend::with_string(&mut text, size.into()).into_drawing_area();
+    root.fill(&WHITE)
+        .and_then(|()| content(&root))
+        .and_then(|()| root.present())
+        .map_err(|e| Error::input(format!("the plot cannot be drawn: {e}")))?;
+    drop(root);
+    Ok(sized(&text, size[0], size[1]))
+}
+
+/// Two lines at the top of the page.
+pub(super) fn headline<DB: DrawingBackend>(
+    area: &Area<DB>,
+    title: &str,
+    subtitle: &str,
+) -> Drawn<DB> {
+    let unit = SCALE as i32;
+    area.draw(&words(title, (MARGIN, 18 * unit), 17, INK))?;
+    area.draw(&words(subtitle, (MARGIN, 40 * unit), 12, INK))
+}
+
+/// Draws axes, with the names of what is larger to the right and above.
+pub(super) fn log_axes<'a, DB: DrawingBackend>(
+    area: &'a Area<DB>,
+    names: [&str; 2],
+    x: &Range<f64>,
+    y: &Range<f64>,
+) -> std::result::Result<LogChart<'a, DB>, DrawingAreaErrorKind<DB::ErrorType>> {
+    let font = |size: u32| (FONT, size * SCALE).into_font().color(&INK);
+    let mut chart = ChartBuilder::on(area)
+        .margin(12 * SCALE)
+        .x_label_area_size(40 * SCALE)
+        .y_label_area_size(60 * SCALE)
+        .build_cartesian_2d(x.clone().log_scale(), y.clone().log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc(names[0])
+        .y_desc(names[1])
+        .x_labels(10)
+        .y_labels(6)
+        .max_light_lines(10)
+        .label_style(font(12))
+        .axis_desc_style(font(13))
+        .x_label_formatter(&|value| decimal(*value))
+        .y_label_formatter(&|value| decimal(*value))
+        .axis_style(INK)
+        .bold_line_style(FAINT)
+        .light_line_style(FAINTER)
+        .draw()?;
+    Ok(chart)
+}
+
 /// The drawing at its size on the page: its units stay, and are halved by the viewer.
-pub(super) fn sized(svg: &str, width: u32, height: u32) -> String {
+fn sized(svg: &str, width: u32, height: u32) -> String {
     svg.replacen(&size(width, height), &size(width / SCALE, height / SCALE), 1)
 }
 
@@ -62,7 +131,8 @@ pub(super) fn marker<C, DB: DrawingBackend>(series: usize, at: C) -> Marker<C, D
     EmptyElement::at(at) + Polygon::new(outline, COLORS[series % COLORS.len()].filled())
 }
 
-/// A range with some air around the values, in which two powers of ten lie at least.
+/// A range with some air around the values, in which two powers of ten lie at least, neither of them
+/// so near its end that the number written there would be cut off.
 pub(super) fn range(values: impl Iterator<Item = f64> + Clone) -> Option<Range<f64>> {
     let low = libm::log10(values.clone().fold(f64::INFINITY, f64::min)) - 0.12;
     let high = libm::log10(values.fold(0.0, f64::max)) + 0.12;
@@ -70,12 +140,12 @@ pub(super) fn range(values: impl Iterator<Item = f64> + Clone) -> Option<Range<f
         return None;
     }
     let has_two = high.floor() - low.ceil() >= 1.0;
-    let (low, high) = if has_two { (low, high) } else { (low.floor(), high.ceil()) };
+    let (low, high) = if has_two { (low, high) } else { (low.floor() - 0.06, high.ceil() + 0.06) };
     Some(libm::exp10(low)..libm::exp10(high))
 }
 
 /// A power of ten as a person writes it.
-pub(super) fn decimal(value: f64) -> String {
+fn decimal(value: f64) -> String {
     let exponent = libm::log10(value).round() as i32;
     if (-3..=4).contains(&exponent) {
         format!("{:.*}", (-exponent).max(0) as usize, value)
@@ -90,7 +160,8 @@ mod tests {
 
     #[test]
     fn ranges_hold_two_powers_of_ten() {
-        assert_eq!(range([0.02, 0.3].into_iter()).unwrap(), 0.01..1.0);
+        let narrow = range([0.02, 0.3].into_iter()).unwrap();
+        assert!((0.008..0.01).contains(&narrow.start) && (1.0..1.2).contains(&narrow.end));
         let wide = range([1.0, 64.0].into_iter()).unwrap();
         assert!(wide.start < 1.0 && wide.end > 64.0 && wide.end < 100.0);
         assert_eq!(range(std::iter::empty()), None);

@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use plotters::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 use super::Figure;
 
 use crate::verify::drawing::{
-    Area, COLORS, Drawn, FAINT, FAINTER, FONT, INK, SCALE, decimal, marker, range, sized, words,
+    Area, COLORS, Drawn, INK, MARGIN, SCALE, drawn, headline, log_axes, marker, range, words,
 };
 
 const WIDTH: u32 = 960 * SCALE;
@@ -63,7 +63,7 @@ pub(super) fn bars(title: &str, subtitle: &str, groups: &[Group]) -> Result<Stri
         let mut top = TITLE_HEIGHT as i32;
         for group in groups {
             let middle = top + GROUP_HEIGHT as i32 / 2;
-            root.draw(&words(&group.name, (margin(), middle), 14, INK))?;
+            root.draw(&words(&group.name, (MARGIN, middle), 14, INK))?;
             top += GROUP_HEIGHT as i32;
             let longest = group.bars.iter().map(|bar| bar.value.high).fold(0.0, f64::max);
             for bar in &group.bars {
@@ -86,7 +86,7 @@ fn draw_bar<DB: DrawingBackend>(root: &Area<DB>, bar: &Bar, longest: f64, top: i
     root.draw(&Rectangle::new(corners, color.filled()))?;
     let ends = [bar.value.low, bar.value.high].map(|value| (place(value), middle));
     root.draw(&PathElement::new(ends.to_vec(), INK.stroke_width(SCALE)))?;
-    root.draw(&words(&bar.name, (margin() + 12 * SCALE as i32, middle), 12, INK))?;
+    root.draw(&words(&bar.name, (MARGIN + 12 * SCALE as i32, middle), 12, INK))?;
     let behind = ends[1].0 + 8 * SCALE as i32;
     root.draw(&words(&bar.words, (behind, middle), 12, INK))
 }
@@ -140,9 +140,9 @@ pub(super) fn lines(title: &str, axes: &Axes, lines: &[Line]) -> Result<String> 
     drawn(CHART, |root| {
         let (head, body) = root.split_vertically(LEGEND_HEIGHT);
         let unit = SCALE as i32;
-        head.draw(&words(title, (margin(), 16 * unit), 15, INK))?;
+        head.draw(&words(title, (MARGIN, 16 * unit), 15, INK))?;
         for (i, line) in lines.iter().enumerate() {
-            let at = (margin() + 6 * unit + i as i32 * LEGEND_STEP, 38 * unit);
+            let at = (MARGIN + 6 * unit + i as i32 * LEGEND_STEP, 38 * unit);
             head.draw(&marker(line.color, at))?;
             head.draw(&words(&line.name, (at.0 + 10 * unit, at.1), 12, INK))?;
         }
@@ -151,27 +151,7 @@ pub(super) fn lines(title: &str, axes: &Axes, lines: &[Line]) -> Result<String> 
 }
 
 fn draw_lines<DB: DrawingBackend>(area: &Area<DB>, axes: &Axes, lines: &[Line]) -> Drawn<DB> {
-    let font = |size: u32| (FONT, size * SCALE).into_font().color(&INK);
-    let mut chart = ChartBuilder::on(area)
-        .margin(8 * SCALE)
-        .x_label_area_size(38 * SCALE)
-        .y_label_area_size(56 * SCALE)
-        .build_cartesian_2d(axes.x.clone().log_scale(), axes.y.clone().log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc(axes.names[0])
-        .y_desc(axes.names[1])
-        .x_labels(10)
-        .y_labels(6)
-        .max_light_lines(10)
-        .label_style(font(12))
-        .axis_desc_style(font(12))
-        .x_label_formatter(&|value| decimal(*value))
-        .y_label_formatter(&|value| decimal(*value))
-        .axis_style(INK)
-        .bold_line_style(FAINT)
-        .light_line_style(FAINTER)
-        .draw()?;
+    let mut chart = log_axes(area, axes.names, &axes.x, &axes.y)?;
     for line in lines {
         let color = COLORS[line.color % COLORS.len()];
         let places: Vec<(f64, f64)> = line.points.iter().map(|p| (p.x, p.y.median)).collect();
@@ -185,33 +165,6 @@ fn draw_lines<DB: DrawingBackend>(area: &Area<DB>, axes: &Axes, lines: &[Line]) 
         chart.draw_series(places.into_iter().map(|place| marker(line.color, place)))?;
     }
     Ok(())
-}
-
-type Root<'a> = Area<SVGBackend<'a>>;
-
-/// A whole drawing of this size.
-fn drawn(
-    size: [u32; 2],
-    content: impl Fn(&Root<'_>) -> Drawn<SVGBackend<'static>>,
-) -> Result<String> {
-    let mut text = String::new();
-    let root = SVGBackend::with_string(&mut text, size.into()).into_drawing_area();
-    root.fill(&WHITE)
-        .and_then(|()| content(&root))
-        .and_then(|()| root.present())
-        .map_err(|e| Error::input(format!("the plot cannot be drawn: {e}")))?;
-    drop(root);
-    Ok(sized(&text, size[0], size[1]))
-}
-
-fn margin() -> i32 {
-    16 * SCALE as i32
-}
-
-fn headline<DB: DrawingBackend>(root: &Area<DB>, title: &str, subtitle: &str) -> Drawn<DB> {
-    let line = |number: i32| 18 * SCALE as i32 + number * 22 * SCALE as i32;
-    root.draw(&words(title, (margin(), line(0)), 17, INK))?;
-    root.draw(&words(subtitle, (margin(), line(1)), 12, INK))
 }
 
 #[cfg(test)]
