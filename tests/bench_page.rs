@@ -91,6 +91,12 @@ fn nothing_is_left_where_something_is_missing() {
         assert!(!output.status.success() && said.starts_with("error:"), "{words}: {said}");
         assert_eq!(fs::read_dir(desk.path()).expect("it is there").count(), 0, "{words}");
     }
+    for (words, ending) in [("bench s.toml --svg a.png", "svg"), ("bench --suite a.svg", "html")] {
+        let output = photosphere(desk.path(), words);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{words}: {said}");
+        assert!(said.contains(&format!("does not end in .{ending}")), "{words}: {said}");
+    }
     succeed(desk.path(), "bench --suite page.html --largest 100 --memory-limit 1MB");
     let page = fs::read_to_string(desk.path().join("page.html")).expect("an empty page");
     assert!(!page.contains("<svg"), "nothing fits into a megabyte");

@@ -76,6 +76,9 @@ fn what_cannot_be_done_is_said_before_any_work() {
     let nowhere = verify(&["--quick", "--report", "/nowhere/report.html"]);
     assert_eq!(nowhere.status.code(), Some(4), "{}", text(&nowhere.stderr));
     assert!(text(&nowhere.stderr).contains("does not exist"));
+    let other = verify(&["--quick", "--report", "report.txt"]);
+    assert_eq!(other.status.code(), Some(3), "{}", text(&other.stderr));
+    assert!(text(&other.stderr).contains("`report.txt` does not end in .html"));
     let nothing = verify(&["--quick", "--only", "no such check"]);
     assert_eq!(nothing.status.code(), Some(3), "{}", text(&nothing.stderr));
     let both = verify(&["--quick", "--full"]);

@@ -26,7 +26,8 @@ const BAR: &str = "{bar:32} {pos} of {len}  {elapsed}  {wide_msg}";
 /// # Errors
 /// When an intersector cannot be built, or the report not be written.
 pub(super) fn run(args: &VerifyArgs) -> Result<Exit> {
-    let report = args.report.as_deref().map(WholeFile::new).transpose()?;
+    let html = |path| WholeFile::ending_in(path, "html");
+    let report = args.report.as_deref().map(html).transpose()?;
     interrupt::listen();
     on_threads(args.threads, || verify(args, report))
 }

@@ -47,6 +47,19 @@ impl WholeFile {
         Ok(Self { path })
     }
 
+    /// The same for content of one format only, whose extension the path must have, in any case.
+    ///
+    /// # Errors
+    /// When it has another one; else like [`Self::new`].
+    pub fn ending_in(path: &Path, extension: &str) -> Result<Self> {
+        if !path.extension().unwrap_or_default().eq_ignore_ascii_case(extension) {
+            let (path, upper) = (path.display(), extension.to_ascii_uppercase());
+            return Err(Error::input(format!("`{path}` does not end in .{extension}"))
+                .with_help(format!("what is written there is {upper}; name it so")));
+        }
+        Self::new(path)
+    }
+
     /// Writes the content and gives the file its name.
     ///
     /// # Errors

@@ -41,7 +41,8 @@ pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
 }
 
 fn measure_file(args: &BenchArgs, path: &Path) -> Result<Exit> {
-    let drawing = args.svg.as_deref().map(WholeFile::new).transpose()?;
+    let svg = |path| WholeFile::ending_in(path, "svg");
+    let drawing = args.svg.as_deref().map(svg).transpose()?;
     let opened = open_file(path, &args.scene.overrides())?;
     let backends = args.accels.backends();
     let besides = bytes_of_rays(&opened, backends.len());

@@ -29,7 +29,7 @@ const RAYS: u64 = 1 << 30;
 /// # Errors
 /// When an intersector cannot be built, or the page not be written.
 pub(super) fn run(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
-    let file = WholeFile::new(path)?;
+    let file = WholeFile::ending_in(path, "html")?;
     let cancel = interrupt.cancel();
     let entries = entries(args, interrupt)?;
     let text = page(&facts(rounds(args)), &entries)?;
