@@ -96,6 +96,53 @@ fn a_picture_can_be_the_reference_and_its_error_is_then_not_known() {
     assert!(outcome.stderr.contains("add --size 16x12"), "{}", outcome.stderr);
 }
 
+/// The paper's sub-pixels are k x k, and all curves have points at the same samples.
+#[test]
+fn the_usual_samples_are_such_that_the_paper_can_take_them() {
+    let folder = desk();
+    let few = "fig2.toml --size 6x4 --seeds 2 --reference-spp 8 -o n.svg";
+    let samples = |told: &Value| -> Vec<Vec<u64>> {
+        let of = |series: &Value| {
+            let points = series["points"].as_array().unwrap().iter();
+            points.map(|point| point["samples_per_pixel"].as_u64().unwrap()).collect()
+        };
+        told["series"].as_array().unwrap().iter().map(of).collect()
+    };
+    let told = json(&folder, &format!("{few} --integrator paper,path"));
+    assert_eq!(samples(&told), [[4, 8, 16, 32, 64, 128, 256]; 2]);
+    let three = "--set render.paper.subpixels=3";
+    let told = json(&folder, &format!("{few} --integrator paper {three}"));
+    assert_eq!(samples(&told), [[9, 18, 36, 72, 144, 288, 576]]);
+    let told = json(&folder, &format!("{few} --integrator path {three}"));
+    assert_eq!(samples(&told), [[1, 2, 4, 8, 16, 32, 64]]);
+}
+
+/// Aiming at the lamp of figure 2 is worth far more than finding it by chance: a factor of ten in the
+/// error, at the least.
+#[test]
+fn estimators_are_curves_of_their_own() {
+    let folder = desk();
+    let arguments = "fig2.toml --size 16x12 --spp 16,64 --seeds 4 --estimator mis,bsdf -o n.svg";
+    let told = json(&folder, &format!("{arguments} --integrator path"));
+    let series = told["series"].as_array().unwrap();
+    let names: Vec<_> = series.iter().map(|series| series["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["path, mis", "path, bsdf"]);
+    let error = |series: &Value| number(&series["points"][1]["error"]["mean"]);
+    assert!(error(&series[1]) > 10.0 * error(&series[0]), "{told}");
+}
+
+#[test]
+fn a_scene_without_any_error_is_not_told_to_have_a_better_reference() {
+    let folder = desk();
+    let black =
+        "fig2.toml --size 6x4 --seeds 2 --spp 1,2 --integrator path --set render.max_depth=1";
+    let outcome = run(&folder, &format!("{black} -o noise.svg"));
+    assert_eq!(outcome.code, Some(3), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("there is no error to plot"), "{}", outcome.stderr);
+    assert!(!outcome.stderr.contains("reference-spp"), "{}", outcome.stderr);
+    assert!(!folder.path().join("noise.svg").exists());
+}
+
 #[test]
 fn mistakes_are_told_before_anything_is_rendered() {
     let folder = desk();
@@ -104,6 +151,7 @@ fn mistakes_are_told_before_anything_is_rendered() {
         ("fig2.toml -o none/noise.svg", 4, "does not exist"),
         ("none.toml -o noise.svg", 4, "none.toml"),
         ("fig2.toml --integrator path,pth -o noise.svg", 3, "--integrator pth"),
+        ("fig2.toml --estimator mis,mos -o noise.svg", 3, "--estimator mos"),
         (
             "fig2.toml --integrator paper --spp 4,6 -o noise.svg",
             3,

@@ -9,17 +9,22 @@ use crate::verify::converge;
 
 use super::{SceneArgs, Size, backends, seed, size};
 
+/// How many numbers of samples are compared where none are asked for.
+const USUAL_POINTS: u32 = 7;
+
 /// Plot how the error of a scene falls with samples and with time
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   photosphere converge scenes/paper/fig2.toml --size 80x60 -o noise.svg
-  photosphere converge fig2.toml --size 80x60 --integrator paper,path --spp 4,40,400 -o noise.svg
-  photosphere converge fig2.toml --sampler sobol,independent --reference best.exr -o samplers.svg
-  photosphere converge fig2.toml --accel native,embree --metric relmse -o speed.svg --json
+  photosphere converge fig2.toml --integrator paper,path -o noise.svg
+  photosphere converge fig2.toml --estimator mis,light,bsdf -o estimators.svg
+  photosphere converge fig2.toml --sampler sobol,independent -o samplers.svg
+  photosphere converge fig2.toml --reference best.exr -o noise.svg --json
+  photosphere converge fig2.toml --accel native,embree -o speed.svg
 
-Every combination of --integrator, --sampler and --accel is one curve; where none is named the scene
-decides. Each point is the mean over --seeds renders with its 95 % interval (Student's t), and so is
+Every combination of --integrator, --estimator, --sampler and --accel is one curve; where none is
+named the scene decides. Each point is the mean over --seeds renders with its 95 % interval (Student's t), and so is
 each slope, fitted by least squares in log-log for every seed. Independent samples have the slope
 -0.5 (RMSE), or -1 (relMSE, the mean of ((A - B) / (|B| + 0.01))^2). `cost` is squared error times
 seconds: what a method costs, whatever the number of samples.
@@ -29,7 +34,7 @@ which is printed and taken away from every point. That of a --reference FILE is 
 file has a layer `variance`; else it stays in every point, and curves flatten where they meet it.
 
 Seconds are of this machine as it is now: close other programs, or look only at ratios. The integrator
-`paper` needs samples that are a multiple of its sub-pixels: --spp 4,40,400.")]
+`paper` needs samples that are a multiple of its k x k sub-pixels, as in --spp 4,40,400.")]
 pub(in crate::cli) struct ConvergeArgs {
     #[command(flatten)]
     pub(in crate::cli) scene: SceneArgs,
@@ -38,14 +43,19 @@ pub(in crate::cli) struct ConvergeArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(in crate::cli) output: PathBuf,
 
-    /// Samples per pixel, one point each
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1,2,4,8,16,32,64")]
+    /// Samples per pixel, one point each; by default 1,2,4,8,16,32,64, times the sub-pixels where
+    /// `paper` is compared
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
     #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     spp: Vec<u32>,
 
     /// Estimators of light to compare
     #[arg(long = "integrator", value_name = "LIST", value_delimiter = ',')]
     pub(in crate::cli) integrators: Vec<String>,
+
+    /// Ways to find lights to compare
+    #[arg(long = "estimator", value_name = "LIST", value_delimiter = ',')]
+    pub(in crate::cli) estimators: Vec<String>,
 
     /// Sources of random numbers to compare
     #[arg(long = "sampler", value_name = "LIST", value_delimiter = ',')]
@@ -110,17 +120,19 @@ impl From<Metric> for converge::Metric {
 }
 
 impl ConvergeArgs {
-    /// Samples per pixel, rising and each once.
-    pub(in crate::cli) fn samples(&self) -> Vec<u32> {
+    /// Samples per pixel, rising and each once; where none are asked for, multiples of `step`.
+    pub(in crate::cli) fn samples(&self, step: u32) -> Vec<u32> {
+        if self.spp.is_empty() {
+            return (0..USUAL_POINTS).map(|point| step << point).collect();
+        }
         let mut samples = self.spp.clone();
         samples.sort_unstable();
         samples.dedup();
         samples
     }
 
-    /// Samples per pixel of each of the reference's halves.
-    pub(in crate::cli) fn reference_half(&self) -> u32 {
-        let most = self.spp.iter().copied().max().unwrap_or(1);
+    /// Samples per pixel of each of the reference's halves, where `most` are compared with it.
+    pub(in crate::cli) fn reference_half(&self, most: u32) -> u32 {
         self.reference_spp.unwrap_or(most.saturating_mul(16)) / 2
     }
 }

@@ -175,6 +175,11 @@ impl Point {
 }
 
 impl Series {
+    /// Whether any of its points is off from the reference by more than the reference itself.
+    pub fn has_error(&self, metric: Metric) -> bool {
+        self.points.iter().any(|point| point.error(metric).mean > 0.0)
+    }
+
     /// The line through all points; `None` for a single point, or where an error is not positive
     /// because the reference is too noisy.
     pub fn fit(&self, metric: Metric, axis: Axis) -> Option<Fit> {

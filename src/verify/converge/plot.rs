@@ -8,7 +8,7 @@ use plotters::prelude::*;
 use crate::error::{Error, Result};
 
 use super::super::drawing::{
-    Area, COLORS, Drawn, FAINT, FAINTER, FONT, INK, SCALE, decimal, marker, range, sized, words,
+    Area, COLORS, Drawn, INK, SCALE, drawn, headline, log_axes, marker, range, words,
 };
 use super::super::statistics::Estimate;
 use super::{Axis, Metric, Series};
@@ -17,6 +17,7 @@ const WIDTH: u32 = 1120 * SCALE;
 const PLOT_HEIGHT: u32 = 440 * SCALE;
 const TITLE_HEIGHT: u32 = 56 * SCALE;
 const ROW_HEIGHT: u32 = 24 * SCALE;
+
 /// What is written above the plots.
 pub struct Heading<'a> {
     /// What was rendered.
@@ -30,39 +31,21 @@ pub struct Heading<'a> {
 /// # Errors
 /// When nothing can be drawn: no error is positive and finite.
 pub fn svg(series: &[Series], metric: Metric, heading: &Heading<'_>) -> Result<String> {
-    let mut text = String::new();
     let height =
         TITLE_HEIGHT + PLOT_HEIGHT + ROW_HEIGHT * (series.len() as u32 + 1) + TITLE_HEIGHT / 4;
     let panels = [Axis::Samples, Axis::Seconds].map(|axis| Panel::new(series, metric, axis));
     let [Some(left), Some(right)] = &panels else {
-        return Err(Error::input("there is no error above the reference's own noise to plot")
-            .with_help("make the reference better with --reference-spp"));
+        return Err(Error::input("there is no error above the reference's own noise to plot"));
     };
-    let root = SVGBackend::with_string(&mut text, (WIDTH, height)).into_drawing_area();
-    draw(&root, series, heading, left, right)
-        .map_err(|e| Error::input(format!("the plot cannot be drawn: {e}")))?;
-    drop(root);
-    Ok(sized(&text, WIDTH, height))
-}
-
-fn draw<DB: DrawingBackend>(
-    root: &Area<DB>,
-    series: &[Series],
-    heading: &Heading<'_>,
-    left: &Panel<'_>,
-    right: &Panel<'_>,
-) -> Drawn<DB> {
-    root.fill(&WHITE)?;
-    let (title, rest) = root.split_vertically(TITLE_HEIGHT);
-    let margin = 16 * SCALE as i32;
-    title.draw(&words(heading.title, (margin, margin), 17, INK))?;
-    title.draw(&words(heading.subtitle, (margin, margin + 22 * SCALE as i32), 12, INK))?;
-    let (plots, legend) = rest.split_vertically(PLOT_HEIGHT);
-    let (on_left, on_right) = plots.split_horizontally(WIDTH / 2);
-    left.draw(&on_left)?;
-    right.draw(&on_right)?;
-    draw_legend(&legend, series, left, right)?;
-    root.present()
+    drawn([WIDTH, height], |root| {
+        let (title, rest) = root.split_vertically(TITLE_HEIGHT);
+        headline(&title, heading.title, heading.subtitle)?;
+        let (plots, legend) = rest.split_vertically(PLOT_HEIGHT);
+        let (on_left, on_right) = plots.split_horizontally(WIDTH / 2);
+        left.draw(&on_left)?;
+        right.draw(&on_right)?;
+        draw_legend(&legend, series, left, right)
+    })
 }
 
 fn draw_legend<DB: DrawingBackend>(
@@ -141,31 +124,11 @@ impl<'a> Panel<'a> {
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &Area<DB>) -> Drawn<DB> {
-        let font = |size: u32| (FONT, size * SCALE).into_font().color(&INK);
         let x_name = match self.axis {
             Axis::Samples => "samples per pixel",
             Axis::Seconds => "seconds",
         };
-        let mut chart = ChartBuilder::on(area)
-            .margin(14 * SCALE)
-            .x_label_area_size(40 * SCALE)
-            .y_label_area_size(64 * SCALE)
-            .build_cartesian_2d(self.x.clone().log_scale(), self.y.clone().log_scale())?;
-        chart
-            .configure_mesh()
-            .x_desc(x_name)
-            .y_desc(self.metric.name())
-            .x_labels(5)
-            .y_labels(5)
-            .max_light_lines(10)
-            .label_style(font(13))
-            .axis_desc_style(font(14))
-            .x_label_formatter(&|value| decimal(*value))
-            .y_label_formatter(&|value| decimal(*value))
-            .axis_style(INK)
-            .bold_line_style(FAINT)
-            .light_line_style(FAINTER)
-            .draw()?;
+        let mut chart = log_axes(area, [x_name, self.metric.name()], &self.x, &self.y)?;
         for (i, series) in self.series.iter().enumerate() {
             let color = COLORS[i % COLORS.len()];
             if let Some(line) = self.fitted(series) {

@@ -1,10 +1,10 @@
 //! `photosphere converge`: error against samples and against time.
 
+mod report;
+
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
-
-use serde_json::{Value, json};
 
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::color::Rgb;
@@ -12,9 +12,9 @@ use crate::error::{Error, Result};
 use crate::film::Picture;
 use crate::output::{self, BEAUTY, WholeFile};
 use crate::render::{self, RenderOptions};
+use crate::scene::description::Integrator;
 use crate::scene::{Override, Scene};
-use crate::verify::converge::{Axis, Metric, Point, Reference, Series, plot};
-use crate::verify::statistics::Estimate;
+use crate::verify::converge::{Metric, Point, Reference, Series, plot};
 
 use super::args::ConvergeArgs;
 use super::compare::check_finite;
@@ -25,18 +25,11 @@ use super::{interrupt, on_threads, print};
 
 /// The seeds of the reference's halves are far from any that a user takes.
 const REFERENCE_SEED: u64 = 1 << 40;
-/// How sure the intervals are.
-const CONFIDENCE: f64 = 0.95;
 
 /// # Errors
 /// Whatever stands between the scene and the plot, the place of the plot first.
 pub(super) fn run(args: &ConvergeArgs) -> Result<Exit> {
-    let extension = args.output.extension().unwrap_or_default();
-    if !extension.eq_ignore_ascii_case("svg") {
-        let message = format!("`{}` does not end in .svg", args.output.display());
-        return Err(Error::input(message).with_help("the plot is a vector drawing"));
-    }
-    let file = WholeFile::new(&args.output)?;
+    let file = WholeFile::ending_in(&args.output, "svg")?;
     interrupt::listen();
     on_threads(args.scene.threads(), || converge(args, file))
 }
@@ -52,13 +45,16 @@ fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
     let (reference, series) = result?;
     let about = study.about_reference(&reference, metric);
     let title = format!("{}, {}", study.scene_name(), study.size_in_words());
+    if !series.iter().any(|one| one.has_error(metric)) {
+        return Err(report::nothing_to_plot(&reference, metric));
+    }
     let svg = plot::svg(&series, metric, &plot::Heading { title: &title, subtitle: &about })?;
     file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
-    warn_of_noise(&reference, &series, metric);
+    report::warn_of_noise(&reference, &series, metric);
     if args.json {
-        print::json(&in_json(args, &study, &reference, &series))?;
+        print::json(&report::in_json(args, &study, &reference, &series))?;
     } else {
-        print::result(&in_words(&title, &about, &series, metric))?;
+        print::result(&report::in_words(&title, &about, &series, metric))?;
     }
     if !args.quiet {
         print::remark(format_args!("wrote {}", args.output.display()));
@@ -69,6 +65,7 @@ fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
 /// One curve.
 struct Variant {
     integrator: Option<String>,
+    estimator: Option<String>,
     sampler: Option<String>,
     accel: Backend,
 }
@@ -79,6 +76,8 @@ struct Study<'a> {
     /// Any of the scenes: all have the same spheres.
     scene: Scene,
     variants: Vec<Variant>,
+    /// Samples per pixel, rising.
+    samples: Vec<u32>,
     reference_integrator: String,
 }
 
@@ -91,15 +90,26 @@ impl<'a> Study<'a> {
             if args.accels.is_empty() { vec![Backend::default()] } else { args.accels.clone() };
         let mut variants = Vec::new();
         for integrator in options(&args.integrators) {
-            for sampler in options(&args.samplers) {
-                for &accel in &accels {
-                    let (integrator, sampler) = (integrator.clone(), sampler.clone());
-                    variants.push(Variant { integrator, sampler, accel });
+            for estimator in options(&args.estimators) {
+                for sampler in options(&args.samplers) {
+                    let [integrator, estimator, sampler] =
+                        [&integrator, &estimator, &sampler].map(Clone::clone);
+                    let of = |&accel: &Backend| Variant {
+                        integrator: integrator.clone(),
+                        estimator: estimator.clone(),
+                        sampler: sampler.clone(),
+                        accel,
+                    };
+                    variants.extend(accels.iter().map(of));
                 }
             }
         }
-        let samples = args.samples();
-        let scene = load(args, &variants[0], samples[0])?;
+        let mut step = 1;
+        for variant in &variants {
+            step = step.max(subpixels(&load(args, variant, None)?));
+        }
+        let samples = args.samples(step);
+        let scene = load(args, &variants[0], Some(samples[0]))?;
         let own = name_of(&scene.description().render.integrator);
         let is_compared = |name: &str| match args.integrators.as_slice() {
             [] => own == name,
@@ -110,29 +120,34 @@ impl<'a> Study<'a> {
             None if is_compared("path") || is_compared("paper") => "path".to_owned(),
             None => args.integrators.first().map_or(own, String::as_str).to_owned(),
         };
-        let study = Self { args, scene, variants, reference_integrator };
-        study.try_all(&samples)?;
+        let study = Self { args, scene, variants, samples, reference_integrator };
+        study.try_all()?;
         Ok(study)
     }
 
     /// Lets the scene object now and not after an hour.
-    fn try_all(&self, samples: &[u32]) -> Result<()> {
+    fn try_all(&self) -> Result<()> {
         for variant in &self.variants {
-            for &count in samples {
-                load(self.args, variant, count)?;
+            for &count in &self.samples {
+                load(self.args, variant, Some(count))?;
             }
         }
         match &self.args.reference {
             Some(_) => Ok(()),
-            None => {
-                load(self.args, &self.reference_variant(), self.args.reference_half()).map(drop)
-            }
+            None => self.load_reference().map(drop),
         }
     }
 
-    fn reference_variant(&self) -> Variant {
+    /// The scene as the halves of the reference render it.
+    fn load_reference(&self) -> Result<Scene> {
         let integrator = Some(self.reference_integrator.clone());
-        Variant { integrator, sampler: None, accel: self.variants[0].accel }
+        let accel = self.variants[0].accel;
+        let variant = Variant { integrator, estimator: None, sampler: None, accel };
+        load(self.args, &variant, Some(self.reference_half()))
+    }
+
+    fn reference_half(&self) -> u32 {
+        self.args.reference_half(self.samples.last().copied().unwrap_or(1))
     }
 
     fn pixels(&self) -> u64 {
@@ -142,11 +157,11 @@ impl<'a> Study<'a> {
 
     /// Samples in all.
     fn total(&self) -> u64 {
-        let points: u64 = self.args.samples().into_iter().map(u64::from).sum();
+        let points: u64 = self.samples.iter().copied().map(u64::from).sum();
         let curves = points * self.variants.len() as u64 * u64::from(self.args.seeds);
         let reference =
-            if self.args.reference.is_some() { 0 } else { 2 * self.args.reference_half() };
-        self.pixels() * (curves + u64::from(reference))
+            if self.args.reference.is_some() { 0 } else { 2 * u64::from(self.reference_half()) };
+        self.pixels() * (curves + reference)
     }
 
     fn measure(&self, bench: &Bench<'_>) -> Result<(Reference, Vec<Series>)> {
@@ -160,11 +175,11 @@ impl<'a> Study<'a> {
         let name = |variant: &Variant| self.name_of(variant);
         let empty = |variant: &Variant| Series { name: name(variant), points: Vec::new() };
         let mut series: Vec<Series> = self.variants.iter().map(empty).collect();
-        for count in self.args.samples() {
+        for &count in &self.samples {
             let mut scenes: Vec<Scene> = self
                 .variants
                 .iter()
-                .map(|variant| load(self.args, variant, count))
+                .map(|variant| load(self.args, variant, Some(count)))
                 .collect::<Result<_>>()?;
             let mut runs = vec![Vec::new(); scenes.len()];
             // The variants take turns, so that what else the machine does troubles all alike.
@@ -186,8 +201,7 @@ impl<'a> Study<'a> {
         if let Some(path) = &self.args.reference {
             return self.read_reference(path);
         }
-        let half = self.args.reference_half();
-        let mut scene = load(self.args, &self.reference_variant(), half)?;
+        let mut scene = self.load_reference()?;
         let mut render = |seed| {
             scene.set_seed(seed);
             bench.render(&scene, accel).map(|(pixels, _)| pixels)
@@ -218,7 +232,9 @@ impl<'a> Study<'a> {
     fn name_of(&self, variant: &Variant) -> String {
         let own = name_of(&self.scene.description().render.integrator);
         let mut parts = vec![variant.integrator.as_deref().unwrap_or(own)];
-        parts.extend(variant.sampler.as_deref());
+        parts.extend(
+            [&variant.estimator, &variant.sampler].into_iter().filter_map(Option::as_deref),
+        );
         if !self.args.accels.is_empty() {
             parts.push(variant.accel.name());
         }
@@ -241,7 +257,7 @@ impl<'a> Study<'a> {
             None => format!(
                 "{}, 2 x {} samples per pixel",
                 self.reference_integrator,
-                self.args.reference_half()
+                self.reference_half()
             ),
         };
         match reference.noise(metric) {
@@ -286,14 +302,25 @@ fn beauty(picture: &Picture) -> Vec<Rgb> {
     (0..picture.len()).map(|pixel| picture.beauty(pixel)).collect()
 }
 
+/// What the samples of a pixel have to be a multiple of.
+fn subpixels(scene: &Scene) -> u32 {
+    match scene.description().render.integrator {
+        Integrator::Paper(paper) => paper.subpixels.pow(2),
+        _ => 1,
+    }
+}
+
 /// The scene as a variant renders it.
-fn load(args: &ConvergeArgs, variant: &Variant, samples: u32) -> Result<Scene> {
+fn load(args: &ConvergeArgs, variant: &Variant, samples: Option<u32>) -> Result<Scene> {
     let mut overrides = Vec::new();
     let mut set = |option: String, key: &str, value: String| {
         overrides.push(Override { option, key: key.to_owned(), value });
     };
     if let Some(name) = &variant.integrator {
         set(format!("--integrator {name}"), "render.integrator", name.clone());
+    }
+    if let Some(name) = &variant.estimator {
+        set(format!("--estimator {name}"), "render.estimator", name.clone());
     }
     if let Some(name) = &variant.sampler {
         set(format!("--sampler {name}"), "render.sampler", name.clone());
@@ -302,96 +329,9 @@ fn load(args: &ConvergeArgs, variant: &Variant, samples: u32) -> Result<Scene> {
         set(format!("--size {size}"), "image.width", size.width.to_string());
         set(format!("--size {size}"), "image.height", size.height.to_string());
     }
-    set(format!("--spp {samples}"), "render.samples_per_pixel", samples.to_string());
+    if let Some(samples) = samples {
+        set(format!("--spp {samples}"), "render.samples_per_pixel", samples.to_string());
+    }
     overrides.extend(args.scene.overrides());
     Scene::load(&args.scene.path, &overrides)
-}
-
-/// A reference that is nearly as noisy as what it judges is no reference.
-fn warn_of_noise(reference: &Reference, series: &[Series], metric: Metric) {
-    let least = series
-        .iter()
-        .flat_map(|one| &one.points)
-        .map(|point| point.error(metric).mean)
-        .fold(f64::INFINITY, |least, error| if error >= least { least } else { error });
-    if reference.noise(metric).is_some_and(|own| own >= 0.5 * least) {
-        print::warning("the reference is nearly as noisy as the best point; raise --reference-spp");
-    }
-}
-
-/// `0.03720 +- 0.00012`, the interval in two digits.
-fn with_margin(estimate: Estimate) -> String {
-    format!("{:.4e} +- {:.1e}", estimate.mean, estimate.margin(CONFIDENCE))
-}
-
-fn in_words(title: &str, about: &str, series: &[Series], metric: Metric) -> String {
-    let mut text = format!("{title}\n{about}\nmeans and slopes with 95 % intervals\n");
-    for one in series {
-        text +=
-            &format!("\n{}\n{:>8}  {:<24}{:<24}cost\n", one.name, "spp", metric.name(), "seconds");
-        for point in &one.points {
-            text += &format!(
-                "{:>8}  {:<24}{:<24}{}\n",
-                point.samples,
-                with_margin(point.error(metric)),
-                with_margin(point.seconds()),
-                with_margin(point.cost(metric)),
-            );
-        }
-        let slope = |axis| match one.fit(metric, axis) {
-            Some(fit) => format!("{:.3} +- {:.3}", fit.slope.mean, fit.slope.margin(CONFIDENCE)),
-            None => "none".to_owned(),
-        };
-        text += &format!(
-            "slope against samples {}, against seconds {}\n",
-            slope(Axis::Samples),
-            slope(Axis::Seconds)
-        );
-    }
-    text
-}
-
-fn in_json(
-    args: &ConvergeArgs,
-    study: &Study<'_>,
-    reference: &Reference,
-    series: &[Series],
-) -> Value {
-    let metric = Metric::from(args.metric);
-    let estimate = |estimate: Estimate| json!({ "mean": estimate.mean, "half_interval_95": estimate.margin(CONFIDENCE) });
-    let point = |point: &Point| {
-        json!({
-            "samples_per_pixel": point.samples,
-            "error": estimate(point.error(metric)),
-            "seconds": estimate(point.seconds()),
-            "cost": estimate(point.cost(metric)),
-        })
-    };
-    let one = |one: &Series| {
-        let slope = |axis| one.fit(metric, axis).map(|fit| estimate(fit.slope));
-        json!({
-            "name": one.name,
-            "points": one.points.iter().map(point).collect::<Vec<_>>(),
-            "slope_against_samples": slope(Axis::Samples),
-            "slope_against_seconds": slope(Axis::Seconds),
-        })
-    };
-    let image = study.scene.description().image;
-    json!({
-        "output": args.output.display().to_string(),
-        "metric": metric.name(),
-        "width": image.width,
-        "height": image.height,
-        "seeds": args.seeds,
-        "threads": rayon::current_num_threads(),
-        "reference": match &args.reference {
-            Some(path) => json!({ "file": path.display().to_string() }),
-            None => json!({
-                "integrator": study.reference_integrator,
-                "samples_per_pixel": 2 * u64::from(args.reference_half()),
-            }),
-        },
-        "reference_error": reference.noise(metric),
-        "series": series.iter().map(one).collect::<Vec<_>>(),
-    })
 }
