@@ -62,6 +62,26 @@ fn close(value: &Value, expected: f64) {
     assert!((value - expected).abs() <= 1e-6 * expected.abs(), "{value} for {expected}");
 }
 
+/// A picture over a black one has no ratio, and light over black is infinitely far from 1.
+#[test]
+fn over_black_there_is_no_ratio() {
+    let folder = desk();
+    write(&folder, "black.exr", SIZE, 0.0, 0.0);
+    let outcome = run(&folder, "a.exr black.exr --twin c.exr --max-mean 0.5");
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    for told in ["none, B is black", "0.50000 +- 0.0e0"] {
+        assert!(outcome.stdout.contains(told), "{told}: {}", outcome.stdout);
+    }
+    let all = format!("{}{}", outcome.stdout, outcome.stderr);
+    assert!(!all.contains("NaN") && !all.contains("inf "), "{all}");
+    assert!(outcome.stderr.contains("is infinite, since B is black"), "{}", outcome.stderr);
+    let told = json(&folder, "a.exr black.exr --twin c.exr --metric mean");
+    assert!(told["layers"][0]["mean_ratio"][0].is_null(), "{told}");
+    let outcome = run(&folder, "black.exr black.exr --twin black.exr --max-mean 0");
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    assert!(!outcome.stdout.contains("NaN"), "{}", outcome.stdout);
+}
+
 #[test]
 fn every_metric_of_every_layer_is_told() {
     let told = json(&desk(), "a.exr b.exr --peak 2");

@@ -267,7 +267,11 @@ impl Exceeded {
             Metric::Psnr => ("psnr", "at least"),
             other => (name(*other), "at most"),
         };
-        format!("failed: {name} of `{layer}` is {}, allowed is {allowed} {limit}", short(*value))
+        let value = match metric {
+            Metric::Mean if value.is_infinite() => "infinite, since B is black".to_owned(),
+            _ => short(*value),
+        };
+        format!("failed: {name} of `{layer}` is {value}, allowed is {allowed} {limit}")
     }
 }
 
@@ -350,7 +354,10 @@ fn means_in_words(result: &Difference) -> String {
             if axis == 0 { &result.layer } else { "" },
             with_interval(a.value, a.half_interval()),
             with_interval(b.value, b.half_interval()),
-            with_interval(result.ratio.0, result.ratio.1),
+            match result.ratio.0[axis].is_finite() {
+                true => with_interval(result.ratio.0, result.ratio.1),
+                false => "none, B is black".to_owned(),
+            },
         );
     }
     text

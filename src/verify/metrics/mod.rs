@@ -77,7 +77,8 @@ impl Mean {
     }
 
     /// `self` over `other`, with the half width of its 95 % interval where both are known, or one is
-    /// and the other counts as exact. 1 where both are 0.
+    /// and the other counts as exact. 1 where both are 0; infinite, with an infinite interval, where
+    /// only `other` is.
     pub fn ratio(&self, other: &Self) -> (DVec3, Option<DVec3>) {
         let of = |a: f64, b: f64| if a == b { 1.0 } else { a / b };
         let ratio = DVec3::from_array(std::array::from_fn(|c| of(self.value[c], other.value[c])));
@@ -85,10 +86,18 @@ impl Mean {
             return (ratio, None);
         }
         let error = |mean: &Self| mean.standard_error.unwrap_or(DVec3::ZERO);
-        let own = error(self) / other.value;
-        let others = ratio * error(other) / other.value;
-        let joint = (own * own + others * others).map(f64::sqrt);
-        (ratio, Some(joint * NORMAL_95))
+        let half = |c: usize| {
+            let (a, b) = (self.value[c], other.value[c]);
+            match (a == 0.0, b == 0.0) {
+                (true, true) => 0.0,
+                (false, true) => f64::INFINITY,
+                _ => {
+                    let (own, others) = (error(self)[c], ratio[c] * error(other)[c]);
+                    NORMAL_95 * (own * own + others * others).sqrt() / b.abs()
+                }
+            }
+        };
+        (ratio, Some(DVec3::from_array([0, 1, 2].map(half))))
     }
 }
 
@@ -126,6 +135,11 @@ mod tests {
         assert!((half.unwrap().x - expected).abs() < 1e-12);
         let zero = Mean { value: DVec3::ZERO, standard_error: None };
         assert_eq!(zero.ratio(&zero), (DVec3::ONE, None));
+        // Black over black, and light over black.
+        let black = mean(0.0, 0.0);
+        assert_eq!(black.ratio(&black), (DVec3::ONE, Some(DVec3::ZERO)));
+        let (ratio, half) = mean(2.0, 0.02).ratio(&black);
+        assert_eq!((ratio, half), (DVec3::INFINITY, Some(DVec3::INFINITY)));
     }
 
     /// 400 pictures of 400 pixels with known variance: the intervals from twins and from the variance
