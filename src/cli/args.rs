@@ -9,6 +9,7 @@ mod bench;
 mod compare;
 mod converge;
 mod generate;
+mod help;
 mod keep;
 mod memory;
 mod output;
@@ -35,6 +36,7 @@ pub(super) use bench::BenchArgs;
 pub(super) use compare::{CompareArgs, Mapped, Metric};
 pub(super) use converge::ConvergeArgs;
 pub(super) use generate::GenerateArgs;
+pub(super) use help::program;
 pub(super) use keep::{KeepArgs, MergeArgs, ResumeArgs};
 pub(super) use memory::MemoryArg;
 pub(super) use output::OutputArgs;
@@ -48,7 +50,7 @@ pub(super) use verify::VerifyArgs;
 const EXAMPLES: &str = "\
 Examples:
   photosphere render scenes/paper/fig2.toml -o fig2.png
-  photosphere render scenes/paper/fig2.toml -o fig2.exr --spp 1024 --accel native
+  photosphere render scenes/paper/fig2.toml -o fig2.exr --spp 1024
   photosphere info scenes/cornell-spheres.toml
   photosphere plan scenes/paper/fig2.toml --shards 4 --spp 4096 -o fig2.exr
   photosphere generate gas -n 1e6 -o gas.f32 --scene gas.toml
@@ -92,7 +94,7 @@ why there is none and which packages to install; then traces one ray with every 
     /// Print the completion script for a shell
     #[command(after_help = "\
 Examples:
-  photosphere completions bash > ~/.local/share/bash-completion/completions/photosphere
+  photosphere completions bash > photosphere-completion.bash
   photosphere completions fish > ~/.config/fish/completions/photosphere.fish")]
     Completions {
         shell: clap_complete::Shell,
@@ -137,13 +139,13 @@ pub(super) struct SceneOptions {
 Examples:
   photosphere render fig2.toml -o fig2.png
   photosphere render fig2.toml -o quick.png --size 320x240 --spp 4
-  photosphere render fig2.toml -o fig2.exr --integrator path --spp 1024 --seed 7
-  photosphere render fig2.toml -o red.png --set 'materials.grass.albedo=[0.6,0.1,0.1]'
+  photosphere render fig2.toml -o fig2.exr --estimator light --spp 1024 --seed 7
+  photosphere render fig2.toml -o red.png --set materials.grass.albedo=[0.6,0,0]
   photosphere render fig2.toml -o fig2.exr -o fig2.png --tone agx --exposure 1
-  photosphere render fig2.toml -o fig2.exr --layers direct,indirect,albedo,normal,depth
+  photosphere render fig2.toml -o fig2.exr --layers direct,albedo,normal,depth
   photosphere render fig2.toml -o fig2.pfm --quiet --json | jq .samples_per_s
   photosphere render fig2.toml -o fig2.exr --spp 65536 --checkpoint fig2.state
-  photosphere render fig2.toml -o right.part --samples 0..64 --crop 320,0,640,480
+  photosphere render fig2.toml -o b.part --samples 0..64 --crop 320,0,640,480
   photosphere render fig2.toml -o fig2.exr --noise 2% --preview so-far.png
 
 Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,

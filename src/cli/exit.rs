@@ -22,14 +22,16 @@ pub(super) enum Exit {
 pub(super) const EXIT_CODES: &str = "\
 Exit codes:
   0    done
-  1    a check failed: crosscheck found a wrong answer, verify an error, compare a difference
-       beyond a --max-..., or render or merge did not meet --noise (the picture is written)
-  2    the command line is wrong: an unknown option, a missing or malformed value
-  3    the scene, a table or the value of an option says something impossible; also where a table
-       cannot be read, or pictures cannot be compared
+  1    a check failed: crosscheck found a wrong answer, verify an error, compare
+       a difference beyond a --max-..., or render or merge did not meet --noise
+       (the picture is written)
+  2    the command line is wrong: an unknown option, a missing or wrong value
+  3    the scene, a table or the value of an option says something impossible;
+       also where a table cannot be read, or pictures cannot be compared
   4    any other file could not be read or written
   5    the intersector is missing or failed
-  130  stopped by Ctrl-C, SIGTERM or SIGHUP; render has written the samples it had, if any";
+  130  stopped by Ctrl-C, SIGTERM or SIGHUP; render has written the samples it
+       had, if any";
 
 impl Exit {
     pub(super) fn of(error: &Error) -> Self {

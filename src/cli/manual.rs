@@ -2,18 +2,16 @@
 
 use std::path::Path;
 
-use clap::CommandFactory;
-
 use crate::error::{Error, Result};
 
-use super::args::Cli;
+use super::args::program;
 use super::exit::Exit;
 use super::print;
 
 /// Prints the completion script for a shell.
 pub(super) fn completions(shell: clap_complete::Shell) -> Result<Exit> {
     let mut script = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "photosphere", &mut script);
+    clap_complete::generate(shell, &mut program(), "photosphere", &mut script);
     print::result(&String::from_utf8_lossy(&script))?;
     Ok(Exit::Done)
 }
@@ -23,7 +21,7 @@ pub(super) fn completions(shell: clap_complete::Shell) -> Result<Exit> {
 /// # Errors
 /// When there is no such command.
 pub(super) fn page(command: Option<&str>) -> Result<Exit> {
-    let mut program = Cli::command();
+    let mut program = program();
     // Gives the commands the names under which `man` looks for them: photosphere-render.
     program.build();
     let subject = match command {

@@ -34,7 +34,7 @@ mod watch;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::FromArgMatches;
 
 use crate::error::{Error, Result};
 
@@ -43,7 +43,7 @@ use exit::Exit;
 
 /// Runs the command that the program's arguments ask for, and prints what comes of it.
 pub fn main() -> ExitCode {
-    let exit = match Cli::try_parse() {
+    let exit = match read() {
         Ok(cli) => run(&cli.command).unwrap_or_else(|e| {
             error::print(&e);
             Exit::of(&e)
@@ -51,6 +51,13 @@ pub fn main() -> ExitCode {
         Err(answer) => help_or_wrong_usage(&answer),
     };
     exit.into()
+}
+
+/// The arguments, understood.
+fn read() -> std::result::Result<Cli, clap::Error> {
+    let mut program = args::program();
+    let mut words = program.try_get_matches_from_mut(std::env::args_os())?;
+    Cli::from_arg_matches_mut(&mut words).map_err(|e| e.format(&mut program))
 }
 
 fn run(command: &Command) -> Result<Exit> {

@@ -11,8 +11,8 @@ use super::{AccelsArg, BuildArg, MemoryArg, SceneOptions, generate};
 #[command(after_help = "\
 Examples:
   photosphere bench scenes/paper/fig2.toml
-  photosphere bench grains.toml --accel native --accel embree --threads 1 --rounds 9 --json
-  photosphere bench grains.toml --batch 1,16,64,512,4096 --scaling --svg grains.svg
+  photosphere bench grains.toml --accel native --threads 1 --rounds 9 --json
+  photosphere bench grains.toml --batch 1,16,64,512 --scaling --svg bars.svg
   photosphere bench grains.toml --render --set render.samples_per_pixel=16
   photosphere bench --suite speed.html --largest 1e6
 
@@ -70,7 +70,7 @@ pub(in crate::cli) struct BenchArgs {
     pub(in crate::cli) json: bool,
 
     /// Draw the figures as bars
-    #[arg(long, value_name = "FILE", conflicts_with = "suite")]
+    #[arg(long, value_name = "FILE.svg", conflicts_with = "suite")]
     pub(in crate::cli) svg: Option<PathBuf>,
 
     /// Measure the standard scenes in place of one, and write a page about them: gas, packed spheres,

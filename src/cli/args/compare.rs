@@ -8,10 +8,10 @@ use clap::{Args, ValueEnum};
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  photosphere compare fig2.exr reference.exr
-  photosphere compare fig2.exr reference.exr --metric relmse,flip --max-flip 0.05
+  photosphere compare fig2.exr best.exr
+  photosphere compare fig2.exr best.exr --metric relmse,flip --max-flip 0.05
   photosphere compare a.pfm b.hdr --metric mean --max-mean 0.001 --json
-  photosphere compare fig2.exr reference.exr --twin fig2-seed1.exr --heatmap differences.png
+  photosphere compare fig2.exr best.exr --twin seed1.exr --heatmap where.png
 
 B is the reference. Both may be .exr, .hdr, .pfm (linear light) or .png (decoded from sRGB to linear;
 8 bits, cut off at 1), ours or any other program's. Of .exr files every layer that both have is
@@ -22,9 +22,10 @@ compared; R, G, B without a layer's name are the layer `beauty`.
   relmse  mean of ((A - B) / (|B| + 0.01))^2, which is pbrt's MRSE
   psnr    10 log10(peak^2 / mse) in decibels; the peak is 1 or what --peak
           says; infinite (null in JSON) for equal pictures
-  flip    LDR-FLIP (Andersson et al. 2020), mean over pixels: 0 looks the same, 1 could not differ
-          more; 67 pixels per degree, light cut off to [0, 1]
-  mean    means of A and B and their ratio, channel by channel
+  flip    LDR-FLIP (Andersson et al. 2020), mean over pixels: 0 looks the same,
+          1 could not differ more; 67 pixels per degree, light cut off to [0, 1]
+  mean    means of A and B and their ratio, channel by channel; no ratio
+          (null in JSON) where B is black and A is not
 
 Means get 95 % confidence intervals where the noise of the pixels is known: from a layer `variance` in
 the file (the variance of each pixel's value), or for A from --twin. Both intervals take the pixels as

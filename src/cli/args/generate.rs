@@ -14,7 +14,7 @@ use super::{seed, threads};
 #[command(after_help = "\
 Examples:
   photosphere generate gas --count 1e6 -o gas.f32 --scene gas.toml
-  photosphere generate clusters --count 1e8 --colors -o clusters.f32 --scene clusters.toml
+  photosphere generate clusters -n 1e8 --colors -o many.f32 --scene many.toml
   photosphere generate packed --count 100000 --seed 7 -o packed.f32
 
 The spheres lie in a box of side 1 around the origin. Rows are x, y, z, radius and, with --colors, r, g,

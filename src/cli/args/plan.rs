@@ -17,8 +17,8 @@ Examples:
   photosphere plan fig2.toml --shards 4 --spp 1024 -o fig2.exr
   photosphere plan fig2.toml --shards 4 --spp 1024 -o fig2.exr | sh
   photosphere plan fig2.toml --shards 16 --noise 1% -o fig2.exr > fig2.sh
-  photosphere plan fig2.toml --shards 16 --format slurm > fig2.slurm && bash fig2.slurm
-  photosphere plan fig2.toml --shards 16 --format openjd > fig2.json && openjd run fig2.json
+  photosphere plan fig2.toml --shards 16 --format slurm > job && bash job
+  photosphere plan fig2.toml --shards 16 --format openjd > job && openjd run job
 
 Shards may run in any order, at once, on any machine that sees the same files, and again: each is
 a part that is its own checkpoint, so a shard that was stopped goes on, and one that is finished has

@@ -19,9 +19,9 @@ Examples:
 Four groups of checks, each against something that is known without the renderer:
   crosscheck    every intersector against arithmetic of twice the digits of f64
   chi-square    every sampling routine against its density
-  materials     no material makes light, and each works the same in both directions
-  closed forms  whole renders, for every estimator, sampler and intersector, against answers known on
-                paper; docs/verification.md derives them
+  materials     no material makes light; each works the same in both directions
+  closed forms  whole renders, for every estimator, sampler and intersector,
+                against answers known on paper (docs/verification.md)
 
 What is random is judged by how far it is from the answer, in standard deviations (sigma). The limit
 is the same for all and so high that a right program fails any of the checks by chance with a
