@@ -8,7 +8,7 @@ use crate::sampling::Sampler;
 
 use super::super::trace::{Added, End, Recorder, Step};
 use super::super::{SampleAddress, Tally, Workspace, World};
-use super::{Aims, Drawn, Path, Transport, opacity};
+use super::{Aims, Drawn, Gain, Path, Transport, opacity};
 
 /// The samples that are estimated together.
 pub(super) struct Batch<'a, R> {
@@ -123,25 +123,30 @@ impl<R: Recorder> Batch<'_, R> {
         std::mem::swap(paths, next_paths);
 
         // Ask for the shadows.
-        let has_opacity = self.world.scene.has_opacity();
-        if has_opacity {
+        if self.world.scene.has_opacity() {
             let walked = opacity::walk(self.world, shadows, shadow_media, rays, hits, passed);
             self.tally = self.tally + walked;
+            shadows.gains.iter().zip(&*passed).for_each(|(gain, &share)| self.gain(gain, share));
         } else {
             blocked.clear();
             blocked.resize(shadows.gains.len(), false);
             self.world.accel.occluded_of(spheres, &shadows.rays, rays, blocked);
             self.tally.count_of(&shadows.rays, isa);
-        }
-        for (index, gain) in shadows.gains.iter().enumerate() {
-            let passed = if has_opacity { passed[index] } else { f32::from(!blocked[index]) };
-            if passed == 0.0 && !R::LISTENS {
-                continue;
+            for (gain, &is_blocked) in shadows.gains.iter().zip(&*blocked) {
+                self.gain(gain, if is_blocked { 0.0 } else { 1.0 });
             }
-            let added = self.arriving(gain.light * passed, gain.is_direct);
-            self.add(gain.sample, added);
-            self.recorder.note(|| Step::Shadow { passed, added });
         }
+    }
+
+    /// Adds what arrives of light that was aimed at.
+    #[inline(always)]
+    fn gain(&mut self, gain: &Gain, passed: f32) {
+        if passed == 0.0 && !R::LISTENS {
+            return;
+        }
+        let added = self.arriving(gain.light * passed, gain.is_direct);
+        self.add(gain.sample, added);
+        self.recorder.note(|| Step::Shadow { passed, added });
     }
 
     /// Adds light to a sample.
