@@ -126,6 +126,15 @@ fn table(judged: &[Judged<'_>], seconds: f64) -> String {
             }
         }
     }
+    let remarks = judged.iter().filter_map(|(_, outcome)| outcome.remark.as_deref());
+    for (index, remark) in remarks.enumerate() {
+        text += if index == 0 {
+            "known to break the law of energy, and there to show it:\n"
+        } else {
+            ""
+        };
+        text += &format!("  {remark}\n");
+    }
     text + &conclusion(judged, seconds)
 }
 
@@ -190,6 +199,7 @@ fn in_json(judged: &[Judged<'_>], args: &VerifyArgs, seconds: f64) -> serde_json
             "limit": outcome.limit,
             "unit": if outcome.is_random { "sigma" } else { "wrong answers" },
             "detail": outcome.detail,
+            "remark": outcome.remark,
         })
     };
     let facts: serde_json::Map<_, _> = facts(args, seconds)

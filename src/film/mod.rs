@@ -223,8 +223,10 @@ impl Film {
             layer::HEADROOM,
         ))
         .with_help(
-            "light was found with a tiny probability: choose `estimator = \"mis\"`, or bound what \
-             one path brings with `clamp_indirect`, which biases the picture",
+            "either a material makes light, as classic Phong (`normalized = false`) does: \
+             `photosphere info` says which; choose another, or end paths with `max_depth`. Or light was \
+             found with a tiny probability: choose `estimator = \"mis\"`, or bound what one path brings \
+             with `clamp_indirect`. `max_depth` and `clamp_indirect` bias the picture",
         )
     }
 }

@@ -20,11 +20,11 @@ use super::mirror::reflected;
 use super::{BsdfSample, Ggx, Lobe, MissingEnergy, fresnel};
 
 /// A clear coat.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Coat {
     ior: f64,
     /// `None` where it is smooth.
-    rough: Option<Rough>,
+    rough: Option<Box<Rough>>,
     /// The cosine-weighted mean of `1 - E`.
     mean_through: f64,
 }
@@ -39,7 +39,8 @@ impl Coat {
     /// A coat of an index of refraction, at least 1 and relative to what is around it, and of a
     /// roughness in `[0, 1]`.
     pub fn new(ior: f64, roughness: f64) -> Self {
-        let rough = Ggx::new(roughness).map(|ggx| Rough { ggx, through: let_through(ggx, ior) });
+        let rough = |ggx| Box::new(Rough { ggx, through: let_through(ggx, ior) });
+        let rough = Ggx::new(roughness).map(rough);
         let mean_through = match &rough {
             Some(rough) => rough.through.average(),
             None => hemispherical_mean(|cos| 1.0 - fresnel(cos, ior).reflectance),
@@ -99,8 +100,9 @@ impl Coat {
 
 /// What a rough coat lets through: all that its facets do not reflect at once.
 fn let_through(ggx: Ggx, ior: f64) -> MissingEnergy {
-    // Fresnel's equations bend below a cosine of about 1/4, whatever the roughness.
-    MissingEnergy::new([f64::max(0.5, 2.0 * ggx.alpha()); 2], |wo| {
+    // Facets hide one another below a cosine of about alpha, and Fresnel's equations bend below one
+    // of about 1/4, whatever the roughness.
+    MissingEnergy::new([2.0 * ggx.alpha(), f64::max(0.5, 2.0 * ggx.alpha())], |wo| {
         mean_over_facets(ggx, wo, |m| {
             let cos = wo.dot(m).clamp(0.0, 1.0);
             let wi = m * (2.0 * cos) - wo;

@@ -3,14 +3,15 @@
 //! Fresnel's equations for a complex index of refraction give the reflectance of a facet (Born and
 //! Wolf, section 14.2). Light that bounces between facets is given back (see [`super::energy`]),
 //! coloured by the further bounces, so that metal does not darken where it is rough. The BRDF is
-//! reciprocal. Where the facets reflect everything it scatters all light, within 5e-4.
+//! reciprocal. Where the facets reflect everything it scatters all light: what is evaluated within 5e-4,
+//! what is drawn exactly.
 //!
 //! A metal may also be told by a colour, that of its reflectance straight from above; the rest
 //! follows from Schlick (1994, "An Inexpensive BRDF Model for Physically-based Rendering").
 
 use crate::color::Rgb;
 use crate::math::DVec3;
-use crate::sampling::Hemisphere;
+use crate::sampling::Sampler;
 
 use super::energy::{after_many_bounces, hemispherical_mean};
 use super::ggx::half_vector;
@@ -18,11 +19,21 @@ use super::mirror::reflected;
 use super::{BsdfSample, Ggx, Lobe, Metal, MissingEnergy};
 
 /// A metal surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Conductor {
     facets: Facets,
+    /// The colour of light after many bounces between facets.
+    tint: Rgb,
     /// `None` where it is smooth.
-    rough: Option<Rough>,
+    rough: Option<Box<Rough>>,
+}
+
+/// A metal surface at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct ConductorBsdf<'a> {
+    facets: Facets,
+    tint: Rgb,
+    rough: Option<&'a Rough>,
 }
 
 /// What a facet reflects.
@@ -38,8 +49,6 @@ enum Facets {
 struct Rough {
     ggx: Ggx,
     missing: MissingEnergy,
-    /// The colour of light after many bounces between facets.
-    tint: Rgb,
 }
 
 /// The share of unpolarised light that is reflected at the cosine `cos >= 0` from vacuum by a medium
@@ -96,15 +105,11 @@ impl Facets {
 }
 
 impl Rough {
-    fn new(ggx: Ggx, facets: &Facets) -> Self {
-        Self { ggx, missing: MissingEnergy::of_reflection(ggx), tint: Rgb::ZERO }.tinted(facets)
-    }
-
-    fn tinted(self, facets: &Facets) -> Self {
+    /// The colour of light after many bounces between such facets.
+    fn tint(&self, facets: &Facets) -> Rgb {
         let missing = self.missing.average();
         let tint = |mean: f32| after_many_bounces(f64::from(mean), missing) as f32;
-        let tint = Rgb::from_array(facets.mean_reflectance().to_array().map(tint));
-        Self { tint, ..self }
+        Rgb::from_array(facets.mean_reflectance().to_array().map(tint))
     }
 }
 
@@ -120,16 +125,26 @@ impl Conductor {
     }
 
     fn of_facets(facets: Facets, roughness: f64) -> Self {
-        Self { facets, rough: Ggx::new(roughness).map(|ggx| Rough::new(ggx, &facets)) }
+        let rough = |ggx| Box::new(Rough { ggx, missing: MissingEnergy::of_reflection(ggx) });
+        let rough = Ggx::new(roughness).map(rough);
+        let tint = rough.as_ref().map_or(Rgb::ZERO, |rough| rough.tint(&facets));
+        Self { facets, tint, rough }
     }
 
-    /// This metal where a sphere has its own colour.
-    pub(super) fn colored(self, color: Option<Rgb>) -> Self {
-        let Some(color) = color else { return self };
+    /// This metal at a point, in the colour of a sphere that has its own.
+    pub(super) fn at(&self, color: Option<Rgb>) -> ConductorBsdf<'_> {
+        let Self { facets, tint, rough } = self;
+        let rough = rough.as_deref();
+        let Some(color) = color else {
+            return ConductorBsdf { facets: *facets, tint: *tint, rough };
+        };
         let facets = Facets::Colored(color);
-        Self { facets, rough: self.rough.map(|rough| rough.tinted(&facets)) }
+        let tint = rough.map_or(Rgb::ZERO, |rough| rough.tint(&facets));
+        ConductorBsdf { facets, tint, rough }
     }
+}
 
+impl ConductorBsdf<'_> {
     /// The mean reflectance of its facets.
     pub(super) fn mean_reflectance(&self) -> Rgb {
         self.facets.mean_reflectance()
@@ -151,7 +166,7 @@ impl Conductor {
         }
         let once = rough.ggx.reflection(wo, wi) as f32;
         let often = rough.missing.lobe(wo.z, wi.z) as f32;
-        self.facets.reflectance(wo.dot(half_vector(wo, wi))) * once + rough.tint * often
+        self.facets.reflectance(wo.dot(half_vector(wo, wi))) * once + self.tint * often
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
@@ -159,22 +174,21 @@ impl Conductor {
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let missing = rough.missing.at(wo.z);
-        (1.0 - missing) * rough.ggx.reflection_pdf(wo, wi) + missing * Hemisphere::Cosine.pdf(wi.z)
+        let often = rough.missing.at(wo.z) * rough.missing.lobe_pdf(wi.z);
+        rough.ggx.reflection(wo, wi) * wi.z + often
     }
 
-    /// A facet that is seen from `wo`, or, as often as light bounces between facets, any direction
-    /// by the cosine. `None` where the facet sends light into the surface.
+    /// A facet that is seen from `wo`; where its light meets another facet, a direction of the broad
+    /// lobe.
     pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
         let Some(rough) = &self.rough else {
             let (wi, weight) = (reflected(wo), self.facets.reflectance(wo.z));
             return Some(BsdfSample { wi, weight, pdf: 1.0, lobe: Lobe::Delta, eta: 1.0 });
         };
-        let wi = if lobe < rough.missing.at(wo.z) {
-            Hemisphere::Cosine.sample(u)
-        } else {
-            rough.ggx.sample_reflection(wo, u)?.0
-        };
+        let once = rough.ggx.sample_reflection(wo, u).map(|(wi, _)| wi);
+        let once = once.filter(|wi| lobe < rough.ggx.shadowing(wo, *wi));
+        let often = || rough.missing.sample_lobe(Sampler::following([lobe, u[0], u[1]]).get_2d(0));
+        let wi = once.unwrap_or_else(often);
         let pdf = self.pdf(wo, wi);
         let weight = self.eval(wo, wi) * (wi.z / pdf) as f32;
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe: Lobe::Glossy, eta: 1.0 })
@@ -185,7 +199,7 @@ impl Conductor {
 mod tests {
     use super::*;
     use crate::material::fresnel;
-    use crate::sampling::Sampler;
+    use crate::sampling::Hemisphere;
     use approx::{assert_abs_diff_eq, assert_relative_eq};
 
     const ROUGHNESS: [f64; 6] = [0.01, 0.1, 0.3, 0.5, 0.8, 1.0];
@@ -248,7 +262,7 @@ mod tests {
         let n = 20_000u32;
         let weights = (0..n).map(|i| {
             let sampler = Sampler::new(5, u64::from(i), 0);
-            let sample = conductor.sample(wo, sampler.get(0), sampler.get_2d(1));
+            let sample = conductor.at(None).sample(wo, sampler.get(0), sampler.get_2d(1));
             sample.map_or(Rgb::ZERO, |sample| sample.weight)
         });
         let (sum, squares) = weights.fold((Rgb::ZERO, 0.0), |(sum, squares), weight| {
@@ -289,6 +303,7 @@ mod tests {
     #[test]
     fn light_may_go_both_ways() {
         let conductor = Conductor::new(named("copper"), 0.6);
+        let conductor = conductor.at(None);
         for i in 0..1000 {
             let u = Sampler::new(1, i, 0);
             let wo = Hemisphere::Cosine.sample(u.get_2d(0));

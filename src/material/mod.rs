@@ -21,7 +21,7 @@ mod plastic;
 mod principled;
 
 pub use coat::Coat;
-pub use conductor::{Conductor, fresnel_conductor};
+pub use conductor::{Conductor, ConductorBsdf, fresnel_conductor};
 pub use dielectric::{Dielectric, Interface, fresnel};
 pub use diffuse::Diffuse;
 pub use energy::{EnergyOfSide, InterfaceEnergy, MissingEnergy};
@@ -32,7 +32,7 @@ pub use metals::Metal;
 pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
 pub use phong::Phong;
-pub use plastic::Plastic;
+pub use plastic::{Plastic, PlasticBsdf};
 pub use principled::{Principled, PrincipledBsdf, PrincipledParameters};
 
 use crate::color::Rgb;
@@ -83,11 +83,11 @@ pub enum Bsdf<'a> {
     /// A perfect mirror.
     Mirror(Mirror),
     /// Metal.
-    Conductor(Conductor),
+    Conductor(ConductorBsdf<'a>),
     /// An interface between transparent media.
     Dielectric(Interface<'a>),
     /// A matt base under a clear coat.
-    Plastic(Plastic),
+    Plastic(PlasticBsdf<'a>),
     /// A mixture of the others.
     Principled(PrincipledBsdf<'a>),
     /// Phong's shading model.
@@ -136,9 +136,9 @@ impl Material {
             Model::Diffuse(diffuse) => Bsdf::Diffuse(diffuse.colored(albedo), hemisphere),
             Model::OrenNayar(rough) => Bsdf::OrenNayar(rough.colored(albedo), hemisphere),
             Model::Mirror(mirror) => Bsdf::Mirror(mirror.colored(albedo)),
-            Model::Conductor(conductor) => Bsdf::Conductor(conductor.colored(albedo)),
+            Model::Conductor(conductor) => Bsdf::Conductor(conductor.at(albedo)),
             Model::Dielectric(dielectric) => Bsdf::Dielectric(dielectric.interface(eta)),
-            Model::Plastic(plastic) => Bsdf::Plastic(plastic.colored(albedo)),
+            Model::Plastic(plastic) => Bsdf::Plastic(plastic.at(albedo)),
             Model::Principled(principled) => Bsdf::Principled(principled.at(albedo, eta)),
             Model::Phong(phong) => Bsdf::Phong(phong.colored(albedo)),
         }
@@ -152,14 +152,23 @@ impl Material {
             Model::Diffuse(diffuse) => diffuse.colored(albedo).albedo,
             Model::OrenNayar(rough) => rough.colored(albedo).albedo,
             Model::Mirror(mirror) => mirror.colored(albedo).reflectance,
-            Model::Conductor(conductor) => conductor.colored(albedo).reflectance(1.0),
+            Model::Conductor(conductor) => conductor.at(albedo).reflectance(1.0),
             Model::Dielectric(_) => Rgb::ONE,
-            Model::Plastic(plastic) => plastic.colored(albedo).albedo,
+            Model::Plastic(plastic) => albedo.unwrap_or(plastic.albedo),
             Model::Principled(principled) => albedo.unwrap_or(principled.base_color()),
             Model::Phong(phong) => {
                 let Phong { albedo, specular, .. } = phong.colored(albedo);
                 (albedo + specular).min(Rgb::ONE)
             }
+        }
+    }
+
+    /// The largest share of the light from a direction that the surface sends on: 1 or less, but for
+    /// the classic form of Phong's model, which makes light.
+    pub fn most_energy(&self) -> Rgb {
+        match &self.model {
+            Model::Phong(phong) => phong.most_energy(),
+            _ => Rgb::ONE,
         }
     }
 

@@ -73,6 +73,14 @@ impl Phong {
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe, eta: 1.0 })
     }
 
+    /// The largest share of light that is sent on, over all directions: that from straight above,
+    /// where none of the highlight lies below the surface. Its integral of `cos^n` there is
+    /// `2 pi / (n + 1)`. More than 1 for most classic highlights.
+    pub fn most_energy(&self) -> Rgb {
+        let lobe = if self.normalized { 1.0 } else { TAU / (self.exponent + 1.0) };
+        self.albedo + self.specular * lobe as f32
+    }
+
     /// The probability of sampling the highlight.
     fn glossy_share(&self) -> f64 {
         let (diffuse, glossy) = (luminance(self.albedo), luminance(self.specular));

@@ -14,7 +14,7 @@ use crate::sampling::Hemisphere;
 use super::{BsdfSample, Coat, Lobe};
 
 /// A matt base under a coat.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Plastic {
     /// The share of light that the base scatters, in `[0, 1]`.
     pub albedo: Rgb,
@@ -22,12 +22,21 @@ pub struct Plastic {
     pub coat: Coat,
 }
 
-impl Plastic {
-    /// This surface with a sphere's own colour as its base.
-    pub(super) fn colored(self, albedo: Option<Rgb>) -> Self {
-        Self { albedo: albedo.unwrap_or(self.albedo), ..self }
-    }
+/// A matt base under a coat at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct PlasticBsdf<'a> {
+    albedo: Rgb,
+    coat: &'a Coat,
+}
 
+impl Plastic {
+    /// This surface at a point, with a sphere's own colour as its base.
+    pub(super) fn at(&self, albedo: Option<Rgb>) -> PlasticBsdf<'_> {
+        PlasticBsdf { albedo: albedo.unwrap_or(self.albedo), coat: &self.coat }
+    }
+}
+
+impl PlasticBsdf<'_> {
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         if wi.z <= 0.0 {
             return Rgb::ZERO;

@@ -29,7 +29,7 @@ use crate::sampling::Hemisphere;
 
 use super::dielectric::Interface;
 use super::energy::hemispherical_mean;
-use super::{BsdfSample, Coat, Conductor, Dielectric, Lobe};
+use super::{BsdfSample, Coat, Conductor, ConductorBsdf, Dielectric, Lobe};
 
 /// The index of refraction of the coat.
 const COAT_IOR: f64 = 1.5;
@@ -78,13 +78,13 @@ struct Layers {
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledBsdf<'a> {
     base_color: Rgb,
-    metal: Option<(f64, Conductor)>,
+    metal: Option<(f64, ConductorBsdf<'a>)>,
     glass: Option<(f64, Interface<'a>)>,
     layers: &'a Layers,
 }
 
 /// Matt under a gloss.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Matt {
     share: f64,
     gloss: Coat,
@@ -116,7 +116,8 @@ impl Principled {
         let gloss = || Coat::new(gloss_ior(ior, parameters.specular), roughness);
         let matt = part(matt, gloss).map(|(share, gloss)| {
             let through = |cos| gloss.through(cos) * through(coat.as_ref(), cos);
-            Matt { share, gloss, mean_through: hemispherical_mean(through) }
+            let mean_through = hemispherical_mean(through);
+            Matt { share, gloss, mean_through }
         });
         let metal = part(metallic, || Conductor::of_color(base_color, roughness));
         let glass = part(glass, || Dielectric::new(ior, 0, roughness, others));
@@ -138,7 +139,7 @@ impl Principled {
     pub(super) fn at(&self, color: Option<Rgb>, eta: f64) -> PrincipledBsdf<'_> {
         PrincipledBsdf {
             base_color: color.unwrap_or(self.base_color),
-            metal: self.metal.map(|(share, metal)| (share, metal.colored(color))),
+            metal: self.metal.as_ref().map(|(share, metal)| (*share, metal.at(color))),
             glass: self.glass.as_ref().map(|(share, glass)| (*share, glass.interface(eta))),
             layers: &self.layers,
         }
@@ -169,7 +170,7 @@ impl PrincipledBsdf<'_> {
     pub(super) fn is_delta(&self) -> bool {
         let Layers { coat, matt } = self.layers;
         matt.is_none()
-            && coat.is_none_or(|(_, coat)| coat.is_delta())
+            && coat.as_ref().is_none_or(|(_, coat)| coat.is_delta())
             && self.metal.is_none_or(|(_, metal)| metal.is_delta())
             && self.glass.is_none_or(|(_, glass)| glass.is_delta())
     }
@@ -218,7 +219,7 @@ impl PrincipledBsdf<'_> {
     fn shares(&self, wo: DVec3) -> [f64; 5] {
         let Layers { coat, matt } = self.layers;
         let beneath = through(coat.as_ref(), wo.z);
-        let of_coat = coat.map_or(0.0, |(share, coat)| share * (1.0 - coat.through(wo.z)));
+        let of_coat = coat.as_ref().map_or(0.0, |(share, coat)| share * (1.0 - coat.through(wo.z)));
         let of_metal = self.metal.map_or(0.0, |(share, metal)| {
             share * beneath * f64::from(luminance(metal.mean_reflectance()))
         });
@@ -247,10 +248,10 @@ impl PrincipledBsdf<'_> {
         let pdf = match part {
             Part::Glass => return self.glass.map_or(0.0, |(_, glass)| glass.pdf(wo, wi)),
             _ if wi.z <= 0.0 => return 0.0,
-            Part::Coat => coat.map(|(_, coat)| coat.pdf(wo, wi)),
+            Part::Coat => coat.as_ref().map(|(_, coat)| coat.pdf(wo, wi)),
             Part::Metal => self.metal.map(|(_, metal)| metal.pdf(wo, wi)),
-            Part::Gloss => matt.map(|matt| matt.gloss.pdf(wo, wi)),
-            Part::Diffuse => matt.map(|_| Hemisphere::Cosine.pdf(wi.z)),
+            Part::Gloss => matt.as_ref().map(|matt| matt.gloss.pdf(wo, wi)),
+            Part::Diffuse => matt.as_ref().map(|_| Hemisphere::Cosine.pdf(wi.z)),
         };
         pdf.unwrap_or(0.0)
     }
@@ -286,12 +287,16 @@ impl PrincipledBsdf<'_> {
     fn draw(&self, part: Part, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<(BsdfSample, f64)> {
         let Layers { coat, matt } = self.layers;
         match part {
-            Part::Coat => coat.and_then(|(share, coat)| Some((coat.sample(wo, u)?, share))),
+            Part::Coat => {
+                coat.as_ref().and_then(|(share, coat)| Some((coat.sample(wo, u)?, *share)))
+            }
             Part::Metal => {
                 self.metal.and_then(|(share, metal)| Some((metal.sample(wo, lobe, u)?, share)))
             }
-            Part::Gloss => matt.and_then(|matt| Some((matt.gloss.sample(wo, u)?, matt.share))),
-            Part::Diffuse => matt.map(|matt| {
+            Part::Gloss => {
+                matt.as_ref().and_then(|matt| Some((matt.gloss.sample(wo, u)?, matt.share)))
+            }
+            Part::Diffuse => matt.as_ref().map(|matt| {
                 let wi = Hemisphere::Cosine.sample(u);
                 let lobe = Lobe::Diffuse;
                 let drawn = BsdfSample { wi, weight: Rgb::ONE, pdf: 1.0, lobe, eta: 1.0 };
@@ -331,7 +336,8 @@ mod tests {
     fn its_ends_are_the_models_that_it_is_made_of() {
         let PrincipledParameters { base_color, roughness, .. } = PLAIN;
         let metal = eval(PrincipledParameters { metallic: 1.0, ..PLAIN }, WI);
-        assert_eq!(metal, Conductor::of_color(base_color, roughness).eval(WO, WI));
+        let expected = Conductor::of_color(base_color, roughness);
+        assert_eq!(metal, expected.at(None).eval(WO, WI));
         let glass = PrincipledParameters { transmission: 1.0, ..PLAIN };
         let expected = Dielectric::new(1.5, 0, roughness, &[1.0]);
         let expected = expected.interface(1.5);

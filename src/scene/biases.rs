@@ -1,7 +1,26 @@
 //! Which of a scene's options bias its picture: those with which no number of samples brings it to
-//! the light that the scene has. Pictures carry this list with them.
+//! the light that the scene has. Pictures carry this list with them. And which of its materials no
+//! real surface can resemble, because they make light.
 
-use super::description::{Integrator, Miss, Render, Stop};
+use crate::material::Phong;
+
+use super::description::{Description, Integrator, Miss, Render, Stop, Surface};
+
+impl Description {
+    /// The materials that reflect more light than they receive, by name, with the largest share that
+    /// they send on: classic Phong surfaces. The colours of sphere tables are not looked at.
+    pub fn makes_light(&self) -> Vec<(&str, f32)> {
+        let up_to = |surface: &Surface| match *surface {
+            Surface::Phong { albedo, specular, exponent, normalized } => {
+                Phong { albedo, specular, exponent, normalized }.most_energy().max_element()
+            }
+            _ => 1.0,
+        };
+        let shares = self.materials.iter().map(|m| (m.name.as_str(), up_to(&m.surface)));
+        // Not what rounding makes of exactly 1.
+        shares.filter(|(_, share)| *share > 1.0 + 1e-5).collect()
+    }
+}
 
 impl Render {
     /// The options that bias the picture, as `key = value`; empty for a picture that can be trusted.

@@ -82,6 +82,8 @@ pub struct Measured {
     pub detail: String,
     /// What there is to see.
     pub pictures: Vec<Figure>,
+    /// What the user ought to know though the check passed.
+    pub remark: Option<String>,
 }
 
 /// The work of a check. It looks at the request to stop now and then.
@@ -115,6 +117,8 @@ pub struct Outcome {
     pub detail: String,
     /// What there is to see.
     pub pictures: Vec<Figure>,
+    /// What the user ought to know though the check passed.
+    pub remark: Option<String>,
 }
 
 /// A picture of one number per cell, for a report.
@@ -166,7 +170,7 @@ impl Check {
 impl Measured {
     /// A result without pictures.
     pub fn new(finding: Finding, detail: impl Into<String>) -> Self {
-        Self { finding, detail: detail.into(), pictures: Vec::new() }
+        Self { finding, detail: detail.into(), pictures: Vec::new(), remark: None }
     }
 
     /// With something to see.
@@ -175,13 +179,20 @@ impl Measured {
         Self { pictures, ..self }
     }
 
+    /// With a remark.
+    #[must_use]
+    pub fn with_remark(self, remark: impl Into<String>) -> Self {
+        Self { remark: Some(remark.into()), ..self }
+    }
+
     fn judged(self, significance: f64) -> Outcome {
-        let Self { finding, detail, pictures } = self;
+        let Self { finding, detail, pictures, remark } = self;
         let (statistic, limit, is_random) = match finding {
             Finding::PValue(p) => (sigmas(p), sigmas(significance), true),
             Finding::Wrong(count) => (count as f64, 0.0, false),
         };
-        Outcome { passed: statistic <= limit, statistic, limit, is_random, detail, pictures }
+        let passed = statistic <= limit;
+        Outcome { passed, statistic, limit, is_random, detail, pictures, remark }
     }
 }
 

@@ -110,6 +110,10 @@ fn in_words(scene: &Scene) -> String {
     for (index, option) in render.biases().into_iter().enumerate() {
         row(if index == 0 { "biased by" } else { "" }, option);
     }
+    for (index, (name, share)) in scene.description().makes_light().into_iter().enumerate() {
+        let note = format!("{name} (reflects more than it receives: up to {share:.2} of it)");
+        row(if index == 0 { "makes light" } else { "" }, note);
+    }
     text
 }
 
@@ -119,6 +123,11 @@ fn in_json(scene: &Scene, plan: Value) -> Value {
     let materials = materials(scene.description());
     let materials: Vec<Value> =
         materials.into_iter().map(|(name, kind)| json!({ "name": name, "type": kind })).collect();
+    let makes_light = scene.description().makes_light();
+    let makes_light: Vec<Value> = makes_light
+        .into_iter()
+        .map(|(name, share)| json!({ "name": name, "up_to": share }))
+        .collect();
     json!({
         "spheres": spheres.len(),
         "tables": scene.description().tables.len(),
@@ -137,6 +146,7 @@ fn in_json(scene: &Scene, plan: Value) -> Value {
         "max_depth": render.max_depth,
         "seed": render.seed,
         "biased_by": render.biases(),
+        "makes_light": makes_light,
     })
 }
 

@@ -19,8 +19,6 @@ use super::super::dielectric::{fresnel, refracted};
 use super::super::ggx::Ggx;
 use super::{MissingEnergy, hemispherical_mean};
 
-/// A table of 64 cosines; see [`missing`].
-type Missing = MissingEnergy<64>;
 /// Two neighbours in Fibonacci's sequence: the second is the number of facets.
 const FIBONACCI: [usize; 2] = [6765, 10946];
 
@@ -28,7 +26,7 @@ const FIBONACCI: [usize; 2] = [6765, 10946];
 #[derive(Clone, Copy, Debug)]
 pub struct InterfaceEnergy {
     /// What is lost on the side that the index of refraction is told from, and beyond.
-    missing: [Missing; 2],
+    missing: [MissingEnergy; 2],
     /// The part of it that goes through to the other side.
     through: [f64; 2],
 }
@@ -87,12 +85,30 @@ impl EnergyOfSide<'_> {
             self.through() * of.lobe_of(here.at(wo.z), -wi.z)
         }
     }
+
+    /// A direction of the broad lobes, by three random numbers in `[0, 1)`.
+    pub fn sample_lobe(&self, side: f64, u: [f64; 2]) -> DVec3 {
+        if side < self.through() {
+            self.energy.missing[1 - self.side].sample_lobe(u) * DVec3::new(1.0, 1.0, -1.0)
+        } else {
+            self.energy.missing[self.side].sample_lobe(u)
+        }
+    }
+
+    /// The density of [`Self::sample_lobe`], per solid angle.
+    pub fn lobe_pdf(&self, wi: DVec3) -> f64 {
+        if wi.z > 0.0 {
+            (1.0 - self.through()) * self.energy.missing[self.side].lobe_pdf(wi.z)
+        } else {
+            self.through() * self.energy.missing[1 - self.side].lobe_pdf(-wi.z)
+        }
+    }
 }
 
 /// What facets lose of light from one side. Total reflection makes it bend where no other loss does:
 /// half of the nodes are there for that, and a lattice in place of a grid.
-fn missing(ggx: Ggx, eta: f64) -> Missing {
-    Missing::new([2.0 * ggx.alpha(), 4.0], |wo| {
+fn missing(ggx: Ggx, eta: f64) -> MissingEnergy {
+    MissingEnergy::new([2.0 * ggx.alpha(), 4.0], |wo| {
         mean_over_lattice(|u| {
             let m = ggx.sample_normal(wo, u);
             let (reflected, through) = (m * (2.0 * wo.dot(m)) - wo, refracted(wo, m, eta));

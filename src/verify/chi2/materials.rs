@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::material::{Bsdf, Dielectric, Ggx, Lobe};
+use crate::material::{Bsdf, Dielectric, Ggx, Lobe, MissingEnergy};
 use crate::math::{DVec3, Frame};
 use crate::sampling::sin_cos;
 
+use super::super::check::Effort;
 use super::super::materials::{Sample, samples};
 use super::Pair;
 
@@ -13,7 +14,7 @@ use super::Pair;
 const DEGREES: [f64; 3] = [0.0, 45.0, 85.0];
 
 pub(super) fn pairs() -> Vec<Pair> {
-    let spread = samples().into_iter().filter(|s| s.is_tabled && !s.bsdf().is_delta());
+    let spread = samples(Effort::Quick).into_iter().filter(|s| s.is_tabled && !s.bsdf().is_delta());
     let rows = |sample: Arc<Sample>| DEGREES.map(|degrees| bsdf(sample.clone(), degrees));
     let microfacets =
         [(0.4, 0.0), (0.4, 60.0), (0.4, 88.0), (1.0, 30.0), (1.0, 89.9)].map(|(r, at)| ggx(r, at));
@@ -21,6 +22,7 @@ pub(super) fn pairs() -> Vec<Pair> {
         .map(Arc::new)
         .flat_map(rows)
         .chain(microfacets.into_iter().flatten())
+        .chain([0.2, 0.5, 1.0].map(broad_lobe))
         .chain([ggx_formula(0.6), nearly_matched(0.3, 0.0, 0.03), nearly_matched(1.0, 85.0, 0.5)])
         .collect()
 }
@@ -87,6 +89,18 @@ fn ggx(roughness: f64, degrees: f64) -> [Pair; 2] {
         move |wi| ggx.reflection_pdf(wo, wi),
     );
     [normals, reflections]
+}
+
+/// Light that bounced between facets.
+fn broad_lobe(roughness: f64) -> Pair {
+    let missing = Arc::new(MissingEnergy::of_reflection(Ggx::new(roughness).expect("rough")));
+    let drawn = missing.clone();
+    Pair::over_hemisphere(
+        format!("light between facets, roughness {roughness}"),
+        move |u| Some(drawn.sample_lobe([u[0], u[1]])),
+        move |w| missing.lobe_pdf(w.z),
+    )
+    .with_edges()
 }
 
 /// Normals seen from straight above, against `D(m) cos` written out, which says what a roughness is.

@@ -69,7 +69,7 @@ pub(super) fn spheres(scene: &Description) -> Vec<Sphere> {
     scene.spheres.iter().map(sphere).collect()
 }
 
-/// The rays of a pinhole or parallel ones, by places in the picture in pixels from its upper left
+/// The rays of a pinhole, parallel ones or those of a panorama, by places in the picture in pixels from its upper left
 /// corner; those of other cameras see nothing.
 pub(super) fn rays(scene: &Description) -> impl Fn(f64, f64) -> Line {
     let camera = &scene.camera;
@@ -86,7 +86,20 @@ pub(super) fn rays(scene: &Description) -> impl Fn(f64, f64) -> Line {
         _ => (f64::NAN, false),
     };
     let position = camera.position;
+    let extents = match camera.projection {
+        Projection::Panoramic { horizontal_degrees, vertical_degrees } => {
+            Some([horizontal_degrees, vertical_degrees].map(f64::to_radians))
+        }
+        _ => None,
+    };
     move |x, y| {
+        if let Some([around, upwards]) = extents {
+            // Equal steps of longitude and latitude from the middle.
+            let (longitude, latitude) = (around * (x / width - 0.5), upwards * (0.5 - y / height));
+            let level = forward * libm::cos(longitude) + right * libm::sin(longitude);
+            let direction = level * libm::cos(latitude) + up * libm::sin(latitude);
+            return Line { origin: position, direction };
+        }
         let across = right * (half * (2.0 * x - width) / height);
         let aside = across + up * (half * (height - 2.0 * y) / height);
         if is_parallel {

@@ -53,7 +53,8 @@ pub(super) fn measure(
     };
     let pictures: Vec<Picture> = (0..SEEDS).map(one).collect::<Result<_>>()?;
     let samples = scene.description().render.samples_per_pixel;
-    Ok(judge(&pictures, &answer, samples))
+    let values: Vec<Values> = pictures.iter().map(|picture| Values::of(picture, form)).collect();
+    Ok(judge(&values, &answer, samples))
 }
 
 /// The tables of the scene are part of the program, and scenes read theirs from a folder.
@@ -90,13 +91,20 @@ fn picture(scene: &Scene, accel: &dyn Accel, cancel: &Cancel) -> Result<Picture>
     Ok(outcome.picture)
 }
 
-/// The mean of a pixel's three channels.
-fn value(picture: &Picture, pixel: usize) -> f64 {
-    let [r, g, b] = picture.beauty(pixel).to_array().map(f64::from);
-    (r + g + b) / 3.0
+/// A picture as one number for each pixel: the weighted mean of its channels.
+struct Values {
+    width: usize,
+    pixels: Vec<f64>,
 }
 
-fn judge(pictures: &[Picture], answer: &[Option<f64>], samples: u32) -> Measured {
+impl Values {
+    fn of(picture: &Picture, form: &Form) -> Self {
+        let value = |pixel| picture.beauty(pixel).as_dvec3().dot(form.channels.into());
+        Self { width: picture.width, pixels: (0..picture.len()).map(value).collect() }
+    }
+}
+
+fn judge(pictures: &[Values], answer: &[Option<f64>], samples: u32) -> Measured {
     let groups = groups(answer);
     let all: Vec<usize> = groups.iter().flatten().copied().collect();
     let tests = groups.iter().chain([&all]);
@@ -108,7 +116,7 @@ fn judge(pictures: &[Picture], answer: &[Option<f64>], samples: u32) -> Measured
         found.mean,
         found.standard_error,
         groups.len(),
-        (pictures.len() * pictures[0].len()) as f64 * f64::from(samples)
+        (pictures.len() * answer.len()) as f64 * f64::from(samples)
     );
     Measured::new(Finding::PValue(p), detail).with_pictures(figures(pictures, answer))
 }
@@ -133,7 +141,7 @@ fn groups(answer: &[Option<f64>]) -> Vec<Vec<usize>> {
 }
 
 /// The p-value of a group: by Student's t-test, or by the event that no seed has shown.
-fn p_value(group: &[usize], pictures: &[Picture], answer: &[Option<f64>], samples: u32) -> f64 {
+fn p_value(group: &[usize], pictures: &[Values], answer: &[Option<f64>], samples: u32) -> f64 {
     let (found, expected) = (over_seeds(group, pictures), mean_answer(group, answer));
     let by_t = found.p_value(expected);
     if !(found.mean.is_finite() && expected > 0.0) {
@@ -151,9 +159,9 @@ fn brightest(answer: &[Option<f64>]) -> f64 {
     answer.iter().flatten().copied().fold(0.0, f64::max)
 }
 
-fn over_seeds(group: &[usize], pictures: &[Picture]) -> Estimate {
-    let mean = |picture: &Picture| {
-        group.iter().map(|&pixel| value(picture, pixel)).sum::<f64>() / group.len() as f64
+fn over_seeds(group: &[usize], pictures: &[Values]) -> Estimate {
+    let mean = |picture: &Values| {
+        group.iter().map(|&pixel| picture.pixels[pixel]).sum::<f64>() / group.len() as f64
     };
     Estimate::of(&pictures.iter().map(mean).collect::<Vec<_>>())
 }
@@ -163,7 +171,7 @@ fn mean_answer(group: &[usize], answer: &[Option<f64>]) -> f64 {
 }
 
 /// The picture, its answer, and their difference.
-fn figures(pictures: &[Picture], answer: &[Option<f64>]) -> Vec<Figure> {
+fn figures(pictures: &[Values], answer: &[Option<f64>]) -> Vec<Figure> {
     let width = pictures[0].width;
     let pixels: Vec<Estimate> =
         (0..answer.len()).map(|pixel| over_seeds(&[pixel], pictures)).collect();

@@ -12,7 +12,7 @@ mod judge;
 mod lamp;
 mod ways;
 
-pub use forms::{FORMS, Form};
+pub use forms::{FORMS, Form, Shows};
 pub use ways::Way;
 
 use crate::accel::Backend;

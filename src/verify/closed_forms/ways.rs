@@ -3,7 +3,7 @@
 use crate::accel::Backend;
 use crate::verify::check::Effort;
 
-use super::Form;
+use super::{Form, Shows};
 
 /// An estimator and a sampler, as keys of the scene.
 #[derive(Clone, Debug)]
@@ -24,11 +24,13 @@ const fn choice(name: &'static str, overrides: &'static [&'static str]) -> Choic
 }
 
 /// Every estimator. The default comes first.
-static ESTIMATORS: [Choice; 7] = [
+static ESTIMATORS: [Choice; 9] = [
     choice("path", &["render.integrator=path", "render.estimator=mis"]),
     choice("path, aimed", &["render.integrator=path", "render.estimator=light"]),
     choice("path, by chance", &["render.integrator=path", "render.estimator=bsdf"]),
-    choice(DIRECT, &["render.integrator=direct"]),
+    choice("direct", &["render.integrator=direct", "render.estimator=mis"]),
+    choice("direct, aimed", &["render.integrator=direct", "render.estimator=light"]),
+    choice("direct, by chance", &["render.integrator=direct", "render.estimator=bsdf"]),
     choice("paper", &["render.integrator=paper"]),
     choice(
         "paper, uniform solid angle",
@@ -40,8 +42,11 @@ static ESTIMATORS: [Choice; 7] = [
     ),
 ];
 
-/// The estimator that leaves indirect light out.
-const DIRECT: &str = "direct";
+/// Those among them that leave indirect light out.
+const DIRECT: std::ops::Range<usize> = 3..6;
+
+/// Integrators that a scene names itself.
+static NAMED: [Choice; 2] = [choice("ambient-occlusion", &[]), choice("normals", &[])];
 
 /// The default comes first.
 static SAMPLERS: [Choice; 3] = [
@@ -89,5 +94,13 @@ pub(super) fn combinations(
 }
 
 fn estimators(form: &Form) -> impl Iterator<Item = &'static Choice> {
-    ESTIMATORS.iter().filter(|estimator| form.is_direct || estimator.name != DIRECT)
+    let shows = form.shows;
+    let finds_all = move |(index, _): &(usize, &Choice)| match shows {
+        Shows::All => !DIRECT.contains(index),
+        Shows::Direct => true,
+        Shows::Named(_) => false,
+    };
+    let named = NAMED.iter().filter(move |choice| shows == Shows::Named(choice.name));
+    let others = ESTIMATORS.iter().enumerate().filter(finds_all).map(|(_, estimator)| estimator);
+    named.chain(others)
 }

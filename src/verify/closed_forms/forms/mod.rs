@@ -8,6 +8,7 @@ mod glass;
 mod lit;
 mod many;
 mod mirrors;
+mod seen;
 mod uniform;
 
 use crate::scene::description::{Description, Dome, NamedMaterial, Surface};
@@ -25,13 +26,31 @@ pub struct Form {
     pub text: &'static str,
     /// The sphere tables beside it, by their names.
     pub tables: &'static [(&'static str, &'static [u8])],
-    /// Whether all of its light was scattered once at most, not counting mirrors and glass.
-    pub is_direct: bool,
+    /// Which estimators it is for.
+    pub shows: Shows,
+    /// The weights of red, green and blue in what is compared; they add up to 1.
+    pub(super) channels: [f64; 3],
     /// Samples of each pixel in a quick check, from each seed: a multiple of 4.
     pub samples: u32,
     /// The answer for each pixel, `None` where there is none, by quadratures of so many nodes.
     pub(super) answer: fn(&Description, usize) -> Vec<Option<f64>>,
 }
+
+/// What light a scene shows, and thus which estimators find all of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shows {
+    /// Light that was scattered any number of times.
+    All,
+    /// Light that was scattered once at most, not counting mirrors and glass.
+    Direct,
+    /// No light: what the integrator shows that the scene names.
+    Named(&'static str),
+}
+
+/// All channels are the same.
+const GREY: [f64; 3] = [1.0 / 3.0; 3];
+/// A channel in the place of another is seen.
+const TOLD_APART: [f64; 3] = [1.0 / 7.0, 2.0 / 7.0, 4.0 / 7.0];
 
 macro_rules! scene {
     ($name:literal) => {
@@ -47,7 +66,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = Le / (1 - a)",
         text: scene!("furnace"),
         tables: &[],
-        is_direct: false,
+        shows: Shows::All,
+        channels: GREY,
         samples: 4,
         answer: uniform::furnace,
     },
@@ -57,7 +77,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = Le (1 + a + a²)",
         text: scene!("furnace-cut-short"),
         tables: &[],
-        is_direct: false,
+        shows: Shows::All,
+        channels: GREY,
         samples: 4,
         answer: uniform::furnace_cut_short,
     },
@@ -67,7 +88,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = Le / (1 - a)",
         text: scene!("furnace-with-contents"),
         tables: &[],
-        is_direct: false,
+        shows: Shows::All,
+        channels: GREY,
         samples: 4,
         answer: uniform::furnace,
     },
@@ -77,7 +99,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = Le / (1 - a)",
         text: scene!("furnace-with-rough-contents"),
         tables: &[],
-        is_direct: false,
+        shows: Shows::All,
+        channels: GREY,
         samples: 4,
         answer: uniform::furnace,
     },
@@ -87,7 +110,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = a Le on the ball, Le beside it",
         text: scene!("inside-a-lamp"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 4,
         answer: lit::inside_a_lamp,
     },
@@ -97,7 +121,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = a Le F, F the form factor of a sphere cut by the horizon",
         text: scene!("sphere-light"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 16,
         answer: lit::sphere_light,
     },
@@ -107,7 +132,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = a Le (sin²σ cosθ - sin²σ' cosθ') where the lamp's disc holds the other",
         text: scene!("occluder"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 16,
         answer: lit::occluder,
     },
@@ -117,7 +143,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = a Le (F - (1 - (1 - o)²) F')",
         text: scene!("thin-occluder"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 16,
         answer: lit::occluder,
     },
@@ -127,7 +154,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = Le + a b Le ∫ F(Q(α)) 2 sinα cosα dα",
         text: scene!("exchange"),
         tables: &[],
-        is_direct: false,
+        shows: Shows::All,
+        channels: GREY,
         samples: 64,
         answer: exchange::exchange,
     },
@@ -137,7 +165,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = ρ a Le F at the point that the mirror shows",
         text: scene!("mirror-before-the-eye"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 16,
         answer: mirrors::before_the_eye,
     },
@@ -147,7 +176,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = a Le (1 - sin²σ + ρ (sin²σ - sin²α'))",
         text: scene!("mirror-before-the-lamp"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 64,
         answer: mirrors::before_the_lamp,
     },
@@ -157,7 +187,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = L0 in every pixel, for any index of refraction",
         text: scene!("glass-in-a-field"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 4,
         answer: uniform::background,
     },
@@ -167,7 +198,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = L0 in every pixel, for any roughness",
         text: scene!("rough-glass-in-a-field"),
         tables: &[],
-        is_direct: false,
+        shows: Shows::All,
+        channels: GREY,
         samples: 4,
         answer: uniform::background,
     },
@@ -177,7 +209,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = (1 - F(t)) Le / n²",
         text: scene!("lamp-in-glass"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 16,
         answer: glass::lamp_in_glass,
     },
@@ -187,7 +220,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = L0 (F + (1 - F)² q / (1 - F q)), q = exp(-2 a R cos t)",
         text: scene!("absorption"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 8,
         answer: absorption::absorption,
     },
@@ -197,7 +231,19 @@ pub static FORMS: &[Form] = &[
         formula: "L = a Le F",
         text: scene!("orthographic"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
+        samples: 16,
+        answer: lit::sphere_light,
+    },
+    Form {
+        name: "panorama",
+        title: "a ball and its lamp all around",
+        formula: "L = a Le F on the ball, Le on the lamp",
+        text: scene!("panorama"),
+        tables: &[],
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 16,
         answer: lit::sphere_light,
     },
@@ -207,7 +253,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = Le / s² ∫ area(p) 2 p / A² dp",
         text: scene!("lens"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 4096,
         answer: cameras::lens,
     },
@@ -217,7 +264,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = (1 - F(t)) Le exp(-k l) / n²",
         text: scene!("lamp-in-dark-glass"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 16,
         answer: glass::lamp_in_glass,
     },
@@ -227,7 +275,8 @@ pub static FORMS: &[Form] = &[
         formula: "L = a (Lh + ⅔ g n_y + F E / (π sin² s))",
         text: scene!("sun-and-sky"),
         tables: &[],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 16,
         answer: lit::sun_and_sky,
     },
@@ -237,9 +286,32 @@ pub static FORMS: &[Form] = &[
         formula: "L = a Le (F₀ + F₁ + ... + F₂₉₉₉)",
         text: scene!("many-lamps"),
         tables: &[("many-lamps.f32", many::LAMPS)],
-        is_direct: true,
+        shows: Shows::Direct,
+        channels: GREY,
         samples: 16,
         answer: many::many_lamps,
+    },
+    Form {
+        name: "openness",
+        title: "how open the points of two balls are",
+        formula: "1 - F, F the form factor of the other ball",
+        text: scene!("openness"),
+        tables: &[],
+        shows: Shows::Named("ambient-occlusion"),
+        channels: GREY,
+        samples: 16,
+        answer: seen::openness,
+    },
+    Form {
+        name: "normals",
+        title: "the normals of balls",
+        formula: "½ + ½ n",
+        text: scene!("normals"),
+        tables: &[],
+        shows: Shows::Named("normals"),
+        channels: TOLD_APART,
+        samples: 16,
+        answer: seen::normals,
     },
 ];
 

@@ -1,0 +1,28 @@
+//! What integrators show that follow no light.
+
+use crate::scene::description::Description;
+use crate::verify::closed_forms::field::{normal, over_pixels, rays, spheres};
+use crate::verify::closed_forms::lamp::Disc;
+
+use super::TOLD_APART;
+
+/// One less the form factor of the other ball, which the horizon may cut.
+pub(super) fn openness(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(scene);
+    over_pixels(scene, nodes, rays(scene), |line| {
+        let Some((ball, t)) = line.first(&spheres, None) else { return Some((2, 1.0)) };
+        let (point, other) = (line.at(t), &spheres[1 - ball]);
+        let covered = Disc::of(other, point, normal(&spheres[ball], point)).irradiance();
+        Some((ball, 1.0 - covered / std::f64::consts::PI))
+    })
+}
+
+/// The weighted mean of the three colours that a normal is drawn in.
+pub(super) fn normals(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(scene);
+    over_pixels(scene, nodes, rays(scene), |line| {
+        let Some((ball, t)) = line.first(&spheres, None) else { return Some((spheres.len(), 0.0)) };
+        let n = normal(&spheres[ball], line.at(t));
+        Some((ball, 0.5 + 0.5 * n.dot(TOLD_APART.into())))
+    })
+}

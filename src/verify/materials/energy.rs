@@ -1,0 +1,148 @@
+//! How much of the light from a direction a surface sends on, measured in two ways that know nothing
+//! of one another.
+//!
+//! *As drawn*: the mean weight of the directions that a material draws, the refracted ones freed of
+//! the change of radiance between media. It is what a path is multiplied with.
+//!
+//! *As evaluated*: the integral of `f cos` over directions drawn by others: reflected and refracted by
+//! the microfacets with densities that are derived here again (Walter et al. 2007, equations 14 and
+//! 17), by the cosine, and towards the horizon. It is what light that is aimed at is multiplied with.
+//! Single directions, which have no `f`, come from the first way.
+
+use std::f64::consts::{FRAC_1_PI, TAU};
+
+use crate::material::{Bsdf, BsdfSample, Ggx, Lobe};
+use crate::math::DVec3;
+use crate::sampling::{Hemisphere, Sampler, SamplerKind, sin_cos};
+
+use super::super::check::seed;
+use super::super::statistics::Estimate;
+use super::samples::Sample;
+
+/// Independent means behind each energy.
+const SEEDS: u64 = 32;
+/// Cosines that are drawn evenly in their logarithm begin here.
+const LOWEST: f64 = 1e-4;
+
+/// The share of light that is sent on, of each channel.
+pub(super) struct Energy {
+    pub(super) drawn: [Estimate; 3],
+    pub(super) evaluated: [Estimate; 3],
+}
+
+/// Measured at a cosine from the normal, by so many directions for each mean, a power of 2.
+pub(super) fn energy(sample: &Sample, wo: DVec3, directions: u32) -> Energy {
+    let bsdf = sample.bsdf();
+    let proposals = Proposals::of(sample, &bsdf);
+    let mut means = Vec::new();
+    for index in 0..SEEDS {
+        let seed = seed(&sample.name, index);
+        let mut sums = [DVec3::ZERO; 2];
+        for i in 0..directions {
+            let u = Sampler::of_kind(SamplerKind::Sobol, seed, 0, i, directions);
+            let drawn = bsdf.sample(wo, u.get(2), u.get_2d(0));
+            let weight = |s: &BsdfSample| s.weight.as_dvec3() * (s.eta * s.eta);
+            sums[0] += drawn.as_ref().map_or(DVec3::ZERO, weight);
+            sums[1] += drawn.filter(|s| s.lobe == Lobe::Delta).as_ref().map_or(DVec3::ZERO, weight);
+            sums[1] += proposals.value(&bsdf, wo, u.get(6), u.get_2d(4));
+        }
+        means.push(sums.map(|sum| (sum / f64::from(directions)).to_array()));
+    }
+    let of = |way: usize| {
+        std::array::from_fn(|channel| {
+            let values: Vec<f64> = means.iter().map(|mean| mean[way][channel]).collect();
+            Estimate::of(&values)
+        })
+    };
+    Energy { drawn: of(0), evaluated: of(1) }
+}
+
+/// The ways in which directions are drawn, each as often.
+struct Proposals {
+    ways: Vec<Way>,
+    eta: f64,
+}
+
+enum Way {
+    Reflect(Ggx),
+    Refract(Ggx),
+    /// By the cosine, above (1) or below (-1).
+    Cosine(f64),
+    /// Evenly in the logarithm of the cosine.
+    Horizon(f64),
+}
+
+impl Proposals {
+    /// None for a surface of single directions.
+    fn of(sample: &Sample, bsdf: &Bsdf<'_>) -> Self {
+        let mut ways = Vec::new();
+        if !bsdf.is_delta() {
+            ways.extend([Way::Cosine(1.0), Way::Horizon(1.0)]);
+            for ggx in sample.facets.iter().filter_map(|&roughness| Ggx::new(roughness)) {
+                ways.push(Way::Reflect(ggx));
+                if bsdf.transmits() {
+                    ways.push(Way::Refract(ggx));
+                }
+            }
+            if bsdf.transmits() {
+                ways.extend([Way::Cosine(-1.0), Way::Horizon(-1.0)]);
+            }
+        }
+        Self { ways, eta: sample.eta }
+    }
+
+    /// `f cos` over the density of a direction.
+    fn value(&self, bsdf: &Bsdf<'_>, wo: DVec3, choice: f64, u: [f64; 2]) -> DVec3 {
+        let way = (choice * self.ways.len() as f64) as usize;
+        let wi = self.ways.get(way).and_then(|way| way.sample(self.eta, wo, u));
+        let Some(wi) = wi.filter(|wi| wi.z != 0.0) else { return DVec3::ZERO };
+        let density: f64 = self.ways.iter().map(|way| way.pdf(self.eta, wo, wi)).sum();
+        let density = density / self.ways.len() as f64;
+        let squared = if wi.z < 0.0 { self.eta * self.eta } else { 1.0 };
+        bsdf.eval(wo, wi).as_dvec3() * (squared * wi.z.abs() / density)
+    }
+}
+
+impl Way {
+    fn sample(&self, eta: f64, wo: DVec3, u: [f64; 2]) -> Option<DVec3> {
+        match self {
+            Self::Reflect(ggx) => ggx.sample_reflection(wo, u).map(|(wi, _)| wi),
+            Self::Refract(ggx) => {
+                let m = ggx.sample_normal(wo, u);
+                let cos = wo.dot(m);
+                // Snell's law; no root where all is reflected.
+                let beyond = (1.0 - (1.0 - cos * cos) / (eta * eta)).sqrt();
+                let wi = m * (cos / eta - beyond) - wo / eta;
+                (wi.z < 0.0).then(|| wi.normalize())
+            }
+            Self::Cosine(side) => Some(Hemisphere::Cosine.sample(u) * DVec3::new(1.0, 1.0, *side)),
+            Self::Horizon(side) => {
+                let cos = libm::pow(LOWEST, u[0]);
+                let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
+                let (sin_phi, cos_phi) = sin_cos(TAU * u[1]);
+                Some(DVec3::new(sin * cos_phi, sin * sin_phi, cos * side))
+            }
+        }
+    }
+
+    fn pdf(&self, eta: f64, wo: DVec3, wi: DVec3) -> f64 {
+        match self {
+            Self::Reflect(ggx) => ggx.reflection_pdf(wo, wi),
+            Self::Refract(ggx) if wi.z < 0.0 => {
+                let sum = wo + wi * eta;
+                let normal = sum.normalize() * if sum.z < 0.0 { -1.0 } else { 1.0 };
+                let (cos_o, cos_i) = (wo.dot(normal), wi.dot(normal));
+                if cos_o <= 0.0 || cos_i >= 0.0 {
+                    return 0.0;
+                }
+                ggx.normal_pdf(wo, normal) * eta * eta * -cos_i / sum.length_squared()
+            }
+            Self::Refract(_) => 0.0,
+            Self::Cosine(side) => (wi.z * side).max(0.0) * FRAC_1_PI,
+            Self::Horizon(side) => {
+                let cos = wi.z * side;
+                if cos < LOWEST { 0.0 } else { 1.0 / (cos * -libm::log(LOWEST) * TAU) }
+            }
+        }
+    }
+}
