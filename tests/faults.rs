@@ -38,6 +38,7 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::OnePolarization, "lamp-in-glass: path"),
     (Fault::RefractionJacobianLost, "bsdf glass, eta 1.50, roughness 0.6"),
     (Fault::HalfVectorOfWrongSide, "bsdf glass, eta 1.50, roughness 0.6"),
+    (Fault::LostLightByCosine, "light between facets, roughness 0.5"),
     (Fault::LostLightOfWrongSide, "both ways through glass, eta 1.50, roughness 1"),
     (Fault::CoatNotPaidFor, "energy of principled white matt, coated"),
     (Fault::EtaSquaredDropped, "lamp-in-glass: path"),

@@ -86,6 +86,23 @@ fn a_lossless_metal_vanishes_in_a_uniform_field_at_every_roughness() {
     }
 }
 
+/// From inside a ball of index 10 a path is reflected about a hundred times: weights that are only right
+/// on average made it dark, but for rare glaring pixels.
+#[test]
+fn the_densest_and_roughest_glass_vanishes_in_a_uniform_field() {
+    for ior in ["0.1", "1.1", "3", "10"] {
+        let dense =
+            [format!("materials.glass.ior={ior}"), "spheres.ball.material=glass".to_owned()];
+        for roughness in ["0.3", "1"] {
+            let roughness = format!("materials.glass.roughness={roughness}");
+            let overrides = [&*dense[0], &*dense[1], &*roughness];
+            let estimate = Estimate::of_scene(FIELD, &overrides, Backend::BruteForce);
+            assert!(estimate.standard_error < 3e-3, "{overrides:?}: {estimate:?}");
+            must_be_near(estimate, 1.0, &format!("{overrides:?}"));
+        }
+    }
+}
+
 #[test]
 fn light_found_by_chance_and_light_aimed_at_agree_on_rough_surfaces() {
     for material in ["gold", "glass", "mixture"] {

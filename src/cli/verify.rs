@@ -128,11 +128,8 @@ fn table(judged: &[Judged<'_>], seconds: f64) -> String {
     }
     let remarks = judged.iter().filter_map(|(_, outcome)| outcome.remark.as_deref());
     for (index, remark) in remarks.enumerate() {
-        text += if index == 0 {
-            "known to break the law of energy, and there to show it:\n"
-        } else {
-            ""
-        };
+        text +=
+            if index == 0 { "not scaled to conserve energy, and there to show it:\n" } else { "" };
         text += &format!("  {remark}\n");
     }
     text + &conclusion(judged, seconds)

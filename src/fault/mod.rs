@@ -69,6 +69,7 @@ registry! {
     OnePolarization: "Fresnel's equations forget one polarisation",
     RefractionJacobianLost: "the density of a rough refraction is that of its half vector",
     HalfVectorOfWrongSide: "the half vector of a refraction weighs the wrong side with the index",
+    LostLightByCosine: "light lost among facets is drawn by the cosine, with the density of its lobe",
     LostLightOfWrongSide: "light lost among facets comes out as if lost on the other side",
     CoatNotPaidFor: "what a coat reflects is not taken from what lies beneath",
     EtaSquaredDropped: "refraction leaves radiance as it is, without 1 / eta^2",

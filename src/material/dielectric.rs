@@ -287,6 +287,28 @@ mod tests {
         }
     }
 
+    /// Were it otherwise, the product of the weights along a path in dense glass would run away.
+    #[test]
+    fn what_is_drawn_weighs_about_one() {
+        for (roughness, ior) in [(0.05, 1.5), (0.3, 10.0), (0.6, 1.1), (1.0, 1.5), (1.0, 10.0)] {
+            let glass = Dielectric::new(ior, 0, roughness, &[1.0]);
+            for eta in [ior, 1.0 / ior] {
+                for cos in [1.0, 0.7, 0.2, 0.02] {
+                    let wo = DVec3::new(f64::sqrt(1.0 - cos * cos), 0.0, cos);
+                    let n = 4000;
+                    let variance = |i: u32| {
+                        let u = Sampler::new(3, 0, i);
+                        let drawn = glass.interface(eta).sample(wo, u.get(2), u.get_2d(0));
+                        let weight = drawn.map_or(0.0, |s| f64::from(s.weight.x) * s.eta * s.eta);
+                        (weight - 1.0) * (weight - 1.0)
+                    };
+                    let variance = (0..n).map(variance).sum::<f64>() / f64::from(n);
+                    assert!(variance < 2e-3, "{roughness}, {eta}, {cos}: {variance}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn nothing_breaks_at_the_horizon() {
         for (roughness, eta) in [(0.01, 1.5), (0.5, 0.5), (1.0, 1.02), (1.0, 10.0), (0.01, 0.1)] {

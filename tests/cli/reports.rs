@@ -19,6 +19,45 @@ fn info_counts_what_is_in_the_scene() {
     }
 }
 
+/// A closed room of a classic highlight, 0.3 + 0.7 x 2 pi / 4 of the light at each bounce.
+const ROOM: &str = r#"
+format = 1
+[image]
+width = 4
+height = 4
+[camera]
+position = [0, 0, 0.5]
+look_at = [0, 0, 0]
+[materials.wall]
+type = "phong"
+albedo = [0.3, 0.3, 0.3]
+specular = [0.7, 0.7, 0.7]
+exponent = 3
+normalized = false
+emission = [1, 1, 1]
+[[spheres]]
+center = [0, 0, 0]
+radius = 1.0
+material = "wall"
+"#;
+
+#[test]
+fn a_material_that_makes_light_is_told_and_blamed() {
+    let desk = Desk::new(ROOM);
+    let told = desk.run("info scene.toml").succeeds().stdout;
+    let note = "makes light wall (reflects more than it receives: up to 1.40 of it)\n";
+    assert!(told.contains(note), "{told}");
+    assert_eq!(
+        desk.run("info scene.toml --json").succeeds().json()["makes_light"][0]["name"],
+        "wall"
+    );
+    let fair = desk.run("info scene.toml --set materials.wall.normalized=true").succeeds().stdout;
+    assert!(!fair.contains("makes light"), "{fair}");
+    let endless = desk.run("render scene.toml -o a.png --spp 64");
+    endless.fails(3, &["a material makes light", "`photosphere info`", "`max_depth`"]);
+    desk.run("render scene.toml -o a.png --spp 16 --max-depth 4").succeeds();
+}
+
 #[test]
 fn info_warns_of_spheres_that_rounding_moved() {
     let far =

@@ -21,6 +21,7 @@ pub use interface::{EnergyOfSide, InterfaceEnergy};
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
+use crate::fault::fault;
 use crate::math::DVec3;
 use crate::sampling::sin_cos;
 
@@ -104,6 +105,7 @@ impl MissingEnergy {
         let part = (place as usize).min(SHARES - 1);
         let [low, high] = [part, part + 1].map(|i| f64::from(self.edges[i]));
         let square = low + (high - low) * (place - part as f64);
+        let square = if fault!(LostLightByCosine) { u[0] } else { square };
         let (sin_phi, cos_phi) = sin_cos(TAU * u[1]);
         let sin = (1.0 - square).max(0.0).sqrt();
         DVec3::new(sin * cos_phi, sin * sin_phi, square.sqrt())

@@ -23,6 +23,9 @@ use pair::MOST_MIDPOINTS;
 
 /// Cells expected to hold fewer points than this are pooled, as the chi-square distribution wants.
 const FEWEST_EXPECTED: f64 = 5.0;
+/// A density that adds up to one but for this share does so: what is integrated over cells with an edge
+/// in them is off by no more.
+const SUM_ERROR: f64 = 1e-3;
 /// A cell is well enough integrated where the last step moved what is expected by at most this many of
 /// its standard deviations: over all cells that adds less to the statistic than chance does.
 const INTEGRATION_ERROR: f64 = 0.03;
@@ -86,9 +89,11 @@ fn pearson(histogram: &Histogram, points: f64) -> (f64, usize) {
     let inside: u64 = observed.iter().sum();
     // What the routine gave up on, or put outside, is one more cell.
     let lost = (points - total, points - inside as f64);
-    if total.is_nan() || lost.0 < -1e-3 * points {
+    if total.is_nan() || lost.0 < -SUM_ERROR * points {
         return (f64::INFINITY, 1);
     }
+    let is_whole = lost.1 == 0.0 && lost.0 < SUM_ERROR * points;
+    let lost = if is_whole { (0.0, 0.0) } else { lost };
     let cells = expected.iter().zip(observed).map(|(&e, &o)| (e, o as f64));
     let all = cells.chain([(lost.0.max(0.0), lost.1)]);
     let (small, mut large): (Vec<_>, Vec<_>) = all.partition(|cell| cell.0 < FEWEST_EXPECTED);

@@ -21,7 +21,7 @@ use crate::sampling::{Hemisphere, Sampler, sin_cos};
 use super::check::{Check, Effort, Finding, Group, Measured, seed};
 use super::statistics::Estimate;
 
-use samples::Promise;
+use samples::{Promise, Tolerance};
 pub(super) use samples::{Sample, samples};
 
 /// Angles of `wo` from the normal, in degrees, at which the energy is measured.
@@ -71,8 +71,11 @@ fn keeps_its_promise(
         let energy = energy::energy(sample, direction(degrees), directions);
         energy.drawn.iter().for_each(|energy| drawn.include(energy.mean));
         energy.evaluated.iter().for_each(|energy| evaluated.include(energy.mean));
-        for energy in energy.drawn.into_iter().chain(energy.evaluated) {
-            worst = worst.min(p_value(energy, sample));
+        let Tolerance { drawn: of_drawn, evaluated: of_evaluated } = sample.tolerance;
+        for (energies, tolerance) in [(energy.drawn, of_drawn), (energy.evaluated, of_evaluated)] {
+            let each =
+                energies.into_iter().map(|energy| p_value(energy, sample.promise, tolerance));
+            worst = each.fold(worst, f64::min);
         }
     }
     let angles = degrees.len();
@@ -86,9 +89,9 @@ fn keeps_its_promise(
         return Ok(Measured::new(Finding::Wrong(wrong), detail).with_remark(told));
     }
     let detail = format!(
-        "drawn {:.5} to {:.5}, evaluated {:.5} to {:.5} of the light over {angles} angles; {:.0e} \
-         allowed",
-        drawn.least, drawn.most, evaluated.least, evaluated.most, sample.tolerance
+        "drawn {drawn} (beside {:.0e}), evaluated {evaluated} (beside {:.0e}) of the light over \
+         {angles} angles",
+        sample.tolerance.drawn, sample.tolerance.evaluated
     );
     // Each of the comparisons has its share of the significance (Bonferroni).
     let comparisons = 6.0 * angles as f64;
@@ -109,10 +112,15 @@ impl Range {
     }
 }
 
-/// The probability of this energy if the promise is kept.
-fn p_value(energy: Estimate, sample: &Sample) -> f64 {
-    let tolerance = sample.tolerance;
-    let nearest = match sample.promise {
+impl std::fmt::Display for Range {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:.5} to {:.5}", self.least, self.most)
+    }
+}
+
+/// The probability of this energy if the promise is kept but for a tolerance.
+fn p_value(energy: Estimate, promise: Promise, tolerance: f64) -> f64 {
+    let nearest = match promise {
         Promise::All => energy.mean.clamp(1.0 - tolerance, 1.0 + tolerance),
         _ => energy.mean.min(1.0 + tolerance),
     };
