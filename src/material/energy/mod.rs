@@ -99,7 +99,7 @@ impl MissingEnergy {
     }
 
     /// A direction of the lobe, drawn in proportion to its light but for how that changes within
-    /// each of [`SHARES`] parts.
+    /// each of 64 parts.
     pub fn sample_lobe(&self, u: [f64; 2]) -> DVec3 {
         let place = u[0] * SHARES as f64;
         let part = (place as usize).min(SHARES - 1);
