@@ -35,8 +35,9 @@ impl<R: Recorder> Batch<'_, R> {
         let with_media = if self.world.scene.has_media() { self.samples.len() } else { 0 };
         self.media.clear();
         self.media.resize(with_media, Media::VACUUM);
-        self.drawn.clear();
-        self.drawn.resize(self.samples.len(), Drawn::NOTHING);
+        // A path asks only for what it has drawn; so what is old may stay.
+        let room = self.samples.len().max(self.drawn.len());
+        self.drawn.resize(room, Drawn::NOTHING);
         self.start_all(workspace);
         while !workspace.paths.states.is_empty() && !self.world.cancel.is_cancelled() {
             self.advance(workspace);
