@@ -192,7 +192,7 @@ fn giants(wanted: &Wanted) -> Outcome<()> {
     println!("{:<13}{:>10}{:>10}", "", "closest", "occluded");
     for arrangement in [GAS, PACKED] {
         let spheres = wanted.largest.min(1e6) as u64;
-        let giant = Sphere { center: DVec3::NEG_Y * (1e7 + 1.0), radius: 1e7 };
+        let giant = Sphere { center: DVec3::NEG_Y * (1e7 + 0.55), radius: 1e7 };
         let mut fields = Vec::new();
         for giants in [vec![giant], Vec::new()] {
             let count = giants.len();

@@ -14,7 +14,7 @@
 //! `(p - o) / u`. For `u > 0` this is at least `(p - o') / u`, with the largest `o'` there is, and this
 //! in turn at least the smaller of its values at the two ends of the interval of `1 / u`; for `u < 0`
 //! likewise with the smallest `o'`. So the earliest entry and the latest exit come from four sums for
-//! each axis ([`Slabs::between`] at both ends), and each is wrong by no more than for the ray that it
+//! each axis ([`Slabs::set`] for both ends), and each is wrong by no more than for the ray that it
 //! belongs to.
 
 use std::mem::MaybeUninit;
@@ -130,11 +130,11 @@ impl Packet {
                 return false;
             }
             packet.beam = beam;
-            let (first_slabs, other, near) = planes(&origin, &unit, beam.sum);
-            packet.other = other;
             let [t_min, _] = extremes::<L>(&packet.t_min[0]);
             let [_, limit] = extremes::<L>(&packet.limit);
-            packet.lead.lead(root, first_slabs, near, [t_min, limit]);
+            let near = Near::of(&end(&unit, 0, 1.0));
+            let slabs = packet.lead.lead(root, near, [t_min, limit]);
+            set_planes([slabs, &mut packet.other], &origin, &unit, beam.sum);
         }
         packet.best = *best;
         packet.first = first;
@@ -294,24 +294,25 @@ impl Packet {
     }
 }
 
-/// Planes for both ends of the directions between these extremes, and which of a box are near.
+/// Sets the planes for both ends of the directions between these extremes.
 #[inline(always)]
-fn planes(origin: &Extremes, unit: &Extremes, sum: f32) -> (Slabs, Slabs, Near) {
-    let end = |pairs: &Extremes, which: usize, fourth: f32| {
-        [pairs[0][which], pairs[1][which], pairs[2][which], fourth]
-    };
+fn set_planes(slabs: [&mut Slabs; 2], origin: &Extremes, unit: &Extremes, sum: f32) {
     let (low, high) = (end(origin, 0, 0.0), end(origin, 1, 0.0));
-    // Adding 0 makes one zero of the two that there are.
-    let (one, other) = (end(unit, 0, 1.0), end(unit, 1, 1.0));
-    let (one, other) = (one.map(|u| u + 0.0), other.map(|u| u + 0.0));
+    let ends = [0, 1].map(|which| end(unit, which, 1.0));
     let of = |is_first: bool| -> [f32; 4] {
         std::array::from_fn(|axis| {
-            if one[axis].is_sign_positive() == is_first { low[axis] } else { high[axis] }
+            if ends[0][axis].is_sign_positive() == is_first { low[axis] } else { high[axis] }
         })
     };
     let (first, last, slack) = (of(true), of(false), slack(sum));
-    let slabs = |unit: &[f32; 4]| Slabs::between(&first, &last, unit, slack);
-    (slabs(&one), slabs(&other), Near::of(&one))
+    slabs.into_iter().zip(&ends).for_each(|(slabs, unit)| slabs.set(&first, &last, unit, slack));
+}
+
+/// The smallest numbers of all axes, or the largest, and a fourth. Of the two zeros there are, they are
+/// never the negative one.
+#[inline(always)]
+fn end(pairs: &Extremes, which: usize, fourth: f32) -> [f32; 4] {
+    [pairs[0][which] + 0.0, pairs[1][which] + 0.0, pairs[2][which] + 0.0, fourth]
 }
 
 /// Whether numbers between these are all above 0, all below, or all 0.

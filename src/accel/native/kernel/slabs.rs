@@ -46,21 +46,19 @@ pub(super) fn slack(sum: f32) -> f32 {
 }
 
 impl Slabs {
-    /// For rays in this direction from anywhere between two places, of which none is before the
+    /// Sets them for rays in this direction from anywhere between two places, of which none is before the
     /// `first` nor behind the `last` along any axis; `slack` is what boxes give way everywhere.
     #[inline(always)]
-    pub(super) fn between(first: &[f32; 4], last: &[f32; 4], unit: &[f32; 4], slack: f32) -> Self {
-        let mut slabs = Self { inverse: [0.0; 4], enter: [0.0; 4], leave: [0.0; 4] };
+    pub(super) fn set(&mut self, first: &[f32; 4], last: &[f32; 4], unit: &[f32; 4], slack: f32) {
         for axis in 0..4 {
             let u = unit[axis];
             let farthest = larger(first[axis].abs(), last[axis].abs());
             let slack = (BOX_SLACK * farthest + slack).copysign(u);
             let inverse = 1.0 / larger(u.abs(), SMALLEST).copysign(u);
-            slabs.inverse[axis] = inverse;
-            slabs.enter[axis] = -inverse * (last[axis] + slack);
-            slabs.leave[axis] = -inverse * (first[axis] - slack);
+            self.inverse[axis] = inverse;
+            self.enter[axis] = -inverse * (last[axis] + slack);
+            self.leave[axis] = -inverse * (first[axis] - slack);
         }
-        slabs
     }
 
     /// The distances at which the planes of an axis are met: that which is met first of each pair, and

@@ -100,7 +100,7 @@ impl Slot {
         let sum = x.abs() + y.abs() + z.abs();
         slot.error = ERROR * sum + LEAST_ERROR;
         if let Some(root) = root {
-            slot.slabs = Slabs::between(&slot.origin, &slot.origin, &slot.unit, slack(sum));
+            slot.slabs.set(&slot.origin, &slot.origin, &slot.unit, slack(sum));
             slot.near = Near::of(&slot.unit);
             slot.enter(root);
         }
@@ -114,12 +114,13 @@ impl Slot {
         length > 0.0
     }
 
-    /// Makes this the lead of a packet of rays, at the root of the tree: between these distances,
-    /// with these planes.
+    /// Makes this the lead of a packet of rays, at the root of the tree: between these distances, with
+    /// planes that are still to be set.
     #[inline(always)]
-    pub(super) fn lead(&mut self, root: Child, slabs: Slabs, near: Near, [t_min, limit]: [f32; 2]) {
-        (self.slabs, self.near, self.t_min, self.limit) = (slabs, near, t_min, limit);
+    pub(super) fn lead(&mut self, root: Child, near: Near, [t_min, limit]: [f32; 2]) -> &mut Slabs {
+        (self.near, self.t_min, self.limit) = (near, t_min, limit);
         self.enter(root);
+        &mut self.slabs
     }
 
     /// Goes to the root of a tree.
