@@ -19,8 +19,10 @@ use super::lanes::Lanes;
 use super::slot::Eight;
 use super::spheres::{ERROR, LEAST_ERROR, project, radii, squared, to_centers};
 
-/// A beam is as wide, at the distance of the tree's middle, as so many leaves at most.
-const WIDEST: f32 = 2.0;
+/// A beam is at most as wide, from its axis at the distance of the tree's middle, as so many leaves.
+/// Packets are 2.5 times as fast as single rays at 0.15, 1.2 times at 0.6, and slower beyond 1 in a
+/// gas of spheres; in denser scenes they pay up to twice as far.
+const WIDEST: f32 = 0.7;
 /// More than the roundings of a length to f32 may make of it.
 const LENGTH_SLACK: f32 = 1.0 + 1.0 / (1u32 << 20) as f32;
 

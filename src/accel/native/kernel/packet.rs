@@ -34,8 +34,8 @@ use super::spheres::{ERROR, LEAST_ERROR, Met, Rays};
 
 /// Rays of a packet.
 pub(super) const RAYS: usize = 2 * 8;
-/// Steps after which a packet is given up. Sixteen rays by themselves take some hundreds together, and
-/// packets that pay far fewer than these.
+/// Steps, and spheres looked at, after which a packet is given up. Sixteen rays by themselves take some
+/// hundreds of steps together, and packets that pay far fewer than these.
 const MOST_STEPS: u32 = 384;
 /// Spheres with candidates that a packet can hold, as many as a number has bits.
 const SPHERES: usize = 64;
@@ -194,7 +194,9 @@ impl Packet {
     unsafe fn through_leaf<L: Lanes>(&mut self, leaf: *const Leaf, index: u32) -> bool {
         // SAFETY: a leaf is four times eight numbers, aligned, of which a lane is one of each.
         unsafe {
-            for lane in each_lane(self.beam.touched::<L>(leaf, self.lead.limit)) {
+            let touched = self.beam.touched::<L>(leaf, self.lead.limit);
+            self.steps += touched.count_ones();
+            for lane in each_lane(touched) {
                 if self.count as usize == SPHERES {
                     return false;
                 }
