@@ -125,6 +125,12 @@ impl Goal {
         let error = self.error(session.film());
         Ok(Reached { is_complete, standing, error })
     }
+
+    /// What is reached where the threads that render are left behind, as far as they have told.
+    pub(super) fn reached_so_far(&self, film: &Film, told: &Told) -> Reached {
+        let (standing, error) = (told.last_standing(), self.error(film));
+        Reached { is_complete: self.is_time_up(), standing, error }
+    }
 }
 
 /// Refuses what spreads its samples over a number that must be known before.

@@ -1,5 +1,6 @@
-//! Ctrl-C. While there is nothing to save, it ends the program at once; once there is, the first asks
-//! the work to stop, and the second ends the program at once.
+//! Ctrl-C, and being told to terminate. While there is nothing to save, either ends the program at once.
+//! Once there is, either asks the work to stop, and only a second Ctrl-C ends the program at once: a person
+//! at a terminal means it, but a system that shuts down sends what it has, one signal after another.
 
 use std::fs;
 use std::sync::Arc;
@@ -20,6 +21,38 @@ use super::print;
 pub(super) struct Interrupt {
     cancel: Cancel,
     can_save: Arc<AtomicBool>,
+    is_asked: Arc<AtomicBool>,
+}
+
+/// The signals that came so far.
+#[derive(Default)]
+struct Heard {
+    any: bool,
+    ctrl_c: bool,
+}
+
+/// What a signal means.
+#[derive(Debug, PartialEq)]
+enum Meaning {
+    /// To stop, and to save what there is.
+    Stop,
+    /// No more than was asked for before.
+    Nothing,
+    /// To be gone at once.
+    Die,
+}
+
+impl Heard {
+    fn meaning(&mut self, signal: i32, can_save: bool) -> Meaning {
+        let is_ctrl_c = signal == SIGINT;
+        let is_first = !std::mem::replace(&mut self.any, true);
+        let is_repeated = is_ctrl_c && std::mem::replace(&mut self.ctrl_c, true);
+        match (can_save, is_repeated) {
+            (false, _) | (_, true) => Meaning::Die,
+            _ if is_first || is_ctrl_c => Meaning::Stop,
+            _ => Meaning::Nothing,
+        }
+    }
 }
 
 /// Listens for Ctrl-C and for being told to terminate, with nothing to save so far.
@@ -29,22 +62,28 @@ pub(super) struct Interrupt {
 pub(super) fn listen() -> Interrupt {
     let interrupt = Interrupt::default();
     let ours = interrupt.clone();
-    let handler = move || {
-        let is_second = ours.cancel.is_cancelled();
-        if ours.can_save.load(Ordering::Relaxed) && !is_second {
-            ours.cancel.cancel();
-            print::remark("stopping; press Ctrl-C again to stop at once and write nothing");
-            return;
+    let mut heard = Heard::default();
+    let mut handler = move |signal| {
+        let is_asked = ours.is_asked();
+        match heard.meaning(signal, ours.can_save.load(Ordering::Relaxed)) {
+            Meaning::Stop => {
+                ours.is_asked.store(true, Ordering::Relaxed);
+                ours.cancel.cancel();
+                print::remark("stopping; press Ctrl-C again to stop at once and write nothing");
+            }
+            Meaning::Nothing => {}
+            Meaning::Die => {
+                remove_unfinished();
+                if !is_asked {
+                    print::remark("stopped; nothing was written");
+                }
+                std::process::exit(i32::from(Exit::Stopped as u8));
+            }
         }
-        remove_unfinished();
-        if !is_second {
-            print::remark("stopped; nothing was written");
-        }
-        std::process::exit(i32::from(Exit::Stopped as u8));
     };
     // Without them, signals do what they do to any program.
     if let Ok(mut signals) = Signals::new(heeded()) {
-        let listener = move || signals.forever().for_each(|_| handler());
+        let listener = move || signals.forever().for_each(&mut handler);
         let _ = thread::Builder::new().name("signals".to_owned()).spawn(listener);
     }
     interrupt
@@ -63,13 +102,40 @@ fn heeded() -> Vec<i32> {
 }
 
 impl Interrupt {
-    /// The request that the first Ctrl-C sets, once there is something to save.
+    /// The request that the first signal sets, once there is something to save. Others may set it for
+    /// reasons of their own, such as a time that is up.
     pub(super) fn cancel(&self) -> Cancel {
         self.cancel.clone()
+    }
+
+    /// Whether a signal asked to stop.
+    pub(super) fn is_asked(&self) -> bool {
+        self.is_asked.load(Ordering::Relaxed)
     }
 
     /// From here on there is work that the first Ctrl-C should not throw away.
     pub(super) fn save_from_now_on(&self) {
         self.can_save.store(true, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_second_ctrl_c_ends_what_can_be_saved() {
+        let meanings = |signals: &[i32], can_save: bool| -> Vec<Meaning> {
+            let mut heard = Heard::default();
+            signals.iter().map(|signal| heard.meaning(*signal, can_save)).collect()
+        };
+        use Meaning::{Die, Nothing, Stop};
+        assert_eq!(meanings(&[SIGTERM, SIGHUP, SIGTERM], true), [Stop, Nothing, Nothing]);
+        assert_eq!(meanings(&[SIGINT, SIGHUP, SIGTERM], true), [Stop, Nothing, Nothing]);
+        assert_eq!(meanings(&[SIGTERM, SIGINT, SIGINT], true), [Stop, Stop, Die]);
+        assert_eq!(meanings(&[SIGINT, SIGINT], true), [Stop, Die]);
+        for signal in [SIGINT, SIGTERM, SIGHUP] {
+            assert_eq!(meanings(&[signal], false), [Die]);
+        }
     }
 }

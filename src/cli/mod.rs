@@ -44,13 +44,18 @@ use exit::Exit;
 /// Runs the command that the program's arguments ask for, and prints what comes of it.
 pub fn main() -> ExitCode {
     let exit = match read() {
-        Ok(cli) => run(&cli.command).unwrap_or_else(|e| {
-            error::print(&e);
-            Exit::of(&e)
-        }),
+        Ok(cli) => exit_of(run(&cli.command)),
         Err(answer) => help_or_wrong_usage(&answer),
     };
     exit.into()
+}
+
+/// How the program ends with what came of the command, whose error is printed.
+fn exit_of(outcome: Result<Exit>) -> Exit {
+    outcome.unwrap_or_else(|e| {
+        error::print(&e);
+        Exit::of(&e)
+    })
 }
 
 /// The arguments, understood.

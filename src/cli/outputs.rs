@@ -12,12 +12,24 @@ use super::args::OutputArgs;
 
 /// The files that a picture goes to.
 pub(super) struct Outputs {
-    targets: Vec<(PathBuf, Target)>,
+    pictures: Vec<File>,
     /// Where the sums themselves go.
     part: Option<PathBuf>,
     look: Look,
     kinds: Vec<Kind>,
     with_run: bool,
+}
+
+/// The file of a picture.
+pub(super) struct File {
+    pub(super) path: PathBuf,
+    target: Target,
+}
+
+/// What the files of a picture say of it.
+pub(super) struct Words {
+    notes: Notes,
+    layers: Record,
 }
 
 /// The name of the record that lists the layers.
@@ -35,7 +47,7 @@ impl Outputs {
     /// # Errors
     /// When one cannot be written, is named twice, or none has a place for what is asked.
     pub(super) fn new(args: &OutputArgs, has_preview: bool) -> Result<Self> {
-        let mut targets: Vec<(PathBuf, Target)> = Vec::new();
+        let mut pictures: Vec<File> = Vec::new();
         let mut part = None;
         for path in &args.files {
             if is_part(path) {
@@ -46,16 +58,16 @@ impl Outputs {
                 }
                 continue;
             }
-            targets.push((path.clone(), Target::new(path)?));
+            pictures.push(File { path: path.clone(), target: Target::new(path)? });
         }
         if part.is_none() {
-            refuse_layers_without_place(args, &targets)?;
+            refuse_layers_without_place(args, &pictures)?;
         }
         if let Some(option) = args.look_option().filter(|_| !has_preview) {
-            refuse_look_without_screen(option, args, &targets)?;
+            refuse_look_without_screen(option, args, &pictures)?;
         }
         let (look, kinds, with_run) = (args.look(), args.kinds(), !args.no_run_figures);
-        Ok(Self { targets, part, look, kinds, with_run })
+        Ok(Self { pictures, part, look, kinds, with_run })
     }
 
     /// The layers that are asked for.
@@ -81,40 +93,49 @@ impl Outputs {
 
     /// Whether there is any picture among the files.
     pub(super) fn has_pictures(&self) -> bool {
-        !self.targets.is_empty()
+        !self.pictures.is_empty()
     }
 
-    /// Writes all files; `quickly` where somebody waits for the end of it.
-    ///
-    /// # Errors
-    /// When one cannot be written; those before it are.
-    pub(super) fn write(
-        &self,
-        picture: &Picture,
-        frame: &Frame,
-        made: &Made,
-        run: &Run,
-        quickly: bool,
-    ) -> Result<()> {
+    /// The files of the picture.
+    pub(super) fn pictures(&self) -> &[File] {
+        &self.pictures
+    }
+
+    /// What they say of a picture; `quickly` where somebody waits for the end of writing it.
+    pub(super) fn words(&self, frame: &Frame, made: &Made, run: &Run, quickly: bool) -> Words {
         let mut records = made.records();
         if self.with_run {
             records.extend(run.records());
         }
-        for (_, target) in &self.targets {
-            let mut records = records.clone();
-            if target.is_for_screen() {
-                records.extend(
-                    provenance::look_in_words(&self.look).map(|words| Record::new("look", words)),
-                );
-            }
-            if target.has_layers() {
-                records.push(self.record_of_layers());
-            }
-            provenance::sort(&mut records);
-            let notes = Notes { cropped_from: crop(frame), look: self.look, records, quickly };
-            target.write_with(picture, &notes)?;
+        let notes = Notes { cropped_from: crop(frame), look: self.look, records, quickly };
+        Words { notes, layers: self.record_of_layers() }
+    }
+}
+
+impl File {
+    /// Writes the picture, in its own place or in another.
+    ///
+    /// # Errors
+    /// When it cannot be written there.
+    pub(super) fn write(
+        &self,
+        place: Option<&Path>,
+        picture: &Picture,
+        words: &Words,
+    ) -> Result<()> {
+        let mut notes = words.notes.clone();
+        if self.target.is_for_screen() {
+            let look = provenance::look_in_words(&notes.look);
+            notes.records.extend(look.map(|words| Record::new("look", words)));
         }
-        Ok(())
+        if self.target.has_layers() {
+            notes.records.push(words.layers.clone());
+        }
+        provenance::sort(&mut notes.records);
+        match place {
+            None => self.target.write_with(picture, &notes),
+            Some(place) => Target::new(place)?.write_with(picture, &notes),
+        }
     }
 }
 
@@ -164,8 +185,8 @@ pub(super) fn in_words(files: &[PathBuf]) -> String {
 }
 
 /// `.png` has the beauty, and alpha; the formats of linear light have the beauty alone.
-fn refuse_layers_without_place(args: &OutputArgs, targets: &[(PathBuf, Target)]) -> Result<()> {
-    let any = |test: fn(&Target) -> bool| targets.iter().any(|(_, target)| test(target));
+fn refuse_layers_without_place(args: &OutputArgs, files: &[File]) -> Result<()> {
+    let any = |test: fn(&Target) -> bool| files.iter().any(|file| test(&file.target));
     if !args.asks_for_layers() || any(Target::has_layers) {
         return Ok(());
     }
@@ -177,24 +198,20 @@ fn refuse_layers_without_place(args: &OutputArgs, targets: &[(PathBuf, Target)])
     let Some(homeless) = args.kinds().into_iter().find(|kind| !has_place(kind)) else {
         return Ok(());
     };
-    let (layer, names) = (homeless.row().name, quoted(targets));
-    let verb = if targets.len() == 1 { "has" } else { "have" };
+    let (layer, names) = (homeless.row().name, quoted(files));
+    let verb = if files.len() == 1 { "has" } else { "have" };
     Err(Error::input(format!("{names} {verb} no place for the layer `{layer}`"))
         .with_help("layers go into .exr files; name one beside it where you want both"))
 }
 
-fn quoted(targets: &[(PathBuf, Target)]) -> String {
+fn quoted(files: &[File]) -> String {
     let names: Vec<String> =
-        targets.iter().map(|(path, _)| format!("`{}`", path.display())).collect();
+        files.iter().map(|file| format!("`{}`", file.path.display())).collect();
     names.join(" and ")
 }
 
-fn refuse_look_without_screen(
-    option: &str,
-    args: &OutputArgs,
-    targets: &[(PathBuf, Target)],
-) -> Result<()> {
-    if targets.iter().any(|(_, target)| target.is_for_screen()) {
+fn refuse_look_without_screen(option: &str, args: &OutputArgs, files: &[File]) -> Result<()> {
+    if files.iter().any(|file| file.target.is_for_screen()) {
         return Ok(());
     }
     let verb = if args.files.len() == 1 { "holds" } else { "hold" };

@@ -79,7 +79,8 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     }
     if outputs.has_pictures() {
         let picture = first.picture(&sum, &made, outputs.kinds())?;
-        outputs.write(&picture, sum.frame(), &made, &run, false)?;
+        let words = outputs.words(sum.frame(), &made, &run, false);
+        outputs.pictures().iter().try_for_each(|file| file.write(None, &picture, &words))?;
     }
     if !args.quiet {
         let parts = print::count(pieces.len(), "part");

@@ -1,18 +1,17 @@
 //! A render at work: what it keeps and writes, at any time and from any thread.
 
 use std::ops::Range;
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::time::Instant;
 
 use serde_json::json;
 
 use crate::accel::Accel;
 use crate::error::{Error, Result};
-use crate::film::{Film, hands};
+use crate::film::Film;
 use crate::integrator::Tally;
-use crate::output::{Record, write_part};
+use crate::output::{Record, WholeFile, write_part};
 use crate::provenance::{Counts, Made, Run, Samples};
 use crate::render::{self, Session};
 use crate::scene::Scene;
@@ -20,11 +19,14 @@ use crate::scene::Scene;
 use super::super::args::RenderArgs;
 use super::super::exit::Exit;
 use super::super::goal::{Goal, Reached};
+use super::super::interrupt::Interrupt;
 use super::super::keeper::Chore;
 use super::super::outputs::Outputs;
-use super::super::watch::Told;
-use super::super::{on_threads, print, system};
+use super::super::progress::Progress;
+use super::super::watch::{LastLook, Told};
+use super::super::{print, system};
 use super::report::{self, Figures, Report};
+use super::save::{self, Errand, Manner};
 use super::start::{Before, Keep};
 
 /// The name of the record that says how to go on.
@@ -48,19 +50,17 @@ pub(super) struct Job<'a> {
     pub(super) keep: Option<&'a Keep>,
     pub(super) goal: &'a Goal,
     pub(super) told: &'a Told,
-    /// Set when it has come to its end, be that at a noise target or at a time.
-    pub(super) has_ended: AtomicBool,
-    /// Set when it has ended without having met its noise target.
-    pub(super) missed: OnceLock<String>,
+    pub(super) interrupt: &'a Interrupt,
+    pub(super) progress: &'a Progress,
     /// What decides the pixels, but for how many samples they have so far.
     pub(super) made: Made,
-    /// The intersector, and why it.
-    pub(super) intersector: String,
+    /// What came before the render took, and the intersector.
+    pub(super) figures: Figures,
+    /// What there was to warn of.
+    pub(super) about_spheres: Vec<String>,
     pub(super) before: Before,
     pub(super) samples_before: u64,
     pub(super) began: Instant,
-    /// Held while all is saved, so that it is saved once.
-    pub(super) saving: Mutex<()>,
 }
 
 impl Job<'_> {
@@ -73,75 +73,83 @@ impl Job<'_> {
         let keep = self.keep.map(|keep| Chore {
             what: format!("write `{}`", keep.path.display()),
             every: keep.every,
-            work: Box::new(|| self.save_part(keep)),
+            work: Box::new(|| self.save_part(&keep.file, None)),
         });
         keep.into_iter().collect()
     }
 
-    /// Saves what there is and ends the program.
-    pub(super) fn give_up(&self) {
-        self.has_ended.fetch_or(self.goal.is_time_up(), Ordering::Relaxed);
-        // The threads that render are stuck, so others must help.
-        let saved = on_threads(self.args.scene.threads(), || self.save_all());
-        if saved.is_ok() && !self.args.quiet {
-            let kept = self.keep.map(|keep| keep.path.as_path());
-            print::remark(report::ending(self.args, self.film(), self.goal.is_time_up(), kept));
-        }
-        // Never let go: the threads that render may get here yet.
-        let _saving = self.saving.lock().unwrap_or_else(PoisonError::into_inner);
-        let exit = match saved {
-            Ok(()) if self.goal.is_time_up() => Exit::Done,
-            Ok(()) => Exit::Stopped,
-            Err(error) => {
-                super::super::error::print(&error);
-                Exit::of(&error)
-            }
-        };
-        std::process::exit(i32::from(exit as u8));
+    /// Saves what it came to, and tells of it. Saved first, and shown then: who looks on may keep nobody
+    /// waiting.
+    ///
+    /// # Errors
+    /// When something cannot be written, or there is nothing to write.
+    pub(super) fn close(&self, reached: &Reached, last_look: &LastLook<'_>) -> Result<Exit> {
+        self.told.end();
+        let render_s = self.began.elapsed().as_secs_f64();
+        let saved = self.save_all(reached);
+        last_look.wait();
+        saved?;
+        self.report(reached, render_s)?;
+        Ok(match (reached.is_complete, reached.is_good_enough()) {
+            (false, _) => Exit::Stopped,
+            // Of a picture that is shared out, the merge says so.
+            (true, false) if self.outputs.has_pictures() => Exit::CheckFailed,
+            (true, _) => Exit::Done,
+        })
     }
 
     /// Writes the part and the pictures.
     ///
     /// # Errors
-    /// When something cannot be written; the others are, where they can be. When there is not one
-    /// sample.
-    pub(super) fn save_all(&self) -> Result<()> {
-        let _saving = self.saving.lock().unwrap_or_else(PoisonError::into_inner);
+    /// When something cannot be written; the others are, where they can be, and what would be lost is
+    /// elsewhere. When there is not one sample.
+    fn save_all(&self, reached: &Reached) -> Result<()> {
         if self.film().samples() == 0 {
             let help = "no sample was finished, so no picture was written";
             return Err(Error::cancelled().with_help(help));
         }
-        let (kept, shown) = hands::join(
-            || self.keep.map_or(Ok(()), |keep| self.save_part(keep)),
-            || self.save_pictures(),
-        );
-        match (kept, shown) {
-            (Ok(()), Err(error)) if self.keep.is_some() => {
-                let path = self.keep.map(|keep| keep.path.display().to_string());
-                let path = path.unwrap_or_default();
-                Err(error.with_help(format!(
-                    "the samples are safe: photosphere resume '{path}' writes it again"
-                )))
-            }
-            (kept, shown) => shown.and(kept),
-        }
-    }
-
-    fn save_pictures(&self) -> Result<()> {
-        if !self.outputs.has_pictures() {
-            return Ok(());
-        }
-        let film = self.film();
-        let picture = render::picture(self.scene, self.accel, film, self.outputs.kinds());
+        let (film, picture) = (self.film(), OnceLock::new());
+        let shown = || {
+            picture
+                .get_or_init(|| render::picture(self.scene, self.accel, film, self.outputs.kinds()))
+        };
         // Whoever stops a render waits for the end of it.
-        let quickly = self.session.cancel().is_cancelled() && !self.goal.is_time_up();
-        let written =
-            self.outputs.write(&picture, film.frame(), &self.made(), &self.run(), quickly);
-        self.told.picture(picture);
-        written
+        let words =
+            self.outputs.words(film.frame(), &self.made(), &self.run(), self.interrupt.is_asked());
+        let part: Vec<Errand<'_>> =
+            self.keep.map(|keep| self.errand_of(keep, reached)).into_iter().collect();
+        let help = self.keep.map(|keep| {
+            let path = keep.path.display();
+            format!("the samples are safe: photosphere resume '{path}' writes it again")
+        });
+        let pictures = self.outputs.pictures().iter().map(|file| Errand {
+            path: file.path.clone(),
+            is_vital: self.keep.is_none(),
+            help: help.clone().unwrap_or_default(),
+            write: Box::new(|place| file.write(place, shown(), &words)),
+        });
+        let pictures: Vec<Errand<'_>> = pictures.collect();
+        let warn = |text: String| self.progress.say(|| print::warning(&text));
+        let manner = Manner { in_haste: &|| self.interrupt.is_asked(), warn: &warn };
+        let saved = save::all(&part, &pictures, &manner);
+        drop(pictures);
+        if let Some(picture) = picture.into_inner() {
+            self.told.picture(picture);
+        }
+        saved
     }
 
-    fn save_part(&self, keep: &Keep) -> Result<()> {
+    fn errand_of<'a>(&'a self, keep: &'a Keep, reached: &'a Reached) -> Errand<'a> {
+        let write = move |place: Option<&Path>| match place {
+            None => self.save_part(&keep.file, Some(reached)),
+            Some(place) => self.save_part(&WholeFile::new(place)?, Some(reached)),
+        };
+        let (path, help) = (keep.path.clone(), String::new());
+        Errand { path, is_vital: true, help, write: Box::new(write) }
+    }
+
+    /// `reached` is what it came to, where it does not go on.
+    fn save_part(&self, file: &WholeFile, reached: Option<&Reached>) -> Result<()> {
         let mut records = self.made().records();
         records.extend(self.run().records());
         let tally = self.tally();
@@ -151,13 +159,13 @@ impl Job<'_> {
         records.push(Record::new("samples-per-pixel", last.to_string()));
         let transparent = self.scene.description().background.transparent;
         records.push(Record::new("transparent", transparent.to_string()));
-        if self.has_ended.load(Ordering::Relaxed) {
+        if let Some(reached) = reached.filter(|reached| reached.is_complete) {
             records.push(Record::new(ENDED, "true"));
+            records.extend(reached.complaint().map(|missed| Record::new(MISSED, missed)));
         }
-        records.extend(self.missed.get().map(|missed| Record::new(MISSED, missed)));
         records.push(self.outputs.record_of_layers());
         records.push(Record::new(RESUME, self.how_to_go_on().to_string()));
-        write_part(&keep.file, self.film(), &self.samples, &records)
+        write_part(file, self.film(), &self.samples, &records)
     }
 
     /// What `resume` needs to know of the command.
@@ -198,7 +206,7 @@ impl Job<'_> {
             threads: rayon::current_num_threads(),
             error: self.goal.error(self.film()),
             noise: self.goal.noise_in_words(),
-            intersector: self.intersector.clone(),
+            intersector: self.figures.accel.in_words(),
         }
     }
 
@@ -212,12 +220,7 @@ impl Job<'_> {
     ///
     /// # Errors
     /// When the standard output is closed.
-    pub(super) fn report(
-        &self,
-        reached: &Reached,
-        figures: &Figures,
-        about_spheres: Vec<String>,
-    ) -> Result<()> {
+    fn report(&self, reached: &Reached, render_s: f64) -> Result<()> {
         let about_film = render::warnings(self.scene, &self.tally(), self.film());
         let complaint = reached.complaint();
         about_film.iter().chain(&complaint).for_each(print::warning);
@@ -235,8 +238,14 @@ impl Job<'_> {
                 reached.is_complete,
                 self.keep.map(|keep| keep.path.as_path()),
             ),
-            figures,
-            warnings: about_spheres.into_iter().chain(about_film).chain(complaint).collect(),
+            figures: Figures { render_s, ..self.figures.clone() },
+            warnings: self
+                .about_spheres
+                .iter()
+                .cloned()
+                .chain(about_film)
+                .chain(complaint)
+                .collect(),
         };
         report.print()
     }

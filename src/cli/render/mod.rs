@@ -2,12 +2,11 @@
 
 mod job;
 mod report;
+mod save;
 mod start;
 
 use std::ops::Range;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock};
 use std::time::Instant;
 
 use crate::accel::{BuildOptions, Chosen};
@@ -27,7 +26,7 @@ use super::memory::Needs;
 use super::outputs::{self, Outputs, is_part};
 use super::progress::{self, Progress};
 use super::watch::{Shows, Told, Watch};
-use super::{interrupt, memory, on_threads, print};
+use super::{exit_of, interrupt, memory, on_threads, print};
 
 pub(super) use job::{ENDED, MISSED, RESUME};
 
@@ -102,23 +101,14 @@ fn render(
         keep,
         goal: &goal,
         told: &told,
-        has_ended: AtomicBool::new(false),
-        missed: OnceLock::new(),
+        interrupt,
+        progress: &progress,
         made,
-        intersector: figures.accel.in_words(),
+        figures,
+        about_spheres,
         before,
         samples_before: film.samples(),
         began: Instant::now(),
-        saving: Mutex::default(),
-    };
-    let orders = Orders {
-        chores: job.chores(),
-        cancel: &options.cancel,
-        warn: &|text| progress.say(|| print::warning(&text)),
-        give_up: &|| {
-            progress.finish();
-            job.give_up()
-        },
     };
     let deadline = goal.deadline(&film, before.seconds, interrupt.cancel());
     let watch = Watch {
@@ -128,27 +118,24 @@ fn render(
         shows,
         threads,
         deadline,
-        cancel: interrupt.cancel(),
+        interrupt,
         has_alpha: outputs.kinds().contains(&Kind::Mean(Layer::Alpha))
             || scene.description().background.transparent,
     };
-    // Saved first, and shown then: who looks on may keep nobody waiting.
-    let reached = watch.during(|| {
+    watch.during(|last_look| {
+        let orders = Orders {
+            chores: job.chores(),
+            cancel: &options.cancel,
+            warn: &|text| progress.say(|| print::warning(&text)),
+            // The threads that render are stuck, so others must help.
+            give_up: &|| {
+                let reached = goal.reached_so_far(&film, &told);
+                let closed = on_threads(args.scene.threads(), || job.close(&reached, last_look));
+                std::process::exit(i32::from(exit_of(closed) as u8));
+            },
+        };
         let reached = keeper::beside(orders, || goal.reach(&session, &told))?;
-        told.end();
-        figures.render_s = clock.lap();
-        job.has_ended.store(reached.is_complete, Ordering::Relaxed);
-        if let (true, Some(complaint)) = (reached.is_complete, reached.complaint()) {
-            job.missed.get_or_init(|| complaint);
-        }
-        job.save_all().map(|()| reached)
-    })?;
-    job.report(&reached, &figures, about_spheres)?;
-    Ok(match (reached.is_complete, reached.is_good_enough()) {
-        (false, _) => Exit::Stopped,
-        // Of a picture that is shared out, the merge says so.
-        (true, false) if outputs.has_pictures() => Exit::CheckFailed,
-        (true, _) => Exit::Done,
+        job.close(&reached, last_look)
     })
 }
 

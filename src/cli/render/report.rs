@@ -58,7 +58,7 @@ pub(super) struct Report<'a> {
     pub(super) rays: u64,
     /// What was written.
     pub(super) ending: String,
-    pub(super) figures: &'a Figures,
+    pub(super) figures: Figures,
     pub(super) warnings: Vec<String>,
 }
 
@@ -91,7 +91,7 @@ impl Report<'_> {
     }
 
     fn in_words(&self) -> String {
-        let Figures { load_s, build_s, render_s, accel } = self.figures;
+        let Figures { load_s, build_s, render_s, accel } = &self.figures;
         let mut text = String::new();
         let mut line = |words: std::fmt::Arguments<'_>| {
             text.write_fmt(words).expect("a string takes all that is written to it");
@@ -114,7 +114,7 @@ impl Report<'_> {
     }
 
     fn in_json(&self) -> serde_json::Value {
-        let Figures { load_s, build_s, render_s, accel } = self.figures;
+        let Figures { load_s, build_s, render_s, accel } = &self.figures;
         json!({
             "output": outputs::in_words(&self.args.output.files),
             "complete": self.reached.is_complete,

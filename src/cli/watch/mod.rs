@@ -11,7 +11,7 @@ mod turns;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
 use crate::accel::Cancel;
@@ -22,6 +22,7 @@ use crate::render::{self, Standing};
 
 use super::args::WatchArgs;
 use super::goal::CONFIDENCE;
+use super::interrupt::Interrupt;
 use super::pace::{self, Pace};
 use super::print;
 use super::progress::{Progress, State};
@@ -81,6 +82,11 @@ impl Told {
         if let Ok(mut told) = self.standing.lock() {
             *told = Some(standing);
         }
+    }
+
+    /// How far the render to a target was when it last told.
+    pub(super) fn last_standing(&self) -> Option<Standing> {
+        self.standing.lock().ok().and_then(|told| told.clone())
     }
 }
 
@@ -142,8 +148,8 @@ pub(super) struct Watch<'a> {
     pub(super) threads: usize,
     /// When to stop the render, and how.
     pub(super) deadline: Option<Deadline<'a>>,
-    /// A request to stop.
-    pub(super) cancel: Cancel,
+    /// Whether somebody waits for the end.
+    pub(super) interrupt: &'a Interrupt,
     /// Whether the picture has an alpha channel: the film may sum it for other layers alone.
     pub(super) has_alpha: bool,
 }
@@ -161,7 +167,7 @@ pub(super) struct Deadline<'a> {
 
 impl Deadline<'_> {
     /// Minds the time until there is nothing more to end, by a thread of its own: who looks on may hang.
-    fn mind_until(&self, ended: &mpsc::Receiver<()>, told: &Told) {
+    fn mind_until(&self, ended: &Receiver<()>, told: &Told) {
         let tick = || {
             let left = self.at.saturating_duration_since(Instant::now());
             left.clamp(SHORTEST_TICK, TICK)
@@ -180,17 +186,49 @@ impl Deadline<'_> {
     }
 }
 
+/// The end of watching, which whoever works may bring about: the pictures are brought up to date once
+/// more.
+pub(super) struct LastLook<'a> {
+    on: Mutex<Option<Looking>>,
+    interrupt: &'a Interrupt,
+}
+
+/// What holds those who look on, and what they answer.
+struct Looking {
+    /// Dropped to end them.
+    ends: [Sender<()>; 2],
+    all_shown: Receiver<()>,
+    hang_up: Option<Box<dyn FnOnce() + Send>>,
+}
+
+impl LastLook<'_> {
+    /// Waits for it; a viewer that does not take its picture is left after a while. Nothing happens where
+    /// it has been before.
+    pub(super) fn wait(&self) {
+        let looking = self.on.lock().ok().and_then(|mut on| on.take());
+        let Some(Looking { ends, all_shown, hang_up }) = looking else { return };
+        drop(ends);
+        let is_asked = self.interrupt.is_asked();
+        let patience = if is_asked { PATIENCE_WHEN_STOPPED } else { PATIENCE };
+        let waited = all_shown.recv_timeout(patience);
+        if let (Err(RecvTimeoutError::Timeout), Some(hang_up)) = (waited, hang_up) {
+            hang_up();
+        }
+    }
+}
+
 impl Watch<'_> {
-    /// Runs `work` while another thread watches. The pictures are brought up to date once more at the
-    /// end; a viewer that does not take its picture then is left after a while.
-    pub(super) fn during<T>(mut self, work: impl FnOnce() -> T) -> T {
+    /// Runs `work` while another thread watches, until the last look, which `work` may have before its own
+    /// end.
+    pub(super) fn during<T>(mut self, work: impl FnOnce(&LastLook<'_>) -> T) -> T {
         let (end, ended) = mpsc::channel::<()>();
         let (end_of_time, time_ended) = mpsc::channel::<()>();
         let (shown, all_shown) = mpsc::channel::<()>();
         let hang_up = self.shows.tev.as_ref().and_then(Tev::hang_up);
-        let cancel = self.cancel.clone();
+        let hang_up = hang_up.map(|hang_up| Box::new(hang_up) as Box<dyn FnOnce() + Send>);
+        let looking = Looking { ends: [end, end_of_time], all_shown, hang_up };
+        let last_look = LastLook { on: Mutex::new(Some(looking)), interrupt: self.interrupt };
         let (deadline, told) = (self.deadline.clone(), self.told);
-        let is_up = self.deadline.as_ref().map(|deadline| deadline.is_up);
         std::thread::scope(|threads| {
             if let Some(deadline) = deadline {
                 threads.spawn(move || deadline.mind_until(&time_ended, told));
@@ -204,21 +242,15 @@ impl Watch<'_> {
             if let Err(e) = watcher.spawn_scoped(threads, watch) {
                 print::warning(format_args!("nobody can look on: {e}"));
             }
-            let result = work();
-            drop(end_of_time);
-            drop(end);
-            let in_time = is_up.is_some_and(|is_up| is_up.load(Ordering::Relaxed));
-            let is_stopped = cancel.is_cancelled() && !in_time;
-            let patience = if is_stopped { PATIENCE_WHEN_STOPPED } else { PATIENCE };
-            let waited = all_shown.recv_timeout(patience);
-            if let (Err(RecvTimeoutError::Timeout), Some(hang_up)) = (waited, hang_up) {
-                hang_up();
-            }
+            // Moved here, so that those who look on end where the work panics.
+            let last_look = last_look;
+            let result = work(&last_look);
+            last_look.wait();
             result
         })
     }
 
-    fn run(&mut self, ended: &mpsc::Receiver<()>) {
+    fn run(&mut self, ended: &Receiver<()>) {
         let began = Instant::now();
         let samples_before = self.film.samples();
         let picture = PIXEL.saturating_mul(self.film.frame().pixels() as u32);
@@ -254,16 +286,12 @@ impl Watch<'_> {
     }
 
     fn confidence(&self) -> f64 {
-        self.standing().map_or(CONFIDENCE, |standing| standing.target.confidence)
-    }
-
-    fn standing(&self) -> Option<Standing> {
-        self.told.standing.lock().ok().and_then(|told| told.clone())
+        self.told.last_standing().map_or(CONFIDENCE, |standing| standing.target.confidence)
     }
 
     fn state(&self, began: Instant, samples_before: u64, error: Option<f64>) -> State {
         let done = self.told.samples_done.load(Ordering::Relaxed).max(samples_before);
-        let standing = self.standing();
+        let standing = self.told.last_standing();
         let mut total = match &standing {
             Some(standing) => standing.samples.clone(),
             None => {
