@@ -387,3 +387,49 @@ fn a_full_disk_does_not_end_a_render() {
     assert_eq!(child.wait().expect("it ends").code(), Some(130));
     assert_eq!(desk.names(), ["a.pfm", "a.state", "scene.toml"]);
 }
+
+/// Ctrl-C alone, twice, may end the program before it has saved what it has.
+#[test]
+fn signals_while_the_last_files_are_written_let_them_be_finished() {
+    let desk = desk();
+    let options = "--size 1280x960 --layers direct,indirect,albedo,normal --time 1s -o a.exr \
+                   --checkpoint a.state --checkpoint-every 50ms --accel native --quiet";
+    let mut child = desk.command(&format!("render scene.toml {options}")).spawn().expect("starts");
+    // The checkpoint comes while it renders; after that the picture is written only at the end.
+    let is_there = |start: &str| desk.names().iter().any(|name| name.starts_with(start));
+    for start in ["a.state", ".a.exr."] {
+        while !is_there(start) && child.try_wait().expect("it can be asked").is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+    let kill = format!("for s in TERM HUP TERM; do kill -$s {}; sleep 0.01; done", child.id());
+    let _ = Command::new("sh").args(["-c", &kill]).status().expect("a shell");
+    assert_eq!(child.wait().expect("it ends").code(), Some(0));
+    assert_eq!(desk.names(), ["a.exr", "a.state", "scene.toml"]);
+}
+
+#[test]
+fn what_cannot_be_saved_at_the_end_is_elsewhere_and_goes_on_from_there() {
+    let desk = desk();
+    fs::create_dir(desk.path().join("kept")).expect("a folder");
+    let options = "--spp 100000000 -o a.pfm --checkpoint kept/a.state --checkpoint-every 20ms";
+    let mut command = desk.command(&format!("render scene.toml {options}"));
+    let child = command.stderr(Stdio::piped()).spawn().expect("it starts");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !desk.path().join("kept/a.state").exists() {
+        assert!(Instant::now() < deadline, "no checkpoint");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    while fs::remove_dir_all(desk.path().join("kept")).is_err() {}
+    let kill = format!("kill -TERM {}", child.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+    let output = child.wait_with_output().expect("it ends");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(4), "{told}");
+    assert!(told.contains("instead; written: `a.pfm`"), "{told}");
+    let names = desk.names();
+    let rescued = names.iter().find(|name| name.starts_with("rescued-")).expect("it is there");
+    assert!(rescued.ends_with("-a.state") && told.contains(rescued.as_str()), "{told}");
+    desk.run(&format!("merge {rescued} -o b.pfm --allow-gaps --quiet")).succeeds();
+    assert!(desk.read("a.pfm") == desk.read("b.pfm"));
+}

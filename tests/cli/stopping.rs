@@ -383,3 +383,24 @@ fn a_part_that_ended_early_cannot_be_followed() {
     desk.run("merge b.part a.part -o sum.part --allow-gaps").fails(3, &words);
     assert_eq!(desk.names(), ["a.part", "b.part", "scene.toml"]);
 }
+
+/// Also where the threads that render are so slow to stop that they are left behind.
+#[test]
+fn a_time_that_is_up_before_the_noise_target_is_met_is_told() {
+    let table = "[[sphere_tables]]\nfile = \"many.f32\"\nmaterial = \"grass\"\n\
+                 columns = [\"x\", \"y\", \"z\", \"radius\"]\n[render]";
+    let desk = Desk::new(&SCENE.replace("[render]", table));
+    let row = |i: u32| [i as f32, 3.0, 0.0, 0.3];
+    let bytes: Vec<u8> = (0..300_000).flat_map(row).flat_map(f32::to_le_bytes).collect();
+    fs::write(desk.path().join("many.f32"), bytes).expect("the table is written");
+    let command = "render scene.toml --accel brute-force --threads 1 --noise 0.01% --time 100ms \
+                   -o a.png --checkpoint a.state --preview b.png --json --quiet";
+    let done = desk.run(command);
+    assert_eq!(done.code, Some(1), "{}", done.stderr);
+    assert!(done.stderr.contains("is not met in 1 of 1 squares"), "{}", done.stderr);
+    assert_eq!(done.json()["complete"], true);
+    assert_eq!(desk.names(), ["a.png", "a.state", "b.png", "many.f32", "scene.toml"]);
+    let said = desk.run("info a.state --json").succeeds().json();
+    assert_eq!(said["ended"], "true");
+    assert!(said["missed"].as_str().is_some_and(|missed| missed.contains("not met")), "{said}");
+}

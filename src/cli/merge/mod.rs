@@ -51,7 +51,8 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     let whole = Whole::of(&pieces, args.crop)?;
     whole.check_squares(&pieces)?;
     if !args.allow_gaps || part.is_some() {
-        whole.check_gaps(&pieces, outputs.has_pictures(), args.crop)?;
+        // With gaps allowed, it is the part alone that cannot have them.
+        whole.check_gaps(&pieces, !args.allow_gaps, outputs.has_pictures(), args.crop)?;
     }
 
     let mut sum = Film::without_memory(&whole.format);

@@ -83,7 +83,8 @@ impl Whole {
         Ok(())
     }
 
-    /// Refuses pixels or samples that no part holds. Parts of one window make a picture of that window,
+    /// Refuses pixels or samples that no part holds. A picture, where there is one that must be whole, needs
+    /// more than a part. Parts of one window make a picture of that window,
     /// parts of several make one of the whole, or of `crop`; and a picture has all samples that the scene
     /// asks for.
     ///
@@ -92,9 +93,11 @@ impl Whole {
     pub(super) fn check_gaps(
         &self,
         pieces: &[Piece],
-        is_picture: bool,
+        must_be_whole: bool,
+        has_pictures: bool,
         crop: Option<Rect>,
     ) -> Result<()> {
+        let is_picture = must_be_whole && has_pictures;
         let one_window = pieces.iter().all(|piece| piece.window() == pieces[0].window());
         let Frame { full_size: [width, height], window } = self.format.frame;
         let window = match is_picture && !one_window && crop.is_none() {
@@ -112,9 +115,13 @@ impl Whole {
             missing.end,
             corners(pixels)
         );
-        let help = match is_picture {
-            true => "name the parts that hold them, or add --allow-gaps",
-            false => "name the parts that hold them",
+        let help = match (is_picture, must_be_whole) {
+            (true, _) => "name the parts that hold them, or add --allow-gaps",
+            (false, true) => "name the parts that hold them",
+            (false, false) => {
+                "--allow-gaps is for pictures: a part cannot have gaps; name the parts that hold them, or \
+                 leave the part out"
+            }
         };
         Err(Error::input(what).with_help(help))
     }

@@ -14,6 +14,9 @@ const PAUSE: Duration = Duration::from_secs(1);
 /// Between two looks at whether somebody waits for the end.
 const TICK: Duration = Duration::from_millis(20);
 
+/// Writes a file in its own place, or in another.
+type Write<'a> = dyn Fn(Option<&Path>) -> Result<()> + Send + Sync + 'a;
+
 /// A file that is to be written.
 pub(super) struct Errand<'a> {
     pub(super) path: PathBuf,
@@ -21,8 +24,8 @@ pub(super) struct Errand<'a> {
     pub(super) is_vital: bool,
     /// What to do about it where nothing is lost.
     pub(super) help: String,
-    /// Writes it in its own place, or in another.
-    pub(super) write: Box<dyn Fn(Option<&Path>) -> Result<()> + Send + Sync + 'a>,
+    /// How.
+    pub(super) write: Box<Write<'a>>,
 }
 
 /// How to save.

@@ -17,15 +17,15 @@ use std::time::{Duration, Instant};
 use crate::accel::Cancel;
 use crate::color::Look;
 use crate::error::Result;
-use crate::film::{Film, Picture};
+use crate::film::{Film, Frame, Picture};
 use crate::render::{self, Standing};
 
 use super::args::WatchArgs;
 use super::goal::CONFIDENCE;
 use super::interrupt::Interrupt;
 use super::pace::{self, Pace};
-use super::print;
 use super::progress::{Progress, State};
+use super::{outputs, print};
 
 use preview::Preview;
 use tev::Tev;
@@ -116,9 +116,9 @@ impl Shows {
     }
 
     /// Brings the pictures up to date. Who cannot be reached any more is told of once.
-    fn update(&mut self, picture: &Picture) {
+    fn update(&mut self, picture: &Picture, frame: &Frame) {
         if let Some(preview) = &mut self.preview {
-            preview.write(picture);
+            preview.write(picture, outputs::crop(frame));
         }
         if let Some(Err(e)) = self.tev.as_mut().map(|tev| tev.show(picture)) {
             print::warning(format_args!("tev does not take the picture any more: {e}"));
@@ -270,7 +270,7 @@ impl Watch<'_> {
         }
         self.progress.finish();
         match self.told.picture.lock().ok().and_then(|mut told| told.take()) {
-            Some(picture) => self.shows.update(&picture),
+            Some(picture) => self.shows.update(&picture, self.film.frame()),
             None => self.show(),
         }
     }
@@ -282,7 +282,7 @@ impl Watch<'_> {
         }
         let mut picture = self.film.picture();
         picture.alpha = picture.alpha.filter(|_| self.has_alpha);
-        self.shows.update(&picture);
+        self.shows.update(&picture, self.film.frame());
     }
 
     fn confidence(&self) -> f64 {

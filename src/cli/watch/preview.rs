@@ -6,7 +6,7 @@ use crate::cli::print;
 use crate::color::Look;
 use crate::error::{Error, Result};
 use crate::film::Picture;
-use crate::output::{Notes, Target};
+use crate::output::{Crop, Notes, Target};
 
 /// A file that is replaced whole, again and again.
 pub(super) struct Preview {
@@ -32,10 +32,10 @@ impl Preview {
         Ok(Self { path: path.to_owned(), look, is_failing: false })
     }
 
-    /// Replaces the file. What goes wrong is a warning, once until it goes well again: the render
+    /// Replaces the file; `cropped_from` as in the finished picture, whose dither starts there. What goes wrong is a warning, once until it goes well again: the render
     /// matters more.
-    pub(super) fn write(&mut self, picture: &Picture) {
-        let notes = Notes { look: self.look, quickly: true, ..Notes::default() };
+    pub(super) fn write(&mut self, picture: &Picture, cropped_from: Option<Crop>) {
+        let notes = Notes { cropped_from, look: self.look, quickly: true, ..Notes::default() };
         let written = Target::new(&self.path).and_then(|target| target.write_with(picture, &notes));
         if let (Err(e), false) = (&written, self.is_failing) {
             print::warning(format_args!("no preview for now: {e}"));
