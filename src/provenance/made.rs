@@ -169,9 +169,20 @@ impl Made {
         })
     }
 
-    /// The indices of the samples: `0..64`, or `0..16, 32..64` where some are missing in between.
+    /// The indices of the samples: `0..64`, or `0..16, 32..64` where some are missing in between, and
+    /// whether every pixel has them.
     pub fn samples_in_words(&self) -> String {
-        if self.shares.is_empty() { self.samples.to_string() } else { self.shares.ranges() }
+        if self.shares.is_empty() {
+            return self.samples.to_string();
+        }
+        let [width, height] = self.size;
+        let whole = self.crop.unwrap_or(Window { x: 0, y: 0, width, height });
+        let ranges = self.shares.ranges();
+        if self.shares.are_all_of(&whole) {
+            ranges
+        } else {
+            format!("{ranges}, of which some pixels lack some")
+        }
     }
 
     /// The options that make the same picture of the same scene file.

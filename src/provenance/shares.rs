@@ -61,6 +61,11 @@ impl Shares {
         self.0.is_empty()
     }
 
+    /// Whether each is of the whole window, with as many samples everywhere.
+    pub(super) fn are_all_of(&self, whole: &Window) -> bool {
+        self.0.iter().all(|share| share.window == *whole && share.is_uniform())
+    }
+
     /// The least range that has all the samples, and how many those pixels have at least.
     pub fn samples(&self) -> Samples {
         let ends = |share: &Share| share.samples.first + share.samples.most;

@@ -433,3 +433,27 @@ fn what_cannot_be_saved_at_the_end_is_elsewhere_and_goes_on_from_there() {
     desk.run(&format!("merge {rescued} -o b.pfm --allow-gaps --quiet")).succeeds();
     assert!(desk.read("a.pfm") == desk.read("b.pfm"));
 }
+
+#[test]
+fn info_and_merge_tell_what_is_missing_or_damaged() {
+    let desk = desk();
+    desk.run("render scene.toml -o a.part --samples 0..16").succeeds();
+    desk.run("render scene.toml -o b.part --samples 16..32 --crop 0,0,9,12").succeeds();
+    let told = desk.run("merge a.part b.part -o c.png --allow-gaps").succeeds().stderr;
+    let words = "samples 0..32, of which some pixels lack some";
+    assert!(told.contains(words), "{told}");
+    assert!(desk.run("info c.png").succeeds().stdout.contains(words));
+    // A part of which a part has gaps is none, whatever else is asked for.
+    desk.run("merge a.part -o whole.part -o whole.png --allow-gaps").succeeds();
+    desk.run("merge b.part -o rest.part -o rest.png --allow-gaps").fails(3, &["gaps"]);
+
+    let mut damaged = desk.read("a.part");
+    let last = damaged.len() - 40;
+    damaged[last] ^= 4;
+    fs::write(desk.path().join("a.part"), damaged).expect("a disk");
+    let told = desk.run("info a.part").fails(4, &["`a.part`: it is damaged"]);
+    assert!(told.stdout.contains("samples"), "what can be read is told");
+    fs::write(desk.path().join("empty.part"), "").expect("a disk");
+    desk.run("info empty.part").fails(4, &["`empty.part`"]);
+    desk.run("info none.part").fails(4, &["`none.part`"]);
+}

@@ -10,21 +10,21 @@ use crate::error::{Error, Result};
 use crate::output::{self, PartFile, Record};
 use crate::provenance;
 
-/// Whether the name is that of a picture, or the file is a part or a checkpoint.
+/// Whether the name is that of a picture, a part or a checkpoint, or the file is one.
 pub(super) fn is_picture(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    ["png", "exr", "hdr", "pfm"].iter().any(|picture| extension == *picture)
-        || output::is_part_file(path)
+    ["png", "exr", "hdr", "pfm"].iter().any(|picture| extension == *picture) || is_part(path)
 }
 
 /// Prints all that the file says.
 ///
 /// # Errors
-/// When it cannot be read, or says nothing.
+/// When it cannot be read, or says nothing, or a part's sums are damaged; that is found last.
 pub(super) fn show(path: &Path, as_json: bool) -> Result<()> {
-    let mut records = match output::is_part_file(path) {
-        true => PartFile::open(path)?.head().records.clone(),
-        false => output::records(path)?,
+    let part = is_part(path).then(|| PartFile::open(path)).transpose()?;
+    let mut records = match &part {
+        Some(part) => part.head().records.clone(),
+        None => output::records(path)?,
     };
     if records.is_empty() {
         let message = format!("`{}` does not say how it was made", path.display());
@@ -32,7 +32,18 @@ pub(super) fn show(path: &Path, as_json: bool) -> Result<()> {
         return Err(Error::input(message).with_help(help));
     }
     provenance::sort(&mut records);
-    if as_json { print::json(&in_json(&records)) } else { print::result(&in_words(&records)) }
+    if as_json {
+        print::json(&in_json(&records))?;
+    } else {
+        print::result(&in_words(&records))?;
+    }
+    // What is damaged behind the records is not kept quiet.
+    part.map_or(Ok(()), |part| part.film().map(drop))
+}
+
+/// Whether a file is a part or a checkpoint, or is called so.
+fn is_part(path: &Path) -> bool {
+    output::is_part_file(path) || path.extension().is_some_and(|extension| extension == "part")
 }
 
 /// One row each; a text of several lines comes last, under its name.
