@@ -144,7 +144,8 @@ fn the_mirror_ball_reflects_by_the_closed_form() {
         let n = (hit.point - center) / row.radius;
         let frame = Frame::around(hit.facing_normal());
         let bsdf = scene.surface(hit.id).material.bsdf(None, 1.0, Hemisphere::Cosine);
-        let sample = bsdf.sample(frame.to_local(-d), 0.5, [0.5, 0.5]).expect("reflects");
+        let sample = bsdf.sample(frame.to_local(-d), 0.5, [0.5, 0.5], &|| [0.5, 0.5]);
+        let sample = sample.expect("reflects");
         let expected = d - 2.0 * d.dot(n) * n;
         assert!((frame.to_world(sample.wi) - expected).length() < 1e-6);
         assert_eq!(sample.weight, Rgb::splat(0.95));

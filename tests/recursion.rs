@@ -71,7 +71,8 @@ impl Call<'_> {
             );
         }
 
-        let Some(sample) = bsdf.sample(wo, number(12), [number(8), number(9)]) else {
+        let again = || self.sampler.get_2d((3 << 30) + 4 * depth);
+        let Some(sample) = bsdf.sample(wo, number(12), [number(8), number(9)], &again) else {
             return radiance;
         };
         let mut factor = sample.weight;

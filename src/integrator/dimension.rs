@@ -17,6 +17,12 @@ pub(super) fn redraw(n: u32) -> u32 {
     (1 << 31) + 4 * n
 }
 
+/// The direction from the BSDF at the end of edge number `depth`, where the first numbers for it are
+/// used up: two dimensions. They lie far away, since most surfaces never ask for them.
+pub(super) fn direction_again(depth: u32) -> u32 {
+    (3 << 30) + 4 * depth
+}
+
 /// Whether a surface is there that a path meets at the end of edge number `depth`, after it went
 /// straight through `passes` others in all.
 pub(super) fn opacity(depth: u32, passes: u32) -> u32 {

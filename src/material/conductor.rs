@@ -11,12 +11,11 @@
 
 use crate::color::Rgb;
 use crate::math::DVec3;
-use crate::sampling::Sampler;
 
 use super::energy::{after_many_bounces, hemispherical_mean};
 use super::ggx::half_vector;
 use super::mirror::reflected;
-use super::{BsdfSample, Ggx, Lobe, Metal, MissingEnergy};
+use super::{Again, BsdfSample, Ggx, Lobe, Metal, MissingEnergy};
 
 /// A metal surface.
 #[derive(Clone, Debug)]
@@ -180,15 +179,20 @@ impl ConductorBsdf<'_> {
 
     /// A facet that is seen from `wo`; where its light meets another facet, a direction of the broad
     /// lobe.
-    pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+    pub(super) fn sample(
+        &self,
+        wo: DVec3,
+        lobe: f64,
+        u: [f64; 2],
+        again: Again<'_>,
+    ) -> Option<BsdfSample> {
         let Some(rough) = &self.rough else {
             let (wi, weight) = (reflected(wo), self.facets.reflectance(wo.z));
             return Some(BsdfSample { wi, weight, pdf: 1.0, lobe: Lobe::Delta, eta: 1.0 });
         };
         let once = rough.ggx.sample_reflection(wo, u).map(|(wi, _)| wi);
         let once = once.filter(|wi| lobe < rough.ggx.shadowing(wo, *wi));
-        let often = || rough.missing.sample_lobe(Sampler::following([lobe, u[0], u[1]]).get_2d(0));
-        let wi = once.unwrap_or_else(often);
+        let wi = once.unwrap_or_else(|| rough.missing.sample_lobe(again()));
         let pdf = self.pdf(wo, wi);
         let weight = self.eval(wo, wi) * (wi.z / pdf) as f32;
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe: Lobe::Glossy, eta: 1.0 })
@@ -199,7 +203,7 @@ impl ConductorBsdf<'_> {
 mod tests {
     use super::*;
     use crate::material::fresnel;
-    use crate::sampling::Hemisphere;
+    use crate::sampling::{Hemisphere, Sampler};
     use approx::{assert_abs_diff_eq, assert_relative_eq};
 
     const ROUGHNESS: [f64; 6] = [0.01, 0.1, 0.3, 0.5, 0.8, 1.0];
@@ -262,7 +266,9 @@ mod tests {
         let n = 20_000u32;
         let weights = (0..n).map(|i| {
             let sampler = Sampler::new(5, u64::from(i), 0);
-            let sample = conductor.at(None).sample(wo, sampler.get(0), sampler.get_2d(1));
+            let again = || sampler.get_2d(4);
+            let conductor = conductor.at(None);
+            let sample = conductor.sample(wo, sampler.get(0), sampler.get_2d(1), &again);
             sample.map_or(Rgb::ZERO, |sample| sample.weight)
         });
         let (sum, squares) = weights.fold((Rgb::ZERO, 0.0), |(sum, squares), weight| {

@@ -18,11 +18,10 @@ use std::sync::{Arc, OnceLock};
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::math::DVec3;
-use crate::sampling::Sampler;
 
 use super::ggx::half_vector;
 use super::mirror::reflected;
-use super::{BsdfSample, EnergyOfSide, Ggx, InterfaceEnergy, Lobe};
+use super::{Again, BsdfSample, EnergyOfSide, Ggx, InterfaceEnergy, Lobe};
 
 /// Media whose indices differ by less than this part have no rough boundary: facets would bend light
 /// by less than a degree, which broad lobes do not resemble.
@@ -180,30 +179,37 @@ impl Interface<'_> {
 
     /// Reflects with the Fresnel probability and refracts otherwise, at a facet that is seen from
     /// `wo`; where that light meets another facet, a direction of the broad lobes.
-    pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+    pub(super) fn sample(
+        &self,
+        wo: DVec3,
+        lobe: f64,
+        u: [f64; 2],
+        again: Again<'_>,
+    ) -> Option<BsdfSample> {
         let Some((ggx, energy)) = &self.rough else { return Some(self.sample_smooth(wo, lobe)) };
-        let wi = self.sample_once(ggx, wo, lobe, u).unwrap_or_else(|| {
-            let more = Sampler::following([lobe, u[0], u[1]]);
-            energy.sample_lobe(more.get(2), more.get_2d(0))
-        });
+        let once = self.sample_once(ggx, wo, lobe, u);
+        let wi = once.unwrap_or_else(|side| energy.sample_lobe(side, again()));
         let pdf = self.pdf(wo, wi);
         let weight = Rgb::splat((self.eval(wo, wi) * wi.z.abs() / pdf) as f32);
         let eta = if wi.z < 0.0 { self.eta } else { 1.0 };
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe: Lobe::Glossy, eta })
     }
 
-    /// A direction by a single facet; `None` where its light meets another one.
-    fn sample_once(&self, ggx: &Ggx, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<DVec3> {
+    /// A direction by a single facet. Where its light meets another one, what is left of `lobe`: a
+    /// number in `[0, 1)` that is as random as it was, whatever the facet.
+    fn sample_once(&self, ggx: &Ggx, wo: DVec3, lobe: f64, u: [f64; 2]) -> Result<DVec3, f64> {
         let m = ggx.sample_normal(wo, u);
         let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.eta).reflectance;
         let (wi, rest) = if lobe < reflectance {
             let wi = (m * (2.0 * wo.dot(m)) - wo).normalize();
-            ((wi.z > 0.0).then_some(wi)?, lobe / reflectance)
+            (Some(wi).filter(|wi| wi.z > 0.0), lobe / reflectance)
         } else {
-            let wi = refracted(wo, m, self.eta).filter(|wi| wi.z < 0.0)?;
+            let wi = refracted(wo, m, self.eta).filter(|wi| wi.z < 0.0);
             (wi, (lobe - reflectance) / (1.0 - reflectance))
         };
-        (rest < ggx.shadowing(wo, wi)).then_some(wi)
+        let Some(wi) = wi else { return Err(rest) };
+        let seen = ggx.shadowing(wo, wi);
+        if rest < seen { Ok(wi) } else { Err((rest - seen) / (1.0 - seen).max(f64::MIN_POSITIVE)) }
     }
 
     /// The weight is 1 but for the change of radiance between media.
@@ -227,6 +233,7 @@ impl Interface<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::Sampler;
     use approx::assert_relative_eq;
 
     #[test]
@@ -258,7 +265,8 @@ mod tests {
         for roughness in [0.0, 0.01] {
             let glass = glass(roughness);
             let wo = DVec3::new(0.6, 0.0, 0.8);
-            let sample = |eta: f64, wo| glass.interface(eta).sample(wo, 0.999, [0.5, 0.0]);
+            let sample =
+                |eta: f64, wo| glass.interface(eta).sample(wo, 0.999, [0.5, 0.0], &|| [0.5; 2]);
             let into = sample(1.5, wo).expect("a direction").wi;
             assert_relative_eq!(into.x, -0.4, max_relative = 1e-3);
             let back = DVec3::new(into.x, into.y, -into.z);
@@ -272,7 +280,7 @@ mod tests {
         let wo = DVec3::new(0.6, 0.0, 0.8);
         let glass = glass(0.8);
         let matched = glass.interface(1.0);
-        let sample = matched.sample(wo, 0.5, [0.3, 0.3]).expect("a direction");
+        let sample = matched.sample(wo, 0.5, [0.3, 0.3], &|| [0.5; 2]).expect("a direction");
         assert!(matched.is_delta() && (sample.wi + wo).length() < 1e-12);
     }
 
@@ -298,7 +306,8 @@ mod tests {
                     let n = 4000;
                     let variance = |i: u32| {
                         let u = Sampler::new(3, 0, i);
-                        let drawn = glass.interface(eta).sample(wo, u.get(2), u.get_2d(0));
+                        let glass = glass.interface(eta);
+                        let drawn = glass.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(4));
                         let weight = drawn.map_or(0.0, |s| f64::from(s.weight.x) * s.eta * s.eta);
                         (weight - 1.0) * (weight - 1.0)
                     };
@@ -317,7 +326,8 @@ mod tests {
             for wo in [DVec3::X, DVec3::new(1.0, 0.0, 1e-300), DVec3::Z] {
                 for u in [[0.0, 0.0], [0.5, 0.5], [0.25, 1.0 - f64::EPSILON]] {
                     for lobe in [0.0, 0.3, 1.0 - f64::EPSILON] {
-                        let Some(sample) = glass.sample(wo, lobe, u) else { continue };
+                        let sample = glass.sample(wo, lobe, u, &|| u);
+                        let Some(sample) = sample else { continue };
                         let most = 10.0 * f64::max(1.0, 1.0 / (eta * eta)) as f32;
                         assert!(sample.wi.is_normalized() && sample.pdf.is_finite());
                         assert!(sample.weight.x >= 0.0 && sample.weight.x < most, "{sample:?}");

@@ -94,6 +94,9 @@ pub enum Bsdf<'a> {
     Phong(Phong),
 }
 
+/// A second pair of random numbers in `[0, 1)`, made when asked for.
+pub type Again<'a> = &'a dyn Fn() -> [f64; 2];
+
 /// How sharply a sampled direction is defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
@@ -217,17 +220,25 @@ impl Bsdf<'_> {
         }
     }
 
-    /// A direction, from `lobe` and `u` in `[0, 1)`; `None` where no light can come from.
-    pub fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+    /// A direction, from `lobe` and `u` in `[0, 1)`; `None` where no light can come from. `again`
+    /// gives a second pair of numbers in `[0, 1)`, always the same, to those surfaces whose first pair
+    /// may be used up by a facet that sends no light out.
+    pub fn sample(
+        &self,
+        wo: DVec3,
+        lobe: f64,
+        u: [f64; 2],
+        again: Again<'_>,
+    ) -> Option<BsdfSample> {
         match self {
             Self::Diffuse(diffuse, hemisphere) => diffuse.sample(*hemisphere, u),
             Self::OrenNayar(rough, hemisphere) => rough.sample(*hemisphere, wo, u),
             Self::Mirror(mirror) => Some(mirror.sample(wo)),
-            Self::Dielectric(interface) => interface.sample(wo, lobe, u),
-            Self::Principled(principled) => principled.sample(wo, lobe, u),
+            Self::Dielectric(interface) => interface.sample(wo, lobe, u, again),
+            Self::Principled(principled) => principled.sample(wo, lobe, u, again),
             Self::Phong(phong) => phong.sample(wo, lobe, u),
             Self::Plastic(plastic) => plastic.sample(wo, lobe, u),
-            Self::Conductor(conductor) => conductor.sample(wo, lobe, u),
+            Self::Conductor(conductor) => conductor.sample(wo, lobe, u, again),
         }
     }
 

@@ -29,7 +29,7 @@ use crate::sampling::Hemisphere;
 
 use super::dielectric::Interface;
 use super::energy::hemispherical_mean;
-use super::{BsdfSample, Coat, Conductor, ConductorBsdf, Dielectric, Lobe};
+use super::{Again, BsdfSample, Coat, Conductor, ConductorBsdf, Dielectric, Lobe};
 
 /// The index of refraction of the coat.
 const COAT_IOR: f64 = 1.5;
@@ -257,7 +257,13 @@ impl PrincipledBsdf<'_> {
     }
 
     /// A direction of one of the parts.
-    pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+    pub(super) fn sample(
+        &self,
+        wo: DVec3,
+        lobe: f64,
+        u: [f64; 2],
+        again: Again<'_>,
+    ) -> Option<BsdfSample> {
         let shares = self.shares(wo);
         let mut rest = lobe;
         let mut chosen = None;
@@ -270,7 +276,7 @@ impl PrincipledBsdf<'_> {
         }
         let (part, share) = chosen?;
         let within = (rest / share).clamp(0.0, 1.0 - f64::EPSILON);
-        let (drawn, scale) = self.draw(part, wo, within, u)?;
+        let (drawn, scale) = self.draw(part, wo, within, u, again)?;
         if drawn.lobe == Lobe::Delta {
             let beneath = self.beneath(wo.z, drawn.wi.z.abs());
             let scale = if part == Part::Coat { scale } else { scale * beneath };
@@ -284,15 +290,22 @@ impl PrincipledBsdf<'_> {
     }
 
     /// A direction of this part as if it were alone, and what the part is multiplied with.
-    fn draw(&self, part: Part, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<(BsdfSample, f64)> {
+    fn draw(
+        &self,
+        part: Part,
+        wo: DVec3,
+        lobe: f64,
+        u: [f64; 2],
+        again: Again<'_>,
+    ) -> Option<(BsdfSample, f64)> {
         let Layers { coat, matt } = self.layers;
         match part {
             Part::Coat => {
                 coat.as_ref().and_then(|(share, coat)| Some((coat.sample(wo, u)?, *share)))
             }
-            Part::Metal => {
-                self.metal.and_then(|(share, metal)| Some((metal.sample(wo, lobe, u)?, share)))
-            }
+            Part::Metal => self
+                .metal
+                .and_then(|(share, metal)| Some((metal.sample(wo, lobe, u, again)?, share))),
             Part::Gloss => {
                 matt.as_ref().and_then(|matt| Some((matt.gloss.sample(wo, u)?, matt.share)))
             }
@@ -302,9 +315,9 @@ impl PrincipledBsdf<'_> {
                 let drawn = BsdfSample { wi, weight: Rgb::ONE, pdf: 1.0, lobe, eta: 1.0 };
                 (drawn, matt.share)
             }),
-            Part::Glass => {
-                self.glass.and_then(|(share, glass)| Some((glass.sample(wo, lobe, u)?, share)))
-            }
+            Part::Glass => self
+                .glass
+                .and_then(|(share, glass)| Some((glass.sample(wo, lobe, u, again)?, share))),
         }
     }
 }

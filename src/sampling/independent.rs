@@ -16,11 +16,6 @@ impl Independent {
         Self { key: mix(pixel_key(seed, pixel) ^ u64::from(sample)) }
     }
 
-    /// Numbers that these lead to.
-    pub(super) fn following(numbers: [f64; 3]) -> Self {
-        Self { key: numbers.into_iter().fold(GAMMA, |key, number| mix(key ^ number.to_bits())) }
-    }
-
     /// In `[0, 1)`, a multiple of 2^-53.
     pub(super) fn get(self, dimension: u32) -> f64 {
         (output(self.key, dimension) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)

@@ -49,12 +49,6 @@ impl Sampler {
         Self(Numbers::Independent(Independent::new(seed, pixel, sample)))
     }
 
-    /// Independent numbers that follow from others, which have an address: for a choice that is made
-    /// again, and where it is not known beforehand how many it takes.
-    pub fn following(numbers: [f64; 3]) -> Self {
-        Self(Numbers::Independent(Independent::following(numbers)))
-    }
-
     /// Numbers of any kind at an address. Only stratified ones depend on `samples`, how many
     /// samples the pixel is to have: they are best when there are just as many.
     pub fn of_kind(kind: SamplerKind, seed: u64, pixel: u64, sample: u32, samples: u32) -> Self {

@@ -10,7 +10,7 @@ use crate::sampling::power_heuristic;
 use crate::scene::Surface;
 use crate::scene::description::{Estimator, Miss};
 
-use super::super::dimension::Vertex;
+use super::super::dimension::{Vertex, direction_again};
 use super::super::trace::{End, Recorder, Step};
 use super::batch::Batch;
 use super::{Aims, Drawn, LONGEST, Path, State, opacity};
@@ -132,7 +132,8 @@ impl<R: Recorder> Batch<'_, R> {
         let u = sampler.get_2d(vertex.direction());
         let u = if fault!(NumberReused) { [u[0]; 2] } else { u };
         let lobe = if bsdf.has_lobes() { sampler.get(vertex.lobe()) } else { 0.0 };
-        let Some(sample) = bsdf.sample(wo, lobe, u) else {
+        let again = || sampler.get_2d(direction_again(path.state.depth));
+        let Some(sample) = bsdf.sample(wo, lobe, u, &again) else {
             return self.end(End::Absorbed);
         };
         if sample.lobe != Lobe::Delta && !may_scatter {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::material::{Bsdf, Dielectric, Ggx, Lobe, MissingEnergy};
 use crate::math::{DVec3, Frame};
-use crate::sampling::sin_cos;
+use crate::sampling::{Sampler, sin_cos};
 
 use super::super::check::Effort;
 use super::super::materials::{Sample, samples};
@@ -32,6 +32,11 @@ fn direction(degrees: f64) -> DVec3 {
     DVec3::new(sin, 0.0, cos)
 }
 
+/// Two more numbers, which follow from the last one.
+fn again(u: [f64; 4]) -> impl Fn() -> [f64; 2] {
+    move || Sampler::new(u[3].to_bits(), 0, 0).get_2d(0)
+}
+
 /// The directions of a BSDF, but for those of its delta lobes, seen from an angle in degrees: over
 /// the hemisphere, or over the sphere where light can come through.
 fn bsdf(surface: Arc<Sample>, degrees: f64) -> Pair {
@@ -41,7 +46,7 @@ fn bsdf(surface: Arc<Sample>, degrees: f64) -> Pair {
         (surface.bsdf().transmits(), matches!(surface.bsdf(), Bsdf::Dielectric(_)));
     let drawn = surface.clone();
     let sample = move |u: [f64; 4]| {
-        let sample = drawn.bsdf().sample(wo, u[2], [u[0], u[1]])?;
+        let sample = drawn.bsdf().sample(wo, u[2], [u[0], u[1]], &again(u))?;
         (sample.lobe != Lobe::Delta).then_some(sample.wi)
     };
     let pdf = move |wi| surface.bsdf().pdf(wo, wi);
@@ -66,7 +71,7 @@ fn nearly_matched(roughness: f64, degrees: f64, up_to: f64) -> Pair {
         up_to,
         move |u| {
             let interface = Bsdf::Dielectric(drawn.interface(eta));
-            Some(frame.to_local(interface.sample(wo, u[2], [u[0], u[1]])?.wi))
+            Some(frame.to_local(interface.sample(wo, u[2], [u[0], u[1]], &again(u))?.wi))
         },
         move |w| Bsdf::Dielectric(glass.interface(eta)).pdf(wo, frame.to_world(w)),
     )

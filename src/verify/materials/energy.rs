@@ -40,7 +40,7 @@ pub(super) fn energy(sample: &Sample, wo: DVec3, directions: u32) -> Energy {
         let mut sums = [DVec3::ZERO; 2];
         for i in 0..directions {
             let u = Sampler::of_kind(SamplerKind::Sobol, seed, 0, i, directions);
-            let drawn = bsdf.sample(wo, u.get(2), u.get_2d(0));
+            let drawn = bsdf.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(8));
             let weight = |s: &BsdfSample| s.weight.as_dvec3() * (s.eta * s.eta);
             sums[0] += drawn.as_ref().map_or(DVec3::ZERO, weight);
             sums[1] += drawn.filter(|s| s.lobe == Lobe::Delta).as_ref().map_or(DVec3::ZERO, weight);

@@ -143,7 +143,8 @@ fn both_ways_alike(sample: &Sample, pairs: u32) -> Measured {
             let there = bsdf.eval(wo, flip(wi)) * (sample.eta * sample.eta) as f32;
             wrong += usize::from(!is_near(there, behind.eval(wi, flip(wo))));
         }
-        let Some(drawn) = bsdf.sample(wo, u.get(2), u.get_2d(8)) else { continue };
+        let drawn = bsdf.sample(wo, u.get(2), u.get_2d(8), &|| u.get_2d(12));
+        let Some(drawn) = drawn else { continue };
         if drawn.lobe != Lobe::Delta {
             let cos = drawn.wi.z.abs();
             let weight = bsdf.eval(wo, drawn.wi) * (cos / bsdf.pdf(wo, drawn.wi)) as f32;
