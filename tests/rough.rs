@@ -103,6 +103,24 @@ fn the_densest_and_roughest_glass_vanishes_in_a_uniform_field() {
     }
 }
 
+/// The same of balls that are partly matt: their gloss and what is beneath it throw light back as often.
+#[test]
+fn dense_mixtures_vanish_in_a_uniform_field() {
+    let white = "spheres.ball.material=mixture materials.mixture.base_color=[1,1,1] \
+                 materials.mixture.coat=0";
+    for (ior, metallic, roughness) in
+        [("10", "0", "0.5"), ("10", "0", "1"), ("3", "0.3", "0.8"), ("10", "0.2", "0")]
+    {
+        let told = [("ior", ior), ("metallic", metallic), ("roughness", roughness)];
+        let told = told.map(|(key, value)| format!("materials.mixture.{key}={value}"));
+        let overrides: Vec<&str> =
+            white.split_whitespace().chain(told.iter().map(String::as_str)).collect();
+        let estimate = Estimate::of_scene(FIELD, &overrides, Backend::BruteForce);
+        assert!(estimate.standard_error < 3e-3, "{overrides:?}: {estimate:?}");
+        must_be_near(estimate, 1.0, &format!("{overrides:?}"));
+    }
+}
+
 #[test]
 fn light_found_by_chance_and_light_aimed_at_agree_on_rough_surfaces() {
     for material in ["gold", "glass", "mixture"] {

@@ -24,34 +24,34 @@ use super::{BsdfSample, Ggx, Lobe, MissingEnergy, fresnel};
 pub struct Coat {
     ior: f64,
     /// `None` where it is smooth.
-    rough: Option<Box<Rough>>,
+    ggx: Option<Ggx>,
+    /// The table of `1 - E`. A smooth coat has it for drawing alone: there Fresnel's equations tell.
+    table: Box<MissingEnergy>,
     /// The cosine-weighted mean of `1 - E`.
     mean_through: f64,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Rough {
-    ggx: Ggx,
-    through: MissingEnergy,
 }
 
 impl Coat {
     /// A coat of an index of refraction, at least 1 and relative to what is around it, and of a
     /// roughness in `[0, 1]`.
     pub fn new(ior: f64, roughness: f64) -> Self {
-        let rough = |ggx| Box::new(Rough { ggx, through: let_through(ggx, ior) });
-        let rough = Ggx::new(roughness).map(rough);
-        let mean_through = match &rough {
-            Some(rough) => rough.through.average(),
-            None => hemispherical_mean(|cos| 1.0 - fresnel(cos, ior).reflectance),
+        let reflectance = |cos: f64| fresnel(cos.min(1.0), ior).reflectance;
+        let ggx = Ggx::new(roughness);
+        let table = match ggx {
+            Some(ggx) => let_through(ggx, ior),
+            None => MissingEnergy::new([0.5; 2], |wo| reflectance(wo.z)),
         };
-        Self { ior, rough, mean_through }
+        let mean_through = match ggx {
+            Some(_) => table.average(),
+            None => hemispherical_mean(|cos| 1.0 - reflectance(cos)),
+        };
+        Self { ior, ggx, table: Box::new(table), mean_through }
     }
 
     /// The share `1 - E` that comes through from a direction of this cosine.
     pub(super) fn through(&self, cos: f64) -> f64 {
-        match &self.rough {
-            Some(rough) => rough.through.at(cos),
+        match self.ggx {
+            Some(_) => self.table.at(cos),
             None => 1.0 - fresnel(cos.min(1.0), self.ior).reflectance,
         }
     }
@@ -68,37 +68,62 @@ impl Coat {
 
     /// The coat's own reflection, delta lobes left out.
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let Some(rough) = &self.rough else { return 0.0 };
+        let Some(ggx) = self.ggx else { return 0.0 };
         let cos = wo.dot(half_vector(wo, wi)).clamp(0.0, 1.0);
-        rough.ggx.reflection(wo, wi) * fresnel(cos, self.ior).reflectance
+        ggx.reflection(wo, wi) * fresnel(cos, self.ior).reflectance
     }
 
     /// The density of [`Self::sample`], delta lobes left out.
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        self.rough.as_ref().map_or(0.0, |rough| rough.ggx.reflection_pdf(wo, wi))
+        self.ggx.map_or(0.0, |ggx| ggx.reflection_pdf(wo, wi))
     }
 
     pub(super) fn is_delta(&self) -> bool {
-        self.rough.is_none()
+        self.ggx.is_none()
     }
 
     /// A reflected direction, as if this lobe alone were drawn from; `None` where a facet sends light
     /// into the surface.
     pub(super) fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<BsdfSample> {
-        let Some(rough) = &self.rough else {
+        let Some(ggx) = self.ggx else {
             let weight = Rgb::splat(fresnel(wo.z.min(1.0), self.ior).reflectance as f32);
             let (wi, lobe) = (reflected(wo), Lobe::Delta);
             return Some(BsdfSample { wi, weight, pdf: 1.0, lobe, eta: 1.0 });
         };
-        let (wi, m) = rough.ggx.sample_reflection(wo, u)?;
+        let (wi, m) = ggx.sample_reflection(wo, u)?;
         let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.ior).reflectance;
-        let weight = Rgb::splat((reflectance * rough.ggx.shadowing(wo, wi)) as f32);
-        let (pdf, lobe) = (rough.ggx.reflection_pdf(wo, wi), Lobe::Glossy);
+        let weight = Rgb::splat((reflectance * ggx.shadowing(wo, wi)) as f32);
+        let (pdf, lobe) = (ggx.reflection_pdf(wo, wi), Lobe::Glossy);
         Some(BsdfSample { wi, weight, pdf, lobe, eta: 1.0 })
+    }
+
+    /// A direction of a rough coat and what a white matt base sends through it, each in its very
+    /// share: a facet by `facet`, and where its light does not come out reflected, the base by `base`.
+    /// Of a smooth coat, whose reflection is a delta lobe, the base alone.
+    pub(super) fn sample_with_base(
+        &self,
+        wo: DVec3,
+        choice: f64,
+        facet: impl FnOnce() -> [f64; 2],
+        base: [f64; 2],
+    ) -> (DVec3, Lobe) {
+        let reflected = self.ggx.and_then(|ggx| {
+            let (wi, m) = ggx.sample_reflection(wo, facet())?;
+            let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.ior).reflectance;
+            (choice < reflectance * ggx.shadowing(wo, wi)).then_some(wi)
+        });
+        let beneath = || (self.table.sample_lobe(base), Lobe::Diffuse);
+        reflected.map_or_else(beneath, |wi| (wi, Lobe::Glossy))
+    }
+
+    /// The density of [`Self::sample_with_base`].
+    pub(super) fn pdf_with_base(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let of_base = if self.is_delta() { 1.0 } else { self.through(wo.z) };
+        self.eval(wo, wi) * wi.z + of_base * self.table.lobe_pdf(wi.z)
     }
 }
 
-/// What a rough coat lets through: all that its facets do not reflect at once.
+/// What the facets of a rough coat let through: all that its facets do not reflect at once.
 fn let_through(ggx: Ggx, ior: f64) -> MissingEnergy {
     // Facets hide one another below a cosine of about alpha, and Fresnel's equations bend below one
     // of about 1/4, whatever the roughness.

@@ -25,7 +25,6 @@ use std::f64::consts::FRAC_1_PI;
 use crate::color::{Rgb, luminance};
 use crate::fault::fault;
 use crate::math::DVec3;
-use crate::sampling::Hemisphere;
 
 use super::dielectric::Interface;
 use super::energy::hemispherical_mean;
@@ -92,17 +91,19 @@ struct Matt {
     mean_through: f64,
 }
 
-/// The lobes that are drawn from.
+/// What is drawn from.
 #[derive(Clone, Copy, PartialEq)]
 enum Part {
     Coat,
     Metal,
+    /// The gloss alone.
     Gloss,
-    Diffuse,
+    /// What is matt and, where that is rough, the gloss over it, as if the base were white.
+    Matt,
     Glass,
 }
 
-const PARTS: [Part; 5] = [Part::Coat, Part::Metal, Part::Gloss, Part::Diffuse, Part::Glass];
+const PARTS: [Part; 5] = [Part::Coat, Part::Metal, Part::Gloss, Part::Matt, Part::Glass];
 
 impl Principled {
     /// The surface of these parameters; `others` are the indices of the media that it may border on,
@@ -216,6 +217,11 @@ impl PrincipledBsdf<'_> {
     }
 
     /// With which probability each of [`PARTS`] is drawn from; about in proportion to its light.
+    ///
+    /// Without a coat the parts of a white surface are drawn in the very shares of their light, so that
+    /// every weight is 1: a path is reflected hundreds of times within a ball of a high index, and the
+    /// product of weights that are right on average alone would have no bound (see
+    /// [`super::Dielectric`]). A darker base sends on less, and the gloss alone gets what it lacks.
     fn shares(&self, wo: DVec3) -> [f64; 5] {
         let Layers { coat, matt } = self.layers;
         let beneath = through(coat.as_ref(), wo.z);
@@ -223,14 +229,19 @@ impl PrincipledBsdf<'_> {
         let of_metal = self.metal.map_or(0.0, |(share, metal)| {
             share * beneath * f64::from(luminance(metal.mean_reflectance()))
         });
-        let [of_gloss, of_diffuse] =
+        let [of_gloss, of_matt] =
             matt.as_ref().map_or([0.0; 2], |Matt { share, gloss, .. }| {
                 let through = gloss.through(wo.z);
                 let color = f64::from(luminance(self.base_color));
-                [share * beneath * (1.0 - through), share * beneath * through * color]
+                let [alone, both] = if gloss.is_delta() {
+                    [1.0 - through, through * color]
+                } else {
+                    [(1.0 - through) * (1.0 - color), color]
+                };
+                [share * beneath * alone, share * beneath * both]
             });
         let of_glass = self.glass.map_or(0.0, |(share, _)| share * beneath);
-        let shares = [of_coat, of_metal, of_gloss, of_diffuse, of_glass];
+        let shares = [of_coat, of_metal, of_gloss, of_matt, of_glass];
         let sum: f64 = shares.iter().sum();
         shares.map(|share| if sum > 0.0 { share / sum } else { 0.0 })
     }
@@ -251,7 +262,7 @@ impl PrincipledBsdf<'_> {
             Part::Coat => coat.as_ref().map(|(_, coat)| coat.pdf(wo, wi)),
             Part::Metal => self.metal.map(|(_, metal)| metal.pdf(wo, wi)),
             Part::Gloss => matt.as_ref().map(|matt| matt.gloss.pdf(wo, wi)),
-            Part::Diffuse => matt.as_ref().map(|_| Hemisphere::Cosine.pdf(wi.z)),
+            Part::Matt => matt.as_ref().map(|matt| matt.gloss.pdf_with_base(wo, wi)),
         };
         pdf.unwrap_or(0.0)
     }
@@ -309,9 +320,9 @@ impl PrincipledBsdf<'_> {
             Part::Gloss => {
                 matt.as_ref().and_then(|matt| Some((matt.gloss.sample(wo, u)?, matt.share)))
             }
-            Part::Diffuse => matt.as_ref().map(|matt| {
-                let wi = Hemisphere::Cosine.sample(u);
-                let lobe = Lobe::Diffuse;
+            // The first pair is for the base, which most light comes from.
+            Part::Matt => matt.as_ref().map(|matt| {
+                let (wi, lobe) = matt.gloss.sample_with_base(wo, lobe, again, u);
                 let drawn = BsdfSample { wi, weight: Rgb::ONE, pdf: 1.0, lobe, eta: 1.0 };
                 (drawn, matt.share)
             }),
@@ -325,6 +336,7 @@ impl PrincipledBsdf<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::Sampler;
     use approx::assert_relative_eq;
 
     const PLAIN: PrincipledParameters = PrincipledParameters {
@@ -357,6 +369,28 @@ mod tests {
         assert_relative_eq!(eval(glass, WI).x, expected.eval(WO, WI) as f32);
         let through = eval(glass, -WI).x / expected.eval(WO, -WI) as f32;
         assert_relative_eq!(through * through, base_color.x, max_relative = 1e-6);
+    }
+
+    /// Were it otherwise, the product of the weights along a path within a dense ball would run away.
+    #[test]
+    fn what_is_drawn_from_a_white_mixture_weighs_about_one() {
+        for (roughness, ior) in [(0.0, 10.0), (0.3, 1.5), (0.5, 10.0), (1.0, 1.5), (1.0, 10.0)] {
+            let mixed = PrincipledParameters { metallic: 0.2, transmission: 0.5, ..PLAIN };
+            let white = PrincipledParameters { base_color: Rgb::ONE, roughness, ior, ..mixed };
+            let white = Principled::new(white, &[1.0]);
+            for (eta, cos) in [(ior, 1.0), (ior, 0.2), (1.0 / ior, 0.7), (1.0 / ior, 0.02)] {
+                let wo = DVec3::new(f64::sqrt(1.0 - cos * cos), 0.0, cos);
+                let n = 4000;
+                let square = |i: u32| {
+                    let (u, surface) = (Sampler::new(3, 0, i), white.at(None, eta));
+                    let drawn = surface.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(4));
+                    let weight = drawn.map_or(0.0, |s| f64::from(s.weight.x) * s.eta * s.eta);
+                    (weight - 1.0) * (weight - 1.0)
+                };
+                let variance = (0..n).map(square).sum::<f64>() / f64::from(n);
+                assert!(variance < 2e-3, "{roughness}, {eta}, {cos}: {variance}");
+            }
+        }
     }
 
     #[test]

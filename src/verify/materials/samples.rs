@@ -260,12 +260,15 @@ fn principled() -> Vec<Sample> {
         transmission: 0.0,
     };
     let mixed = PrincipledParameters { metallic: 0.3, transmission: 0.4, ..plain };
+    let dense = PrincipledParameters { roughness: 1.0, ior: 10.0, transmission: 0.5, ..plain };
     let coated = PrincipledParameters { coat: 0.5, roughness: 0.9, specular: 1.0, ..mixed };
     let mut samples = Vec::new();
     for (name, eta, parameters) in [
         ("matt", 1.0, plain),
         ("mixture", 1.5, mixed),
         ("mixture from inside", 1.0 / 1.5, mixed),
+        ("dense mixture", 10.0, dense),
+        ("dense mixture from inside", 0.1, dense),
         ("smooth mixture", 1.5, PrincipledParameters { roughness: 0.0, ..mixed }),
         ("matt, coated", 1.0, PrincipledParameters { coat: 1.0, ..plain }),
         ("metal, coated", 1.0, PrincipledParameters { coat: 1.0, metallic: 1.0, ..plain }),
