@@ -157,6 +157,8 @@ fn mistakes_are_told_before_anything_is_rendered() {
             3,
             "multiple of the 2 x 2 sub-pixels",
         ),
+        ("fig2.toml --integrator ambient-occlusion,normals -o noise.svg", 3, "different pictures"),
+        ("fig2.toml --integrator path,direct -o noise.svg", 3, "--reference-integrator"),
         ("fig2.toml --spp 0 -o noise.svg", 2, "0"),
         ("fig2.toml --seeds 1 -o noise.svg", 2, "1"),
         ("fig2.toml --spp 4 --reference a.exr --reference-spp 8 -o n.svg", 2, "cannot be used"),

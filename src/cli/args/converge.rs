@@ -87,7 +87,9 @@ pub(in crate::cli) struct ConvergeArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
     reference_spp: Option<u32>,
 
-    /// The reference's estimator: by default `path` if it or `paper` is compared, else the first
+    /// The reference's estimator: by default `path` if it or `paper` is compared, else the one that
+    /// is. Only `path` and `paper` converge to the same picture; others are compared with each other
+    /// where this or --reference says which picture is right
     #[arg(long, value_name = "NAME")]
     pub(in crate::cli) reference_integrator: Option<String>,
 

@@ -120,6 +120,9 @@ impl<'a> Study<'a> {
             None if is_compared("path") || is_compared("paper") => "path".to_owned(),
             None => args.integrators.first().map_or(own, String::as_str).to_owned(),
         };
+        if args.reference_integrator.is_none() && args.reference.is_none() {
+            must_share_a_mean(&args.integrators, &reference_integrator)?;
+        }
         let study = Self { args, scene, variants, samples, reference_integrator };
         study.try_all()?;
         Ok(study)
@@ -300,6 +303,22 @@ impl Bench<'_> {
 
 fn beauty(picture: &Picture) -> Vec<Rgb> {
     (0..picture.len()).map(|pixel| picture.beauty(pixel)).collect()
+}
+
+/// Without a reference of the user's choice, only integrators that converge to the same picture are
+/// compared with one: `path` and `paper` do, each of the others shows something of its own.
+fn must_share_a_mean(integrators: &[String], reference: &str) -> Result<()> {
+    let shown = |name: &str| if name == "paper" { "path".to_owned() } else { name.to_owned() };
+    match integrators.iter().find(|name| shown(name) != shown(reference)) {
+        None => Ok(()),
+        Some(other) => Err(Error::input(format!(
+            "`{other}` and `{reference}` converge to different pictures: no reference serves both"
+        ))
+        .with_help(
+            "compare them one by one, or say with --reference-integrator NAME or --reference FILE \
+             which picture is right",
+        )),
+    }
 }
 
 /// What the samples of a pixel have to be a multiple of.

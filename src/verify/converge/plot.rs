@@ -100,8 +100,10 @@ impl<'a> Panel<'a> {
     fn new(series: &'a [Series], metric: Metric, axis: Axis) -> Option<Self> {
         let mut panel = Self { series, metric, axis, x: 1.0..1.0, y: 1.0..1.0 };
         let marks: Vec<Mark> = series.iter().flat_map(|one| panel.marks(one)).collect();
-        panel.x = range(marks.iter().flat_map(|mark| [mark.x, mark.across.end]))?;
-        panel.y = range(marks.iter().flat_map(|mark| [mark.y, mark.along.end]))?;
+        // Intervals are shown whole, but for those that come near 0, which no such axis has.
+        let shown = |middle: f64, of: &Range<f64>| [of.start.max(middle / 4.0), middle, of.end];
+        panel.x = range(marks.iter().flat_map(|mark| shown(mark.x, &mark.across)))?;
+        panel.y = range(marks.iter().flat_map(|mark| shown(mark.y, &mark.along)))?;
         Some(panel)
     }
 
