@@ -81,8 +81,21 @@ fn what_cannot_be_done_is_said_before_any_work() {
     assert!(text(&other.stderr).contains("`report.txt` does not end in .html"));
     let nothing = verify(&["--quick", "--only", "no such check"]);
     assert_eq!(nothing.status.code(), Some(3), "{}", text(&nothing.stderr));
+    assert!(text(&nothing.stderr).contains("verify --list"), "{}", text(&nothing.stderr));
     let both = verify(&["--quick", "--full"]);
     assert_eq!(both.status.code(), Some(2), "{}", text(&both.stderr));
+}
+
+#[test]
+fn a_list_has_the_names_that_are_asked_for_and_runs_nothing() {
+    let list = verify(&["--full", "--list", "--only", "occluder"]);
+    assert_eq!(list.status.code(), Some(0), "{}", text(&list.stderr));
+    let lines = text(&list.stdout);
+    assert!(lines.lines().count() >= 8, "{lines}");
+    for line in lines.lines() {
+        assert!(line.starts_with("closed forms  ") && line.contains("occluder: "), "{line}");
+    }
+    assert!(list.stderr.is_empty(), "{}", text(&list.stderr));
 }
 
 #[test]

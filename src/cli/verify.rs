@@ -35,6 +35,11 @@ pub(super) fn run(args: &VerifyArgs) -> Result<Exit> {
 fn verify(args: &VerifyArgs, report: Option<WholeFile>) -> Result<Exit> {
     let started = Instant::now();
     let checks = chosen(args)?;
+    if args.list {
+        let name = |check: &Check| format!("{:<13} {}\n", check.group.name(), check.name);
+        print::result(&checks.iter().map(name).collect::<String>())?;
+        return Ok(Exit::Done);
+    }
     let shown = Shown::new(args.quiet);
     let outcomes = run_all(&checks, &Cancel::default(), &|progress| shown.show(&progress))?;
     shown.finish();
@@ -68,7 +73,9 @@ fn chosen(args: &VerifyArgs) -> Result<Vec<Check>> {
     }
     if checks.is_empty() {
         return Err(Error::input("no check has a name that contains what --only asks for")
-            .with_help("the table of `photosphere verify` shows the names of groups and forms"));
+            .with_help(
+                "`photosphere verify --list` prints the groups and the names of all checks",
+            ));
     }
     Ok(checks)
 }

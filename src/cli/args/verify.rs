@@ -15,6 +15,7 @@ Examples:
   photosphere verify --quick
   photosphere verify --report report.html
   photosphere verify --full --accel native --report native.html
+  photosphere verify --list --only glass
 
 Four groups of checks, each against something that is known without the renderer:
   crosscheck    every intersector against arithmetic of twice the digits of f64
@@ -49,6 +50,10 @@ pub(in super::super) struct VerifyArgs {
     /// Only checks whose name or group contains this, as in --only occluder; may be repeated
     #[arg(long, value_name = "TEXT")]
     pub(in super::super) only: Vec<String>,
+
+    /// Print the group and the name of each check, and run none
+    #[arg(long, conflicts_with_all = ["report", "json"])]
+    pub(in super::super) list: bool,
 
     /// Threads to use; all cores by default. The result does not depend on it
     #[arg(long, value_name = "T", value_parser = threads(), allow_negative_numbers = true)]

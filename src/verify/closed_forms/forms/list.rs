@@ -78,6 +78,17 @@ pub static FORMS: &[Form] = &[
         answer: lit::sphere_light,
     },
     Form {
+        name: "translucent-lamp",
+        title: "a lone ball under a lamp with some opacity",
+        formula: "L = a Le F (1 - (1 - o)²)",
+        text: scene!("translucent-lamp"),
+        tables: &[],
+        shows: Shows::Direct,
+        channels: GREY,
+        samples: 16,
+        answer: lit::sphere_light,
+    },
+    Form {
         name: "occluder",
         title: "an occluding ball before a lamp",
         formula: "L = a Le (sin²σ cosθ - sin²σ' cosθ') where the lamp's disc holds the other",

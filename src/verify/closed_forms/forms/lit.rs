@@ -24,10 +24,12 @@ pub(super) fn under(lamp: &Sphere, ball: &Sphere, point: glam::DVec3, a: f64, le
     a * le * Disc::of(lamp, point, normal(ball, point)).irradiance() / PI
 }
 
-/// A ball that scatters, and before it nothing.
+/// A ball that scatters, and before it nothing. Both walls of the lamp shine, each to the share of its
+/// opacity, and the far one through the near one.
 pub(super) fn sphere_light(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(scene);
-    let (a, le) = (albedo(scene, "ball"), emission(scene, "lamp"));
+    let through = 1.0 - f64::from(material(scene, "lamp").opacity);
+    let (a, le) = (albedo(scene, "ball"), emission(scene, "lamp") * (1.0 - through * through));
     over_pixels(scene, nodes, rays(scene), |line| match line.first(&spheres, None) {
         Some((0, t)) => Some((0, under(&spheres[1], &spheres[0], line.at(t), a, le))),
         Some((_, _)) => Some((1, le)),
