@@ -153,9 +153,10 @@ fn evenly_spread_numbers_are_worth_it_on_the_roughest_metal() {
         };
         (0..36).map(variance).sum::<f64>()
     };
-    // Each variance is known within 6 % (540 degrees of freedom).
+    // Each variance is known within 6 % (540 degrees of freedom). The gain is 6.6; with independent
+    // numbers for the second pair it was 2.9.
     let gain = mean_variance("independent") / mean_variance("sobol");
-    assert!(gain > 2.5, "{gain}");
+    assert!(gain > 4.5, "{gain}");
 }
 
 #[test]
