@@ -28,7 +28,7 @@ pub(super) fn under(lamp: &Sphere, ball: &Sphere, point: glam::DVec3, a: f64, le
 /// opacity, and the far one through the near one.
 pub(super) fn sphere_light(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(scene);
-    let through = 1.0 - f64::from(material(scene, "lamp").opacity);
+    let through = 1.0 - material(scene, "lamp").opacity;
     let (a, le) = (albedo(scene, "ball"), emission(scene, "lamp") * (1.0 - through * through));
     over_pixels(scene, nodes, rays(scene), |line| match line.first(&spheres, None) {
         Some((0, t)) => Some((0, under(&spheres[1], &spheres[0], line.at(t), a, le))),
