@@ -181,7 +181,7 @@ impl Made {
         if self.shares.are_all_of(&whole) {
             ranges
         } else {
-            format!("{ranges}, of which some pixels lack some")
+            format!("{ranges} (some pixels lack some)")
         }
     }
 
