@@ -453,8 +453,7 @@ fn info_and_merge_tell_what_is_missing_or_damaged() {
     let last = damaged.len() - 40;
     damaged[last] ^= 4;
     fs::write(desk.path().join("a.part"), damaged).expect("a disk");
-    let told = desk.run("info a.part").fails(4, &["`a.part`: it is damaged"]);
-    assert!(told.stdout.contains("samples"), "what can be read is told");
+    desk.run("info a.part").fails(4, &["`a.part`: it is damaged"]);
     fs::write(desk.path().join("empty.part"), "").expect("a disk");
     desk.run("info empty.part").fails(4, &["`empty.part`"]);
     desk.run("info none.part").fails(4, &["`none.part`"]);

@@ -19,12 +19,17 @@ pub(super) fn is_picture(path: &Path) -> bool {
 /// Prints all that the file says.
 ///
 /// # Errors
-/// When it cannot be read, or says nothing, or a part's sums are damaged; that is found last.
+/// When it cannot be read, or says nothing, or a part's sums are damaged.
 pub(super) fn show(path: &Path, as_json: bool) -> Result<()> {
-    let part = is_part(path).then(|| PartFile::open(path)).transpose()?;
-    let mut records = match &part {
-        Some(part) => part.head().records.clone(),
-        None => output::records(path)?,
+    let mut records = match is_part(path) {
+        true => {
+            let part = PartFile::open(path)?;
+            let records = part.head().records.clone();
+            // What is damaged behind the records is not kept quiet.
+            part.film()?;
+            records
+        }
+        false => output::records(path)?,
     };
     if records.is_empty() {
         let message = format!("`{}` does not say how it was made", path.display());
@@ -32,13 +37,7 @@ pub(super) fn show(path: &Path, as_json: bool) -> Result<()> {
         return Err(Error::input(message).with_help(help));
     }
     provenance::sort(&mut records);
-    if as_json {
-        print::json(&in_json(&records))?;
-    } else {
-        print::result(&in_words(&records))?;
-    }
-    // What is damaged behind the records is not kept quiet.
-    part.map_or(Ok(()), |part| part.film().map(drop))
+    if as_json { print::json(&in_json(&records)) } else { print::result(&in_words(&records)) }
 }
 
 /// Whether a file is a part or a checkpoint, or is called so.
