@@ -17,6 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::error::{Error, Result};
 use crate::geometry::{PathRays, SphereSet};
 use crate::math::{Hit, Ray};
+use crate::names::named;
 
 pub use choice::{Choice, Chosen};
 pub use info::EmbreeInfo;
@@ -182,6 +183,15 @@ impl Cancel {
     }
 }
 
+named! {
+    Backend {
+        Embree = "embree",
+        EmbreeUser = "embree-user",
+        Native = "native",
+        BruteForce = "brute-force",
+    }
+}
+
 impl Backend {
     /// Every backend of this build, the default first.
     pub const AVAILABLE: &[Self] = if cfg!(feature = "embree") {
@@ -192,16 +202,6 @@ impl Backend {
 
     /// Every backend there is.
     pub const ALL: &[Self] = &[Self::Embree, Self::EmbreeUser, Self::Native, Self::BruteForce];
-
-    /// The name used on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Embree => "embree",
-            Self::EmbreeUser => "embree-user",
-            Self::Native => "native",
-            Self::BruteForce => "brute-force",
-        }
-    }
 
     /// The name with the version of what does the work, such as `embree 4.3.3`: backends that say
     /// the same here answer alike. Ours change with the program alone.
@@ -239,7 +239,9 @@ impl Backend {
             #[cfg(not(feature = "embree"))]
             Self::Embree | Self::EmbreeUser => {
                 Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
-                    .with_help("build with the default features, or choose --accel native"))
+                    .with_help(
+                        "build with the default features, or choose the intersector `native`",
+                    ))
             }
         }
     }
@@ -254,22 +256,15 @@ impl Default for Backend {
 impl Quality {
     /// Every kind of care.
     pub const ALL: &[Self] = &[Self::Best, Self::Fast];
-
-    /// The name used on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Best => "best",
-            Self::Fast => "fast",
-        }
-    }
 }
+
+named! { Quality { Best = "best", Fast = "fast" } }
 
 impl FromStr for Quality {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self> {
-        let find = Self::ALL.iter().find(|quality| quality.name() == name);
-        find.copied().ok_or_else(|| Error::input(format!("there is no build `{name}`")))
+        Self::named(name).ok_or_else(|| Error::input(format!("there is no build `{name}`")))
     }
 }
 
@@ -277,8 +272,7 @@ impl FromStr for Backend {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self> {
-        let find = Self::ALL.iter().find(|backend| backend.name() == name);
-        find.copied().ok_or_else(|| Error::input(format!("there is no intersector `{name}`")))
+        Self::named(name).ok_or_else(|| Error::input(format!("there is no intersector `{name}`")))
     }
 }
 

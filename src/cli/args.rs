@@ -28,7 +28,6 @@ use clap::{Args, Parser, Subcommand};
 use crate::scene::Override;
 
 use super::exit::EXIT_CODES;
-use super::goal::Goal;
 
 use accel::backends;
 pub(super) use accel::{AccelArg, AccelsArg, BuildArg};
@@ -188,19 +187,6 @@ pub(super) struct RenderArgs {
     /// Print one JSON object with the figures of the render on the standard output
     #[arg(long)]
     pub(super) json: bool,
-
-    /// Where this is a render that goes on.
-    #[arg(skip)]
-    pub(super) resumed: Option<Resumed>,
-}
-
-/// What a render that goes on takes from its checkpoint, beside the options.
-#[derive(Clone, Debug)]
-pub(super) struct Resumed {
-    /// The arguments of the command that began it.
-    pub(super) arguments: Vec<String>,
-    /// The samples per pixel that `--extend-to` asks for.
-    pub(super) extended_to: Option<u32>,
 }
 
 /// Check every intersector against exact arithmetic, on rays of the scene
@@ -290,11 +276,6 @@ impl SceneArgs {
         self.options.threads()
     }
 
-    /// Asks for other threads.
-    pub(super) fn set_threads(&mut self, threads: Option<usize>) {
-        self.options.set_threads(threads);
-    }
-
     /// What `--set` says.
     pub(super) fn overrides(&self) -> Vec<Override> {
         self.options.overrides()
@@ -305,11 +286,6 @@ impl SceneOptions {
     /// Threads asked for.
     pub(super) fn threads(&self) -> Option<usize> {
         self.threads
-    }
-
-    /// Asks for other threads.
-    pub(super) fn set_threads(&mut self, threads: Option<usize>) {
-        self.threads = threads;
     }
 
     /// What `--set` says.
@@ -326,17 +302,8 @@ impl SceneOptions {
 impl RenderArgs {
     /// What the options change in the scene.
     pub(super) fn overrides(&self) -> Vec<Override> {
-        let most = Goal::overrides(&self.stop, self.picture.has_samples());
-        let mut overrides: Vec<_> =
-            most.into_iter().chain(self.picture.overrides(&self.scene)).collect();
-        if let Some(samples) = self.resumed.as_ref().and_then(|resumed| resumed.extended_to) {
-            overrides.push(Override {
-                option: format!("--extend-to {samples}"),
-                key: "render.samples_per_pixel".to_owned(),
-                value: samples.to_string(),
-            });
-        }
-        overrides
+        let most = self.stop.overrides(self.picture.has_samples());
+        most.into_iter().chain(self.picture.overrides(&self.scene)).collect()
     }
 }
 

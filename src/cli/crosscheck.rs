@@ -11,7 +11,7 @@ use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, SphereSet};
 use crate::math::NO_SPHERE;
-use crate::scene::Scene;
+use crate::scene::{Scene, Shot, read_file};
 use crate::verify::crosscheck::{self, Contender, Disagreement, Tally};
 use crate::verify::rays;
 
@@ -33,7 +33,8 @@ pub(super) fn run(args: &CrosscheckArgs) -> Result<Exit> {
 
 fn check(args: &CrosscheckArgs) -> Result<Exit> {
     let dump = args.dump.as_deref().map(Dump::create).transpose()?;
-    let scene = Scene::load(&args.scene.path, &args.scene.overrides())?;
+    let (scene, settings) = read_file(&args.scene.path, &args.scene.overrides())?.build()?;
+    let shot = Shot::new(&scene, settings)?;
     let spheres = scene.spheres();
     let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
     let backends: Vec<(&str, Box<dyn Accel>)> = args
@@ -45,7 +46,7 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     let contenders: Vec<Contender<'_>> =
         backends.iter().map(|(name, accel)| Contender { name, accel: accel.as_ref() }).collect();
 
-    let of_scene = rays_of_scene(&scene, bouncer(spheres).build(spheres, &build)?.as_ref(), args);
+    let of_scene = rays_of_shot(&shot, bouncer(spheres).build(spheres, &build)?.as_ref(), args);
     let left = args.rays as usize - of_scene.len();
     let mut random = rays::beams(spheres, left / 4, args.seed);
     random.extend(rays::random(spheres, left - random.len(), args.seed));
@@ -69,10 +70,11 @@ fn bouncer(spheres: &SphereSet) -> Backend {
 
 /// A third of all rays each: rays of the camera, and their bounces. Camera rays that hit nothing have
 /// no bounce; random rays take those places.
-fn rays_of_scene(scene: &Scene, accel: &dyn Accel, args: &CrosscheckArgs) -> Vec<PathRay> {
-    let mut rays = camera_rays(scene, args.rays as usize / 3, args.seed);
-    rays.extend(rays::bounces(scene.spheres(), accel, &rays, args.seed));
-    rays.retain(|ray| rays::can_be_asked(scene.spheres(), ray));
+fn rays_of_shot(shot: &Shot, accel: &dyn Accel, args: &CrosscheckArgs) -> Vec<PathRay> {
+    let spheres = shot.scene().spheres();
+    let mut rays = camera_rays(shot, args.rays as usize / 3, args.seed);
+    rays.extend(rays::bounces(spheres, accel, &rays, args.seed));
+    rays.retain(|ray| rays::can_be_asked(spheres, ray));
     rays
 }
 
@@ -91,13 +93,13 @@ fn about_ambiguity(of_scene: &Tally) -> Option<String> {
     })
 }
 
-fn camera_rays(scene: &Scene, count: usize, seed: u64) -> Vec<PathRay> {
+fn camera_rays(shot: &Shot, count: usize, seed: u64) -> Vec<PathRay> {
     let mut rng = StdRng::seed_from_u64(seed);
-    let image = scene.description().image;
+    let image = shot.image();
     let mut place = |pixels: u32| f64::from(pixels) * rng.random::<f64>();
     let mut ray = || {
         let (x, y) = (place(image.width), place(image.height));
-        scene.camera().ray(x, y, [place(1), place(1)])
+        shot.camera().ray(x, y, [place(1), place(1)])
     };
     std::iter::repeat_with(&mut ray).take(count).collect()
 }

@@ -77,7 +77,8 @@ pub(super) fn listen() -> Interrupt {
                 if !is_asked {
                     print::remark("stopped; nothing was written");
                 }
-                std::process::exit(i32::from(Exit::Stopped as u8));
+                super::leave(Exit::Stopped);
+                return;
             }
         }
     };

@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use crate::accel::Backend;
 use crate::error::{Error, Result};
 use crate::film::Kind;
-use crate::render::{MemoryPlan, Step};
-use crate::scene::Opened;
+use crate::job::{MemoryPlan, Step};
+use crate::scene::SceneFile;
 use crate::scene::description::ColorStorage;
 
 use super::{print, system};
@@ -25,7 +25,7 @@ pub(super) struct Needs<'a> {
 ///
 /// # Errors
 /// With the number, and the cheaper choice where there is one.
-pub(super) fn check(opened: &Opened, needs: &Needs<'_>, limit: Option<u64>) -> Result<()> {
+pub(super) fn check(file: &SceneFile, needs: &Needs<'_>, limit: Option<u64>) -> Result<()> {
     let Needs { backends, kinds, besides } = *needs;
     let (limit, whose) = match (limit, system::available_memory()) {
         (Some(limit), _) => (limit, "more than the limit of"),
@@ -34,7 +34,7 @@ pub(super) fn check(opened: &Opened, needs: &Needs<'_>, limit: Option<u64>) -> R
     };
     let peak = |backends: &[Backend], colors| {
         let threads = rayon::current_num_threads();
-        MemoryPlan::new(opened, backends, kinds, threads, colors).peak() + besides
+        MemoryPlan::new(file, backends, kinds, threads, colors).peak() + besides
     };
     let needed = peak(backends, None);
     if needed <= limit {
@@ -42,23 +42,23 @@ pub(super) fn check(opened: &Opened, needs: &Needs<'_>, limit: Option<u64>) -> R
     }
     let (needed, shown) = (print::bytes(needed), print::bytes(limit));
     let message = format!("this would need {needed} of memory at its peak, {whose} {shown}");
-    Err(Error::input(message).with_help(cheaper(opened, backends, limit, &peak)))
+    Err(Error::input(message).with_help(cheaper(file, backends, limit, &peak)))
 }
 
 /// The least change that makes the scene fit.
 fn cheaper(
-    opened: &Opened,
+    file: &SceneFile,
     backends: &[Backend],
     limit: u64,
     peak: &dyn Fn(&[Backend], Option<ColorStorage>) -> u64,
 ) -> String {
     let packed = Some(ColorStorage::Packed);
     let others: &[Backend] = if backends.len() > 1 { backends } else { Backend::AVAILABLE };
-    let mut choices = vec![(pack_colors(opened), peak(backends, packed))];
+    let mut choices = vec![(pack_colors(file), peak(backends, packed))];
     for colors in [None, packed] {
         // Every ray against every sphere is no way out for scenes that are large.
         for &backend in others.iter().filter(|&&backend| backend != Backend::BruteForce) {
-            let pack = if colors.is_some() { pack_colors(opened) } else { String::new() };
+            let pack = if colors.is_some() { pack_colors(file) } else { String::new() };
             let words = format!("--accel {} {pack}", backend.name());
             choices.push((words, peak(&[backend], colors)));
         }
@@ -73,29 +73,28 @@ fn cheaper(
 }
 
 /// The options that pack the colours of all tables; none where there is nothing to pack.
-fn pack_colors(opened: &Opened) -> String {
-    let tables = opened.description().tables.iter().enumerate();
-    let unpacked = tables.filter(|(_, table)| {
-        table.colors == ColorStorage::Exact && table.columns.iter().any(|column| column.is_color())
-    });
+fn pack_colors(file: &SceneFile) -> String {
+    let tables = file.description.tables.iter().enumerate();
+    let unpacked =
+        tables.filter(|(_, table)| table.colors == ColorStorage::Exact && table.data.has_colors());
     let options = unpacked.map(|(i, _)| format!("--set sphere_tables.{i}.colors=packed"));
     options.collect::<Vec<_>>().join(" ")
 }
 
-fn plans(opened: &Opened) -> impl Iterator<Item = (&'static str, MemoryPlan)> {
+fn plans(file: &SceneFile) -> impl Iterator<Item = (&'static str, MemoryPlan)> {
     let plan = move |&backend: &Backend| {
         let threads = rayon::current_num_threads();
-        let plan = MemoryPlan::new(opened, &[backend], &Kind::USUAL, threads, None);
+        let plan = MemoryPlan::new(file, &[backend], &Kind::USUAL, threads, None);
         (backend.name(), plan)
     };
     Backend::AVAILABLE.iter().map(plan)
 }
 
 /// The plan as rows of a name and a value.
-pub(super) fn in_words(opened: &Opened) -> String {
+pub(super) fn in_words(file: &SceneFile) -> String {
     let mut text = String::new();
     let mut row = |name: &str, value: String| text += &format!("{name:<12}{value}\n");
-    for (index, (name, plan)) in plans(opened).enumerate() {
+    for (index, (name, plan)) in plans(file).enumerate() {
         if index == 0 {
             row("memory plan", "of a render".to_owned());
             let held = [
@@ -122,7 +121,7 @@ pub(super) fn in_words(opened: &Opened) -> String {
 }
 
 /// The same for programs.
-pub(super) fn in_json(opened: &Opened) -> Value {
+pub(super) fn in_json(file: &SceneFile) -> Value {
     let backend = |(name, plan): (&str, MemoryPlan)| {
         let MemoryPlan { spheres, rows, colors, lamps, background, tree, build, film, program } =
             plan;
@@ -140,5 +139,5 @@ pub(super) fn in_json(opened: &Opened) -> Value {
             "peak_bytes": plan.peak(),
         })
     };
-    plans(opened).map(backend).collect()
+    plans(file).map(backend).collect()
 }

@@ -12,15 +12,12 @@ mod doctor;
 mod error;
 mod exit;
 mod generate;
-mod goal;
 mod info;
 mod interrupt;
-mod keeper;
 mod manual;
 mod memory;
 mod merge;
 mod outputs;
-mod pace;
 mod plan;
 mod print;
 mod progress;
@@ -32,7 +29,10 @@ mod trace;
 mod verify;
 mod watch;
 
+use std::panic::catch_unwind;
 use std::process::ExitCode;
+use std::sync::OnceLock;
+use std::sync::mpsc::{self, Sender};
 
 use clap::FromArgMatches;
 
@@ -41,13 +41,41 @@ use crate::error::{Error, Result};
 use args::{Cli, Command};
 use exit::Exit;
 
-/// Runs the command that the program's arguments ask for, and prints what comes of it.
+/// Whoever ends the program says here how.
+static LEAVE: OnceLock<Sender<u8>> = OnceLock::new();
+
+/// The exit code of a program that panicked, as Rust's own runtime has it.
+const PANICKED: u8 = 101;
+
+/// Runs the command that the program's arguments ask for, and prints what comes of it. The command has
+/// a thread of its own: when it ends, or when a signal says so, this function returns, and with it the
+/// program ends, whatever other threads do.
 pub fn main() -> ExitCode {
-    let exit = match read() {
-        Ok(cli) => exit_of(run(&cli.command)),
-        Err(answer) => help_or_wrong_usage(&answer),
+    let (leave, left) = mpsc::channel();
+    let leave = LEAVE.get_or_init(|| leave);
+    let work = || {
+        let exit = catch_unwind(|| match read() {
+            Ok(cli) => exit_of(run(&cli.command)),
+            Err(answer) => help_or_wrong_usage(&answer),
+        });
+        // Nobody listens any more where a signal came first.
+        let _ = leave.send(exit.map_or(PANICKED, |exit| exit as u8));
     };
-    exit.into()
+    let command = std::thread::Builder::new().name("command".to_owned()).stack_size(STACK);
+    match command.spawn(work) {
+        Ok(_) => ExitCode::from(left.recv().unwrap_or(PANICKED)),
+        Err(e) => exit_of(Err(Error::input(format!("cannot start a thread: {e}")))).into(),
+    }
+}
+
+/// What the main thread of a program usually has.
+const STACK: usize = 8 << 20;
+
+/// Ends the program at once.
+fn leave(exit: Exit) {
+    if let Some(leave) = LEAVE.get() {
+        let _ = leave.send(exit as u8);
+    }
 }
 
 /// How the program ends with what came of the command, whose error is printed.

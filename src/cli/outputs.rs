@@ -5,10 +5,8 @@ use std::path::{Path, PathBuf};
 use crate::color::Look;
 use crate::error::{Error, Result};
 use crate::film::{Frame, Kind, Layer, Picture};
-use crate::output::{Crop, Notes, Record, Target};
-use crate::provenance::{self, Made, Run};
-
-use super::args::OutputArgs;
+use crate::job::{Delivery, FilePath, Metadata, crop_of};
+use crate::output::{Notes, Target};
 
 /// The files that a picture goes to.
 pub(super) struct Outputs {
@@ -16,7 +14,7 @@ pub(super) struct Outputs {
     /// Where the sums themselves go.
     part: Option<PathBuf>,
     look: Look,
-    kinds: Vec<Kind>,
+    layers: Vec<Kind>,
     with_run: bool,
 }
 
@@ -27,18 +25,10 @@ pub(super) struct File {
 }
 
 /// What the files of a picture say of it.
-pub(super) struct Words {
+pub(super) struct FileNotes {
     notes: Notes,
-    layers: Record,
-}
-
-/// The name of the record that lists the layers.
-const LAYERS: &str = "layers";
-
-/// The layers that a file says it is for, if it does.
-pub(super) fn kinds_of(records: &[Record]) -> Option<Vec<Kind>> {
-    let record = records.iter().find(|record| record.name == LAYERS)?;
-    record.text.split(',').filter(|name| !name.is_empty()).map(Kind::named).collect()
+    metadata: Metadata,
+    layers: Vec<Kind>,
 }
 
 impl Outputs {
@@ -46,10 +36,10 @@ impl Outputs {
     ///
     /// # Errors
     /// When one cannot be written, is named twice, or none has a place for what is asked.
-    pub(super) fn new(args: &OutputArgs, has_preview: bool) -> Result<Self> {
+    pub(super) fn new(delivery: &Delivery, layers: &[Kind], layers_given: bool) -> Result<Self> {
         let mut pictures: Vec<File> = Vec::new();
         let mut part = None;
-        for path in &args.files {
+        for FilePath(path) in &delivery.files {
             if is_part(path) {
                 if let Some(earlier) = part.replace(path.clone()) {
                     let (a, b) = (earlier.display(), path.display());
@@ -60,30 +50,14 @@ impl Outputs {
             }
             pictures.push(File { path: path.clone(), target: Target::new(path)? });
         }
-        if part.is_none() {
-            refuse_layers_without_place(args, &pictures)?;
+        if part.is_none() && layers_given {
+            refuse_layers_without_place(layers, &pictures)?;
         }
-        if let Some(option) = args.look_option().filter(|_| !has_preview) {
-            refuse_look_without_screen(option, args, &pictures)?;
+        if delivery.preview.is_none() {
+            refuse_look_without_screen(delivery, &pictures)?;
         }
-        let (look, kinds, with_run) = (args.look(), args.kinds(), !args.no_run_figures);
-        Ok(Self { pictures, part, look, kinds, with_run })
-    }
-
-    /// The layers that are asked for.
-    pub(super) fn kinds(&self) -> &[Kind] {
-        &self.kinds
-    }
-
-    /// Says which those are.
-    pub(super) fn record_of_layers(&self) -> Record {
-        let names: Vec<&str> = self.kinds.iter().map(|kind| kind.row().name).collect();
-        Record::new(LAYERS, names.join(","))
-    }
-
-    /// Asks for other layers.
-    pub(super) fn set_kinds(&mut self, kinds: Vec<Kind>) {
-        self.kinds = kinds;
+        let Delivery { look, with_run, .. } = *delivery;
+        Ok(Self { pictures, part, look, layers: layers.to_vec(), with_run })
     }
 
     /// Where the sums themselves go.
@@ -101,14 +75,18 @@ impl Outputs {
         &self.pictures
     }
 
+    /// Asks for other layers.
+    pub(super) fn set_layers(&mut self, layers: &[Kind]) {
+        self.layers = layers.to_vec();
+    }
+
     /// What they say of a picture; `quickly` where somebody waits for the end of writing it.
-    pub(super) fn words(&self, frame: &Frame, made: &Made, run: &Run, quickly: bool) -> Words {
-        let mut records = made.records();
-        if self.with_run {
-            records.extend(run.records());
-        }
-        let notes = Notes { cropped_from: crop(frame), look: self.look, records, quickly };
-        Words { notes, layers: self.record_of_layers() }
+    pub(super) fn notes(&self, frame: &Frame, metadata: &Metadata, quickly: bool) -> FileNotes {
+        let mut metadata = metadata.clone();
+        metadata.run = metadata.run.filter(|_| self.with_run);
+        let cropped_from = crop_of(frame);
+        let notes = Notes { cropped_from, look: self.look, records: Vec::new(), quickly };
+        FileNotes { notes, metadata, layers: self.layers.clone() }
     }
 }
 
@@ -121,22 +99,25 @@ impl File {
         &self,
         place: Option<&Path>,
         picture: &Picture,
-        words: &Words,
+        of: &FileNotes,
     ) -> Result<()> {
-        let mut notes = words.notes.clone();
-        if self.target.is_for_screen() {
-            let look = provenance::look_in_words(&notes.look);
-            notes.records.extend(look.map(|words| Record::new("look", words)));
-        }
-        if self.target.has_layers() {
-            notes.records.push(words.layers.clone());
-        }
-        provenance::sort(&mut notes.records);
+        let usual = of.notes.look == Look::default();
+        let metadata = Metadata {
+            look: (self.target.is_for_screen() && !usual).then_some(of.notes.look),
+            layers: self.target.has_layers().then(|| of.layers.clone()),
+            ..of.metadata.clone()
+        };
+        let notes = Notes { records: metadata.to_records()?, ..of.notes.clone() };
         match place {
             None => self.target.write_with(picture, &notes),
             Some(place) => Target::new(place)?.write_with(picture, &notes),
         }
     }
+}
+
+/// The paths themselves.
+pub(super) fn paths(files: &[FilePath]) -> Vec<PathBuf> {
+    files.iter().map(|FilePath(file)| file.clone()).collect()
 }
 
 /// Refuses two files in one place, however they are written: one would replace the other.
@@ -164,15 +145,6 @@ fn place(file: &Path) -> PathBuf {
     full.canonicalize().ok().or_else(beside).unwrap_or_else(|| full.clone())
 }
 
-/// Which part of the whole picture this is, unless it is all of it.
-pub(super) fn crop(frame: &Frame) -> Option<Crop> {
-    let Frame { full_size, window } = *frame;
-    (*frame != Frame::whole(full_size[0], full_size[1])).then(|| Crop {
-        full_size: full_size.map(|pixels| pixels as usize),
-        corner: [window.x, window.y].map(|pixels| pixels as usize),
-    })
-}
-
 /// Whether a file is to hold the sums themselves.
 pub(super) fn is_part(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("part"))
@@ -185,19 +157,17 @@ pub(super) fn in_words(files: &[PathBuf]) -> String {
 }
 
 /// `.png` has the beauty, and alpha; the formats of linear light have the beauty alone.
-fn refuse_layers_without_place(args: &OutputArgs, files: &[File]) -> Result<()> {
+fn refuse_layers_without_place(layers: &[Kind], files: &[File]) -> Result<()> {
     let any = |test: fn(&Target) -> bool| files.iter().any(|file| test(&file.target));
-    if !args.asks_for_layers() || any(Target::has_layers) {
+    if any(Target::has_layers) {
         return Ok(());
     }
-    let has_place = |kind: &Kind| match kind {
+    let has_place = |kind: &&Kind| match kind {
         Kind::Beauty => true,
         Kind::Mean(Layer::Alpha) => any(Target::is_for_screen),
         _ => false,
     };
-    let Some(homeless) = args.kinds().into_iter().find(|kind| !has_place(kind)) else {
-        return Ok(());
-    };
+    let Some(homeless) = layers.iter().find(|kind| !has_place(kind)) else { return Ok(()) };
     let (layer, names) = (homeless.row().name, quoted(files));
     let verb = if files.len() == 1 { "has" } else { "have" };
     Err(Error::input(format!("{names} {verb} no place for the layer `{layer}`"))
@@ -210,13 +180,20 @@ fn quoted(files: &[File]) -> String {
     names.join(" and ")
 }
 
-fn refuse_look_without_screen(option: &str, args: &OutputArgs, files: &[File]) -> Result<()> {
+fn refuse_look_without_screen(delivery: &Delivery, files: &[File]) -> Result<()> {
+    let usual = Look::default();
+    let given = [
+        ("--exposure", delivery.look.exposure != usual.exposure),
+        ("--tone", delivery.look.tone != usual.tone),
+        ("--dither", delivery.look.dither),
+    ];
+    let Some((option, _)) = given.into_iter().find(|(_, given)| *given) else { return Ok(()) };
     if files.iter().any(|file| file.target.is_for_screen()) {
         return Ok(());
     }
-    let verb = if args.files.len() == 1 { "holds" } else { "hold" };
+    let verb = if delivery.files.len() == 1 { "holds" } else { "hold" };
     let names: Vec<String> =
-        args.files.iter().map(|path| format!("`{}`", path.display())).collect();
+        delivery.files.iter().map(|FilePath(path)| format!("`{}`", path.display())).collect();
     let names = names.join(" and ");
     Err(Error::input(format!(
         "`{option}` is for .png files, but {names} {verb} light, which stays as it is"

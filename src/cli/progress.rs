@@ -8,7 +8,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::accel;
 
-use super::pace::{self, Pace};
+use crate::job::pace::{self, Pace};
+use crate::job::{self, Observer};
+
 use super::print;
 
 const BETWEEN_LINES: Duration = Duration::from_secs(3);
@@ -41,6 +43,17 @@ impl State {
             rate: pace.rate(),
             left: pace.time_left().map(|left| pace::in_words(&left)),
             ..Self::default()
+        }
+    }
+
+    fn of(progress: &job::Progress) -> Self {
+        Self {
+            samples_done: progress.samples_done,
+            samples_total: progress.samples_total,
+            rate: progress.rate,
+            error: progress.error,
+            squares: progress.squares,
+            left: progress.left.as_ref().map(pace::in_words),
         }
     }
 }
@@ -101,6 +114,20 @@ impl Progress {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
         }
+    }
+}
+
+impl Observer for Progress {
+    fn wants_progress(&self) -> bool {
+        self.is_shown()
+    }
+
+    fn progress(&self, progress: &job::Progress) {
+        self.show(&State::of(progress));
+    }
+
+    fn warning(&self, text: &str) {
+        self.say(|| print::warning(text));
     }
 }
 

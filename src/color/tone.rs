@@ -3,10 +3,14 @@
 //! Every curve takes linear Rec. 709 and gives values for the screen in `[0, 1]`. They are for eyes
 //! only; whoever measures takes a file of linear light.
 
+use serde::{Deserialize, Serialize};
+
+use crate::names::named;
+
 use super::{Rgb, srgb_from_linear, srgb_step};
 
 /// How light becomes values for the screen.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Look {
     /// In stops: light is multiplied by 2 to this power.
     pub exposure: f32,
@@ -31,16 +35,7 @@ pub enum Tone {
 /// A linear map of colours, row by row.
 type Matrix = [[f32; 3]; 3];
 
-impl Tone {
-    /// Every curve with its name.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("srgb", Self::Srgb), ("filmic", Self::Filmic), ("agx", Self::AgX)];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, tone)| *tone == self).map_or("", |(name, _)| name)
-    }
-}
+named! { Tone { Srgb = "srgb", Filmic = "filmic", AgX = "agx" } }
 
 impl Look {
     /// The value for the screen of each channel, in `[0, 1]`; light must be finite.
@@ -153,7 +148,7 @@ mod tests {
 
     #[test]
     fn every_curve_rises_from_black_to_white() {
-        for (name, tone) in Tone::NAMES {
+        for &(name, tone) in Tone::NAMES {
             assert_eq!(tone.name(), name);
             assert_abs_diff_eq!(grey(tone, 0.0), 0.0, epsilon = 0.5 / 255.0);
             assert_eq!(grey(tone, -1.0), grey(tone, 0.0), "{name}");

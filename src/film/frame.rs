@@ -1,25 +1,16 @@
 //! Which pixels a film has, and how they are shared out.
 
+use serde::{Deserialize, Serialize};
+
+use crate::math::Rect;
+
 /// A part of a picture, and the whole that it is a part of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Frame {
     /// Pixels of the whole picture, across and down.
     pub full_size: [u32; 2],
     /// The part that the film has.
     pub window: Rect,
-}
-
-/// A rectangle of pixels of the whole picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Rect {
-    /// Its first column.
-    pub x: u32,
-    /// Its first row.
-    pub y: u32,
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
 }
 
 /// Pixels across and down of a tile. Tiles are aligned in the whole picture, so that those of a part
@@ -81,31 +72,6 @@ impl Frame {
         let (x, width) = span(x, width, TILE[0], index % across);
         let (y, height) = span(y, height, TILE[1], index / across);
         Rect { x, y, width, height }
-    }
-}
-
-impl Rect {
-    /// How many pixels it has.
-    pub fn pixels(&self) -> usize {
-        self.width as usize * self.height as usize
-    }
-
-    /// The columns and rows of its pixels, along the rows.
-    pub fn places(self) -> impl Iterator<Item = [u32; 2]> {
-        let Self { x, y, width, height } = self;
-        (y..y + height).flat_map(move |row| (x..x + width).map(move |column| [column, row]))
-    }
-
-    /// What it has in common with another, if anything.
-    pub fn common(&self, other: &Self) -> Option<Self> {
-        let overlap = |a: u32, a_length: u32, b: u32, b_length: u32| {
-            let begin = a.max(b);
-            let end = (a + a_length).min(b + b_length);
-            (begin < end).then(|| (begin, end - begin))
-        };
-        let (x, width) = overlap(self.x, self.width, other.x, other.width)?;
-        let (y, height) = overlap(self.y, self.height, other.y, other.height)?;
-        Some(Self { x, y, width, height })
     }
 }
 

@@ -112,6 +112,20 @@ impl Kind {
     }
 }
 
+impl serde::Serialize for Kind {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.row().name)
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for Kind {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let name = <std::borrow::Cow<'de, str>>::deserialize(from)?;
+        let unknown = || serde::de::Error::custom(format_args!("there is no layer `{name}`"));
+        Self::named(&name).ok_or_else(unknown)
+    }
+}
+
 /// The layers that a film has to sum for a picture: light always, because it is the picture.
 pub fn summed_for(kinds: &[Kind]) -> Vec<Layer> {
     let is_wanted = |layer: &Layer| match layer {

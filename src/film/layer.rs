@@ -1,6 +1,7 @@
 //! What is summed for every pixel.
 
 use crate::color::{Radiance, Rgb, Seen};
+use crate::names::named;
 
 use super::fixed::{Wide, step_below};
 
@@ -32,6 +33,20 @@ pub enum Layer {
     Coverage,
 }
 
+named! {
+    Layer {
+        Direct = "direct",
+        Indirect = "indirect",
+        Alpha = "alpha",
+        Emission = "emission",
+        Albedo = "albedo",
+        Normal = "normal",
+        Depth = "depth",
+        Position = "position",
+        Coverage = "coverage",
+    }
+}
+
 impl Layer {
     /// Every layer there is.
     pub const ALL: &[Self] = &[
@@ -45,21 +60,6 @@ impl Layer {
         Self::Position,
         Self::Coverage,
     ];
-
-    /// The name in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Direct => "direct",
-            Self::Indirect => "indirect",
-            Self::Alpha => "alpha",
-            Self::Emission => "emission",
-            Self::Albedo => "albedo",
-            Self::Normal => "normal",
-            Self::Depth => "depth",
-            Self::Position => "position",
-            Self::Coverage => "coverage",
-        }
-    }
 
     /// How many numbers a pixel has, up to three.
     pub fn channels(self) -> usize {
@@ -214,9 +214,24 @@ pub(super) const HEADROOM: i32 = 34;
 ///
 /// The squares of blocks of the beauty, which is the sum of two layers, are summed in steps of
 /// `2^(2 brightest + 70 - 163)`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "i32", into = "i32")]
 pub struct Scale {
     brightest: i32,
+}
+
+impl From<Scale> for i32 {
+    fn from(scale: Scale) -> Self {
+        scale.brightest
+    }
+}
+
+impl TryFrom<i32> for Scale {
+    type Error = &'static str;
+
+    fn try_from(exponent: i32) -> Result<Self, Self::Error> {
+        Self::of_exponent(exponent).ok_or("no radiance has this exponent")
+    }
 }
 
 impl Scale {

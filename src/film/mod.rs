@@ -26,8 +26,9 @@ mod picture;
 mod tests;
 mod tile;
 
+pub use crate::math::Rect;
 pub use estimate::Estimate;
-pub use frame::{Frame, Rect, TILE};
+pub use frame::{Frame, TILE};
 pub use kind::{By, KINDS, Kind, Merge, summed_for};
 pub use layer::{Layer, Run, Scale};
 pub use picture::{Picture, Plane, Values};
@@ -42,7 +43,8 @@ use tile::{Plan, Tile, TooBright};
 pub const BLOCK: u32 = 16;
 
 /// What a film is to hold.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Format {
     /// Its pixels.
     pub frame: Frame,

@@ -14,6 +14,7 @@ mod table;
 
 use crate::error::{Error, Result};
 use crate::math::NO_SPHERE;
+use crate::names::named;
 
 use places::Places;
 
@@ -40,21 +41,7 @@ pub enum Arrangement {
     Lattice,
 }
 
-impl Arrangement {
-    /// All of them, with their names.
-    pub const NAMES: [(&'static str, Self); 4] = [
-        ("gas", Self::Gas),
-        ("packed", Self::Packed),
-        ("clusters", Self::Clusters),
-        ("lattice", Self::Lattice),
-    ];
-
-    /// The name used on the command line.
-    pub fn name(self) -> &'static str {
-        let named = Self::NAMES.iter().find(|(_, arrangement)| *arrangement == self);
-        named.map_or("?", |(name, _)| name)
-    }
-}
+named! { Arrangement { Gas = "gas", Packed = "packed", Clusters = "clusters", Lattice = "lattice" } }
 
 /// What is to be made.
 #[derive(Clone, Debug)]
@@ -141,7 +128,7 @@ mod tests {
 
     #[test]
     fn every_arrangement_gives_spheres_and_colours_that_a_table_may_have() {
-        for (name, arrangement) in Arrangement::NAMES {
+        for &(name, arrangement) in Arrangement::NAMES {
             assert_eq!(arrangement.name(), name);
             for count in [1, 2, 3, 9, 1000, 4097] {
                 for row in rows(arrangement, count) {
@@ -156,7 +143,7 @@ mod tests {
 
     #[test]
     fn a_sphere_depends_on_its_index_and_the_recipe_alone() {
-        for (_, arrangement) in Arrangement::NAMES {
+        for &(_, arrangement) in Arrangement::NAMES {
             let recipe = Recipe::new(arrangement, 1000, 7, true).expect("a small count");
             let alone = recipe.row(123);
             assert_eq!(rows(arrangement, 1000)[123], alone);

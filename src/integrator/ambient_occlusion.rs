@@ -10,7 +10,7 @@ use crate::color::{Radiance, Rgb};
 use crate::geometry::{PathRay, SurfaceHit};
 use crate::math::{Frame, NO_SPHERE};
 use crate::sampling::Hemisphere;
-use crate::scene::Scene;
+use crate::scene::Shot;
 
 use super::camera_rays::{Strata, sampler_of};
 use super::dimension::Vertex;
@@ -30,7 +30,7 @@ impl Integrator for AmbientOcclusion {
         radiance: &mut [Radiance],
         workspace: &mut Workspace,
     ) -> Tally {
-        let World { scene, accel, .. } = world;
+        let World { shot, scene, accel, .. } = world;
         let mut tally = Tally::default();
         let found = first_hits(world, Strata::NONE, samples, workspace, &mut tally);
 
@@ -39,10 +39,10 @@ impl Integrator for AmbientOcclusion {
         rays.clear();
         let mut asked = Vec::with_capacity(samples.len());
         for ((index, first), &address) in found.iter().enumerate().zip(samples) {
-            let ray = first.surface.map(|surface| self.ray(scene, address, &surface));
+            let ray = first.surface.map(|surface| self.ray(shot, address, &surface));
             let (direct, alpha) = match ray {
                 Some(_) => (Rgb::ZERO, 1.0),
-                None if scene.description().background.camera_visible => (Rgb::ONE, 0.0),
+                None if scene.shows_background() => (Rgb::ONE, 0.0),
                 None => (Rgb::ZERO, 0.0),
             };
             radiance[index] = Radiance { direct, indirect: Rgb::ZERO, alpha };
@@ -64,8 +64,8 @@ impl Integrator for AmbientOcclusion {
 
 impl AmbientOcclusion {
     /// A ray into the hemisphere above a point; `None` where its own sphere blocks it.
-    fn ray(&self, scene: &Scene, address: SampleAddress, hit: &SurfaceHit) -> Option<PathRay> {
-        let u = sampler_of(scene, Strata::NONE, address).get_2d(Vertex::at(1).towards_lamp());
+    fn ray(&self, shot: &Shot, address: SampleAddress, hit: &SurfaceHit) -> Option<PathRay> {
+        let u = sampler_of(shot, Strata::NONE, address).get_2d(Vertex::at(1).towards_lamp());
         let direction = Frame::around(hit.facing_normal()).to_world(Hemisphere::Cosine.sample(u));
         hit.leave_towards(direction.normalize(), self.distance, NO_SPHERE)
     }

@@ -3,8 +3,7 @@
 use crate::fault::fault;
 use crate::geometry::PathRay;
 use crate::sampling::Sampler;
-use crate::scene::Scene;
-use crate::scene::description::Description;
+use crate::scene::Shot;
 
 use super::SampleAddress;
 
@@ -44,8 +43,8 @@ impl Strata {
 }
 
 /// The random numbers of a sample. Every sub-pixel has its own sequence of them.
-pub(super) fn sampler_of(scene: &Scene, strata: Strata, address: SampleAddress) -> Sampler {
-    let Description { image, render, .. } = scene.description();
+pub(super) fn sampler_of(shot: &Shot, strata: Strata, address: SampleAddress) -> Sampler {
+    let (image, render) = (shot.image(), shot.render());
     let pixel = u64::from(address.y) * u64::from(image.width) + u64::from(address.x);
     let cells = strata.subpixels * strata.subpixels;
     let cell = pixel * u64::from(cells) + u64::from(address.sample % cells);
@@ -56,17 +55,17 @@ pub(super) fn sampler_of(scene: &Scene, strata: Strata, address: SampleAddress) 
 /// The camera ray of a sample, from two random numbers for its place in the pixel and two for that
 /// on the lens, whose first dimensions are given.
 pub(super) fn camera_ray(
-    scene: &Scene,
+    shot: &Shot,
     strata: Strata,
     address: SampleAddress,
     sampler: Sampler,
     [pixel, lens]: [u32; 2],
 ) -> PathRay {
     let place = strata.place(address.sample, sampler.get_2d(pixel));
-    let [dx, dy] = scene.filter().sample(place);
+    let [dx, dy] = shot.filter().sample(place);
     let half = if fault!(CornerForCentre) { 0.0 } else { 0.5 };
     let (x, y) = (f64::from(address.x) + half + dx, f64::from(address.y) + half + dy);
-    let camera = scene.camera();
+    let camera = shot.camera();
     let lens = if camera.has_lens() { sampler.get_2d(lens) } else { [0.5; 2] };
     camera.ray(x, y, lens)
 }

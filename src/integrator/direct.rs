@@ -3,7 +3,7 @@
 //!
 //! It is [`super::path`] without the rest: its picture is the layer `direct` of that one, bit by bit.
 
-use crate::scene::description::Render;
+use crate::scene::settings::Render;
 
 use super::path;
 use super::transport::Transport;

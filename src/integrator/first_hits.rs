@@ -27,11 +27,11 @@ pub(super) fn first_hits(
     workspace: &mut Workspace,
     tally: &mut Tally,
 ) -> Vec<FirstHit> {
-    let World { scene, accel, .. } = world;
+    let World { shot, scene, accel, .. } = world;
     let spheres = scene.spheres();
     let ray_of = |&address: &SampleAddress| {
-        let sampler = sampler_of(scene, strata, address);
-        camera_ray(scene, strata, address, sampler, [dimension::PIXEL, dimension::LENS])
+        let sampler = sampler_of(shot, strata, address);
+        camera_ray(shot, strata, address, sampler, [dimension::PIXEL, dimension::LENS])
     };
     let mut found: Vec<FirstHit> =
         samples.iter().map(|at| FirstHit { ray: ray_of(at), surface: None }).collect();

@@ -25,15 +25,15 @@ use crate::geometry::PathRays;
 use crate::material::Media;
 use crate::math::{Hit, Isa, Ray};
 use crate::sampling::Sampler;
-use crate::scene::Scene;
-use crate::scene::description::Integrator as Kind;
+use crate::scene::settings::Integrator as Kind;
+use crate::scene::{Scene, Shot};
 
 use ambient_occlusion::AmbientOcclusion;
 use normals::Normals;
 use raycast::Raycast;
 
 /// An estimator of the light that arrives at a pixel.
-pub trait Integrator: Sync {
+pub trait Integrator: Send + Sync {
     /// Estimates the radiance of each sample. The slices have equal lengths.
     fn estimate(
         &self,
@@ -53,12 +53,21 @@ pub trait Integrator: Sync {
 /// What there is to be seen.
 #[derive(Clone, Copy)]
 pub struct World<'a> {
+    /// The scene as the picture has it.
+    pub shot: &'a Shot,
     /// The scene.
     pub scene: &'a Scene,
     /// An intersector over the scene's spheres.
     pub accel: &'a dyn Accel,
     /// Set from elsewhere to stop early; what is estimated then is to be thrown away.
     pub cancel: &'a Cancel,
+}
+
+impl<'a> World<'a> {
+    /// A shot, with an intersector over its spheres.
+    pub fn new(shot: &'a Shot, accel: &'a dyn Accel, cancel: &'a Cancel) -> Self {
+        Self { shot, scene: shot.scene(), accel, cancel }
+    }
 }
 
 /// One sample of one pixel.
@@ -157,14 +166,17 @@ impl std::ops::Add for Tally {
     }
 }
 
-/// The estimator that the scene asks for.
-pub fn of_scene(scene: &Scene) -> Box<dyn Integrator> {
-    let render = &scene.description().render;
+/// The estimator that a shot asks for.
+pub fn of_shot(shot: &Shot) -> Box<dyn Integrator> {
+    let render = shot.render();
     match render.integrator {
         Kind::Path => Box::new(path::new(render)),
         Kind::Direct => Box::new(direct::new(render)),
         Kind::Paper(paper) => Box::new(paper::new(&paper, render)),
-        Kind::AmbientOcclusion { distance } => Box::new(AmbientOcclusion { distance }),
+        Kind::AmbientOcclusion { distance } => {
+            let distance = distance.unwrap_or(f64::INFINITY);
+            Box::new(AmbientOcclusion { distance })
+        }
         Kind::Normals => Box::new(Normals::new(render.samples_per_pixel)),
         Kind::Raycast { shadows } => Box::new(Raycast::new(shadows, render.samples_per_pixel)),
     }

@@ -3,7 +3,7 @@
 //!
 //! Where the paper is silent or wrong, `docs/paper.md` says how it is read here.
 
-use crate::scene::description::{Estimator, Paper, Render};
+use crate::scene::settings::{Estimator, Paper, Render};
 
 use super::camera_rays::Strata;
 use super::transport::Transport;

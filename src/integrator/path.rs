@@ -3,7 +3,7 @@
 //! had alone for comparison: `estimator`.
 
 use crate::sampling::Hemisphere;
-use crate::scene::description::{Miss, Render, Stop};
+use crate::scene::settings::{Miss, Render, Stop};
 
 use super::camera_rays::Strata;
 use super::transport::Transport;

@@ -47,7 +47,7 @@ impl Integrator for Raycast {
         radiance: &mut [Radiance],
         workspace: &mut Workspace,
     ) -> Tally {
-        let World { scene, accel, .. } = world;
+        let World { shot, scene, accel, .. } = world;
         let spheres = scene.spheres();
         let mut tally = Tally::default();
         let found = first_hits(world, self.strata, samples, workspace, &mut tally);
@@ -63,7 +63,7 @@ impl Integrator for Raycast {
             };
             let mut light = scene.surface(surface.id).material.emission;
             see(light);
-            let lamps = scene.lights().lamps().iter();
+            let lamps = shot.lights().lamps().iter();
             let mut lit: Vec<FromLamp> =
                 lamps.filter_map(|lamp| shade(scene, &surface, ray.direction, lamp)).collect();
             if self.shadows {

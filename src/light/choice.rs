@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use crate::color::luminance;
 use crate::fault::fault;
 use crate::geometry::SphereSet;
+use crate::names::named;
 use crate::sampling::Discrete;
 
 use super::cluster::{Cluster, Item};
@@ -28,6 +29,8 @@ pub enum LightChoice {
     /// All alike.
     Uniform,
 }
+
+named! { LightChoice { Hierarchy = "hierarchy", Power = "power", Uniform = "uniform" } }
 
 /// The lamps with their probabilities.
 #[derive(Debug, Default)]

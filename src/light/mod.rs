@@ -16,6 +16,8 @@ pub use background::{Background, Dome, Orientation, Sky, Sun};
 pub use choice::LightChoice;
 pub use lamp::Lamp;
 
+use std::sync::Arc;
+
 use crate::color::Rgb;
 use crate::geometry::{Sphere, SphereSet, SurfaceHit};
 use crate::math::{DVec3, NO_SPHERE};
@@ -28,9 +30,9 @@ use shares::{Kind, Shares};
 #[derive(Debug, Default)]
 pub struct Lights {
     /// Sorted by id.
-    lamps: Vec<Lamp>,
+    lamps: Arc<[Lamp]>,
     choice: Choice,
-    background: Background,
+    background: Arc<Background>,
 }
 
 /// A point that light is gathered at.
@@ -87,18 +89,19 @@ impl Source {
 
 impl Lights {
     /// The lamps among `spheres`, before a background, chosen by their hierarchy.
-    pub fn new(lamps: Vec<Lamp>, spheres: &SphereSet, background: Background) -> Self {
-        Self::chosen_by(LightChoice::Hierarchy, lamps, spheres, background)
+    pub fn new(mut lamps: Vec<Lamp>, spheres: &SphereSet, background: Background) -> Self {
+        lamps.sort_unstable_by_key(|lamp| lamp.id);
+        Self::chosen_by(LightChoice::Hierarchy, lamps.into(), spheres, Arc::new(background))
     }
 
-    /// The same, with a way to choose among the lamps.
+    /// Lamps sorted by their ids, with a way to choose among them.
     pub fn chosen_by(
         by: LightChoice,
-        mut lamps: Vec<Lamp>,
+        lamps: Arc<[Lamp]>,
         spheres: &SphereSet,
-        background: Background,
+        background: Arc<Background>,
     ) -> Self {
-        lamps.sort_unstable_by_key(|lamp| lamp.id);
+        debug_assert!(lamps.is_sorted_by_key(|lamp| lamp.id));
         let choice = Choice::new(&lamps, spheres, by);
         Self { lamps, choice, background }
     }

@@ -14,10 +14,12 @@
 //! mirror. Gold's red would be 1.035, outside Rec. 709, and more than arrives; its n and k are those
 //! at 660 nm instead.
 
+use serde::{Deserialize, Serialize};
+
 use crate::color::Rgb;
 
 /// Complex index of refraction in linear Rec. 709, relative to vacuum.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Metal {
     /// The real part, n.
     pub ior: Rgb,

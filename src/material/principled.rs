@@ -22,6 +22,8 @@
 
 use std::f64::consts::FRAC_1_PI;
 
+use serde::{Deserialize, Serialize};
+
 use crate::color::{Rgb, luminance};
 use crate::fault::fault;
 use crate::math::DVec3;
@@ -37,7 +39,7 @@ const MOST_GLOSS: f64 = 0.65;
 
 /// What a principled surface is told by, named as in scene files. All but the colour and the index
 /// of refraction are from 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrincipledParameters {
     /// The colour of what is matt, metal, or behind glass; each channel from 0 to 1.
     pub base_color: Rgb,
@@ -55,6 +57,22 @@ pub struct PrincipledParameters {
     pub coat_roughness: f64,
     /// The share of what is not metal that is glass.
     pub transmission: f64,
+}
+
+impl Default for PrincipledParameters {
+    /// Grey and satin, of index 1.5, without metal, glass and coat.
+    fn default() -> Self {
+        Self {
+            base_color: Rgb::splat(0.5),
+            metallic: 0.0,
+            roughness: 0.5,
+            specular: 0.5,
+            ior: 1.5,
+            coat: 0.0,
+            coat_roughness: 0.0,
+            transmission: 0.0,
+        }
+    }
 }
 
 /// A surface of metal, glass and matt parts under a coat. Parts whose share is 0 are `None`.

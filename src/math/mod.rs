@@ -1,16 +1,18 @@
-//! Vectors, frames and rays.
+//! Vectors, frames, rays, and rectangles of pixels.
 
 mod frame;
 #[allow(unsafe_code, reason = "calls functions compiled for the instructions that were found")]
 mod isa;
 mod lanes;
 mod ray;
+mod rect;
 
 pub use frame::{Frame, nearly_unit};
 pub use glam::{DVec2, DVec3, Vec3};
 pub use isa::{Isa, Stage};
 pub use lanes::{LANES, Lanes, Lanes3};
 pub use ray::{Hit, MAX_COORDINATE, NO_SPHERE, Ray};
+pub use rect::Rect;
 
 /// The distance from 1 to the next larger f32, halved: the relative error of one f32 rounding.
 pub const F32_ROUNDING: f64 = 1.0 / (1u32 << 24) as f64;

@@ -11,7 +11,6 @@
 
 mod exr;
 mod hdr;
-mod part;
 mod pfm;
 mod png;
 mod read;
@@ -24,7 +23,6 @@ use crate::color::{Look, Rgb};
 use crate::error::{Error, Result};
 use crate::film::Picture;
 
-pub use part::{PartFile, PartHead, is_part_file, write_part};
 pub use read::{BEAUTY, Layer, Layered, RawChannel, raw_channels, read};
 pub use records::{Record, records};
 pub use whole::{Sink, WholeFile, remove_unfinished};

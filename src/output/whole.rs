@@ -60,6 +60,11 @@ impl WholeFile {
         Self::new(path)
     }
 
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Writes the content and gives the file its name.
     ///
     /// # Errors

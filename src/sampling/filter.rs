@@ -7,6 +7,8 @@ use std::f64::consts::PI;
 
 use crate::fault::fault;
 
+use crate::names::named;
+
 use super::{Discrete, cos, exp};
 
 /// The shapes of a pixel's weight function.
@@ -21,6 +23,15 @@ pub enum FilterKind {
     Gaussian,
     /// The 4-term Blackman-Harris window (Harris 1978, table 1, minimum 92 dB).
     BlackmanHarris,
+}
+
+named! {
+    FilterKind {
+        Box = "box",
+        Tent = "tent",
+        Gaussian = "gaussian",
+        BlackmanHarris = "blackman-harris",
+    }
 }
 
 /// A separable filter of given radius, ready to be sampled.

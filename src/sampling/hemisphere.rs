@@ -7,6 +7,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
 use crate::fault::fault;
 use crate::math::DVec3;
+use crate::names::named;
 
 use super::{acos, atan2, powf, sin_cos, sin_cos_of_turns};
 
@@ -21,6 +22,14 @@ pub enum Hemisphere {
     /// Azimuth and elevation both uniform, as the paper words it: density `1 / (pi^2 cos e)` with
     /// the elevation `e` measured from the tangent plane.
     UniformAngle,
+}
+
+named! {
+    Hemisphere {
+        Cosine = "cosine",
+        UniformSolidAngle = "uniform-solid-angle",
+        UniformAngle = "uniform-angle",
+    }
 }
 
 impl Hemisphere {

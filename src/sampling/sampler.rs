@@ -3,6 +3,8 @@
 //! Every number is a pure function of (seed, pixel, sample, dimension): threads, tiles, batches and
 //! restarts cannot change it. There are three kinds; `docs/sampling.md` compares them.
 
+use crate::names::named;
+
 use super::independent::Independent;
 use super::sobol::{Sobol, SobolLanes};
 use super::stratified::Stratified;
@@ -18,6 +20,8 @@ pub enum SamplerKind {
     /// One number in each of as many cells as there are samples.
     Stratified,
 }
+
+named! { SamplerKind { Sobol = "sobol", Independent = "independent", Stratified = "stratified" } }
 
 impl SamplerKind {
     /// Whether all numbers change with how many samples a pixel is to have.

@@ -4,7 +4,8 @@
 
 use crate::material::Phong;
 
-use super::description::{Description, Integrator, Miss, Render, Stop, Surface};
+use super::description::{Description, Surface};
+use super::settings::{Integrator, Miss, Render, Stop};
 
 impl Description {
     /// The materials that reflect more light than they receive, by name, with the largest share that

@@ -1,72 +1,39 @@
-//! What the user wrote, as plain data: every key of a scene file, in its own units, with the
-//! defaults filled in and nothing else changed. `docs/scene-format.md` is the reference for users.
+//! A scene as plain values: what is to be seen, in the user's own units. Whoever builds a scene, a
+//! program or the reader of scene files, fills these in; [`Scene::build`](super::Scene::build) checks
+//! them and makes a scene of them. `docs/scene-format.md` explains the same keys to users.
 
 use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
 
 use crate::color::Rgb;
 use crate::material::{Metal, PrincipledParameters};
 use crate::math::DVec3;
+use crate::names::named;
 
-pub use crate::light::LightChoice;
-pub use crate::sampling::{FilterKind, Hemisphere, SamplerKind};
+use super::data::SphereData;
 
-/// A whole scene file.
-#[derive(Clone, Debug, PartialEq)]
+/// A scene: camera, background, materials and spheres.
+///
+/// How it is rendered (size, samples, integrator) is no part of it: see [`Settings`](super::Settings).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Description {
-    /// `[image]`.
-    pub image: Image,
-    /// `[camera]`.
+    /// Where the picture is seen from.
     pub camera: Camera,
-    /// `[background]`: what a ray sees that meets nothing.
+    /// What a ray sees that meets nothing.
     pub background: Background,
-    /// `[materials.NAME]`, in the order of the file.
+    /// The surfaces; spheres name them by their index here.
     pub materials: Vec<NamedMaterial>,
-    /// `[[spheres]]`.
+    /// Spheres one by one.
     pub spheres: Vec<SphereRow>,
-    /// `[[sphere_tables]]`.
+    /// Many spheres at once, from files or from memory.
     pub tables: Vec<SphereTable>,
-    /// `[render]`.
-    pub render: Render,
-}
-
-/// `[image]`: the picture's size and the pixel's weight function.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Image {
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-    /// The part that is rendered; `None` is all of it.
-    pub crop: Option<Window>,
-    /// The pixel's weight h(p).
-    pub filter: FilterKind,
-    /// Half the filter's extent in pixels.
-    pub filter_radius: f64,
-}
-
-/// A rectangle of pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Window {
-    /// Its first column.
-    pub x: u32,
-    /// Its first row.
-    pub y: u32,
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-}
-
-impl Image {
-    /// The part of the picture that is rendered.
-    pub fn window(&self) -> Window {
-        let Self { width, height, .. } = *self;
-        self.crop.unwrap_or(Window { x: 0, y: 0, width, height })
-    }
 }
 
 /// `[camera]`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Camera {
     /// Where the camera is: the middle of the lens or of the picture's plane.
     pub position: DVec3,
@@ -81,8 +48,22 @@ pub struct Camera {
     pub projection: Projection,
 }
 
+impl Default for Camera {
+    /// At (0, 0, 10), looking at the origin, with a pinhole of 36 degrees; y is up.
+    fn default() -> Self {
+        Self {
+            position: DVec3::new(0.0, 0.0, 10.0),
+            look_at: DVec3::ZERO,
+            up: DVec3::Y,
+            near: 0.0,
+            projection: Projection::default(),
+        }
+    }
+}
+
 /// How directions become places in the picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Projection {
     /// `type = "perspective"`.
     Perspective {
@@ -105,8 +86,16 @@ pub enum Projection {
     },
 }
 
+impl Default for Projection {
+    /// A pinhole of 36 degrees.
+    fn default() -> Self {
+        Self::Perspective { vertical_fov_degrees: 36.0, lens: None }
+    }
+}
+
 /// A thin lens.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Lens {
     /// Of its opening, in scene units.
     pub radius: f64,
@@ -119,7 +108,8 @@ pub struct Lens {
 }
 
 /// `[background]`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Background {
     /// Light from all directions.
     pub dome: Dome,
@@ -133,8 +123,17 @@ pub struct Background {
     pub transparent: bool,
 }
 
+impl Default for Background {
+    /// Darkness, with y as its zenith.
+    fn default() -> Self {
+        let dome = Dome::default();
+        Self { dome, up: DVec3::Y, sun: None, camera_visible: true, transparent: false }
+    }
+}
+
 /// The light of the background.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Dome {
     /// `radiance`: the same from everywhere.
     Constant {
@@ -152,7 +151,8 @@ pub enum Dome {
     },
     /// `[background.image]`: a picture in latitude and longitude.
     Image {
-        /// The file, already joined to the scene's folder.
+        /// The file: `.exr` or `.hdr`.
+        #[serde(with = "super::paths")]
         file: PathBuf,
         /// Turns it about `up`, counterclockwise when seen from above.
         rotation_degrees: f64,
@@ -170,8 +170,16 @@ pub enum Dome {
     },
 }
 
+impl Default for Dome {
+    /// No light.
+    fn default() -> Self {
+        Self::Constant { radiance: Rgb::ZERO }
+    }
+}
+
 /// `[background.sun]`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sun {
     /// Unit direction towards it.
     pub direction: DVec3,
@@ -182,7 +190,8 @@ pub struct Sun {
 }
 
 /// `[materials.NAME]`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct NamedMaterial {
     /// The table's name.
     pub name: String,
@@ -194,8 +203,17 @@ pub struct NamedMaterial {
     pub opacity: f64,
 }
 
+impl Default for NamedMaterial {
+    /// Grey and diffuse, without a name.
+    fn default() -> Self {
+        let surface = Surface::default();
+        Self { name: String::new(), surface, emission: Rgb::ZERO, opacity: 1.0 }
+    }
+}
+
 /// What a material does with light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Surface {
     /// `type = "diffuse"`: Lambert, or Oren and Nayar.
     Diffuse {
@@ -252,8 +270,16 @@ pub enum Surface {
     },
 }
 
-/// One `[[spheres]]`.
-#[derive(Clone, Debug, PartialEq)]
+impl Default for Surface {
+    /// Lambert's, scattering half of the light.
+    fn default() -> Self {
+        Self::Diffuse { albedo: Rgb::splat(0.5), roughness: 0.0 }
+    }
+}
+
+/// One `[[spheres]]`: a sphere of its own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SphereRow {
     /// Used in messages.
     pub name: Option<String>,
@@ -265,13 +291,12 @@ pub struct SphereRow {
     pub material: usize,
 }
 
-/// One `[[sphere_tables]]`: many spheres from one file of raw little-endian f32 rows.
-#[derive(Clone, Debug, PartialEq)]
+/// One `[[sphere_tables]]`: many spheres of one material.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SphereTable {
-    /// The file, already joined to the scene's folder.
-    pub file: PathBuf,
-    /// What each f32 of a row is.
-    pub columns: Vec<Column>,
+    /// Where the numbers are.
+    pub data: SphereData,
     /// Index into [`Description::materials`].
     pub material: usize,
     /// `colors`: how the rows' colours are kept, where there are some.
@@ -281,142 +306,16 @@ pub struct SphereTable {
 /// How the colours of a table are kept in memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorStorage {
-    /// `"exact"`: as they are in the file.
+    /// As they are given, 12 bytes each.
     #[default]
     Exact,
-    /// `"packed"`: rounded, in a third of the memory.
+    /// Rounded, in a third of the memory.
     Packed,
 }
 
-/// A column of a sphere table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Column {
-    /// Centre, x.
-    X,
-    /// Centre, y.
-    Y,
-    /// Centre, z.
-    Z,
-    /// Radius.
-    Radius,
-    /// Linear albedo, red.
-    Red,
-    /// Linear albedo, green.
-    Green,
-    /// Linear albedo, blue.
-    Blue,
-}
+named! { ColorStorage { Exact = "exact", Packed = "packed" } }
 
-impl Column {
-    /// What the columns are called in scene files.
-    pub const NAMES: [(&'static str, Self); 7] = [
-        ("x", Self::X),
-        ("y", Self::Y),
-        ("z", Self::Z),
-        ("radius", Self::Radius),
-        ("r", Self::Red),
-        ("g", Self::Green),
-        ("b", Self::Blue),
-    ];
-
-    /// Whether the column is one of the three channels of a colour.
-    pub fn is_color(self) -> bool {
-        matches!(self, Self::Red | Self::Green | Self::Blue)
-    }
-}
-
-/// `[render]`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Render {
-    /// `integrator`, with the keys of its own table.
-    pub integrator: Integrator,
-    /// How lights are found by `path` and `direct`.
-    pub estimator: Estimator,
-    /// Samples of each pixel.
-    pub samples_per_pixel: u32,
-    /// The longest path, in edges: 1 is lamps seen directly, 2 direct light. `None`: no limit.
-    pub max_depth: Option<u32>,
-    /// The most that one path may add to a channel of indirect light, in W/(sr m^2): biased.
-    /// `None`: no limit.
-    pub clamp_indirect: Option<f64>,
-    /// Chooses the random numbers.
-    pub seed: u64,
-    /// How random numbers are spread over a pixel's samples.
-    pub sampler: SamplerKind,
-    /// `light_choice`: which lamp a point aims at.
-    pub light_choice: LightChoice,
-}
-
-/// The estimators.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Integrator {
-    /// `"path"`: next-event estimation and hemisphere sampling, combined.
-    Path,
-    /// `"direct"`: the same for light that was scattered once at most.
-    Direct,
-    /// `"ambient-occlusion"`: how open each point is.
-    AmbientOcclusion {
-        /// How near things must be to count; may be infinite.
-        distance: f64,
-    },
-    /// `"normals"`: the normals as colours.
-    Normals,
-    /// `"paper"`: the paper's own, lamps found by chance.
-    Paper(Paper),
-    /// `"raycast"`: one ray and a shading model, the paper's starting point.
-    Raycast {
-        /// Whether lamps cast shadows.
-        shadows: bool,
-    },
-}
-
-/// How lights are found. All give the same mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Estimator {
-    /// `"mis"`: aimed at and met by chance, combined by multiple importance sampling.
-    #[default]
-    Mis,
-    /// `"light"`: aimed at only, where they can be.
-    Light,
-    /// `"bsdf"`: met by chance only.
-    Bsdf,
-}
-
-/// `[render.paper]`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Paper {
-    /// Sub-pixels along each side of a pixel, k.
-    pub subpixels: u32,
-    /// Paths of each sub-pixel, N.
-    pub samples: u32,
-    /// How directions over the hemisphere are drawn.
-    pub hemisphere: Hemisphere,
-    /// When a path ends.
-    pub stop: Stop,
-    /// What becomes of a camera ray that meets nothing.
-    pub miss: Miss,
-    /// The size of the random shift in a sub-pixel: 1 covers it, 0 stays at its centre.
-    pub jitter: f64,
-}
-
-/// When a path ends, beside `max_depth`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Stop {
-    /// Russian roulette: unbiased.
-    #[default]
-    Roulette,
-    /// At `max_depth` only: biased by what longer paths carry.
-    Depth,
-    /// When the largest component of the path's weight falls below this: biased.
-    Threshold(f64),
-}
-
-/// What becomes of a camera ray that meets nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Miss {
-    /// It sees the background.
-    #[default]
-    Background,
-    /// It is drawn again, as the paper's text says: biased at silhouettes.
-    Redraw,
+/// The direction of a vector however long or short, if it has one.
+pub(crate) fn unit(v: DVec3) -> Option<DVec3> {
+    (v / v.abs().max_element()).try_normalize()
 }

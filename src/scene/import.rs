@@ -1,7 +1,7 @@
-//! Sphere tables: raw files of little-endian f32 rows, read into one array.
+//! Many spheres become one array: raw files of little-endian f32 rows, or arrays in memory.
 //!
 //! A table may be larger than half the memory, so nothing of it is ever held twice: the array is
-//! made once, in its final size, from the lengths that the files really have.
+//! made once, in its final size, from the lengths that files and arrays really have.
 
 use std::io;
 use std::path::Path;
@@ -10,17 +10,19 @@ use crate::error::{Error, Result};
 use crate::geometry::{Sphere, SphereRows};
 use crate::math::NO_SPHERE;
 
+use super::arrays;
 use super::colors::Colors;
-use super::description::{Description, SphereTable, Surface};
-use super::document::Table;
-use super::read::SHARE_ROUNDING;
-use super::report::{Report, Span, Wrong};
+use super::data::{Shared, SphereData};
+use super::description::{ColorStorage, Description, Dome, SphereTable, Surface};
+use super::environment::{self, Pixels};
+use super::problem::{self, Problems};
 use super::rows::{Layout, TableRows, VALUE};
+use super::validate::SHARE_ROUNDING;
 
 /// The most spheres of a scene, so that rows and ids fit in 32 bits.
 const MOST_SPHERES: u64 = NO_SPHERE as u64 - 2;
 
-/// The spheres of one table in [`super::Loaded::rows`].
+/// The spheres of one table in a scene's rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowGroup {
     /// The number of the first row, counted through all spheres of the scene.
@@ -31,66 +33,129 @@ pub struct RowGroup {
     pub material: usize,
     /// Each row's own linear colour, in `[0, 1]`, where the table has one.
     pub colors: Option<Colors>,
+    /// Each row's own number, where the table has one.
+    pub(super) ids: Option<Shared<u32>>,
 }
 
-/// What is known of a table's file before it is read.
-#[derive(Clone, Debug)]
+/// What is known of a scene's files and arrays before anything large is read.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Survey {
-    /// Where the scene names the file.
-    span: Span,
-    pub(super) rows: u64,
-    /// The largest colour that a row may have.
-    pub(super) brightest: [f32; 3],
+    /// Rows of each table.
+    pub(super) rows: Vec<u64>,
+    /// The pixels of the background's image.
+    pub(super) environment: Option<Pixels>,
 }
 
-/// Looks at the file of a table that is described in `table`; what is wrong goes to its report.
-pub(super) fn survey(
-    table: &Table<'_>,
-    described: &SphereTable,
-    surface: &Surface,
-) -> Option<Survey> {
-    let brightest = brightest_rows(surface);
-    let layout = Layout::new(&described.columns);
-    match count_rows(&described.file, layout.bytes()) {
-        Ok(rows) => Some(Survey { span: table.span_of("file")?, rows, brightest }),
-        Err((message, help)) => {
-            table.report().add(table.wrong("file", message).help(help));
-            None
-        }
+impl Survey {
+    /// Looks at the files of a description; what is wrong with them is added to `problems`.
+    pub(super) fn of(description: &Description, problems: &mut Problems) -> Self {
+        let environment = match &description.background.dome {
+            Dome::Image { file, .. } => read_environment(file, problems),
+            _ => None,
+        };
+        let mut count = |(index, table): (usize, &SphereTable)| match &table.data {
+            SphereData::Memory(arrays) => arrays.len() as u64,
+            SphereData::File { path, columns } => {
+                let counted = count_rows(path, Layout::new(columns).bytes());
+                counted.unwrap_or_else(|(message, help)| {
+                    problems.add(path_of_table(index).key("file"), message).help(help);
+                    0
+                })
+            }
+        };
+        let rows = description.tables.iter().enumerate().map(&mut count).collect();
+        Self { rows, environment }
+    }
+
+    /// How many spheres there are, those that are there twice included.
+    pub(super) fn sphere_count(&self, description: &Description) -> u64 {
+        description.spheres.len() as u64 + self.rows.iter().sum::<u64>()
     }
 }
 
-/// Reads all tables. What is wrong with their rows goes to the report.
+fn path_of_table(index: usize) -> problem::Path {
+    problem::Path::of("sphere_tables").entry(index, None)
+}
+
+fn read_environment(file: &Path, problems: &mut Problems) -> Option<Pixels> {
+    environment::read(file)
+        .map_err(|trouble| {
+            let message = format!("cannot use `{}` as background: {trouble}", file.display());
+            let at = problem::Path::of("background").key("image").key("file");
+            problems.add(at, message);
+        })
+        .ok()
+}
+
+/// Reads all tables. What is wrong with their rows is added to `problems`.
 ///
 /// # Errors
 /// When there are too many spheres, or too little memory.
 pub(super) fn import(
     description: &Description,
-    surveys: &[Survey],
-    report: &Report,
+    survey: &Survey,
+    problems: &mut Problems,
 ) -> Result<(SphereRows, Vec<RowGroup>)> {
-    let exact: Vec<_> = description
-        .spheres
-        .iter()
-        .map(|row| Sphere { center: row.center, radius: row.radius })
-        .collect();
-    let in_tables: u64 = surveys.iter().map(|survey| survey.rows).sum();
-    let count = in_tables + exact.len() as u64;
-    check_count(count)?;
+    check_count(survey.sphere_count(description))?;
+    // Rows are numbered through those in f64 first, so all tables up to the last one in f64 are.
+    let wide = description.tables.iter().rposition(|table| table.data.is_f64());
+    let wide = wide.map_or(0, |last| last + 1);
+    let written_out = description.spheres.len() as u64;
+    let in_f64 = written_out + survey.rows[..wide].iter().sum::<u64>();
+    let mut exact: Vec<Sphere> = with_capacity(in_f64)?;
+    exact.extend(
+        description.spheres.iter().map(|row| Sphere { center: row.center, radius: row.radius }),
+    );
     // The exact spheres will be appended to this very array.
-    let mut all = with_capacity(count)?;
-    let mut groups = Vec::with_capacity(surveys.len());
-    for (table, survey) in description.tables.iter().zip(surveys) {
+    let mut all = with_capacity(survey.sphere_count(description))?;
+    let mut groups = Vec::with_capacity(description.tables.len());
+    for (index, (table, &rows)) in description.tables.iter().zip(&survey.rows).enumerate() {
         let first_row = (exact.len() + all.len()) as u32;
-        let mut rows = TableRows::new(table, survey, &mut all)?;
-        if let Err((message, help)) = rows.read(&table.file) {
-            report.add(Wrong::value(survey.span.clone(), message).help(help));
-            continue;
+        let material = &description.materials[table.material];
+        let brightest = brightest_rows(&material.surface);
+        let mut narrow: Vec<[f32; 4]> = Vec::new();
+        let to = if index < wide { &mut narrow } else { &mut all };
+        let read = match &table.data {
+            SphereData::File { path, columns } => {
+                let mut reader = TableRows::new(columns, table.colors, rows, brightest, to)?;
+                reader.read(path).map(|()| reader.colors)
+            }
+            SphereData::Memory(arrays) if table.data.is_f64() => {
+                arrays::read_exact(arrays, &mut exact)
+                    .and_then(|()| arrays::read_colors(arrays, table.colors, brightest))
+            }
+            SphereData::Memory(arrays) => arrays::read(arrays, to)
+                .and_then(|()| arrays::read_colors(arrays, table.colors, brightest)),
+        };
+        exact.extend(narrow.iter().map(|row| {
+            let [x, y, z, radius] = row.map(f64::from);
+            Sphere { center: crate::math::DVec3::new(x, y, z), radius }
+        }));
+        match read {
+            Err((message, help)) => {
+                let key =
+                    if matches!(table.data, SphereData::File { .. }) { "file" } else { "data" };
+                problems.add(path_of_table(index).key(key), message).help(help);
+            }
+            Ok(colors) => {
+                let ids = match &table.data {
+                    SphereData::Memory(arrays) => arrays.ids.clone(),
+                    SphereData::File { .. } => None,
+                };
+                let (count, material) = (rows as u32, table.material);
+                groups.push(RowGroup { first_row, count, material, colors, ids });
+            }
         }
-        let (material, colors) = (table.material, rows.colors);
-        groups.push(RowGroup { first_row, count: survey.rows as u32, material, colors });
     }
     Ok((SphereRows { exact, table: all }, groups))
+}
+
+/// Room for colours as they are to be kept.
+pub(super) fn room_for_colors(storage: ColorStorage, rows: u64) -> Result<Colors> {
+    Ok(match storage {
+        ColorStorage::Exact => Colors::Exact(with_capacity(rows)?),
+        ColorStorage::Packed => Colors::Packed(with_capacity(rows)?),
+    })
 }
 
 /// # Errors

@@ -1,26 +1,36 @@
-//! From a scene file to an immutable [`Scene`].
+//! What is to be seen: values ([`Description`], [`Settings`]) that a program fills in or a scene file
+//! holds, and the immutable [`Scene`] that is built of them.
 
-mod assemble;
+mod arrays;
 mod biases;
 mod colors;
+pub mod data;
 pub mod description;
-mod document;
 mod environment;
-mod identity;
 mod import;
-mod load;
-mod overrides;
-mod read;
-mod report;
+pub mod keys;
+mod kinds;
+pub(crate) mod paths;
+mod problem;
 mod rows;
+#[allow(clippy::module_inception, reason = "the room is called after what it makes")]
+mod scene;
+pub mod settings;
+mod shot;
+mod source;
+mod suggest;
 mod surface;
-mod values;
+mod toml;
+mod validate;
 
-pub use assemble::Scene;
 pub use colors::{Colors, Packed};
-pub use environment::Pixels;
-pub use identity::{Identity, Ingredient, Ingredients};
+pub use data::{SphereArrays, SphereData};
+pub use description::Description;
 pub use import::RowGroup;
-pub use load::{Loaded, Opened, open_file, open_text, read_file, read_text};
-pub use overrides::Override;
+pub use scene::Scene;
+pub use settings::Settings;
+pub use shot::Shot;
+pub use source::{FileHash, Identity, Source};
 pub use surface::Surface;
+
+pub use self::toml::{Override, SceneFile, read_file, read_text};

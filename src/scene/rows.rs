@@ -11,9 +11,10 @@ use crate::error::Result;
 use crate::math::MAX_COORDINATE;
 
 use super::colors::Colors;
-use super::description::{ColorStorage, Column, SphereTable};
-use super::import::{Complaint, Survey, layout_help, unreadable, with_capacity};
-use super::read::SMALLEST_RADIUS;
+use super::data::Column;
+use super::description::ColorStorage;
+use super::import::{Complaint, layout_help, room_for_colors, unreadable};
+use super::keys::SMALLEST_RADIUS;
 
 /// Bytes of one f32.
 pub(super) const VALUE: usize = size_of::<f32>();
@@ -58,7 +59,9 @@ pub(super) struct TableRows<'r> {
     layout: Layout,
     /// What the values of each column may be.
     allowed: Vec<RangeInclusive<f32>>,
-    survey: &'r Survey,
+    rows: u64,
+    /// The largest colour that a row may have.
+    brightest: [f32; 3],
     all: &'r mut Vec<[f32; 4]>,
     pub(super) colors: Option<Colors>,
 }
@@ -81,19 +84,18 @@ impl Flaws {
 }
 
 impl<'r> TableRows<'r> {
+    /// `rows` of a table whose file has these columns, and colours up to `brightest`.
     pub(super) fn new(
-        table: &'r SphereTable,
-        survey: &'r Survey,
+        columns: &'r [Column],
+        colors: ColorStorage,
+        rows: u64,
+        brightest: [f32; 3],
         all: &'r mut Vec<[f32; 4]>,
     ) -> Result<Self> {
-        let layout = Layout::new(&table.columns);
-        let colors = match (layout.color, table.colors) {
-            (None, _) => None,
-            (_, ColorStorage::Exact) => Some(Colors::Exact(with_capacity(survey.rows)?)),
-            (_, ColorStorage::Packed) => Some(Colors::Packed(with_capacity(survey.rows)?)),
-        };
-        let allowed = table.columns.iter().map(|&column| allowed(column, survey)).collect();
-        Ok(Self { columns: &table.columns, layout, allowed, survey, all, colors })
+        let layout = Layout::new(columns);
+        let colors = layout.color.map(|_| room_for_colors(colors, rows)).transpose()?;
+        let allowed = columns.iter().map(|&column| allowed(column, brightest)).collect();
+        Ok(Self { columns, layout, allowed, rows, brightest, all, colors })
     }
 
     /// Reads the file; what is wrong with it or its rows is the error.
@@ -101,10 +103,10 @@ impl<'r> TableRows<'r> {
         let trouble = |error| unreadable(path, &error);
         let mut file = File::open(path).map_err(trouble)?;
         let row = self.layout.bytes();
-        let at_once = (CHUNK / row).min(self.survey.rows as usize);
+        let at_once = (CHUNK / row).min(self.rows as usize);
         let [mut taken, mut coming] = [(); 2].map(|()| vec![0; at_once * row]);
         let (mut flaws, mut first_flaw) = (Flaws::default(), None);
-        let (mut done, mut left) = (0, self.survey.rows as usize - at_once);
+        let (mut done, mut left) = (0, self.rows as usize - at_once);
         file.read_exact(&mut coming).map_err(trouble)?;
         while !coming.is_empty() {
             std::mem::swap(&mut taken, &mut coming);
@@ -142,7 +144,7 @@ impl<'r> TableRows<'r> {
         // Only colours that are allowed can be packed.
         if let (Some(colors), Some(color), 0) = (&mut self.colors, self.layout.color, flaws.count) {
             let given = rows.map(|row| color.map(|column| value(row, column)));
-            colors.extend(given, self.survey.brightest);
+            colors.extend(given, self.brightest);
         }
         flaws
     }
@@ -158,8 +160,7 @@ impl<'r> TableRows<'r> {
     /// Tells of the flaw in a row.
     fn tell(&self, row: &[u8], number: usize) -> String {
         let column = self.flaw_in(row).unwrap_or_default();
-        let is_this = |(_, known): &&(_, Column)| *known == self.columns[column];
-        let name = Column::NAMES.iter().find(is_this).map_or("?", |(name, _)| name);
+        let name = self.columns[column].name();
         let offset = (number * self.layout.columns + column) * VALUE;
         let allowed = &self.allowed[column];
         format!(
@@ -173,9 +174,9 @@ impl<'r> TableRows<'r> {
 }
 
 /// What the values of a column may be.
-fn allowed(column: Column, survey: &Survey) -> RangeInclusive<f32> {
+pub(super) fn allowed(column: Column, brightest: [f32; 3]) -> RangeInclusive<f32> {
     let largest = MAX_COORDINATE as f32;
-    let [red, green, blue] = survey.brightest;
+    let [red, green, blue] = brightest;
     match column {
         Column::X | Column::Y | Column::Z => -largest..=largest,
         Column::Radius => SMALLEST_RADIUS as f32..=largest,
@@ -186,7 +187,7 @@ fn allowed(column: Column, survey: &Survey) -> RangeInclusive<f32> {
 }
 
 /// The shortest number that reads back as the same f32.
-fn in_words(x: f32) -> String {
+pub(super) fn in_words(x: f32) -> String {
     let is_handy = x == 0.0 || (1e-4..1e6).contains(&x.abs());
     if is_handy { x.to_string() } else { format!("{x:e}") }
 }

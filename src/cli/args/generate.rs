@@ -54,10 +54,10 @@ pub(in crate::cli) struct GenerateArgs {
 
 fn arrangements() -> impl TypedValueParser<Value = Arrangement> {
     let named = Arrangement::NAMES;
-    let possible = named.map(|(name, which)| PossibleValue::new(name).help(meaning(which)));
-    PossibleValuesParser::new(possible).try_map(move |given| {
-        let found = named.iter().find(|(name, _)| *name == given);
-        found.map(|(_, which)| *which).ok_or("there is no such arrangement")
+    let possible: Vec<_> =
+        named.iter().map(|&(name, which)| PossibleValue::new(name).help(meaning(which))).collect();
+    PossibleValuesParser::new(possible).try_map(move |given: String| {
+        Arrangement::named(&given).ok_or("there is no such arrangement")
     })
 }
 

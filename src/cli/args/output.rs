@@ -2,12 +2,14 @@
 //! writes any.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::color::{Look, Tone};
 use crate::film::{KINDS, Kind};
+use crate::job::{Delivery, FilePath};
 
 /// The files, and how those for the screen show the picture.
 #[derive(Args, Clone, Debug)]
@@ -57,6 +59,19 @@ impl OutputArgs {
         self.layers.is_some()
     }
 
+    /// Where the picture goes, without anybody who looks on.
+    pub(in crate::cli) fn delivery(&self) -> Delivery {
+        Delivery {
+            files: self.files.iter().cloned().map(FilePath).collect(),
+            look: self.look(),
+            with_run: !self.no_run_figures,
+            save_every: Duration::from_secs(60),
+            preview: None,
+            preview_every: Duration::from_secs(2),
+            tev: None,
+        }
+    }
+
     /// How files for the screen show the picture.
     pub(in crate::cli) fn look(&self) -> Look {
         let (exposure, tone) = (self.exposure.unwrap_or(0.0), self.tone.unwrap_or_default());
@@ -83,16 +98,6 @@ impl OutputArgs {
         of_pictures.extend(given.map(|(flag, _)| flag.to_owned()));
         [of_parts, of_pictures]
     }
-
-    /// The first of the options that shape files for the screen, if there is one.
-    pub(in crate::cli) fn look_option(&self) -> Option<&'static str> {
-        let given = [
-            ("--exposure", self.exposure.is_some()),
-            ("--tone", self.tone.is_some()),
-            ("--dither", self.dither),
-        ];
-        given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
-    }
 }
 
 fn exposure(text: &str) -> Result<f32, String> {
@@ -108,9 +113,6 @@ fn kinds() -> impl TypedValueParser<Value = Kind> {
 }
 
 fn tones() -> impl TypedValueParser<Value = Tone> {
-    let names = Tone::NAMES.map(|(name, _)| name);
-    PossibleValuesParser::new(names).map(|name| {
-        let named = Tone::NAMES.into_iter().find(|(tone, _)| *tone == name);
-        named.map_or(Tone::default(), |(_, tone)| tone)
-    })
+    let names = Tone::NAMES.iter().map(|(name, _)| *name);
+    PossibleValuesParser::new(names).map(|name| Tone::named(&name).unwrap_or_default())
 }

@@ -5,6 +5,9 @@ use std::time::Duration;
 
 use clap::Args;
 
+use crate::job::{ENDLESS, NoiseTarget, Until};
+use crate::scene::Override;
+
 use super::keep::duration;
 
 /// When the picture is good enough.
@@ -52,6 +55,25 @@ pub(in crate::cli) struct WatchArgs {
     /// 127.0.0.1:14158
     #[arg(long, value_name = "HOST:PORT")]
     pub(in crate::cli) tev: Option<String>,
+}
+
+impl StopArgs {
+    /// When the render ends.
+    pub(in crate::cli) fn until(&self) -> Until {
+        let noise = self.noise.map(|error| NoiseTarget { error, confidence: self.confidence });
+        Until { noise, time: self.time }
+    }
+
+    /// What the options change in the scene: the most samples that there can be.
+    pub(in crate::cli) fn overrides(&self, given_spp: bool) -> Option<Override> {
+        let (option, most) = match (self.noise, self.time) {
+            (Some(_), _) => (format!("--max-spp {}", self.max_spp), self.max_spp),
+            (None, Some(_)) if !given_spp => ("--time".to_owned(), ENDLESS),
+            _ => return None,
+        };
+        let key = "render.samples_per_pixel".to_owned();
+        Some(Override { option, key, value: most.to_string() })
+    }
 }
 
 fn noise(text: &str) -> Result<f64, String> {

@@ -13,7 +13,7 @@ use crate::film::Kind;
 use crate::geometry::{PathRay, SphereSet};
 use crate::math::Ray;
 use crate::output::WholeFile;
-use crate::scene::{Opened, Scene, open_file};
+use crate::scene::{SceneFile, Shot, read_file};
 use crate::verify::bench::page::Measured;
 use crate::verify::bench::{
     Field, KINDS, Rounds, SECOND_BOUNCE, Setting, bench, camera_rays, renders, sweep,
@@ -43,19 +43,20 @@ pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
 fn measure_file(args: &BenchArgs, path: &Path) -> Result<Exit> {
     let svg = |path| WholeFile::ending_in(path, "svg");
     let drawing = args.svg.as_deref().map(svg).transpose()?;
-    let opened = open_file(path, &args.scene.overrides())?;
+    let scene_file = read_file(path, &args.scene.overrides())?;
     let backends = args.accels.backends();
-    let besides = bytes_of_rays(&opened, backends.len());
+    let besides = bytes_of_rays(&scene_file, backends.len());
     let kinds: &[Kind] = if args.render { &Kind::USUAL } else { &[] };
-    memory::check(&opened, &Needs { backends, kinds, besides }, args.memory.limit)?;
-    let scene = Scene::new(opened.read()?)?;
+    memory::check(&scene_file, &Needs { backends, kinds, besides }, args.memory.limit)?;
+    let (scene, settings) = scene_file.build()?;
+    let shot = Shot::new(&scene, settings)?;
     let cancel = Cancel::default();
     let field = build(args, scene.spheres(), backends, &cancel)?;
-    let image = scene.description().image;
-    let camera = camera_rays(scene.camera(), [image.width, image.height], MOST_RAYS);
+    let image = settings.image;
+    let camera = camera_rays(shot.camera(), [image.width, image.height], MOST_RAYS);
     let mut measured = measure(args, &field, camera, &cancel)?;
     if args.render {
-        measured.renders = renders(&scene, &field, args.rounds.into(), &cancel)?;
+        measured.renders = renders(&shot, &field, args.rounds.into(), &cancel)?;
     }
     let spheres = scene.spheres().len();
     if let Some(file) = drawing {
@@ -123,8 +124,8 @@ fn doubling(most: usize) -> impl Iterator<Item = usize> {
 }
 
 /// What all the rays take at most, and the copies that each intersector is asked with.
-fn bytes_of_rays(opened: &Opened, backends: usize) -> u64 {
-    let image = opened.description().image;
+fn bytes_of_rays(file: &SceneFile, backends: usize) -> u64 {
+    let image = file.settings.image;
     let rays = 16 * u64::from(image.width) * u64::from(image.height);
     let each = KINDS * (size_of::<PathRay>() + size_of::<Ray>() * (1 + 2 * backends));
     rays.min(MOST_RAYS as u64) * each as u64

@@ -8,9 +8,8 @@ use serde_json::{Value, json};
 use crate::accel::{Backend, Cancel, EmbreeInfo, embree_info};
 use crate::error::Result;
 use crate::generate::Arrangement;
+use crate::job::{COMMIT, MemoryPlan};
 use crate::output::WholeFile;
-use crate::provenance::COMMIT;
-use crate::render::MemoryPlan;
 use crate::verify::bench::page::{Entry, page};
 use crate::verify::bench::{MOST_FOR_BRUTE_FORCE, Rounds, SECOND_BOUNCE, StandardScene};
 
@@ -55,7 +54,7 @@ fn entries(args: &BenchArgs, interrupt: &Interrupt) -> Result<Vec<Entry>> {
         if backends.is_empty() {
             break;
         }
-        for (_, arrangement) in Arrangement::NAMES {
+        for &(_, arrangement) in Arrangement::NAMES {
             match entry(args, arrangement, count, &backends, &cancel) {
                 Err(_) if cancel.is_cancelled() => return Ok(entries),
                 entry => entries.push(entry?),

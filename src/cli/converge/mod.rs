@@ -6,20 +6,20 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use crate::accel::{Accel, Backend, BuildOptions};
+use crate::accel::{Accel, Backend, BuildOptions, Cancel};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::film::Picture;
+use crate::job;
+use crate::names::Named;
 use crate::output::{self, BEAUTY, WholeFile};
-use crate::render::{self, RenderOptions};
-use crate::scene::description::Integrator;
-use crate::scene::{Override, Scene};
+use crate::scene::settings::{Integrator, IntegratorKind};
+use crate::scene::{Override, Scene, Settings, Shot, read_file};
 use crate::verify::converge::{Metric, Point, Reference, Series, plot};
 
 use super::args::ConvergeArgs;
 use super::compare::check_finite;
 use super::exit::Exit;
-use super::info::name_of;
 use super::progress::{Progress, State};
 use super::{interrupt, on_threads, print};
 
@@ -68,85 +68,49 @@ struct Variant {
     estimator: Option<String>,
     sampler: Option<String>,
     accel: Backend,
+    /// Of each number of samples.
+    settings: Vec<Settings>,
 }
 
 /// What is to be rendered; everything that the scene can object to has been tried.
 struct Study<'a> {
     args: &'a ConvergeArgs,
-    /// Any of the scenes: all have the same spheres.
     scene: Scene,
+    /// As the file has them.
+    own: Settings,
     variants: Vec<Variant>,
     /// Samples per pixel, rising.
     samples: Vec<u32>,
     reference_integrator: String,
+    /// As the halves of the reference are rendered; `None` where it is a file.
+    reference: Option<Settings>,
 }
 
 impl<'a> Study<'a> {
     fn new(args: &'a ConvergeArgs) -> Result<Self> {
-        let options = |names: &[String]| -> Vec<Option<String>> {
-            if names.is_empty() { vec![None] } else { names.iter().cloned().map(Some).collect() }
-        };
-        let accels =
-            if args.accels.is_empty() { vec![Backend::default()] } else { args.accels.clone() };
-        let mut variants = Vec::new();
-        for integrator in options(&args.integrators) {
-            for estimator in options(&args.estimators) {
-                for sampler in options(&args.samplers) {
-                    let [integrator, estimator, sampler] =
-                        [&integrator, &estimator, &sampler].map(Clone::clone);
-                    let of = |&accel: &Backend| Variant {
-                        integrator: integrator.clone(),
-                        estimator: estimator.clone(),
-                        sampler: sampler.clone(),
-                        accel,
-                    };
-                    variants.extend(accels.iter().map(of));
-                }
-            }
-        }
+        let mut variants = variants(args);
         let mut step = 1;
         for variant in &variants {
-            step = step.max(subpixels(&load(args, variant, None)?));
+            step = step.max(subpixels(&settings_of(args, variant, None)?));
         }
         let samples = args.samples(step);
-        let scene = load(args, &variants[0], Some(samples[0]))?;
-        let own = name_of(&scene.description().render.integrator);
-        let is_compared = |name: &str| match args.integrators.as_slice() {
-            [] => own == name,
-            names => names.iter().any(|one| one == name),
-        };
-        let reference_integrator = match &args.reference_integrator {
-            Some(name) => name.clone(),
-            None if is_compared("path") || is_compared("paper") => "path".to_owned(),
-            None => args.integrators.first().map_or(own, String::as_str).to_owned(),
-        };
-        if args.reference_integrator.is_none() && args.reference.is_none() {
-            must_share_a_mean(&args.integrators, &reference_integrator)?;
+        for variant in &mut variants {
+            let of = |&count: &u32| settings_of(args, variant, Some(count));
+            variant.settings = samples.iter().map(of).collect::<Result<_>>()?;
         }
-        let study = Self { args, scene, variants, samples, reference_integrator };
-        study.try_all()?;
-        Ok(study)
-    }
-
-    /// Lets the scene object now and not after an hour.
-    fn try_all(&self) -> Result<()> {
-        for variant in &self.variants {
-            for &count in &self.samples {
-                load(self.args, variant, Some(count))?;
+        let overrides = overrides_of(args, &variants[0], samples.first().copied());
+        let (scene, own) = read_file(&args.scene.path, &overrides)?.build()?;
+        let reference_integrator = reference_integrator(args, &own)?;
+        let most = samples.last().copied().unwrap_or(1);
+        let reference = match &args.reference {
+            Some(_) => None,
+            None => {
+                let integrator = Some(reference_integrator.clone());
+                let variant = Variant { integrator, ..Variant::of(variants[0].accel) };
+                Some(settings_of(args, &variant, Some(args.reference_half(most)))?)
             }
-        }
-        match &self.args.reference {
-            Some(_) => Ok(()),
-            None => self.load_reference().map(drop),
-        }
-    }
-
-    /// The scene as the halves of the reference render it.
-    fn load_reference(&self) -> Result<Scene> {
-        let integrator = Some(self.reference_integrator.clone());
-        let accel = self.variants[0].accel;
-        let variant = Variant { integrator, estimator: None, sampler: None, accel };
-        load(self.args, &variant, Some(self.reference_half()))
+        };
+        Ok(Self { args, scene, own, variants, samples, reference_integrator, reference })
     }
 
     fn reference_half(&self) -> u32 {
@@ -154,7 +118,7 @@ impl<'a> Study<'a> {
     }
 
     fn pixels(&self) -> u64 {
-        let image = self.scene.description().image;
+        let image = self.own.image;
         u64::from(image.width) * u64::from(image.height)
     }
 
@@ -178,18 +142,15 @@ impl<'a> Study<'a> {
         let name = |variant: &Variant| self.name_of(variant);
         let empty = |variant: &Variant| Series { name: name(variant), points: Vec::new() };
         let mut series: Vec<Series> = self.variants.iter().map(empty).collect();
-        for &count in &self.samples {
-            let mut scenes: Vec<Scene> = self
-                .variants
-                .iter()
-                .map(|variant| load(self.args, variant, Some(count)))
-                .collect::<Result<_>>()?;
-            let mut runs = vec![Vec::new(); scenes.len()];
+        for (at, &count) in self.samples.iter().enumerate() {
+            let shot = |variant: &Variant| Shot::new(&self.scene, variant.settings[at]);
+            let mut shots: Vec<Shot> = self.variants.iter().map(shot).collect::<Result<_>>()?;
+            let mut runs = vec![Vec::new(); shots.len()];
             // The variants take turns, so that what else the machine does troubles all alike.
             for seed in self.args.seed..self.args.seed + u64::from(self.args.seeds) {
-                for ((scene, accel), runs) in scenes.iter_mut().zip(&accels).zip(&mut runs) {
-                    scene.set_seed(seed);
-                    let (pixels, seconds) = bench.render(scene, &**accel)?;
+                for ((shot, accel), runs) in shots.iter_mut().zip(&accels).zip(&mut runs) {
+                    shot.set_seed(seed);
+                    let (pixels, seconds) = bench.render(shot, &**accel)?;
                     runs.push(reference.judge(&pixels, seconds));
                 }
             }
@@ -201,13 +162,13 @@ impl<'a> Study<'a> {
     }
 
     fn reference(&self, bench: &Bench<'_>, accel: &dyn Accel) -> Result<Reference> {
-        if let Some(path) = &self.args.reference {
-            return self.read_reference(path);
-        }
-        let mut scene = self.load_reference()?;
+        let (None, Some(settings)) = (&self.args.reference, self.reference) else {
+            return self.read_reference(self.args.reference.as_deref().unwrap_or(Path::new("")));
+        };
+        let mut shot = Shot::new(&self.scene, settings)?;
         let mut render = |seed| {
-            scene.set_seed(seed);
-            bench.render(&scene, accel).map(|(pixels, _)| pixels)
+            shot.set_seed(seed);
+            bench.render(&shot, accel).map(|(pixels, _)| pixels)
         };
         let (a, b) = (render(REFERENCE_SEED)?, render(REFERENCE_SEED + 1)?);
         Ok(Reference::of_halves(&a, &b))
@@ -216,7 +177,7 @@ impl<'a> Study<'a> {
     fn read_reference(&self, path: &Path) -> Result<Reference> {
         let picture = output::read(path)?;
         check_finite(path, &picture, |name| name == BEAUTY)?;
-        let image = self.scene.description().image;
+        let image = self.own.image;
         let (width, height) = (image.width as usize, image.height as usize);
         if (picture.width, picture.height) != (width, height) {
             return Err(Error::input(format!(
@@ -233,7 +194,7 @@ impl<'a> Study<'a> {
     }
 
     fn name_of(&self, variant: &Variant) -> String {
-        let own = name_of(&self.scene.description().render.integrator);
+        let own = self.own.render.integrator.kind().name();
         let mut parts = vec![variant.integrator.as_deref().unwrap_or(own)];
         parts.extend(
             [&variant.estimator, &variant.sampler].into_iter().filter_map(Option::as_deref),
@@ -250,7 +211,7 @@ impl<'a> Study<'a> {
     }
 
     fn size_in_words(&self) -> String {
-        let image = self.scene.description().image;
+        let image = self.own.image;
         format!("{} x {} pixels, {} seeds", image.width, image.height, self.args.seeds)
     }
 
@@ -283,21 +244,16 @@ struct Bench<'a> {
 
 impl Bench<'_> {
     /// The beauty, and the seconds it took.
-    fn render(&self, scene: &Scene, accel: &dyn Accel) -> Result<(Vec<Rgb>, f64)> {
-        let before = self.done.load(Ordering::Relaxed);
-        let show = |state: render::Progress| {
-            let samples_done = before + state.samples_done;
-            self.progress.show(&State::since(self.began, samples_done, self.total));
-        };
-        let options = RenderOptions { cancel: Default::default(), progress: &show };
+    fn render(&self, shot: &Shot, accel: &dyn Accel) -> Result<(Vec<Rgb>, f64)> {
         let began = Instant::now();
-        let outcome = render::render(scene, accel, &options)?;
+        let rendered = job::render(shot, accel, &[], &Cancel::default())?;
         let seconds = began.elapsed().as_secs_f64();
-        self.done.fetch_add(outcome.samples, Ordering::Relaxed);
-        if !self.args.quiet && self.done.load(Ordering::Relaxed) == outcome.samples {
-            outcome.warnings.iter().for_each(print::warning);
+        let done = self.done.fetch_add(rendered.samples, Ordering::Relaxed) + rendered.samples;
+        self.progress.show(&State::since(self.began, done, self.total));
+        if !self.args.quiet && done == rendered.samples {
+            rendered.warnings.iter().for_each(print::warning);
         }
-        Ok((beauty(&outcome.picture), seconds))
+        Ok((beauty(&rendered.picture), seconds))
     }
 }
 
@@ -322,27 +278,83 @@ fn must_share_a_mean(integrators: &[String], reference: &str) -> Result<()> {
 }
 
 /// What the samples of a pixel have to be a multiple of.
-fn subpixels(scene: &Scene) -> u32 {
-    match scene.description().render.integrator {
+fn subpixels(settings: &Settings) -> u32 {
+    match settings.render.integrator {
         Integrator::Paper(paper) => paper.subpixels.pow(2),
         _ => 1,
     }
 }
 
-/// The scene as a variant renders it.
-fn load(args: &ConvergeArgs, variant: &Variant, samples: Option<u32>) -> Result<Scene> {
+impl Variant {
+    /// What the scene says, with this intersector.
+    fn of(accel: Backend) -> Self {
+        Self { integrator: None, estimator: None, sampler: None, accel, settings: Vec::new() }
+    }
+}
+
+/// Everything with everything.
+fn variants(args: &ConvergeArgs) -> Vec<Variant> {
+    let options = |names: &[String]| -> Vec<Option<String>> {
+        if names.is_empty() { vec![None] } else { names.iter().cloned().map(Some).collect() }
+    };
+    let accels =
+        if args.accels.is_empty() { vec![Backend::default()] } else { args.accels.clone() };
+    let mut variants = Vec::new();
+    for integrator in options(&args.integrators) {
+        for estimator in options(&args.estimators) {
+            for sampler in options(&args.samplers) {
+                let of = |&accel: &Backend| Variant {
+                    integrator: integrator.clone(),
+                    estimator: estimator.clone(),
+                    sampler: sampler.clone(),
+                    ..Variant::of(accel)
+                };
+                variants.extend(accels.iter().map(of));
+            }
+        }
+    }
+    variants
+}
+
+/// The reference's integrator; `own` are the scene's settings.
+fn reference_integrator(args: &ConvergeArgs, own: &Settings) -> Result<String> {
+    let own = own.render.integrator.kind().name();
+    let is_compared = |kind: IntegratorKind| match args.integrators.as_slice() {
+        [] => own == kind.name(),
+        names => names.iter().any(|one| one == kind.name()),
+    };
+    let any = [IntegratorKind::Path, IntegratorKind::Paper].into_iter().any(is_compared);
+    let found = match &args.reference_integrator {
+        Some(name) => name.clone(),
+        None if any => IntegratorKind::Path.name().to_owned(),
+        None => args.integrators.first().map_or(own, String::as_str).to_owned(),
+    };
+    if args.reference_integrator.is_none() && args.reference.is_none() {
+        must_share_a_mean(&args.integrators, &found)?;
+    }
+    Ok(found)
+}
+
+/// The settings of a variant; where the scene objects to them, it does so now and not after an hour.
+fn settings_of(args: &ConvergeArgs, variant: &Variant, samples: Option<u32>) -> Result<Settings> {
+    let overrides = overrides_of(args, variant, samples);
+    Ok(read_file(&args.scene.path, &overrides)?.settings)
+}
+
+fn overrides_of(args: &ConvergeArgs, variant: &Variant, samples: Option<u32>) -> Vec<Override> {
     let mut overrides = Vec::new();
     let mut set = |option: String, key: &str, value: String| {
         overrides.push(Override { option, key: key.to_owned(), value });
     };
-    if let Some(name) = &variant.integrator {
-        set(format!("--integrator {name}"), "render.integrator", name.clone());
-    }
-    if let Some(name) = &variant.estimator {
-        set(format!("--estimator {name}"), "render.estimator", name.clone());
-    }
-    if let Some(name) = &variant.sampler {
-        set(format!("--sampler {name}"), "render.sampler", name.clone());
+    let names = [
+        ("integrator", &variant.integrator),
+        ("estimator", &variant.estimator),
+        ("sampler", &variant.sampler),
+    ];
+    for (key, name) in names {
+        if let Some(name) = name {
+            set(format!("--{key} {name}"), &format!("render.{key}"), name.clone());
+        }
     }
     if let Some(size) = args.size {
         set(format!("--size {size}"), "image.width", size.width.to_string());
@@ -352,5 +364,5 @@ fn load(args: &ConvergeArgs, variant: &Variant, samples: Option<u32>) -> Result<
         set(format!("--spp {samples}"), "render.samples_per_pixel", samples.to_string());
     }
     overrides.extend(args.scene.overrides());
-    Scene::load(&args.scene.path, &overrides)
+    overrides
 }

@@ -94,7 +94,7 @@ pub(super) fn in_json(
             "slope_against_seconds": slope(Axis::Seconds),
         })
     };
-    let image = study.scene.description().image;
+    let image = study.own.image;
     json!({
         "output": args.output.display().to_string(),
         "metric": metric.name(),

@@ -9,8 +9,9 @@ use crate::error::{Error, Result};
 use crate::film::Kind;
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
-use crate::scene::description::{Description, Hemisphere, Integrator, Stop, Surface};
-use crate::scene::{Scene, open_file};
+use crate::scene::description::{Description, Surface};
+use crate::scene::settings::{Integrator, Stop};
+use crate::scene::{Scene, Settings, read_file};
 
 use super::args::InfoArgs;
 use super::exit::Exit;
@@ -33,21 +34,21 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
         return Ok(Exit::Done);
     }
     on_threads(args.scene.threads(), || {
-        let opened = open_file(&args.scene.path, &args.scene.overrides())?;
-        let plan = memory::in_json(&opened);
+        let file = read_file(&args.scene.path, &args.scene.overrides())?;
+        let plan = memory::in_json(&file);
         if !args.json {
             // Before anything is loaded: that may be what there is no memory for.
-            print::result(&memory::in_words(&opened))?;
+            print::result(&memory::in_words(&file))?;
         }
-        let backends = [args.accel.choice.choose_for(opened.sphere_count() as usize).backend];
+        let backends = [args.accel.choice.choose_for(file.sphere_count() as usize).backend];
         let needs = Needs { backends: &backends, kinds: &Kind::USUAL, besides: 0 };
-        memory::check(&opened, &needs, args.memory.limit)?;
-        let scene = Scene::new(opened.read()?)?;
+        memory::check(&file, &needs, args.memory.limit)?;
+        let (scene, settings) = file.build()?;
         render::about_spheres(scene.spheres()).iter().for_each(print::warning);
         if args.json {
-            print::json(&in_json(&scene, plan))?
+            print::json(&in_json(&scene, &settings, plan))?
         } else {
-            print::result(&in_words(&scene))?
+            print::result(&in_words(&scene, &settings))?
         }
         Ok(Exit::Done)
     })
@@ -85,8 +86,8 @@ impl Bounds {
     }
 }
 
-fn in_words(scene: &Scene) -> String {
-    let (spheres, Description { image, render, .. }) = (scene.spheres(), scene.description());
+fn in_words(scene: &Scene, settings: &Settings) -> String {
+    let (spheres, Settings { image, render }) = (scene.spheres(), settings);
     let Bounds { low, high, smallest, largest } = Bounds::of(spheres);
     let mut text = String::new();
     let mut row = |name: &str, value: String| text += &format!("{name:<12}{value}\n");
@@ -95,7 +96,7 @@ fn in_words(scene: &Scene) -> String {
     row("giants", format!("{} (kept in f64)", spheres.giants().len()));
     row("duplicates", format!("{} (left out)", spheres.duplicates()));
     row("coarse", format!("{} (moved by rounding by more than 1 %)", spheres.coarse()));
-    row("lamps", scene.lights().len().to_string());
+    row("lamps", scene.lamp_count().to_string());
     for (index, (name, kind)) in materials(scene.description()).into_iter().enumerate() {
         row(if index == 0 { "materials" } else { "" }, format!("{name} ({kind})"));
     }
@@ -117,8 +118,8 @@ fn in_words(scene: &Scene) -> String {
     text
 }
 
-fn in_json(scene: &Scene, plan: Value) -> Value {
-    let (spheres, Description { image, render, .. }) = (scene.spheres(), scene.description());
+fn in_json(scene: &Scene, settings: &Settings, plan: Value) -> Value {
+    let (spheres, Settings { image, render }) = (scene.spheres(), settings);
     let Bounds { low, high, smallest, largest } = Bounds::of(spheres);
     let materials = materials(scene.description());
     let materials: Vec<Value> =
@@ -134,14 +135,14 @@ fn in_json(scene: &Scene, plan: Value) -> Value {
         "giants": spheres.giants().len(),
         "duplicates": spheres.duplicates(),
         "coarse": spheres.coarse(),
-        "lamps": scene.lights().len(),
+        "lamps": scene.lamp_count(),
         "materials": materials,
         "bounds": { "low": low.to_array(), "high": high.to_array() },
         "radius": { "smallest": smallest, "largest": largest },
         "memory_plan": plan,
         "width": image.width,
         "height": image.height,
-        "integrator": name_of(&render.integrator),
+        "integrator": render.integrator.kind().name(),
         "samples_per_pixel": render.samples_per_pixel,
         "max_depth": render.max_depth,
         "seed": render.seed,
@@ -164,31 +165,18 @@ fn materials(description: &Description) -> Vec<(&str, &'static str)> {
     description.materials.iter().map(|m| (m.name.as_str(), kind(&m.surface))).collect()
 }
 
-pub(super) fn name_of(integrator: &Integrator) -> &'static str {
-    match integrator {
-        Integrator::Path => "path",
-        Integrator::Direct => "direct",
-        Integrator::AmbientOcclusion { .. } => "ambient-occlusion",
-        Integrator::Normals => "normals",
-        Integrator::Paper(_) => "paper",
-        Integrator::Raycast { .. } => "raycast",
-    }
-}
-
 fn integrator(integrator: &Integrator) -> String {
-    let name = name_of(integrator);
+    let name = integrator.kind().name();
     match integrator {
         Integrator::Path | Integrator::Direct | Integrator::Normals => name.to_owned(),
-        Integrator::AmbientOcclusion { distance } if distance.is_infinite() => name.to_owned(),
-        Integrator::AmbientOcclusion { distance } => format!("{name}, nearer than {distance}"),
+        Integrator::AmbientOcclusion { distance: None } => name.to_owned(),
+        Integrator::AmbientOcclusion { distance: Some(distance) } => {
+            format!("{name}, nearer than {distance}")
+        }
         Integrator::Raycast { shadows: true } => format!("{name}, with shadows"),
         Integrator::Raycast { shadows: false } => format!("{name}, without shadows"),
         Integrator::Paper(paper) => {
-            let hemisphere = match paper.hemisphere {
-                Hemisphere::Cosine => "cosine",
-                Hemisphere::UniformSolidAngle => "uniform-solid-angle",
-                Hemisphere::UniformAngle => "uniform-angle",
-            };
+            let hemisphere = paper.hemisphere.name();
             let stop = match paper.stop {
                 Stop::Roulette => "roulette".to_owned(),
                 Stop::Depth => "depth".to_owned(),

@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use crate::cli::print;
-use crate::cli::render::RESUME;
-use crate::error::{Error, Result};
-use crate::output::{self, PartFile, Record};
-use crate::provenance;
+use crate::error::Result;
+use crate::job::metadata::value_of;
+use crate::job::{Checkpoint, Delivery, FilePath, Header, Metadata, Status, is_checkpoint};
+use crate::output::{self, Record};
+
+/// The name of what `photosphere resume` does with a part.
+const RESUME: &str = "resume";
 
 /// Whether the name is that of a picture, a part or a checkpoint, or the file is one.
 pub(super) fn is_picture(path: &Path) -> bool {
@@ -21,41 +24,61 @@ pub(super) fn is_picture(path: &Path) -> bool {
 /// # Errors
 /// When it cannot be read, or says nothing, or a part's sums are damaged.
 pub(super) fn show(path: &Path, as_json: bool) -> Result<()> {
-    let mut records = match is_part(path) {
+    let records = match is_part(path) {
         true => {
-            let part = PartFile::open(path)?;
-            let records = part.head().records.clone();
-            // What is damaged behind the records is not kept quiet.
+            let part = Checkpoint::open(path)?;
+            let header = part.header().clone();
+            // What is damaged behind the header is not kept quiet.
             part.film()?;
-            records
+            records_of(&header)?
         }
-        false => output::records(path)?,
+        false => Metadata::of_records(path, &output::records(path)?)?.to_records()?,
     };
-    if records.is_empty() {
-        let message = format!("`{}` does not say how it was made", path.display());
-        let help = "older versions do not say it, and other programs may drop it on saving";
-        return Err(Error::input(message).with_help(help));
-    }
-    provenance::sort(&mut records);
     if as_json { print::json(&in_json(&records)) } else { print::result(&in_words(&records)) }
 }
 
 /// Whether a file is a part or a checkpoint, or is called so.
 fn is_part(path: &Path) -> bool {
-    output::is_part_file(path) || path.extension().is_some_and(|extension| extension == "part")
+    is_checkpoint(path) || path.extension().is_some_and(|extension| extension == "part")
+}
+
+/// What a part says of its picture and of itself.
+fn records_of(header: &Header) -> Result<Vec<Record>> {
+    let mut records = header.metadata.to_records()?;
+    let is_ended = matches!(header.status, Status::Ended { .. });
+    records.push(Record::new("ended", is_ended.to_string()));
+    if let Status::Ended { missed } = &header.status
+        && !missed.is_empty()
+    {
+        let words: Vec<String> = missed.iter().map(ToString::to_string).collect();
+        records.push(Record::new("missed", words.join("; ")));
+    }
+    if let Some(delivery) = &header.delivery {
+        let files: Vec<String> = delivery.files.iter().map(shown).collect();
+        let way_on = json!({
+            "scene": header.source.as_ref().map(|source| source.name.clone()),
+            "files": files,
+            "preview": delivery.preview.as_ref().map(shown),
+            "samples_per_pixel": header.samples.end,
+        });
+        records.push(Record::new(RESUME, way_on.to_string()));
+    }
+    Ok(records)
+}
+
+fn shown(FilePath(path): &FilePath) -> String {
+    path.display().to_string()
 }
 
 /// One row each; a text of several lines comes last, under its name.
 fn in_words(records: &[Record]) -> String {
     let (texts, rows): (Vec<&Record>, Vec<_>) =
         records.iter().partition(|record| record.text.contains('\n'));
+    let longest = rows.iter().map(|record| record.name.len()).max().unwrap_or(0);
     let mut words = String::new();
     for Record { name, text } in rows {
-        let text = match name.as_str() {
-            RESUME => way_on(text).unwrap_or_else(|| text.clone()),
-            _ => text.clone(),
-        };
-        words += &format!("{name:<11} {text}\n");
+        let text = in_short(name, text).unwrap_or_else(|| text.clone());
+        words += &format!("{name:<longest$}  {text}\n");
     }
     for Record { name, text } in texts {
         words += &format!("{name}:\n");
@@ -67,16 +90,24 @@ fn in_words(records: &[Record]) -> String {
     words
 }
 
-/// What `photosphere resume` does with a part.
-fn way_on(text: &str) -> Option<String> {
+/// A record that is JSON in the file, for people.
+fn in_short(name: &str, text: &str) -> Option<String> {
     let value: Value = serde_json::from_str(text).ok()?;
+    match name {
+        RESUME => way_on(&value),
+        "samples" => serde_json::from_value(value).ok().map(|s: crate::job::Samples| s.to_string()),
+        _ => None,
+    }
+}
+
+/// What `photosphere resume` does with a part.
+fn way_on(value: &Value) -> Option<String> {
     let files: Vec<&str> =
         value.get("files")?.as_array()?.iter().filter_map(Value::as_str).collect();
     let scene = value.get("scene")?.as_str()?;
-    let mut words = format!("renders {scene} to {}", files.join(" and "));
-    if let Some(samples) = value.get("extended_to").and_then(Value::as_u64) {
-        words += &format!(", up to {samples} samples per pixel");
-    }
+    let samples = value.get("samples_per_pixel")?.as_u64()?;
+    let mut words =
+        format!("renders {scene} to {}, up to {samples} samples per pixel", files.join(" and "));
     if let Some(preview) = value.get("preview").and_then(Value::as_str) {
         words += &format!(", previewed in {preview}");
     }
@@ -85,12 +116,6 @@ fn way_on(text: &str) -> Option<String> {
 
 /// Texts as they are; what is JSON in the file is JSON here.
 fn in_json(records: &[Record]) -> Value {
-    let value = |Record { name, text }: &Record| match name.as_str() {
-        "options" | "files" | RESUME => {
-            serde_json::from_str(text).unwrap_or_else(|_| text.clone().into())
-        }
-        _ => Value::from(text.clone()),
-    };
-    let entries = records.iter().map(|record| (record.name.clone(), value(record)));
+    let entries = records.iter().map(|record| (record.name.clone(), value_of(record)));
     Value::Object(Map::from_iter(entries))
 }

@@ -11,12 +11,10 @@ mod shards;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::scene::description::{Description, Window};
-use crate::scene::{Override, open_file};
+use crate::scene::{Override, Settings, read_file};
 
 use super::args::{Division, Format, OutputArgs, PlanArgs, StopArgs};
 use super::exit::Exit;
-use super::goal::{self, Goal};
 use super::outputs::{Outputs, is_part, refuse_same_places};
 use super::{on_threads, print};
 use shards::Shard;
@@ -43,18 +41,15 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     let outputs = outputs(args);
     let files: Vec<_> = outputs.files.iter().map(|file| ("-o", file.as_path())).collect();
     refuse_same_places(&files)?;
-    Outputs::new(&outputs, false)?;
+    Outputs::new(&outputs.delivery(), &outputs.kinds(), outputs.asks_for_layers())?;
     let overrides = overrides(args);
     // Its tables are looked at, but not read: that may take more memory than there is here.
-    let opened = on_threads(args.scene.threads(), || open_file(&args.scene.path, &overrides))?;
-    let description = opened.description();
+    let file = on_threads(args.scene.threads(), || read_file(&args.scene.path, &overrides))?;
     let division = division(&args.stop, args.by)?;
-    if args.stop.noise.is_some() {
-        goal::refuse_counted_samples("--noise", &description.render)?;
-    }
+    args.stop.until().check(&file.settings.render)?;
     // Two machines may choose differently, and their parts would not add up.
-    let backend = args.accel.choice.choose_for(opened.sphere_count() as usize).backend;
-    let plan = Plan::new(args, &outputs, division, description, backend.name())?;
+    let backend = args.accel.choice.choose_for(file.sphere_count() as usize).backend;
+    let plan = Plan::new(args, &outputs, division, &file.settings, backend.name())?;
     print::result(&match args.format {
         Format::Shell => script::shell(&plan)?,
         Format::Slurm => script::slurm(&plan)?,
@@ -65,7 +60,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
 
 /// What the options change in the scene.
 fn overrides(args: &PlanArgs) -> Vec<Override> {
-    let most = Goal::overrides(&args.stop, args.picture.has_samples());
+    let most = args.stop.overrides(args.picture.has_samples());
     most.into_iter().chain(args.picture.overrides(&args.scene)).collect()
 }
 
@@ -104,14 +99,12 @@ impl Plan {
         args: &PlanArgs,
         outputs: &OutputArgs,
         division: Division,
-        description: &Description,
+        settings: &Settings,
         accel: &str,
     ) -> Result<Self> {
-        let image = &description.image;
+        let image = &settings.image;
         let shards = match division {
-            Division::Samples => {
-                shards::by_samples(description.render.samples_per_pixel, args.shards)
-            }
+            Division::Samples => shards::by_samples(settings.render.samples_per_pixel, args.shards),
             Division::Crop => shards::by_crop(image.window(), args.shards),
         }?;
         let name = args.scene.path.file_stem().unwrap_or_default();
@@ -119,9 +112,8 @@ impl Plan {
         let [of_parts, mut merge_options] = outputs.words();
         let mut options = options(args, division, accel);
         options.extend(of_parts);
-        if let (Division::Crop, Some(Window { x, y, width, height })) = (division, image.crop) {
-            let corners = format!("{x},{y},{},{}", x + width, y + height);
-            merge_options.extend(["--crop".to_owned(), corners]);
+        if let (Division::Crop, Some(crop)) = (division, image.crop) {
+            merge_options.extend(["--crop".to_owned(), crop.to_string()]);
         }
         Ok(Self {
             name: text(Path::new(name))?,

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::error::{Error, Result};
 use crate::film::BLOCK;
-use crate::scene::description::Window;
+use crate::math::Rect;
 
 /// Side of the squares, on the grid of the full picture, that a crop is made of.
 const SQUARE: u32 = 16;
@@ -54,7 +54,7 @@ pub(super) fn by_samples(samples: u32, shards: u32) -> Result<Vec<Shard>> {
 ///
 /// # Errors
 /// When there are fewer squares than shards.
-pub(super) fn by_crop(window: Window, shards: u32) -> Result<Vec<Shard>> {
+pub(super) fn by_crop(window: Rect, shards: u32) -> Result<Vec<Shard>> {
     let columns = window.x..window.x + window.width;
     let rows = window.y..window.y + window.height;
     let (across, down) = (squares(&columns), squares(&rows));
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn crops_meet_on_the_grid_and_cover_each_pixel_once() {
-        let window = Window { x: 10, y: 20, width: 90, height: 61 };
+        let window = Rect { x: 10, y: 20, width: 90, height: 61 };
         for shards in [1, 2, 4, 5, 7, 11, 29, 35] {
             let crops = by_crop(window, shards).unwrap();
             assert_eq!(crops.len(), shards as usize);

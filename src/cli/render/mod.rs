@@ -1,186 +1,257 @@
-//! `photosphere render`: a scene walks in, a picture walks out.
+//! `photosphere render`: a scene walks in, a picture walks out. `resume` comes here too.
 
-mod job;
+mod finish;
 mod report;
-mod save;
-mod start;
 
-use std::ops::Range;
-use std::path::Path;
-use std::time::Instant;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use crate::accel::{BuildOptions, Chosen};
 use crate::error::{Error, Result};
-use crate::film::{BLOCK, Format, Kind, Layer};
 use crate::geometry::SphereSet;
-use crate::provenance::{Made, Samples};
-use crate::render::{RenderOptions, Session, format_with};
-use crate::scene::{Scene, open_file};
+use crate::job::{Checkpoint, Delivery, ENDLESS, FilePath, Header, Job, Opening, Session};
+use crate::output::WholeFile;
+use crate::scene::{Override, Scene, Settings, read_file};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
-use super::goal::Goal;
 use super::interrupt::Interrupt;
-use super::keeper::{self, Orders};
 use super::memory::Needs;
 use super::outputs::{self, Outputs, is_part};
 use super::progress::{self, Progress};
-use super::watch::{Shows, Told, Watch};
-use super::{exit_of, interrupt, memory, on_threads, print};
+use super::watch::Viewers;
+use super::{interrupt, memory, on_threads, print, system};
 
-pub(super) use job::{ENDED, MISSED, RESUME};
+use finish::Finish;
+use report::Times;
 
-use job::Job;
-use report::{AccelFigures, Figures};
-use start::{Keep, Start};
+/// A render that is asked for, by its options or by a checkpoint.
+pub(super) struct Request {
+    pub(super) scene: PathBuf,
+    pub(super) overrides: Vec<Override>,
+    pub(super) memory_limit: Option<u64>,
+    /// The render, but for its settings: those are in the scene file.
+    pub(super) job: Job,
+    /// Samples per pixel in place of what the scene file says.
+    pub(super) samples_per_pixel: Option<u32>,
+    /// Whether those are more than were asked for before.
+    pub(super) is_extended: bool,
+    pub(super) delivery: Delivery,
+    pub(super) layers_given: bool,
+    /// The file that keeps the samples so far.
+    pub(super) checkpoint: Option<PathBuf>,
+    /// Whether it goes on without viewers that are gone.
+    pub(super) is_resumed: bool,
+    pub(super) quiet: bool,
+    pub(super) json: bool,
+}
+
+/// The file that keeps the samples so far.
+struct Keep {
+    path: PathBuf,
+    file: WholeFile,
+}
 
 /// # Errors
 /// Whatever stands between the scene and the picture, the place of the picture first.
 pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
-    outputs::refuse_same_places(&places(args))?;
-    let outputs = Outputs::new(&args.output, args.watch.preview.is_some())?;
-    let keep = Keep::new(args, &outputs)?;
-    let name = outputs::in_words(&args.output.files);
-    let shows = Shows::new(&args.watch, args.output.look(), name, args.resumed.is_some())?;
-    let interrupt = interrupt::listen();
-    on_threads(args.scene.threads(), || render(args, &outputs, keep.as_ref(), shows, &interrupt))
+    execute(&args.request())
 }
 
-fn render(
-    args: &RenderArgs,
-    outputs: &Outputs,
-    keep: Option<&Keep>,
-    shows: Shows,
-    interrupt: &Interrupt,
-) -> Result<Exit> {
+/// # Errors
+/// As [`run`].
+pub(super) fn execute(request: &Request) -> Result<Exit> {
+    outputs::refuse_same_places(&places(request))?;
+    let outputs = Outputs::new(&request.delivery, &request.job.layers, request.layers_given)?;
+    let keep = Keep::new(request, &outputs)?;
+    let name = outputs::in_words(&outputs::paths(&request.delivery.files));
+    let viewers = Viewers::new(&request.delivery, name, request.is_resumed)?;
+    let interrupt = interrupt::listen();
     let mut clock = Clock(Instant::now());
-    let opened = open_file(&args.scene.path, &args.overrides())?;
-    // Before spheres that are there twice are left out.
-    let chosen = args.accel.choice.choose_for(opened.sphere_count() as usize);
-    let needs = Needs { backends: &[chosen.backend], kinds: outputs.kinds(), besides: 0 };
-    memory::check(&opened, &needs, args.memory.limit)?;
-    let scene = Scene::new(opened.read()?)?;
-    let mut figures = Figures { load_s: clock.lap(), ..Figures::default() };
-    let samples = samples_of(args, &scene)?;
-    let goal = Goal::new(&args.stop, &scene, samples.end)?;
-    let format = Format { first_sample: samples.start, ..format_with(&scene, outputs.kinds()) };
+    let threads = (request.job.threads > 0).then_some(request.job.threads);
+    let (scene, settings) = on_threads(threads, || load(request))?;
+    let load_s = clock.lap();
     let about_spheres = about_spheres(scene.spheres());
     about_spheres.iter().for_each(print::warning);
-    let Chosen { backend, reason } = args.accel.choice.choose(scene.spheres());
-    let made = Made::new(&scene, backend, Samples::all(0));
-    let noise = goal.noise_in_words();
-    let Start { film, before } =
-        start::of(keep, &made, &format, &samples, noise.as_deref(), args.quiet)?;
 
-    let threads = rayon::current_num_threads();
-    let build = BuildOptions {
-        threads,
-        quality: args.accel.build.quality,
-        progress: progress::of_a_build(args.quiet),
-        cancel: interrupt.cancel(),
-        ..Default::default()
-    };
-    let accel = backend.build(scene.spheres(), &build)?;
-    figures.build_s = clock.lap();
-    figures.accel = AccelFigures::of(backend, reason, &*accel);
-
-    let progress = Progress::new(args.quiet);
-    let told = Told::default();
+    let session = open(request, &scene, settings, keep.as_ref(), &interrupt)?;
+    let times = Times { load_s, build_s: session.build_seconds() };
+    let progress = Progress::new(request.quiet);
     interrupt.save_from_now_on();
-    let options =
-        RenderOptions { cancel: interrupt.cancel(), progress: &|state| told.progress(state) };
-    let session = Session::new(&scene, accel.as_ref(), &film, &options);
-    session.expect_samples(film.frame().pixels() as u64 * samples.len() as u64);
-    let job = Job {
-        args,
-        scene: &scene,
-        accel: accel.as_ref(),
+    let finish = Finish {
+        request,
         session: &session,
-        samples: samples.clone(),
-        outputs,
-        keep,
-        goal: &goal,
-        told: &told,
-        interrupt,
+        outputs: &outputs,
+        keep: keep.as_ref(),
+        interrupt: &interrupt,
         progress: &progress,
-        made,
-        figures,
+        times,
         about_spheres,
-        before,
-        samples_before: film.samples(),
-        began: Instant::now(),
     };
-    let deadline = goal.deadline(&film, before.seconds, interrupt.cancel());
-    let watch = Watch {
-        film: &film,
-        told: &told,
-        progress: &progress,
-        shows,
-        threads,
-        deadline,
-        interrupt,
-        has_alpha: outputs.kinds().contains(&Kind::Mean(Layer::Alpha))
-            || scene.description().background.transparent,
-    };
-    watch.during(|last_look| {
-        let orders = Orders {
-            chores: job.chores(),
-            cancel: &options.cancel,
-            warn: &|text| progress.say(|| print::warning(&text)),
-            // The threads that render are stuck, so others must help.
-            give_up: &|| {
-                let reached = goal.reached_so_far(&film, &told);
-                let closed = on_threads(args.scene.threads(), || job.close(&reached, last_look));
-                std::process::exit(i32::from(exit_of(closed) as u8));
-            },
-        };
-        let reached = keeper::beside(orders, || goal.reach(&session, &told))?;
-        job.close(&reached, last_look)
+    viewers.during(&session, &interrupt, |last_look| {
+        let began = Instant::now();
+        let reached = session.run(&progress);
+        progress.finish();
+        finish.close(&reached?, began.elapsed().as_secs_f64(), last_look)
     })
 }
 
-/// What is to be written, and where; `-o FILE.part` may be named as the checkpoint, too.
-fn places(args: &RenderArgs) -> Vec<(&'static str, &Path)> {
-    let files = args.output.files.iter().map(|file| ("-o", file.as_path()));
-    let checkpoint = args.keep.checkpoint.as_deref().map(|file| ("--checkpoint", file));
-    let is_part = |file: &&Path| args.output.files.iter().any(|part| part == file && is_part(part));
-    let checkpoint = checkpoint.filter(|(_, file)| !is_part(file));
-    let preview = args.watch.preview.as_deref().map(|file| ("--preview", file));
-    files.chain(checkpoint).chain(preview).collect()
+/// The scene and its settings, if there is memory for them.
+fn load(request: &Request) -> Result<(Scene, Settings)> {
+    let file = read_file(&request.scene, &request.overrides)?;
+    // Before spheres that are there twice are left out.
+    let chosen = request.job.accel.choose_for(file.sphere_count() as usize);
+    let needs = Needs { backends: &[chosen.backend], kinds: &request.job.layers, besides: 0 };
+    memory::check(&file, &needs, request.memory_limit)?;
+    file.build()
 }
 
-/// The samples that are asked for.
-fn samples_of(args: &RenderArgs, scene: &Scene) -> Result<Range<u32>> {
-    let last = scene.description().render.samples_per_pixel;
-    let Some(samples) = args.samples.clone() else { return Ok(0..last) };
-    let Range { start, end } = samples;
-    let extended = args.resumed.as_ref().and_then(|resumed| resumed.extended_to);
-    let end = extended.unwrap_or(end);
-    let refused = |message: String, help: String| Err(Error::input(message).with_help(help));
-    if start % BLOCK != 0 {
-        let near = start / BLOCK * BLOCK;
-        return refused(
-            format!("`--samples {start}..{end}` must start on a multiple of {BLOCK}"),
-            format!("samples are summed in blocks of {BLOCK}; try {near}..{end}"),
-        );
+/// The render with its samples so far, if there are some.
+fn open(
+    request: &Request,
+    scene: &Scene,
+    settings: Settings,
+    keep: Option<&Keep>,
+    interrupt: &Interrupt,
+) -> Result<Session> {
+    let mut job = Job { settings, ..request.job.clone() };
+    if let Some(samples) = request.samples_per_pixel {
+        job.set_samples_per_pixel(samples);
+        if request.is_extended {
+            job.samples =
+                job.samples.map(|samples| samples.start..job.settings.render.samples_per_pixel);
+        }
     }
-    if end > last {
-        return refused(
-            format!("`--samples {start}..{end}` ends behind the last sample, of {last} per pixel"),
-            format!("ask for more samples per pixel, as in --spp {end}"),
-        );
+    let opening = Opening {
+        cancel: interrupt.cancel(),
+        build_progress: progress::of_a_build(request.quiet),
+        delivery: Some(from_the_root(&request.delivery)),
+        command: Some(system::command_line()),
+    };
+    let keep_every = request.delivery.save_every;
+    let Some(keep) = keep else { return Session::new(scene, job, opening) };
+    let mut session = match keep.path.exists() {
+        false => Session::new(scene, job, opening)?,
+        true => {
+            let session = Session::resume(scene, job, Checkpoint::open(&keep.path)?, opening)?;
+            if !request.quiet {
+                tell_of_samples(&session, &keep.path);
+            }
+            session
+        }
+    };
+    session.autosave(keep.file.clone(), keep_every);
+    Ok(session)
+}
+
+/// With its files named from the root on: a checkpoint may be resumed in another folder.
+fn from_the_root(delivery: &Delivery) -> Delivery {
+    let absolute = |FilePath(file): &FilePath| {
+        FilePath(std::path::absolute(file).unwrap_or_else(|_| file.clone()))
+    };
+    Delivery {
+        files: delivery.files.iter().map(absolute).collect(),
+        preview: delivery.preview.as_ref().map(absolute),
+        ..delivery.clone()
     }
-    if end % BLOCK != 0 && end != last {
-        let near = end.next_multiple_of(BLOCK).min(last);
-        return refused(
-            format!(
-                "`--samples {start}..{end}` must end on a multiple of {BLOCK}, or at the last \
-                 sample, {last}"
-            ),
-            format!("samples are summed in blocks of {BLOCK}; try {start}..{near}"),
-        );
+}
+
+fn tell_of_samples(session: &Session, path: &Path) {
+    let film = session.film();
+    let each = film.samples() as f64 / film.frame().pixels() as f64;
+    let all = match session.job().settings.render.samples_per_pixel {
+        ENDLESS => String::new(),
+        _ => format!(" of {}", session.samples().len()),
+    };
+    let path = path.display();
+    print::remark(format_args!("resuming `{path}`: {each:.1}{all} samples per pixel"));
+}
+
+impl RenderArgs {
+    fn request(&self) -> Request {
+        let job = Job {
+            samples: self.samples.clone(),
+            until: self.stop.until(),
+            layers: self.output.kinds(),
+            accel: self.accel.choice,
+            quality: self.accel.build.quality,
+            threads: self.scene.threads().unwrap_or(0),
+            ..Job::default()
+        };
+        let delivery = Delivery {
+            save_every: self.keep.checkpoint_every,
+            preview: self.watch.preview.clone().map(FilePath),
+            preview_every: self.watch.preview_every,
+            tev: self.watch.tev.clone(),
+            ..self.output.delivery()
+        };
+        Request {
+            scene: self.scene.path.clone(),
+            overrides: self.overrides(),
+            memory_limit: self.memory.limit,
+            job,
+            samples_per_pixel: None,
+            is_extended: false,
+            delivery,
+            layers_given: self.output.asks_for_layers(),
+            checkpoint: self.keep.checkpoint.clone(),
+            is_resumed: false,
+            quiet: self.quiet,
+            json: self.json,
+        }
     }
-    Ok(start..end)
+}
+
+impl Request {
+    /// The render that a checkpoint is of.
+    pub(super) fn of_header(header: &Header, delivery: Delivery) -> Option<Self> {
+        let source = header.source.as_ref()?;
+        Some(Self {
+            scene: source.file.clone()?,
+            overrides: source.overrides.iter().map(Override::of).collect(),
+            memory_limit: None,
+            job: header.job.clone(),
+            samples_per_pixel: Some(header.job.settings.render.samples_per_pixel),
+            is_extended: false,
+            delivery,
+            layers_given: false,
+            checkpoint: None,
+            is_resumed: true,
+            quiet: false,
+            json: false,
+        })
+    }
+}
+
+impl Keep {
+    /// The checkpoint, or the part that is asked for, if either is.
+    fn new(request: &Request, outputs: &Outputs) -> Result<Option<Self>> {
+        let path = match (&request.checkpoint, outputs.part()) {
+            (Some(checkpoint), Some(part)) if checkpoint != part => {
+                let message = format!(
+                    "`{}` is kept as a checkpoint already, so there is no need of `{}`",
+                    part.display(),
+                    checkpoint.display()
+                );
+                return Err(Error::input(message).with_help("leave out --checkpoint"));
+            }
+            (Some(path), _) => path.clone(),
+            (None, Some(path)) => path.to_path_buf(),
+            (None, None) => return Ok(None),
+        };
+        let file = WholeFile::new(&path)?;
+        Ok(Some(Self { path, file }))
+    }
+}
+
+/// What is to be written, and where; `-o FILE.part` may be named as the checkpoint, too.
+fn places(request: &Request) -> Vec<(&'static str, &Path)> {
+    let Delivery { files, preview, .. } = &request.delivery;
+    let named = files.iter().map(|FilePath(file)| ("-o", file.as_path()));
+    let checkpoint = request.checkpoint.as_deref().map(|file| ("--checkpoint", file));
+    let is_part = |file: &&Path| files.iter().any(|FilePath(part)| part == file && is_part(part));
+    let checkpoint = checkpoint.filter(|(_, file)| !is_part(file));
+    let preview = preview.as_ref().map(|FilePath(file)| ("--preview", file.as_path()));
+    named.chain(checkpoint).chain(preview).collect()
 }
 
 /// What the user should know of spheres that are there twice, and of those that f32 cannot hold well.
@@ -208,6 +279,6 @@ struct Clock(Instant);
 impl Clock {
     fn lap(&mut self) -> f64 {
         let last = std::mem::replace(&mut self.0, Instant::now());
-        (self.0 - last).as_secs_f64()
+        Duration::as_secs_f64(&(self.0 - last))
     }
 }

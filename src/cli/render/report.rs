@@ -3,100 +3,77 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::accel::{Accel, Backend};
 use crate::error::Result;
-use crate::film::{Film, Picture};
-use crate::scene::Scene;
+use crate::job::{End, NoiseStatus, Reached, Session};
 
-use super::super::args::RenderArgs;
-use super::super::goal::Reached;
 use super::super::{outputs, print, system};
+use super::Request;
 
-/// What this run took, in seconds, and what found the hits.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Figures {
+/// What came before the render, in seconds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Times {
     pub(super) load_s: f64,
     pub(super) build_s: f64,
-    pub(super) render_s: f64,
-    pub(super) accel: AccelFigures,
-}
-
-/// The intersector, why it, and what it is like.
-#[derive(Clone, Debug, Default)]
-pub(super) struct AccelFigures {
-    name: &'static str,
-    reason: String,
-    details: String,
-    bytes: usize,
-}
-
-impl AccelFigures {
-    pub(super) fn of(backend: Backend, reason: String, accel: &dyn Accel) -> Self {
-        Self { name: backend.name(), reason, details: accel.details(), bytes: accel.bytes() }
-    }
-
-    /// As in "native (fastest on processors with AVX2; ...)".
-    pub(super) fn in_words(&self) -> String {
-        let details = if self.details.is_empty() { "" } else { "; " };
-        format!("{} ({}{details}{})", self.name, self.reason, self.details)
-    }
 }
 
 /// All that there is to be told.
 pub(super) struct Report<'a> {
-    pub(super) args: &'a RenderArgs,
-    pub(super) scene: &'a Scene,
-    pub(super) picture: Picture,
+    pub(super) request: &'a Request,
+    pub(super) session: &'a Session,
     pub(super) reached: &'a Reached,
+    /// The file that keeps the samples.
+    pub(super) kept: Option<&'a Path>,
     /// Of this run.
     pub(super) samples: u64,
-    /// And of those before it.
-    pub(super) samples_in_all: u64,
     /// Of this run.
     pub(super) rays: u64,
-    /// What was written.
-    pub(super) ending: String,
-    pub(super) figures: Figures,
+    pub(super) times: Times,
+    pub(super) render_s: f64,
     pub(super) warnings: Vec<String>,
-}
-
-/// What was written, and how to go on where that is not all.
-pub(super) fn ending(
-    args: &RenderArgs,
-    film: &Film,
-    is_complete: bool,
-    kept: Option<&Path>,
-) -> String {
-    let mut text = format!("wrote {}", outputs::in_words(&args.output.files));
-    if !is_complete {
-        let per_pixel = film.samples() as f64 / film.frame().pixels() as f64;
-        text += &format!(", stopped after {per_pixel:.1} samples per pixel");
-        if let Some(kept) = kept {
-            text += &format!("\ngo on with: photosphere resume '{}'", kept.display());
-        }
-    }
-    text
 }
 
 impl Report<'_> {
     /// # Errors
     /// When the standard output is closed.
     pub(super) fn print(&self) -> Result<()> {
-        if !self.args.quiet {
+        if !self.request.quiet {
             print::remark(self.in_words());
         }
-        if self.args.json { print::json(&self.in_json()) } else { Ok(()) }
+        if self.request.json { print::json(&self.in_json()) } else { Ok(()) }
+    }
+
+    fn is_complete(&self) -> bool {
+        self.reached.end != End::Stopped
+    }
+
+    /// What was written, and how to go on where that is not all.
+    fn ending(&self) -> String {
+        let film = self.session.film();
+        let mut text = format!("wrote {}", self.outputs());
+        if !self.is_complete() {
+            let per_pixel = film.samples() as f64 / film.frame().pixels() as f64;
+            text += &format!(", stopped after {per_pixel:.1} samples per pixel");
+            if let Some(kept) = self.kept {
+                text += &format!("\nresume it with: photosphere resume '{}'", kept.display());
+            }
+        }
+        text
+    }
+
+    fn outputs(&self) -> String {
+        outputs::in_words(&outputs::paths(&self.request.delivery.files))
     }
 
     fn in_words(&self) -> String {
-        let Figures { load_s, build_s, render_s, accel } = &self.figures;
+        let Times { load_s, build_s } = self.times;
+        let render_s = self.render_s;
         let mut text = String::new();
         let mut line = |words: std::fmt::Arguments<'_>| {
             text.write_fmt(words).expect("a string takes all that is written to it");
         };
-        line(format_args!("intersector {}\n", accel.in_words()));
+        line(format_args!("intersector {}\n", self.session.accel_as_text()));
         line(format_args!("load {load_s:.3} s, build {build_s:.3} s, render {render_s:.3} s\n"));
         line(format_args!(
             "{}samples/s, {}rays/s",
@@ -109,37 +86,50 @@ impl Report<'_> {
         if let Some(peak) = system::peak_memory() {
             line(format_args!(", peak memory {}", print::bytes(peak)));
         }
-        line(format_args!("\n{}", self.ending));
+        line(format_args!("\n{}", self.ending()));
         text
     }
 
-    fn in_json(&self) -> serde_json::Value {
-        let Figures { load_s, build_s, render_s, accel } = &self.figures;
+    fn in_json(&self) -> Value {
+        let Times { load_s, build_s } = self.times;
+        let session = self.session;
+        let picture = session.film().picture();
+        let chosen = session.job().accel.choose(session.shot().scene().spheres());
         json!({
-            "output": outputs::in_words(&self.args.output.files),
-            "complete": self.reached.is_complete,
-            "accel": accel.name,
-            "accel_reason": accel.reason,
-            "accel_details": accel.details,
-            "accel_bytes": accel.bytes,
-            "spheres": self.scene.spheres().len(),
-            "width": self.picture.width,
-            "height": self.picture.height,
-            "threads": rayon::current_num_threads(),
+            "output": self.outputs(),
+            "complete": self.is_complete(),
+            "accel": chosen.backend.name(),
+            "accel_reason": chosen.reason,
+            "accel_details": session.accel().details(),
+            "accel_bytes": session.accel().bytes(),
+            "spheres": session.shot().scene().spheres().len(),
+            "width": picture.width,
+            "height": picture.height,
+            "threads": session.threads(),
             "load_s": load_s,
             "build_s": build_s,
-            "render_s": render_s,
+            "render_s": self.render_s,
             "samples": self.samples,
-            "samples_in_all": self.samples_in_all,
+            "samples_in_all": session.film().samples(),
             "rays": self.rays,
             "error": self.reached.error,
-            "noise": self.reached.in_json(),
-            "samples_per_s": self.samples as f64 / render_s,
-            "rays_per_s": self.rays as f64 / render_s,
+            "noise": self.reached.noise.map(noise_in_json),
+            "samples_per_s": self.samples as f64 / self.render_s,
+            "rays_per_s": self.rays as f64 / self.render_s,
             "peak_rss_bytes": system::peak_memory(),
-            "mean_rgb": self.picture.mean().to_array(),
-            "non_finite_pixels": self.picture.non_finite(),
+            "mean_rgb": picture.mean().to_array(),
+            "non_finite_pixels": picture.non_finite(),
             "warnings": self.warnings,
         })
     }
+}
+
+fn noise_in_json(noise: NoiseStatus) -> Value {
+    json!({
+        "target": noise.target.error,
+        "confidence": noise.target.confidence,
+        "squares": noise.squares,
+        "squares_done": noise.done,
+        "worst": noise.worst,
+    })
 }

@@ -1,29 +1,19 @@
 //! `photosphere reproduce`: a picture again, from what it says of itself.
 
-mod again;
 mod words;
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
-use crate::color::Look;
 use crate::error::{Error, Result};
-use crate::film::{Kind, Layer};
-use crate::output::{self, RawChannel};
-use crate::provenance::{self, Made};
+use crate::job::reproduce::{Again, Reproduction, metadata_of, reproduce};
+use crate::job::{Metadata, crop_of, is_checkpoint};
+use crate::output::{self, Notes, RawChannel, Target};
 
 use super::args::ReproduceArgs;
 use super::exit::Exit;
-use super::{on_threads, print};
-
-use again::Again;
-
-/// What a picture says of itself, as far as it is needed here.
-struct Said {
-    made: Made,
-    look: Look,
-    kinds: Vec<Kind>,
-    scene_file: Option<PathBuf>,
-}
+use super::progress::{Progress, State};
+use super::{interrupt, on_threads, print};
 
 /// # Errors
 /// When the picture does not say how it was made, when its scene is not what it was, or when it
@@ -31,23 +21,33 @@ struct Said {
 pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
     let path = &args.picture;
     refuse_part(path)?;
-    let said = read(path)?;
+    let said = metadata_of(path)?;
     let then = output::raw_channels(path)?;
-    let again = on_threads(args.threads, || Again::of(args, &said))?;
-    let wrong = differing(&then, &again.channels);
-    let count = then.len();
+    let (again, now) = on_threads(args.threads, || {
+        let again = render(args, &said)?;
+        let now = channels(args, &said, &again)?;
+        Ok((again, now))
+    })?;
+    let wrong = differing(&then, &now);
     if wrong.is_empty() {
-        let what = print::count(count, "channel");
+        let what = print::count(then.len(), "channel");
         print::result(&format!("all pixels agree to the bit, in {what}\n"))?;
         return Ok(Exit::Done);
     }
-    print::result(&in_words(path, &said, &then, &again, &wrong))?;
+    let mut words =
+        format!("`{}` comes out differently, in {}\n", path.display(), wrong.join(", "));
+    words += &reasons(&said.differences_of_program(&again.metadata));
+    words += &match is_png(path) {
+        true => words::in_steps(&then, &now),
+        false => words::in_standard_errors(&then, &now, &again.film),
+    };
+    print::result(&words)?;
     Ok(Exit::CheckFailed)
 }
 
 /// A part has no pixels to compare with.
 fn refuse_part(path: &Path) -> Result<()> {
-    if !output::is_part_file(path) {
+    if !is_checkpoint(path) {
         return Ok(());
     }
     let path = path.display();
@@ -56,39 +56,46 @@ fn refuse_part(path: &Path) -> Result<()> {
     )))
 }
 
-fn read(path: &Path) -> Result<Said> {
-    let records = output::records(path)?;
-    let made = Made::read(path, &records)?;
-    let text = |name: &str| records.iter().find(|r| r.name == name).map(|r| r.text.as_str());
-    let strange = |name: &str| {
-        let message = format!("`{}` says `{name}` in a way that is not understood", path.display());
-        Error::input(message).with_help("it may be of a newer version of photosphere")
-    };
-    let look = match text("look") {
-        None => Look::default(),
-        Some(words) => provenance::look_of_words(words).ok_or_else(|| strange("look"))?,
-    };
-    let kinds = match text("layers") {
-        None if made_with_alpha(path)? => vec![Kind::Mean(Layer::Alpha)],
-        None => Vec::new(),
-        Some("") => Vec::new(),
-        Some(names) => {
-            let kinds: Option<Vec<Kind>> = names.split(',').map(Kind::named).collect();
-            kinds.ok_or_else(|| strange("layers"))?
-        }
-    };
-    Ok(Said { made, look, kinds, scene_file: text("scene-file").map(PathBuf::from) })
+fn render(args: &ReproduceArgs, said: &Metadata) -> Result<Reproduction> {
+    let interrupt = interrupt::listen();
+    let (progress, began) = (Progress::new(args.quiet), Instant::now());
+    let again =
+        Again { folder: folder(args, said), backend: args.accel, cancel: interrupt.cancel() };
+    let result = reproduce(said, &again, &|done, total| {
+        progress.show(&State::since(began, done, total));
+    });
+    progress.finish();
+    result
 }
 
-/// Whether a picture has an alpha channel, which the scene or the command may have asked for.
-fn made_with_alpha(path: &Path) -> Result<bool> {
-    Ok(output::raw_channels(path)?.iter().any(|channel| channel.name == "A"))
+/// Where the scene's files are.
+fn folder(args: &ReproduceArgs, said: &Metadata) -> PathBuf {
+    let scene_file = said.run.as_ref().and_then(|run| run.scene_file.as_deref());
+    let beside = args.picture.parent().unwrap_or(Path::new(""));
+    let then = scene_file.and_then(Path::parent).unwrap_or(beside);
+    args.folder.clone().unwrap_or_else(|| then.to_path_buf())
 }
 
-impl Said {
-    fn is_png(&self, path: &Path) -> bool {
-        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
-    }
+/// The numbers that a file of the picture holds: rounding to its format is a part of the picture.
+fn channels(
+    args: &ReproduceArgs,
+    said: &Metadata,
+    again: &Reproduction,
+) -> Result<Vec<RawChannel>> {
+    let notes = Notes {
+        cropped_from: crop_of(again.film.frame()),
+        look: said.look.unwrap_or_default(),
+        ..Notes::default()
+    };
+    let temporary = tempfile::tempdir().map_err(|e| Error::file("write", &args.picture, e))?;
+    let name = if is_png(&args.picture) { "again.png" } else { "again.exr" };
+    let file = temporary.path().join(name);
+    Target::new(&file)?.write_with(&again.picture, &notes)?;
+    output::raw_channels(&file)
+}
+
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
 }
 
 /// The names of the channels that differ, or that only one of both has.
@@ -99,26 +106,12 @@ fn differing(then: &[RawChannel], now: &[RawChannel]) -> Vec<String> {
     gone.chain(now.iter().filter(is_new).map(|channel| channel.name.clone())).collect()
 }
 
-fn in_words(
-    path: &Path,
-    said: &Said,
-    then: &[RawChannel],
-    again: &Again,
-    wrong: &[String],
-) -> String {
-    let mut words =
-        format!("`{}` comes out differently, in {}\n", path.display(), wrong.join(", "));
-    let differences = said.made.differences(&again.made);
+/// Why the picture may differ.
+fn reasons(differences: &[String]) -> String {
     if differences.is_empty() {
-        words += "nothing that is known differs in how it was made: the file was changed since, or this \
-                  is a mistake of photosphere; please report it\n";
+        return "nothing that is known differs in how it was made: the file was changed since, or this is a \
+                mistake of photosphere; please report it\n"
+            .to_owned();
     }
-    for difference in differences {
-        words += &format!("  {difference}\n");
-    }
-    words += &match said.is_png(path) {
-        true => words::in_steps(then, &again.channels),
-        false => words::in_standard_errors(then, &again.channels, &again.film),
-    };
-    words
+    differences.iter().map(|difference| format!("  {difference}\n")).collect()
 }

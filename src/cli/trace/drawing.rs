@@ -10,7 +10,7 @@ use std::fmt::Write;
 use crate::integrator::{Step, Trace};
 use crate::light::Source;
 use crate::math::{DVec2, DVec3};
-use crate::scene::Scene;
+use crate::scene::{Scene, Shot};
 
 use super::{answer, name, place, words};
 use view::View;
@@ -56,7 +56,8 @@ struct Sketch {
 }
 
 /// The drawing.
-pub(super) fn svg(scene: &Scene, trace: &Trace) -> String {
+pub(super) fn svg(shot: &Shot, trace: &Trace) -> String {
+    let scene = shot.scene();
     let sketch = Sketch::of(scene, trace);
     let ends = sketch.lines.iter().filter_map(|line| line.to);
     let points: Vec<DVec3> = sketch.vertices.iter().copied().chain(ends).collect();
@@ -77,7 +78,7 @@ pub(super) fn svg(scene: &Scene, trace: &Trace) -> String {
     svg += &labels;
     draw_vertices(&mut svg, &sketch, &view);
     svg += "</g>\n";
-    draw_legend(&mut svg, scene, trace, &view);
+    draw_legend(&mut svg, shot, trace, &view);
     svg + "</svg>\n"
 }
 
@@ -234,7 +235,7 @@ fn draw_vertices(svg: &mut String, sketch: &Sketch, view: &View) {
     }
 }
 
-fn draw_legend(svg: &mut String, scene: &Scene, trace: &Trace, view: &View) {
+fn draw_legend(svg: &mut String, shot: &Shot, trace: &Trace, view: &View) {
     let y = view.height + 24.0;
     let entries =
         [("path", "path"), ("free", "light arrives"), ("blocked", "something is in the way")];
@@ -262,7 +263,7 @@ fn draw_legend(svg: &mut String, scene: &Scene, trace: &Trace, view: &View) {
             address.x,
             address.y,
             address.sample,
-            scene.description().render.seed
+            shot.render().seed
         ),
     );
     let unit = view.round_length();

@@ -11,11 +11,10 @@ use crate::integrator::{self, SampleAddress, Step, Trace, World};
 use crate::light::Source;
 use crate::math::DVec3;
 use crate::output::WholeFile;
-use crate::scene::Scene;
+use crate::scene::{Scene, Shot, read_file};
 
 use super::args::TraceArgs;
 use super::exit::Exit;
-use super::info::name_of;
 use super::{interrupt, on_threads, print};
 
 /// # Errors
@@ -28,25 +27,26 @@ pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
 }
 
 fn trace(args: &TraceArgs, file: Option<WholeFile>) -> Result<Exit> {
-    let scene = Scene::load(&args.scene.path, &args.overrides())?;
-    let address = address(args, &scene)?;
+    let (scene, settings) = read_file(&args.scene.path, &args.overrides())?.build()?;
+    let shot = Shot::new(&scene, settings)?;
+    let address = address(args, &shot)?;
     let (threads, quality) = (rayon::current_num_threads(), args.accel.build.quality);
     let build = BuildOptions { threads, quality, ..Default::default() };
     let accel = args.accel.choice.choose(scene.spheres()).backend.build(scene.spheres(), &build)?;
     let cancel = Cancel::default();
-    let world = World { scene: &scene, accel: &*accel, cancel: &cancel };
-    let trace = integrator::of_scene(&scene).trace(world, address).ok_or_else(|| {
-        let name = name_of(&scene.description().render.integrator);
+    let world = World::new(&shot, &*accel, &cancel);
+    let trace = integrator::of_shot(&shot).trace(world, address).ok_or_else(|| {
+        let name = shot.render().integrator.kind().name();
         Error::input(format!("the integrator `{name}` follows no paths"))
             .with_help("add --integrator path")
     })?;
     if args.json {
-        print::json(&in_json(&scene, &trace))?;
+        print::json(&in_json(&shot, &trace))?;
     } else {
-        print::result(&words::tell(&scene, &trace))?;
+        print::result(&words::tell(&shot, &trace))?;
     }
     if let (Some(file), Some(path)) = (file, &args.svg) {
-        let svg = drawing::svg(&scene, &trace);
+        let svg = drawing::svg(&shot, &trace);
         file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
         print::remark(format_args!("wrote {}", path.display()));
     }
@@ -54,9 +54,9 @@ fn trace(args: &TraceArgs, file: Option<WholeFile>) -> Result<Exit> {
 }
 
 /// The sample, if the picture has it.
-fn address(args: &TraceArgs, scene: &Scene) -> Result<SampleAddress> {
+fn address(args: &TraceArgs, shot: &Shot) -> Result<SampleAddress> {
     let (x, y) = args.pixel;
-    let image = scene.description().image;
+    let image = shot.image();
     if x >= image.width || y >= image.height {
         let (width, height) = (image.width, image.height);
         return Err(Error::input(format!(
@@ -64,7 +64,7 @@ fn address(args: &TraceArgs, scene: &Scene) -> Result<SampleAddress> {
         ))
         .with_help(format!("pixels run from 0,0 to {},{}", width - 1, height - 1)));
     }
-    let count = scene.description().render.samples_per_pixel;
+    let count = shot.render().samples_per_pixel;
     if args.sample >= count {
         return Err(Error::input(format!("each pixel has {count} samples, counted from 0"))
             .with_help(format!("the last is --sample {}", count - 1)));
@@ -103,15 +103,16 @@ fn answer(steps: &[Step], aim: usize) -> Option<(f32, integrator::Added)> {
     })
 }
 
-fn in_json(scene: &Scene, trace: &Trace) -> Value {
+fn in_json(shot: &Shot, trace: &Trace) -> Value {
+    let scene = shot.scene();
     let address = trace.address;
     let steps: Vec<Value> = trace.steps.iter().map(|step| step_in_json(scene, step)).collect();
-    let render = &scene.description().render;
+    let render = shot.render();
     json!({
         "pixel": [address.x, address.y],
         "sample": address.sample,
         "seed": render.seed,
-        "integrator": name_of(&render.integrator),
+        "integrator": render.integrator.kind().name(),
         "steps": steps,
         "direct": trace.radiance.direct.to_array(),
         "indirect": trace.radiance.indirect.to_array(),

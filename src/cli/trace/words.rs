@@ -6,14 +6,15 @@ use crate::integrator::{Added, End, Step, Trace};
 use crate::light::LightSample;
 use crate::material::Lobe;
 use crate::math::DVec3;
-use crate::scene::Scene;
+use crate::scene::{Scene, Shot};
 
-use super::{answer, name, name_of, place, source_name};
+use super::{answer, name, place, source_name};
 
 /// The whole story.
-pub(super) fn tell(scene: &Scene, trace: &Trace) -> String {
+pub(super) fn tell(shot: &Shot, trace: &Trace) -> String {
+    let scene = shot.scene();
     let address = trace.address;
-    let render = &scene.description().render;
+    let render = shot.render();
     let mut text = format!(
         "pixel {}, {}, sample {} of {}, seed {}, integrator {}\n\n",
         address.x,
@@ -21,7 +22,7 @@ pub(super) fn tell(scene: &Scene, trace: &Trace) -> String {
         address.sample,
         render.samples_per_pixel,
         render.seed,
-        name_of(&render.integrator)
+        render.integrator.kind().name()
     );
     let mut vertex = 0;
     for (at, step) in trace.steps.iter().enumerate() {

@@ -8,7 +8,7 @@ use crate::material::{Bsdf, Media};
 use crate::math::{DVec3, Frame};
 use crate::sampling::power_heuristic;
 use crate::scene::Scene;
-use crate::scene::description::Estimator;
+use crate::scene::settings::Estimator;
 
 use super::super::dimension::Vertex;
 use super::super::trace::{Recorder, Step};
@@ -42,9 +42,10 @@ impl<R: Recorder> Batch<'_, R> {
         let sampler = self.sampler(path);
         let u = sampler.get_2d(vertex.towards_lamp());
         let scene = self.world.scene;
-        let has_choice = scene.lights().has_choice();
+        let lights = self.world.shot.lights();
+        let has_choice = lights.has_choice();
         let choose = if has_choice { sampler.get(vertex.lamp()) } else { 0.0 };
-        let mut aim = scene.lights().sample(scene.spheres(), receiver, choose, u)?;
+        let mut aim = lights.sample(scene.spheres(), receiver, choose, u)?;
         let wi = frame.to_local(aim.direction);
         let f = bsdf.eval(wo, wi);
         if f.max_element() <= 0.0 {

@@ -26,7 +26,7 @@ use crate::light::Receiver;
 use crate::material::Media;
 use crate::math::{DVec3, NO_SPHERE};
 use crate::sampling::Hemisphere;
-use crate::scene::description::{Estimator, Miss, Stop};
+use crate::scene::settings::{Estimator, Miss, Stop};
 
 use super::camera_rays::Strata;
 use super::trace::{Silent, Step, Trace};

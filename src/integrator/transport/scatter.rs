@@ -6,7 +6,7 @@ use crate::geometry::SurfaceHit;
 use crate::light::Receiver;
 use crate::material::{BsdfSample, Lobe, Media};
 use crate::math::{DVec3, nearly_unit};
-use crate::scene::description::Stop;
+use crate::scene::settings::Stop;
 
 use super::super::dimension::Vertex;
 use super::super::trace::{End, Recorder, Step};

@@ -8,7 +8,7 @@ use crate::material::{Lobe, Media};
 use crate::math::Frame;
 use crate::sampling::power_heuristic;
 use crate::scene::Surface;
-use crate::scene::description::{Estimator, Miss};
+use crate::scene::settings::{Estimator, Miss};
 
 use super::super::dimension::{Vertex, direction_again};
 use super::super::trace::{End, Recorder, Step};
@@ -43,7 +43,7 @@ impl<R: Recorder> Batch<'_, R> {
     pub(super) fn even_background(&self) -> Option<Rgb> {
         let is_plain = !R::LISTENS && self.seen.is_empty() && !cfg!(feature = "faults");
         let is_plain = is_plain && self.transport.miss != Miss::Redraw;
-        self.world.scene.lights().background().even().filter(|_| is_plain)
+        self.world.shot.lights().background().even().filter(|_| is_plain)
     }
 
     /// Ends a path that meets nothing but a background of this radiance, as [`Self::miss`] does:
@@ -174,6 +174,11 @@ impl<R: Recorder> Batch<'_, R> {
             return 0.0;
         }
         let scene = self.world.scene;
-        scene.lights().pdf(scene.spheres(), &drawn.at(scene.spheres()), source, path.ray.direction)
+        self.world.shot.lights().pdf(
+            scene.spheres(),
+            &drawn.at(scene.spheres()),
+            source,
+            path.ray.direction,
+        )
     }
 }

@@ -126,7 +126,7 @@ pub fn page(facts: &[(&str, String)], entries: &[Entry]) -> Result<String> {
     body += &table(&["", ""], facts.iter().map(fact)).replace("<th></th>\n", "");
     body += &element("p", "class=soft", HOW_TO_READ);
     let charts = Charts::of(entries);
-    for (name, arrangement) in Arrangement::NAMES {
+    for &(name, arrangement) in Arrangement::NAMES {
         let of_scene: Vec<&Entry> =
             entries.iter().filter(|entry| entry.arrangement == arrangement).collect();
         if !of_scene.is_empty() {

@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn the_camera_sees_the_spheres_however_many_there_are() {
-        for (name, arrangement) in Arrangement::NAMES {
+        for &(name, arrangement) in Arrangement::NAMES {
             for count in [3, 1000] {
                 let scene = StandardScene::new(arrangement, count).unwrap();
                 let options = BuildOptions::default();

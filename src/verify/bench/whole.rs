@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use crate::accel::{Accel, Backend, Cancel, Precision};
 use crate::error::{Error, Result};
-use crate::film::Picture;
+use crate::film::{Kind, Picture};
 use crate::geometry::{PathRays, SphereSet};
+use crate::job::render;
 use crate::math::{Hit, Ray};
-use crate::render::{RenderOptions, render};
-use crate::scene::Scene;
+use crate::scene::Shot;
 
 use super::{Field, Figure, MOST_FOR_BRUTE_FORCE};
 
@@ -37,7 +37,7 @@ pub struct WholeBench {
 /// # Errors
 /// When a render fails, or on cancellation.
 pub fn renders(
-    scene: &Scene,
+    shot: &Shot,
     field: &Field,
     rounds: usize,
     cancel: &Cancel,
@@ -47,7 +47,7 @@ pub fn renders(
     let mut stands: Vec<Stand<'_>> = field.contenders().filter(can).map(Stand::new).collect();
     for _ in 0..rounds.max(1) {
         for stand in &mut stands {
-            stand.repeat(scene, cancel)?;
+            stand.repeat(shot, cancel)?;
         }
     }
     let first = stands.first().and_then(|stand| stand.picture.clone()).unwrap_or_default();
@@ -70,12 +70,11 @@ impl<'a> Stand<'a> {
         Self { backend, accel, seconds, inside, picture: None, rays: 0, samples: 0 }
     }
 
-    fn repeat(&mut self, scene: &Scene, cancel: &Cancel) -> Result<()> {
+    fn repeat(&mut self, shot: &Shot, cancel: &Cancel) -> Result<()> {
         let in_f64 = self.backend == Backend::BruteForce;
         let clocked = Clocked { accel: self.accel, in_f64, nanoseconds: AtomicU64::new(0) };
-        let options = RenderOptions { cancel: cancel.clone(), progress: &|_| {} };
         let start = Instant::now();
-        let outcome = render(scene, &clocked, &options)?;
+        let outcome = render(shot, &clocked, &Kind::USUAL, cancel)?;
         let seconds = start.elapsed().as_secs_f64().max(1e-9);
         if !outcome.complete {
             return Err(Error::cancelled());
@@ -199,12 +198,13 @@ spheres = [
 
     #[test]
     fn renders_take_their_time_and_part_of_it_in_the_intersector() {
-        let loaded = read_text("scene", SCENE, Path::new("."), &[]).unwrap();
-        let scene = Scene::new(loaded).unwrap();
+        let file = read_text("scene", SCENE, Path::new("."), &[]).unwrap();
+        let (scene, settings) = file.build().unwrap();
+        let shot = Shot::new(&scene, settings).unwrap();
         let backends = [Backend::Native, Backend::BruteForce];
         let options = BuildOptions::default();
         let field = Field::build(scene.spheres(), &backends, &options, 1).unwrap();
-        let results = renders(&scene, &field, 2, &options.cancel).unwrap();
+        let results = renders(&shot, &field, 2, &options.cancel).unwrap();
         assert_eq!(results.iter().map(|result| result.backend).collect::<Vec<_>>(), backends);
         for result in &results {
             assert_eq!(result.samples, 12 * 8 * 4);
@@ -214,6 +214,6 @@ spheres = [
             assert_eq!(result.other_pixels, 0);
         }
         options.cancel.cancel();
-        assert!(renders(&scene, &field, 1, &options.cancel).is_err());
+        assert!(renders(&shot, &field, 1, &options.cancel).is_err());
     }
 }

@@ -5,7 +5,8 @@
 
 use crate::geometry::Sphere;
 use crate::math::DVec3;
-use crate::scene::description::{Description, Projection};
+use crate::scene::Shot;
+use crate::scene::description::Projection;
 use crate::verify::quadrature::gauss_legendre;
 
 /// A straight line from a point.
@@ -61,19 +62,19 @@ pub(super) fn normal(sphere: &Sphere, at: DVec3) -> DVec3 {
 }
 
 /// The spheres of a scene, in the order of the file.
-pub(super) fn spheres(scene: &Description) -> Vec<Sphere> {
+pub(super) fn spheres(shot: &Shot) -> Vec<Sphere> {
     let sphere = |row: &crate::scene::description::SphereRow| Sphere {
         center: row.center,
         radius: row.radius,
     };
-    scene.spheres.iter().map(sphere).collect()
+    shot.description().spheres.iter().map(sphere).collect()
 }
 
 /// The rays of a pinhole, parallel ones or those of a panorama, by places in the picture in pixels from its upper left
 /// corner; those of other cameras see nothing.
-pub(super) fn rays(scene: &Description) -> impl Fn(f64, f64) -> Line {
-    let camera = &scene.camera;
-    let [width, height] = [scene.image.width, scene.image.height].map(f64::from);
+pub(super) fn rays(shot: &Shot) -> impl Fn(f64, f64) -> Line {
+    let camera = &shot.description().camera;
+    let [width, height] = [shot.image().width, shot.image().height].map(f64::from);
     let forward = (camera.look_at - camera.position).normalize();
     let right = forward.cross(camera.up).normalize();
     let up = right.cross(forward);
@@ -113,7 +114,7 @@ pub(super) fn rays(scene: &Description) -> impl Fn(f64, f64) -> Line {
 /// The mean of what is seen over each pixel, by `nodes` squared places of a Gaussian rule; `None`
 /// for a pixel with more than one piece in it, or with what has no answer.
 pub(super) fn over_pixels(
-    scene: &Description,
+    shot: &Shot,
     nodes: usize,
     ray: impl Fn(f64, f64) -> Line,
     seen: impl Fn(Line) -> Seen,
@@ -131,8 +132,8 @@ pub(super) fn over_pixels(
         };
         Some(rule.iter().flat_map(row).sum())
     };
-    let rows = 0..scene.image.height;
-    rows.flat_map(|y| (0..scene.image.width).map(move |x| (x, y)))
+    let rows = 0..shot.image().height;
+    rows.flat_map(|y| (0..shot.image().width).map(move |x| (x, y)))
         .map(|(x, y)| pixel(x, y))
         .collect()
 }

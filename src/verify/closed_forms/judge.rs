@@ -17,9 +17,10 @@ use tempfile::TempDir;
 
 use crate::accel::{Accel, Backend, BuildOptions, Cancel};
 use crate::error::{Error, Result};
+use crate::film::Kind;
 use crate::film::Picture;
-use crate::render::{RenderOptions, render};
-use crate::scene::{Override, Scene, read_text};
+use crate::job::render;
+use crate::scene::{Override, Shot, read_text};
 use crate::verify::check::{Effort, Figure, Finding, Measured, Scale, seed};
 use crate::verify::statistics::{Estimate, ROUNDING};
 
@@ -43,16 +44,16 @@ pub(super) fn measure(
     cancel: &Cancel,
 ) -> Result<Measured> {
     let folder = folder_of_tables(form)?;
-    let mut scene = scene(form, way, effort, folder.as_ref())?;
+    let mut shot = shot(form, way, effort, folder.as_ref())?;
     let build = BuildOptions { threads: 1, cancel: cancel.clone(), ..Default::default() };
-    let accel = backend.build(scene.spheres(), &build)?;
-    let answer = (form.answer)(scene.description(), NODES);
+    let accel = backend.build(shot.scene().spheres(), &build)?;
+    let answer = (form.answer)(&shot, NODES);
     let one = |index: u64| {
-        scene.set_seed(seed(name, index));
-        picture(&scene, accel.as_ref(), cancel)
+        shot.set_seed(seed(name, index));
+        picture(&shot, accel.as_ref(), cancel)
     };
     let pictures: Vec<Picture> = (0..SEEDS).map(one).collect::<Result<_>>()?;
-    let samples = scene.description().render.samples_per_pixel;
+    let samples = shot.render().samples_per_pixel;
     let values: Vec<Values> = pictures.iter().map(|picture| Values::of(picture, form)).collect();
     Ok(judge(&values, &answer, samples))
 }
@@ -70,13 +71,14 @@ fn folder_of_tables(form: &Form) -> Result<Option<TempDir>> {
     Ok(Some(folder))
 }
 
-fn scene(form: &Form, way: &Way, effort: Effort, folder: Option<&TempDir>) -> Result<Scene> {
+fn shot(form: &Form, way: &Way, effort: Effort, folder: Option<&TempDir>) -> Result<Shot> {
     let samples = form.samples * effort.choose([2, 8, 32]);
     let own = format!("render.samples_per_pixel={samples}");
     let overrides: Vec<Override> = way.overrides().chain([&*own]).filter_map(set).collect();
     let file = format!("scenes/verify/{}.toml", form.name);
     let folder = folder.map_or(Path::new(""), TempDir::path);
-    Scene::new(read_text(&file, form.text, folder, &overrides)?)
+    let (scene, settings) = read_text(&file, form.text, folder, &overrides)?.build()?;
+    Shot::new(&scene, settings)
 }
 
 fn set(pair: &str) -> Option<Override> {
@@ -84,11 +86,10 @@ fn set(pair: &str) -> Option<Override> {
     Some(Override { option: format!("--set {pair}"), key: key.into(), value: value.into() })
 }
 
-fn picture(scene: &Scene, accel: &dyn Accel, cancel: &Cancel) -> Result<Picture> {
-    let options = RenderOptions { cancel: cancel.clone(), progress: &|_| {} };
-    let outcome = render(scene, accel, &options)?;
+fn picture(shot: &Shot, accel: &dyn Accel, cancel: &Cancel) -> Result<Picture> {
+    let rendered = render(shot, accel, &Kind::USUAL, cancel)?;
     cancel.check()?;
-    Ok(outcome.picture)
+    Ok(rendered.picture)
 }
 
 /// A picture as one number for each pixel: the weighted mean of its channels.
@@ -212,10 +213,9 @@ mod tests {
         for form in FORMS {
             let (way, _) = combinations(form, Effort::Quick, &[Backend::Native]).remove(0);
             let folder = folder_of_tables(form).expect("a folder");
-            let scene = scene(form, &way, Effort::Quick, folder.as_ref());
-            let scene = scene.unwrap_or_else(|e| panic!("{}: {e}", form.name));
-            let [coarse, fine] =
-                [NODES, 2 * NODES].map(|nodes| (form.answer)(scene.description(), nodes));
+            let shot = shot(form, &way, Effort::Quick, folder.as_ref());
+            let shot = shot.unwrap_or_else(|e| panic!("{}: {e}", form.name));
+            let [coarse, fine] = [NODES, 2 * NODES].map(|nodes| (form.answer)(&shot, nodes));
             let brightest = fine.iter().flatten().copied().fold(0.0, f64::max);
             let judged = fine.iter().flatten().count();
             assert!(judged >= fine.len() / 3, "{}: {judged} of {}", form.name, fine.len());

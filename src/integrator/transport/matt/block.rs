@@ -6,7 +6,7 @@ use crate::light::{Lamp, LightSample};
 use crate::material::Diffuse;
 use crate::math::{DVec3, Frame, LANES, Lanes, Lanes3, NO_SPHERE, Stage, nearly_unit};
 use crate::sampling::{Sampler, SobolLanes};
-use crate::scene::description::Estimator;
+use crate::scene::settings::Estimator;
 
 use super::super::super::dimension::Vertex;
 use super::super::aim;

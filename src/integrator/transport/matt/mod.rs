@@ -14,7 +14,7 @@ use crate::light::{Receiver, Source};
 use crate::material::{Diffuse, Model};
 use crate::math::{DVec3, Hit, Isa};
 use crate::sampling::{Hemisphere, SamplerKind};
-use crate::scene::description::Estimator;
+use crate::scene::settings::Estimator;
 
 use super::super::trace::Recorder;
 use super::batch::Batch;
@@ -41,7 +41,7 @@ impl<'a, R: Recorder> Batch<'a, R> {
             && !scene.has_opacity()
             && transport.hemisphere == Hemisphere::Cosine
             && transport.most_scatterings == u32::MAX
-            && scene.description().render.sampler == SamplerKind::Sobol
+            && self.world.shot.render().sampler == SamplerKind::Sobol
     }
 
     /// The surface that a path meets, if it is one of those that a block takes.
@@ -102,7 +102,7 @@ impl<'a, R: Recorder> Batch<'a, R> {
             return;
         }
         let scene = self.world.scene;
-        let lights = scene.lights();
+        let lights = self.world.shot.lights();
         let estimator = self.transport.estimator;
         isa.run(Meet { block, has_choice: lights.has_choice() });
         if estimator == Estimator::Bsdf {

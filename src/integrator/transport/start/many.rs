@@ -4,16 +4,16 @@ use crate::fault::fault;
 use crate::geometry::RayBlock;
 use crate::math::{Isa, LANES, Lanes, Stage};
 use crate::sampling::{Sampler, SamplerKind, SobolLanes, box_sample};
-use crate::scene::Scene;
+use crate::scene::Shot;
 
 use super::super::super::{SampleAddress, dimension};
 use super::super::Transport;
 
 /// Whether the camera rays of a scene can be drawn many at a time.
-pub(super) fn can_start(scene: &Scene, transport: &Transport) -> bool {
-    scene.camera().is_pinhole()
+pub(super) fn can_start(shot: &Shot, transport: &Transport) -> bool {
+    shot.camera().is_pinhole()
         && transport.strata.is_none()
-        && scene.description().render.sampler == SamplerKind::Sobol
+        && shot.render().sampler == SamplerKind::Sobol
 }
 
 /// Samples that leave the camera together.
@@ -32,7 +32,7 @@ impl StartBlock {
     pub(super) fn run(
         &mut self,
         isa: Isa,
-        scene: &Scene,
+        shot: &Shot,
         samples: &[SampleAddress],
         rays: &mut RayBlock,
     ) {
@@ -41,15 +41,15 @@ impl StartBlock {
             self.pixel[1].0[lane] = address.y;
             self.sample.0[lane] = address.sample;
         }
-        isa.run(Place { block: self, scene });
-        if scene.filter().radius_of_box().is_none() {
+        isa.run(Place { block: self, shot });
+        if shot.filter().radius_of_box().is_none() {
             for lane in 0..LANES {
                 let u = [0, 1].map(|axis| self.u[axis].0[lane]);
-                let offset = scene.filter().sample(u);
+                let offset = shot.filter().sample(u);
                 (0..2).for_each(|axis| self.offset[axis].0[lane] = offset[axis]);
             }
         }
-        isa.run(Leave { block: self, scene, rays });
+        isa.run(Leave { block: self, shot, rays });
     }
 
     /// The random numbers of a sample.
@@ -61,22 +61,21 @@ impl StartBlock {
 /// Draws places in the pixels.
 struct Place<'a> {
     block: &'a mut StartBlock,
-    scene: &'a Scene,
+    shot: &'a Shot,
 }
 
 impl Stage for Place<'_> {
     #[inline(always)]
     fn run(self) {
         let StartBlock { pixel: [x, y], sample, numbers, u, offset, .. } = self.block;
-        let description = self.scene.description();
-        let width = u64::from(description.image.width);
+        let width = u64::from(self.shot.image().width);
         let pixel = |lane: usize| u64::from(y.0[lane]) * width + u64::from(x.0[lane]);
-        numbers.begin(description.render.seed, pixel, |lane| sample.0[lane]);
+        numbers.begin(self.shot.render().seed, pixel, |lane| sample.0[lane]);
         numbers.turn_to(|_| dimension::PIXEL / SobolLanes::SET);
         for (dimension, u) in (dimension::PIXEL % SobolLanes::SET..).zip(&mut *u) {
             numbers.get(dimension, u);
         }
-        if let Some(radius) = self.scene.filter().radius_of_box() {
+        if let Some(radius) = self.shot.filter().radius_of_box() {
             for (u, offset) in u.iter().zip(offset) {
                 for lane in 0..LANES {
                     offset.0[lane] = box_sample(u.0[lane]) * radius;
@@ -89,7 +88,7 @@ impl Stage for Place<'_> {
 /// Sends the rays off.
 struct Leave<'a> {
     block: &'a StartBlock,
-    scene: &'a Scene,
+    shot: &'a Shot,
     rays: &'a mut RayBlock,
 }
 
@@ -98,7 +97,7 @@ impl Stage for Leave<'_> {
     fn run(self) {
         let StartBlock { pixel, offset, .. } = self.block;
         let RayBlock { origin, direction, t_min, .. } = self.rays;
-        let camera = *self.scene.camera();
+        let camera = *self.shot.camera();
         let half = if fault!(CornerForCentre) { 0.0 } else { 0.5 };
         for lane in 0..LANES {
             let [x, y] =

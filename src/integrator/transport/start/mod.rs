@@ -8,7 +8,7 @@ use crate::color::Rgb;
 use crate::geometry::PathRay;
 use crate::math::LANES;
 use crate::sampling::Sampler;
-use crate::scene::description::Miss;
+use crate::scene::settings::Miss;
 
 use super::super::camera_rays::{camera_ray, sampler_of};
 use super::super::trace::{Recorder, Step};
@@ -26,15 +26,15 @@ impl<R: Recorder> Batch<'_, R> {
         self.samplers.clear();
         paths.clear();
         let samples = self.samples;
-        if many::can_start(self.world.scene, self.transport) {
+        if many::can_start(self.world.shot, self.transport) {
             for samples in samples.chunks(LANES) {
                 let rays = paths.rays.push_block(samples.len());
-                start.run(*isa, self.world.scene, samples, rays);
+                start.run(*isa, self.world.shot, samples, rays);
                 self.samplers.extend((0..samples.len()).map(|lane| start.sampler(lane)));
             }
         } else {
             for &address in samples {
-                let sampler = sampler_of(self.world.scene, self.transport.strata, address);
+                let sampler = sampler_of(self.world.shot, self.transport.strata, address);
                 let ray = self.draw(address, sampler, [dimension::PIXEL, dimension::LENS]);
                 paths.rays.push(&ray);
                 self.samplers.push(sampler);
@@ -47,7 +47,7 @@ impl<R: Recorder> Batch<'_, R> {
     }
 
     fn draw(&self, address: SampleAddress, sampler: Sampler, dimensions: [u32; 2]) -> PathRay {
-        camera_ray(self.world.scene, self.transport.strata, address, sampler, dimensions)
+        camera_ray(self.world.shot, self.transport.strata, address, sampler, dimensions)
     }
 
     /// Draws a camera ray again that met nothing, where the scene asks for that. Returns whether it
@@ -69,7 +69,7 @@ impl<R: Recorder> Batch<'_, R> {
     fn leave_camera(&mut self, path: &Path) {
         let (ray, redraws) = (path.ray, path.state.redraws);
         if let Some(media) = self.media.get_mut(path.state.sample as usize) {
-            *media = self.world.scene.media_at(ray.at(ray.t_min));
+            *media = self.world.shot.media_at(ray.at(ray.t_min));
         }
         self.recorder.note(|| Step::Camera { ray, redraws });
     }

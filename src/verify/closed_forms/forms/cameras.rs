@@ -2,20 +2,21 @@
 
 use std::f64::consts::PI;
 
-use crate::scene::description::{Description, Projection};
+use crate::scene::Shot;
+use crate::scene::description::Projection;
 use crate::verify::closed_forms::field::spheres;
 use crate::verify::quadrature::integral;
 
 use super::{emission, everywhere};
 
 /// The mean over the lens of the share of the plane in focus that the lamp covers.
-pub(super) fn lens(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
-    let camera = &scene.camera;
+pub(super) fn lens(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+    let camera = &shot.description().camera;
     let Projection::Perspective { vertical_fov_degrees, lens: Some(lens) } = camera.projection
     else {
-        return everywhere(scene, f64::NAN);
+        return everywhere(shot, f64::NAN);
     };
-    let lamp = spheres(scene)[0];
+    let lamp = spheres(shot)[0];
     let f = lens.focus_distance;
     let k_squared = lamp.center.distance_squared(camera.position) - lamp.radius * lamp.radius;
     let covered = |p: f64| {
@@ -24,5 +25,5 @@ pub(super) fn lens(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
     };
     let mean = integral(0.0, 1.0, nodes, |share| 2.0 * share * covered(share * lens.radius));
     let side = 2.0 * f * libm::tan(vertical_fov_degrees.to_radians() / 2.0);
-    everywhere(scene, emission(scene, "lamp") * mean / (side * side))
+    everywhere(shot, emission(shot, "lamp") * mean / (side * side))
 }

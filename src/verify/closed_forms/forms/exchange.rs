@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::geometry::Sphere;
 use crate::math::DVec3;
-use crate::scene::description::Description;
+use crate::scene::Shot;
 use crate::verify::closed_forms::field::{Line, normal, spheres};
 use crate::verify::closed_forms::lamp::Disc;
 use crate::verify::quadrature::integral;
@@ -15,11 +15,11 @@ use super::{albedo, emission, everywhere};
 /// begins as a square root.
 const FINER: usize = 16;
 
-pub(super) fn exchange(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(scene);
-    let [a, b] = ["a", "b"].map(|name| albedo(scene, name));
+pub(super) fn exchange(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
+    let [a, b] = ["a", "b"].map(|name| albedo(shot, name));
     let back = share_that_returns(&spheres[0], &spheres[1], FINER * nodes);
-    everywhere(scene, emission(scene, "a") * (1.0 + a * b * back))
+    everywhere(shot, emission(shot, "a") * (1.0 + a * b * back))
 }
 
 /// Seen from the point of A that is nearest to B: the integral of B's form factor of A over the

@@ -1,19 +1,20 @@
 //! Glass that bends light, and lets out less of it.
 
-use crate::scene::description::{Description, Surface};
+use crate::scene::Shot;
+use crate::scene::description::Surface;
 use crate::verify::closed_forms::field::{over_pixels, rays, spheres};
 
 use super::{emission, material};
 
 /// See `scenes/verify/lamp-in-glass.toml`, and the glass that absorbs, `lamp-in-dark-glass.toml`.
-pub(super) fn lamp_in_glass(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(scene);
+pub(super) fn lamp_in_glass(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
     let (glass, lamp) = (spheres[0], spheres[1]);
-    let radiance = emission(scene, "lamp");
-    let Surface::Dielectric { ior, absorption, .. } = material(scene, "glass").surface else {
-        return vec![None; (scene.image.width * scene.image.height) as usize];
+    let radiance = emission(shot, "lamp");
+    let Surface::Dielectric { ior, absorption, .. } = material(shot, "glass").surface else {
+        return vec![None; (shot.image().width * shot.image().height) as usize];
     };
-    over_pixels(scene, nodes, rays(scene), |line| {
+    over_pixels(shot, nodes, rays(shot), |line| {
         let Some(t) = line.distance(&glass) else { return Some((0, 0.0)) };
         let from_center = line.at(t) - glass.center;
         let cos = -from_center.dot(line.direction) / glass.radius;

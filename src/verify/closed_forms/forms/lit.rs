@@ -3,17 +3,18 @@
 use std::f64::consts::PI;
 
 use crate::geometry::Sphere;
-use crate::scene::description::{Description, Dome};
+use crate::scene::Shot;
+use crate::scene::description::Dome;
 use crate::verify::closed_forms::field::{normal, over_pixels, rays, spheres};
 use crate::verify::closed_forms::lamp::Disc;
 
 use super::{albedo, emission, material};
 
 /// Every direction above the ball meets the lamp, so its irradiance is `pi Le`.
-pub(super) fn inside_a_lamp(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(scene);
-    let [ball, lamp] = [albedo(scene, "ball"), 1.0].map(|a| a * emission(scene, "lamp"));
-    over_pixels(scene, nodes, rays(scene), |line| {
+pub(super) fn inside_a_lamp(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
+    let [ball, lamp] = [albedo(shot, "ball"), 1.0].map(|a| a * emission(shot, "lamp"));
+    over_pixels(shot, nodes, rays(shot), |line| {
         let (piece, _) = line.first(&spheres, None)?;
         Some((piece, [ball, lamp][piece]))
     })
@@ -26,11 +27,11 @@ pub(super) fn under(lamp: &Sphere, ball: &Sphere, point: glam::DVec3, a: f64, le
 
 /// A ball that scatters, and before it nothing. Both walls of the lamp shine, each to the share of its
 /// opacity, and the far one through the near one.
-pub(super) fn sphere_light(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(scene);
-    let through = 1.0 - material(scene, "lamp").opacity;
-    let (a, le) = (albedo(scene, "ball"), emission(scene, "lamp") * (1.0 - through * through));
-    over_pixels(scene, nodes, rays(scene), |line| match line.first(&spheres, None) {
+pub(super) fn sphere_light(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
+    let through = 1.0 - material(shot, "lamp").opacity;
+    let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp") * (1.0 - through * through));
+    over_pixels(shot, nodes, rays(shot), |line| match line.first(&spheres, None) {
         Some((0, t)) => Some((0, under(&spheres[1], &spheres[0], line.at(t), a, le))),
         Some((_, _)) => Some((1, le)),
         None => Some((2, 0.0)),
@@ -40,12 +41,12 @@ pub(super) fn sphere_light(scene: &Description, nodes: usize) -> Vec<Option<f64>
 /// A third sphere is black and in the way of some of the lamp. Where its disc lies within the lamp's,
 /// its form factor is what is missing, or a share of it where it has some opacity; where the edges
 /// cross, there is no answer.
-pub(super) fn occluder(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(scene);
-    let (a, le) = (albedo(scene, "ball"), emission(scene, "lamp"));
-    let opacity = material(scene, "black").opacity;
+pub(super) fn occluder(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
+    let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp"));
+    let opacity = material(shot, "black").opacity;
     let through = (1.0 - opacity) * (1.0 - opacity); // two walls
-    over_pixels(scene, nodes, rays(scene), |line| match line.first(&spheres, None) {
+    over_pixels(shot, nodes, rays(shot), |line| match line.first(&spheres, None) {
         Some((0, t)) => {
             let point = line.at(t);
             let n = normal(&spheres[0], point);
@@ -62,15 +63,17 @@ pub(super) fn occluder(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
 
 /// The sky's radiance is linear in the height of a direction, and before it is the sun, a disc that the
 /// horizon may cut.
-pub(super) fn sun_and_sky(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
-    let ball = spheres(scene)[0];
-    let a = albedo(scene, "ball");
-    let Dome::Gradient { zenith, horizon, .. } = scene.background.dome else { return Vec::new() };
+pub(super) fn sun_and_sky(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+    let ball = spheres(shot)[0];
+    let a = albedo(shot, "ball");
+    let Dome::Gradient { zenith, horizon, .. } = shot.description().background.dome else {
+        return Vec::new();
+    };
     let [zenith, horizon] = [zenith, horizon].map(|radiance| f64::from(radiance.y));
-    let Some(sun) = scene.background.sun else { return Vec::new() };
+    let Some(sun) = shot.description().background.sun else { return Vec::new() };
     let sin_radius = libm::sin(sun.angular_diameter_degrees.to_radians() / 2.0);
     let radiance = f64::from(sun.irradiance.y) / (PI * sin_radius * sin_radius);
-    over_pixels(scene, nodes, rays(scene), |line| {
+    over_pixels(shot, nodes, rays(shot), |line| {
         let n = normal(&ball, line.at(line.distance(&ball)?));
         let direction = sun.direction;
         let disc = Disc { direction, cos: direction.dot(n), sin_radius };

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::geometry::Sphere;
 use crate::math::DVec3;
-use crate::scene::description::Description;
+use crate::scene::Shot;
 use crate::verify::closed_forms::field::{normal, over_pixels, rays, spheres};
 use crate::verify::closed_forms::lamp::Disc;
 
@@ -13,11 +13,11 @@ use super::{albedo, emission};
 /// The table: rows of x, y, z and radius.
 pub(super) const LAMPS: &[u8] = include_bytes!("../../../../scenes/verify/many-lamps.f32");
 
-pub(super) fn many_lamps(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
-    let ball = spheres(scene)[0];
+pub(super) fn many_lamps(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+    let ball = spheres(shot)[0];
     let lamps = lamps();
-    let share = albedo(scene, "ball") * emission(scene, "lamp") / PI;
-    over_pixels(scene, nodes, rays(scene), |line| {
+    let share = albedo(shot, "ball") * emission(shot, "lamp") / PI;
+    over_pixels(shot, nodes, rays(shot), |line| {
         let point = line.at(line.distance(&ball)?);
         let n = normal(&ball, point);
         let light: f64 = lamps.iter().map(|lamp| Disc::of(lamp, point, n).irradiance()).sum();

@@ -1,7 +1,7 @@
 //! Mirror balls before the eye and before the lamp.
 
 use crate::geometry::Sphere;
-use crate::scene::description::Description;
+use crate::scene::Shot;
 use crate::verify::closed_forms::field::{Line, normal, over_pixels, rays, spheres};
 use crate::verify::closed_forms::lamp::Disc;
 
@@ -9,11 +9,11 @@ use super::{albedo, emission, everywhere};
 
 /// The spheres are ball, lamp, mirror. What the mirror shows of the ball is lit by the lamp, where
 /// the mirror is not in its way.
-pub(super) fn before_the_eye(scene: &Description, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(scene);
-    let (a, le) = (albedo(scene, "ball"), emission(scene, "lamp"));
-    let rho = albedo(scene, "mirror");
-    over_pixels(scene, nodes, rays(scene), |line| {
+pub(super) fn before_the_eye(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
+    let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp"));
+    let rho = albedo(shot, "mirror");
+    over_pixels(shot, nodes, rays(shot), |line| {
         let (first, t) = line.first(&spheres, None)?;
         if first != 2 {
             return None;
@@ -37,14 +37,14 @@ pub(super) fn before_the_eye(scene: &Description, nodes: usize) -> Vec<Option<f6
 /// The spheres are ball, mirror, and a lamp around both. The point of the ball under the mirror sees
 /// the lamp beside the mirror, and in the mirror from the angle on at which the ball's own
 /// reflection ends.
-pub(super) fn before_the_lamp(scene: &Description, _: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(scene);
+pub(super) fn before_the_lamp(shot: &Shot, _: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
     let (ball, mirror) = (&spheres[0], &spheres[1]);
     let edge = mirror.radius / (mirror.center.distance(ball.center) - ball.radius);
     let own = own_reflection(ball, mirror, edge);
     let [beside, shown] = [1.0 - edge * edge, edge * edge - own * own];
-    let light = beside + albedo(scene, "mirror") * shown;
-    everywhere(scene, albedo(scene, "ball") * emission(scene, "lamp") * light)
+    let light = beside + albedo(shot, "mirror") * shown;
+    everywhere(shot, albedo(shot, "ball") * emission(shot, "lamp") * light)
 }
 
 /// The sine of the polar angle at which the reflected ray grazes the ball, by bisection between the

@@ -14,7 +14,8 @@ mod uniform;
 
 pub use list::FORMS;
 
-use crate::scene::description::{Description, Dome, NamedMaterial, Surface};
+use crate::scene::Shot;
+use crate::scene::description::{Dome, NamedMaterial, Surface};
 
 /// A scene whose picture is known.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +37,7 @@ pub struct Form {
     /// Samples of each pixel in a quick check, from each seed: a multiple of 4.
     pub samples: u32,
     /// The answer for each pixel, `None` where there is none, by quadratures of so many nodes.
-    pub(super) answer: fn(&Description, usize) -> Vec<Option<f64>>,
+    pub(super) answer: fn(&Shot, usize) -> Vec<Option<f64>>,
 }
 
 /// What light a scene shows, and thus which estimators find all of it.
@@ -56,27 +57,27 @@ const GREY: [f64; 3] = [1.0 / 3.0; 3];
 const TOLD_APART: [f64; 3] = [1.0 / 7.0, 2.0 / 7.0, 4.0 / 7.0];
 
 /// A material by its name.
-fn material<'a>(scene: &'a Description, name: &str) -> &'a NamedMaterial {
-    let found = scene.materials.iter().find(|material| material.name == name);
+fn material<'a>(shot: &'a Shot, name: &str) -> &'a NamedMaterial {
+    let found = shot.description().materials.iter().find(|material| material.name == name);
     found.expect("the scenes of this program have the materials that their answers are made of")
 }
 
 /// The radiance of an even background.
-fn field_radiance(scene: &Description) -> f64 {
-    match scene.background.dome {
+fn field_radiance(shot: &Shot) -> f64 {
+    match shot.description().background.dome {
         Dome::Constant { radiance } => f64::from(radiance.y),
         _ => f64::NAN,
     }
 }
 
 /// The emission of a grey lamp.
-fn emission(scene: &Description, name: &str) -> f64 {
-    f64::from(material(scene, name).emission.y)
+fn emission(shot: &Shot, name: &str) -> f64 {
+    f64::from(material(shot, name).emission.y)
 }
 
 /// The albedo or reflectance of a grey surface.
-fn albedo(scene: &Description, name: &str) -> f64 {
-    match &material(scene, name).surface {
+fn albedo(shot: &Shot, name: &str) -> f64 {
+    match &material(shot, name).surface {
         Surface::Diffuse { albedo: share, .. } | Surface::Mirror { reflectance: share, .. } => {
             f64::from(share.y)
         }
@@ -85,6 +86,6 @@ fn albedo(scene: &Description, name: &str) -> f64 {
 }
 
 /// The same answer for every pixel.
-fn everywhere(scene: &Description, value: f64) -> Vec<Option<f64>> {
-    vec![Some(value); (scene.image.width * scene.image.height) as usize]
+fn everywhere(shot: &Shot, value: f64) -> Vec<Option<f64>> {
+    vec![Some(value); (shot.image().width * shot.image().height) as usize]
 }

@@ -1,0 +1,63 @@
+//! `photosphere merge`: parts of a picture become one.
+
+use crate::error::Result;
+use crate::job::merge::{Merged, Plan, merge};
+use crate::output::WholeFile;
+
+use super::args::MergeArgs;
+use super::exit::Exit;
+use super::outputs::{self, Outputs};
+use super::{interrupt, print, system};
+
+/// # Errors
+/// When a part is damaged or foreign, when parts overlap, when something is missing, and when the
+/// result cannot be written.
+pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
+    let files: Vec<_> = args.output.files.iter().map(|file| ("-o", file.as_path())).collect();
+    outputs::refuse_same_places(&files)?;
+    let layers = args.output.asks_for_layers().then(|| args.output.kinds());
+    let given = layers.as_deref().unwrap_or_default();
+    let mut outputs = Outputs::new(&args.output.delivery(), given, layers.is_some())?;
+    let part = outputs.part().map(WholeFile::new).transpose()?;
+    interrupt::listen();
+    let plan = Plan {
+        layers,
+        crop: args.crop,
+        allow_gaps: args.allow_gaps,
+        makes_picture: outputs.has_pictures(),
+        makes_part: part.is_some(),
+        command: Some(system::command_line()),
+    };
+    let merged = merge(&args.parts, &plan)?;
+    outputs.set_layers(&merged.layers);
+    if let Some(part) = part {
+        merged.write_part(&part)?;
+    }
+    write_pictures(&merged, &outputs)?;
+    if !args.quiet {
+        let parts = print::count(args.parts.len(), "part");
+        let files = outputs::in_words(&args.output.files);
+        let samples = merged.metadata.samples_as_text();
+        print::remark(format_args!("wrote {files}, samples {samples} of {parts}"));
+    }
+    Ok(tell_missed(&merged))
+}
+
+fn write_pictures(merged: &Merged, outputs: &Outputs) -> Result<()> {
+    if !outputs.has_pictures() {
+        return Ok(());
+    }
+    let picture = merged.picture()?;
+    let notes = outputs.notes(merged.film.frame(), &merged.metadata, false);
+    outputs.pictures().iter().try_for_each(|file| file.write(None, &picture, &notes))
+}
+
+/// Says which parts ended without having met their noise target.
+fn tell_missed(merged: &Merged) -> Exit {
+    for (path, missed) in &merged.missed {
+        for status in missed {
+            print::warning(format_args!("`{}`: {status}", path.display()));
+        }
+    }
+    if merged.missed.is_empty() { Exit::Done } else { Exit::CheckFailed }
+}

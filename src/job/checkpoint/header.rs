@@ -1,0 +1,157 @@
+//! What a checkpoint says of itself, as JSON: one declaration, written and read.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::color::Look;
+use crate::film::{BLOCK, Format, Layer};
+use crate::math::Rect;
+use crate::scene::Source;
+
+use super::super::metadata::Metadata;
+use super::super::outcome::NoiseStatus;
+use super::super::spec::Job;
+use super::hashing::Hashing;
+use super::{Bad, FIRST_VERSION, MAGIC, VERSION};
+
+/// The longest header: a scene's description and text, and some.
+const LONGEST: u32 = 16 << 20;
+
+/// The most pixels along a picture.
+const WIDEST: u32 = 1 << 24;
+
+/// What a checkpoint says of itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Header {
+    /// What the film holds.
+    pub film: Format,
+    /// The indices of the samples that every pixel is to have in the end.
+    pub samples: Range<u32>,
+    /// The render.
+    pub job: Job,
+    /// The picture of the samples so far.
+    pub metadata: Metadata,
+    /// Whether it is over.
+    pub status: Status,
+    /// What it took.
+    pub statistics: Statistics,
+    /// Whether the scene leaves the background out of its pictures.
+    pub transparent: bool,
+    /// The scene file, without its text.
+    pub source: Option<Source>,
+    /// Where the picture goes; `None` in a checkpoint that was merged.
+    pub delivery: Option<Delivery>,
+}
+
+/// Whether a render is over.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "state", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Status {
+    /// It lacks samples that it is to have.
+    #[default]
+    Unfinished,
+    /// It has come to its end, be that the end of its time. `missed` are noise targets that its parts did
+    /// not meet.
+    Ended {
+        /// One for each part that did not.
+        missed: Vec<NoiseStatus>,
+    },
+}
+
+/// What a render took, in all its runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Statistics {
+    /// Rays traced.
+    pub rays: u64,
+    /// Seconds of rendering.
+    pub seconds: f64,
+    /// Paths that were inside more dielectric spheres than can be remembered.
+    pub media_overflows: u64,
+    /// Paths cut off at the hard limit on their length.
+    pub cut_off: u64,
+}
+
+/// Where the picture of a render goes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Delivery {
+    /// The files, from the root on.
+    pub files: Vec<FilePath>,
+    /// How files for the screen show light.
+    pub look: Look,
+    /// Whether files say what the run was like.
+    pub with_run: bool,
+    /// How often the checkpoint is written.
+    pub save_every: Duration,
+    /// The file for the picture so far, from the root on.
+    pub preview: Option<FilePath>,
+    /// How often that is written.
+    pub preview_every: Duration,
+    /// Where the viewer tev listens.
+    pub tev: Option<String>,
+}
+
+/// A path, also one that is no text.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct FilePath(#[serde(with = "crate::scene::paths")] pub PathBuf);
+
+impl Header {
+    /// Whether the numbers can be those of a film.
+    fn is_possible(&self) -> bool {
+        let Format { frame, first_sample, ref layers, .. } = self.film;
+        let Rect { x, y, width, height } = frame.window;
+        let fits = |first: u32, length: u32, full: u32| {
+            length > 0 && u64::from(first) + u64::from(length) <= u64::from(full) && full <= WIDEST
+        };
+        let is_twice = |(at, layer): (usize, &Layer)| layers[..at].contains(layer);
+        fits(x, width, frame.full_size[0])
+            && fits(y, height, frame.full_size[1])
+            && first_sample % BLOCK == 0
+            && first_sample == self.samples.start
+            && self.samples.start <= self.samples.end
+            && !layers.iter().enumerate().any(is_twice)
+    }
+}
+
+pub(super) fn read(
+    from: &mut Hashing<BufReader<File>>,
+    bytes: u64,
+) -> std::result::Result<Header, Bad> {
+    let mut magic = [0; 8];
+    match from.fill(&mut magic) {
+        Ok(()) if magic == MAGIC => {}
+        Ok(()) | Err(Bad::CutOff(_)) => return Err(Bad::NoPart),
+        Err(other) => return Err(other),
+    }
+    let version = from.u32()?;
+    if version > VERSION {
+        return Err(Bad::Newer(version));
+    }
+    if version < FIRST_VERSION {
+        return Err(Bad::Older(version));
+    }
+    let length = from.u32()?;
+    if length > LONGEST {
+        return Err(Bad::Damaged("its header is too long"));
+    }
+    if u64::from(length) > bytes {
+        return Err(Bad::CutOff(bytes));
+    }
+    let mut text = vec![0; length as usize];
+    from.fill(&mut text)?;
+    from.check_hash()?;
+    let header: Header = serde_json::from_slice(&text).map_err(|e| match e.classify() {
+        serde_json::error::Category::Data => Bad::Unknown(format!("its header says: {e}")),
+        _ => Bad::Damaged("its header is no JSON"),
+    })?;
+    let is_possible = header.is_possible();
+    is_possible.then_some(header).ok_or(Bad::Damaged("its header says something impossible"))
+}

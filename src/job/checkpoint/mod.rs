@@ -1,0 +1,187 @@
+//! Checkpoints: films as files, to be resumed or merged. A part of a picture is a checkpoint too.
+//!
+//! All numbers are little-endian. A checkpoint is
+//!
+//! - the eight bytes `PHSPPART` and the version of this format, a u32;
+//! - the length of the header, a u32, and the [`Header`] as JSON;
+//! - the BLAKE3 hash of all bytes so far;
+//! - every tile of the film, as its length, a u32, and its bytes (`film::bytes` says which);
+//! - the BLAKE3 hash of all bytes so far. Nothing follows.
+//!
+//! So no file that was cut off or changed is taken for a good one, and what it says of itself is
+//! checked before it is believed.
+
+mod bad;
+mod hashing;
+mod header;
+#[cfg(test)]
+mod tests;
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::film::{Film, hands};
+use crate::output::WholeFile;
+
+pub use header::{Delivery, FilePath, Header, Statistics, Status};
+
+use bad::Bad;
+use hashing::Hashing;
+
+const MAGIC: [u8; 8] = *b"PHSPPART";
+
+/// The version of the format; it grows with every change.
+const VERSION: u32 = 2;
+
+/// The oldest version that is read.
+const FIRST_VERSION: u32 = 2;
+
+/// The longest tile: its 64 pixels of some 30 numbers take a tenth of it.
+const LONGEST_TILE: u32 = 1 << 20;
+
+/// Tiles that are made bytes of at once.
+const PIECE: usize = 64;
+
+/// A checkpoint that is being read: its header is good.
+#[derive(Debug)]
+pub struct Checkpoint {
+    path: PathBuf,
+    header: Header,
+    from: Hashing<BufReader<File>>,
+    bytes: u64,
+}
+
+/// Whether a file begins as a checkpoint does.
+pub fn is_checkpoint(path: &Path) -> bool {
+    let mut magic = [0; 8];
+    let read = |mut file: File| file.read_exact(&mut magic);
+    // Nothing else is opened: reading from a pipe would take from it.
+    path.is_file() && File::open(path).and_then(read).is_ok() && magic == MAGIC
+}
+
+/// Writes a checkpoint. The film may be added to meanwhile: every tile is written as it then is.
+///
+/// # Errors
+/// When the disk refuses; a file that was there before is then unchanged.
+pub fn write_checkpoint(file: &WholeFile, film: &Film, header: &Header) -> Result<()> {
+    let head = serde_json::to_string(header);
+    let head =
+        head.map_err(|e| Error::input(format!("a checkpoint cannot say what it is: {e}")))?;
+    file.write(|sink| {
+        let mut to = Hashing::new(sink);
+        to.write_all(&MAGIC)?;
+        to.write_all(&VERSION.to_le_bytes())?;
+        to.write_all(&length(&head)?.to_le_bytes())?;
+        to.write_all(head.as_bytes())?;
+        to.write_hash()?;
+        write_tiles(film, &mut to)?;
+        to.write_hash()
+    })
+}
+
+/// Writes every tile: while some are on their way to the disk, hands that are free make bytes of the next.
+fn write_tiles<S: Write + Send>(film: &Film, to: &mut Hashing<S>) -> io::Result<()> {
+    let tiles = film.frame().tiles();
+    let at_once = 4 * PIECE * hands::count();
+    let bytes_from = |first: usize| -> io::Result<Vec<Vec<u8>>> {
+        let end = (first + at_once).min(tiles);
+        let pieces = (first..end).step_by(PIECE).map(|begin| begin..(begin + PIECE).min(end));
+        hands::map(pieces.collect(), |tiles| bytes_of(film, tiles)).into_iter().collect()
+    };
+    let mut bytes = bytes_from(0)?;
+    let mut next = at_once;
+    while !bytes.is_empty() {
+        let write = || bytes.iter().try_for_each(|piece| to.write_all(piece));
+        let (written, following) = hands::join(write, || bytes_from(next));
+        written?;
+        bytes = following?;
+        next += at_once;
+    }
+    Ok(())
+}
+
+/// Each tile with its length before it.
+fn bytes_of(film: &Film, tiles: Range<usize>) -> io::Result<Vec<u8>> {
+    let mut all = Vec::new();
+    for tile in tiles {
+        let begin = all.len();
+        all.extend([0; 4]);
+        film.write_tile(tile, &mut all);
+        let length = length(&all[begin + 4..])?;
+        all[begin..begin + 4].copy_from_slice(&length.to_le_bytes());
+    }
+    Ok(all)
+}
+
+fn length(of: impl AsRef<[u8]>) -> io::Result<u32> {
+    of.as_ref().len().try_into().map_err(io::Error::other)
+}
+
+impl Checkpoint {
+    /// Opens a checkpoint and reads its header.
+    ///
+    /// # Errors
+    /// When it cannot be read, is no checkpoint, or one of a newer version, or is damaged.
+    pub fn open(path: &Path) -> Result<Self> {
+        let trouble = |e: io::Error| Error::file("read", path, e);
+        let file = File::open(path).map_err(trouble)?;
+        let metadata = file.metadata().map_err(trouble)?;
+        if metadata.is_dir() {
+            return Err(Error::file("read", path, "it is a folder"));
+        }
+        let bytes = metadata.len();
+        let inner = BufReader::with_capacity(1 << 16, file);
+        let mut from = Hashing::new(inner);
+        let header = header::read(&mut from, bytes).map_err(|bad| bad.told(path))?;
+        Ok(Self { path: path.to_path_buf(), header, from, bytes })
+    }
+
+    /// What it says of itself.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Its place.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Reads the film.
+    ///
+    /// # Errors
+    /// When it cannot be read, or is damaged.
+    pub fn film(mut self) -> Result<Film> {
+        self.read_film().map_err(|bad| bad.told(&self.path))
+    }
+
+    fn read_film(&mut self) -> std::result::Result<Film, Bad> {
+        let format = &self.header.film;
+        let tiles = format.frame.tiles();
+        // A tile takes five bytes at least.
+        if tiles as u64 > self.bytes / 5 {
+            return Err(Bad::CutOff(self.bytes));
+        }
+        let mut film = Film::without_memory(format);
+        let mut bytes = Vec::new();
+        for tile in 0..tiles {
+            let length = self.from.u32()?;
+            if length > LONGEST_TILE {
+                return Err(Bad::Damaged("a length makes no sense"));
+            }
+            bytes.resize(length as usize, 0);
+            self.from.fill(&mut bytes)?;
+            if !film.read_tile(tile, &bytes) {
+                return Err(Bad::Damaged("some sums make no sense"));
+            }
+        }
+        self.from.check_hash()?;
+        match self.from.inner.read(&mut [0]) {
+            Ok(0) => Ok(film),
+            Ok(_) => Err(Bad::Damaged("something follows its end")),
+            Err(e) => Err(Bad::Unreadable(e)),
+        }
+    }
+}

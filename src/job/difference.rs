@@ -1,0 +1,132 @@
+//! What differs between two renders, key by key.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::metadata::Metadata;
+
+impl Metadata {
+    /// What differs of all that decides a sample's worth, first as it is here and then as it is there.
+    pub fn difference(&self, other: &Self) -> String {
+        let mut found = Vec::new();
+        let mut differ = |what: &str, ours: &str, theirs: &str| {
+            if ours != theirs {
+                found.push(format!("{what} {ours}, not {theirs}"));
+            }
+        };
+        differ("the program's version is", &self.version, &other.version);
+        differ("the intersector is", &self.intersector, &other.intersector);
+        if self.job_identity != other.job_identity {
+            let of = |metadata: &Self| {
+                let mut settings = metadata.settings;
+                settings.image.crop = None;
+                if !settings.render.sampler.depends_on_count() {
+                    super::metadata::set_samples(&mut settings, 1);
+                }
+                settings
+            };
+            found.extend(keys_that_differ(&of(self), &of(other)));
+        }
+        if self.scene_identity != other.scene_identity {
+            let before = found.len();
+            found.extend(keys_that_differ(&self.scene, &other.scene));
+            let hashes = |metadata: &Self| -> Vec<_> {
+                metadata.files.iter().map(|file| file.hash).collect()
+            };
+            if hashes(self) != hashes(other) {
+                found.push("a table or an image of the scene has other values".to_owned());
+            } else if found.len() == before {
+                found.push("the scene is another".to_owned());
+            }
+        }
+        if found.is_empty() {
+            // All else that is hashed is how many samples a pixel is to have.
+            found.push(
+                "the number of samples per pixel changes each of them, as it does with \
+                 `sampler = \"stratified\"`"
+                    .to_owned(),
+            );
+        }
+        found.join("; ")
+    }
+
+    /// What differs in the programs and intersectors that made two pictures; nothing where they must be
+    /// equal.
+    pub fn differences_of_program(&self, other: &Self) -> Vec<String> {
+        let pairs = [
+            ("version", &self.version, &other.version),
+            ("commit", &self.commit, &other.commit),
+            ("intersector", &self.intersector, &other.intersector),
+        ];
+        let differ = pairs.into_iter().filter(|(_, a, b)| a != b);
+        differ.map(|(what, a, b)| format!("{what}: {a} then, {b} now")).collect()
+    }
+}
+
+/// More keys than these tell nobody anything.
+const MOST: usize = 5;
+
+/// The keys of two values that differ, as in "`render.seed` is 1, not 2".
+fn keys_that_differ<T: Serialize>(ours: &T, theirs: &T) -> Vec<String> {
+    let value = |of: &T| serde_json::to_value(of).unwrap_or(Value::Null);
+    let mut found = Vec::new();
+    compare("", &value(ours), &value(theirs), &mut found);
+    if found.len() > MOST {
+        let more = found.split_off(MOST).len();
+        found.push(format!("and {more} more keys differ"));
+    }
+    found
+}
+
+fn compare(path: &str, ours: &Value, theirs: &Value, found: &mut Vec<String>) {
+    let inner =
+        |step: &str| if path.is_empty() { step.to_owned() } else { format!("{path}.{step}") };
+    match (ours, theirs) {
+        (Value::Object(a), Value::Object(b)) => {
+            let keys: std::collections::BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+            for key in keys {
+                let of = |map: &serde_json::Map<String, Value>| {
+                    map.get(key).cloned().unwrap_or(Value::Null)
+                };
+                compare(&inner(key), &of(a), &of(b), found);
+            }
+        }
+        (Value::Array(a), Value::Array(b))
+            if a.len() == b.len() && a.iter().any(Value::is_object) =>
+        {
+            for (index, (a, b)) in a.iter().zip(b).enumerate() {
+                compare(&inner(&index.to_string()), a, b, found);
+            }
+        }
+        (a, b) if a != b => found.push(format!("`{path}` is {}, not {}", short(a), short(b))),
+        _ => {}
+    }
+}
+
+/// A value, or what it is where it is long.
+fn short(value: &Value) -> String {
+    match value {
+        Value::Null => "left out".to_owned(),
+        Value::Array(list) if list.len() > 4 => format!("a list of {}", list.len()),
+        other => {
+            let text = other.to_string();
+            if text.len() <= 80 { text } else { "another".to_owned() }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Settings;
+
+    #[test]
+    fn the_keys_that_differ_are_named() {
+        let mut other = Settings::default();
+        other.render.seed = 7;
+        other.image.width = 320;
+        let found = keys_that_differ(&Settings::default(), &other);
+        assert_eq!(found, ["`image.width` is 640, not 320", "`render.seed` is 0, not 7"]);
+        assert!(keys_that_differ(&other, &other).is_empty());
+    }
+}

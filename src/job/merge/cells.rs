@@ -1,0 +1,108 @@
+//! The boxes that the windows of parts cut a picture into.
+
+use std::ops::Range;
+
+use super::super::samples::Share;
+use crate::film::Rect;
+
+/// Rectangles that make up `within`, each of which every window holds whole or not at all.
+pub(super) fn cells(windows: &[Rect], within: Rect) -> Vec<Rect> {
+    let cuts = |from: u32, to: u32, of: &dyn Fn(&Rect) -> [u32; 2]| {
+        let mut cuts: Vec<u32> = windows.iter().flat_map(of).collect();
+        cuts.extend([from, to]);
+        cuts.retain(|cut| (from..=to).contains(cut));
+        cuts.sort_unstable();
+        cuts.dedup();
+        cuts
+    };
+    let Rect { x, y, width, height } = within;
+    let columns = cuts(x, x + width, &|window| [window.x, window.x + window.width]);
+    let rows = cuts(y, y + height, &|window| [window.y, window.y + window.height]);
+    let cell = |row: &[u32], column: &[u32]| Rect {
+        x: column[0],
+        y: row[0],
+        width: column[1] - column[0],
+        height: row[1] - row[0],
+    };
+    let of_row = |row| columns.windows(2).map(move |column| cell(row, column));
+    rows.windows(2).flat_map(of_row).collect()
+}
+
+/// The first samples of `all` that none of the ranges holds.
+pub(super) fn first_missing(mut ranges: Vec<Range<u32>>, all: &Range<u32>) -> Option<Range<u32>> {
+    ranges.retain(|range| !range.is_empty());
+    ranges.sort_by_key(|range| range.start);
+    let mut next = all.start;
+    for Range { start, end } in ranges {
+        if start > next {
+            return (next < all.end).then(|| next..start.min(all.end));
+        }
+        next = next.max(end);
+    }
+    (next < all.end).then_some(next..all.end)
+}
+
+/// Whether the samples of every pixel are those from `first` on, without a gap: how many there are then
+/// tells which.
+pub(super) fn are_from_first_on(shares: &[Share], within: Rect, first: u32) -> bool {
+    let windows: Vec<Rect> = shares.iter().map(|share| share.window).collect();
+    cells(&windows, within).iter().all(|cell| {
+        let here = shares.iter().zip(&windows).filter(|(_, window)| window.common(cell).is_some());
+        let mut samples: Vec<_> = here.map(|(share, _)| share.samples).collect();
+        samples.retain(|samples| samples.most > 0);
+        samples.sort_by_key(|samples| samples.first);
+        let mut next = Some(first);
+        samples.into_iter().all(|samples| {
+            let follows = next == Some(samples.first);
+            // After pixels with different numbers of samples nothing can follow.
+            let end = samples.first + samples.most;
+            next = (samples.fewest == samples.most).then_some(end);
+            follows
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::samples::{Samples, TileCounts};
+    use super::*;
+
+    const WHOLE: Rect = Rect { x: 0, y: 0, width: 16, height: 12 };
+
+    fn share(x: u32, width: u32, first: u32, fewest: u32, most: u32) -> Share {
+        let window = Rect { x, y: 0, width, height: 12 };
+        Share { window, samples: Samples { first, fewest, most }, counts: TileCounts::default() }
+    }
+
+    #[test]
+    fn cells_make_up_the_whole_and_are_cut_by_no_window() {
+        let windows =
+            [Rect { x: 0, y: 0, width: 9, height: 5 }, Rect { x: 4, y: 3, width: 40, height: 40 }];
+        let cells = cells(&windows, WHOLE);
+        assert_eq!(cells.iter().map(Rect::pixels).sum::<usize>(), WHOLE.pixels());
+        for (cell, window) in cells.iter().flat_map(|cell| windows.map(|window| (cell, window))) {
+            assert!(window.common(cell).is_none_or(|common| common == *cell), "{cell:?}");
+        }
+    }
+
+    #[test]
+    fn the_first_gap_is_found_wherever_it_is() {
+        let found = |ranges: &[Range<u32>]| first_missing(ranges.to_vec(), &(0..48));
+        assert_eq!(found(&[16..48, 0..16]), None);
+        assert_eq!(found(&[0..0, 16..32]), Some(0..16));
+        assert_eq!(found(&[0..16, 32..64]), Some(16..32));
+        assert_eq!(found(&[0..16, 16..32]), Some(32..48));
+        assert_eq!(found(&[0..0, 64..80]), Some(0..48));
+    }
+
+    #[test]
+    fn gaps_and_early_ends_are_told_from_a_plain_range() {
+        let plain = |shares: &[Share]| are_from_first_on(shares, WHOLE, 0);
+        assert!(plain(&[share(0, 16, 16, 16, 16), share(0, 16, 0, 16, 16)]));
+        assert!(plain(&[share(0, 9, 0, 16, 16), share(9, 7, 0, 32, 48)]));
+        assert!(plain(&[share(0, 9, 0, 16, 16)]));
+        assert!(!plain(&[share(0, 9, 0, 16, 16), share(9, 7, 16, 16, 16)]));
+        assert!(!plain(&[share(0, 16, 0, 16, 16), share(0, 16, 32, 16, 16)]));
+        assert!(!plain(&[share(0, 16, 0, 0, 16), share(0, 16, 16, 16, 16)]));
+    }
+}

@@ -1,0 +1,296 @@
+//! Parts of a picture become one, to the bit of one render without a break.
+
+mod cells;
+mod whole;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use crate::accel::{Backend, BuildOptions};
+use crate::error::{Error, Result};
+use crate::film::{BLOCK, Film, Format, Kind, Picture, Rect, summed_for};
+use crate::output::WholeFile;
+use crate::scene::{Scene, Shot};
+
+use super::aovs::{needs_scene, picture, picture_of_sums};
+use super::checkpoint::{Checkpoint, Header, Status, write_checkpoint};
+use super::metadata::Metadata;
+use super::outcome::NoiseStatus;
+use super::samples::{Samples, Share, TileCounts};
+
+use whole::Whole;
+
+/// What parts are to become.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// The layers of the picture; `None`: those of the parts.
+    pub layers: Option<Vec<Kind>>,
+    /// The window that parts of several windows make together, where that is not the whole picture.
+    pub crop: Option<Rect>,
+    /// Whether pixels or samples may be missing in a picture.
+    pub allow_gaps: bool,
+    /// Whether a picture is made.
+    pub makes_picture: bool,
+    /// Whether a checkpoint is made, which can have no gaps.
+    pub makes_part: bool,
+    /// The command, quoted for a shell, for files to tell.
+    pub command: Option<String>,
+}
+
+/// Parts added up.
+#[derive(Debug)]
+pub struct Merged {
+    /// The sums.
+    pub film: Film,
+    /// How the picture was made.
+    pub metadata: Metadata,
+    /// The layers of the picture.
+    pub layers: Vec<Kind>,
+    /// The parts that did not meet their noise targets.
+    pub missed: Vec<(PathBuf, Vec<NoiseStatus>)>,
+    header: Header,
+    first: Piece,
+}
+
+/// One of the parts.
+#[derive(Debug)]
+struct Piece {
+    path: PathBuf,
+    header: Header,
+}
+
+/// Adds up parts.
+///
+/// # Errors
+/// When a part is damaged or foreign, when parts overlap, or when something is missing.
+pub fn merge(paths: &[PathBuf], plan: &Plan) -> Result<Merged> {
+    let mut pieces: Vec<Piece> =
+        paths.iter().map(|path| Piece::open(path)).collect::<Result<_>>()?;
+    let Some(first) = pieces.first() else { return Err(Error::input("there is no part to merge")) };
+    pieces.iter().try_for_each(|piece| piece.check_kin(first))?;
+    check_overlaps(&pieces)?;
+    let own = || first.header.metadata.layers.clone().unwrap_or_default();
+    let layers = plan.layers.clone().unwrap_or_else(own);
+    check_layers(&layers, first)?;
+    let whole = Whole::of(&pieces, plan.crop)?;
+    whole.check_squares(&pieces)?;
+    let must_be_whole = !plan.allow_gaps || plan.makes_part;
+    if must_be_whole {
+        // With gaps allowed, it is the part alone that cannot have them.
+        whole.check_gaps(&pieces, !plan.allow_gaps, plan.makes_picture, plan.crop)?;
+    }
+    let mut film = Film::without_memory(&whole.format);
+    let mut shares = Vec::new();
+    for piece in &pieces {
+        let part = Checkpoint::open(&piece.path)?.film()?;
+        if must_be_whole {
+            piece.check_followed(&part, &pieces)?;
+        }
+        if !plan.allow_gaps {
+            piece.check_finished(&part)?;
+        }
+        shares.extend(piece.shares(&part));
+        film.add_film(&part)?;
+    }
+    let metadata = whole.metadata(&pieces, shares, &film, plan.command.clone());
+    let missed: Vec<(PathBuf, Vec<NoiseStatus>)> = pieces
+        .iter()
+        .map(|piece| (piece.path.clone(), piece.missed().to_vec()))
+        .filter(|(_, missed)| !missed.is_empty())
+        .collect();
+    let header = whole.header(&pieces, &metadata, &layers, !plan.allow_gaps);
+    let first = pieces.swap_remove(0);
+    Ok(Merged { film, metadata, layers, missed, header, first })
+}
+
+impl Merged {
+    /// Writes the sums, to be merged further or resumed.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn write_part(&self, file: &WholeFile) -> Result<()> {
+        write_checkpoint(file, &self.film, &self.header)
+    }
+
+    /// The picture. Ids of spheres and materials are not sums, and need the scene again.
+    ///
+    /// # Errors
+    /// When they are asked for and the scene is gone or has changed.
+    pub fn picture(&self) -> Result<Picture> {
+        if !self.layers.iter().any(|kind| needs_scene(*kind)) {
+            return Ok(picture_of_sums(&self.film, &self.layers, self.first.header.transparent));
+        }
+        let (scene, mut settings) = self.first.scene()?;
+        settings.image.crop = self.metadata.settings.image.crop;
+        let shot = Shot::new(&scene, settings)?;
+        let name = self.metadata.intersector.split(' ').next().unwrap_or_default();
+        let accel = name.parse::<Backend>()?.build(scene.spheres(), &BuildOptions::default())?;
+        Ok(picture(&shot, accel.as_ref(), &self.film, &self.layers))
+    }
+}
+
+impl Piece {
+    fn open(path: &Path) -> Result<Self> {
+        let header = Checkpoint::open(path)?.header().clone();
+        Ok(Self { path: path.to_path_buf(), header })
+    }
+
+    fn window(&self) -> Rect {
+        self.header.film.frame.window
+    }
+
+    fn samples(&self) -> &Range<u32> {
+        &self.header.samples
+    }
+
+    fn missed(&self) -> &[NoiseStatus] {
+        match &self.header.status {
+            Status::Unfinished => &[],
+            Status::Ended { missed } => missed,
+        }
+    }
+
+    /// How many samples per pixel the job asks for.
+    fn last_sample(&self) -> u32 {
+        self.header.job.settings.render.samples_per_pixel
+    }
+
+    /// The scene of the part, if it is still the same.
+    fn scene(&self) -> Result<(Scene, crate::scene::Settings)> {
+        let file = self.header.source.as_ref().and_then(|source| source.file.clone());
+        let Some(path) = file else {
+            return Err(Error::input("the parts are of a scene that is in no file").with_help(
+                "leave out the layers sphere_id and material_id, which need the scene",
+            ));
+        };
+        let overrides = self.header.source.iter().flat_map(|source| &source.overrides);
+        let overrides: Vec<_> = overrides.map(crate::scene::Override::of).collect();
+        let (scene, _) = crate::scene::read_file(&path, &overrides)?.build()?;
+        if scene.identity() != self.header.metadata.scene_identity {
+            let message = format!("`{}` has changed since its parts were rendered", path.display());
+            return Err(Error::input(message).with_help(
+                "leave out the layers sphere_id and material_id, which need the scene",
+            ));
+        }
+        Ok((scene, self.header.job.settings))
+    }
+
+    /// Which samples it holds of which pixels.
+    fn shares(&self, film: &Film) -> Vec<Share> {
+        if !self.header.metadata.parts.is_empty() {
+            return self.header.metadata.parts.0.clone();
+        }
+        let samples = Samples::of(film, self.samples().start);
+        let counts = TileCounts::of(film).unwrap_or_default();
+        vec![Share { window: self.window(), samples, counts }]
+    }
+
+    /// Refuses what is of another picture.
+    fn check_kin(&self, first: &Self) -> Result<()> {
+        let (ours, theirs) = (self.path.display(), first.path.display());
+        let refused = |what: &str| {
+            Err(Error::input(format!(
+                "`{ours}` and `{theirs}` are no parts of one picture: {what}"
+            ))
+            .with_help("merge parts of the same scene, with the same options"))
+        };
+        let (own, other) = (&self.header.metadata, &first.header.metadata);
+        let identity = |metadata: &Metadata| (metadata.scene_identity, metadata.job_identity);
+        if identity(own) != identity(other) {
+            return refused(&format!("in the first, {}", own.difference(other)));
+        }
+        let kind = |piece: &Self| {
+            let Format { frame, scale, layers, squares, .. } = piece.header.film.clone();
+            (frame.full_size, scale, layers, squares)
+        };
+        if kind(self) != kind(first) {
+            return refused("they keep other layers");
+        }
+        let noise = |piece: &Self| piece.header.job.until.noise;
+        if noise(self) != noise(first) {
+            let words = |piece: &Self| noise(piece).map_or("none".to_owned(), |n| n.to_string());
+            let (first, ours) = (words(first), words(self));
+            return refused(&format!("in the first, the noise target is {first}, not {ours}"));
+        }
+        Ok(())
+    }
+
+    /// Refuses what ended before the samples that another part goes on with: there would be a hole, which
+    /// a film cannot tell from the samples behind it.
+    fn check_followed(&self, film: &Film, pieces: &[Self]) -> Result<()> {
+        let end = self.samples().start + film.fewest_and_most().0;
+        let follows = |other: &&Self| {
+            other.samples().start >= self.samples().end
+                && !other.samples().is_empty()
+                && other.window().common(&self.window()).is_some()
+        };
+        let Some(other) = pieces.iter().find(follows).filter(|_| end < self.samples().end) else {
+            return Ok(());
+        };
+        let (ours, theirs) = (self.path.display(), other.path.display());
+        let what = format!(
+            "`{ours}` ended at sample {end} of {}, so `{theirs}` cannot follow it",
+            self.samples().end
+        );
+        Err(Error::input(what)
+            .with_help("render it again without a time and a noise target, or leave it out"))
+    }
+
+    /// Refuses what has not all of its samples.
+    fn check_finished(&self, film: &Film) -> Result<()> {
+        let (fewest, all) = (film.fewest_and_most().0, self.samples().len());
+        // One that ends at a noise target or at a time has as many as that took.
+        if fewest as usize == all || self.header.status != Status::Unfinished {
+            return Ok(());
+        }
+        let path = self.path.display();
+        Err(Error::input(format!("`{path}` is not finished: it has {fewest} of {all} samples"))
+            .with_help(format!("finish it with photosphere resume '{path}', or allow gaps")))
+    }
+}
+
+/// Refuses layers that the parts do not hold.
+fn check_layers(kinds: &[Kind], first: &Piece) -> Result<()> {
+    let held = &first.header.film.layers;
+    let lacks = |kind: &&Kind| summed_for(&[**kind]).iter().any(|layer| !held.contains(layer));
+    let Some(kind) = kinds.iter().find(lacks) else { return Ok(()) };
+    let (layer, path) = (kind.row().name, first.path.display());
+    Err(Error::input(format!("`{path}` does not hold the layer `{layer}`"))
+        .with_help(format!("render all parts with the layer {layer}")))
+}
+
+/// Refuses samples that two parts hold, and blocks that end in one part and go on in another.
+fn check_overlaps(pieces: &[Piece]) -> Result<()> {
+    for (at, a) in pieces.iter().enumerate() {
+        for b in &pieces[..at] {
+            let Some(common) = a.window().common(&b.window()) else { continue };
+            let (first, second) =
+                if a.samples().start < b.samples().start { (a, b) } else { (b, a) };
+            let (early, late) = (first.samples(), second.samples());
+            if early.is_empty() || late.is_empty() {
+                continue;
+            }
+            let (x, y) = (first.path.display(), second.path.display());
+            if late.start < early.end {
+                let end = early.end.min(late.end);
+                let what = format!(
+                    "`{x}` and `{y}` both hold samples {}..{end} of the pixels {common}",
+                    late.start,
+                );
+                return Err(Error::input(what).with_help("leave one of them out"));
+            }
+            if early.end % BLOCK != 0 {
+                let what = format!(
+                    "`{x}` ends within a block, at sample {}, so that `{y}` cannot follow it",
+                    early.end
+                );
+                let help = format!(
+                    "render it again up to a multiple of {BLOCK}, or extend it with photosphere \
+                     resume"
+                );
+                return Err(Error::input(what).with_help(help));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,230 @@
+//! What happens beside a render: the thread that asked for it minds the time, the requests to stop and
+//! those who look on, and one more thread saves the samples now and then. Threads that render never wait
+//! for either.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::time::{Duration, Instant};
+
+use rayon::ThreadPool;
+
+use crate::error::Result;
+use crate::film::BLOCK;
+use crate::output::WholeFile;
+
+use super::observer::Observer;
+use super::session::{Reached, Work};
+use super::turns::Turns;
+
+/// How long the threads that render may take to follow a request to stop: most of the two seconds in
+/// which a program should be gone are for saving. Nothing is lost with them but what is in flight.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// Between two looks at the clock; where a time is nearly up, sooner.
+const TICK: Duration = Duration::from_millis(40);
+const SHORTEST_TICK: Duration = Duration::from_millis(5);
+/// Between two words on the progress.
+const BETWEEN_WORDS: Duration = Duration::from_millis(100);
+/// Between two estimates of the error.
+const BETWEEN_ERRORS: Duration = Duration::from_secs(2);
+/// The share of the time of all threads that estimates of the error may take.
+const FOR_ERRORS: f64 = 1.0 / 256.0;
+/// What an estimate takes, known better after the first.
+const ERROR: Duration = Duration::from_millis(5);
+/// What failed is tried again no later than this.
+const LONGEST_RETRY: Duration = Duration::from_secs(10);
+
+/// Where the samples are saved while they are rendered, and how often.
+#[derive(Clone, Debug)]
+pub(super) struct Autosave {
+    pub(super) file: WholeFile,
+    pub(super) every: Duration,
+}
+
+/// Renders on the pool, and minds everything else on this thread.
+pub(super) fn run(
+    work: &Arc<Work>,
+    pool: &ThreadPool,
+    autosave: Option<&Autosave>,
+    observer: &dyn Observer,
+) -> Result<Reached> {
+    work.mind_time();
+    let (end, ended) = mpsc::channel();
+    let rendering = Arc::clone(work);
+    pool.spawn(move || {
+        // A panic ends the render, and is one on the thread that waits for it.
+        let _ = end.send(catch_unwind(AssertUnwindSafe(|| rendering.reach())));
+    });
+    let (warn, warnings) = mpsc::channel();
+    let saver = autosave.map(|autosave| Saver::start(work, autosave, warn));
+    let ended = wait(work, &ended, &warnings, pool.current_num_threads(), observer);
+    // The file is whole before anybody writes it for the last time.
+    if let Some(saver) = saver {
+        saver.finish(observer);
+    }
+    warnings.try_iter().for_each(|text| observer.warning(&text));
+    match ended {
+        Some(Ok(ended)) => Ok(work.reached(ended?)),
+        Some(Err(panic)) => std::panic::resume_unwind(panic),
+        None => {
+            work.is_left_behind.store(true, Ordering::Relaxed);
+            Ok(work.reached(false))
+        }
+    }
+}
+
+type Ended = std::thread::Result<Result<bool>>;
+
+/// Waits for the end; `None` where the threads that render were left behind.
+fn wait(
+    work: &Work,
+    ended: &Receiver<Ended>,
+    warnings: &Receiver<String>,
+    threads: usize,
+    observer: &dyn Observer,
+) -> Option<Ended> {
+    let mut errors = Turns::new(BETWEEN_ERRORS, FOR_ERRORS, threads, ERROR);
+    let (mut error, mut next_words) = (None, Instant::now() + BETWEEN_WORDS);
+    let mut asked_to_stop = None;
+    loop {
+        let left = work.time_left().unwrap_or(TICK);
+        match ended.recv_timeout(left.clamp(SHORTEST_TICK, TICK)) {
+            Ok(end) => return Some(end),
+            Err(RecvTimeoutError::Disconnected) => return None,
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+        warnings.try_iter().for_each(|text| observer.warning(&text));
+        work.mind_time();
+        if work.cancel.is_cancelled() {
+            let since = *asked_to_stop.get_or_insert_with(Instant::now);
+            if since.elapsed() >= PATIENCE {
+                return None;
+            }
+        } else if observer.wants_progress() && Instant::now() >= next_words {
+            errors.take(|| error = work.error());
+            observer.progress(&work.progress(error));
+            next_words = Instant::now() + BETWEEN_WORDS;
+        }
+    }
+}
+
+impl Work {
+    /// What is left of the time of the job, counted over all its runs; `None` where there is no limit.
+    pub(super) fn time_left(&self) -> Option<Duration> {
+        let spent = Duration::try_from_secs_f64(self.seconds_before()).unwrap_or_default();
+        Some(self.job.until.time?.saturating_sub(spent).saturating_sub(self.elapsed()))
+    }
+
+    /// Samples that there must be before the time ends the render: one block of every pixel.
+    pub(super) fn samples_at_least(&self) -> u64 {
+        let block = BLOCK.min(self.samples.len() as u32);
+        self.film.frame().pixels() as u64 * u64::from(block)
+    }
+
+    /// Stops the render, if its time is up and it has one block of every pixel.
+    fn mind_time(&self) {
+        let is_up = self.time_left().is_some_and(|left| left.is_zero());
+        if is_up && self.counters.samples_done() >= self.samples_at_least() {
+            self.is_time_up.store(true, Ordering::Relaxed);
+            self.cancel.cancel();
+        }
+    }
+}
+
+/// The thread that saves.
+struct Saver {
+    end: Sender<()>,
+    thread: std::io::Result<std::thread::JoinHandle<()>>,
+}
+
+impl Saver {
+    fn start(work: &Arc<Work>, autosave: &Autosave, warn: Sender<String>) -> Self {
+        let (end, ended) = mpsc::channel();
+        let (work, Autosave { file, every }) = (Arc::clone(work), autosave.clone());
+        let save = move || {
+            save_again_and_again(every, &ended, &warn, &file, &|| {
+                work.write_checkpoint(&file, None)
+            })
+        };
+        let thread = std::thread::Builder::new().name("autosave".to_owned()).spawn(save);
+        Self { end, thread }
+    }
+
+    /// Waits until it is over. Whatever went wrong there, the render is not lost.
+    fn finish(self, observer: &dyn Observer) {
+        drop(self.end);
+        match self.thread {
+            Err(e) => observer.warning(&format!("nothing was saved while it rendered: {e}")),
+            Ok(thread) => {
+                if thread.join().is_err() {
+                    observer.warning("saving failed in an unexpected way; please report this");
+                }
+            }
+        }
+    }
+}
+
+/// Saves at intervals until the end. A failure is told of once, until it works again.
+fn save_again_and_again(
+    every: Duration,
+    ended: &Receiver<()>,
+    warn: &Sender<String>,
+    file: &WholeFile,
+    save: &dyn Fn() -> Result<()>,
+) {
+    let (mut wait, mut is_failing) = (every, false);
+    while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
+        let saved = catch_unwind(AssertUnwindSafe(save));
+        let name = file.path().display().to_string();
+        let failure = match saved {
+            Ok(Ok(())) => None,
+            Ok(Err(error)) => Some(error.to_string()),
+            Err(_) => Some(format!("writing `{name}` failed in an unexpected way")),
+        };
+        wait = if failure.is_some() { every.min(LONGEST_RETRY) } else { every };
+        let text = match (&failure, is_failing) {
+            (Some(error), false) => {
+                Some(format!("{error}; the render goes on and tries again to write `{name}`"))
+            }
+            (None, true) => Some(format!("can write `{name}` again")),
+            _ => None,
+        };
+        is_failing = failure.is_some();
+        // Nobody listens any more where the render is over.
+        text.into_iter().for_each(|text| drop(warn.send(text)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+    use std::sync::atomic::AtomicUsize;
+
+    #[test]
+    fn what_cannot_be_saved_is_told_of_once_and_tried_again_even_after_a_panic() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = WholeFile::new(&folder.path().join("a.part")).unwrap();
+        let tries = Arc::new(AtomicUsize::new(0));
+        let ((end, ended), (warn, warnings)) = (mpsc::channel::<()>(), mpsc::channel());
+        let counted = Arc::clone(&tries);
+        let saver = std::thread::spawn(move || {
+            let save = || match counted.fetch_add(1, Ordering::SeqCst) {
+                0..2 => Err(Error::input("no room")),
+                2 => panic!("a mistake"),
+                _ => Ok(()),
+            };
+            save_again_and_again(Duration::from_millis(1), &ended, &warn, &file, &save);
+        });
+        while tries.load(Ordering::SeqCst) < 6 {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        drop(end);
+        saver.join().unwrap();
+        let texts: Vec<String> = warnings.iter().collect();
+        assert_eq!(texts.len(), 2, "{texts:?}");
+        assert!(texts[0].starts_with("no room; the render goes on and tries again to write `"));
+        assert!(texts[1].starts_with("can write `") && texts[1].ends_with("` again"));
+    }
+}

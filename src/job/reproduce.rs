@@ -1,0 +1,217 @@
+//! A picture rendered again from what it says of itself.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::accel::{Accel, Backend, BuildOptions, Cancel};
+use crate::error::{Error, Result};
+use crate::film::{Film, Format, Frame, Kind, Layer, Picture};
+use crate::output;
+use crate::scene::{Scene, Shot};
+
+use super::aovs::picture;
+use super::metadata::{Metadata, each_file};
+use super::passes::{Counters, Passes};
+use super::samples::{Samples, Share, TileCounts};
+use super::session::format_of;
+
+/// How to render a picture again.
+#[derive(Clone, Debug, Default)]
+pub struct Again {
+    /// Where the scene's tables and images are.
+    pub folder: PathBuf,
+    /// The intersector; the one that the picture was made with where `None`.
+    pub backend: Option<Backend>,
+    /// Set from elsewhere to stop.
+    pub cancel: Cancel,
+}
+
+/// A picture that was rendered again.
+#[derive(Debug)]
+pub struct Reproduction {
+    /// The picture.
+    pub picture: Picture,
+    /// Its sums.
+    pub film: Film,
+    /// How it was made now.
+    pub metadata: Metadata,
+}
+
+/// What a picture's file says of it.
+///
+/// # Errors
+/// When it cannot be read, or does not say how it was made.
+pub fn metadata_of(path: &Path) -> Result<Metadata> {
+    let mut metadata = Metadata::of_records(path, &output::records(path)?)?;
+    if metadata.layers.is_none() {
+        // An alpha channel may be asked for by the scene or by the job.
+        let has_alpha = output::raw_channels(path)?.iter().any(|channel| channel.name == "A");
+        metadata.layers = has_alpha.then(|| vec![Kind::Mean(Layer::Alpha)]);
+    }
+    Ok(metadata)
+}
+
+/// Renders a picture again, on the current thread pool; `progress` is told the samples that are done and
+/// those that there will be, from any thread.
+///
+/// # Errors
+/// When the scene is not what it was, or cannot be rendered.
+pub fn reproduce(
+    then: &Metadata,
+    again: &Again,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<Reproduction> {
+    let scene = scene_of(then, again)?;
+    let mut settings = then.settings;
+    settings.image.crop = then.settings.image.crop;
+    let shot = Shot::new(&scene, settings)?;
+    let backend = backend_of(then, again)?;
+    let threads = rayon::current_num_threads();
+    let build = BuildOptions { threads, cancel: again.cancel.clone(), ..Default::default() };
+    let accel = backend.build(scene.spheres(), &build)?;
+    let layers = then.layers.clone().unwrap_or_default();
+    let work = Work {
+        shot: &shot,
+        accel: accel.as_ref(),
+        format: format_of(&shot, &layers),
+        cancel: &again.cancel,
+        progress,
+        total: samples_of(then),
+        done: AtomicU64::new(0),
+    };
+    let film = work.film(then)?;
+    let picture = picture(&shot, accel.as_ref(), &film, &layers);
+    Ok(Reproduction { picture, film, metadata: Metadata::of(&shot, backend) })
+}
+
+/// The scene of a picture, with its files in the folder.
+fn scene_of(then: &Metadata, again: &Again) -> Result<Scene> {
+    let Some(mut description) = then.scene.clone() else {
+        return Err(Error::input("the scene was too long for the picture")
+            .with_help("render the scene file again, and compare the two pictures"));
+    };
+    each_file(&mut description, |file| *file = again.folder.join(&*file));
+    let scene = Scene::build(description)?;
+    if scene.identity() == then.scene_identity {
+        return Ok(scene);
+    }
+    let is_changed = |said: &&crate::scene::FileHash| {
+        let file = again.folder.join(&said.file);
+        let found = scene.files().iter().find(|found| found.file == file);
+        found.is_some_and(|found| found.hash != said.hash)
+    };
+    let changed: Vec<String> = then
+        .files
+        .iter()
+        .filter(is_changed)
+        .map(|said| format!("`{}`", again.folder.join(&said.file).display()))
+        .collect();
+    if changed.is_empty() {
+        let (then, now) = (&then.version, super::VERSION);
+        let message = format!(
+            "the scene of the picture is not what it was: it was made by version {then}, and this is {now}"
+        );
+        return Err(Error::input(message));
+    }
+    let verb = if changed.len() == 1 { "is" } else { "are" };
+    let message = format!("{} {verb} not what the picture was made of", changed.join(", "));
+    Err(Error::input(message).with_help("name the folder where the files are as they were"))
+}
+
+fn backend_of(then: &Metadata, again: &Again) -> Result<Backend> {
+    if let Some(backend) = again.backend {
+        return Ok(backend);
+    }
+    let name = then.intersector.split(' ').next().unwrap_or_default();
+    let backend: Backend = name.parse()?;
+    if Backend::AVAILABLE.contains(&backend) {
+        return Ok(backend);
+    }
+    Err(Error::backend(format!("the picture was made with `{name}`, which this build has not"))
+        .with_help("take the intersector `native` and see by how much it differs"))
+}
+
+/// About how many samples there are to render.
+fn samples_of(then: &Metadata) -> u64 {
+    let of = |window: crate::math::Rect, most: u32| window.pixels() as u64 * u64::from(most);
+    if then.parts.is_empty() {
+        return of(then.settings.image.window(), then.samples.most);
+    }
+    then.parts.0.iter().map(|share| of(share.window, share.samples.most)).sum()
+}
+
+/// Rendering the samples that a picture has.
+struct Work<'a> {
+    shot: &'a Shot,
+    accel: &'a dyn Accel,
+    /// Of the whole picture.
+    format: Format,
+    cancel: &'a Cancel,
+    progress: &'a (dyn Fn(u64, u64) + Sync),
+    total: u64,
+    /// Samples of the parts that are done.
+    done: AtomicU64,
+}
+
+impl Work<'_> {
+    /// The film, with as many samples of each pixel as the picture has: where it was merged with gaps, each
+    /// of its parts by itself, as they were.
+    fn film(&self, then: &Metadata) -> Result<Film> {
+        let first_sample = then.samples.first;
+        if then.parts.is_empty() {
+            let film = Film::new(&Format { first_sample, ..self.format.clone() })?;
+            self.fill(&film, &then.samples, &then.counts)?;
+            return Ok(film);
+        }
+        let mut sum = Film::without_memory(&Format { first_sample, ..self.format.clone() });
+        for &Share { window, samples, ref counts } in &then.parts.0 {
+            let frame = Frame { window, ..self.format.frame };
+            let format = Format { frame, first_sample: samples.first, ..self.format.clone() };
+            let film = Film::new(&format)?;
+            self.fill(&film, &samples, counts)?;
+            self.done.fetch_add(film.samples(), Ordering::Relaxed);
+            sum.add_film(&film)?;
+        }
+        Ok(sum)
+    }
+
+    /// Where a noise target, a time or a signal ended the render, the numbers of samples differ from tile to
+    /// tile, and `counts` says how many each has.
+    fn fill(&self, film: &Film, samples: &Samples, counts: &TileCounts) -> Result<()> {
+        let Samples { first, fewest, most } = *samples;
+        let tiles = film.frame().tiles();
+        let counts = match counts.0.as_slice() {
+            [] if fewest == most => vec![most; tiles],
+            counts if counts.len() == tiles => counts.to_vec(),
+            _ => return Err(uncounted()),
+        };
+        let counters = Counters::of(film, self.total);
+        let passes = Passes::new(self.shot, self.accel, film, &counters, self.cancel);
+        let mut steps = counts.clone();
+        steps.sort_unstable();
+        steps.dedup();
+        for step in steps {
+            // A block at a time, to tell how far it is.
+            let mut end = first;
+            while end < first + step {
+                end = (end / crate::film::BLOCK + 1)
+                    .saturating_mul(crate::film::BLOCK)
+                    .min(first + step);
+                passes.advance(end, &|tile| counts[tile] >= step)?;
+                self.cancel.check()?;
+                let done = self.done.load(Ordering::Relaxed) + counters.samples_done();
+                (self.progress)(done, self.total);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn uncounted() -> Error {
+    let what = "it cannot be rendered again: pixels of one tile have different numbers of samples, and the \
+                picture does not say which";
+    Error::input(what).with_help(
+        "that is so where parts whose windows cut tiles were resumed after a merge, and in pictures of \
+         older versions of photosphere",
+    )
+}

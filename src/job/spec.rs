@@ -1,0 +1,214 @@
+//! A render as a value: what to compute, which samples of which pixels, until when, and what with.
+
+use std::ops::Range;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::accel::{Choice, Quality};
+use crate::error::{Error, Result};
+use crate::film::{BLOCK, Kind, Layer};
+use crate::sampling::SamplerKind;
+use crate::scene::Settings;
+use crate::scene::settings::{Image, Integrator, Render};
+
+use super::metadata::set_samples;
+use super::noise::NoiseTarget;
+
+/// Samples per pixel of a render that only its time ends: more than anybody has time for, in whole
+/// blocks, and a multiple of all usual numbers of sub-pixels.
+pub const ENDLESS: u32 = 74_565 * 60 * 60 * BLOCK;
+
+/// A render: everything that [`run`](super::run) needs to know beside the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Job {
+    /// What a sample is worth: size and crop, integrator, samples per pixel, seed.
+    pub settings: Settings,
+    /// These samples of every pixel only: from a multiple of 16 on, and up to one unless they are the
+    /// last. `None`: all up to `settings.render.samples_per_pixel`.
+    pub samples: Option<Range<u32>>,
+    /// What ends the render before it has all samples.
+    pub until: Until,
+    /// The layers (AOVs) that the picture has beside the beauty.
+    pub layers: Vec<Kind>,
+    /// The intersector.
+    pub accel: Choice,
+    /// How much care its build takes.
+    pub quality: Quality,
+    /// Threads; 0 is as many as there are cores. The picture does not depend on them.
+    pub threads: usize,
+}
+
+/// When a render ends before every pixel has all of its samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Until {
+    /// Each square of 16 x 16 pixels ends when it is as exact as this.
+    pub noise: Option<NoiseTarget>,
+    /// All pixels end after this time, counted over all runs of the render, but not before each has 16
+    /// samples.
+    pub time: Option<Duration>,
+}
+
+impl Default for Job {
+    /// 640 x 480 pixels with 64 samples each, by the fastest intersector on all cores.
+    fn default() -> Self {
+        Self::of(Settings::default())
+    }
+}
+
+impl Job {
+    /// All samples that these settings ask for.
+    pub fn of(settings: Settings) -> Self {
+        Self {
+            settings,
+            samples: None,
+            until: Until::default(),
+            layers: Kind::USUAL.to_vec(),
+            accel: Choice::Auto,
+            quality: Quality::default(),
+            threads: 0,
+        }
+    }
+
+    /// A picture of this size in pixels, with 64 samples each.
+    pub fn sized(width: u32, height: u32) -> Self {
+        let image = Image { width, height, ..Image::default() };
+        Self::of(Settings { image, ..Settings::default() })
+    }
+
+    /// With so many samples of each pixel.
+    #[must_use]
+    pub fn samples_per_pixel(mut self, samples: u32) -> Self {
+        self.settings.render.samples_per_pixel = samples;
+        self
+    }
+
+    /// Until 95 % of the values are within this share of their pixel's brightness, as in 0.02; with up
+    /// to 65536 samples of each pixel.
+    #[must_use]
+    pub fn noise(mut self, error: f64) -> Self {
+        self.until.noise = Some(NoiseTarget::new(error));
+        self.samples_per_pixel(Until::MOST_SAMPLES)
+    }
+
+    /// With these layers beside the beauty, in place of the usual ones.
+    #[must_use]
+    pub fn layers(mut self, layers: &[Kind]) -> Self {
+        self.layers = layers.to_vec();
+        self
+    }
+
+    /// Asks for so many samples of every pixel, or the paper's sub-pixels for as many as that takes.
+    pub fn set_samples_per_pixel(&mut self, samples: u32) {
+        set_samples(&mut self.settings, samples);
+    }
+
+    /// The samples of every pixel that it is to have in the end.
+    ///
+    /// # Errors
+    /// When [`Self::samples`] do not fit.
+    pub fn sample_range(&self) -> Result<Range<u32>> {
+        let last = self.settings.render.samples_per_pixel;
+        let Some(Range { start, end }) = self.samples.clone() else { return Ok(0..last) };
+        let refused = |what: String, help: String| {
+            Err(Error::input(format!("the samples {start}..{end} {what}")).with_help(help))
+        };
+        if start >= end {
+            return refused(
+                "are none".to_owned(),
+                "ask for the first and the one behind the last".to_owned(),
+            );
+        }
+        if start % BLOCK != 0 {
+            let near = start / BLOCK * BLOCK;
+            return refused(
+                format!("must start on a multiple of {BLOCK}"),
+                format!("samples are summed in blocks of {BLOCK}; try {near}..{end}"),
+            );
+        }
+        if end > last {
+            return refused(
+                format!("end behind the last sample, of {last} per pixel"),
+                format!("ask for {end} samples per pixel"),
+            );
+        }
+        if end % BLOCK != 0 && end != last {
+            let near = end.next_multiple_of(BLOCK).min(last);
+            return refused(
+                format!("must end on a multiple of {BLOCK}, or at the last sample, {last}"),
+                format!("samples are summed in blocks of {BLOCK}; try {start}..{near}"),
+            );
+        }
+        Ok(start..end)
+    }
+
+    /// Whether the picture has an alpha channel, where `transparent` is what the scene says.
+    pub fn has_alpha(&self, transparent: bool) -> bool {
+        transparent || self.layers.contains(&Kind::Mean(Layer::Alpha))
+    }
+
+    /// Refuses what cannot be rendered.
+    ///
+    /// # Errors
+    /// With the first thing that makes no sense.
+    pub(super) fn check(&self) -> Result<()> {
+        self.sample_range()?;
+        self.until.check(&self.settings.render)?;
+        if self.until.noise.is_some() && self.samples.is_some() {
+            let message =
+                "a noise target decides from all samples of a pixel, not from a part of them";
+            return Err(
+                Error::input(message).with_help("leave out the noise target or the samples")
+            );
+        }
+        Ok(())
+    }
+}
+
+impl Until {
+    /// The most samples of each pixel that a noise target takes where nothing else is said.
+    pub const MOST_SAMPLES: u32 = 65_536;
+
+    /// Refuses what spreads its samples over a number that must be known before.
+    ///
+    /// # Errors
+    /// With what it is, and what to use in its place.
+    pub fn check(&self, render: &Render) -> Result<()> {
+        let what = match (self.noise, self.time) {
+            (None, None) => return Ok(()),
+            (Some(_), _) => "a noise target",
+            (None, Some(_)) => "a time",
+        };
+        if let Some(NoiseTarget { error, confidence }) = self.noise
+            && !(error > 0.0 && error < 1.0 && confidence > 0.0 && confidence < 1.0)
+        {
+            let message = format!(
+                "the noise target of {error} for {confidence} of the values is not in (0, 1)"
+            );
+            return Err(Error::input(message));
+        }
+        let refuse = |why: &str, help: &str| {
+            let message = format!("{what} decides when to stop, but {why}");
+            Err(Error::input(message).with_help(help))
+        };
+        if render.sampler == SamplerKind::Stratified {
+            let why = "stratified samples are spread over a number that is known before";
+            return refuse(why, "choose the sampler `sobol` or `independent`");
+        }
+        if let Integrator::Paper(paper) = render.integrator
+            && BLOCK % paper.subpixels.pow(2) != 0
+        {
+            let k = paper.subpixels;
+            let why = format!("{k} x {k} sub-pixels do not fit into its blocks of {BLOCK} samples");
+            return refuse(&why, "use 1, 2 or 4 sub-pixels along each side");
+        }
+        Ok(())
+    }
+
+    /// The share of the values that an error is told for.
+    pub fn confidence(&self) -> f64 {
+        self.noise.map_or(NoiseTarget::CONFIDENCE, |target| target.confidence)
+    }
+}

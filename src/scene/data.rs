@@ -1,0 +1,317 @@
+//! Where the numbers of many spheres are: in a file, or in the memory of whoever builds the scene.
+//!
+//! Memory is only referred to, by a shared owner, until the scene is built. It is then read once,
+//! straight into the scene's own storage, and let go.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::names::named;
+
+/// The numbers of many spheres.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum SphereData {
+    /// Rows of raw little-endian f32 numbers.
+    File {
+        /// The file.
+        #[serde(with = "super::paths")]
+        path: PathBuf,
+        /// What each number of a row is.
+        columns: Vec<Column>,
+    },
+    /// Arrays in memory. As text they are nothing but their number of spheres.
+    #[serde(serialize_with = "serialize_arrays", deserialize_with = "deserialize_arrays")]
+    Memory(SphereArrays),
+}
+
+/// A column of a sphere table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// Centre, x.
+    X,
+    /// Centre, y.
+    Y,
+    /// Centre, z.
+    Z,
+    /// Radius.
+    Radius,
+    /// Linear albedo, red.
+    Red,
+    /// Linear albedo, green.
+    Green,
+    /// Linear albedo, blue.
+    Blue,
+}
+
+named! {
+    Column {
+        X = "x",
+        Y = "y",
+        Z = "z",
+        Radius = "radius",
+        Red = "r",
+        Green = "g",
+        Blue = "b",
+    }
+}
+
+/// Spheres as arrays in memory, each of its own type and layout. All have one length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SphereArrays {
+    /// Centres: x, y and z.
+    pub center: [Strided; 3],
+    /// Radii, in the same unit.
+    pub radius: Strided,
+    /// Linear colours in `[0, 1]`, in place of the material's own: red, green and blue.
+    pub color: Option<[Strided; 3]>,
+    /// The user's own number of each sphere, in place of its row: what the layer `sphere_id` and
+    /// names show. 2^32 - 1 stands for nothing there and may not be one.
+    pub ids: Option<Shared<u32>>,
+}
+
+/// One number of each sphere: elements of an array at equal distances.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strided {
+    /// The array.
+    pub values: Values,
+    /// The index of the first sphere's number.
+    pub first: usize,
+    /// From one number to the next, in elements: 1 where they lie together, 4 in rows of four, 0
+    /// where all spheres have the same, negative where they run backwards.
+    pub stride: isize,
+    /// How many there are.
+    pub len: usize,
+}
+
+/// An array of one type.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// 32-bit numbers.
+    F32(Shared<f32>),
+    /// 64-bit numbers, which are not rounded before the scene's origin is known.
+    F64(Shared<f64>),
+}
+
+/// Memory with a shared owner: a `Vec`, or whatever else lends a slice.
+pub struct Shared<T>(Arc<dyn AsRef<[T]> + Send + Sync>);
+
+impl Default for SphereData {
+    /// No spheres.
+    fn default() -> Self {
+        Self::Memory(SphereArrays::default())
+    }
+}
+
+impl Column {
+    /// Whether the column is one of the three channels of a colour.
+    pub fn is_color(self) -> bool {
+        matches!(self, Self::Red | Self::Green | Self::Blue)
+    }
+}
+
+impl SphereData {
+    /// Whether the spheres have colours of their own.
+    pub fn has_colors(&self) -> bool {
+        match self {
+            Self::File { columns, .. } => columns.iter().any(|column| column.is_color()),
+            Self::Memory(arrays) => arrays.color.is_some(),
+        }
+    }
+
+    /// Whether centres and radii need more than f32.
+    pub(super) fn is_f64(&self) -> bool {
+        match self {
+            Self::File { .. } => false,
+            Self::Memory(SphereArrays { center: [x, y, z], radius, .. }) => {
+                [x, y, z, radius].iter().any(|array| matches!(array.values, Values::F64(_)))
+            }
+        }
+    }
+}
+
+impl SphereArrays {
+    /// Rows of `[x, y, z, radius]` in f32.
+    pub fn of_rows(rows: Vec<[f32; 4]>) -> Self {
+        let len = rows.len();
+        let values = Values::F32(Shared::new(Flat(rows)));
+        let column = |first: usize| Strided { values: values.clone(), first, stride: 4, len };
+        Self { center: [0, 1, 2].map(column), radius: column(3), color: None, ids: None }
+    }
+
+    /// Centres with their radii, in f32 or in f64.
+    pub fn of_centers<T: Element>(centers: Vec<[T; 3]>, radii: Vec<T>) -> Self {
+        Self { center: Strided::columns_of(centers), radius: Strided::of(radii), ..Self::default() }
+    }
+
+    /// Gives every sphere a linear colour of its own.
+    #[must_use]
+    pub fn with_colors<T: Element>(self, colors: Vec<[T; 3]>) -> Self {
+        Self { color: Some(Strided::columns_of(colors)), ..self }
+    }
+
+    /// Gives every sphere a number of its own.
+    #[must_use]
+    pub fn with_ids(self, ids: Vec<u32>) -> Self {
+        Self { ids: Some(Shared::new(ids)), ..self }
+    }
+
+    /// Arrays whose numbers are gone: they [fit](Strided::fits) nothing, so that no scene is built of
+    /// them.
+    pub(super) fn gone(len: usize, has_colors: bool) -> Self {
+        let gone = || Strided { len, ..Strided::default() };
+        let three = || std::array::from_fn(|_| gone());
+        let color = has_colors.then(three);
+        Self { center: three(), radius: gone(), color, ids: None }
+    }
+
+    /// How many spheres there are.
+    pub fn len(&self) -> usize {
+        self.radius.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Each array with its name.
+    pub(super) fn columns(&self) -> impl Iterator<Item = (Column, &Strided)> {
+        use Column::{Blue, Green, Radius, Red, X, Y, Z};
+        let color = self.color.iter().flat_map(|color| [Red, Green, Blue].into_iter().zip(color));
+        let center = [X, Y, Z].into_iter().zip(&self.center);
+        center.chain([(Radius, &self.radius)]).chain(color)
+    }
+}
+
+impl Strided {
+    /// All of an array.
+    pub fn of<T: Element>(values: Vec<T>) -> Self {
+        let len = values.len();
+        Self { values: T::values(Shared::new(values)), first: 0, stride: 1, len }
+    }
+
+    /// The columns of an array of rows.
+    pub fn columns_of<T: Element, const N: usize>(rows: Vec<[T; N]>) -> [Self; N] {
+        let len = rows.len();
+        let values = T::values(Shared::new(Flat(rows)));
+        std::array::from_fn(|first| Self { values: values.clone(), first, stride: N as isize, len })
+    }
+
+    /// The same number for every sphere.
+    pub fn all<T: Element>(value: T, len: usize) -> Self {
+        Self { values: T::values(Shared::new(vec![value])), first: 0, stride: 0, len }
+    }
+
+    /// Whether every element lies within the array.
+    pub(super) fn fits(&self) -> bool {
+        let elements = self.values.len() as i128;
+        let at = |row: i128| self.first as i128 + row * self.stride as i128;
+        let is_within = |index: i128| (0..elements).contains(&index);
+        self.len == 0 || is_within(at(0)) && is_within(at(self.len as i128 - 1))
+    }
+
+    /// The number of a sphere, which [`fits`](Self::fits).
+    pub(super) fn get(&self, row: usize) -> f64 {
+        let at = self.first.wrapping_add_signed(self.stride.wrapping_mul(row as isize));
+        match &self.values {
+            Values::F32(values) => f64::from(values.as_slice()[at]),
+            Values::F64(values) => values.as_slice()[at],
+        }
+    }
+}
+
+impl Default for Strided {
+    fn default() -> Self {
+        Self::of(Vec::<f32>::new())
+    }
+}
+
+impl Values {
+    fn len(&self) -> usize {
+        match self {
+            Self::F32(values) => values.as_slice().len(),
+            Self::F64(values) => values.as_slice().len(),
+        }
+    }
+}
+
+/// f32 or f64.
+pub trait Element: Copy + Send + Sync + 'static {
+    /// An array of such numbers.
+    fn values(array: Shared<Self>) -> Values
+    where
+        Self: Sized;
+}
+
+impl Element for f32 {
+    fn values(array: Shared<Self>) -> Values {
+        Values::F32(array)
+    }
+}
+
+impl Element for f64 {
+    fn values(array: Shared<Self>) -> Values {
+        Values::F64(array)
+    }
+}
+
+/// Rows as one flat array.
+struct Flat<T, const N: usize>(Vec<[T; N]>);
+
+impl<T, const N: usize> AsRef<[T]> for Flat<T, N> {
+    fn as_ref(&self) -> &[T] {
+        self.0.as_flattened()
+    }
+}
+
+impl<T> Shared<T> {
+    /// Memory that `owner` lends for as long as it lives.
+    pub fn new(owner: impl AsRef<[T]> + Send + Sync + 'static) -> Self {
+        Self(Arc::new(owner))
+    }
+
+    /// The memory.
+    pub fn as_slice(&self) -> &[T] {
+        (*self.0).as_ref()
+    }
+}
+
+impl<T> Clone for Shared<T> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<T> fmt::Debug for Shared<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} elements", self.as_slice().len())
+    }
+}
+
+/// The same memory, or equal numbers in it.
+impl<T: PartialEq> PartialEq for Shared<T> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0) || self.as_slice() == other.as_slice()
+    }
+}
+
+/// What is told of arrays as text.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ArraysInWords {
+    spheres: usize,
+    has_colors: bool,
+}
+
+fn serialize_arrays<S: Serializer>(arrays: &SphereArrays, to: S) -> Result<S::Ok, S::Error> {
+    ArraysInWords { spheres: arrays.len(), has_colors: arrays.color.is_some() }.serialize(to)
+}
+
+fn deserialize_arrays<'de, D: Deserializer<'de>>(from: D) -> Result<SphereArrays, D::Error> {
+    let ArraysInWords { spheres, has_colors } = ArraysInWords::deserialize(from)?;
+    Ok(SphereArrays::gone(spheres, has_colors))
+}

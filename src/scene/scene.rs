@@ -1,0 +1,288 @@
+//! The scene as the renderer sees it: immutable, in coordinates relative to the spheres' origin.
+
+use std::hint::black_box;
+use std::path::Path;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::color::{Radiance, Rgb};
+use crate::error::Result;
+use crate::geometry::SphereSet;
+use crate::light::{Background, Lamp, LightChoice, Lights};
+use crate::material::Material;
+use crate::math::{DVec3, Hit};
+
+use super::data::{SphereArrays, SphereData};
+use super::description::Description;
+use super::environment;
+use super::import::{RowGroup, Survey, import};
+use super::problem::Problems;
+use super::source::{FileHash, Hashes, Identity, Source};
+use super::surface::{Surface, materials};
+
+/// So many spheres stay in a processor's near memory by themselves.
+const NEAR: usize = 1000;
+
+/// A scene: checked, immutable, and shared by all its clones.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    description: Arc<Description>,
+    source: Option<Arc<Source>>,
+    identity: Identity,
+    files: Arc<[FileHash]>,
+    spheres: Arc<SphereSet>,
+    materials: Arc<[Material]>,
+    has_opacity: bool,
+    has_media: bool,
+    groups: Arc<[RowGroup]>,
+    lamps: Arc<[Lamp]>,
+    background: Arc<Background>,
+}
+
+impl Scene {
+    /// Checks values and makes a scene of them. Files are read, and so are arrays in memory, which are
+    /// let go then.
+    ///
+    /// # Errors
+    /// All mistakes at once; when there is no memory for the spheres.
+    pub fn build(description: Description) -> Result<Self> {
+        let mut problems = description.problems();
+        if problems.0.is_empty() {
+            let survey = Survey::of(&description, &mut problems);
+            if problems.0.is_empty() {
+                return Self::assemble(description, survey, None, Problems::verdict);
+            }
+        }
+        problems.verdict()?;
+        unreachable!("there are problems")
+    }
+
+    /// Makes a scene of values that were checked; `refuse` tells of problems with its tables.
+    pub(super) fn assemble(
+        mut description: Description,
+        survey: Survey,
+        source: Option<Source>,
+        refuse: impl FnOnce(Problems) -> Result<()>,
+    ) -> Result<Self> {
+        let mut problems = Problems::default();
+        let (rows, groups) = import(&description, &survey, &mut problems)?;
+        if !problems.0.is_empty() {
+            refuse(problems)?;
+        }
+        let Survey { environment, .. } = survey;
+        let hashes = Hashes::of(&description, &rows, &groups, environment.as_ref());
+        let identity = hashes.identity(&description);
+        description.let_go_of_arrays();
+        let spheres = Arc::new(SphereSet::new(rows)?);
+        let materials = materials(&description.materials);
+        let has_opacity = materials.iter().any(|material| material.opacity < 1.0);
+        let has_media = materials.iter().any(|material| material.glass().is_some());
+        let background = environment::light(&description.background, environment);
+        let mut scene = Self {
+            description: Arc::new(description),
+            source: source.map(Arc::new),
+            identity,
+            files: hashes.files.into(),
+            spheres,
+            materials: materials.into(),
+            has_opacity,
+            has_media,
+            groups: groups.into(),
+            lamps: Vec::new().into(),
+            background: Arc::new(background),
+        };
+        scene.lamps = scene.find_lamps().into();
+        Ok(scene)
+    }
+
+    /// What the user wrote.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The scene file that it was read from, if it was.
+    pub fn source(&self) -> Option<&Source> {
+        self.source.as_deref()
+    }
+
+    /// The files that were read for it, in the order of its tables, then the background's image.
+    pub fn files(&self) -> &[FileHash] {
+        &self.files
+    }
+
+    /// What it is: scenes of one identity are the same.
+    pub fn identity(&self) -> Identity {
+        self.identity
+    }
+
+    /// All spheres.
+    pub fn spheres(&self) -> &Arc<SphereSet> {
+        &self.spheres
+    }
+
+    /// All emitters, and the choice among them.
+    pub fn lights(&self, by: LightChoice) -> Lights {
+        Lights::chosen_by(by, Arc::clone(&self.lamps), &self.spheres, Arc::clone(&self.background))
+    }
+
+    /// How many spheres are emitters.
+    pub fn lamp_count(&self) -> usize {
+        self.lamps.len()
+    }
+
+    /// The radiance seen by a ray in this direction that meets nothing.
+    pub fn background(&self, direction: DVec3) -> Rgb {
+        self.background.radiance(direction)
+    }
+
+    /// The largest radiance that anything in the scene sends out, in any channel.
+    pub fn brightest(&self) -> f32 {
+        let emissions = self.materials.iter().map(|material| material.emission.max_element());
+        let brightest = emissions.fold(self.background.brightest(), f32::max);
+        // Two that each fit may not fit together: a dome and a sun before it.
+        brightest.min(f32::MAX)
+    }
+
+    /// Whether the camera sees the background.
+    pub fn shows_background(&self) -> bool {
+        self.description.background.camera_visible
+    }
+
+    /// What a camera ray in this direction brings that meets nothing: the background, unless it is
+    /// hidden from the camera.
+    pub fn seen_by_camera(&self, direction: DVec3) -> Radiance {
+        let direct = if self.shows_background() { self.background(direction) } else { Rgb::ZERO };
+        Radiance { direct, indirect: Rgb::ZERO, alpha: 0.0 }
+    }
+
+    /// What a sphere is made of.
+    pub fn surface(&self, id: u32) -> Surface<'_> {
+        let (material, color) = self.material(id);
+        Surface::new(material, color, || self.spheres.sphere(id).radius)
+    }
+
+    /// What a sphere is made of, and its own colour where a table gives one.
+    #[inline(always)]
+    pub(crate) fn material(&self, id: u32) -> (&Material, Option<Rgb>) {
+        let row = self.spheres.row(id);
+        if let Some(sphere) = self.description.spheres.get(row as usize) {
+            return (&self.materials[sphere.material], None);
+        }
+        let group = self.group_of(row);
+        let in_table = (row - group.first_row) as usize;
+        let color = group.colors.as_ref().map(|colors| colors.get(in_table));
+        (&self.materials[group.material], color)
+    }
+
+    /// Reads what is known of the spheres that were hit, unless there are so few that all of them are
+    /// near at hand; see [`SphereSet::warm`].
+    pub fn warm(&self, hits: &[Hit]) {
+        if self.spheres.len() <= NEAR {
+            return;
+        }
+        let ids = || hits.iter().filter(|hit| !hit.is_miss()).map(|hit| hit.id);
+        self.spheres.warm(ids());
+        if self.groups.iter().any(|group| group.colors.is_some()) {
+            let read = |id: u32| {
+                let row = self.spheres.row(id);
+                let group =
+                    (row as usize >= self.description.spheres.len()).then(|| self.group_of(row))?;
+                Some(group.colors.as_ref()?.get((row - group.first_row) as usize).x.to_bits())
+            };
+            black_box(ids().filter_map(read).fold(0, |all, bits| all ^ bits));
+        }
+    }
+
+    /// Whether some surface is only there with a probability.
+    pub fn has_opacity(&self) -> bool {
+        self.has_opacity
+    }
+
+    /// Whether a path can be inside of a dielectric.
+    pub fn has_media(&self) -> bool {
+        self.has_media
+    }
+
+    /// The material of the sphere in a row of the scene, counted as its file names them.
+    pub fn material_of_row(&self, row: u32) -> usize {
+        match self.description.spheres.get(row as usize) {
+            Some(sphere) => sphere.material,
+            None => self.group_of(row).material,
+        }
+    }
+
+    /// The name of the sphere in a row of the scene, or of its place: `sphere 3`, or `grains.f32:17` for
+    /// a row of a table.
+    pub fn name_of_row(&self, row: u32) -> String {
+        match self.description.spheres.get(row as usize) {
+            Some(sphere) => sphere.name.clone().unwrap_or_else(|| format!("sphere {row}")),
+            None => {
+                let group = self.group_of(row);
+                let ids = group.ids.as_ref().map(|ids| ids.as_slice());
+                let in_table = row - group.first_row;
+                let id = ids.map_or(in_table, |ids| ids[in_table as usize]);
+                format!("{}:{id}", self.table_of_row(row))
+            }
+        }
+    }
+
+    /// The table that a row of the scene comes from, as the scene names its file; `spheres` for the
+    /// spheres of the scene file, and `table 3` for arrays in memory.
+    pub fn table_of_row(&self, row: u32) -> String {
+        if (row as usize) < self.description.spheres.len() {
+            return "spheres".to_owned();
+        }
+        let index = self.groups.partition_point(|group| group.first_row <= row) - 1;
+        match &self.description.tables[index].data {
+            SphereData::File { path, .. } => {
+                let folder = self.source().map_or(Path::new(""), |source| &source.folder);
+                path.strip_prefix(folder).unwrap_or(path).display().to_string()
+            }
+            SphereData::Memory(_) => format!("table {index}"),
+        }
+    }
+
+    /// What the layer `sphere_id` shows for a row: the user's own number where a table has some.
+    pub fn id_of_row(&self, row: u32) -> u32 {
+        if (row as usize) < self.description.spheres.len() {
+            return row;
+        }
+        let group = self.group_of(row);
+        let ids = group.ids.as_ref().map(|ids| ids.as_slice()[(row - group.first_row) as usize]);
+        ids.unwrap_or(row)
+    }
+
+    /// The table that a row comes from, of those that are no spheres of the scene file.
+    fn group_of(&self, row: u32) -> &RowGroup {
+        &self.groups[self.groups.partition_point(|group| group.first_row <= row) - 1]
+    }
+
+    /// The name of a sphere, where the scene gives one.
+    pub fn name(&self, id: u32) -> Option<&str> {
+        self.description.spheres.get(self.spheres.row(id) as usize)?.name.as_deref()
+    }
+
+    fn find_lamps(&self) -> Vec<Lamp> {
+        if !self.materials.iter().any(Material::is_emissive) {
+            return Vec::new();
+        }
+        let lamp = |id| {
+            let material = self.surface(id).material;
+            let emission = material.emission * material.opacity;
+            (emission.max_element() > 0.0).then_some(Lamp { id, emission })
+        };
+        (0..self.spheres.len() as u32).into_par_iter().filter_map(lamp).collect()
+    }
+}
+
+impl Description {
+    /// Forgets arrays in memory, which the scene has read: only how many spheres they had stays.
+    fn let_go_of_arrays(&mut self) {
+        for table in &mut self.tables {
+            if let SphereData::Memory(arrays) = &mut table.data {
+                *arrays = SphereArrays::gone(arrays.len(), arrays.color.is_some());
+            }
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! What a scene was read from, and what it is: scenes of one [`Identity`] show the same thing to the
+//! bit, whether they come from a file or from a program.
+//!
+//! The identity is the hash of a canonical encoding of the description: JSON with the fields in the
+//! order of their declaration, in which the hash of its numbers stands for each table and image. Not in
+//! it are where files lie, how a scene file is laid out, and the settings that it is rendered with.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use blake3::Hasher;
+use rayon::prelude::*;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::geometry::SphereRows;
+
+use super::colors::Colors;
+use super::data::SphereData;
+use super::description::{
+    Background, Camera, ColorStorage, Description, Dome, NamedMaterial, SphereRow, SphereTable,
+};
+use super::environment::Pixels;
+use super::import::RowGroup;
+
+/// The version of the encoding; it changes with everything that the hash depends on.
+const ENCODING: u32 = 2;
+
+/// A BLAKE3 hash: 32 bytes, 64 hexadecimal digits as text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Identity([u8; 32]);
+
+/// A file that belongs to a scene, and a hash of what was read from it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileHash {
+    /// The file, as it was opened.
+    #[serde(with = "super::paths")]
+    pub file: PathBuf,
+    /// Of its values, not of its bytes: the order of a table's columns does not count.
+    pub hash: Identity,
+}
+
+/// The scene file that a scene was read from.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Source {
+    /// The name that messages give it.
+    pub name: String,
+    /// The file, where there is one.
+    #[serde(default, with = "super::paths::optional")]
+    pub file: Option<PathBuf>,
+    /// The folder in which its relative paths start.
+    #[serde(with = "super::paths")]
+    pub folder: PathBuf,
+    /// Its text; `None` where that is longer than a picture should carry.
+    pub text: Option<String>,
+    /// The hash of its text.
+    pub text_hash: Identity,
+    /// The keys that options set, with their values.
+    pub overrides: Vec<(String, String)>,
+}
+
+/// Rows that are hashed at a time, in parallel.
+const ROWS: usize = 1 << 16;
+
+/// What the hash of a scene is of.
+#[derive(Serialize)]
+struct Canonical<'a> {
+    encoding: u32,
+    version: &'static str,
+    camera: &'a Camera,
+    background: Background,
+    materials: &'a [NamedMaterial],
+    spheres: &'a [SphereRow],
+    tables: Vec<CanonicalTable>,
+    environment: Option<Identity>,
+}
+
+#[derive(Serialize)]
+struct CanonicalTable {
+    material: usize,
+    colors: Option<ColorStorage>,
+    numbers: Identity,
+}
+
+impl Identity {
+    /// The 32 bytes.
+    pub fn as_bytes(&self) -> &[u8; 32] {
+        &self.0
+    }
+
+    /// The hash of these bytes.
+    pub fn of_bytes(bytes: &[u8]) -> Self {
+        Self(blake3::hash(bytes).into())
+    }
+}
+
+impl Default for Identity {
+    /// The hash of nothing.
+    fn default() -> Self {
+        Self::of_bytes(&[])
+    }
+}
+
+impl Serialize for Identity {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Identity {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let digits = String::deserialize(from)?;
+        digits.parse().map_err(|()| serde::de::Error::custom("64 hexadecimal digits were expected"))
+    }
+}
+
+impl From<[u8; 32]> for Identity {
+    fn from(bytes: [u8; 32]) -> Self {
+        Self(bytes)
+    }
+}
+
+impl fmt::Display for Identity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&blake3::Hash::from_bytes(self.0).to_hex())
+    }
+}
+
+impl std::str::FromStr for Identity {
+    type Err = ();
+
+    fn from_str(digits: &str) -> Result<Self, ()> {
+        blake3::Hash::from_hex(digits).map(|hash| Self(hash.into())).map_err(|_| ())
+    }
+}
+
+/// The files of a scene with the hashes of their numbers, and the hash of each table.
+pub(super) struct Hashes {
+    tables: Vec<Identity>,
+    environment: Option<Identity>,
+    pub(super) files: Vec<FileHash>,
+}
+
+impl Hashes {
+    /// Hashes what was read.
+    pub(super) fn of(
+        description: &Description,
+        rows: &SphereRows,
+        groups: &[RowGroup],
+        environment: Option<&Pixels>,
+    ) -> Self {
+        let tables: Vec<Identity> = groups.iter().map(|group| hash_of_group(rows, group)).collect();
+        let environment = environment.map(|pixels| Identity(pixels.hash().into()));
+        let of_table = |(table, hash): (&SphereTable, &Identity)| match &table.data {
+            SphereData::File { path, .. } => Some(FileHash { file: path.clone(), hash: *hash }),
+            SphereData::Memory(_) => None,
+        };
+        let mut files: Vec<FileHash> =
+            description.tables.iter().zip(&tables).filter_map(of_table).collect();
+        if let (Dome::Image { file, .. }, Some(hash)) = (&description.background.dome, environment)
+        {
+            files.push(FileHash { file: file.clone(), hash });
+        }
+        Self { tables, environment, files }
+    }
+
+    /// The identity of the scene.
+    pub(super) fn identity(&self, description: &Description) -> Identity {
+        let Description { camera, background, materials, spheres, tables } = description;
+        let mut background = background.clone();
+        if let Dome::Image { file, .. } = &mut background.dome {
+            file.clear();
+        }
+        let table = |(table, numbers): (&SphereTable, &Identity)| {
+            let SphereTable { data, material, colors } = table;
+            let colors = data.has_colors().then_some(*colors);
+            CanonicalTable { material: *material, colors, numbers: *numbers }
+        };
+        let canonical = Canonical {
+            encoding: ENCODING,
+            version: env!("CARGO_PKG_VERSION"),
+            camera,
+            background,
+            materials,
+            spheres,
+            tables: tables.iter().zip(&self.tables).map(table).collect(),
+            environment: self.environment,
+        };
+        let bytes = serde_json::to_vec(&canonical);
+        Identity::of_bytes(&bytes.expect("plain values with names as their keys are JSON"))
+    }
+}
+
+/// The hash of a table's numbers: in f32 where the table is, so that equal numbers have equal hashes
+/// wherever they come from.
+fn hash_of_group(rows: &SphereRows, group: &RowGroup) -> Identity {
+    let (first, count) = (group.first_row as usize, group.count as usize);
+    let mut hasher = Hasher::new();
+    hasher.update(&(count as u64).to_le_bytes());
+    match first.checked_sub(rows.exact.len()) {
+        Some(first) => {
+            add_rows(&mut hasher, count, |row| rows.table[first + row].map(f32::to_le_bytes))
+        }
+        None => {
+            let exact = &rows.exact[first..first + count];
+            let numbers = |row: usize| {
+                let [x, y, z] = exact[row].center.to_array();
+                [x, y, z, exact[row].radius]
+            };
+            let fits = |row: usize| numbers(row).iter().all(|x| f64::from(*x as f32) == *x);
+            if (0..count).into_par_iter().all(fits) {
+                let narrow = |row| numbers(row).map(|x| (x as f32).to_le_bytes());
+                add_rows(&mut hasher, count, narrow);
+            } else {
+                add_rows(&mut hasher, count, |row| numbers(row).map(f64::to_le_bytes));
+            }
+        }
+    }
+    if let Some(colors) = &group.colors {
+        let color = |row| colors.get(row).to_array().map(f32::to_le_bytes);
+        add_rows(&mut hasher, colors.len(), color);
+    }
+    if let Some(ids) = &group.ids {
+        let ids = ids.as_slice();
+        add_rows(&mut hasher, ids.len(), |row| [ids[row].to_le_bytes()]);
+    }
+    Identity(hasher.finalize().into())
+}
+
+fn add_rows<const N: usize, const B: usize>(
+    hasher: &mut Hasher,
+    count: usize,
+    numbers: impl Fn(usize) -> [[u8; B]; N] + Sync,
+) {
+    let hash_of_piece = |piece: usize| {
+        let rows = piece * ROWS..count.min((piece + 1) * ROWS);
+        let bytes: Vec<u8> = rows.flat_map(|row| numbers(row).into_iter().flatten()).collect();
+        blake3::hash(&bytes)
+    };
+    let pieces = (0..count.div_ceil(ROWS)).into_par_iter();
+    let hashes: Vec<blake3::Hash> = pieces.map(hash_of_piece).collect();
+    for hash in hashes {
+        hasher.update(hash.as_bytes());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_identity_is_read_back_from_its_digits() {
+        let identity = Identity::of_bytes(b"abc");
+        // The first digits of BLAKE3's hash of "abc", as `b3sum` prints them.
+        assert!(identity.to_string().starts_with("6437b3ac38465133ffb63b75273a8db5"));
+        assert_eq!(identity.to_string().parse(), Ok(identity));
+        assert!("6437".parse::<Identity>().is_err());
+    }
+}

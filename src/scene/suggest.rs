@@ -1,0 +1,34 @@
+//! "Did you mean": the known word nearest to one that was mistyped.
+
+/// No word longer than this is compared with others.
+const LONGEST_WORD: usize = 100;
+
+/// "did you mean `x`?" where one of the known words is near.
+pub(super) fn did_you_mean<'k>(
+    word: &str,
+    known: impl IntoIterator<Item = &'k str>,
+) -> Option<String> {
+    if word.len() > LONGEST_WORD {
+        return None;
+    }
+    let slips_allowed = (word.chars().count() / 3).max(1);
+    known
+        .into_iter()
+        .map(|candidate| (strsim::damerau_levenshtein(word, candidate), candidate))
+        .min()
+        .filter(|&(slips, _)| slips <= slips_allowed)
+        .map(|(_, candidate)| format!("did you mean `{candidate}`?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_near_words_are_suggested() {
+        let known = ["albedo", "emission", "type"];
+        assert_eq!(did_you_mean("albeod", known).as_deref(), Some("did you mean `albedo`?"));
+        assert_eq!(did_you_mean("typ", known).as_deref(), Some("did you mean `type`?"));
+        assert_eq!(did_you_mean("reflectance", known), None);
+    }
+}

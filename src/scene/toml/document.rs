@@ -1,0 +1,301 @@
+//! A typed cursor over a TOML document.
+//!
+//! Every read is one line that names a key and a reader. A mistake is noted in the [`Report`] with
+//! its place, and reading goes on, so that all mistakes of a scene are told at once. A [`Table`]
+//! remembers which keys were asked for; the others are unknown, and that is a mistake too.
+
+use std::cell::{Cell, RefCell};
+
+use toml::de::{DeArray, DeTable, DeValue};
+
+use crate::scene::keys::{Fallback, Key};
+use crate::scene::kinds::{Node, Read, Span, Unfit, kind_of};
+use crate::scene::problem::{Path, Step, quoted_where_needed};
+use crate::scene::suggest::did_you_mean;
+
+use super::report::{Report, Wrong};
+
+/// The number of known keys up to which a message lists them.
+const FEW: usize = 12;
+
+/// Reads the syntax; mistakes go to the report, and the rest of the text is kept.
+pub(super) fn parse<'t>(text: &'t str, report: &Report) -> DeTable<'t> {
+    let (root, errors) = DeTable::parse_recoverable(text);
+    for error in errors {
+        let span = error.span().unwrap_or_else(|| report.end_of_file());
+        report.add(Wrong::syntax(span, format!("this is not TOML: {}", error.message())));
+    }
+    root.into_inner()
+}
+
+/// A table of the document, or the empty place where an optional one could be.
+pub(super) struct Table<'d> {
+    /// The way to it as `--set` writes it; empty for the whole document.
+    path: String,
+    entries: Option<&'d DeTable<'d>>,
+    span: Span,
+    report: &'d Report,
+    known: RefCell<Vec<&'static str>>,
+    knows_all: Cell<bool>,
+}
+
+impl<'d> Table<'d> {
+    /// Reads the whole document with `read`.
+    pub(super) fn root<T>(
+        entries: &'d DeTable<'d>,
+        report: &'d Report,
+        read: impl FnOnce(&Self) -> T,
+    ) -> T {
+        Self::new(String::new(), Some(entries), report.end_of_file(), report).read_with(read)
+    }
+
+    /// The value of a key, or `None` where it has its default: a mistake, where it has none.
+    pub(super) fn get<K: Read>(&self, key: &'static Key<K>) -> Option<K::Output> {
+        match key.default {
+            Fallback::Required => self.required(key.name, &key.kind),
+            Fallback::Is(_) | Fallback::Depends(_) => self.optional(key.name, &key.kind),
+        }
+    }
+
+    /// The value of a key that must be there.
+    pub(super) fn required<R: Read>(&self, key: &'static str, reader: &R) -> Option<R::Output> {
+        if self.node(key).is_none() {
+            let message = format!("`{}` is missing", self.path_to(key));
+            let help = format!("add `{key} = ...`, {}", reader.expects());
+            self.report.add(Wrong::absence(self.span.clone(), message).help(help));
+            self.mark_broken(key);
+        }
+        self.optional(key, reader)
+    }
+
+    /// The value of a key that may be there.
+    pub(super) fn optional<R: Read>(&self, key: &'static str, reader: &R) -> Option<R::Output> {
+        let node = self.node(key)?;
+        let unfit = match reader.read(node) {
+            Ok(value) => return Some(value),
+            Err(unfit) => unfit,
+        };
+        let Unfit { span, found, help, names_nothing } = unfit;
+        let message = format!("`{}` must be {}, not {found}", self.path_to(key), reader.expects());
+        let make = if names_nothing { Wrong::absence } else { Wrong::value };
+        self.report.add(make(span, message).help(help));
+        self.mark_broken(key);
+        None
+    }
+
+    /// A table that must be there.
+    pub(super) fn section<T: Default>(
+        &self,
+        key: &'static str,
+        read: impl FnOnce(&Table<'d>) -> T,
+    ) -> T {
+        if self.node(key).is_none() {
+            let message = format!("`[{}]` is missing", self.path_to(key));
+            self.report.add(Wrong::absence(self.span.clone(), message));
+            self.mark_broken(key);
+            return T::default();
+        }
+        self.optional_section(key, read)
+    }
+
+    /// A table that may be there; where it is not, `read` finds every key missing.
+    pub(super) fn optional_section<T: Default>(
+        &self,
+        key: &'static str,
+        read: impl FnOnce(&Table<'d>) -> T,
+    ) -> T {
+        let path = self.path_to(key);
+        match self.node(key) {
+            Some(node) => {
+                self.table_at(path, node).map_or_else(T::default, |table| table.read_with(read))
+            }
+            None => Table::new(path, None, self.span.clone(), self.report).read_with(read),
+        }
+    }
+
+    /// A table that is either left out or has its keys.
+    pub(super) fn present_section<T>(
+        &self,
+        key: &'static str,
+        read: impl FnOnce(&Table<'d>) -> T,
+    ) -> Option<T> {
+        let node = self.node(key)?;
+        self.table_at(self.path_to(key), node).map(|table| table.read_with(read))
+    }
+
+    /// Every table in a table of tables with its name, in the order of the text.
+    pub(super) fn named_sections<T: Default>(
+        &self,
+        key: &'static str,
+        read: impl Fn(&'d str, &Table<'d>) -> T,
+    ) -> Vec<(&'d str, T)> {
+        let path = self.path_to(key);
+        let Some(sections) = self.node(key).and_then(|node| self.table_at(path, node)) else {
+            return Vec::new();
+        };
+        let mut entries: Vec<_> = sections.entries.into_iter().flat_map(DeTable::iter).collect();
+        entries.sort_by_key(|(name, _)| name.span().start);
+        let read_one = |name: &'d str, node: &'d Node<'d>| {
+            let table = self.table_at(sections.path_to(name), node);
+            table.map_or_else(T::default, |table| table.read_with(|table| read(name, table)))
+        };
+        let named = entries.into_iter().map(|(name, node)| (&**name.get_ref(), node));
+        named.map(|(name, node)| (name, read_one(name, node))).collect()
+    }
+
+    /// Every table of a list of tables, in its order.
+    pub(super) fn sections<T: Default>(
+        &self,
+        key: &'static str,
+        mut read: impl FnMut(&Table<'d>) -> T,
+    ) -> Vec<T> {
+        let Some(node) = self.node(key) else {
+            return Vec::new();
+        };
+        let Some(entries) = node.get_ref().as_array() else {
+            let message = format!("`{key}` must be a list of tables, not {}", kind_of(node));
+            let help = format!("write `[[{key}]]` above each");
+            self.report.add(Wrong::value(node.span(), message).help(help));
+            self.mark_broken(key);
+            return Vec::new();
+        };
+        let read_one = |(i, node): (usize, &'d Node<'d>)| {
+            let name = name_of(node).map_or_else(|| i.to_string(), quoted_where_needed);
+            let table = self.table_at(format!("{key}.{name}"), node);
+            table.map_or_else(T::default, |table| table.read_with(&mut read))
+        };
+        entries.iter().enumerate().map(read_one).collect()
+    }
+
+    /// The report for what no reader can see.
+    pub(super) fn report(&self) -> &'d Report {
+        self.report
+    }
+
+    /// Notes a mistake at a key's value, or at the table's heading where it has none.
+    pub(super) fn complain(
+        &self,
+        key: &str,
+        message: impl Into<String>,
+        help: impl Into<Option<String>>,
+    ) {
+        self.report.add(Wrong::value(self.place_of(key), message).help(help));
+        self.mark_broken(key);
+    }
+
+    /// Says that a key has not the value that the file gives it.
+    pub(super) fn mark_broken(&self, key: &str) {
+        self.report.mark_broken(self.path_to(key));
+    }
+
+    /// Says that nothing in this table is what the file says.
+    pub(super) fn mark_all_broken(&self) {
+        self.report.mark_broken(&*self.path);
+    }
+
+    /// Where a key's value stands, if it does.
+    pub(super) fn span_of(&self, key: &str) -> Option<Span> {
+        self.entries?.get(key).map(|node| node.span())
+    }
+
+    /// Whether a list of tables is left out, or has none.
+    pub(super) fn is_empty_list(&self, key: &str) -> bool {
+        let node = self.entries.and_then(|entries| entries.get(key));
+        node.is_none_or(|node| node.get_ref().as_array().is_some_and(|list| list.is_empty()))
+    }
+
+    /// Where the table's heading stands.
+    pub(super) fn span(&self) -> Span {
+        self.span.clone()
+    }
+
+    /// The table's or a key's name, as `--set` writes it.
+    pub(super) fn path_to(&self, key: &str) -> String {
+        let key = quoted_where_needed(key);
+        if self.path.is_empty() { key } else { format!("{}.{key}", self.path) }
+    }
+
+    /// Where a key's value stands, or the table's heading.
+    fn place_of(&self, key: &str) -> Span {
+        self.span_of(key).unwrap_or_else(|| self.span())
+    }
+
+    /// Takes any key from here on, where nobody can say which belong here.
+    pub(super) fn allow_unknown_keys(&self) {
+        self.knows_all.set(true);
+    }
+
+    fn new(path: String, entries: Option<&'d DeTable<'d>>, span: Span, report: &'d Report) -> Self {
+        Self { path, entries, span, report, known: RefCell::default(), knows_all: Cell::new(false) }
+    }
+
+    /// Reads, then complains of the keys that `read` did not ask for.
+    fn read_with<T>(self, read: impl FnOnce(&Self) -> T) -> T {
+        let result = read(&self);
+        if !self.knows_all.get() {
+            self.refuse_unknown_keys();
+        }
+        result
+    }
+
+    fn refuse_unknown_keys(&self) {
+        let known = self.known.borrow();
+        for key in self.entries.into_iter().flat_map(DeTable::keys) {
+            let name = &**key.get_ref();
+            if known.contains(&name) {
+                continue;
+            }
+            let message = format!("`{}` is not a key of a scene", self.path_to(name));
+            let all = || format!("known here: {}", known.join(", "));
+            let help = did_you_mean(name, known.iter().copied())
+                .or_else(|| (known.len() <= FEW).then(all));
+            self.report.add(Wrong::value(key.span(), message).label("unknown key").help(help));
+        }
+    }
+
+    fn node(&self, key: &'static str) -> Option<&'d Node<'d>> {
+        let mut known = self.known.borrow_mut();
+        if !known.contains(&key) {
+            known.push(key);
+        }
+        self.entries?.get(key)
+    }
+
+    fn table_at(&self, path: String, node: &'d Node<'d>) -> Option<Table<'d>> {
+        if let DeValue::Table(entries) = node.get_ref() {
+            return Some(Table::new(path, Some(entries), node.span(), self.report));
+        }
+        let message = format!("`{path}` must be a table, not {}", kind_of(node));
+        self.report.add(Wrong::value(node.span(), message));
+        self.report.mark_broken(path);
+        None
+    }
+}
+
+/// Where the value at the end of a path stands, or as far along it as the document goes.
+pub(super) fn span_at(root: &DeTable<'_>, path: &Path, end_of_file: Span) -> Span {
+    let mut span = end_of_file;
+    let mut table = Some(root);
+    let mut list: Option<&DeArray<'_>> = None;
+    for step in path.steps() {
+        let node = match step {
+            Step::Key(name) => table.and_then(|table| table.get(name.as_str())),
+            Step::Entry(index, _) => list.and_then(|list| list.get(*index)),
+        };
+        let Some(node) = node else { break };
+        span = node.span();
+        (table, list) = (node.get_ref().as_table(), node.get_ref().as_array());
+    }
+    span
+}
+
+/// The string at the end of a path, where there is one.
+pub(super) fn text_at(root: &DeTable<'_>, [section, key]: [&str; 2]) -> Option<String> {
+    let section = root.get(section)?.get_ref().as_table()?;
+    section.get(key)?.get_ref().as_str().map(str::to_owned)
+}
+
+/// The `name` of a table in a list.
+pub(super) fn name_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
+    node.get_ref().as_table()?.get("name")?.get_ref().as_str()
+}

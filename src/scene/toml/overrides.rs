@@ -1,0 +1,223 @@
+//! Keys of a scene that the command line sets.
+//!
+//! They are written into the parsed document before anything reads it, with places that point into
+//! the option's own text. So whatever the reader has to say of them, it says of the option.
+
+use toml::de::{DeArray, DeTable, DeValue};
+
+use crate::scene::kinds::{Node, Span, kind_of};
+use crate::scene::suggest::did_you_mean;
+
+use super::document::name_of;
+use super::report::{Report, Wrong};
+
+/// One key of the scene with the value that replaces what the file says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Override {
+    /// The whole option as the user wrote it, `--set render.seed=3` or `--spp 16`; messages show it.
+    pub option: String,
+    /// The dotted path of the key, as in `materials.grass.albedo` or `spheres.0.radius`; spheres
+    /// and other list entries are found by number, from 0, or by their `name`.
+    pub key: String,
+    /// A TOML value; a bare word is taken as a string.
+    pub value: String,
+}
+
+impl Override {
+    /// A key and its value, as if by `--set`.
+    pub fn of((key, value): &(String, String)) -> Self {
+        Self { option: format!("--set {key}={value}"), key: key.clone(), value: value.clone() }
+    }
+}
+
+/// An [`Override`] laid out so that the spans of its parts point into the option's text.
+#[derive(Debug)]
+pub(super) struct LaidOut {
+    key: String,
+    key_span: Span,
+    value: String,
+    value_span: Span,
+    bare_word: String,
+}
+
+/// What the document's key is called while a value is parsed.
+const KEY: &str = "v";
+
+impl LaidOut {
+    /// Adds the option to the report's texts.
+    pub(super) fn new(given: &Override, report: &mut Report) -> Self {
+        let Override { option, key, value } = given;
+        let begins = report.add_text("command line", option);
+        let whole = begins..begins + option.len();
+        let behind = |at: usize, length: usize| begins + at..begins + at + length;
+        let key_span = option.find(&**key).map(|at| behind(at, key.len()));
+        let value_span = option.rfind(&**value).map(|at| behind(at, value.len()));
+        let value_span = value_span.unwrap_or_else(|| whole.clone());
+        // Blanks in front move the spans to where the value stands.
+        let blanks = value_span.start - KEY.len() - 1;
+        let value_text = " ".repeat(blanks) + &format!("{KEY}={value}");
+        Self {
+            key: format!("{key}=0"),
+            key_span: key_span.unwrap_or(whole),
+            value: value_text,
+            value_span,
+            bare_word: value.clone(),
+        }
+    }
+
+    /// Writes the value into the document.
+    pub(super) fn apply<'t>(&'t self, root: &mut DeTable<'t>, report: &Report) {
+        if let Err(wrong) = self.try_apply(root) {
+            report.add(wrong);
+        }
+    }
+
+    fn try_apply<'t>(&'t self, root: &mut DeTable<'t>) -> Result<(), Wrong> {
+        let path = self.path()?;
+        let value = self.value()?;
+        let (last, way) = path.split_last().ok_or_else(|| self.wrong("no key is named".into()))?;
+        let mut place = Place::Table(root);
+        for (depth, step) in way.iter().enumerate() {
+            place = self.descend(place, &path[..depth], step)?;
+        }
+        match place {
+            Place::Table(table) => {
+                table.remove(&*last.name);
+                let key = toml::Spanned::new(self.key_span.clone(), last.name.clone().into());
+                table.insert(key, value);
+            }
+            Place::List(list) => *self.entry(list, way, last)? = value,
+        }
+        Ok(())
+    }
+
+    fn descend<'p, 't>(
+        &'t self,
+        place: Place<'p, 't>,
+        way: &[Step],
+        step: &Step,
+    ) -> Result<Place<'p, 't>, Wrong> {
+        let node = match place {
+            Place::List(list) => self.entry(list, way, step)?,
+            Place::Table(table) => {
+                // A material that is only half there would be blamed for its missing keys.
+                if matches!(way, [only] if only.name == "materials") {
+                    self.demand_material(table, step)?;
+                }
+                let key = toml::Spanned::new(self.key_span.clone(), step.name.clone().into());
+                let empty = || Node::new(self.key_span.clone(), DeValue::Table(DeTable::default()));
+                table.entry(key).or_insert_with(empty)
+            }
+        };
+        let kind = kind_of(node);
+        match node.get_mut() {
+            DeValue::Table(table) => Ok(Place::Table(table)),
+            DeValue::Array(list) => Ok(Place::List(list)),
+            _ => {
+                let path = written(&[way, std::slice::from_ref(step)].concat());
+                Err(self.wrong(format!("`{path}` is {kind} and has no keys")))
+            }
+        }
+    }
+
+    fn demand_material(&self, materials: &DeTable<'_>, step: &Step) -> Result<(), Wrong> {
+        if materials.contains_key(&*step.name) {
+            return Ok(());
+        }
+        let names = materials.keys().map(|key| &**key.get_ref());
+        let help = did_you_mean(&step.name, names);
+        Err(self.wrong(format!("there is no material {:?}", step.name)).help(help))
+    }
+
+    /// The entry of a list that a step names, by its number or its name.
+    fn entry<'p, 't>(
+        &self,
+        list: &'p mut DeArray<'t>,
+        way: &[Step],
+        step: &Step,
+    ) -> Result<&'p mut Node<'t>, Wrong> {
+        let (path, count) = (written(way), list.len());
+        let index = match step.name.parse() {
+            Ok(index) if !step.is_quoted => index,
+            _ => self.index_of(&step.name, list, &path)?,
+        };
+        let outside = format!("`{path}` has {count} entries, counted from 0");
+        list.get_mut(index).ok_or_else(|| self.wrong(outside))
+    }
+
+    fn index_of(&self, name: &str, list: &DeArray<'_>, path: &str) -> Result<usize, Wrong> {
+        let is_named = |&i: &usize| name_of(&list[i]) == Some(name);
+        let named: Vec<usize> = (0..list.len()).filter(is_named).collect();
+        match *named {
+            [index] => Ok(index),
+            [] => {
+                let help = did_you_mean(name, list.iter().filter_map(name_of));
+                Err(self.wrong(format!("no entry of `{path}` is named {name:?}")).help(help))
+            }
+            [first, ..] => {
+                let message = format!("{} entries of `{path}` are named {name:?}", named.len());
+                let help = format!("say which by its number, as in `{path}.{first}`");
+                Err(self.wrong(message).help(help))
+            }
+        }
+    }
+
+    fn path(&self) -> Result<Vec<Step>, Wrong> {
+        let faulty = |message: &str| self.wrong(format!("the key cannot be read: {message}"));
+        let parsed = DeTable::parse(&self.key).map_err(|error| faulty(error.message()))?;
+        let mut steps = Vec::new();
+        let mut table = parsed.get_ref();
+        loop {
+            let mut entries = table.iter();
+            let (Some((key, node)), None) = (entries.next(), entries.next()) else {
+                return Err(faulty("it must be one dotted name"));
+            };
+            let is_quoted = self.key[key.span()].starts_with(['"', '\'']);
+            steps.push(Step { name: key.get_ref().to_string(), is_quoted });
+            match node.get_ref() {
+                DeValue::Table(inner) => table = inner,
+                _ => return Ok(steps),
+            }
+        }
+    }
+
+    fn value(&self) -> Result<Node<'_>, Wrong> {
+        let (mut table, errors) = DeTable::parse_recoverable(&self.value);
+        let Some(error) = errors.first() else {
+            let value = table.get_mut().remove(KEY).filter(|_| table.get_ref().is_empty());
+            let message = "the value must be a single one";
+            return value.ok_or_else(|| Wrong::value(self.value_span.clone(), message));
+        };
+        let word = self.bare_word.trim();
+        let at = error.span().unwrap_or_else(|| self.value_span.clone());
+        if word.is_empty() {
+            return Err(Wrong::value(self.value_span.clone(), "the value is missing"));
+        }
+        if word.starts_with(['"', '\'', '[', '{']) || word.contains('\n') {
+            let message = format!("the value is not TOML: {}", error.message());
+            return Err(Wrong::syntax(at, message));
+        }
+        Ok(Node::new(self.value_span.clone(), DeValue::String(word.into())))
+    }
+
+    fn wrong(&self, message: String) -> Wrong {
+        Wrong::value(self.key_span.clone(), message)
+    }
+}
+
+/// Where the next step of a path is looked up.
+enum Place<'p, 't> {
+    Table(&'p mut DeTable<'t>),
+    List(&'p mut DeArray<'t>),
+}
+
+/// One part of a dotted key.
+#[derive(Clone)]
+struct Step {
+    name: String,
+    is_quoted: bool,
+}
+
+fn written(path: &[Step]) -> String {
+    path.iter().map(|step| &*step.name).collect::<Vec<_>>().join(".")
+}

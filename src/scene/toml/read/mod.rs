@@ -1,0 +1,140 @@
+//! From a document to a [`Description`] and [`Settings`]: which keys there are, and what stands behind
+//! them. What is left out has its default, and so has what is wrong: the values are always complete,
+//! so that they can be checked as a whole, like those that a program gives.
+
+mod background;
+mod camera;
+mod materials;
+mod render;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use toml::de::DeTable;
+
+use crate::math::Rect;
+use crate::scene::data::{Column, SphereData};
+use crate::scene::description::{Description, NamedMaterial, SphereRow, SphereTable};
+use crate::scene::keys;
+use crate::scene::kinds::MaterialName;
+use crate::scene::settings::{Image, Settings};
+use crate::scene::validate::crop_must_be;
+
+use super::document::Table;
+use super::report::{Report, Wrong};
+
+/// The version of the format that this program reads.
+const FORMAT: i64 = 1;
+
+/// Reads a whole scene; relative paths start at `folder`. What is wrong goes to the report.
+pub(super) fn read(
+    document: &DeTable<'_>,
+    integrator_of_file: Option<&str>,
+    folder: &Path,
+    report: &Report,
+) -> (Description, Settings) {
+    Table::root(document, report, |root| {
+        read_format(root);
+        let image = root.optional_section("image", read_image);
+        let background =
+            root.optional_section("background", |table| background::read(table, folder));
+        let materials = materials::read(root);
+        let names = materials.iter().map(|(name, _)| *name);
+        let index_of: BTreeMap<_, _> = names.zip(0..).collect();
+        let spheres = root.sections("spheres", |table| read_sphere(table, &index_of));
+        let camera = root.section("camera", |table| camera::read(table, &spheres));
+        let tables = root.sections("sphere_tables", |table| read_table(table, &index_of, folder));
+        demand_spheres(root);
+        let render =
+            root.optional_section("render", |table| render::read(table, integrator_of_file));
+        let named = |(name, material): (&str, NamedMaterial)| NamedMaterial {
+            name: name.to_owned(),
+            ..material
+        };
+        let materials = materials.into_iter().map(named).collect();
+        let description = Description { camera, background, materials, spheres, tables };
+        (description, Settings { image, render })
+    })
+}
+
+fn read_format(root: &Table<'_>) {
+    if root.span_of("format").is_none() {
+        let help = format!("add `format = {FORMAT}` as the first line");
+        root.report().add(Wrong::absence(0..0, "`format` is missing").help(help));
+    }
+    let key = &keys::root::FORMAT;
+    let Some(format) = root.optional(key.name, &key.kind) else {
+        return;
+    };
+    if format != FORMAT {
+        let message = format!("this is format {format}; this photosphere reads format {FORMAT}");
+        root.complain("format", message, None);
+    }
+}
+
+fn read_image(table: &Table<'_>) -> Image {
+    let usual = Image::default();
+    let width = table.get(&keys::image::WIDTH).unwrap_or(usual.width);
+    let height = table.get(&keys::image::HEIGHT).unwrap_or(usual.height);
+    let crop = read_crop(table, width, height);
+    let filter = table.get(&keys::image::FILTER).unwrap_or_default();
+    let radius = table.get(&keys::image::FILTER_RADIUS);
+    let filter_radius = radius.unwrap_or(Image::usual_radius(filter));
+    Image { width, height, crop, filter, filter_radius }
+}
+
+/// The part of the picture that is rendered.
+fn read_crop(table: &Table<'_>, width: u32, height: u32) -> Option<Rect> {
+    let edges = table.get(&keys::image::CROP)?;
+    let Ok(corners) = <[u32; 4]>::try_from(edges.as_slice()) else {
+        let found = edges.len();
+        let message = format!("`image.crop` must be four numbers, [x0, y0, x1, y1], not {found}");
+        table.complain("crop", message, None);
+        return None;
+    };
+    let crop = Rect::of_corners(corners);
+    if crop.is_none() {
+        table.complain("crop", crop_must_be(width, height), None);
+    }
+    crop
+}
+
+fn read_sphere(table: &Table<'_>, index_of: &BTreeMap<&str, usize>) -> SphereRow {
+    let name = table.get(&keys::sphere::NAME);
+    let center = table.get(&keys::sphere::CENTER);
+    let radius = table.get(&keys::sphere::RADIUS);
+    let material = table.required(keys::sphere::MATERIAL.name, &MaterialName(index_of));
+    SphereRow {
+        name,
+        center: center.unwrap_or_default(),
+        radius: radius.unwrap_or_default(),
+        material: material.unwrap_or_default(),
+    }
+}
+
+fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path) -> SphereTable {
+    let file = table.get(&keys::table::FILE);
+    let columns = table.get(&keys::table::COLUMNS);
+    let material = table.required(keys::table::MATERIAL.name, &MaterialName(index_of));
+    let colors = table.get(&keys::table::COLORS);
+    let lacks_colors =
+        columns.as_ref().is_some_and(|columns| !columns.iter().any(|column| column.is_color()));
+    if colors.is_some() && lacks_colors {
+        let message = format!("`{}` is for tables with colours", table.path_to("colors"));
+        let help = "drop it, or add r, g and b to `columns`".to_owned();
+        table.complain("colors", message, help);
+    }
+    let usual = vec![Column::X, Column::Y, Column::Z, Column::Radius];
+    let data = SphereData::File {
+        path: folder.join(file.unwrap_or_default()),
+        columns: columns.unwrap_or(usual),
+    };
+    SphereTable { data, material: material.unwrap_or_default(), colors: colors.unwrap_or_default() }
+}
+
+fn demand_spheres(root: &Table<'_>) {
+    if root.is_empty_list("spheres") && root.is_empty_list("sphere_tables") {
+        let help = "add `[[spheres]]` with center, radius and material".to_owned();
+        root.report().add(Wrong::absence(root.span(), "the scene has no spheres").help(help));
+    }
+}

@@ -1,0 +1,136 @@
+//! `[render]`, and how many samples the paper's sub-pixels make of it.
+
+use crate::scene::keys::render::{self as keys, StopKind};
+use crate::scene::settings::{Integrator, IntegratorKind, Paper, Render, SamplerKind, Stop};
+use crate::scene::toml::document::Table;
+
+pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> Render {
+    let usual = Render::default();
+    let kind = table.get(&keys::INTEGRATOR).unwrap_or_default();
+    let estimator = table.get(&keys::ESTIMATOR).unwrap_or_default();
+    let given = table.get(&keys::SAMPLES);
+    let max_depth = table.get(&keys::MAX_DEPTH);
+    let clamp_indirect = table.get(&keys::CLAMP_INDIRECT);
+    let seed = table.get(&keys::SEED).map_or(usual.seed, i64::unsigned_abs);
+    let sampler = table.get(&keys::SAMPLER).unwrap_or(usual_sampler(kind));
+    let light_choice = table.get(&keys::LIGHT_CHOICE).unwrap_or_default();
+    let paper = table.optional_section("paper", |inner| {
+        let mut paper = read_paper(inner);
+        if kind == IntegratorKind::Paper {
+            paper.samples = reconcile(table, inner, &paper, given, integrator_of_file);
+        }
+        paper
+    });
+    let shadows = table
+        .optional_section("raycast", |inner| inner.get(&keys::raycast::SHADOWS))
+        .unwrap_or(false);
+    let distance = table.optional_section("ambient_occlusion", |inner| {
+        inner.get(&keys::ambient_occlusion::DISTANCE)
+    });
+    let many = given.unwrap_or(usual.samples_per_pixel);
+    let (integrator, samples_per_pixel) = match kind {
+        IntegratorKind::Path => (Integrator::Path, many),
+        IntegratorKind::Direct => (Integrator::Direct, many),
+        IntegratorKind::AmbientOcclusion => (Integrator::AmbientOcclusion { distance }, many),
+        IntegratorKind::Normals => (Integrator::Normals, given.unwrap_or(1)),
+        IntegratorKind::Paper => (Integrator::Paper(paper), counted(table, &paper)),
+        IntegratorKind::Raycast => (Integrator::Raycast { shadows }, given.unwrap_or(1)),
+    };
+    Render {
+        integrator,
+        estimator,
+        samples_per_pixel,
+        max_depth,
+        clamp_indirect,
+        seed,
+        sampler,
+        light_choice,
+    }
+}
+
+/// The paper's figures show independent numbers.
+fn usual_sampler(kind: IntegratorKind) -> SamplerKind {
+    if kind == IntegratorKind::Paper { SamplerKind::Independent } else { SamplerKind::Sobol }
+}
+
+fn read_paper(table: &Table<'_>) -> Paper {
+    let usual = Paper::default();
+    let subpixels = table.get(&keys::paper::SUBPIXELS).unwrap_or(usual.subpixels);
+    let samples = table.get(&keys::paper::SAMPLES).unwrap_or(usual.samples);
+    let hemisphere = table.get(&keys::paper::HEMISPHERE).unwrap_or_default();
+    let stop = table.get(&keys::paper::STOP).unwrap_or_default();
+    let threshold = table.get(&keys::paper::THRESHOLD);
+    if stop != StopKind::Threshold && table.span_of("threshold").is_some() {
+        let path = table.path_to("threshold");
+        let message = format!("`{path}` means nothing without `stop = \"threshold\"`");
+        table.complain("threshold", message, None);
+    }
+    let stop = match stop {
+        StopKind::Roulette => Stop::Roulette,
+        StopKind::Depth => Stop::Depth,
+        StopKind::Threshold => Stop::Threshold(threshold.unwrap_or(0.01)),
+    };
+    let miss = table.get(&keys::paper::MISS).unwrap_or_default();
+    let jitter = table.get(&keys::paper::JITTER).unwrap_or(usual.jitter);
+    Paper { subpixels, samples, hemisphere, stop, miss, jitter }
+}
+
+/// The paths of a sub-pixel, from all that is said of samples.
+///
+/// `samples_per_pixel` binds where it was meant for this integrator: in an option, or in a file that
+/// asks for it. In a file that asks for another it is followed where it can be.
+fn reconcile(
+    render: &Table<'_>,
+    table: &Table<'_>,
+    paper: &Paper,
+    given: Option<u32>,
+    integrator_of_file: Option<&str>,
+) -> u32 {
+    let (Some(given), Some(span)) = (given, render.span_of("samples_per_pixel")) else {
+        return paper.samples;
+    };
+    let report = render.report();
+    let binds = integrator_of_file == Some("paper") || !report.is_in_file(&span);
+    let subpixels = paper.subpixels.pow(2);
+    let is_multiple = given % subpixels == 0;
+    let samples_span = table.span_of("samples");
+    let k = paper.subpixels;
+    if !is_multiple && binds {
+        let message = format!(
+            "`render.samples_per_pixel` must be a multiple of the {k} x {k} sub-pixels, not {given}"
+        );
+        let near = (given / subpixels).max(1) * subpixels;
+        render.complain("samples_per_pixel", message, format!("try {near}"));
+        return paper.samples;
+    }
+    match samples_span {
+        None if is_multiple => given / subpixels,
+        Some(samples_span) if binds && u64::from(given) != paper.samples_per_pixel() => {
+            let message = format!(
+                "`render.samples_per_pixel` is {given}, but {k} x {k} sub-pixels of {} samples \
+                 make {}",
+                paper.samples,
+                paper.samples_per_pixel()
+            );
+            let help = format!(
+                "`render.paper.samples` is set in {}; leave one of the two out",
+                report.words_for(&samples_span)
+            );
+            render.complain("samples_per_pixel", message, help);
+            paper.samples
+        }
+        _ => paper.samples,
+    }
+}
+
+/// Samples of a pixel as a u32, or a mistake.
+fn counted(table: &Table<'_>, paper: &Paper) -> u32 {
+    let total = paper.samples_per_pixel();
+    u32::try_from(total).unwrap_or_else(|_| {
+        let message =
+            format!("`render.paper` asks for {total} samples per pixel, more than 2^32 - 1");
+        table.complain("paper", message, None);
+        table.mark_broken("samples_per_pixel");
+        u32::MAX
+    })
+}
