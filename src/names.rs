@@ -9,6 +9,7 @@ pub trait Named: Copy + PartialEq + 'static {
 /// Gives an enum its names: the constant `NAMES`, `name()`, `named()`, and their use by serde.
 macro_rules! named {
     ($type:ident { $($variant:ident = $name:literal),+ $(,)? }) => {
+        #[allow(unreachable_pub, reason = "some of the enums are a room's own")]
         impl $type {
             /// Every variant with its name.
             pub const NAMES: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),+];

@@ -1,7 +1,5 @@
 //! What the operating system says of memory, `None` where it does not say; and of this very run.
 
-use std::path::Path;
-
 /// The most memory that this process has held so far, in bytes.
 pub(super) fn peak_memory() -> Option<u64> {
     kibibytes("/proc/self/status", "VmHWM:")
@@ -31,12 +29,6 @@ pub(super) fn command_line() -> String {
     let words = std::iter::once("photosphere").chain(arguments.iter().map(String::as_str));
     // What cannot be quoted holds a zero byte, which no argument can.
     shlex::try_join(words).unwrap_or_default()
-}
-
-/// The path from the root on, as well as it is known.
-pub(super) fn full_path(path: &Path) -> String {
-    let full = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    full.display().to_string()
 }
 
 /// A line such as `VmHWM:    1234 kB`, in bytes.

@@ -37,7 +37,6 @@ pub use memory::{MemoryPlan, Step};
 pub use metadata::{COMMIT, Metadata, RunRecord, VERSION};
 pub use noise::NoiseTarget;
 pub use observer::{Observer, Progress};
-pub(crate) use outcome::percent;
 pub use outcome::{End, NoiseStatus, Outcome, crop_of, warnings};
 pub use passes::{Counters, Passes};
 pub use samples::{Samples, Share, Shares, TileCounts};

@@ -19,6 +19,7 @@ pub type Write<'a> = dyn Fn(Option<&Path>) -> Result<()> + Send + Sync + 'a;
 
 /// A file that is to be written.
 pub struct Errand<'a> {
+    /// Its place.
     pub path: PathBuf,
     /// Whether its content is nowhere else.
     pub is_vital: bool,

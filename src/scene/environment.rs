@@ -16,7 +16,7 @@ const WIDEST: usize = 32_768;
 
 /// The pixels of an image in latitude and longitude, rows from the top, checked to be radiance.
 #[derive(Clone, Debug)]
-pub struct Pixels {
+pub(super) struct Pixels {
     width: usize,
     height: usize,
     pixels: Vec<Rgb>,

@@ -11,7 +11,7 @@ use crate::math::MAX_COORDINATE;
 use super::data::Column;
 use super::description::ColorStorage;
 use super::kinds::{
-    COORDINATES, Choice, Color, Each, Flag, Kind, Limits, Number, Read, Text, Triple, Whole, Word,
+    COORDINATES, Choice, Color, Each, Flag, Kind, Limits, Number, Text, Triple, Whole, Word,
 };
 use super::settings::{
     Estimator, FilterKind, Hemisphere, IntegratorKind, LightChoice, Miss, SamplerKind,

@@ -14,7 +14,6 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::geometry::SphereRows;
 
-use super::colors::Colors;
 use super::data::SphereData;
 use super::description::{
     Background, Camera, ColorStorage, Description, Dome, NamedMaterial, SphereRow, SphereTable,

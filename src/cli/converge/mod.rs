@@ -11,7 +11,6 @@ use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::film::Picture;
 use crate::job;
-use crate::names::Named;
 use crate::output::{self, BEAUTY, WholeFile};
 use crate::scene::settings::{Integrator, IntegratorKind};
 use crate::scene::{Override, Scene, Settings, Shot, read_file};

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use crate::cli::print;
 use crate::error::Result;
 use crate::job::metadata::value_of;
-use crate::job::{Checkpoint, Delivery, FilePath, Header, Metadata, Status, is_checkpoint};
+use crate::job::{Checkpoint, FilePath, Header, Metadata, Status, is_checkpoint};
 use crate::output::{self, Record};
 
 /// The name of what `photosphere resume` does with a part.
@@ -47,11 +47,10 @@ fn records_of(header: &Header) -> Result<Vec<Record>> {
     let mut records = header.metadata.to_records()?;
     let is_ended = matches!(header.status, Status::Ended { .. });
     records.push(Record::new("ended", is_ended.to_string()));
-    if let Status::Ended { missed } = &header.status
-        && !missed.is_empty()
-    {
+    if let Status::Ended { missed } = &header.status {
         let words: Vec<String> = missed.iter().map(ToString::to_string).collect();
-        records.push(Record::new("missed", words.join("; ")));
+        let said = (!words.is_empty()).then(|| Record::new("missed", words.join("; ")));
+        records.extend(said);
     }
     if let Some(delivery) = &header.delivery {
         let files: Vec<String> = delivery.files.iter().map(shown).collect();
