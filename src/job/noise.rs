@@ -19,6 +19,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use crate::error::{Error, Result};
 use crate::film::Estimate;
 
 /// The share of its square's variance that every value is taken to have.
@@ -44,6 +45,21 @@ impl NoiseTarget {
     /// An error as a share of the brightness, as in 0.01, for 95 % of the values.
     pub fn new(error: f64) -> Self {
         Self { error, confidence: Self::CONFIDENCE }
+    }
+
+    /// Refuses what is no share.
+    ///
+    /// # Errors
+    /// With the two numbers.
+    pub(super) fn check(self) -> Result<()> {
+        let Self { error, confidence } = self;
+        let is_share = |x: f64| x > 0.0 && x < 1.0;
+        if is_share(error) && is_share(confidence) {
+            return Ok(());
+        }
+        Err(Error::input(format!(
+            "the noise target of {error} for {confidence} of the values is not in (0, 1)"
+        )))
     }
 }
 

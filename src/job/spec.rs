@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::film::{BLOCK, Kind, Layer};
 use crate::sampling::SamplerKind;
 use crate::scene::Settings;
-use crate::scene::settings::{Image, Integrator, Render};
+use crate::scene::settings::{Image, Integrator, Paper, Render};
 
 use super::metadata::set_samples;
 use super::noise::NoiseTarget;
@@ -181,14 +181,7 @@ impl Until {
             (Some(_), _) => "a noise target",
             (None, Some(_)) => "a time",
         };
-        if let Some(NoiseTarget { error, confidence }) = self.noise
-            && !(error > 0.0 && error < 1.0 && confidence > 0.0 && confidence < 1.0)
-        {
-            let message = format!(
-                "the noise target of {error} for {confidence} of the values is not in (0, 1)"
-            );
-            return Err(Error::input(message));
-        }
+        self.noise.map_or(Ok(()), NoiseTarget::check)?;
         let refuse = |why: &str, help: &str| {
             let message = format!("{what} decides when to stop, but {why}");
             Err(Error::input(message).with_help(help))
@@ -197,14 +190,14 @@ impl Until {
             let why = "stratified samples are spread over a number that is known before";
             return refuse(why, "choose the sampler `sobol` or `independent`");
         }
-        if let Integrator::Paper(paper) = render.integrator
-            && BLOCK % paper.subpixels.pow(2) != 0
-        {
-            let k = paper.subpixels;
-            let why = format!("{k} x {k} sub-pixels do not fit into its blocks of {BLOCK} samples");
-            return refuse(&why, "use 1, 2 or 4 sub-pixels along each side");
+        match render.integrator {
+            Integrator::Paper(Paper { subpixels: k, .. }) if BLOCK % k.pow(2) != 0 => {
+                let why =
+                    format!("{k} x {k} sub-pixels do not fit into its blocks of {BLOCK} samples");
+                refuse(&why, "use 1, 2 or 4 sub-pixels along each side")
+            }
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     /// The share of the values that an error is told for.

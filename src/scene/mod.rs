@@ -3,6 +3,7 @@
 
 mod arrays;
 mod biases;
+mod builder;
 mod colors;
 pub mod data;
 pub mod description;
@@ -23,6 +24,7 @@ mod surface;
 mod toml;
 mod validate;
 
+pub use builder::{Builder, Material};
 pub use colors::{Colors, Packed};
 pub use data::{SphereArrays, SphereData};
 pub use description::Description;
