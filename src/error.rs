@@ -34,7 +34,12 @@ pub enum Category {
 #[derive(Debug)]
 enum Kind {
     Mistakes(Vec<Mistake>),
-    Message { category: Category, message: String, help: Option<String> },
+    Message {
+        category: Category,
+        message: String,
+        help: Option<String>,
+        source: Option<Box<dyn std::error::Error + Send + Sync>>,
+    },
 }
 
 /// One mistake in a scene, with its place in the text where it has one.
@@ -79,9 +84,15 @@ impl Error {
         Self::message(Category::Backend, message)
     }
 
-    /// An error about a file: `doing` completes "cannot ... `path`".
-    pub fn file(doing: &str, path: &Path, source: impl fmt::Display) -> Self {
-        Self::message(Category::File, format!("cannot {doing} `{}`: {source}", path.display()))
+    /// An error about a file: `doing` completes "cannot ... `path`", and `source` says why.
+    pub fn file(
+        doing: &str,
+        path: &Path,
+        source: impl Into<Box<dyn std::error::Error + Send + Sync>>,
+    ) -> Self {
+        let source = source.into();
+        let message = format!("cannot {doing} `{}`: {source}", path.display());
+        Self::message(Category::File, message).with_source(source)
     }
 
     /// The answer to a request to stop before there was anything to show.
@@ -100,6 +111,18 @@ impl Error {
     pub fn with_help(mut self, advice: impl Into<String>) -> Self {
         if let Kind::Message { help, .. } = &mut *self.kind {
             *help = Some(advice.into());
+        }
+        self
+    }
+
+    /// Adds what it comes from.
+    #[must_use]
+    pub fn with_source(
+        mut self,
+        from: impl Into<Box<dyn std::error::Error + Send + Sync>>,
+    ) -> Self {
+        if let Kind::Message { source, .. } = &mut *self.kind {
+            *source = Some(from.into());
         }
         self
     }
@@ -129,7 +152,8 @@ impl Error {
     }
 
     fn message(category: Category, message: impl Into<String>) -> Self {
-        Self { kind: Box::new(Kind::Message { category, message: message.into(), help: None }) }
+        let message = message.into();
+        Self { kind: Box::new(Kind::Message { category, message, help: None, source: None }) }
     }
 }
 
@@ -158,7 +182,14 @@ impl fmt::Display for Mistake {
     }
 }
 
-impl std::error::Error for Error {}
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &*self.kind {
+            Kind::Mistakes(_) => None,
+            Kind::Message { source, .. } => Some(source.as_deref()?),
+        }
+    }
+}
 
 impl Source {
     /// Line and column (in characters) of a byte offset, both counted from 1.

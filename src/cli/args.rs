@@ -90,6 +90,14 @@ Examples:
 Prints the version of Embree at compile time and at run time and the instruction set it uses, or
 why there is none and which packages to install; then traces one ray with every intersector.")]
     Doctor,
+    /// Print the JSON schema of scene files, which editors complete and check them by
+    #[command(after_help = "\
+Examples:
+  photosphere schema > photosphere.schema.json
+
+An editor with taplo, such as VS Code with Even Better TOML, takes it from the first line of a scene:
+#:schema ./photosphere.schema.json")]
+    Schema,
     /// Print the completion script for a shell
     #[command(after_help = "\
 Examples:

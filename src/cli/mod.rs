@@ -37,6 +37,7 @@ use std::sync::mpsc::{self, Sender};
 use clap::FromArgMatches;
 
 use crate::error::{Error, Result};
+use crate::scene::keys;
 
 use args::{Cli, Command};
 use exit::Exit;
@@ -109,6 +110,7 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Generate(args) => generate::run(args),
         Command::Info(args) => info::run(args),
         Command::Doctor => doctor::run(),
+        Command::Schema => print::result(&format!("{:#}\n", keys::schema())).map(|()| Exit::Done),
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man { command } => manual::page(command.as_deref()),
     }

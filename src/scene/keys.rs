@@ -61,6 +61,8 @@ pub struct KeyInfo {
     pub name: &'static str,
     /// What it may hold, in words.
     pub expects: String,
+    /// The same as a JSON schema.
+    pub schema: Value,
     /// What it is where it is left out.
     pub default: Fallback,
     /// What it means.
@@ -78,7 +80,8 @@ pub(in crate::scene) trait AnyKey: Sync {
 impl<K: Kind + Sync> AnyKey for Key<K> {
     fn info(&self, table: &'static str, of_type: Option<&'static str>) -> KeyInfo {
         let Self { name, ref kind, default, help, option } = *self;
-        KeyInfo { table, of_type, name, expects: kind.expects(), default, help, option }
+        let (expects, schema) = (kind.expects(), kind.schema());
+        KeyInfo { table, of_type, name, expects, schema, default, help, option }
     }
 
     fn schema(&self) -> Value {
@@ -426,17 +429,11 @@ pub(super) mod render {
     use super::*;
     keys! {
         INTEGRATOR: Choice<IntegratorKind> = optional("integrator", Choice::NEW, Is("\"path\""), "what is computed",
-            SceneOption {
-                help: Some("What is computed: path, direct, ambient-occlusion, normals, paper or raycast"),
-                ..option("integrator", "NAME")
-            });
+            option("integrator", "NAME"));
         ESTIMATOR: Choice<Estimator> = optional("estimator", Choice::NEW, Is("\"mis\""), "how lights are found",
-            SceneOption { help: Some("How lights are found: mis, light or bsdf"), ..option("estimator", "NAME") });
+            option("estimator", "NAME"));
         SAMPLER: Choice<SamplerKind> = optional("sampler", Choice::NEW, Depends("sobol; independent for paper"), "how random numbers are spread",
-            SceneOption {
-                help: Some("How random numbers are spread: sobol, independent or stratified"),
-                ..option("sampler", "NAME")
-            });
+            option("sampler", "NAME"));
         SAMPLES: Whole<u32> = optional("samples_per_pixel", Whole(1..=u32::MAX), Depends("64; 1 for normals and raycast; k^2 N for paper"),
             "samples of each pixel", SceneOption { help: Some("Samples per pixel, from 1"), ..option("spp", "N") });
         SEED: Whole<i64> = optional("seed", Whole(0..=i64::MAX), Is("0"), "chooses the random numbers; equal seeds give equal pictures", option("seed", "S"));

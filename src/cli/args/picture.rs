@@ -1,88 +1,114 @@
-//! The options that change what a picture shows, for every command that makes or plans one.
+//! The options that change what a picture shows, for every command that makes or plans one. They are
+//! keys of a scene, and made of the one table that declares those.
 
-use clap::Args;
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use serde_json::Value;
 
 use crate::scene::Override;
+use crate::scene::keys::{self, KeyInfo, SceneOption};
 
 use super::{SceneArgs, Size, size, whole};
 
 /// What the picture is to be, where that is not what the scene says.
-#[derive(Args, Debug)]
+#[derive(Debug, Default)]
 pub(in crate::cli) struct PictureArgs {
-    /// What is computed: path, direct, ambient-occlusion, normals, paper or raycast
-    #[arg(long, value_name = "NAME")]
-    integrator: Option<String>,
-
-    /// How lights are found: mis, light or bsdf
-    #[arg(long, value_name = "NAME")]
-    estimator: Option<String>,
-
-    /// How random numbers are spread: sobol, independent or stratified
-    #[arg(long, value_name = "NAME")]
-    sampler: Option<String>,
-
-    /// Samples per pixel, from 1
-    #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
-    spp: Option<i128>,
-
-    /// The size of the picture in pixels, as in 640x480
-    #[arg(long, value_name = "WxH", value_parser = size)]
-    size: Option<Size>,
-
-    /// Render this part of the picture only: its first column and row, and the ones behind its last
-    #[arg(long, value_name = "X0,Y0,X1,Y1")]
-    crop: Option<String>,
-
-    /// Chooses the random numbers; equal seeds give equal pictures
-    #[arg(long, value_name = "S", value_parser = whole, allow_negative_numbers = true)]
-    seed: Option<i128>,
-
-    /// The longest path in edges: 1 sees lamps only, 2 adds direct light, 3 one bounce
-    #[arg(long, value_name = "D", value_parser = whole, allow_negative_numbers = true)]
-    max_depth: Option<i128>,
+    given: Vec<Override>,
 }
+
+/// The option that sets two keys.
+const SIZE: &str = "size";
 
 impl PictureArgs {
     /// Whether the number of samples is given.
     pub(in crate::cli) fn has_samples(&self) -> bool {
-        self.spp.is_some()
+        self.given.iter().any(|given| given.key == "render.samples_per_pixel")
     }
 
     /// What the options change in the scene; `--set` has the last word.
     pub(in crate::cli) fn overrides(&self, scene: &SceneArgs) -> Vec<Override> {
-        let mut overrides = Vec::new();
-        let mut set = |option: String, key: &str, value: String| {
-            overrides.push(Override { option, key: key.to_owned(), value });
+        self.given.iter().cloned().chain(scene.overrides()).collect()
+    }
+}
+
+/// The keys that have an option.
+fn options() -> impl Iterator<Item = (KeyInfo, SceneOption)> {
+    keys::all().into_iter().filter_map(|key| key.option.map(|option| (key, option)))
+}
+
+/// What a key holds, as the schema calls it.
+fn is_a(key: &KeyInfo, kind: &str) -> bool {
+    key.schema["type"] == kind
+}
+
+/// The key's own words, and the names that it may have.
+fn help(key: &KeyInfo, option: &SceneOption) -> String {
+    let words = option.help.unwrap_or(key.help);
+    let mut letters = words.chars();
+    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    let mut text = first + letters.as_str();
+    let names = key.schema["enum"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let names: Vec<&str> = names.iter().filter_map(Value::as_str).collect();
+    if let [first @ .., last] = names.as_slice() {
+        text += &format!(": {} or {last}", first.join(", "));
+    }
+    text
+}
+
+/// Numbers are judged where the scene is, which knows which are allowed.
+fn argument(key: &KeyInfo, option: &SceneOption) -> Arg {
+    let arg = Arg::new(option.name)
+        .long(option.name)
+        .value_name(option.value)
+        .help(help(key, option))
+        .allow_negative_numbers(true);
+    match is_a(key, "integer") {
+        true => arg.value_parser(whole),
+        false => arg.value_parser(clap::value_parser!(String)),
+    }
+}
+
+impl Args for PictureArgs {
+    fn augment_args(command: Command) -> Command {
+        let size = Arg::new(SIZE)
+            .long(SIZE)
+            .value_name("WxH")
+            .help("The size of the picture in pixels, as in 640x480")
+            .value_parser(size);
+        let with_keys = options().fold(command, |command, (key, option)| command.arg(argument(&key, &option)));
+        with_keys.arg(size)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for PictureArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut picture = Self::default();
+        picture.update_from_arg_matches(matches)?;
+        Ok(picture)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        let mut set = |option: &str, path: String, value: String| {
+            self.given.push(Override { option: option.to_owned(), key: path, value });
         };
-        let names = [
-            ("--integrator", "render.integrator", &self.integrator),
-            ("--estimator", "render.estimator", &self.estimator),
-            ("--sampler", "render.sampler", &self.sampler),
-        ];
-        for (option, key, name) in names {
-            if let Some(name) = name {
-                set(format!("{option} {name}"), key, name.clone());
-            }
-        }
-        if let Some(Size { width, height }) = self.size {
+        if let Some(Size { width, height }) = matches.get_one(SIZE) {
             let option = format!("--size {width}x{height}");
-            set(option.clone(), "image.width", width.to_string());
-            set(option, "image.height", height.to_string());
+            set(&option, "image.width".to_owned(), width.to_string());
+            set(&option, "image.height".to_owned(), height.to_string());
         }
-        if let Some(crop) = &self.crop {
-            set(format!("--crop {crop}"), "image.crop", format!("[{crop}]"));
+        for (key, option) in options() {
+            let given = match is_a(&key, "integer") {
+                true => matches.get_one::<i128>(option.name).map(ToString::to_string),
+                false => matches.get_one::<String>(option.name).cloned(),
+            };
+            let Some(given) = given else { continue };
+            let value = if is_a(&key, "array") { format!("[{given}]") } else { given.clone() };
+            let path = format!("{}.{}", key.table, key.name);
+            set(&format!("--{} {given}", option.name), path, value);
         }
-        let numbers = [
-            ("--spp", "render.samples_per_pixel", self.spp),
-            ("--seed", "render.seed", self.seed),
-            ("--max-depth", "render.max_depth", self.max_depth),
-        ];
-        for (option, key, number) in numbers {
-            if let Some(number) = number {
-                set(format!("{option} {number}"), key, number.to_string());
-            }
-        }
-        overrides.extend(scene.overrides());
-        overrides
+        Ok(())
     }
 }
