@@ -62,7 +62,7 @@ mod embree {
     pub(super) const ADVICE: &str = "\
         Debian, Ubuntu: apt-get install build-essential libembree-dev libclang-dev\n\
         Elsewhere: a C compiler, libclang, and Embree 3.13 or 4; EMBREE_DIR may name its folder.\n\
-        Or build with --no-default-features: the native intersector needs none of these.";
+        Or build with --no-default-features --features cli: the native intersector needs none of these.";
 
     type Result<T> = std::result::Result<T, String>;
 

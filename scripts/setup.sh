@@ -146,7 +146,7 @@ explain_missing() {
         esac
     done
     if [[ " ${missing[*]} " =~ ' '(libclang|embree)' ' ]]; then
-        echo "Without Embree and libclang: cargo build --release --no-default-features"
+        echo "Without Embree and libclang: cargo build --release --no-default-features --features cli"
     fi
 }
 

@@ -31,6 +31,23 @@ pub enum Category {
     Cancelled,
 }
 
+/// What an advice tells to change. Every program has its own name for it: the command line, an option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Setting {
+    /// The intersector.
+    Intersector,
+    /// The number of threads.
+    Threads,
+    /// The number of spheres to generate.
+    Count,
+    /// The layers of a picture.
+    Layers,
+    /// The samples of each pixel.
+    SamplesPerPixel,
+    /// Whether a merged picture may lack pixels or samples.
+    AllowGaps,
+}
+
 #[derive(Debug)]
 enum Kind {
     Mistakes(Vec<Mistake>),
@@ -38,6 +55,7 @@ enum Kind {
         category: Category,
         message: String,
         help: Option<String>,
+        setting: Option<(Setting, String)>,
         source: Option<Box<dyn std::error::Error + Send + Sync>>,
     },
 }
@@ -115,6 +133,15 @@ impl Error {
         self
     }
 
+    /// Adds which setting the advice is about, and to what it should be set; empty where that is open.
+    #[must_use]
+    pub fn with_setting(mut self, which: Setting, value: impl Into<String>) -> Self {
+        if let Kind::Message { setting, .. } = &mut *self.kind {
+            *setting = Some((which, value.into()));
+        }
+        self
+    }
+
     /// Adds what it comes from.
     #[must_use]
     pub fn with_source(
@@ -151,9 +178,27 @@ impl Error {
         }
     }
 
+    /// The setting that the advice is about, and to what it should be set; empty where that is open.
+    pub fn setting(&self) -> Option<(Setting, &str)> {
+        match &*self.kind {
+            Kind::Mistakes(_) => None,
+            Kind::Message { setting, .. } => {
+                setting.as_ref().map(|(which, value)| (*which, value.as_str()))
+            }
+        }
+    }
+
     fn message(category: Category, message: impl Into<String>) -> Self {
         let message = message.into();
-        Self { kind: Box::new(Kind::Message { category, message, help: None, source: None }) }
+        Self {
+            kind: Box::new(Kind::Message {
+                category,
+                message,
+                help: None,
+                setting: None,
+                source: None,
+            }),
+        }
     }
 }
 

@@ -11,6 +11,7 @@
 
 pub mod accel;
 pub mod camera;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod color;
 pub mod error;

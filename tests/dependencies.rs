@@ -1,8 +1,10 @@
-//! CONTRIBUTING.md says of every dependency what it replaces, and names none that is gone.
+//! CONTRIBUTING.md says of every dependency what it replaces, and names none that is gone; the library
+//! goes without those of the command line.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use toml::de::{DeTable, DeValue};
 
@@ -15,6 +17,41 @@ const HEADER: &str = "| crate | what it replaces |";
 #[test]
 fn every_dependency_has_its_row_and_every_row_its_dependency() {
     assert_eq!(rows(), dependencies());
+}
+
+/// What the command line alone needs.
+const OF_THE_COMMAND_LINE: [&str; 8] = [
+    "clap",
+    "clap_complete",
+    "clap_mangen",
+    "indicatif",
+    "miette",
+    "shlex",
+    "signal-hook",
+    "tev_client",
+];
+
+#[test]
+fn the_library_needs_nothing_of_the_command_line() {
+    let (library, program) = (crates_with(&[]), crates_with(&["--features", "cli"]));
+    for name in OF_THE_COMMAND_LINE {
+        assert!(!library.contains(name), "the library needs `{name}`");
+        assert!(program.contains(name), "the command line does not need `{name}`");
+    }
+}
+
+/// The names of all crates that are built without the usual features, but with these.
+fn crates_with(features: &[&str]) -> BTreeSet<String> {
+    let tree = Command::new(env!("CARGO"))
+        .args(["tree", "--locked", "--no-default-features", "--edges", "normal"])
+        .args(["--prefix", "none"])
+        .args(features)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo runs this test");
+    assert!(tree.status.success(), "{}", String::from_utf8_lossy(&tree.stderr));
+    let text = String::from_utf8(tree.stdout).expect("names of crates");
+    text.lines().filter_map(|line| line.split(' ').next()).map(str::to_owned).collect()
 }
 
 /// The first cells of the table, as in "`cc` (build)".

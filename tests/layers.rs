@@ -26,6 +26,11 @@ fn only_the_command_line_prints() {
 }
 
 #[test]
+fn only_the_command_line_names_its_options() {
+    assert_clean(forbidden_options);
+}
+
+#[test]
 fn unsafe_code_stays_in_its_places() {
     assert_clean(forbidden_unsafe);
 }
@@ -81,6 +86,13 @@ fn forbidden_printing_and_unsafe_code_are_found() {
         forbidden_printing("src/film/mod.rs", "// println!\noutput.stdout; blueprint!()").len(),
         0
     );
+    for code in [r#"with_help("try --accel native")"#, r#"let flag = "--spp";"#] {
+        assert_eq!(forbidden_options("src/film/mod.rs", code).len(), 1, "{code}");
+        assert_eq!(forbidden_options("src/cli/mod.rs", code).len(), 0, "{code}");
+    }
+    for code in ["let x = y--z;", r#"let line = "a -- b";"#, "// as in --spp 16"] {
+        assert_eq!(forbidden_options("src/film/mod.rs", code).len(), 0, "{code}");
+    }
     for code in
         ["unsafe { f() }", "unsafe fn f() {}", "unsafe impl Send for X {}", "#[unsafe(no_mangle)]"]
     {
@@ -158,6 +170,22 @@ fn forbidden_printing(file: &str, code: &str) -> Vec<String> {
     }
     let printing = ["print!", "println!", "eprint!", "eprintln!", "dbg!", "stdout()", "stderr()"];
     findings(file, code, &printing, "only `cli` prints")
+}
+
+/// A program that uses the library has other names for what the command line calls `--spp`.
+fn forbidden_options(file: &str, code: &str) -> Vec<String> {
+    if file.starts_with("src/cli/") {
+        return Vec::new();
+    }
+    let code = without_comments(code);
+    let is_option = |at: &usize| {
+        let before = code[..*at].chars().next_back();
+        let after = code[at + 2..].chars().next();
+        before.is_none_or(|c| c.is_whitespace() || c == '"' || c == '`')
+            && after.is_some_and(|c| c.is_ascii_lowercase())
+    };
+    let places = code.match_indices("--").map(|(at, _)| at).filter(is_option);
+    places.map(|at| format!("{file}:{}: only `cli` names options", line_of(&code, at))).collect()
 }
 
 /// Where `unsafe` may be: the fence around Embree, the native kernel, and the module that calls vector

@@ -239,9 +239,8 @@ impl Backend {
             #[cfg(not(feature = "embree"))]
             Self::Embree | Self::EmbreeUser => {
                 Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
-                    .with_help(
-                        "build with the default features, or choose the intersector `native`",
-                    ))
+                    .with_help("build with the default features, or choose another intersector")
+                    .with_setting(crate::error::Setting::Intersector, "native"))
             }
         }
     }

@@ -11,7 +11,7 @@ use miette::{
     Report, ReportHandler,
 };
 
-use crate::error::{Error, Mistake, Place};
+use crate::error::{Error, Mistake, Place, Setting};
 
 use super::print;
 
@@ -24,9 +24,24 @@ pub(super) fn print(error: &Error) {
 fn report(error: &Error, handler: &MietteHandler) -> String {
     let mistakes = error.mistakes();
     if mistakes.is_empty() {
-        return drawn(&bare(error.to_string(), error.help()).into(), handler);
+        return drawn(&bare(error.to_string(), help(error).as_deref()).into(), handler);
     }
     mistakes.iter().map(|mistake| drawn(&diagnostic(mistake), handler)).collect()
+}
+
+/// What to do, with the option that does it.
+fn help(error: &Error) -> Option<String> {
+    let help = error.help()?;
+    let Some((setting, value)) = error.setting() else { return Some(help.to_owned()) };
+    let option = match setting {
+        Setting::Intersector => "--accel",
+        Setting::Threads => "--threads",
+        Setting::Count => "--count",
+        Setting::Layers => "--layers",
+        Setting::SamplesPerPixel => "--spp",
+        Setting::AllowGaps => "--allow-gaps",
+    };
+    Some(format!("{help}: {option} {value}").trim_end().to_owned())
 }
 
 /// Draws one diagnostic, at the left margin.
@@ -142,5 +157,7 @@ error: the radius is 0
     fn plain_errors_are_a_message_and_its_help() {
         let error = Error::input("no").with_help("try yes");
         assert_eq!(report(&error, &plain()), "error: no\n  help: try yes\n");
+        let error = error.with_setting(Setting::Intersector, "native");
+        assert_eq!(report(&error, &plain()), "error: no\n  help: try yes: --accel native\n");
     }
 }

@@ -12,7 +12,7 @@ mod places;
 mod scene;
 mod table;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 use crate::math::NO_SPHERE;
 use crate::names::named;
 
@@ -70,12 +70,15 @@ impl Recipe {
     pub fn new(arrangement: Arrangement, count: u64, seed: u64, colors: bool) -> Result<Self> {
         if count == 0 {
             return Err(Error::input("a table has at least one sphere")
-                .with_help("ask for more with --count"));
+                .with_help("ask for more")
+                .with_setting(Setting::Count, "1"));
         }
         if count > MOST_SPHERES {
             let message =
                 format!("{count} spheres are more than the {MOST_SPHERES} that a scene can hold");
-            return Err(Error::input(message).with_help("ask for fewer with --count"));
+            return Err(Error::input(message)
+                .with_help("ask for fewer")
+                .with_setting(Setting::Count, MOST_SPHERES.to_string()));
         }
         let places = Places::new(arrangement, count, seed);
         Ok(Self { arrangement, count, seed, colors, places })

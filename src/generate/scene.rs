@@ -20,13 +20,13 @@ impl Recipe {
 pub fn scene_text(recipe: &Recipe, file: &Path) -> String {
     let Recipe { arrangement, count, seed, colors, .. } = recipe;
     let name = arrangement.name();
-    let flag = if *colors { " --colors" } else { "" };
+    let own = if *colors { ", with colours" } else { "" };
     let columns = if *colors { r#", "r", "g", "b""# } else { "" };
     // What JSON escapes in a string, TOML reads alike.
     let file = serde_json::Value::from(file.display().to_string());
     let View { position, fov, zenith, horizon, nadir, sun } = view(*arrangement);
     format!(
-        r#"# {count} spheres: photosphere generate {name} --count {count} --seed {seed}{flag}
+        r#"# {count} generated spheres: {name}, seed {seed}{own}.
 
 format = 1
 

@@ -17,7 +17,7 @@ mod monitor;
 mod noise;
 mod observer;
 mod outcome;
-pub(crate) mod pace;
+pub mod pace;
 mod passes;
 pub mod reproduce;
 mod samples;
@@ -42,7 +42,7 @@ pub use passes::{Counters, Passes};
 pub use samples::{Samples, Share, Shares, TileCounts};
 pub use session::{Opening, Reached, Session, format_of};
 pub use spec::{ENDLESS, Job, Until};
-pub(crate) use turns::Turns;
+pub use turns::Turns;
 
 use crate::accel::{Accel, Cancel};
 use crate::error::Result;

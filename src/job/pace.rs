@@ -12,23 +12,23 @@ const LONGEST: f64 = 1e9;
 
 /// How far a render is, and how far it has to go.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Pace {
+pub struct Pace {
     /// Since the work began, or went on.
-    pub(crate) elapsed: Duration,
+    pub elapsed: Duration,
     /// Samples since then.
-    pub(crate) samples: u64,
+    pub samples: u64,
     /// The least and the most samples that are left; they differ where only an estimate is known.
-    pub(crate) left: Range<u64>,
+    pub left: Range<u64>,
 }
 
 impl Pace {
     /// Samples per second; 0 before the first.
-    pub(crate) fn rate(&self) -> f64 {
+    pub fn rate(&self) -> f64 {
         self.samples as f64 / self.elapsed.as_secs_f64().max(1e-9)
     }
 
     /// The shortest and the longest time that it may still take; nothing before the first sample.
-    pub(crate) fn time_left(&self) -> Option<Range<Duration>> {
+    pub fn time_left(&self) -> Option<Range<Duration>> {
         let rate = self.rate();
         let time = |samples: u64| Duration::from_secs_f64((samples as f64 / rate).min(LONGEST));
         (self.samples > 0).then(|| time(self.left.start)..time(self.left.end))
@@ -36,19 +36,19 @@ impl Pace {
 }
 
 /// Samples that are done in some time, at the pace of some others.
-pub(crate) fn samples_in(time: Duration, samples: u64, elapsed: Duration) -> u64 {
+pub fn samples_in(time: Duration, samples: u64, elapsed: Duration) -> u64 {
     (samples as f64 * time.as_secs_f64() / elapsed.as_secs_f64().max(1e-9)) as u64
 }
 
 /// The total that there will be when the time is up: so many in that time, but never less than what is done
 /// in any case.
-pub(crate) fn total_in_time(total: &Range<u64>, in_time: u64, at_least: u64) -> Range<u64> {
+pub fn total_in_time(total: &Range<u64>, in_time: u64, at_least: u64) -> Range<u64> {
     let most = in_time.max(at_least);
     total.start.min(most)..total.end.min(most)
 }
 
 /// `3 min`, `50 to 80 s`, in two digits of the unit that suits the longer one.
-pub(crate) fn in_words(left: &Range<Duration>) -> String {
+pub fn in_words(left: &Range<Duration>) -> String {
     let (unit, name) = [(86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s")]
         .into_iter()
         .find(|(unit, _)| left.end.as_secs_f64() >= 1.95 * unit)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::accel::{Accel, Backend, BuildOptions, Cancel};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 use crate::film::{Film, Format, Frame, Kind, Layer, Picture};
 use crate::output;
 use crate::scene::{Scene, Shot};
@@ -128,7 +128,8 @@ fn backend_of(then: &Metadata, again: &Again) -> Result<Backend> {
         return Ok(backend);
     }
     Err(Error::backend(format!("the picture was made with `{name}`, which this build has not"))
-        .with_help("take the intersector `native` and see by how much it differs"))
+        .with_help("take another intersector and see by how much it differs")
+        .with_setting(Setting::Intersector, "native"))
 }
 
 /// About how many samples there are to render.

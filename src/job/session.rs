@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use rayon::ThreadPool;
 
 use crate::accel::{self, Accel, Backend, BuildOptions, Cancel};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 use crate::film::{Film, Format, Frame, Layer, Picture, Rect, Scale, summed_for};
 use crate::integrator::Tally;
 use crate::output::WholeFile;
@@ -491,6 +491,8 @@ fn words_of_accel(backend: Backend, reason: &str, accel: &dyn Accel) -> String {
 fn pool_of(threads: usize) -> Result<ThreadPool> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map_err(|e| {
-        Error::input(format!("cannot start the threads: {e}")).with_help("ask for fewer threads")
+        Error::input(format!("cannot start the threads: {e}"))
+            .with_help("ask for fewer threads")
+            .with_setting(Setting::Threads, "")
     })
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::accel::{Choice, Quality};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 use crate::film::{BLOCK, Kind, Layer};
 use crate::sampling::SamplerKind;
 use crate::scene::Settings;
@@ -129,10 +129,12 @@ impl Job {
             );
         }
         if end > last {
-            return refused(
+            let refusal = refused(
                 format!("end behind the last sample, of {last} per pixel"),
-                format!("ask for {end} samples per pixel"),
+                "ask for so many samples per pixel".to_owned(),
             );
+            return refusal
+                .map_err(|error| error.with_setting(Setting::SamplesPerPixel, end.to_string()));
         }
         if end % BLOCK != 0 && end != last {
             let near = end.next_multiple_of(BLOCK).min(last);

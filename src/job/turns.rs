@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 /// Turns of one kind of work.
-pub(crate) struct Turns {
+pub struct Turns {
     began: Instant,
     /// The wish: the time from one turn to the next.
     every: Duration,
@@ -18,7 +18,7 @@ pub(crate) struct Turns {
 
 impl Turns {
     /// From now on; `share` of the time of so many threads may be spent.
-    pub(crate) fn new(every: Duration, share: f64, threads: usize, guess: Duration) -> Self {
+    pub fn new(every: Duration, share: f64, threads: usize, guess: Duration) -> Self {
         let began = Instant::now();
         let (cost, spent) = (guess, Duration::ZERO);
         let mut turns = Self { began, every, share, threads, cost, spent, due: began };
@@ -27,7 +27,7 @@ impl Turns {
     }
 
     /// Does the work, if its turn has come.
-    pub(crate) fn take(&mut self, work: impl FnOnce()) {
+    pub fn take(&mut self, work: impl FnOnce()) {
         let now = Instant::now();
         if now < self.due {
             return;

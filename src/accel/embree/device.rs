@@ -5,7 +5,7 @@ use std::ptr::NonNull;
 use std::sync::atomic::{AtomicIsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 
 use super::sys;
 
@@ -57,7 +57,8 @@ impl Device {
                 code => format!("it gives no device, and error code {code}"),
             };
             return Err(Error::backend(format!("Embree cannot start: {cause}"))
-                .with_help("choose --accel native"));
+                .with_help("choose another intersector")
+                .with_setting(Setting::Intersector, "native"));
         };
         let device = Self { raw, listener: Arc::default() };
         let listener = Arc::as_ptr(&device.listener).cast_mut().cast::<c_void>();

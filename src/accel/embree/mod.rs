@@ -18,7 +18,7 @@ mod tests;
 
 use std::sync::Arc;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
 
@@ -153,14 +153,16 @@ fn describe(device: &Device) -> Result<EmbreeInfo> {
 fn require(info: &EmbreeInfo, particles: Particles) -> Result<()> {
     if let Some(feature) = info.missing.first() {
         return Err(Error::backend(format!("this Embree was built without {feature}"))
-            .with_help("install another build of Embree, or choose --accel native"));
+            .with_help("install another build of Embree, or choose another intersector")
+            .with_setting(Setting::Intersector, "native"));
     }
     if particles == Particles::Points && info.culls_sphere_back_faces == Some(true) {
         return Err(Error::backend(
             "this Embree was built with EMBREE_BACKFACE_CULLING_SPHERES: it does not see spheres \
              from inside",
         )
-        .with_help("choose --accel embree-user or native"));
+        .with_help("choose the intersector `embree-user` or `native`")
+        .with_setting(Setting::Intersector, "embree-user"));
     }
     Ok(())
 }

@@ -74,7 +74,8 @@ impl Args for PictureArgs {
             .value_name("WxH")
             .help("The size of the picture in pixels, as in 640x480")
             .value_parser(size);
-        let with_keys = options().fold(command, |command, (key, option)| command.arg(argument(&key, &option)));
+        let with_keys =
+            options().fold(command, |command, (key, option)| command.arg(argument(&key, &option)));
         with_keys.arg(size)
     }
 

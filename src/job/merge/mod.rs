@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::accel::{Backend, BuildOptions};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 use crate::film::{BLOCK, Film, Format, Kind, Picture, Rect, summed_for};
 use crate::output::WholeFile;
 use crate::scene::{Scene, Shot};
@@ -245,7 +245,8 @@ impl Piece {
         }
         let path = self.path.display();
         Err(Error::input(format!("`{path}` is not finished: it has {fewest} of {all} samples"))
-            .with_help(format!("finish it with photosphere resume '{path}', or allow gaps")))
+            .with_help(format!("finish it with photosphere resume '{path}', or allow gaps"))
+            .with_setting(Setting::AllowGaps, ""))
     }
 }
 
@@ -256,7 +257,8 @@ fn check_layers(kinds: &[Kind], first: &Piece) -> Result<()> {
     let Some(kind) = kinds.iter().find(lacks) else { return Ok(()) };
     let (layer, path) = (kind.row().name, first.path.display());
     Err(Error::input(format!("`{path}` does not hold the layer `{layer}`"))
-        .with_help(format!("render all parts with the layer {layer}")))
+        .with_help("render all parts with this layer")
+        .with_setting(Setting::Layers, layer))
 }
 
 /// Refuses samples that two parts hold, and blocks that end in one part and go on in another.

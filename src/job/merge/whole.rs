@@ -3,7 +3,7 @@
 use std::iter::Sum;
 use std::ops::Range;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 use crate::film::{Film, Format, Frame, Kind, Rect};
 
 use super::super::adaptive::error_so_far;
@@ -116,7 +116,8 @@ impl Whole {
                  the part out"
             }
         };
-        Err(Error::input(what).with_help(help))
+        let error = Error::input(what).with_help(help);
+        Err(if is_picture { error.with_setting(Setting::AllowGaps, "") } else { error })
     }
 
     /// How the sum of the parts, of which each brings its share, was made.

@@ -24,9 +24,9 @@ pub struct Override {
 }
 
 impl Override {
-    /// A key and its value, as if by `--set`.
+    /// A key and its value, shown as `key=value`.
     pub fn of((key, value): &(String, String)) -> Self {
-        Self { option: format!("--set {key}={value}"), key: key.clone(), value: value.clone() }
+        Self { option: format!("{key}={value}"), key: key.clone(), value: value.clone() }
     }
 }
 

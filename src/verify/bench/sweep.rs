@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::accel::Cancel;
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::math::Ray;
 
 use super::measurement::spread;
@@ -84,7 +84,8 @@ impl<'a> Stand<'a> {
         let Setting { threads, batch } = setting;
         let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build().map_err(|e| {
             Error::input(format!("cannot start {threads} threads: {e}"))
-                .with_help("ask for fewer with --threads")
+                .with_help("ask for fewer")
+                .with_setting(error::Setting::Threads, "")
         })?;
         let measurements = pool.install(|| {
             let of = |accel| Question::ALL.map(|q| Measurement::calibrated(q, rays, batch, accel));

@@ -83,7 +83,7 @@ fn shot(form: &Form, way: &Way, effort: Effort, folder: Option<&TempDir>) -> Res
 
 fn set(pair: &str) -> Option<Override> {
     let (key, value) = pair.split_once('=')?;
-    Some(Override { option: format!("--set {pair}"), key: key.into(), value: value.into() })
+    Some(Override { option: pair.to_owned(), key: key.into(), value: value.into() })
 }
 
 fn picture(shot: &Shot, accel: &dyn Accel, cancel: &Cancel) -> Result<Picture> {

@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 
 use memmap2::{MmapMut, MmapOptions};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 
 /// What may lie in [`Pages`].
 ///
@@ -113,7 +113,8 @@ impl<T: Plain> Pages<T> {
 
 fn refused() -> Error {
     Error::backend("there is not enough memory for the tree over the spheres")
-        .with_help("choose --accel embree, or take fewer spheres")
+        .with_help("take fewer spheres, or choose another intersector")
+        .with_setting(Setting::Intersector, "embree")
 }
 
 #[cfg(test)]
