@@ -1,10 +1,13 @@
 //! photosphere: a physically based Monte Carlo path tracer for scenes made of spheres.
 //!
-//! A scene file walks in at one end, pictures walk out at the other, and nothing walks back:
+//! A scene walks in at one end, as values or as a file, pictures walk out at the other, and nothing
+//! walks back:
 //!
 //! ```text
-//! scene file -> scene -> accel -> integrator -> film -> output
+//! Description -> Scene -> accel -> integrator -> film -> job -> output
 //! ```
+//!
+//! [`scene::Builder`] makes a scene, [`job::run`] renders it; README.md has an example.
 //!
 //! Each module is one room of that street; ARCHITECTURE.md says what lives where and which room may
 //! use which. `docs/conventions.md` defines every symbol and unit once.
@@ -34,3 +37,8 @@ pub mod scene;
 pub mod verify;
 
 pub use error::{Error, Result};
+
+/// What README.md shows of the library compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -13,6 +13,11 @@ use crate::output::{self, Record};
 /// The name of what `photosphere resume` does with a part.
 const RESUME: &str = "resume";
 
+/// Names of records of [`Metadata`] that are shown in another way.
+const SETTINGS: &str = "settings";
+const SCENE: &str = "scene";
+const SCENE_TEXT: &str = "scene-text";
+
 /// Whether the name is that of a picture, a part or a checkpoint, or the file is one.
 pub(super) fn is_picture(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
@@ -71,8 +76,12 @@ fn shown(FilePath(path): &FilePath) -> String {
 
 /// One row each; a text of several lines comes last, under its name.
 fn in_words(records: &[Record]) -> String {
+    // The scene in the user's words says what its values say.
+    let has_text = records.iter().any(|record| record.name == SCENE_TEXT);
+    let shown = records.iter().filter(|record| !(has_text && record.name == SCENE));
+    let spread: Vec<Record> = shown.flat_map(spread).collect();
     let (texts, rows): (Vec<&Record>, Vec<_>) =
-        records.iter().partition(|record| record.text.contains('\n'));
+        spread.iter().partition(|record| record.text.contains('\n'));
     let longest = rows.iter().map(|record| record.name.len()).max().unwrap_or(0);
     let mut words = String::new();
     for Record { name, text } in rows {
@@ -87,6 +96,35 @@ fn in_words(records: &[Record]) -> String {
         }
     }
     words
+}
+
+/// The settings key by key; the scene's values on lines of their own; all else as it is.
+fn spread(record: &Record) -> Vec<Record> {
+    let value = value_of(record);
+    match record.name.as_str() {
+        SETTINGS => {
+            let mut rows = Vec::new();
+            each_leaf("", &value, &mut |key, text| rows.push(Record::new(key, text)));
+            rows
+        }
+        SCENE => vec![Record::new(SCENE, format!("{value:#}"))],
+        _ => vec![record.clone()],
+    }
+}
+
+/// Calls `see` with the dotted name and the text of everything that is not null.
+fn each_leaf(name: &str, value: &Value, see: &mut impl FnMut(&str, String)) {
+    match value {
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
+                each_leaf(&name, value, see);
+            }
+        }
+        Value::Null => {}
+        Value::String(text) => see(name, text.clone()),
+        other => see(name, other.to_string()),
+    }
 }
 
 /// A record that is JSON in the file, for people.
