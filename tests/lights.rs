@@ -1,52 +1,42 @@
 //! Lights against closed forms.
 //!
-//! Means are over 32 independent seeds and may be off by four standard errors (see
-//! `common/render.rs` for the significance of that) and 1e-5 relative.
+//! Means are over 32 independent seeds and may be off by four standard errors (see `common/kit.rs` for
+//! the significance of that) and 1e-5 relative.
 
-#[path = "common/render.rs"]
+#[path = "common/kit.rs"]
 mod common;
 
 use std::f64::consts::PI;
 
-use common::{Estimate, Rendered, SEEDS, outcome, picture, scene};
+use common::{Estimate, Judged, Kit, diffuse, glass, mirror};
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::film::Picture;
+use photosphere::light::Orientation;
+use photosphere::math::DVec3;
 use photosphere::output::Target;
+use photosphere::scene::description::{Background, Dome, Sun};
+use photosphere::scene::settings::LightChoice;
 
 /// One point of a matt plane, looked at from above. The plane is a giant.
-const POINT: &str = r#"
-format = 1
-[image]
-width = 1
-height = 1
-[camera]
-position = [0.0, 1.0, 0.0]
-look_at = [0.0, 0.0, 0.0]
-up = [1.0, 0.0, 0.0]
-vertical_fov_degrees = 0.001
-[materials.matt]
-type = "diffuse"
-albedo = [0.5, 0.5, 0.5]
-[[spheres]]
-center = [0.0, -1e7, 0.0]
-radius = 1e7
-material = "matt"
-[render]
-samples_per_pixel = 256
-max_depth = 2
-"#;
+fn point() -> Kit {
+    let mut kit = Kit::new(1, 1, 256).depth(2);
+    kit.scene.camera([0.0, 1.0, 0.0], [0.0; 3]).field_of_view(0.001);
+    kit.scene.description.camera.up = DVec3::X;
+    kit.ball([0.0, -1e7, 0.0], 1e7, diffuse(0.5));
+    kit
+}
+
+/// The point under a dome.
+fn under(dome: Dome) -> Kit {
+    point().with(|kit| kit.scene.description.background.dome = dome)
+}
 
 /// Lamps in all directions above the plane, none before another, at many distances and of several
 /// powers; and the radiance that they make at the point: `albedo L sin^2 cos` each.
-fn lamps(count: u32) -> (String, f64) {
-    let mut text = String::new();
-    for power in 1..=3 {
-        text += &format!(
-            "[materials.lamp{power}]\ntype = \"diffuse\"\nalbedo = [0, 0, 0]\n\
-             emission = [{power}, {power}, {power}]\n"
-        );
-    }
+fn lamps(count: u32) -> (Kit, f64) {
+    let mut kit = point();
+    let powers = [1.0, 2.0, 3.0].map(|power| kit.scene.lamp([power; 3]));
     let mut sum = 0.0;
     for i in 0..count {
         // A spiral over the hemisphere, whose turns are further apart than the lamps are wide.
@@ -55,61 +45,66 @@ fn lamps(count: u32) -> (String, f64) {
         let sin = (1.0 - cos * cos).sqrt();
         let distance = 2.0 + f64::from(i * 7919 % 101);
         let sin_rim = 0.5 / f64::from(count).sqrt();
-        let power = 1 + i % 3;
         let center = [sin * azimuth.cos(), cos, sin * azimuth.sin()].map(|x| distance * x);
-        text += &format!(
-            "[[spheres]]\ncenter = {center:?}\nradius = {}\nmaterial = \"lamp{power}\"\n",
-            distance * sin_rim
-        );
-        sum += 0.5 * f64::from(power) * sin_rim * sin_rim * cos;
+        kit.scene.sphere(powers[i as usize % 3], center, distance * sin_rim);
+        sum += 0.5 * f64::from(1 + i % 3) * sin_rim * sin_rim * cos;
     }
-    (text, sum)
+    (kit, sum)
 }
 
 #[test]
 fn many_lamps_shine_like_their_sum_however_they_are_chosen() {
     for count in [5, 100, 3000] {
-        let (lamps, sum) = lamps(count);
-        let text = format!("{POINT}{lamps}");
-        for choice in ["hierarchy", "power", "uniform"] {
-            let choice = format!("render.light_choice={choice}");
-            Estimate::of_scene(&text, &[&choice], Backend::Native)
-                .must_be(sum, &format!("{count} lamps, {choice}"));
+        let (mut kit, sum) = lamps(count);
+        for choice in [LightChoice::Hierarchy, LightChoice::Power, LightChoice::Uniform] {
+            kit.settings.render.light_choice = choice;
+            let what = format!("{count} lamps, {choice:?}");
+            kit.estimate(Backend::Native).must_be(sum, &what);
         }
     }
 }
 
-/// The ways to estimate that solve the whole equation; light by chance needs large lights.
-const INTEGRATORS: [&str; 2] = ["render.integrator=path", "render.integrator=paper"];
+/// A sun at an elevation and an azimuth in degrees, so many of them wide.
+fn sun(elevation: f64, azimuth: f64, angular_diameter_degrees: f64, irradiance: f32) -> Sun {
+    let sky = Orientation::new(DVec3::Y, 0.0);
+    Sun {
+        direction: sky.direction(elevation.to_radians(), azimuth.to_radians()),
+        angular_diameter_degrees,
+        irradiance: Rgb::splat(irradiance),
+    }
+}
 
 #[test]
 fn a_sun_shines_on_a_plane_like_the_cosine_of_its_height() {
     // A disc above the horizon brings its irradiance times the cosine of its middle.
     for (elevation, diameter) in [(90.0, 0.5), (30.0, 0.5), (20.0, 0.002), (45.0, 80.0)] {
-        let sun = format!(
-            "background.sun={{elevation_degrees={elevation},azimuth_degrees=77,\
-             angular_diameter_degrees={diameter},irradiance=[3,3,3]}}"
-        );
+        let mut kit = point();
+        kit.scene.description.background.sun = Some(sun(elevation, 77.0, diameter, 3.0));
         let expected = 0.5 / PI * 3.0 * f64::to_radians(elevation).sin();
-        for integrator in &INTEGRATORS[..1 + usize::from(diameter > 10.0)] {
-            Estimate::of_scene(POINT, &[&sun, integrator], Backend::BruteForce)
-                .must_be(expected, &format!("{sun}, {integrator}"));
+        // Light by chance needs large lights.
+        for kit in kit.both_ways().iter().take(1 + usize::from(diameter > 10.0)) {
+            let what = format!("{diameter} degrees wide, {elevation} high, {}", kit.how());
+            kit.mean().must_be(expected, &what);
         }
     }
 }
 
 #[test]
 fn skies_shine_on_a_plane_like_their_integrals() {
-    let gradient = "background.gradient={zenith=[5,5,5],horizon=[1,1,1],nadir=[70,70,70]}";
+    let gradient = Dome::Gradient {
+        zenith: Rgb::splat(5.0),
+        horizon: Rgb::splat(1.0),
+        nadir: Rgb::splat(70.0),
+    };
     for (sky, expected) in [
         // albedo L
-        ("background.radiance=[4,4,4]", 0.5 * 4.0),
+        (Dome::Constant { radiance: Rgb::splat(4.0) }, 0.5 * 4.0),
         // albedo times twice the integral of (1 + 4 h) h over the height h
         (gradient, 0.5 * (1.0 + 2.0 * 4.0 / 3.0)),
     ] {
-        for integrator in INTEGRATORS {
-            Estimate::of_scene(POINT, &[sky, integrator], Backend::BruteForce)
-                .must_be(expected, &format!("{sky}, {integrator}"));
+        for kit in under(sky).both_ways() {
+            let what = format!("{:?}, {}", kit.scene.description.background.dome, kit.how());
+            kit.mean().must_be(expected, &what);
         }
     }
 }
@@ -147,14 +142,12 @@ fn an_image_shines_on_a_plane_like_its_interpolation() {
     };
     let expected = 0.5 * 2.0 * nodes.windows(2).map(band).sum::<f64>();
 
-    for rotation in [0, 200] {
-        let image = format!(
-            "background.image={{file={:?},rotation_degrees={rotation}}}",
-            file.display().to_string()
-        );
-        for integrator in INTEGRATORS {
-            Estimate::of_scene(POINT, &[&image, integrator], Backend::BruteForce)
-                .must_be(expected, &format!("image, {rotation} degrees, {integrator}"));
+    for rotation_degrees in [0.0, 200.0] {
+        for kit in
+            under(Dome::Image { file: file.clone(), rotation_degrees, scale: 1.0 }).both_ways()
+        {
+            let what = format!("image, {rotation_degrees} degrees, {}", kit.how());
+            kit.mean().must_be(expected, &what);
         }
     }
 }
@@ -162,71 +155,40 @@ fn an_image_shines_on_a_plane_like_its_interpolation() {
 /// Everything at once: what each brings adds up, however the choice among them falls.
 #[test]
 fn lamps_sky_and_sun_add_up() {
-    let (lamps, sum) = lamps(40);
-    let text = format!("{POINT}{lamps}");
-    let sun = "background.sun={elevation_degrees=50,irradiance=[0.2,0.2,0.2]}";
-    let gradient = "background.gradient={zenith=[0.3,0.3,0.3],horizon=[0,0,0]}";
+    let (mut kit, sum) = lamps(40);
+    let (zenith, horizon, nadir) = (Rgb::splat(0.3), Rgb::ZERO, Rgb::ZERO);
+    kit.scene.description.background = Background {
+        dome: Dome::Gradient { zenith, horizon, nadir },
+        sun: Some(sun(50.0, 0.0, 0.533, 0.2)),
+        ..Background::default()
+    };
+    let all = kit.mean();
     // The lamps cover some of the sky, and one may cover the sun.
-    let with = |more: &[&str], seed: &str| {
-        let overrides = [more, &[seed]].concat();
-        outcome(&scene(&text, &overrides), Backend::BruteForce).picture.mean().y
-    };
-    let estimate = |more: &[&str]| {
-        let seeds = 0..SEEDS;
-        Estimate::of(&seeds.map(|s| with(more, &format!("render.seed={s}"))).collect::<Vec<_>>())
-    };
-    let dark = ["materials.lamp1", "materials.lamp2", "materials.lamp3"]
-        .map(|lamp| format!("{lamp}.emission=[0,0,0]"));
-    let dark: Vec<&str> = dark.iter().map(|set| &**set).collect();
-    let by_sky = estimate(&[&dark[..], &[sun, gradient]].concat());
-    let all = estimate(&[sun, gradient]);
+    for material in &mut kit.scene.description.materials {
+        material.emission = Rgb::ZERO;
+    }
+    let by_sky = kit.mean();
     let alone = Estimate { mean: all.mean - by_sky.mean, ..all };
     alone.must_agree(Estimate { mean: sum, ..by_sky }, "lamps beside sky and sun");
 }
 
-/// A matt, a glass and a mirror ball before a background that the camera does not see.
-const BALLS: &str = r#"
-format = 1
-[image]
-width = 60
-height = 20
-[camera]
-position = [0.0, 0.0, 20.0]
-look_at = [0.0, 0.0, 0.0]
-vertical_fov_degrees = 10.0
-[background]
-radiance = [1.0, 1.0, 1.0]
-[materials.matt]
-type = "diffuse"
-albedo = [0.5, 0.5, 0.5]
-[materials.glass]
-type = "dielectric"
-ior = 1.5
-[materials.mirror]
-type = "mirror"
-reflectance = [1.0, 1.0, 1.0]
-[[spheres]]
-center = [-3.0, 0.0, 0.0]
-radius = 1.0
-material = "matt"
-[[spheres]]
-center = [0.0, 0.0, 0.0]
-radius = 1.0
-material = "glass"
-[[spheres]]
-center = [3.0, 0.0, 0.0]
-radius = 1.0
-material = "mirror"
-[render]
-samples_per_pixel = 64
-"#;
+/// A matt, a glass and a mirror ball before a background.
+fn balls() -> Kit {
+    let mut kit = Kit::new(60, 20, 64);
+    kit.scene.camera([0.0, 0.0, 20.0], [0.0; 3]).field_of_view(10.0).background([1.0; 3]);
+    kit.ball([-3.0, 0.0, 0.0], 1.0, diffuse(0.5));
+    kit.ball([0.0, 0.0, 0.0], 1.0, glass(1.5));
+    kit.ball([3.0, 0.0, 0.0], 1.0, mirror(1.0));
+    kit
+}
 
 #[test]
 fn a_hidden_background_shines_but_is_not_seen_by_the_camera() {
-    for integrator in ["path", "paper"] {
-        let integrator = format!("render.integrator={integrator}");
-        let hidden = picture(BALLS, &[&integrator, "background.camera_visible=false"]);
-        let transparent = picture(BALLS, &[&integrator, "background.transparent=true"]);
+    for mut kit in balls().both_ways() {
+        kit.scene.description.background.camera_visible = false;
+        let hidden = kit.picture();
+        kit.scene.description.background.transparent = true;
+        let transparent = kit.picture();
         assert!(hidden.alpha.is_none());
         assert_eq!(hidden.direct, transparent.direct);
         let alpha = transparent.alpha.as_ref().expect("asked for");

@@ -4,9 +4,11 @@
 use std::path::Path;
 
 use photosphere::accel::{Backend, BuildOptions, Cancel};
+use photosphere::color::Rgb;
 use photosphere::film::{Kind, Picture};
 use photosphere::job::{Rendered, render};
-use photosphere::scene::settings::Integrator;
+use photosphere::scene::description::{NamedMaterial, Surface};
+use photosphere::scene::settings::{Integrator, Paper, SamplerKind};
 use photosphere::scene::{Builder, Override, Settings, Shot, read_file};
 pub(crate) use photosphere::verify::statistics::Estimate;
 
@@ -57,6 +59,66 @@ impl Kit {
         self
     }
 
+    /// With the paper's integrator, fed with independent numbers as in its figures. The samples of a
+    /// pixel stay, and its sub-pixels share them.
+    pub(crate) fn paper(mut self, paper: Paper) -> Self {
+        self.settings.render.sampler = SamplerKind::Independent;
+        let samples = self.settings.render.samples_per_pixel;
+        self.integrator(Integrator::Paper(paper)).samples(samples)
+    }
+
+    /// With so many samples of each pixel.
+    pub(crate) fn samples(mut self, samples: u32) -> Self {
+        let render = &mut self.settings.render;
+        render.samples_per_pixel = samples;
+        if let Integrator::Paper(paper) = &mut render.integrator {
+            paper.samples = samples / paper.subpixels.pow(2);
+        }
+        self
+    }
+
+    /// With the longest path so long.
+    pub(crate) fn depth(mut self, edges: u32) -> Self {
+        self.settings.render.max_depth = Some(edges);
+        self
+    }
+
+    /// With paths traced by the two integrators that solve the whole equation: `path` and `paper`.
+    pub(crate) fn both_ways(self) -> [Self; 2] {
+        [self.clone().integrator(Integrator::Path), self.paper(Paper::default())]
+    }
+
+    /// Adds a sphere with a material of its own.
+    pub(crate) fn ball(&mut self, center: [f64; 3], radius: f64, surface: Surface) -> &mut Self {
+        self.glowing_ball(center, radius, surface, 0.0)
+    }
+
+    /// Adds a sphere with a material of its own, which sends out this radiance.
+    pub(crate) fn glowing_ball(
+        &mut self,
+        center: [f64; 3],
+        radius: f64,
+        surface: Surface,
+        emission: f32,
+    ) -> &mut Self {
+        let emission = Rgb::splat(emission);
+        let material =
+            self.scene.material(NamedMaterial { surface, emission, ..NamedMaterial::default() });
+        self.scene.sphere(material, center, radius);
+        self
+    }
+
+    /// The material of the ball that was added as the n-th, counted from 0.
+    pub(crate) fn material(&mut self, ball: usize) -> &mut NamedMaterial {
+        let description = &mut self.scene.description;
+        &mut description.materials[description.spheres[ball].material]
+    }
+
+    /// What it is rendered by, for messages.
+    pub(crate) fn how(&self) -> String {
+        format!("{:?}", self.settings.render.integrator)
+    }
+
     pub(crate) fn shot(&self) -> Shot {
         let scene = self.scene.build().unwrap_or_else(|e| panic!("{e}"));
         Shot::new(&scene, self.settings).unwrap_or_else(|e| panic!("{e}"))
@@ -67,16 +129,56 @@ impl Kit {
         rendered(&self.shot(), Backend::BruteForce).picture
     }
 
-    /// The mean of the picture's green channel, over seeds.
-    pub(crate) fn estimate(&self, backend: Backend) -> Estimate {
+    /// The picture with each of the seeds.
+    pub(crate) fn pictures(&self, backend: Backend) -> impl Iterator<Item = Picture> {
         // One shot: what its materials prepare takes longer than a small picture.
         let mut shot = self.shot();
-        let value = |seed: u64| {
+        (0..SEEDS).map(move |seed| {
             shot.set_seed(seed);
-            rendered(&shot, backend).picture.mean().y
-        };
-        Estimate::of(&(0..SEEDS).map(value).collect::<Vec<_>>())
+            rendered(&shot, backend).picture
+        })
     }
+
+    /// The mean of the picture's green channel, over seeds.
+    pub(crate) fn estimate(&self, backend: Backend) -> Estimate {
+        let means = self.pictures(backend).map(|picture| picture.mean().y);
+        Estimate::of(&means.collect::<Vec<_>>())
+    }
+
+    /// The same, by brute force, for scenes of few spheres.
+    pub(crate) fn mean(&self) -> Estimate {
+        self.estimate(Backend::BruteForce)
+    }
+}
+
+/// Lambert's surface, grey.
+pub(crate) const fn diffuse(albedo: f32) -> Surface {
+    Surface::Diffuse { albedo: Rgb::splat(albedo), roughness: 0.0 }
+}
+
+/// A grey mirror.
+pub(crate) const fn mirror(reflectance: f32) -> Surface {
+    Surface::Mirror { reflectance: Rgb::splat(reflectance) }
+}
+
+/// Clear glass.
+pub(crate) const fn glass(ior: f64) -> Surface {
+    rough_glass(ior, 0.0)
+}
+
+/// Clear glass, smooth at 0 and rough at 1.
+pub(crate) const fn rough_glass(ior: f64, roughness: f64) -> Surface {
+    Surface::Dielectric { ior, roughness, priority: 0, absorption: Rgb::ZERO }
+}
+
+/// Phong's surface, scaled to conserve energy or as Phong wrote it, grey.
+pub(crate) const fn phong(
+    [albedo, specular]: [f32; 2],
+    exponent: f64,
+    normalized: bool,
+) -> Surface {
+    let [albedo, specular] = [Rgb::splat(albedo), Rgb::splat(specular)];
+    Surface::Phong { albedo, specular, exponent, normalized }
 }
 
 /// Renders with a backend on the current thread pool.

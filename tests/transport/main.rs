@@ -1,9 +1,9 @@
 //! Light transport against closed forms, for every estimator and every backend.
 //!
 //! Means are over 32 independent seeds and may be off by four standard errors (see
-//! `common/render.rs` for the significance of that) and 1e-5 relative.
+//! `common/kit.rs` for the significance of that) and 1e-5 relative.
 
-#[path = "../common/render.rs"]
+#[path = "../common/kit.rs"]
 mod common;
 mod furnaces;
 mod lone_ball;

@@ -1,63 +1,61 @@
 //! Filters, sub-pixels and jitter: where in its pixel a sample falls.
 
-use crate::common::{Estimate, SEEDS, picture};
-use crate::scenes::{FURNACE, with};
+use photosphere::accel::Backend;
+use photosphere::math::DVec3;
+use photosphere::scene::settings::{FilterKind, Image, Miss, Paper};
+
+use crate::common::{Estimate, Kit};
+use crate::scenes::{WALL, furnace};
 
 #[test]
 fn a_constant_scene_is_constant_under_every_filter_and_subpixel_count() {
-    let text = FURNACE
-        .replace("[materials.wall]", "[background]\nradiance = [0.3, 0.7, 0.2]\n[materials.wall]");
-    let away = ["spheres.0.center=[0,0,99]"];
-    for filter in ["box", "tent", "gaussian", "blackman-harris"] {
-        let filter = format!("image.filter={filter}");
-        for estimator in [
-            &["render.integrator=path"][..],
-            &["render.integrator=paper", "render.paper.subpixels=3", "render.samples_per_pixel=18"],
-        ] {
-            let picture = picture(&text, &with(&with(estimator, &away), &[&filter]));
+    let mut away = furnace();
+    away.scene.background([0.3, 0.7, 0.2]);
+    away.scene.description.spheres[WALL].center = DVec3::new(0.0, 0.0, 99.0);
+    for filter in
+        [FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian, FilterKind::BlackmanHarris]
+    {
+        let image = &mut away.settings.image;
+        (image.filter, image.filter_radius) = (filter, Image::usual_radius(filter));
+        let paper = away.clone().paper(Paper { subpixels: 3, ..Paper::default() }).samples(18);
+        for kit in [&away, &paper] {
+            let picture = kit.picture();
             for i in 0..picture.len() {
-                assert_eq!(picture.beauty(i).to_array(), [0.3, 0.7, 0.2], "{filter} {estimator:?}");
+                let what = format!("{filter:?} {}", kit.how());
+                assert_eq!(picture.beauty(i).to_array(), [0.3, 0.7, 0.2], "{what}");
             }
         }
     }
 }
 
 /// A glowing ball with a sharp edge before a black background.
-fn glowing_ball() -> String {
-    FURNACE.replace("radius = 10.0", "radius = 0.7").replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 0.0]")
+fn glowing_ball(paper: Paper) -> Kit {
+    let mut kit = furnace().depth(1).paper(paper);
+    let ball = &mut kit.scene.description.spheres[WALL];
+    (ball.center, ball.radius) = (DVec3::ZERO, 0.7);
+    kit
 }
 
 #[test]
 fn subpixels_lower_the_variance_at_an_edge() {
-    let variance = |overrides: &[&str]| {
-        let pictures: Vec<_> = (0..SEEDS)
-            .map(|seed| {
-                let seed = format!("render.seed={seed}");
-                picture(&glowing_ball(), &with(overrides, &[&seed, "render.max_depth=1"]))
-            })
-            .collect();
+    let variance = |subpixels| {
+        let kit = glowing_ball(Paper { subpixels, ..Paper::default() });
+        let pictures: Vec<_> = kit.pictures(Backend::BruteForce).collect();
         let pixel = |i: usize| {
             let values: Vec<f64> = pictures.iter().map(|p| f64::from(p.beauty(i).y)).collect();
             Estimate::of(&values).standard_error.powi(2)
         };
         (0..pictures[0].len()).map(pixel).sum::<f64>()
     };
-    let paper = "render.integrator=paper";
-    let plain = variance(&[paper, "render.paper.subpixels=1", "render.samples_per_pixel=16"]);
-    let strata = variance(&[paper, "render.paper.subpixels=2", "render.samples_per_pixel=16"]);
+    let (plain, strata) = (variance(1), variance(2));
     assert!(strata < 0.8 * plain, "{strata} {plain}");
 }
 
 #[test]
 fn redrawing_after_a_miss_swells_silhouettes() {
-    let paper = [
-        "render.integrator=paper",
-        "render.paper.subpixels=1",
-        "render.samples_per_pixel=64",
-        "render.max_depth=1",
-    ];
-    let background = picture(&glowing_ball(), &paper);
-    let redrawn = picture(&glowing_ball(), &with(&paper, &["render.paper.miss=redraw"]));
+    let after =
+        |miss| glowing_ball(Paper { subpixels: 1, miss, ..Paper::default() }).samples(64).picture();
+    let (background, redrawn) = (after(Miss::Background), after(Miss::Redraw));
     let partly = |i: &usize| (0.001..0.999).contains(&background.beauty(*i).y);
     let edges: Vec<usize> = (0..background.len()).filter(partly).collect();
     assert!(!edges.is_empty());
@@ -69,10 +67,13 @@ fn redrawing_after_a_miss_swells_silhouettes() {
 
 #[test]
 fn without_jitter_a_pixel_has_no_noise_of_its_own() {
-    let still = ["render.integrator=paper", "render.max_depth=1", "render.paper.jitter=0"];
-    let render = |seed: &str| picture(&glowing_ball(), &with(&still, &[seed]));
-    assert_eq!(render("render.seed=1"), render("render.seed=2"));
+    let mut still = glowing_ball(Paper { jitter: 0.0, ..Paper::default() });
+    let mut render = |seed| {
+        still.settings.render.seed = seed;
+        still.picture()
+    };
+    assert_eq!(render(1), render(2));
     // 2 x 2 fixed places: coverage in quarters.
-    let picture = render("render.seed=3");
+    let picture = render(3);
     assert!((0..picture.len()).all(|i| (picture.beauty(i).y * 4.0).fract() == 0.0));
 }

@@ -2,18 +2,17 @@
 
 use photosphere::accel::Backend;
 
-use crate::common::{outcome, scene, scene_file};
+use crate::common::{Kit, rendered};
 
 #[test]
 fn the_picture_has_the_same_bits_for_any_number_of_threads() {
-    let text = scene_file("paper/fig4.toml");
     let small = ["image.width=60", "image.height=45", "render.samples_per_pixel=20"];
-    let scene = scene(&text, &small);
+    let shot = Kit::of_file("paper/fig4.toml", &small).shot();
     for &backend in Backend::AVAILABLE {
         let render = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             // Embree builds with its own threads, as many as there are in the pool.
-            pool.expect("threads").install(|| outcome(&scene, backend).picture)
+            pool.expect("threads").install(|| rendered(&shot, backend).picture)
         };
         let one = render(1);
         for threads in [2, 7] {
@@ -25,17 +24,17 @@ fn the_picture_has_the_same_bits_for_any_number_of_threads() {
 #[test]
 fn a_sample_does_not_depend_on_its_batch_or_order() {
     use photosphere::color::Radiance;
-    use photosphere::integrator::{SampleAddress, Workspace, World, of_scene};
-    let text = scene_file("paper/fig4.toml");
-    for integrator in ["render.integrator=path", "render.integrator=paper"] {
-        let scene = scene(&text, &["image.width=64", "image.height=48", integrator]);
-        let accel =
-            Backend::BruteForce.build(scene.spheres(), &Default::default()).expect("builds");
+    use photosphere::integrator::{SampleAddress, Workspace, World, of_shot};
+    let kit = Kit::of_file("paper/fig4.toml", &["image.width=64", "image.height=48"]);
+    for kit in kit.both_ways() {
+        let shot = kit.shot();
+        let spheres = shot.scene().spheres();
+        let accel = Backend::BruteForce.build(spheres, &Default::default()).expect("builds");
         let cancel = Default::default();
-        let world = World { scene: &scene, accel: &*accel, cancel: &cancel };
+        let world = World::new(&shot, &*accel, &cancel);
         let estimate = |samples: &[SampleAddress]| {
             let mut radiance = vec![Radiance::default(); samples.len()];
-            of_scene(&scene).estimate(world, samples, &mut radiance, &mut Workspace::default());
+            of_shot(&shot).estimate(world, samples, &mut radiance, &mut Workspace::default());
             radiance.iter().map(|r| (r.direct, r.indirect)).collect::<Vec<_>>()
         };
         let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i % 13 };

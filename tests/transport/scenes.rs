@@ -1,106 +1,71 @@
 //! The scenes and estimators that the tests share.
 
-/// The estimators that solve the whole rendering equation, as overrides.
-pub(crate) const ESTIMATORS: [&[&str]; 4] = [
-    &["render.integrator=path"],
-    &["render.integrator=paper"],
-    &["render.integrator=paper", "render.paper.hemisphere=uniform-solid-angle"],
-    &["render.integrator=paper", "render.paper.hemisphere=uniform-angle"],
-];
+use photosphere::accel::Backend;
+use photosphere::color::Rgb;
+use photosphere::scene::description::Surface;
+use photosphere::scene::settings::{Hemisphere, Paper};
 
-pub(crate) fn with<'a>(some: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
-    some.iter().chain(more).copied().collect()
+use crate::common::{Judged, Kit, diffuse, glass, mirror};
+
+/// The estimators that solve the whole rendering equation: `path`, then the paper's.
+pub(crate) fn estimators(kit: &Kit) -> [Kit; 4] {
+    let paper = |hemisphere| kit.clone().paper(Paper { hemisphere, ..Paper::default() });
+    [
+        kit.clone(),
+        paper(Hemisphere::Cosine),
+        paper(Hemisphere::UniformSolidAngle),
+        paper(Hemisphere::UniformAngle),
+    ]
 }
+
+/// The mean must be this with every estimator, by brute force.
+pub(crate) fn must_be(kit: &Kit, expected: f64, what: &str) {
+    for kit in estimators(kit) {
+        kit.mean().must_be(expected, &format!("{what}, {}", kit.how()));
+    }
+}
+
+/// The mean must be this with every estimator and every backend.
+pub(crate) fn must_be_everywhere(kit: &Kit, expected: f64, what: &str) {
+    for &backend in Backend::AVAILABLE {
+        for kit in estimators(kit) {
+            let what = format!("{what}, {}, {}", backend.name(), kit.how());
+            kit.estimate(backend).must_be(expected, &what);
+        }
+    }
+}
+
+/// The balls of [`furnace`] and [`full_furnace`].
+pub(crate) const WALL: usize = 0;
+pub(crate) const WHITE: usize = 1;
+pub(crate) const BUBBLE: usize = 4;
 
 /// Inside a sphere of albedo 1/2 and emission 1 every point has radiance 1/(1 - 1/2), whatever else
 /// of reflectance 1 is in there.
-pub(crate) const FURNACE: &str = r#"
-format = 1
-[image]
-width = 6
-height = 6
-[camera]
-position = [0.0, 0.0, 3.0]
-look_at = [0.0, 0.0, 0.0]
-vertical_fov_degrees = 60.0
-[materials.wall]
-type = "diffuse"
-albedo = [0.5, 0.5, 0.5]
-emission = [1.0, 1.0, 1.0]
-[materials.white]
-type = "diffuse"
-albedo = [1.0, 1.0, 1.0]
-[materials.mirror]
-type = "mirror"
-reflectance = [1.0, 1.0, 1.0]
-[materials.glass]
-type = "dielectric"
-ior = 1.5
-[materials.water]
-type = "dielectric"
-ior = 1.33
-priority = 1
-[[spheres]]
-center = [1.0, 2.0, 0.5]
-radius = 10.0
-material = "wall"
-[render]
-samples_per_pixel = 16
-"#;
+pub(crate) fn furnace() -> Kit {
+    let mut kit = Kit::new(6, 6, 16);
+    kit.scene.camera([0.0, 0.0, 3.0], [0.0; 3]).field_of_view(60.0);
+    kit.glowing_ball([1.0, 2.0, 0.5], 10.0, diffuse(0.5), 1.0);
+    kit
+}
 
-pub(crate) const CONTENTS: &str = r#"
-[[spheres]]
-center = [-1.2, 0.0, 0.0]
-radius = 0.6
-material = "white"
-[[spheres]]
-center = [0.0, 0.9, 0.0]
-radius = 0.7
-material = "mirror"
-[[spheres]]
-name = "glass"
-center = [0.6, -0.4, 0.0]
-radius = 0.8
-material = "glass"
-[[spheres]]
-name = "bubble"
-center = [0.6, -0.4, 0.1]
-radius = 0.4
-material = "glass"
-[[spheres]]
-name = "water reaching into the glass"
-center = [1.3, -0.4, 0.0]
-radius = 0.5
-material = "water"
-"#;
+/// With a white ball, a mirror, a bubble of glass in glass, and water that reaches into the glass.
+pub(crate) fn full_furnace() -> Kit {
+    let water =
+        Surface::Dielectric { ior: 1.33, roughness: 0.0, priority: 1, absorption: Rgb::ZERO };
+    let mut kit = furnace();
+    kit.ball([-1.2, 0.0, 0.0], 0.6, diffuse(1.0));
+    kit.ball([0.0, 0.9, 0.0], 0.7, mirror(1.0));
+    kit.ball([0.6, -0.4, 0.0], 0.8, glass(1.5));
+    kit.ball([0.6, -0.4, 0.1], 0.4, glass(1.5));
+    kit.ball([1.3, -0.4, 0.0], 0.5, water);
+    kit
+}
 
 /// A matt ball under a lamp that it sees entirely: radiance is `albedo L (R / d)^2 cos`.
-pub(crate) const LONE_BALL: &str = r#"
-format = 1
-[image]
-width = 2
-height = 2
-[camera]
-position = [0.0, 0.0, 6.0]
-look_at = [0.0, 0.0, 1.0]
-vertical_fov_degrees = 0.0001
-[materials.ball]
-type = "diffuse"
-albedo = [0.8, 0.8, 0.8]
-[materials.lamp]
-type = "diffuse"
-albedo = [0.0, 0.0, 0.0]
-emission = [7.0, 7.0, 7.0]
-[[spheres]]
-name = "ball"
-center = [0.0, 0.0, 0.0]
-radius = 1.0
-material = "ball"
-[[spheres]]
-name = "lamp"
-center = [0.0, 3.0, 5.0]
-radius = 2.0
-material = "lamp"
-[render]
-samples_per_pixel = 256
-"#;
+pub(crate) fn lone_ball(surface: Surface) -> Kit {
+    let mut kit = Kit::new(2, 2, 256);
+    kit.scene.camera([0.0, 0.0, 6.0], [0.0, 0.0, 1.0]).field_of_view(0.0001);
+    kit.ball([0.0; 3], 1.0, surface).glowing_ball([0.0, 3.0, 5.0], 2.0, diffuse(0.0), 7.0);
+    kit
+}
