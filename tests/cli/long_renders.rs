@@ -119,7 +119,7 @@ fn a_render_goes_on_from_its_checkpoint_and_beyond() {
     desk.run(&format!("render scene.toml -o a.exr {figures} --checkpoint a.state --spp 25"))
         .succeeds();
     let told = desk.run("resume a.state --extend-to 41").succeeds();
-    assert!(told.stderr.contains("going on with `a.state`: 25.0 of 41 samples per pixel"));
+    assert!(told.stderr.contains("resuming `a.state`: 25.0 of 41 samples per pixel"));
     desk.run("resume a.state --extend-to 73 -o b.exr").succeeds();
     assert!(desk.read("b.exr") == whole);
     // The same command again finds everything done, and so does `resume`.
@@ -153,7 +153,7 @@ fn what_is_not_this_render_is_not_gone_on_with() {
         assert!(desk.read("a.state") == kept, "{command}");
     };
     let other = |options: &str, words: &str| {
-        let words = ["cannot go on with `a.state`", words];
+        let words = ["cannot resume `a.state`", words];
         refused(&format!("{render} {options}"), &words);
     };
     other("--seed 3", "it is of another render: the seed is 0, not 3");
@@ -307,7 +307,7 @@ fn every_signal_to_end_leaves_a_checkpoint_and_a_picture() {
         let output = child.wait_with_output().expect("it ends");
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(130), "{told}");
-        assert!(told.contains("go on with: photosphere resume 'a.state'"), "{told}");
+        assert!(told.contains("resume it with: photosphere resume 'a.state'"), "{told}");
         // What was kept is what is shown.
         let shown = desk.read("a.exr");
         desk.run("merge a.state -o b.exr --no-run-figures --allow-gaps").succeeds();

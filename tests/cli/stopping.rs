@@ -102,9 +102,9 @@ fn what_makes_no_sense_together_is_refused() {
     refused("--checkpoint-every -3s", 2, "it must be a time, as in 30s, 5m or 1h");
     refused("--noise 1% --max-spp 63", 2, "63 is not in 64..");
     refused("--time soon", 2, "it must be a time, as in 30s, 5m or 1h");
-    let counted = "--noise decides when to stop, but stratified samples are spread over a number";
+    let counted = "a noise target decides when to stop, but stratified samples are spread over a number";
     refused("--noise 1% --sampler stratified", 3, counted);
-    refused("--time 1s --sampler stratified", 3, "--time decides when to stop");
+    refused("--time 1s --sampler stratified", 3, "a time decides when to stop");
     let cells = "3 x 3 sub-pixels do not fit into its blocks of 16 samples";
     refused("--time 1s --integrator paper --set render.paper.subpixels=3", 3, cells);
     refused("--preview a.jpg", 3, "the preview `a.jpg` is not a .png file");
@@ -348,7 +348,7 @@ fn another_noise_target_is_not_gone_on_with_unless_it_asks_for_more() {
     };
     let kept = "--checkpoint kept.state";
     desk.run(&render("--noise 3%", "a.exr", kept)).succeeds();
-    let words = ["cannot go on with `kept.state`: its noise target was 0.03", "beyond 0.2"];
+    let words = ["cannot resume `kept.state`: its noise target was 0.03", "beyond 0.2"];
     desk.run(&render("--noise 20%", "a.exr", kept)).fails(3, &words);
     desk.run(&render("--noise 2%", "a.exr", kept)).succeeds();
     desk.run(&render("--noise 2%", "b.exr", "")).succeeds();
