@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::film::{BLOCK, Kind, Layer};
 use crate::sampling::SamplerKind;
 use crate::scene::Settings;
-use crate::scene::settings::{Image, Integrator, Render};
+use crate::scene::settings::{Image, Integrator, Paper, Render};
 
 use super::metadata::set_samples;
 use super::noise::NoiseTarget;
@@ -181,13 +181,10 @@ impl Until {
             (Some(_), _) => "a noise target",
             (None, Some(_)) => "a time",
         };
-        if let Some(NoiseTarget { error, confidence }) = self.noise
-            && !(error > 0.0 && error < 1.0 && confidence > 0.0 && confidence < 1.0)
-        {
-            let message = format!(
-                "the noise target of {error} for {confidence} of the values is not in (0, 1)"
-            );
-            return Err(Error::input(message));
+        let is_share = |share: f64| share > 0.0 && share < 1.0;
+        let is_possible = |noise: &NoiseTarget| is_share(noise.error) && is_share(noise.confidence);
+        if let Some(noise) = self.noise.filter(|noise| !is_possible(noise)) {
+            return Err(Error::input(format!("the noise target of {noise} is not in (0, 1)")));
         }
         let refuse = |why: &str, help: &str| {
             let message = format!("{what} decides when to stop, but {why}");
@@ -197,14 +194,16 @@ impl Until {
             let why = "stratified samples are spread over a number that is known before";
             return refuse(why, "choose the sampler `sobol` or `independent`");
         }
-        if let Integrator::Paper(paper) = render.integrator
-            && BLOCK % paper.subpixels.pow(2) != 0
-        {
-            let k = paper.subpixels;
-            let why = format!("{k} x {k} sub-pixels do not fit into its blocks of {BLOCK} samples");
-            return refuse(&why, "use 1, 2 or 4 sub-pixels along each side");
+        // Settings may still hold any number.
+        let fit = |cells: u32| cells > 0 && BLOCK % cells == 0;
+        match render.integrator {
+            Integrator::Paper(Paper { subpixels: k, .. }) if !k.checked_pow(2).is_some_and(fit) => {
+                let why =
+                    format!("{k} x {k} sub-pixels do not fit into its blocks of {BLOCK} samples");
+                refuse(&why, "use 1, 2 or 4 sub-pixels along each side")
+            }
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     /// The share of the values that an error is told for.

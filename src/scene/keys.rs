@@ -84,10 +84,12 @@ impl<K: Kind + Sync> AnyKey for Key<K> {
     fn schema(&self) -> Value {
         let mut schema = self.kind.schema();
         schema["description"] = json!(self.help);
-        if let Fallback::Is(text) = self.default
-            && let Some(value) = value_of(text)
-        {
-            schema["default"] = value;
+        let default = match self.default {
+            Fallback::Is(text) => value_of(text),
+            _ => None,
+        };
+        if let Some(default) = default {
+            schema["default"] = default;
         }
         schema
     }
