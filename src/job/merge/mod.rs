@@ -245,7 +245,9 @@ impl Piece {
         }
         let path = self.path.display();
         Err(Error::input(format!("`{path}` is not finished: it has {fewest} of {all} samples"))
-            .with_help(format!("finish it with photosphere resume '{path}', or allow gaps")))
+            .with_help(format!(
+                "finish it with photosphere resume '{path}', or allow gaps (--allow-gaps)"
+            )))
     }
 }
 
