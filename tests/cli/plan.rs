@@ -161,7 +161,11 @@ fn what_cannot_be_shared_out_is_refused() {
         3,
         &["no two plans make the same picture", "--spp N or --noise"],
     );
-    refused("--shards 2 --noise 1% --sampler stratified", 3, &["a noise target decides when to stop"]);
+    refused(
+        "--shards 2 --noise 1% --sampler stratified",
+        3,
+        &["a noise target decides when to stop"],
+    );
     refused("--shards 2 --noise 1% --spp 64", 2, &["cannot be used with"]);
     refused("--shards 2 --format pbs", 2, &["[possible values: shell, slurm, openjd]"]);
     refused("--shards 2 -o a.jpg", 3, &["does not end in .png, .exr, .hdr or .pfm"]);
@@ -181,7 +185,8 @@ fn merged_windows_are_those_that_are_asked_for() {
     }
     desk.run("merge a.part b.part -o c.pfm").fails(3, &["the pixels 32,0,70,14 are missing"]);
     desk.run("merge a.part b.part -o c.pfm --crop 0,0,33,14").fails(3, &["32,0,33,14 are missing"]);
-    let words = ["the parts hold the pixels 0,0,32,14, more than --crop 1,0,32,14", "this window"];
+    let words =
+        ["the parts hold the pixels 0,0,32,14, more than the crop 1,0,32,14", "this window"];
     desk.run("merge a.part b.part -o c.pfm --crop 1,0,32,14").fails(3, &words);
     desk.run("merge a.part b.part -o c.pfm --crop 5").fails(2, &["as in 0,0,320,240"]);
     desk.run("merge a.part b.part -o c.pfm --crop 0,0,32,14").succeeds();
