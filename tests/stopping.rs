@@ -29,9 +29,9 @@ const TARGET: NoiseTarget = NoiseTarget { error: 0.04, confidence: 0.95 };
 /// More than any square takes.
 const MOST: u32 = 4096;
 
-fn matt(albedo: [f32; 3], emission: [f32; 3]) -> NamedMaterial {
+fn matt(name: &str, albedo: [f32; 3], emission: [f32; 3]) -> NamedMaterial {
     let surface = Surface::Diffuse { albedo: Rgb::from(albedo), roughness: 0.0 };
-    NamedMaterial { surface, emission: Rgb::from(emission), ..NamedMaterial::default() }
+    NamedMaterial { name: name.to_owned(), surface, emission: emission.into(), opacity: 1.0 }
 }
 
 fn ball(center: [f64; 3], radius: f64, material: usize) -> SphereRow {
@@ -53,9 +53,9 @@ fn small_scene() -> Scene {
         camera,
         background: Background { dome, ..Background::default() },
         materials: vec![
-            matt([0.6, 0.5, 0.4], [0.0; 3]),
-            matt([0.8; 3], [0.0; 3]),
-            matt([0.0; 3], [20.0, 18.0, 15.0]),
+            matt("ground", [0.6, 0.5, 0.4], [0.0; 3]),
+            matt("white", [0.8; 3], [0.0; 3]),
+            matt("lamp", [0.0; 3], [20.0, 18.0, 15.0]),
         ],
         spheres: vec![
             ball([0.0, -100.0, 0.0], 100.0, ground),
