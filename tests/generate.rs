@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use photosphere::scene::{Scene, read_file};
+use photosphere::scene::{SceneFile, read_file};
 use tempfile::TempDir;
 
 fn photosphere(folder: &Path, words: &str) -> Output {
@@ -34,7 +34,8 @@ fn every_arrangement_makes_a_table_and_a_scene_that_renders() {
             let rendered = photosphere(desk.path(), render);
             assert!(rendered.status.success(), "{}", told(&rendered));
             assert_eq!(told(&rendered), "", "no warning about {arrangement}");
-            let scene = Scene::load(&desk.path().join("s.toml"), &[]).expect("it rendered");
+            let file = read_file(&desk.path().join("s.toml"), &[]);
+            let (scene, _) = file.and_then(SceneFile::build).expect("it rendered");
             assert_eq!(scene.spheres().len(), 2000);
             assert_eq!(scene.surface(0).albedo.is_some(), !colors.is_empty());
         }

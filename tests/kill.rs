@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use photosphere::output::PartFile;
+use photosphere::job::Checkpoint;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 const SCENE: &str = r#"
@@ -67,7 +67,7 @@ fn kept(folder: &Path) -> u64 {
     if !path.exists() {
         return 0;
     }
-    PartFile::open(&path).and_then(PartFile::film).unwrap_or_else(|e| panic!("{e}")).samples()
+    Checkpoint::open(&path).and_then(Checkpoint::film).unwrap_or_else(|e| panic!("{e}")).samples()
 }
 
 #[test]

@@ -1,105 +1,119 @@
 //! Renders that end when the picture is good enough: what the decision depends on, that it does not
 //! bias the picture, and that the stated interval holds the truth as often as it says.
 
-#[path = "common/render.rs"]
-mod common;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rayon::prelude::*;
-
-use photosphere::accel::{Accel, Backend, BuildOptions, Cancel};
+use photosphere::accel::{Accel, Backend, BuildOptions, Cancel, Precision};
+use photosphere::color::Rgb;
 use photosphere::film::Film;
-use photosphere::render::{
-    RenderOptions, Session, Standing, Target, format_of, half_widths, render_to,
+use photosphere::geometry::{PathRays, SphereSet};
+use photosphere::job::{
+    Counters, NoiseTarget, Passes, Standing, format_of, half_widths, render_to,
 };
-use photosphere::scene::Scene;
+use photosphere::math::{DVec3, Hit, Ray, Rect};
+use photosphere::sampling::SamplerKind;
+use photosphere::scene::description::{
+    Background, Camera, Dome, NamedMaterial, Projection, SphereRow, Surface,
+};
+use photosphere::scene::settings::{Image, Render};
+use photosphere::scene::{Description, Scene, Settings, Shot};
 use photosphere::verify::statistics::Estimate;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-
-use common::scene;
+use rayon::prelude::*;
 
 /// Seeds of the proof.
 const SEEDS: u64 = 200;
 /// Coarse enough for a test, fine enough for squares to stop at different numbers of samples.
-const TARGET: Target = Target { error: 0.04, confidence: 0.95 };
+const TARGET: NoiseTarget = NoiseTarget { error: 0.04, confidence: 0.95 };
 /// More than any square takes.
 const MOST: u32 = 4096;
 
+fn matt(name: &str, albedo: [f32; 3], emission: [f32; 3]) -> NamedMaterial {
+    let surface = Surface::Diffuse { albedo: Rgb::from(albedo), roughness: 0.0 };
+    NamedMaterial { name: name.to_owned(), surface, emission: emission.into(), opacity: 1.0 }
+}
+
+fn ball(center: [f64; 3], radius: f64, material: usize) -> SphereRow {
+    SphereRow { name: None, center: DVec3::from(center), radius, material }
+}
+
 /// Balls on matt ground in the open, and a lamp beside the picture. The left one of its two squares is
 /// near the lamp, the right one has more shade, and both have edges of light.
-const SCENE: &str = r#"
-format = 1
-
-[image]
-width = 32
-height = 16
-
-[camera]
-position = [0.0, 3.0, 6.0]
-look_at = [0.3, 0.3, 0.0]
-vertical_fov_degrees = 22.0
-
-[background]
-radiance = [0.2, 0.25, 0.3]
-
-[materials.ground]
-type = "diffuse"
-albedo = [0.6, 0.5, 0.4]
-
-[materials.white]
-type = "diffuse"
-albedo = [0.8, 0.8, 0.8]
-
-[materials.lamp]
-type = "diffuse"
-albedo = [0.0, 0.0, 0.0]
-emission = [20.0, 18.0, 15.0]
-
-[[spheres]]
-center = [0.0, -100.0, 0.0]
-radius = 100.0
-material = "ground"
-
-[[spheres]]
-center = [1.2, 0.6, 0.0]
-radius = 0.6
-material = "white"
-
-[[spheres]]
-center = [-0.6, 0.35, 0.4]
-radius = 0.35
-material = "ground"
-
-[[spheres]]
-center = [-2.5, 2.5, 0.5]
-radius = 0.4
-material = "lamp"
-
-[render]
-integrator = "path"
-max_depth = 5
-"#;
-
-fn small_scene(overrides: &[&str]) -> Scene {
-    let most = format!("render.samples_per_pixel={MOST}");
-    let overrides: Vec<&str> =
-        [most.as_str()].into_iter().chain(overrides.iter().copied()).collect();
-    scene(SCENE, &overrides)
+fn small_scene() -> Scene {
+    let camera = Camera {
+        position: DVec3::new(0.0, 3.0, 6.0),
+        look_at: DVec3::new(0.3, 0.3, 0.0),
+        projection: Projection::Perspective { vertical_fov_degrees: 22.0, lens: None },
+        ..Camera::default()
+    };
+    let dome = Dome::Constant { radiance: Rgb::new(0.2, 0.25, 0.3) };
+    let [ground, white, lamp] = [0, 1, 2];
+    let description = Description {
+        camera,
+        background: Background { dome, ..Background::default() },
+        materials: vec![
+            matt("ground", [0.6, 0.5, 0.4], [0.0; 3]),
+            matt("white", [0.8; 3], [0.0; 3]),
+            matt("lamp", [0.0; 3], [20.0, 18.0, 15.0]),
+        ],
+        spheres: vec![
+            ball([0.0, -100.0, 0.0], 100.0, ground),
+            ball([1.2, 0.6, 0.0], 0.6, white),
+            ball([-0.6, 0.35, 0.4], 0.35, ground),
+            ball([-2.5, 2.5, 0.5], 0.4, lamp),
+        ],
+        tables: Vec::new(),
+    };
+    Scene::build(description).expect("a scene without mistakes")
 }
 
-fn accel(scene: &Scene) -> Box<dyn Accel> {
-    Backend::Native.build(scene.spheres(), &BuildOptions::default()).expect("builds")
+fn settings() -> Settings {
+    let image = Image { width: 32, height: 16, ..Image::default() };
+    let render = Render { samples_per_pixel: MOST, max_depth: Some(5), ..Render::default() };
+    Settings { image, render }
 }
 
-/// A film of the scene that is filled until it meets the target.
-fn stopped(scene: &Scene, target: Target) -> (Film, Standing) {
-    let film = Film::new(&format_of(scene)).expect("a small film");
-    let accel = accel(scene);
-    let options = RenderOptions { cancel: Cancel::default(), progress: &|_| {} };
-    let session = Session::new(scene, &*accel, &film, &options);
-    let (standing, complete) =
-        render_to(&session, target, MOST, &|_| {}).expect("no light so bright");
+/// The small scene, ready to be rendered.
+fn shot(settings: Settings) -> Shot {
+    Shot::new(&small_scene(), settings).expect("settings that make sense")
+}
+
+fn accel(shot: &Shot) -> Box<dyn Accel> {
+    Backend::Native.build(shot.scene().spheres(), &BuildOptions::default()).expect("builds")
+}
+
+fn empty_film(shot: &Shot) -> Film {
+    Film::new(&format_of(shot, &[])).expect("a small film")
+}
+
+/// Fills a film of the shot until it meets the target or is cancelled; the second says whether it got
+/// to its end.
+fn fill_with(
+    accel: &dyn Accel,
+    shot: &Shot,
+    film: &Film,
+    target: NoiseTarget,
+    most: u32,
+    cancel: &Cancel,
+) -> (Standing, bool) {
+    let counters = Counters::of(film, 0);
+    let passes = Passes::new(shot, accel, film, &counters, cancel);
+    render_to(&passes, target, most, &|_| {}).expect("no light so bright")
+}
+
+/// The same with nobody to cancel it.
+fn fill(shot: &Shot, film: &Film, target: NoiseTarget, most: u32) -> Standing {
+    let accel = accel(shot);
+    let (standing, complete) = fill_with(&*accel, shot, film, target, most, &Cancel::default());
     assert!(complete);
+    standing
+}
+
+/// A film of the shot that is filled until it meets the target.
+fn stopped(shot: &Shot, target: NoiseTarget) -> (Film, Standing) {
+    let film = empty_film(shot);
+    let standing = fill(shot, &film, target, MOST);
     (film, standing)
 }
 
@@ -121,18 +135,21 @@ struct Run {
 
 /// The same scene with very many samples.
 fn long_reference() -> Film {
-    let scene = small_scene(&["render.seed=1000", "render.samples_per_pixel=16384"]);
-    let film = Film::new(&format_of(&scene)).expect("a small film");
-    let accel = accel(&scene);
-    let options = RenderOptions { cancel: Cancel::default(), progress: &|_| {} };
-    let session = Session::new(&scene, &*accel, &film, &options);
-    assert!(session.advance(16384, &|_| true).expect("no light so bright"));
+    let mut settings = settings();
+    settings.render.seed = 1000;
+    settings.render.samples_per_pixel = 16384;
+    let shot = shot(settings);
+    let (film, accel, cancel) = (empty_film(&shot), accel(&shot), Cancel::default());
+    let counters = Counters::of(&film, 0);
+    let passes = Passes::new(&shot, &*accel, &film, &counters, &cancel);
+    assert!(passes.advance(16384, &|_| true).expect("no light so bright"));
     film
 }
 
-fn run(sampler: &str, seed: u64, truth: &[f64]) -> Run {
-    let (sampler, seed) = (format!("render.sampler={sampler}"), format!("render.seed={seed}"));
-    let (film, standing) = stopped(&small_scene(&[&sampler, &seed]), TARGET);
+fn run(sampler: SamplerKind, seed: u64, truth: &[f64]) -> Run {
+    let mut settings = settings();
+    (settings.render.sampler, settings.render.seed) = (sampler, seed);
+    let (film, standing) = stopped(&shot(settings), TARGET);
     assert_eq!(standing.done, standing.squares);
     let values = values(&film);
     let widths: Vec<f64> = half_widths(&film, TARGET.confidence).concat();
@@ -165,9 +182,10 @@ fn bootstrap(numbers: &[f64]) -> [f64; 2] {
 fn stopping_does_not_bias_and_the_interval_holds_the_truth() {
     let reference = long_reference();
     let truth = values(&reference);
-    for (sampler, most) in [("independent", 0.97), ("sobol", 1.0)] {
+    for (kind, most) in [(SamplerKind::Independent, 0.97), (SamplerKind::Sobol, 1.0)] {
+        let sampler = kind.name();
         let runs: Vec<Run> =
-            (0..SEEDS).into_par_iter().map(|seed| run(sampler, seed, &truth)).collect();
+            (0..SEEDS).into_par_iter().map(|seed| run(kind, seed, &truth)).collect();
         let covered: Vec<f64> = runs.iter().map(|run| run.covered).collect();
         let [low, high] = bootstrap(&covered);
         let near: f64 = runs.iter().map(|run| run.near).sum::<f64>() / SEEDS as f64;
@@ -215,7 +233,7 @@ fn must_not_be_biased(sampler: &str, runs: &[Run], reference: &Film) {
 #[test]
 fn threads_stops_and_windows_change_no_bit() {
     let target = TARGET;
-    let whole = small_scene(&[]);
+    let whole = shot(settings());
     let (film, standing) = stopped(&whole, target);
     let counts = film.counts();
     assert!(
@@ -229,8 +247,11 @@ fn threads_stops_and_windows_change_no_bit() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     assert_eq!(bits(&pool.install(|| stopped(&whole, target).0)), bits(&film));
     assert_eq!(bits(&stopped_and_resumed(&whole, target)), bits(&film));
-    for (left, window) in [(0, "[0,0,16,16]"), (16, "[16,0,32,16]")] {
-        let part = stopped(&small_scene(&[&format!("image.crop={window}")]), target).0;
+    for left in [0, 16] {
+        let mut settings = settings();
+        settings.image.crop = Some(Rect { x: left, y: 0, width: 16, height: 16 });
+        let part = stopped(&shot(settings), target).0;
+        let left = left as usize;
         let places = |row: usize| row * 32 + left..row * 32 + left + 16;
         let expected: Vec<u32> = (0..16).flat_map(|row| counts[places(row)].to_vec()).collect();
         assert_eq!(part.counts(), expected);
@@ -242,39 +263,87 @@ fn threads_stops_and_windows_change_no_bit() {
     }
 }
 
-/// The same, in many pieces: each is cancelled after some more samples.
-fn stopped_and_resumed(scene: &Scene, target: Target) -> Film {
-    let film = Film::new(&format_of(scene)).expect("a small film");
-    let accel = accel(scene);
-    for piece in 1.. {
+/// The same, in many pieces: each is cancelled after some more rays.
+fn stopped_and_resumed(shot: &Shot, target: NoiseTarget) -> Film {
+    let film = empty_film(shot);
+    let mut pieces = 1;
+    loop {
         let cancel = Cancel::default();
-        let stop_at = piece * 5000;
-        let progress = |now: photosphere::render::Progress| {
-            if now.samples_done > stop_at {
-                cancel.cancel();
-            }
-        };
-        let options = RenderOptions { cancel: cancel.clone(), progress: &progress };
-        let session = Session::new(scene, &*accel, &film, &options);
-        if render_to(&session, target, MOST, &|_| {}).expect("no light so bright").1 {
-            assert!(piece > 3, "it was to be stopped more often");
-            break;
+        let tiring = Tiring::new(accel(shot), &cancel);
+        if fill_with(&tiring, shot, &film, target, MOST, &cancel).1 {
+            assert!(pieces > 3, "it was to be stopped more often");
+            return film;
+        }
+        pieces += 1;
+    }
+}
+
+/// An intersector that has the work cancelled after a number of rays.
+struct Tiring<'a> {
+    accel: Box<dyn Accel>,
+    left: AtomicUsize,
+    cancel: &'a Cancel,
+}
+
+impl<'a> Tiring<'a> {
+    fn new(accel: Box<dyn Accel>, cancel: &'a Cancel) -> Self {
+        Self { accel, left: AtomicUsize::new(40_000), cancel }
+    }
+
+    fn tire(&self, rays: usize) {
+        if self.left.fetch_sub(rays, Ordering::Relaxed) <= rays {
+            self.cancel.cancel();
         }
     }
-    film
+}
+
+impl Accel for Tiring<'_> {
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.accel.closest(rays, hits);
+        self.tire(rays.len());
+    }
+
+    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
+        self.accel.occluded(rays, blocked);
+    }
+
+    fn closest_of(
+        &self,
+        spheres: &SphereSet,
+        rays: &PathRays,
+        asked: &mut Vec<Ray>,
+        hits: &mut [Hit],
+    ) {
+        self.accel.closest_of(spheres, rays, asked, hits);
+        self.tire(hits.len());
+    }
+
+    fn occluded_of(
+        &self,
+        spheres: &SphereSet,
+        rays: &PathRays,
+        asked: &mut Vec<Ray>,
+        blocked: &mut [bool],
+    ) {
+        self.accel.occluded_of(spheres, rays, asked, blocked);
+    }
+
+    fn precision(&self) -> Precision {
+        self.accel.precision()
+    }
+
+    fn bytes(&self) -> usize {
+        self.accel.bytes()
+    }
 }
 
 #[test]
 fn what_cannot_be_met_ends_at_the_most_samples_and_says_so() {
-    let scene = small_scene(&[]);
-    let film = Film::new(&format_of(&scene)).expect("a small film");
-    let accel = accel(&scene);
-    let options = RenderOptions { cancel: Cancel::default(), progress: &|_| {} };
-    let session = Session::new(&scene, &*accel, &film, &options);
-    let target = Target { error: 1e-4, confidence: 0.95 };
-    let (standing, complete) =
-        render_to(&session, target, 100, &|_| {}).expect("no light so bright");
-    assert!(complete && film.counts().iter().all(|&count| count == 100));
+    let shot = shot(settings());
+    let film = empty_film(&shot);
+    let target = NoiseTarget { error: 1e-4, confidence: 0.95 };
+    let standing = fill(&shot, &film, target, 100);
+    assert!(film.counts().iter().all(|&count| count == 100));
     assert_eq!((standing.done, standing.squares), (0, 2));
     assert!(standing.worst > 0.01 && standing.worst < 10.0, "{standing:?}");
 }

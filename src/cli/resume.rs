@@ -35,6 +35,7 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
         request.job.until = Until::default();
     }
     request.job.threads = args.threads.unwrap_or(request.job.threads);
+    request.memory_limit = args.memory.limit;
     (request.quiet, request.json) = (args.quiet, args.json);
     render::execute(&request)
 }

@@ -3,6 +3,8 @@
 //! Every curve takes linear Rec. 709 and gives values for the screen in `[0, 1]`. They are for eyes
 //! only; whoever measures takes a file of linear light.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::names::named;
@@ -36,6 +38,19 @@ pub enum Tone {
 type Matrix = [[f32; 3]; 3];
 
 named! { Tone { Srgb = "srgb", Filmic = "filmic", AgX = "agx" } }
+
+/// What is not as usual, as in "agx, exposure 1.5, dithered".
+impl fmt::Display for Look {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let usual = Self::default();
+        let tone = (self.tone != usual.tone).then(|| self.tone.name().to_owned());
+        let exposure =
+            (self.exposure != usual.exposure).then(|| format!("exposure {}", self.exposure));
+        let dithered = self.dither.then(|| "dithered".to_owned());
+        let words: Vec<String> = [tone, exposure, dithered].into_iter().flatten().collect();
+        f.write_str(&words.join(", "))
+    }
+}
 
 impl Look {
     /// The value for the screen of each channel, in `[0, 1]`; light must be finite.

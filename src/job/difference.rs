@@ -20,9 +20,8 @@ impl Metadata {
             let of = |metadata: &Self| {
                 let mut settings = metadata.settings;
                 settings.image.crop = None;
-                if !settings.render.sampler.depends_on_count() {
-                    super::metadata::set_samples(&mut settings, 1);
-                }
+                // Which does not say why it matters.
+                super::metadata::set_samples(&mut settings, 1);
                 settings
             };
             found.extend(keys_that_differ(&of(self), &of(other)));
@@ -109,9 +108,24 @@ fn short(value: &Value) -> String {
         Value::Null => "left out".to_owned(),
         Value::Array(list) if list.len() > 4 => format!("a list of {}", list.len()),
         other => {
-            let text = other.to_string();
+            let text = shown(other);
             if text.len() <= 80 { text } else { "another".to_owned() }
         }
+    }
+}
+
+/// A value as JSON, but with numbers that are f32 in their few digits.
+pub fn shown(value: &Value) -> String {
+    let narrow = |number: f64| (f64::from(number as f32) == number).then_some(number as f32);
+    match value {
+        Value::Number(number) if number.is_f64() => match number.as_f64().and_then(narrow) {
+            Some(number) => format!("{number:?}"),
+            None => number.to_string(),
+        },
+        Value::Array(list) => {
+            format!("[{}]", list.iter().map(shown).collect::<Vec<_>>().join(", "))
+        }
+        other => other.to_string(),
     }
 }
 

@@ -9,7 +9,7 @@ mod adaptive;
 mod aovs;
 mod checkpoint;
 mod cryptomatte;
-mod difference;
+pub mod difference;
 mod memory;
 pub mod merge;
 pub mod metadata;

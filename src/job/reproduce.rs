@@ -62,9 +62,7 @@ pub fn reproduce(
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Reproduction> {
     let scene = scene_of(then, again)?;
-    let mut settings = then.settings;
-    settings.image.crop = then.settings.image.crop;
-    let shot = Shot::new(&scene, settings)?;
+    let shot = Shot::new(&scene, then.settings)?;
     let backend = backend_of(then, again)?;
     let threads = rayon::current_num_threads();
     let build = BuildOptions { threads, cancel: again.cancel.clone(), ..Default::default() };
@@ -86,14 +84,16 @@ pub fn reproduce(
 
 /// The scene of a picture, with its files in the folder.
 fn scene_of(then: &Metadata, again: &Again) -> Result<Scene> {
-    let Some(mut description) = then.scene.clone() else {
+    let Some(named) = then.scene.clone() else {
         return Err(Error::input("the scene was too long for the picture")
             .with_help("render the scene file again, and compare the two pictures"));
     };
+    let mut description = named.clone();
     each_file(&mut description, |file| *file = again.folder.join(&*file));
     let scene = Scene::build(description)?;
     if scene.identity() == then.scene_identity {
-        return Ok(scene);
+        // The layers of Cryptomatte show how files are called.
+        return Ok(scene.with_names_of(named));
     }
     let is_changed = |said: &&crate::scene::FileHash| {
         let file = again.folder.join(&said.file);
@@ -115,7 +115,8 @@ fn scene_of(then: &Metadata, again: &Again) -> Result<Scene> {
     }
     let verb = if changed.len() == 1 { "is" } else { "are" };
     let message = format!("{} {verb} not what the picture was made of", changed.join(", "));
-    Err(Error::input(message).with_help("name the folder where the files are as they were"))
+    Err(Error::input(message)
+        .with_help("name the folder where the files are as they were (--folder)"))
 }
 
 fn backend_of(then: &Metadata, again: &Again) -> Result<Backend> {

@@ -192,8 +192,10 @@ impl Until {
             let why = "stratified samples are spread over a number that is known before";
             return refuse(why, "choose the sampler `sobol` or `independent`");
         }
+        // Settings may still hold any number.
+        let fit = |cells: u32| cells > 0 && BLOCK % cells == 0;
         match render.integrator {
-            Integrator::Paper(Paper { subpixels: k, .. }) if BLOCK % k.pow(2) != 0 => {
+            Integrator::Paper(Paper { subpixels: k, .. }) if !k.checked_pow(2).is_some_and(fit) => {
                 let why =
                     format!("{k} x {k} sub-pixels do not fit into its blocks of {BLOCK} samples");
                 refuse(&why, "use 1, 2 or 4 sub-pixels along each side")

@@ -96,6 +96,12 @@ impl Scene {
         Ok(scene)
     }
 
+    /// With its files called as in `description`, which says the same but for where they are.
+    pub(crate) fn with_names_of(mut self, description: Description) -> Self {
+        self.description = Arc::new(description);
+        self
+    }
+
     /// What the user wrote.
     pub fn description(&self) -> &Description {
         &self.description

@@ -114,6 +114,15 @@ impl Outcome {
         self
     }
 
+    /// What `photosphere info` tells under this name.
+    #[track_caller]
+    pub(crate) fn row(&self, name: &str) -> &str {
+        let is_it = |line: &&str| line.strip_prefix(name).is_some_and(|row| row.starts_with("  "));
+        let line = self.stdout.lines().find(is_it);
+        let line = line.unwrap_or_else(|| panic!("no row `{name}` in\n{}", self.stdout));
+        line[name.len()..].trim_start()
+    }
+
     pub(crate) fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.stdout).expect("the standard output is one JSON value")
     }

@@ -93,14 +93,14 @@ fn shards_may_run_again_and_go_on_from_where_they_were() {
     let mut sh = Command::new("sh");
     sh.args(["-c", &command]).env("PHOTOSPHERE", PROGRAM).current_dir(desk.path());
     let told = outcome(&mut sh).succeeds().stderr;
-    assert!(told.contains("going on with `sum.samples-0..16.part`: 7.0 of 16"), "{told}");
+    assert!(told.contains("resuming `sum.samples-0..16.part`: 7.0 of 16"), "{told}");
     shell(&desk, "plan.sh").succeeds();
     assert!(desk.read("sum.png") == desk.read("whole.png"));
 
     // A scene that has changed since is not mixed in.
     fs::write(desk.path().join("scene.toml"), scene().replace("0.2, 0.6", "0.3, 0.6"))
         .expect("written");
-    shell(&desk, "plan.sh").fails(3, &["cannot go on with `sum.samples-0..16.part`"]);
+    shell(&desk, "plan.sh").fails(3, &["cannot resume `sum.samples-0..16.part`"]);
 }
 
 #[test]
@@ -161,7 +161,11 @@ fn what_cannot_be_shared_out_is_refused() {
         3,
         &["no two plans make the same picture", "--spp N or --noise"],
     );
-    refused("--shards 2 --noise 1% --sampler stratified", 3, &["--noise decides when to stop"]);
+    refused(
+        "--shards 2 --noise 1% --sampler stratified",
+        3,
+        &["a noise target decides when to stop"],
+    );
     refused("--shards 2 --noise 1% --spp 64", 2, &["cannot be used with"]);
     refused("--shards 2 --format pbs", 2, &["[possible values: shell, slurm, openjd]"]);
     refused("--shards 2 -o a.jpg", 3, &["does not end in .png, .exr, .hdr or .pfm"]);
@@ -181,7 +185,8 @@ fn merged_windows_are_those_that_are_asked_for() {
     }
     desk.run("merge a.part b.part -o c.pfm").fails(3, &["the pixels 32,0,70,14 are missing"]);
     desk.run("merge a.part b.part -o c.pfm --crop 0,0,33,14").fails(3, &["32,0,33,14 are missing"]);
-    let words = ["the parts hold the pixels 0,0,32,14, more than --crop 1,0,32,14", "this window"];
+    let words =
+        ["the parts hold the pixels 0,0,32,14, more than the crop 1,0,32,14", "this window"];
     desk.run("merge a.part b.part -o c.pfm --crop 1,0,32,14").fails(3, &words);
     desk.run("merge a.part b.part -o c.pfm --crop 5").fails(2, &["as in 0,0,320,240"]);
     desk.run("merge a.part b.part -o c.pfm --crop 0,0,32,14").succeeds();

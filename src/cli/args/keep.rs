@@ -8,7 +8,7 @@ use clap::Args;
 
 use crate::film::Rect;
 
-use super::{OutputArgs, threads};
+use super::{MemoryArg, OutputArgs, threads};
 
 /// How a render is kept from being lost.
 #[derive(Args, Debug)]
@@ -31,8 +31,8 @@ Examples:
   photosphere resume fig2.part
   photosphere resume fig2.part --extend-to 16384 -o better.exr
 
-All options are those of the interrupted command, but for the ones given here. A scene that has
-changed since is refused.")]
+All that decides the picture, its files and who looks on is as in the interrupted command, but for what
+is given here. A scene that has changed since is refused.")]
 pub(in crate::cli) struct ResumeArgs {
     /// The checkpoint, or the part
     #[arg(value_name = "FILE")]
@@ -59,6 +59,9 @@ pub(in crate::cli) struct ResumeArgs {
     /// Threads to use [default: as before]
     #[arg(long, value_name = "T", value_parser = threads(), allow_negative_numbers = true)]
     pub(in crate::cli) threads: Option<usize>,
+
+    #[command(flatten)]
+    pub(in crate::cli) memory: MemoryArg,
 
     /// Say nothing but warnings and errors
     #[arg(short, long)]

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 
 use crate::cli::print;
 use crate::error::Result;
+use crate::job::difference::shown;
 use crate::job::metadata::value_of;
 use crate::job::{Checkpoint, FilePath, Header, Metadata, Status, is_checkpoint};
 use crate::output::{self, Record};
@@ -13,10 +14,8 @@ use crate::output::{self, Record};
 /// The name of what `photosphere resume` does with a part.
 const RESUME: &str = "resume";
 
-/// Names of records of [`Metadata`] that are shown in another way.
-const SETTINGS: &str = "settings";
-const SCENE: &str = "scene";
-const SCENE_TEXT: &str = "scene-text";
+/// Longer lists are not written out for people.
+const LONGEST_LIST: usize = 100;
 
 /// Whether the name is that of a picture, a part or a checkpoint, or the file is one.
 pub(super) fn is_picture(path: &Path) -> bool {
@@ -29,17 +28,24 @@ pub(super) fn is_picture(path: &Path) -> bool {
 /// # Errors
 /// When it cannot be read, or says nothing, or a part's sums are damaged.
 pub(super) fn show(path: &Path, as_json: bool) -> Result<()> {
-    let records = match is_part(path) {
+    let (metadata, of_part) = match is_part(path) {
         true => {
             let part = Checkpoint::open(path)?;
             let header = part.header().clone();
             // What is damaged behind the header is not kept quiet.
             part.film()?;
-            records_of(&header)?
+            (header.metadata.clone(), records_of(&header))
         }
-        false => Metadata::of_records(path, &output::records(path)?)?.to_records()?,
+        false => (Metadata::of_records(path, &output::records(path)?)?, Vec::new()),
     };
-    if as_json { print::json(&in_json(&records)) } else { print::result(&in_words(&records)) }
+    let mut records = metadata.to_records()?;
+    records.extend(of_part);
+    if as_json {
+        return print::json(&in_json(&records));
+    }
+    let records: Vec<Record> =
+        records.iter().flat_map(|record| words_of(record, &metadata)).collect();
+    print::result(&in_words(&records))
 }
 
 /// Whether a file is a part or a checkpoint, or is called so.
@@ -47,9 +53,9 @@ fn is_part(path: &Path) -> bool {
     is_checkpoint(path) || path.extension().is_some_and(|extension| extension == "part")
 }
 
-/// What a part says of its picture and of itself.
-fn records_of(header: &Header) -> Result<Vec<Record>> {
-    let mut records = header.metadata.to_records()?;
+/// What a part says of itself, beside its picture.
+fn records_of(header: &Header) -> Vec<Record> {
+    let mut records = Vec::new();
     let is_ended = matches!(header.status, Status::Ended { .. });
     records.push(Record::new("ended", is_ended.to_string()));
     if let Status::Ended { missed } = &header.status {
@@ -58,34 +64,29 @@ fn records_of(header: &Header) -> Result<Vec<Record>> {
         records.extend(said);
     }
     if let Some(delivery) = &header.delivery {
-        let files: Vec<String> = delivery.files.iter().map(shown).collect();
+        let files: Vec<String> = delivery.files.iter().map(name_of).collect();
         let way_on = json!({
             "scene": header.source.as_ref().map(|source| source.name.clone()),
             "files": files,
-            "preview": delivery.preview.as_ref().map(shown),
+            "preview": delivery.preview.as_ref().map(name_of),
             "samples_per_pixel": header.samples.end,
         });
         records.push(Record::new(RESUME, way_on.to_string()));
     }
-    Ok(records)
+    records
 }
 
-fn shown(FilePath(path): &FilePath) -> String {
+fn name_of(FilePath(path): &FilePath) -> String {
     path.display().to_string()
 }
 
 /// One row each; a text of several lines comes last, under its name.
 fn in_words(records: &[Record]) -> String {
-    // The scene in the user's words says what its values say.
-    let has_text = records.iter().any(|record| record.name == SCENE_TEXT);
-    let shown = records.iter().filter(|record| !(has_text && record.name == SCENE));
-    let spread: Vec<Record> = shown.flat_map(spread).collect();
     let (texts, rows): (Vec<&Record>, Vec<_>) =
-        spread.iter().partition(|record| record.text.contains('\n'));
+        records.iter().partition(|record| record.text.contains('\n'));
     let longest = rows.iter().map(|record| record.name.len()).max().unwrap_or(0);
     let mut words = String::new();
     for Record { name, text } in rows {
-        let text = in_short(name, text).unwrap_or_else(|| text.clone());
         words += &format!("{name:<longest$}  {text}\n");
     }
     for Record { name, text } in texts {
@@ -98,42 +99,66 @@ fn in_words(records: &[Record]) -> String {
     words
 }
 
-/// The settings key by key; the scene's values on lines of their own; all else as it is.
-fn spread(record: &Record) -> Vec<Record> {
-    let value = value_of(record);
-    match record.name.as_str() {
-        SETTINGS => {
-            let mut rows = Vec::new();
-            each_leaf("", &value, &mut |key, text| rows.push(Record::new(key, text)));
-            rows
-        }
-        SCENE => vec![Record::new(SCENE, format!("{value:#}"))],
-        _ => vec![record.clone()],
-    }
-}
-
-/// Calls `see` with the dotted name and the text of everything that is not null.
-fn each_leaf(name: &str, value: &Value, see: &mut impl FnMut(&str, String)) {
-    match value {
-        Value::Object(fields) => {
-            for (key, value) in fields {
-                let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
-                each_leaf(&name, value, see);
-            }
-        }
-        Value::Null => {}
-        Value::String(text) => see(name, text.clone()),
-        other => see(name, other.to_string()),
-    }
-}
-
-/// A record that is JSON in the file, for people.
-fn in_short(name: &str, text: &str) -> Option<String> {
-    let value: Value = serde_json::from_str(text).ok()?;
-    match name {
-        RESUME => way_on(&value),
-        "samples" => serde_json::from_value(value).ok().map(|s: crate::job::Samples| s.to_string()),
+/// A record for people, who need no JSON; the settings begin with what is asked for most.
+fn words_of(record: &Record, metadata: &Metadata) -> Vec<Record> {
+    let value = || value_of(record);
+    let text = match record.name.as_str() {
+        "settings" => return settings_in_words(metadata),
+        "samples" => Some(metadata.samples_as_text()),
+        "counts" => Some(metadata.counts.to_string()),
+        "parts" => Some(format!("{}\n", metadata.parts)),
+        "biased" => Some(metadata.biased.join(", ")),
+        "look" => metadata.look.map(|look| look.to_string()),
+        "layers" => listed(&value(), ","),
+        "noise" => metadata.run.as_ref().and_then(|run| run.noise).map(|noise| noise.to_string()),
+        "scene" | "files" => Some(line_by_line(&value())),
+        RESUME => way_on(&value()),
         _ => None,
+    };
+    vec![Record::new(&record.name, text.unwrap_or_else(|| record.text.clone()))]
+}
+
+fn settings_in_words(metadata: &Metadata) -> Vec<Record> {
+    let image = &metadata.settings.image;
+    let mut records = vec![Record::new("size", format!("{}x{}", image.width, image.height))];
+    records.extend(image.crop.map(|crop| Record::new("crop", crop.to_string())));
+    let value = serde_json::to_value(metadata.settings).unwrap_or_default();
+    records.push(Record::new("settings", line_by_line(&value)));
+    records
+}
+
+/// The texts of a list.
+fn listed(value: &Value, between: &str) -> Option<String> {
+    let texts: Option<Vec<&str>> = value.as_array()?.iter().map(Value::as_str).collect();
+    Some(texts?.join(between))
+}
+
+/// A line for each value: `image.width = 16`.
+fn line_by_line(value: &Value) -> String {
+    let mut lines = String::new();
+    add_lines("", value, &mut lines);
+    lines
+}
+
+fn add_lines(path: &str, value: &Value, lines: &mut String) {
+    let inner = |step: &str| match path {
+        "" => step.to_owned(),
+        _ => format!("{path}.{step}"),
+    };
+    match value {
+        Value::Null => {}
+        Value::Object(fields) => {
+            fields.iter().for_each(|(name, value)| add_lines(&inner(name), value, lines));
+        }
+        Value::Array(list) if list.len() > LONGEST_LIST => {
+            *lines += &format!("{path} = a list of {}\n", list.len());
+        }
+        Value::Array(list) if list.iter().any(Value::is_object) => {
+            let numbered = list.iter().enumerate();
+            numbered.for_each(|(at, value)| add_lines(&inner(&at.to_string()), value, lines));
+        }
+        Value::Array(list) if list.is_empty() => {}
+        one => *lines += &format!("{path} = {}\n", shown(one)),
     }
 }
 
