@@ -181,9 +181,10 @@ impl Until {
             (Some(_), _) => "a noise target",
             (None, Some(_)) => "a time",
         };
-        if let Some(NoiseTarget { error, confidence }) = self.noise
-            && !(error > 0.0 && error < 1.0 && confidence > 0.0 && confidence < 1.0)
-        {
+        let is_share = |x: f64| x > 0.0 && x < 1.0;
+        let is_possible =
+            |target: &NoiseTarget| is_share(target.error) && is_share(target.confidence);
+        if let Some(NoiseTarget { error, confidence }) = self.noise.filter(|t| !is_possible(t)) {
             let message = format!(
                 "the noise target of {error} for {confidence} of the values is not in (0, 1)"
             );
@@ -197,10 +198,12 @@ impl Until {
             let why = "stratified samples are spread over a number that is known before";
             return refuse(why, "choose the sampler `sobol` or `independent`");
         }
-        if let Integrator::Paper(paper) = render.integrator
-            && BLOCK % paper.subpixels.pow(2) != 0
-        {
-            let k = paper.subpixels;
+        let subpixels = match render.integrator {
+            Integrator::Paper(paper) => paper.subpixels,
+            _ => 1,
+        };
+        if BLOCK % subpixels.pow(2) != 0 {
+            let k = subpixels;
             let why = format!("{k} x {k} sub-pixels do not fit into its blocks of {BLOCK} samples");
             return refuse(&why, "use 1, 2 or 4 sub-pixels along each side");
         }

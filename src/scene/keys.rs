@@ -84,19 +84,22 @@ impl<K: Kind + Sync> AnyKey for Key<K> {
     fn schema(&self) -> Value {
         let mut schema = self.kind.schema();
         schema["description"] = json!(self.help);
-        if let Fallback::Is(text) = self.default
-            && let Some(value) = value_of(text)
-        {
+        if let Some(value) = self.default.value() {
             schema["default"] = value;
         }
         schema
     }
 }
 
-/// A TOML value as JSON.
-fn value_of(text: &str) -> Option<Value> {
-    // Every default in the table is written alike in both.
-    serde_json::from_str(text).ok()
+impl Fallback {
+    /// The default as JSON, where it is the same for all.
+    fn value(self) -> Option<Value> {
+        match self {
+            // Every default in the table is written alike in TOML and JSON.
+            Self::Is(text) => serde_json::from_str(text).ok(),
+            Self::Required | Self::Depends(_) => None,
+        }
+    }
 }
 
 /// A table of a scene file.
