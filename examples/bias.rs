@@ -15,8 +15,8 @@ use std::time::Instant;
 use photosphere::Result;
 use photosphere::accel::{Backend, BuildOptions};
 use photosphere::film::Picture;
-use photosphere::render::{Outcome, RenderOptions, render};
-use photosphere::scene::{Override, Scene};
+use photosphere::job::{Rendered, render};
+use photosphere::scene::{Override, Shot, read_file};
 use photosphere::verify::statistics::Estimate;
 
 const SEEDS: u64 = 32;
@@ -79,7 +79,7 @@ fn main() -> Result<()> {
     for seed in 0..SEEDS {
         for row in &mut rows {
             let began = Instant::now();
-            let Outcome { picture, rays, .. } = outcome(row.keys, seed)?;
+            let Rendered { picture, rays, .. } = outcome(row.keys, seed)?;
             row.seconds.push(began.elapsed().as_secs_f64());
             row.pictures.push(picture);
             row.rays += rays;
@@ -163,7 +163,7 @@ fn samples(keys: &[&str]) -> u32 {
 }
 
 /// Figure 2 with these keys of `[render]`, in 8 x 6 pixels with independent random numbers.
-fn outcome(keys: &[&str], seed: u64) -> Result<Outcome> {
+fn outcome(keys: &[&str], seed: u64) -> Result<Rendered> {
     let set = |pair: &str| {
         let (key, value) = pair.split_once('=').expect("key=value");
         Override { option: format!("--set {pair}"), key: key.into(), value: value.into() }
@@ -174,8 +174,7 @@ fn outcome(keys: &[&str], seed: u64) -> Result<Outcome> {
     overrides.push(set(&format!("render.samples_per_pixel={}", samples(keys))));
     overrides.push(set(&format!("render.seed={seed}")));
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/paper/fig2.toml");
-    let scene = Scene::load(&path, &overrides)?;
+    let (scene, settings) = read_file(&path, &overrides)?.build()?;
     let accel = Backend::BruteForce.build(scene.spheres(), &BuildOptions::default())?;
-    let options = RenderOptions { cancel: Default::default(), progress: &|_| {} };
-    render(&scene, &*accel, &options)
+    render(&Shot::new(&scene, settings)?, &*accel, &[], &Default::default())
 }

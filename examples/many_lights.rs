@@ -12,9 +12,9 @@ use std::time::Instant;
 
 use photosphere::accel::{Backend, BuildOptions};
 use photosphere::film::Picture;
-use photosphere::render::{RenderOptions, render};
+use photosphere::job::render;
 use photosphere::sampling::Sampler;
-use photosphere::scene::{Override, Scene};
+use photosphere::scene::{Override, Shot, read_file};
 
 const SCENE: &str = r#"format = 1
 [image]
@@ -110,14 +110,14 @@ fn picture(
         set("seed", seed.to_string()),
     ];
     let start = Instant::now();
-    let scene = Scene::load(path, &overrides)?;
+    let (scene, settings) = read_file(path, &overrides)?.build()?;
+    let shot = Shot::new(&scene, settings)?;
     let loaded = start.elapsed().as_secs_f64();
     let threads = rayon::current_num_threads();
     let accel = Backend::default()
         .build(scene.spheres(), &BuildOptions { threads, ..Default::default() })?;
     let start = Instant::now();
-    let options = RenderOptions { cancel: Default::default(), progress: &|_| {} };
-    let picture = render(&scene, &*accel, &options)?.picture;
+    let picture = render(&shot, &*accel, &[], &Default::default())?.picture;
     println!("({choice}: the scene took {loaded:.2} s to load)");
     Ok((picture, start.elapsed().as_secs_f64()))
 }

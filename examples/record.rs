@@ -15,9 +15,9 @@ use std::path::{Path, PathBuf};
 use photosphere::accel::{Accel, Backend, BuildOptions, Cancel, Choice, embree_info};
 use photosphere::generate::{Arrangement, Recipe, scene_text, write_rows};
 use photosphere::geometry::{PathRay, Sphere, SphereSet};
+use photosphere::job::{COMMIT, VERSION};
 use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
-use photosphere::provenance::{COMMIT, VERSION};
-use photosphere::scene::{Override, Scene};
+use photosphere::scene::{Override, Shot, read_file};
 use photosphere::verify::bench::{
     CAMERA, Field, Figure, Question, RayKind, Rounds, SECOND_BOUNCE, Setting, StandardScene, bench,
     renders, sweep,
@@ -350,10 +350,11 @@ fn one_render(
         key: key.to_owned(),
         value: value.to_string(),
     });
-    let scene = Scene::load(path, &overrides)?;
+    let (scene, settings) = read_file(path, &overrides)?.build()?;
+    let shot = Shot::new(&scene, settings)?;
     let backends = [Choice::Auto.choose(scene.spheres()).backend, Backend::Embree];
     let field = Field::build(scene.spheres(), &backends, &options(), 1)?;
-    let [ours, embree] = &renders(&scene, &field, wanted.rounds, &Cancel::default())?[..] else {
+    let [ours, embree] = &renders(&shot, &field, wanted.rounds, &Cancel::default())?[..] else {
         return Err("two intersectors rendered".into());
     };
     let seconds =

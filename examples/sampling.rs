@@ -13,8 +13,8 @@ use std::path::Path;
 use photosphere::Result;
 use photosphere::accel::{Backend, BuildOptions};
 use photosphere::film::Picture;
-use photosphere::render::{RenderOptions, render};
-use photosphere::scene::{Override, Scene};
+use photosphere::job::render;
+use photosphere::scene::{Override, Shot, read_file};
 
 const SEEDS: usize = 16;
 
@@ -67,8 +67,8 @@ fn picture(scene: &str, sampler: &str, samples: u32, seed: usize) -> Result<Pict
         set("render.samples_per_pixel", samples.to_string()),
         set("render.seed", seed.to_string()),
     ];
-    let scene = Scene::load(Path::new(scene), &overrides)?;
+    let (scene, settings) = read_file(Path::new(scene), &overrides)?.build()?;
     let accel = Backend::BruteForce.build(scene.spheres(), &BuildOptions::default())?;
-    let options = RenderOptions { cancel: Default::default(), progress: &|_| {} };
-    Ok(render(&scene, &*accel, &options)?.picture)
+    let shot = Shot::new(&scene, settings)?;
+    Ok(render(&shot, &*accel, &[], &Default::default())?.picture)
 }

@@ -4,15 +4,18 @@
 
 use std::env;
 use std::io::{self, ErrorKind, Write};
-use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
 use photosphere::accel::{Backend, BuildOptions, Cancel};
+use photosphere::color::Rgb;
 use photosphere::geometry::{Sphere, SphereRows, SphereSet};
+use photosphere::job::render;
 use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
-use photosphere::render::{RenderOptions, render};
-use photosphere::scene::{Scene, read_text};
+use photosphere::scene::description::{
+    Background, Camera, Description, Dome, NamedMaterial, SphereRow, Surface,
+};
+use photosphere::scene::{Scene, Settings, Shot};
 
 /// A hundred balls on a giant, as `table` and `exact` rows.
 fn set() -> Arc<SphereSet> {
@@ -56,33 +59,59 @@ fn small_workload() {
     }
 }
 
-const SCENE: &str = r#"
-format = 1
-image = { width = 8, height = 8 }
-camera = { position = [0, 1, 6], look_at = [0, 1, 0] }
-background.radiance = [1, 1, 1]
-materials.matt = { type = "diffuse", albedo = [0.5, 0.5, 0.5] }
-materials.glass = { type = "dielectric", ior = 1.5 }
-materials.lamp = { type = "diffuse", albedo = [0, 0, 0], emission = [9, 9, 9] }
-spheres = [
-    { center = [0, -1e6, 0], radius = 1e6, material = "matt" },
-    { center = [-1, 1, 0], radius = 1, material = "matt" },
-    { center = [1, 1, 0], radius = 1, material = "glass" },
-    { center = [0, 4, 0], radius = 0.5, material = "lamp" },
-]
-render.samples_per_pixel = 4
-"#;
+/// A matt and a glass ball on a giant, under a lamp and an even sky, in 8 x 8 pixels.
+fn shot() -> Shot {
+    let named = |name: &str, surface, emission: f32| NamedMaterial {
+        name: name.to_owned(),
+        surface,
+        emission: Rgb::splat(emission),
+        ..NamedMaterial::default()
+    };
+    let glass =
+        Surface::Dielectric { ior: 1.5, roughness: 0.0, priority: 0, absorption: Rgb::ZERO };
+    let black = Surface::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
+    let sphere = |center: [f64; 3], radius, material| SphereRow {
+        center: center.into(),
+        radius,
+        material,
+        ..SphereRow::default()
+    };
+    let (position, look_at) = (DVec3::new(0.0, 1.0, 6.0), DVec3::Y);
+    let description = Description {
+        camera: Camera { position, look_at, ..Camera::default() },
+        background: Background {
+            dome: Dome::Constant { radiance: Rgb::ONE },
+            ..Background::default()
+        },
+        materials: vec![
+            named("matt", Surface::default(), 0.0),
+            named("glass", glass, 0.0),
+            named("lamp", black, 9.0),
+        ],
+        spheres: vec![
+            sphere([0.0, -1e6, 0.0], 1e6, 0),
+            sphere([-1.0, 1.0, 0.0], 1.0, 0),
+            sphere([1.0, 1.0, 0.0], 1.0, 1),
+            sphere([0.0, 4.0, 0.0], 0.5, 2),
+        ],
+        tables: Vec::new(),
+    };
+    let mut settings = Settings::default();
+    (settings.image.width, settings.image.height) = (8, 8);
+    settings.render.samples_per_pixel = 4;
+    let scene = Scene::build(description).expect("a good scene");
+    Shot::new(&scene, settings).expect("good settings")
+}
 
 /// A whole render, on two threads. Runs by itself, and again under valgrind.
 #[test]
 fn small_render() {
-    let loaded = read_text("scene", SCENE, Path::new(""), &[]).expect("a good scene");
-    let scene = Scene::new(loaded).expect("few spheres");
+    let shot = shot();
     let options = BuildOptions { threads: 2, ..Default::default() };
-    let accel = Backend::Embree.build(scene.spheres(), &options).expect("builds");
+    let accel = Backend::Embree.build(shot.scene().spheres(), &options).expect("builds");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
-    let options = RenderOptions { cancel: Cancel::default(), progress: &|_| () };
-    let outcome = pool.install(|| render(&scene, accel.as_ref(), &options)).expect("a small film");
+    let render = || render(&shot, accel.as_ref(), &[], &Cancel::default());
+    let outcome = pool.install(render).expect("a small film");
     assert_eq!((outcome.samples, outcome.complete), (8 * 8 * 4, true));
     assert!(outcome.picture.mean().min_element() > 0.0);
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use photosphere::error::Result;
-use photosphere::scene::{Colors, Loaded, read_file};
+use photosphere::scene::{Scene, SceneFile, read_file};
 use tempfile::TempDir;
 
 const COLUMNS: &str = r#"["x", "y", "z", "radius"]"#;
@@ -28,12 +28,12 @@ exponent = 10
 "#;
 
 /// A scene file in its own folder, with tables beside it.
-struct Scene {
+struct Desk {
     folder: TempDir,
     text: String,
 }
 
-impl Scene {
+impl Desk {
     fn new() -> Self {
         let text = format!(
             "format = 1\ncamera = {{ position = [0, 0, 9], look_at = [0, 0, 0] }}\n{MATERIALS}"
@@ -58,10 +58,11 @@ impl Scene {
         self.bytes(file, &bytes)
     }
 
-    fn load(&self) -> Result<Loaded> {
+    fn load(&self) -> Result<Scene> {
         let path = self.folder.path().join("scene.toml");
         fs::write(&path, &self.text).expect("a file");
-        read_file(&path, &[])
+        let (scene, _) = read_file(&path, &[]).and_then(SceneFile::build)?;
+        Ok(scene)
     }
 
     /// The mistakes without their places, and without the name of the folder.
@@ -75,58 +76,65 @@ impl Scene {
 
 /// One table of plain rows, and what is said of it.
 fn assert_told(values: &[f32], expected: &str) {
-    let scene = Scene::new().table("a.f32", COLUMNS, "matt").values("a.f32", values);
+    let scene = Desk::new().table("a.f32", COLUMNS, "matt").values("a.f32", values);
     assert_eq!(scene.told(), [expected]);
 }
 
 #[test]
 fn tables_follow_each_other_behind_the_exact_spheres() {
-    let mut scene = Scene::new()
+    let mut scene = Desk::new()
         .table("a.f32", COLUMNS, "mirror")
         .table("b.f32", COLORED, "matt")
         .values("a.f32", &[1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25])
         .values("b.f32", &[0.0, 0.5, 1.0, 0.125, 9.0, 8.0, 7.0]);
     scene.text += "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nmaterial = \"matt\"\n";
-    let Loaded { rows, groups, description, .. } = scene.load().expect("good tables");
-    assert_eq!(rows.table, [[1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.25], [7.0, 8.0, 9.0, 0.125]]);
-    assert_eq!(rows.exact.len(), 1);
-    let places: Vec<_> = groups.iter().map(|group| (group.first_row, group.count)).collect();
-    assert_eq!(places, [(1, 2), (3, 1)]);
-    assert_eq!(groups[0].colors, None);
-    assert_eq!(groups[1].colors, Some(Colors::Exact(vec![[0.0, 0.5, 1.0]])));
-    assert_eq!(description.materials[groups[0].material].name, "mirror");
+    let scene = scene.load().expect("good tables");
+    let rows =
+        [[0.0, 0.0, 0.0, 1.0], [1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.25], [7.0, 8.0, 9.0, 0.125]];
+    assert_eq!([0, 1, 2, 3].map(|row| sphere(&scene, row)), rows);
+    let names = ["spheres", "a.f32", "a.f32", "b.f32"];
+    assert_eq!([0, 1, 2, 3].map(|row| scene.table_of_row(row)), names);
+    let material = |row| &*scene.description().materials[scene.material_of_row(row)].name;
+    assert_eq!([0, 1, 2, 3].map(material), ["matt", "mirror", "mirror", "matt"]);
+    assert_eq!([0, 1, 2].map(|row| color(&scene, row)), [None; 3]);
+    assert_eq!(color(&scene, 3), Some([0.0, 0.5, 1.0]));
 }
 
-#[test]
-fn a_table_longer_than_the_buffer_keeps_its_order_and_fits_at_once() {
-    let count = 600_000;
-    let values: Vec<f32> = (0..count).flat_map(|i| [i as f32, 0.0, 0.0, 1.0]).collect();
-    let scene = Scene::new().table("a.f32", COLUMNS, "matt").values("a.f32", &values);
-    let Loaded { rows, .. } = scene.load().expect("a good table");
-    assert_eq!(rows.table.len(), count);
-    assert_eq!(rows.table.capacity(), count, "nothing was moved or held twice");
-    assert!(rows.table.iter().enumerate().all(|(i, row)| row[0] == i as f32));
+fn id(scene: &Scene, row: u32) -> u32 {
+    let rows = scene.spheres().rows();
+    rows.iter().position(|&of_id| of_id == row).expect("every row has an id") as u32
+}
+
+/// The sphere in a row, where the user put it.
+fn sphere(scene: &Scene, row: u32) -> [f64; 4] {
+    let sphere = scene.spheres().sphere(id(scene, row));
+    let [x, y, z] = (sphere.center + scene.spheres().origin()).to_array();
+    [x, y, z, sphere.radius]
+}
+
+fn color(scene: &Scene, row: u32) -> Option<[f32; 3]> {
+    scene.surface(id(scene, row)).albedo.map(|color| color.to_array())
 }
 
 #[test]
 fn the_file_must_be_there_and_whole() {
-    let missing = Scene::new().table("a.f32", COLUMNS, "matt");
+    let missing = Desk::new().table("a.f32", COLUMNS, "matt");
     let told = missing.told();
     assert!(told[0].starts_with("cannot read `a.f32`: No such file"), "{told:?}");
     let place = missing.load().expect_err("missing").mistakes()[0].place.clone().expect("a place");
     assert_eq!(&place.source.text[place.span], "\"a.f32\"");
-    let folder = Scene::new().table("a.f32", COLUMNS, "matt");
+    let folder = Desk::new().table("a.f32", COLUMNS, "matt");
     fs::create_dir(folder.folder.path().join("a.f32")).expect("a folder");
     assert_eq!(folder.told(), ["`a.f32` is a folder"]);
     assert_told(&[], "`a.f32` is empty");
-    let short = Scene::new().table("a.f32", COLUMNS, "matt").bytes("a.f32", &[0; 37]);
+    let short = Desk::new().table("a.f32", COLUMNS, "matt").bytes("a.f32", &[0; 37]);
     assert_eq!(
         short.told(),
         ["`a.f32` has 37 bytes, which is no whole number of rows: 2 rows of 16 bytes and 5 bytes \
           over"]
     );
     assert_eq!(
-        Scene::new().table("a.f32", COLUMNS, "matt").bytes("a.f32", &[0; 17]).told(),
+        Desk::new().table("a.f32", COLUMNS, "matt").bytes("a.f32", &[0; 17]).told(),
         [
             "`a.f32` has 17 bytes, which is no whole number of rows: 1 row of 16 bytes and 1 byte over"
         ]
@@ -136,7 +144,7 @@ fn the_file_must_be_there_and_whole() {
 #[cfg(unix)]
 #[test]
 fn an_endless_file_is_refused() {
-    let endless = Scene::new().table("/dev/zero", COLUMNS, "matt");
+    let endless = Desk::new().table("/dev/zero", COLUMNS, "matt");
     assert_eq!(endless.told(), ["`/dev/zero` is not an ordinary file"]);
 }
 
@@ -172,7 +180,7 @@ fn every_value_is_checked() {
         &row(7, f32::NAN),
         &format!("{said} radius = NaN at byte 28; it must be from 1e-15 to 1e15"),
     );
-    let scene = Scene::new().table("a.f32", COLORED, "matt");
+    let scene = Desk::new().table("a.f32", COLORED, "matt");
     let scene = scene.values("a.f32", &[0.5, 1.5, 0.0, 1.0, 0.0, 0.0, 0.0]);
     assert_eq!(
         scene.told(),
@@ -192,7 +200,7 @@ fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
          from 1e-15 to 1e15; 2 more rows are wrong",
     );
     let two = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0];
-    let scene = Scene::new().table("a.f32", COLUMNS, "matt").values("a.f32", &two);
+    let scene = Desk::new().table("a.f32", COLUMNS, "matt").values("a.f32", &two);
     assert!(scene.told()[0].ends_with("from 1e-15 to 1e15; 1 more row is wrong"));
     let mistake = scene.load().expect_err("a mistake").mistakes()[0].clone();
     let help = mistake.help.expect("a help");
@@ -202,7 +210,7 @@ fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
 #[test]
 fn columns_must_make_a_sphere() {
     let told = |columns: &str, expected: &[&str]| {
-        assert_eq!(Scene::new().table("a.f32", columns, "matt").told(), expected);
+        assert_eq!(Desk::new().table("a.f32", columns, "matt").told(), expected);
     };
     told(r#"["x", "y", "z"]"#, &["`sphere_tables.0.columns` lacks \"radius\""]);
     told(
@@ -226,7 +234,7 @@ fn columns_must_make_a_sphere() {
 fn colours_are_as_bright_as_their_material_lets_them_be() {
     let values = [0.75, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
     let colored =
-        |material: &str| Scene::new().table("a.f32", COLORED, material).values("a.f32", &values);
+        |material: &str| Desk::new().table("a.f32", COLORED, material).values("a.f32", &values);
     colored("matt").load().expect("a diffuse table");
     colored("glass").load().expect("a table of coloured glass");
     assert_eq!(
@@ -239,37 +247,33 @@ fn colours_are_as_bright_as_their_material_lets_them_be() {
 #[test]
 fn a_coloured_bead_leaves_its_colour_of_light_that_crosses_it() {
     let values = [1.0, 0.5, 0.0, 2.0, 0.0, 0.0, 0.0];
-    let loaded = Scene::new().table("a.f32", COLORED, "glass").values("a.f32", &values);
-    let scene = photosphere::scene::Scene::new(loaded.load().expect("a good scene"));
-    let medium = scene.expect("one sphere").surface(0).medium(0).expect("glass");
+    let desk = Desk::new().table("a.f32", COLORED, "glass").values("a.f32", &values);
+    let medium = desk.load().expect("a good scene").surface(0).medium(0).expect("glass");
     assert_eq!(medium.absorption.x, 0.0);
     assert!((f64::from(medium.absorption.y) - std::f64::consts::LN_2 / 4.0).abs() < 1e-7);
     assert!(medium.absorption.z > 10.0 && medium.absorption.is_finite());
 }
 
 #[test]
-fn packed_colours_take_a_third_of_the_memory_and_are_nearly_the_same() {
+fn packed_colours_are_nearly_the_same() {
     let values = [0.0, 0.3, 1.0, 1.0, 0.0, 0.0, 0.0];
-    let mut scene = Scene::new().table("a.f32", COLORED, "matt").values("a.f32", &values);
+    let mut scene = Desk::new().table("a.f32", COLORED, "matt").values("a.f32", &values);
     scene.text += "colors = \"packed\"\n";
-    let Loaded { groups, .. } = scene.load().expect("a good table");
-    let Some(Colors::Packed(colors)) = &groups[0].colors else { panic!("not packed") };
-    assert_eq!(size_of_val(&colors[..]), 4);
-    let [r, g, b] = groups[0].colors.as_ref().expect("packed").get(0).to_array();
+    let [r, g, b] = color(&scene.load().expect("a good table"), 0).expect("a colour");
     assert_eq!((r, b), (0.0, 1.0));
     assert!(g != 0.3 && (g - 0.3).abs() < 3e-4, "{g}");
 }
 
 #[test]
 fn only_tables_with_colours_say_how_they_are_kept() {
-    let mut scene = Scene::new().table("a.f32", COLUMNS, "matt").values("a.f32", &[0.0; 4]);
+    let mut scene = Desk::new().table("a.f32", COLUMNS, "matt").values("a.f32", &[0.0; 4]);
     scene.text += "colors = \"packed\"\n";
     assert_eq!(scene.told(), ["`sphere_tables.0.colors` is for tables with colours"]);
 }
 
 #[test]
 fn mistakes_in_the_scene_and_in_its_tables_are_told_together() {
-    let mut scene = Scene::new().table("a.f32", COLUMNS, "matt").table("b.f32", COLUMNS, "mat");
+    let mut scene = Desk::new().table("a.f32", COLUMNS, "matt").table("b.f32", COLUMNS, "mat");
     scene.text += "[image]\nwidth = 0\n";
     let told = scene.told();
     assert_eq!(told.len(), 3, "{told:?}");

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use criterion::{Criterion, Throughput};
 
-use photosphere::accel::{BuildOptions, Choice};
+use photosphere::accel::{BuildOptions, Cancel, Choice};
 use photosphere::generate::{Arrangement, Recipe, scene_text, write_rows};
-use photosphere::render::{RenderOptions, render};
-use photosphere::scene::{Override, Scene};
+use photosphere::job::render;
+use photosphere::scene::{Override, Shot, read_file};
 
 const KEYS: [(&str, &str); 3] =
     [("image.width", "96"), ("image.height", "72"), ("render.samples_per_pixel", "16")];
@@ -28,12 +28,14 @@ pub(crate) fn bench(criterion: &mut Criterion) {
             key: key.to_owned(),
             value: value.to_owned(),
         });
-        let scene = Scene::load(&path, &overrides).expect("a scene of ours");
+        let file = read_file(&path, &overrides).expect("a scene of ours");
+        let (scene, settings) = file.build().expect("spheres of ours");
+        let shot = Shot::new(&scene, settings).expect("settings of ours");
         let backend = Choice::Auto.choose(scene.spheres()).backend;
         let accel = backend.build(scene.spheres(), &BuildOptions::default()).expect("builds");
-        let options = RenderOptions { cancel: Default::default(), progress: &|_| {} };
+        let cancel = Cancel::default();
         group.bench_function(name, |bencher| {
-            bencher.iter(|| render(&scene, &*accel, &options).expect("renders"));
+            bencher.iter(|| render(&shot, &*accel, &[], &cancel).expect("renders"));
         });
     }
     group.finish();

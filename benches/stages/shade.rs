@@ -7,9 +7,9 @@ use criterion::{BenchmarkId, Criterion, Throughput};
 
 use photosphere::accel::{Backend, BuildOptions, Cancel};
 use photosphere::color::Radiance;
-use photosphere::integrator::{SampleAddress, Workspace, World, of_scene};
+use photosphere::integrator::{SampleAddress, Workspace, World, of_shot};
 use photosphere::math::Isa;
-use photosphere::scene::Scene;
+use photosphere::scene::{Shot, read_file};
 
 /// Samples of a batch, as in a render.
 const SAMPLES: u32 = 1024;
@@ -19,13 +19,16 @@ pub(crate) fn bench(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(SAMPLES.into()));
     for (name, file) in [("matt", "paper/fig2.toml"), ("materials", "materials.toml")] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(file);
-        let scene = Scene::load(&path, &[]).expect("a scene of ours");
+        let file = read_file(&path, &[]).expect("a scene of ours");
+        let (scene, settings) = file.build().expect("spheres of ours");
+        let shot = Shot::new(&scene, settings).expect("settings of ours");
+        let cancel = Cancel::default();
         let options = BuildOptions::default();
         let accel = Backend::BruteForce.build(scene.spheres(), &options).expect("builds");
-        let world = World { scene: &scene, accel: &*accel, cancel: &Cancel::default() };
-        let integrator = of_scene(&scene);
+        let world = World::new(&shot, &*accel, &cancel);
+        let integrator = of_shot(&shot);
         // A block of neighbouring pixels in the middle, as a tile has them.
-        let image = scene.description().image;
+        let image = settings.image;
         let place = |i: u32| SampleAddress {
             x: image.width / 2 + i / 16 % 8,
             y: image.height / 2 + i / 128,

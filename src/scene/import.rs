@@ -248,3 +248,6 @@ pub(super) fn with_capacity<T>(count: u64) -> Result<Vec<T>> {
     })?;
     Ok(vec)
 }
+
+#[cfg(test)]
+mod tests;

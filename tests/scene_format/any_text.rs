@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use photosphere::error::Mistake;
-use photosphere::scene::{Override, read_text};
+use photosphere::scene::{Override, SceneFile, read_text};
 use proptest::prelude::*;
 
 use crate::scenes::{EXAMPLE, load};
@@ -34,7 +34,8 @@ proptest! {
             text.replace_range(start..end, &insert);
         }
         let option = Override { option: format!("--set {key}={value}"), key, value };
-        if let Err(error) = read_text("edited.toml", &text, Path::new("tests/data"), &[option]) {
+        let file = read_text("edited.toml", &text, Path::new("tests/data"), &[option]);
+        if let Err(error) = file.and_then(SceneFile::build) {
             let shows_text = |mistake: &Mistake| {
                 let place = mistake.place.as_ref();
                 place.is_none_or(|place| place.source.text.get(place.span.clone()).is_some())

@@ -5,7 +5,7 @@ use photosphere::film::Picture;
 use photosphere::math::DVec3;
 use photosphere::output::Target;
 use photosphere::scene::description::Dome;
-use photosphere::scene::{Scene, read_text};
+use photosphere::scene::{SceneFile, read_text};
 
 use crate::scenes::{SCENE, load, set, told};
 
@@ -94,7 +94,7 @@ fn images_that_are_no_background_say_why() {
     std::fs::write(folder.path().join("text.hdr"), "no picture").unwrap();
     let load = |name: &str| {
         let image = set(&format!("background.image={{file=\"{name}\"}}"));
-        read_text("test.toml", SCENE, folder.path(), &[image])
+        read_text("test.toml", SCENE, folder.path(), &[image]).and_then(SceneFile::build)
     };
     for (name, expected) in [
         ("square.exr", "it has 4 x 4 pixels, but"),
@@ -111,7 +111,7 @@ fn images_that_are_no_background_say_why() {
         assert!(told.contains(expected), "{told} is not {expected}");
     }
     for name in ["good.exr", "good.hdr"] {
-        let scene = Scene::new(load(name).expect("a good image")).expect("few spheres");
+        let (scene, _) = load(name).expect("a good image");
         // Pixel (1, 1) is seen in the middle of its quarter, at 45 degrees below the horizon.
         let seen = scene.background(DVec3::new(-0.5, -0.5f64.sqrt(), -0.5));
         assert!((seen - Rgb::new(2.0, 4.0, 2.0)).length() < 0.04, "{name}: {seen}");

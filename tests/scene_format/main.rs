@@ -2,6 +2,8 @@
 
 mod any_text;
 mod backgrounds;
+mod identity;
+mod keys;
 mod layers;
 mod metals;
 mod mistakes;
@@ -9,3 +11,4 @@ mod options;
 mod paper;
 mod reading;
 mod scenes;
+mod schema;

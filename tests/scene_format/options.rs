@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use photosphere::scene::description::{FilterKind, Integrator, Paper, Surface};
-use photosphere::scene::{Override, read_text};
+use photosphere::scene::description::Surface;
+use photosphere::scene::settings::{FilterKind, Integrator, Paper};
+use photosphere::scene::{Override, SceneFile, read_text};
 
 use crate::scenes::{SCENE, assert_told, load, with};
 
@@ -20,16 +21,16 @@ fn options_replace_what_the_file_says() {
         "render.seed=1",
         "render.seed=2",
     ];
-    let description = load(SCENE, &options).expect("a good scene").description;
+    let SceneFile { description, settings, .. } = load(SCENE, &options).expect("a good scene");
     let albedo = [1.0, 0.0, 0.0].into();
     assert_eq!(description.materials[0].surface, Surface::Diffuse { albedo, roughness: 0.0 });
     assert_eq!(description.spheres[0].radius, 20.0);
     assert_eq!(description.spheres[0].center.y, -20.0);
     assert_eq!(description.spheres[1].name.as_deref(), Some("a \"b\""));
-    assert!(matches!(description.render.integrator, Integrator::Paper(Paper { samples: 9, .. })));
-    assert_eq!(description.render.samples_per_pixel, 36);
-    assert_eq!(description.image.filter, FilterKind::Tent);
-    assert_eq!(description.render.seed, 2, "the last one wins");
+    assert!(matches!(settings.render.integrator, Integrator::Paper(Paper { samples: 9, .. })));
+    assert_eq!(settings.render.samples_per_pixel, 36);
+    assert_eq!(settings.image.filter, FilterKind::Tent);
+    assert_eq!(settings.render.seed, 2, "the last one wins");
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! The paper's integrator, its samples and its options.
 
-use photosphere::scene::description::{Hemisphere, Integrator, Miss, Paper, SamplerKind, Stop};
+use photosphere::scene::settings::{Hemisphere, Integrator, Miss, Paper, SamplerKind, Stop};
 
 use crate::scenes::{assert_told, load, with};
 
 /// Sub-pixels and samples of the paper's integrator with these lines in `[render]`.
 fn paper_samples(render: &str, options: &[&str]) -> (u32, u32) {
     let text = with("seed = 7", render);
-    let render = load(&text, options).expect("a good scene").description.render;
+    let render = load(&text, options).expect("a good scene").settings.render;
     let Integrator::Paper(paper) = render.integrator else { panic!("not the paper's") };
     assert_eq!(render.samples_per_pixel, paper.subpixels.pow(2) * paper.samples);
     (paper.subpixels, paper.samples)
@@ -62,7 +62,7 @@ fn the_papers_samples_must_not_contradict_each_other() {
 fn samplers_are_read_and_the_paper_keeps_independent_numbers() {
     let sampler = |lines: &str, overrides: &[&str]| {
         let text = with("seed = 7", lines);
-        load(&text, overrides).expect("good").description.render.sampler
+        load(&text, overrides).expect("good").settings.render.sampler
     };
     assert_eq!(sampler("", &[]), SamplerKind::Sobol);
     assert_eq!(sampler("sampler = \"independent\"", &[]), SamplerKind::Independent);
@@ -88,9 +88,9 @@ fn the_papers_options_are_read() {
         miss: Miss::Redraw,
         jitter: 0.5,
     };
-    let render = load(&text, &[]).expect("good").description.render;
+    let render = load(&text, &[]).expect("good").settings.render;
     assert_eq!(render.integrator, Integrator::Paper(expected));
-    let render = load(&text, &["render.integrator=raycast"]).expect("good").description.render;
+    let render = load(&text, &["render.integrator=raycast"]).expect("good").settings.render;
     assert_eq!(render.integrator, Integrator::Raycast { shadows: true });
     assert_eq!(render.samples_per_pixel, 1);
 }

@@ -3,17 +3,20 @@
 use std::path::Path;
 
 use photosphere::color::Rgb;
+use photosphere::geometry::Sphere;
 use photosphere::math::DVec3;
-use photosphere::scene::description::{Dome, FilterKind, Integrator, Projection, Surface};
-use photosphere::scene::{Colors, Loaded, read_file};
+use photosphere::scene::description::{Dome, Projection, Surface};
+use photosphere::scene::settings::{FilterKind, Integrator};
+use photosphere::scene::{Scene, SceneFile, read_file};
 
 use crate::scenes::{EXAMPLE, SCENE, load};
 
 #[test]
 fn the_example_is_read_as_written() {
-    let Loaded { description, rows, groups, .. } = load(EXAMPLE, &[]).expect("a good scene");
-    assert_eq!((description.image.width, description.image.height), (640, 480));
-    assert_eq!(description.image.filter, FilterKind::Box);
+    let file = load(EXAMPLE, &[]).expect("a good scene");
+    let SceneFile { description, settings, .. } = &file;
+    assert_eq!((settings.image.width, settings.image.height), (640, 480));
+    assert_eq!(settings.image.filter, FilterKind::Box);
     assert_eq!(description.camera.position, DVec3::new(1.0, 2.0, 9.0));
     let pinhole = Projection::Perspective { vertical_fov_degrees: 36.0, lens: None };
     assert_eq!(description.camera.projection, pinhole);
@@ -21,33 +24,47 @@ fn the_example_is_read_as_written() {
     assert_eq!(names, ["grass", "lamp"]);
     assert_eq!(description.materials[1].emission.to_array(), [18.0, 17.0, 15.0]);
     assert_eq!(description.spheres[0].name.as_deref(), Some("ground"));
-    assert_eq!(description.render.integrator, Integrator::Path);
-    assert_eq!(description.render.max_depth, Some(6));
-    assert_eq!(rows.exact[0].center.y, -250.0);
-    assert_eq!(rows.table, [[1.0, 2.0, 3.0, 0.5], [-1.0, 0.0, 1.0, 0.25]]);
-    assert!(rows.table.capacity() >= 3, "there is room for the exact sphere");
-    assert_eq!((groups[0].first_row, groups[0].count, groups[0].material), (1, 2, 0));
-    let colors = Colors::Exact(vec![[0.25, 0.5, 0.75], [0.0, 1.0, 0.5]]);
-    assert_eq!(groups[0].colors, Some(colors));
+    assert_eq!(settings.render.integrator, Integrator::Path);
+    assert_eq!(settings.render.max_depth, Some(6));
+    assert_eq!(description.spheres[0].center.y, -250.0);
+    let (scene, _) = file.build().expect("a good table");
+    assert_eq!(row(&scene, 1), Sphere { center: DVec3::new(1.0, 2.0, 3.0), radius: 0.5 });
+    assert_eq!(row(&scene, 2), Sphere { center: DVec3::new(-1.0, 0.0, 1.0), radius: 0.25 });
+    assert_eq!([1, 2].map(|row| scene.material_of_row(row)), [0, 0]);
+    let albedo = |row| scene.surface(id(&scene, row)).albedo.expect("a colour");
+    let colors = [[0.25, 0.5, 0.75], [0.0, 1.0, 0.5]];
+    assert_eq!([1, 2].map(|row| albedo(row).to_array()), colors);
+}
+
+/// The id of a row.
+fn id(scene: &Scene, row: u32) -> u32 {
+    let rows = scene.spheres().rows();
+    rows.iter().position(|&of_id| of_id == row).expect("every row has an id") as u32
+}
+
+/// The sphere in a row, where the user put it.
+fn row(scene: &Scene, row: u32) -> Sphere {
+    let Sphere { center, radius } = scene.spheres().sphere(id(scene, row));
+    Sphere { center: center + scene.spheres().origin(), radius }
 }
 
 #[test]
 fn what_is_left_out_has_its_default() {
-    let description = load(SCENE, &[]).expect("a good scene").description;
+    let SceneFile { description, settings, .. } = load(SCENE, &[]).expect("a good scene");
     assert_eq!((description.camera.up, description.camera.near), (DVec3::Y, 0.0));
     let background = &description.background;
     assert_eq!(background.dome, Dome::Constant { radiance: [0.0; 3].into() });
     assert!(background.camera_visible && !background.transparent && background.sun.is_none());
-    assert_eq!(description.image.filter_radius, 0.5);
+    assert_eq!(settings.image.filter_radius, 0.5);
     assert_eq!(
         description.materials[1].surface,
         Surface::Dielectric { ior: 1.5, roughness: 0.0, priority: 0, absorption: Rgb::ZERO }
     );
-    let render = description.render;
+    let render = settings.render;
     assert_eq!((render.samples_per_pixel, render.max_depth, render.seed), (64, None, 7));
     for (filter, radius) in [("tent", 1.0), ("gaussian", 1.5), ("blackman-harris", 2.0)] {
         let option = format!("image.filter={filter}");
-        let image = load(SCENE, &[&option]).expect("a good scene").description.image;
+        let image = load(SCENE, &[&option]).expect("a good scene").settings.image;
         assert_eq!(image.filter_radius, radius);
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use photosphere::error::{Category, Error, Mistake};
-use photosphere::scene::{Loaded, Override, read_text};
+use photosphere::scene::{Override, SceneFile, read_text};
 
 /// The smallest scene; each test changes something.
 pub(crate) const SCENE: &str = r#"format = 1
@@ -42,7 +42,7 @@ seed = 7
 /// A scene with every section.
 pub(crate) const EXAMPLE: &str = include_str!("../data/example.toml");
 
-pub(crate) fn load(text: &str, options: &[&str]) -> Result<Loaded, Error> {
+pub(crate) fn load(text: &str, options: &[&str]) -> Result<SceneFile, Error> {
     let overrides: Vec<_> = options.iter().map(|option| set(option)).collect();
     read_text("test.toml", text, Path::new("tests/data"), &overrides)
 }
@@ -61,7 +61,8 @@ pub(crate) fn with(old: &str, new: &str) -> String {
 
 /// Each mistake as `line:column: message | help`.
 pub(crate) fn told(text: &str, options: &[&str]) -> Vec<String> {
-    let error = load(text, options).expect_err("a mistake");
+    let built = load(text, options).and_then(SceneFile::build);
+    let error = built.expect_err("a mistake");
     assert_eq!(error.category(), Category::Input);
     let tell = |mistake: &Mistake| {
         let told = mistake.to_string().trim_start_matches("test.toml:").to_owned();

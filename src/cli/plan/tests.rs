@@ -1,6 +1,6 @@
 use super::*;
 use crate::cli::args::{Cli, Command};
-use crate::scene::open_text;
+use crate::scene::read_text;
 use clap::Parser;
 
 /// 96 samples of 64 x 48 pixels.
@@ -24,8 +24,8 @@ fn plan(words: &[&str]) -> Plan {
     let words = ["photosphere", "plan"].iter().chain(words);
     let Command::Plan(args) = Cli::try_parse_from(words).unwrap().command else { panic!() };
     let division = division(&args.stop, args.by).unwrap();
-    let opened = open_text("a.toml", SCENE, Path::new(""), &overrides(&args)).unwrap();
-    Plan::new(&args, &outputs(&args), division, opened.description(), "native").unwrap()
+    let file = read_text("a.toml", SCENE, Path::new(""), &overrides(&args)).unwrap();
+    Plan::new(&args, &outputs(&args), division, &file.settings, "native").unwrap()
 }
 
 fn lines(script: &str) -> Vec<&str> {

@@ -3,13 +3,19 @@
 use serde_json::{Value, json};
 
 use super::*;
-use crate::color::{Radiance, Rgb, Seen};
-use crate::film::{Format, Frame};
-use crate::film::{Layer, Rect, Run, Scale};
+use std::time::Duration;
+
+use crate::accel::Backend;
+use crate::color::{Look, Radiance, Rgb, Seen};
+use crate::film::{Format, Frame, Layer, Run, Scale};
+use crate::job::{Job, Metadata};
+use crate::math::Rect;
+use crate::scene::description::{NamedMaterial, SphereRow};
+use crate::scene::{Description, Scene, Shot, Source};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 /// A part with finished and unfinished blocks and an empty tile, and its bytes.
-fn part() -> (Film, Vec<Record>, Vec<u8>) {
+fn part() -> (Film, Header, Vec<u8>) {
     let window = Rect { x: 3, y: 2, width: 20, height: 7 };
     let format = Format {
         frame: Frame { full_size: [31, 17], window },
@@ -28,26 +34,57 @@ fn part() -> (Film, Vec<Record>, Vec<u8>) {
         let seen = vec![Seen { row: 7, ..Seen::NOTHING }; samples.len()];
         film.add(tile, &counts, Run { light: &samples, seen: &seen }).unwrap();
     }
-    let records = vec![Record::new("seed", "7"), Record::new("scene", "format = 1\n\"x\"")];
-    let (_folder, path) = written(&film, &records);
+    let header = header(&format);
+    let (_folder, path) = written(&film, &header);
     let bytes = std::fs::read(path).unwrap();
-    (film, records, bytes)
+    (film, header, bytes)
 }
 
-fn written(film: &Film, records: &[Record]) -> (tempfile::TempDir, PathBuf) {
+/// What the part says of itself, with something in every field.
+fn header(film: &Format) -> Header {
+    let ball = SphereRow { name: Some("\"x\"\n".to_owned()), radius: 1.0, ..SphereRow::default() };
+    let materials = vec![NamedMaterial::default()];
+    let description = Description { materials, spheres: vec![ball], ..Description::default() };
+    let scene = Scene::build(description).unwrap();
+    let job = Job::sized(31, 17).noise(0.02);
+    let shot = Shot::new(&scene, job.settings).unwrap();
+    let path = || FilePath(PathBuf::from("/pictures/a.exr"));
+    let delivery = Delivery {
+        files: vec![path()],
+        look: Look::default(),
+        with_run: true,
+        save_every: Duration::from_secs(60),
+        preview: Some(path()),
+        preview_every: Duration::from_millis(1500),
+        tev: Some("localhost:14158".to_owned()),
+    };
+    Header {
+        film: film.clone(),
+        samples: 32..64,
+        metadata: Metadata::of(&shot, Backend::BruteForce),
+        job,
+        status: Status::Ended { missed: Vec::new() },
+        statistics: Statistics { rays: 1 << 60, seconds: 0.1, media_overflows: 1, cut_off: 2 },
+        transparent: true,
+        source: Some(Source { name: "a.toml".to_owned(), ..Source::default() }),
+        delivery: Some(delivery),
+    }
+}
+
+fn written(film: &Film, header: &Header) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.part");
-    write_part(&WholeFile::new(&path).unwrap(), film, &(32..64), records).unwrap();
+    write_checkpoint(&WholeFile::new(&path).unwrap(), film, header).unwrap();
     (folder, path)
 }
 
-fn read(path: &Path) -> Result<(PartHead, Film)> {
-    let part = PartFile::open(path)?;
-    Ok((part.head().clone(), part.film()?))
+fn read(path: &Path) -> Result<(Header, Film)> {
+    let checkpoint = Checkpoint::open(path)?;
+    Ok((checkpoint.header().clone(), checkpoint.film()?))
 }
 
 /// What reading such bytes gives.
-fn read_bytes(bytes: &[u8]) -> Result<(PartHead, Film)> {
+fn read_bytes(bytes: &[u8]) -> Result<(Header, Film)> {
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), bytes).unwrap();
     read(file.path())
@@ -55,14 +92,14 @@ fn read_bytes(bytes: &[u8]) -> Result<(PartHead, Film)> {
 
 #[test]
 fn a_part_comes_back_as_it_was() {
-    let (film, records, bytes) = part();
+    let (film, header, bytes) = part();
     let (head, back) = read_bytes(&bytes).unwrap();
     let format = film.format();
-    assert_eq!(head, PartHead { format: format.clone(), samples: 32..64, records });
+    assert_eq!(head, header);
     assert_eq!(back.format(), format);
     assert_eq!((back.counts(), back.picture()), (film.counts(), film.picture()));
     // And is written again with the same bytes.
-    let (_folder, path) = written(&back, &head.records);
+    let (_folder, path) = written(&back, &head);
     assert!(std::fs::read(path).unwrap() == bytes);
 }
 
@@ -107,9 +144,11 @@ fn a_part_with_good_checksums_and_impossible_numbers_is_refused() {
     let (_, _, bytes) = part();
     let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
     let head: Value = serde_json::from_slice(&bytes[16..16 + length]).unwrap();
-    let forged = |key: &str, value: Value| {
+    let forged = |place: &str, value: Value| {
         let mut head = head.clone();
-        head[key] = value;
+        let forged = head.pointer_mut(place).unwrap_or_else(|| panic!("there is no {place}"));
+        assert_ne!(*forged, value);
+        *forged = value;
         let head = head.to_string();
         let mut bytes = MAGIC.to_vec();
         bytes.extend(VERSION.to_le_bytes());
@@ -119,27 +158,36 @@ fn a_part_with_good_checksums_and_impossible_numbers_is_refused() {
         read_bytes(&bytes).unwrap_err().to_string()
     };
     let huge = u32::MAX;
-    for (key, value, words) in [
-        ("full_size", json!([huge, huge]), "impossible"),
-        ("window", json!([3, 2, 40, 7]), "impossible"),
-        ("window", json!([3, 2, 0, 7]), "impossible"),
-        ("window", json!([huge, 2, huge, 7]), "impossible"),
-        ("samples", json!([33, 64]), "impossible"),
-        ("samples", json!([64, 32]), "impossible"),
-        ("samples", json!([32]), "impossible"),
-        ("brightest", json!(1000), "impossible"),
-        ("layers", json!(["direct", "direct"]), "impossible"),
-        ("layers", json!(["beauty of tomorrow"]), "`beauty of tomorrow`, which is not known"),
-        ("layers", json!("direct"), "impossible"),
-        ("records", json!([["name"]]), "impossible"),
+    for (place, value, words) in [
+        ("/film/frame/full_size", json!([huge, huge]), "impossible"),
+        ("/film/frame/window/width", json!(40), "impossible"),
+        ("/film/frame/window/width", json!(0), "impossible"),
+        ("/film/frame/window/x", json!(huge), "impossible"),
+        ("/film/first_sample", json!(33), "impossible"),
+        ("/film/first_sample", json!(48), "impossible"),
+        ("/samples/start", json!(33), "impossible"),
+        ("/samples/start", json!(80), "impossible"),
+        ("/samples/end", json!(16), "impossible"),
+        ("/samples", json!([32]), "its header says: "),
+        ("/film/scale", json!(1000), "its header says: no radiance has this exponent"),
+        ("/film/layers", json!(["direct", "direct"]), "impossible"),
+        ("/film/layers", json!(["beauty of tomorrow"]), "`beauty of tomorrow`"),
+        ("/film/layers", json!("direct"), "its header says: "),
+        ("/statistics", json!({ "rays": -1 }), "its header says: "),
         // No memory is taken for pixels whose bytes are not there.
-        ("full_size", json!([1 << 24, 1 << 24]), "cut off"),
+        ("/film/frame/full_size", json!([1 << 24, 1 << 24]), "cut off"),
     ] {
-        let error = forged(key, value);
-        assert!(error.contains(words), "{key}: {error}");
+        let error = forged(place, value);
+        assert!(error.contains(words), "{place}: {error}");
     }
-    let error = read_bytes(&[&bytes[..8], &2u32.to_le_bytes(), &bytes[12..]].concat());
-    let error = error.unwrap_err();
-    assert!(error.to_string().contains("version 2 of the format"), "{error}");
-    assert!(error.help().unwrap().contains("newer"));
+    let of_version = |version: u32| {
+        let bytes = [&bytes[..8], &version.to_le_bytes(), &bytes[12..]].concat();
+        read_bytes(&bytes).unwrap_err()
+    };
+    for (version, word) in [(VERSION + 1, "newer"), (FIRST_VERSION - 1, "anew")] {
+        let error = of_version(version);
+        let words = format!("version {version} of the format");
+        assert!(error.to_string().contains(&words), "{error}");
+        assert!(error.help().unwrap().contains(word), "{error:?}");
+    }
 }
