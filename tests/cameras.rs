@@ -6,9 +6,9 @@ mod common;
 use common::Kit;
 use photosphere::color::Rgb;
 use photosphere::math::Rect;
-use photosphere::scene::description::{Lens, NamedMaterial, Projection};
+use photosphere::scene::Material;
+use photosphere::scene::description::{Lens, NamedMaterial, Projection, Surface};
 use photosphere::scene::settings::{FilterKind, Image, Integrator, SamplerKind};
-use photosphere::scene::{Material, Surface};
 
 /// A lens before an opening of this radius, in focus at this distance.
 fn lens(radius: f64, focus_distance: f64, blades: u32) -> Lens {

@@ -9,11 +9,11 @@ use photosphere::accel::{Backend, Cancel};
 use photosphere::color::Radiance;
 use photosphere::integrator::{SampleAddress, Tally, Workspace, World, of_shot};
 use photosphere::math::Isa;
-use photosphere::scene::description::NamedMaterial;
+use photosphere::scene::description::{NamedMaterial, Surface};
 use photosphere::scene::settings::{
     Estimator, FilterKind, Image, Integrator, LightChoice, SamplerKind,
 };
-use photosphere::scene::{Material, Shot, Surface};
+use photosphere::scene::{Material, Shot};
 
 fn matt(albedo: [f32; 3], roughness: f64) -> Surface {
     Surface::Diffuse { albedo: albedo.into(), roughness }

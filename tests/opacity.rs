@@ -6,9 +6,9 @@ mod common;
 use common::{Estimate, Judged, Kit, rendered};
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::scene::description::NamedMaterial;
+use photosphere::scene::Material;
+use photosphere::scene::description::{NamedMaterial, Surface};
 use photosphere::scene::settings::{FilterKind, Image, Integrator, Paper, SamplerKind};
-use photosphere::scene::{Material, Surface};
 
 /// Looks along -z from z = 1/2 at a small grey ball, which fills the picture.
 fn ball() -> Kit {

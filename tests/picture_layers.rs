@@ -9,8 +9,7 @@ use photosphere::color::{NOTHING, Rgb};
 use photosphere::film::{KINDS, Kind, Layer, Picture, Values};
 use photosphere::job::render;
 use photosphere::math::Rect;
-use photosphere::scene::Surface;
-use photosphere::scene::description::NamedMaterial;
+use photosphere::scene::description::{NamedMaterial, Surface};
 use photosphere::scene::settings::{Integrator, Paper, SamplerKind};
 
 /// A ground, a lamp, a mirror, glass, a ball that is half there, and a matt ball before a background.

@@ -1,13 +1,9 @@
 //! Scenes and renders as values: what a program fills in is what a scene file says, arrays in memory
 //! are the spheres that they hold, and a session can be looked at, stopped, resumed and extended.
 
-#[path = "common/kit.rs"]
-mod common;
-
 use std::path::Path;
 use std::time::Duration;
 
-use common::Kit;
 use photosphere::Error;
 use photosphere::accel::{Backend, Choice};
 use photosphere::film::{KINDS, Kind, Picture};
@@ -108,7 +104,7 @@ fn scene_of_values() -> Builder {
     scene.description.background.dome = Dome::Gradient { zenith, horizon, nadir };
 
     let ground = scene.diffuse([0.5, 0.4, 0.3]);
-    let gold = scene.metal(Metal::named("gold").expect("known"), 0.3);
+    let gold = scene.metal(Metal::NAMED[0].1, 0.3);
     let glass = scene.glass(1.5);
     let lamp = scene.lamp([5.0, 4.0, 3.0]);
     let surface = Surface::Diffuse { albedo: [0.9, 0.2, 0.2].into(), roughness: 0.5 };
