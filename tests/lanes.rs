@@ -1,41 +1,56 @@
 //! What is computed for many paths at a time has the bits of what is computed for one, with every
 //! set of vector instructions that this processor has.
 
-#[path = "common/render.rs"]
+#[path = "common/kit.rs"]
 mod common;
 
-use common::{scene, scene_file};
-use photosphere::accel::{Accel, Backend, Cancel};
+use common::Kit;
+use photosphere::accel::{Backend, Cancel};
 use photosphere::color::Radiance;
-use photosphere::integrator::{SampleAddress, Tally, Workspace, World, of_scene};
+use photosphere::integrator::{SampleAddress, Tally, Workspace, World, of_shot};
 use photosphere::math::Isa;
-use photosphere::scene::Scene;
+use photosphere::scene::description::{NamedMaterial, Surface};
+use photosphere::scene::settings::{
+    Estimator, FilterKind, Image, Integrator, LightChoice, SamplerKind,
+};
+use photosphere::scene::{Material, Shot};
 
-/// A few lamps, one of them around the camera and all, over matt and other surfaces.
-const LAMPS: &str = r#"
-format = 1
-image = { width = 40, height = 30 }
-camera = { position = [0, 2, 9], look_at = [0, 1, 0], vertical_fov_degrees = 50 }
-render = { integrator = "path", samples_per_pixel = 4 }
-materials.matt = { type = "diffuse", albedo = [0.7, 0.8, 0.6] }
-materials.rough = { type = "diffuse", albedo = [0.5, 0.8, 0.6], roughness = 0.4 }
-materials.mirror = { type = "mirror", reflectance = [0.9, 0.9, 0.9] }
-materials.lamp = { type = "diffuse", albedo = [0.3, 0.2, 0.1], emission = [5, 4, 3] }
-materials.room = { type = "diffuse", albedo = [0.5, 0.5, 0.5], emission = [0.1, 0.1, 0.2] }
-spheres = [
-    { center = [0, -100, 0], radius = 100, material = "matt" },
-    { center = [-2, 1, 0], radius = 1, material = "matt" },
-    { center = [0, 1, 0], radius = 1, material = "mirror" },
-    { center = [2, 1, 0], radius = 1, material = "rough" },
-    { center = [-1, 2.5, 0], radius = 0.5, material = "lamp" },
-    { center = [1, 2.5, 1], radius = 0.1, material = "lamp" },
-    { center = [0, 0, 0], radius = 300, material = "room" },
-]
-"#;
+fn matt(albedo: [f32; 3], roughness: f64) -> Surface {
+    Surface::Diffuse { albedo: albedo.into(), roughness }
+}
+
+fn lamp(kit: &mut Kit, albedo: [f32; 3], emission: [f32; 3]) -> Material {
+    let (surface, emission) = (matt(albedo, 0.0), emission.into());
+    kit.scene.material(NamedMaterial { surface, emission, ..Default::default() })
+}
+
+/// A few lamps, one of them around the camera and all, over matt and other surfaces; and small lamps
+/// before them.
+fn lamps(small: impl Iterator<Item = [f64; 3]>) -> Kit {
+    let mut kit = Kit::new(40, 30, 4);
+    kit.scene.camera([0.0, 2.0, 9.0], [0.0, 1.0, 0.0]).field_of_view(50.0);
+    let even = kit.scene.diffuse([0.7, 0.8, 0.6]);
+    let rough = kit.scene.surface(matt([0.5, 0.8, 0.6], 0.4));
+    let mirror = kit.scene.mirror([0.9; 3]);
+    let glow = lamp(&mut kit, [0.3, 0.2, 0.1], [5.0, 4.0, 3.0]);
+    let room = lamp(&mut kit, [0.5; 3], [0.1, 0.1, 0.2]);
+    for center in small {
+        kit.scene.sphere(glow, center, 0.05);
+    }
+    kit.scene
+        .sphere(even, [0.0, -100.0, 0.0], 100.0)
+        .sphere(even, [-2.0, 1.0, 0.0], 1.0)
+        .sphere(mirror, [0.0, 1.0, 0.0], 1.0)
+        .sphere(rough, [2.0, 1.0, 0.0], 1.0)
+        .sphere(glow, [-1.0, 2.5, 0.0], 0.5)
+        .sphere(glow, [1.0, 2.5, 1.0], 0.1)
+        .sphere(room, [0.0; 3], 300.0);
+    kit
+}
 
 /// The picture's samples, each of them followed by itself.
 fn one_by_one(world: World<'_>, samples: &[SampleAddress]) -> (Vec<Radiance>, u64) {
-    let integrator = of_scene(world.scene);
+    let integrator = of_shot(world.shot);
     let trace = |&address| integrator.trace(world, address).expect("it follows paths");
     let traces: Vec<_> = samples.iter().map(trace).collect();
     let rays = traces.iter().map(|trace| trace.tally.rays).sum();
@@ -49,7 +64,7 @@ fn in_batches(
     size: usize,
     isa: Isa,
 ) -> (Vec<Radiance>, u64) {
-    let integrator = of_scene(world.scene);
+    let integrator = of_shot(world.shot);
     let mut workspace = Workspace::with(isa);
     let mut radiance = vec![Radiance::default(); samples.len()];
     let mut tally = Tally::default();
@@ -59,8 +74,8 @@ fn in_batches(
     (radiance, tally.rays)
 }
 
-fn samples(scene: &Scene) -> Vec<SampleAddress> {
-    let window = scene.description().image.window();
+fn samples(shot: &Shot) -> Vec<SampleAddress> {
+    let window = shot.image().window();
     let mut samples = Vec::new();
     for y in window.y..window.y + window.height {
         for x in window.x..window.x + window.width {
@@ -70,12 +85,13 @@ fn samples(scene: &Scene) -> Vec<SampleAddress> {
     samples
 }
 
-fn must_agree(name: &str, scene: &Scene) {
-    let accel: Box<dyn Accel> =
-        Backend::BruteForce.build(scene.spheres(), &Default::default()).expect("builds");
+fn must_agree(name: &str, kit: &Kit) {
+    let shot = kit.shot();
+    let spheres = shot.scene().spheres();
+    let accel = Backend::BruteForce.build(spheres, &Default::default()).expect("builds");
     let cancel = Cancel::default();
-    let world = World { scene, accel: &*accel, cancel: &cancel };
-    let samples = samples(scene);
+    let world = World::new(&shot, &*accel, &cancel);
+    let samples = samples(&shot);
     let (alone, rays) = one_by_one(world, &samples);
     let bits = |radiance: &Radiance| {
         let Radiance { direct, indirect, alpha } = *radiance;
@@ -103,38 +119,38 @@ fn the_repositorys_scenes_have_the_same_bits_for_any_instructions_and_batches() 
     let small = ["image.width=24", "image.height=18"];
     let names = ["paper/fig2.toml", "paper/fig5.toml", "cornell-spheres.toml", "sky.toml"];
     for name in names.into_iter().chain(["furnace.toml", "verify/lamp-in-glass.toml"]) {
-        must_agree(name, &scene(&scene_file(name), &small));
+        must_agree(name, &Kit::of_file(name, &small));
     }
 }
 
 #[test]
 fn all_that_an_integrator_can_be_asked_for_has_the_same_bits() {
-    for options in [
-        &[][..],
-        &["render.estimator=light"],
-        &["render.estimator=bsdf"],
-        &["render.max_depth=3"],
-        &["render.clamp_indirect=0.5"],
-        &["render.sampler=independent"],
-        &["render.integrator=direct"],
-        &["render.light_choice=power"],
-        &["camera.near=5.5"],
-        &["image.filter=gaussian"],
-    ] {
-        must_agree(&format!("lamps, {options:?}"), &scene(LAMPS, options));
+    let changes: [(&str, fn(&mut Kit)); 10] = [
+        ("as they are", |_| {}),
+        ("aimed at", |kit| kit.settings.render.estimator = Estimator::Light),
+        ("met by chance", |kit| kit.settings.render.estimator = Estimator::Bsdf),
+        ("short paths", |kit| kit.settings.render.max_depth = Some(3)),
+        ("clamped", |kit| kit.settings.render.clamp_indirect = Some(0.5)),
+        ("independent", |kit| kit.settings.render.sampler = SamplerKind::Independent),
+        ("direct", |kit| kit.settings.render.integrator = Integrator::Direct),
+        ("by power", |kit| kit.settings.render.light_choice = LightChoice::Power),
+        ("cut open", |kit| kit.scene.description.camera.near = 5.5),
+        ("blurred", |kit| {
+            let filter = FilterKind::Gaussian;
+            let filter_radius = Image::usual_radius(filter);
+            kit.settings.image = Image { filter, filter_radius, ..kit.settings.image };
+        }),
+    ];
+    for (name, change) in changes {
+        must_agree(&format!("lamps, {name}"), &lamps([].into_iter()).with(change));
     }
 }
 
 #[test]
 fn many_lamps_have_the_same_bits() {
-    let lamp = |i: u32| {
+    let center = |i: u32| {
         let angle = f64::from(i) * 2.4;
-        let (x, z) = (angle.cos() * f64::from(i) * 0.1, angle.sin() * f64::from(i) * 0.1);
-        format!("{{ center = [{x}, 3, {z}], radius = 0.05, material = \"lamp\" }},")
+        [angle.cos() * f64::from(i) * 0.1, 3.0, angle.sin() * f64::from(i) * 0.1]
     };
-    let more: String = (0..40).map(lamp).collect();
-    must_agree(
-        "many lamps",
-        &scene(&LAMPS.replace("spheres = [", &format!("spheres = [{more}")), &[]),
-    );
+    must_agree("many lamps", &lamps((0..40).map(center)));
 }

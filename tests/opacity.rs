@@ -1,74 +1,84 @@
 //! Surfaces that are there only with a probability, against closed forms.
 
-#[path = "common/render.rs"]
+#[path = "common/kit.rs"]
 mod common;
 
-use common::{Estimate, Rendered, outcome, picture, scene};
+use common::{Estimate, Judged, Kit, rendered};
 use photosphere::accel::Backend;
-
-const INTEGRATORS: [&str; 2] = ["render.integrator=path", "render.integrator=paper"];
+use photosphere::color::Rgb;
+use photosphere::scene::Material;
+use photosphere::scene::description::{NamedMaterial, Surface};
+use photosphere::scene::settings::{FilterKind, Image, Integrator, Paper, SamplerKind};
 
 /// Looks along -z from z = 1/2 at a small grey ball, which fills the picture.
-const BALL: &str = r#"
-format = 1
-[image]
-width = 2
-height = 2
-[camera]
-position = [0, 0, 0.5]
-look_at = [0, 0, 0]
-vertical_fov_degrees = 0.5
-[materials.grey]
-type = "diffuse"
-albedo = [0.5, 0.5, 0.5]
-[[spheres]]
-center = [0, 0, 0]
-radius = 0.01
-material = "grey"
-[render]
-samples_per_pixel = 16
-"#;
-
-/// A black sphere that glows and is there with a probability.
-fn shell(name: &str, center: [f64; 3], radius: f64, emission: f64, opacity: f64) -> String {
-    format!(
-        "[materials.{name}]\ntype = \"diffuse\"\nalbedo = [0, 0, 0]\nopacity = {opacity}\n\
-         emission = [{emission}, {emission}, {emission}]\n\
-         [[spheres]]\ncenter = {center:?}\nradius = {radius}\nmaterial = \"{name}\"\n"
-    )
+fn ball() -> Kit {
+    let mut kit = Kit::new(2, 2, 16);
+    kit.scene.camera([0.0, 0.0, 0.5], [0.0; 3]).field_of_view(0.5);
+    let grey = kit.scene.diffuse([0.5; 3]);
+    kit.scene.sphere(grey, [0.0; 3], 0.01);
+    kit
 }
 
-fn mean(text: &str, overrides: &[&str]) -> Estimate {
-    Estimate::of_scene(text, overrides, Backend::BruteForce)
+/// Adds a black sphere that glows and is there with a probability.
+fn shell(kit: &mut Kit, center: [f64; 3], radius: f64, emission: f32, opacity: f64) {
+    let surface = Surface::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
+    let emission = Rgb::splat(emission);
+    let material = NamedMaterial { surface, emission, opacity, ..Default::default() };
+    let shell = kit.scene.material(material);
+    kit.scene.sphere(shell, center, radius);
+}
+
+/// Glass that is there with a probability.
+fn glass(kit: &mut Kit, opacity: f64) -> Material {
+    let surface =
+        Surface::Dielectric { ior: 1.5, roughness: 0.0, priority: 0, absorption: Rgb::ZERO };
+    kit.scene.material(NamedMaterial { surface, opacity, ..Default::default() })
+}
+
+/// With the ball out of the way, and with more samples.
+fn without_the_ball(kit: &mut Kit) {
+    kit.scene.description.spheres[0].center = [9.0, 0.0, 0.0].into();
+    kit.settings.render.samples_per_pixel = 64;
+}
+
+/// By the integrator `path`, and by the paper's own with as many samples.
+fn both_ways(kit: &Kit) -> [(&'static str, Estimate); 2] {
+    let mut paper = kit.clone();
+    let render = &mut paper.settings.render;
+    let samples = render.samples_per_pixel / 4;
+    render.integrator = Integrator::Paper(Paper { subpixels: 2, samples, ..Default::default() });
+    render.sampler = SamplerKind::Independent;
+    [("path", kit), ("paper", &paper)].map(|(name, kit)| (name, kit.estimate(Backend::BruteForce)))
+}
+
+fn must_be(kit: &Kit, expected: f64) {
+    for (name, estimate) in both_ways(kit) {
+        estimate.must_be(expected, name);
+    }
 }
 
 /// The camera sees two walls of a veil before the background: `o e + (1 - o)(o e + (1 - o) L)`.
 #[test]
 fn a_veil_shows_itself_and_what_is_behind() {
-    let veil = shell("veil", [0.0, 0.0, -3.0], 1.0, 0.7, 0.3);
-    let text = format!("{BALL}{veil}[background]\nradiance = [2, 2, 2]\n");
+    let mut kit = ball().with(without_the_ball);
+    shell(&mut kit, [0.0, 0.0, -3.0], 1.0, 0.7, 0.3);
+    kit.scene.background([2.0; 3]);
     let own = 0.3 * 0.7;
-    let expected = own + 0.7 * (own + 0.7 * 2.0);
-    for integrator in INTEGRATORS {
-        let view = ["spheres.0.center=[9, 0, 0]", "render.samples_per_pixel=64", integrator];
-        mean(&text, &view).must_be(expected, integrator);
-    }
+    must_be(&kit, own + 0.7 * (own + 0.7 * 2.0));
 }
 
 /// Inside a veil inside a glowing shell: light is dimmed by the veil and joined by its own. The paths
 /// cross the veil once, or twice where the camera stands outside of it.
 #[test]
 fn lamps_shine_through_a_veil() {
-    let veil = shell("veil", [0.0; 3], 1.0, 0.7, 0.3);
-    let lamp = shell("lamp", [0.0; 3], 3.0, 2.0, 1.0);
-    let text = format!("{BALL}{veil}{lamp}");
+    let mut kit = ball();
+    shell(&mut kit, [0.0; 3], 1.0, 0.7, 0.3);
+    shell(&mut kit, [0.0; 3], 3.0, 2.0, 1.0);
     let own = 0.3 * 0.7;
     let ball = 0.5 * (own + 0.7 * 2.0);
-    for integrator in INTEGRATORS {
-        mean(&text, &[integrator]).must_be(ball, integrator);
-        let outside = ["camera.position=[0, 0, 2]", "camera.vertical_fov_degrees=0.1", integrator];
-        mean(&text, &outside).must_be(own + 0.7 * ball, integrator);
-    }
+    must_be(&kit, ball);
+    kit.scene.camera([0.0, 0.0, 2.0], [0.0; 3]).field_of_view(0.1);
+    must_be(&kit, own + 0.7 * ball);
 }
 
 /// A lamp that is half there: both of its walls shine, the far one through the near one. Light is
@@ -76,54 +86,55 @@ fn lamps_shine_through_a_veil() {
 #[test]
 fn both_walls_of_a_veiled_lamp_shine() {
     let lamp = |opacity| {
-        let lamp = shell("lamp", [2.0, 0.0, 1.0], 1.2, 3.0, opacity);
-        format!("{BALL}{lamp}")
+        let mut kit = ball();
+        kit.settings.render.samples_per_pixel = 256;
+        shell(&mut kit, [2.0, 0.0, 1.0], 1.2, 3.0, opacity);
+        kit
     };
-    let many = "render.samples_per_pixel=256";
-    let opaque = mean(&lamp(1.0), &[many]);
+    let opaque = lamp(1.0).estimate(Backend::BruteForce);
     let share = 1.0 - 0.6 * 0.6;
     let (expected, error) = (share * opaque.mean, share * opaque.standard_error);
     let expected = Estimate { mean: expected, standard_error: error, ..opaque };
-    for integrator in INTEGRATORS {
-        mean(&lamp(0.4), &[many, integrator]).must_agree(expected, integrator);
+    for (name, estimate) in both_ways(&lamp(0.4)) {
+        estimate.must_agree(expected, name);
     }
 }
 
 /// In a uniform field of light glass is invisible, whether it is there or not.
 #[test]
 fn glass_that_is_half_there_keeps_a_uniform_field() {
-    let glass = "[materials.glass]\ntype = \"dielectric\"\nior = 1.5\nopacity = 0.5\n\
-                 [[spheres]]\ncenter = [0, 0, -3]\nradius = 1\nmaterial = \"glass\"\n\
-                 [background]\nradiance = [2, 2, 2]\n";
-    let text = format!("{BALL}{glass}");
-    for integrator in INTEGRATORS {
-        let view = ["spheres.0.center=[9, 0, 0]", "render.samples_per_pixel=64", integrator];
-        mean(&text, &view).must_be(2.0, integrator);
-    }
-    // The grey ball inside of it sees the field, too: with n^2 times the radiance where there is
-    // glass, of which the camera outside gets the n^2-th part.
-    let inside = ["spheres.0.center=[0, 0, -3]", "spheres.0.material=white"];
-    let white = "[materials.white]\ntype = \"diffuse\"\nalbedo = [1, 1, 1]\n";
-    for integrator in INTEGRATORS {
-        let view = [&inside[..], &["camera.vertical_fov_degrees=10", integrator]].concat();
-        mean(&format!("{text}{white}"), &view).must_be(2.0, integrator);
-    }
+    let mut kit = ball();
+    let glass = glass(&mut kit, 0.5);
+    kit.scene.sphere(glass, [0.0, 0.0, -3.0], 1.0).background([2.0; 3]);
+    must_be(&kit.clone().with(without_the_ball), 2.0);
+    // The ball inside of it sees the field, too, now white: with n^2 times the radiance where there
+    // is glass, of which the camera outside gets the n^2-th part.
+    kit.scene.field_of_view(10.0);
+    let description = &mut kit.scene.description;
+    description.spheres[0].center = [0.0, 0.0, -3.0].into();
+    description.materials[0].surface = Surface::Diffuse { albedo: Rgb::ONE, roughness: 0.0 };
+    must_be(&kit, 2.0);
 }
 
-fn pixels(text: &str) -> Vec<[f32; 3]> {
-    let picture = picture(text, &["image.width=24", "image.height=24", "image.filter=tent"]);
+fn pixels(kit: &Kit) -> Vec<[f32; 3]> {
+    let filter = FilterKind::Tent;
+    let filter_radius = Image::usual_radius(filter);
+    let mut kit = kit.clone();
+    kit.settings.image = Image { width: 24, height: 24, crop: None, filter, filter_radius };
+    let picture = kit.picture();
     (0..picture.len()).map(|pixel| picture.beauty(pixel).to_array()).collect()
 }
 
 #[test]
 fn a_sphere_that_is_never_there_changes_nothing() {
-    let lamp = shell("lamp", [2.0, 0.0, 1.0], 1.2, 3.0, 1.0);
-    let alone = format!("{BALL}{lamp}[background]\nradiance = [0.5, 0.6, 0.7]\n");
-    let glass = "[materials.glass]\ntype = \"dielectric\"\nior = 1.5\nopacity = 0\n\
-                 [[spheres]]\ncenter = [0, 0, 0.3]\nradius = 0.25\nmaterial = \"glass\"\n";
-    let veil = shell("veil", [0.2, 0.0, 0.1], 0.15, 9.0, 0.0);
-    let with_ghosts = pixels(&format!("{alone}{veil}{glass}"));
-    for (ghost, plain) in with_ghosts.iter().zip(pixels(&alone)) {
+    let mut kit = ball();
+    shell(&mut kit, [2.0, 0.0, 1.0], 1.2, 3.0, 1.0);
+    kit.scene.background([0.5, 0.6, 0.7]);
+    let alone = pixels(&kit);
+    shell(&mut kit, [0.2, 0.0, 0.1], 0.15, 9.0, 0.0);
+    let glass = glass(&mut kit, 0.0);
+    kit.scene.sphere(glass, [0.0, 0.0, 0.3], 0.25);
+    for (ghost, plain) in pixels(&kit).iter().zip(alone) {
         // The same but for the rounding of points where rays start again.
         for (a, b) in ghost.iter().zip(plain) {
             assert!((a - b).abs() <= 1e-5 * b.abs().max(1e-3), "{a} {b}");
@@ -133,10 +144,10 @@ fn a_sphere_that_is_never_there_changes_nothing() {
 
 #[test]
 fn walking_shadow_rays_answers_like_asking_for_shadows() {
-    let text = common::scene_file("cornell-spheres.toml");
     let options = ["image.width=24", "image.height=18", "render.samples_per_pixel=4"];
-    let veil = shell("unseen", [0.0, 1e6, 0.0], 1.0, 0.0, 0.5);
-    let asked = outcome(&scene(&text, &options), Backend::Native).picture;
-    let walked = outcome(&scene(&format!("{text}{veil}"), &options), Backend::Native).picture;
-    assert_eq!(asked.mean(), walked.mean());
+    let mut kit = Kit::of_file("cornell-spheres.toml", &options);
+    let mean = |kit: &Kit| rendered(&kit.shot(), Backend::Native).picture.mean();
+    let asked = mean(&kit);
+    shell(&mut kit, [0.0, 1e6, 0.0], 1.0, 0.0, 0.5);
+    assert_eq!(asked, mean(&kit));
 }

@@ -1,84 +1,57 @@
 //! The layers of a picture show what they say.
 
-#[path = "common/render.rs"]
+#[path = "common/kit.rs"]
 mod common;
 
-use common::scene as scene_of;
+use common::Kit;
 use photosphere::accel::{Backend, Cancel};
-use photosphere::color::NOTHING;
+use photosphere::color::{NOTHING, Rgb};
 use photosphere::film::{KINDS, Kind, Layer, Picture, Values};
-use photosphere::render::{RenderOptions, render_layers};
+use photosphere::job::render;
+use photosphere::math::Rect;
+use photosphere::scene::description::{NamedMaterial, Surface};
+use photosphere::scene::settings::{Integrator, Paper, SamplerKind};
 
 /// A ground, a lamp, a mirror, glass, a ball that is half there, and a matt ball before a background.
-const SCENE: &str = r#"
-format = 1
-image = { width = 48, height = 36 }
-[camera]
-position = [0, 1, 6]
-look_at = [0, 1, 0]
-vertical_fov_degrees = 40
-[background]
-radiance = [0.2, 0.3, 0.4]
-[materials.ground]
-type = "diffuse"
-albedo = [0.5, 0.25, 0.75]
-[materials.matt]
-type = "diffuse"
-albedo = [0.25, 0.5, 0.125]
-[materials.mirror]
-type = "mirror"
-reflectance = [0.875, 0.75, 0.5]
-[materials.glass]
-type = "dielectric"
-ior = 1.5
-[materials.lamp]
-type = "diffuse"
-albedo = [0, 0, 0]
-emission = [4, 3, 2]
-[materials.half]
-type = "diffuse"
-albedo = [1, 0, 0]
-opacity = 0.5
-[[spheres]]
-center = [0, -100, 0]
-radius = 100
-material = "ground"
-[[spheres]]
-center = [0, 1, 0]
-radius = 1
-material = "matt"
-[[spheres]]
-center = [-1.7, 0.7, 0.5]
-radius = 0.7
-material = "mirror"
-[[spheres]]
-center = [1.6, 0.7, 0.8]
-radius = 0.7
-material = "glass"
-[[spheres]]
-center = [0.8, 2.6, 0]
-radius = 0.4
-material = "lamp"
-[[spheres]]
-center = [-0.8, 2.6, 0]
-radius = 0.4
-material = "half"
-[render]
-samples_per_pixel = 20
-max_depth = 4
-"#;
+fn kit() -> Kit {
+    let mut kit = Kit::new(48, 36, 20);
+    kit.settings.render.max_depth = Some(4);
+    let scene = &mut kit.scene;
+    scene.camera([0.0, 1.0, 6.0], [0.0, 1.0, 0.0]).field_of_view(40.0).background([0.2, 0.3, 0.4]);
+    let ground = scene.diffuse([0.5, 0.25, 0.75]);
+    let matt = scene.diffuse([0.25, 0.5, 0.125]);
+    let mirror = scene.mirror([0.875, 0.75, 0.5]);
+    let glass = scene.glass(1.5);
+    let lamp = scene.lamp([4.0, 3.0, 2.0]);
+    let red = Surface::Diffuse { albedo: Rgb::X, roughness: 0.0 };
+    let half =
+        scene.material(NamedMaterial { surface: red, opacity: 0.5, ..NamedMaterial::default() });
+    scene
+        .sphere(ground, [0.0, -100.0, 0.0], 100.0)
+        .sphere(matt, [0.0, 1.0, 0.0], 1.0)
+        .sphere(mirror, [-1.7, 0.7, 0.5], 0.7)
+        .sphere(glass, [1.6, 0.7, 0.8], 0.7)
+        .sphere(lamp, [0.8, 2.6, 0.0], 0.4)
+        .sphere(half, [-0.8, 2.6, 0.0], 0.4);
+    kit
+}
+
+/// The same, with the ball that is half there as a whole.
+fn solid_kit() -> Kit {
+    kit().with(|kit| kit.scene.description.materials[5].opacity = 1.0)
+}
 
 const EYE: [f32; 3] = [0.0, 1.0, 6.0];
 
-fn rendered(overrides: &[&str], kinds: &[Kind]) -> Picture {
-    let scene = scene_of(SCENE, overrides);
-    let accel = Backend::Native.build(scene.spheres(), &Default::default()).expect("a backend");
-    let options = RenderOptions { cancel: Cancel::default(), progress: &|_| {} };
-    render_layers(&scene, accel.as_ref(), kinds, &options).expect("memory").picture
+fn rendered(kit: &Kit, kinds: &[Kind]) -> Picture {
+    let shot = kit.shot();
+    let spheres = shot.scene().spheres();
+    let accel = Backend::Native.build(spheres, &Default::default()).expect("a backend");
+    render(&shot, &*accel, kinds, &Cancel::default()).expect("memory").picture
 }
 
-fn everything(overrides: &[&str]) -> Picture {
-    rendered(overrides, &KINDS.map(|row| row.kind))
+fn everything(kit: &Kit) -> Picture {
+    rendered(kit, &KINDS.map(|row| row.kind))
 }
 
 fn floats<'p>(picture: &'p Picture, name: &str) -> &'p [f32] {
@@ -114,8 +87,9 @@ fn covered(picture: &Picture, material: u32, albedo: [f32; 3]) -> Vec<usize> {
 
 #[test]
 fn light_is_the_same_whatever_layers_are_kept() {
-    let (all, usual, few) =
-        (everything(&[]), rendered(&[], &Kind::USUAL), rendered(&[], &[Kind::Mean(Layer::Depth)]));
+    let all = everything(&kit());
+    let usual = rendered(&kit(), &Kind::USUAL);
+    let few = rendered(&kit(), &[Kind::Mean(Layer::Depth)]);
     for picture in [&usual, &few] {
         assert_eq!(picture.direct, all.direct);
         assert_eq!(picture.indirect, all.indirect);
@@ -130,8 +104,9 @@ fn light_is_the_same_whatever_layers_are_kept() {
 /// What the camera sees straight is what paths of one edge bring.
 #[test]
 fn emission_is_the_light_of_paths_of_one_edge() {
-    let all = everything(&[]);
-    let straight = rendered(&["render.max_depth=1"], &Kind::USUAL);
+    let all = everything(&kit());
+    let straight =
+        rendered(&kit().with(|kit| kit.settings.render.max_depth = Some(1)), &Kind::USUAL);
     for pixel in 0..all.len() {
         let emission = triple(&all, "emission", "RGB", pixel);
         assert_eq!(emission, straight.beauty(pixel).to_array(), "{pixel}");
@@ -144,12 +119,11 @@ fn emission_is_the_light_of_paths_of_one_edge() {
 
 #[test]
 fn normals_are_those_of_the_integrator_for_them() {
-    let all = everything(&[]);
+    let all = everything(&kit());
     let alpha = all.alpha.clone().expect("asked for");
     // Its samples go through the same places; it knows nothing of opacity.
-    let solid = everything(&["materials.half.opacity=1"]);
-    let normals =
-        rendered(&["render.integrator=normals", "render.samples_per_pixel=20"], &Kind::USUAL);
+    let solid = everything(&solid_kit());
+    let normals = rendered(&kit().integrator(Integrator::Normals), &Kind::USUAL);
     let solid_alpha = solid.alpha.clone().expect("asked for");
     for pixel in 0..all.len() {
         let expected = normals.beauty(pixel).to_array();
@@ -174,7 +148,7 @@ fn normals_are_those_of_the_integrator_for_them() {
 
 #[test]
 fn albedo_depth_and_position_are_those_of_the_first_surface() {
-    let all = everything(&[]);
+    let all = everything(&kit());
     let balls = [
         (0, [0.5, 0.25, 0.75], [0.0, -100.0, 0.0], 100.0),
         (1, [0.25, 0.5, 0.125], [0.0, 1.0, 0.0], 1.0),
@@ -213,14 +187,17 @@ fn albedo_depth_and_position_are_those_of_the_first_surface() {
 
 #[test]
 fn ids_do_not_depend_on_samples_and_counts_are_counts() {
-    let (few, more) = (everything(&["render.samples_per_pixel=1"]), everything(&["render.seed=9"]));
+    let few = everything(&kit().with(|kit| kit.settings.render.samples_per_pixel = 1));
+    let mut kit = kit().with(|kit| kit.settings.render.seed = 9);
+    let more = everything(&kit);
     for name in ["sphere_id", "material_id"] {
         assert_eq!(whole(&few, name), whole(&more, name));
     }
     // Row 18 of 36, column 24 of 48: just below and right of the middle, on the matt ball.
     assert_eq!(whole(&few, "sphere_id")[18 * 48 + 24], 1);
     assert_eq!(whole(&more, "sample_count"), vec![20; 48 * 36]);
-    let crop = everything(&["image.crop=[10, 12, 30, 20]", "render.seed=9"]);
+    kit.settings.image.crop = Some(Rect { x: 10, y: 12, width: 20, height: 8 });
+    let crop = everything(&kit);
     for (pixel, &id) in whole(&crop, "sphere_id").iter().enumerate() {
         let there = (12 + pixel / 20) * 48 + 10 + pixel % 20;
         assert_eq!(id, whole(&more, "sphere_id")[there]);
@@ -231,17 +208,16 @@ fn ids_do_not_depend_on_samples_and_counts_are_counts() {
 /// Over 64 seeds the squared distance from the mean is what the layer says.
 #[test]
 fn variance_is_that_of_the_mean() {
+    let mut kit = kit();
+    (kit.settings.image.width, kit.settings.image.height) = (8, 6);
     // Three blocks, and a fourth that is not finished.
-    let samples = "render.samples_per_pixel=50";
-    let overrides = ["render.sampler=independent", "image.width=8", "image.height=6", samples];
-    let pictures: Vec<Picture> = (0..64)
-        .map(|seed| {
-            let seed = format!("render.seed={seed}");
-            let mut all = overrides.to_vec();
-            all.push(&seed);
-            rendered(&all, &[Kind::Variance])
-        })
-        .collect();
+    kit.settings.render.samples_per_pixel = 50;
+    kit.settings.render.sampler = SamplerKind::Independent;
+    let mut picture = |seed| {
+        kit.settings.render.seed = seed;
+        rendered(&kit, &[Kind::Variance])
+    };
+    let pictures: Vec<Picture> = (0..64).map(&mut picture).collect();
     let (mut found, mut said) = (0.0, 0.0);
     for pixel in 0..48 {
         let values: Vec<f64> = pictures.iter().map(|p| f64::from(p.beauty(pixel).y)).collect();
@@ -257,21 +233,20 @@ fn variance_is_that_of_the_mean() {
 
 #[test]
 fn integrators_that_follow_no_paths_have_layers_too() {
-    let all = everything(&["materials.half.opacity=1"]);
-    for integrator in ["raycast", "ambient-occlusion", "normals", "direct", "paper"] {
-        let integrator_option = format!("render.integrator={integrator}");
-        let mut options = vec!["materials.half.opacity=1", &*integrator_option];
-        options.push("render.samples_per_pixel=20");
-        options.push("render.sampler=sobol");
-        if integrator == "paper" {
-            options.extend(["render.paper.subpixels=1", "render.paper.samples=20"]);
-        }
-        let other = everything(&options);
+    let all = everything(&solid_kit());
+    for integrator in [
+        Integrator::Raycast { shadows: false },
+        Integrator::AmbientOcclusion { distance: None },
+        Integrator::Normals,
+        Integrator::Direct,
+        Integrator::Paper(Paper { subpixels: 1, samples: 20, ..Paper::default() }),
+    ] {
+        let other = everything(&solid_kit().integrator(integrator));
         for name in ["albedo.R", "normal.Y", "depth", "position.Z"] {
-            assert_eq!(floats(&other, name), floats(&all, name), "{integrator} {name}");
+            assert_eq!(floats(&other, name), floats(&all, name), "{integrator:?} {name}");
         }
-        if matches!(integrator, "raycast" | "direct" | "paper") {
-            assert_eq!(floats(&other, "emission.R"), floats(&all, "emission.R"), "{integrator}");
+        if !matches!(integrator, Integrator::AmbientOcclusion { .. } | Integrator::Normals) {
+            assert_eq!(floats(&other, "emission.R"), floats(&all, "emission.R"), "{integrator:?}");
         }
     }
 }

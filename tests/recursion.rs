@@ -4,19 +4,19 @@
 //! radiance of the next point times `f cos / pdf`, function calling itself, one ray at a time. With
 //! the same random numbers it must give what the batched loop gives, to f32 rounding.
 
-#[path = "common/render.rs"]
+#[path = "common/kit.rs"]
 mod common;
 
-use common::{scene, scene_file};
+use common::Kit;
 use photosphere::accel::{Accel, Backend};
 use photosphere::color::{Radiance, Rgb};
 use photosphere::geometry::{PathRay, SurfaceHit};
-use photosphere::integrator::{SampleAddress, Workspace, World, of_scene};
+use photosphere::integrator::{SampleAddress, Workspace, World, of_shot};
 use photosphere::light::{Receiver, Source};
 use photosphere::material::Lobe;
 use photosphere::math::{Frame, Hit};
 use photosphere::sampling::{Hemisphere, Sampler, power_heuristic};
-use photosphere::scene::Scene;
+use photosphere::scene::Shot;
 
 /// An opaque surface.
 fn receiver(hit: &SurfaceHit) -> Receiver {
@@ -25,7 +25,7 @@ fn receiver(hit: &SurfaceHit) -> Receiver {
 
 /// What a call needs to know of its callers.
 struct Call<'a> {
-    scene: &'a Scene,
+    shot: &'a Shot,
     accel: &'a dyn Accel,
     sampler: Sampler,
     samples_lamps: bool,
@@ -36,22 +36,19 @@ type Drawn<'a> = Option<(&'a SurfaceHit, f64)>;
 
 impl Call<'_> {
     fn radiance(&self, ray: &PathRay, depth: u32, weight: f32, drawn: Drawn<'_>) -> Rgb {
-        let spheres = self.scene.spheres();
+        let scene = self.shot.scene();
+        let spheres = scene.spheres();
         let mut hit = [Hit::MISS];
         self.accel.closest(&[spheres.ask(ray)], &mut hit);
         let Some(hit) = spheres.answer(ray, hit[0]) else {
-            return self.scene.background(ray.direction);
+            return scene.background(ray.direction);
         };
-        let material = self.scene.surface(hit.id).material;
+        let material = scene.surface(hit.id).material;
 
         let mut radiance = material.emission;
         if let (true, Some((at, pdf))) = (self.samples_lamps, drawn) {
-            let aimed = self.scene.lights().pdf(
-                spheres,
-                &receiver(at),
-                Source::Lamp(hit.id),
-                ray.direction,
-            );
+            let aimed =
+                self.shot.lights().pdf(spheres, &receiver(at), Source::Lamp(hit.id), ray.direction);
             radiance *= power_heuristic(pdf, aimed) as f32;
         }
 
@@ -99,8 +96,8 @@ impl Call<'_> {
         pdf: impl Fn(photosphere::math::DVec3) -> f64,
         u: [f64; 3],
     ) -> Rgb {
-        let spheres = self.scene.spheres();
-        let lights = self.scene.lights();
+        let spheres = self.shot.scene().spheres();
+        let lights = self.shot.lights();
         let Some(aim) = lights.sample(spheres, &receiver(hit), u[0], [u[1], u[2]]) else {
             return Rgb::ZERO;
         };
@@ -122,7 +119,6 @@ impl Call<'_> {
 fn the_loop_equals_the_recursion() {
     // White balls with equal channels, so that the largest component of a product is the product of
     // the largest components, and roulette decides alike.
-    let text = scene_file("paper/fig4.toml");
     let grey = [
         "materials.ground.albedo=[0.7,0.7,0.7]",
         "materials.floating.albedo=[0.9,0.9,0.9]",
@@ -141,20 +137,21 @@ fn the_loop_equals_the_recursion() {
         let choice =
             [format!("render.integrator={integrator}"), format!("render.sampler={sampler}")];
         let subpixels = "render.paper.subpixels=1";
-        let scene = scene(&text, &[&grey[..], &[&choice[0], &choice[1], subpixels]].concat());
-        let accel =
-            Backend::BruteForce.build(scene.spheres(), &Default::default()).expect("builds");
+        let options = [&grey[..], &[&choice[0], &choice[1], subpixels]].concat();
+        let shot = Kit::of_file("paper/fig4.toml", &options).shot();
+        let spheres = shot.scene().spheres();
+        let accel = Backend::BruteForce.build(spheres, &Default::default()).expect("builds");
         let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i / 100 };
         let samples: Vec<_> = (0..3000).map(address).collect();
 
         let mut looped = vec![Radiance::default(); samples.len()];
         let cancel = Default::default();
-        let world = World { scene: &scene, accel: &*accel, cancel: &cancel };
-        of_scene(&scene).estimate(world, &samples, &mut looped, &mut Workspace::default());
+        let world = World::new(&shot, &*accel, &cancel);
+        of_shot(&shot).estimate(world, &samples, &mut looped, &mut Workspace::default());
 
         let mut bright = 0;
         for (address, looped) in samples.iter().zip(&looped) {
-            let render = &scene.description().render;
+            let render = shot.render();
             let sampler = Sampler::of_kind(
                 render.sampler,
                 0,
@@ -164,8 +161,8 @@ fn the_loop_equals_the_recursion() {
             );
             let [u, v] = sampler.get_2d(0);
             let (x, y) = (f64::from(address.x) + u, f64::from(address.y) + v);
-            let ray = scene.camera().ray(x, y, [0.0; 2]);
-            let call = Call { scene: &scene, accel: &*accel, sampler, samples_lamps };
+            let ray = shot.camera().ray(x, y, [0.0; 2]);
+            let call = Call { shot: &shot, accel: &*accel, sampler, samples_lamps };
             let recursive = call.radiance(&ray, 1, 1.0, None);
             let looped = looped.direct + looped.indirect;
             let allowed = 2e-5 * recursive.max_element().max(1e-3);
