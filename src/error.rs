@@ -44,6 +44,8 @@ pub enum Setting {
     Layers,
     /// The samples of each pixel.
     SamplesPerPixel,
+    /// The folder of a scene's files.
+    Folder,
     /// Whether a merged picture may lack pixels or samples.
     AllowGaps,
 }

@@ -39,6 +39,7 @@ fn help(error: &Error) -> Option<String> {
         Setting::Count => "--count",
         Setting::Layers => "--layers",
         Setting::SamplesPerPixel => "--spp",
+        Setting::Folder => "--folder",
         Setting::AllowGaps => "--allow-gaps",
     };
     Some(format!("{help}: {option} {value}").trim_end().to_owned())

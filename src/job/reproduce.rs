@@ -116,7 +116,8 @@ fn scene_of(then: &Metadata, again: &Again) -> Result<Scene> {
     let verb = if changed.len() == 1 { "is" } else { "are" };
     let message = format!("{} {verb} not what the picture was made of", changed.join(", "));
     Err(Error::input(message)
-        .with_help("name the folder where the files are as they were (--folder)"))
+        .with_help("name the folder where the files are as they were")
+        .with_setting(Setting::Folder, ""))
 }
 
 fn backend_of(then: &Metadata, again: &Again) -> Result<Backend> {

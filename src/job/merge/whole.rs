@@ -109,7 +109,7 @@ impl Whole {
             missing.start, missing.end,
         );
         let help = match (is_picture, must_be_whole) {
-            (true, _) => "name the parts that hold them, or allow gaps (--allow-gaps)",
+            (true, _) => "name the parts that hold them, or allow gaps",
             (false, true) => "name the parts that hold them",
             (false, false) => {
                 "gaps are for pictures: a part cannot have any; name the parts that hold them, or leave \

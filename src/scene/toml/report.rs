@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn positions_find_their_text() {
         let mut report = Report::new("a.toml", "one\ntwo\n");
-        let option = report.add_text("command line", "--spp 0");
+        let option = report.add_text("command line", "spp = 0");
         report.add(Wrong::value(option + 6..option + 7, "second"));
         report.add(Wrong::value(4..7, "first"));
         let error = report.verdict().expect_err("mistakes");

@@ -67,7 +67,7 @@ fn how_to_read(judged: &[Judged<'_>]) -> String {
          check of 22, and that is no sign of an error. The limit of {limit:.2} σ makes the whole \
          family of {} checks fail by chance with a probability of at most {FAMILY_SIGNIFICANCE}. A \
          failure by chance would be a single check a little over the limit; with other samples \
-         (another --quick, --full or none) it would not come back. An error is far beyond the \
+         (a quick or a full run in place of this one) it would not come back. An error is far beyond the \
          limit, or comes back.",
         judged.len()
     );
