@@ -39,7 +39,8 @@ impl Description {
             check_table(index, table, materials.len(), &mut problems);
         }
         if spheres.is_empty() && tables.is_empty() {
-            problems.add(Path::of("spheres"), "the scene has no spheres");
+            let problem = problems.add(Path::of("spheres"), "the scene has no spheres");
+            problem.with(Path::of("sphere_tables")).help("add one, or a table of them".to_owned());
         }
         problems
     }

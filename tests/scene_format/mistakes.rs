@@ -120,4 +120,8 @@ fn a_scene_without_its_parts_says_which() {
         "1:12: `[camera]` is missing",
     ];
     assert_told("spheres = 3", &[], &expected);
+    let bare = SCENE.split("[[spheres]]").next().expect("what stands before the spheres");
+    let expected = "1:17: `sphere_tables` must be a list of tables, not an integer \
+                    | write `[[sphere_tables]]` above each";
+    assert_told(&format!("sphere_tables = 3\n{bare}"), &[], &[expected]);
 }

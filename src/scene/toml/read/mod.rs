@@ -136,5 +136,7 @@ fn demand_spheres(root: &Table<'_>) {
     if root.is_empty_list("spheres") && root.is_empty_list("sphere_tables") {
         let help = "add `[[spheres]]` with center, radius and material".to_owned();
         root.report().add(Wrong::absence(root.span(), "the scene has no spheres").help(help));
+        // The values lack them, too, which is no second mistake.
+        root.mark_broken("spheres");
     }
 }
