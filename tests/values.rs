@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use photosphere::Error;
 use photosphere::accel::{Backend, Choice};
+use photosphere::color::Rgb;
 use photosphere::film::{KINDS, Kind, Picture};
 use photosphere::geometry::Sphere;
 use photosphere::job::{Checkpoint, End, Job, Opening, Outcome, Reached, Session, run};
@@ -14,7 +15,7 @@ use photosphere::math::DVec3;
 use photosphere::output::WholeFile;
 use photosphere::scene::data::{Shared, Strided, Values};
 use photosphere::scene::description::{
-    Dome, Lens, NamedMaterial, Projection, SphereRow, Sun, Surface,
+    Description, Dome, Lens, NamedMaterial, Projection, SphereRow, Sun, Surface,
 };
 use photosphere::scene::settings::{FilterKind, Image, Render, SamplerKind};
 use photosphere::scene::{Builder, Scene, Settings, SphereArrays, read_text};
@@ -490,6 +491,34 @@ fn mistakes_of_values_are_told_all_at_once() {
     scene.description.background.sun = Some(sun);
     let error = scene.build().expect_err("nothing is right");
     assert_eq!(error.mistakes().len(), 4, "{error}");
+}
+
+#[test]
+fn values_that_are_no_numbers_are_refused() {
+    let places: [fn(&mut Description, f64); 14] = [
+        |scene, x| scene.camera.position.x = x,
+        |scene, x| scene.camera.look_at.y = x,
+        |scene, x| scene.camera.up.z = x,
+        |scene, x| scene.camera.near = x,
+        |scene, x| scene.camera.projection = Projection::Orthographic { height: x },
+        |scene, x| scene.background.up.x = x,
+        |scene, x| scene.background.dome = Dome::Constant { radiance: Rgb::splat(x as f32) },
+        |scene, x| scene.spheres[1].center.x = x,
+        |scene, x| scene.spheres[1].center.y = x,
+        |scene, x| scene.spheres[1].center.z = x,
+        |scene, x| scene.spheres[1].radius = x,
+        |scene, x| scene.materials[3].emission.y = x as f32,
+        |scene, x| scene.materials[4].opacity = x,
+        |scene, x| scene.materials[0].surface = Surface::Mirror { reflectance: Rgb::X * x as f32 },
+    ];
+    for (index, change) in places.into_iter().enumerate() {
+        for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut scene = scene_of_values();
+            change(&mut scene.description, x);
+            let mistakes = scene.build().err().map_or(0, |error| error.mistakes().len());
+            assert!(mistakes > 0, "{x} in place {index} is accepted");
+        }
+    }
 }
 
 // Sessions.

@@ -349,7 +349,7 @@ fn check_sphere(index: usize, sphere: &SphereRow, materials: usize, problems: &m
     let SphereRow { name, center, radius, material } = sphere;
     // Most spheres are good, and a scene may have millions.
     let is_good = *material < materials
-        && center.abs().max_element() <= MAX_COORDINATE
+        && center.abs().cmple(DVec3::splat(MAX_COORDINATE)).all()
         && (keys::SMALLEST_RADIUS..=MAX_COORDINATE).contains(radius)
         && name.is_none();
     if is_good {
