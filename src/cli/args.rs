@@ -378,10 +378,10 @@ mod tests {
             .map(|o| (o.option.as_str(), o.key.as_str(), o.value.as_str()))
             .collect();
         let expected = [
-            ("--integrator paper", "render.integrator", "paper"),
-            ("--sampler sobol", "render.sampler", "sobol"),
             ("--size 64x48", "image.width", "64"),
             ("--size 64x48", "image.height", "48"),
+            ("--integrator paper", "render.integrator", "paper"),
+            ("--sampler sobol", "render.sampler", "sobol"),
             ("--spp 16", "render.samples_per_pixel", "16"),
             ("--max-depth 5", "render.max_depth", "5"),
             ("--set render.seed=3", "render.seed", "3"),

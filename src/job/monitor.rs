@@ -122,8 +122,12 @@ impl Work {
         self.film.frame().pixels() as u64 * u64::from(block)
     }
 
-    /// Stops the render, if its time is up and it has one block of every pixel.
+    /// Stops the render, if its time is up and it has one block of every pixel. Who stopped it before is
+    /// who stopped it.
     fn mind_time(&self) {
+        if self.cancel.is_cancelled() {
+            return;
+        }
         let is_up = self.time_left().is_some_and(|left| left.is_zero());
         if is_up && self.counters.samples_done() >= self.samples_at_least() {
             self.is_time_up.store(true, Ordering::Relaxed);
