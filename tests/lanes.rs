@@ -123,9 +123,12 @@ fn the_repositorys_scenes_have_the_same_bits_for_any_instructions_and_batches() 
     }
 }
 
+/// Something to be asked for, and its name.
+type Change = (&'static str, fn(&mut Kit));
+
 #[test]
 fn all_that_an_integrator_can_be_asked_for_has_the_same_bits() {
-    let changes: [(&str, fn(&mut Kit)); 10] = [
+    let changes: [Change; 10] = [
         ("as they are", |_| {}),
         ("aimed at", |kit| kit.settings.render.estimator = Estimator::Light),
         ("met by chance", |kit| kit.settings.render.estimator = Estimator::Bsdf),

@@ -91,8 +91,9 @@ fn its_own_package_reads_every_layer() {
         let line = format!("{} {kind} 24 18 {digits}", channel.name);
         assert!(read.lines().any(|read| read == line), "{}", channel.name);
     }
-    assert!(read.contains("= photosphere:samples '0..16'"), "attributes are read too");
-    assert!(read.contains("= photosphere:layers 'direct,indirect,emission,"));
+    let samples = r#"= photosphere:samples '{"fewest":16,"first":0,"most":16}'"#;
+    assert!(read.contains(samples), "attributes are read too");
+    assert!(read.contains(r#"= photosphere:layers '["direct","indirect","emission","#));
 }
 
 #[test]

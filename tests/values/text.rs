@@ -1,0 +1,189 @@
+//! The same scene as text and as values, and values that cannot be a scene.
+
+use std::path::Path;
+
+use photosphere::color::Rgb;
+use photosphere::film::KINDS;
+use photosphere::job::{End, run};
+use photosphere::material::Metal;
+use photosphere::math::DVec3;
+use photosphere::scene::description::{
+    Description, Dome, Lens, NamedMaterial, Projection, SphereRow, Sun, Surface,
+};
+use photosphere::scene::settings::{FilterKind, Image, Render};
+use photosphere::scene::{Builder, Scene, Settings, read_text};
+
+use super::{job, view};
+
+const TEXT: &str = r#"
+format = 1
+[image]
+width = 40
+height = 30
+filter = "gaussian"
+[camera]
+position = [0.0, 1.5, 8.0]
+look_at = [0.0, 1.0, 0.0]
+vertical_fov_degrees = 40.0
+aperture_radius = 0.05
+focus_distance = 7.5
+near = 0.5
+[background.gradient]
+zenith = [0.2, 0.3, 0.6]
+horizon = [0.7, 0.7, 0.8]
+nadir = [0.1, 0.1, 0.1]
+[background.sun]
+direction = [1.0, 2.0, 1.0]
+angular_diameter_degrees = 4.0
+irradiance = [2.0, 1.9, 1.7]
+[materials.ground]
+type = "diffuse"
+albedo = [0.5, 0.4, 0.3]
+[materials.gold]
+type = "conductor"
+metal = "gold"
+roughness = 0.3
+[materials.glass]
+type = "dielectric"
+ior = 1.5
+[materials.lamp]
+type = "diffuse"
+albedo = [0.0, 0.0, 0.0]
+emission = [5.0, 4.0, 3.0]
+[materials.veil]
+type = "diffuse"
+albedo = [0.9, 0.2, 0.2]
+roughness = 0.5
+opacity = 0.5
+[[spheres]]
+name = "ground"
+center = [0.0, -100.0, 0.0]
+radius = 100.0
+material = "ground"
+[[spheres]]
+center = [-1.5, 1.0, 0.0]
+radius = 1.0
+material = "gold"
+[[spheres]]
+center = [1.5, 1.0, 0.0]
+radius = 1.0
+material = "glass"
+[[spheres]]
+center = [0.0, 3.0, -1.0]
+radius = 0.5
+material = "lamp"
+[[spheres]]
+center = [0.0, 0.6, 1.5]
+radius = 0.6
+material = "veil"
+[render]
+samples_per_pixel = 20
+max_depth = 8
+seed = 7
+"#;
+
+fn scene_of_values() -> Builder {
+    let mut scene = Builder::new();
+    scene.camera([0.0, 1.5, 8.0], [0.0, 1.0, 0.0]).sun([1.0, 2.0, 1.0], 4.0, [2.0, 1.9, 1.7]);
+    let lens = Lens { radius: 0.05, focus_distance: 7.5, blades: 0, rotation_degrees: 0.0 };
+    let camera = &mut scene.description.camera;
+    camera.projection = Projection::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) };
+    camera.near = 0.5;
+    let [zenith, horizon, nadir] = [[0.2, 0.3, 0.6], [0.7, 0.7, 0.8], [0.1; 3]].map(Into::into);
+    scene.description.background.dome = Dome::Gradient { zenith, horizon, nadir };
+
+    let ground = scene.diffuse([0.5, 0.4, 0.3]);
+    let gold = scene.metal(Metal::NAMED[0].1, 0.3);
+    let glass = scene.glass(1.5);
+    let lamp = scene.lamp([5.0, 4.0, 3.0]);
+    let surface = Surface::Diffuse { albedo: [0.9, 0.2, 0.2].into(), roughness: 0.5 };
+    let veil = scene.material(NamedMaterial { surface, opacity: 0.5, ..Default::default() });
+    scene
+        .sphere(ground, [0.0, -100.0, 0.0], 100.0)
+        .sphere(gold, [-1.5, 1.0, 0.0], 1.0)
+        .sphere(glass, [1.5, 1.0, 0.0], 1.0)
+        .sphere(lamp, [0.0, 3.0, -1.0], 0.5)
+        .sphere(veil, [0.0, 0.6, 1.5], 0.6);
+    for (material, name) in
+        scene.description.materials.iter_mut().zip(["ground", "gold", "glass", "lamp", "veil"])
+    {
+        material.name = name.to_owned();
+    }
+    scene.description.spheres[0].name = Some("ground".to_owned());
+    scene
+}
+
+fn settings_of_values() -> Settings {
+    let filter = FilterKind::Gaussian;
+    let filter_radius = Image::usual_radius(filter);
+    let image = Image { width: 40, height: 30, filter, filter_radius, ..Image::default() };
+    let render = Render { samples_per_pixel: 20, max_depth: Some(8), seed: 7, ..Render::default() };
+    Settings { image, render }
+}
+
+/// The file of a picture with all layers, but for what only this run took.
+fn file_of(scene: &Scene, settings: Settings) -> Vec<u8> {
+    let kinds = KINDS.map(|row| row.kind);
+    let mut outcome = run(scene, &job(settings, &kinds), &()).expect("renders");
+    assert_eq!(outcome.end, End::Finished);
+    outcome.metadata.run = None;
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("a.exr");
+    outcome.write(&file).expect("written");
+    std::fs::read(file).expect("read")
+}
+
+#[test]
+fn a_scene_of_values_has_the_file_of_the_same_scene_from_text() {
+    let read = read_text("test.toml", TEXT, Path::new(""), &[]).expect("a good scene");
+    let (scene, settings) = read.build().expect("a good scene");
+    let values = scene_of_values();
+    assert_eq!(*scene.description(), values.description);
+    assert_eq!(settings, settings_of_values());
+    let built = values.build().expect("a good scene");
+    assert_eq!(built.identity(), scene.identity());
+    let (of_text, of_values) = (file_of(&scene, settings), file_of(&built, settings_of_values()));
+    assert!(of_text == of_values, "the same bytes");
+}
+
+#[test]
+fn mistakes_of_values_are_told_all_at_once() {
+    let mut scene = view();
+    let grey = scene.diffuse([0.5; 3]);
+    scene.sphere(grey, [0.0; 3], -1.0).sphere(grey, [f64::NAN, 0.0, 0.0], 1.0);
+    let material = 7;
+    scene.description.spheres.push(SphereRow { radius: 1.0, material, ..SphereRow::default() });
+    let direction = DVec3::ZERO;
+    let sun = Sun { direction, angular_diameter_degrees: 1.0, irradiance: [1.0; 3].into() };
+    scene.description.background.sun = Some(sun);
+    let error = scene.build().expect_err("nothing is right");
+    assert_eq!(error.mistakes().len(), 4, "{error}");
+}
+
+#[test]
+fn values_that_are_no_numbers_are_refused() {
+    let places: [fn(&mut Description, f64); 14] = [
+        |scene, x| scene.camera.position.x = x,
+        |scene, x| scene.camera.look_at.y = x,
+        |scene, x| scene.camera.up.z = x,
+        |scene, x| scene.camera.near = x,
+        |scene, x| scene.camera.projection = Projection::Orthographic { height: x },
+        |scene, x| scene.background.up.x = x,
+        |scene, x| scene.background.dome = Dome::Constant { radiance: Rgb::splat(x as f32) },
+        |scene, x| scene.spheres[1].center.x = x,
+        |scene, x| scene.spheres[1].center.y = x,
+        |scene, x| scene.spheres[1].center.z = x,
+        |scene, x| scene.spheres[1].radius = x,
+        |scene, x| scene.materials[3].emission.y = x as f32,
+        |scene, x| scene.materials[4].opacity = x,
+        |scene, x| scene.materials[0].surface = Surface::Mirror { reflectance: Rgb::X * x as f32 },
+    ];
+    for (index, change) in places.into_iter().enumerate() {
+        for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut scene = scene_of_values();
+            change(&mut scene.description, x);
+            let mistakes = scene.build().err().map_or(0, |error| error.mistakes().len());
+            assert!(mistakes > 0, "{x} in place {index} is accepted");
+        }
+    }
+}
