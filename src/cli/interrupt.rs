@@ -78,7 +78,6 @@ pub(super) fn listen() -> Interrupt {
                     print::remark("stopped; nothing was written");
                 }
                 super::leave(Exit::Stopped);
-                return;
             }
         }
     };

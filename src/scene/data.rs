@@ -14,6 +14,7 @@ use crate::names::named;
 /// The numbers of many spheres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
+#[allow(clippy::large_enum_variant, reason = "a scene has few of them")]
 pub enum SphereData {
     /// Rows of raw little-endian f32 numbers.
     File {
