@@ -103,7 +103,7 @@ fn ranges_that_do_not_fit_are_refused() {
     refused("8..41", &["must start on a multiple of 16", "try 0..41"]);
     refused("0..40", &["must end on a multiple of 16, or at the last sample, 41", "try 0..41"]);
     refused("16..17", &["try 16..32"]);
-    refused("32..64", &["end behind the last sample, of 41 per pixel", "ask for 64 samples"]);
+    refused("32..64", &["end behind the last sample, of 41 per pixel", "per pixel: --spp 64"]);
     desk.run("render scene.toml -o a.part --samples 9").fails(2, &["as in 0..64"]);
     assert_eq!(desk.names(), ["scene.toml"]);
 }
