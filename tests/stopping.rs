@@ -287,7 +287,7 @@ struct Tiring<'a> {
 
 impl<'a> Tiring<'a> {
     fn new(accel: Box<dyn Accel>, cancel: &'a Cancel) -> Self {
-        Self { accel, left: AtomicUsize::new(40_000), cancel }
+        Self { accel, left: AtomicUsize::new(4_000), cancel }
     }
 
     fn tire(&self, rays: usize) {

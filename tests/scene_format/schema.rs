@@ -108,10 +108,8 @@ fn check(value: &Value, schema: &Value, at: &str) -> Result<(), String> {
                 names.all(|name| value.get(name.as_str().expect("a name")).is_some())
             }
             "items" => {
-                let entries = value.as_array().into_iter().flatten().enumerate();
-                entries
-                    .map(|(i, entry)| check(entry, rule, &format!("{at}.{i}")))
-                    .collect::<Result<(), _>>()?;
+                let mut entries = value.as_array().into_iter().flatten().enumerate();
+                entries.try_for_each(|(i, entry)| check(entry, rule, &format!("{at}.{i}")))?;
                 true
             }
             "properties" | "additionalProperties" => {
