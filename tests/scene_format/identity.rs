@@ -218,7 +218,8 @@ fn each_number_of_a_table_is_part_of_the_scene() {
     };
     for number in 0..7 {
         let mut changed = GRAINS;
-        changed[1][number] = changed[1][number].next_up();
+        // A neighbour among the numbers that there are.
+        changed[1][number] = f32::from_bits(changed[1][number].to_bits() + 1);
         // Colours end at 1.
         if number >= 4 && changed[1][number] > 1.0 {
             changed[1][number] = 0.5;
