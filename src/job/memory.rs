@@ -9,7 +9,7 @@ use crate::film::{Film, Kind, Scale};
 use crate::scene::description::{ColorStorage, Description};
 use crate::scene::{Colors, SceneFile};
 
-use super::session::format_with;
+use super::film_format::format_with;
 
 /// Bytes of one sphere: `[x, y, z, radius]` in f32.
 const SPHERE: u64 = 16;

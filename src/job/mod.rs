@@ -10,6 +10,7 @@ mod aovs;
 mod checkpoint;
 mod cryptomatte;
 pub mod difference;
+mod film_format;
 mod memory;
 pub mod merge;
 pub mod metadata;
@@ -19,6 +20,7 @@ mod observer;
 mod outcome;
 pub mod pace;
 mod passes;
+mod render_state;
 pub mod reproduce;
 mod samples;
 pub mod save;
@@ -33,14 +35,15 @@ pub use aovs::{needs_scene, picture, picture_of_sums};
 pub use checkpoint::{
     Checkpoint, Delivery, FilePath, Header, Statistics, Status, is_checkpoint, write_checkpoint,
 };
+pub use film_format::format_of;
 pub use memory::{MemoryPlan, Step};
 pub use metadata::{COMMIT, Metadata, RunRecord, VERSION};
 pub use noise::NoiseTarget;
 pub use observer::{Observer, Progress};
-pub use outcome::{End, NoiseStatus, Outcome, crop_of, warnings};
+pub use outcome::{End, NoiseStatus, Outcome, Reached, crop_of, warnings};
 pub use passes::{Counters, Passes};
 pub use samples::{Samples, Share, Shares, TileCounts};
-pub use session::{Opening, Reached, Session, format_of};
+pub use session::{Opening, Session};
 pub use spec::{ENDLESS, Job, Until};
 pub use turns::Turns;
 

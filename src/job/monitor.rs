@@ -11,12 +11,12 @@ use std::time::{Duration, Instant};
 use rayon::ThreadPool;
 
 use crate::error::Result;
-use crate::film::BLOCK;
 use crate::output::WholeFile;
 
 use super::observer::Observer;
-use super::session::{Reached, Work};
+use super::outcome::Reached;
 use super::turns::Turns;
+use super::render_state::RenderState;
 
 /// How long the threads that render may take to follow a request to stop: most of the two seconds in
 /// which a program should be gone are for saving. Nothing is lost with them but what is in flight.
@@ -44,32 +44,32 @@ pub(super) struct Autosave {
 
 /// Renders on the pool, and minds everything else on this thread.
 pub(super) fn run(
-    work: &Arc<Work>,
+    state: &Arc<RenderState>,
     pool: &ThreadPool,
     autosave: Option<&Autosave>,
     observer: &dyn Observer,
 ) -> Result<Reached> {
-    work.mind_time();
+    state.mind_time();
     let (end, ended) = mpsc::channel();
-    let rendering = Arc::clone(work);
+    let rendering = Arc::clone(state);
     pool.spawn(move || {
         // A panic ends the render, and is one on the thread that waits for it.
         let _ = end.send(catch_unwind(AssertUnwindSafe(|| rendering.reach())));
     });
     let (warn, warnings) = mpsc::channel();
-    let saver = autosave.map(|autosave| Saver::start(work, autosave, warn));
-    let ended = wait(work, &ended, &warnings, pool.current_num_threads(), observer);
+    let saver = autosave.map(|autosave| Saver::start(state, autosave, warn));
+    let ended = wait(state, &ended, &warnings, pool.current_num_threads(), observer);
     // The file is whole before anybody writes it for the last time.
     if let Some(saver) = saver {
         saver.finish(observer);
     }
     warnings.try_iter().for_each(|text| observer.warning(&text));
     match ended {
-        Some(Ok(ended)) => Ok(work.reached(ended?)),
+        Some(Ok(ended)) => Ok(state.reached(ended?)),
         Some(Err(panic)) => std::panic::resume_unwind(panic),
         None => {
-            work.is_left_behind.store(true, Ordering::Relaxed);
-            Ok(work.reached(false))
+            state.is_left_behind.store(true, Ordering::Relaxed);
+            Ok(state.reached(false))
         }
     }
 }
@@ -78,7 +78,7 @@ type Ended = std::thread::Result<Result<bool>>;
 
 /// Waits for the end; `None` where the threads that render were left behind.
 fn wait(
-    work: &Work,
+    state: &RenderState,
     ended: &Receiver<Ended>,
     warnings: &Receiver<String>,
     threads: usize,
@@ -88,50 +88,23 @@ fn wait(
     let (mut error, mut next_words) = (None, Instant::now() + BETWEEN_WORDS);
     let mut asked_to_stop = None;
     loop {
-        let left = work.time_left().unwrap_or(TICK);
+        let left = state.time_left().unwrap_or(TICK);
         match ended.recv_timeout(left.clamp(SHORTEST_TICK, TICK)) {
             Ok(end) => return Some(end),
             Err(RecvTimeoutError::Disconnected) => return None,
             Err(RecvTimeoutError::Timeout) => {}
         }
         warnings.try_iter().for_each(|text| observer.warning(&text));
-        work.mind_time();
-        if work.cancel.is_cancelled() {
+        state.mind_time();
+        if state.cancel.is_cancelled() {
             let since = *asked_to_stop.get_or_insert_with(Instant::now);
             if since.elapsed() >= PATIENCE {
                 return None;
             }
         } else if observer.wants_progress() && Instant::now() >= next_words {
-            errors.take(|| error = work.error());
-            observer.progress(&work.progress(error));
+            errors.take(|| error = state.error());
+            observer.progress(&state.progress(error));
             next_words = Instant::now() + BETWEEN_WORDS;
-        }
-    }
-}
-
-impl Work {
-    /// What is left of the time of the job, counted over all its runs; `None` where there is no limit.
-    pub(super) fn time_left(&self) -> Option<Duration> {
-        let spent = Duration::try_from_secs_f64(self.seconds_before()).unwrap_or_default();
-        Some(self.job.until.time?.saturating_sub(spent).saturating_sub(self.elapsed()))
-    }
-
-    /// Samples that there must be before the time ends the render: one block of every pixel.
-    pub(super) fn samples_at_least(&self) -> u64 {
-        let block = BLOCK.min(self.samples.len() as u32);
-        self.film.frame().pixels() as u64 * u64::from(block)
-    }
-
-    /// Stops the render, if its time is up and it has one block of every pixel. Who stopped it before is
-    /// who stopped it.
-    fn mind_time(&self) {
-        if self.cancel.is_cancelled() {
-            return;
-        }
-        let is_up = self.time_left().is_some_and(|left| left.is_zero());
-        if is_up && self.counters.samples_done() >= self.samples_at_least() {
-            self.is_time_up.store(true, Ordering::Relaxed);
-            self.cancel.cancel();
         }
     }
 }
@@ -143,12 +116,12 @@ struct Saver {
 }
 
 impl Saver {
-    fn start(work: &Arc<Work>, autosave: &Autosave, warn: Sender<String>) -> Self {
+    fn start(state: &Arc<RenderState>, autosave: &Autosave, warn: Sender<String>) -> Self {
         let (end, ended) = mpsc::channel();
-        let (work, Autosave { file, every }) = (Arc::clone(work), autosave.clone());
+        let (state, Autosave { file, every }) = (Arc::clone(state), autosave.clone());
         let save = move || {
             save_again_and_again(every, &ended, &warn, &file, &|| {
-                work.write_checkpoint(&file, None)
+                state.write_checkpoint(&file, None)
             })
         };
         let thread = std::thread::Builder::new().name("autosave".to_owned()).spawn(save);

@@ -39,6 +39,17 @@ pub struct Outcome {
     pub warnings: Vec<String>,
 }
 
+/// What a render came to, before it is saved or shown.
+#[derive(Clone, Debug)]
+pub struct Reached {
+    /// How it ended.
+    pub end: End,
+    /// How far the noise target is met, where there is one.
+    pub noise: Option<NoiseStatus>,
+    /// The error that a share of the values stay below.
+    pub error: Option<f64>,
+}
+
 /// How a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {

@@ -13,7 +13,7 @@ use super::aovs::picture;
 use super::metadata::{Metadata, each_file};
 use super::passes::{Counters, Passes};
 use super::samples::{Samples, Share, TileCounts};
-use super::session::format_of;
+use super::film_format::format_of;
 
 /// How to render a picture again.
 #[derive(Clone, Debug, Default)]
