@@ -48,6 +48,10 @@ pub enum Setting {
     Folder,
     /// Whether a merged picture may lack pixels or samples.
     AllowGaps,
+    /// To resume this checkpoint.
+    Resume,
+    /// To look at what a scene holds.
+    Info,
 }
 
 #[derive(Debug)]
@@ -57,7 +61,7 @@ enum Kind {
         category: Category,
         message: String,
         help: Option<String>,
-        setting: Option<(Setting, String)>,
+        settings: Vec<(Setting, String)>,
         source: Option<Box<dyn std::error::Error + Send + Sync>>,
     },
 }
@@ -135,11 +139,11 @@ impl Error {
         self
     }
 
-    /// Adds which setting the advice is about, and to what it should be set; empty where that is open.
+    /// Adds a setting that the advice is about, and to what it should be set; empty where that is open.
     #[must_use]
     pub fn with_setting(mut self, which: Setting, value: impl Into<String>) -> Self {
-        if let Kind::Message { setting, .. } = &mut *self.kind {
-            *setting = Some((which, value.into()));
+        if let Kind::Message { settings, .. } = &mut *self.kind {
+            settings.push((which, value.into()));
         }
         self
     }
@@ -180,14 +184,14 @@ impl Error {
         }
     }
 
-    /// The setting that the advice is about, and to what it should be set; empty where that is open.
-    pub fn setting(&self) -> Option<(Setting, &str)> {
-        match &*self.kind {
-            Kind::Mistakes(_) => None,
-            Kind::Message { setting, .. } => {
-                setting.as_ref().map(|(which, value)| (*which, value.as_str()))
-            }
-        }
+    /// The settings that the advice is about, any of which helps, and to what each should be set; empty
+    /// where that is open.
+    pub fn settings(&self) -> impl Iterator<Item = (Setting, &str)> {
+        let settings: &[(Setting, String)] = match &*self.kind {
+            Kind::Mistakes(_) => &[],
+            Kind::Message { settings, .. } => settings,
+        };
+        settings.iter().map(|(which, value)| (*which, value.as_str()))
     }
 
     fn message(category: Category, message: impl Into<String>) -> Self {
@@ -197,7 +201,7 @@ impl Error {
                 category,
                 message,
                 help: None,
-                setting: None,
+                settings: Vec::new(),
                 source: None,
             }),
         }

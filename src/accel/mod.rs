@@ -6,6 +6,7 @@ mod choice;
 #[allow(unsafe_code, reason = "the fence around Embree")]
 mod embree;
 mod info;
+mod intersector;
 mod native;
 mod plan;
 
@@ -21,6 +22,7 @@ use crate::names::named;
 
 pub use choice::{Choice, Chosen};
 pub use info::EmbreeInfo;
+pub use intersector::{EmbreeBuild, Intersector};
 pub use native::Instance;
 pub use plan::PlannedBytes;
 
@@ -202,17 +204,6 @@ impl Backend {
 
     /// Every backend there is.
     pub const ALL: &[Self] = &[Self::Embree, Self::EmbreeUser, Self::Native, Self::BruteForce];
-
-    /// The name with the version of what does the work, such as `embree 4.3.3`: backends that say
-    /// the same here answer alike. Ours change with the program alone.
-    pub fn name_and_version(self) -> String {
-        match (self, embree_info()) {
-            (Self::Embree | Self::EmbreeUser, Some(Ok(info))) => {
-                format!("{} {}", self.name(), info.runtime_version)
-            }
-            _ => self.name().to_owned(),
-        }
-    }
 
     /// Whether it needs Embree.
     pub fn uses_embree(self) -> bool {

@@ -32,7 +32,12 @@ fn report(error: &Error, handler: &MietteHandler) -> String {
 /// What to do, with the option that does it.
 fn help(error: &Error) -> Option<String> {
     let help = error.help()?;
-    let Some((setting, value)) = error.setting() else { return Some(help.to_owned()) };
+    let ways: Vec<String> = error.settings().map(way_of).collect();
+    Some(if ways.is_empty() { help.to_owned() } else { format!("{help}: {}", ways.join(" or ")) })
+}
+
+/// What to type for a setting.
+fn way_of((setting, value): (Setting, &str)) -> String {
     let option = match setting {
         Setting::Intersector => "--accel",
         Setting::Threads => "--threads",
@@ -41,8 +46,10 @@ fn help(error: &Error) -> Option<String> {
         Setting::SamplesPerPixel => "--spp",
         Setting::Folder => "--folder",
         Setting::AllowGaps => "--allow-gaps",
+        Setting::Resume => return format!("photosphere resume '{value}'"),
+        Setting::Info => "photosphere info",
     };
-    Some(format!("{help}: {option} {value}").trim_end().to_owned())
+    format!("{option} {value}").trim_end().to_owned()
 }
 
 /// Draws one diagnostic, at the left margin.

@@ -14,6 +14,8 @@ pub(super) enum Exit {
     Input = 3,
     File = 4,
     Backend = 5,
+    /// As Rust's own runtime has it for a panic.
+    Fault = 101,
     /// 128 plus the number of SIGINT, as shells have it.
     Stopped = 130,
 }
@@ -30,8 +32,10 @@ Exit codes:
        also where a table cannot be read, or pictures cannot be compared
   4    any other file could not be read or written
   5    the intersector is missing or failed
-  130  stopped by Ctrl-C, SIGTERM or SIGHUP; render has written the samples it
-       had, if any";
+  101  a fault of photosphere itself; please report it. render has written the
+       samples it had, if any
+  130  stopped by Ctrl-C, SIGTERM, SIGHUP, SIGXCPU or SIGUSR2; render has written
+       the samples it had, if any";
 
 impl Exit {
     pub(super) fn of(error: &Error) -> Self {
@@ -56,12 +60,12 @@ mod tests {
 
     #[test]
     fn every_exit_code_is_in_the_help() {
-        use Exit::{Backend, CheckFailed, Done, File, Input, Stopped, Usage};
+        use Exit::{Backend, CheckFailed, Done, Fault, File, Input, Stopped, Usage};
         let codes: Vec<u8> = EXIT_CODES
             .lines()
             .filter_map(|line| line.split_whitespace().next()?.parse().ok())
             .collect();
-        let exits = [Done, CheckFailed, Usage, Input, File, Backend, Stopped];
+        let exits = [Done, CheckFailed, Usage, Input, File, Backend, Fault, Stopped];
         assert_eq!(codes, exits.map(|exit| exit as u8));
     }
 }

@@ -1,4 +1,4 @@
-//! Ctrl-C, and being told to terminate. While there is nothing to save, either ends the program at once.
+//! Signals. Ctrl-C, and being told to terminate: while there is nothing to save, either ends the program at once.
 //! Once there is, either asks the work to stop, and only a second Ctrl-C ends the program at once: a person
 //! at a terminal means it, but a system that shuts down sends what it has, one signal after another.
 
@@ -7,21 +7,23 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 use signal_hook::iterator::Signals;
 
 use crate::accel::Cancel;
+use crate::job::SaveRequest;
 use crate::output::remove_unfinished;
 
 use super::exit::Exit;
 use super::print;
 
-/// What Ctrl-C, or being told to terminate, means at the moment.
+/// What signals ask for.
 #[derive(Clone, Default)]
 pub(super) struct Interrupt {
     cancel: Cancel,
     can_save: Arc<AtomicBool>,
     is_asked: Arc<AtomicBool>,
+    save_request: SaveRequest,
 }
 
 /// The signals that came so far.
@@ -36,6 +38,8 @@ struct Heard {
 enum Meaning {
     /// To stop, and to save what there is.
     Stop,
+    /// To save what there is, and go on.
+    Save,
     /// No more than was asked for before.
     Nothing,
     /// To be gone at once.
@@ -44,6 +48,9 @@ enum Meaning {
 
 impl Heard {
     fn meaning(&mut self, signal: i32, can_save: bool) -> Meaning {
+        if signal == SIGUSR1 {
+            return Meaning::Save;
+        }
         let is_ctrl_c = signal == SIGINT;
         let is_first = !std::mem::replace(&mut self.any, true);
         let is_repeated = is_ctrl_c && std::mem::replace(&mut self.ctrl_c, true);
@@ -55,7 +62,8 @@ impl Heard {
     }
 }
 
-/// Listens for Ctrl-C and for being told to terminate, with nothing to save so far.
+/// Listens for the signals that end a program, and for those by which batch systems announce an end:
+/// SIGXCPU and SIGUSR2 stop as Ctrl-C does, SIGUSR1 saves and goes on. There is nothing to save so far.
 ///
 /// A signal that the program was started to ignore, as SIGHUP under `nohup` or SIGINT in the background
 /// of a script, stays ignored. Unfinished files are removed before the program dies at once.
@@ -71,6 +79,7 @@ pub(super) fn listen() -> Interrupt {
                 ours.cancel.cancel();
                 print::remark("stopping; press Ctrl-C again to stop at once and write nothing");
             }
+            Meaning::Save => ours.save_request.ask(),
             Meaning::Nothing => {}
             Meaning::Die => {
                 remove_unfinished();
@@ -89,16 +98,23 @@ pub(super) fn listen() -> Interrupt {
     interrupt
 }
 
-/// The signals to end, but for those that the parent process made this one ignore: its wish is the
+/// The signals that mean something, but for those that the parent process made this one ignore: its wish is the
 /// user's.
 fn heeded() -> Vec<i32> {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = mask.and_then(|hex| u64::from_str_radix(hex.trim(), 16).ok()).unwrap_or(0);
-    [SIGINT, SIGTERM, SIGHUP]
+    [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2]
         .into_iter()
         .filter(|signal| ignored >> (signal - 1) & 1 == 0)
         .collect()
+}
+
+/// Makes a write beyond the limit on the size of files fail as on a full disk, in place of ending the
+/// program.
+pub(super) fn survive_file_size_limits() {
+    // A handler that does nothing of note: the write then returns an error.
+    let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
 }
 
 impl Interrupt {
@@ -106,6 +122,11 @@ impl Interrupt {
     /// reasons of their own, such as a time that is up.
     pub(super) fn cancel(&self) -> Cancel {
         self.cancel.clone()
+    }
+
+    /// The request that SIGUSR1 makes.
+    pub(super) fn save_request(&self) -> SaveRequest {
+        self.save_request.clone()
     }
 
     /// Whether a signal asked to stop.
@@ -129,12 +150,17 @@ mod tests {
             let mut heard = Heard::default();
             signals.iter().map(|signal| heard.meaning(*signal, can_save)).collect()
         };
-        use Meaning::{Die, Nothing, Stop};
+        use Meaning::{Die, Nothing, Save, Stop};
         assert_eq!(meanings(&[SIGTERM, SIGHUP, SIGTERM], true), [Stop, Nothing, Nothing]);
         assert_eq!(meanings(&[SIGINT, SIGHUP, SIGTERM], true), [Stop, Nothing, Nothing]);
         assert_eq!(meanings(&[SIGTERM, SIGINT, SIGINT], true), [Stop, Stop, Die]);
         assert_eq!(meanings(&[SIGINT, SIGINT], true), [Stop, Die]);
-        for signal in [SIGINT, SIGTERM, SIGHUP] {
+        assert_eq!(
+            meanings(&[SIGUSR1, SIGUSR2, SIGUSR1, SIGXCPU], true),
+            [Save, Stop, Save, Nothing]
+        );
+        assert_eq!(meanings(&[SIGUSR1, SIGINT], false), [Save, Die]);
+        for signal in [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR2] {
             assert_eq!(meanings(&[signal], false), [Die]);
         }
     }

@@ -45,13 +45,11 @@ use exit::Exit;
 /// Whoever ends the program says here how.
 static LEAVE: OnceLock<Sender<u8>> = OnceLock::new();
 
-/// The exit code of a program that panicked, as Rust's own runtime has it.
-const PANICKED: u8 = 101;
-
 /// Runs the command that the program's arguments ask for, and prints what comes of it. The command has
 /// a thread of its own: when it ends, or when a signal says so, this function returns, and with it the
 /// program ends, whatever other threads do.
 pub fn main() -> ExitCode {
+    interrupt::survive_file_size_limits();
     let (leave, left) = mpsc::channel();
     let leave = LEAVE.get_or_init(|| leave);
     let work = || {
@@ -60,11 +58,11 @@ pub fn main() -> ExitCode {
             Err(answer) => help_or_wrong_usage(&answer),
         });
         // Nobody listens any more where a signal came first.
-        let _ = leave.send(exit.map_or(PANICKED, |exit| exit as u8));
+        let _ = leave.send(exit.unwrap_or(Exit::Fault) as u8);
     };
     let command = std::thread::Builder::new().name("command".to_owned()).stack_size(STACK);
     match command.spawn(work) {
-        Ok(_) => ExitCode::from(left.recv().unwrap_or(PANICKED)),
+        Ok(_) => ExitCode::from(left.recv().unwrap_or(Exit::Fault as u8)),
         Err(e) => exit_of(Err(Error::input(format!("cannot start a thread: {e}")))).into(),
     }
 }

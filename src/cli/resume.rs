@@ -14,14 +14,19 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
     let header = Checkpoint::open(&args.file)?.header().clone();
     let unknown = || {
         let path = args.file.display();
-        Error::input(format!("`{path}` does not say where its picture goes")).with_help(format!(
-            "a part that was merged has no such place; name it in a whole command, and it goes on from \
-             there: photosphere render SCENE -o picture.exr --checkpoint '{path}'"
-        ))
+        Error::input(format!("`{path}` does not say where its picture goes"))
+            .with_help("a part that was merged has no such place; name one: -o picture.exr")
     };
-    let delivery = header.delivery.clone().ok_or_else(unknown)?;
+    let is_named = !args.outputs.is_empty();
+    let named = || is_named.then(Delivery::default);
+    let delivery = header.delivery.clone().or_else(named).ok_or_else(unknown)?;
+    let no_scene = || {
+        let path = args.file.display();
+        Error::input(format!("`{path}` is of a scene that is in no file"))
+            .with_help("resume it with the program that made it")
+    };
     let mut request =
-        Request::of_header(&header, delivered(args, delivery)?).ok_or_else(unknown)?;
+        Request::of_header(&header, delivered(args, delivery)?).ok_or_else(no_scene)?;
     // A part that is among the files keeps its samples itself.
     let keeps_itself = request.delivery.files.iter().any(|FilePath(file)| is_part(file));
     request.checkpoint = (!keeps_itself).then(|| args.file.clone());

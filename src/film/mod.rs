@@ -35,7 +35,7 @@ pub use picture::{Picture, Plane, Values};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Setting};
 
 use tile::{Plan, Tile, TooBright};
 
@@ -103,6 +103,14 @@ impl Film {
     pub fn bytes(format: &Format) -> usize {
         let plan = Plan::new(format.scale, &format.layers, format.squares);
         format.frame.pixels() * plan.bytes_per_pixel() + format.frame.tiles() * size_of::<Tile>()
+    }
+
+    /// A copy as it is now, with every tile at a whole call of [`Self::add`].
+    #[must_use]
+    pub fn snapshot(&self) -> Self {
+        let tiles = (0..self.tiles.len()).map(|tile| Mutex::new(self.lock(tile).clone())).collect();
+        let Self { frame, first_sample, ref plan, .. } = *self;
+        Self { frame, first_sample, plan: plan.clone(), tiles }
     }
 
     /// What it holds.
@@ -225,10 +233,11 @@ impl Film {
             layer::HEADROOM,
         ))
         .with_help(
-            "either a material makes light, as classic Phong (`normalized = false`) does: \
-             `photosphere info` says which; choose another, or end paths with `max_depth`. Or light was \
-             found with a tiny probability: choose `estimator = \"mis\"`, or bound what one path brings \
-             with `clamp_indirect`. `max_depth` and `clamp_indirect` bias the picture",
+            "either light was found with a tiny probability: choose `estimator = \"mis\"`, or bound what \
+             one path brings with `clamp_indirect`. Or a material makes light, as classic Phong \
+             (`normalized = false`) does: choose another, or end paths with `max_depth`. `max_depth` and \
+             `clamp_indirect` bias the picture. To see which materials make light",
         )
+        .with_setting(Setting::Info, "")
     }
 }

@@ -9,13 +9,14 @@ impl Metadata {
     /// What differs of all that decides a sample's worth, first as it is here and then as it is there.
     pub fn difference(&self, other: &Self) -> String {
         let mut found = Vec::new();
-        let mut differ = |what: &str, ours: &str, theirs: &str| {
-            if ours != theirs {
-                found.push(format!("{what} {ours}, not {theirs}"));
-            }
-        };
-        differ("the program's version is", &self.version, &other.version);
-        differ("the intersector is", &self.intersector, &other.intersector);
+        if self.version != other.version {
+            let (ours, theirs) = (&self.version, &other.version);
+            found.push(format!("the program's version is {ours}, not {theirs}"));
+        }
+        if self.intersector != other.intersector {
+            let (ours, theirs) = (&self.intersector, &other.intersector);
+            found.push(format!("the intersector is {ours}, not {theirs}"));
+        }
         if self.job_identity != other.job_identity {
             let of = |metadata: &Self| {
                 let mut settings = metadata.settings;
@@ -52,13 +53,14 @@ impl Metadata {
     /// What differs in the programs and intersectors that made two pictures; nothing where they must be
     /// equal.
     pub fn differences_of_program(&self, other: &Self) -> Vec<String> {
-        let pairs = [
-            ("version", &self.version, &other.version),
-            ("commit", &self.commit, &other.commit),
-            ("intersector", &self.intersector, &other.intersector),
-        ];
-        let differ = pairs.into_iter().filter(|(_, a, b)| a != b);
-        differ.map(|(what, a, b)| format!("{what}: {a} then, {b} now")).collect()
+        let facts = |metadata: &Self| {
+            let Self { version, commit, intersector, .. } = metadata;
+            [version.clone(), commit.clone(), intersector.to_string()]
+        };
+        let names = ["version", "commit", "intersector"];
+        let pairs = names.into_iter().zip(facts(self).into_iter().zip(facts(other)));
+        let differ = pairs.filter(|(_, (a, b))| a != b);
+        differ.map(|(what, (a, b))| format!("{what}: {a} then, {b} now")).collect()
     }
 }
 

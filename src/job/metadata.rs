@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::accel::{self, Backend};
+use crate::accel::{self, Backend, Intersector};
 use crate::color::Look;
 use crate::error::{Error, Result};
 use crate::film::Kind;
@@ -46,8 +46,8 @@ pub struct Metadata {
     pub scene_identity: Identity,
     /// What was computed of it, and what with: samples of equal identities may be added up.
     pub job_identity: Identity,
-    /// The intersector with its version, as in `embree 4.3.3`.
-    pub intersector: String,
+    /// What found the hits.
+    pub intersector: Intersector,
     /// The settings, with as many samples per pixel as the picture has.
     pub settings: Settings,
     /// Which samples of each pixel.
@@ -120,14 +120,14 @@ pub struct RunRecord {
 struct Canonical<'a> {
     encoding: u32,
     version: &'static str,
-    intersector: &'a str,
+    intersector: &'a Intersector,
     settings: Settings,
 }
 
 impl Metadata {
     /// Of a picture of a shot by an intersector, without any sample so far.
     pub(super) fn of(shot: &Shot, backend: Backend) -> Self {
-        let intersector = backend.name_and_version();
+        let intersector = Intersector::of(backend);
         let scene = shot.scene();
         Self {
             version: VERSION.to_owned(),
@@ -178,11 +178,7 @@ impl Metadata {
         let value = serde_json::to_value(self);
         let value = value.map_err(|e| Error::input(format!("cannot say how it was made: {e}")))?;
         let Value::Object(fields) = value else { return Ok(Vec::new()) };
-        let text = |value: Value| match value {
-            Value::String(text) => text,
-            other => other.to_string(),
-        };
-        Ok(fields.into_iter().map(|(name, value)| Record::new(&name, text(value))).collect())
+        Ok(fields.into_iter().map(|(name, value)| Record::new(&name, text_of(value))).collect())
     }
 
     /// From the records of a file.
@@ -210,27 +206,17 @@ impl Metadata {
     }
 }
 
-/// Records that hold texts as they are; the others are JSON.
-const TEXTS: [&str; 10] = [
-    "version",
-    "commit",
-    "scene-identity",
-    "job-identity",
-    "intersector",
-    "intersector-choice",
-    "embree",
-    "command",
-    "scene-file",
-    "scene-text",
-];
-
-/// What a record of [`Metadata`] says: a text, or what is JSON in the file.
-pub fn value_of(record: &Record) -> Value {
-    let text = || Value::String(record.text.clone());
-    match TEXTS.contains(&record.name.as_str()) {
-        true => text(),
-        false => serde_json::from_str(&record.text).unwrap_or_else(|_| text()),
+/// The text of a record: a text as it is, unless it reads as JSON, and all else as JSON.
+fn text_of(value: Value) -> String {
+    match value {
+        Value::String(text) if serde_json::from_str::<Value>(&text).is_err() => text,
+        other => other.to_string(),
     }
+}
+
+/// What a record says: JSON, or else a text.
+pub fn value_of(record: &Record) -> Value {
+    serde_json::from_str(&record.text).unwrap_or_else(|_| Value::String(record.text.clone()))
 }
 
 /// Asks for so many samples of each pixel, or the paper's sub-pixels for as many as that takes.
@@ -238,7 +224,8 @@ pub(super) fn set_samples(settings: &mut Settings, samples: u32) {
     let render = &mut settings.render;
     match &mut render.integrator {
         Integrator::Paper(paper) => {
-            let cells = paper.subpixels.pow(2);
+            // Settings may still hold any number.
+            let cells = paper.subpixels.saturating_pow(2).max(1);
             paper.samples = samples.div_ceil(cells).max(1);
             render.samples_per_pixel = paper.samples.saturating_mul(cells);
         }
@@ -247,7 +234,7 @@ pub(super) fn set_samples(settings: &mut Settings, samples: u32) {
 }
 
 /// What decides the worth of a sample beside the scene: not which samples of which pixels are taken.
-pub(super) fn job_identity(settings: &Settings, intersector: &str) -> Identity {
+pub(super) fn job_identity(settings: &Settings, intersector: &Intersector) -> Identity {
     let mut settings = *settings;
     settings.image.crop = None;
     let render = &settings.render;
@@ -265,7 +252,7 @@ pub(super) fn job_identity(settings: &Settings, intersector: &str) -> Identity {
         _ => 1,
     };
     set_samples(&mut settings, samples);
-    let canonical = Canonical { encoding: 1, version: VERSION, intersector, settings };
+    let canonical = Canonical { encoding: 2, version: VERSION, intersector, settings };
     let bytes = serde_json::to_vec(&canonical);
     Identity::of_bytes(&bytes.expect("plain values with names as their keys are JSON"))
 }

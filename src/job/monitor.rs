@@ -14,9 +14,9 @@ use crate::error::Result;
 use crate::output::WholeFile;
 
 use super::observer::Observer;
-use super::outcome::Reached;
-use super::turns::Turns;
+use super::outcome::{End, Reached};
 use super::render_state::RenderState;
+use super::turns::Turns;
 
 /// How long the threads that render may take to follow a request to stop: most of the two seconds in
 /// which a program should be gone are for saving. Nothing is lost with them but what is in flight.
@@ -34,6 +34,11 @@ const FOR_ERRORS: f64 = 1.0 / 256.0;
 const ERROR: Duration = Duration::from_millis(5);
 /// What failed is tried again no later than this.
 const LONGEST_RETRY: Duration = Duration::from_secs(10);
+
+/// What is said of a panic.
+fn unexpected(what: &str) -> String {
+    format!("{what} failed in an unexpected way; please report this")
+}
 
 /// Where the samples are saved while they are rendered, and how often.
 #[derive(Clone, Debug)]
@@ -53,12 +58,15 @@ pub(super) fn run(
     let (end, ended) = mpsc::channel();
     let rendering = Arc::clone(state);
     pool.spawn(move || {
-        // A panic ends the render, and is one on the thread that waits for it.
-        let _ = end.send(catch_unwind(AssertUnwindSafe(|| rendering.reach())));
+        // A panic ends the render, and the samples so far are kept.
+        let ended = catch_unwind(AssertUnwindSafe(|| rendering.reach()));
+        drop(rendering);
+        let _ = end.send(ended);
     });
     let (warn, warnings) = mpsc::channel();
     let saver = autosave.map(|autosave| Saver::start(state, autosave, warn));
-    let ended = wait(state, &ended, &warnings, pool.current_num_threads(), observer);
+    let threads = pool.current_num_threads();
+    let ended = wait(state, &ended, &warnings, threads, saver.as_ref(), observer);
     // The file is whole before anybody writes it for the last time.
     if let Some(saver) = saver {
         saver.finish(observer);
@@ -66,7 +74,10 @@ pub(super) fn run(
     warnings.try_iter().for_each(|text| observer.warning(&text));
     match ended {
         Some(Ok(ended)) => Ok(state.reached(ended?)),
-        Some(Err(panic)) => std::panic::resume_unwind(panic),
+        Some(Err(_)) => {
+            observer.warning(&unexpected("rendering"));
+            Ok(Reached { end: End::Failed, ..state.reached(false) })
+        }
         None => {
             state.is_left_behind.store(true, Ordering::Relaxed);
             Ok(state.reached(false))
@@ -82,11 +93,13 @@ fn wait(
     ended: &Receiver<Ended>,
     warnings: &Receiver<String>,
     threads: usize,
+    saver: Option<&Saver>,
     observer: &dyn Observer,
 ) -> Option<Ended> {
     let mut errors = Turns::new(BETWEEN_ERRORS, FOR_ERRORS, threads, ERROR);
     let (mut error, mut next_words) = (None, Instant::now() + BETWEEN_WORDS);
     let mut asked_to_stop = None;
+    let mut wants_progress = observer.wants_progress();
     loop {
         let left = state.time_left().unwrap_or(TICK);
         match ended.recv_timeout(left.clamp(SHORTEST_TICK, TICK)) {
@@ -96,14 +109,25 @@ fn wait(
         }
         warnings.try_iter().for_each(|text| observer.warning(&text));
         state.mind_time();
-        if state.cancel.is_cancelled() {
+        if state.save_request.take() {
+            match saver {
+                Some(saver) => saver.save_now(),
+                None => observer.warning("nothing was saved: the render keeps no checkpoint"),
+            }
+        }
+        if state.is_asked_to_stop() {
             let since = *asked_to_stop.get_or_insert_with(Instant::now);
             if since.elapsed() >= PATIENCE {
                 return None;
             }
-        } else if observer.wants_progress() && Instant::now() >= next_words {
+        } else if wants_progress && Instant::now() >= next_words {
             errors.take(|| error = state.error());
-            observer.progress(&state.progress(error));
+            let progress = state.progress(error);
+            // Whatever goes wrong there, the render is not lost.
+            if catch_unwind(AssertUnwindSafe(|| observer.progress(&progress))).is_err() {
+                observer.warning(&unexpected("telling the progress"));
+                wants_progress = false;
+            }
             next_words = Instant::now() + BETWEEN_WORDS;
         }
     }
@@ -111,47 +135,53 @@ fn wait(
 
 /// The thread that saves.
 struct Saver {
-    end: Sender<()>,
+    /// Told to save at once; dropped at the end.
+    wake: Sender<()>,
     thread: std::io::Result<std::thread::JoinHandle<()>>,
 }
 
 impl Saver {
     fn start(state: &Arc<RenderState>, autosave: &Autosave, warn: Sender<String>) -> Self {
-        let (end, ended) = mpsc::channel();
+        let (wake, woken) = mpsc::channel();
         let (state, Autosave { file, every }) = (Arc::clone(state), autosave.clone());
         let save = move || {
-            save_again_and_again(every, &ended, &warn, &file, &|| {
+            save_again_and_again(every, &woken, &warn, &file, &|| {
                 state.write_checkpoint(&file, None)
             })
         };
         let thread = std::thread::Builder::new().name("autosave".to_owned()).spawn(save);
-        Self { end, thread }
+        Self { wake, thread }
+    }
+
+    fn save_now(&self) {
+        // Where it is over, it has saved for the last time.
+        let _ = self.wake.send(());
     }
 
     /// Waits until it is over. Whatever went wrong there, the render is not lost.
     fn finish(self, observer: &dyn Observer) {
-        drop(self.end);
+        drop(self.wake);
         match self.thread {
             Err(e) => observer.warning(&format!("nothing was saved while it rendered: {e}")),
             Ok(thread) => {
                 if thread.join().is_err() {
-                    observer.warning("saving failed in an unexpected way; please report this");
+                    observer.warning(&unexpected("saving"));
                 }
             }
         }
     }
 }
 
-/// Saves at intervals until the end. A failure is told of once, until it works again.
+/// Saves at intervals, and when woken, until the sender is gone. A failure is told of once, until it works again.
 fn save_again_and_again(
     every: Duration,
-    ended: &Receiver<()>,
+    woken: &Receiver<()>,
     warn: &Sender<String>,
     file: &WholeFile,
     save: &dyn Fn() -> Result<()>,
 ) {
     let (mut wait, mut is_failing) = (every, false);
-    while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
+    while woken.recv_timeout(wait) != Err(RecvTimeoutError::Disconnected) {
         let saved = catch_unwind(AssertUnwindSafe(save));
         let name = file.path().display().to_string();
         let failure = match saved {

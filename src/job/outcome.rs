@@ -61,6 +61,9 @@ pub enum End {
     TooNoisy,
     /// It was stopped.
     Stopped,
+    /// A thread that renders failed in an unexpected way, which is a fault of this library. The samples
+    /// so far are good.
+    Failed,
 }
 
 /// How far a noise target is met.

@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::accel::{Accel, Cancel};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::film::{BLOCK, Film};
 use crate::integrator::Tally;
 use crate::output::WholeFile;
@@ -20,6 +20,7 @@ use super::outcome::{End, NoiseStatus, Reached};
 use super::pace::{self, Pace};
 use super::passes::{Counters, Passes};
 use super::samples::{Samples, Shares, TileCounts};
+use super::save_request::SaveRequest;
 use super::spec::Job;
 
 /// What the threads that render share with those that look on.
@@ -30,12 +31,17 @@ pub(super) struct RenderState {
     pub(super) job: Job,
     /// The samples that every pixel is to have.
     pub(super) samples: Range<u32>,
+    /// The request to stop the run that goes on, or else the next one.
+    pub(super) stop: Mutex<Cancel>,
+    /// A request from elsewhere, which ends every run.
     pub(super) cancel: Cancel,
+    pub(super) is_running: AtomicBool,
     pub(super) counters: Counters,
     pub(super) standing: Mutex<Option<Standing>>,
     pub(super) is_time_up: AtomicBool,
     /// Set where threads still render though they were asked to stop.
     pub(super) is_left_behind: AtomicBool,
+    pub(super) save_request: SaveRequest,
     /// What earlier runs took.
     pub(super) before: Statistics,
     pub(super) samples_before: u64,
@@ -56,11 +62,32 @@ pub(super) struct Timing {
     running_since: Option<Instant>,
 }
 
+/// A run that goes on.
+pub(super) struct Running<'a>(&'a RenderState);
+
+impl Drop for Running<'_> {
+    fn drop(&mut self) {
+        let state = self.0;
+        let mut timing = lock(&state.timing);
+        if let Some(since) = timing.running_since.take() {
+            timing.spent += since.elapsed();
+        }
+        // Threads that were left behind still hold the old request.
+        *lock(&state.stop) = Cancel::default();
+        state.is_running.store(false, Ordering::Release);
+    }
+}
+
+/// No lock is held while anything can panic.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl RenderState {
     /// Renders until the job is done or cancelled. Returns whether it is done.
     pub(super) fn reach(&self) -> Result<bool> {
-        let passes =
-            Passes::new(&self.shot, &*self.accel, &self.film, &self.counters, &self.cancel);
+        let stop = self.stop_request();
+        let passes = Passes::new(&self.shot, &*self.accel, &self.film, &self.counters, &stop);
         match self.job.until.noise {
             None => passes.advance(self.samples.end, &|_| true),
             Some(target) => {
@@ -84,28 +111,47 @@ impl RenderState {
     }
 
     fn tell_standing(&self, standing: Standing) {
-        *self.standing.lock().unwrap_or_else(PoisonError::into_inner) = Some(standing);
+        *lock(&self.standing) = Some(standing);
     }
 
     pub(super) fn standing(&self) -> Option<Standing> {
-        self.standing.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        lock(&self.standing).clone()
     }
 
-    pub(super) fn begin(&self) {
-        let mut timing = self.timing.lock().unwrap_or_else(PoisonError::into_inner);
-        timing.running_since = Some(Instant::now());
-    }
-
-    pub(super) fn pause(&self) {
-        let mut timing = self.timing.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(since) = timing.running_since.take() {
-            timing.spent += since.elapsed();
+    /// Begins a run, which ends when the value is dropped.
+    ///
+    /// # Errors
+    /// When a run is going on: two would render the same samples twice.
+    pub(super) fn begin(&self) -> Result<Running<'_>> {
+        if self.is_left_behind.load(Ordering::Relaxed) {
+            let message = "threads of a run that was stopped are still rendering";
+            return Err(Error::input(message).with_help("save a checkpoint, and resume that"));
         }
+        if self.is_running.swap(true, Ordering::AcqRel) {
+            return Err(Error::input("this session is running already"));
+        }
+        self.is_time_up.store(false, Ordering::Relaxed);
+        lock(&self.timing).running_since = Some(Instant::now());
+        Ok(Running(self))
+    }
+
+    /// The request to stop the current run.
+    pub(super) fn stop_request(&self) -> Cancel {
+        lock(&self.stop).clone()
+    }
+
+    /// Whether the run is to stop; a request from elsewhere becomes one of this run.
+    pub(super) fn is_asked_to_stop(&self) -> bool {
+        let stop = self.stop_request();
+        if self.cancel.is_cancelled() {
+            stop.cancel();
+        }
+        stop.is_cancelled()
     }
 
     /// Time in this session.
     pub(super) fn elapsed(&self) -> Duration {
-        let timing = self.timing.lock().unwrap_or_else(PoisonError::into_inner);
+        let timing = lock(&self.timing);
         timing.spent + timing.running_since.map_or(Duration::ZERO, |since| since.elapsed())
     }
 
@@ -129,10 +175,11 @@ impl RenderState {
         error_so_far(&self.film, self.job.until.confidence())
     }
 
-    pub(super) fn metadata(&self) -> Metadata {
-        let samples = Samples::of(&self.film, self.samples.start);
+    /// How the picture of a film of this render was made.
+    pub(super) fn metadata(&self, film: &Film) -> Metadata {
+        let samples = Samples::of(film, self.samples.start);
         // Parts that cut tiles may have been resumed: then nothing short tells how many each has.
-        let counts = TileCounts::of(&self.film).unwrap_or_default();
+        let counts = TileCounts::of(film).unwrap_or_default();
         let source = self.shot.scene().source();
         let run = RunRecord {
             rays: self.tally().rays,
@@ -157,9 +204,9 @@ impl RenderState {
         file: &WholeFile,
         reached: Option<&Reached>,
     ) -> Result<()> {
-        let mut metadata = self.metadata();
+        let mut metadata = self.metadata(&self.film);
         metadata.layers = Some(self.job.layers.clone());
-        let is_ended = |reached: &&Reached| reached.end != End::Stopped;
+        let is_ended = |reached: &&Reached| !matches!(reached.end, End::Stopped | End::Failed);
         let status = reached.filter(is_ended).map_or(Status::Unfinished, |reached| Status::Ended {
             missed: reached.noise.filter(|noise| !noise.is_met()).into_iter().collect(),
         });
@@ -200,13 +247,13 @@ impl RenderState {
     /// Stops the render, if its time is up and it has one block of every pixel. Who stopped it before is
     /// who stopped it.
     pub(super) fn mind_time(&self) {
-        if self.cancel.is_cancelled() {
+        if self.is_asked_to_stop() {
             return;
         }
         let is_up = self.time_left().is_some_and(|left| left.is_zero());
         if is_up && self.counters.samples_done() >= self.samples_at_least() {
             self.is_time_up.store(true, Ordering::Relaxed);
-            self.cancel.cancel();
+            self.stop_request().cancel();
         }
     }
 

@@ -10,10 +10,10 @@ use crate::output;
 use crate::scene::{Scene, Shot};
 
 use super::aovs::picture;
+use super::film_format::format_of;
 use super::metadata::{Metadata, each_file};
 use super::passes::{Counters, Passes};
 use super::samples::{Samples, Share, TileCounts};
-use super::film_format::format_of;
 
 /// How to render a picture again.
 #[derive(Clone, Debug, Default)]
@@ -124,14 +124,16 @@ fn backend_of(then: &Metadata, again: &Again) -> Result<Backend> {
     if let Some(backend) = again.backend {
         return Ok(backend);
     }
-    let name = then.intersector.split(' ').next().unwrap_or_default();
-    let backend: Backend = name.parse()?;
+    let backend = then.intersector.backend;
     if Backend::AVAILABLE.contains(&backend) {
         return Ok(backend);
     }
-    Err(Error::backend(format!("the picture was made with `{name}`, which this build has not"))
-        .with_help("take another intersector and see by how much it differs")
-        .with_setting(Setting::Intersector, "native"))
+    Err(Error::backend(format!(
+        "the picture was made with `{}`, which this build has not",
+        backend.name()
+    ))
+    .with_help("take another intersector and see by how much it differs")
+    .with_setting(Setting::Intersector, "native"))
 }
 
 /// About how many samples there are to render.

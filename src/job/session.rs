@@ -23,6 +23,7 @@ use super::observer::{Observer, Progress};
 use super::outcome::{Outcome, Reached, warnings};
 use super::passes::Counters;
 use super::render_state::RenderState;
+use super::save_request::SaveRequest;
 use super::spec::Job;
 use super::start;
 
@@ -40,6 +41,8 @@ pub struct Session {
 pub struct Opening {
     /// Set from elsewhere to stop the build and the render.
     pub cancel: Cancel,
+    /// Set from elsewhere to have the checkpoint written at once, while the render goes on.
+    pub save_request: SaveRequest,
     /// Told how far the build is.
     pub build_progress: accel::Progress,
     /// Where the picture goes, for checkpoints to tell.
@@ -77,7 +80,8 @@ impl Session {
         opening: Opening,
     ) -> Result<Self> {
         job.check()?;
-        let Opening { cancel, build_progress, delivery, command } = opening;
+        let job = job.without_repeated_layers();
+        let Opening { cancel, save_request, build_progress, delivery, command } = opening;
         let pool = pool_of(job.threads)?;
         let shot = pool.install(|| Shot::new(scene, job.settings))?;
         let samples = job.sample_range()?;
@@ -108,7 +112,10 @@ impl Session {
             film,
             job,
             samples,
+            stop: Default::default(),
             cancel,
+            is_running: AtomicBool::new(false),
+            save_request,
             standing: Default::default(),
             is_time_up: AtomicBool::new(false),
             is_left_behind: AtomicBool::new(false),
@@ -128,28 +135,47 @@ impl Session {
         self.autosave = Some(Autosave { file, every });
     }
 
-    /// Renders until the job is done, stopped or cancelled; `observer` is told on this thread.
+    /// Renders until the job is done, stopped or cancelled; `observer` is told on this thread. Called
+    /// again, it goes on from there.
     ///
     /// A request to stop is followed soon: where the threads that render are stuck in a long batch, they
     /// are left behind, and their unfinished samples are not used.
     ///
     /// # Errors
-    /// When a pixel is too bright for the film.
+    /// When the session is running already, or a pixel is too bright for the film.
     pub fn run(&self, observer: &dyn Observer) -> Result<Reached> {
-        self.state.begin();
-        let reached = monitor::run(&self.state, &self.pool, self.autosave.as_ref(), observer);
-        self.state.pause();
-        reached
+        let _running = self.state.begin()?;
+        monitor::run(&self.state, &self.pool, self.autosave.as_ref(), observer)
     }
 
-    /// Asks the render to stop; it then has some whole number of blocks of samples in every pixel.
+    /// Asks the run that goes on to stop, or else the next one. Every pixel then has a whole number of
+    /// blocks of samples, and the next run goes on from there.
     pub fn stop(&self) {
-        self.state.cancel.cancel();
+        self.state.stop_request().cancel();
     }
 
-    /// The request to stop, to be set from elsewhere.
-    pub fn cancel(&self) -> Cancel {
-        self.state.cancel.clone()
+    /// Asks for more samples, or for less noise, or for more time, after a run.
+    ///
+    /// # Errors
+    /// When the job is of another render than this one, or asks for less than there is.
+    pub fn extend(&mut self, job: Job) -> Result<()> {
+        job.check()?;
+        let Some(state) = Arc::get_mut(&mut self.state) else {
+            let message = "threads of a run that was stopped are still rendering";
+            return Err(Error::input(message).with_help("save a checkpoint, and resume that"));
+        };
+        let refused = |what: String| Error::input(format!("cannot extend the render: {what}"));
+        let samples = job.sample_range()?;
+        let shot = self.pool.install(|| Shot::new(state.shot.scene(), job.settings))?;
+        let metadata = Metadata::of(&shot, state.metadata.intersector.backend);
+        let format = Format { first_sample: samples.start, ..format_of(&shot, &job.layers) };
+        let then = state.film.format();
+        start::check_same((&state.metadata, &then), (&metadata, &format)).map_err(refused)?;
+        start::check_goes_on(&state.film, state.job.until.noise, &samples, &job)
+            .map_err(refused)?;
+        state.counters.expect_samples(state.film.frame().pixels() as u64 * samples.len() as u64);
+        (state.shot, state.metadata, state.samples, state.job) = (shot, metadata, samples, job);
+        Ok(())
     }
 
     /// Whether the time of the job is up.
@@ -208,11 +234,21 @@ impl Session {
         self.state.error()
     }
 
-    /// The picture of the samples so far with all of its layers: every pixel at a whole number of calls
-    /// of the integrator.
-    pub fn picture(&self) -> Picture {
+    /// The picture of the samples so far with all of its layers, and how it was made. While it runs, both
+    /// are of one copy of the film, which takes as much memory again.
+    pub fn snapshot(&self) -> (Picture, Metadata) {
         let RenderState { shot, accel, film, job, .. } = &*self.state;
-        picture(shot, &**accel, film, &job.layers)
+        let of =
+            |film: &Film| (picture(shot, &**accel, film, &job.layers), self.state.metadata(film));
+        match self.state.is_running.load(Ordering::Acquire) {
+            true => of(&film.snapshot()),
+            false => of(film),
+        }
+    }
+
+    /// The picture of the samples so far: that of a [`Self::snapshot`].
+    pub fn picture(&self) -> Picture {
+        self.snapshot().0
     }
 
     /// The beauty so far, quickly, for those who only look on.
@@ -225,7 +261,7 @@ impl Session {
 
     /// How the picture so far was made.
     pub fn metadata(&self) -> Metadata {
-        self.state.metadata()
+        self.state.metadata(&self.state.film)
     }
 
     /// Samples and rays of this session alone, and what the user should know about the picture.
@@ -289,4 +325,48 @@ fn pool_of(threads: usize) -> Result<ThreadPool> {
             .with_help("ask for fewer threads")
             .with_setting(Setting::Threads, "")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Precision;
+    use crate::math::{Hit, Ray};
+    use crate::scene::Builder;
+    use std::sync::atomic::AtomicUsize;
+
+    /// An intersector without spheres that fails once it has answered a few times.
+    struct Failing(AtomicUsize);
+
+    impl Accel for Failing {
+        fn closest(&self, _: &[Ray], hits: &mut [Hit]) {
+            assert!(self.0.fetch_add(1, Ordering::SeqCst) < 8, "a mistake, as this test wants it");
+            hits.fill(Hit::MISS);
+        }
+
+        fn occluded(&self, _: &[Ray], blocked: &mut [bool]) {
+            blocked.fill(false);
+        }
+
+        fn precision(&self) -> Precision {
+            Precision { particles: 0.0, giants: 0.0, rounds_origin: false }
+        }
+
+        fn bytes(&self) -> usize {
+            0
+        }
+    }
+
+    #[test]
+    fn a_panic_of_a_thread_that_renders_keeps_the_samples_so_far() {
+        let scene = Builder::new().build().unwrap();
+        let mut job = Job::sized(64, 48).samples_per_pixel(4096);
+        job.threads = 1;
+        let mut session = Session::new(&scene, job, Opening::default()).unwrap();
+        Arc::get_mut(&mut session.state).unwrap().accel = Box::new(Failing(AtomicUsize::new(0)));
+        let reached = session.run(&()).unwrap();
+        let samples = session.film().samples();
+        assert!(reached.end == super::super::End::Failed && samples > 0, "{reached:?}");
+        assert_eq!(session.outcome(reached).samples, samples);
+    }
 }

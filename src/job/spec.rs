@@ -81,22 +81,52 @@ impl Job {
     /// With so many samples of each pixel.
     #[must_use]
     pub fn samples_per_pixel(mut self, samples: u32) -> Self {
-        self.settings.render.samples_per_pixel = samples;
+        self.set_samples_per_pixel(samples);
         self
     }
 
-    /// Until 95 % of the values are within this share of their pixel's brightness, as in 0.02; with up
-    /// to 65536 samples of each pixel.
+    /// Until 95 % of the values are within this share of their pixel's brightness, as in 0.02. Up to 65536
+    /// samples of each pixel, unless their number was set before.
     #[must_use]
     pub fn noise(mut self, error: f64) -> Self {
         self.until.noise = Some(NoiseTarget::new(error));
-        self.samples_per_pixel(Until::MOST_SAMPLES)
+        match self.settings.render.samples_per_pixel {
+            ENDLESS => self.samples_per_pixel(Until::MOST_SAMPLES),
+            _ => self.at_most_by_default(Until::MOST_SAMPLES),
+        }
+    }
+
+    /// Until this time is up. As many samples of each pixel as that allows, unless their number was set
+    /// before.
+    #[must_use]
+    pub fn time(mut self, time: Duration) -> Self {
+        self.until.time = Some(time);
+        self.at_most_by_default(ENDLESS)
+    }
+
+    /// So many samples per pixel in place of the default number.
+    fn at_most_by_default(self, most: u32) -> Self {
+        let default = Render::default().samples_per_pixel;
+        let is_default = self.settings.render.samples_per_pixel == default;
+        if is_default { self.samples_per_pixel(most) } else { self }
     }
 
     /// With these layers beside the beauty, in place of the usual ones.
     #[must_use]
     pub fn layers(mut self, layers: &[Kind]) -> Self {
         self.layers = layers.to_vec();
+        self.without_repeated_layers()
+    }
+
+    /// With each layer once, where it is named first.
+    #[must_use]
+    pub(super) fn without_repeated_layers(mut self) -> Self {
+        let mut seen = Vec::new();
+        self.layers.retain(|layer| {
+            let is_new = !seen.contains(layer);
+            seen.push(*layer);
+            is_new
+        });
         self
     }
 

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::film::{Film, Format};
 
 use super::adaptive::FIRST_DECISION;
-use super::checkpoint::{Checkpoint, Header, Statistics};
+use super::checkpoint::{Checkpoint, Statistics};
 use super::metadata::Metadata;
 use super::noise::NoiseTarget;
 use super::spec::Job;
@@ -28,28 +28,40 @@ pub(super) fn of(
             .with_help("name another file, or remove this one to start anew")
     };
     let header = checkpoint.header().clone();
-    if let Some(what) = difference(&header, metadata, format) {
-        return Err(refused(what));
-    }
+    check_same((&header.metadata, &header.film), (metadata, format)).map_err(refused)?;
     let film = checkpoint.film()?;
+    check_goes_on(&film, header.job.until.noise, samples, job).map_err(refused)?;
+    Ok((film, header.statistics))
+}
+
+/// Refuses a job that asks for less than a film has; `then` is the noise target that it was rendered to.
+///
+/// # Errors
+/// With what is less.
+pub(super) fn check_goes_on(
+    film: &Film,
+    then: Option<NoiseTarget>,
+    samples: &Range<u32>,
+    job: &Job,
+) -> std::result::Result<(), String> {
     let most = film.fewest_and_most().1;
-    let (then, now) = (header.job.until.noise, job.until.noise);
+    let now = job.until.noise;
     if now.is_some_and(|now| most > FIRST_DECISION && !asks_no_less(now, then)) {
         let words = |noise: Option<NoiseTarget>| {
             noise.map_or("none".to_owned(), |target| target.to_string())
         };
         let (then, now) = (words(then), words(now));
-        return Err(refused(format!(
+        return Err(format!(
             "its noise target was {then}, and some squares are beyond {now} already"
-        )));
+        ));
     }
     if most > samples.len() as u32 {
         let (has, asked) = (samples.start + most, samples.end);
-        return Err(refused(format!(
+        return Err(format!(
             "it has samples up to {has}, more than the {asked} that are asked for"
-        )));
+        ));
     }
-    Ok((film, header.statistics))
+    Ok(())
 }
 
 /// Whether a noise target asks for no more noise than another: then every decision of that one to go on
@@ -58,22 +70,26 @@ fn asks_no_less(now: NoiseTarget, then: Option<NoiseTarget>) -> bool {
     then.is_some_and(|then| now.confidence == then.confidence && now.error <= then.error)
 }
 
-/// What differs between the render that a checkpoint is of and the one that is asked for.
-fn difference(header: &Header, now: &Metadata, format: &Format) -> Option<String> {
-    let then = &header.metadata;
+/// Refuses samples of another render.
+///
+/// # Errors
+/// With what differs.
+pub(super) fn check_same(
+    (then, their_film): (&Metadata, &Format),
+    (now, our_film): (&Metadata, &Format),
+) -> std::result::Result<(), String> {
     if (then.scene_identity, then.job_identity) != (now.scene_identity, now.job_identity) {
-        return Some(format!("it is of another render: {}", then.difference(now)));
+        return Err(format!("it is of another render: {}", then.difference(now)));
     }
-    let (ours, theirs) = (format, &header.film);
-    if theirs.frame != ours.frame {
-        let (theirs, ours) = (theirs.frame.window, ours.frame.window);
-        return Some(format!("it is of the crop {theirs}, not {ours}"));
+    if their_film.frame != our_film.frame {
+        let (theirs, ours) = (their_film.frame.window, our_film.frame.window);
+        return Err(format!("it is of the crop {theirs}, not {ours}"));
     }
-    if theirs.first_sample != ours.first_sample {
-        return Some(format!(
+    if their_film.first_sample != our_film.first_sample {
+        return Err(format!(
             "its samples start at {}, not at {}",
-            theirs.first_sample, ours.first_sample
+            their_film.first_sample, our_film.first_sample
         ));
     }
-    (theirs != ours).then(|| "it keeps other layers".to_owned())
+    (their_film == our_film).then_some(()).ok_or_else(|| "it keeps other layers".to_owned())
 }

@@ -174,7 +174,7 @@ impl Default for Paper {
 impl Paper {
     /// Samples of a pixel: k^2 N.
     pub fn samples_per_pixel(&self) -> u64 {
-        u64::from(self.subpixels).pow(2) * u64::from(self.samples)
+        u64::from(self.subpixels).pow(2).saturating_mul(u64::from(self.samples))
     }
 }
 

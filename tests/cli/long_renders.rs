@@ -359,10 +359,9 @@ fn a_full_disk_does_not_end_a_render() {
     }
     let desk = desk();
     let options = "-o a.pfm --checkpoint a.state --checkpoint-every 20ms --spp 100000000";
-    // Too small for the checkpoint, and told by an error in place of a signal.
-    let limited = format!(
-        "trap '' XFSZ; ulimit -S -f 4; exec {PROGRAM} render scene.toml --size 160x120 {options}"
-    );
+    // Too small for the checkpoint; the signal that tells so does not end the program.
+    let limited =
+        format!("ulimit -S -f 4; exec {PROGRAM} render scene.toml --size 160x120 {options}");
     let mut child = Command::new("env")
         .args(["--default-signal=HUP,INT,TERM", "sh", "-c", &limited])
         .current_dir(desk.path())
@@ -388,6 +387,103 @@ fn a_full_disk_does_not_end_a_render() {
     told("wrote a.pfm, stopped after");
     assert_eq!(child.wait().expect("it ends").code(), Some(130));
     assert_eq!(desk.names(), ["a.pfm", "a.state", "scene.toml"]);
+}
+
+/// What batch systems send before they end a job.
+#[test]
+fn signals_of_batch_systems_save_and_stop_or_go_on() {
+    for signal in ["USR2", "XCPU"] {
+        let desk = desk();
+        let options = "--spp 100000000 -o a.pfm --checkpoint a.state --checkpoint-every 1h";
+        let mut command = desk.command(&format!("render scene.toml {options}"));
+        let child = command.stderr(Stdio::piped()).spawn().expect("it starts");
+        let send = |signal: &str| {
+            let kill = format!("kill -{signal} {}", child.id());
+            assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+        };
+        // Before anything is rendered it must not end the program either.
+        let deadline = Instant::now() + Duration::from_secs(60);
+        while !desk.path().join("a.state").exists() {
+            send("USR1");
+            assert!(Instant::now() < deadline, "a checkpoint");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        send(signal);
+        let output = child.wait_with_output().expect("it ends");
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(130), "{told}");
+        assert!(told.contains("wrote a.pfm, stopped after"), "{told}");
+        assert_eq!(desk.names(), ["a.pfm", "a.state", "scene.toml"]);
+    }
+}
+
+/// Names that are no text are kept in checkpoints and pictures.
+#[cfg(target_os = "linux")]
+#[test]
+fn names_that_are_not_utf8_lose_nothing() {
+    use std::os::unix::ffi::OsStrExt;
+    let desk = desk();
+    let name = |bytes: &[u8]| desk.path().join(std::ffi::OsStr::from_bytes(bytes));
+    let [folder, scene, picture, kept] =
+        [&b"bad\xff"[..], b"bad\xff/scene\xfe.toml", b"bad\xff/a\xfd.exr", b"bad\xff/k\xfc.part"]
+            .map(name);
+    fs::create_dir(&folder).expect("a folder");
+    fs::copy(desk.path().join("scene.toml"), &scene).expect("a scene");
+    let photosphere = |arguments: &[&std::ffi::OsStr]| {
+        let output = Command::new(PROGRAM).args(arguments).output().expect("it runs");
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{told}");
+        (String::from_utf8_lossy(&output.stdout).into_owned(), told)
+    };
+    let os = std::ffi::OsStr::new;
+    let render: Vec<&std::ffi::OsStr> =
+        [os("render"), scene.as_os_str(), os("-o"), picture.as_os_str()]
+            .into_iter()
+            .chain([os("--checkpoint"), kept.as_os_str()])
+            .chain(["--checkpoint-every", "1ms", "--spp", "64"].map(os))
+            .collect();
+    let (_, told) = photosphere(&render);
+    assert!(!told.contains("warning"), "{told}");
+    photosphere(&[os("resume"), kept.as_os_str(), os("--extend-to"), os("128")]);
+    photosphere(&[os("info"), kept.as_os_str()]);
+    let (told, _) = photosphere(&[os("reproduce"), picture.as_os_str()]);
+    assert!(told.contains("all pixels agree to the bit"), "{told}");
+}
+
+/// A checkpoint holds the job: what the scene file says of it meanwhile does not matter.
+#[test]
+fn a_render_is_resumed_with_the_job_of_its_checkpoint() {
+    let desk = desk();
+    let scene = fs::read_to_string(desk.path().join("scene.toml")).expect("a scene");
+    let seed = |seed: u32| {
+        let text = match scene.contains("[render]") {
+            true => scene.replace("[render]", &format!("[render]\nseed = {seed}")),
+            false => format!("{scene}\n[render]\nseed = {seed}\n"),
+        };
+        fs::write(desk.path().join("scene.toml"), text).expect("a scene");
+    };
+    seed(3);
+    desk.run("render scene.toml -o whole.pfm --spp 128 --size 30x20 -q").succeeds();
+    desk.run("render scene.toml -o a.pfm --spp 64 --size 30x20 --checkpoint a.state -q").succeeds();
+    seed(4);
+    desk.run("resume a.state --extend-to 128 -q").succeeds();
+    assert!(desk.read("a.pfm") == desk.read("whole.pfm"), "another seed, or another size");
+}
+
+#[test]
+fn merged_parts_that_begin_later_are_resumed() {
+    let desk = desk();
+    for range in ["16..32", "32..48"] {
+        let name = range.replace("..", "-");
+        desk.run(&format!("render scene.toml -o {name}.part --spp 64 --samples {range} -q"))
+            .succeeds();
+    }
+    desk.run("merge 16-32.part 32-48.part -o n.part -q").succeeds();
+    desk.run("resume n.part -q")
+        .fails(3, &["does not say where its picture goes", "-o picture.exr"]);
+    desk.run("resume n.part -o z.pfm -q").succeeds();
+    desk.run("render scene.toml -o one.pfm --spp 64 --samples 16..48 -q").succeeds();
+    assert!(desk.read("z.pfm") == desk.read("one.pfm"), "other samples");
 }
 
 /// Ctrl-C alone, twice, may end the program before it has saved what it has.

@@ -1,10 +1,13 @@
 //! A session can be looked at while it runs, stopped, resumed and extended.
 
 use std::path::Path;
+use std::sync::Mutex;
 use std::time::Duration;
 
-use photosphere::film::Kind;
-use photosphere::job::{Checkpoint, End, Job, Opening, Outcome, Reached, Session};
+use photosphere::film::{By, Kind, Values};
+use photosphere::job::{
+    Checkpoint, End, Job, Observer, Opening, Outcome, Progress, Reached, Session,
+};
 use photosphere::output::WholeFile;
 use photosphere::scene::settings::SamplerKind;
 use photosphere::scene::{Scene, Settings, SphereArrays};
@@ -134,6 +137,119 @@ fn a_stopped_session_is_resumed_to_the_same_bits_and_extended() {
     let fewer = Session::resume(&session_scene(), session_job(16), checkpoint, Opening::default());
     let told = fewer.err().expect("it has more").to_string();
     assert!(told.contains("it has samples up to 800, more than the 16"), "{told}");
+}
+
+#[test]
+fn a_session_runs_once_at_a_time_and_goes_on_after_a_stop() {
+    let expected = finished(&opened(SAMPLES));
+    let session = opened(SAMPLES);
+    for _ in 0..3 {
+        let before = session.progress().samples_done;
+        let reached = std::thread::scope(|scope| {
+            let running = scope.spawn(|| session.run(&()));
+            while session.progress().samples_done == before && !running.is_finished() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            if !running.is_finished() {
+                let told = session.run(&()).expect_err("it is running").to_string();
+                assert!(told.contains("running already"), "{told}");
+            }
+            session.stop();
+            running.join().expect("no panic").expect("renders")
+        });
+        if reached.end == End::Finished {
+            break;
+        }
+        assert_eq!(reached.end, End::Stopped);
+    }
+    // A stop that came after the end of a run would be one of the next.
+    while session.run(&()).expect("renders").end != End::Finished {}
+    let reached = session.run(&()).expect("nothing is left to render");
+    must_be_outcome("in several runs", &session.outcome(reached), &expected);
+}
+
+#[test]
+fn a_session_is_extended_to_the_bits_of_one_render() {
+    let expected = finished(&opened(SAMPLES + 100));
+    let mut session = opened(100);
+    finished(&session);
+    session.extend(session_job(SAMPLES + 100)).expect("more samples");
+    must_be_outcome("extended", &finished(&session), &expected);
+    let mut other = session_job(SAMPLES + 200);
+    other.settings.render.seed = 3;
+    for (job, why) in [(session_job(16), "more than the 16"), (other, "`render.seed` is 0, not 3")]
+    {
+        let told = session.extend(job).expect_err(why).to_string();
+        assert!(told.starts_with("cannot extend the render: ") && told.contains(why), "{told}");
+    }
+    must_be_outcome("refused to change", &finished(&session), &expected);
+}
+
+/// The layers of a picture that is taken while others add to the film are of the same samples.
+#[test]
+fn a_snapshot_of_a_running_session_is_consistent() {
+    let mut job = session_job(SAMPLES);
+    job.layers = vec![Kind::SampleCount, Kind::Cryptomatte(By::Sphere)];
+    let session = Session::new(&session_scene(), job, Opening::default()).expect("opens");
+    looked_at(&session, || {
+        for _ in 0..20 {
+            let (picture, metadata) = session.snapshot();
+            let channel = |name: &str| -> Vec<f64> {
+                let plane = picture.planes.iter().find(|plane| plane.name == name).expect(name);
+                match &plane.values {
+                    Values::Float(values) => values.iter().map(|v| f64::from(*v)).collect(),
+                    Values::Whole(values) => values.iter().map(|v| f64::from(*v)).collect(),
+                }
+            };
+            let counts = channel("sample_count");
+            let (fewest, most) = counts.iter().fold((f64::MAX, 0.0f64), |(fewest, most), count| {
+                (fewest.min(*count), most.max(*count))
+            });
+            let said = metadata.samples;
+            assert_eq!((f64::from(said.fewest), f64::from(said.most)), (fewest, most));
+            let shares = ["CryptoSphere00.G", "CryptoSphere00.A"].map(channel);
+            for (pixel, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0.0) {
+                for share in &shares {
+                    // A whole number of the pixel's samples sees the sphere.
+                    let seen = share[pixel] * count;
+                    assert!((seen - seen.round()).abs() < 1e-3, "{seen} of {count}");
+                }
+            }
+        }
+    });
+}
+
+/// Whoever looks on may fail: the render goes on.
+#[test]
+fn an_observer_that_panics_does_not_end_the_render() {
+    #[derive(Default)]
+    struct Clumsy(Mutex<Vec<String>>);
+    impl Observer for Clumsy {
+        fn wants_progress(&self) -> bool {
+            true
+        }
+        fn progress(&self, _: &Progress) {
+            panic!("the observer fails, as this test wants it");
+        }
+        fn warning(&self, text: &str) {
+            self.0.lock().expect("no panic while it is held").push(text.to_owned());
+        }
+    }
+    // Long enough for a word on the progress.
+    let session = opened(16_000);
+    let clumsy = Clumsy::default();
+    let reached = std::thread::scope(|scope| {
+        let running = scope.spawn(|| session.run(&clumsy));
+        while clumsy.0.lock().expect("no panic").is_empty() && !running.is_finished() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        session.stop();
+        running.join().expect("the panic stays in there").expect("renders")
+    });
+    assert_eq!(reached.end, End::Stopped);
+    let told = clumsy.0.into_inner().expect("no panic");
+    assert_eq!(told, ["telling the progress failed in an unexpected way; please report this"]);
+    assert!(session.outcome(reached).samples > 0);
 }
 
 #[test]

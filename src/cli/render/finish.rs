@@ -49,6 +49,7 @@ impl Finish<'_> {
         self.report(reached, render_s)?;
         Ok(match reached.end {
             End::Stopped => Exit::Stopped,
+            End::Failed => Exit::Fault,
             // Of a picture that is shared out, the merge says so.
             _ if !is_met(reached) && self.outputs.has_pictures() => Exit::CheckFailed,
             _ => Exit::Done,

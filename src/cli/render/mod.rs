@@ -6,6 +6,7 @@ mod report;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::accel::Choice;
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 use crate::job::{Checkpoint, Delivery, ENDLESS, FilePath, Header, Job, Opening, Session};
@@ -29,8 +30,10 @@ pub(super) struct Request {
     pub(super) scene: PathBuf,
     pub(super) overrides: Vec<Override>,
     pub(super) memory_limit: Option<u64>,
-    /// The render, but for its settings: those are in the scene file.
+    /// The render.
     pub(super) job: Job,
+    /// Whether the scene file says how to render it; else the job does.
+    pub(super) has_settings_of_file: bool,
     /// Samples per pixel in place of what the scene file says.
     pub(super) samples_per_pixel: Option<u32>,
     /// Whether those are more than were asked for before.
@@ -97,7 +100,10 @@ pub(super) fn execute(request: &Request) -> Result<Exit> {
 
 /// The scene and its settings, if there is memory for them.
 fn load(request: &Request) -> Result<(Scene, Settings)> {
-    let file = read_file(&request.scene, &request.overrides)?;
+    let mut file = read_file(&request.scene, &request.overrides)?;
+    if !request.has_settings_of_file {
+        file.settings = request.job.settings;
+    }
     // Before spheres that are there twice are left out.
     let chosen = request.job.accel.choose_for(file.sphere_count() as usize);
     let needs = Needs { backends: &[chosen.backend], kinds: &request.job.layers, besides: 0 };
@@ -123,6 +129,7 @@ fn open(
     }
     let opening = Opening {
         cancel: interrupt.cancel(),
+        save_request: interrupt.save_request(),
         build_progress: progress::of_a_build(request.quiet),
         delivery: Some(from_the_root(&request.delivery)),
         command: Some(system::command_line()),
@@ -187,6 +194,7 @@ impl RenderArgs {
         Request {
             scene: self.scene.path.clone(),
             overrides: self.overrides(),
+            has_settings_of_file: true,
             memory_limit: self.memory.limit,
             job,
             samples_per_pixel: None,
@@ -209,7 +217,12 @@ impl Request {
             scene: source.file.clone()?,
             overrides: source.overrides.iter().map(Override::of).collect(),
             memory_limit: None,
-            job: header.job.clone(),
+            // Another machine may find another intersector the fastest.
+            job: Job {
+                accel: Choice::Only(header.metadata.intersector.backend),
+                ..header.job.clone()
+            },
+            has_settings_of_file: false,
             samples_per_pixel: Some(header.job.settings.render.samples_per_pixel),
             is_extended: false,
             delivery,

@@ -45,7 +45,7 @@ impl Report<'_> {
     }
 
     fn is_complete(&self) -> bool {
-        self.reached.end != End::Stopped
+        !matches!(self.reached.end, End::Stopped | End::Failed)
     }
 
     /// What was written, and how to go on where that is not all.

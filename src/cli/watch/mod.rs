@@ -8,6 +8,7 @@
 mod preview;
 mod tev;
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
@@ -90,7 +91,11 @@ impl Viewers {
         std::thread::scope(|threads| {
             let state = &state;
             let watch = move || {
-                self.run(session, state, &ended);
+                // Whatever goes wrong here, the render is not lost.
+                let run = AssertUnwindSafe(|| self.run(session, state, &ended));
+                if catch_unwind(run).is_err() {
+                    print::warning("showing the picture failed; please report this");
+                }
                 drop(shown);
             };
             // By its name its share of the time can be measured (benches/record/).

@@ -98,6 +98,21 @@ pub struct Delivery {
     pub tev: Option<String>,
 }
 
+impl Default for Delivery {
+    /// No file, and a checkpoint every minute.
+    fn default() -> Self {
+        Self {
+            files: Vec::new(),
+            look: Look::default(),
+            with_run: true,
+            save_every: Duration::from_secs(60),
+            preview: None,
+            preview_every: Duration::from_secs(2),
+            tev: None,
+        }
+    }
+}
+
 /// A path, also one that is no text.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]

@@ -6,7 +6,7 @@ mod whole;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::accel::{Backend, BuildOptions};
+use crate::accel::BuildOptions;
 use crate::error::{Error, Result, Setting};
 use crate::film::{BLOCK, Film, Format, Kind, Picture, Rect, summed_for};
 use crate::output::WholeFile;
@@ -123,8 +123,8 @@ impl Merged {
         let (scene, mut settings) = self.first.scene()?;
         settings.image.crop = self.metadata.settings.image.crop;
         let shot = Shot::new(&scene, settings)?;
-        let name = self.metadata.intersector.split(' ').next().unwrap_or_default();
-        let accel = name.parse::<Backend>()?.build(scene.spheres(), &BuildOptions::default())?;
+        let accel =
+            self.metadata.intersector.backend.build(scene.spheres(), &BuildOptions::default())?;
         Ok(picture(&shot, accel.as_ref(), &self.film, &self.layers))
     }
 }
@@ -245,7 +245,8 @@ impl Piece {
         }
         let path = self.path.display();
         Err(Error::input(format!("`{path}` is not finished: it has {fewest} of {all} samples"))
-            .with_help(format!("finish it with photosphere resume '{path}', or allow gaps"))
+            .with_help("resume it, or allow gaps")
+            .with_setting(Setting::Resume, path.to_string())
             .with_setting(Setting::AllowGaps, ""))
     }
 }
@@ -286,11 +287,11 @@ fn check_overlaps(pieces: &[Piece]) -> Result<()> {
                     "`{x}` ends within a block, at sample {}, so that `{y}` cannot follow it",
                     early.end
                 );
-                let help = format!(
-                    "render it again up to a multiple of {BLOCK}, or extend it with photosphere \
-                     resume"
-                );
-                return Err(Error::input(what).with_help(help));
+                let help =
+                    format!("render it again up to a multiple of {BLOCK}, or resume and extend it");
+                return Err(Error::input(what)
+                    .with_help(help)
+                    .with_setting(Setting::Resume, x.to_string()));
             }
         }
     }

@@ -163,7 +163,10 @@ impl Whole {
     ) -> Header {
         let first = &pieces[0].header;
         let mut job = first.job.clone();
-        job.samples = None;
+        // A part of the samples is one still; the time of one part says nothing of all.
+        let is_all = self.samples == (0..self.last_sample);
+        job.samples = (!is_all).then(|| self.samples.clone());
+        job.until.time = None;
         job.settings.image.crop = metadata.settings.image.crop;
         job.settings.render.samples_per_pixel = self.last_sample;
         job.layers = layers.to_vec();
