@@ -194,7 +194,7 @@ fn merged_windows_are_those_that_are_asked_for() {
     assert!(desk.read("c.pfm") == desk.read("whole.pfm"));
 }
 
-/// The reference implementation of Open Job Description, where there is one: see `tests/openexr.rs`.
+/// The reference implementation of Open Job Description, where there is one: see `tests/pictures/openexr.rs`.
 fn openjd() -> Option<PathBuf> {
     let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/python/bin/python");
     let python = std::env::var_os("PHOTOSPHERE_PYTHON").map_or(ours, PathBuf::from);

@@ -2,7 +2,7 @@
 
 use photosphere::accel::Backend;
 
-use crate::common::{Kit, rendered};
+use crate::kit::{Kit, rendered};
 
 #[test]
 fn the_picture_has_the_same_bits_for_any_number_of_threads() {

@@ -1,14 +1,12 @@
 //! One scene, one picture, to the bit: whatever the threads, the passes and the order.
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::Kit;
 use photosphere::accel::{Accel, Backend, BuildOptions, Cancel, Precision};
 use photosphere::film::{Film, Kind, Layer};
 use photosphere::job::{Counters, Passes, format_of};
 use photosphere::math::{Hit, Ray};
 use photosphere::scene::Shot;
+
+use crate::kit::Kit;
 
 const SMALL: &[&str] =
     &["image.width=37", "image.height=22", "render.samples_per_pixel=41", "render.max_depth=6"];

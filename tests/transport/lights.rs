@@ -3,12 +3,8 @@
 //! Means are over 32 independent seeds and may be off by four standard errors (see `common/kit.rs` for
 //! the significance of that) and 1e-5 relative.
 
-#[path = "common/kit.rs"]
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{Estimate, Judged, Kit, diffuse, glass, mirror};
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::film::Picture;
@@ -17,6 +13,8 @@ use photosphere::math::DVec3;
 use photosphere::output::Target;
 use photosphere::scene::description::{Background, Dome, Sun};
 use photosphere::scene::settings::LightChoice;
+
+use crate::kit::{Estimate, Judged, Kit, diffuse, glass, mirror};
 
 /// One point of a matt plane, looked at from above. The plane is a giant.
 fn point() -> Kit {

@@ -1,8 +1,6 @@
 //! The proof that long renders survive: hundreds of times the program is killed without warning, at
 //! random instants, and goes on. What comes out in the end has the bytes of a render without a break.
 
-#![cfg(unix)]
-
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};

@@ -9,9 +9,6 @@
 
 #![allow(clippy::print_stdout, reason = "the shares are worth reading with --nocapture")]
 
-mod common;
-
-use common::rays::{against_the_judge, assert_no_failures, set_of};
 use photosphere::geometry::{PathRay, Sphere};
 use photosphere::math::DVec3;
 use photosphere::verify::crosscheck::Tally;
@@ -20,6 +17,8 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rayon::prelude::*;
+
+use crate::backends::{against_the_judge, assert_no_failures, set_of};
 
 /// A scene and rays of its own beside the random ones.
 #[derive(Clone, Default)]

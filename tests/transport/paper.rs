@@ -3,10 +3,6 @@
 //! P- and A-numbers are those of `docs/paper.md`. Ratios come from 32 seeds; they must differ by
 //! four standard errors (a false alarm is less likely than 1e-3 each).
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::{ALLOWED, Estimate, Judged, Kit, SEEDS, rendered};
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::film::Picture;
@@ -17,6 +13,8 @@ use photosphere::sampling::Hemisphere;
 use photosphere::scene::description::SphereRow;
 use photosphere::scene::settings::Integrator;
 use photosphere::scene::{Scene, Shot};
+
+use crate::kit::{ALLOWED, Estimate, Judged, Kit, SEEDS, rendered};
 
 const SMALL: [&str; 3] = ["image.width=96", "image.height=72", "render.samples_per_pixel=16"];
 

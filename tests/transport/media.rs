@@ -1,12 +1,10 @@
 //! Absorption inside transparent spheres against closed forms. With an index of 1 a sphere neither
 //! reflects nor refracts, so that a ray along an axis keeps `exp(-absorption x length)` of the light.
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::{Judged, Kit, diffuse, glass};
 use photosphere::color::Rgb;
 use photosphere::scene::description::Surface;
+
+use crate::kit::{Judged, Kit, diffuse, glass};
 
 /// Transparent spheres around places on the axis, each `(z, radius, surface)`.
 ///

@@ -1,6 +1,5 @@
 //! Both Embree intersectors against brute force in f64: what is hit, from where, and what is not.
-//! `tests/differential.rs` goes to the limits of precision; here every answer is unambiguous.
-#![cfg(feature = "embree")]
+//! `differential.rs` goes to the limits of precision; here every answer is unambiguous.
 
 use std::sync::Arc;
 

@@ -3,11 +3,8 @@
 //! Radius and distance from the origin are swept over 1e-6 to 1e8, directions down to 1e-16 off the
 //! tangent plane, alone and beside a neighbour that touches or overlaps.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::rays::{against_the_judge, assert_no_failures, backends, built, set_of};
 use photosphere::accel::{Accel, Precision};
 use photosphere::geometry::{Cone, PathRay, Side, Sphere, SphereSet, SurfaceHit};
 use photosphere::math::{DVec3, Frame, Hit, NO_SPHERE, Ray};
@@ -15,6 +12,8 @@ use photosphere::verify::crosscheck::Tally;
 use photosphere::verify::{judge, rays};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rayon::prelude::*;
+
+use crate::backends::{against_the_judge, assert_no_failures, backends, built, set_of};
 
 const SPHERES: usize = 1000;
 const DIRECTIONS: usize = 1000;

@@ -4,10 +4,6 @@
 //! radiance of the next point times `f cos / pdf`, function calling itself, one ray at a time. With
 //! the same random numbers it must give what the batched loop gives, to f32 rounding.
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::Kit;
 use photosphere::accel::{Accel, Backend};
 use photosphere::color::{Radiance, Rgb};
 use photosphere::geometry::{PathRay, SurfaceHit};
@@ -17,6 +13,8 @@ use photosphere::material::Lobe;
 use photosphere::math::{Frame, Hit};
 use photosphere::sampling::{Hemisphere, Sampler, power_heuristic};
 use photosphere::scene::Shot;
+
+use crate::kit::Kit;
 
 /// An opaque surface.
 fn receiver(hit: &SurfaceHit) -> Receiver {

@@ -1,10 +1,6 @@
 //! What is computed for many paths at a time has the bits of what is computed for one, with every
 //! set of vector instructions that this processor has.
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::Kit;
 use photosphere::accel::{Backend, Cancel};
 use photosphere::color::Radiance;
 use photosphere::integrator::{SampleAddress, Tally, Workspace, World, of_shot};
@@ -14,6 +10,8 @@ use photosphere::scene::settings::{
     Estimator, FilterKind, Image, Integrator, LightChoice, SamplerKind,
 };
 use photosphere::scene::{Material, Shot};
+
+use crate::kit::Kit;
 
 fn matt(albedo: [f32; 3], roughness: f64) -> Surface {
     Surface::Diffuse { albedo: albedo.into(), roughness }

@@ -2,10 +2,6 @@
 //!
 //! Means are judged over 32 seeds at a significance of 4e-4 each, see `common/kit.rs`.
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::{Judged, Kit, diffuse, glass, mirror, phong};
 use photosphere::accel::{Accel, Backend, BuildOptions, Cancel};
 use photosphere::color::Rgb;
 use photosphere::integrator::{End, SampleAddress, Step, Trace, World, of_shot};
@@ -13,6 +9,8 @@ use photosphere::math::DVec3;
 use photosphere::scene::Shot;
 use photosphere::scene::description::NamedMaterial;
 use photosphere::scene::settings::{Estimator, Integrator, Miss, Paper, Stop};
+
+use crate::kit::{Judged, Kit, diffuse, glass, mirror, phong};
 
 /// A matt and a glossy ball, a mirror and a glass ball on a matt ground under two lamps and a sky.
 fn still_life() -> Kit {

@@ -3,15 +3,13 @@
 //! Direct and indirect light are compared apart, over 32 seeds and within four standard errors (see
 //! `common/kit.rs`); and a room without a lamp stays black whatever shines outside.
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::{Estimate, Judged, Kit, diffuse, glass, mirror, phong, rendered};
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::film::Picture;
 use photosphere::scene::description::Surface;
 use photosphere::scene::settings::Paper;
+
+use crate::kit::{Estimate, Judged, Kit, diffuse, glass, mirror, phong, rendered};
 
 /// What a ball is made of, and the radiance that it sends out.
 type Look = (Surface, f32);

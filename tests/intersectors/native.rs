@@ -3,9 +3,6 @@
 //! Both decide in f64 with the same routine, so on these scenes there is no band of tolerance: the
 //! answers must be equal.
 
-#[path = "common/scenes.rs"]
-mod scenes;
-
 use std::sync::Arc;
 
 use photosphere::accel::{Accel, Backend, BuildOptions, Instance};
@@ -15,6 +12,8 @@ use photosphere::verify::rays;
 use proptest::prelude::*;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
+
+use crate::scenes;
 
 const NOTHING: [u32; 2] = [NO_SPHERE; 2];
 

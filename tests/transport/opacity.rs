@@ -1,14 +1,12 @@
 //! Surfaces that are there only with a probability, against closed forms.
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::{Estimate, Judged, Kit, rendered};
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::scene::Material;
 use photosphere::scene::description::{NamedMaterial, Surface};
 use photosphere::scene::settings::{FilterKind, Image, Integrator, Paper, SamplerKind};
+
+use crate::kit::{Estimate, Judged, Kit, rendered};
 
 /// Looks along -z from z = 1/2 at a small grey ball, which fills the picture.
 fn ball() -> Kit {

@@ -1,14 +1,12 @@
 //! What cameras must show whatever they look at, and crops.
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::Kit;
 use photosphere::color::Rgb;
 use photosphere::math::Rect;
 use photosphere::scene::Material;
 use photosphere::scene::description::{Lens, NamedMaterial, Projection, Surface};
 use photosphere::scene::settings::{FilterKind, Image, Integrator, SamplerKind};
+
+use crate::kit::Kit;
 
 /// A lens before an opening of this radius, in focus at this distance.
 fn lens(radius: f64, focus_distance: f64, blades: u32) -> Lens {

@@ -1,6 +1,5 @@
 //! The C and Rust sides of the Embree fence under valgrind: no invalid access, no use of
 //! uninitialised memory, no leak.
-#![cfg(feature = "embree")]
 
 use std::env;
 use std::io::{self, ErrorKind, Write};
@@ -122,7 +121,7 @@ fn valgrind_finds_nothing_wrong() {
         .args(["--quiet", "--error-exitcode=9", "--leak-check=full"])
         .args(["--errors-for-leak-kinds=definite", "--show-leak-kinds=definite"])
         .arg(env::current_exe().expect("this program"))
-        .args(["--exact", "small_workload", "small_render", "--test-threads=1"])
+        .args(["--exact", "memory::small_workload", "memory::small_render", "--test-threads=1"])
         .output();
     let output = match checked {
         Ok(output) => output,

@@ -1,7 +1,5 @@
 //! The memory plan: as it is told, as it is kept, and what is refused by it.
 
-#![cfg(target_os = "linux")]
-
 use std::path::Path;
 use std::process::{Command, Output};
 

@@ -4,8 +4,6 @@
 //! The interpreter is `target/python/bin/python`, which `scripts/setup-python.sh` makes, or the one in
 //! `PHOTOSPHERE_PYTHON`. Without the packages the tests say so and check nothing.
 
-#![cfg(unix)]
-
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,9 +1,5 @@
 //! The layers of a picture show what they say.
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::Kit;
 use photosphere::accel::{Backend, Cancel};
 use photosphere::color::{NOTHING, Rgb};
 use photosphere::film::{KINDS, Kind, Layer, Picture, Values};
@@ -11,6 +7,8 @@ use photosphere::job::render;
 use photosphere::math::Rect;
 use photosphere::scene::description::{NamedMaterial, Surface};
 use photosphere::scene::settings::{Integrator, Paper, SamplerKind};
+
+use crate::kit::Kit;
 
 /// A ground, a lamp, a mirror, glass, a ball that is half there, and a matt ball before a background.
 fn kit() -> Kit {

@@ -2,15 +2,13 @@
 //!
 //! Means are over 32 independent seeds, judged as `common/kit.rs` says.
 
-#[path = "common/kit.rs"]
-mod common;
-
-use common::{Estimate, Judged, Kit, diffuse, mirror, phong, rough_glass};
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::material::{GLASSES, Metal, PrincipledParameters};
 use photosphere::scene::description::{Dome, Surface};
 use photosphere::scene::settings::{Paper, SamplerKind};
+
+use crate::kit::{Estimate, Judged, Kit, diffuse, mirror, phong, rough_glass};
 
 /// What the tables of lost energy may be off.
 const TABLES: f64 = 5e-4;
