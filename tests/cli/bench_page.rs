@@ -1,26 +1,10 @@
 //! `photosphere bench` as a drawing and as a page.
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
 use serde_json::Value;
 
-fn photosphere(folder: &Path, words: &str) -> Output {
-    let program = env!("CARGO_BIN_EXE_photosphere");
-    let run = Command::new(program).args(words.split_whitespace()).current_dir(folder).output();
-    run.expect("the program starts")
-}
-
-fn succeed(folder: &Path, words: &str) -> String {
-    let output = photosphere(folder, words);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("it prints UTF-8")
-}
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).expect("it is JSON")
-}
+use crate::desk::{Desk, Outcome};
 
 fn is_positive(value: &Value) -> bool {
     value.as_f64().is_some_and(|value| value > 0.0)
@@ -28,19 +12,18 @@ fn is_positive(value: &Value) -> bool {
 
 #[test]
 fn a_scene_is_drawn_and_the_suite_makes_a_page() {
-    let desk = tempfile::tempdir().expect("a folder");
+    let desk = Desk::empty();
     let read = |name: &str| fs::read_to_string(desk.path().join(name)).expect("the file is there");
-    succeed(desk.path(), "generate gas -n 300 -o t.f32 --scene s.toml");
+    desk.run("generate gas -n 300 -o t.f32 --scene s.toml").succeeds();
     let few = "--accel native --accel brute-force --rounds 1";
     let small = "--set image.width=32 --set image.height=24";
-    succeed(desk.path(), &format!("bench s.toml {small} {few} --svg bars.svg"));
+    desk.run(&format!("bench s.toml {small} {few} --svg bars.svg")).succeeds();
     let svg = read("bars.svg");
     for text in ["s.toml", "camera rays, closest hit", "native", "brute-force", "M rays/s"] {
         assert!(svg.contains(text), "{text}");
     }
-    let suite =
-        succeed(desk.path(), &format!("bench --suite page.html --largest 100 {few} --json"));
-    let suite = json(&suite);
+    let suite = desk.run(&format!("bench --suite page.html --largest 100 {few} --json"));
+    let suite = suite.succeeds().json();
     // Four arrangements of 3 and of 100 spheres.
     assert_eq!(suite.as_array().map(Vec::len), Some(8));
     assert_eq!(suite[7]["arrangement"], "lattice");
@@ -53,16 +36,16 @@ fn a_scene_is_drawn_and_the_suite_makes_a_page() {
 
 #[test]
 fn batches_threads_and_whole_renders_are_compared() {
-    let desk = tempfile::tempdir().expect("a folder");
-    succeed(desk.path(), "generate packed -n 500 -o t.f32 --scene s.toml");
+    let desk = Desk::empty();
+    desk.run("generate packed -n 500 -o t.f32 --scene s.toml").succeeds();
     let bench = "bench s.toml --set image.width=16 --set image.height=12 --threads 2 --rounds 1 \
                  --set render.samples_per_pixel=2 --accel native --accel brute-force --builds 2 \
                  --batch 64,1 --scaling --render";
-    let text = succeed(desk.path(), bench);
+    let text = desk.run(bench).succeeds().stdout;
     for part in ["64 rays a call", "1 ray a call", "1 thread;", "2 threads;", "pure arithmetic"] {
         assert!(text.contains(part), "{part}: {text}");
     }
-    let found = json(&succeed(desk.path(), &format!("{bench} --json")));
+    let found = desk.run(&format!("{bench} --json")).succeeds().json();
     let settings = |key: &str, which: &str| -> Vec<u64> {
         let all = found[key].as_array().expect("a list");
         all.iter().filter_map(|one| one[which].as_u64()).collect()
@@ -84,27 +67,25 @@ fn batches_threads_and_whole_renders_are_compared() {
 
 #[test]
 fn nothing_is_left_where_something_is_missing() {
-    let desk = tempfile::tempdir().expect("a folder");
+    let desk = Desk::empty();
     for words in ["bench missing.toml --svg a.svg", "bench --suite no/such/page.html --largest 3"] {
-        let output = photosphere(desk.path(), words);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(!output.status.success() && said.starts_with("error:"), "{words}: {said}");
-        assert_eq!(fs::read_dir(desk.path()).expect("it is there").count(), 0, "{words}");
+        let Outcome { code, stderr, .. } = desk.run(words);
+        assert!(code != Some(0) && stderr.starts_with("error:"), "{words}: {stderr}");
+        assert!(desk.names().is_empty(), "{words}");
     }
     for (words, ending) in [("bench s.toml --svg a.png", "svg"), ("bench --suite a.svg", "html")] {
-        let output = photosphere(desk.path(), words);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(3), "{words}: {said}");
-        assert!(said.contains(&format!("does not end in .{ending}")), "{words}: {said}");
+        let Outcome { code, stderr, .. } = desk.run(words);
+        assert_eq!(code, Some(3), "{words}: {stderr}");
+        assert!(stderr.contains(&format!("does not end in .{ending}")), "{words}: {stderr}");
     }
-    succeed(desk.path(), "bench --suite page.html --largest 100 --memory-limit 1MB");
+    desk.run("bench --suite page.html --largest 100 --memory-limit 1MB").succeeds();
     let page = fs::read_to_string(desk.path().join("page.html")).expect("an empty page");
     assert!(!page.contains("<svg"), "nothing fits into a megabyte");
 }
 
 #[test]
 fn bench_wants_a_scene_or_the_suite_and_not_both() {
-    let desk = tempfile::tempdir().expect("a folder");
+    let desk = Desk::empty();
     for words in [
         "bench",
         "bench s.toml --suite p.html",
@@ -114,6 +95,6 @@ fn bench_wants_a_scene_or_the_suite_and_not_both() {
         "bench --suite p.html --svg a.svg",
         "bench --suite p.html --render",
     ] {
-        assert_eq!(photosphere(desk.path(), words).status.code(), Some(2), "{words}");
+        assert_eq!(desk.run(words).code, Some(2), "{words}");
     }
 }

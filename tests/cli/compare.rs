@@ -2,39 +2,25 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use photosphere::color::Rgb;
 use photosphere::film::Picture;
 use photosphere::output::Target;
 use serde_json::Value;
-use tempfile::TempDir;
+
+use crate::desk::{Desk, Outcome};
 
 const SIZE: (usize, usize) = (20, 10);
 
-struct Outcome {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
+fn run(desk: &Desk, arguments: &str) -> Outcome {
+    desk.run(&format!("compare {arguments}"))
 }
 
-fn run(folder: &TempDir, arguments: &str) -> Outcome {
-    let output = Command::new(env!("CARGO_BIN_EXE_photosphere"))
-        .arg("compare")
-        .args(arguments.split_whitespace())
-        .current_dir(folder.path())
-        .output()
-        .expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    Outcome { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+fn json(desk: &Desk, arguments: &str) -> Value {
+    run(desk, &format!("{arguments} --json")).succeeds().json()
 }
 
-fn json(folder: &TempDir, arguments: &str) -> Value {
-    let outcome = run(folder, &format!("{arguments} --json"));
-    serde_json::from_str(&outcome.stdout).unwrap_or_else(|e| panic!("{e}: {}", outcome.stderr))
-}
-
-fn write(folder: &TempDir, name: &str, size: (usize, usize), direct: f32, indirect: f32) {
+fn write(desk: &Desk, name: &str, size: (usize, usize), direct: f32, indirect: f32) {
     let layer = |value| vec![Rgb::splat(value); size.0 * size.1];
     let picture = Picture {
         width: size.0,
@@ -43,17 +29,17 @@ fn write(folder: &TempDir, name: &str, size: (usize, usize), direct: f32, indire
         indirect: layer(indirect),
         ..Picture::default()
     };
-    let path = folder.path().join(name);
+    let path = desk.path().join(name);
     Target::new(&path).expect("a writable place").write(&picture).expect("written");
 }
 
 /// `a.exr` is 0.25 + 0.25, `b.exr` 0.25 + 0.5, `c.exr` the same as `a.exr`.
-fn desk() -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    write(&folder, "a.exr", SIZE, 0.25, 0.25);
-    write(&folder, "b.exr", SIZE, 0.25, 0.5);
-    write(&folder, "c.exr", SIZE, 0.25, 0.25);
-    folder
+fn desk() -> Desk {
+    let desk = Desk::empty();
+    write(&desk, "a.exr", SIZE, 0.25, 0.25);
+    write(&desk, "b.exr", SIZE, 0.25, 0.5);
+    write(&desk, "c.exr", SIZE, 0.25, 0.25);
+    desk
 }
 
 #[track_caller]
@@ -65,9 +51,9 @@ fn close(value: &Value, expected: f64) {
 /// A picture over a black one has no ratio, and light over black is infinitely far from 1.
 #[test]
 fn over_black_there_is_no_ratio() {
-    let folder = desk();
-    write(&folder, "black.exr", SIZE, 0.0, 0.0);
-    let outcome = run(&folder, "a.exr black.exr --twin c.exr --max-mean 0.5");
+    let desk = desk();
+    write(&desk, "black.exr", SIZE, 0.0, 0.0);
+    let outcome = run(&desk, "a.exr black.exr --twin c.exr --max-mean 0.5");
     assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
     for told in ["none, B is black", "0.50000 +- 0.0e0"] {
         assert!(outcome.stdout.contains(told), "{told}: {}", outcome.stdout);
@@ -75,9 +61,9 @@ fn over_black_there_is_no_ratio() {
     let all = format!("{}{}", outcome.stdout, outcome.stderr);
     assert!(!all.contains("NaN") && !all.contains("inf "), "{all}");
     assert!(outcome.stderr.contains("is infinite, since B is black"), "{}", outcome.stderr);
-    let told = json(&folder, "a.exr black.exr --twin c.exr --metric mean");
+    let told = json(&desk, "a.exr black.exr --twin c.exr --metric mean");
     assert!(told["layers"][0]["mean_ratio"][0].is_null(), "{told}");
-    let outcome = run(&folder, "black.exr black.exr --twin black.exr --max-mean 0");
+    let outcome = run(&desk, "black.exr black.exr --twin black.exr --max-mean 0");
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     assert!(!outcome.stdout.contains("NaN"), "{}", outcome.stdout);
 }
@@ -101,12 +87,12 @@ fn every_metric_of_every_layer_is_told() {
 
 #[test]
 fn formats_meet_each_other() {
-    let folder = desk();
-    write(&folder, "a.pfm", SIZE, 0.25, 0.25);
-    write(&folder, "a.hdr", SIZE, 0.25, 0.25);
-    write(&folder, "a.png", SIZE, 0.25, 0.25);
+    let desk = desk();
+    write(&desk, "a.pfm", SIZE, 0.25, 0.25);
+    write(&desk, "a.hdr", SIZE, 0.25, 0.25);
+    write(&desk, "a.png", SIZE, 0.25, 0.25);
     for (other, allowed) in [("a.pfm", 0.0), ("a.hdr", 0.004), ("a.png", 0.005)] {
-        let outcome = run(&folder, &format!("a.exr {other} --metric rmse --max-rmse {allowed}"));
+        let outcome = run(&desk, &format!("a.exr {other} --metric rmse --max-rmse {allowed}"));
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
         assert!(outcome.stderr.contains("only A has: direct, indirect"), "{}", outcome.stderr);
         let tells_of_png = outcome.stderr.contains("decoded from sRGB to linear");
@@ -116,12 +102,12 @@ fn formats_meet_each_other() {
 
 #[test]
 fn limits_decide_the_exit_code() {
-    let folder = desk();
+    let desk = desk();
     for kept in [
         "--max-mse 0.07 --max-rmse 0.26 --max-relmse 0.25 --min-psnr 10",
         "--layer direct --max-flip 0 --max-mean 0 --min-psnr 100",
     ] {
-        assert_eq!(run(&folder, &format!("a.exr b.exr {kept}")).code, Some(0), "{kept}");
+        assert_eq!(run(&desk, &format!("a.exr b.exr {kept}")).code, Some(0), "{kept}");
     }
     for (exceeded, told) in [
         ("--max-mse 0.06", "mse of `beauty` is 0.06250, allowed is at most 0.06"),
@@ -131,7 +117,7 @@ fn limits_decide_the_exit_code() {
         ("--max-mean 0.3", "ratio of means - 1 of `beauty` is 0.33333"),
         ("--min-psnr 13", "psnr of `beauty` is 12.04120, allowed is at least 13"),
     ] {
-        let outcome = run(&folder, &format!("a.exr b.exr --metric mean {exceeded}"));
+        let outcome = run(&desk, &format!("a.exr b.exr --metric mean {exceeded}"));
         assert_eq!(outcome.code, Some(1), "{exceeded}");
         assert!(outcome.stderr.contains(told), "{exceeded}: {}", outcome.stderr);
     }
@@ -139,8 +125,8 @@ fn limits_decide_the_exit_code() {
 
 #[test]
 fn a_twin_tells_the_interval_of_the_mean() {
-    let folder = desk();
-    let told = json(&folder, "a.exr b.exr --twin b.exr --metric mean");
+    let desk = desk();
+    let told = json(&desk, "a.exr b.exr --twin b.exr --metric mean");
     // Every pixel's variance is 0.25^2 / 2; there are 200 pixels.
     let expected = 1.959_964 * (0.25f64 * 0.25 / 2.0 / 200.0).sqrt();
     close(&told["layers"][0]["mean_a_half_interval_95"][0], expected);
@@ -150,10 +136,10 @@ fn a_twin_tells_the_interval_of_the_mean() {
 
 #[test]
 fn what_cannot_be_compared_is_refused() {
-    let folder = desk();
-    write(&folder, "small.exr", (10, 10), 0.25, 0.25);
-    write(&folder, "nan.exr", SIZE, f32::NAN, 0.25);
-    fs::write(folder.path().join("text.exr"), "no picture").expect("written");
+    let desk = desk();
+    write(&desk, "small.exr", (10, 10), 0.25, 0.25);
+    write(&desk, "nan.exr", SIZE, f32::NAN, 0.25);
+    fs::write(desk.path().join("text.exr"), "no picture").expect("written");
     for (arguments, code, told) in [
         ("a.exr small.exr", 3, "`a.exr` has 20 x 10 pixels and `small.exr` has 10 x 10"),
         ("a.exr b.exr --twin small.exr", 3, "`small.exr` has 10 x 10"),
@@ -170,7 +156,7 @@ fn what_cannot_be_compared_is_refused() {
         ("a.exr b.exr --heatmap none/h.png", 4, "does not exist"),
         ("a.exr b.exr --heatmap a.exr", 3, "the heat map would replace `a.exr`"),
     ] {
-        let outcome = run(&folder, arguments);
+        let outcome = run(&desk, arguments);
         assert_eq!(outcome.code, Some(code), "{arguments}: {}", outcome.stderr);
         assert!(outcome.stderr.contains(told), "{arguments}: {}", outcome.stderr);
         assert_eq!(outcome.stdout, "");
@@ -179,30 +165,30 @@ fn what_cannot_be_compared_is_refused() {
 
 #[test]
 fn a_heat_map_is_drawn_with_its_scale_told() {
-    let folder = desk();
+    let desk = desk();
     for (which, told) in [
         ("flip", "FLIP; its scale runs from 0 (black, left) to 1"),
         ("rmse", "to 0.25000"),
         ("relmse", "relative error"),
     ] {
         let arguments = format!("a.exr b.exr --heatmap h.png --heatmap-of {which}");
-        let outcome = run(&folder, &arguments);
+        let outcome = run(&desk, &arguments);
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
         assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
-        let map = photosphere::output::read(&folder.path().join("h.png")).expect("a picture");
+        let map = photosphere::output::read(&desk.path().join("h.png")).expect("a picture");
         assert_eq!((map.width, map.height), (260, 146));
     }
-    let outcome = run(&folder, "a.exr b.exr --heatmap-of rmse");
+    let outcome = run(&desk, "a.exr b.exr --heatmap-of rmse");
     assert_eq!(outcome.code, Some(2));
     assert!(!Path::new("h.png").exists());
 }
 
 #[test]
 fn values_that_are_infinite_by_their_meaning_are_no_obstacle() {
-    let folder = desk();
-    write(&folder, "far.exr", SIZE, 0.25, f32::INFINITY);
-    write(&folder, "far2.exr", SIZE, 0.25, f32::INFINITY);
-    let outcome = run(&folder, "far.exr far2.exr --json");
+    let desk = desk();
+    write(&desk, "far.exr", SIZE, 0.25, f32::INFINITY);
+    write(&desk, "far2.exr", SIZE, 0.25, f32::INFINITY);
+    let outcome = run(&desk, "far.exr far2.exr --json");
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-    assert_eq!(run(&folder, "far.exr a.exr").code, Some(3));
+    assert_eq!(run(&desk, "far.exr a.exr").code, Some(3));
 }

@@ -1,50 +1,32 @@
 //! `photosphere converge` as its users meet it: slopes, references, refusals.
 
 use std::fs;
-use std::process::Command;
 
 use serde_json::Value;
-use tempfile::TempDir;
 
-struct Outcome {
-    code: Option<i32>,
-    stdout: String,
-    stderr: String,
-}
+use crate::desk::{Desk, Outcome};
 
 /// A folder with figure 2 of the paper in it.
-fn desk() -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/paper/fig2.toml");
-    fs::copy(scene, folder.path().join("fig2.toml")).expect("copied");
-    folder
+fn desk() -> Desk {
+    Desk::of_file("paper/fig2.toml")
 }
 
-fn run(folder: &TempDir, arguments: &str) -> Outcome {
-    let output = Command::new(env!("CARGO_BIN_EXE_photosphere"))
-        .arg("converge")
-        .args(arguments.split_whitespace())
-        .current_dir(folder.path())
-        .output()
-        .expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    Outcome { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+fn run(desk: &Desk, arguments: &str) -> Outcome {
+    desk.run(&format!("converge {arguments}"))
 }
 
-fn json(folder: &TempDir, arguments: &str) -> Value {
-    let outcome = run(folder, &format!("{arguments} --json --quiet"));
-    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
-    serde_json::from_str(&outcome.stdout).expect("JSON")
+fn json(desk: &Desk, arguments: &str) -> Value {
+    run(desk, &format!("{arguments} --json --quiet")).succeeds().json()
 }
 
 /// With 12 seeds and independent numbers the slope is -1/2 within its own 99.98 % interval, which is
 /// 2.4 times the printed one (Student's t, 11 degrees of freedom).
 #[test]
 fn independent_samples_have_the_slope_of_one_half_for_every_estimator() {
-    let folder = desk();
+    let desk = desk();
     let told = json(
-        &folder,
-        "fig2.toml --size 24x18 --integrator paper,path --sampler independent --spp 16,4,64 \
+        &desk,
+        "scene.toml --size 24x18 --integrator paper,path --sampler independent --spp 16,4,64 \
          --seeds 12 -o noise.svg",
     );
     let names: Vec<_> = told["series"].as_array().unwrap().iter().map(|s| &s["name"]).collect();
@@ -62,8 +44,8 @@ fn independent_samples_have_the_slope_of_one_half_for_every_estimator() {
     }
     assert_eq!(told["reference"]["integrator"], "path");
     assert_eq!(told["reference"]["samples_per_pixel"], 1024);
-    let svg = fs::read_to_string(folder.path().join("noise.svg")).expect("written");
-    for text in ["fig2.toml", "paper, independent", "samples per pixel", "is taken away"] {
+    let svg = fs::read_to_string(desk.path().join("noise.svg")).expect("written");
+    for text in ["scene.toml", "paper, independent", "samples per pixel", "is taken away"] {
         assert!(svg.contains(text), "{text}");
     }
 }
@@ -74,24 +56,19 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn a_picture_can_be_the_reference_and_its_error_is_then_not_known() {
-    let folder = desk();
-    let picture = Command::new(env!("CARGO_BIN_EXE_photosphere"))
-        .args(
-            "render fig2.toml --integrator path --size 16x12 --spp 512 --quiet -o best.exr"
-                .split(' '),
-        )
-        .current_dir(folder.path())
-        .status();
-    assert!(picture.expect("the program starts").success());
-    let arguments = "fig2.toml --integrator path --spp 1,4 --seeds 2 --reference best.exr -o n.svg";
-    let outcome = run(&folder, &format!("{arguments} --size 16x12 --metric relmse"));
+    let desk = desk();
+    let best = "--integrator path --size 16x12 --spp 512 --quiet -o best.exr";
+    desk.run(&format!("render scene.toml {best}")).succeeds();
+    let arguments =
+        "scene.toml --integrator path --spp 1,4 --seeds 2 --reference best.exr -o n.svg";
+    let outcome = run(&desk, &format!("{arguments} --size 16x12 --metric relmse"));
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     for told in
         ["reference: best.exr; its own error is not known", "relMSE", "slope against samples -"]
     {
         assert!(outcome.stdout.contains(told), "{told}: {}", outcome.stdout);
     }
-    let outcome = run(&folder, arguments);
+    let outcome = run(&desk, arguments);
     assert_eq!(outcome.code, Some(3));
     assert!(outcome.stderr.contains("add --size 16x12"), "{}", outcome.stderr);
 }
@@ -99,8 +76,8 @@ fn a_picture_can_be_the_reference_and_its_error_is_then_not_known() {
 /// The paper's sub-pixels are k x k, and all curves have points at the same samples.
 #[test]
 fn the_usual_samples_are_such_that_the_paper_can_take_them() {
-    let folder = desk();
-    let few = "fig2.toml --size 6x4 --seeds 2 --reference-spp 8 -o n.svg";
+    let desk = desk();
+    let few = "scene.toml --size 6x4 --seeds 2 --reference-spp 8 -o n.svg";
     let samples = |told: &Value| -> Vec<Vec<u64>> {
         let of = |series: &Value| {
             let points = series["points"].as_array().unwrap().iter();
@@ -108,12 +85,12 @@ fn the_usual_samples_are_such_that_the_paper_can_take_them() {
         };
         told["series"].as_array().unwrap().iter().map(of).collect()
     };
-    let told = json(&folder, &format!("{few} --integrator paper,path"));
+    let told = json(&desk, &format!("{few} --integrator paper,path"));
     assert_eq!(samples(&told), [[4, 8, 16, 32, 64, 128, 256]; 2]);
     let three = "--set render.paper.subpixels=3";
-    let told = json(&folder, &format!("{few} --integrator paper {three}"));
+    let told = json(&desk, &format!("{few} --integrator paper {three}"));
     assert_eq!(samples(&told), [[9, 18, 36, 72, 144, 288, 576]]);
-    let told = json(&folder, &format!("{few} --integrator path {three}"));
+    let told = json(&desk, &format!("{few} --integrator path {three}"));
     assert_eq!(samples(&told), [[1, 2, 4, 8, 16, 32, 64]]);
 }
 
@@ -121,9 +98,9 @@ fn the_usual_samples_are_such_that_the_paper_can_take_them() {
 /// error, at the least.
 #[test]
 fn estimators_are_curves_of_their_own() {
-    let folder = desk();
-    let arguments = "fig2.toml --size 16x12 --spp 16,64 --seeds 4 --estimator mis,bsdf -o n.svg";
-    let told = json(&folder, &format!("{arguments} --integrator path"));
+    let desk = desk();
+    let arguments = "scene.toml --size 16x12 --spp 16,64 --seeds 4 --estimator mis,bsdf -o n.svg";
+    let told = json(&desk, &format!("{arguments} --integrator path"));
     let series = told["series"].as_array().unwrap();
     let names: Vec<_> = series.iter().map(|series| series["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["path, mis", "path, bsdf"]);
@@ -133,39 +110,39 @@ fn estimators_are_curves_of_their_own() {
 
 #[test]
 fn a_scene_without_any_error_is_not_told_to_have_a_better_reference() {
-    let folder = desk();
+    let desk = desk();
     let black =
-        "fig2.toml --size 6x4 --seeds 2 --spp 1,2 --integrator path --set render.max_depth=1";
-    let outcome = run(&folder, &format!("{black} -o noise.svg"));
+        "scene.toml --size 6x4 --seeds 2 --spp 1,2 --integrator path --set render.max_depth=1";
+    let outcome = run(&desk, &format!("{black} -o noise.svg"));
     assert_eq!(outcome.code, Some(3), "{}", outcome.stderr);
     assert!(outcome.stderr.contains("there is no error to plot"), "{}", outcome.stderr);
     assert!(!outcome.stderr.contains("reference-spp"), "{}", outcome.stderr);
-    assert!(!folder.path().join("noise.svg").exists());
+    assert!(!desk.path().join("noise.svg").exists());
 }
 
 #[test]
 fn mistakes_are_told_before_anything_is_rendered() {
-    let folder = desk();
+    let desk = desk();
     for (arguments, code, told) in [
-        ("fig2.toml -o noise.png", 3, "does not end in .svg"),
-        ("fig2.toml -o none/noise.svg", 4, "does not exist"),
+        ("scene.toml -o noise.png", 3, "does not end in .svg"),
+        ("scene.toml -o none/noise.svg", 4, "does not exist"),
         ("none.toml -o noise.svg", 4, "none.toml"),
-        ("fig2.toml --integrator path,pth -o noise.svg", 3, "--integrator pth"),
-        ("fig2.toml --estimator mis,mos -o noise.svg", 3, "--estimator mos"),
+        ("scene.toml --integrator path,pth -o noise.svg", 3, "--integrator pth"),
+        ("scene.toml --estimator mis,mos -o noise.svg", 3, "--estimator mos"),
         (
-            "fig2.toml --integrator paper --spp 4,6 -o noise.svg",
+            "scene.toml --integrator paper --spp 4,6 -o noise.svg",
             3,
             "multiple of the 2 x 2 sub-pixels",
         ),
-        ("fig2.toml --integrator ambient-occlusion,normals -o noise.svg", 3, "different pictures"),
-        ("fig2.toml --integrator path,direct -o noise.svg", 3, "--reference-integrator"),
-        ("fig2.toml --spp 0 -o noise.svg", 2, "0"),
-        ("fig2.toml --seeds 1 -o noise.svg", 2, "1"),
-        ("fig2.toml --spp 4 --reference a.exr --reference-spp 8 -o n.svg", 2, "cannot be used"),
+        ("scene.toml --integrator ambient-occlusion,normals -o noise.svg", 3, "different pictures"),
+        ("scene.toml --integrator path,direct -o noise.svg", 3, "--reference-integrator"),
+        ("scene.toml --spp 0 -o noise.svg", 2, "0"),
+        ("scene.toml --seeds 1 -o noise.svg", 2, "1"),
+        ("scene.toml --spp 4 --reference a.exr --reference-spp 8 -o n.svg", 2, "cannot be used"),
     ] {
-        let outcome = run(&folder, arguments);
+        let outcome = run(&desk, arguments);
         assert_eq!(outcome.code, Some(code), "{arguments}: {}", outcome.stderr);
         assert!(outcome.stderr.contains(told), "{arguments}: {}", outcome.stderr);
-        assert!(!folder.path().join("noise.svg").exists());
+        assert!(!desk.path().join("noise.svg").exists());
     }
 }

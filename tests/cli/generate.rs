@@ -1,39 +1,22 @@
 //! `photosphere generate`, from its command line to a picture of what it made.
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
 use photosphere::scene::{SceneFile, read_file};
-use tempfile::TempDir;
 
-fn photosphere(folder: &Path, words: &str) -> Output {
-    let program = env!("CARGO_BIN_EXE_photosphere");
-    let run = Command::new(program).args(words.split_whitespace()).current_dir(folder).output();
-    run.expect("the program starts")
-}
-
-fn folder() -> TempDir {
-    tempfile::tempdir().expect("a folder")
-}
-
-fn told(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
+use crate::desk::Desk;
 
 #[test]
 fn every_arrangement_makes_a_table_and_a_scene_that_renders() {
-    let desk = folder();
+    let desk = Desk::empty();
     for arrangement in ["gas", "packed", "clusters", "lattice"] {
         for colors in ["", "--colors"] {
             let words =
                 format!("generate {arrangement} -n 2e3 -o t.f32 --scene s.toml --seed 5 {colors}");
-            let made = photosphere(desk.path(), &words);
-            assert!(made.status.success(), "{}", told(&made));
+            desk.run(&words).succeeds();
             let render = "render s.toml -o s.png --size 32x24 --spp 1 --quiet";
-            let rendered = photosphere(desk.path(), render);
-            assert!(rendered.status.success(), "{}", told(&rendered));
-            assert_eq!(told(&rendered), "", "no warning about {arrangement}");
+            let rendered = desk.run(render).succeeds();
+            assert_eq!(rendered.stderr, "", "no warning about {arrangement}");
             let file = read_file(&desk.path().join("s.toml"), &[]);
             let (scene, _) = file.and_then(SceneFile::build).expect("it rendered");
             assert_eq!(scene.spheres().len(), 2000);
@@ -44,27 +27,24 @@ fn every_arrangement_makes_a_table_and_a_scene_that_renders() {
 
 #[test]
 fn a_recipe_has_one_table_whatever_the_threads() {
-    let desk = folder();
+    let desk = Desk::empty();
     let make = |options: &str| {
-        let made = photosphere(desk.path(), &format!("generate gas --count 300000 {options}"));
-        assert!(made.status.success(), "{}", told(&made));
+        desk.run(&format!("generate gas --count 300000 {options}")).succeeds();
     };
     make("-o one.f32 --threads 1");
     make("-o two.f32 --threads 2 --seed 0");
     make("-o other.f32 --seed 1");
-    let read = |name: &str| fs::read(desk.path().join(name)).expect("the table is there");
-    assert!(read("one.f32") == read("two.f32"));
-    assert!(read("one.f32") != read("other.f32"));
-    assert_eq!(read("one.f32").len(), 300_000 * 16);
+    assert!(desk.read("one.f32") == desk.read("two.f32"));
+    assert!(desk.read("one.f32") != desk.read("other.f32"));
+    assert_eq!(desk.read("one.f32").len(), 300_000 * 16);
 }
 
 /// The first rows of a table with a known recipe: these numbers may not change.
 #[test]
 fn the_numbers_stay_the_same() {
-    let desk = folder();
-    let made = photosphere(desk.path(), "generate gas -n 1e6 --colors -o t.f32 --seed 42");
-    assert!(made.status.success(), "{}", told(&made));
-    let bytes = fs::read(desk.path().join("t.f32")).expect("the table is there");
+    let desk = Desk::empty();
+    desk.run("generate gas -n 1e6 --colors -o t.f32 --seed 42").succeeds();
+    let bytes = desk.read("t.f32");
     let number = |i: usize| f32::from_le_bytes([0, 1, 2, 3].map(|k| bytes[4 * i + k]));
     assert_eq!([0, 1, 2, 3, 4, 5, 6].map(number), FIRST);
 }
@@ -74,21 +54,20 @@ const FIRST: [f32; 7] =
 
 #[test]
 fn a_scene_elsewhere_still_finds_its_table() {
-    let desk = folder();
+    let desk = Desk::empty();
     fs::create_dir_all(desk.path().join("scenes")).expect("a folder");
-    let made = photosphere(desk.path(), "generate lattice -n 8 -o t.f32 --scene scenes/s.toml");
-    assert!(made.status.success(), "{}", told(&made));
+    desk.run("generate lattice -n 8 -o t.f32 --scene scenes/s.toml").succeeds();
     assert!(read_file(&desk.path().join("scenes/s.toml"), &[]).is_ok());
 }
 
 #[test]
 fn what_cannot_be_made_is_refused() {
-    let desk = folder();
+    let desk = Desk::empty();
     let refused = |words: &str, code: i32, message: &str| {
-        let output = photosphere(desk.path(), words);
-        assert_eq!(output.status.code(), Some(code), "{}", told(&output));
-        assert!(told(&output).contains(message), "{}", told(&output));
-        assert_eq!(fs::read_dir(desk.path()).expect("the folder").count(), 0);
+        let outcome = desk.run(words);
+        assert_eq!(outcome.code, Some(code), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+        assert!(desk.names().is_empty());
     };
     refused("generate gas -n 0 -o t.f32", 3, "a table has at least one sphere");
     refused("generate gas -n 1e10 -o t.f32", 3, "more than the 4294967293 that a scene can hold");

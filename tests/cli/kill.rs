@@ -3,11 +3,13 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use photosphere::job::Checkpoint;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
+
+use crate::desk::Desk;
 
 const SCENE: &str = r#"
 format = 1
@@ -28,13 +30,8 @@ spheres = [
 /// What is rendered, and how often it is killed: a number of samples, and a target of noise.
 const TRIALS: [(&str, usize); 2] = [("--spp 263", 240), ("--noise 4%", 60)];
 
-fn start(folder: &Path, command: &str) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_photosphere"))
-        .args(command.split_whitespace())
-        .current_dir(folder)
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("the program starts")
+fn start(desk: &Desk, command: &str) -> Child {
+    desk.command(command).stderr(Stdio::null()).spawn().expect("the program starts")
 }
 
 /// Lets the program run for so long and kills it; whether it had ended by itself. `from` is the moment
@@ -70,22 +67,22 @@ fn kept(folder: &Path) -> u64 {
 
 #[test]
 fn killed_hundreds_of_times_a_render_gives_the_same_bytes() {
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("scene.toml"), SCENE).expect("the scene is written");
-    TRIALS.iter().for_each(|(goal, kills)| survives(folder.path(), goal, *kills));
+    let desk = Desk::new(SCENE);
+    TRIALS.iter().for_each(|(goal, kills)| survives(&desk, goal, *kills));
 }
 
 /// Kills the render of a goal so often, and at least until it was finished once.
-fn survives(folder: &Path, goal: &str, most_kills: usize) {
+fn survives(desk: &Desk, goal: &str, most_kills: usize) {
+    let folder = desk.path();
     let render = format!(
         "render scene.toml --accel native --no-run-figures --quiet -o a.exr {goal} \
          --checkpoint a.part --checkpoint-every 4ms"
     );
     let render = render.as_str();
     let began = Instant::now();
-    assert!(start(folder, render).wait().expect("it ends").success());
+    assert!(start(desk, render).wait().expect("it ends").success());
     let whole_run = began.elapsed();
-    let whole = fs::read(folder.join("a.exr")).expect("the picture");
+    let whole = desk.read("a.exr");
     let all = kept(folder);
 
     let mut rng = StdRng::seed_from_u64(2026);
@@ -98,7 +95,7 @@ fn survives(folder: &Path, goal: &str, most_kills: usize) {
         loop {
             // The same command again goes on, and so does `resume`.
             let goes_on = folder.join("a.part").exists() && rng.random();
-            let child = start(folder, if goes_on { "resume a.part --quiet" } else { render });
+            let child = start(desk, if goes_on { "resume a.part --quiet" } else { render });
             if kills >= most_kills {
                 assert!(child.wait_with_output().expect("it ends").status.success());
                 break;
@@ -119,10 +116,7 @@ fn survives(folder: &Path, goal: &str, most_kills: usize) {
             before = now;
         }
         finished += 1;
-        assert!(
-            fs::read(folder.join("a.exr")).expect("the picture") == whole,
-            "{goal}: {kills} kills"
-        );
+        assert!(desk.read("a.exr") == whole, "{goal}: {kills} kills");
         assert_eq!(kept(folder), all);
     }
     let met = format!("{goal}: {in_the_middle} of {kills} kills met a render at work");

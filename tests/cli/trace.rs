@@ -1,44 +1,28 @@
 //! `photosphere trace` as its users meet it: the path that render takes, told and drawn.
 
 use std::fs;
-use std::process::{Command, Output};
 
 use photosphere::output::{BEAUTY, read};
 use serde_json::Value;
-use tempfile::TempDir;
+
+use crate::desk::{Desk, Outcome};
 
 /// A small version of a scene of the repository, rendered with one sample per pixel.
-fn desk(scene: &str) -> TempDir {
+fn desk(scene: &str) -> Desk {
     desk_with(scene, "")
 }
 
 /// The same with more options.
-fn desk_with(scene: &str, options: &str) -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = format!("{}/scenes/{scene}", env!("CARGO_MANIFEST_DIR"));
-    fs::copy(path, folder.path().join("scene.toml")).expect("copied");
-    let arguments = format!("render scene.toml {SMALL} --quiet -o one.exr {options}");
-    let output = run(&folder, &arguments);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    folder
-}
-
-fn run(folder: &TempDir, arguments: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_photosphere"))
-        .args(arguments.split_whitespace())
-        .current_dir(folder.path())
-        .output()
-        .expect("the program starts")
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("UTF-8")
+fn desk_with(scene: &str, options: &str) -> Desk {
+    let desk = Desk::of_file(scene);
+    desk.run(&format!("render scene.toml {SMALL} --quiet -o one.exr {options}")).succeeds();
+    desk
 }
 
 const SMALL: &str = "--size 16x12 --spp 1 --seed 3";
 
-fn trace(folder: &TempDir, arguments: &str) -> Output {
-    run(folder, &format!("trace scene.toml {SMALL} {arguments}"))
+fn trace(desk: &Desk, arguments: &str) -> Outcome {
+    desk.run(&format!("trace scene.toml {SMALL} {arguments}"))
 }
 
 /// One of the numbers of a step, or three of them.
@@ -98,14 +82,13 @@ fn must_multiply(steps: &[Value]) {
 /// The sample that is told is the one that was rendered, and what is told multiplies and adds up to
 /// it. Each of the `wanted` is told at least once.
 fn must_be_what_render_takes(scene: &str, options: &str, wanted: &[fn(&Value) -> bool]) {
-    let folder = desk_with(scene, options);
-    let picture = read(&folder.path().join("one.exr")).expect("a picture");
+    let desk = desk_with(scene, options);
+    let picture = read(&desk.path().join("one.exr")).expect("a picture");
     let pixels = &picture.layer(BEAUTY).expect("a beauty").pixels;
     let mut all = Vec::new();
     for (x, y) in [(0, 11), (5, 6), (8, 7), (12, 3), (15, 0), (9, 5), (6, 8), (11, 9), (3, 7)] {
-        let output = trace(&folder, &format!("--pixel {x},{y} --json {options}"));
-        assert!(output.status.success(), "{}", text(&output.stderr));
-        let mut told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let told = trace(&desk, &format!("--pixel {x},{y} --json {options}"));
+        let mut told = told.succeeds().json();
         let rendered = pixels[y * 16 + x].to_array();
         let steps = told["steps"].as_array_mut().expect("a list");
         must_multiply(steps);
@@ -173,12 +156,10 @@ fn a_clamp_that_bites_and_a_medium_that_absorbs_have_their_factors() {
 
 #[test]
 fn the_story_has_the_letters_of_the_equation_and_the_names_of_the_spheres() {
-    let folder = desk("cornell-spheres.toml");
+    let desk = desk("cornell-spheres.toml");
     let mut all = String::new();
     for y in 0..12 {
-        let output = trace(&folder, &format!("--pixel 8,{y}"));
-        assert!(output.status.success(), "{}", text(&output.stderr));
-        all += text(&output.stdout);
+        all += &trace(&desk, &format!("--pixel 8,{y}")).succeeds().stdout;
     }
     for told in [
         "x_0  the camera at (",
@@ -203,14 +184,12 @@ fn the_story_has_the_letters_of_the_equation_and_the_names_of_the_spheres() {
 
 #[test]
 fn the_story_has_words_for_what_dims_and_for_what_is_not_there() {
-    let folder = desk("paper/fig2.toml");
+    let desk = desk("paper/fig2.toml");
     let veils = "--set materials.floating.opacity=0.4 --set materials.resting.opacity=0.5 \
                  --set render.clamp_indirect=0.02";
     let mut all = String::new();
     for pixel in ["5,6", "9,5", "8,7"] {
-        let output = trace(&folder, &format!("--pixel {pixel} {veils}"));
-        assert!(output.status.success(), "{}", text(&output.stderr));
-        all += text(&output.stdout);
+        all += &trace(&desk, &format!("--pixel {pixel} {veils}")).succeeds().stdout;
     }
     for told in [
         "; opacity 0.5\n",
@@ -225,11 +204,10 @@ fn the_story_has_words_for_what_dims_and_for_what_is_not_there() {
 
 #[test]
 fn the_drawing_shows_the_spheres_and_finite_numbers_only() {
-    let folder = desk("cornell-spheres.toml");
+    let desk = desk("cornell-spheres.toml");
     for y in [2, 6, 10] {
-        let output = trace(&folder, &format!("--pixel 8,{y} --svg path.svg"));
-        assert!(output.status.success(), "{}", text(&output.stderr));
-        let svg = fs::read_to_string(folder.path().join("path.svg")).expect("written");
+        trace(&desk, &format!("--pixel 8,{y} --svg path.svg")).succeeds();
+        let svg = fs::read_to_string(desk.path().join("path.svg")).expect("written");
         for part in ["<svg xmlns", "class=\"path\"", "x₁", "class=\"lamp\"", "</svg>"] {
             assert!(svg.contains(part), "{part}");
         }
@@ -239,7 +217,7 @@ fn the_drawing_shows_the_spheres_and_finite_numbers_only() {
 
 #[test]
 fn what_is_not_there_cannot_be_traced() {
-    let folder = desk("paper/fig2.toml");
+    let desk = desk("paper/fig2.toml");
     for (arguments, code, told) in [
         ("--pixel 16,0", 3, "there is no pixel 16,0: the picture has 16 x 12"),
         ("--pixel 1,1 --sample 1", 3, "the last is --sample 0"),
@@ -249,9 +227,8 @@ fn what_is_not_there_cannot_be_traced() {
         ("--pixel 1,1 --svg none/a.svg", 4, "does not exist"),
         ("--pixel 1,1 --svg a.png", 3, "`a.png` does not end in .svg"),
     ] {
-        let output = trace(&folder, arguments);
-        let stderr = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{arguments}: {stderr}");
+        let Outcome { code: found, stderr, .. } = trace(&desk, arguments);
+        assert_eq!(found, Some(code), "{arguments}: {stderr}");
         assert!(stderr.contains(told), "{arguments}: {stderr}");
     }
 }

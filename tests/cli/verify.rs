@@ -1,33 +1,26 @@
 //! `photosphere verify` passes on this program, and would not pass on another.
 
-use std::process::{Command, Output};
-
 use photosphere::accel::Cancel;
 use photosphere::verify::check::{
     Check, Effort, Finding, Group, Measured, run_all, share_significance,
 };
 use photosphere::verify::{checks, report};
 
-fn verify(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_photosphere"));
-    command.arg("verify").args(arguments).output().expect("the program starts")
-}
+use crate::desk::{Desk, Outcome, outcome};
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
+fn verify(arguments: &[&str]) -> Outcome {
+    outcome(Desk::empty().command("verify").args(arguments))
 }
 
 #[test]
 fn the_quick_suite_passes_and_its_report_contains_every_check() {
-    let folder = tempfile::tempdir().expect("a folder for the test");
-    let path = folder.path().join("report.html");
-    let shown = path.display().to_string();
-    let done = verify(&["--quick", "--quiet", "--report", &shown]);
-    let table = text(&done.stdout);
-    assert_eq!(done.status.code(), Some(0), "{table}{}", text(&done.stderr));
+    let desk = Desk::empty();
+    let done = desk.run("verify --quick --quiet --report report.html");
+    let table = done.stdout;
+    assert_eq!(done.code, Some(0), "{table}{}", done.stderr);
     let checks = checks(Effort::Quick);
     assert!(table.contains(&format!("{} checks passed", checks.len())), "{table}");
-    let report = std::fs::read_to_string(&path).expect("the report is there");
+    let report = String::from_utf8(desk.read("report.html")).expect("text");
     for check in &checks {
         assert!(report.contains(&check.name), "{} is not in the report", check.name);
     }
@@ -35,8 +28,7 @@ fn the_quick_suite_passes_and_its_report_contains_every_check() {
         assert!(report.contains(sign), "{sign}");
     }
     assert!(!report.contains("http"), "the page needs nothing beside itself");
-    let names = std::fs::read_dir(folder.path()).expect("a folder").count();
-    assert_eq!(names, 1, "nothing else is left behind");
+    assert_eq!(desk.names(), ["report.html"], "nothing else is left behind");
 }
 
 #[test]
@@ -72,35 +64,35 @@ fn a_failure_is_told_with_its_pictures_and_names() {
 #[test]
 fn what_cannot_be_done_is_said_before_any_work() {
     let nowhere = verify(&["--quick", "--report", "/nowhere/report.html"]);
-    assert_eq!(nowhere.status.code(), Some(4), "{}", text(&nowhere.stderr));
-    assert!(text(&nowhere.stderr).contains("does not exist"));
+    assert_eq!(nowhere.code, Some(4), "{}", nowhere.stderr);
+    assert!(nowhere.stderr.contains("does not exist"));
     let other = verify(&["--quick", "--report", "report.txt"]);
-    assert_eq!(other.status.code(), Some(3), "{}", text(&other.stderr));
-    assert!(text(&other.stderr).contains("`report.txt` does not end in .html"));
+    assert_eq!(other.code, Some(3), "{}", other.stderr);
+    assert!(other.stderr.contains("`report.txt` does not end in .html"));
     let nothing = verify(&["--quick", "--only", "no such check"]);
-    assert_eq!(nothing.status.code(), Some(3), "{}", text(&nothing.stderr));
-    assert!(text(&nothing.stderr).contains("verify --list"), "{}", text(&nothing.stderr));
+    assert_eq!(nothing.code, Some(3), "{}", nothing.stderr);
+    assert!(nothing.stderr.contains("verify --list"), "{}", nothing.stderr);
     let both = verify(&["--quick", "--full"]);
-    assert_eq!(both.status.code(), Some(2), "{}", text(&both.stderr));
+    assert_eq!(both.code, Some(2), "{}", both.stderr);
 }
 
 #[test]
 fn a_list_has_the_names_that_are_asked_for_and_runs_nothing() {
     let list = verify(&["--full", "--list", "--only", "occluder"]);
-    assert_eq!(list.status.code(), Some(0), "{}", text(&list.stderr));
-    let lines = text(&list.stdout);
+    assert_eq!(list.code, Some(0), "{}", list.stderr);
+    let lines = &list.stdout;
     assert!(lines.lines().count() >= 8, "{lines}");
     for line in lines.lines() {
         assert!(line.starts_with("closed forms  ") && line.contains("occluder: "), "{line}");
     }
-    assert!(list.stderr.is_empty(), "{}", text(&list.stderr));
+    assert!(list.stderr.is_empty(), "{}", list.stderr);
 }
 
 #[test]
 fn json_has_every_check_that_was_asked_for() {
     let done = verify(&["--quick", "--json", "--quiet", "--only", "furnace:"]);
-    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
-    let json: serde_json::Value = serde_json::from_slice(&done.stdout).expect("one JSON object");
+    assert_eq!(done.code, Some(0), "{}", done.stderr);
+    let json = done.json();
     let checks = json["checks"].as_array().expect("a list");
     assert!(checks.len() >= 4);
     for check in checks {
