@@ -24,6 +24,9 @@ mod plan;
 #[cfg(unix)]
 mod provenance;
 #[cfg(unix)]
+#[path = "../common/python.rs"]
+mod python;
+#[cfg(unix)]
 mod reports;
 #[cfg(unix)]
 mod reproduce;

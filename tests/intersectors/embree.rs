@@ -10,11 +10,9 @@ use photosphere::math::{DVec3, Hit, MAX_COORDINATE, NO_SPHERE, Ray};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rayon::prelude::*;
 
-const BOTH: [Backend; 2] = [Backend::Embree, Backend::EmbreeUser];
+use crate::backends::{built, set_of};
 
-fn build(backend: Backend, set: &Arc<SphereSet>) -> Box<dyn Accel> {
-    backend.build(set, &BuildOptions { threads: 1, ..Default::default() }).expect("builds")
-}
+const BOTH: [Backend; 2] = [Backend::Embree, Backend::EmbreeUser];
 
 /// 400 overlapping balls in a box, a huge ground under them and a huge shell around all.
 fn set() -> Arc<SphereSet> {
@@ -78,13 +76,13 @@ fn assert_alike(backend: Backend, found: &[Hit], truth: &[Hit]) {
 fn both_agree_with_brute_force() {
     let set = set();
     let rays = rays(20_000, set.len() as u32);
-    let oracle = build(Backend::BruteForce, &set);
+    let oracle = built(Backend::BruteForce, &set);
     let truth = closest(&*oracle, &rays);
     let giants = truth.iter().filter(|hit| !hit.is_miss() && hit.id >= 400).count();
     let misses = truth.iter().filter(|hit| hit.is_miss()).count();
     assert!(giants > 1000 && misses > 1000 && giants + misses < 15_000, "{giants} {misses}");
     for backend in BOTH {
-        let accel = build(backend, &set);
+        let accel = built(backend, &set);
         assert_alike(backend, &closest(&*accel, &rays), &truth);
         assert_eq!(occluded(&*accel, &rays), occluded(&*oracle, &rays), "{backend:?}");
     }
@@ -93,9 +91,9 @@ fn both_agree_with_brute_force() {
 #[test]
 fn each_excluded_sphere_gives_way_to_the_next() {
     let set = set();
-    let oracle = build(Backend::BruteForce, &set);
+    let oracle = built(Backend::BruteForce, &set);
     for backend in BOTH {
-        let accel = build(backend, &set);
+        let accel = built(backend, &set);
         for ray in rays(500, 1).into_iter().map(|ray| Ray { t_min: 0.0, t_max: 1e9, ..ray }) {
             let mut ray = Ray { exclude: [NO_SPHERE; 2], ..ray };
             for slot in [0, 1] {
@@ -114,10 +112,9 @@ fn each_excluded_sphere_gives_way_to_the_next() {
 fn the_interval_is_open_and_the_far_wall_counts() {
     // One particle, one giant; the particle is the origin, because the median is a centre.
     let ball = Sphere { center: DVec3::ZERO, radius: 2.0 };
-    let set = SphereSet::new(SphereRows { exact: vec![ball], table: vec![] }).expect("one");
-    let set = Arc::new(set);
+    let set = set_of(vec![ball]);
     for backend in BOTH {
-        let accel = build(backend, &set);
+        let accel = built(backend, &set);
         // Sphere points take a reciprocal that is not exact; the callbacks are exact.
         let step = if backend == Backend::Embree { 1e-5 } else { 0.0 };
         let first = |t_min: f32, t_max: f32| {
@@ -140,11 +137,10 @@ fn the_interval_is_open_and_the_far_wall_counts() {
 #[test]
 fn equal_distances_go_to_the_lower_id() {
     let touching = |x: f64, radius: f64| Sphere { center: DVec3::new(x, 0.0, 0.0), radius };
-    let exact = vec![touching(1.0, 1.0), touching(2.0, 2.0), touching(4.0, 4.0)];
-    let set = Arc::new(SphereSet::new(SphereRows { exact, table: vec![] }).expect("three"));
+    let set = set_of(vec![touching(1.0, 1.0), touching(2.0, 2.0), touching(4.0, 4.0)]);
     let ray = free(DVec3::new(-10.0, 0.0, 0.0) - set.origin(), DVec3::X);
     for backend in [Backend::EmbreeUser, Backend::BruteForce] {
-        assert_eq!(closest(&*build(backend, &set), &[ray])[0], Hit { t: 10.0, id: 0 });
+        assert_eq!(closest(&*built(backend, &set), &[ray])[0], Hit { t: 10.0, id: 0 });
     }
 }
 
@@ -163,7 +159,7 @@ fn invalid_rays_hit_nothing_and_harm_nobody() {
     batch.push(Ray { direction: [0.0; 3], direction_low: [0.0; 3], ..good });
     batch.push(good);
     for backend in BOTH {
-        let accel = build(backend, &set);
+        let accel = built(backend, &set);
         let hits = closest(&*accel, &batch);
         let blocked = occluded(&*accel, &batch);
         assert!(hits[1..invalid].iter().all(|&hit| hit == Hit::MISS), "{hits:?}");
@@ -177,8 +173,7 @@ fn invalid_rays_hit_nothing_and_harm_nobody() {
 #[test]
 fn rays_at_the_limit_of_validity_are_asked() {
     let ball = Sphere { center: DVec3::ZERO, radius: 1e15 };
-    let set = SphereSet::new(SphereRows { exact: vec![ball], table: vec![] }).expect("one");
-    let set = Arc::new(set);
+    let set = set_of(vec![ball]);
     let limit = 4.0 * MAX_COORDINATE as f32;
     let good = free(DVec3::ZERO, DVec3::Z);
     let at_limit = [
@@ -189,7 +184,7 @@ fn rays_at_the_limit_of_validity_are_asked() {
         Ray { t_min: -0.0, ..good },
     ];
     for backend in BOTH {
-        let accel = build(backend, &set);
+        let accel = built(backend, &set);
         for ray in at_limit {
             assert!(ray.is_valid());
             assert_eq!(closest(&*accel, &[ray])[0].id, 0, "{backend:?} {ray:?}");
@@ -200,11 +195,11 @@ fn rays_at_the_limit_of_validity_are_asked() {
 
 #[test]
 fn nothing_may_be_empty() {
-    let nothing = Arc::new(SphereSet::new(SphereRows::default()).expect("no spheres"));
+    let nothing = set_of(Vec::new());
     for backend in BOTH {
-        assert!(closest(&*build(backend, &set()), &[]).is_empty());
-        assert!(occluded(&*build(backend, &set()), &[]).is_empty());
-        let accel = build(backend, &nothing);
+        assert!(closest(&*built(backend, &set()), &[]).is_empty());
+        assert!(occluded(&*built(backend, &set()), &[]).is_empty());
+        let accel = built(backend, &nothing);
         let ray = free(DVec3::ZERO, DVec3::X);
         assert_eq!(closest(&*accel, &[ray]), [Hit::MISS]);
         assert_eq!(occluded(&*accel, &[ray]), [false]);
@@ -220,7 +215,7 @@ fn a_cancelled_build_says_so_and_a_later_one_works() {
         let options = BuildOptions { threads: 1, cancel, ..Default::default() };
         let error = backend.build(&set, &options).err().expect("cancelled");
         assert_eq!(error.category(), Category::Cancelled);
-        let hit = closest(&*build(backend, &set), &[free(DVec3::ZERO, DVec3::X)])[0];
+        let hit = closest(&*built(backend, &set), &[free(DVec3::ZERO, DVec3::X)])[0];
         assert!(!hit.is_miss());
     }
 }
@@ -230,7 +225,7 @@ fn batches_from_many_threads_get_the_same_answers() {
     let set = set();
     let rays = rays(20_000, set.len() as u32);
     for backend in BOTH {
-        let accel = build(backend, &set);
+        let accel = built(backend, &set);
         let together: Vec<Hit> =
             rays.par_chunks(37).flat_map_iter(|batch| closest(&*accel, batch)).collect();
         assert_eq!(together, closest(&*accel, &rays));

@@ -6,13 +6,14 @@
 use std::sync::Arc;
 
 use photosphere::accel::{Accel, Backend, BuildOptions, Instance};
-use photosphere::geometry::{Sphere, SphereRows, SphereSet};
+use photosphere::geometry::{Sphere, SphereSet};
 use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
 use photosphere::verify::rays;
 use proptest::prelude::*;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
+use crate::backends::set_of;
 use crate::scenes;
 
 const NOTHING: [u32; 2] = [NO_SPHERE; 2];
@@ -29,8 +30,7 @@ const BATCHES: [usize; 4] = [1, 7, 64, 1000];
 
 impl Pair {
     fn over(exact: Vec<Sphere>) -> Self {
-        let rows = SphereRows { exact, ..SphereRows::default() };
-        let set = Arc::new(SphereSet::new(rows).expect("few spheres"));
+        let set = set_of(exact);
         let native = Instance::ALL
             .iter()
             .filter(|instance| instance.is_available())
@@ -245,8 +245,7 @@ fn the_direction_need_not_be_a_unit_vector() {
 
 #[test]
 fn a_build_can_be_cancelled() {
-    let rows = SphereRows { exact: scenes::gas(1000, 18), ..SphereRows::default() };
-    let set = Arc::new(SphereSet::new(rows).expect("few spheres"));
+    let set = set_of(scenes::gas(1000, 18));
     let options = BuildOptions::default();
     options.cancel.cancel();
     let error = Backend::Native.build(&set, &options).err().expect("cancelled");

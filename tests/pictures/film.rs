@@ -1,12 +1,12 @@
 //! One scene, one picture, to the bit: whatever the threads, the passes and the order.
 
-use photosphere::accel::{Accel, Backend, BuildOptions, Cancel, Precision};
+use photosphere::accel::{Accel, Backend, Cancel, Precision};
 use photosphere::film::{Film, Kind, Layer};
 use photosphere::job::{Counters, Passes, format_of};
 use photosphere::math::{Hit, Ray};
 use photosphere::scene::Shot;
 
-use crate::kit::Kit;
+use crate::kit::{Kit, built};
 
 const SMALL: &[&str] =
     &["image.width=37", "image.height=22", "render.samples_per_pixel=41", "render.max_depth=6"];
@@ -18,7 +18,7 @@ fn small() -> Shot {
 }
 
 fn accel(shot: &Shot) -> Box<dyn Accel> {
-    Backend::Native.build(shot.scene().spheres(), &BuildOptions::default()).expect("builds")
+    built(shot, Backend::Native)
 }
 
 fn empty_film(shot: &Shot) -> Film {

@@ -8,7 +8,7 @@ use photosphere::math::Rect;
 use photosphere::scene::description::{NamedMaterial, Surface};
 use photosphere::scene::settings::{Integrator, Paper, SamplerKind};
 
-use crate::kit::Kit;
+use crate::kit::{Kit, built};
 
 /// A ground, a lamp, a mirror, glass, a ball that is half there, and a matt ball before a background.
 fn kit() -> Kit {
@@ -43,8 +43,7 @@ const EYE: [f32; 3] = [0.0, 1.0, 6.0];
 
 fn rendered(kit: &Kit, kinds: &[Kind]) -> Picture {
     let shot = kit.shot();
-    let spheres = shot.scene().spheres();
-    let accel = Backend::Native.build(spheres, &Default::default()).expect("a backend");
+    let accel = built(&shot, Backend::Native);
     render(&shot, &*accel, kinds, &Cancel::default()).expect("memory").picture
 }
 

@@ -7,4 +7,7 @@ mod kit;
 mod layers;
 #[cfg(all(unix, feature = "cli"))]
 mod openexr;
+#[cfg(all(unix, feature = "cli"))]
+#[path = "../common/python.rs"]
+mod python;
 mod stopping;

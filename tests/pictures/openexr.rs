@@ -4,11 +4,12 @@
 //! The interpreter is `target/python/bin/python`, which `scripts/setup-python.sh` makes, or the one in
 //! `PHOTOSPHERE_PYTHON`. Without the packages the tests say so and check nothing.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use tempfile::TempDir;
+
+use crate::python::python;
 
 /// Prints, for every channel, its type and all its values' bits, then the text attributes.
 const READ: &str = r#"
@@ -33,18 +34,9 @@ for matte in Cryptomatte.load(sys.argv[1]):
         print(kind, name, float(numpy.mean(mask, dtype=numpy.float64)))
 "#;
 
-fn python(packages: &str) -> Option<PathBuf> {
-    let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/python/bin/python");
-    let python = std::env::var_os("PHOTOSPHERE_PYTHON").map_or(ours, PathBuf::from);
-    let import = format!("import {packages}");
-    let works = Command::new(&python).args(["-c", &import]).output();
-    if works.is_ok_and(|output| output.status.success()) {
-        return Some(python);
-    }
-    // Past the test harness, which would swallow it: a check left out must be seen.
-    writeln!(io::stderr(), "SKIPPED: no Python with {packages}; scripts/setup-python.sh gets it")
-        .expect("told");
-    None
+/// A Python that can import the packages.
+fn python_with(packages: &str) -> Option<PathBuf> {
+    python(packages, &["-c", &format!("import {packages}")])
 }
 
 fn output_of(command: &mut Command) -> String {
@@ -67,7 +59,7 @@ fn rendered(layers: &str) -> (TempDir, PathBuf) {
 
 #[test]
 fn its_own_package_reads_every_layer() {
-    let Some(python) = python("OpenEXR") else { return };
+    let Some(python) = python_with("OpenEXR") else { return };
     let layers = "direct,indirect,emission,albedo,normal,depth,position,sphere_id,material_id,\
                   sample_count,variance,alpha";
     let (_folder, file) = rendered(layers);
@@ -96,7 +88,7 @@ fn its_own_package_reads_every_layer() {
 
 #[test]
 fn a_decoder_of_others_finds_the_names_of_a_cryptomatte() {
-    let Some(python) = python("OpenEXR, cryptomatte_api") else { return };
+    let Some(python) = python_with("OpenEXR, cryptomatte_api") else { return };
     let (_folder, file) = rendered("crypto_sphere,crypto_material,crypto_table,albedo");
     let read = output_of(Command::new(python).args(["-c", DECODE]).arg(&file));
     let share = |kind: &str, name: &str| -> f64 {

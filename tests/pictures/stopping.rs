@@ -3,7 +3,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use photosphere::accel::{Accel, Backend, BuildOptions, Cancel, Precision};
+use photosphere::accel::{Accel, Backend, Cancel, Precision};
 use photosphere::color::Rgb;
 use photosphere::film::Film;
 use photosphere::geometry::{PathRays, SphereSet};
@@ -21,6 +21,8 @@ use photosphere::verify::statistics::Estimate;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
+
+use crate::kit::built;
 
 /// Seeds of the proof.
 const SEEDS: u64 = 200;
@@ -80,7 +82,7 @@ fn shot(settings: Settings) -> Shot {
 }
 
 fn accel(shot: &Shot) -> Box<dyn Accel> {
-    Backend::Native.build(shot.scene().spheres(), &BuildOptions::default()).expect("builds")
+    built(shot, Backend::Native)
 }
 
 fn empty_film(shot: &Shot) -> Film {

@@ -2,7 +2,7 @@
 //!
 //! Means are judged over 32 seeds at a significance of 4e-4 each, see `common/kit.rs`.
 
-use photosphere::accel::{Accel, Backend, BuildOptions, Cancel};
+use photosphere::accel::{Backend, Cancel};
 use photosphere::color::Rgb;
 use photosphere::integrator::{End, SampleAddress, Step, Trace, World, of_shot};
 use photosphere::math::DVec3;
@@ -10,7 +10,7 @@ use photosphere::scene::Shot;
 use photosphere::scene::description::NamedMaterial;
 use photosphere::scene::settings::{Estimator, Integrator, Miss, Paper, Stop};
 
-use crate::kit::{Judged, Kit, diffuse, glass, mirror, phong};
+use crate::kit::{Judged, Kit, built, diffuse, glass, mirror, phong};
 
 /// A matt and a glossy ball, a mirror and a glass ball on a matt ground under two lamps and a sky.
 fn still_life() -> Kit {
@@ -36,10 +36,6 @@ fn estimator(mut kit: Kit, estimator: Estimator) -> Kit {
 fn clamped(mut kit: Kit, limit: f64) -> Kit {
     kit.settings.render.clamp_indirect = Some(limit);
     kit
-}
-
-fn accel_of(shot: &Shot) -> Box<dyn Accel> {
-    Backend::BruteForce.build(shot.scene().spheres(), &BuildOptions::default()).expect("builds")
 }
 
 #[test]
@@ -155,7 +151,7 @@ fn ambient_occlusion_is_a_white_scene_under_a_white_sky() {
 
 /// The traces of some samples of every pixel.
 fn traces(shot: &Shot) -> Vec<Trace> {
-    let accel = accel_of(shot);
+    let accel = built(shot, Backend::BruteForce);
     let cancel = Cancel::default();
     let world = World::new(shot, &*accel, &cancel);
     let integrator = of_shot(shot);
@@ -183,7 +179,7 @@ fn a_trace_adds_up_to_its_sample_bit_by_bit() {
     ] {
         let how = kit.how();
         let shot = kit.shot();
-        let accel = accel_of(&shot);
+        let accel = built(&shot, Backend::BruteForce);
         let cancel = Cancel::default();
         let world = World::new(&shot, &*accel, &cancel);
         let traces = traces(&shot);
@@ -215,7 +211,7 @@ fn integrators_without_paths_have_nothing_to_tell() {
         Integrator::Raycast { shadows: false },
     ] {
         let shot = still_life().integrator(integrator).shot();
-        let accel = accel_of(&shot);
+        let accel = built(&shot, Backend::BruteForce);
         let cancel = Cancel::default();
         let world = World::new(&shot, &*accel, &cancel);
         let address = SampleAddress { x: 0, y: 0, sample: 0 };

@@ -11,7 +11,7 @@ use photosphere::scene::settings::{
 };
 use photosphere::scene::{Material, Shot};
 
-use crate::kit::Kit;
+use crate::kit::{Kit, built};
 
 fn matt(albedo: [f32; 3], roughness: f64) -> Surface {
     Surface::Diffuse { albedo: albedo.into(), roughness }
@@ -85,8 +85,7 @@ fn samples(shot: &Shot) -> Vec<SampleAddress> {
 
 fn must_agree(name: &str, kit: &Kit) {
     let shot = kit.shot();
-    let spheres = shot.scene().spheres();
-    let accel = Backend::BruteForce.build(spheres, &Default::default()).expect("builds");
+    let accel = built(&shot, Backend::BruteForce);
     let cancel = Cancel::default();
     let world = World::new(&shot, &*accel, &cancel);
     let samples = samples(&shot);

@@ -4,7 +4,7 @@ use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::scene::Material;
 use photosphere::scene::description::{NamedMaterial, Surface};
-use photosphere::scene::settings::{FilterKind, Image, Integrator, Paper, SamplerKind};
+use photosphere::scene::settings::{FilterKind, Image};
 
 use crate::kit::{Estimate, Judged, Kit, rendered};
 
@@ -39,19 +39,9 @@ fn without_the_ball(kit: &mut Kit) {
     kit.settings.render.samples_per_pixel = 64;
 }
 
-/// By the integrator `path`, and by the paper's own with as many samples.
-fn both_ways(kit: &Kit) -> [(&'static str, Estimate); 2] {
-    let mut paper = kit.clone();
-    let render = &mut paper.settings.render;
-    let samples = render.samples_per_pixel / 4;
-    render.integrator = Integrator::Paper(Paper { subpixels: 2, samples, ..Default::default() });
-    render.sampler = SamplerKind::Independent;
-    [("path", kit), ("paper", &paper)].map(|(name, kit)| (name, kit.estimate(Backend::BruteForce)))
-}
-
 fn must_be(kit: &Kit, expected: f64) {
-    for (name, estimate) in both_ways(kit) {
-        estimate.must_be(expected, name);
+    for kit in kit.clone().both_ways() {
+        kit.mean().must_be(expected, &kit.how());
     }
 }
 
@@ -89,12 +79,12 @@ fn both_walls_of_a_veiled_lamp_shine() {
         shell(&mut kit, [2.0, 0.0, 1.0], 1.2, 3.0, opacity);
         kit
     };
-    let opaque = lamp(1.0).estimate(Backend::BruteForce);
+    let opaque = lamp(1.0).mean();
     let share = 1.0 - 0.6 * 0.6;
     let (expected, error) = (share * opaque.mean, share * opaque.standard_error);
     let expected = Estimate { mean: expected, standard_error: error, ..opaque };
-    for (name, estimate) in both_ways(&lamp(0.4)) {
-        estimate.must_agree(expected, name);
+    for kit in lamp(0.4).both_ways() {
+        kit.mean().must_agree(expected, &kit.how());
     }
 }
 

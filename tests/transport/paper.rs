@@ -14,7 +14,7 @@ use photosphere::scene::description::SphereRow;
 use photosphere::scene::settings::Integrator;
 use photosphere::scene::{Scene, Shot};
 
-use crate::kit::{ALLOWED, Estimate, Judged, Kit, SEEDS, rendered};
+use crate::kit::{ALLOWED, Estimate, Judged, Kit, SEEDS, built, rendered};
 
 const SMALL: [&str; 3] = ["image.width=96", "image.height=72", "render.samples_per_pixel=16"];
 
@@ -29,7 +29,7 @@ fn ball<'a>(scene: &'a Scene, name: &str) -> (u32, &'a SphereRow) {
 /// What the camera sees through the centre of every pixel.
 fn first_hits(shot: &Shot) -> Vec<Option<SurfaceHit>> {
     let (image, spheres) = (shot.image(), shot.scene().spheres());
-    let accel = Backend::BruteForce.build(spheres, &Default::default()).expect("builds");
+    let accel = built(shot, Backend::BruteForce);
     let pixels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
     let rays: Vec<_> = pixels
         .map(|(x, y)| shot.camera().ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.0; 2]))

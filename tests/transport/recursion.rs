@@ -14,7 +14,7 @@ use photosphere::math::{Frame, Hit};
 use photosphere::sampling::{Hemisphere, Sampler, power_heuristic};
 use photosphere::scene::Shot;
 
-use crate::kit::Kit;
+use crate::kit::{Kit, built};
 
 /// An opaque surface.
 fn receiver(hit: &SurfaceHit) -> Receiver {
@@ -137,8 +137,7 @@ fn the_loop_equals_the_recursion() {
         let subpixels = "render.paper.subpixels=1";
         let options = [&grey[..], &[&choice[0], &choice[1], subpixels]].concat();
         let shot = Kit::of_file("paper/fig4.toml", &options).shot();
-        let spheres = shot.scene().spheres();
-        let accel = Backend::BruteForce.build(spheres, &Default::default()).expect("builds");
+        let accel = built(&shot, Backend::BruteForce);
         let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i / 100 };
         let samples: Vec<_> = (0..3000).map(address).collect();
 
