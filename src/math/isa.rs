@@ -3,8 +3,8 @@
 //! A [`Stage`] is plain code: loops over arrays, whose bodies are the same functions that serve one
 //! path. It is compiled once for every instruction set, and the compiler turns its loops into vector
 //! instructions. Arithmetic is the same in all of them, operation by operation: nothing is fused,
-//! reordered or approximated. So the results have the same bits, and `tests/lanes.rs` holds them to
-//! that.
+//! reordered or approximated. So the results have the same bits, and `tests/transport/lanes.rs`
+//! holds them to that.
 //!
 //! The `unsafe` here, and its argument: a function compiled for an instruction set may be called
 //! where the processor has it. An [`Isa`] other than the portable one is made only in [`Isa::all`],

@@ -47,7 +47,7 @@ max_depth = 6
 seed = 0
 "#;
 
-/// A folder with `scene.toml` in it, where the program is run.
+/// A folder where the program is run, often with `scene.toml` in it.
 pub(crate) struct Desk(TempDir);
 
 /// What the program did.
@@ -58,10 +58,31 @@ pub(crate) struct Outcome {
 }
 
 impl Desk {
+    pub(crate) fn empty() -> Self {
+        Self(tempfile::tempdir().expect("a folder for the test"))
+    }
+
     pub(crate) fn new(scene: &str) -> Self {
-        let folder = tempfile::tempdir().expect("a folder for the test");
-        fs::write(folder.path().join("scene.toml"), scene).expect("the scene is written");
-        Self(folder)
+        let desk = Self::empty();
+        fs::write(desk.path().join("scene.toml"), scene).expect("the scene is written");
+        desk
+    }
+
+    /// With a scene of the repository.
+    pub(crate) fn of_file(scene: &str) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
+        Self::new(&fs::read_to_string(path).expect("our own scene"))
+    }
+
+    /// With so many spheres beside the small scene's that brute force needs seconds for a few samples.
+    pub(crate) fn of_many_spheres() -> Self {
+        let table = "[[sphere_tables]]\nfile = \"many.f32\"\nmaterial = \"grass\"\n\
+                     columns = [\"x\", \"y\", \"z\", \"radius\"]\n[render]";
+        let desk = Self::new(&SCENE.replace("[render]", table));
+        let row = |i: u32| [i as f32, 3.0, 0.0, 0.3];
+        let bytes: Vec<u8> = (0..300_000).flat_map(row).flat_map(f32::to_le_bytes).collect();
+        fs::write(desk.path().join("many.f32"), bytes).expect("the table is written");
+        desk
     }
 
     pub(crate) fn path(&self) -> &Path {
@@ -74,9 +95,12 @@ impl Desk {
 
     /// The program with the arguments, which are separated by blanks.
     pub(crate) fn command(&self, arguments: &str) -> Command {
-        // A test run may itself have been started with signals ignored; the program must not.
-        let mut command = Command::new("env");
-        command.arg("--default-signal=HUP,INT,TERM").arg(PROGRAM);
+        let mut command = Command::new(PROGRAM);
+        if cfg!(target_os = "linux") {
+            // A test run may itself have been started with signals ignored; the program must not.
+            command = Command::new("env");
+            command.arg("--default-signal=HUP,INT,TERM").arg(PROGRAM);
+        }
         command.args(arguments.split_whitespace()).current_dir(self.path());
         command
     }

@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use super::desk::{Desk, PROGRAM, SCENE, outcome};
+use crate::desk::{Desk, PROGRAM, SCENE, outcome};
 
 /// The small scene with more samples than a block, and the last block unfinished.
 fn desk() -> Desk {

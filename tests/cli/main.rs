@@ -1,17 +1,41 @@
 //! The program as its users meet it: what it prints, what it writes, and its exit codes.
 
-#![cfg(unix)]
-
+mod bench_page;
+#[cfg(unix)]
 mod command_line;
+mod compare;
+mod converge;
 mod desk;
+#[cfg(unix)]
 mod files;
+mod generate;
+#[cfg(unix)]
+mod kill;
+#[cfg(unix)]
 mod long_renders;
+#[cfg(target_os = "linux")]
+mod memory_plan;
+#[cfg(unix)]
 mod mistakes_in_a_scene;
+#[cfg(unix)]
 mod pictures;
+#[cfg(unix)]
 mod plan;
+#[cfg(unix)]
 mod provenance;
+#[cfg(unix)]
+#[path = "../common/python.rs"]
+mod python;
+#[cfg(unix)]
 mod reports;
+#[cfg(unix)]
 mod reproduce;
+#[cfg(unix)]
 mod stopping;
+#[cfg(unix)]
 mod streams_and_signals;
+#[cfg(unix)]
 mod tables;
+mod trace;
+#[cfg(unix)]
+mod verify;

@@ -2,11 +2,10 @@
 //! render.
 
 use std::fs;
-use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::desk::{Desk, Outcome, PROGRAM, SCENE, outcome};
+use crate::desk::{Desk, Outcome, PROGRAM, SCENE, outcome};
+use crate::python::python;
 
 /// Five squares of 16 x 16 pixels and three blocks of samples, the last of each unfinished.
 fn scene() -> String {
@@ -194,23 +193,9 @@ fn merged_windows_are_those_that_are_asked_for() {
     assert!(desk.read("c.pfm") == desk.read("whole.pfm"));
 }
 
-/// The reference implementation of Open Job Description, where there is one: see `tests/openexr.rs`.
-fn openjd() -> Option<PathBuf> {
-    let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/python/bin/python");
-    let python = std::env::var_os("PHOTOSPHERE_PYTHON").map_or(ours, PathBuf::from);
-    let works = Command::new(&python).args(["-m", "openjd", "--version"]).output();
-    if works.is_ok_and(|output| output.status.success()) {
-        return Some(python);
-    }
-    // Past the test harness, which would swallow it: a check left out must be seen.
-    let told = "SKIPPED: no Python with openjd-cli; scripts/setup-python.sh gets it";
-    writeln!(std::io::stderr(), "{told}").expect("told");
-    None
-}
-
 #[test]
 fn the_reference_openjd_checks_templates_and_runs_them_to_the_end() {
-    let Some(python) = openjd() else { return };
+    let Some(python) = python("openjd-cli", &["-m", "openjd", "--version"]) else { return };
     let desk = Desk::new(&scene());
     fs::create_dir(desk.path().join("elsewhere")).expect("a folder");
     let openjd = |arguments: &[&str]| {

@@ -386,12 +386,7 @@ fn a_part_that_ended_early_cannot_be_followed() {
 /// Also where the threads that render are so slow to stop that they are left behind.
 #[test]
 fn a_time_that_is_up_before_the_noise_target_is_met_is_told() {
-    let table = "[[sphere_tables]]\nfile = \"many.f32\"\nmaterial = \"grass\"\n\
-                 columns = [\"x\", \"y\", \"z\", \"radius\"]\n[render]";
-    let desk = Desk::new(&SCENE.replace("[render]", table));
-    let row = |i: u32| [i as f32, 3.0, 0.0, 0.3];
-    let bytes: Vec<u8> = (0..300_000).flat_map(row).flat_map(f32::to_le_bytes).collect();
-    fs::write(desk.path().join("many.f32"), bytes).expect("the table is written");
+    let desk = Desk::of_many_spheres();
     let command = "render scene.toml --accel brute-force --threads 1 --noise 0.01% --time 100ms \
                    -o a.png --checkpoint a.state --preview b.png --json --quiet";
     let done = desk.run(command);

@@ -136,13 +136,7 @@ fn a_large_picture_is_written_soon_after_a_signal() {
 
 #[test]
 fn the_second_interrupt_ends_the_program_at_once_and_cleanly() {
-    let table = "[[sphere_tables]]\nfile = \"many.f32\"\nmaterial = \"grass\"\n\
-                     columns = [\"x\", \"y\", \"z\", \"radius\"]\n[render]";
-    let desk = Desk::new(&SCENE.replace("[render]", table));
-    // So many spheres that the oracle needs seconds for the samples in flight.
-    let row = |i: u32| [i as f32, 3.0, 0.0, 0.3];
-    let bytes: Vec<u8> = (0..300_000).flat_map(row).flat_map(f32::to_le_bytes).collect();
-    fs::write(desk.path().join("many.f32"), bytes).expect("the table is written");
+    let desk = Desk::of_many_spheres();
     fs::write(desk.path().join("out.pfm"), "old").expect("an older picture");
     let (mut child, mut lines) = endless_render(&desk, "--accel brute-force --threads 1");
     interrupt(&child);

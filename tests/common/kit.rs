@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use photosphere::accel::{Backend, BuildOptions, Cancel};
+use photosphere::accel::{Accel, Backend, BuildOptions, Cancel};
 use photosphere::color::Rgb;
 use photosphere::film::{Kind, Picture};
 use photosphere::job::{Rendered, render};
@@ -181,10 +181,15 @@ pub(crate) const fn phong(
     Surface::Phong { albedo, specular, exponent, normalized }
 }
 
+/// A backend over the spheres of a shot, built on the current thread pool.
+pub(crate) fn built(shot: &Shot, backend: Backend) -> Box<dyn Accel> {
+    let options = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
+    backend.build(shot.scene().spheres(), &options).expect("builds")
+}
+
 /// Renders with a backend on the current thread pool.
 pub(crate) fn rendered(shot: &Shot, backend: Backend) -> Rendered {
-    let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
-    let accel = backend.build(shot.scene().spheres(), &build).expect("builds");
+    let accel = built(shot, backend);
     render(shot, &*accel, &Kind::USUAL, &Cancel::default()).expect("a small film")
 }
 

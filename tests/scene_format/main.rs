@@ -1,4 +1,4 @@
-//! The scene file as a user meets it: what is read, and how each mistake is told.
+//! The scene file and its tables as a user meets them: what is read, and how each mistake is told.
 
 mod any_text;
 mod backgrounds;
@@ -12,3 +12,4 @@ mod paper;
 mod reading;
 mod scenes;
 mod schema;
+mod sphere_tables;

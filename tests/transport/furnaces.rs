@@ -2,7 +2,7 @@
 
 use photosphere::scene::settings::{Paper, Stop};
 
-use crate::common::{ALLOWED, Judged, diffuse, glass, phong};
+use crate::kit::{ALLOWED, Judged, diffuse, glass, phong};
 use crate::scenes::{BUBBLE, WALL, estimators, full_furnace, furnace, must_be, must_be_everywhere};
 
 #[test]

@@ -2,7 +2,7 @@
 
 use photosphere::scene::settings::Integrator;
 
-use crate::common::{Kit, diffuse, phong};
+use crate::kit::{Kit, diffuse, phong};
 use crate::scenes::{lone_ball, must_be_everywhere};
 
 fn lone_ball_radiance() -> f64 {

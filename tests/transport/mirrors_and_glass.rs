@@ -1,6 +1,6 @@
 //! What mirrors and lenses make of light.
 
-use crate::common::{Judged, Kit, diffuse, glass, mirror};
+use crate::kit::{Judged, Kit, diffuse, glass, mirror};
 use crate::scenes::estimators;
 
 #[test]

@@ -2,7 +2,7 @@
 
 use photosphere::scene::settings::Paper;
 
-use crate::common::{Judged, Kit};
+use crate::kit::{Judged, Kit};
 use crate::scenes::estimators;
 
 #[test]

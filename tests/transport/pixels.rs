@@ -4,7 +4,7 @@ use photosphere::accel::Backend;
 use photosphere::math::DVec3;
 use photosphere::scene::settings::{FilterKind, Image, Miss, Paper};
 
-use crate::common::{Estimate, Kit};
+use crate::kit::{Estimate, Kit};
 use crate::scenes::{WALL, furnace};
 
 #[test]

@@ -2,7 +2,7 @@
 
 use photosphere::accel::Backend;
 
-use crate::common::{Kit, rendered};
+use crate::kit::{Kit, built, rendered};
 
 #[test]
 fn the_picture_has_the_same_bits_for_any_number_of_threads() {
@@ -28,8 +28,7 @@ fn a_sample_does_not_depend_on_its_batch_or_order() {
     let kit = Kit::of_file("paper/fig4.toml", &["image.width=64", "image.height=48"]);
     for kit in kit.both_ways() {
         let shot = kit.shot();
-        let spheres = shot.scene().spheres();
-        let accel = Backend::BruteForce.build(spheres, &Default::default()).expect("builds");
+        let accel = built(&shot, Backend::BruteForce);
         let cancel = Default::default();
         let world = World::new(&shot, &*accel, &cancel);
         let estimate = |samples: &[SampleAddress]| {

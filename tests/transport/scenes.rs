@@ -5,7 +5,7 @@ use photosphere::color::Rgb;
 use photosphere::scene::description::Surface;
 use photosphere::scene::settings::{Hemisphere, Paper};
 
-use crate::common::{Judged, Kit, diffuse, glass, mirror};
+use crate::kit::{Judged, Kit, diffuse, glass, mirror};
 
 /// The estimators that solve the whole rendering equation: `path`, then the paper's.
 pub(crate) fn estimators(kit: &Kit) -> [Kit; 4] {

@@ -1,6 +1,6 @@
 //! Direct and indirect light add up.
 
-use crate::common::{Kit, diffuse};
+use crate::kit::{Kit, diffuse};
 use crate::scenes::{WALL, WHITE, full_furnace};
 
 /// A figure of the paper, small.

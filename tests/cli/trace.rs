@@ -1,0 +1,234 @@
+//! `photosphere trace` as its users meet it: the path that render takes, told and drawn.
+
+use std::fs;
+
+use photosphere::output::{BEAUTY, read};
+use serde_json::Value;
+
+use crate::desk::{Desk, Outcome};
+
+/// A small version of a scene of the repository, rendered with one sample per pixel.
+fn desk(scene: &str) -> Desk {
+    desk_with(scene, "")
+}
+
+/// The same with more options.
+fn desk_with(scene: &str, options: &str) -> Desk {
+    let desk = Desk::of_file(scene);
+    desk.run(&format!("render scene.toml {SMALL} --quiet -o one.exr {options}")).succeeds();
+    desk
+}
+
+const SMALL: &str = "--size 16x12 --spp 1 --seed 3";
+
+fn trace(desk: &Desk, arguments: &str) -> Outcome {
+    desk.run(&format!("trace scene.toml {SMALL} {arguments}"))
+}
+
+/// One of the numbers of a step, or three of them.
+fn rgb(step: &Value, key: &str) -> [f64; 3] {
+    match &step[key] {
+        Value::Array(list) => [0, 1, 2].map(|c| list[c].as_f64().expect("a number")),
+        one => [one.as_f64().unwrap_or_else(|| panic!("no `{key}` in {step}")); 3],
+    }
+}
+
+fn product<const N: usize>(factors: [[f64; 3]; N]) -> [f64; 3] {
+    [0, 1, 2].map(|c| factors.iter().map(|factor| factor[c]).product())
+}
+
+fn must_be_equal(told: [f64; 3], expected: [f64; 3], about: &str) {
+    for (told, expected) in told.into_iter().zip(expected) {
+        assert!(
+            (told - expected).abs() <= 1e-5 * expected.abs() + 1e-30,
+            "{told} {expected}: {about}"
+        );
+    }
+}
+
+/// Multiplies what the steps tell, and compares with what they tell of the products.
+fn must_multiply(steps: &[Value]) {
+    let (mut throughput, mut aimed) = ([1.0; 3], [0.0; 3]);
+    for step in steps {
+        let of = |key: &str| rgb(step, key);
+        let inverse = |key: &str| rgb(step, key).map(f64::recip);
+        let about = format!("{step} in {steps:#?}");
+        match step["step"].as_str().expect("a word") {
+            "camera" => throughput = [1.0; 3],
+            "meet" => throughput = product([throughput, of("transmittance")]),
+            "scatter" => throughput = product([throughput, of("f_cos_over_p")]),
+            "roulette" if step["survives"] == false => continue,
+            "roulette" => throughput = product([throughput, inverse("survival")]),
+            "light" => {
+                let light = product([throughput, of("L_e"), of("weight"), of("clamp")]);
+                must_be_equal(of("added"), light, &about);
+            }
+            "aim" => {
+                let light = product([throughput, of("f_r"), of("cos"), of("L_e")]);
+                let weight = product([of("transmittance"), of("weight"), inverse("p")]);
+                aimed = product([light, weight]);
+            }
+            "shadow" => {
+                must_be_equal(of("added"), product([aimed, of("V"), of("clamp")]), &about);
+            }
+            _ => {}
+        }
+        if step.get("throughput").is_some() {
+            must_be_equal(of("throughput"), throughput, &about);
+        }
+    }
+}
+
+/// The sample that is told is the one that was rendered, and what is told multiplies and adds up to
+/// it. Each of the `wanted` is told at least once.
+fn must_be_what_render_takes(scene: &str, options: &str, wanted: &[fn(&Value) -> bool]) {
+    let desk = desk_with(scene, options);
+    let picture = read(&desk.path().join("one.exr")).expect("a picture");
+    let pixels = &picture.layer(BEAUTY).expect("a beauty").pixels;
+    let mut all = Vec::new();
+    for (x, y) in [(0, 11), (5, 6), (8, 7), (12, 3), (15, 0), (9, 5), (6, 8), (11, 9), (3, 7)] {
+        let told = trace(&desk, &format!("--pixel {x},{y} --json {options}"));
+        let mut told = told.succeeds().json();
+        let rendered = pixels[y * 16 + x].to_array();
+        let steps = told["steps"].as_array_mut().expect("a list");
+        must_multiply(steps);
+        let mut sum = [0.0; 3];
+        for step in steps.iter().filter(|step| step.get("added").is_some()) {
+            let added = rgb(step, "added");
+            (0..3).for_each(|c| sum[c] += added[c]);
+        }
+        all.append(steps);
+        for c in 0..3 {
+            let radiance = rgb(&told, "radiance")[c];
+            assert_eq!(radiance as f32, rendered[c], "{scene} {x},{y}");
+            assert!((sum[c] - radiance).abs() <= 1e-6 * radiance, "{scene} {x},{y}");
+        }
+    }
+    for (number, wanted) in wanted.iter().enumerate() {
+        assert!(all.iter().any(wanted), "number {number} of {scene} is not told");
+    }
+}
+
+fn is(step: &Value, name: &str) -> bool {
+    step["step"] == name
+}
+
+#[test]
+fn the_path_is_the_one_that_render_takes() {
+    let arrives = |step: &Value| is(step, "shadow") && step["V"] == 1.0;
+    must_be_what_render_takes("paper/fig2.toml", "", &[arrives]);
+    must_be_what_render_takes("cornell-spheres.toml", "", &[arrives]);
+    let other = "--integrator direct --estimator light --sampler independent --max-depth 3";
+    must_be_what_render_takes("cornell-spheres.toml", other, &[arrives]);
+    let chance = "--estimator bsdf --sampler stratified";
+    must_be_what_render_takes("cornell-spheres.toml", chance, &[|step| is(step, "scatter")]);
+    let paper = "--integrator paper --set render.paper.subpixels=1";
+    must_be_what_render_takes("paper/fig2.toml", paper, &[|step| is(step, "scatter")]);
+}
+
+/// Surfaces that are there for some paths only dim a shadow ray, which is told, and so is what they
+/// do to a path.
+#[test]
+fn what_is_not_opaque_has_its_factor() {
+    must_be_what_render_takes(
+        "paper/fig2.toml",
+        "--set materials.floating.opacity=0.4 --set materials.resting.opacity=0.5 \
+         --set materials.lamp.opacity=0.7",
+        &[
+            |step| is(step, "shadow") && (1e-3..0.9).contains(&rgb(step, "V")[0]),
+            |step| is(step, "absent"),
+            |step| is(step, "meet") && rgb(step, "opacity")[0] < 1.0,
+        ],
+    );
+}
+
+#[test]
+fn a_clamp_that_bites_and_a_medium_that_absorbs_have_their_factors() {
+    must_be_what_render_takes(
+        "cornell-spheres.toml",
+        "--set render.clamp_indirect=0.02 --set materials.glass.absorption=[0.01,0.02,0.03]",
+        &[
+            |step| is(step, "shadow") && rgb(step, "clamp")[0] < 1.0,
+            |step| is(step, "meet") && rgb(step, "transmittance")[2] < 1.0,
+        ],
+    );
+}
+
+#[test]
+fn the_story_has_the_letters_of_the_equation_and_the_names_of_the_spheres() {
+    let desk = desk("cornell-spheres.toml");
+    let mut all = String::new();
+    for y in 0..12 {
+        all += &trace(&desk, &format!("--pixel 8,{y}")).succeeds().stdout;
+    }
+    for told in [
+        "x_0  the camera at (",
+        "x_1  `",
+        "met from",
+        "T = (",
+        "aims at `",
+        "f_r = (",
+        "|cos| = ",
+        "p = ",
+        "w = ",
+        "   + T f_r |cos| L_e w / p = (",
+        "(indirect)",
+        "scatters (diffuse): w_i = (",
+        "the path ends: ",
+        "L_o at the camera = (",
+        "rays traced",
+    ] {
+        assert!(all.contains(told), "`{told}` is not in\n{all}");
+    }
+}
+
+#[test]
+fn the_story_has_words_for_what_dims_and_for_what_is_not_there() {
+    let desk = desk("paper/fig2.toml");
+    let veils = "--set materials.floating.opacity=0.4 --set materials.resting.opacity=0.5 \
+                 --set render.clamp_indirect=0.02";
+    let mut all = String::new();
+    for pixel in ["5,6", "9,5", "8,7"] {
+        all += &trace(&desk, &format!("--pixel {pixel} {veils}")).succeeds().stdout;
+    }
+    for told in [
+        "; opacity 0.5\n",
+        "it is not there for this path: straight through",
+        "in the way and let pass V = 0.6\n   + T f_r |cos| L_e V w / p = (",
+        "(indirect, of which clamp_indirect left 0.",
+    ] {
+        assert!(all.contains(told), "`{told}` is not in\n{all}");
+    }
+    assert!(!all.contains("a boundary inside a medium"), "{all}");
+}
+
+#[test]
+fn the_drawing_shows_the_spheres_and_finite_numbers_only() {
+    let desk = desk("cornell-spheres.toml");
+    for y in [2, 6, 10] {
+        trace(&desk, &format!("--pixel 8,{y} --svg path.svg")).succeeds();
+        let svg = fs::read_to_string(desk.path().join("path.svg")).expect("written");
+        for part in ["<svg xmlns", "class=\"path\"", "x₁", "class=\"lamp\"", "</svg>"] {
+            assert!(svg.contains(part), "{part}");
+        }
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    }
+}
+
+#[test]
+fn what_is_not_there_cannot_be_traced() {
+    let desk = desk("paper/fig2.toml");
+    for (arguments, code, told) in [
+        ("--pixel 16,0", 3, "there is no pixel 16,0: the picture has 16 x 12"),
+        ("--pixel 1,1 --sample 1", 3, "the last is --sample 0"),
+        ("--pixel 1", 2, "as in 320,240"),
+        ("", 2, "--pixel"),
+        ("--pixel 1,1 --integrator raycast", 3, "`raycast` follows no paths"),
+        ("--pixel 1,1 --svg none/a.svg", 4, "does not exist"),
+        ("--pixel 1,1 --svg a.png", 3, "`a.png` does not end in .svg"),
+    ] {
+        let Outcome { code: found, stderr, .. } = trace(&desk, arguments);
+        assert_eq!(found, Some(code), "{arguments}: {stderr}");
+        assert!(stderr.contains(told), "{arguments}: {stderr}");
+    }
+}

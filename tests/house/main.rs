@@ -1,0 +1,4 @@
+//! The rules of the house: which room may use which, and what each dependency is for.
+
+mod dependencies;
+mod layers;

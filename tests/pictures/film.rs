@@ -1,0 +1,147 @@
+//! One scene, one picture, to the bit: whatever the threads, the passes and the order.
+
+use photosphere::accel::{Accel, Backend, Cancel, Precision};
+use photosphere::film::{Film, Kind, Layer};
+use photosphere::job::{Counters, Passes, format_of};
+use photosphere::math::{Hit, Ray};
+use photosphere::scene::Shot;
+
+use crate::kit::{Kit, built};
+
+const SMALL: &[&str] =
+    &["image.width=37", "image.height=22", "render.samples_per_pixel=41", "render.max_depth=6"];
+/// Samples of the picture.
+const ALL: u64 = 37 * 22 * 41;
+
+fn small() -> Shot {
+    Kit::of_file("cornell-spheres.toml", SMALL).shot()
+}
+
+fn accel(shot: &Shot) -> Box<dyn Accel> {
+    built(shot, Backend::Native)
+}
+
+fn empty_film(shot: &Shot) -> Film {
+    Film::new(&format_of(shot, &Kind::USUAL)).expect("a small film")
+}
+
+fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+    pool.install(work)
+}
+
+/// All that a film tells, to the bit.
+fn bits(film: &Film) -> Vec<u32> {
+    let layers = [Layer::Direct, Layer::Indirect].map(|layer| film.mean(layer).expect("kept"));
+    let all = layers.into_iter().chain(film.variance()).flatten().flatten();
+    all.map(f32::to_bits).chain(film.counts()).collect()
+}
+
+/// A film that `work` filled on so many threads.
+fn filled(shot: &Shot, threads: usize, work: impl Fn(&Passes<'_>) + Sync + Send) -> Film {
+    let (film, accel, cancel) = (empty_film(shot), accel(shot), Cancel::default());
+    let counters = Counters::of(&film, ALL);
+    on_threads(threads, || work(&Passes::new(shot, &*accel, &film, &counters, &cancel)));
+    film
+}
+
+fn all_at_once(passes: &Passes<'_>) {
+    assert!(passes.advance(41, &|_| true).expect("not too bright"));
+    assert_eq!(passes.counts().samples_done(), ALL);
+}
+
+/// An intersector that asks the render to stop, in the midst of a job, once so many samples are done.
+struct Stopping<'a> {
+    inner: &'a dyn Accel,
+    counters: &'a Counters,
+    cancel: &'a Cancel,
+    after: u64,
+}
+
+impl Accel for Stopping<'_> {
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        if self.counters.samples_done() >= self.after {
+            self.cancel.cancel();
+        }
+        self.inner.closest(rays, hits);
+    }
+
+    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
+        self.inner.occluded(rays, blocked);
+    }
+
+    fn precision(&self) -> Precision {
+        self.inner.precision()
+    }
+
+    fn bytes(&self) -> usize {
+        self.inner.bytes()
+    }
+}
+
+/// Asks a render to stop once so many samples are done. Returns the film, of which not all is there.
+fn stopped(shot: &Shot, threads: usize, after: u64) -> Film {
+    let (film, accel, cancel) = (empty_film(shot), accel(shot), Cancel::default());
+    let counters = Counters::of(&film, ALL);
+    let accel = Stopping { inner: &*accel, counters: &counters, cancel: &cancel, after };
+    let passes = Passes::new(shot, &accel, &film, &counters, &cancel);
+    let ended = on_threads(threads, || passes.advance(41, &|_| true)).expect("not too bright");
+    assert!(!ended && counters.samples_done() == film.samples());
+    film
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let shot = small();
+    let one = bits(&filled(&shot, 1, all_at_once));
+    for threads in [2, 7] {
+        assert!(bits(&filled(&shot, threads, all_at_once)) == one, "{threads} threads");
+    }
+}
+
+/// After a request to stop no job begins, and what is in flight is not finished: at most those are kept that
+/// were being added just then, one on each of the other threads.
+#[test]
+fn a_request_to_stop_is_followed_by_no_new_work() {
+    // A job adds 1024 samples, or those of some tiles of 64 pixels with less at the edges.
+    const JOB: u64 = 1024;
+    let shot = small();
+    for threads in [1, 2, 7] {
+        let after = 4 * JOB;
+        let samples = stopped(&shot, threads, after).samples();
+        // The job that got there, and one on each of the other threads.
+        let most = after + threads as u64 * JOB;
+        assert!((after..most).contains(&samples), "{samples} of {threads} threads");
+    }
+}
+
+#[test]
+fn neither_passes_nor_the_order_of_tiles_change_a_bit() {
+    let shot = small();
+    let whole = bits(&filled(&shot, 2, all_at_once));
+    let backwards_and_in_bits = |passes: &Passes<'_>| {
+        let tiles = passes.film().frame().tiles();
+        for tile in (0..tiles).rev() {
+            let end = 1 + 7 * (tile as u32 % 6);
+            assert!(passes.advance(end, &|one| one == tile).expect("not too bright"));
+        }
+        assert!(passes.advance(33, &|tile| tile % 3 == 1).expect("not too bright"));
+        all_at_once(passes);
+    };
+    assert!(bits(&filled(&shot, 2, backwards_and_in_bits)) == whole);
+}
+
+#[test]
+fn a_stopped_film_is_finished_by_another_session() {
+    let shot = small();
+    let whole = bits(&filled(&shot, 2, all_at_once));
+    for jobs in [1, 4, 9, 17] {
+        let film = stopped(&shot, 2, jobs * 1024);
+        let half = film.samples();
+        assert!(half > 0 && half < ALL);
+
+        let (accel, cancel, counters) = (accel(&shot), Cancel::default(), Counters::of(&film, ALL));
+        all_at_once(&Passes::new(&shot, &*accel, &film, &counters, &cancel));
+        assert!(bits(&film) == whole, "stopped after {half} samples");
+    }
+}

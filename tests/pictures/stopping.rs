@@ -1,0 +1,351 @@
+//! Renders that end when the picture is good enough: what the decision depends on, that it does not
+//! bias the picture, and that the stated interval holds the truth as often as it says.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use photosphere::accel::{Accel, Backend, Cancel, Precision};
+use photosphere::color::Rgb;
+use photosphere::film::Film;
+use photosphere::geometry::{PathRays, SphereSet};
+use photosphere::job::{
+    Counters, NoiseTarget, Passes, Standing, format_of, half_widths, render_to,
+};
+use photosphere::math::{DVec3, Hit, Ray, Rect};
+use photosphere::sampling::SamplerKind;
+use photosphere::scene::description::{
+    Background, Camera, Dome, NamedMaterial, Projection, SphereRow, Surface,
+};
+use photosphere::scene::settings::{Image, Render};
+use photosphere::scene::{Description, Scene, Settings, Shot};
+use photosphere::verify::statistics::Estimate;
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+
+use crate::kit::built;
+
+/// Seeds of the proof.
+const SEEDS: u64 = 200;
+/// Coarse enough for a test, fine enough for squares to stop at different numbers of samples.
+const TARGET: NoiseTarget = NoiseTarget { error: 0.04, confidence: 0.95 };
+/// More than any square takes.
+const MOST: u32 = 4096;
+
+fn matt(name: &str, albedo: [f32; 3], emission: [f32; 3]) -> NamedMaterial {
+    let surface = Surface::Diffuse { albedo: Rgb::from(albedo), roughness: 0.0 };
+    NamedMaterial { name: name.to_owned(), surface, emission: emission.into(), opacity: 1.0 }
+}
+
+fn ball(center: [f64; 3], radius: f64, material: usize) -> SphereRow {
+    SphereRow { name: None, center: DVec3::from(center), radius, material }
+}
+
+/// Balls on matt ground in the open, and a lamp beside the picture. The left one of its two squares is
+/// near the lamp, the right one has more shade, and both have edges of light.
+fn small_scene() -> Scene {
+    let camera = Camera {
+        position: DVec3::new(0.0, 3.0, 6.0),
+        look_at: DVec3::new(0.3, 0.3, 0.0),
+        projection: Projection::Perspective { vertical_fov_degrees: 22.0, lens: None },
+        ..Camera::default()
+    };
+    let dome = Dome::Constant { radiance: Rgb::new(0.2, 0.25, 0.3) };
+    let [ground, white, lamp] = [0, 1, 2];
+    let description = Description {
+        camera,
+        background: Background { dome, ..Background::default() },
+        materials: vec![
+            matt("ground", [0.6, 0.5, 0.4], [0.0; 3]),
+            matt("white", [0.8; 3], [0.0; 3]),
+            matt("lamp", [0.0; 3], [20.0, 18.0, 15.0]),
+        ],
+        spheres: vec![
+            ball([0.0, -100.0, 0.0], 100.0, ground),
+            ball([1.2, 0.6, 0.0], 0.6, white),
+            ball([-0.6, 0.35, 0.4], 0.35, ground),
+            ball([-2.5, 2.5, 0.5], 0.4, lamp),
+        ],
+        tables: Vec::new(),
+    };
+    Scene::build(description).expect("a scene without mistakes")
+}
+
+fn settings() -> Settings {
+    let image = Image { width: 32, height: 16, ..Image::default() };
+    let render = Render { samples_per_pixel: MOST, max_depth: Some(5), ..Render::default() };
+    Settings { image, render }
+}
+
+/// The small scene, ready to be rendered.
+fn shot(settings: Settings) -> Shot {
+    Shot::new(&small_scene(), settings).expect("settings that make sense")
+}
+
+fn accel(shot: &Shot) -> Box<dyn Accel> {
+    built(shot, Backend::Native)
+}
+
+fn empty_film(shot: &Shot) -> Film {
+    Film::new(&format_of(shot, &[])).expect("a small film")
+}
+
+/// Fills a film of the shot until it meets the target or is cancelled; the second says whether it got
+/// to its end.
+fn fill_with(
+    accel: &dyn Accel,
+    shot: &Shot,
+    film: &Film,
+    target: NoiseTarget,
+    most: u32,
+    cancel: &Cancel,
+) -> (Standing, bool) {
+    let counters = Counters::of(film, 0);
+    let passes = Passes::new(shot, accel, film, &counters, cancel);
+    render_to(&passes, target, most, &|_| {}).expect("no light so bright")
+}
+
+/// The same with nobody to cancel it.
+fn fill(shot: &Shot, film: &Film, target: NoiseTarget, most: u32) -> Standing {
+    let accel = accel(shot);
+    let (standing, complete) = fill_with(&*accel, shot, film, target, most, &Cancel::default());
+    assert!(complete);
+    standing
+}
+
+/// A film of the shot that is filled until it meets the target.
+fn stopped(shot: &Shot, target: NoiseTarget) -> (Film, Standing) {
+    let film = empty_film(shot);
+    let standing = fill(shot, &film, target, MOST);
+    (film, standing)
+}
+
+/// The beauty of every pixel, channel by channel.
+fn values(film: &Film) -> Vec<f64> {
+    let picture = film.picture();
+    (0..picture.len()).flat_map(|i| picture.beauty(i).to_array().map(f64::from)).collect()
+}
+
+/// One stopped picture, judged.
+struct Run {
+    values: Vec<f64>,
+    /// The share of the values whose interval holds the truth.
+    covered: f64,
+    /// The share of the values that are as near to it as was asked for.
+    near: f64,
+    samples: f64,
+}
+
+/// The same scene with very many samples.
+fn long_reference() -> Film {
+    let mut settings = settings();
+    settings.render.seed = 1000;
+    settings.render.samples_per_pixel = 16384;
+    let shot = shot(settings);
+    let (film, accel, cancel) = (empty_film(&shot), accel(&shot), Cancel::default());
+    let counters = Counters::of(&film, 0);
+    let passes = Passes::new(&shot, &*accel, &film, &counters, &cancel);
+    assert!(passes.advance(16384, &|_| true).expect("no light so bright"));
+    film
+}
+
+fn run(sampler: SamplerKind, seed: u64, truth: &[f64]) -> Run {
+    let mut settings = settings();
+    (settings.render.sampler, settings.render.seed) = (sampler, seed);
+    let (film, standing) = stopped(&shot(settings), TARGET);
+    assert_eq!(standing.done, standing.squares);
+    let values = values(&film);
+    let widths: Vec<f64> = half_widths(&film, TARGET.confidence).concat();
+    let brightness: Vec<f64> = truth.chunks(3).map(|rgb| rgb.iter().sum::<f64>() / 3.0).collect();
+    let off = |i: usize| (values[i] - truth[i]).abs();
+    let share = |is: &dyn Fn(usize) -> bool| {
+        (0..values.len()).filter(|&i| is(i)).count() as f64 / values.len() as f64
+    };
+    let covered = share(&|i| off(i) <= widths[i]);
+    let near = share(&|i| off(i) <= TARGET.error * brightness[i / 3]);
+    Run { covered, near, samples: film.samples() as f64, values }
+}
+
+/// The middle 99 % of the means of the numbers drawn again with repetition: with which mean other
+/// seeds might have been met.
+fn bootstrap(numbers: &[f64]) -> [f64; 2] {
+    let mut random = StdRng::seed_from_u64(1);
+    let mut means: Vec<f64> = (0..2000)
+        .map(|_| {
+            let drawn = numbers.iter().map(|_| numbers[random.random_range(0..numbers.len())]);
+            drawn.sum::<f64>() / numbers.len() as f64
+        })
+        .collect();
+    means.sort_by(f64::total_cmp);
+    [means[10], means[1989]]
+}
+
+#[test]
+#[allow(clippy::print_stdout, reason = "the figures are worth reading with --nocapture")]
+fn stopping_does_not_bias_and_the_interval_holds_the_truth() {
+    let reference = long_reference();
+    let truth = values(&reference);
+    for (kind, most) in [(SamplerKind::Independent, 0.97), (SamplerKind::Sobol, 1.0)] {
+        let sampler = kind.name();
+        let runs: Vec<Run> =
+            (0..SEEDS).into_par_iter().map(|seed| run(kind, seed, &truth)).collect();
+        let covered: Vec<f64> = runs.iter().map(|run| run.covered).collect();
+        let [low, high] = bootstrap(&covered);
+        let near: f64 = runs.iter().map(|run| run.near).sum::<f64>() / SEEDS as f64;
+        let samples: f64 = runs.iter().map(|run| run.samples).sum::<f64>() / SEEDS as f64 / 512.0;
+        println!(
+            "{sampler}: {samples:.0} samples per pixel, coverage {low:.4} to {high:.4}, \
+             nearer than the target {near:.4}"
+        );
+        assert!(low >= 0.93 && high <= most, "{sampler}: {low} to {high}");
+        assert!(near >= TARGET.confidence, "{sampler}: {near}");
+        must_not_be_biased(sampler, &runs, &reference);
+    }
+}
+
+/// Standard errors that a mean over the seeds may be off: 18 comparisons fail a right program with a
+/// probability of 0.2 %.
+const ALLOWED: f64 = 4.0;
+/// A bias that nobody minds, relative.
+const ALLOWANCE: f64 = 1e-5;
+
+/// Compares the means over all seeds with the reference, for the whole and for each square.
+#[allow(clippy::print_stdout, reason = "the figures are worth reading with --nocapture")]
+fn must_not_be_biased(sampler: &str, runs: &[Run], reference: &Film) {
+    let (truth, variance) = (values(reference), reference.variance().expect("squares are summed"));
+    let variance: Vec<f64> = variance.concat().into_iter().map(f64::from).collect();
+    let parts = [("all", 0..32), ("left", 0..16), ("right", 16..32)];
+    for ((part, columns), channel) in parts.iter().flat_map(|part| (0..3).map(move |c| (part, c))) {
+        let sum = |values: &[f64]| -> f64 {
+            let inside = |i: &usize| i % 3 == channel && columns.contains(&(i / 3 % 32));
+            (0..values.len()).filter(inside).map(|i| values[i]).sum()
+        };
+        let expected = sum(&truth);
+        let of_reference = sum(&variance).sqrt() / expected;
+        let ratios: Vec<f64> = runs.iter().map(|run| sum(&run.values) / expected).collect();
+        let Estimate { mean, standard_error, .. } = Estimate::of(&ratios);
+        let error = standard_error.hypot(of_reference);
+        println!("{sampler}, {part}, channel {channel}: {mean:.5} +- {error:.5} of the reference");
+        let most = ALLOWED * error + ALLOWANCE;
+        assert!((mean - 1.0).abs() <= most, "{sampler}, {part}, {channel}: {mean}");
+        // What could hide there is far below the noise that the target leaves to a pixel.
+        assert!(ALLOWED * error < TARGET.error / 10.0, "{error}");
+    }
+}
+
+#[test]
+fn threads_stops_and_windows_change_no_bit() {
+    let target = TARGET;
+    let whole = shot(settings());
+    let (film, standing) = stopped(&whole, target);
+    let counts = film.counts();
+    assert!(
+        counts.iter().any(|&n| n > counts[0]) && standing.done == standing.squares,
+        "{counts:?}"
+    );
+    let bits = |film: &Film| {
+        (values(film).into_iter().map(f64::to_bits).collect::<Vec<_>>(), film.counts())
+    };
+
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    assert_eq!(bits(&pool.install(|| stopped(&whole, target).0)), bits(&film));
+    assert_eq!(bits(&stopped_and_resumed(&whole, target)), bits(&film));
+    for left in [0, 16] {
+        let mut settings = settings();
+        settings.image.crop = Some(Rect { x: left, y: 0, width: 16, height: 16 });
+        let part = stopped(&shot(settings), target).0;
+        let left = left as usize;
+        let places = |row: usize| row * 32 + left..row * 32 + left + 16;
+        let expected: Vec<u32> = (0..16).flat_map(|row| counts[places(row)].to_vec()).collect();
+        assert_eq!(part.counts(), expected);
+        let all = values(&film);
+        let expected: Vec<f64> = (0..16)
+            .flat_map(|row| all[3 * places(row).start..3 * places(row).end].to_vec())
+            .collect();
+        assert_eq!(values(&part), expected);
+    }
+}
+
+/// The same, in many pieces: each is cancelled after some more rays.
+fn stopped_and_resumed(shot: &Shot, target: NoiseTarget) -> Film {
+    let film = empty_film(shot);
+    let mut pieces = 1;
+    loop {
+        let cancel = Cancel::default();
+        let tiring = Tiring::new(accel(shot), &cancel);
+        if fill_with(&tiring, shot, &film, target, MOST, &cancel).1 {
+            assert!(pieces > 3, "it was to be stopped more often");
+            return film;
+        }
+        pieces += 1;
+    }
+}
+
+/// An intersector that has the work cancelled after a number of rays.
+struct Tiring<'a> {
+    accel: Box<dyn Accel>,
+    left: AtomicUsize,
+    cancel: &'a Cancel,
+}
+
+impl<'a> Tiring<'a> {
+    fn new(accel: Box<dyn Accel>, cancel: &'a Cancel) -> Self {
+        Self { accel, left: AtomicUsize::new(4_000), cancel }
+    }
+
+    fn tire(&self, rays: usize) {
+        if self.left.fetch_sub(rays, Ordering::Relaxed) <= rays {
+            self.cancel.cancel();
+        }
+    }
+}
+
+impl Accel for Tiring<'_> {
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.accel.closest(rays, hits);
+        self.tire(rays.len());
+    }
+
+    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
+        self.accel.occluded(rays, blocked);
+    }
+
+    fn closest_of(
+        &self,
+        spheres: &SphereSet,
+        rays: &PathRays,
+        asked: &mut Vec<Ray>,
+        hits: &mut [Hit],
+    ) {
+        self.accel.closest_of(spheres, rays, asked, hits);
+        self.tire(hits.len());
+    }
+
+    fn occluded_of(
+        &self,
+        spheres: &SphereSet,
+        rays: &PathRays,
+        asked: &mut Vec<Ray>,
+        blocked: &mut [bool],
+    ) {
+        self.accel.occluded_of(spheres, rays, asked, blocked);
+    }
+
+    fn precision(&self) -> Precision {
+        self.accel.precision()
+    }
+
+    fn bytes(&self) -> usize {
+        self.accel.bytes()
+    }
+}
+
+#[test]
+fn what_cannot_be_met_ends_at_the_most_samples_and_says_so() {
+    let shot = shot(settings());
+    let film = empty_film(&shot);
+    let target = NoiseTarget { error: 1e-4, confidence: 0.95 };
+    let standing = fill(&shot, &film, target, 100);
+    assert!(film.counts().iter().all(|&count| count == 100));
+    assert_eq!((standing.done, standing.squares), (0, 2));
+    assert!(standing.worst > 0.01 && standing.worst < 10.0, "{standing:?}");
+}

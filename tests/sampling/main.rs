@@ -1,0 +1,4 @@
+//! Random numbers and what is drawn with them, against their densities.
+
+mod chi2;
+mod samplers;

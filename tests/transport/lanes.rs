@@ -1,0 +1,156 @@
+//! What is computed for many paths at a time has the bits of what is computed for one, with every
+//! set of vector instructions that this processor has.
+
+use photosphere::accel::{Backend, Cancel};
+use photosphere::color::Radiance;
+use photosphere::integrator::{SampleAddress, Tally, Workspace, World, of_shot};
+use photosphere::math::Isa;
+use photosphere::scene::description::{NamedMaterial, Surface};
+use photosphere::scene::settings::{
+    Estimator, FilterKind, Image, Integrator, LightChoice, SamplerKind,
+};
+use photosphere::scene::{Material, Shot};
+
+use crate::kit::{Kit, built};
+
+fn matt(albedo: [f32; 3], roughness: f64) -> Surface {
+    Surface::Diffuse { albedo: albedo.into(), roughness }
+}
+
+fn lamp(kit: &mut Kit, albedo: [f32; 3], emission: [f32; 3]) -> Material {
+    let (surface, emission) = (matt(albedo, 0.0), emission.into());
+    kit.scene.material(NamedMaterial { surface, emission, ..Default::default() })
+}
+
+/// A few lamps, one of them around the camera and all, over matt and other surfaces; and small lamps
+/// before them.
+fn lamps(small: impl Iterator<Item = [f64; 3]>) -> Kit {
+    let mut kit = Kit::new(40, 30, 4);
+    kit.scene.camera([0.0, 2.0, 9.0], [0.0, 1.0, 0.0]).field_of_view(50.0);
+    let even = kit.scene.diffuse([0.7, 0.8, 0.6]);
+    let rough = kit.scene.surface(matt([0.5, 0.8, 0.6], 0.4));
+    let mirror = kit.scene.mirror([0.9; 3]);
+    let glow = lamp(&mut kit, [0.3, 0.2, 0.1], [5.0, 4.0, 3.0]);
+    let room = lamp(&mut kit, [0.5; 3], [0.1, 0.1, 0.2]);
+    for center in small {
+        kit.scene.sphere(glow, center, 0.05);
+    }
+    kit.scene
+        .sphere(even, [0.0, -100.0, 0.0], 100.0)
+        .sphere(even, [-2.0, 1.0, 0.0], 1.0)
+        .sphere(mirror, [0.0, 1.0, 0.0], 1.0)
+        .sphere(rough, [2.0, 1.0, 0.0], 1.0)
+        .sphere(glow, [-1.0, 2.5, 0.0], 0.5)
+        .sphere(glow, [1.0, 2.5, 1.0], 0.1)
+        .sphere(room, [0.0; 3], 300.0);
+    kit
+}
+
+/// The picture's samples, each of them followed by itself.
+fn one_by_one(world: World<'_>, samples: &[SampleAddress]) -> (Vec<Radiance>, u64) {
+    let integrator = of_shot(world.shot);
+    let trace = |&address| integrator.trace(world, address).expect("it follows paths");
+    let traces: Vec<_> = samples.iter().map(trace).collect();
+    let rays = traces.iter().map(|trace| trace.tally.rays).sum();
+    (traces.into_iter().map(|trace| trace.radiance).collect(), rays)
+}
+
+/// The same, in batches.
+fn in_batches(
+    world: World<'_>,
+    samples: &[SampleAddress],
+    size: usize,
+    isa: Isa,
+) -> (Vec<Radiance>, u64) {
+    let integrator = of_shot(world.shot);
+    let mut workspace = Workspace::with(isa);
+    let mut radiance = vec![Radiance::default(); samples.len()];
+    let mut tally = Tally::default();
+    for (samples, radiance) in samples.chunks(size).zip(radiance.chunks_mut(size)) {
+        tally = tally + integrator.estimate(world, samples, radiance, &mut workspace);
+    }
+    (radiance, tally.rays)
+}
+
+fn samples(shot: &Shot) -> Vec<SampleAddress> {
+    let window = shot.image().window();
+    let mut samples = Vec::new();
+    for y in window.y..window.y + window.height {
+        for x in window.x..window.x + window.width {
+            samples.extend((0..2).map(|sample| SampleAddress { x, y, sample }));
+        }
+    }
+    samples
+}
+
+fn must_agree(name: &str, kit: &Kit) {
+    let shot = kit.shot();
+    let accel = built(&shot, Backend::BruteForce);
+    let cancel = Cancel::default();
+    let world = World::new(&shot, &*accel, &cancel);
+    let samples = samples(&shot);
+    let (alone, rays) = one_by_one(world, &samples);
+    let bits = |radiance: &Radiance| {
+        let Radiance { direct, indirect, alpha } = *radiance;
+        (
+            direct.to_array().map(f32::to_bits),
+            indirect.to_array().map(f32::to_bits),
+            alpha.to_bits(),
+        )
+    };
+    assert!(alone.iter().any(|radiance| radiance.direct.max_element() > 0.0), "{name} is dark");
+    for isa in Isa::all() {
+        for size in [1, 7, 31, 1000] {
+            let (together, rays_together) = in_batches(world, &samples, size, isa);
+            let isa = isa.name();
+            assert_eq!(rays, rays_together, "{name}, {isa}, batches of {size}");
+            for (at, (a, b)) in samples.iter().zip(alone.iter().zip(&together)) {
+                assert_eq!(bits(a), bits(b), "{name}, {isa}, batches of {size}, {at:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_repositorys_scenes_have_the_same_bits_for_any_instructions_and_batches() {
+    let small = ["image.width=24", "image.height=18"];
+    let names = ["paper/fig2.toml", "paper/fig5.toml", "cornell-spheres.toml", "sky.toml"];
+    for name in names.into_iter().chain(["furnace.toml", "verify/lamp-in-glass.toml"]) {
+        must_agree(name, &Kit::of_file(name, &small));
+    }
+}
+
+/// Something to be asked for, and its name.
+type Change = (&'static str, fn(&mut Kit));
+
+#[test]
+fn all_that_an_integrator_can_be_asked_for_has_the_same_bits() {
+    let changes: [Change; 10] = [
+        ("as they are", |_| {}),
+        ("aimed at", |kit| kit.settings.render.estimator = Estimator::Light),
+        ("met by chance", |kit| kit.settings.render.estimator = Estimator::Bsdf),
+        ("short paths", |kit| kit.settings.render.max_depth = Some(3)),
+        ("clamped", |kit| kit.settings.render.clamp_indirect = Some(0.5)),
+        ("independent", |kit| kit.settings.render.sampler = SamplerKind::Independent),
+        ("direct", |kit| kit.settings.render.integrator = Integrator::Direct),
+        ("by power", |kit| kit.settings.render.light_choice = LightChoice::Power),
+        ("cut open", |kit| kit.scene.description.camera.near = 5.5),
+        ("blurred", |kit| {
+            let filter = FilterKind::Gaussian;
+            let filter_radius = Image::usual_radius(filter);
+            kit.settings.image = Image { filter, filter_radius, ..kit.settings.image };
+        }),
+    ];
+    for (name, change) in changes {
+        must_agree(&format!("lamps, {name}"), &lamps([].into_iter()).with(change));
+    }
+}
+
+#[test]
+fn many_lamps_have_the_same_bits() {
+    let center = |i: u32| {
+        let angle = f64::from(i) * 2.4;
+        [angle.cos() * f64::from(i) * 0.1, 3.0, angle.sin() * f64::from(i) * 0.1]
+    };
+    must_agree("many lamps", &lamps((0..40).map(center)));
+}

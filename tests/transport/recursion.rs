@@ -1,0 +1,174 @@
+//! The loop equals the recursion of the rendering equation, sample by sample.
+//!
+//! Here the equation is solved as it is written: the radiance of a point is its emission plus the
+//! radiance of the next point times `f cos / pdf`, function calling itself, one ray at a time. With
+//! the same random numbers it must give what the batched loop gives, to f32 rounding.
+
+use photosphere::accel::{Accel, Backend};
+use photosphere::color::{Radiance, Rgb};
+use photosphere::geometry::{PathRay, SurfaceHit};
+use photosphere::integrator::{SampleAddress, Workspace, World, of_shot};
+use photosphere::light::{Receiver, Source};
+use photosphere::material::Lobe;
+use photosphere::math::{Frame, Hit};
+use photosphere::sampling::{Hemisphere, Sampler, power_heuristic};
+use photosphere::scene::Shot;
+
+use crate::kit::{Kit, built};
+
+/// An opaque surface.
+fn receiver(hit: &SurfaceHit) -> Receiver {
+    Receiver { hit: *hit, is_two_sided: false }
+}
+
+/// What a call needs to know of its callers.
+struct Call<'a> {
+    shot: &'a Shot,
+    accel: &'a dyn Accel,
+    sampler: Sampler,
+    samples_lamps: bool,
+}
+
+/// The point where a ray was drawn, and its density.
+type Drawn<'a> = Option<(&'a SurfaceHit, f64)>;
+
+impl Call<'_> {
+    fn radiance(&self, ray: &PathRay, depth: u32, weight: f32, drawn: Drawn<'_>) -> Rgb {
+        let scene = self.shot.scene();
+        let spheres = scene.spheres();
+        let mut hit = [Hit::MISS];
+        self.accel.closest(&[spheres.ask(ray)], &mut hit);
+        let Some(hit) = spheres.answer(ray, hit[0]) else {
+            return scene.background(ray.direction);
+        };
+        let material = scene.surface(hit.id).material;
+
+        let mut radiance = material.emission;
+        if let (true, Some((at, pdf))) = (self.samples_lamps, drawn) {
+            let aimed =
+                self.shot.lights().pdf(spheres, &receiver(at), Source::Lamp(hit.id), ray.direction);
+            radiance *= power_heuristic(pdf, aimed) as f32;
+        }
+
+        let bsdf = material.bsdf(None, 1.0, Hemisphere::Cosine);
+        let frame = Frame::around(hit.facing_normal());
+        let wo = frame.to_local(-ray.direction);
+        // The table of docs/sampling.md: direction to a light, direction, lobe, roulette, lamp.
+        let number = |i| self.sampler.get(8 * (depth - 1) + i);
+
+        if self.samples_lamps && !bsdf.is_delta() {
+            radiance += self.light_from_lamps(
+                &hit,
+                &frame,
+                |wi| bsdf.eval(wo, wi),
+                |wi| bsdf.pdf(wo, wi),
+                [number(14), number(2), number(3)],
+            );
+        }
+
+        let again = || self.sampler.get_2d((3 << 30) + 4 * depth);
+        let Some(sample) = bsdf.sample(wo, number(12), [number(8), number(9)], &again) else {
+            return radiance;
+        };
+        let mut factor = sample.weight;
+        let mut weight = weight * factor.max_element();
+        if depth >= 4 {
+            let survival = weight.min(if depth < 64 { 1.0 } else { 0.95 });
+            if number(13) >= f64::from(survival) {
+                return radiance;
+            }
+            factor /= survival;
+            weight /= survival;
+        }
+        let direction = frame.to_world(sample.wi).normalize();
+        let Some(next) = hit.leave(direction) else { return radiance };
+        let drawn = (sample.lobe != Lobe::Delta).then_some((&hit, sample.pdf));
+        radiance + factor * self.radiance(&next, depth + 1, weight, drawn)
+    }
+
+    fn light_from_lamps(
+        &self,
+        hit: &SurfaceHit,
+        frame: &Frame,
+        eval: impl Fn(photosphere::math::DVec3) -> Rgb,
+        pdf: impl Fn(photosphere::math::DVec3) -> f64,
+        u: [f64; 3],
+    ) -> Rgb {
+        let spheres = self.shot.scene().spheres();
+        let lights = self.shot.lights();
+        let Some(aim) = lights.sample(spheres, &receiver(hit), u[0], [u[1], u[2]]) else {
+            return Rgb::ZERO;
+        };
+        let wi = frame.to_local(aim.direction);
+        let Some(ray) = hit.leave_towards(aim.direction, aim.distance, aim.source.sphere()) else {
+            return Rgb::ZERO;
+        };
+        let mut blocked = [false];
+        self.accel.occluded(&[spheres.ask(&ray)], &mut blocked);
+        if blocked[0] || wi.z <= 0.0 {
+            return Rgb::ZERO;
+        }
+        let weight = power_heuristic(aim.pdf, pdf(wi));
+        eval(wi) * aim.radiance * (weight * wi.z / aim.pdf) as f32
+    }
+}
+
+#[test]
+fn the_loop_equals_the_recursion() {
+    // White balls with equal channels, so that the largest component of a product is the product of
+    // the largest components, and roulette decides alike.
+    let grey = [
+        "materials.ground.albedo=[0.7,0.7,0.7]",
+        "materials.floating.albedo=[0.9,0.9,0.9]",
+        "background.radiance=[0.1,0.2,0.3]",
+        "image.width=64",
+        "image.height=48",
+        "image.filter=box",
+    ];
+    let cases = [
+        ("path", true, "sobol"),
+        ("path", true, "independent"),
+        ("path", true, "stratified"),
+        ("paper", false, "independent"),
+    ];
+    for (integrator, samples_lamps, sampler) in cases {
+        let choice =
+            [format!("render.integrator={integrator}"), format!("render.sampler={sampler}")];
+        let subpixels = "render.paper.subpixels=1";
+        let options = [&grey[..], &[&choice[0], &choice[1], subpixels]].concat();
+        let shot = Kit::of_file("paper/fig4.toml", &options).shot();
+        let accel = built(&shot, Backend::BruteForce);
+        let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i / 100 };
+        let samples: Vec<_> = (0..3000).map(address).collect();
+
+        let mut looped = vec![Radiance::default(); samples.len()];
+        let cancel = Default::default();
+        let world = World::new(&shot, &*accel, &cancel);
+        of_shot(&shot).estimate(world, &samples, &mut looped, &mut Workspace::default());
+
+        let mut bright = 0;
+        for (address, looped) in samples.iter().zip(&looped) {
+            let render = shot.render();
+            let sampler = Sampler::of_kind(
+                render.sampler,
+                0,
+                u64::from(address.y) * 64 + u64::from(address.x),
+                address.sample,
+                render.samples_per_pixel,
+            );
+            let [u, v] = sampler.get_2d(0);
+            let (x, y) = (f64::from(address.x) + u, f64::from(address.y) + v);
+            let ray = shot.camera().ray(x, y, [0.0; 2]);
+            let call = Call { shot: &shot, accel: &*accel, sampler, samples_lamps };
+            let recursive = call.radiance(&ray, 1, 1.0, None);
+            let looped = looped.direct + looped.indirect;
+            let allowed = 2e-5 * recursive.max_element().max(1e-3);
+            assert!(
+                (looped - recursive).abs().max_element() <= allowed,
+                "{integrator} {address:?}: loop {looped}, recursion {recursive}"
+            );
+            bright += usize::from(recursive.max_element() > 0.2);
+        }
+        assert!(bright > 100, "there is something to compare");
+    }
+}
