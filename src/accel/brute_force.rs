@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::geometry::{PathRay, PathRays, RayBlock, SphereSet};
 use crate::math::{Hit, Isa, LANES, Lanes, NO_SPHERE, Ray, Stage};
 
-use super::{Accel, Precision, ask};
+use super::{Accel, Precision};
 
 /// After so many spheres it is looked whether all rays of a block are blocked already.
 const STRETCH: usize = 64;
@@ -69,29 +69,21 @@ impl Accel for BruteForce {
 
     fn closest_of(
         &self,
-        spheres: &SphereSet,
+        _: &SphereSet,
         rays: &PathRays,
-        asked: &mut Vec<Ray>,
+        _: &mut Vec<Ray>,
         hits: &mut [Hit],
     ) {
-        if cfg!(feature = "faults") {
-            ask(spheres, rays, asked);
-            return self.closest(asked, hits);
-        }
         self.closest_in(rays, hits);
     }
 
     fn occluded_of(
         &self,
-        spheres: &SphereSet,
+        _: &SphereSet,
         rays: &PathRays,
-        asked: &mut Vec<Ray>,
+        _: &mut Vec<Ray>,
         blocked: &mut [bool],
     ) {
-        if cfg!(feature = "faults") {
-            ask(spheres, rays, asked);
-            return self.occluded(asked, blocked);
-        }
         self.occluded_in(rays, blocked);
     }
 

@@ -41,8 +41,7 @@ impl<R: Recorder> Batch<'_, R> {
     /// The radiance of a background that is the same from everywhere, where meeting it takes no more
     /// than [`Self::miss_evenly`].
     pub(super) fn even_background(&self) -> Option<Rgb> {
-        let is_plain = !R::LISTENS && self.seen.is_empty() && !cfg!(feature = "faults");
-        let is_plain = is_plain && self.transport.miss != Miss::Redraw;
+        let is_plain = !R::LISTENS && self.seen.is_empty() && self.transport.miss != Miss::Redraw;
         self.world.shot.lights().background().even().filter(|_| is_plain)
     }
 
@@ -55,6 +54,9 @@ impl<R: Recorder> Batch<'_, R> {
             if !self.world.scene.shows_background() {
                 radiance = Rgb::ZERO;
             }
+        }
+        if state.depth > 1 && fault!(BackgroundOnlySeen) {
+            radiance = Rgb::ZERO;
         }
         if radiance != Rgb::ZERO {
             let added = self.arriving(state.throughput * radiance, state.is_direct());

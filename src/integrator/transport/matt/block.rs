@@ -1,6 +1,7 @@
 //! Vertices side by side, and what is computed for all of them at once.
 
 use crate::color::Rgb;
+use crate::fault::fault;
 use crate::geometry::{Cone, PathRay, Sphere};
 use crate::light::{Lamp, LightSample};
 use crate::material::Diffuse;
@@ -210,12 +211,14 @@ impl Stage for Turn<'_> {
             let wi = DVec3::new(0.0, 0.0, normal.dot(aim.direction.get(lane)));
             let (pdf, pdf_bsdf) = (aim.pdf.0[lane], Diffuse::pdf_cosine(wi));
             let weight = aim::weight(self.estimator, pdf, pdf_bsdf);
-            let factor = (weight * wi.z / pdf) as f32;
+            let cos = if fault!(CosineMissing) { 1.0 } else { wi.z };
+            let factor = (weight * cos / pdf) as f32;
             aim.factor.0[lane] = if wi.z > 0.0 { factor } else { 0.0 };
         }
         for lane in 0..LANES {
             let normal = met.normal.get(lane);
             let u = [next.u[0].0[lane], next.u[1].0[lane]];
+            let u = if fault!(NumberReused) { [u[0]; 2] } else { u };
             let (wi, pdf) = Diffuse::sample_cosine(u);
             let direction = nearly_unit(Frame::around(normal).to_world(wi));
             next.direction.set(lane, direction);

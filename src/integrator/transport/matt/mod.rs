@@ -9,6 +9,7 @@
 mod block;
 
 use crate::color::Rgb;
+use crate::fault::fault;
 use crate::geometry::{PathRay, Side, SurfaceHit};
 use crate::light::{Receiver, Source};
 use crate::material::{Diffuse, Model};
@@ -37,7 +38,6 @@ impl<'a, R: Recorder> Batch<'a, R> {
     pub(super) fn has_blocks(&self) -> bool {
         let (scene, transport) = (self.world.scene, self.transport);
         !R::LISTENS
-            && !cfg!(feature = "faults")
             && !scene.has_opacity()
             && transport.hemisphere == Hemisphere::Cosine
             && transport.most_scatterings == u32::MAX
@@ -158,7 +158,8 @@ impl<'a, R: Recorder> Batch<'a, R> {
                 aims.shadows.push(&ray, Gain { sample: state.sample, light, is_direct });
             }
         }
-        state.throughput *= albedo;
+        let cos = if fault!(CosineTwice) { block.next.cos.0[lane] as f32 } else { 1.0 };
+        state.throughput *= albedo * cos;
         state.scatterings += 1;
         state.is_drawn = true;
         if pdf > 0.0 && self.survives(&mut state) {
