@@ -34,8 +34,8 @@ Exit codes:
   5    the intersector is missing or failed
   101  a fault of photosphere itself; please report it. render has written the
        samples it had, if any
-  130  stopped by Ctrl-C, SIGTERM, SIGHUP, SIGXCPU or SIGUSR2; render has written
-       the samples it had, if any";
+  130  stopped by Ctrl-C, SIGTERM, SIGHUP, SIGXCPU or SIGUSR2; render has
+       written the samples it had, if any";
 
 impl Exit {
     pub(super) fn of(error: &Error) -> Self {

@@ -359,7 +359,10 @@ mod tests {
 
     #[test]
     fn a_panic_of_a_thread_that_renders_keeps_the_samples_so_far() {
-        let scene = Builder::new().build().unwrap();
+        let mut scene = Builder::new();
+        let grey = scene.diffuse([0.5; 3]);
+        scene.sphere(grey, [0.0; 3], 1.0);
+        let scene = scene.build().unwrap();
         let mut job = Job::sized(64, 48).samples_per_pixel(4096);
         job.threads = 1;
         let mut session = Session::new(&scene, job, Opening::default()).unwrap();
