@@ -34,6 +34,7 @@ pub mod names;
 pub mod output;
 pub mod sampling;
 pub mod scene;
+pub mod task;
 pub mod verify;
 
 pub use error::{Error, Result};

@@ -4,11 +4,12 @@
 mod common;
 
 use common::Kit;
-use photosphere::accel::{Accel, Backend, BuildOptions, Cancel, Precision};
+use photosphere::accel::{Accel, Backend, BuildOptions, Precision};
 use photosphere::film::{Film, Kind, Layer};
 use photosphere::job::{Counters, Passes, format_of};
 use photosphere::math::{Hit, Ray};
 use photosphere::scene::Shot;
+use photosphere::task::Cancel;
 
 const SMALL: &[&str] =
     &["image.width=37", "image.height=22", "render.samples_per_pixel=41", "render.max_depth=6"];

@@ -6,13 +6,14 @@
 mod common;
 
 use common::{Judged, Kit, diffuse, glass, mirror, phong};
-use photosphere::accel::{Accel, Backend, BuildOptions, Cancel};
+use photosphere::accel::{Accel, Backend, BuildOptions};
 use photosphere::color::Rgb;
 use photosphere::integrator::{End, SampleAddress, Step, Trace, World, of_shot};
 use photosphere::math::DVec3;
 use photosphere::scene::Shot;
 use photosphere::scene::description::NamedMaterial;
 use photosphere::scene::settings::{Estimator, Integrator, Miss, Paper, Stop};
+use photosphere::task::Cancel;
 
 /// A matt and a glossy ball, a mirror and a glass ball on a matt ground under two lamps and a sky.
 fn still_life() -> Kit {

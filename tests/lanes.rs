@@ -5,7 +5,7 @@
 mod common;
 
 use common::Kit;
-use photosphere::accel::{Backend, Cancel};
+use photosphere::accel::Backend;
 use photosphere::color::Radiance;
 use photosphere::integrator::{SampleAddress, Tally, Workspace, World, of_shot};
 use photosphere::math::Isa;
@@ -14,6 +14,7 @@ use photosphere::scene::settings::{
     Estimator, FilterKind, Image, Integrator, LightChoice, SamplerKind,
 };
 use photosphere::scene::{Material, Shot};
+use photosphere::task::Cancel;
 
 fn matt(albedo: [f32; 3], roughness: f64) -> Surface {
     Surface::Diffuse { albedo: albedo.into(), roughness }

@@ -10,6 +10,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
+#[path = "layers/files.rs"]
+mod files;
+
 /// For each room, every room that it may use, directly or through others.
 type Rules = BTreeMap<String, BTreeSet<String>>;
 
@@ -46,6 +49,15 @@ fn nothing_walks_back() {
     for (room, usable) in rules() {
         assert!(!usable.contains(&room), "`{room}` may use itself through another room");
     }
+}
+
+#[test]
+fn no_file_uses_itself_through_others() {
+    let sources = sources();
+    let graph = files::graph(sources.iter().map(|(file, code)| (file.as_str(), code.as_str())));
+    let told: Vec<String> =
+        files::circles(&graph).iter().map(|circle| circle_in_words(&graph, circle)).collect();
+    assert!(told.is_empty(), "files in circles:\n{}", told.join("\n"));
 }
 
 #[test]
@@ -211,6 +223,18 @@ fn findings(file: &str, code: &str, words: &[&str], rule: &str) -> Vec<String> {
 fn assert_clean(check: impl Fn(&str, &str) -> Vec<String>) {
     let found: Vec<String> = sources().iter().flat_map(|(file, code)| check(file, code)).collect();
     assert!(found.is_empty(), "against ARCHITECTURE.md:\n{}", found.join("\n"));
+}
+
+/// Who takes what from whom.
+fn circle_in_words(graph: &files::Graph, circle: &BTreeSet<String>) -> String {
+    let mut lines = vec![format!("a circle of {} files", circle.len())];
+    for file in circle {
+        for (from, names) in graph[file].iter().filter(|(from, _)| circle.contains(*from)) {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            lines.push(format!("  {file} uses {from}: {}", names.join(", ")));
+        }
+    }
+    lines.join("\n")
 }
 
 // ---- Reading source text ----

@@ -4,13 +4,14 @@
 mod common;
 
 use common::Kit;
-use photosphere::accel::{Backend, Cancel};
+use photosphere::accel::Backend;
 use photosphere::color::{NOTHING, Rgb};
 use photosphere::film::{KINDS, Kind, Layer, Picture, Values};
 use photosphere::job::render;
 use photosphere::math::Rect;
 use photosphere::scene::description::{NamedMaterial, Surface};
 use photosphere::scene::settings::{Integrator, Paper, SamplerKind};
+use photosphere::task::Cancel;
 
 /// A ground, a lamp, a mirror, glass, a ball that is half there, and a matt ball before a background.
 fn kit() -> Kit {

@@ -4,7 +4,7 @@
 
 use std::process::{Command, Output};
 
-use photosphere::accel::Cancel;
+use photosphere::task::Cancel;
 use photosphere::verify::check::{
     Check, Effort, Finding, Group, Measured, run_all, share_significance,
 };

@@ -9,15 +9,14 @@ mod info;
 mod native;
 mod plan;
 
-use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, Result};
 use crate::geometry::{PathRays, SphereSet};
 use crate::math::{Hit, Ray};
 use crate::names::named;
+use crate::task::{Cancel, Progress};
 
 pub use choice::{Choice, Chosen};
 pub use info::EmbreeInfo;
@@ -133,54 +132,6 @@ pub enum Quality {
     Best,
     /// Three times faster to build, and up to a tenth slower to trace: for previews.
     Fast,
-}
-
-/// Whoever wants to know how far a build is.
-#[derive(Clone, Default)]
-pub struct Progress(Option<Arc<dyn Fn(f64) + Send + Sync>>);
-
-impl Progress {
-    /// Calls `listener`, from any thread, with the share that is done.
-    pub fn new(listener: impl Fn(f64) + Send + Sync + 'static) -> Self {
-        Self(Some(Arc::new(listener)))
-    }
-
-    /// Tells the share that is done, in 0 to 1.
-    pub fn report(&self, done: f64) {
-        if let Some(listener) = &self.0 {
-            listener(done);
-        }
-    }
-}
-
-impl fmt::Debug for Progress {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if self.0.is_some() { "Progress(listened to)" } else { "Progress(none)" })
-    }
-}
-
-/// A request to stop, shared between threads.
-#[derive(Clone, Debug, Default)]
-pub struct Cancel(Arc<AtomicBool>);
-
-impl Cancel {
-    /// Asks everything that holds this to stop.
-    pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether somebody asked to stop.
-    pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-
-    /// An error once somebody asked to stop.
-    ///
-    /// # Errors
-    /// With [`crate::error::Category::Cancelled`].
-    pub fn check(&self) -> Result<()> {
-        if self.is_cancelled() { Err(Error::cancelled()) } else { Ok(()) }
-    }
 }
 
 named! {

@@ -10,8 +10,8 @@ use std::thread;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
-use crate::accel::Cancel;
 use crate::output::remove_unfinished;
+use crate::task::Cancel;
 
 use super::exit::Exit;
 use super::print;

@@ -2,9 +2,10 @@
 
 use crate::color::Rgb;
 use crate::fault::fault;
+use crate::task::hands;
 
 use super::tile::Tile;
-use super::{BLOCK, Film, Layer, Picture, Rect, hands};
+use super::{BLOCK, Film, Layer, Picture, Rect};
 
 impl Film {
     /// The mean of every pixel. A pixel without samples is black; one whose samples were all left out

@@ -17,7 +17,6 @@ mod bytes;
 mod estimate;
 mod fixed;
 mod frame;
-pub(crate) mod hands;
 mod kind;
 mod layer;
 mod means;

@@ -19,7 +19,7 @@ mod transport;
 
 pub use trace::{Added, End, Step, Trace};
 
-use crate::accel::{Accel, Cancel};
+use crate::accel::Accel;
 use crate::color::{Radiance, Seen};
 use crate::geometry::PathRays;
 use crate::material::Media;
@@ -27,6 +27,7 @@ use crate::math::{Hit, Isa, Ray};
 use crate::sampling::Sampler;
 use crate::scene::settings::Integrator as Kind;
 use crate::scene::{Scene, Shot};
+use crate::task::Cancel;
 
 use ambient_occlusion::AmbientOcclusion;
 use normals::Normals;

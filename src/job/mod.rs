@@ -44,10 +44,11 @@ pub use session::{Opening, Reached, Session, format_of};
 pub use spec::{ENDLESS, Job, Until};
 pub use turns::Turns;
 
-use crate::accel::{Accel, Cancel};
+use crate::accel::Accel;
 use crate::error::Result;
 use crate::film::{Film, Kind, Picture};
 use crate::scene::{Scene, Shot};
+use crate::task::Cancel;
 
 /// Renders a job, and tells `observer` on this thread how far it is; `&()` does not look on.
 ///

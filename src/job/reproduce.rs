@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::accel::{Accel, Backend, BuildOptions, Cancel};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result, Setting};
 use crate::film::{Film, Format, Frame, Kind, Layer, Picture};
 use crate::output;
 use crate::scene::{Scene, Shot};
+use crate::task::Cancel;
 
 use super::aovs::picture;
 use super::metadata::{Metadata, each_file};

@@ -8,12 +8,13 @@ use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
 
-use crate::accel::{self, Accel, Backend, BuildOptions, Cancel};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result, Setting};
 use crate::film::{Film, Format, Frame, Layer, Picture, Rect, Scale, summed_for};
 use crate::integrator::Tally;
 use crate::output::WholeFile;
 use crate::scene::{Scene, Settings, Shot};
+use crate::task::Cancel;
 
 use super::adaptive::{Standing, error_so_far, render_to};
 use super::aovs::picture;
@@ -87,7 +88,7 @@ pub struct Opening {
     /// Set from elsewhere to stop the build and the render.
     pub cancel: Cancel,
     /// Told how far the build is.
-    pub build_progress: accel::Progress,
+    pub build_progress: crate::task::Progress,
     /// Where the picture goes, for checkpoints to tell.
     pub delivery: Option<Delivery>,
     /// The command, quoted for a shell, for files to tell.

@@ -20,7 +20,8 @@ use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{AttributeValue, IntegerBounds, Text, Vec2};
 
 use crate::color::Rgb;
-use crate::film::{Layer, Picture, Plane, Values, hands};
+use crate::film::{Layer, Picture, Plane, Values};
+use crate::task::hands;
 
 use super::{Crop, Notes, Record, Sink};
 

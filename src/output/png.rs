@@ -12,7 +12,8 @@ use std::path::Path;
 use png::text_metadata::ITXtChunk;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter};
 
-use crate::film::{Picture, hands};
+use crate::film::Picture;
+use crate::task::hands;
 
 use super::{Crop, Notes, Record, Sink, finite_beauty};
 

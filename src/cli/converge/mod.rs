@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use crate::accel::{Accel, Backend, BuildOptions, Cancel};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::film::Picture;
@@ -14,6 +14,7 @@ use crate::job;
 use crate::output::{self, BEAUTY, WholeFile};
 use crate::scene::settings::{Integrator, IntegratorKind};
 use crate::scene::{Override, Scene, Settings, Shot, read_file};
+use crate::task::Cancel;
 use crate::verify::converge::{Metric, Point, Reference, Series, plot};
 
 use super::args::ConvergeArgs;

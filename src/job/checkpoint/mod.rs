@@ -23,8 +23,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::film::{Film, hands};
+use crate::film::Film;
 use crate::output::WholeFile;
+use crate::task::hands;
 
 pub use header::{Delivery, FilePath, Header, Statistics, Status};
 

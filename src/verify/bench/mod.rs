@@ -14,11 +14,12 @@ mod whole;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::accel::{Accel, Backend, BuildOptions, Cancel};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::geometry::{PathRay, SphereSet};
 use crate::math::{Hit, Ray};
+use crate::task::Cancel;
 
 use super::rays;
 use measurement::{Measurement, SAMPLES_PER_PIXEL, spread};
