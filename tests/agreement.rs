@@ -9,7 +9,7 @@ mod common;
 use common::{Estimate, Judged, Kit, diffuse, glass, mirror, phong, rendered};
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::film::Picture;
+use photosphere::image_io::Picture;
 use photosphere::scene::description::Surface;
 use photosphere::scene::settings::Paper;
 

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::process::Command;
 
 use photosphere::color::Rgb;
-use photosphere::film::Picture;
-use photosphere::output::Target;
+use photosphere::image_io::Picture;
+use photosphere::image_io::Target;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -189,7 +189,7 @@ fn a_heat_map_is_drawn_with_its_scale_told() {
         let outcome = run(&folder, &arguments);
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
         assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
-        let map = photosphere::output::read(&folder.path().join("h.png")).expect("a picture");
+        let map = photosphere::image_io::read(&folder.path().join("h.png")).expect("a picture");
         assert_eq!((map.width, map.height), (260, 146));
     }
     let outcome = run(&folder, "a.exr b.exr --heatmap-of rmse");

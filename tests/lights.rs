@@ -11,10 +11,10 @@ use std::f64::consts::PI;
 use common::{Estimate, Judged, Kit, diffuse, glass, mirror};
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::film::Picture;
+use photosphere::image_io::Picture;
+use photosphere::image_io::Target;
 use photosphere::light::Orientation;
 use photosphere::math::DVec3;
-use photosphere::output::Target;
 use photosphere::scene::description::{Background, Dome, Sun};
 use photosphere::scene::settings::LightChoice;
 

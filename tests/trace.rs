@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::{Command, Output};
 
-use photosphere::output::{BEAUTY, read};
+use photosphere::image_io::{BEAUTY, read};
 use serde_json::Value;
 use tempfile::TempDir;
 

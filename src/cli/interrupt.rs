@@ -10,7 +10,7 @@ use std::thread;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
-use crate::output::remove_unfinished;
+use crate::image_io::remove_unfinished;
 use crate::task::Cancel;
 
 use super::exit::Exit;

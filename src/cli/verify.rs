@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::accel::{Backend, embree_info};
 use crate::error::{Error, Result};
-use crate::output::WholeFile;
+use crate::image_io::WholeFile;
 use crate::task::Cancel;
 use crate::verify::check::{
     Check, Effort, FAMILY_SIGNIFICANCE, Group, Outcome, Progress, run_all, share_significance,

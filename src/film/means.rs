@@ -2,10 +2,11 @@
 
 use crate::color::Rgb;
 use crate::fault::fault;
+use crate::image_io::Picture;
 use crate::task::hands;
 
 use super::tile::Tile;
-use super::{BLOCK, Film, Layer, Picture, Rect};
+use super::{BLOCK, Film, Layer, Rect};
 
 impl Film {
     /// The mean of every pixel. A pixel without samples is black; one whose samples were all left out

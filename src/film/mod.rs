@@ -20,7 +20,6 @@ mod frame;
 mod kind;
 mod layer;
 mod means;
-mod picture;
 #[cfg(test)]
 mod tests;
 mod tile;
@@ -30,7 +29,6 @@ pub use estimate::Estimate;
 pub use frame::{Frame, TILE};
 pub use kind::{By, KINDS, Kind, Merge, summed_for};
 pub use layer::{Layer, Run, Scale};
-pub use picture::{Picture, Plane, Values};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

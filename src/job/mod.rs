@@ -46,7 +46,8 @@ pub use turns::Turns;
 
 use crate::accel::Accel;
 use crate::error::Result;
-use crate::film::{Film, Kind, Picture};
+use crate::film::{Film, Kind};
+use crate::image_io::Picture;
 use crate::scene::{Scene, Shot};
 use crate::task::Cancel;
 

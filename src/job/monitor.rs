@@ -12,7 +12,7 @@ use rayon::ThreadPool;
 
 use crate::error::Result;
 use crate::film::BLOCK;
-use crate::output::WholeFile;
+use crate::image_io::WholeFile;
 
 use super::observer::Observer;
 use super::session::{Reached, Work};

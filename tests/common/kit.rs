@@ -5,7 +5,8 @@ use std::path::Path;
 
 use photosphere::accel::{Backend, BuildOptions};
 use photosphere::color::Rgb;
-use photosphere::film::{Kind, Picture};
+use photosphere::film::Kind;
+use photosphere::image_io::Picture;
 use photosphere::job::{Rendered, render};
 use photosphere::scene::description::{NamedMaterial, Surface};
 use photosphere::scene::settings::{Integrator, Paper, SamplerKind};

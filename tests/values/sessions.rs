@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use photosphere::film::Kind;
+use photosphere::image_io::WholeFile;
 use photosphere::job::{Checkpoint, End, Job, Opening, Outcome, Reached, Session};
-use photosphere::output::WholeFile;
 use photosphere::scene::settings::SamplerKind;
 use photosphere::scene::{Scene, Settings, SphereArrays};
 

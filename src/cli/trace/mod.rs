@@ -7,10 +7,10 @@ use serde_json::{Value, json};
 
 use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
+use crate::image_io::WholeFile;
 use crate::integrator::{self, SampleAddress, Step, Trace, World};
 use crate::light::Source;
 use crate::math::DVec3;
-use crate::output::WholeFile;
 use crate::scene::{Scene, Shot, read_file};
 use crate::task::Cancel;
 

@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::output::WholeFile;
+use crate::image_io::WholeFile;
 use crate::task::hands;
 
 pub use header::{Delivery, FilePath, Header, Statistics, Status};

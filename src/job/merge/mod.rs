@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 
 use crate::accel::{Backend, BuildOptions};
 use crate::error::{Error, Result, Setting};
-use crate::film::{BLOCK, Film, Format, Kind, Picture, Rect, summed_for};
-use crate::output::WholeFile;
+use crate::film::{BLOCK, Film, Format, Kind, Rect, summed_for};
+use crate::image_io::Picture;
+use crate::image_io::WholeFile;
 use crate::scene::{Scene, Shot};
 
 use super::aovs::{needs_scene, picture, picture_of_sums};

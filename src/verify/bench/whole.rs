@@ -5,8 +5,9 @@ use std::time::Instant;
 
 use crate::accel::{Accel, Backend, Precision};
 use crate::error::{Error, Result};
-use crate::film::{Kind, Picture};
+use crate::film::Kind;
 use crate::geometry::{PathRays, SphereSet};
+use crate::image_io::Picture;
 use crate::job::render;
 use crate::math::{Hit, Ray};
 use crate::scene::Shot;

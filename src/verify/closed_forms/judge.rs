@@ -18,7 +18,7 @@ use tempfile::TempDir;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::film::Kind;
-use crate::film::Picture;
+use crate::image_io::Picture;
 use crate::job::render;
 use crate::scene::{Override, Shot, read_text};
 use crate::task::Cancel;
