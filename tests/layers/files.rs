@@ -92,19 +92,18 @@ impl Files {
         let is_local = rest.len() == path.len();
         for (at, name) in rest.iter().enumerate() {
             let inner = [&module[..], &[name.clone()]].concat();
-            let file = self.0.get(&module)?;
             if self.0.contains_key(&inner) {
                 module = inner;
-            } else if let (Some(to), true) = (file.names.get(name), depth < 8) {
-                match self.find(&module, to, depth + 1) {
-                    Some(Place::Module(found)) => module = found,
-                    Some(found) => return Some(found),
-                    None => return None,
-                }
-            } else if at == 0 && is_local {
-                return None;
-            } else {
-                return Some(Place::File(file.name.clone()));
+                continue;
+            }
+            let file = self.0.get(&module)?;
+            match file.names.get(name) {
+                Some(to) if depth < 8 => match self.find(&module, to, depth + 1)? {
+                    Place::Module(found) => module = found,
+                    Place::File(found) => return Some(Place::File(found)),
+                },
+                _ if at == 0 && is_local => return None,
+                _ => return Some(Place::File(file.name.clone())),
             }
         }
         Some(Place::Module(module))
