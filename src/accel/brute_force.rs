@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::geometry::{PathRay, PathRays, RayBlock, SphereSet};
 use crate::math::{Hit, Isa, LANES, Lanes, NO_SPHERE, Ray, Stage};
 
-use super::{Accel, Precision, ask};
+use super::intersector::{Accel, Precision, ask};
 
 /// After so many spheres it is looked whether all rays of a block are blocked already.
 const STRETCH: usize = 64;

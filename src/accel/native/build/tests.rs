@@ -1,6 +1,6 @@
 use super::*;
+use crate::accel::native::limits::LEVELS;
 use crate::accel::native::node::WIDTH;
-use crate::accel::native::tree::LEVELS;
 use crate::geometry::SphereRows;
 use crate::task::{Cancel, Progress};
 
