@@ -29,15 +29,13 @@ pub use estimate::Estimate;
 pub use frame::{Frame, TILE};
 pub use kind::{By, KINDS, Kind, Merge, summed_for};
 pub use layer::{Layer, Run, Scale};
+pub use tile::BLOCK;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::error::{Error, Result};
 
 use tile::{Plan, Tile, TooBright};
-
-/// Samples are summed in blocks of this many consecutive ones, in index order.
-pub const BLOCK: u32 = 16;
 
 /// What a film is to hold.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

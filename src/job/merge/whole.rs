@@ -11,8 +11,8 @@ use super::super::checkpoint::{Header, Statistics, Status};
 use super::super::metadata::{Metadata, RunRecord};
 use super::super::noise::NoiseTarget;
 use super::super::samples::{Samples, Share, Shares, TileCounts};
-use super::Piece;
 use super::cells::{are_from_first_on, cells, first_missing};
+use super::piece::Piece;
 
 /// Pixels along the side of a square that a noise target decides about.
 const SQUARE: u32 = 16;
