@@ -148,8 +148,11 @@ fn ids(rays: &[Ray], accel: &dyn Accel) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::geometry::{Sphere, SphereRows};
+    use crate::accel::BuildOptions;
+    use crate::geometry::{Sphere, SphereRows, SphereSet};
     use crate::math::{DVec3, NO_SPHERE};
 
     const ROUNDS: Rounds = Rounds { count: 3, batch: 100 };
