@@ -24,7 +24,6 @@ mod means;
 mod tests;
 mod tile;
 
-pub use crate::math::Rect;
 pub use estimate::Estimate;
 pub use frame::{Frame, TILE};
 pub use kind::{By, KINDS, Kind, Merge, summed_for};

@@ -10,10 +10,11 @@ use rayon::ThreadPool;
 
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result, Setting};
-use crate::film::{Film, Format, Frame, Layer, Rect, Scale, summed_for};
+use crate::film::{Film, Format, Frame, Layer, Scale, summed_for};
 use crate::image_io::Picture;
 use crate::image_io::WholeFile;
 use crate::integrator::Tally;
+use crate::math::Rect;
 use crate::scene::{Scene, Settings, Shot};
 use crate::task::Cancel;
 

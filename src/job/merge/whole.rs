@@ -4,7 +4,8 @@ use std::iter::Sum;
 use std::ops::Range;
 
 use crate::error::{Error, Result, Setting};
-use crate::film::{Film, Format, Frame, Kind, Rect};
+use crate::film::{Film, Format, Frame, Kind};
+use crate::math::Rect;
 
 use super::super::adaptive::error_so_far;
 use super::super::checkpoint::{Header, Statistics, Status};
