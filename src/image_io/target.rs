@@ -36,7 +36,7 @@ impl Target {
         self.format == Format::Exr
     }
 
-    /// Whether the file is for the screen, and so has a [`Look`].
+    /// Whether the file is for the screen, and so has a [`Look`](crate::color::Look).
     pub fn is_for_screen(&self) -> bool {
         self.format == Format::Png
     }

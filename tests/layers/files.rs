@@ -91,7 +91,7 @@ impl Files {
         }
         let is_local = rest.len() == path.len();
         for (at, name) in rest.iter().enumerate() {
-            let inner = [&module[..], &[name.clone()]].concat();
+            let inner = [&module[..], std::slice::from_ref(name)].concat();
             if self.0.contains_key(&inner) {
                 module = inner;
                 continue;

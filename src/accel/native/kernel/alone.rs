@@ -39,7 +39,8 @@ pub(super) fn alone<Q: Question>(bvh: &Bvh, ray: &Ray) -> Q::Answer {
     }
     let tree = &bvh.tree;
     let mut slot = MaybeUninit::<Slot>::uninit();
-    // SAFETY: as in `single::step`; leaves are kept one at a time. With `ANY`, a leaf leaves the limit alone.
+    // SAFETY: as in `single::step`; leaves are kept one at a time. With `ANY`, a leaf leaves the limit
+    // alone.
     unsafe {
         Slot::begin(slot.as_mut_ptr(), ray, best, 0, tree.root);
         let slot = slot.assume_init_mut();

@@ -85,7 +85,8 @@ fn may_be_alike(rays: &[Ray; RAYS]) -> bool {
 }
 
 impl Packet {
-    /// Makes a packet of the sixteen rays of a batch from this one on; `false` if they are not alike, or too few.
+    /// Makes a packet of the sixteen rays of a batch from this one on; `false` if they are not alike, or
+    /// too few.
     ///
     /// # Safety
     /// `packet` is valid for writing, the tree has a root, and the instructions of `L` are there.
