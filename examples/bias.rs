@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use photosphere::Result;
 use photosphere::accel::{Backend, BuildOptions};
-use photosphere::film::Picture;
+use photosphere::image_io::Picture;
 use photosphere::job::{Rendered, render};
 use photosphere::scene::{Override, Shot, read_file};
 use photosphere::verify::statistics::Estimate;

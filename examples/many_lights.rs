@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use photosphere::accel::{Backend, BuildOptions};
-use photosphere::film::Picture;
+use photosphere::image_io::Picture;
 use photosphere::job::render;
 use photosphere::sampling::Sampler;
 use photosphere::scene::{Override, Shot, read_file};

@@ -12,12 +12,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use photosphere::accel::{Accel, Backend, BuildOptions, Cancel, Choice, embree_info};
+use photosphere::accel::{Accel, Backend, BuildOptions, Choice, embree_info};
 use photosphere::generate::{Arrangement, Recipe, scene_text, write_rows};
 use photosphere::geometry::{PathRay, Sphere, SphereSet};
 use photosphere::job::{COMMIT, VERSION};
 use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
 use photosphere::scene::{Override, Shot, read_file};
+use photosphere::task::Cancel;
 use photosphere::verify::bench::{
     CAMERA, Field, Figure, Question, RayKind, Rounds, SECOND_BOUNCE, Setting, StandardScene, bench,
     renders, sweep,

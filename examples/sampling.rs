@@ -12,7 +12,7 @@ use std::path::Path;
 
 use photosphere::Result;
 use photosphere::accel::{Backend, BuildOptions};
-use photosphere::film::Picture;
+use photosphere::image_io::Picture;
 use photosphere::job::render;
 use photosphere::scene::{Override, Shot, read_file};
 

@@ -4,7 +4,7 @@
 //! walks back:
 //!
 //! ```text
-//! Description -> Scene -> accel -> integrator -> film -> job -> output
+//! Description -> Scene -> accel -> integrator -> film -> job -> image_io
 //! ```
 //!
 //! [`scene::Builder`] makes a scene, [`job::run`] renders it; README.md has an example.
@@ -25,15 +25,16 @@ mod fault;
 pub mod film;
 pub mod generate;
 pub mod geometry;
+pub mod image_io;
 pub mod integrator;
 pub mod job;
 pub mod light;
 pub mod material;
 pub mod math;
 pub mod names;
-pub mod output;
 pub mod sampling;
 pub mod scene;
+pub mod task;
 pub mod verify;
 
 pub use error::{Error, Result};

@@ -6,8 +6,9 @@
 
 use std::path::Path;
 
-use photosphere::accel::{Backend, Cancel};
+use photosphere::accel::Backend;
 use photosphere::fault::{Fault, switch_to};
+use photosphere::task::Cancel;
 use photosphere::verify::check::{Effort, Outcome};
 use photosphere::verify::checks_on;
 

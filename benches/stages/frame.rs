@@ -5,10 +5,11 @@ use std::path::Path;
 
 use criterion::{Criterion, Throughput};
 
-use photosphere::accel::{BuildOptions, Cancel, Choice};
+use photosphere::accel::{BuildOptions, Choice};
 use photosphere::generate::{Arrangement, Recipe, scene_text, write_rows};
 use photosphere::job::render;
 use photosphere::scene::{Override, Shot, read_file};
+use photosphere::task::Cancel;
 
 const KEYS: [(&str, &str); 3] =
     [("image.width", "96"), ("image.height", "72"), ("render.samples_per_pixel", "16")];

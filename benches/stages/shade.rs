@@ -5,11 +5,12 @@ use std::path::Path;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 
-use photosphere::accel::{Backend, BuildOptions, Cancel};
+use photosphere::accel::{Backend, BuildOptions};
 use photosphere::color::Radiance;
 use photosphere::integrator::{SampleAddress, Workspace, World, of_shot};
 use photosphere::math::Isa;
 use photosphere::scene::{Shot, read_file};
+use photosphere::task::Cancel;
 
 /// Samples of a batch, as in a render.
 const SAMPLES: u32 = 1024;

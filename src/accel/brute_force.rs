@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::geometry::{PathRay, PathRays, RayBlock, SphereSet};
 use crate::math::{Hit, Isa, LANES, Lanes, NO_SPHERE, Ray, Stage};
 
-use super::{Accel, Precision};
+use super::intersector::{Accel, Precision};
 
 /// After so many spheres it is looked whether all rays of a block are blocked already.
 const STRETCH: usize = 64;
@@ -67,23 +67,11 @@ impl Accel for BruteForce {
         self.occluded_in(&as_they_are(rays), blocked);
     }
 
-    fn closest_of(
-        &self,
-        _: &SphereSet,
-        rays: &PathRays,
-        _: &mut Vec<Ray>,
-        hits: &mut [Hit],
-    ) {
+    fn closest_of(&self, _: &SphereSet, rays: &PathRays, _: &mut Vec<Ray>, hits: &mut [Hit]) {
         self.closest_in(rays, hits);
     }
 
-    fn occluded_of(
-        &self,
-        _: &SphereSet,
-        rays: &PathRays,
-        _: &mut Vec<Ray>,
-        blocked: &mut [bool],
-    ) {
+    fn occluded_of(&self, _: &SphereSet, rays: &PathRays, _: &mut Vec<Ray>, blocked: &mut [bool]) {
         self.occluded_in(rays, blocked);
     }
 

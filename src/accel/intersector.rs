@@ -1,55 +1,77 @@
-//! Which intersector found the hits of a picture.
+//! What every backend can do.
 
-use std::fmt;
+use crate::geometry::{PathRays, SphereSet};
+use crate::math::{Hit, Ray};
 
-use serde::{Deserialize, Serialize};
+/// An intersector over a fixed set of spheres.
+///
+/// Rays come in batches of any length; a batch of one is a single ray. Answers are in the order of
+/// the rays. A ray that is not [valid](Ray::is_valid) hits nothing. All backends overlook excluded
+/// spheres, report the far wall of a sphere that the ray starts in, and take hits in the open
+/// interval `(t_min, t_max)` only. Where two spheres are hit at exactly the same distance, the
+/// backends in Rust answer the smaller id, whatever order they met them in.
+pub trait Accel: Send + Sync {
+    /// The first sphere that each ray hits. The slices have equal lengths.
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]);
 
-use super::{Backend, embree_info};
+    /// Whether each ray hits anything. The slices have equal lengths.
+    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]);
 
-/// A backend with what decides its answers: two equal ones answer every ray alike.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Intersector {
-    /// The backend.
-    pub backend: Backend,
-    /// The Embree that does its work; `None` for our own backends, which change with the program alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub embree: Option<EmbreeBuild>,
-}
+    /// [`Self::closest`] for the f64 rays of paths. Most backends are asked with [`SphereSet::ask`] of
+    /// each, for which `asked` is room; one that computes in f64 may take them as they are.
+    fn closest_of(
+        &self,
+        spheres: &SphereSet,
+        rays: &PathRays,
+        asked: &mut Vec<Ray>,
+        hits: &mut [Hit],
+    ) {
+        ask(spheres, rays, asked);
+        self.closest(asked, hits);
+    }
 
-/// An Embree library on some processor. Its kernels round differently for each instruction set.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct EmbreeBuild {
-    /// Version of the library, such as `4.3.3`.
-    pub version: String,
-    /// The instruction set that it selected on the processor, such as `AVX2`.
-    pub instruction_set: String,
-}
+    /// [`Self::occluded`] for the f64 rays of paths.
+    fn occluded_of(
+        &self,
+        spheres: &SphereSet,
+        rays: &PathRays,
+        asked: &mut Vec<Ray>,
+        blocked: &mut [bool],
+    ) {
+        ask(spheres, rays, asked);
+        self.occluded(asked, blocked);
+    }
 
-impl Intersector {
-    /// The intersector that this backend is on this machine.
-    pub fn of(backend: Backend) -> Self {
-        let embree = match embree_info() {
-            Some(Ok(info)) if backend.uses_embree() => Some(EmbreeBuild {
-                version: info.runtime_version,
-                instruction_set: info.instruction_set.to_owned(),
-            }),
-            _ => None,
-        };
-        Self { backend, embree }
+    /// How far this backend's arithmetic may move a sphere's surface for a ray.
+    fn precision(&self) -> Precision;
+
+    /// Bytes held by the structure, without the spheres themselves.
+    fn bytes(&self) -> usize;
+
+    /// How it was built and works, in a few words for people; empty where there is nothing to say.
+    fn details(&self) -> String {
+        String::new()
     }
 }
 
-/// As in `native` or `embree 4.3.3, AVX2`.
-impl fmt::Display for Intersector {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.backend.name())?;
-        match &self.embree {
-            Some(EmbreeBuild { version, instruction_set }) => {
-                write!(f, " {version}, {instruction_set}")
-            }
-            None => Ok(()),
-        }
-    }
+/// Makes the rays to ask with.
+pub(super) fn ask(spheres: &SphereSet, rays: &PathRays, asked: &mut Vec<Ray>) {
+    asked.clear();
+    asked.extend(rays.iter().map(|ray| spheres.ask(&ray)));
+}
+
+/// The stated error of a backend's arithmetic, as a backward error: an answer is exact for spheres
+/// whose radius was changed by at most `k 2^-24 (|o - c| + R)`, plus what rounding the ray's own
+/// origin to f32 moved it.
+///
+/// `crosscheck` and the differential tests accept an id that differs from the judge's only within
+/// this band.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Precision {
+    /// The factor `k` for spheres stored in f32.
+    pub particles: f64,
+    /// The factor `k` for giants.
+    pub giants: f64,
+    /// Whether the backend traces from the origin as rounded to f32.
+    pub rounds_origin: bool,
 }

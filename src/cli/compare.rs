@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use crate::color::Rgb;
 use crate::error::{Error, Result};
+use crate::image_io::{self, BEAUTY, Layered, Target};
 use crate::math::DVec3;
-use crate::output::{self, BEAUTY, Layered, Target};
 use crate::verify::metrics::{Mean, flip, heatmap, mean_error, psnr, relative_squared, squared};
 
 use super::args::{CompareArgs, Mapped, Metric};
@@ -61,13 +61,13 @@ struct Pair {
 
 impl Pair {
     fn read(args: &CompareArgs) -> Result<Self> {
-        let (mut a, mut b) = (output::read(&args.picture)?, output::read(&args.reference)?);
+        let (mut a, mut b) = (image_io::read(&args.picture)?, image_io::read(&args.reference)?);
         forget_equal_infinities(&mut a, &mut b);
         let is_compared =
             |name: &str| args.layers.is_empty() || args.layers.iter().any(|layer| layer == name);
         check_finite(&args.picture, &a, is_compared)?;
         check_finite(&args.reference, &b, is_compared)?;
-        let twin = args.twin.as_deref().map(output::read).transpose()?;
+        let twin = args.twin.as_deref().map(image_io::read).transpose()?;
         if let Some((path, twin)) = args.twin.as_deref().zip(twin.as_ref()) {
             check_finite(path, twin, |name| name == BEAUTY)?;
         }

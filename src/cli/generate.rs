@@ -8,7 +8,7 @@ use indicatif::ProgressBar;
 
 use crate::error::{Error, Result};
 use crate::generate::{Recipe, scene_text, write_rows};
-use crate::output::WholeFile;
+use crate::image_io::WholeFile;
 
 use super::args::GenerateArgs;
 use super::exit::Exit;

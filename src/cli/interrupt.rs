@@ -10,9 +10,9 @@ use std::thread;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 use signal_hook::iterator::Signals;
 
-use crate::accel::Cancel;
+use crate::image_io::remove_unfinished;
 use crate::job::SaveRequest;
-use crate::output::remove_unfinished;
+use crate::task::Cancel;
 
 use super::exit::Exit;
 use super::print;

@@ -1,8 +1,8 @@
 //! `photosphere merge`: parts of a picture become one.
 
 use crate::error::Result;
+use crate::image_io::WholeFile;
 use crate::job::merge::{Merged, Plan, merge};
-use crate::output::WholeFile;
 
 use super::args::MergeArgs;
 use super::exit::Exit;

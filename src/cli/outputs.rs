@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use crate::color::Look;
 use crate::error::{Error, Result};
-use crate::film::{Frame, Kind, Layer, Picture};
+use crate::film::{Frame, Kind, Layer};
+use crate::image_io::Picture;
+use crate::image_io::{Notes, Target};
 use crate::job::{Delivery, FilePath, Metadata, crop_of};
-use crate::output::{Notes, Target};
 
 /// The files that a picture goes to.
 pub(super) struct Outputs {

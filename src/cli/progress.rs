@@ -6,10 +6,9 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::accel;
-
 use crate::job::pace::{self, Pace};
 use crate::job::{self, Observer};
+use crate::task;
 
 use super::print;
 
@@ -132,12 +131,12 @@ impl Observer for Progress {
 }
 
 /// Says how far a build is, every few seconds: nothing for builds that are over by then.
-pub(super) fn of_a_build(quiet: bool) -> accel::Progress {
+pub(super) fn of_a_build(quiet: bool) -> task::Progress {
     if quiet {
-        return accel::Progress::default();
+        return task::Progress::default();
     }
     let last = Mutex::new(Instant::now());
-    accel::Progress::new(move |done| {
+    task::Progress::new(move |done| {
         let Ok(mut last) = last.try_lock() else { return };
         if last.elapsed() >= BETWEEN_LINES && done < 1.0 {
             *last = Instant::now();

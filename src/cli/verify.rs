@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
-use crate::accel::{Backend, Cancel, embree_info};
+use crate::accel::{Backend, embree_info};
 use crate::error::{Error, Result};
-use crate::output::WholeFile;
+use crate::image_io::WholeFile;
+use crate::task::Cancel;
 use crate::verify::check::{
     Check, Effort, FAMILY_SIGNIFICANCE, Group, Outcome, Progress, run_all, share_significance,
 };

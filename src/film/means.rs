@@ -2,9 +2,12 @@
 
 use crate::color::Rgb;
 use crate::fault::fault;
+use crate::image_io::Picture;
+use crate::math::Rect;
+use crate::task::hands;
 
 use super::tile::Tile;
-use super::{BLOCK, Film, Layer, Picture, Rect, hands};
+use super::{BLOCK, Film, Layer};
 
 impl Film {
     /// The mean of every pixel. A pixel without samples is black; one whose samples were all left out

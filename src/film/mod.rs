@@ -17,30 +17,24 @@ mod bytes;
 mod estimate;
 mod fixed;
 mod frame;
-pub(crate) mod hands;
 mod kind;
 mod layer;
 mod means;
-mod picture;
 #[cfg(test)]
 mod tests;
 mod tile;
 
-pub use crate::math::Rect;
 pub use estimate::Estimate;
 pub use frame::{Frame, TILE};
 pub use kind::{By, KINDS, Kind, Merge, summed_for};
 pub use layer::{Layer, Run, Scale};
-pub use picture::{Picture, Plane, Values};
+pub use tile::BLOCK;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::error::{Error, Result, Setting};
 
 use tile::{Plan, Tile, TooBright};
-
-/// Samples are summed in blocks of this many consecutive ones, in index order.
-pub const BLOCK: u32 = 16;
 
 /// What a film is to hold.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::color::{Radiance, Rgb, Seen};
+use crate::math::Rect;
 
 const WIDTH: u32 = 21;
 const HEIGHT: u32 = 9;

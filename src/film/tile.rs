@@ -4,9 +4,11 @@ use crate::color::{Radiance, Seen};
 use crate::error::{Error, Result};
 use crate::fault::fault;
 
-use super::BLOCK;
 use super::fixed::{Sum, Wide, limit};
 use super::layer::{Layer, Run, Scale};
+
+/// Samples are summed in blocks of this many consecutive ones, in index order.
+pub const BLOCK: u32 = 16;
 
 /// Channels of the squares.
 const COLOR: usize = 3;

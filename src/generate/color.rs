@@ -3,7 +3,7 @@
 
 use crate::math::DVec3;
 
-use super::Arrangement;
+use super::arrangement::Arrangement;
 use super::numbers::Numbers;
 use super::places::Placed;
 

@@ -6,6 +6,7 @@
 //! values are promised to stay) and transcendental functions come from `libm`, so the bytes are the
 //! same on every machine.
 
+mod arrangement;
 mod color;
 mod numbers;
 mod places;
@@ -14,34 +15,15 @@ mod table;
 
 use crate::error::{Error, Result, Setting};
 use crate::math::NO_SPHERE;
-use crate::names::named;
 
 use places::Places;
 
+pub use arrangement::Arrangement;
 pub use scene::scene_text;
 pub use table::write_rows;
 
 /// The most spheres of a scene.
 const MOST_SPHERES: u64 = NO_SPHERE as u64 - 2;
-
-/// How the spheres are arranged. All fill a box of side 1 around the origin, more or less.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arrangement {
-    /// Uniformly random places, overlapping or not. With N spheres of mean radius r, N pi r^2 = 8
-    /// as long as r <= 0.2: a ray across the box meets about eight, however many there are. Radii
-    /// vary by a quarter.
-    Gas,
-    /// Spheres that fill half of the volume without touching: a face-centred lattice, shaken as far
-    /// as there is room, radii varying by an eighth.
-    Packed,
-    /// 400 Gaussian clusters of very different density; radii spread evenly over two decades of
-    /// their logarithm.
-    Clusters,
-    /// A cubic lattice.
-    Lattice,
-}
-
-named! { Arrangement { Gas = "gas", Packed = "packed", Clusters = "clusters", Lattice = "lattice" } }
 
 /// What is to be made.
 #[derive(Clone, Debug)]

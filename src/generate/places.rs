@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::math::DVec3;
 
-use super::Arrangement;
+use super::arrangement::Arrangement;
 use super::numbers::{self, Numbers};
 
 /// How many spheres of the gas a ray meets on its way across the box, on average.

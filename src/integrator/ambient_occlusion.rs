@@ -14,8 +14,11 @@ use crate::scene::Shot;
 
 use super::camera_rays::{Strata, sampler_of};
 use super::dimension::Vertex;
+use super::estimate::Integrator;
 use super::first_hits::first_hits;
-use super::{Integrator, SampleAddress, Tally, Workspace, World};
+use super::sample::{SampleAddress, Tally};
+use super::workspace::Workspace;
+use super::world::World;
 
 /// Ambient occlusion by what is nearer than `distance`.
 pub(super) struct AmbientOcclusion {

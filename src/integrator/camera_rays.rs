@@ -5,7 +5,7 @@ use crate::geometry::PathRay;
 use crate::sampling::Sampler;
 use crate::scene::Shot;
 
-use super::SampleAddress;
+use super::sample::SampleAddress;
 
 /// The cells of a pixel that its samples are spread over.
 ///

@@ -4,7 +4,10 @@ use crate::geometry::{PathRay, SurfaceHit};
 use crate::math::Hit;
 
 use super::camera_rays::{Strata, camera_ray, sampler_of};
-use super::{SampleAddress, Tally, Workspace, World, dimension, seen};
+use super::sample::{SampleAddress, Tally};
+use super::workspace::Workspace;
+use super::world::World;
+use super::{dimension, seen};
 
 /// The camera ray of a sample, and where it ends if it meets anything.
 pub(super) struct FirstHit {

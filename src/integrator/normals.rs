@@ -5,8 +5,11 @@ use crate::color::{Radiance, Rgb};
 use crate::math::DVec3;
 
 use super::camera_rays::Strata;
+use super::estimate::Integrator;
 use super::first_hits::{first_hits, strata_without_noise};
-use super::{Integrator, SampleAddress, Tally, Workspace, World};
+use super::sample::{SampleAddress, Tally};
+use super::workspace::Workspace;
+use super::world::World;
 
 /// Normals as colours.
 pub(super) struct Normals {

@@ -16,8 +16,12 @@ use crate::sampling::Hemisphere;
 use crate::scene::Scene;
 
 use super::camera_rays::Strata;
+use super::estimate::Integrator;
 use super::first_hits::{FirstHit, first_hits, strata_without_noise};
-use super::{Integrator, SampleAddress, Tally, Workspace, World, seen};
+use super::sample::{SampleAddress, Tally};
+use super::seen;
+use super::workspace::Workspace;
+use super::world::World;
 
 /// Ray casting.
 pub(super) struct Raycast {

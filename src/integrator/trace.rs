@@ -11,7 +11,7 @@ use crate::light::{LightSample, Source};
 use crate::material::Lobe;
 use crate::math::DVec3;
 
-use super::{SampleAddress, Tally};
+use super::sample::{SampleAddress, Tally};
 
 /// The path of one sample.
 #[derive(Clone, Debug)]

@@ -4,8 +4,9 @@ use rayon::prelude::*;
 
 use crate::accel::Accel;
 use crate::color::NOTHING;
-use crate::film::{Film, Frame, Kind, Layer, Picture, Plane, Values};
+use crate::film::{Film, Frame, Kind, Layer};
 use crate::geometry::PathRay;
+use crate::image_io::{Picture, Plane, Values};
 use crate::math::Hit;
 use crate::scene::{Scene, Shot};
 
@@ -64,7 +65,8 @@ fn assembled(
         picture.alpha = None;
     }
     let is_missing = |layer: &Layer| !kinds.contains(&Kind::Mean(*layer));
-    picture.left_out = [Layer::Direct, Layer::Indirect].into_iter().filter(is_missing).collect();
+    let missing = [Layer::Direct, Layer::Indirect].into_iter().filter(is_missing);
+    picture.left_out = missing.map(Layer::name).collect();
     for kind in kinds {
         picture.planes.extend(planes(film, *kind, of_scene));
     }

@@ -8,7 +8,8 @@
 use std::collections::{BTreeMap, HashMap};
 
 use crate::color::NOTHING;
-use crate::film::{By, Film, Picture, Plane, Values};
+use crate::film::{By, Film};
+use crate::image_io::{Picture, Plane, Values};
 use crate::scene::Scene;
 
 /// Ids of a pixel that are written, those with the largest shares; two for each layer.

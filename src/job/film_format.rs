@@ -1,6 +1,7 @@
 //! Which film a job needs.
 
-use crate::film::{Format, Frame, Kind, Layer, Rect, Scale, summed_for};
+use crate::film::{Format, Frame, Kind, Layer, Scale, summed_for};
+use crate::math::Rect;
 use crate::scene::{Settings, Shot};
 
 /// The film of a shot's picture with these layers, from the first sample on.

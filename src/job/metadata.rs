@@ -15,7 +15,7 @@ use crate::accel::{self, Backend, Intersector};
 use crate::color::Look;
 use crate::error::{Error, Result};
 use crate::film::Kind;
-use crate::output::Record;
+use crate::image_io::Record;
 use crate::scene::data::SphereData;
 use crate::scene::description::Dome;
 use crate::scene::settings::Integrator;

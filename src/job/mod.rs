@@ -49,10 +49,12 @@ pub use session::{Opening, Session};
 pub use spec::{ENDLESS, Job, Until};
 pub use turns::Turns;
 
-use crate::accel::{Accel, Cancel};
+use crate::accel::Accel;
 use crate::error::Result;
-use crate::film::{Film, Kind, Picture};
+use crate::film::{Film, Kind};
+use crate::image_io::Picture;
 use crate::scene::{Scene, Shot};
+use crate::task::Cancel;
 
 /// Renders a job, and tells `observer` on this thread how far it is; `&()` does not look on.
 ///

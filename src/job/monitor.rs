@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use rayon::ThreadPool;
 
 use crate::error::Result;
-use crate::output::WholeFile;
+use crate::image_io::WholeFile;
 
 use super::observer::Observer;
 use super::outcome::{End, Reached};

@@ -6,9 +6,10 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
-use crate::film::{Film, Frame, Picture};
+use crate::film::{Film, Frame};
+use crate::image_io::Picture;
+use crate::image_io::{Crop, Notes, Target};
 use crate::integrator::Tally;
-use crate::output::{Crop, Notes, Target};
 use crate::scene::Shot;
 
 use super::adaptive::Standing;

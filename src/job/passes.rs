@@ -9,12 +9,13 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::accel::{Accel, Cancel};
+use crate::accel::Accel;
 use crate::color::Radiance;
 use crate::error::Result;
 use crate::film::{BLOCK, Film, Run, TILE};
 use crate::integrator::{self, Integrator, SampleAddress, Tally, Workspace, World};
 use crate::scene::Shot;
+use crate::task::Cancel;
 
 /// Samples that a job aims to have in flight at once.
 const BATCH: usize = 1024;

@@ -5,12 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::accel::{Accel, Cancel};
+use crate::accel::Accel;
 use crate::error::{Error, Result};
 use crate::film::{BLOCK, Film};
+use crate::image_io::WholeFile;
 use crate::integrator::Tally;
-use crate::output::WholeFile;
 use crate::scene::Shot;
+use crate::task::Cancel;
 
 use super::adaptive::{Standing, error_so_far, render_to};
 use super::checkpoint::{Delivery, Header, Statistics, Status, write_checkpoint};

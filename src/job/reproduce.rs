@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::accel::{Accel, Backend, BuildOptions, Cancel};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result, Setting};
-use crate::film::{Film, Format, Frame, Kind, Layer, Picture};
-use crate::output;
+use crate::film::{Film, Format, Frame, Kind, Layer};
+use crate::image_io;
+use crate::image_io::Picture;
 use crate::scene::{Scene, Shot};
+use crate::task::Cancel;
 
 use super::aovs::picture;
 use super::film_format::format_of;
@@ -42,10 +44,10 @@ pub struct Reproduction {
 /// # Errors
 /// When it cannot be read, or does not say how it was made.
 pub fn metadata_of(path: &Path) -> Result<Metadata> {
-    let mut metadata = Metadata::of_records(path, &output::records(path)?)?;
+    let mut metadata = Metadata::of_records(path, &image_io::records(path)?)?;
     if metadata.layers.is_none() {
         // An alpha channel may be asked for by the scene or by the job.
-        let has_alpha = output::raw_channels(path)?.iter().any(|channel| channel.name == "A");
+        let has_alpha = image_io::raw_channels(path)?.iter().any(|channel| channel.name == "A");
         metadata.layers = has_alpha.then(|| vec![Kind::Mean(Layer::Alpha)]);
     }
     Ok(metadata)

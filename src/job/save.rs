@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
-use crate::film::hands;
+use crate::task::hands;
 
 /// How long files are tried again whose content would be lost.
 const PATIENCE: Duration = Duration::from_secs(60);

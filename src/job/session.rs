@@ -8,11 +8,12 @@ use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
 
-use crate::accel::{self, Accel, Backend, BuildOptions, Cancel};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result, Setting};
-use crate::film::{Film, Format, Picture};
-use crate::output::WholeFile;
+use crate::film::{Film, Format};
+use crate::image_io::{Picture, WholeFile};
 use crate::scene::{Scene, Shot};
+use crate::task::Cancel;
 
 use super::aovs::picture;
 use super::checkpoint::{Checkpoint, Delivery, Statistics};
@@ -44,7 +45,7 @@ pub struct Opening {
     /// Set from elsewhere to have the checkpoint written at once, while the render goes on.
     pub save_request: SaveRequest,
     /// Told how far the build is.
-    pub build_progress: accel::Progress,
+    pub build_progress: crate::task::Progress,
     /// Where the picture goes, for checkpoints to tell.
     pub delivery: Option<Delivery>,
     /// The command, quoted for a shell, for files to tell.

@@ -81,7 +81,7 @@ impl Squares {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Rect;
+    use crate::math::Rect;
 
     #[test]
     fn every_tile_is_in_the_square_of_its_pixels() {

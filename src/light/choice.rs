@@ -9,8 +9,9 @@ use crate::names::named;
 use crate::sampling::Discrete;
 
 use super::cluster::{Cluster, Item};
+use super::lamp::Lamp;
+use super::receiver::Receiver;
 use super::tree::{MOST, Tree};
-use super::{Lamp, Receiver};
 
 /// So many lamps are looked at one by one.
 const FEW: usize = 8;

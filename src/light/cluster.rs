@@ -11,7 +11,7 @@
 use crate::geometry::Sphere;
 use crate::math::DVec3;
 
-use super::Receiver;
+use super::receiver::Receiver;
 
 /// Makes up for rounding a radius to f32.
 const OUTWARDS: f64 = 1.0 + 1e-6;

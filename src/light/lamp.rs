@@ -8,7 +8,7 @@ use crate::geometry::{Cone, Side, Sphere};
 use crate::math::{DVec3, Frame};
 use crate::sampling::Hemisphere;
 
-use super::Receiver;
+use super::receiver::Receiver;
 
 /// An emissive sphere.
 #[derive(Clone, Copy, Debug)]

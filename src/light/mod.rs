@@ -9,17 +9,19 @@ mod background;
 mod choice;
 mod cluster;
 mod lamp;
+mod receiver;
 mod shares;
 mod tree;
 
 pub use background::{Background, Dome, Orientation, Sky, Sun};
 pub use choice::LightChoice;
 pub use lamp::Lamp;
+pub use receiver::Receiver;
 
 use std::sync::Arc;
 
 use crate::color::Rgb;
-use crate::geometry::{Sphere, SphereSet, SurfaceHit};
+use crate::geometry::SphereSet;
 use crate::math::{DVec3, NO_SPHERE};
 
 use choice::Choice;
@@ -33,16 +35,6 @@ pub struct Lights {
     lamps: Arc<[Lamp]>,
     choice: Choice,
     background: Arc<Background>,
-}
-
-/// A point that light is gathered at.
-#[derive(Clone, Copy, Debug)]
-pub struct Receiver {
-    /// The point.
-    pub hit: SurfaceHit,
-    /// Whether light is gathered from both sides of the surface and not only from the side that
-    /// [`SurfaceHit::facing_normal`] points to.
-    pub is_two_sided: bool,
 }
 
 /// Where light comes from.
@@ -67,14 +59,6 @@ pub struct LightSample {
     pub radiance: Rgb,
     /// Probability of the source times the density of the direction per solid angle.
     pub pdf: f64,
-}
-
-impl Receiver {
-    /// Whether a lamp is seen from its inside here, so that light is aimed at its far wall. A
-    /// receiver on the lamp itself sees nothing else of it.
-    pub fn is_within(&self, id: u32, lamp: &Sphere) -> bool {
-        self.hit.id == id || lamp.contains(self.hit.point)
-    }
 }
 
 impl Source {
@@ -145,7 +129,7 @@ impl Lights {
         choose: f64,
         u: [f64; 2],
     ) -> Option<LightSample> {
-        let shares = Shares::new(self, from)?;
+        let shares = self.shares(from)?;
         let (kind, share, choose) = shares.choose(choose);
         let direction = match kind {
             Kind::Lamps => return self.sample_lamp(spheres, from, share, choose, u),
@@ -185,7 +169,7 @@ impl Lights {
         source: Source,
         direction: DVec3,
     ) -> f64 {
-        let Some(shares) = Shares::new(self, from) else { return 0.0 };
+        let Some(shares) = self.shares(from) else { return 0.0 };
         let Source::Lamp(id) = source else {
             return self.pdf_of_background(&shares, direction);
         };
@@ -198,7 +182,11 @@ impl Lights {
     /// The probability that [`Self::sample`] aims at the background and not at a lamp.
     pub fn share_of_background(&self, from: &Receiver) -> f64 {
         let share = |shares: Shares| shares.of(Kind::Dome) + shares.of(Kind::Sun);
-        Shares::new(self, from).map_or(0.0, share)
+        self.shares(from).map_or(0.0, share)
+    }
+
+    fn shares(&self, from: &Receiver) -> Option<Shares> {
+        Shares::new(&self.choice, !self.is_empty(), &self.background, from)
     }
 
     /// A direction to the sun is also one to the dome, so their densities add up.
@@ -213,7 +201,7 @@ impl Lights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Side, Sphere};
+    use crate::geometry::{Side, Sphere, SurfaceHit};
     use crate::sampling::Sampler;
     use cluster::Item;
 

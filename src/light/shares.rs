@@ -1,7 +1,9 @@
 //! How often lamps, dome and sun are aimed at from a point: by the irradiance to be expected of each.
 //! What may be in the way is not known, so a share goes to each alike.
 
-use super::{Lights, Receiver};
+use super::background::Background;
+use super::choice::Choice;
+use super::receiver::Receiver;
 
 /// The share of choices that treats alike all that may shine on a point.
 const UNIFORM_SHARE: f64 = 0.2;
@@ -21,17 +23,21 @@ pub(super) struct Shares {
 
 impl Shares {
     /// `None` where nothing can be aimed at.
-    pub(super) fn new(lights: &Lights, from: &Receiver) -> Option<Self> {
-        let Lights { choice, background, .. } = lights;
+    pub(super) fn new(
+        choice: &Choice,
+        has_lamps: bool,
+        background: &Background,
+        from: &Receiver,
+    ) -> Option<Self> {
         if !background.is_aimed_at() {
-            return (!lights.is_empty()).then_some(Self { shares: [1.0, 0.0, 0.0] });
+            return has_lamps.then_some(Self { shares: [1.0, 0.0, 0.0] });
         }
         let sun = background.sun().map_or(0.0, |sun| sun.importance(from));
         let dome = background.importance(from);
         // A scene with lamps alone is the common case, and they need not be weighed there.
         let lamps = match sun > 0.0 || dome > 0.0 {
             true => choice.importance(from),
-            false => f64::from(u8::from(!lights.is_empty())),
+            false => f64::from(u8::from(has_lamps)),
         };
         let importance = [lamps, dome, sun];
         let total: f64 = importance.iter().sum();

@@ -13,8 +13,8 @@
 use crate::fault::fault;
 use crate::math::DVec3;
 
-use super::Receiver;
 use super::cluster::{Cluster, Item};
+use super::receiver::Receiver;
 
 /// Planes tried along each axis, and one.
 const BINS: usize = 16;

@@ -10,6 +10,7 @@ mod conductor;
 mod dielectric;
 mod diffuse;
 mod energy;
+mod fresnel;
 mod ggx;
 mod glasses;
 mod media;
@@ -19,12 +20,14 @@ mod oren_nayar;
 mod phong;
 mod plastic;
 mod principled;
+mod sample;
 
 pub use coat::Coat;
 pub use conductor::{Conductor, ConductorBsdf, fresnel_conductor};
-pub use dielectric::{Dielectric, Interface, fresnel};
+pub use dielectric::{Dielectric, Interface};
 pub use diffuse::Diffuse;
 pub use energy::{EnergyOfSide, InterfaceEnergy, MissingEnergy};
+pub use fresnel::fresnel;
 pub use ggx::{Ggx, half_vector};
 pub use glasses::GLASSES;
 pub use media::{Boundary, Media, Medium};
@@ -34,6 +37,7 @@ pub use oren_nayar::OrenNayar;
 pub use phong::Phong;
 pub use plastic::{Plastic, PlasticBsdf};
 pub use principled::{Principled, PrincipledBsdf, PrincipledParameters};
+pub use sample::{Again, BsdfSample, Lobe};
 
 use crate::color::Rgb;
 use crate::math::DVec3;
@@ -92,35 +96,6 @@ pub enum Bsdf<'a> {
     Principled(PrincipledBsdf<'a>),
     /// Phong's shading model.
     Phong(Phong),
-}
-
-/// A second pair of random numbers in `[0, 1)`, made when asked for.
-pub type Again<'a> = &'a dyn Fn() -> [f64; 2];
-
-/// How sharply a sampled direction is defined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lobe {
-    /// Spread over the hemisphere.
-    Diffuse,
-    /// Concentrated around a direction.
-    Glossy,
-    /// Exactly one direction: `eval` and `pdf` are 0 for it, light sampling cannot find it.
-    Delta,
-}
-
-/// A direction drawn from a BSDF.
-#[derive(Clone, Copy, Debug)]
-pub struct BsdfSample {
-    /// The direction, in the local frame; below the surface (`z < 0`) when it is transmitted.
-    pub wi: DVec3,
-    /// What the path's throughput is multiplied with: `f |cos| / pdf`.
-    pub weight: Rgb,
-    /// Density of `wi`; for a delta lobe the probability of having chosen it.
-    pub pdf: f64,
-    /// Which kind of lobe it came from.
-    pub lobe: Lobe,
-    /// The index of refraction beyond over the one before where transmitted, else 1.
-    pub eta: f64,
 }
 
 impl From<Model> for Material {

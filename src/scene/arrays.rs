@@ -6,10 +6,11 @@ use crate::geometry::Sphere;
 use crate::math::DVec3;
 
 use super::colors::Colors;
+use super::complaint::Complaint;
 use super::data::{Column, SphereArrays};
 use super::description::ColorStorage;
-use super::import::{Complaint, room_for_colors};
 use super::rows::{allowed, in_words};
+use super::storage::room_for_colors;
 
 /// Appends `[x, y, z, radius]` of every sphere.
 ///

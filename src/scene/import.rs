@@ -3,7 +3,6 @@
 //! A table may be larger than half the memory, so nothing of it is ever held twice: the array is
 //! made once, in its final size, from the lengths that files and arrays really have.
 
-use std::io;
 use std::path::Path;
 
 use crate::error::{Error, Result};
@@ -12,11 +11,13 @@ use crate::math::NO_SPHERE;
 
 use super::arrays;
 use super::colors::Colors;
+use super::complaint::{Complaint, layout_help, unreadable};
 use super::data::{Shared, SphereData};
-use super::description::{ColorStorage, Description, Dome, SphereTable, Surface};
+use super::description::{Description, Dome, SphereTable, Surface};
 use super::environment::{self, Pixels};
 use super::problem::{self, Problems};
 use super::rows::{Layout, TableRows, VALUE};
+use super::storage::with_capacity;
 use super::validate::SHARE_ROUNDING;
 
 /// The most spheres of a scene, so that rows and ids fit in 32 bits.
@@ -153,14 +154,6 @@ pub(super) fn import(
     Ok((SphereRows { exact, table: all }, groups))
 }
 
-/// Room for colours as they are to be kept.
-pub(super) fn room_for_colors(storage: ColorStorage, rows: u64) -> Result<Colors> {
-    Ok(match storage {
-        ColorStorage::Exact => Colors::Exact(with_capacity(rows)?),
-        ColorStorage::Packed => Colors::Packed(with_capacity(rows)?),
-    })
-}
-
 /// # Errors
 /// When there are more spheres than ids.
 pub(super) fn check_count(spheres: u64) -> Result<()> {
@@ -190,9 +183,6 @@ fn brightest_rows(surface: &Surface) -> [f32; 3] {
     }
 }
 
-/// What is wrong with a table, and what to do about it.
-pub(super) type Complaint = (String, Option<String>);
-
 /// How many whole rows the file has, or what is wrong with it.
 fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, Complaint> {
     let shown = path.display();
@@ -221,35 +211,10 @@ fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, Complaint> {
     }
 }
 
-pub(super) fn unreadable(path: &Path, error: &io::Error) -> Complaint {
-    let help = match error.kind() {
-        io::ErrorKind::NotFound => Some("a relative path starts at the scene's folder".to_owned()),
-        _ => None,
-    };
-    (format!("cannot read `{}`: {error}", path.display()), help)
-}
-
-/// What to look at where the rows are not what was expected.
-pub(super) fn layout_help(columns: u64) -> String {
-    format!(
-        "a row is {columns} little-endian f32 numbers, as `columns` says, and there is no header: \
-         mend `columns` or the file"
-    )
-}
-
 /// `1 row`, `2 rows`.
 fn counted(number: u64, singular: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{number} {singular}{plural}")
-}
-
-pub(super) fn with_capacity<T>(count: u64) -> Result<Vec<T>> {
-    let mut vec = Vec::new();
-    vec.try_reserve_exact(count as usize).map_err(|_| {
-        Error::input(format!("there is not enough memory for {count} spheres"))
-            .with_help("leave some sphere tables out")
-    })?;
-    Ok(vec)
 }
 
 #[cfg(test)]

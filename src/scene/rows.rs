@@ -11,10 +11,11 @@ use crate::error::Result;
 use crate::math::MAX_COORDINATE;
 
 use super::colors::Colors;
+use super::complaint::{Complaint, layout_help, unreadable};
 use super::data::Column;
 use super::description::ColorStorage;
-use super::import::{Complaint, layout_help, room_for_colors, unreadable};
 use super::keys::SMALLEST_RADIUS;
+use super::storage::room_for_colors;
 
 /// Bytes of one f32.
 pub(super) const VALUE: usize = size_of::<f32>();

@@ -8,8 +8,8 @@
 
 use rayon::prelude::*;
 
-use crate::accel::Cancel;
 use crate::error::Result;
+use crate::task::Cancel;
 
 use super::statistics::{bonferroni, sigmas};
 

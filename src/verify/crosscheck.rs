@@ -4,10 +4,11 @@ use std::fmt;
 
 use rayon::prelude::*;
 
-use crate::accel::{Accel, Cancel, Precision};
+use crate::accel::{Accel, Precision};
 use crate::error::Result;
 use crate::geometry::{PathRay, Side, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
+use crate::task::Cancel;
 
 use super::judge::{Case, First, Verdict, widest};
 

@@ -4,10 +4,11 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use std::sync::Arc;
 
-use crate::accel::{Backend, BuildOptions, Cancel};
+use crate::accel::{Backend, BuildOptions};
 use crate::error::Result;
 use crate::geometry::{Sphere, SphereRows, SphereSet};
 use crate::math::DVec3;
+use crate::task::Cancel;
 
 use super::check::{Check, Effort, Finding, Group, Measured};
 use super::crosscheck::{Contender, Tally, compare};

@@ -253,8 +253,9 @@ impl Source<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::{Backend, BuildOptions, Cancel};
+    use crate::accel::{Backend, BuildOptions};
     use crate::geometry::{Sphere, SphereRows};
+    use crate::task::Cancel;
     use crate::verify::crosscheck::{Contender, compare};
     use std::sync::Arc;
 

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use photosphere::color::Rgb;
-use photosphere::film::Picture;
-use photosphere::output::Target;
+use photosphere::image_io::Picture;
+use photosphere::image_io::Target;
 use serde_json::Value;
 
 use crate::desk::{Desk, Outcome};
@@ -175,7 +175,7 @@ fn a_heat_map_is_drawn_with_its_scale_told() {
         let outcome = run(&desk, &arguments);
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
         assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
-        let map = photosphere::output::read(&desk.path().join("h.png")).expect("a picture");
+        let map = photosphere::image_io::read(&desk.path().join("h.png")).expect("a picture");
         assert_eq!((map.width, map.height), (260, 146));
     }
     let outcome = run(&desk, "a.exr b.exr --heatmap-of rmse");

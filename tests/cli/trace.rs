@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use photosphere::output::{BEAUTY, read};
+use photosphere::image_io::{BEAUTY, read};
 use serde_json::Value;
 
 use crate::desk::{Desk, Outcome};

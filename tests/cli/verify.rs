@@ -1,6 +1,6 @@
 //! `photosphere verify` passes on this program, and would not pass on another.
 
-use photosphere::accel::Cancel;
+use photosphere::task::Cancel;
 use photosphere::verify::check::{
     Check, Effort, Finding, Group, Measured, run_all, share_significance,
 };

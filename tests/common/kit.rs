@@ -3,13 +3,15 @@
 
 use std::path::Path;
 
-use photosphere::accel::{Accel, Backend, BuildOptions, Cancel};
+use photosphere::accel::{Accel, Backend, BuildOptions};
 use photosphere::color::Rgb;
-use photosphere::film::{Kind, Picture};
+use photosphere::film::Kind;
+use photosphere::image_io::Picture;
 use photosphere::job::{Rendered, render};
 use photosphere::scene::description::{NamedMaterial, Surface};
 use photosphere::scene::settings::{Integrator, Paper, SamplerKind};
 use photosphere::scene::{Builder, Override, Settings, Shot, read_file};
+use photosphere::task::Cancel;
 pub(crate) use photosphere::verify::statistics::Estimate;
 
 /// Independent seeds behind every standard error.

@@ -1,5 +1,6 @@
-//! The street is a test: a room of `src/` imports only rooms that ARCHITECTURE.md lets it use, only
-//! `cli` prints, and `unsafe` stays in its few places.
+//! The street is a test: a room of `src/` imports only rooms that ARCHITECTURE.md lets it use, all that
+//! it lets it use, and no file itself through others; only `cli` prints, only `image_io` knows pixels in
+//! files, and `unsafe` stays in its few places.
 //!
 //! The table "room, what lives there, may use" of ARCHITECTURE.md is the rule itself, read from the
 //! document, so the two cannot differ. "May use" includes whatever the named rooms may use. This
@@ -10,8 +11,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
+mod files;
+
 /// For each room, every room that it may use, directly or through others.
 type Rules = BTreeMap<String, BTreeSet<String>>;
+
+/// Rooms in which files still use each other in circles; none may be added.
+const CIRCULAR: [&str; 1] = ["src/cli/"];
 
 const HEADER: &str = "| room | what lives there | may use |";
 
@@ -31,6 +37,11 @@ fn only_the_command_line_names_its_options() {
 }
 
 #[test]
+fn only_one_room_reads_and_writes_pixels() {
+    assert_clean(forbidden_pixels);
+}
+
+#[test]
 fn unsafe_code_stays_in_its_places() {
     assert_clean(forbidden_unsafe);
 }
@@ -46,6 +57,25 @@ fn nothing_walks_back() {
     for (room, usable) in rules() {
         assert!(!usable.contains(&room), "`{room}` may use itself through another room");
     }
+}
+
+#[test]
+fn no_room_may_use_what_it_does_not_use() {
+    let sources = sources();
+    let unused = unused_edges(&direct_rules(), &sources);
+    assert!(unused.is_empty(), "in the table of ARCHITECTURE.md:\n{}", unused.join("\n"));
+}
+
+#[test]
+fn no_file_uses_itself_through_others() {
+    let graph = graph_of(&sources());
+    let circles = files::circles(&graph).into_iter();
+    let is_known = |file: &String| CIRCULAR.iter().any(|room| file.starts_with(room));
+    let told: Vec<String> = circles
+        .filter(|circle| !circle.iter().all(is_known))
+        .map(|circle| circle_in_words(&graph, &circle))
+        .collect();
+    assert!(told.is_empty(), "files in circles:\n{}", told.join("\n"));
 }
 
 #[test]
@@ -77,6 +107,63 @@ fn forbidden_imports_are_found_however_they_are_written() {
 }
 
 #[test]
+fn an_edge_that_nobody_uses_is_found() {
+    let direct = table("| `low` | | – |\n| `mid` | | `low` |\n| `top` | | `low`, `mid` |");
+    let unused = |top: &str| {
+        let files = [
+            ("src/low.rs", "pub struct Thing;"),
+            ("src/mid/mod.rs", "pub use crate::low::Thing;\npub struct Own;"),
+            ("src/top/mod.rs", top),
+        ];
+        let files = files.map(|(file, code)| (file.to_owned(), code.to_owned()));
+        unused_edges(&direct, &files)
+    };
+    let both = "use crate::low::Thing;\nfn f(_: Thing, _: crate::mid::Own) {}";
+    assert_eq!(unused(both), Vec::<String>::new());
+    let handed_on = "use crate::mid::{Own, Thing};\nfn f(_: Thing, _: Own) {}";
+    assert_eq!(unused(handed_on), Vec::<String>::new());
+    assert_eq!(unused("fn f(_: crate::mid::Own) {}"), ["`top` may use `low` and does not"]);
+    let in_words = "// crate::low\nfn f() -> &'static str { \"low\" }";
+    assert_eq!(unused(in_words).len(), 2);
+}
+
+#[test]
+fn circles_of_files_are_found_and_what_is_handed_on_is_none() {
+    let circles = |files: &[(&str, &str)]| files::circles(&files::graph(files.iter().copied()));
+    let child = ("src/room/child.rs", "use super::Kind;\npub struct Child(Kind);");
+    let kind = ("src/room/kind.rs", "pub struct Kind;");
+    // A parent that hands on, whatever it is called by.
+    let hands_on = "mod child;\nmod kind;\npub use child::Child;\npub use self::kind::{Kind, *};";
+    assert!(circles(&[("src/room/mod.rs", hands_on), child, kind]).is_empty());
+    // One that defines what its child uses, and uses the child.
+    for defines in [
+        "mod child;\npub struct Kind;\nfn f() -> child::Child { todo!() }",
+        "mod child;\nuse child::Child;\npub enum Kind { One(Child) }",
+        "mod child;\npub use child::Child as Name;\npub enum Kind { One(Name) }",
+        "mod child;\npub struct Kind(pub(super) crate::room::child::Child);",
+    ] {
+        let found = circles(&[("src/room/mod.rs", defines), child]);
+        let both = ["src/room/child.rs", "src/room/mod.rs"].map(str::to_owned);
+        assert_eq!(found, [BTreeSet::from(both)], "{defines}");
+    }
+    // Three in a row, through names that others hand on; the fourth is not of them.
+    let a = ("src/a.rs", "use crate::b::Out;\npub struct A(Out);");
+    let b = ("src/b/mod.rs", "mod inner;\npub use inner::Out;");
+    let inner =
+        ("src/b/inner.rs", "use crate::{c::{self as last}, d::D};\npub struct Out(last::C, D);");
+    let c = ("src/c.rs", "pub struct C(Option<Box<crate::a::A>>);");
+    let d = ("src/d.rs", "pub struct D;");
+    let found = circles(&[a, b, inner, c, d]);
+    assert_eq!(found, [["src/a.rs", "src/b/inner.rs", "src/c.rs"].map(str::to_owned).into()]);
+    // Tests, comments, other crates and a file's own modules are no uses.
+    let free = "mod keys {\n    use super::Kind;\n    fn f(_: Kind) {}\n}\nuse kind::Name;\n\
+                /// [`super::Kind`]\npub struct Kind(Name);\n#[cfg(test)]\nmod tests {\n    use super::super::Kind;\n    \
+                fn f(_: crate::room::Kind) {}\n}";
+    let user = ("src/room/mod.rs", "mod kind;\npub struct Kind;\nfn f() -> kind::Kind { todo!() }");
+    assert!(circles(&[user, ("src/room/kind.rs", free)]).is_empty());
+}
+
+#[test]
 fn forbidden_printing_and_unsafe_code_are_found() {
     for code in ["println!(\"x\");", "eprint!()", "dbg!(x)", "let out = io::stdout();"] {
         assert_eq!(forbidden_printing("src/film/mod.rs", code).len(), 1, "{code}");
@@ -93,6 +180,11 @@ fn forbidden_printing_and_unsafe_code_are_found() {
     for code in ["let x = y--z;", r#"let line = "a -- b";"#, "// as in --spp 16"] {
         assert_eq!(forbidden_options("src/film/mod.rs", code).len(), 0, "{code}");
     }
+    for code in ["use exr::meta::MetaData;", "exr::prelude::read()", "use image::ImageFormat;"] {
+        assert_eq!(forbidden_pixels("src/scene/scene.rs", code).len(), 1, "{code}");
+        assert_eq!(forbidden_pixels("src/image_io/png.rs", code).len(), 0, "{code}");
+    }
+    assert_eq!(forbidden_pixels("src/scene/scene.rs", "keys::image::WIDTH").len(), 0);
     for code in
         ["unsafe { f() }", "unsafe fn f() {}", "unsafe impl Send for X {}", "#[unsafe(no_mangle)]"]
     {
@@ -109,11 +201,16 @@ fn forbidden_printing_and_unsafe_code_are_found() {
 // ---- The rules ----
 
 fn rules() -> Rules {
+    closure(direct_rules())
+}
+
+/// What the table says, word by word.
+fn direct_rules() -> Rules {
     let document = read(Path::new("ARCHITECTURE.md"));
     let (_, after) = document.split_once(HEADER).expect("ARCHITECTURE.md has the table of rooms");
     let rows: Vec<&str> =
         after.trim_start().lines().take_while(|row| row.starts_with('|')).collect();
-    closure(table(&rows.join("\n")))
+    table(&rows.join("\n"))
 }
 
 /// The direct edges of the table's rows: the names in backquotes in the first and last column.
@@ -164,6 +261,30 @@ fn forbidden_imports(file: &str, code: &str, rules: &Rules) -> Vec<String> {
     findings
 }
 
+/// The entries of the table that nobody would miss. A name that another room hands on is that of the
+/// room that defines it.
+fn unused_edges(direct: &Rules, sources: &[(String, String)]) -> Vec<String> {
+    let mut used = BTreeSet::new();
+    for (file, others) in &graph_of(sources) {
+        used.extend(others.keys().filter_map(|other| Some((room_of(file)?, room_of(other)?))));
+    }
+    for (file, code) in sources {
+        let imports = imports(file, &without_comments(code), direct).into_iter();
+        used.extend(imports.filter_map(|(_, name)| Some((room_of(file)?, name))));
+    }
+    let mut unused = Vec::new();
+    for (room, others) in direct {
+        let is_unused = |other: &&String| !used.contains(&(room.clone(), (*other).clone()));
+        let told = others.iter().filter(is_unused);
+        unused.extend(told.map(|other| format!("`{room}` may use `{other}` and does not")));
+    }
+    unused
+}
+
+fn graph_of(sources: &[(String, String)]) -> files::Graph {
+    files::graph(sources.iter().map(|(file, code)| (file.as_str(), code.as_str())))
+}
+
 fn forbidden_printing(file: &str, code: &str) -> Vec<String> {
     if file.starts_with("src/cli/") || file == "src/main.rs" {
         return Vec::new();
@@ -186,6 +307,15 @@ fn forbidden_options(file: &str, code: &str) -> Vec<String> {
     };
     let places = code.match_indices("--").map(|(at, _)| at).filter(is_option);
     places.map(|at| format!("{file}:{}: only `cli` names options", line_of(&code, at))).collect()
+}
+
+/// What knows the formats of pictures is called in `image_io` alone.
+fn forbidden_pixels(file: &str, code: &str) -> Vec<String> {
+    if file.starts_with("src/image_io/") {
+        return Vec::new();
+    }
+    let calls = ["exr::", "use image::", "use png::", "ImageReader", "image::open"];
+    findings(file, code, &calls, "only `image_io` reads and writes pixels")
 }
 
 /// Where `unsafe` may be: the fence around Embree, the native kernel, and the module that calls vector
@@ -211,6 +341,18 @@ fn findings(file: &str, code: &str, words: &[&str], rule: &str) -> Vec<String> {
 fn assert_clean(check: impl Fn(&str, &str) -> Vec<String>) {
     let found: Vec<String> = sources().iter().flat_map(|(file, code)| check(file, code)).collect();
     assert!(found.is_empty(), "against ARCHITECTURE.md:\n{}", found.join("\n"));
+}
+
+/// Who takes what from whom.
+fn circle_in_words(graph: &files::Graph, circle: &BTreeSet<String>) -> String {
+    let mut lines = vec![format!("a circle of {} files", circle.len())];
+    for file in circle {
+        for (from, names) in graph[file].iter().filter(|(from, _)| circle.contains(*from)) {
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            lines.push(format!("  {file} uses {from}: {}", names.join(", ")));
+        }
+    }
+    lines.join("\n")
 }
 
 // ---- Reading source text ----

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use photosphere::accel::{Accel, Backend, BuildOptions, Cancel, Precision};
+use photosphere::accel::{Accel, Backend, BuildOptions, Precision};
 use photosphere::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use photosphere::math::{Hit, Ray};
+use photosphere::task::Cancel;
 use photosphere::verify::crosscheck::{Contender, Tally, compare};
 
 /// The backends that a test runs over.

@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
-use photosphere::accel::{Accel, Backend, BuildOptions, Cancel, embree_info};
+use photosphere::accel::{Accel, Backend, BuildOptions, embree_info};
 use photosphere::error::Category;
 use photosphere::geometry::{Sphere, SphereRows, SphereSet};
 use photosphere::math::{DVec3, Hit, MAX_COORDINATE, NO_SPHERE, Ray};
+use photosphere::task::Cancel;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rayon::prelude::*;
 

@@ -6,7 +6,7 @@ use std::io::{self, ErrorKind, Write};
 use std::process::Command;
 use std::sync::Arc;
 
-use photosphere::accel::{Backend, BuildOptions, Cancel};
+use photosphere::accel::{Backend, BuildOptions};
 use photosphere::color::Rgb;
 use photosphere::geometry::{Sphere, SphereRows, SphereSet};
 use photosphere::job::render;
@@ -15,6 +15,7 @@ use photosphere::scene::description::{
     Background, Camera, Description, Dome, NamedMaterial, SphereRow, Surface,
 };
 use photosphere::scene::{Scene, Settings, Shot};
+use photosphere::task::Cancel;
 
 /// A hundred balls on a giant, as `table` and `exact` rows.
 fn set() -> Arc<SphereSet> {

@@ -1,10 +1,11 @@
 //! One scene, one picture, to the bit: whatever the threads, the passes and the order.
 
-use photosphere::accel::{Accel, Backend, Cancel, Precision};
+use photosphere::accel::{Accel, Backend, Precision};
 use photosphere::film::{Film, Kind, Layer};
 use photosphere::job::{Counters, Passes, format_of};
 use photosphere::math::{Hit, Ray};
 use photosphere::scene::Shot;
+use photosphere::task::Cancel;
 
 use crate::kit::{Kit, built};
 

@@ -1,12 +1,14 @@
 //! The layers of a picture show what they say.
 
-use photosphere::accel::{Backend, Cancel};
+use photosphere::accel::Backend;
 use photosphere::color::{NOTHING, Rgb};
-use photosphere::film::{KINDS, Kind, Layer, Picture, Values};
+use photosphere::film::{KINDS, Kind, Layer};
+use photosphere::image_io::{Picture, Values};
 use photosphere::job::render;
 use photosphere::math::Rect;
 use photosphere::scene::description::{NamedMaterial, Surface};
 use photosphere::scene::settings::{Integrator, Paper, SamplerKind};
+use photosphere::task::Cancel;
 
 use crate::kit::{Kit, built};
 
@@ -92,7 +94,7 @@ fn light_is_the_same_whatever_layers_are_kept() {
         assert_eq!(picture.indirect, all.indirect);
         assert_eq!(picture.alpha, None);
     }
-    assert_eq!(few.left_out, [Layer::Direct, Layer::Indirect]);
+    assert_eq!(few.left_out, ["direct", "indirect"]);
     assert_eq!(few.planes.len(), 1);
     assert_eq!(floats(&few, "depth"), floats(&all, "depth"));
     assert!(usual.planes.is_empty() && usual.left_out.is_empty());

@@ -3,7 +3,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use photosphere::accel::{Accel, Backend, Cancel, Precision};
+use photosphere::accel::{Accel, Backend, Precision};
 use photosphere::color::Rgb;
 use photosphere::film::Film;
 use photosphere::geometry::{PathRays, SphereSet};
@@ -17,6 +17,7 @@ use photosphere::scene::description::{
 };
 use photosphere::scene::settings::{Image, Render};
 use photosphere::scene::{Description, Scene, Settings, Shot};
+use photosphere::task::Cancel;
 use photosphere::verify::statistics::Estimate;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};

@@ -1,9 +1,9 @@
 //! Backgrounds, their images and their mistakes.
 
 use photosphere::color::Rgb;
-use photosphere::film::Picture;
+use photosphere::image_io::Picture;
+use photosphere::image_io::Target;
 use photosphere::math::DVec3;
-use photosphere::output::Target;
 use photosphere::scene::description::Dome;
 use photosphere::scene::{SceneFile, read_text};
 

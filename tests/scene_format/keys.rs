@@ -4,9 +4,9 @@
 use std::collections::BTreeSet;
 
 use photosphere::color::Rgb;
-use photosphere::film::Picture;
+use photosphere::image_io::Picture;
+use photosphere::image_io::Target;
 use photosphere::material::PrincipledParameters;
-use photosphere::output::Target;
 use photosphere::scene::description::{
     Background, Camera, ColorStorage, NamedMaterial, Projection, Surface,
 };

@@ -5,7 +5,7 @@
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::film::Picture;
+use photosphere::image_io::Picture;
 use photosphere::scene::description::Surface;
 use photosphere::scene::settings::Paper;
 

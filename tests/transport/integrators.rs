@@ -2,13 +2,14 @@
 //!
 //! Means are judged over 32 seeds at a significance of 4e-4 each, see `common/kit.rs`.
 
-use photosphere::accel::{Backend, Cancel};
+use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::integrator::{End, SampleAddress, Step, Trace, World, of_shot};
 use photosphere::math::DVec3;
 use photosphere::scene::Shot;
 use photosphere::scene::description::NamedMaterial;
 use photosphere::scene::settings::{Estimator, Integrator, Miss, Paper, Stop};
+use photosphere::task::Cancel;
 
 use crate::kit::{Judged, Kit, built, diffuse, glass, mirror, phong};
 

@@ -1,7 +1,7 @@
 //! What is computed for many paths at a time has the bits of what is computed for one, with every
 //! set of vector instructions that this processor has.
 
-use photosphere::accel::{Backend, Cancel};
+use photosphere::accel::Backend;
 use photosphere::color::Radiance;
 use photosphere::integrator::{SampleAddress, Tally, Workspace, World, of_shot};
 use photosphere::math::Isa;
@@ -10,6 +10,7 @@ use photosphere::scene::settings::{
     Estimator, FilterKind, Image, Integrator, LightChoice, SamplerKind,
 };
 use photosphere::scene::{Material, Shot};
+use photosphere::task::Cancel;
 
 use crate::kit::{Kit, built};
 

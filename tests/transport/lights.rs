@@ -7,10 +7,10 @@ use std::f64::consts::PI;
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::film::Picture;
+use photosphere::image_io::Picture;
+use photosphere::image_io::Target;
 use photosphere::light::Orientation;
 use photosphere::math::DVec3;
-use photosphere::output::Target;
 use photosphere::scene::description::{Background, Dome, Sun};
 use photosphere::scene::settings::LightChoice;
 

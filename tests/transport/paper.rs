@@ -5,8 +5,8 @@
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::film::Picture;
 use photosphere::geometry::SurfaceHit;
+use photosphere::image_io::Picture;
 use photosphere::material::Model;
 use photosphere::math::{DVec3, Frame, Hit};
 use photosphere::sampling::Hemisphere;

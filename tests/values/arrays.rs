@@ -1,7 +1,8 @@
 //! Arrays in memory are the spheres that they hold.
 
-use photosphere::film::{Kind, Picture};
+use photosphere::film::Kind;
 use photosphere::geometry::Sphere;
+use photosphere::image_io::Picture;
 use photosphere::job::run;
 use photosphere::scene::data::{Shared, Strided, Values};
 use photosphere::scene::{Scene, Settings, SphereArrays};

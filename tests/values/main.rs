@@ -7,8 +7,9 @@ mod text;
 
 use photosphere::Error;
 use photosphere::accel::{Backend, Choice};
-use photosphere::film::{Kind, Picture, Values};
+use photosphere::film::Kind;
 use photosphere::geometry::Sphere;
+use photosphere::image_io::{Picture, Values};
 use photosphere::job::Job;
 use photosphere::math::DVec3;
 use photosphere::scene::{Builder, Scene, Settings, SphereArrays};

@@ -4,11 +4,12 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
-use photosphere::film::{By, Kind, Values};
+use photosphere::film::{By, Kind};
+use photosphere::image_io::Values;
+use photosphere::image_io::WholeFile;
 use photosphere::job::{
     Checkpoint, End, Job, Observer, Opening, Outcome, Progress, Reached, Session,
 };
-use photosphere::output::WholeFile;
 use photosphere::scene::settings::SamplerKind;
 use photosphere::scene::{Scene, Settings, SphereArrays};
 

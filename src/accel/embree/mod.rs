@@ -22,17 +22,14 @@ use crate::error::{Error, Result, Setting};
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
 
-use super::{Accel, BuildOptions, EmbreeInfo, Precision};
+use super::info::EmbreeInfo;
+use super::intersector::{Accel, Precision};
+use super::options::BuildOptions;
+
+pub(super) use scene::Particles;
 
 use device::Device;
 use scene::{Geometry, Scene, SceneBuilder, Spheres};
-
-/// What particles become in Embree. Giants are always user geometry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Particles {
-    Points,
-    User,
-}
 
 /// Spheres in an Embree scene.
 pub(super) struct Embree {

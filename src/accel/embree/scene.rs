@@ -9,13 +9,20 @@ use std::ffi::c_void;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
-use crate::accel::BuildOptions;
+use crate::accel::options::BuildOptions;
 use crate::error::Result;
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
 
 use super::device::Device;
-use super::{Particles, sys};
+use super::sys;
+
+/// What particles become in Embree. Giants are always user geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::accel) enum Particles {
+    Points,
+    User,
+}
 
 /// The spheres as the shim reads them. Never moves or changes once it is in its `Arc`.
 pub(super) struct Spheres {

@@ -4,10 +4,10 @@
 //! centres down to eight, and a node's children follow from its range. Boxes are f64 and need no
 //! more than the slack of [`super::node::Node::set`].
 
-use crate::accel::Cancel;
 use crate::error::Result;
 use crate::geometry::Sphere;
 use crate::math::DVec3;
+use crate::task::Cancel;
 
 use super::node::F64_SLACK;
 use super::query::Query;

@@ -7,16 +7,19 @@
 //! same ids, and every form of the kernel too.
 
 mod build;
+mod bvh;
 mod giants;
 #[allow(unsafe_code, reason = "the one measured kernel; its head says why it is sound")]
 mod kernel;
+mod limits;
 mod node;
 mod query;
 mod tree;
 
 use std::sync::Arc;
 
-use crate::accel::{Accel, BuildOptions, Precision};
+use crate::accel::intersector::{Accel, Precision};
+use crate::accel::options::BuildOptions;
 use crate::error::Result;
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
@@ -24,17 +27,14 @@ use crate::math::{Hit, Ray};
 pub use kernel::Instance;
 
 use build::Shape;
+use bvh::Bvh;
 use giants::Giants;
-use query::{Best, Query};
-use tree::Tree;
 
-/// The tree of the particles, and the giants beside it.
+/// The hierarchy, and the form of the kernel that goes through it.
 pub(super) struct Native {
-    tree: Tree,
+    bvh: Bvh,
     shape: Shape,
-    giants: Giants,
     instance: Instance,
-    spheres: Arc<SphereSet>,
 }
 
 impl Native {
@@ -44,30 +44,17 @@ impl Native {
         let first_giant = spheres.particles().len();
         let giants = Giants::build(spheres.giants(), first_giant, &options.cancel)?;
         let instance = options.instance.unwrap_or_else(Instance::best);
-        Ok(Self { tree, shape, giants, instance, spheres })
-    }
-
-    /// The best hit of a valid ray on a giant; with `any`, some hit. Giants come first: there are few,
-    /// and a hit on one shortens the way through the tree.
-    #[inline(always)]
-    fn best_giant(&self, ray: &Ray, any: bool) -> Best {
-        let best = Best::none(ray);
-        if self.giants.is_empty() {
-            return best;
-        }
-        let mut query = Query::new(ray, best);
-        self.giants.trace(&mut query, any);
-        query.best
+        Ok(Self { bvh: Bvh { tree, giants, spheres }, shape, instance })
     }
 }
 
 impl Accel for Native {
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-        kernel::closest(self, rays, hits);
+        kernel::closest(self.instance, &self.bvh, rays, hits);
     }
 
     fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        kernel::occluded(self, rays, blocked);
+        kernel::occluded(self.instance, &self.bvh, rays, blocked);
     }
 
     /// The ray is known to 48 bits, and spheres are tested with the arithmetic of the brute-force
@@ -79,7 +66,7 @@ impl Accel for Native {
     }
 
     fn bytes(&self) -> usize {
-        self.tree.bytes() + self.giants.bytes()
+        self.bvh.tree.bytes() + self.bvh.giants.bytes()
     }
 
     fn details(&self) -> String {

@@ -2,14 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::kernel::{KEPT, pages::Pages};
+use super::kernel::pages::Pages;
+use super::limits::KEPT;
 use super::node::{Child, Leaf, LeafIds, Node, WIDTH};
-
-/// Levels of nodes that no tree has more of; the builder sees to that.
-pub(super) const LEVELS: usize = 96;
-/// Entries that the stack of a traversal needs: its end, and each level takes one and leaves up to
-/// eight, which are always written.
-pub(super) const STACK_SIZE: usize = 1 + (WIDTH - 1) * LEVELS + 2 * WIDTH;
 
 /// Nodes, leaves and the ids of the leaves' spheres.
 pub(super) struct Tree {
@@ -26,7 +21,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// A tree of at most [`LEVELS`] levels of nodes.
+    /// A tree of at most [`LEVELS`](super::limits::LEVELS) levels of nodes.
     ///
     /// # Panics
     /// When a child is no node or leaf of the tree, or a leaf has no ids. The kernel relies on it.

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use crate::film::Rect;
+use crate::math::Rect;
 
 use super::{MemoryArg, OutputArgs, threads};
 

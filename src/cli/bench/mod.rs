@@ -7,13 +7,14 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::accel::{Backend, BuildOptions, Cancel};
+use crate::accel::{Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::film::Kind;
 use crate::geometry::{PathRay, SphereSet};
+use crate::image_io::WholeFile;
 use crate::math::Ray;
-use crate::output::WholeFile;
 use crate::scene::{SceneFile, Shot, read_file};
+use crate::task::Cancel;
 use crate::verify::bench::page::Measured;
 use crate::verify::bench::{
     Field, KINDS, Rounds, SECOND_BOUNCE, Setting, bench, camera_rays, renders, sweep,

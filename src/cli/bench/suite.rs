@@ -5,11 +5,12 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::accel::{Backend, Cancel, EmbreeInfo, embree_info};
+use crate::accel::{Backend, EmbreeInfo, embree_info};
 use crate::error::Result;
 use crate::generate::Arrangement;
+use crate::image_io::WholeFile;
 use crate::job::{COMMIT, MemoryPlan};
-use crate::output::WholeFile;
+use crate::task::Cancel;
 use crate::verify::bench::page::{Entry, page};
 use crate::verify::bench::{MOST_FOR_BRUTE_FORCE, Rounds, SECOND_BOUNCE, StandardScene};
 

@@ -6,14 +6,15 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use crate::accel::{Accel, Backend, BuildOptions, Cancel};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
-use crate::film::Picture;
+use crate::image_io::Picture;
+use crate::image_io::{self, BEAUTY, WholeFile};
 use crate::job;
-use crate::output::{self, BEAUTY, WholeFile};
 use crate::scene::settings::{Integrator, IntegratorKind};
 use crate::scene::{Override, Scene, Settings, Shot, read_file};
+use crate::task::Cancel;
 use crate::verify::converge::{Metric, Point, Reference, Series, plot};
 
 use super::args::ConvergeArgs;
@@ -174,7 +175,7 @@ impl<'a> Study<'a> {
     }
 
     fn read_reference(&self, path: &Path) -> Result<Reference> {
-        let picture = output::read(path)?;
+        let picture = image_io::read(path)?;
         check_finite(path, &picture, |name| name == BEAUTY)?;
         let image = self.own.image;
         let (width, height) = (image.width as usize, image.height as usize);

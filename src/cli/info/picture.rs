@@ -6,10 +6,10 @@ use serde_json::{Map, Value, json};
 
 use crate::cli::print;
 use crate::error::Result;
+use crate::image_io::{self, Record};
 use crate::job::difference::shown;
 use crate::job::metadata::value_of;
 use crate::job::{Checkpoint, FilePath, Header, Metadata, Status, is_checkpoint};
-use crate::output::{self, Record};
 
 /// The name of what `photosphere resume` does with a part.
 const RESUME: &str = "resume";
@@ -36,7 +36,7 @@ pub(super) fn show(path: &Path, as_json: bool) -> Result<()> {
             part.film()?;
             (header.metadata.clone(), records_of(&header))
         }
-        false => (Metadata::of_records(path, &output::records(path)?)?, Vec::new()),
+        false => (Metadata::of_records(path, &image_io::records(path)?)?, Vec::new()),
     };
     let mut records = metadata.to_records()?;
     records.extend(of_part);

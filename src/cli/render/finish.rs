@@ -4,9 +4,9 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
+use crate::image_io::WholeFile;
 use crate::job::save::{self, Errand, Manner};
 use crate::job::{End, Reached, Session};
-use crate::output::WholeFile;
 
 use super::super::exit::Exit;
 use super::super::interrupt::Interrupt;

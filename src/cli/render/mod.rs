@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use crate::accel::Choice;
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
+use crate::image_io::WholeFile;
 use crate::job::{Checkpoint, Delivery, ENDLESS, FilePath, Header, Job, Opening, Session};
-use crate::output::WholeFile;
 use crate::scene::{Override, Scene, Settings, read_file};
 
 use super::args::RenderArgs;

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::error::{Error, Result};
+use crate::image_io::{self, Notes, RawChannel, Target};
 use crate::job::reproduce::{Again, Reproduction, metadata_of, reproduce};
 use crate::job::{Metadata, crop_of, is_checkpoint};
-use crate::output::{self, Notes, RawChannel, Target};
 
 use super::args::ReproduceArgs;
 use super::exit::Exit;
@@ -22,7 +22,7 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
     let path = &args.picture;
     refuse_part(path)?;
     let said = metadata_of(path)?;
-    let then = output::raw_channels(path)?;
+    let then = image_io::raw_channels(path)?;
     let (again, now) = on_threads(args.threads, || {
         let again = render(args, &said)?;
         let now = channels(args, &said, &again)?;
@@ -91,7 +91,7 @@ fn channels(
     let name = if is_png(&args.picture) { "again.png" } else { "again.exr" };
     let file = temporary.path().join(name);
     Target::new(&file)?.write_with(&again.picture, &notes)?;
-    output::raw_channels(&file)
+    image_io::raw_channels(&file)
 }
 
 fn is_png(path: &Path) -> bool {

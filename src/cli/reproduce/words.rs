@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::film::Film;
-use crate::output::RawChannel;
+use crate::image_io::RawChannel;
 
 /// Fewer samples of a pixel make fewer than two blocks, which say nothing of their spread.
 const FEWEST: u32 = 32;

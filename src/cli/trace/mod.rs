@@ -5,13 +5,14 @@ mod words;
 
 use serde_json::{Value, json};
 
-use crate::accel::{BuildOptions, Cancel};
+use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
+use crate::image_io::WholeFile;
 use crate::integrator::{self, SampleAddress, Step, Trace, World};
 use crate::light::Source;
 use crate::math::DVec3;
-use crate::output::WholeFile;
 use crate::scene::{Scene, Shot, read_file};
+use crate::task::Cancel;
 
 use super::args::TraceArgs;
 use super::exit::Exit;

@@ -15,7 +15,8 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::Duration;
 
 use crate::error::Result;
-use crate::film::{Frame, Picture};
+use crate::film::Frame;
+use crate::image_io::Picture;
 use crate::job::{Delivery, FilePath, Session, Turns, crop_of};
 
 use super::interrupt::Interrupt;

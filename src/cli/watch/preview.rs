@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use crate::cli::print;
 use crate::color::Look;
 use crate::error::{Error, Result};
-use crate::film::Picture;
-use crate::output::{Crop, Notes, Target};
+use crate::image_io::Picture;
+use crate::image_io::{Crop, Notes, Target};
 
 /// A file that is replaced whole, again and again.
 pub(super) struct Preview {

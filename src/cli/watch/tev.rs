@@ -7,7 +7,7 @@ use std::time::Duration;
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
 use crate::error::{Error, Result};
-use crate::film::Picture;
+use crate::image_io::Picture;
 
 /// How long tev may take to answer, and to take what it is sent. Nobody waits for it but the thread
 /// that shows pictures.

@@ -6,14 +6,14 @@ use crate::geometry::{PathRay, SurfaceHit};
 use crate::light::Receiver;
 use crate::material::{Bsdf, Media};
 use crate::math::{DVec3, Frame};
-use crate::sampling::power_heuristic;
 use crate::scene::Scene;
-use crate::scene::settings::Estimator;
 
 use super::super::dimension::Vertex;
 use super::super::trace::{Recorder, Step};
 use super::batch::Batch;
-use super::{Aims, Gain, Path, opacity};
+use super::opacity;
+use super::paths::{Aims, Gain, Path};
+use super::weight::weight;
 
 impl Aims<'_> {
     /// One more shadow ray, and the media it starts in.
@@ -75,14 +75,5 @@ impl<R: Recorder> Batch<'_, R> {
         let is_direct = path.state.aims_directly();
         let media = is_beyond.unwrap_or_else(|| self.media_of(path));
         Some((ray, Gain { sample: path.state.sample, light, is_direct }, media))
-    }
-}
-
-/// The weight of a light sample against what the BSDF might have drawn.
-#[inline(always)]
-pub(super) fn weight(estimator: Estimator, pdf: f64, pdf_bsdf: f64) -> f64 {
-    match estimator {
-        Estimator::Light => 1.0,
-        _ => power_heuristic(pdf, pdf_bsdf),
     }
 }

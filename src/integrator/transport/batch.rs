@@ -6,9 +6,13 @@ use crate::material::Media;
 use crate::math::Hit;
 use crate::sampling::Sampler;
 
+use super::super::sample::{SampleAddress, Tally};
 use super::super::trace::{Added, End, Recorder, Step};
-use super::super::{SampleAddress, Tally, Workspace, World};
-use super::{Aims, Drawn, Gain, Path, Transport, opacity};
+use super::super::workspace::Workspace;
+use super::super::world::World;
+use super::choices::Transport;
+use super::opacity;
+use super::paths::{Aims, Drawn, Gain, Path};
 
 /// The samples that are estimated together.
 pub(super) struct Batch<'a, R> {

@@ -15,8 +15,10 @@ use crate::math::{Hit, Ray};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 
-use super::super::{Tally, World, dimension};
-use super::{Drawn, LONGEST, Path, Shadows};
+use super::super::dimension;
+use super::super::sample::Tally;
+use super::super::world::World;
+use super::paths::{Drawn, LONGEST, Path, Shadows};
 
 /// Whether a path finds a surface there that is there with this probability.
 pub(super) fn is_there(path: &Path, sampler: Sampler, presence: f32) -> bool {

@@ -11,7 +11,7 @@ use crate::scene::settings::Stop;
 use super::super::dimension::Vertex;
 use super::super::trace::{End, Recorder, Step};
 use super::batch::Batch;
-use super::{Drawn, LONGEST, Path, State};
+use super::paths::{Drawn, LONGEST, Path, State};
 
 /// Paths shorter than this many edges are never ended by roulette.
 const ROULETTE_FROM: u32 = 4;

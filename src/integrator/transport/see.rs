@@ -9,7 +9,8 @@ use crate::math::Hit;
 use super::super::seen;
 use super::super::trace::Recorder;
 use super::batch::Batch;
-use super::{Path, opacity};
+use super::opacity;
+use super::paths::Path;
 
 impl<R: Recorder> Batch<'_, R> {
     /// Notes what the edge of a path meets, where that is wanted and the path looks straight from the

@@ -13,7 +13,8 @@ use crate::scene::settings::{Estimator, Miss};
 use super::super::dimension::{Vertex, direction_again};
 use super::super::trace::{End, Recorder, Step};
 use super::batch::Batch;
-use super::{Aims, Drawn, LONGEST, Path, State, opacity};
+use super::opacity;
+use super::paths::{Aims, Drawn, LONGEST, Path, State};
 
 impl<R: Recorder> Batch<'_, R> {
     /// A path that meets nothing: it sees the background. Returns whether it goes on.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::error::Error;
 
-use super::VERSION;
+use super::version::VERSION;
 
 /// What keeps a file from being read as a part.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 
 use blake3::Hasher;
 
-use super::Bad;
+use super::bad::Bad;
 
 /// A stream whose bytes are hashed as they go by.
 #[derive(Debug)]

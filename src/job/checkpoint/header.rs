@@ -16,8 +16,9 @@ use crate::scene::Source;
 use super::super::metadata::Metadata;
 use super::super::outcome::NoiseStatus;
 use super::super::spec::Job;
+use super::bad::Bad;
 use super::hashing::Hashing;
-use super::{Bad, FIRST_VERSION, MAGIC, VERSION};
+use super::version::{FIRST_VERSION, MAGIC, VERSION};
 
 /// The longest header: a scene's description and text, and some.
 const LONGEST: u32 = 16 << 20;

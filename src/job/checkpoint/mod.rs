@@ -16,6 +16,7 @@ mod hashing;
 mod header;
 #[cfg(test)]
 mod tests;
+mod version;
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
@@ -23,21 +24,15 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::film::{Film, hands};
-use crate::output::WholeFile;
+use crate::film::Film;
+use crate::image_io::WholeFile;
+use crate::task::hands;
 
 pub use header::{Delivery, FilePath, Header, Statistics, Status};
 
 use bad::Bad;
 use hashing::Hashing;
-
-const MAGIC: [u8; 8] = *b"PHSPPART";
-
-/// The version of the format; it grows with every change.
-const VERSION: u32 = 2;
-
-/// The oldest version that is read.
-const FIRST_VERSION: u32 = 2;
+use version::{MAGIC, VERSION};
 
 /// The longest tile: its 64 pixels of some 30 numbers take a tenth of it.
 const LONGEST_TILE: u32 = 1 << 20;

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::version::FIRST_VERSION;
 use super::*;
 use std::time::Duration;
 

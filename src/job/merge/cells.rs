@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::samples::Share;
-use crate::film::Rect;
+use crate::math::Rect;
 
 /// Rectangles that make up `within`, each of which every window holds whole or not at all.
 pub(super) fn cells(windows: &[Rect], within: Rect) -> Vec<Rect> {

@@ -1,23 +1,25 @@
 //! Parts of a picture become one, to the bit of one render without a break.
 
 mod cells;
+mod piece;
 mod whole;
 
-use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::accel::BuildOptions;
 use crate::error::{Error, Result, Setting};
-use crate::film::{BLOCK, Film, Format, Kind, Picture, Rect, summed_for};
-use crate::output::WholeFile;
-use crate::scene::{Scene, Shot};
+use crate::film::{BLOCK, Film, Kind, summed_for};
+use crate::image_io::Picture;
+use crate::image_io::WholeFile;
+use crate::math::Rect;
+use crate::scene::Shot;
 
 use super::aovs::{needs_scene, picture, picture_of_sums};
-use super::checkpoint::{Checkpoint, Header, Status, write_checkpoint};
+use super::checkpoint::{Checkpoint, Header, write_checkpoint};
 use super::metadata::Metadata;
 use super::outcome::NoiseStatus;
-use super::samples::{Samples, Share, TileCounts};
 
+use piece::Piece;
 use whole::Whole;
 
 /// What parts are to become.
@@ -50,13 +52,6 @@ pub struct Merged {
     pub missed: Vec<(PathBuf, Vec<NoiseStatus>)>,
     header: Header,
     first: Piece,
-}
-
-/// One of the parts.
-#[derive(Debug)]
-struct Piece {
-    path: PathBuf,
-    header: Header,
 }
 
 /// Adds up parts.
@@ -126,128 +121,6 @@ impl Merged {
         let accel =
             self.metadata.intersector.backend.build(scene.spheres(), &BuildOptions::default())?;
         Ok(picture(&shot, accel.as_ref(), &self.film, &self.layers))
-    }
-}
-
-impl Piece {
-    fn open(path: &Path) -> Result<Self> {
-        let header = Checkpoint::open(path)?.header().clone();
-        Ok(Self { path: path.to_path_buf(), header })
-    }
-
-    fn window(&self) -> Rect {
-        self.header.film.frame.window
-    }
-
-    fn samples(&self) -> &Range<u32> {
-        &self.header.samples
-    }
-
-    fn missed(&self) -> &[NoiseStatus] {
-        match &self.header.status {
-            Status::Unfinished => &[],
-            Status::Ended { missed } => missed,
-        }
-    }
-
-    /// How many samples per pixel the job asks for.
-    fn last_sample(&self) -> u32 {
-        self.header.job.settings.render.samples_per_pixel
-    }
-
-    /// The scene of the part, if it is still the same.
-    fn scene(&self) -> Result<(Scene, crate::scene::Settings)> {
-        let file = self.header.source.as_ref().and_then(|source| source.file.clone());
-        let Some(path) = file else {
-            return Err(Error::input("the parts are of a scene that is in no file").with_help(
-                "leave out the layers sphere_id and material_id, which need the scene",
-            ));
-        };
-        let overrides = self.header.source.iter().flat_map(|source| &source.overrides);
-        let overrides: Vec<_> = overrides.map(crate::scene::Override::of).collect();
-        let (scene, _) = crate::scene::read_file(&path, &overrides)?.build()?;
-        if scene.identity() != self.header.metadata.scene_identity {
-            let message = format!("`{}` has changed since its parts were rendered", path.display());
-            return Err(Error::input(message).with_help(
-                "leave out the layers sphere_id and material_id, which need the scene",
-            ));
-        }
-        Ok((scene, self.header.job.settings))
-    }
-
-    /// Which samples it holds of which pixels.
-    fn shares(&self, film: &Film) -> Vec<Share> {
-        if !self.header.metadata.parts.is_empty() {
-            return self.header.metadata.parts.0.clone();
-        }
-        let samples = Samples::of(film, self.samples().start);
-        let counts = TileCounts::of(film).unwrap_or_default();
-        vec![Share { window: self.window(), samples, counts }]
-    }
-
-    /// Refuses what is of another picture.
-    fn check_kin(&self, first: &Self) -> Result<()> {
-        let (ours, theirs) = (self.path.display(), first.path.display());
-        let refused = |what: &str| {
-            Err(Error::input(format!(
-                "`{ours}` and `{theirs}` are no parts of one picture: {what}"
-            ))
-            .with_help("merge parts of the same scene, with the same options"))
-        };
-        let (own, other) = (&self.header.metadata, &first.header.metadata);
-        let identity = |metadata: &Metadata| (metadata.scene_identity, metadata.job_identity);
-        if identity(own) != identity(other) {
-            return refused(&format!("in the first, {}", own.difference(other)));
-        }
-        let kind = |piece: &Self| {
-            let Format { frame, scale, layers, squares, .. } = piece.header.film.clone();
-            (frame.full_size, scale, layers, squares)
-        };
-        if kind(self) != kind(first) {
-            return refused("they keep other layers");
-        }
-        let noise = |piece: &Self| piece.header.job.until.noise;
-        if noise(self) != noise(first) {
-            let words = |piece: &Self| noise(piece).map_or("none".to_owned(), |n| n.to_string());
-            let (first, ours) = (words(first), words(self));
-            return refused(&format!("in the first, the noise target is {first}, not {ours}"));
-        }
-        Ok(())
-    }
-
-    /// Refuses what ended before the samples that another part goes on with: there would be a hole, which
-    /// a film cannot tell from the samples behind it.
-    fn check_followed(&self, film: &Film, pieces: &[Self]) -> Result<()> {
-        let end = self.samples().start + film.fewest_and_most().0;
-        let follows = |other: &&Self| {
-            other.samples().start >= self.samples().end
-                && !other.samples().is_empty()
-                && other.window().common(&self.window()).is_some()
-        };
-        let Some(other) = pieces.iter().find(follows).filter(|_| end < self.samples().end) else {
-            return Ok(());
-        };
-        let (ours, theirs) = (self.path.display(), other.path.display());
-        let what = format!(
-            "`{ours}` ended at sample {end} of {}, so `{theirs}` cannot follow it",
-            self.samples().end
-        );
-        Err(Error::input(what)
-            .with_help("render it again without a time and a noise target, or leave it out"))
-    }
-
-    /// Refuses what has not all of its samples.
-    fn check_finished(&self, film: &Film) -> Result<()> {
-        let (fewest, all) = (film.fewest_and_most().0, self.samples().len());
-        // One that ends at a noise target or at a time has as many as that took.
-        if fewest as usize == all || self.header.status != Status::Unfinished {
-            return Ok(());
-        }
-        let path = self.path.display();
-        Err(Error::input(format!("`{path}` is not finished: it has {fewest} of {all} samples"))
-            .with_help("resume it, or allow gaps")
-            .with_setting(Setting::Resume, path.to_string())
-            .with_setting(Setting::AllowGaps, ""))
     }
 }
 

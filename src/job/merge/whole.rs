@@ -4,15 +4,16 @@ use std::iter::Sum;
 use std::ops::Range;
 
 use crate::error::{Error, Result, Setting};
-use crate::film::{Film, Format, Frame, Kind, Rect};
+use crate::film::{Film, Format, Frame, Kind};
+use crate::math::Rect;
 
 use super::super::adaptive::error_so_far;
 use super::super::checkpoint::{Header, Statistics, Status};
 use super::super::metadata::{Metadata, RunRecord};
 use super::super::noise::NoiseTarget;
 use super::super::samples::{Samples, Share, Shares, TileCounts};
-use super::Piece;
 use super::cells::{are_from_first_on, cells, first_missing};
+use super::piece::Piece;
 
 /// Pixels along the side of a square that a noise target decides about.
 const SQUARE: u32 = 16;

@@ -12,7 +12,7 @@ use crate::color::Rgb;
 use crate::math::{DVec3, Frame};
 use crate::sampling::sin_cos;
 
-use super::Receiver;
+use super::receiver::Receiver;
 
 /// The light that comes from infinitely far away.
 #[derive(Clone, Debug)]

@@ -6,8 +6,8 @@ use crate::color::{Rgb, luminance};
 use crate::math::{DVec3, Frame};
 use crate::sampling::{hemisphere, sin_cos};
 
-use super::super::Receiver;
 use super::super::cluster::cosine_above_horizon;
+use super::super::receiver::Receiver;
 
 /// The sun.
 #[derive(Clone, Copy, Debug)]

@@ -15,7 +15,7 @@
 use crate::fault::fault;
 use crate::math::DVec3;
 
-use super::super::dielectric::{fresnel, refracted};
+use super::super::fresnel::{fresnel, refracted};
 use super::super::ggx::Ggx;
 use super::{MissingEnergy, hemispherical_mean};
 

@@ -4,7 +4,7 @@ use tempfile::NamedTempFile;
 
 use super::*;
 use crate::scene::data::{Column, SphereArrays};
-use crate::scene::description::{NamedMaterial, SphereRow};
+use crate::scene::description::{ColorStorage, NamedMaterial, SphereRow};
 
 /// The rows and groups of a description without mistakes.
 fn imported(description: &Description) -> (SphereRows, Vec<RowGroup>) {

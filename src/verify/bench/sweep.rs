@@ -10,9 +10,9 @@ use std::time::Instant;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::accel::Cancel;
 use crate::error::{self, Error, Result};
 use crate::math::Ray;
+use crate::task::Cancel;
 
 use super::measurement::spread;
 use super::{Field, Figure, Measurement, Question};

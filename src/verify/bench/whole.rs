@@ -3,13 +3,15 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use crate::accel::{Accel, Backend, Cancel, Precision};
+use crate::accel::{Accel, Backend, Precision};
 use crate::error::{Error, Result};
-use crate::film::{Kind, Picture};
+use crate::film::Kind;
 use crate::geometry::{PathRays, SphereSet};
+use crate::image_io::Picture;
 use crate::job::render;
 use crate::math::{Hit, Ray};
 use crate::scene::Shot;
+use crate::task::Cancel;
 
 use super::{Field, Figure, MOST_FOR_BRUTE_FORCE};
 

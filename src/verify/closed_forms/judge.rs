@@ -15,12 +15,13 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
-use crate::accel::{Accel, Backend, BuildOptions, Cancel};
+use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::film::Kind;
-use crate::film::Picture;
+use crate::image_io::Picture;
 use crate::job::render;
 use crate::scene::{Override, Shot, read_text};
+use crate::task::Cancel;
 use crate::verify::check::{Effort, Figure, Finding, Measured, Scale, seed};
 use crate::verify::statistics::{Estimate, ROUNDING};
 

@@ -11,12 +11,12 @@ mod samples;
 
 use std::sync::Arc;
 
-use crate::accel::Cancel;
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::material::Lobe;
 use crate::math::DVec3;
 use crate::sampling::{Hemisphere, Sampler, sin_cos};
+use crate::task::Cancel;
 
 use super::check::{Check, Effort, Finding, Group, Measured, seed};
 use super::statistics::Estimate;

@@ -5,7 +5,7 @@
 //! image processing", 2020). Below the map stands its scale.
 
 use crate::color::Rgb;
-use crate::film::Picture;
+use crate::image_io::Picture;
 use crate::math::DVec3;
 use crate::sampling::sin_cos;
 

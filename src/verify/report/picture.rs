@@ -2,10 +2,9 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
 
 use crate::color::srgb_from_linear;
+use crate::image_io::rgba_png;
 use crate::verify::check::{Figure, Scale};
 
 use super::html::{element, escape};
@@ -33,10 +32,8 @@ fn png(figure: &Figure) -> Option<Vec<u8>> {
     let height = figure.values.len().checked_div(figure.width)?;
     let bytes: Vec<u8> =
         figure.values.iter().flat_map(|&value| color(value, figure.scale)).collect();
-    let mut png = Vec::new();
     let (width, height) = (u32::try_from(figure.width).ok()?, u32::try_from(height).ok()?);
-    PngEncoder::new(&mut png).write_image(&bytes, width, height, ExtendedColorType::Rgba8).ok()?;
-    Some(png)
+    rgba_png(width, height, &bytes)
 }
 
 /// Red, green, blue and opacity. Cells without a value are clear.

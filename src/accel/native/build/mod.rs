@@ -20,13 +20,14 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::accel::{BuildOptions, Quality};
+use crate::accel::options::{BuildOptions, Quality};
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 
 use super::kernel::pages::Pages;
+use super::limits::LEVELS;
 use super::node::{Child, LEAF_SIZE, Leaf, LeafIds, Node};
-use super::tree::{LEVELS, Tree};
+use super::tree::Tree;
 
 use binary::Binary;
 use cells::Cells;

@@ -1,8 +1,8 @@
 use super::*;
+use crate::accel::native::limits::LEVELS;
 use crate::accel::native::node::WIDTH;
-use crate::accel::native::tree::LEVELS;
-use crate::accel::{Cancel, Progress};
 use crate::geometry::SphereRows;
+use crate::task::{Cancel, Progress};
 
 fn scattered(count: u32) -> Vec<[f32; 4]> {
     let wave = |i: u32, k: u32| (i.wrapping_mul(k) % 100_003) as f32 / 100_003.0;

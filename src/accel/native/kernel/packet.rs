@@ -19,17 +19,20 @@
 
 use std::mem::MaybeUninit;
 
+use crate::accel::native::limits::KEPT;
 use crate::accel::native::node::{Child, Leaf, each_lane};
 use crate::accel::native::query::Best;
 use crate::accel::native::tree::Tree;
 use crate::math::Ray;
 
+use super::alone::alone;
+use super::batch::{Batch, is_valid};
 use super::beam::{Beam, Each, Extremes, all_extremes, extremes, load, load_all};
-use super::flight::{Batch, Closest};
 use super::lanes::Lanes;
 use super::pending::{Kept, Pending, Waiting};
+use super::question::Closest;
 use super::slabs::{Near, Slabs, slack};
-use super::slot::{Eight, KEPT, Slot, begin_of, is_unit, limit_of};
+use super::slot::{Eight, Slot, begin_of, is_unit, limit_of};
 use super::spheres::{ERROR, LEAST_ERROR, Met, Rays};
 
 /// Rays of a packet.
@@ -75,13 +78,38 @@ pub(super) enum Step {
 /// Whether rays may be a packet, judged by two of them. Never leaves out rays that pass all of
 /// [`Packet::begin`]'s tests.
 #[inline(always)]
-pub(super) fn may_be_alike(rays: &[Ray; RAYS]) -> bool {
+fn may_be_alike(rays: &[Ray; RAYS]) -> bool {
     let [first, .., last] = rays;
     let apart = |axis: usize| (first.direction[axis] - last.direction[axis]).abs();
     apart(0) + apart(1) + apart(2) < 0.5
 }
 
 impl Packet {
+    /// Makes a packet of the sixteen rays of a batch from this one on; `false` if they are not alike, or
+    /// too few.
+    ///
+    /// # Safety
+    /// `packet` is valid for writing, the tree has a root, and the instructions of `L` are there.
+    #[inline(always)]
+    pub(super) unsafe fn board<L: Lanes>(
+        packet: *mut Self,
+        batch: &Batch<'_, Closest>,
+        first: usize,
+    ) -> bool {
+        let rays = batch.rays.get(first..).and_then(|rays| rays.first_chunk::<RAYS>());
+        let Some(rays) = rays.filter(|rays| may_be_alike(rays)) else { return false };
+        // SAFETY: the caller's promise.
+        unsafe {
+            for ray in rays {
+                if !is_valid::<L>(ray) {
+                    return false;
+                }
+            }
+            let best = rays.each_ref().map(|ray| batch.bvh.best_giant(ray, false));
+            Self::begin::<L>(packet, &batch.bvh.tree, rays, &best, first as u32)
+        }
+    }
+
     /// Makes a packet of rays that are valid and not answered yet, at the root of the tree; `false` if
     /// they are not alike enough for that.
     ///
@@ -89,7 +117,7 @@ impl Packet {
     /// `packet` is valid for writing, and after `true` for reading. There are as many rays as a packet
     /// has, the tree has a root, and the instructions of `L` are there.
     #[inline(always)]
-    pub(super) unsafe fn begin<L: Lanes>(
+    unsafe fn begin<L: Lanes>(
         packet: *mut Self,
         tree: &Tree,
         rays: &[Ray; RAYS],
@@ -277,7 +305,8 @@ impl Packet {
             // as many leaves as it can have kept.
             unsafe {
                 if spheres.count_ones() as usize > KEPT {
-                    batch.answer_alone(ray);
+                    batch.answers[ray as usize] =
+                        alone::<Closest>(batch.bvh, &batch.rays[ray as usize]);
                     continue;
                 }
                 let mut left = spheres;
@@ -321,4 +350,61 @@ fn end(pairs: &Extremes, which: usize, fourth: f32) -> [f32; 4] {
 #[inline(always)]
 fn is_of_one_sign([low, high]: &[f32; 2]) -> bool {
     *low > 0.0 || *high < 0.0 || (*low == 0.0 && *high == 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::BuildOptions;
+    use crate::accel::native::Native;
+    use crate::accel::native::kernel::lanes::Portable;
+    use crate::geometry::{Sphere, SphereRows, SphereSet};
+    use crate::math::{DVec3, Hit, NO_SPHERE};
+    use std::sync::Arc;
+
+    /// A cube of 16 x 16 x 16 balls, two apart.
+    fn cube() -> Native {
+        let place = |i: i32| DVec3::new((i % 16).into(), (i / 16 % 16).into(), (i / 256).into());
+        let ball = |i| Sphere { center: 2.0 * place(i) - 15.0, radius: 0.5 };
+        let rows = SphereRows { exact: (0..4096).map(ball).collect(), ..SphereRows::default() };
+        let set = Arc::new(SphereSet::new(rows).expect("few spheres"));
+        Native::new(set, &BuildOptions::default()).expect("nobody cancels")
+    }
+
+    /// Sixteen rays from one place whose directions differ by up to this.
+    fn beam(apart: f64) -> Vec<Ray> {
+        let direction = |i: i32| DVec3::new(0.3, 0.2 + apart * f64::from(i) / 15.0, -1.0);
+        let origin = DVec3::new(-9.0, -6.0, 40.0);
+        let exclude = [NO_SPHERE; 2];
+        (0..16)
+            .map(|i| Ray::new(origin, direction(i).normalize(), 0.0, f64::INFINITY, exclude))
+            .collect()
+    }
+
+    fn is_packet(native: &Native, rays: &[Ray]) -> bool {
+        let answers = &mut vec![Hit::MISS; rays.len()];
+        let batch = Batch::<Closest> { bvh: &native.bvh, rays, answers, next: 0, end: rays.len() };
+        let mut packet = MaybeUninit::uninit();
+        // SAFETY: the tree has a root, and the portable form needs no special instructions.
+        unsafe { Packet::board::<Portable>(packet.as_mut_ptr(), &batch, 0) }
+    }
+
+    #[test]
+    fn rays_go_together_that_are_close_beside_the_leaves() {
+        let native = cube();
+        for apart in [0.0, 1e-6, 1e-3, 1e-2] {
+            assert!(is_packet(&native, &beam(apart)), "{apart}");
+        }
+        for apart in [0.5, 2.0] {
+            assert!(!is_packet(&native, &beam(apart)), "{apart}");
+        }
+        assert!(!is_packet(&native, &beam(0.0)[1..]));
+        let mut rays = beam(1e-3);
+        rays[7].t_min = f32::NAN;
+        assert!(!is_packet(&native, &rays));
+        rays[7] = Ray { direction: [0.0, 0.0, -2.0], ..rays[0] };
+        assert!(!is_packet(&native, &rays));
+        rays[7] = Ray { direction: [-1e-4, 0.0, -1.0], ..rays[0] };
+        assert!(!is_packet(&native, &rays));
+    }
 }

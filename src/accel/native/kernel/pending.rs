@@ -6,13 +6,15 @@
 
 use std::mem::MaybeUninit;
 
+use crate::accel::native::limits::KEPT;
 use crate::accel::native::node::each_lane;
 use crate::accel::native::query::{Best, Query};
 
-use super::flight::{Batch, Question};
+use super::alone::alone;
+use super::batch::Batch;
 use super::lanes::Lanes;
-use super::single::alone;
-use super::slot::{KEPT, Slot};
+use super::question::Question;
+use super::slot::Slot;
 
 /// Rays that wait at most.
 const RAYS: usize = 16;
@@ -123,7 +125,7 @@ impl Pending {
     /// are there.
     #[inline(always)]
     pub(super) unsafe fn settle<L: Lanes, Q: Question>(&mut self, batch: &mut Batch<'_, Q>) {
-        let tree = &batch.native.tree;
+        let tree = &batch.bvh.tree;
         let mut first = 0;
         for waiting in &self.rays[..self.count] {
             // SAFETY: what is below the counts was written, with leaves of this tree and rays of this
@@ -156,10 +158,10 @@ impl Pending {
                     is_cut_short = !Q::ANY && best.t * waiting.length > f64::from(waiting.limit);
                 }
                 let answer =
-                    if is_cut_short { alone::<Q>(batch.native, ray) } else { Q::answer(best) };
+                    if is_cut_short { alone::<Q>(batch.bvh, ray) } else { Q::answer(best) };
                 *batch.answers.get_unchecked_mut(waiting.ray as usize) = answer;
                 if !Q::ANY {
-                    let spheres = &batch.native.spheres;
+                    let spheres = &batch.bvh.spheres;
                     let at = best.id as usize;
                     L::prefetch(spheres.particles().as_ptr().wrapping_add(at).cast());
                     L::prefetch(spheres.rows().as_ptr().wrapping_add(at).cast());

@@ -2,23 +2,24 @@
 
 use std::mem::MaybeUninit;
 
-use crate::accel::native::Native;
-use crate::accel::native::node::{Child, each_lane};
-use crate::accel::native::query::Query;
+use crate::accel::native::limits::KEPT;
+use crate::accel::native::node::Child;
 use crate::accel::native::tree::Tree;
-use crate::math::Ray;
 
-use super::flight::{Batch, Question};
-use super::lanes::{Lanes, Portable};
+use super::alone::judge;
+use super::batch::Batch;
+use super::lanes::Lanes;
 use super::pending::Pending;
-use super::slot::{KEPT, Slot};
+use super::question::Question;
+use super::slot::Slot;
 
 /// Rays under way at once. Eight are 6 to 8 % slower where memory is, and 32 no faster.
 const SLOTS: usize = 16;
+
 /// The rays from the batch's next to its end, each by itself.
 ///
 /// # Safety
-/// As for [`fly`].
+/// As for [`fly`](super::flight::fly).
 #[inline(always)]
 pub(super) unsafe fn one_by_one<L: Lanes, Q: Question>(
     batch: &mut Batch<'_, Q>,
@@ -53,7 +54,7 @@ pub(super) unsafe fn one_by_one<L: Lanes, Q: Question>(
                         continue;
                     }
                 } else {
-                    prefetch::<L>(&batch.native.tree, (*slot).next);
+                    prefetch::<L>(&batch.bvh.tree, (*slot).next);
                 }
             }
             turn += 1;
@@ -67,7 +68,7 @@ pub(super) unsafe fn one_by_one<L: Lanes, Q: Question>(
 /// The slot has been boarded and is not done; the instructions of `L` are there.
 #[inline(always)]
 unsafe fn step<L: Lanes, Q: Question>(batch: &Batch<'_, Q>, slot: &mut Slot) -> bool {
-    let tree = &batch.native.tree;
+    let tree = &batch.bvh.tree;
     let next = slot.next;
     // SAFETY: `next` is a node or leaf of this tree. The stack has room by the builder's bound, and
     // `kept` is below its end, as `make_room` sees to.
@@ -130,62 +131,8 @@ pub(super) unsafe fn prefetch<L: Lanes>(tree: &Tree, next: Child) {
 #[inline(never)]
 unsafe fn make_room<Q: Question>(batch: &Batch<'_, Q>, slot: &mut Slot) -> bool {
     // SAFETY: the caller's promise.
-    unsafe { judge(&batch.native.tree, batch.rays.get_unchecked(slot.ray as usize), slot) };
+    unsafe { judge(&batch.bvh.tree, batch.rays.get_unchecked(slot.ray as usize), slot) };
     let limit = slot.limit_of(slot.best.t);
     slot.limit = if Q::ANY || limit > slot.limit { slot.limit } else { limit };
     Q::ANY && slot.best.is_hit()
-}
-
-/// Offers the ray what its slot has kept and is not beyond the limit, and keeps nothing of it.
-///
-/// # Safety
-/// The slot holds the ray, and the leaves that it has kept are of the tree.
-unsafe fn judge(tree: &Tree, ray: &Ray, slot: &mut Slot) {
-    let mut query = Query::new(ray, slot.best);
-    for number in 0..slot.kept {
-        // SAFETY: the number is below `kept`.
-        let (leaf, lanes) = unsafe { slot.kept::<Portable>(number) };
-        let (ids, leaf) = (&tree.ids()[leaf as usize], &tree.leaves()[leaf as usize]);
-        each_lane(lanes).for_each(|lane| query.offer(ids[lane], &leaf.sphere(lane)));
-    }
-    slot.best = query.best;
-    slot.kept = 0;
-}
-
-/// A single ray, with every candidate judged at once: for rays whose way was cut short by a sphere
-/// that they are to overlook.
-#[cold]
-#[inline(never)]
-pub(super) fn alone<Q: Question>(native: &Native, ray: &Ray) -> Q::Answer {
-    let best = native.best_giant(ray, Q::ANY);
-    if Q::ANY && best.is_hit() {
-        return Q::answer(best);
-    }
-    let tree = &native.tree;
-    let mut slot = MaybeUninit::<Slot>::uninit();
-    // SAFETY: as in `step`; leaves are kept one at a time. With `ANY`, a leaf leaves the limit alone.
-    unsafe {
-        Slot::begin(slot.as_mut_ptr(), ray, best, 0, tree.root);
-        let slot = slot.assume_init_mut();
-        if tree.root.is_none() {
-            for (index, leaf) in tree.leaves().iter().enumerate() {
-                slot.through_leaf::<Portable, true>(leaf, index as u32);
-            }
-            judge(tree, ray, slot);
-            return Q::answer(slot.best);
-        }
-        while slot.next != Child::NONE && !(Q::ANY && slot.best.is_hit()) {
-            let next = slot.next;
-            if next.is_leaf() {
-                let leaf = tree.leaves().as_ptr().add(next.index());
-                slot.through_leaf::<Portable, true>(leaf, next.index() as u32);
-                judge(tree, ray, slot);
-                slot.limit = slot.limit_of(slot.best.t);
-            } else {
-                slot.through_node::<Portable, false>(tree.nodes().as_ptr().add(next.index()));
-            }
-            slot.pop::<false>();
-        }
-        Q::answer(slot.best)
-    }
 }

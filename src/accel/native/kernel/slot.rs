@@ -4,9 +4,9 @@
 use std::mem::MaybeUninit;
 
 use crate::accel::native::build::larger;
+use crate::accel::native::limits::{KEPT, STACK_SIZE};
 use crate::accel::native::node::{Child, Leaf, Node, TINY};
 use crate::accel::native::query::Best;
-use crate::accel::native::tree::STACK_SIZE;
 use crate::fault::fault;
 use crate::math::Ray;
 
@@ -14,8 +14,6 @@ use super::lanes::Lanes;
 use super::slabs::{Near, Slabs, slack};
 use super::spheres::{ERROR, LEAST_ERROR, Met, Rays, radii, to_centers};
 
-/// Leaves with candidates that a slot can hold.
-pub(in crate::accel::native) const KEPT: usize = 16;
 /// Relative slack that makes up for a few roundings to f32.
 const F32_SLACK: f64 = 1.0 / (1u32 << 22) as f64;
 /// A direction whose squared length in f32 differs from 1 by less is unit for the bounds above.

@@ -10,7 +10,7 @@ use crate::sampling::{Sampler, SobolLanes};
 use crate::scene::settings::Estimator;
 
 use super::super::super::dimension::Vertex;
-use super::super::aim;
+use super::super::weight::weight;
 
 /// Vertices that wait to be worked on together.
 #[derive(Default)]
@@ -210,7 +210,7 @@ impl Stage for Turn<'_> {
             let normal = met.normal.get(lane);
             let wi = DVec3::new(0.0, 0.0, normal.dot(aim.direction.get(lane)));
             let (pdf, pdf_bsdf) = (aim.pdf.0[lane], Diffuse::pdf_cosine(wi));
-            let weight = aim::weight(self.estimator, pdf, pdf_bsdf);
+            let weight = weight(self.estimator, pdf, pdf_bsdf);
             let cos = if fault!(CosineMissing) { 1.0 } else { wi.z };
             let factor = (weight * cos / pdf) as f32;
             aim.factor.0[lane] = if wi.z > 0.0 { factor } else { 0.0 };

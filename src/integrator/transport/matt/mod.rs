@@ -19,7 +19,7 @@ use crate::scene::settings::Estimator;
 
 use super::super::trace::Recorder;
 use super::batch::Batch;
-use super::{Aims, Drawn, Gain, LONGEST, Path, Paths};
+use super::paths::{Aims, Drawn, Gain, LONGEST, Path, Paths};
 
 pub(in super::super) use block::Block;
 use block::{AimAtLamp, Light, Meet, Turn, Waiting};

@@ -6,8 +6,9 @@ use crate::math::{Isa, LANES, Lanes, Stage};
 use crate::sampling::{Sampler, SamplerKind, SobolLanes, box_sample};
 use crate::scene::Shot;
 
-use super::super::super::{SampleAddress, dimension};
-use super::super::Transport;
+use super::super::super::dimension;
+use super::super::super::sample::SampleAddress;
+use super::super::choices::Transport;
 
 /// Whether the camera rays of a scene can be drawn many at a time.
 pub(super) fn can_start(shot: &Shot, transport: &Transport) -> bool {

@@ -11,10 +11,12 @@ use crate::sampling::Sampler;
 use crate::scene::settings::Miss;
 
 use super::super::camera_rays::{camera_ray, sampler_of};
+use super::super::dimension;
+use super::super::sample::SampleAddress;
 use super::super::trace::{Recorder, Step};
-use super::super::{SampleAddress, Workspace, dimension};
+use super::super::workspace::Workspace;
 use super::batch::Batch;
-use super::{Path, State};
+use super::paths::{Path, State};
 
 /// How often a camera ray that met nothing is drawn again where the scene asks for that.
 const MOST_REDRAWS: u32 = 1000;

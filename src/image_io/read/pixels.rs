@@ -6,7 +6,7 @@ use image::{DynamicImage, ImageFormat, ImageReader};
 
 use crate::color::{Rgb, linear_from_srgb};
 
-use super::{BEAUTY, Layer, Layered, check_samples};
+use super::layered::{BEAUTY, Layer, Layered, check_samples};
 
 pub(super) fn read_png(path: &Path) -> Result<Layered, String> {
     let image = decode(path, ImageFormat::Png)?;

@@ -1,4 +1,4 @@
-//! How many hands there are for what is done to a film or a picture as a whole.
+//! How many hands there are for what is done to something as a whole, such as a film or a picture.
 //!
 //! On a thread of a pool all of its threads help: that is so where a render has come to its end. Any other
 //! thread, such as one that looks on while a render is at work, does it alone and takes nobody away.

@@ -20,9 +20,12 @@ use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{AttributeValue, IntegerBounds, Text, Vec2};
 
 use crate::color::Rgb;
-use crate::film::{Layer, Picture, Plane, Values, hands};
+use crate::task::hands;
 
-use super::{Crop, Notes, Record, Sink};
+use super::notes::{Crop, Notes};
+use super::picture::{Picture, Plane, Values};
+use super::record::Record;
+use super::whole::Sink;
 
 /// Files with more bytes of pixels than this are written quickly where they are wanted quickly.
 const LARGE: usize = 32 << 20;
@@ -80,11 +83,11 @@ fn channels(picture: &Picture) -> Vec<Channel<'_>> {
     let mut add = |name: String, values| channels.push(Channel { name, values });
     for (axis, name) in ["R", "G", "B"].into_iter().enumerate() {
         add(name.to_owned(), Source::Beauty(axis));
-        let layers = [(Layer::Direct, &picture.direct), (Layer::Indirect, &picture.indirect)];
+        let layers = [("direct", &picture.direct), ("indirect", &picture.indirect)];
         for (layer, values) in
             layers.into_iter().filter(|(layer, _)| !picture.left_out.contains(layer))
         {
-            add(format!("{}.{name}", layer.name()), Source::Color(values, axis));
+            add(format!("{layer}.{name}"), Source::Color(values, axis));
         }
     }
     for Plane { name, values } in &picture.planes {
@@ -285,7 +288,7 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         let (quick, again) = pool.install(|| (write("quick.exr", true), write("again.exr", false)));
         assert!(std::fs::read(&small).unwrap() == std::fs::read(again).unwrap());
-        let values = |path: &Path| crate::output::raw_channels(path).unwrap();
+        let values = |path: &Path| crate::image_io::raw_channels(path).unwrap();
         assert!(values(&small) == values(&quick));
         let bytes = |path: &Path| std::fs::metadata(path).unwrap().len();
         assert!(bytes(&quick) > bytes(&small));

@@ -7,9 +7,9 @@ use image::Rgb as ImageRgb;
 use image::codecs::hdr::HdrEncoder;
 
 use crate::color::Rgb;
-use crate::film::Picture;
 
-use super::{Sink, finite_beauty};
+use super::picture::Picture;
+use super::whole::Sink;
 
 /// The brightest value of RGBE.
 const BRIGHTEST: f32 = 255.0 / 256.0 * 1.701_411_8e38;
@@ -19,7 +19,7 @@ const DARKEST: f32 = f32::MIN_POSITIVE;
 /// Writes linear beauty; what is negative or too dark becomes 0.
 pub(super) fn write(picture: &Picture, to: &mut Sink) -> io::Result<()> {
     let pixels: Vec<_> =
-        (0..picture.len()).map(|pixel| representable(finite_beauty(picture, pixel))).collect();
+        (0..picture.len()).map(|pixel| representable(picture.finite_beauty(pixel))).collect();
     HdrEncoder::new(to).encode(&pixels, picture.width, picture.height).map_err(io::Error::other)
 }
 

@@ -1,10 +1,8 @@
-//! A finished picture: what the film hands to the files.
+//! A finished picture: what goes into files.
 
 use glam::DVec3;
 
 use crate::color::Rgb;
-
-use super::Layer;
 
 /// Linear Rec. 709 radiance of every pixel, split by how the light came.
 ///
@@ -22,8 +20,8 @@ pub struct Picture {
     /// The share of each pixel that something covers, where the scene asks for it; the layers are
     /// then light over nothing (premultiplied).
     pub alpha: Option<Vec<f32>>,
-    /// Of direct and indirect light, what files do not show apart.
-    pub left_out: Vec<Layer>,
+    /// Of direct and indirect light, the names of what files do not show apart.
+    pub left_out: Vec<&'static str>,
     /// Further channels, for files that have a place for them.
     pub planes: Vec<Plane>,
     /// What readers of those channels need to know: names and texts of attributes.
@@ -69,6 +67,15 @@ impl Picture {
     /// All the light of a pixel: the sum of the layers, rounded to f32 once.
     pub fn beauty(&self, pixel: usize) -> Rgb {
         self.direct[pixel] + self.indirect[pixel]
+    }
+
+    /// The beauty of a pixel for a format that knows no infinity and no not-a-number.
+    pub(super) fn finite_beauty(&self, pixel: usize) -> Rgb {
+        let beauty = self.beauty(pixel);
+        if beauty.is_nan() {
+            return Rgb::new(1.0, 0.0, 1.0);
+        }
+        beauty.clamp(Rgb::splat(f32::MIN), Rgb::splat(f32::MAX))
     }
 
     /// How many pixels are infinite or not a number in any channel of their beauty.

@@ -6,7 +6,7 @@ use exr::prelude::{FlatSamples, read_all_flat_layers_from_file};
 
 use crate::error::{Error, Result};
 
-use super::super::Format;
+use crate::image_io::format::Format;
 
 /// A channel as it is stored.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use exr::prelude::{AnyChannel, FlatSamples, read_all_flat_layers_from_file};
 
 use crate::color::Rgb;
 
-use super::{BEAUTY, Layer, Layered, check_samples};
+use super::layered::{BEAUTY, Layer, Layered, check_samples};
 
 /// ZIP packs at most 1032 bytes into one, and no other method of the format that is read here more.
 const TIGHTEST: u64 = 1032;

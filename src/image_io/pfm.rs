@@ -3,9 +3,8 @@
 
 use std::io::{self, Write};
 
-use crate::film::Picture;
-
-use super::Sink;
+use super::picture::Picture;
+use super::whole::Sink;
 
 /// Writes linear beauty; a scale of -1 says that the numbers are little-endian.
 pub(super) fn write(picture: &Picture, to: &mut Sink) -> io::Result<()> {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::color::Rgb;
 
-use super::{BEAUTY, Layer, Layered, check_samples};
+use super::layered::{BEAUTY, Layer, Layered, MOST_SAMPLES, check_samples};
 
 struct Header {
     width: usize,
@@ -18,7 +18,7 @@ struct Header {
 
 pub(super) fn read(path: &Path, length: u64) -> Result<Layered, String> {
     // Three channels of f32 for each pixel that can be held, and a header.
-    if length > 4 * super::MOST_SAMPLES + 4096 {
+    if length > 4 * MOST_SAMPLES + 4096 {
         return Err("it is larger than any picture that can be held".to_owned());
     }
     let bytes = std::fs::read(path).map_err(|e| e.to_string())?;

@@ -9,12 +9,17 @@ use std::io::{self, BufReader};
 use std::ops::Range;
 use std::path::Path;
 
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
 use png::text_metadata::ITXtChunk;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter};
 
-use crate::film::{Picture, hands};
+use crate::task::hands;
 
-use super::{Crop, Notes, Record, Sink, finite_beauty};
+use super::notes::{Crop, Notes};
+use super::picture::Picture;
+use super::record::Record;
+use super::whole::Sink;
 
 /// Texts of more bytes than this are compressed.
 const SHORT: usize = 512;
@@ -64,12 +69,19 @@ fn bytes_of(picture: &Picture, notes: &Notes, rows: Range<usize>) -> Vec<u8> {
                 Some(alpha) if alpha > 0.0 => 1.0 / alpha,
                 Some(_) => 0.0,
             };
-            let light = finite_beauty(picture, pixel) * covered;
+            let light = picture.finite_beauty(pixel) * covered;
             bytes.extend(notes.look.steps(light, left + column, top + row));
             bytes.extend(alpha.map(|alpha| (alpha * 255.0).round() as u8));
         }
     }
     bytes
+}
+
+/// A file of 8-bit red, green, blue and opacity, in memory; `None` where the bytes are not of this size.
+pub fn rgba_png(width: u32, height: u32, bytes: &[u8]) -> Option<Vec<u8>> {
+    let mut file = Vec::new();
+    PngEncoder::new(&mut file).write_image(bytes, width, height, ExtendedColorType::Rgba8).ok()?;
+    Some(file)
 }
 
 /// The records of a file.

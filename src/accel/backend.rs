@@ -1,0 +1,105 @@
+//! The backends that there are, by name.
+
+use std::str::FromStr;
+use std::sync::Arc;
+
+use crate::error::{Error, Result};
+use crate::geometry::SphereSet;
+use crate::names::named;
+
+#[cfg(feature = "embree")]
+use super::embree;
+use super::info::EmbreeInfo;
+use super::intersector::Accel;
+use super::options::BuildOptions;
+use super::{brute_force, native};
+
+/// The backends that can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Backend {
+    /// Embree: particles as sphere points, giants as user geometry.
+    Embree,
+    /// Embree: every sphere as user geometry, with callbacks in C.
+    EmbreeUser,
+    /// The bounding volume hierarchy in Rust.
+    Native,
+    /// Every ray against every sphere, in f64: the oracle, and fine for tiny scenes.
+    BruteForce,
+}
+
+named! {
+    Backend {
+        Embree = "embree",
+        EmbreeUser = "embree-user",
+        Native = "native",
+        BruteForce = "brute-force",
+    }
+}
+
+impl Backend {
+    /// Every backend of this build, the default first.
+    pub const AVAILABLE: &[Self] = if cfg!(feature = "embree") {
+        &[Self::Embree, Self::EmbreeUser, Self::Native, Self::BruteForce]
+    } else {
+        &[Self::Native, Self::BruteForce]
+    };
+
+    /// Every backend there is.
+    pub const ALL: &[Self] = &[Self::Embree, Self::EmbreeUser, Self::Native, Self::BruteForce];
+
+    /// Whether it needs Embree.
+    pub fn uses_embree(self) -> bool {
+        matches!(self, Self::Embree | Self::EmbreeUser)
+    }
+
+    /// Builds this backend over the spheres.
+    ///
+    /// # Errors
+    /// When this build has no such backend, when Embree reports an error, or on cancellation.
+    pub fn build(self, spheres: &Arc<SphereSet>, options: &BuildOptions) -> Result<Box<dyn Accel>> {
+        options.cancel.check()?;
+        match self {
+            Self::Native => Ok(Box::new(native::Native::new(Arc::clone(spheres), options)?)),
+            #[cfg(feature = "embree")]
+            Self::Embree => {
+                Ok(Box::new(embree::Embree::build(spheres, embree::Particles::Points, options)?))
+            }
+            #[cfg(feature = "embree")]
+            Self::EmbreeUser => {
+                Ok(Box::new(embree::Embree::build(spheres, embree::Particles::User, options)?))
+            }
+            Self::BruteForce => Ok(Box::new(brute_force::BruteForce::new(spheres.clone()))),
+            #[cfg(not(feature = "embree"))]
+            Self::Embree | Self::EmbreeUser => {
+                Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
+                    .with_help("build with the default features, or choose another intersector")
+                    .with_setting(crate::error::Setting::Intersector, "native"))
+            }
+        }
+    }
+}
+
+impl Default for Backend {
+    fn default() -> Self {
+        Self::AVAILABLE[0]
+    }
+}
+
+impl FromStr for Backend {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        Self::named(name).ok_or_else(|| Error::input(format!("there is no intersector `{name}`")))
+    }
+}
+
+/// What the Embree in use says of itself; `None` in a build without Embree.
+///
+/// # Errors
+/// When Embree cannot start.
+pub fn embree_info() -> Option<Result<EmbreeInfo>> {
+    #[cfg(feature = "embree")]
+    return Some(embree::info());
+    #[cfg(not(feature = "embree"))]
+    None
+}

@@ -1,0 +1,33 @@
+//! What a ray is traced through.
+
+use std::sync::Arc;
+
+use crate::geometry::SphereSet;
+use crate::math::Ray;
+
+use super::giants::Giants;
+use super::query::{Best, Query};
+use super::tree::Tree;
+
+/// The tree of the particles, and the giants beside it.
+pub(super) struct Bvh {
+    pub(super) tree: Tree,
+    pub(super) giants: Giants,
+    /// The spheres that both are made of.
+    pub(super) spheres: Arc<SphereSet>,
+}
+
+impl Bvh {
+    /// The best hit of a valid ray on a giant; with `any`, some hit. Giants come first: there are few,
+    /// and a hit on one shortens the way through the tree.
+    #[inline(always)]
+    pub(super) fn best_giant(&self, ray: &Ray, any: bool) -> Best {
+        let best = Best::none(ray);
+        if self.giants.is_empty() {
+            return best;
+        }
+        let mut query = Query::new(ray, best);
+        self.giants.trace(&mut query, any);
+        query.best
+    }
+}

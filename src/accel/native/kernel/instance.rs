@@ -1,0 +1,56 @@
+//! The forms of the kernel, and which of them this processor runs.
+
+/// The forms in which the kernel is compiled. All give the same answers, bit for bit, as each judges
+/// its candidates by the same f64 routine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Instance {
+    /// In the instructions of the whole program.
+    Portable,
+    /// AVX2 and FMA.
+    Avx2,
+    /// AVX-512VL; only from compilers since Rust 1.89.
+    Avx512,
+}
+
+impl Instance {
+    /// Every form there is, the fastest last.
+    pub const ALL: &[Self] = &[Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "AVX2",
+            Self::Avx512 => "AVX-512",
+        }
+    }
+
+    /// Whether this program has it and this processor runs it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => has_avx2(),
+            #[cfg(all(target_arch = "x86_64", has_avx512))]
+            Self::Avx512 => has_avx2() && is_x86_feature_detected!("avx512vl"),
+            #[allow(unreachable_patterns, reason = "which are left depends on the build")]
+            _ => false,
+        }
+    }
+
+    /// The fastest that is available.
+    pub fn best() -> Self {
+        let mut available = Self::ALL.iter().rev().filter(|instance| instance.is_available());
+        available.next().copied().unwrap_or(Self::Portable)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2")
+        && is_x86_feature_detected!("fma")
+        && is_x86_feature_detected!("bmi1")
+        && is_x86_feature_detected!("bmi2")
+        && is_x86_feature_detected!("lzcnt")
+        && is_x86_feature_detected!("popcnt")
+}

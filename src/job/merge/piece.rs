@@ -1,0 +1,143 @@
+//! A part that is to be merged, and what it must have in common with the others.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result, Setting};
+use crate::film::{Film, Format};
+use crate::math::Rect;
+use crate::scene::Scene;
+
+use super::super::checkpoint::{Checkpoint, Header, Status};
+use super::super::metadata::Metadata;
+use super::super::outcome::NoiseStatus;
+use super::super::samples::{Samples, Share, TileCounts};
+
+/// One of the parts.
+#[derive(Debug)]
+pub(super) struct Piece {
+    pub(super) path: PathBuf,
+    pub(super) header: Header,
+}
+
+impl Piece {
+    pub(super) fn open(path: &Path) -> Result<Self> {
+        let header = Checkpoint::open(path)?.header().clone();
+        Ok(Self { path: path.to_path_buf(), header })
+    }
+
+    pub(super) fn window(&self) -> Rect {
+        self.header.film.frame.window
+    }
+
+    pub(super) fn samples(&self) -> &Range<u32> {
+        &self.header.samples
+    }
+
+    pub(super) fn missed(&self) -> &[NoiseStatus] {
+        match &self.header.status {
+            Status::Unfinished => &[],
+            Status::Ended { missed } => missed,
+        }
+    }
+
+    /// How many samples per pixel the job asks for.
+    pub(super) fn last_sample(&self) -> u32 {
+        self.header.job.settings.render.samples_per_pixel
+    }
+
+    /// The scene of the part, if it is still the same.
+    pub(super) fn scene(&self) -> Result<(Scene, crate::scene::Settings)> {
+        let file = self.header.source.as_ref().and_then(|source| source.file.clone());
+        let Some(path) = file else {
+            return Err(Error::input("the parts are of a scene that is in no file").with_help(
+                "leave out the layers sphere_id and material_id, which need the scene",
+            ));
+        };
+        let overrides = self.header.source.iter().flat_map(|source| &source.overrides);
+        let overrides: Vec<_> = overrides.map(crate::scene::Override::of).collect();
+        let (scene, _) = crate::scene::read_file(&path, &overrides)?.build()?;
+        if scene.identity() != self.header.metadata.scene_identity {
+            let message = format!("`{}` has changed since its parts were rendered", path.display());
+            return Err(Error::input(message).with_help(
+                "leave out the layers sphere_id and material_id, which need the scene",
+            ));
+        }
+        Ok((scene, self.header.job.settings))
+    }
+
+    /// Which samples it holds of which pixels.
+    pub(super) fn shares(&self, film: &Film) -> Vec<Share> {
+        if !self.header.metadata.parts.is_empty() {
+            return self.header.metadata.parts.0.clone();
+        }
+        let samples = Samples::of(film, self.samples().start);
+        let counts = TileCounts::of(film).unwrap_or_default();
+        vec![Share { window: self.window(), samples, counts }]
+    }
+
+    /// Refuses what is of another picture.
+    pub(super) fn check_kin(&self, first: &Self) -> Result<()> {
+        let (ours, theirs) = (self.path.display(), first.path.display());
+        let refused = |what: &str| {
+            Err(Error::input(format!(
+                "`{ours}` and `{theirs}` are no parts of one picture: {what}"
+            ))
+            .with_help("merge parts of the same scene, with the same options"))
+        };
+        let (own, other) = (&self.header.metadata, &first.header.metadata);
+        let identity = |metadata: &Metadata| (metadata.scene_identity, metadata.job_identity);
+        if identity(own) != identity(other) {
+            return refused(&format!("in the first, {}", own.difference(other)));
+        }
+        let kind = |piece: &Self| {
+            let Format { frame, scale, layers, squares, .. } = piece.header.film.clone();
+            (frame.full_size, scale, layers, squares)
+        };
+        if kind(self) != kind(first) {
+            return refused("they keep other layers");
+        }
+        let noise = |piece: &Self| piece.header.job.until.noise;
+        if noise(self) != noise(first) {
+            let words = |piece: &Self| noise(piece).map_or("none".to_owned(), |n| n.to_string());
+            let (first, ours) = (words(first), words(self));
+            return refused(&format!("in the first, the noise target is {first}, not {ours}"));
+        }
+        Ok(())
+    }
+
+    /// Refuses what ended before the samples that another part goes on with: there would be a hole, which
+    /// a film cannot tell from the samples behind it.
+    pub(super) fn check_followed(&self, film: &Film, pieces: &[Self]) -> Result<()> {
+        let end = self.samples().start + film.fewest_and_most().0;
+        let follows = |other: &&Self| {
+            other.samples().start >= self.samples().end
+                && !other.samples().is_empty()
+                && other.window().common(&self.window()).is_some()
+        };
+        let Some(other) = pieces.iter().find(follows).filter(|_| end < self.samples().end) else {
+            return Ok(());
+        };
+        let (ours, theirs) = (self.path.display(), other.path.display());
+        let what = format!(
+            "`{ours}` ended at sample {end} of {}, so `{theirs}` cannot follow it",
+            self.samples().end
+        );
+        Err(Error::input(what)
+            .with_help("render it again without a time and a noise target, or leave it out"))
+    }
+
+    /// Refuses what has not all of its samples.
+    pub(super) fn check_finished(&self, film: &Film) -> Result<()> {
+        let (fewest, all) = (film.fewest_and_most().0, self.samples().len());
+        // One that ends at a noise target or at a time has as many as that took.
+        if fewest as usize == all || self.header.status != Status::Unfinished {
+            return Ok(());
+        }
+        let path = self.path.display();
+        Err(Error::input(format!("`{path}` is not finished: it has {fewest} of {all} samples"))
+            .with_help("resume it, or allow gaps")
+            .with_setting(Setting::Resume, path.to_string())
+            .with_setting(Setting::AllowGaps, ""))
+    }
+}
