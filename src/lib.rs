@@ -17,7 +17,9 @@ pub mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod color;
+pub mod draw;
 pub mod error;
+pub mod explain;
 #[cfg(feature = "faults")]
 pub mod fault;
 #[cfg(not(feature = "faults"))]

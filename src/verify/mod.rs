@@ -8,7 +8,6 @@ pub mod closed_forms;
 pub mod converge;
 pub mod crosscheck;
 mod densities;
-mod drawing;
 mod exact;
 pub mod intersectors;
 pub mod judge;

@@ -4,7 +4,6 @@
 //! the rounds. A round of one measurement takes a fixed share of a second: a slow backend is given
 //! fewer rays, in runs spread over all of them, so that each sees the same mixture.
 
-mod chart;
 mod measurement;
 pub mod page;
 mod standard;

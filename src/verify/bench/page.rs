@@ -1,11 +1,13 @@
 //! What was measured, drawn: one scene as bars, and the standard scenes as a page.
 
+use std::fmt;
+
+use crate::draw::page::{details, element, escape, facts, page_of, table};
+use crate::draw::{Axes, Bar, BarGroup, Course, Line, Mark, Panel, Value, bars, lines};
 use crate::error::Result;
 use crate::generate::Arrangement;
 
-use super::chart::{Axes, Bar, Group, Line, Point, bars, lines};
 use super::{BackendBench, Figure, Question, SECOND_BOUNCE, Swept, WholeBench};
-use crate::verify::report::html::{element, escape, page_of, table};
 
 /// What was measured on one scene.
 #[derive(Clone, Debug, Default)]
@@ -33,12 +35,19 @@ pub struct Entry {
     pub measured: Measured,
 }
 
-impl Question {
-    fn in_words(self) -> &'static str {
-        match self {
+impl fmt::Display for Question {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
             Self::Closest => "closest hit",
             Self::Occluded => "occluded",
-        }
+        })
+    }
+}
+
+/// A figure as it is drawn.
+impl From<Figure> for Value {
+    fn from(Figure { median, low, high }: Figure) -> Self {
+        Self { middle: median, low, high }
     }
 }
 
@@ -69,44 +78,44 @@ impl Measured {
         );
         let whole = |render: &WholeBench| Bar {
             name: render.backend.name().to_owned(),
-            value: render.seconds,
+            value: render.seconds.into(),
             words: format!("{} s", significant(render.seconds.median)),
             color: render.backend as usize,
         };
         let bars_of_renders = self.renders.iter().map(whole).collect();
-        groups.push(Group { name: "render, seconds".to_owned(), bars: bars_of_renders });
+        groups.push(BarGroup { name: "render, seconds".to_owned(), bars: bars_of_renders });
         groups.retain(|group| !group.bars.is_empty());
         bars(title, subtitle, &groups)
     }
 
-    fn groups_of_kinds(&self) -> Vec<Group> {
+    fn groups_of_kinds(&self) -> Vec<BarGroup> {
         let group = |(kind, question): (usize, Question)| {
             let rate = |result: &BackendBench| Some(result.rates[kind]?.of(question));
-            let name = format!("{} rays, {}", self.kinds[kind], question.in_words());
+            let name = format!("{} rays, {question}", self.kinds[kind]);
             self.group(name, &self.results.iter().map(rate).collect::<Vec<_>>())
         };
         let kinds = 0..self.kinds.len();
         kinds.flat_map(|kind| Question::ALL.map(|question| group((kind, question)))).collect()
     }
 
-    fn groups_of(&self, swept: &Swept, setting: &str) -> [Group; 2] {
+    fn groups_of(&self, swept: &Swept, setting: &str) -> [BarGroup; 2] {
         Question::ALL.map(|question| {
             let rate = |rates: &[Figure; 2]| Some(rates[question as usize]);
-            let name = format!("{SECOND_BOUNCE} rays, {}, {setting}", question.in_words());
+            let name = format!("{SECOND_BOUNCE} rays, {question}, {setting}");
             self.group(name, &swept.rates.iter().map(rate).collect::<Vec<_>>())
         })
     }
 
     /// Rates of the intersectors, as far as they are known.
-    fn group(&self, name: String, rates: &[Option<Figure>]) -> Group {
+    fn group(&self, name: String, rates: &[Option<Figure>]) -> BarGroup {
         let bar = |(result, rate): (&BackendBench, &Option<Figure>)| {
             let value = (*rate)?;
             let words = format!("{} M rays/s", significant(value.median / 1e6));
             let name = result.backend.name().to_owned();
-            Some(Bar { name, value, words, color: result.backend as usize })
+            Some(Bar { name, value: value.into(), words, color: result.backend as usize })
         };
         let bars = self.results.iter().zip(rates).filter_map(bar).collect();
-        Group { name, bars }
+        BarGroup { name, bars }
     }
 }
 
@@ -115,15 +124,14 @@ const HOW_TO_READ: &str = "Rays per second of all threads together, against the 
     the rounds, and half of the rounds lie within the thin line. Rays of the second bounce come first: \
     they go everywhere, and no cache helps them. Compare figures of one page only.";
 
-/// One page of all that was measured; `facts` are told first.
+/// One page of all that was measured; `about` stands first.
 ///
 /// # Errors
 /// When a drawing fails.
-pub fn page(facts: &[(&str, String)], entries: &[Entry]) -> Result<String> {
+pub fn page(about: &[(&str, String)], entries: &[Entry]) -> Result<String> {
     let title = "photosphere: speed of the intersectors";
     let mut body = element("h1", "", title);
-    let fact = |(name, value): &(&str, String)| vec![escape(name), escape(value)];
-    body += &table(&["", ""], facts.iter().map(fact)).replace("<th></th>\n", "");
+    body += &facts(about);
     body += &element("p", "class=soft", HOW_TO_READ);
     let charts = Charts::of(entries);
     for &(name, arrangement) in Arrangement::NAMES {
@@ -138,11 +146,11 @@ pub fn page(facts: &[(&str, String)], entries: &[Entry]) -> Result<String> {
     Ok(page_of(title, &body))
 }
 
-/// A value of an intersector on a scene, where there is one.
-type Value<'a> = &'a dyn Fn(&Entry, &BackendBench) -> Option<Figure>;
+/// A figure of an intersector on a scene, where there is one.
+type FigureOf<'a> = &'a dyn Fn(&Entry, &BackendBench) -> Option<Figure>;
 
 /// The lines of a value against the number of spheres, one for each intersector.
-fn lines_of(entries: &[&Entry], value: Value<'_>) -> Vec<Line> {
+fn lines_of(entries: &[&Entry], value: FigureOf<'_>) -> Vec<Line> {
     let mut drawn: Vec<Line> = Vec::new();
     for entry in entries {
         for result in &entry.measured.results {
@@ -151,13 +159,14 @@ fn lines_of(entries: &[&Entry], value: Value<'_>) -> Vec<Line> {
             if y.median <= 0.0 {
                 continue;
             }
-            let point = Point { x: entry.spheres as f64, y };
+            let mark = Mark { x: Value::exact(entry.spheres as f64), y: y.into() };
             let name = result.backend.name();
             match drawn.iter_mut().find(|line| line.name == name) {
-                Some(line) => line.points.push(point),
+                Some(line) => line.marks.push(mark),
                 None => {
                     let color = result.backend as usize;
-                    drawn.push(Line { name: name.to_owned(), points: vec![point], color });
+                    let (name, marks, course) = (name.to_owned(), vec![mark], Course::Through);
+                    drawn.push(Line { name, marks, course, color });
                 }
             }
         }
@@ -193,8 +202,11 @@ impl Charts {
         for kind in &kinds {
             rates.extend(Question::ALL.map(|q| lines_of(&all, &millions(kind, q))));
         }
-        let axes =
-            |name, lines: &[Vec<Line>]| Axes::around(["spheres", name], lines.iter().flatten());
+        let axes = |name, lines: &[Vec<Line>]| {
+            let marks = lines.iter().flatten().flat_map(|line| &line.marks);
+            let (xs, ys) = (marks.clone().map(|m| m.x.middle), marks.map(|m| m.y.middle));
+            Axes::around(["spheres", name], xs, ys)
+        };
         Self {
             kinds,
             rates: axes("million rays per second", &rates),
@@ -210,22 +222,29 @@ impl Charts {
         for &kind in &self.kinds {
             let text = if kind == SECOND_BOUNCE { &mut shown } else { &mut folded };
             for question in Question::ALL {
-                let title = format!("{kind} rays, {}", question.in_words());
+                let title = format!("{kind} rays, {question}");
                 *text += &chart(&title, &self.rates, entries, &millions(kind, question))?;
             }
         }
         shown += &chart("build", &self.build, entries, &build_seconds)?;
         shown += &chart("size of the structure", &self.bytes, entries, &bytes)?;
-        let folded = element("summary", "", "other rays") + &element("div", "class=pairs", &folded);
-        Ok(element("div", "class=pairs", &shown) + &element("details", "", &folded))
+        let pairs = |charts: &str| element("div", "class=pairs", charts);
+        Ok(pairs(&shown) + &details("other rays", &pairs(&folded)))
     }
 }
 
 /// Nothing where there is nothing to draw.
-fn chart(title: &str, axes: &Option<Axes>, entries: &[&Entry], value: Value<'_>) -> Result<String> {
+fn chart(
+    title: &str,
+    axes: &Option<Axes>,
+    entries: &[&Entry],
+    value: FigureOf<'_>,
+) -> Result<String> {
     let drawn = lines_of(entries, value);
     match axes {
-        Some(axes) if !drawn.is_empty() => lines(title, axes, &drawn),
+        Some(axes) if !drawn.is_empty() => {
+            lines(title, &Panel { axes: axes.clone(), lines: drawn })
+        }
         _ => Ok(String::new()),
     }
 }

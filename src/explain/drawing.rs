@@ -3,17 +3,14 @@
 //! Everything is projected, without perspective, on one upright plane: the vertical one in which the
 //! path is widest. Spheres are their outlines.
 
-mod view;
-
-use std::fmt::Write;
-
+use crate::draw::{Canvas, SideView};
 use crate::integrator::{Step, Trace};
 use crate::light::Source;
 use crate::math::{DVec2, DVec3};
 use crate::scene::{Scene, Shot};
 
-use super::{answer, name, place, words};
-use view::View;
+use super::spheres::{answer, name, place};
+use super::words::number;
 
 /// More spheres than these only hide the path.
 const MOST_SPHERES: usize = 400;
@@ -32,7 +29,8 @@ text { font: 13px sans-serif; fill: #222 }\n\
 .path { stroke: #0b3c6f; stroke-width: 2.4; fill: none }\n\
 .free { stroke: #d98200; stroke-width: 1.6; fill: none }\n\
 .blocked { stroke: #c0392b; stroke-width: 1.4; stroke-dasharray: 5 4; fill: none }\n\
-.vertex { fill: #0b3c6f; stroke: #fff }\n";
+.vertex { fill: #0b3c6f; stroke: #fff }\n\
+.bar { stroke: #222; stroke-width: 2 }\n";
 
 /// A line of the drawing, in the user's coordinates.
 struct Line {
@@ -55,31 +53,25 @@ struct Sketch {
     lamps: Vec<u32>,
 }
 
-/// The drawing.
-pub(super) fn svg(shot: &Shot, trace: &Trace) -> String {
+/// The drawing, as SVG.
+pub fn svg(shot: &Shot, trace: &Trace) -> String {
     let scene = shot.scene();
     let sketch = Sketch::of(scene, trace);
     let ends = sketch.lines.iter().filter_map(|line| line.to);
     let points: Vec<DVec3> = sketch.vertices.iter().copied().chain(ends).collect();
-    let view = View::of(&points, scene.description().camera.up);
-    let (width, height) = (view.width, view.height + 64.0);
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-         viewBox=\"0 0 {width} {height}\">\n<style>\n{STYLE}</style>\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n\
-         <clipPath id=\"view\"><rect width=\"{width}\" height=\"{}\"/></clipPath>\n\
-         <g clip-path=\"url(#view)\">\n",
-        view.height
-    );
-    let labels = draw_spheres(&mut svg, scene, &sketch, &view);
+    let view = SideView::of(&points, scene.description().camera.up);
+    let mut canvas = Canvas::new(view.window, 64.0, STYLE);
+    let labels = draw_spheres(&mut canvas, scene, &sketch, &view);
     for line in &sketch.lines {
-        draw_line(&mut svg, line, &view);
+        draw_line(&mut canvas, line, &view);
     }
-    svg += &labels;
-    draw_vertices(&mut svg, &sketch, &view);
-    svg += "</g>\n";
-    draw_legend(&mut svg, shot, trace, &view);
-    svg + "</svg>\n"
+    for (at, name) in labels {
+        canvas.text("halo", "middle", at, &name);
+    }
+    draw_vertices(&mut canvas, &sketch, &view);
+    canvas.leave_window();
+    draw_legend(&mut canvas, shot, trace, &view);
+    canvas.finish()
 }
 
 impl Sketch {
@@ -137,7 +129,12 @@ impl Sketch {
 }
 
 /// Draws the spheres in view, the large ones first, and returns their labels, which belong on top.
-fn draw_spheres(svg: &mut String, scene: &Scene, sketch: &Sketch, view: &View) -> String {
+fn draw_spheres(
+    canvas: &mut Canvas,
+    scene: &Scene,
+    sketch: &Sketch,
+    view: &SideView,
+) -> Vec<(DVec2, String)> {
     let spheres = scene.spheres();
     let is_named = |id: u32| sketch.met.contains(&id) || sketch.lamps.contains(&id);
     let projected = |id: u32| {
@@ -152,7 +149,7 @@ fn draw_spheres(svg: &mut String, scene: &Scene, sketch: &Sketch, view: &View) -
     circles.sort_by(|a, b| is_named(b.0).cmp(&is_named(a.0)).then(b.2.total_cmp(&a.2)));
     circles.truncate(MOST_SPHERES);
     circles.sort_by(|a, b| b.2.total_cmp(&a.2));
-    let mut labels = String::new();
+    let mut labels = Vec::new();
     let mut taken = vertex_labels(sketch, view);
     for (id, center, radius) in circles {
         let class = match (sketch.lamps.contains(&id), sketch.met.contains(&id)) {
@@ -165,18 +162,11 @@ fn draw_spheres(svg: &mut String, scene: &Scene, sketch: &Sketch, view: &View) -
             true => " around",
             false => "",
         };
-        view.circle(svg, &format!("{class}{around}"), center, radius);
+        canvas.circle(&format!("{class}{around}"), center, radius);
         if is_named(id) {
             let at = below_all(view.label_place(center, radius), &taken);
             taken.push(at);
-            let name = escaped(name(scene, id).trim_matches('`'));
-            put(
-                &mut labels,
-                format_args!(
-                    "<text class=\"halo\" text-anchor=\"middle\" x=\"{:.1}\" y=\"{:.1}\">{name}</text>\n",
-                    at.x, at.y
-                ),
-            );
+            labels.push((at, name(scene, id).trim_matches('`').to_owned()));
         }
     }
     labels
@@ -192,23 +182,17 @@ fn below_all(mut at: DVec2, others: &[DVec2]) -> DVec2 {
     at
 }
 
-fn draw_line(svg: &mut String, line: &Line, view: &View) {
+fn draw_line(canvas: &mut Canvas, line: &Line, view: &SideView) {
     let from = view.project(line.from);
     let to = match line.to {
         Some(to) => view.project(to),
         None => from + view.across() * view.direction(line.direction),
     };
-    put(
-        svg,
-        format_args!(
-            "<path class=\"{}\" d=\"M{:.2} {:.2}L{:.2} {:.2}\"/>\n",
-            line.class, from.x, from.y, to.x, to.y
-        ),
-    );
+    canvas.line(line.class, from, to);
 }
 
 /// Where the names of the vertices stand: away from where the path comes from, the camera's above it.
-fn vertex_labels(sketch: &Sketch, view: &View) -> Vec<DVec2> {
+fn vertex_labels(sketch: &Sketch, view: &SideView) -> Vec<DVec2> {
     let places: Vec<DVec2> = sketch.vertices.iter().map(|&point| view.project(point)).collect();
     let label = |(k, at): (usize, &DVec2)| {
         let away = match places[..k].last() {
@@ -220,77 +204,44 @@ fn vertex_labels(sketch: &Sketch, view: &View) -> Vec<DVec2> {
     places.iter().enumerate().map(label).collect()
 }
 
-fn draw_vertices(svg: &mut String, sketch: &Sketch, view: &View) {
+fn draw_vertices(canvas: &mut Canvas, sketch: &Sketch, view: &SideView) {
     for (k, label) in vertex_labels(sketch, view).into_iter().enumerate() {
-        let at = view.project(sketch.vertices[k]);
         let text = if k == 0 { "camera, x₀".to_owned() } else { format!("x{}", subscript(k)) };
-        put(
-            svg,
-            format_args!(
-                "<circle class=\"vertex\" cx=\"{:.2}\" cy=\"{:.2}\" r=\"4\"/>\n\
-                 <text class=\"halo\" text-anchor=\"middle\" x=\"{:.1}\" y=\"{:.1}\">{text}</text>\n",
-                at.x, at.y, label.x, label.y
-            ),
-        );
+        canvas.circle("vertex", view.project(sketch.vertices[k]), 4.0);
+        canvas.text("halo", "middle", label, &text);
     }
 }
 
-fn draw_legend(svg: &mut String, shot: &Shot, trace: &Trace, view: &View) {
-    let y = view.height + 24.0;
-    let entries =
-        [("path", "path"), ("free", "light arrives"), ("blocked", "something is in the way")];
-    let mut x = 16.0;
-    for (class, text) in entries {
-        put(
-            svg,
-            format_args!(
-                "<path class=\"{class}\" d=\"M{x} {y}h32\"/><text x=\"{}\" y=\"{}\">{text}</text>\n",
-                x + 40.0,
-                y + 4.5
-            ),
-        );
-        x += 64.0 + 7.2 * text.len() as f64;
-    }
+/// What the lines mean, which sample it is, and a bar of a round length.
+fn draw_legend(canvas: &mut Canvas, shot: &Shot, trace: &Trace, view: &SideView) {
+    let mut at = DVec2::new(16.0, view.window.y + 24.0);
+    let end = DVec2::new(view.window.x - 16.0, at.y);
+    let unit = view.round_length();
+    canvas.line("bar", end - DVec2::X * unit * view.scale, end);
+    canvas.text("", "end", end + DVec2::Y * 20.0, &format!("{} long", number(unit)));
     let address = trace.address;
     let [r, g, b] = (trace.radiance.direct + trace.radiance.indirect).to_array();
-    let [r, g, b] = [r, g, b].map(|v| words::number(f64::from(v)));
-    put(
-        svg,
-        format_args!(
-            "<text class=\"small\" x=\"16\" y=\"{}\">pixel {}, {}, sample {}, seed {}: \
-             L_o = ({r}, {g}, {b})</text>\n",
-            y + 27.0,
-            address.x,
-            address.y,
-            address.sample,
-            shot.render().seed
-        ),
+    let [r, g, b] = [r, g, b].map(|v| number(f64::from(v)));
+    let sample = format!(
+        "pixel {}, {}, sample {}, seed {}: L_o = ({r}, {g}, {b})",
+        address.x,
+        address.y,
+        address.sample,
+        shot.render().seed
     );
-    let unit = view.round_length();
-    let (end, bar) = (view.width - 16.0, unit * view.scale);
-    put(
-        svg,
-        format_args!(
-            "<path d=\"M{:.1} {y}h{bar:.1}\" stroke=\"#222\" stroke-width=\"2\"/>\
-             <text text-anchor=\"end\" x=\"{end}\" y=\"{}\">{} long</text>\n",
-            end - bar,
-            y + 20.0,
-            words::number(unit)
-        ),
-    );
+    canvas.text("small", "start", at + DVec2::Y * 27.0, &sample);
+    let entries =
+        [("path", "path"), ("free", "light arrives"), ("blocked", "something is in the way")];
+    for (class, text) in entries {
+        canvas.line(class, at, at + DVec2::X * 32.0);
+        canvas.text("", "start", at + DVec2::new(40.0, 4.5), text);
+        at.x += 64.0 + 7.2 * text.len() as f64;
+    }
 }
 
 fn subscript(number: usize) -> String {
     let digit = |c: char| char::from_u32(c as u32 - '0' as u32 + '₀' as u32).unwrap_or(c);
     number.to_string().chars().map(digit).collect()
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
-}
-
-fn put(svg: &mut String, text: std::fmt::Arguments<'_>) {
-    svg.write_fmt(text).expect("a string takes all that is written to it");
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! The few words of HTML that a report is written in.
+//! HTML: elements, tables, and a page that needs nothing beside itself. SVG has the same elements.
 
 const STYLE: &str = include_str!("style.css");
 
 /// A whole page that needs nothing beside itself.
-pub(in crate::verify) fn page_of(title: &str, body: &str) -> String {
+pub fn page_of(title: &str, body: &str) -> String {
     let head = element("title", "", &escape(title))
         + &element("style", "", STYLE)
         + "<meta name=viewport content=\"width=device-width, initial-scale=1\">\n";
@@ -13,7 +13,7 @@ pub(in crate::verify) fn page_of(title: &str, body: &str) -> String {
 }
 
 /// The text with what HTML would read as markup replaced.
-pub(in crate::verify) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -28,13 +28,13 @@ pub(in crate::verify) fn escape(text: &str) -> String {
 }
 
 /// An element around markup.
-pub(in crate::verify) fn element(tag: &str, attributes: &str, inner: &str) -> String {
+pub fn element(tag: &str, attributes: &str, inner: &str) -> String {
     let space = if attributes.is_empty() { "" } else { " " };
     format!("<{tag}{space}{attributes}>{inner}</{tag}>\n")
 }
 
 /// A table: the words of its head, and the markup of its cells.
-pub(in crate::verify) fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+pub fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let head: String = head.iter().map(|word| element("th", "", &escape(word))).collect();
     let row = |cells: Vec<String>| {
         let cells: String = cells.iter().map(|cell| element("td", "", cell)).collect();
@@ -43,6 +43,17 @@ pub(in crate::verify) fn table(head: &[&str], rows: impl Iterator<Item = Vec<Str
     let rows: String = rows.map(row).collect();
     let inner = element("thead", "", &element("tr", "", &head)) + &element("tbody", "", &rows);
     element("div", "class=scroll", &element("table", "", &inner))
+}
+
+/// A table of names and what each stands for, without a head.
+pub fn facts(facts: &[(&str, String)]) -> String {
+    let fact = |(name, value): &(&str, String)| vec![escape(name), escape(value)];
+    table(&[], facts.iter().map(fact))
+}
+
+/// Markup that is folded away under a summary.
+pub fn details(summary: &str, inner: &str) -> String {
+    element("details", "", &(element("summary", "", summary) + inner))
 }
 
 #[cfg(test)]

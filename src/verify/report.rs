@@ -1,23 +1,21 @@
 //! The report of a suite: one HTML page that needs nothing beside itself.
 
-pub(super) mod html;
-mod picture;
+use crate::draw::Cells;
+use crate::draw::page::{details, element, escape, facts, page_of, table};
 
 use super::check::{Check, FAMILY_SIGNIFICANCE, Group, Outcome};
 use super::closed_forms::{FORMS, Form};
-use html::{element, escape, page_of, table};
 
 /// A check and what came of it.
 pub type Judged<'a> = (&'a Check, &'a Outcome);
 
-/// The page. `facts` are told first: what was checked, where and how.
-pub fn page(facts: &[(&str, String)], judged: &[Judged<'_>]) -> String {
+/// The page. `about` stands first: what was checked, where and how.
+pub fn page(about: &[(&str, String)], judged: &[Judged<'_>]) -> String {
     let failed: Vec<Judged<'_>> =
         judged.iter().copied().filter(|(_, outcome)| !outcome.passed).collect();
     let mut body = element("h1", "", "photosphere: verification report");
     body += &verdict(judged.len(), failed.len());
-    let fact = |(name, value): &(&str, String)| vec![escape(name), escape(value)];
-    body += &table(&["", ""], facts.iter().map(fact)).replace("<th></th>\n", "");
+    body += &facts(about);
     body += &summary(judged);
     body += &how_to_read(judged);
     if !failed.is_empty() {
@@ -125,7 +123,7 @@ fn closed_form(form: &Form, judged: &[Judged<'_>]) -> String {
             escape(&format!("scenes/verify/{}.toml", form.name)),
         ),
     );
-    let figures: String = outcome.pictures.iter().map(picture::figure).collect();
+    let figures: String = outcome.pictures.iter().map(Cells::figure).collect();
     let shown = format!(
         "The pictures are those of {}: {}<br>{}",
         escape(&first.name),
@@ -147,10 +145,6 @@ fn derivation(form: &Form) -> String {
         .join("\n")
 }
 
-fn details(summary: &str, inner: &str) -> String {
-    element("details", "", &(element("summary", "", summary) + inner))
-}
-
 /// The pictures of every check that has some, folded away.
 fn all_pictures(judged: &[Judged<'_>]) -> String {
     let seen = judged.iter().filter(|(_, outcome)| !outcome.pictures.is_empty());
@@ -159,7 +153,7 @@ fn all_pictures(judged: &[Judged<'_>]) -> String {
 }
 
 fn with_pictures((check, outcome): &Judged<'_>) -> String {
-    let figures: String = outcome.pictures.iter().map(picture::figure).collect();
+    let figures: String = outcome.pictures.iter().map(Cells::figure).collect();
     let words = format!(
         "{}<br>{} <span class=soft>{}</span>",
         mark(outcome.passed, &check.name),

@@ -8,10 +8,10 @@ use crate::material::Lobe;
 use crate::math::DVec3;
 use crate::scene::{Scene, Shot};
 
-use super::{answer, name, place, source_name};
+use super::spheres::{answer, name, place, source_name};
 
 /// The whole story.
-pub(super) fn tell(shot: &Shot, trace: &Trace) -> String {
+pub fn words(shot: &Shot, trace: &Trace) -> String {
     let scene = shot.scene();
     let address = trace.address;
     let render = shot.render();
@@ -33,11 +33,12 @@ pub(super) fn tell(shot: &Shot, trace: &Trace) -> String {
     }
     let radiance = trace.radiance;
     text + &format!(
-        "\nL_o at the camera = {} direct + {} indirect = {}; {} traced\n",
+        "\nL_o at the camera = {} direct + {} indirect = {}; {} ray{} traced\n",
         color(radiance.direct),
         color(radiance.indirect),
         color(radiance.direct + radiance.indirect),
-        crate::cli::print::count(trace.tally.rays as usize, "ray"),
+        trace.tally.rays,
+        if trace.tally.rays == 1 { "" } else { "s" },
     )
 }
 

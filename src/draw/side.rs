@@ -1,9 +1,7 @@
-//! From the scene's space to the drawing's plane.
+//! Space seen from the side: projected, without perspective, on one upright plane.
 
 use crate::math::{DVec2, DVec3};
 use crate::sampling::sin_cos;
-
-use super::put;
 
 /// The drawing's size in pixels, at most.
 const LARGEST: DVec2 = DVec2::new(1000.0, 720.0);
@@ -11,22 +9,23 @@ const LARGEST: DVec2 = DVec2::new(1000.0, 720.0);
 const LOWEST: f64 = 300.0;
 const MARGIN: f64 = 48.0;
 
-/// An upright plane, and the window on it.
-pub(super) struct View {
+/// An upright plane, and the window on it. Places on it are in pixels from the window's upper left.
+#[derive(Clone, Debug)]
+pub struct SideView {
     /// Unit vectors of the plane: to the right, and up.
     right: DVec3,
     up: DVec3,
     /// What is drawn in the window's centre.
     center: DVec3,
     /// Pixels per unit of length.
-    pub(super) scale: f64,
-    pub(super) width: f64,
-    pub(super) height: f64,
+    pub scale: f64,
+    /// The size of the window in pixels.
+    pub window: DVec2,
 }
 
-impl View {
+impl SideView {
     /// The plane through `up` on which the points spread most, and a window that holds them all.
-    pub(super) fn of(points: &[DVec3], up: DVec3) -> Self {
+    pub fn of(points: &[DVec3], up: DVec3) -> Self {
         let up = up.normalize_or(DVec3::Y);
         let right = widest(points, up);
         let flat = |p: &DVec3| DVec2::new(p.dot(right), p.dot(up));
@@ -42,71 +41,34 @@ impl View {
             up,
             center: middle.x * right + middle.y * up,
             scale,
-            width: LARGEST.x,
-            height: (size.y * scale + 2.0 * MARGIN).max(LOWEST).round(),
+            window: DVec2::new(LARGEST.x, (size.y * scale + 2.0 * MARGIN).max(LOWEST).round()),
         }
     }
 
-    pub(super) fn project(&self, point: DVec3) -> DVec2 {
-        let flat = self.direction(point - self.center) * self.scale;
-        DVec2::new(0.5 * self.width, 0.5 * self.height) + flat
+    /// Where a point lies on the drawing.
+    pub fn project(&self, point: DVec3) -> DVec2 {
+        0.5 * self.window + self.direction(point - self.center) * self.scale
     }
 
     /// A direction on the drawing, whose y axis points down.
-    pub(super) fn direction(&self, direction: DVec3) -> DVec2 {
+    pub fn direction(&self, direction: DVec3) -> DVec2 {
         DVec2::new(direction.dot(self.right), -direction.dot(self.up))
     }
 
     /// Farther than from corner to corner.
-    pub(super) fn across(&self) -> f64 {
-        self.width + self.height
+    pub fn across(&self) -> f64 {
+        self.window.x + self.window.y
     }
 
-    /// Whether a circle is to be seen in the window.
-    pub(super) fn touches(&self, center: DVec2, radius: f64) -> bool {
-        let window = DVec2::new(self.width, self.height);
-        let nearest = center.clamp(DVec2::ZERO, window);
+    /// Returns true if a circle is to be seen in the window.
+    pub fn touches(&self, center: DVec2, radius: f64) -> bool {
+        let nearest = center.clamp(DVec2::ZERO, self.window);
         (center - nearest).length() <= radius
     }
 
-    /// Draws a sphere's outline. Programs that show SVG count in f32, so of a huge circle only the
-    /// part in view is drawn, as a polygon.
-    pub(super) fn circle(&self, svg: &mut String, class: &str, center: DVec2, radius: f64) {
-        if radius < 20.0 * self.across() {
-            put(
-                svg,
-                format_args!(
-                    "<circle class=\"{class}\" cx=\"{:.2}\" cy=\"{:.2}\" r=\"{:.2}\"/>\n",
-                    center.x,
-                    center.y,
-                    radius.max(1.0)
-                ),
-            );
-            return;
-        }
-        let to_view = 0.5 * DVec2::new(self.width, self.height) - center;
-        let outward = to_view.normalize_or(DVec2::Y);
-        let tangent = DVec2::new(-outward.y, outward.x);
-        let half = self.across();
-        // Seen from the point of the circle nearest to the window, without large numbers.
-        let nearest = 0.5 * DVec2::new(self.width, self.height)
-            + outward * (radius - to_view.length()).clamp(-3.0 * half, 3.0 * half);
-        let mut outline = String::new();
-        for i in -32..=32 {
-            let (sin, cos) = sin_cos(f64::from(i) / 32.0 * half / radius);
-            let point = nearest + radius * sin * tangent + radius * (cos - 1.0) * outward;
-            put(&mut outline, format_args!("{:.2},{:.2} ", point.x, point.y));
-        }
-        for side in [1.0, -1.0] {
-            let point = nearest + side * half * tangent - 8.0 * half * outward;
-            put(&mut outline, format_args!("{:.2},{:.2} ", point.x, point.y));
-        }
-        put(svg, format_args!("<polygon class=\"{class}\" points=\"{}\"/>\n", outline.trim_end()));
-    }
-
-    /// Where a sphere's name stands: at its centre, or at the part of it that is in view.
-    pub(super) fn label_place(&self, center: DVec2, radius: f64) -> DVec2 {
-        let window = DVec2::new(self.width, self.height);
+    /// Where the name of a circle stands: at its centre, or at the part of it that is in view.
+    pub fn label_place(&self, center: DVec2, radius: f64) -> DVec2 {
+        let window = self.window;
         let inside = center.clamp(DVec2::new(50.0, 16.0), window - DVec2::new(50.0, 10.0));
         if (inside - center).length() < 0.98 * radius || radius < 12.0 {
             return inside
@@ -119,8 +81,8 @@ impl View {
     }
 
     /// A round length that takes about a tenth of the width.
-    pub(super) fn round_length(&self) -> f64 {
-        let wanted = 0.12 * self.width / self.scale;
+    pub fn round_length(&self) -> f64 {
+        let wanted = 0.12 * self.window.x / self.scale;
         let power = libm::exp10(libm::log10(wanted).floor());
         let steps = [5.0, 2.0, 1.0].map(|step| step * power);
         steps.into_iter().find(|length| *length <= wanted).unwrap_or(power)
@@ -152,11 +114,11 @@ mod tests {
     #[test]
     fn the_plane_is_upright_and_the_window_holds_all_points() {
         let points = [DVec3::ZERO, DVec3::new(3.0, 1.0, 4.0), DVec3::new(6.0, 0.5, 8.0)];
-        let view = View::of(&points, DVec3::Y);
+        let view = SideView::of(&points, DVec3::Y);
         assert!((view.right.dot(DVec3::new(0.6, 0.0, 0.8)).abs() - 1.0).abs() < 1e-3);
         for point in points {
             let p = view.project(point);
-            assert!((0.0..=view.width).contains(&p.x) && (0.0..=view.height).contains(&p.y));
+            assert!(p.cmpge(DVec2::ZERO).all() && p.cmple(view.window).all());
         }
         // Up is up.
         assert!(view.project(points[1]).y < view.project(points[0]).y);
@@ -165,15 +127,11 @@ mod tests {
     }
 
     #[test]
-    fn one_point_and_huge_spheres_are_drawn_with_finite_numbers() {
-        let view = View::of(&[DVec3::ONE], DVec3::Y);
-        let mut svg = String::new();
+    fn a_single_point_and_huge_circles_have_finite_numbers() {
+        let view = SideView::of(&[DVec3::ONE], DVec3::Y);
         for radius in [1.0, 1e5, 1e12] {
-            let center = DVec2::new(0.5 * view.width, 0.5 * view.height + radius);
-            view.circle(&mut svg, "met", center, radius);
-            assert!(view.touches(center, radius));
+            assert!(view.touches(0.5 * view.window + DVec2::new(0.0, radius), radius));
         }
-        assert!(!svg.contains("NaN") && !svg.contains("inf") && !svg.contains("e+"), "{svg}");
         assert!(view.round_length().is_finite());
     }
 }
