@@ -3,6 +3,7 @@
 //! The only room that prints. Every command returns an `Exit` or an error; both become the exit
 //! code here, and an error is printed here, once.
 
+#[allow(unreachable_pub, reason = "the arguments are read all over this room")]
 mod args;
 mod bench;
 mod compare;
@@ -89,7 +90,7 @@ fn exit_of(outcome: Result<Exit>) -> Exit {
 
 /// The arguments, understood.
 fn read() -> std::result::Result<Cli, clap::Error> {
-    let mut program = args::program();
+    let mut program = args::help::program();
     let mut words = program.try_get_matches_from_mut(std::env::args_os())?;
     Cli::from_arg_matches_mut(&mut words).map_err(|e| e.format(&mut program))
 }

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::values::{positive, positive_or_zero};
+
 /// Say how far a picture is from a reference
 #[derive(Args, Debug)]
 #[command(after_help = "\
@@ -33,14 +35,14 @@ independent of each other. Else there is no interval.
 
 A --max-... that is exceeded in any compared layer makes the exit code 1. Pictures of different sizes
 and pixels that are not finite are refused (3), as are files that cannot be read (4).")]
-pub(in crate::cli) struct CompareArgs {
+pub struct CompareArgs {
     /// The picture
     #[arg(value_name = "A")]
-    pub(in crate::cli) picture: PathBuf,
+    pub picture: PathBuf,
 
     /// The reference that it is compared with
     #[arg(value_name = "B")]
-    pub(in crate::cli) reference: PathBuf,
+    pub reference: PathBuf,
 
     /// What to measure; all by default
     #[arg(long = "metric", value_name = "NAMES", value_enum, value_delimiter = ',')]
@@ -48,64 +50,64 @@ pub(in crate::cli) struct CompareArgs {
 
     /// This layer only; may be repeated
     #[arg(long = "layer", value_name = "NAME")]
-    pub(in crate::cli) layers: Vec<String>,
+    pub layers: Vec<String>,
 
     /// The brightest value that PSNR refers to
-    #[arg(long, value_name = "VALUE", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
-    pub(in crate::cli) peak: f64,
+    #[arg(long, value_name = "VALUE", default_value_t = 1.0, value_parser = positive)]
+    pub peak: f64,
 
     /// A once more with other random numbers; tells how noisy its mean is
     #[arg(long, value_name = "FILE")]
-    pub(in crate::cli) twin: Option<PathBuf>,
+    pub twin: Option<PathBuf>,
 
     /// Draw where the pictures differ, in the layer that is compared first
     #[arg(long, value_name = "FILE")]
-    pub(in crate::cli) heatmap: Option<PathBuf>,
+    pub heatmap: Option<PathBuf>,
 
     /// What the heat map shows: flip on a scale from 0 to 1; rmse or relmse (the root of the pixel's
     /// error) on one from 0 to the largest
     #[arg(long, value_name = "NAME", value_enum, default_value_t = Mapped::Flip)]
     #[arg(requires = "heatmap")]
-    pub(in crate::cli) heatmap_of: Mapped,
+    pub heatmap_of: Mapped,
 
     #[command(flatten)]
-    pub(in crate::cli) limits: Limits,
+    pub limits: Limits,
 
     /// Print JSON instead of a table
     #[arg(long)]
-    pub(in crate::cli) json: bool,
+    pub json: bool,
 }
 
 /// What is still good enough.
 #[derive(Args, Debug)]
-pub(in crate::cli) struct Limits {
+pub struct Limits {
     /// Fail when the MSE is larger
-    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
     max_mse: Option<f64>,
 
     /// Fail when the RMSE is larger
-    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
     max_rmse: Option<f64>,
 
     /// Fail when the relMSE is larger
-    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
     max_relmse: Option<f64>,
 
     /// Fail when the FLIP is larger
-    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
     max_flip: Option<f64>,
 
     /// Fail when the ratio of the means is farther from 1 in any channel
-    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
     max_mean: Option<f64>,
 
     /// Fail when the PSNR is smaller
-    #[arg(long, value_name = "DECIBELS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DECIBELS")]
     min_psnr: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum Metric {
+pub enum Metric {
     Mse,
     Rmse,
     Relmse,
@@ -116,7 +118,7 @@ pub(in crate::cli) enum Metric {
 
 /// What a heat map can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum Mapped {
+pub enum Mapped {
     Flip,
     Rmse,
     Relmse,
@@ -124,7 +126,7 @@ pub(in crate::cli) enum Mapped {
 
 impl Limits {
     /// Every limit that was set; for PSNR it is the smallest allowed value.
-    pub(in crate::cli) fn set(&self) -> Vec<(Metric, f64)> {
+    pub fn set(&self) -> Vec<(Metric, f64)> {
         let all = [
             (Metric::Mse, self.max_mse),
             (Metric::Rmse, self.max_rmse),
@@ -139,20 +141,8 @@ impl Limits {
 
 impl CompareArgs {
     /// Whether a metric is asked for; one with a limit is.
-    pub(in crate::cli) fn wants(&self, metric: Metric) -> bool {
+    pub fn wants(&self, metric: Metric) -> bool {
         let is_limited = self.limits.set().iter().any(|&(limited, _)| limited == metric);
         self.metrics.is_empty() || self.metrics.contains(&metric) || is_limited
     }
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    number(text, |value| value > 0.0).ok_or_else(|| "it must be a number above 0".to_owned())
-}
-
-fn positive_or_zero(text: &str) -> Result<f64, String> {
-    number(text, |value| value >= 0.0).ok_or_else(|| "it must be a number from 0".to_owned())
-}
-
-fn number(text: &str, is_allowed: impl Fn(f64) -> bool) -> Option<f64> {
-    text.parse().ok().filter(|&value: &f64| value.is_finite() && is_allowed(value))
 }

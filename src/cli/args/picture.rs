@@ -7,11 +7,12 @@ use serde_json::Value;
 use crate::scene::Override;
 use crate::scene::keys::{self, KeyInfo, SceneOption};
 
-use super::{SceneArgs, Size, size, whole};
+use super::scene::SceneArgs;
+use super::values::{Size, size, whole};
 
 /// What the picture is to be, where that is not what the scene says.
 #[derive(Debug, Default)]
-pub(in crate::cli) struct PictureArgs {
+pub struct PictureArgs {
     given: Vec<Override>,
 }
 
@@ -20,12 +21,12 @@ const SIZE: &str = "size";
 
 impl PictureArgs {
     /// Whether the number of samples is given.
-    pub(in crate::cli) fn has_samples(&self) -> bool {
+    pub fn has_samples(&self) -> bool {
         self.given.iter().any(|given| given.key == "render.samples_per_pixel")
     }
 
     /// What the options change in the scene; `--set` has the last word.
-    pub(in crate::cli) fn overrides(&self, scene: &SceneArgs) -> Vec<Override> {
+    pub fn overrides(&self, scene: &SceneArgs) -> Vec<Override> {
         self.given.iter().cloned().chain(scene.overrides()).collect()
     }
 }

@@ -6,6 +6,7 @@
 
 mod measurement;
 pub mod page;
+mod record;
 mod standard;
 mod sweep;
 mod whole;
@@ -23,6 +24,7 @@ use super::rays;
 use measurement::{Measurement, SAMPLES_PER_PIXEL, spread};
 
 pub use measurement::{Figure, Question};
+pub use record::Record;
 pub use standard::StandardScene;
 pub use sweep::{Setting, Swept, sweep};
 pub use whole::{WholeBench, renders};
