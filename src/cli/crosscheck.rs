@@ -17,7 +17,8 @@ use crate::verify::rays;
 
 use super::args::CrosscheckArgs;
 use super::exit::Exit;
-use super::{interrupt, on_threads, print};
+use super::system::on_threads;
+use super::{interrupt, print};
 
 /// So many spheres are tried one by one where only a few thousand rays ask.
 const FEW_SPHERES: usize = 1000;

@@ -123,16 +123,3 @@ fn help_or_wrong_usage(answer: &clap::Error) -> Exit {
     let _ = answer.print();
     if answer.use_stderr() { Exit::Usage } else { Exit::Done }
 }
-
-/// Runs `work` on so many threads, all cores by default; rayon inside it uses no others.
-fn on_threads<T: Send>(
-    threads: Option<usize>,
-    work: impl FnOnce() -> Result<T> + Send,
-) -> Result<T> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    let pool = pool.map_err(|e| {
-        Error::input(format!("cannot start the threads: {e}"))
-            .with_help("ask for fewer with --threads")
-    })?;
-    pool.install(work)
-}

@@ -4,6 +4,8 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
 
+use serde::Serialize;
+
 use crate::error::{Error, Result};
 
 /// Prints a result. A reader that has gone away (`photosphere info x | head -1`) is no failure.
@@ -20,12 +22,13 @@ pub(super) fn result(text: &str) -> Result<()> {
     }
 }
 
-/// Prints one JSON object on a line.
+/// Prints one value as JSON. Numbers that JSON does not have are null.
 ///
 /// # Errors
 /// As [`result`].
-pub(super) fn json(object: &serde_json::Value) -> Result<()> {
-    result(&format!("{object:#}\n"))
+pub(super) fn json(value: &impl Serialize) -> Result<()> {
+    let value = serde_json::to_value(value).expect("keys are texts");
+    result(&format!("{value:#}\n"))
 }
 
 /// Prints a remark; if nobody can read it, that changes nothing.
@@ -36,6 +39,22 @@ pub(super) fn remark(text: impl Display) {
 /// Prints a warning.
 pub(super) fn warning(text: impl Display) {
     remark(format_args!("warning: {text}"));
+}
+
+/// A line of a table: each cell in a column of so many characters, to its right, or to its left where
+/// the number is negative. Longer cells push the others on; blanks at the end are left out.
+pub(super) fn row<const N: usize>(columns: [i32; N], cells: [&str; N]) -> String {
+    let mut line = String::new();
+    for (column, cell) in columns.into_iter().zip(cells) {
+        let width = column.unsigned_abs() as usize;
+        line += &if column < 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") };
+    }
+    format!("{}\n", line.trim_end())
+}
+
+/// A line with a name and a value.
+pub(super) fn field(name: &str, value: impl Display) -> String {
+    format!("{name:<12}{value}\n")
 }
 
 /// A number in three digits with an SI prefix: `12.3 M`.
@@ -76,6 +95,12 @@ pub(super) fn count(number: usize, singular: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cells_stand_in_columns() {
+        assert_eq!(row([-4, 5, -3], ["a", "b", " c"]), "a       b c\n");
+        assert_eq!(row([-2, 4], ["longer", ""]), "longer\n");
+    }
 
     #[test]
     fn numbers_have_three_digits_and_a_prefix() {

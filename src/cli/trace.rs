@@ -9,7 +9,8 @@ use crate::scene::{Shot, read_file};
 
 use super::args::TraceArgs;
 use super::exit::Exit;
-use super::{interrupt, on_threads, print};
+use super::system::on_threads;
+use super::{interrupt, print};
 
 /// # Errors
 /// When the scene cannot be had, has no such pixel or sample, or its integrator follows no paths.

@@ -18,7 +18,8 @@ use crate::verify::report::{self, Judged};
 
 use super::args::VerifyArgs;
 use super::exit::Exit;
-use super::{interrupt, on_threads, print};
+use super::system::on_threads;
+use super::{interrupt, print};
 
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
 const BAR: &str = "{bar:32} {pos} of {len}  {elapsed}  {wide_msg}";

@@ -101,14 +101,10 @@ mod tests {
 
     #[test]
     fn a_figure_without_cells_is_left_out() {
-        let empty = Figure {
-            caption: "c".into(),
-            width: 0,
-            values: Vec::new(),
-            colors: CellColors::Light(1.0),
-        };
-        assert_eq!(figure(&empty), "");
-        let one = Figure { width: 1, values: vec![0.5], ..empty };
-        assert!(figure(&one).contains("data:image/png;base64,iVBOR"));
+        let (caption, colors) = ("c".to_owned(), CellColors::Light(1.0));
+        let empty = Cells { caption, width: 0, values: Vec::new(), colors };
+        assert_eq!(empty.figure(), "");
+        let one = Cells { width: 1, values: vec![0.5], ..empty };
+        assert!(one.figure().contains("data:image/png;base64,iVBOR"));
     }
 }

@@ -5,7 +5,7 @@ use clap::builder::{PossibleValue, TypedValueParser};
 
 use crate::accel::{Backend, Choice, Quality};
 
-use super::values::{named, one_of};
+use super::values::{explained, one_of};
 
 /// Which intersector, and how it is built.
 #[derive(Args, Debug)]
@@ -24,7 +24,7 @@ pub struct AccelArg {
 pub struct BuildArg {
     /// How much care the native intersector takes
     #[arg(long = "build", value_name = "HOW", default_value = Quality::default().name())]
-    #[arg(value_parser = one_of(named(care)))]
+    #[arg(value_parser = one_of(explained(care)))]
     pub quality: Quality,
 }
 
@@ -45,20 +45,20 @@ impl AccelsArg {
 
 /// The name of one intersector.
 pub fn backends() -> impl TypedValueParser<Value = Backend> {
-    one_of(named_backends().collect())
+    one_of(named_backends())
 }
 
 fn choices() -> impl TypedValueParser<Value = Choice> {
     let auto = PossibleValue::new(Choice::Auto.name())
         .help("whatever is fastest for the scene on this processor");
     let others = named_backends().map(|(name, backend)| (name, Choice::Only(backend)));
-    one_of([(auto, Choice::Auto)].into_iter().chain(others).collect())
+    one_of([(auto, Choice::Auto)].into_iter().chain(others))
 }
 
 /// Those that this build lacks can be named, but are not listed.
 fn named_backends() -> impl Iterator<Item = (PossibleValue, Backend)> {
     let hidden = |backend| !Backend::AVAILABLE.contains(&backend);
-    named(meaning).into_iter().map(move |(name, backend)| (name.hide(hidden(backend)), backend))
+    explained(meaning).map(move |(name, backend)| (name.hide(hidden(backend)), backend))
 }
 
 fn care(quality: Quality) -> &'static str {

@@ -18,6 +18,7 @@ Examples:
   photosphere bench grains.toml --batch 1,16,64,512 --scaling --svg bars.svg
   photosphere bench grains.toml --render --set render.samples_per_pixel=16
   photosphere bench --suite speed.html --largest 1e6
+  photosphere bench --record record.txt --rounds 9
 
 Rays come from the camera, sixteen to a pixel, from one and from two diffuse bounces, and as shadow
 rays from what the camera sees towards any sphere. Intersectors take turns, so that a busy machine hinders all alike;
@@ -28,7 +29,7 @@ intersector answers otherwise.
 Ctrl-C ends a suite early: the page then holds the scenes that are finished.")]
 pub struct BenchArgs {
     /// The scene file
-    #[arg(value_name = "SCENE", required_unless_present = "suite")]
+    #[arg(value_name = "SCENE", required_unless_present_any = ["suite", "record"])]
     pub path: Option<PathBuf>,
 
     #[command(flatten)]
@@ -81,8 +82,16 @@ pub struct BenchArgs {
     #[arg(long, value_name = "FILE.html", conflicts_with_all = ["path", "set", "scaling"])]
     pub suite: Option<PathBuf>,
 
-    /// The most spheres of the suite, as in 1e6
-    #[arg(long, value_name = "N", value_parser = count)]
-    #[arg(requires = "suite", conflicts_with = "path")]
+    /// Measure native against Embree, in place of a scene, and write the tables that
+    /// benches/record/ keeps, with the ratios that we ask for: about a quarter of an hour
+    #[arg(long, value_name = "FILE.txt")]
+    #[arg(conflicts_with_all = [
+        "path", "suite", "set", "scaling", "render", "svg", "chosen", "builds", "batches", "quality",
+        "limit", "json",
+    ])]
+    pub record: Option<PathBuf>,
+
+    /// The most spheres of the suite or of the record, as in 1e6 [default: 1e8, or 1e7 for the record]
+    #[arg(long, value_name = "N", value_parser = count, conflicts_with = "path")]
     pub largest: Option<u64>,
 }

@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::generate::Arrangement;
 
-use super::values::{count, named, one_of, seed, threads};
+use super::values::{count, explained, one_of, seed, threads};
 
 /// Make a sphere table to test and to measure with, and a scene that shows it
 #[derive(Args, Debug)]
@@ -21,7 +21,7 @@ b, as little-endian f32. The same recipe and seed give the same bytes, whatever 
 and the machine.")]
 pub struct GenerateArgs {
     /// How the spheres are arranged
-    #[arg(value_name = "ARRANGEMENT", value_parser = one_of(named(meaning)))]
+    #[arg(value_name = "ARRANGEMENT", value_parser = one_of(explained(meaning)))]
     pub arrangement: Arrangement,
 
     /// How many spheres; 1000000 may be written as 1e6

@@ -30,7 +30,7 @@ pub struct OutputArgs {
     exposure: Option<f32>,
 
     /// How .png files show bright light: srgb (cut off at 1), filmic or agx
-    #[arg(long, value_name = "NAME", value_parser = one_of(named::<Tone>(|_| "")))]
+    #[arg(long, value_name = "NAME", value_parser = one_of(named::<Tone>()))]
     tone: Option<Tone>,
 
     /// Spread the rounding of .png files to 8 bits over neighbouring pixels, which hides steps in
@@ -103,12 +103,5 @@ impl OutputArgs {
 }
 
 fn kinds() -> impl TypedValueParser<Value = Kind> {
-    let known = |name| Some((name, Kind::named(name)?));
-    one_of(
-        KINDS
-            .iter()
-            .filter_map(|row| known(row.name))
-            .map(|(name, kind)| (name.into(), kind))
-            .collect(),
-    )
+    one_of(KINDS.iter().filter_map(|row| Some((row.name.into(), Kind::named(row.name)?))))
 }

@@ -93,14 +93,8 @@ impl FromArgMatches for PictureArgs {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        let mut set = |option: &str, path: String, value: String| {
-            self.given.push(Override { option: option.to_owned(), key: path, value });
-        };
-        if let Some(Size { width, height }) = matches.get_one(SIZE) {
-            let option = format!("--size {width}x{height}");
-            set(&option, "image.width".to_owned(), width.to_string());
-            set(&option, "image.height".to_owned(), height.to_string());
-        }
+        let size = matches.get_one::<Size>(SIZE).copied();
+        self.given.extend(size.into_iter().flat_map(Size::overrides));
         for (key, option) in options() {
             let given = match is_a(&key, "integer") {
                 true => matches.get_one::<i128>(option.name).map(ToString::to_string),
@@ -108,8 +102,11 @@ impl FromArgMatches for PictureArgs {
             };
             let Some(given) = given else { continue };
             let value = if is_a(&key, "array") { format!("[{given}]") } else { given.clone() };
-            let path = format!("{}.{}", key.table, key.name);
-            set(&format!("--{} {given}", option.name), path, value);
+            self.given.push(Override {
+                option: format!("--{} {given}", option.name),
+                key: format!("{}.{}", key.table, key.name),
+                value,
+            });
         }
         Ok(())
     }

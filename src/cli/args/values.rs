@@ -7,6 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::film::Rect;
 use crate::names::Named;
+use crate::scene::Override;
 
 /// `WxH`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,30 +16,39 @@ pub struct Size {
     pub height: u32,
 }
 
-impl std::fmt::Display for Size {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}x{}", self.width, self.height)
+impl Size {
+    /// What `--size` changes in the scene.
+    pub fn overrides(self) -> [Override; 2] {
+        let Self { width, height } = self;
+        [("image.width", width), ("image.height", height)].map(|(key, pixels)| Override {
+            option: format!("--size {width}x{height}"),
+            key: key.to_owned(),
+            value: pixels.to_string(),
+        })
     }
 }
 
 /// One of these names, each with what it stands for.
 pub fn one_of<T: Clone + Send + Sync + 'static>(
-    choices: Vec<(PossibleValue, T)>,
+    choices: impl IntoIterator<Item = (PossibleValue, T)>,
 ) -> impl TypedValueParser<Value = T> {
-    let names: Vec<PossibleValue> = choices.iter().map(|(name, _)| name.clone()).collect();
-    PossibleValuesParser::new(names).try_map(move |given| {
-        let meant = choices.iter().find(|(name, _)| name.get_name() == given);
-        meant.map(|(_, value)| value.clone()).ok_or("there is no such name")
+    let (names, values): (Vec<PossibleValue>, Vec<T>) = choices.into_iter().unzip();
+    PossibleValuesParser::new(names.clone()).try_map(move |given| {
+        let place = names.iter().position(|name| name.get_name() == given);
+        place.map(|place| values[place].clone()).ok_or("there is no such name")
     })
 }
 
-/// The name of a variant, with its help where it has any.
-pub fn named<T: Named + Send + Sync>(help: fn(T) -> &'static str) -> Vec<(PossibleValue, T)> {
-    let possible = |&(name, value): &(&'static str, T)| {
-        let help = Some(help(value)).filter(|help| !help.is_empty());
-        (PossibleValue::new(name).help(help.unwrap_or_default()), value)
-    };
-    T::NAMES.iter().map(possible).collect()
+/// The names of all variants.
+pub fn named<T: Named>() -> impl Iterator<Item = (PossibleValue, T)> {
+    T::NAMES.iter().map(|&(name, value)| (PossibleValue::new(name), value))
+}
+
+/// The names of all variants, with what `--help` says of each.
+pub fn explained<T: Named>(
+    meaning: fn(T) -> &'static str,
+) -> impl Iterator<Item = (PossibleValue, T)> {
+    named().map(move |(name, value)| (name.help(meaning(value)), value))
 }
 
 /// Any whole number: the scene knows which are allowed, and says so.

@@ -1,12 +1,14 @@
 //! What `photosphere bench` found, for people and for programs.
 
+use std::fmt;
+
 use serde_json::{Map, Value, json};
 
 use crate::accel::{Choice, Chosen};
-use crate::verify::bench::page::Measured;
-use crate::verify::bench::{BackendBench, Figure, Rates, Rounds, SECOND_BOUNCE, Swept, WholeBench};
-
-use super::print;
+use crate::cli::print::{self, row};
+use crate::verify::bench::{
+    BackendBench, Figure, Measured, Rates, Rounds, SECOND_BOUNCE, Swept, WholeBench,
+};
 
 /// What was measured.
 pub(super) struct Report<'a> {
@@ -15,120 +17,123 @@ pub(super) struct Report<'a> {
     pub(super) measured: &'a Measured,
 }
 
+/// The columns of a table of rates.
+const RATES: [i32; 8] = [-14, 10, 8, 8, 12, 8, 8, 12];
+
+impl fmt::Display for Report<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Rounds { count, batch } = self.rounds;
+        let Chosen { backend, reason } = self.choice();
+        writeln!(
+            f,
+            "{}, {}, {} a call; --accel auto takes {} ({reason})\n",
+            print::count(self.spheres, "sphere"),
+            print::count(rayon::current_num_threads(), "thread"),
+            print::count(batch, "ray"),
+            backend.name(),
+        )?;
+        let columns = [-12, 10, 8, 18, -3, -1];
+        f.write_str(&row(columns, ["", "build (s)", "+-", "bytes per sphere", "", ""]))?;
+        for BackendBench { backend, build_s, bytes_per_sphere, details, .. } in self.results() {
+            let seconds = format!("{:.3}", build_s.median);
+            let bytes = format!("{bytes_per_sphere:.1}");
+            let cells = [backend.name(), &seconds, &spread(*build_s), &bytes, "", details];
+            f.write_str(&row(columns, cells))?;
+        }
+        let rounds = print::count(count, "round");
+        writeln!(
+            f,
+            "\nrays per second of all threads: median of {rounds}, and the spread of half of them"
+        )?;
+        for (kind, name) in self.measured.kinds.iter().enumerate() {
+            f.write_str(&head(name, "other ids"))?;
+            for result in self.results() {
+                f.write_str(&self.of_kind(result, kind))?;
+            }
+        }
+        self.batches(f)?;
+        self.scaling(f)?;
+        self.renders(f)
+    }
+}
+
 impl Report<'_> {
     fn choice(&self) -> Chosen {
         Choice::Auto.choose_for(self.spheres)
     }
 
-    pub(super) fn in_words(&self) -> String {
-        let spheres = print::count(self.spheres, "sphere");
-        let threads = print::count(rayon::current_num_threads(), "thread");
-        let Rounds { count, batch } = self.rounds;
-        let Chosen { backend, reason } = self.choice();
-        let mut text = format!(
-            "{spheres}, {threads}, {}; --accel auto takes {} ({reason})\n\n\
-             {:<12}{:>10}{:>8}{:>18}\n",
-            print::count(batch, "ray") + " a call",
-            backend.name(),
-            "",
-            "build (s)",
-            "+-",
-            "bytes per sphere",
-        );
-        for result in &self.measured.results {
-            text += &format!(
-                "{:<12}{:>10.3}{:>8}{:>18.1}   {}\n",
-                result.backend.name(),
-                result.build_s.median,
-                spread(result.build_s),
-                result.bytes_per_sphere,
-                result.details
-            );
-        }
-        text += &format!(
-            "\nrays per second of all threads: median of {}, and the spread of half of them\n",
-            print::count(count, "round")
-        );
-        for (kind, name) in self.measured.kinds.iter().enumerate() {
-            text += &head(name, "other ids");
-            for result in &self.measured.results {
-                text += &self.row(result, kind);
-            }
-        }
-        text + &self.batches() + &self.scaling() + &self.renders()
+    fn results(&self) -> &[BackendBench] {
+        &self.measured.results
     }
 
     /// One backend's rates for one kind of rays, and how they compare with the first backend's.
-    fn row(&self, result: &BackendBench, kind: usize) -> String {
+    fn of_kind(&self, result: &BackendBench, kind: usize) -> String {
         let name = result.backend.name();
         let Some(rates) = result.rates[kind] else {
-            return format!("{name:<14}{:>10}\n", "-");
+            return row(RATES, [name, "-", "", "", "", "", "", ""]);
         };
-        let first = self.measured.results[0].rates[kind].unwrap_or(rates);
+        let first = self.results()[0].rates[kind].unwrap_or(rates);
         let both = [(rates.closest, first.closest), (rates.occluded, first.occluded)];
-        row(name, both, &rates.other_ids.to_string())
+        rates_row(name, both, &rates.other_ids.to_string())
     }
 
-    fn batches(&self) -> String {
-        let mut text = String::new();
+    fn batches(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for swept in &self.measured.batches {
-            let setting =
-                format!("{SECOND_BOUNCE} rays, {}", print::count(swept.setting.batch, "ray"));
-            text += &format!("\n{setting} a call{}", head("", ""));
-            text += &self.rows_of(swept, |_| swept.rates[0]);
+            let rays = print::count(swept.setting.batch, "ray");
+            write!(f, "\n{SECOND_BOUNCE} rays, {rays} a call{}", head("", ""))?;
+            f.write_str(&self.rows_of(swept, |_| swept.rates[0]))?;
         }
-        text
+        Ok(())
     }
 
-    fn scaling(&self) -> String {
-        let Some(one) = self.measured.scaling.first() else { return String::new() };
-        let mut text = String::new();
+    fn scaling(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(one) = self.measured.scaling.first() else { return Ok(()) };
         for swept in &self.measured.scaling {
             let threads = print::count(swept.setting.threads, "thread");
             let gain = swept.arithmetic.median / one.arithmetic.median;
-            text += &format!(
+            write!(
+                f,
                 "\n{SECOND_BOUNCE} rays, {threads}; ratios to one thread; that of pure arithmetic is \
                  {gain:.2}{}",
                 head("", "")
-            );
-            text += &self.rows_of(swept, |backend| one.rates[backend]);
+            )?;
+            f.write_str(&self.rows_of(swept, |backend| one.rates[backend]))?;
         }
-        text
+        Ok(())
     }
 
     /// Rates under a setting, and for each backend what they are compared with.
     fn rows_of(&self, swept: &Swept, with: impl Fn(usize) -> [Figure; 2]) -> String {
-        let backends = self.measured.results.iter().zip(&swept.rates).enumerate();
+        let backends = self.results().iter().zip(&swept.rates).enumerate();
         let rows = backends.map(|(i, (result, [closest, occluded]))| {
             let with = with(i);
-            row(result.backend.name(), [(*closest, with[0]), (*occluded, with[1])], "")
+            rates_row(result.backend.name(), [(*closest, with[0]), (*occluded, with[1])], "")
         });
         rows.collect()
     }
 
-    fn renders(&self) -> String {
-        let Some(first) = self.measured.renders.first() else { return String::new() };
-        let mut text = format!(
-            "\n{:<14}{:>10}{:>8}{:>8}{:>14}{:>12}{:>16}\n",
-            "render", "seconds", "+-", "ratio", "intersector", "rays/s", "other pixels"
-        );
+    fn renders(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(first) = self.measured.renders.first() else { return Ok(()) };
+        let columns = [-14, 10, 8, 8, 14, 12, 16];
+        let names = ["render", "seconds", "+-", "ratio", "intersector", "rays/s", "other pixels"];
+        write!(f, "\n{}", row(columns, names))?;
         for render in &self.measured.renders {
             let Figure { median, .. } = render.seconds;
-            text += &format!(
-                "{:<14}{:>10}{:>8}{:>8.2}{:>14}{:>12}{:>16}\n",
+            let cells = [
                 render.backend.name(),
-                format!("{median:.3}"),
-                spread(render.seconds),
-                median / first.seconds.median,
-                print::percent(render.inside.median),
-                print::si(render.rays as f64 / median),
-                render.other_pixels
-            );
+                &format!("{median:.3}"),
+                &spread(render.seconds),
+                &format!("{:.2}", median / first.seconds.median),
+                &print::percent(render.inside.median),
+                &print::si(render.rays as f64 / median),
+                &render.other_pixels.to_string(),
+            ];
+            f.write_str(&row(columns, cells))?;
         }
-        text
+        Ok(())
     }
 
-    pub(super) fn in_json(&self) -> Value {
+    pub(super) fn json(&self) -> Value {
         let Chosen { backend: auto, reason } = self.choice();
         let Measured { results, batches, scaling, renders, .. } = self.measured;
         json!({
@@ -182,24 +187,17 @@ impl Report<'_> {
 }
 
 fn head(name: &str, last: &str) -> String {
-    format!(
-        "\n{name:<14}{:>10}{:>8}{:>8}{:>12}{:>8}{:>8}{last:>12}\n",
-        "closest", "+-", "ratio", "occluded", "+-", "ratio"
-    )
+    let cells = [name, "closest", "+-", "ratio", "occluded", "+-", "ratio", last];
+    format!("\n{}", row(RATES, cells))
 }
 
 /// Two rates, each with what it is compared with.
-fn row(name: &str, rates: [(Figure, Figure); 2], last: &str) -> String {
+fn rates_row(name: &str, rates: [(Figure, Figure); 2], last: &str) -> String {
     let [closest, occluded] = rates.map(|(rate, with)| {
-        (print::si(rate.median), spread(rate), format!("{:.2}", rate.median / with.median))
+        [print::si(rate.median), spread(rate), format!("{:.2}", rate.median / with.median)]
     });
-    format!(
-        "{name:<14}{:>10}{:>8}{:>8}{:>12}{:>8}{:>8}{last:>12}",
-        closest.0, closest.1, closest.2, occluded.0, occluded.1, occluded.2
-    )
-    .trim_end()
-    .to_owned()
-        + "\n"
+    let ([a, b, c], [d, e, f]) = (&closest, &occluded);
+    row(RATES, [name, a, b, c, d, e, f, last])
 }
 
 fn spread(figure: Figure) -> String {

@@ -6,24 +6,20 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use crate::accel::{Accel, Backend, BuildOptions, Cancel};
-use crate::color::Rgb;
+use crate::accel::Backend;
 use crate::error::{Error, Result};
-use crate::film::Picture;
-use crate::job;
 use crate::output::{self, BEAUTY, WholeFile};
-use crate::scene::settings::{Integrator, IntegratorKind};
-use crate::scene::{Override, Scene, Settings, Shot, read_file};
-use crate::verify::converge::{Metric, Point, Reference, Series, plot};
+use crate::scene::settings::{Image, Integrator, IntegratorKind};
+use crate::scene::{Override, Settings, read_file};
+use crate::verify::converge::{Metric, Reference, ReferenceFrom, Study, Variant, plot};
 
 use super::args::ConvergeArgs;
 use super::compare::check_finite;
 use super::exit::Exit;
 use super::progress::{Progress, State};
-use super::{interrupt, on_threads, print};
-
-/// The seeds of the reference's halves are far from any that a user takes.
-const REFERENCE_SEED: u64 = 1 << 40;
+use super::system::on_threads;
+use super::{interrupt, print};
+use report::Report;
 
 /// # Errors
 /// Whatever stands between the scene and the plot, the place of the plot first.
@@ -35,25 +31,41 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<Exit> {
 
 fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
     let metric = Metric::from(args.metric);
-    let study = Study::new(args)?;
+    let (study, reference_integrator) = study(args)?;
     let progress = Progress::new(args.quiet);
-    let (done, total, began) = (AtomicU64::new(0), study.total(), Instant::now());
-    let bench = Bench { args, progress: &progress, done, total, began };
-    let result = study.measure(&bench);
+    let (done, total, began) = (AtomicU64::new(0), study.samples_in_all(), Instant::now());
+    let result = study.measure(&|rendered| {
+        let before = done.fetch_add(rendered.samples, Ordering::Relaxed);
+        progress.show(&State::since(began, before + rendered.samples, total));
+        if !args.quiet && before == 0 {
+            rendered.warnings.iter().for_each(print::warning);
+        }
+    });
     progress.finish();
     let (reference, series) = result?;
-    let about = study.about_reference(&reference, metric);
-    let title = format!("{}, {}", study.scene_name(), study.size_in_words());
     if !series.iter().any(|one| one.has_error(metric)) {
         return Err(report::nothing_to_plot(&reference, metric));
     }
-    let svg = plot::svg(&series, metric, &plot::Heading { title: &title, subtitle: &about })?;
+    let half = args.reference_half(study.samples.last().copied().unwrap_or(1));
+    let image = study.variants[0].settings[0].image;
+    let report = Report {
+        args,
+        metric,
+        image,
+        reference: &reference,
+        reference_integrator,
+        reference_samples: 2 * u64::from(half),
+        series: &series,
+    };
+    let (title, subtitle) = (report.title(), report.about_reference());
+    let heading = plot::Heading { title: &title, subtitle: &subtitle };
+    let svg = plot::svg(&series, metric, &heading)?;
     file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
-    report::warn_of_noise(&reference, &series, metric);
+    report.warn_of_noise();
     if args.json {
-        print::json(&report::in_json(args, &study, &reference, &series))?;
+        print::json(&report.json())?
     } else {
-        print::result(&report::in_words(&title, &about, &series, metric))?;
+        print::result(&report.to_string())?
     }
     if !args.quiet {
         print::remark(format_args!("wrote {}", args.output.display()));
@@ -61,219 +73,115 @@ fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// One curve.
-struct Variant {
-    integrator: Option<String>,
-    estimator: Option<String>,
-    sampler: Option<String>,
-    accel: Backend,
-    /// Of each number of samples.
-    settings: Vec<Settings>,
+/// What is to be rendered, and the integrator of the reference. Where the scene objects to anything, it
+/// does so now and not after an hour.
+fn study(args: &ConvergeArgs) -> Result<(Study, String)> {
+    let choices = choices(args);
+    let mut step = 1;
+    for choice in &choices {
+        step = step.max(subpixels(&settings(args, &choice.overrides, None)?));
+    }
+    let samples = args.samples(step);
+    let overrides = overrides(args, &choices[0].overrides, samples.first().copied());
+    let (scene, own) = read_file(&args.scene.path, &overrides)?.build()?;
+    let own_integrator = own.render.integrator.kind().name();
+    let variant = |choice: Choice| {
+        let of = |&count: &u32| settings(args, &choice.overrides, Some(count));
+        let names = args.integrators.is_empty().then_some(own_integrator).into_iter();
+        let names: Vec<&str> = names.chain(choice.names.iter().map(String::as_str)).collect();
+        let settings = samples.iter().map(of).collect::<Result<_>>()?;
+        Ok(Variant { name: names.join(", "), accel: choice.accel, settings })
+    };
+    let variants = choices.into_iter().map(variant).collect::<Result<_>>()?;
+    let integrator = reference_integrator(args, own_integrator)?;
+    let reference = match &args.reference {
+        Some(path) => ReferenceFrom::Picture(read_reference(path, &own.image)?),
+        None => {
+            let most = samples.last().copied().unwrap_or(1);
+            let choice = [chosen("integrator", &integrator)];
+            let half = Some(args.reference_half(most));
+            ReferenceFrom::Halves(settings(args, &choice, half)?)
+        }
+    };
+    let seeds = args.seed..args.seed + u64::from(args.seeds);
+    Ok((Study { scene, variants, samples, seeds, reference }, integrator))
 }
 
-/// What is to be rendered; everything that the scene can object to has been tried.
-struct Study<'a> {
-    args: &'a ConvergeArgs,
-    scene: Scene,
-    /// As the file has them.
-    own: Settings,
-    variants: Vec<Variant>,
-    /// Samples per pixel, rising.
-    samples: Vec<u32>,
-    reference_integrator: String,
-    /// As the halves of the reference are rendered; `None` where it is a file.
-    reference: Option<Settings>,
-}
-
-impl<'a> Study<'a> {
-    fn new(args: &'a ConvergeArgs) -> Result<Self> {
-        let mut variants = variants(args);
-        let mut step = 1;
-        for variant in &variants {
-            step = step.max(subpixels(&settings_of(args, variant, None)?));
-        }
-        let samples = args.samples(step);
-        for variant in &mut variants {
-            let of = |&count: &u32| settings_of(args, variant, Some(count));
-            variant.settings = samples.iter().map(of).collect::<Result<_>>()?;
-        }
-        let overrides = overrides_of(args, &variants[0], samples.first().copied());
-        let (scene, own) = read_file(&args.scene.path, &overrides)?.build()?;
-        let reference_integrator = reference_integrator(args, &own)?;
-        let most = samples.last().copied().unwrap_or(1);
-        let reference = match &args.reference {
-            Some(_) => None,
-            None => {
-                let integrator = Some(reference_integrator.clone());
-                let variant = Variant { integrator, ..Variant::of(variants[0].accel) };
-                Some(settings_of(args, &variant, Some(args.reference_half(most)))?)
-            }
-        };
-        Ok(Self { args, scene, own, variants, samples, reference_integrator, reference })
-    }
-
-    fn reference_half(&self) -> u32 {
-        self.args.reference_half(self.samples.last().copied().unwrap_or(1))
-    }
-
-    fn pixels(&self) -> u64 {
-        let image = self.own.image;
-        u64::from(image.width) * u64::from(image.height)
-    }
-
-    /// Samples in all.
-    fn total(&self) -> u64 {
-        let points: u64 = self.samples.iter().copied().map(u64::from).sum();
-        let curves = points * self.variants.len() as u64 * u64::from(self.args.seeds);
-        let reference =
-            if self.args.reference.is_some() { 0 } else { 2 * u64::from(self.reference_half()) };
-        self.pixels() * (curves + reference)
-    }
-
-    fn measure(&self, bench: &Bench<'_>) -> Result<(Reference, Vec<Series>)> {
-        let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
-        let accels: Vec<Box<dyn Accel>> = self
-            .variants
-            .iter()
-            .map(|variant| variant.accel.build(self.scene.spheres(), &build))
-            .collect::<Result<_>>()?;
-        let reference = self.reference(bench, &*accels[0])?;
-        let name = |variant: &Variant| self.name_of(variant);
-        let empty = |variant: &Variant| Series { name: name(variant), points: Vec::new() };
-        let mut series: Vec<Series> = self.variants.iter().map(empty).collect();
-        for (at, &count) in self.samples.iter().enumerate() {
-            let shot = |variant: &Variant| Shot::new(&self.scene, variant.settings[at]);
-            let mut shots: Vec<Shot> = self.variants.iter().map(shot).collect::<Result<_>>()?;
-            let mut runs = vec![Vec::new(); shots.len()];
-            // The variants take turns, so that what else the machine does troubles all alike.
-            for seed in self.args.seed..self.args.seed + u64::from(self.args.seeds) {
-                for ((shot, accel), runs) in shots.iter_mut().zip(&accels).zip(&mut runs) {
-                    shot.set_seed(seed);
-                    let (pixels, seconds) = bench.render(shot, &**accel)?;
-                    runs.push(reference.judge(&pixels, seconds));
-                }
-            }
-            for (series, runs) in series.iter_mut().zip(runs) {
-                series.points.push(Point { samples: count, runs });
-            }
-        }
-        Ok((reference, series))
-    }
-
-    fn reference(&self, bench: &Bench<'_>, accel: &dyn Accel) -> Result<Reference> {
-        let (None, Some(settings)) = (&self.args.reference, self.reference) else {
-            return self.read_reference(self.args.reference.as_deref().unwrap_or(Path::new("")));
-        };
-        let mut shot = Shot::new(&self.scene, settings)?;
-        let mut render = |seed| {
-            shot.set_seed(seed);
-            bench.render(&shot, accel).map(|(pixels, _)| pixels)
-        };
-        let (a, b) = (render(REFERENCE_SEED)?, render(REFERENCE_SEED + 1)?);
-        Ok(Reference::of_halves(&a, &b))
-    }
-
-    fn read_reference(&self, path: &Path) -> Result<Reference> {
-        let picture = output::read(path)?;
-        check_finite(path, &picture, |name| name == BEAUTY)?;
-        let image = self.own.image;
-        let (width, height) = (image.width as usize, image.height as usize);
-        if (picture.width, picture.height) != (width, height) {
-            return Err(Error::input(format!(
-                "the reference has {} x {} pixels and the scene {width} x {height}",
-                picture.width, picture.height
-            ))
-            .with_help(format!("add --size {}x{}", picture.width, picture.height)));
-        }
-        let beauty = picture.layer(BEAUTY).ok_or_else(|| {
-            Error::input(format!("`{}` has no layer for the whole picture", path.display()))
-        })?;
-        let variance = picture.layer("variance").map(|layer| layer.pixels.as_slice());
-        Ok(Reference::of_picture(beauty.pixels.clone(), variance))
-    }
-
-    fn name_of(&self, variant: &Variant) -> String {
-        let own = self.own.render.integrator.kind().name();
-        let mut parts = vec![variant.integrator.as_deref().unwrap_or(own)];
-        parts.extend(
-            [&variant.estimator, &variant.sampler].into_iter().filter_map(Option::as_deref),
-        );
-        if !self.args.accels.is_empty() {
-            parts.push(variant.accel.name());
-        }
-        parts.join(", ")
-    }
-
-    fn scene_name(&self) -> String {
-        let path = &self.args.scene.path;
-        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-    }
-
-    fn size_in_words(&self) -> String {
-        let image = self.own.image;
-        format!("{} x {} pixels, {} seeds", image.width, image.height, self.args.seeds)
-    }
-
-    fn about_reference(&self, reference: &Reference, metric: Metric) -> String {
-        let what = match &self.args.reference {
-            Some(path) => path.display().to_string(),
-            None => format!(
-                "{}, 2 x {} samples per pixel",
-                self.reference_integrator,
-                self.reference_half()
-            ),
-        };
-        match reference.noise(metric) {
-            Some(own) => {
-                format!("reference: {what}; its own {} of {own:.3e} is taken away", metric.name())
-            }
-            None => format!("reference: {what}; its own error is not known and stays in"),
-        }
-    }
-}
-
-/// Renders, and shows how far all is.
-struct Bench<'a> {
-    args: &'a ConvergeArgs,
-    progress: &'a Progress,
-    done: AtomicU64,
-    total: u64,
-    began: Instant,
-}
-
-impl Bench<'_> {
-    /// The beauty, and the seconds it took.
-    fn render(&self, shot: &Shot, accel: &dyn Accel) -> Result<(Vec<Rgb>, f64)> {
-        let began = Instant::now();
-        let rendered = job::render(shot, accel, &[], &Cancel::default())?;
-        let seconds = began.elapsed().as_secs_f64();
-        let done = self.done.fetch_add(rendered.samples, Ordering::Relaxed) + rendered.samples;
-        self.progress.show(&State::since(self.began, done, self.total));
-        if !self.args.quiet && done == rendered.samples {
-            rendered.warnings.iter().for_each(print::warning);
-        }
-        Ok((beauty(&rendered.picture), seconds))
-    }
-}
-
-fn beauty(picture: &Picture) -> Vec<Rgb> {
-    (0..picture.len()).map(|pixel| picture.beauty(pixel)).collect()
-}
-
-/// Without a reference of the user's choice, only integrators that converge to the same picture are
-/// compared with one: `path` and `paper` do, each of the others shows something of its own.
-fn must_share_a_mean(integrators: &[String], reference: &str) -> Result<()> {
-    let shown = |name: &str| if name == "paper" { "path".to_owned() } else { name.to_owned() };
-    match integrators.iter().find(|name| shown(name) != shown(reference)) {
-        None => Ok(()),
-        Some(other) => Err(Error::input(format!(
-            "`{other}` and `{reference}` converge to different pictures: no reference serves both"
+fn read_reference(path: &Path, image: &Image) -> Result<Reference> {
+    let picture = output::read(path)?;
+    check_finite(path, &picture, |name| name == BEAUTY)?;
+    let (width, height) = (image.width as usize, image.height as usize);
+    if (picture.width, picture.height) != (width, height) {
+        return Err(Error::input(format!(
+            "the reference has {} x {} pixels and the scene {width} x {height}",
+            picture.width, picture.height
         ))
-        .with_help(
-            "compare them one by one, or say with --reference-integrator NAME or --reference FILE \
-             which picture is right",
-        )),
+        .with_help(format!("add --size {}x{}", picture.width, picture.height)));
     }
+    let beauty = picture.layer(BEAUTY).ok_or_else(|| {
+        Error::input(format!("`{}` has no layer for the whole picture", path.display()))
+    })?;
+    let variance = picture.layer("variance").map(|layer| layer.pixels.as_slice());
+    Ok(Reference::of_picture(beauty.pixels.clone(), variance))
+}
+
+/// What one curve is to show.
+#[derive(Clone)]
+struct Choice {
+    names: Vec<String>,
+    overrides: Vec<Override>,
+    accel: Backend,
+}
+
+/// Everything with everything.
+fn choices(args: &ConvergeArgs) -> Vec<Choice> {
+    let accel = args.accels.first().copied().unwrap_or_default();
+    let mut choices = vec![Choice { names: Vec::new(), overrides: Vec::new(), accel }];
+    let lists = [
+        ("integrator", &args.integrators),
+        ("estimator", &args.estimators),
+        ("sampler", &args.samplers),
+    ];
+    for (key, names) in lists.into_iter().filter(|(_, names)| !names.is_empty()) {
+        let with = |choice: &Choice, name: &String| {
+            let mut choice = choice.clone();
+            choice.names.push(name.clone());
+            choice.overrides.push(chosen(key, name));
+            choice
+        };
+        let of = |choice: &Choice| names.iter().map(|name| with(choice, name)).collect::<Vec<_>>();
+        choices = choices.iter().flat_map(of).collect();
+    }
+    if args.accels.is_empty() {
+        return choices;
+    }
+    let with = |choice: &Choice, accel: Backend| {
+        let mut choice = Choice { accel, ..choice.clone() };
+        choice.names.push(accel.name().to_owned());
+        choice
+    };
+    let of = |choice| args.accels.iter().map(move |&accel| with(choice, accel));
+    choices.iter().flat_map(of).collect()
+}
+
+fn chosen(key: &str, name: &str) -> Override {
+    let (option, value) = (format!("--{key} {name}"), name.to_owned());
+    Override { option, key: format!("render.{key}"), value }
+}
+
+fn settings(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Result<Settings> {
+    Ok(read_file(&args.scene.path, &overrides(args, chosen, samples))?.settings)
+}
+
+/// What is changed in the scene; `--set` has the last word.
+fn overrides(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Vec<Override> {
+    let samples = samples.map(|samples| Override {
+        option: format!("--spp {samples}"),
+        key: "render.samples_per_pixel".to_owned(),
+        value: samples.to_string(),
+    });
+    let size = args.size.into_iter().flat_map(|size| size.overrides());
+    chosen.iter().cloned().chain(size).chain(samples).chain(args.scene.overrides()).collect()
 }
 
 /// What the samples of a pixel have to be a multiple of.
@@ -284,40 +192,8 @@ fn subpixels(settings: &Settings) -> u32 {
     }
 }
 
-impl Variant {
-    /// What the scene says, with this intersector.
-    fn of(accel: Backend) -> Self {
-        Self { integrator: None, estimator: None, sampler: None, accel, settings: Vec::new() }
-    }
-}
-
-/// Everything with everything.
-fn variants(args: &ConvergeArgs) -> Vec<Variant> {
-    let options = |names: &[String]| -> Vec<Option<String>> {
-        if names.is_empty() { vec![None] } else { names.iter().cloned().map(Some).collect() }
-    };
-    let accels =
-        if args.accels.is_empty() { vec![Backend::default()] } else { args.accels.clone() };
-    let mut variants = Vec::new();
-    for integrator in options(&args.integrators) {
-        for estimator in options(&args.estimators) {
-            for sampler in options(&args.samplers) {
-                let of = |&accel: &Backend| Variant {
-                    integrator: integrator.clone(),
-                    estimator: estimator.clone(),
-                    sampler: sampler.clone(),
-                    ..Variant::of(accel)
-                };
-                variants.extend(accels.iter().map(of));
-            }
-        }
-    }
-    variants
-}
-
-/// The reference's integrator; `own` are the scene's settings.
-fn reference_integrator(args: &ConvergeArgs, own: &Settings) -> Result<String> {
-    let own = own.render.integrator.kind().name();
+/// The reference's integrator; `own` is the scene's.
+fn reference_integrator(args: &ConvergeArgs, own: &str) -> Result<String> {
     let is_compared = |kind: IntegratorKind| match args.integrators.as_slice() {
         [] => own == kind.name(),
         names => names.iter().any(|one| one == kind.name()),
@@ -334,34 +210,18 @@ fn reference_integrator(args: &ConvergeArgs, own: &Settings) -> Result<String> {
     Ok(found)
 }
 
-/// The settings of a variant; where the scene objects to them, it does so now and not after an hour.
-fn settings_of(args: &ConvergeArgs, variant: &Variant, samples: Option<u32>) -> Result<Settings> {
-    let overrides = overrides_of(args, variant, samples);
-    Ok(read_file(&args.scene.path, &overrides)?.settings)
-}
-
-fn overrides_of(args: &ConvergeArgs, variant: &Variant, samples: Option<u32>) -> Vec<Override> {
-    let mut overrides = Vec::new();
-    let mut set = |option: String, key: &str, value: String| {
-        overrides.push(Override { option, key: key.to_owned(), value });
-    };
-    let names = [
-        ("integrator", &variant.integrator),
-        ("estimator", &variant.estimator),
-        ("sampler", &variant.sampler),
-    ];
-    for (key, name) in names {
-        if let Some(name) = name {
-            set(format!("--{key} {name}"), &format!("render.{key}"), name.clone());
-        }
+/// Without a reference of the user's choice, only integrators that converge to the same picture are
+/// compared with one: `path` and `paper` do, each of the others shows something of its own.
+fn must_share_a_mean(integrators: &[String], reference: &str) -> Result<()> {
+    let shown = |name: &str| if name == "paper" { "path".to_owned() } else { name.to_owned() };
+    match integrators.iter().find(|name| shown(name) != shown(reference)) {
+        None => Ok(()),
+        Some(other) => Err(Error::input(format!(
+            "`{other}` and `{reference}` converge to different pictures: no reference serves both"
+        ))
+        .with_help(
+            "compare them one by one, or say with --reference-integrator NAME or --reference FILE \
+             which picture is right",
+        )),
     }
-    if let Some(size) = args.size {
-        set(format!("--size {size}"), "image.width", size.width.to_string());
-        set(format!("--size {size}"), "image.height", size.height.to_string());
-    }
-    if let Some(samples) = samples {
-        set(format!("--spp {samples}"), "render.samples_per_pixel", samples.to_string());
-    }
-    overrides.extend(args.scene.overrides());
-    overrides
 }

@@ -16,7 +16,8 @@ use crate::scene::{Scene, Settings, read_file};
 use super::args::InfoArgs;
 use super::exit::Exit;
 use super::memory::Needs;
-use super::{memory, on_threads, print, render};
+use super::system::on_threads;
+use super::{memory, print, render};
 
 /// # Errors
 /// When the scene or the picture cannot be read, or the scene has mistakes.

@@ -13,7 +13,8 @@ use crate::output::{self, Notes, RawChannel, Target};
 use super::args::ReproduceArgs;
 use super::exit::Exit;
 use super::progress::{Progress, State};
-use super::{interrupt, on_threads, print};
+use super::system::on_threads;
+use super::{interrupt, print};
 
 /// # Errors
 /// When the picture does not say how it was made, when its scene is not what it was, or when it

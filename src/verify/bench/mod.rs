@@ -4,6 +4,7 @@
 //! the rounds. A round of one measurement takes a fixed share of a second: a slow backend is given
 //! fewer rays, in runs spread over all of them, so that each sees the same mixture.
 
+mod measure;
 mod measurement;
 pub mod page;
 mod record;
@@ -23,6 +24,7 @@ use crate::math::{Hit, Ray};
 use super::rays;
 use measurement::{Measurement, SAMPLES_PER_PIXEL, spread};
 
+pub use measure::{Entry, Event, Measured, Measuring, Suite};
 pub use measurement::{Figure, Question};
 pub use record::Record;
 pub use standard::StandardScene;

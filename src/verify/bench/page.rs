@@ -7,33 +7,7 @@ use crate::draw::{Axes, Bar, BarGroup, Course, Line, Mark, Panel, Value, bars, l
 use crate::error::Result;
 use crate::generate::Arrangement;
 
-use super::{BackendBench, Figure, Question, SECOND_BOUNCE, Swept, WholeBench};
-
-/// What was measured on one scene.
-#[derive(Clone, Debug, Default)]
-pub struct Measured {
-    /// What the kinds of rays are called.
-    pub kinds: Vec<&'static str>,
-    /// One for each intersector.
-    pub results: Vec<BackendBench>,
-    /// Rates on rays of the second bounce for several lengths of calls.
-    pub batches: Vec<Swept>,
-    /// The same for several numbers of threads.
-    pub scaling: Vec<Swept>,
-    /// Whole renders.
-    pub renders: Vec<WholeBench>,
-}
-
-/// One standard scene, and what was measured on it.
-#[derive(Clone, Debug)]
-pub struct Entry {
-    /// How its spheres are arranged.
-    pub arrangement: Arrangement,
-    /// How many there are.
-    pub spheres: u64,
-    /// What was measured.
-    pub measured: Measured,
-}
+use super::{BackendBench, Entry, Figure, Measured, Question, SECOND_BOUNCE, Swept, WholeBench};
 
 impl fmt::Display for Question {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -52,11 +26,6 @@ impl From<Figure> for Value {
 }
 
 impl Measured {
-    /// The place of a kind of rays.
-    pub fn kind(&self, name: &str) -> Option<usize> {
-        self.kinds.iter().position(|&kind| kind == name)
-    }
-
     /// Draws everything as bars.
     ///
     /// # Errors

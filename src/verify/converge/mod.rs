@@ -10,11 +10,14 @@
 //! taken away, so a curve does not flatten where it meets the reference's noise.
 
 pub mod plot;
+mod study;
 
 use crate::color::Rgb;
 
 use super::metrics::{mean_error, relative_squared, squared};
 use super::statistics::Estimate;
+
+pub use study::{ReferenceFrom, Study, Variant};
 
 /// Which error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
