@@ -13,7 +13,7 @@ use signal_hook::iterator::Signals;
 use crate::accel::Cancel;
 use crate::output::remove_unfinished;
 
-use super::exit::Exit;
+use super::exit::{Exit, leave_with};
 use super::print;
 
 /// What Ctrl-C, or being told to terminate, means at the moment.
@@ -77,7 +77,7 @@ pub(super) fn listen() -> Interrupt {
                 if !is_asked {
                     print::remark("stopped; nothing was written");
                 }
-                super::leave(Exit::Stopped);
+                leave_with(Exit::Stopped as u8);
             }
         }
     };

@@ -32,8 +32,6 @@ mod watch;
 
 use std::panic::catch_unwind;
 use std::process::ExitCode;
-use std::sync::OnceLock;
-use std::sync::mpsc::{self, Sender};
 
 use clap::FromArgMatches;
 
@@ -43,9 +41,6 @@ use crate::scene::keys;
 use args::{Cli, Command};
 use exit::Exit;
 
-/// Whoever ends the program says here how.
-static LEAVE: OnceLock<Sender<u8>> = OnceLock::new();
-
 /// The exit code of a program that panicked, as Rust's own runtime has it.
 const PANICKED: u8 = 101;
 
@@ -53,15 +48,13 @@ const PANICKED: u8 = 101;
 /// a thread of its own: when it ends, or when a signal says so, this function returns, and with it the
 /// program ends, whatever other threads do.
 pub fn main() -> ExitCode {
-    let (leave, left) = mpsc::channel();
-    let leave = LEAVE.get_or_init(|| leave);
+    let left = exit::last_word();
     let work = || {
         let exit = catch_unwind(|| match read() {
             Ok(cli) => exit_of(run(&cli.command)),
             Err(answer) => help_or_wrong_usage(&answer),
         });
-        // Nobody listens any more where a signal came first.
-        let _ = leave.send(exit.map_or(PANICKED, |exit| exit as u8));
+        exit::leave_with(exit.map_or(PANICKED, |exit| exit as u8));
     };
     let command = std::thread::Builder::new().name("command".to_owned()).stack_size(STACK);
     match command.spawn(work) {
@@ -72,13 +65,6 @@ pub fn main() -> ExitCode {
 
 /// What the main thread of a program usually has.
 const STACK: usize = 8 << 20;
-
-/// Ends the program at once.
-fn leave(exit: Exit) {
-    if let Some(leave) = LEAVE.get() {
-        let _ = leave.send(exit as u8);
-    }
-}
 
 /// How the program ends with what came of the command, whose error is printed.
 fn exit_of(outcome: Result<Exit>) -> Exit {

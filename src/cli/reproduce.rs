@@ -1,11 +1,10 @@
 //! `photosphere reproduce`: a picture again, from what it says of itself.
 
-mod words;
-
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::error::{Error, Result};
+use crate::explain::{in_standard_errors, in_steps};
 use crate::job::reproduce::{Again, Reproduction, metadata_of, reproduce};
 use crate::job::{Metadata, crop_of, is_checkpoint};
 use crate::output::{self, Notes, RawChannel, Target};
@@ -39,8 +38,8 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
         format!("`{}` comes out differently, in {}\n", path.display(), wrong.join(", "));
     words += &reasons(&said.differences_of_program(&again.metadata));
     words += &match is_png(path) {
-        true => words::in_steps(&then, &now),
-        false => words::in_standard_errors(&then, &now, &again.film),
+        true => in_steps(&then, &now),
+        false => in_standard_errors(&then, &now, &again.film),
     };
     print::result(&words)?;
     Ok(Exit::CheckFailed)

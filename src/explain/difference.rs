@@ -1,4 +1,4 @@
-//! By how much a picture that comes out differently differs, in words.
+//! By how much two pictures of one render differ, in words.
 
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -10,8 +10,8 @@ use crate::output::RawChannel;
 /// Fewer samples of a pixel make fewer than two blocks, which say nothing of their spread.
 const FEWEST: u32 = 32;
 
-/// Of pictures for the screen.
-pub(super) fn in_steps(then: &[RawChannel], now: &[RawChannel]) -> String {
+/// By how much two pictures for the screen differ, in steps of 8 bits.
+pub fn in_steps(then: &[RawChannel], now: &[RawChannel]) -> String {
     let (mut most, mut pixels) = (0, BTreeSet::new());
     for (then, now) in then.iter().zip(now) {
         for (pixel, (a, b)) in then.bits.iter().zip(&now.bits).enumerate() {
@@ -62,7 +62,7 @@ impl Worst {
 
 /// How far the beauty is off, measured by the standard error that both pictures have by chance; where
 /// that is not known, by how much.
-pub(super) fn in_standard_errors(then: &[RawChannel], now: &[RawChannel], film: &Film) -> String {
+pub fn in_standard_errors(then: &[RawChannel], now: &[RawChannel], film: &Film) -> String {
     let Some(found) = compared(then, now, film) else {
         return "one of the two has no beauty\n".to_owned();
     };
