@@ -19,7 +19,6 @@ pub mod cli;
 pub mod color;
 pub mod draw;
 pub mod error;
-pub mod explain;
 #[cfg(feature = "faults")]
 pub mod fault;
 #[cfg(not(feature = "faults"))]
@@ -34,6 +33,7 @@ pub mod material;
 pub mod math;
 pub mod names;
 pub mod output;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod verify;

@@ -5,10 +5,11 @@
 use std::process::{Command, Output};
 
 use photosphere::accel::Cancel;
+use photosphere::report;
 use photosphere::verify::check::{
     Check, Effort, Finding, Group, Measured, run_all, share_significance,
 };
-use photosphere::verify::{checks, report};
+use photosphere::verify::checks;
 
 fn verify(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_photosphere"));
@@ -63,7 +64,7 @@ fn a_failure_is_told_with_its_pictures_and_names() {
     let outcomes = run_all(&checks, &Cancel::default(), &|_| ()).expect("runs");
     assert_eq!(outcomes.iter().map(|o| o.passed).collect::<Vec<_>>(), [true, false]);
     let judged: Vec<_> = checks.iter().zip(&outcomes).collect();
-    let page = report::page(&[("machine", "a & b".to_owned())], &judged);
+    let page = report::checks::page(&[("machine", "a & b".to_owned())], &judged);
     for sign in
         ["1 of 2 checks FAILED", "What failed", "bad &lt;wrong&gt;", "a &amp; b", "&lt;why&gt;"]
     {

@@ -1,8 +1,8 @@
 //! `photosphere info`: what is in a scene, and how a picture was made.
 
 use crate::error::{Error, Result};
-use crate::explain::{FileRecords, SceneSummary, is_picture};
 use crate::film::Kind;
+use crate::report::{FileRecords, SceneSummary, is_picture};
 use crate::scene::read_file;
 
 use super::args::InfoArgs;

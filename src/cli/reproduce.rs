@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::error::{Error, Result};
-use crate::explain::{in_standard_errors, in_steps};
 use crate::job::reproduce::{Again, Reproduction, metadata_of, reproduce};
 use crate::job::{Metadata, crop_of, is_checkpoint};
 use crate::output::{self, Notes, RawChannel, Target};
+use crate::report::{in_standard_errors, in_steps};
 
 use super::args::ReproduceArgs;
 use super::exit::Exit;

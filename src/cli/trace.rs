@@ -2,9 +2,9 @@
 
 use crate::accel::{BuildOptions, Cancel};
 use crate::error::{Error, Result};
-use crate::explain;
 use crate::integrator::{self, SampleAddress, World};
 use crate::output::WholeFile;
+use crate::report::path;
 use crate::scene::{Shot, read_file};
 
 use super::args::TraceArgs;
@@ -36,12 +36,12 @@ fn trace(args: &TraceArgs, file: Option<WholeFile>) -> Result<Exit> {
             .with_help("add --integrator path")
     })?;
     if args.json {
-        print::json(&explain::json(&shot, &trace))?;
+        print::json(&path::json(&shot, &trace))?;
     } else {
-        print::result(&explain::words(&shot, &trace))?;
+        print::result(&path::words(&shot, &trace))?;
     }
     if let (Some(file), Some(path)) = (file, &args.svg) {
-        let svg = explain::svg(&shot, &trace);
+        let svg = path::svg(&shot, &trace);
         file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
         print::remark(format_args!("wrote {}", path.display()));
     }

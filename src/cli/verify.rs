@@ -3,24 +3,19 @@
 use std::io::Write as _;
 use std::time::{Duration, Instant};
 
-use serde_json::{Map, Value, json};
-
 use crate::accel::{Cancel, embree_info};
 use crate::error::{Error, Result};
 use crate::job::Observer;
 use crate::output::WholeFile;
-use crate::verify::check::{
-    self, Check, Effort, FAMILY_SIGNIFICANCE, Group, Outcome, run_all, share_significance,
-};
+use crate::report::checks::{self, Judged};
+use crate::verify::check::{self, Check, Effort, run_all, share_significance};
 use crate::verify::checks_on;
-use crate::verify::report::{self, Judged};
 
 use super::args::VerifyArgs;
 use super::exit::Exit;
-use super::print::{self, row};
 use super::progress::Progress;
 use super::system::on_threads;
-use super::{interrupt, system};
+use super::{interrupt, print, system};
 
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
 const BAR: &str = "{bar:32} {pos} of {len}  {elapsed}  {wide_msg}";
@@ -48,13 +43,13 @@ fn verify(args: &VerifyArgs, report: Option<WholeFile>) -> Result<Exit> {
     let judged: Vec<Judged<'_>> = checks.iter().zip(&outcomes).collect();
     let seconds = started.elapsed().as_secs_f64();
     if let Some(report) = report {
-        let page = report::page(&facts(args, seconds), &judged);
+        let page = checks::page(&facts(args, seconds), &judged);
         report.write(|sink| sink.write_all(page.as_bytes()))?;
     }
     if args.json {
-        print::json(&json(&judged, args, seconds))?;
+        print::json(&checks::json(&judged, &facts(args, seconds), seconds))?;
     } else {
-        print::result(&table(&judged, seconds))?;
+        print::result(&checks::table(&judged, seconds))?;
     }
     if let (Some(path), false) = (&args.report, args.quiet) {
         print::remark(format_args!("wrote {}", path.display()));
@@ -116,99 +111,6 @@ fn facts(args: &VerifyArgs, seconds: f64) -> Vec<(&'static str, String)> {
     let threads = rayon::current_num_threads();
     facts.push(("effort", format!("{effort}: {seconds:.0} s on {threads} threads")));
     facts
-}
-
-/// The columns of the table: name, checks, failed, largest statistic.
-const COLUMNS: [i32; 5] = [-34, 8, 8, 3, -1];
-
-/// One line for each group and each closed form, and after them what failed.
-fn table(judged: &[Judged<'_>], seconds: f64) -> String {
-    let mut text = row(COLUMNS, ["", "checks", "failed", "", "largest statistic"]);
-    for group in Group::ALL {
-        let of_group: Vec<Judged<'_>> =
-            judged.iter().copied().filter(|(check, _)| check.group == group).collect();
-        if of_group.is_empty() {
-            continue;
-        }
-        text += &line(group.name(), &of_group);
-        if group == Group::ClosedForms {
-            for of_form in of_group.chunk_by(|a, b| family(a.0) == family(b.0)) {
-                text += &line(&format!("  {}", family(of_form[0].0)), of_form);
-            }
-        }
-    }
-    let mut remarks = judged.iter().filter_map(|(_, outcome)| outcome.remark.as_deref()).peekable();
-    if remarks.peek().is_some() {
-        text += "not scaled to conserve energy, and there to show it:\n";
-    }
-    remarks.for_each(|remark| text += &format!("  {remark}\n"));
-    text + &conclusion(judged, seconds)
-}
-
-/// The words before the colon of a check's name.
-fn family(check: &Check) -> &str {
-    check.name.split(": ").next().unwrap_or_default()
-}
-
-fn line(name: &str, judged: &[Judged<'_>]) -> String {
-    let failed = judged.iter().filter(|(_, outcome)| !outcome.passed).count();
-    let outcomes = judged.iter().map(|(_, outcome)| *outcome);
-    let largest = outcomes.max_by(|a, b| a.statistic.total_cmp(&b.statistic)).map(statistic);
-    let [checks, failed] = [judged.len(), failed].map(|count| count.to_string());
-    row(COLUMNS, [name, &checks, &failed, "", &largest.unwrap_or_default()])
-}
-
-fn statistic(Outcome { statistic, limit, is_random, .. }: &Outcome) -> String {
-    if *is_random {
-        format!("{statistic:.2} of {limit:.2} sigma")
-    } else {
-        format!("{statistic:.0} wrong")
-    }
-}
-
-fn conclusion(judged: &[Judged<'_>], seconds: f64) -> String {
-    let mut text = String::new();
-    let mut failed = 0;
-    for (check, outcome) in judged.iter().filter(|(_, outcome)| !outcome.passed) {
-        failed += 1;
-        let (group, name) = (check.group.name(), &check.name);
-        let (found, detail) = (statistic(outcome), &outcome.detail);
-        text += &format!("FAILED {group}, {name}: {found}; {detail}\n");
-    }
-    let checks = print::count(judged.len(), "check");
-    text + &match failed {
-        0 => format!(
-            "{checks} passed in {seconds:.0} s; chance alone fails a right program in at most \
-             {FAMILY_SIGNIFICANCE} of all cases\n"
-        ),
-        _ => format!("{failed} of {checks} failed in {seconds:.0} s\n"),
-    }
-}
-
-fn json(judged: &[Judged<'_>], args: &VerifyArgs, seconds: f64) -> Value {
-    let check = |(check, outcome): &Judged<'_>| {
-        json!({
-            "group": check.group.name(),
-            "name": check.name,
-            "passed": outcome.passed,
-            "statistic": outcome.statistic,
-            "limit": outcome.limit,
-            "unit": if outcome.is_random { "sigma" } else { "wrong answers" },
-            "detail": outcome.detail,
-            "remark": outcome.remark,
-        })
-    };
-    let facts: Map<_, _> = facts(args, seconds)
-        .into_iter()
-        .map(|(key, value)| (key.to_owned(), value.into()))
-        .collect();
-    json!({
-        "facts": facts,
-        "family_significance": FAMILY_SIGNIFICANCE,
-        "passed": judged.iter().all(|(_, outcome)| outcome.passed),
-        "seconds": seconds,
-        "checks": judged.iter().map(check).collect::<Vec<_>>(),
-    })
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Drawing: figures in, SVG and HTML out. It knows numbers, words and colours, but nothing of light.
+//! Drawing: figures in; SVG, HTML and tables of text out. It knows numbers, words and colours, but nothing of light.
 //!
 //! [`bars`], [`lines`](lines()) and [`panels`] are whole charts. A [`Canvas`] takes lines, circles and
 //! words one by one, and a [`SideView`] says where points of space lie on it. A [`page`] holds text,
@@ -12,6 +12,7 @@ mod heat;
 mod lines;
 pub mod page;
 mod side;
+pub mod text;
 
 pub use axes::{Axes, Value};
 pub use bars::{Bar, BarGroup, bars};

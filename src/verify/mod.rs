@@ -15,7 +15,6 @@ mod materials;
 pub mod metrics;
 mod quadrature;
 pub mod rays;
-pub mod report;
 pub mod statistics;
 mod suite;
 

@@ -1,6 +1,5 @@
 //! `photosphere bench`: how fast every intersector answers, builds and renders.
 
-mod report;
 mod suite;
 
 use std::fmt::Write as _;
@@ -14,6 +13,7 @@ use crate::geometry::PathRay;
 use crate::job::{COMMIT, VERSION};
 use crate::math::Ray;
 use crate::output::WholeFile;
+use crate::report::speed::SpeedReport;
 use crate::scene::{SceneFile, Shot, read_file};
 use crate::verify::bench::{KINDS, Measuring, Record, Rounds, camera_rays, renders};
 
@@ -23,7 +23,6 @@ use super::interrupt::{self, Interrupt};
 use super::memory::{self, Needs};
 use super::print;
 use super::system::{self, on_threads};
-use report::Report;
 
 /// More camera rays than this only take memory.
 const MOST_RAYS: usize = 1 << 20;
@@ -79,7 +78,7 @@ fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<
         let svg = measured.drawing(&title, &subtitle)?;
         file.write(|to| to.write_all(svg.as_bytes()))?;
     }
-    let report = Report { spheres, rounds, measured: &measured };
+    let report = SpeedReport { spheres, rounds, measured: &measured };
     if args.json {
         print::json(&report.json())?
     } else {

@@ -1,10 +1,7 @@
 //! `photosphere bench --suite`: the standard scenes, one size after the other, on one page.
 
-use std::fmt;
 use std::io::Write;
 use std::path::Path;
-
-use serde_json::{Value, json};
 
 use crate::accel::{EmbreeInfo, embree_info};
 use crate::cli::args::BenchArgs;
@@ -14,10 +11,9 @@ use crate::cli::{print, system};
 use crate::error::Result;
 use crate::job::COMMIT;
 use crate::output::WholeFile;
-use crate::verify::bench::page::page;
-use crate::verify::bench::{Entry, Event, Rounds, SECOND_BOUNCE, Suite};
+use crate::report::speed::{entries_json, page};
+use crate::verify::bench::{Event, Rounds, Suite};
 
-use super::report::Report;
 use super::{circumstances, measuring};
 
 /// The largest scene unless `--largest` says another.
@@ -40,7 +36,7 @@ pub(super) fn run(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Resul
                 print::remark(format_args!("{spheres} spheres with {name} do not fit into memory"));
             }
             Event::Finished(entry) => {
-                print::remark(InALine(entry));
+                print::remark(entry);
                 interrupt.save_from_now_on();
             }
         };
@@ -50,32 +46,9 @@ pub(super) fn run(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Resul
     file.write(|to| to.write_all(text.as_bytes()))?;
     print::remark(format_args!("wrote {}", path.display()));
     if args.json {
-        print::json(&entries.iter().map(|entry| json(entry, rounds)).collect::<Vec<_>>())?;
+        print::json(&entries_json(&entries, rounds))?;
     }
     Ok(if suite.measuring.cancel.is_cancelled() { Exit::Stopped } else { Exit::Done })
-}
-
-/// What a scene gave: the rates of the second bounce, which no cache helps.
-struct InALine<'a>(&'a Entry);
-
-impl fmt::Display for InALine<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(Entry { arrangement, spheres, measured }) = self;
-        let kind = measured.kind(SECOND_BOUNCE).unwrap_or(0);
-        let rates = measured.results.iter().filter_map(|result| {
-            let rate = print::si(result.rates[kind]?.closest.median);
-            Some(format!("{} {rate}rays/s", result.backend.name()))
-        });
-        let rates = rates.collect::<Vec<_>>().join(", ");
-        let rates = if rates.is_empty() { "no ray gets as far as a second bounce" } else { &rates };
-        write!(f, "{}, {}: {rates}", arrangement.name(), print::count(*spheres as usize, "sphere"))
-    }
-}
-
-fn json(entry: &Entry, rounds: Rounds) -> Value {
-    let spheres = entry.spheres as usize;
-    let report = Report { spheres, rounds, measured: &entry.measured };
-    json!({ "arrangement": entry.arrangement.name(), "measured": report.json() })
 }
 
 fn facts(rounds: Rounds) -> [(&'static str, String); 4] {

@@ -6,7 +6,6 @@
 
 mod measure;
 mod measurement;
-pub mod page;
 mod record;
 mod standard;
 mod sweep;

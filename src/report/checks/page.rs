@@ -3,11 +3,10 @@
 use crate::draw::Cells;
 use crate::draw::page::{details, element, escape, facts, page_of, table};
 
-use super::check::{Check, FAMILY_SIGNIFICANCE, Group, Outcome};
-use super::closed_forms::{FORMS, Form};
+use crate::verify::check::{FAMILY_SIGNIFICANCE, Group, Outcome};
+use crate::verify::closed_forms::{FORMS, Form};
 
-/// A check and what came of it.
-pub type Judged<'a> = (&'a Check, &'a Outcome);
+use super::Judged;
 
 /// The page. `about` stands first: what was checked, where and how.
 pub fn page(about: &[(&str, String)], judged: &[Judged<'_>]) -> String {

@@ -1,6 +1,7 @@
 //! A path in words and in the letters of the rendering equation.
 
 use crate::color::Rgb;
+use crate::draw::text::count;
 use crate::geometry::Side;
 use crate::integrator::{Added, End, Step, Trace};
 use crate::light::LightSample;
@@ -33,12 +34,11 @@ pub fn words(shot: &Shot, trace: &Trace) -> String {
     }
     let radiance = trace.radiance;
     text + &format!(
-        "\nL_o at the camera = {} direct + {} indirect = {}; {} ray{} traced\n",
+        "\nL_o at the camera = {} direct + {} indirect = {}; {} traced\n",
         color(radiance.direct),
         color(radiance.indirect),
         color(radiance.direct + radiance.indirect),
-        trace.tally.rays,
-        if trace.tally.rays == 1 { "" } else { "s" },
+        count(trace.tally.rays as usize, "ray"),
     )
 }
 

@@ -1,25 +1,22 @@
-//! The plot of [`super`] as SVG: error against samples on the left, against seconds on the right, both
+//! The plot as SVG: error against samples on the left, against seconds on the right, both
 //! in log-log, with the interval of every point and the fitted lines.
 
 use crate::draw::{Axes, Course, Line, Mark, Panel, Panels, Value, panels};
 use crate::error::{Error, Result};
 
-use super::super::statistics::Estimate;
-use super::{Axis, Fit, Metric, Series};
+use crate::verify::converge::{Axis, Fit, Metric, Point, Series};
+use crate::verify::statistics::Estimate;
 
-/// What is written above the plots.
-pub struct Heading<'a> {
-    /// What was rendered.
-    pub title: &'a str,
-    /// What it was held against.
-    pub subtitle: &'a str,
-}
-
-/// Draws the series.
+/// Draws the series, with a title and what is to be known of them.
 ///
 /// # Errors
 /// When nothing can be drawn: no error is positive and finite.
-pub fn svg(series: &[Series], metric: Metric, heading: &Heading<'_>) -> Result<String> {
+pub(super) fn svg(
+    series: &[Series],
+    metric: Metric,
+    title: &str,
+    subtitle: &str,
+) -> Result<String> {
     let of = |axis| panel(series, metric, axis);
     let (Some(left), Some(right)) = (of(Axis::Samples), of(Axis::Seconds)) else {
         return Err(Error::input("there is no error above the reference's own noise to plot"));
@@ -31,8 +28,8 @@ pub fn svg(series: &[Series], metric: Metric, heading: &Heading<'_>) -> Result<S
         })
     };
     panels(&Panels {
-        title: heading.title,
-        subtitle: heading.subtitle,
+        title,
+        subtitle,
         panels: [left, right],
         heads: ["slope against samples (95 %)", "slope against seconds (95 %)"],
         rows: series.iter().map(slopes).collect(),
@@ -66,9 +63,9 @@ fn marks(series: &Series, metric: Metric, axis: Axis) -> Vec<Mark> {
         let (middle, margin) = (estimate.mean, estimate.margin(0.95));
         Value { middle, low: middle - margin, high: middle + margin }
     };
-    let mark = |point: &super::Point| Mark {
+    let mark = |point: &Point| Mark {
         x: match axis {
-            Axis::Samples => Value::exact(f64::from(point.samples)),
+            Axis::Samples => Value::exact(place(point, axis)),
             Axis::Seconds => with_interval(point.seconds()),
         },
         y: with_interval(point.error(metric)),
@@ -77,19 +74,26 @@ fn marks(series: &Series, metric: Metric, axis: Axis) -> Vec<Mark> {
     series.points.iter().map(mark).filter(is_shown).collect()
 }
 
+fn place(point: &Point, axis: Axis) -> f64 {
+    match axis {
+        Axis::Samples => f64::from(point.samples),
+        Axis::Seconds => point.seconds().mean,
+    }
+}
+
 /// The ends of the fitted line.
 fn fitted(series: &Series, metric: Metric, axis: Axis) -> Option<[(f64, f64); 2]> {
     let Fit { slope, intercept } = series.fit(metric, axis)?;
     let y = |x: f64| libm::exp10(intercept + slope.mean * libm::log10(x));
-    let xs = series.points.iter().map(|point| point.place(axis));
+    let xs = series.points.iter().map(|point| place(point, axis));
     let (low, high) = (xs.clone().fold(f64::INFINITY, f64::min), xs.fold(0.0, f64::max));
     Some([(low, y(low)), (high, y(high))])
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Point, Run};
     use super::*;
+    use crate::verify::converge::Run;
 
     fn series(name: &str, factor: f64) -> Series {
         let point = |samples: u32| {
@@ -105,8 +109,7 @@ mod tests {
     #[test]
     fn the_plot_names_every_series_and_its_slope_and_escapes_names() {
         let all = [series("path", 1.0), series("a < b", 10.0)];
-        let heading = Heading { title: "a title", subtitle: "against \"that\"" };
-        let svg = svg(&all, Metric::Rmse, &heading).unwrap();
+        let svg = svg(&all, Metric::Rmse, "a title", "against \"that\"").unwrap();
         assert!(svg.starts_with("<svg width=\"1120\""), "{}", &svg[..80]);
         for text in ["path", "a &lt; b", "-0.500 ± 0.000", "samples per pixel", "seconds"] {
             assert!(svg.contains(text), "{text}");
@@ -116,7 +119,6 @@ mod tests {
 
     #[test]
     fn nothing_to_draw_is_an_error() {
-        let heading = Heading { title: "", subtitle: "" };
-        assert!(svg(&[series("path", -1.0)], Metric::Rmse, &heading).is_err());
+        assert!(svg(&[series("path", -1.0)], Metric::Rmse, "", "").is_err());
     }
 }

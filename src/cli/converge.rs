@@ -1,7 +1,5 @@
 //! `photosphere converge`: error against samples and against time.
 
-mod report;
-
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -9,9 +7,10 @@ use std::time::Instant;
 use crate::accel::Backend;
 use crate::error::{Error, Result};
 use crate::output::{self, BEAUTY, WholeFile};
+use crate::report::convergence::{ConvergenceReport, ReferenceOrigin};
 use crate::scene::settings::{Image, Integrator, IntegratorKind};
 use crate::scene::{Override, Settings, read_file};
-use crate::verify::converge::{Metric, Reference, ReferenceFrom, Study, Variant, plot};
+use crate::verify::converge::{Metric, Reference, ReferenceFrom, Series, Study, Variant};
 
 use super::args::ConvergeArgs;
 use super::compare::check_finite;
@@ -19,7 +18,6 @@ use super::exit::Exit;
 use super::progress::{Progress, State};
 use super::system::on_threads;
 use super::{interrupt, print};
-use report::Report;
 
 /// # Errors
 /// Whatever stands between the scene and the plot, the place of the plot first.
@@ -44,33 +42,54 @@ fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
     progress.finish();
     let (reference, series) = result?;
     if !series.iter().any(|one| one.has_error(metric)) {
-        return Err(report::nothing_to_plot(&reference, metric));
+        return Err(nothing_to_plot(&reference, metric));
     }
     let half = args.reference_half(study.samples.last().copied().unwrap_or(1));
-    let image = study.variants[0].settings[0].image;
-    let report = Report {
-        args,
+    let report = ConvergenceReport {
+        scene: &args.scene.path,
+        image: study.variants[0].settings[0].image,
+        seeds: args.seeds,
         metric,
-        image,
         reference: &reference,
-        reference_integrator,
-        reference_samples: 2 * u64::from(half),
+        origin: match &args.reference {
+            Some(path) => ReferenceOrigin::File(path),
+            None => ReferenceOrigin::Halves(&reference_integrator, half),
+        },
         series: &series,
     };
-    let (title, subtitle) = (report.title(), report.about_reference());
-    let heading = plot::Heading { title: &title, subtitle: &subtitle };
-    let svg = plot::svg(&series, metric, &heading)?;
+    let svg = report.svg()?;
     file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
-    report.warn_of_noise();
-    if args.json {
-        print::json(&report.json())?
-    } else {
-        print::result(&report.to_string())?
+    if is_too_noisy(&reference, &series, metric) {
+        print::warning("the reference is nearly as noisy as the best point; raise --reference-spp");
+    }
+    match args.json {
+        true => print::json(&report.json(&args.output))?,
+        false => print::result(&report.to_string())?,
     }
     if !args.quiet {
         print::remark(format_args!("wrote {}", args.output.display()));
     }
     Ok(Exit::Done)
+}
+
+/// Says why there is nothing to plot.
+fn nothing_to_plot(reference: &Reference, metric: Metric) -> Error {
+    match reference.noise(metric) {
+        Some(0.0) | None => Error::input(
+            "every picture equals the reference: there is no error to plot",
+        )
+        .with_help("each sample of this scene gives the same, so it needs one; try another scene"),
+        Some(_) => Error::input("there is no error above the reference's own noise to plot")
+            .with_help("make the reference better with --reference-spp"),
+    }
+}
+
+/// A reference that is nearly as noisy as what it judges is no reference.
+fn is_too_noisy(reference: &Reference, series: &[Series], metric: Metric) -> bool {
+    let points = series.iter().flat_map(|one| &one.points);
+    // An error that is no number is not the least.
+    let least = points.map(|point| point.error(metric).mean).fold(f64::INFINITY, f64::min);
+    reference.noise(metric).is_some_and(|own| own > 0.0 && own >= 0.5 * least)
 }
 
 /// What is to be rendered, and the integrator of the reference. Where the scene objects to anything, it

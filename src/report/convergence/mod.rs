@@ -1,31 +1,21 @@
-//! What `photosphere converge` found, in words and in JSON.
+//! How error falls: in words, as JSON, and as a plot.
+
+mod plot;
 
 use std::fmt;
+use std::path::Path;
 
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::cli::args::ConvergeArgs;
-use crate::cli::print::{self, row};
-use crate::error::Error;
+use crate::draw::text::row;
+use crate::error::Result;
 use crate::scene::settings::Image;
-use crate::verify::converge::{Axis, Metric, Reference, Series};
+use crate::verify::converge::{Axis, Metric, Point, Reference, Series};
 use crate::verify::statistics;
 
 /// How sure the intervals are.
 const CONFIDENCE: f64 = 0.95;
-
-/// Says why there is nothing to plot.
-pub(super) fn nothing_to_plot(reference: &Reference, metric: Metric) -> Error {
-    match reference.noise(metric) {
-        Some(0.0) | None => Error::input(
-            "every picture equals the reference: there is no error to plot",
-        )
-        .with_help("each sample of this scene gives the same, so it needs one; try another scene"),
-        Some(_) => Error::input("there is no error above the reference's own noise to plot")
-            .with_help("make the reference better with --reference-spp"),
-    }
-}
 
 /// A mean with its interval.
 #[derive(Serialize)]
@@ -48,33 +38,54 @@ impl fmt::Display for Estimate {
 }
 
 /// What was found.
-pub(super) struct Report<'a> {
-    pub(super) args: &'a ConvergeArgs,
-    pub(super) metric: Metric,
-    pub(super) image: Image,
-    pub(super) reference: &'a Reference,
-    pub(super) reference_integrator: String,
-    /// Those of both halves.
-    pub(super) reference_samples: u64,
-    pub(super) series: &'a [Series],
+#[derive(Clone, Copy, Debug)]
+pub struct ConvergenceReport<'a> {
+    /// The scene file.
+    pub scene: &'a Path,
+    /// The size of the pictures.
+    pub image: Image,
+    /// The pictures behind every point.
+    pub seeds: u32,
+    /// Which error is told of.
+    pub metric: Metric,
+    /// What the pictures were held against.
+    pub reference: &'a Reference,
+    /// Where that came from.
+    pub origin: ReferenceOrigin<'a>,
+    /// The curves.
+    pub series: &'a [Series],
 }
 
-impl Report<'_> {
-    pub(super) fn title(&self) -> String {
-        let path = &self.args.scene.path;
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        let Image { width, height, .. } = self.image;
-        format!("{name}, {width} x {height} pixels, {} seeds", self.args.seeds)
+/// Where a reference came from.
+#[derive(Clone, Copy, Debug)]
+pub enum ReferenceOrigin<'a> {
+    /// A picture.
+    File(&'a Path),
+    /// Two renders with this integrator and so many samples per pixel each.
+    Halves(&'a str, u32),
+}
+
+impl ConvergenceReport<'_> {
+    /// The plot, as SVG.
+    ///
+    /// # Errors
+    /// When nothing can be drawn: no error is positive and finite.
+    pub fn svg(&self) -> Result<String> {
+        plot::svg(self.series, self.metric, &self.title(), &self.about_reference())
     }
 
-    pub(super) fn about_reference(&self) -> String {
-        let what = match &self.args.reference {
-            Some(path) => path.display().to_string(),
-            None => format!(
-                "{}, 2 x {} samples per pixel",
-                self.reference_integrator,
-                self.reference_samples / 2
-            ),
+    fn title(&self) -> String {
+        let name = self.scene.file_name().unwrap_or(self.scene.as_os_str()).to_string_lossy();
+        let Image { width, height, .. } = self.image;
+        format!("{name}, {width} x {height} pixels, {} seeds", self.seeds)
+    }
+
+    fn about_reference(&self) -> String {
+        let what = match self.origin {
+            ReferenceOrigin::File(path) => path.display().to_string(),
+            ReferenceOrigin::Halves(integrator, samples) => {
+                format!("{integrator}, 2 x {samples} samples per pixel")
+            }
         };
         match self.reference.noise(self.metric) {
             Some(own) => {
@@ -85,24 +96,12 @@ impl Report<'_> {
         }
     }
 
-    /// A reference that is nearly as noisy as what it judges is no reference.
-    pub(super) fn warn_of_noise(&self) {
-        let points = self.series.iter().flat_map(|one| &one.points);
-        let errors = points.map(|point| point.error(self.metric).mean);
-        // An error that is no number is not the least.
-        let least = errors.fold(f64::INFINITY, f64::min);
-        if self.reference.noise(self.metric).is_some_and(|own| own > 0.0 && own >= 0.5 * least) {
-            print::warning(
-                "the reference is nearly as noisy as the best point; raise --reference-spp",
-            );
-        }
-    }
-
-    pub(super) fn json(&self) -> Value {
+    /// What was found, for programs, with the file that has the plot.
+    pub fn json(&self, output: &Path) -> Value {
         let estimate = |of: statistics::Estimate| json!(Estimate::from(of));
         let one = |one: &Series| {
             let slope = |axis| one.fit(self.metric, axis).map(|fit| estimate(fit.slope));
-            let point = |point: &crate::verify::converge::Point| {
+            let point = |point: &Point| {
                 json!({
                     "samples_per_pixel": point.samples,
                     "error": estimate(point.error(self.metric)),
@@ -118,17 +117,17 @@ impl Report<'_> {
             })
         };
         json!({
-            "output": self.args.output.display().to_string(),
+            "output": output.display().to_string(),
             "metric": self.metric.name(),
             "width": self.image.width,
             "height": self.image.height,
-            "seeds": self.args.seeds,
+            "seeds": self.seeds,
             "threads": rayon::current_num_threads(),
-            "reference": match &self.args.reference {
-                Some(path) => json!({ "file": path.display().to_string() }),
-                None => json!({
-                    "integrator": self.reference_integrator,
-                    "samples_per_pixel": self.reference_samples,
+            "reference": match self.origin {
+                ReferenceOrigin::File(path) => json!({ "file": path.display().to_string() }),
+                ReferenceOrigin::Halves(integrator, samples) => json!({
+                    "integrator": integrator,
+                    "samples_per_pixel": 2 * u64::from(samples),
                 }),
             },
             "reference_error": self.reference.noise(self.metric),
@@ -137,7 +136,7 @@ impl Report<'_> {
     }
 }
 
-impl fmt::Display for Report<'_> {
+impl fmt::Display for ConvergenceReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n{}", self.title(), self.about_reference())?;
         writeln!(f, "means and slopes with 95 % intervals")?;

@@ -3,11 +3,14 @@
 use std::fmt;
 
 use crate::draw::page::{details, element, escape, facts, page_of, table};
+use crate::draw::text::count;
 use crate::draw::{Axes, Bar, BarGroup, Course, Line, Mark, Panel, Value, bars, lines};
 use crate::error::Result;
 use crate::generate::Arrangement;
 
-use super::{BackendBench, Entry, Figure, Measured, Question, SECOND_BOUNCE, Swept, WholeBench};
+use crate::verify::bench::{
+    BackendBench, Entry, Figure, Measured, Question, SECOND_BOUNCE, Swept, WholeBench,
+};
 
 impl fmt::Display for Question {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -32,19 +35,13 @@ impl Measured {
     /// When the drawing fails.
     pub fn drawing(&self, title: &str, subtitle: &str) -> Result<String> {
         let mut groups = self.groups_of_kinds();
-        let of_batch = |swept: &Swept| {
-            let batch = swept.setting.batch;
-            format!("{batch} {} a call", if batch == 1 { "ray" } else { "rays" })
-        };
-        let of_threads = |swept: &Swept| {
-            let threads = swept.setting.threads;
-            format!("{threads} {}", if threads == 1 { "thread" } else { "threads" })
-        };
-        groups
-            .extend(self.batches.iter().flat_map(|swept| self.groups_of(swept, &of_batch(swept))));
-        groups.extend(
-            self.scaling.iter().flat_map(|swept| self.groups_of(swept, &of_threads(swept))),
-        );
+        for swept in &self.batches {
+            let rays = count(swept.setting.batch, "ray");
+            groups.extend(self.groups_of(swept, &format!("{rays} a call")));
+        }
+        for swept in &self.scaling {
+            groups.extend(self.groups_of(swept, &count(swept.setting.threads, "thread")));
+        }
         let whole = |render: &WholeBench| Bar {
             name: render.backend.name().to_owned(),
             value: render.seconds.into(),

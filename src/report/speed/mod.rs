@@ -1,35 +1,43 @@
-//! What `photosphere bench` found, for people and for programs.
+//! How fast intersectors are: in words, as JSON, as bars, and as a page about the standard scenes.
+
+mod page;
 
 use std::fmt;
+
+pub use page::page;
 
 use serde_json::{Map, Value, json};
 
 use crate::accel::{Choice, Chosen};
-use crate::cli::print::{self, row};
+use crate::draw::text::{count, percent, row, si};
 use crate::verify::bench::{
-    BackendBench, Figure, Measured, Rates, Rounds, SECOND_BOUNCE, Swept, WholeBench,
+    BackendBench, Entry, Figure, Measured, Rates, Rounds, SECOND_BOUNCE, Swept, WholeBench,
 };
 
-/// What was measured.
-pub(super) struct Report<'a> {
-    pub(super) spheres: usize,
-    pub(super) rounds: Rounds,
-    pub(super) measured: &'a Measured,
+/// What was measured on one scene.
+#[derive(Clone, Copy, Debug)]
+pub struct SpeedReport<'a> {
+    /// Spheres of the scene.
+    pub spheres: usize,
+    /// How it was measured.
+    pub rounds: Rounds,
+    /// The figures.
+    pub measured: &'a Measured,
 }
 
 /// The columns of a table of rates.
 const RATES: [i32; 8] = [-14, 10, 8, 8, 12, 8, 8, 12];
 
-impl fmt::Display for Report<'_> {
+impl fmt::Display for SpeedReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Rounds { count, batch } = self.rounds;
+        let Rounds { count: rounds, batch } = self.rounds;
         let Chosen { backend, reason } = self.choice();
         writeln!(
             f,
             "{}, {}, {} a call; --accel auto takes {} ({reason})\n",
-            print::count(self.spheres, "sphere"),
-            print::count(rayon::current_num_threads(), "thread"),
-            print::count(batch, "ray"),
+            count(self.spheres, "sphere"),
+            count(rayon::current_num_threads(), "thread"),
+            count(batch, "ray"),
             backend.name(),
         )?;
         let columns = [-12, 10, 8, 18, -3, -1];
@@ -40,7 +48,7 @@ impl fmt::Display for Report<'_> {
             let cells = [backend.name(), &seconds, &spread(*build_s), &bytes, "", details];
             f.write_str(&row(columns, cells))?;
         }
-        let rounds = print::count(count, "round");
+        let rounds = count(rounds, "round");
         writeln!(
             f,
             "\nrays per second of all threads: median of {rounds}, and the spread of half of them"
@@ -57,7 +65,7 @@ impl fmt::Display for Report<'_> {
     }
 }
 
-impl Report<'_> {
+impl SpeedReport<'_> {
     fn choice(&self) -> Chosen {
         Choice::Auto.choose_for(self.spheres)
     }
@@ -79,7 +87,7 @@ impl Report<'_> {
 
     fn batches(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for swept in &self.measured.batches {
-            let rays = print::count(swept.setting.batch, "ray");
+            let rays = count(swept.setting.batch, "ray");
             write!(f, "\n{SECOND_BOUNCE} rays, {rays} a call{}", head("", ""))?;
             f.write_str(&self.rows_of(swept, |_| swept.rates[0]))?;
         }
@@ -89,7 +97,7 @@ impl Report<'_> {
     fn scaling(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(one) = self.measured.scaling.first() else { return Ok(()) };
         for swept in &self.measured.scaling {
-            let threads = print::count(swept.setting.threads, "thread");
+            let threads = count(swept.setting.threads, "thread");
             let gain = swept.arithmetic.median / one.arithmetic.median;
             write!(
                 f,
@@ -124,8 +132,8 @@ impl Report<'_> {
                 &format!("{median:.3}"),
                 &spread(render.seconds),
                 &format!("{:.2}", median / first.seconds.median),
-                &print::percent(render.inside.median),
-                &print::si(render.rays as f64 / median),
+                &percent(render.inside.median),
+                &si(render.rays as f64 / median),
                 &render.other_pixels.to_string(),
             ];
             f.write_str(&row(columns, cells))?;
@@ -133,7 +141,8 @@ impl Report<'_> {
         Ok(())
     }
 
-    pub(super) fn json(&self) -> Value {
+    /// The figures for programs.
+    pub fn json(&self) -> Value {
         let Chosen { backend: auto, reason } = self.choice();
         let Measured { results, batches, scaling, renders, .. } = self.measured;
         json!({
@@ -186,6 +195,30 @@ impl Report<'_> {
     }
 }
 
+/// What a standard scene gave: the rates of the second bounce, which no cache helps.
+impl fmt::Display for Entry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { arrangement, spheres, measured } = self;
+        let kind = measured.kind(SECOND_BOUNCE).unwrap_or(0);
+        let rates = measured.results.iter().filter_map(|result| {
+            let rate = si(result.rates[kind]?.closest.median);
+            Some(format!("{} {rate}rays/s", result.backend.name()))
+        });
+        let rates = rates.collect::<Vec<_>>().join(", ");
+        let rates = if rates.is_empty() { "no ray gets as far as a second bounce" } else { &rates };
+        write!(f, "{}, {}: {rates}", arrangement.name(), count(*spheres as usize, "sphere"))
+    }
+}
+
+/// What was measured on standard scenes, for programs.
+pub fn entries_json(entries: &[Entry], rounds: Rounds) -> Value {
+    let one = |Entry { arrangement, spheres, measured }: &Entry| {
+        let report = SpeedReport { spheres: *spheres as usize, rounds, measured };
+        json!({ "arrangement": arrangement.name(), "measured": report.json() })
+    };
+    entries.iter().map(one).collect()
+}
+
 fn head(name: &str, last: &str) -> String {
     let cells = [name, "closest", "+-", "ratio", "occluded", "+-", "ratio", last];
     format!("\n{}", row(RATES, cells))
@@ -194,7 +227,7 @@ fn head(name: &str, last: &str) -> String {
 /// Two rates, each with what it is compared with.
 fn rates_row(name: &str, rates: [(Figure, Figure); 2], last: &str) -> String {
     let [closest, occluded] = rates.map(|(rate, with)| {
-        [print::si(rate.median), spread(rate), format!("{:.2}", rate.median / with.median)]
+        [si(rate.median), spread(rate), format!("{:.2}", rate.median / with.median)]
     });
     let ([a, b, c], [d, e, f]) = (&closest, &occluded);
     row(RATES, [name, a, b, c, d, e, f, last])
