@@ -28,7 +28,7 @@ pub(super) fn run(args: &ConvergeArgs) -> Result<Exit> {
 }
 
 fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
-    let metric = Metric::from(args.metric);
+    let metric = args.metric;
     let (study, reference_integrator) = study(args)?;
     let progress = Progress::new(args.quiet);
     let (done, total, began) = (AtomicU64::new(0), study.samples_in_all(), Instant::now());

@@ -3,6 +3,7 @@
 //! to. Nothing is found out here, and nothing printed.
 
 pub mod checks;
+pub mod compare;
 pub mod convergence;
 mod difference;
 mod file;

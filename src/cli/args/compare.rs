@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use super::values::{positive, positive_or_zero};
+use crate::report::compare::{Metric, Wanted};
+
+use super::values::{named, one_of, positive, positive_or_zero};
 
 /// Say how far a picture is from a reference
 #[derive(Args, Debug)]
@@ -45,7 +47,7 @@ pub struct CompareArgs {
     pub reference: PathBuf,
 
     /// What to measure; all by default
-    #[arg(long = "metric", value_name = "NAMES", value_enum, value_delimiter = ',')]
+    #[arg(long = "metric", value_name = "NAMES", value_parser = one_of(named::<Metric>()), value_delimiter = ',')]
     metrics: Vec<Metric>,
 
     /// This layer only; may be repeated
@@ -66,21 +68,24 @@ pub struct CompareArgs {
 
     /// What the heat map shows: flip on a scale from 0 to 1; rmse or relmse (the root of the pixel's
     /// error) on one from 0 to the largest
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = Mapped::Flip)]
-    #[arg(requires = "heatmap")]
-    pub heatmap_of: Mapped,
+    #[arg(long, value_name = "NAME", default_value = "flip", requires = "heatmap")]
+    #[arg(value_parser = one_of(MAPPED.map(|metric| (metric.name().into(), metric))))]
+    pub heatmap_of: Metric,
 
     #[command(flatten)]
-    pub limits: Limits,
+    limits: Limits,
 
     /// Print JSON instead of a table
     #[arg(long)]
     pub json: bool,
 }
 
+/// What a heat map can show.
+const MAPPED: [Metric; 3] = [Metric::Flip, Metric::Rmse, Metric::Relmse];
+
 /// What is still good enough.
 #[derive(Args, Debug)]
-pub struct Limits {
+struct Limits {
     /// Fail when the MSE is larger
     #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
     max_mse: Option<f64>,
@@ -106,27 +111,9 @@ pub struct Limits {
     min_psnr: Option<f64>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Metric {
-    Mse,
-    Rmse,
-    Relmse,
-    Psnr,
-    Flip,
-    Mean,
-}
-
-/// What a heat map can show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Mapped {
-    Flip,
-    Rmse,
-    Relmse,
-}
-
 impl Limits {
     /// Every limit that was set; for PSNR it is the smallest allowed value.
-    pub fn set(&self) -> Vec<(Metric, f64)> {
+    fn set(&self) -> Vec<(Metric, f64)> {
         let all = [
             (Metric::Mse, self.max_mse),
             (Metric::Rmse, self.max_rmse),
@@ -140,9 +127,14 @@ impl Limits {
 }
 
 impl CompareArgs {
-    /// Whether a metric is asked for; one with a limit is.
-    pub fn wants(&self, metric: Metric) -> bool {
-        let is_limited = self.limits.set().iter().any(|&(limited, _)| limited == metric);
-        self.metrics.is_empty() || self.metrics.contains(&metric) || is_limited
+    /// What to measure: what is asked for, or everything, and in any case what has a limit.
+    pub fn wanted(&self) -> Wanted {
+        let limits = self.limits.set();
+        let is_wanted = |metric: &Metric| {
+            let is_limited = limits.iter().any(|(limited, _)| limited == metric);
+            self.metrics.is_empty() || self.metrics.contains(metric) || is_limited
+        };
+        let metrics = Metric::NAMES.iter().map(|(_, metric)| *metric).filter(is_wanted).collect();
+        Wanted { metrics, limits, peak: self.peak }
     }
 }

@@ -2,14 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::TypedValueParser;
 
 use crate::accel::Backend;
-use crate::verify::converge;
+use crate::verify::converge::Metric;
 
 use super::accel::backends;
 use super::scene::SceneArgs;
-use super::values::{Size, seed, size};
+use super::values::{Size, one_of, seed, size};
 
 /// How many numbers of samples are compared where none are asked for.
 const USUAL_POINTS: u32 = 7;
@@ -68,7 +69,7 @@ pub struct ConvergeArgs {
     pub accels: Vec<Backend>,
 
     /// Which error
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = Metric::Rmse)]
+    #[arg(long, value_name = "NAME", value_parser = metrics(), default_value = "rmse")]
     pub metric: Metric,
 
     /// Independent renders behind every point
@@ -108,21 +109,6 @@ pub struct ConvergeArgs {
     pub json: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Metric {
-    Rmse,
-    Relmse,
-}
-
-impl From<Metric> for converge::Metric {
-    fn from(metric: Metric) -> Self {
-        match metric {
-            Metric::Rmse => Self::Rmse,
-            Metric::Relmse => Self::Relmse,
-        }
-    }
-}
-
 impl ConvergeArgs {
     /// Samples per pixel, rising and each once; where none are asked for, multiples of `step`.
     pub fn samples(&self, step: u32) -> Vec<u32> {
@@ -139,4 +125,8 @@ impl ConvergeArgs {
     pub fn reference_half(&self, most: u32) -> u32 {
         self.reference_spp.unwrap_or(most.saturating_mul(16)) / 2
     }
+}
+
+fn metrics() -> impl TypedValueParser<Value = Metric> {
+    one_of([("rmse".into(), Metric::Rmse), ("relmse".into(), Metric::Relmse)])
 }

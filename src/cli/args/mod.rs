@@ -30,7 +30,7 @@ use clap::{Parser, Subcommand};
 use super::exit::EXIT_CODES;
 
 pub use bench::BenchArgs;
-pub use compare::{CompareArgs, Mapped, Metric};
+pub use compare::CompareArgs;
 pub use converge::ConvergeArgs;
 pub use crosscheck::CrosscheckArgs;
 pub use generate::GenerateArgs;
