@@ -4,7 +4,7 @@
 //! walks back:
 //!
 //! ```text
-//! Description -> Scene -> accel -> integrator -> film -> job -> image_io
+//! Description -> Scene -> accel -> integrator -> film -> job -> output
 //! ```
 //!
 //! [`scene::Builder`] makes a scene, [`job::run`] renders it; README.md has an example.
@@ -17,6 +17,7 @@ pub mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod color;
+pub mod draw;
 pub mod error;
 #[cfg(feature = "faults")]
 pub mod fault;
@@ -32,6 +33,7 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod names;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod task;

@@ -3,8 +3,7 @@
 //!     cargo bench --bench stages
 //!     cargo bench --bench stages -- trace
 //!
-//! `photosphere bench` measures whole scenes; `cargo run --release --example record` the figures of
-//! `benches/record/`.
+//! `photosphere bench` measures whole scenes, and with `--record` the figures of `benches/record/`.
 
 mod build;
 mod film;

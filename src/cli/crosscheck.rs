@@ -2,7 +2,6 @@
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::Path;
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -10,14 +9,16 @@ use rand::{RngExt, SeedableRng};
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, SphereSet};
-use crate::math::NO_SPHERE;
+use crate::math::{DVec3, NO_SPHERE};
 use crate::scene::{Scene, Shot, read_file};
 use crate::verify::crosscheck::{self, Contender, Disagreement, Tally};
 use crate::verify::rays;
 
 use super::args::CrosscheckArgs;
 use super::exit::Exit;
-use super::{interrupt, on_threads, print};
+use super::interrupt;
+use super::print::{self, row};
+use super::system::on_threads;
 
 /// So many spheres are tried one by one where only a few thousand rays ask.
 const FEW_SPHERES: usize = 1000;
@@ -32,7 +33,9 @@ pub(super) fn run(args: &CrosscheckArgs) -> Result<Exit> {
 }
 
 fn check(args: &CrosscheckArgs) -> Result<Exit> {
-    let dump = args.dump.as_deref().map(Dump::create).transpose()?;
+    // Made first, because the check takes a while.
+    let create = |path| Ok((path, File::create(path).map_err(|e| Error::file("write", path, e))?));
+    let dump = args.dump.as_deref().map(create).transpose()?;
     let (scene, settings) = read_file(&args.scene.path, &args.scene.overrides())?.build()?;
     let shot = Shot::new(&scene, settings)?;
     let spheres = scene.spheres();
@@ -55,8 +58,8 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     let about_random = crosscheck::compare(spheres, &contenders, &random, &build.cancel)?;
     tallies.iter_mut().zip(about_random).for_each(|(tally, random)| tally.add(random));
     print::result(&table(&tallies))?;
-    if let Some(dump) = dump {
-        dump.write(&tallies, &scene)?;
+    if let Some((path, file)) = dump {
+        write_dump(file, &tallies, &scene).map_err(|e| Error::file("write", path, e))?;
     }
     let failures: usize = tallies.iter().map(Tally::failures).sum();
     Ok(if failures == 0 { Exit::Done } else { Exit::CheckFailed })
@@ -105,25 +108,26 @@ fn camera_rays(shot: &Shot, count: usize, seed: u64) -> Vec<PathRay> {
 }
 
 fn table(tallies: &[Tally]) -> String {
-    let mut text = format!(
-        "{:<12}{:>9}{:>9}{:>11}{:>13}{:>7}{:>7}{:>8}{:>10}{:>7}{:>11}{:>9}\n",
-        "",
-        "rays",
-        "equal",
-        "ambiguous",
-        "passed over",
-        "wrong",
-        "lost",
-        "ghosts",
-        "distance",
-        "sides",
-        "occlusion",
-        "t error"
+    const COLUMNS: [i32; 12] = [-12, 9, 9, 11, 13, 7, 7, 8, 10, 7, 11, 9];
+    let mut text = row(
+        COLUMNS,
+        [
+            "",
+            "rays",
+            "equal",
+            "ambiguous",
+            "passed over",
+            "wrong",
+            "lost",
+            "ghosts",
+            "distance",
+            "sides",
+            "occlusion",
+            "t error",
+        ],
     );
     for tally in tallies {
-        text += &format!(
-            "{:<12}{:>9}{:>9}{:>11}{:>13}{:>7}{:>7}{:>8}{:>10}{:>7}{:>11}{:>9.3}\n",
-            tally.name,
+        let counts = [
             tally.rays,
             tally.equal,
             tally.ambiguous,
@@ -134,8 +138,10 @@ fn table(tallies: &[Tally]) -> String {
             tally.wrong_distances,
             tally.wrong_sides,
             tally.wrong_occlusions,
-            tally.largest_distance_error,
-        );
+        ];
+        let [a, b, c, d, e, f, g, h, i, j] = &counts.map(|count| count.to_string());
+        let error = format!("{:.3}", tally.largest_distance_error);
+        text += &row(COLUMNS, [&tally.name, a, b, c, d, e, f, g, h, i, j, &error]);
     }
     let failures: usize = tallies.iter().map(Tally::failures).sum();
     text += "passed over: those of the ambiguous that lie behind another sphere\n\
@@ -166,33 +172,16 @@ fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
     format!(" spheres{}", ids.into_iter().map(row).collect::<Vec<_>>().join(","))
 }
 
-/// The file for the rays that were answered wrongly; made first, because the check takes a while.
-struct Dump<'a> {
-    path: &'a Path,
-    file: File,
-}
+/// What stands above the rays of a dump.
+const ABOUT_DUMP: &str = "spheres by their ids, and behind them what they are in the scene: rows count \
+    from 0 through [[spheres]] and then the tables";
 
-impl<'a> Dump<'a> {
-    fn create(path: &'a Path) -> Result<Self> {
-        let file = File::create(path).map_err(|e| Error::file("write", path, e))?;
-        Ok(Self { path, file })
+fn write_dump(to: File, tallies: &[Tally], scene: &Scene) -> std::io::Result<()> {
+    let mut to = BufWriter::new(to);
+    let DVec3 { x, y, z } = scene.spheres().origin();
+    writeln!(to, "# rays relative to {x:?} {y:?} {z:?}; {ABOUT_DUMP}")?;
+    for disagreement in tallies.iter().flat_map(|tally| &tally.disagreements) {
+        writeln!(to, "{disagreement}{}", in_the_scene(disagreement, scene))?;
     }
-
-    fn write(self, tallies: &[Tally], scene: &Scene) -> Result<()> {
-        let write = || {
-            let mut file = BufWriter::new(self.file);
-            let origin = scene.spheres().origin();
-            writeln!(
-                file,
-                "# rays relative to {:?} {:?} {:?}; spheres by their ids, and behind them what they \
-                 are in the scene: rows count from 0 through [[spheres]] and then the tables",
-                origin.x, origin.y, origin.z
-            )?;
-            for disagreement in tallies.iter().flat_map(|tally| &tally.disagreements) {
-                writeln!(file, "{disagreement}{}", in_the_scene(disagreement, scene))?;
-            }
-            file.into_inner()?.sync_all()
-        };
-        write().map_err(|e| Error::file("write", self.path, e))
-    }
+    to.into_inner()?.sync_all()
 }

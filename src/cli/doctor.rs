@@ -43,7 +43,12 @@ struct Report {
 
 impl Report {
     fn row(&mut self, name: &str, value: impl std::fmt::Display) {
-        self.text += &format!("{name:<12}{value}\n");
+        self.text += &print::field(name, value);
+    }
+
+    /// A row whose name needs more room.
+    fn wide_row(&mut self, name: &str, value: impl std::fmt::Display) {
+        self.text += &format!("{name:<22}{value}\n");
     }
 
     fn machine(&mut self) {
@@ -68,18 +73,14 @@ impl Report {
     }
 
     fn working_embree(&mut self, info: &EmbreeInfo) {
-        self.row("embree", format!("compiled against {}", info.compiled_version));
-        self.row("", format!("running {}", info.runtime_version));
-        self.row(
-            "",
-            format!("instruction set {}, tasks by {}", info.instruction_set, info.tasking),
-        );
+        let EmbreeInfo { compiled_version, runtime_version, instruction_set, .. } = info;
+        self.row("embree", format!("compiled against {compiled_version}"));
+        self.row("", format!("running {runtime_version}"));
+        self.row("", format!("instruction set {instruction_set}, tasks by {}", info.tasking));
         if !info.missing.is_empty() {
             self.healthy = false;
-            self.row(
-                "",
-                format!("BROKEN: this Embree was built without {}", info.missing.join(", ")),
-            );
+            let missing = info.missing.join(", ");
+            self.row("", format!("BROKEN: this Embree was built without {missing}"));
         }
         if info.culls_sphere_back_faces == Some(true) {
             self.healthy = false;
@@ -91,7 +92,7 @@ impl Report {
     fn backend(&mut self, backend: Backend) {
         let name = format!("--accel {}", backend.name());
         match try_out(backend) {
-            Ok(()) => self.text += &format!("{name:<22}works\n"),
+            Ok(()) => self.wide_row(&name, "works"),
             Err(error) => self.broken(&name, &error),
         }
     }
@@ -99,21 +100,18 @@ impl Report {
     /// What `--accel auto` takes, for all numbers of spheres.
     fn choice(&mut self) {
         let few = Choice::VERY_FEW;
-        for (spheres, words) in
-            [(few, format!("up to {few} spheres")), (few + 1, "more".to_owned())]
-        {
+        let up_to = format!("up to {few} spheres");
+        for (name, spheres, words) in [("--accel auto", few, &*up_to), ("", few + 1, "more")] {
             let Chosen { backend, reason } = Choice::Auto.choose_for(spheres);
-            let line = format!("{words}: {} ({reason})", backend.name());
-            self.text +=
-                &format!("{:<22}{line}\n", if spheres == few { "--accel auto" } else { "" });
+            self.wide_row(name, format!("{words}: {} ({reason})", backend.name()));
         }
     }
 
     fn broken(&mut self, name: &str, error: &Error) {
         self.healthy = false;
-        self.text += &format!("{name:<22}BROKEN: {error}\n");
+        self.wide_row(name, format!("BROKEN: {error}"));
         if let Some(help) = error.help() {
-            self.text += &format!("{:<22}{help}\n", "");
+            self.wide_row("", help);
         }
     }
 }

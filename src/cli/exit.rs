@@ -1,6 +1,8 @@
 //! What the program's exit code says; scripts rely on it, and `--help` prints it.
 
 use std::process::ExitCode;
+use std::sync::OnceLock;
+use std::sync::mpsc::{self, Receiver, Sender};
 
 use crate::error::{Category, Error};
 
@@ -18,6 +20,24 @@ pub(super) enum Exit {
     Fault = 101,
     /// 128 plus the number of SIGINT, as shells have it.
     Stopped = 130,
+}
+
+/// Whoever ends the program says here how.
+static LEAVE: OnceLock<Sender<u8>> = OnceLock::new();
+
+/// Where it is heard with which code the program is to end.
+pub(super) fn last_word() -> Receiver<u8> {
+    let (leave, left) = mpsc::channel();
+    LEAVE.get_or_init(|| leave);
+    left
+}
+
+/// Ends the program at once, whatever its threads do.
+pub(super) fn leave_with(code: u8) {
+    if let Some(leave) = LEAVE.get() {
+        // Nobody listens any more where it has been ended before.
+        let _ = leave.send(code);
+    }
 }
 
 /// The table of exit codes for `--help` and the manual page.

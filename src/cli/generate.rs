@@ -12,7 +12,8 @@ use crate::image_io::WholeFile;
 
 use super::args::GenerateArgs;
 use super::exit::Exit;
-use super::{interrupt, on_threads, print};
+use super::system::on_threads;
+use super::{interrupt, print};
 
 /// # Errors
 /// When the number of spheres is impossible, or a file cannot be written.

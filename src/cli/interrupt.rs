@@ -14,7 +14,7 @@ use crate::image_io::remove_unfinished;
 use crate::job::SaveRequest;
 use crate::task::Cancel;
 
-use super::exit::Exit;
+use super::exit::{Exit, leave_with};
 use super::print;
 
 /// What signals ask for.
@@ -86,7 +86,7 @@ pub(super) fn listen() -> Interrupt {
                 if !is_asked {
                     print::remark("stopped; nothing was written");
                 }
-                super::leave(Exit::Stopped);
+                leave_with(Exit::Stopped as u8);
             }
         }
     };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
-use super::args::program;
+use super::args::help::program;
 use super::exit::Exit;
 use super::print;
 

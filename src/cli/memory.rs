@@ -91,37 +91,37 @@ fn plans(file: &SceneFile) -> impl Iterator<Item = (&'static str, MemoryPlan)> {
 }
 
 /// The plan as rows of a name and a value.
-pub(super) fn in_words(file: &SceneFile) -> String {
-    let mut text = String::new();
-    let mut row = |name: &str, value: String| text += &format!("{name:<12}{value}\n");
-    for (index, (name, plan)) in plans(file).enumerate() {
-        if index == 0 {
-            row("memory plan", "of a render".to_owned());
-            let held = [
-                ("spheres", plan.spheres),
-                ("rows", plan.rows),
-                ("colours", plan.colors),
-                ("lamps", plan.lamps),
-                ("background", plan.background),
-                ("film", plan.film),
-            ];
-            for (name, bytes) in held.into_iter().filter(|(_, bytes)| *bytes > 0) {
-                row("", format!("{name:<14}{}", print::bytes(bytes)));
-            }
-        }
+pub(super) fn table(file: &SceneFile) -> String {
+    let mut text = print::field("memory plan", "of a render");
+    let mut line =
+        |name: &str, value: String| text += &print::field("", format!("{name:<14}{value}"));
+    // What is held is the same for all intersectors, but for their trees.
+    if let Some((_, plan)) = plans(file).next() {
+        let held = [
+            ("spheres", plan.spheres),
+            ("rows", plan.rows),
+            ("colours", plan.colors),
+            ("lamps", plan.lamps),
+            ("background", plan.background),
+            ("film", plan.film),
+        ];
+        let held = held.into_iter().filter(|(_, bytes)| *bytes > 0);
+        held.for_each(|(name, bytes)| line(name, print::bytes(bytes)));
+    }
+    for (name, plan) in plans(file) {
         let (tree, peak) = (print::bytes(plan.tree), print::bytes(plan.peak()));
         let doing = match plan.critical() {
             Step::Sorting => "sorting",
             Step::Building => "building the tree",
             Step::Rendering => "rendering",
         };
-        row("", format!("{name:<14}tree {tree}, peak {peak} while {doing}"));
+        line(name, format!("tree {tree}, peak {peak} while {doing}"));
     }
     text
 }
 
-/// The same for programs.
-pub(super) fn in_json(file: &SceneFile) -> Value {
+/// The plan for programs.
+pub(super) fn json(file: &SceneFile) -> Value {
     let backend = |(name, plan): (&str, MemoryPlan)| {
         let MemoryPlan { spheres, rows, colors, lamps, background, tree, build, film, program } =
             plan;

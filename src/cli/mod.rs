@@ -3,6 +3,7 @@
 //! The only room that prints. Every command returns an `Exit` or an error; both become the exit
 //! code here, and an error is printed here, once.
 
+#[allow(unreachable_pub, reason = "the arguments are read all over this room")]
 mod args;
 mod bench;
 mod compare;
@@ -31,8 +32,6 @@ mod watch;
 
 use std::panic::catch_unwind;
 use std::process::ExitCode;
-use std::sync::OnceLock;
-use std::sync::mpsc::{self, Sender};
 
 use clap::FromArgMatches;
 
@@ -42,23 +41,18 @@ use crate::scene::keys;
 use args::{Cli, Command};
 use exit::Exit;
 
-/// Whoever ends the program says here how.
-static LEAVE: OnceLock<Sender<u8>> = OnceLock::new();
-
 /// Runs the command that the program's arguments ask for, and prints what comes of it. The command has
 /// a thread of its own: when it ends, or when a signal says so, this function returns, and with it the
 /// program ends, whatever other threads do.
 pub fn main() -> ExitCode {
     interrupt::survive_file_size_limits();
-    let (leave, left) = mpsc::channel();
-    let leave = LEAVE.get_or_init(|| leave);
+    let left = exit::last_word();
     let work = || {
         let exit = catch_unwind(|| match read() {
             Ok(cli) => exit_of(run(&cli.command)),
             Err(answer) => help_or_wrong_usage(&answer),
         });
-        // Nobody listens any more where a signal came first.
-        let _ = leave.send(exit.unwrap_or(Exit::Fault) as u8);
+        exit::leave_with(exit.unwrap_or(Exit::Fault) as u8);
     };
     let command = std::thread::Builder::new().name("command".to_owned()).stack_size(STACK);
     match command.spawn(work) {
@@ -70,13 +64,6 @@ pub fn main() -> ExitCode {
 /// What the main thread of a program usually has.
 const STACK: usize = 8 << 20;
 
-/// Ends the program at once.
-fn leave(exit: Exit) {
-    if let Some(leave) = LEAVE.get() {
-        let _ = leave.send(exit as u8);
-    }
-}
-
 /// How the program ends with what came of the command, whose error is printed.
 fn exit_of(outcome: Result<Exit>) -> Exit {
     outcome.unwrap_or_else(|e| {
@@ -87,7 +74,7 @@ fn exit_of(outcome: Result<Exit>) -> Exit {
 
 /// The arguments, understood.
 fn read() -> std::result::Result<Cli, clap::Error> {
-    let mut program = args::program();
+    let mut program = args::help::program();
     let mut words = program.try_get_matches_from_mut(std::env::args_os())?;
     Cli::from_arg_matches_mut(&mut words).map_err(|e| e.format(&mut program))
 }
@@ -119,17 +106,4 @@ fn help_or_wrong_usage(answer: &clap::Error) -> Exit {
     // Nothing can be said on a closed stream.
     let _ = answer.print();
     if answer.use_stderr() { Exit::Usage } else { Exit::Done }
-}
-
-/// Runs `work` on so many threads, all cores by default; rayon inside it uses no others.
-fn on_threads<T: Send>(
-    threads: Option<usize>,
-    work: impl FnOnce() -> Result<T> + Send,
-) -> Result<T> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    let pool = pool.map_err(|e| {
-        Error::input(format!("cannot start the threads: {e}"))
-            .with_help("ask for fewer with --threads")
-    })?;
-    pool.install(work)
 }

@@ -4,7 +4,11 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
 
+use serde::Serialize;
+
 use crate::error::{Error, Result};
+
+pub(super) use crate::draw::text::{count, field, percent, row, si};
 
 /// Prints a result. A reader that has gone away (`photosphere info x | head -1`) is no failure.
 ///
@@ -20,12 +24,13 @@ pub(super) fn result(text: &str) -> Result<()> {
     }
 }
 
-/// Prints one JSON object on a line.
+/// Prints one value as JSON. Numbers that JSON does not have are null.
 ///
 /// # Errors
 /// As [`result`].
-pub(super) fn json(object: &serde_json::Value) -> Result<()> {
-    result(&format!("{object:#}\n"))
+pub(super) fn json(value: &impl Serialize) -> Result<()> {
+    let value = serde_json::to_value(value).expect("keys are texts");
+    result(&format!("{value:#}\n"))
 }
 
 /// Prints a remark; if nobody can read it, that changes nothing.
@@ -38,39 +43,9 @@ pub(super) fn warning(text: impl Display) {
     remark(format_args!("warning: {text}"));
 }
 
-/// A number in three digits with an SI prefix: `12.3 M`.
-pub(super) fn si(value: f64) -> String {
-    let prefixes = [(1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")];
-    let (unit, prefix) =
-        prefixes.into_iter().find(|(unit, _)| value.abs() >= *unit).unwrap_or((1.0, " "));
-    let scaled = value / unit;
-    let decimals = match scaled.abs() {
-        x if x < 9.995 => 2,
-        x if x < 99.95 => 1,
-        _ => 0,
-    };
-    format!("{scaled:.decimals$}{prefix}")
-}
-
-/// A share in three digits: `1.23 %`.
-pub(super) fn percent(share: f64) -> String {
-    let decimals = match 100.0 * share {
-        x if x < 9.995 => 2,
-        x if x < 99.95 => 1,
-        _ => 0,
-    };
-    format!("{:.decimals$} %", 100.0 * share)
-}
-
 /// A number of bytes with a binary prefix: `12.34 MiB`.
 pub(super) fn bytes(bytes: u64) -> String {
     indicatif::BinaryBytes(bytes).to_string()
-}
-
-/// `3 spheres`, `1 sphere`.
-pub(super) fn count(number: usize, singular: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {singular}{plural}")
 }
 
 #[cfg(test)]
@@ -78,14 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_three_digits_and_a_prefix() {
-        let shown = [0.0, 1.5, 999.0, 1234.0, 12.34e6, 99.96e6, 5e9].map(si);
-        assert_eq!(shown, ["0.00 ", "1.50 ", "999 ", "1.23 k", "12.3 M", "100 M", "5.00 G"]);
-        assert_eq!(
-            [0.0123, 0.0999, 0.1234, 1.5].map(percent),
-            ["1.23 %", "9.99 %", "12.3 %", "150 %"]
-        );
+    fn sizes_have_binary_prefixes() {
         assert_eq!(bytes(3 << 20), "3.00 MiB");
-        assert_eq!((count(1, "ray"), count(2, "ray")), ("1 ray".into(), "2 rays".into()));
     }
 }

@@ -6,9 +6,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::task;
+
 use crate::job::pace::{self, Pace};
 use crate::job::{self, Observer};
-use crate::task;
 
 use super::print;
 
@@ -57,44 +58,65 @@ impl State {
     }
 }
 
-/// Shows the progress of one render on the standard error.
+/// Something that grows on the standard error, where anybody sees it.
 pub(super) enum Progress {
     Quiet,
     Bar(ProgressBar),
-    Lines { last: Mutex<Instant> },
+    /// Off a terminal: a line now and then.
+    Lines {
+        last: Mutex<Instant>,
+        between: Duration,
+    },
 }
 
 impl Progress {
+    /// That of a render.
     pub(super) fn new(quiet: bool) -> Self {
+        Self::with(quiet, BAR, BETWEEN_LINES)
+    }
+
+    /// A bar as the template says, or lines with so much time between them.
+    pub(super) fn with(quiet: bool, template: &str, between: Duration) -> Self {
         if quiet {
             Self::Quiet
         } else if std::io::stderr().is_terminal() {
-            Self::Bar(bar())
+            let style = ProgressStyle::with_template(template).expect("templates are constants");
+            let bar = ProgressBar::no_length().with_style(style);
+            // Its clock goes on while nothing is done.
+            bar.enable_steady_tick(Duration::from_millis(200));
+            Self::Bar(bar)
         } else {
-            Self::Lines { last: Mutex::new(Instant::now()) }
+            Self::Lines { last: Mutex::new(Instant::now()), between }
         }
     }
 
-    /// Whether anybody sees it.
-    pub(super) fn is_shown(&self) -> bool {
-        !matches!(self, Self::Quiet)
+    /// Shows how far a render is; called from any thread, as often as it likes.
+    pub(super) fn show(&self, state: &State) {
+        let State { samples_done, samples_total, .. } = *state;
+        self.grow(samples_done, samples_total, || details(state), || line(state));
     }
 
-    /// Shows the state; called from any thread, as often as it likes.
-    pub(super) fn show(&self, state: &State) {
+    /// Shows that so much of all is done, with words for beside the bar, or else for a line.
+    pub(super) fn grow(
+        &self,
+        done: u64,
+        all: u64,
+        beside: impl FnOnce() -> String,
+        line: impl FnOnce() -> String,
+    ) {
         match self {
             Self::Quiet => {}
             Self::Bar(bar) => {
-                bar.set_length(state.samples_total);
-                bar.set_message(details(state));
-                bar.set_position(state.samples_done);
+                bar.set_length(all);
+                bar.set_message(beside());
+                bar.set_position(done);
             }
-            Self::Lines { last } => {
+            Self::Lines { last, between } => {
                 // Another thread that holds the lock is printing a line just now.
                 let Ok(mut last) = last.try_lock() else { return };
-                if last.elapsed() >= BETWEEN_LINES {
+                if last.elapsed() >= *between {
                     *last = Instant::now();
-                    print::remark(line(state));
+                    print::remark(line());
                 }
             }
         }
@@ -118,7 +140,7 @@ impl Progress {
 
 impl Observer for Progress {
     fn wants_progress(&self) -> bool {
-        self.is_shown()
+        !matches!(self, Self::Quiet)
     }
 
     fn progress(&self, progress: &job::Progress) {
@@ -135,19 +157,13 @@ pub(super) fn of_a_build(quiet: bool) -> task::Progress {
     if quiet {
         return task::Progress::default();
     }
-    let last = Mutex::new(Instant::now());
+    let lines = Progress::Lines { last: Mutex::new(Instant::now()), between: BETWEEN_LINES };
     task::Progress::new(move |done| {
-        let Ok(mut last) = last.try_lock() else { return };
-        if last.elapsed() >= BETWEEN_LINES && done < 1.0 {
-            *last = Instant::now();
-            print::remark(format_args!("{:.0} % of the intersector built", 100.0 * done));
+        let line = || format!("{:.0} % of the intersector built", 100.0 * done);
+        if done < 1.0 {
+            lines.grow(0, 0, String::new, line);
         }
     })
-}
-
-fn bar() -> ProgressBar {
-    let style = ProgressStyle::with_template(BAR).expect("the template is a constant");
-    ProgressBar::no_length().with_style(style)
 }
 
 fn line(state: &State) -> String {
@@ -194,6 +210,6 @@ mod tests {
 
     #[test]
     fn the_bar_template_is_valid() {
-        bar().finish_and_clear();
+        assert!(ProgressStyle::with_template(BAR).is_ok());
     }
 }

@@ -1,4 +1,23 @@
-//! What the operating system says of memory, `None` where it does not say; and of this very run.
+//! What the operating system says of this machine, `None` where it does not say; this very run, and its
+//! threads.
+
+use crate::error::{Error, Result};
+
+/// Runs `work` on so many threads, all cores by default; rayon inside it uses no others.
+///
+/// # Errors
+/// When the threads cannot be started, and those of the work.
+pub(super) fn on_threads<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> Result<T> + Send,
+) -> Result<T> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    let pool = pool.map_err(|e| {
+        Error::input(format!("cannot start the threads: {e}"))
+            .with_help("ask for fewer with --threads")
+    })?;
+    pool.install(work)
+}
 
 /// The most memory that this process has held so far, in bytes.
 pub(super) fn peak_memory() -> Option<u64> {
@@ -20,6 +39,13 @@ pub(super) fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// The cores of this machine, and how busy they were during the last minute.
+pub(super) fn load() -> String {
+    let cores = std::thread::available_parallelism().map_or(0, usize::from);
+    let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    format!("{cores} cores, load {}", load.split(' ').next().unwrap_or_default())
 }
 
 /// The command line, quoted for a shell, with the program by its name.

@@ -8,6 +8,7 @@
 
 use rayon::prelude::*;
 
+use crate::draw::Cells;
 use crate::error::Result;
 use crate::task::Cancel;
 
@@ -81,7 +82,7 @@ pub struct Measured {
     /// The figures in one line.
     pub detail: String,
     /// What there is to see.
-    pub pictures: Vec<Figure>,
+    pub pictures: Vec<Cells>,
     /// What the user ought to know though the check passed.
     pub remark: Option<String>,
 }
@@ -116,31 +117,9 @@ pub struct Outcome {
     /// The figures in one line.
     pub detail: String,
     /// What there is to see.
-    pub pictures: Vec<Figure>,
+    pub pictures: Vec<Cells>,
     /// What the user ought to know though the check passed.
     pub remark: Option<String>,
-}
-
-/// A picture of one number per cell, for a report.
-#[derive(Clone, Debug)]
-pub struct Figure {
-    /// What it shows, in a few words.
-    pub caption: String,
-    /// Cells across.
-    pub width: usize,
-    /// Row by row from the top; not a number where there is nothing to show.
-    pub values: Vec<f64>,
-    /// How numbers become colours.
-    pub scale: Scale,
-}
-
-/// How the numbers of a figure become colours.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scale {
-    /// From black at 0 to white at this value, through the curve of a screen.
-    Light(f64),
-    /// From one colour at minus this value over none at 0 to another.
-    Signed(f64),
 }
 
 impl Check {
@@ -175,7 +154,7 @@ impl Measured {
 
     /// With something to see.
     #[must_use]
-    pub fn with_pictures(self, pictures: Vec<Figure>) -> Self {
+    pub fn with_pictures(self, pictures: Vec<Cells>) -> Self {
         Self { pictures, ..self }
     }
 

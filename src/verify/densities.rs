@@ -1,6 +1,8 @@
 //! The chi-square table as checks: a row is one check, its histograms are its pictures.
 
-use super::check::{Check, Effort, Figure, Finding, Group, Measured, Scale};
+use crate::draw::{CellColors, Cells};
+
+use super::check::{Check, Effort, Finding, Group, Measured};
 use super::chi2::{Histogram, Pair, Verdict, judge, table};
 
 /// Points drawn for each row.
@@ -24,7 +26,7 @@ fn check(pair: Pair, points: u32) -> Check {
     })
 }
 
-fn figures(histogram: &Histogram) -> Vec<Figure> {
+fn figures(histogram: &Histogram) -> Vec<Cells> {
     let Histogram { cells, expected, observed } = histogram;
     let observed: Vec<f64> = observed.iter().map(|&count| count as f64).collect();
     let most = expected.iter().chain(&observed).copied().fold(1.0, f64::max);
@@ -32,19 +34,20 @@ fn figures(histogram: &Histogram) -> Vec<Figure> {
         if expected >= 1.0 { (observed - expected) / expected.sqrt() } else { f64::NAN }
     };
     let difference = expected.iter().zip(&observed).map(off).collect();
-    let figure = |caption: &str, values, scale| Figure {
+    let figure = |caption: &str, values, colors| Cells {
         caption: caption.to_owned(),
         width: cells[1],
         values,
-        scale,
+        colors,
     };
+    let light = CellColors::Light(most);
     vec![
-        figure("drawn", observed, Scale::Light(most)),
-        figure("density", expected.clone(), Scale::Light(most)),
+        figure("drawn", observed, light),
+        figure("density", expected.clone(), light),
         figure(
             "difference: red too many, blue too few, full colour at 4 standard deviations",
             difference,
-            Scale::Signed(FULL_COLOR),
+            CellColors::Signed(FULL_COLOR),
         ),
     ]
 }

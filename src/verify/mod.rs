@@ -8,7 +8,6 @@ pub mod closed_forms;
 pub mod converge;
 pub mod crosscheck;
 mod densities;
-mod drawing;
 mod exact;
 pub mod intersectors;
 pub mod judge;
@@ -16,7 +15,6 @@ mod materials;
 pub mod metrics;
 mod quadrature;
 pub mod rays;
-pub mod report;
 pub mod statistics;
 mod suite;
 

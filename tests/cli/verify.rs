@@ -1,10 +1,11 @@
 //! `photosphere verify` passes on this program, and would not pass on another.
 
+use photosphere::report;
 use photosphere::task::Cancel;
 use photosphere::verify::check::{
     Check, Effort, Finding, Group, Measured, run_all, share_significance,
 };
-use photosphere::verify::{checks, report};
+use photosphere::verify::checks;
 
 use crate::desk::{Desk, Outcome, outcome};
 
@@ -53,7 +54,7 @@ fn a_failure_is_told_with_its_pictures_and_names() {
     let outcomes = run_all(&checks, &Cancel::default(), &|_| ()).expect("runs");
     assert_eq!(outcomes.iter().map(|o| o.passed).collect::<Vec<_>>(), [true, false]);
     let judged: Vec<_> = checks.iter().zip(&outcomes).collect();
-    let page = report::page(&[("machine", "a & b".to_owned())], &judged);
+    let page = report::checks::page(&[("machine", "a & b".to_owned())], &judged);
     for sign in
         ["1 of 2 checks FAILED", "What failed", "bad &lt;wrong&gt;", "a &amp; b", "&lt;why&gt;"]
     {

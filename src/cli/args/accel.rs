@@ -1,34 +1,36 @@
 //! Options about intersectors.
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, TypedValueParser};
 
 use crate::accel::{Backend, Choice, Quality};
 
+use super::values::{explained, one_of};
+
 /// Which intersector, and how it is built.
 #[derive(Args, Debug)]
-pub(in crate::cli) struct AccelArg {
+pub struct AccelArg {
     /// The intersector
     #[arg(long = "accel", value_name = "NAME", default_value = Choice::Auto.name())]
     #[arg(value_parser = choices())]
-    pub(in crate::cli) choice: Choice,
+    pub choice: Choice,
 
     #[command(flatten)]
-    pub(in crate::cli) build: BuildArg,
+    pub build: BuildArg,
 }
 
 /// How an intersector is built.
 #[derive(Args, Debug)]
-pub(in crate::cli) struct BuildArg {
+pub struct BuildArg {
     /// How much care the native intersector takes
     #[arg(long = "build", value_name = "HOW", default_value = Quality::default().name())]
-    #[arg(value_parser = qualities())]
-    pub(in crate::cli) quality: Quality,
+    #[arg(value_parser = one_of(explained(care)))]
+    pub quality: Quality,
 }
 
 /// Which intersectors.
 #[derive(Args, Debug)]
-pub(in crate::cli) struct AccelsArg {
+pub struct AccelsArg {
     /// This intersector only; may be repeated. All by default
     #[arg(long = "accel", value_name = "NAME", value_parser = backends())]
     chosen: Vec<Backend>,
@@ -36,42 +38,41 @@ pub(in crate::cli) struct AccelsArg {
 
 impl AccelsArg {
     /// Those asked for, or all of this build.
-    pub(in crate::cli) fn backends(&self) -> &[Backend] {
+    pub fn backends(&self) -> &[Backend] {
         if self.chosen.is_empty() { Backend::AVAILABLE } else { &self.chosen }
     }
 }
 
 /// The name of one intersector.
-pub(in crate::cli) fn backends() -> impl TypedValueParser<Value = Backend> {
-    let possible = Backend::ALL.iter().copied().map(value_of);
-    PossibleValuesParser::new(possible).try_map(|name| name.parse::<Backend>())
+pub fn backends() -> impl TypedValueParser<Value = Backend> {
+    one_of(named_backends())
 }
 
 fn choices() -> impl TypedValueParser<Value = Choice> {
     let auto = PossibleValue::new(Choice::Auto.name())
         .help("whatever is fastest for the scene on this processor");
-    let possible = Backend::ALL.iter().copied().map(value_of);
-    PossibleValuesParser::new([auto].into_iter().chain(possible))
-        .try_map(|name| name.parse::<Choice>())
+    let others = named_backends().map(|(name, backend)| (name, Choice::Only(backend)));
+    one_of([(auto, Choice::Auto)].into_iter().chain(others))
 }
 
-fn qualities() -> impl TypedValueParser<Value = Quality> {
-    let possible = Quality::ALL.iter().map(|quality| {
-        PossibleValue::new(quality.name()).help(match quality {
-            Quality::Best => "fastest to trace",
-            Quality::Fast => "fastest to build, for previews of very many spheres",
-        })
-    });
-    PossibleValuesParser::new(possible).try_map(|name| name.parse::<Quality>())
+/// Those that this build lacks can be named, but are not listed.
+fn named_backends() -> impl Iterator<Item = (PossibleValue, Backend)> {
+    let hidden = |backend| !Backend::AVAILABLE.contains(&backend);
+    explained(meaning).map(move |(name, backend)| (name.hide(hidden(backend)), backend))
 }
 
-fn value_of(backend: Backend) -> PossibleValue {
-    let meaning = match backend {
+fn care(quality: Quality) -> &'static str {
+    match quality {
+        Quality::Best => "fastest to trace",
+        Quality::Fast => "fastest to build, for previews of very many spheres",
+    }
+}
+
+fn meaning(backend: Backend) -> &'static str {
+    match backend {
         Backend::Embree => "Embree, with spheres as points",
         Backend::EmbreeUser => "Embree, with our own arithmetic for every sphere",
         Backend::Native => "our own bounding volume hierarchy",
         Backend::BruteForce => "every ray against every sphere, in f64; for tiny scenes",
-    };
-    let is_there = Backend::AVAILABLE.contains(&backend);
-    PossibleValue::new(backend.name()).help(meaning).hide(!is_there)
+    }
 }

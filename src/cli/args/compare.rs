@@ -2,7 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+
+use crate::report::compare::{Metric, Wanted};
+
+use super::values::{named, one_of, positive, positive_or_zero};
 
 /// Say how far a picture is from a reference
 #[derive(Args, Debug)]
@@ -33,98 +37,83 @@ independent of each other. Else there is no interval.
 
 A --max-... that is exceeded in any compared layer makes the exit code 1. Pictures of different sizes
 and pixels that are not finite are refused (3), as are files that cannot be read (4).")]
-pub(in crate::cli) struct CompareArgs {
+pub struct CompareArgs {
     /// The picture
     #[arg(value_name = "A")]
-    pub(in crate::cli) picture: PathBuf,
+    pub picture: PathBuf,
 
     /// The reference that it is compared with
     #[arg(value_name = "B")]
-    pub(in crate::cli) reference: PathBuf,
+    pub reference: PathBuf,
 
     /// What to measure; all by default
-    #[arg(long = "metric", value_name = "NAMES", value_enum, value_delimiter = ',')]
+    #[arg(long = "metric", value_name = "NAMES", value_parser = one_of(named::<Metric>()), value_delimiter = ',')]
     metrics: Vec<Metric>,
 
     /// This layer only; may be repeated
     #[arg(long = "layer", value_name = "NAME")]
-    pub(in crate::cli) layers: Vec<String>,
+    pub layers: Vec<String>,
 
     /// The brightest value that PSNR refers to
-    #[arg(long, value_name = "VALUE", default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
-    pub(in crate::cli) peak: f64,
+    #[arg(long, value_name = "VALUE", default_value_t = 1.0, value_parser = positive)]
+    pub peak: f64,
 
     /// A once more with other random numbers; tells how noisy its mean is
     #[arg(long, value_name = "FILE")]
-    pub(in crate::cli) twin: Option<PathBuf>,
+    pub twin: Option<PathBuf>,
 
     /// Draw where the pictures differ, in the layer that is compared first
     #[arg(long, value_name = "FILE")]
-    pub(in crate::cli) heatmap: Option<PathBuf>,
+    pub heatmap: Option<PathBuf>,
 
     /// What the heat map shows: flip on a scale from 0 to 1; rmse or relmse (the root of the pixel's
     /// error) on one from 0 to the largest
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = Mapped::Flip)]
-    #[arg(requires = "heatmap")]
-    pub(in crate::cli) heatmap_of: Mapped,
+    #[arg(long, value_name = "NAME", default_value = "flip", requires = "heatmap")]
+    #[arg(value_parser = one_of(MAPPED.map(|metric| (metric.name().into(), metric))))]
+    pub heatmap_of: Metric,
 
     #[command(flatten)]
-    pub(in crate::cli) limits: Limits,
+    limits: Limits,
 
     /// Print JSON instead of a table
     #[arg(long)]
-    pub(in crate::cli) json: bool,
-}
-
-/// What is still good enough.
-#[derive(Args, Debug)]
-pub(in crate::cli) struct Limits {
-    /// Fail when the MSE is larger
-    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
-    max_mse: Option<f64>,
-
-    /// Fail when the RMSE is larger
-    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
-    max_rmse: Option<f64>,
-
-    /// Fail when the relMSE is larger
-    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
-    max_relmse: Option<f64>,
-
-    /// Fail when the FLIP is larger
-    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
-    max_flip: Option<f64>,
-
-    /// Fail when the ratio of the means is farther from 1 in any channel
-    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero, allow_negative_numbers = true)]
-    max_mean: Option<f64>,
-
-    /// Fail when the PSNR is smaller
-    #[arg(long, value_name = "DECIBELS", allow_negative_numbers = true)]
-    min_psnr: Option<f64>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum Metric {
-    Mse,
-    Rmse,
-    Relmse,
-    Psnr,
-    Flip,
-    Mean,
+    pub json: bool,
 }
 
 /// What a heat map can show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum Mapped {
-    Flip,
-    Rmse,
-    Relmse,
+const MAPPED: [Metric; 3] = [Metric::Flip, Metric::Rmse, Metric::Relmse];
+
+/// What is still good enough.
+#[derive(Args, Debug)]
+struct Limits {
+    /// Fail when the MSE is larger
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
+    max_mse: Option<f64>,
+
+    /// Fail when the RMSE is larger
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
+    max_rmse: Option<f64>,
+
+    /// Fail when the relMSE is larger
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
+    max_relmse: Option<f64>,
+
+    /// Fail when the FLIP is larger
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
+    max_flip: Option<f64>,
+
+    /// Fail when the ratio of the means is farther from 1 in any channel
+    #[arg(long, value_name = "VALUE", value_parser = positive_or_zero)]
+    max_mean: Option<f64>,
+
+    /// Fail when the PSNR is smaller
+    #[arg(long, value_name = "DECIBELS")]
+    min_psnr: Option<f64>,
 }
 
 impl Limits {
     /// Every limit that was set; for PSNR it is the smallest allowed value.
-    pub(in crate::cli) fn set(&self) -> Vec<(Metric, f64)> {
+    fn set(&self) -> Vec<(Metric, f64)> {
         let all = [
             (Metric::Mse, self.max_mse),
             (Metric::Rmse, self.max_rmse),
@@ -138,21 +127,14 @@ impl Limits {
 }
 
 impl CompareArgs {
-    /// Whether a metric is asked for; one with a limit is.
-    pub(in crate::cli) fn wants(&self, metric: Metric) -> bool {
-        let is_limited = self.limits.set().iter().any(|&(limited, _)| limited == metric);
-        self.metrics.is_empty() || self.metrics.contains(&metric) || is_limited
+    /// What to measure: what is asked for, or everything, and in any case what has a limit.
+    pub fn wanted(&self) -> Wanted {
+        let limits = self.limits.set();
+        let is_wanted = |metric: &Metric| {
+            let is_limited = limits.iter().any(|(limited, _)| limited == metric);
+            self.metrics.is_empty() || self.metrics.contains(metric) || is_limited
+        };
+        let metrics = Metric::NAMES.iter().map(|(_, metric)| *metric).filter(is_wanted).collect();
+        Wanted { metrics, limits, peak: self.peak }
     }
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    number(text, |value| value > 0.0).ok_or_else(|| "it must be a number above 0".to_owned())
-}
-
-fn positive_or_zero(text: &str) -> Result<f64, String> {
-    number(text, |value| value >= 0.0).ok_or_else(|| "it must be a number from 0".to_owned())
-}
-
-fn number(text: &str, is_allowed: impl Fn(f64) -> bool) -> Option<f64> {
-    text.parse().ok().filter(|&value: &f64| value.is_finite() && is_allowed(value))
 }

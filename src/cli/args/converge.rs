@@ -2,12 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::TypedValueParser;
 
 use crate::accel::Backend;
-use crate::verify::converge;
+use crate::verify::converge::Metric;
 
-use super::{SceneArgs, Size, backends, seed, size};
+use super::accel::backends;
+use super::scene::SceneArgs;
+use super::values::{Size, one_of, seed, size};
 
 /// How many numbers of samples are compared where none are asked for.
 const USUAL_POINTS: u32 = 7;
@@ -35,13 +38,13 @@ file has a layer `variance`; else it stays in every point, and curves flatten wh
 
 Seconds are of this machine as it is now: close other programs, or look only at ratios. The integrator
 `paper` needs samples that are a multiple of its k x k sub-pixels, as in --spp 4,40,400.")]
-pub(in crate::cli) struct ConvergeArgs {
+pub struct ConvergeArgs {
     #[command(flatten)]
-    pub(in crate::cli) scene: SceneArgs,
+    pub scene: SceneArgs,
 
     /// The plot, an .svg
     #[arg(short, long, value_name = "FILE")]
-    pub(in crate::cli) output: PathBuf,
+    pub output: PathBuf,
 
     /// Samples per pixel, one point each; by default 1,2,4,8,16,32,64, times the sub-pixels where
     /// `paper` is compared
@@ -51,37 +54,37 @@ pub(in crate::cli) struct ConvergeArgs {
 
     /// Estimators of light to compare
     #[arg(long = "integrator", value_name = "LIST", value_delimiter = ',')]
-    pub(in crate::cli) integrators: Vec<String>,
+    pub integrators: Vec<String>,
 
     /// Ways to find lights to compare
     #[arg(long = "estimator", value_name = "LIST", value_delimiter = ',')]
-    pub(in crate::cli) estimators: Vec<String>,
+    pub estimators: Vec<String>,
 
     /// Sources of random numbers to compare
     #[arg(long = "sampler", value_name = "LIST", value_delimiter = ',')]
-    pub(in crate::cli) samplers: Vec<String>,
+    pub samplers: Vec<String>,
 
     /// Intersectors to compare
     #[arg(long = "accel", value_name = "LIST", value_delimiter = ',', value_parser = backends())]
-    pub(in crate::cli) accels: Vec<Backend>,
+    pub accels: Vec<Backend>,
 
     /// Which error
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = Metric::Rmse)]
-    pub(in crate::cli) metric: Metric,
+    #[arg(long, value_name = "NAME", value_parser = metrics(), default_value = "rmse")]
+    pub metric: Metric,
 
     /// Independent renders behind every point
-    #[arg(long, value_name = "K", default_value_t = 8, allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", default_value_t = 8)]
     #[arg(value_parser = clap::value_parser!(u32).range(2..=100_000))]
-    pub(in crate::cli) seeds: u32,
+    pub seeds: u32,
 
     /// Chooses the random numbers; the renders take this seed and those after it
-    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 0)]
     #[arg(value_parser = seed())]
-    pub(in crate::cli) seed: u64,
+    pub seed: u64,
 
     /// Compare with this picture instead of rendering a reference
     #[arg(long, value_name = "FILE", conflicts_with_all = ["reference_spp", "reference_integrator"])]
-    pub(in crate::cli) reference: Option<PathBuf>,
+    pub reference: Option<PathBuf>,
 
     /// Samples per pixel of the reference, both halves together; 16 times the most by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
@@ -91,39 +94,24 @@ pub(in crate::cli) struct ConvergeArgs {
     /// is. Only `path` and `paper` converge to the same picture; others are compared with each other
     /// where this or --reference says which picture is right
     #[arg(long, value_name = "NAME")]
-    pub(in crate::cli) reference_integrator: Option<String>,
+    pub reference_integrator: Option<String>,
 
     /// The size of the pictures, as in 80x60; noise needs no large ones
     #[arg(long, value_name = "WxH", value_parser = size)]
-    pub(in crate::cli) size: Option<Size>,
+    pub size: Option<Size>,
 
     /// Say nothing but warnings and errors
     #[arg(short, long)]
-    pub(in crate::cli) quiet: bool,
+    pub quiet: bool,
 
     /// Print JSON instead of a table
     #[arg(long)]
-    pub(in crate::cli) json: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum Metric {
-    Rmse,
-    Relmse,
-}
-
-impl From<Metric> for converge::Metric {
-    fn from(metric: Metric) -> Self {
-        match metric {
-            Metric::Rmse => Self::Rmse,
-            Metric::Relmse => Self::Relmse,
-        }
-    }
+    pub json: bool,
 }
 
 impl ConvergeArgs {
     /// Samples per pixel, rising and each once; where none are asked for, multiples of `step`.
-    pub(in crate::cli) fn samples(&self, step: u32) -> Vec<u32> {
+    pub fn samples(&self, step: u32) -> Vec<u32> {
         if self.spp.is_empty() {
             return (0..USUAL_POINTS).map(|point| step << point).collect();
         }
@@ -134,7 +122,11 @@ impl ConvergeArgs {
     }
 
     /// Samples per pixel of each of the reference's halves, where `most` are compared with it.
-    pub(in crate::cli) fn reference_half(&self, most: u32) -> u32 {
+    pub fn reference_half(&self, most: u32) -> u32 {
         self.reference_spp.unwrap_or(most.saturating_mul(16)) / 2
     }
+}
+
+fn metrics() -> impl TypedValueParser<Value = Metric> {
+    one_of([("rmse".into(), Metric::Rmse), ("relmse".into(), Metric::Relmse)])
 }

@@ -5,20 +5,24 @@
 //! lines of a paragraph are joined before clap breaks them where the terminal ends. Indented lines,
 //! which are examples and tables, stay as they are; they fit into 80 columns.
 
-use clap::{Command, CommandFactory};
+use clap::{Arg, Command, CommandFactory};
 
 use super::Cli;
 
 /// The definition of the program.
-pub(in crate::cli) fn program() -> Command {
+pub fn program() -> Command {
     let names = |command: &Command| -> Vec<String> {
         command.get_subcommands().map(|one| one.get_name().to_owned()).collect()
     };
     let program = with_whole_paragraphs(Cli::command());
-    let commands = names(&program);
-    commands
-        .into_iter()
-        .fold(program, |program, name| program.mut_subcommand(name, with_whole_paragraphs))
+    let set_out = |command: Command| with_whole_paragraphs(command).mut_args(with_negative_numbers);
+    names(&program).into_iter().fold(program, |program, name| program.mut_subcommand(name, set_out))
+}
+
+/// A negative number is the value of the option before it, which may refuse it, and no option itself.
+fn with_negative_numbers(arg: Arg) -> Arg {
+    let takes_value = arg.get_long().is_some() && arg.get_action().takes_values();
+    if takes_value { arg.allow_negative_numbers(true) } else { arg }
 }
 
 fn with_whole_paragraphs(command: Command) -> Command {

@@ -5,30 +5,32 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::TypedValueParser;
 
 use crate::color::{Look, Tone};
 use crate::film::{KINDS, Kind};
 use crate::job::{Delivery, FilePath};
 
+use super::values::{exposure, named, one_of};
+
 /// The files, and how those for the screen show the picture.
 #[derive(Args, Clone, Debug)]
-pub(in crate::cli) struct OutputArgs {
+pub struct OutputArgs {
     /// The picture; its extension chooses the format: .png (8 bit for the screen), .exr (linear, with
     /// layers), .hdr or .pfm (linear); or .part, the sums themselves, to be merged. May be repeated
     #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
-    pub(in crate::cli) files: Vec<PathBuf>,
+    pub files: Vec<PathBuf>,
 
     /// The layers of .exr files beside the beauty, as in --layers direct,albedo,normal
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = kinds())]
     layers: Option<Vec<Kind>>,
 
     /// Brighten .png files by this many stops, each of which doubles the light
-    #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = exposure)]
+    #[arg(long, value_name = "EV", value_parser = exposure)]
     exposure: Option<f32>,
 
     /// How .png files show bright light: srgb (cut off at 1), filmic or agx
-    #[arg(long, value_name = "NAME", value_parser = tones())]
+    #[arg(long, value_name = "NAME", value_parser = one_of(named::<Tone>()))]
     tone: Option<Tone>,
 
     /// Spread the rounding of .png files to 8 bits over neighbouring pixels, which hides steps in
@@ -39,12 +41,12 @@ pub(in crate::cli) struct OutputArgs {
     /// Leave the command, the time and the machine out of the file, so that equal pictures are
     /// equal files
     #[arg(long)]
-    pub(in crate::cli) no_run_figures: bool,
+    pub no_run_figures: bool,
 }
 
 impl OutputArgs {
     /// The layers asked for, each once; or the usual ones.
-    pub(in crate::cli) fn kinds(&self) -> Vec<Kind> {
+    pub fn kinds(&self) -> Vec<Kind> {
         let mut kinds = Vec::new();
         for kind in self.layers.as_deref().unwrap_or(&Kind::USUAL) {
             if !kinds.contains(kind) {
@@ -55,12 +57,12 @@ impl OutputArgs {
     }
 
     /// Whether layers are asked for.
-    pub(in crate::cli) fn asks_for_layers(&self) -> bool {
+    pub fn asks_for_layers(&self) -> bool {
         self.layers.is_some()
     }
 
     /// Where the picture goes, without anybody who looks on.
-    pub(in crate::cli) fn delivery(&self) -> Delivery {
+    pub fn delivery(&self) -> Delivery {
         Delivery {
             files: self.files.iter().cloned().map(FilePath).collect(),
             look: self.look(),
@@ -73,14 +75,14 @@ impl OutputArgs {
     }
 
     /// How files for the screen show the picture.
-    pub(in crate::cli) fn look(&self) -> Look {
+    pub fn look(&self) -> Look {
         let (exposure, tone) = (self.exposure.unwrap_or(0.0), self.tone.unwrap_or_default());
         Look { exposure, tone, dither: self.dither }
     }
 
     /// The options again, as words of a command: those that parts need to know of, and those that only
     /// files for people do.
-    pub(in crate::cli) fn words(&self) -> [Vec<String>; 2] {
+    pub fn words(&self) -> [Vec<String>; 2] {
         let mut of_parts = Vec::new();
         if let Some(kinds) = &self.layers {
             let names: Vec<&str> = kinds.iter().map(|kind| kind.row().name).collect();
@@ -100,19 +102,6 @@ impl OutputArgs {
     }
 }
 
-fn exposure(text: &str) -> Result<f32, String> {
-    match text.parse() {
-        Ok(stops) if (-100.0..=100.0).contains(&stops) => Ok(stops),
-        _ => Err("it must be a number of stops from -100 to 100".to_owned()),
-    }
-}
-
 fn kinds() -> impl TypedValueParser<Value = Kind> {
-    let names = KINDS.map(|row| row.name);
-    PossibleValuesParser::new(names).map(|name| Kind::named(&name).unwrap_or(Kind::Beauty))
-}
-
-fn tones() -> impl TypedValueParser<Value = Tone> {
-    let names = Tone::NAMES.iter().map(|(name, _)| *name);
-    PossibleValuesParser::new(names).map(|name| Tone::named(&name).unwrap_or_default())
+    one_of(KINDS.iter().filter_map(|row| Some((row.name.into(), Kind::named(row.name)?))))
 }

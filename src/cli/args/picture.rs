@@ -7,11 +7,12 @@ use serde_json::Value;
 use crate::scene::Override;
 use crate::scene::keys::{self, KeyInfo, SceneOption};
 
-use super::{SceneArgs, Size, size, whole};
+use super::scene::SceneArgs;
+use super::values::{Size, size, whole};
 
 /// What the picture is to be, where that is not what the scene says.
 #[derive(Debug, Default)]
-pub(in crate::cli) struct PictureArgs {
+pub struct PictureArgs {
     given: Vec<Override>,
 }
 
@@ -20,12 +21,12 @@ const SIZE: &str = "size";
 
 impl PictureArgs {
     /// Whether the number of samples is given.
-    pub(in crate::cli) fn has_samples(&self) -> bool {
+    pub fn has_samples(&self) -> bool {
         self.given.iter().any(|given| given.key == "render.samples_per_pixel")
     }
 
     /// What the options change in the scene; `--set` has the last word.
-    pub(in crate::cli) fn overrides(&self, scene: &SceneArgs) -> Vec<Override> {
+    pub fn overrides(&self, scene: &SceneArgs) -> Vec<Override> {
         self.given.iter().cloned().chain(scene.overrides()).collect()
     }
 }
@@ -92,14 +93,8 @@ impl FromArgMatches for PictureArgs {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        let mut set = |option: &str, path: String, value: String| {
-            self.given.push(Override { option: option.to_owned(), key: path, value });
-        };
-        if let Some(Size { width, height }) = matches.get_one(SIZE) {
-            let option = format!("--size {width}x{height}");
-            set(&option, "image.width".to_owned(), width.to_string());
-            set(&option, "image.height".to_owned(), height.to_string());
-        }
+        let size = matches.get_one::<Size>(SIZE).copied();
+        self.given.extend(size.into_iter().flat_map(Size::overrides));
         for (key, option) in options() {
             let given = match is_a(&key, "integer") {
                 true => matches.get_one::<i128>(option.name).map(ToString::to_string),
@@ -107,8 +102,11 @@ impl FromArgMatches for PictureArgs {
             };
             let Some(given) = given else { continue };
             let value = if is_a(&key, "array") { format!("[{given}]") } else { given.clone() };
-            let path = format!("{}.{}", key.table, key.name);
-            set(&format!("--{} {given}", option.name), path, value);
+            self.given.push(Override {
+                option: format!("--{} {given}", option.name),
+                key: format!("{}.{}", key.table, key.name),
+                value,
+            });
         }
         Ok(())
     }

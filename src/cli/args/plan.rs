@@ -4,8 +4,12 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 
-use super::keep::duration;
-use super::{AccelArg, OutputArgs, PictureArgs, SceneArgs, StopArgs};
+use super::accel::AccelArg;
+use super::output::OutputArgs;
+use super::picture::PictureArgs;
+use super::scene::SceneArgs;
+use super::stop::StopArgs;
+use super::values::duration;
 
 /// Print how to share a render out: the commands of its shards, or a job for a render farm
 #[derive(Args, Debug)]
@@ -25,43 +29,42 @@ a part that is its own checkpoint, so a shard that was stopped goes on, and one 
 nothing more to do. The merged picture has the bytes that one render without a break gives (with
 --no-run-figures; without, the pixels). Shell and Slurm scripts run the program that the variable
 PHOTOSPHERE names, `photosphere` where it is not set; a job template has the parameter Program.")]
-pub(in crate::cli) struct PlanArgs {
+pub struct PlanArgs {
     #[command(flatten)]
-    pub(in crate::cli) scene: SceneArgs,
+    pub scene: SceneArgs,
 
     /// How many shards, from 1
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    #[arg(allow_negative_numbers = true)]
-    pub(in crate::cli) shards: u32,
+    pub shards: u32,
 
     /// What to print
     #[arg(long, value_name = "NAME", value_enum, default_value_t = Format::Shell)]
-    pub(in crate::cli) format: Format,
+    pub format: Format,
 
     /// What each shard is a part of [default: samples; crop with --noise]
     #[arg(long, value_name = "WHAT", value_enum)]
-    pub(in crate::cli) by: Option<Division>,
+    pub by: Option<Division>,
 
     #[command(flatten)]
-    pub(in crate::cli) output: OutputArgs,
+    pub output: OutputArgs,
 
     #[command(flatten)]
-    pub(in crate::cli) accel: AccelArg,
+    pub accel: AccelArg,
 
     #[command(flatten)]
-    pub(in crate::cli) picture: PictureArgs,
+    pub picture: PictureArgs,
 
     #[command(flatten)]
-    pub(in crate::cli) stop: StopArgs,
+    pub stop: StopArgs,
 
     /// How often each shard keeps what it has, as in 90s, 5m or 1h
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration, allow_hyphen_values = true)]
-    pub(in crate::cli) checkpoint_every: Duration,
+    pub checkpoint_every: Duration,
 }
 
 /// Who is to read the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum Format {
+pub enum Format {
     /// One command per line, for a shell or for your own script
     Shell,
     /// A script for Slurm that submits an array of shards, and the merge that waits for it
@@ -72,7 +75,7 @@ pub(in crate::cli) enum Format {
 
 /// How the work is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(in crate::cli) enum Division {
+pub enum Division {
     /// The samples of each pixel: all shards take equally long, and each is the whole picture
     Samples,
     /// The pixels, in rectangles along the grid of 16 x 16: less to write, but of unequal cost

@@ -6,7 +6,8 @@ use clap::Args;
 
 use crate::accel::Backend;
 
-use super::{backends, threads};
+use super::accel::backends;
+use super::values::threads;
 
 /// Render a picture again from what it says of itself, and compare
 #[derive(Args, Debug)]
@@ -19,24 +20,24 @@ The scene is in the picture; its tables and images are looked for where they wer
 must have the values that they had. The exit code is 0 where all pixels agree to the bit, and 1 where
 some do not; then it says what differs in how the two were made, and by how much they differ: in
 standard errors for a .exr file, in steps of 255 for a .png file.")]
-pub(in crate::cli) struct ReproduceArgs {
+pub struct ReproduceArgs {
     /// A .png or .exr file of this program
     #[arg(value_name = "PICTURE")]
-    pub(in crate::cli) picture: PathBuf,
+    pub picture: PathBuf,
 
     /// Where the scene's tables and images are; by default where they were
     #[arg(long, value_name = "FOLDER")]
-    pub(in crate::cli) folder: Option<PathBuf>,
+    pub folder: Option<PathBuf>,
 
     /// The intersector; by default the one that the picture was made with
     #[arg(long, value_name = "NAME", value_parser = backends())]
-    pub(in crate::cli) accel: Option<Backend>,
+    pub accel: Option<Backend>,
 
     /// Threads to use; all cores by default
-    #[arg(long, value_name = "T", value_parser = threads(), allow_negative_numbers = true)]
-    pub(in crate::cli) threads: Option<usize>,
+    #[arg(long, value_name = "T", value_parser = threads())]
+    pub threads: Option<usize>,
 
     /// Say nothing but the result, warnings and errors
     #[arg(short, long)]
-    pub(in crate::cli) quiet: bool,
+    pub quiet: bool,
 }

@@ -8,64 +8,58 @@ use clap::Args;
 use crate::job::{ENDLESS, NoiseTarget, Until};
 use crate::scene::Override;
 
-use super::keep::duration;
+use super::values::{confidence, duration, noise};
 
 /// When the picture is good enough.
 #[derive(Args, Debug)]
-pub(in crate::cli) struct StopArgs {
+pub struct StopArgs {
     /// Render each square of 16 x 16 pixels until the error is below this share of the brightness,
     /// as in 1% or 0.01 (docs/stopping.md)
     #[arg(long, value_name = "ERROR", value_parser = noise, conflicts_with = "spp", allow_hyphen_values = true)]
-    pub(in crate::cli) noise: Option<f64>,
+    pub noise: Option<f64>,
 
     /// The share of the values of each square whose error must be below --noise
     #[arg(long, value_name = "SHARE", value_parser = confidence, requires = "noise", default_value = "95%", allow_hyphen_values = true)]
-    pub(in crate::cli) confidence: f64,
+    pub confidence: f64,
 
     /// With --noise, the most samples per pixel, from 64: where they are not enough, the picture is
     /// written all the same, and the exit code is 1
-    #[arg(
-        long,
-        value_name = "N",
-        requires = "noise",
-        default_value_t = 65536,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "N", requires = "noise", default_value_t = 65536)]
     #[arg(value_parser = clap::value_parser!(u32).range(64..))]
-    pub(in crate::cli) max_spp: u32,
+    pub max_spp: u32,
 
     /// Stop after this time, as in 30s, 5m or 1h, with as many samples as there are then; at least 16
     /// per pixel. Without --spp, the time alone decides. A render that goes on has what is left of it
     #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
-    pub(in crate::cli) time: Option<Duration>,
+    pub time: Option<Duration>,
 }
 
 /// Who looks on.
 #[derive(Args, Debug)]
-pub(in crate::cli) struct WatchArgs {
+pub struct WatchArgs {
     /// Keep a .png file of the picture so far
     #[arg(long, value_name = "FILE")]
-    pub(in crate::cli) preview: Option<PathBuf>,
+    pub preview: Option<PathBuf>,
 
     /// The time between two pictures for --preview and --tev
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "2s", allow_hyphen_values = true)]
-    pub(in crate::cli) preview_every: Duration,
+    pub preview_every: Duration,
 
     /// Show the picture so far in the viewer tev, which listens there; its own default is
     /// 127.0.0.1:14158
     #[arg(long, value_name = "HOST:PORT")]
-    pub(in crate::cli) tev: Option<String>,
+    pub tev: Option<String>,
 }
 
 impl StopArgs {
     /// When the render ends.
-    pub(in crate::cli) fn until(&self) -> Until {
+    pub fn until(&self) -> Until {
         let noise = self.noise.map(|error| NoiseTarget { error, confidence: self.confidence });
         Until { noise, time: self.time }
     }
 
     /// What the options change in the scene: the most samples that there can be.
-    pub(in crate::cli) fn overrides(&self, given_spp: bool) -> Option<Override> {
+    pub fn overrides(&self, given_spp: bool) -> Option<Override> {
         let (option, most) = match (self.noise, self.time) {
             (Some(_), _) => (format!("--max-spp {}", self.max_spp), self.max_spp),
             (None, Some(_)) if !given_spp => ("--time".to_owned(), ENDLESS),
@@ -73,40 +67,5 @@ impl StopArgs {
         };
         let key = "render.samples_per_pixel".to_owned();
         Some(Override { option, key, value: most.to_string() })
-    }
-}
-
-fn noise(text: &str) -> Result<f64, String> {
-    share(text, 1e-6..=0.5)
-        .ok_or_else(|| "it must be a share up to 50%, as in 1% or 0.01".to_owned())
-}
-
-fn confidence(text: &str) -> Result<f64, String> {
-    share(text, 0.5..=0.9999)
-        .ok_or_else(|| "it must be a share from 50% to 99.99%, as in 95% or 0.95".to_owned())
-}
-
-/// `1%` or `0.01`.
-fn share(text: &str, allowed: std::ops::RangeInclusive<f64>) -> Option<f64> {
-    let share = match text.trim().strip_suffix('%') {
-        Some(percent) => percent.trim_end().parse::<f64>().ok()? / 100.0,
-        None => text.trim().parse().ok()?,
-    };
-    allowed.contains(&share).then_some(share)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shares_are_percentages_or_fractions() {
-        assert_eq!(noise("1%"), Ok(0.01));
-        assert_eq!(noise("0.01"), Ok(0.01));
-        assert_eq!(confidence("99.5 %"), Ok(0.995));
-        for wrong in ["1", "0", "0%", "-1%", "60%", "nan", "NaN%", "", "%", "1 percent"] {
-            assert!(noise(wrong).is_err(), "{wrong}");
-        }
-        assert!(confidence("100%").is_err() && confidence("5%").is_err());
     }
 }

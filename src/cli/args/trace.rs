@@ -6,7 +6,10 @@ use clap::Args;
 
 use crate::scene::Override;
 
-use super::{AccelArg, PictureArgs, SceneArgs};
+use super::accel::AccelArg;
+use super::picture::PictureArgs;
+use super::scene::SceneArgs;
+use super::values::pixel;
 
 /// Tell one path step by step, and draw it
 #[derive(Args, Debug)]
@@ -30,44 +33,36 @@ the sample; their sum is the sample's L_o at the camera.
 The drawing looks at the path from the side: upright, on the plane in which the path is largest.
 Spheres that the path meets or aims at are named. Rays towards lamps are drawn through where they
 arrive and dashed where something is in the way.")]
-pub(in crate::cli) struct TraceArgs {
+pub struct TraceArgs {
     #[command(flatten)]
-    pub(in crate::cli) scene: SceneArgs,
+    pub scene: SceneArgs,
 
     /// The pixel, counted from 0 at the upper left
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
-    pub(in crate::cli) pixel: (u32, u32),
+    pub pixel: (u32, u32),
 
     /// The sample of that pixel, counted from 0
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
-    pub(in crate::cli) sample: u32,
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub sample: u32,
 
     /// Draw the path into this .svg file
     #[arg(long, value_name = "FILE.svg")]
-    pub(in crate::cli) svg: Option<PathBuf>,
+    pub svg: Option<PathBuf>,
 
     #[command(flatten)]
-    pub(in crate::cli) accel: AccelArg,
+    pub accel: AccelArg,
 
     #[command(flatten)]
     picture: PictureArgs,
 
     /// Print one JSON object
     #[arg(long)]
-    pub(in crate::cli) json: bool,
+    pub json: bool,
 }
 
 impl TraceArgs {
     /// What the options change in the scene; `--set` has the last word.
-    pub(in crate::cli) fn overrides(&self) -> Vec<Override> {
+    pub fn overrides(&self) -> Vec<Override> {
         self.picture.overrides(&self.scene)
     }
-}
-
-fn pixel(text: &str) -> Result<(u32, u32), String> {
-    let read = || {
-        let (x, y) = text.split_once(',')?;
-        Some((x.trim().parse().ok()?, y.trim().parse().ok()?))
-    };
-    read().ok_or_else(|| "it must be X,Y, as in 320,240".to_owned())
 }

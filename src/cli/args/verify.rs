@@ -6,7 +6,8 @@ use clap::Args;
 
 use crate::verify::check::Effort;
 
-use super::{AccelsArg, threads};
+use super::accel::AccelsArg;
+use super::values::threads;
 
 /// Check this program on this machine: its intersectors, its sampling, its materials and its light
 #[derive(Args, Debug)]
@@ -31,7 +32,7 @@ on every run. A failure by chance would be one check a little over its limit tha
 samples (another of --quick and --full); an error is far over, or comes back.
 
 The exit code is 1 if a check failed. Ctrl-C stops at once and writes no report.")]
-pub(in super::super) struct VerifyArgs {
+pub struct VerifyArgs {
     /// Few samples: less than a minute on two cores
     #[arg(long, conflicts_with = "full")]
     quick: bool,
@@ -42,35 +43,35 @@ pub(in super::super) struct VerifyArgs {
 
     /// Write a report with pictures, one HTML file that needs nothing beside it
     #[arg(long, value_name = "FILE.html")]
-    pub(in super::super) report: Option<PathBuf>,
+    pub report: Option<PathBuf>,
 
     #[command(flatten)]
-    pub(in super::super) accels: AccelsArg,
+    pub accels: AccelsArg,
 
     /// Only checks whose name or group contains this, as in --only occluder; may be repeated
     #[arg(long, value_name = "TEXT")]
-    pub(in super::super) only: Vec<String>,
+    pub only: Vec<String>,
 
     /// Print the group and the name of each check, and run none
     #[arg(long, conflicts_with_all = ["report", "json"])]
-    pub(in super::super) list: bool,
+    pub list: bool,
 
     /// Threads to use; all cores by default. The result does not depend on it
-    #[arg(long, value_name = "T", value_parser = threads(), allow_negative_numbers = true)]
-    pub(in super::super) threads: Option<usize>,
+    #[arg(long, value_name = "T", value_parser = threads())]
+    pub threads: Option<usize>,
 
     /// Print one JSON object with every check instead of the table
     #[arg(long)]
-    pub(in super::super) json: bool,
+    pub json: bool,
 
     /// Show no progress
     #[arg(short, long)]
-    pub(in super::super) quiet: bool,
+    pub quiet: bool,
 }
 
 impl VerifyArgs {
     /// How much work is asked for.
-    pub(in super::super) fn effort(&self) -> Effort {
+    pub fn effort(&self) -> Effort {
         match (self.quick, self.full) {
             (true, _) => Effort::Quick,
             (_, true) => Effort::Full,

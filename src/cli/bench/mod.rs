@@ -1,47 +1,59 @@
 //! `photosphere bench`: how fast every intersector answers, builds and renders.
 
-mod report;
 mod suite;
 
-use std::io::Write;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::Path;
-use std::sync::Arc;
 
-use crate::accel::{Backend, BuildOptions};
+use crate::accel::{Instance, embree_info};
 use crate::error::{Error, Result};
 use crate::film::Kind;
-use crate::geometry::{PathRay, SphereSet};
+use crate::geometry::PathRay;
 use crate::image_io::WholeFile;
+use crate::job::{COMMIT, VERSION};
 use crate::math::Ray;
+use crate::report::speed::SpeedReport;
 use crate::scene::{SceneFile, Shot, read_file};
-use crate::task::Cancel;
-use crate::verify::bench::page::Measured;
-use crate::verify::bench::{
-    Field, KINDS, Rounds, SECOND_BOUNCE, Setting, bench, camera_rays, renders, sweep,
-};
+use crate::verify::bench::{KINDS, Measuring, Record, Rounds, camera_rays, renders};
 
 use super::args::BenchArgs;
 use super::exit::Exit;
-use super::memory::Needs;
-use super::{interrupt, memory, on_threads, print, system};
-use report::Report;
+use super::interrupt::{self, Interrupt};
+use super::memory::{self, Needs};
+use super::print;
+use super::system::{self, on_threads};
 
 /// More camera rays than this only take memory.
 const MOST_RAYS: usize = 1 << 20;
+/// The largest scenes of a record unless `--largest` says others.
+const LARGEST_OF_RECORD: u64 = 10_000_000;
 
 /// # Errors
 /// When the scene cannot be had, an intersector not be built, or a file not be written.
 pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
     let interrupt = interrupt::listen();
-    on_threads(args.scene.threads(), || match (&args.suite, &args.path) {
-        (Some(page), _) => suite::run(args, page, &interrupt),
-        (None, Some(scene)) => measure_file(args, scene),
-        (None, None) => Err(Error::input("there is nothing to measure")
-            .with_help("name a scene, or ask for --suite FILE.html")),
+    on_threads(args.scene.threads(), || match (&args.suite, &args.record, &args.path) {
+        (Some(page), _, _) => suite::run(args, page, &interrupt),
+        (None, Some(tables), _) => record(args, tables, &interrupt),
+        (None, None, Some(scene)) => measure_file(args, scene, &interrupt),
+        (None, None, None) => Err(Error::input("there is nothing to measure")
+            .with_help("name a scene, or ask for --suite FILE.html or --record FILE.txt")),
     })
 }
 
-fn measure_file(args: &BenchArgs, path: &Path) -> Result<Exit> {
+fn measuring(args: &BenchArgs, interrupt: &Interrupt) -> Measuring {
+    Measuring {
+        rounds: args.rounds.into(),
+        builds: args.builds.into(),
+        quality: args.build.quality,
+        batches: args.batches.iter().map(|&batch| batch as usize).collect(),
+        scaling: args.scaling,
+        cancel: interrupt.cancel(),
+    }
+}
+
+fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
     let svg = |path| WholeFile::ending_in(path, "svg");
     let drawing = args.svg.as_deref().map(svg).transpose()?;
     let scene_file = read_file(path, &args.scene.overrides())?;
@@ -51,77 +63,62 @@ fn measure_file(args: &BenchArgs, path: &Path) -> Result<Exit> {
     memory::check(&scene_file, &Needs { backends, kinds, besides }, args.memory.limit)?;
     let (scene, settings) = scene_file.build()?;
     let shot = Shot::new(&scene, settings)?;
-    let cancel = Cancel::default();
-    let field = build(args, scene.spheres(), backends, &cancel)?;
+    let measuring = measuring(args, interrupt);
+    let field = measuring.field(scene.spheres(), backends)?;
     let image = settings.image;
     let camera = camera_rays(shot.camera(), [image.width, image.height], MOST_RAYS);
-    let mut measured = measure(args, &field, camera, &cancel)?;
+    let mut measured = measuring.measure(&field, camera)?;
     if args.render {
-        measured.renders = renders(&shot, &field, args.rounds.into(), &cancel)?;
+        measured.renders = renders(&shot, &field, args.rounds.into(), &measuring.cancel)?;
     }
-    let spheres = scene.spheres().len();
+    let (spheres, rounds) = (scene.spheres().len(), measuring.rounds());
     if let Some(file) = drawing {
         let title = format!("{}: speed of the intersectors", path.display());
-        let subtitle =
-            format!("{}, {}", print::count(spheres, "sphere"), circumstances(rounds(args)));
+        let subtitle = format!("{}, {}", print::count(spheres, "sphere"), circumstances(rounds));
         let svg = measured.drawing(&title, &subtitle)?;
         file.write(|to| to.write_all(svg.as_bytes()))?;
     }
-    let report = Report { spheres, rounds: rounds(args), measured: &measured };
+    let report = SpeedReport { spheres, rounds, measured: &measured };
     if args.json {
-        print::json(&report.in_json())?;
+        print::json(&report.json())?
     } else {
-        print::result(&report.in_words())?;
+        print::result(&report.to_string())?
     }
     Ok(Exit::Done)
 }
 
-fn rounds(args: &BenchArgs) -> Rounds {
-    let batch = args.batches.first().map_or(1, |&batch| batch as usize);
-    Rounds { count: args.rounds.into(), batch }
-}
-
-fn build(
-    args: &BenchArgs,
-    spheres: &Arc<SphereSet>,
-    backends: &[Backend],
-    cancel: &Cancel,
-) -> Result<Field> {
-    let (threads, quality) = (rayon::current_num_threads(), args.build.quality);
-    let options = BuildOptions { threads, quality, cancel: cancel.clone(), ..Default::default() };
-    Field::build(spheres, backends, &options, args.builds.into())
-}
-
-/// Everything but whole renders.
-fn measure(
-    args: &BenchArgs,
-    field: &Field,
-    camera: Vec<PathRay>,
-    cancel: &Cancel,
-) -> Result<Measured> {
-    let kinds = field.kinds_of_rays(camera);
-    let rounds = rounds(args);
-    let results = bench(field, &kinds, rounds, cancel)?;
-    let bounced = kinds.iter().find(|kind| kind.name == SECOND_BOUNCE);
-    let bounced = bounced.map_or(&[][..], |kind| &kind.rays);
-    let threads = rayon::current_num_threads();
-    let swept = |settings: &[Setting]| match settings {
-        [] | [_] => Ok(Vec::new()),
-        settings => sweep(field, bounced, settings, rounds.count, cancel),
-    };
-    let of_batch = |&batch: &u32| Setting { threads, batch: batch as usize };
-    let batches = swept(&args.batches.iter().map(of_batch).collect::<Vec<_>>())?;
-    let of_threads = |threads| Setting { threads, batch: rounds.batch };
-    let most = if args.scaling { threads } else { 1 };
-    let scaling = swept(&doubling(most).map(of_threads).collect::<Vec<_>>())?;
-    let kinds = kinds.iter().map(|kind| kind.name).collect();
-    Ok(Measured { kinds, results, batches, scaling, renders: Vec::new() })
-}
-
-/// 1, 2, 4 and so on, and the most.
-fn doubling(most: usize) -> impl Iterator<Item = usize> {
-    let powers = std::iter::successors(Some(1), |threads: &usize| Some(2 * threads));
-    powers.take_while(move |&threads| threads < most).chain([most])
+/// Measures native against Embree; each table is shown when it is finished.
+fn record(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
+    let file = WholeFile::new(path)?;
+    let embree = embree_info().ok_or_else(|| {
+        Error::backend("this build has no Embree to compare with")
+            .with_help("`photosphere doctor` says how to get it")
+    })??;
+    let machine = system::processor().unwrap_or_else(|| "unknown".to_owned());
+    let rounds = usize::from(args.rounds);
+    let mut text = String::new();
+    let _ = writeln!(text, "photosphere {VERSION}, commit {COMMIT}; {machine}, {}", system::load());
+    let _ = writeln!(
+        text,
+        "Embree {}, {}, tasks by {}; native with {}",
+        embree.runtime_version,
+        embree.instruction_set,
+        embree.tasking,
+        Instance::best().name()
+    );
+    let _ = writeln!(text, "command: {}", system::command_line());
+    let _ = writeln!(text, "medians of {rounds} interleaved rounds, +- the middle half of them;");
+    let _ = writeln!(text, "ratio: how much faster than Embree; in brackets what is asked for");
+    print::remark(text.trim_end());
+    let largest = args.largest.unwrap_or(LARGEST_OF_RECORD);
+    Record { largest, rounds, cancel: interrupt.cancel() }.measure(&mut |table| {
+        print::remark(format_args!("\n{}", table.trim_end()));
+        text += "\n";
+        text += table;
+    })?;
+    file.write(|to| to.write_all(text.as_bytes()))?;
+    print::remark(format_args!("wrote {}", path.display()));
+    Ok(Exit::Done)
 }
 
 /// What all the rays take at most, and the copies that each intersector is asked with.
@@ -141,18 +138,4 @@ fn circumstances(rounds: Rounds) -> String {
         "{threads}{processor}, {rays} a call, median of {}",
         print::count(rounds.count, "round")
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn threads_double_up_to_the_most() {
-        let of = |most| doubling(most).collect::<Vec<_>>();
-        assert_eq!(of(1), [1]);
-        assert_eq!(of(2), [1, 2]);
-        assert_eq!(of(6), [1, 2, 4, 6]);
-        assert_eq!(of(8), [1, 2, 4, 8]);
-    }
 }

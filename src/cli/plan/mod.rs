@@ -16,7 +16,8 @@ use crate::scene::{Override, Settings, read_file};
 use super::args::{Division, Format, OutputArgs, PlanArgs, StopArgs};
 use super::exit::Exit;
 use super::outputs::{Outputs, is_part, refuse_same_places};
-use super::{on_threads, print};
+use super::print;
+use super::system::on_threads;
 use shards::Shard;
 
 /// The commands of a shared render.

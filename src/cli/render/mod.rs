@@ -19,8 +19,9 @@ use super::interrupt::Interrupt;
 use super::memory::Needs;
 use super::outputs::{self, Outputs, is_part};
 use super::progress::{self, Progress};
+use super::system::on_threads;
 use super::watch::Viewers;
-use super::{interrupt, memory, on_threads, print, system};
+use super::{interrupt, memory, print, system};
 
 use finish::Finish;
 use report::Times;

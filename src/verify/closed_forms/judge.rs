@@ -16,13 +16,14 @@ use std::path::Path;
 use tempfile::TempDir;
 
 use crate::accel::{Accel, Backend, BuildOptions};
+use crate::draw::{CellColors, Cells};
 use crate::error::{Error, Result};
 use crate::film::Kind;
 use crate::image_io::Picture;
 use crate::job::render;
 use crate::scene::{Override, Shot, read_text};
 use crate::task::Cancel;
-use crate::verify::check::{Effort, Figure, Finding, Measured, Scale, seed};
+use crate::verify::check::{Effort, Finding, Measured, seed};
 use crate::verify::statistics::{Estimate, ROUNDING};
 
 use super::{Form, Way};
@@ -173,14 +174,14 @@ fn mean_answer(group: &[usize], answer: &[Option<f64>]) -> f64 {
 }
 
 /// The picture, its answer, and their difference.
-fn figures(pictures: &[Values], answer: &[Option<f64>]) -> Vec<Figure> {
+fn figures(pictures: &[Values], answer: &[Option<f64>]) -> Vec<Cells> {
     let width = pictures[0].width;
     let pixels: Vec<Estimate> =
         (0..answer.len()).map(|pixel| over_seeds(&[pixel], pictures)).collect();
     let exact: Vec<f64> = answer.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
     let rendered: Vec<f64> = pixels.iter().map(|pixel| pixel.mean).collect();
     let brightest = brightest(answer);
-    let light = Scale::Light(if brightest > 0.0 { brightest } else { 1.0 });
+    let light = CellColors::Light(if brightest > 0.0 { brightest } else { 1.0 });
     // A pixel that met no light seems to know its value: it has at least a quarter of the usual error.
     let squares: f64 = pixels.iter().map(|pixel| pixel.standard_error.powi(2)).sum();
     let usual = (squares / pixels.len() as f64).sqrt();
@@ -189,15 +190,19 @@ fn figures(pictures: &[Values], answer: &[Option<f64>]) -> Vec<Figure> {
         if pixel.mean == exact { 0.0 } else { (pixel.mean - exact) / error }
     };
     let difference = pixels.iter().zip(&exact).map(off).collect();
-    let figure =
-        |caption: &str, values, scale| Figure { caption: caption.to_owned(), width, values, scale };
+    let figure = |caption: &str, values, colors| Cells {
+        caption: caption.to_owned(),
+        width,
+        values,
+        colors,
+    };
     vec![
         figure("rendered", rendered, light),
         figure("exact", exact, light),
         figure(
             "difference: red too bright, blue too dark, full colour at 4 standard errors",
             difference,
-            Scale::Signed(FULL_COLOR),
+            CellColors::Signed(FULL_COLOR),
         ),
     ]
 }

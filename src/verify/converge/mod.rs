@@ -9,12 +9,14 @@
 //! it tells how much: the variance of their mean is a quarter of their squared difference. That is
 //! taken away, so a curve does not flatten where it meets the reference's noise.
 
-pub mod plot;
+mod study;
 
 use crate::color::Rgb;
 
 use super::metrics::{mean_error, relative_squared, squared};
 use super::statistics::Estimate;
+
+pub use study::{ReferenceFrom, Study, Variant};
 
 /// Which error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,13 +166,6 @@ impl Point {
 
     fn estimate(&self, of: impl Fn(&Run) -> f64) -> Estimate {
         Estimate::of(&self.runs.iter().map(of).collect::<Vec<_>>())
-    }
-
-    fn place(&self, axis: Axis) -> f64 {
-        match axis {
-            Axis::Samples => f64::from(self.samples),
-            Axis::Seconds => self.seconds().mean,
-        }
     }
 }
 

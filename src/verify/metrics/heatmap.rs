@@ -1,13 +1,10 @@
 //! A picture of where two pictures differ: dark where they agree, light where they do not.
 //!
-//! The colours rise evenly in lightness, so that they are read the same in grey, and turn from violet
-//! through red to yellow: a path through the OKLab space (B. Ottosson, "A perceptual color space for
-//! image processing", 2020). Below the map stands its scale.
+//! Below the map stands its scale.
 
 use crate::color::Rgb;
+use crate::draw::heat_color;
 use crate::image_io::Picture;
-use crate::math::DVec3;
-use crate::sampling::sin_cos;
 
 /// Small maps are drawn with pixels as large as it takes to be this wide.
 const NARROWEST: usize = 256;
@@ -27,9 +24,9 @@ pub fn draw(values: &[f64], width: usize, most: f64) -> Picture {
     let pixel = |i: usize| {
         let (x, y) = (i % wide, i / wide);
         match y.checked_sub(high) {
-            None => color(share(values[y / zoom * width + x / zoom])),
+            None => heat_color(share(values[y / zoom * width + x / zoom])),
             Some(below) if below < GAP => Rgb::ONE,
-            Some(_) => color(x as f64 / (wide - 1) as f64),
+            Some(_) => heat_color(x as f64 / (wide - 1) as f64),
         }
     };
     let direct: Vec<Rgb> = (0..wide * total).map(pixel).collect();
@@ -37,46 +34,9 @@ pub fn draw(values: &[f64], width: usize, most: f64) -> Picture {
     Picture { width: wide, height: total, direct, indirect, ..Picture::default() }
 }
 
-/// The linear colour of a share in [0, 1].
-pub fn color(share: f64) -> Rgb {
-    // Hue in radians, from blue-violet through red to yellow; little colour at both ends.
-    let hue = -1.2 + 3.1 * share;
-    let chroma = 0.62 * share * (1.0 - share);
-    let (sin, cos) = sin_cos(hue);
-    let lightness = 0.97 * share;
-    linear_of_oklab(DVec3::new(lightness, chroma * cos, chroma * sin))
-}
-
-/// Linear Rec. 709 of OKLab, cut off to what a screen can show.
-fn linear_of_oklab(lab: DVec3) -> Rgb {
-    let cone = |a: f64, b: f64| (lab.x + a * lab.y + b * lab.z).powi(3);
-    let l = cone(0.396_337_777_4, 0.215_803_757_3);
-    let m = cone(-0.105_561_345_8, -0.063_854_172_8);
-    let s = cone(-0.089_484_177_5, -1.291_485_548_0);
-    DVec3::new(
-        4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s,
-        -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
-        -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
-    )
-    .clamp(DVec3::ZERO, DVec3::ONE)
-    .as_vec3()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::luminance;
-
-    #[test]
-    fn lightness_rises_evenly_from_black() {
-        assert_eq!(color(0.0), Rgb::ZERO);
-        // The cube root of luminance is nearly lightness; each of 100 steps adds a similar share.
-        let light: Vec<f32> =
-            (0..=100).map(|i| libm::cbrtf(luminance(color(f64::from(i) / 100.0)))).collect();
-        let steps: Vec<f32> = light.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        assert!(steps.iter().all(|step| (0.003..0.02).contains(step)), "{steps:?}");
-        assert!(light[100] > 0.93);
-    }
 
     #[test]
     fn a_small_map_is_enlarged_and_has_its_scale_below() {
@@ -84,12 +44,12 @@ mod tests {
         let map = draw(&values, 3, 1.0);
         assert_eq!((map.width, map.height), (86 * 3, 86 * 2 + GAP + SCALE_ROWS));
         let at = |x: usize, y: usize| map.beauty(y * map.width + x);
-        assert_eq!(at(85, 85), color(0.0));
-        assert_eq!(at(86, 0), color(0.25));
-        assert_eq!(at(0, 86), color(1.0));
-        assert_eq!(at(86, 171), color(1.0));
+        assert_eq!(at(85, 85), heat_color(0.0));
+        assert_eq!(at(86, 0), heat_color(0.25));
+        assert_eq!(at(0, 86), heat_color(1.0));
+        assert_eq!(at(86, 171), heat_color(1.0));
         assert_eq!(at(0, 171 + GAP), Rgb::ONE);
-        assert_eq!(at(0, map.height - 1), color(0.0));
-        assert_eq!(at(map.width - 1, map.height - 1), color(1.0));
+        assert_eq!(at(0, map.height - 1), heat_color(0.0));
+        assert_eq!(at(map.width - 1, map.height - 1), heat_color(1.0));
     }
 }

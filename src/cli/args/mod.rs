@@ -1,0 +1,127 @@
+//! The command line, as clap reads it; the comments here are what `--help` says.
+//!
+//! What clap can judge alone (an unknown option, a word where a number belongs) is its to refuse.
+//! Values that mean something to a scene become [`Override`]s and are judged where the scene is, so
+//! that `--spp 0` is refused in the same words as `samples_per_pixel = 0`.
+
+mod accel;
+mod bench;
+mod compare;
+mod converge;
+mod crosscheck;
+mod generate;
+pub mod help;
+mod info;
+mod keep;
+mod memory;
+mod output;
+mod picture;
+mod plan;
+mod render;
+mod reproduce;
+mod scene;
+mod stop;
+mod trace;
+mod values;
+mod verify;
+
+use clap::{Parser, Subcommand};
+
+use super::exit::EXIT_CODES;
+
+pub use bench::BenchArgs;
+pub use compare::CompareArgs;
+pub use converge::ConvergeArgs;
+pub use crosscheck::CrosscheckArgs;
+pub use generate::GenerateArgs;
+pub use info::InfoArgs;
+pub use keep::{MergeArgs, ResumeArgs};
+pub use output::OutputArgs;
+pub use plan::{Division, Format, PlanArgs};
+pub use render::RenderArgs;
+pub use reproduce::ReproduceArgs;
+pub use stop::StopArgs;
+pub use trace::TraceArgs;
+pub use verify::VerifyArgs;
+
+const EXAMPLES: &str = "\
+Examples:
+  photosphere render scenes/paper/fig2.toml -o fig2.png
+  photosphere render scenes/paper/fig2.toml -o fig2.exr --spp 1024
+  photosphere info scenes/cornell-spheres.toml
+  photosphere plan scenes/paper/fig2.toml --shards 4 --spp 4096 -o fig2.exr
+  photosphere generate gas -n 1e6 -o gas.f32 --scene gas.toml
+  photosphere doctor";
+
+/// Renders scenes made of spheres by Monte Carlo path tracing.
+///
+/// A scene is a TOML file (docs/scene-format.md), beside it perhaps tables of many spheres. Each
+/// command explains itself: photosphere render --help.
+#[derive(Debug, Parser)]
+#[command(name = "photosphere", version, max_term_width = 100)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    Render(Box<RenderArgs>),
+    Resume(ResumeArgs),
+    Merge(MergeArgs),
+    Plan(Box<PlanArgs>),
+    Crosscheck(CrosscheckArgs),
+    Bench(BenchArgs),
+    Compare(CompareArgs),
+    Converge(ConvergeArgs),
+    Reproduce(ReproduceArgs),
+    Trace(TraceArgs),
+    Verify(VerifyArgs),
+    Generate(GenerateArgs),
+    Info(InfoArgs),
+    /// Say what this build and this machine can do, and what is missing
+    #[command(after_help = "\
+Examples:
+  photosphere doctor
+
+Prints the version of Embree at compile time and at run time and the instruction set it uses, or
+why there is none and which packages to install; then traces one ray with every intersector.")]
+    Doctor,
+    /// Print the JSON schema of scene files, which editors complete and check them by
+    #[command(after_help = "\
+Examples:
+  photosphere schema > photosphere.schema.json
+
+An editor with taplo, such as VS Code with Even Better TOML, takes it from the first line of a scene:
+#:schema ./photosphere.schema.json")]
+    Schema,
+    /// Print the completion script for a shell
+    #[command(after_help = "\
+Examples:
+  photosphere completions bash > photosphere-completion.bash
+  photosphere completions fish > ~/.config/fish/completions/photosphere.fish")]
+    Completions {
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page of the program or of one command
+    #[command(after_help = "\
+Examples:
+  photosphere man | man -l -
+  photosphere man render > photosphere-render.1")]
+    Man {
+        /// The command; left out, the page is that of the whole program
+        command: Option<String>,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn clap_finds_no_fault_in_the_definition() {
+        Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,136 @@
+//! The options of `photosphere render`.
+
+use std::ops::Range;
+
+use clap::Args;
+
+use crate::scene::Override;
+
+use super::accel::AccelArg;
+use super::keep::KeepArgs;
+use super::memory::MemoryArg;
+use super::output::OutputArgs;
+use super::picture::PictureArgs;
+use super::scene::SceneArgs;
+use super::stop::{StopArgs, WatchArgs};
+use super::values::samples;
+
+/// Render a scene to a picture
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  photosphere render fig2.toml -o fig2.png
+  photosphere render fig2.toml -o quick.png --size 320x240 --spp 4
+  photosphere render fig2.toml -o fig2.exr --estimator light --spp 1024 --seed 7
+  photosphere render fig2.toml -o red.png --set materials.grass.albedo=[0.6,0,0]
+  photosphere render fig2.toml -o fig2.exr -o fig2.png --tone agx --exposure 1
+  photosphere render fig2.toml -o fig2.exr --layers direct,albedo,normal,depth
+  photosphere render fig2.toml -o fig2.pfm --quiet --json | jq .samples_per_s
+  photosphere render fig2.toml -o fig2.exr --spp 65536 --checkpoint fig2.state
+  photosphere render fig2.toml -o b.part --samples 0..64 --crop 320,0,640,480
+  photosphere render fig2.toml -o fig2.exr --noise 2% --preview so-far.png
+
+Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,
+stops at once and writes nothing. With --checkpoint FILE, `photosphere resume FILE` goes on, and so
+does the same command.")]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+
+    #[command(flatten)]
+    pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub accel: AccelArg,
+
+    #[command(flatten)]
+    pub memory: MemoryArg,
+
+    #[command(flatten)]
+    pub picture: PictureArgs,
+
+    /// Render these samples of each pixel only, as in 0..64; a range starts on a multiple of 16, and
+    /// ends on one unless it is the last
+    #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with = "noise")]
+    pub samples: Option<Range<u32>>,
+
+    #[command(flatten)]
+    pub keep: KeepArgs,
+
+    #[command(flatten)]
+    pub stop: StopArgs,
+
+    #[command(flatten)]
+    pub watch: WatchArgs,
+
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    pub quiet: bool,
+
+    /// Print one JSON object with the figures of the render on the standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl RenderArgs {
+    /// What the options change in the scene.
+    pub fn overrides(&self) -> Vec<Override> {
+        let most = self.stop.overrides(self.picture.has_samples());
+        most.into_iter().chain(self.picture.overrides(&self.scene)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Backend, Choice, Quality};
+    use crate::cli::args::{Cli, Command};
+    use clap::Parser;
+
+    fn render(words: &str) -> RenderArgs {
+        let words = ["photosphere", "render"].into_iter().chain(words.split_whitespace());
+        match Cli::try_parse_from(words).unwrap().command {
+            Command::Render(args) => *args,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn options_become_overrides_and_set_comes_last() {
+        let args = render(
+            "a.toml -o a.png --set render.seed=3 --spp 16 --size 64x48 --integrator paper \
+             --sampler sobol --set materials.m.albedo=[0.1,0.2,0.3] --max-depth 5",
+        );
+        let overrides = args.overrides();
+        let shown: Vec<_> = overrides
+            .iter()
+            .map(|o| (o.option.as_str(), o.key.as_str(), o.value.as_str()))
+            .collect();
+        let expected = [
+            ("--size 64x48", "image.width", "64"),
+            ("--size 64x48", "image.height", "48"),
+            ("--integrator paper", "render.integrator", "paper"),
+            ("--sampler sobol", "render.sampler", "sobol"),
+            ("--spp 16", "render.samples_per_pixel", "16"),
+            ("--max-depth 5", "render.max_depth", "5"),
+            ("--set render.seed=3", "render.seed", "3"),
+            ("--set materials.m.albedo=[0.1,0.2,0.3]", "materials.m.albedo", "[0.1,0.2,0.3]"),
+        ];
+        assert_eq!(shown, expected);
+    }
+
+    #[test]
+    fn every_backend_can_be_named_and_the_choice_is_automatic_by_default() {
+        assert_eq!(render("a.toml -o a.png").accel.choice, Choice::Auto);
+        for backend in Backend::ALL {
+            let args = render(&format!("a.toml -o a.png --accel {}", backend.name()));
+            assert_eq!(args.accel.choice, Choice::Only(*backend));
+        }
+    }
+
+    #[test]
+    fn a_build_can_be_fast() {
+        assert_eq!(render("a.toml -o a.png").accel.build.quality, Quality::Best);
+        assert_eq!(render("a.toml -o a.png --build fast").accel.build.quality, Quality::Fast);
+    }
+}

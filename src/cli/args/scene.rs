@@ -1,0 +1,67 @@
+//! Which scene a command is about, what is changed in it, and how much of the machine is used.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::scene::Override;
+
+use super::values::threads;
+
+/// Which scene, and how much of the machine.
+#[derive(Args, Debug)]
+pub struct SceneArgs {
+    /// The scene file
+    #[arg(value_name = "SCENE")]
+    pub path: PathBuf,
+
+    #[command(flatten)]
+    pub options: SceneOptions,
+}
+
+/// What is changed in the scene, and how much of the machine is used.
+#[derive(Args, Debug)]
+pub struct SceneOptions {
+    /// Set any key of the scene, as in --set materials.grass.albedo=[0.1,0.5,0.1]; may be repeated
+    #[arg(long, value_name = "KEY=VALUE", value_parser = setting)]
+    set: Vec<Override>,
+
+    /// Threads to use; all cores by default. The picture does not depend on it
+    #[arg(long, value_name = "T", value_parser = threads())]
+    threads: Option<usize>,
+}
+
+impl SceneArgs {
+    /// The threads asked for.
+    pub fn threads(&self) -> Option<usize> {
+        self.options.threads()
+    }
+
+    /// What `--set` says.
+    pub fn overrides(&self) -> Vec<Override> {
+        self.options.overrides()
+    }
+}
+
+impl SceneOptions {
+    /// The threads asked for.
+    pub fn threads(&self) -> Option<usize> {
+        self.threads
+    }
+
+    /// What `--set` says.
+    pub fn overrides(&self) -> Vec<Override> {
+        self.set.clone()
+    }
+}
+
+/// `KEY=VALUE`.
+fn setting(text: &str) -> Result<Override, String> {
+    match text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
+        Some((key, value)) if !key.is_empty() => {
+            let option = format!("--set {key}={value}");
+            Ok(Override { option, key: key.to_owned(), value: value.to_owned() })
+        }
+        _ => Err("it must be KEY=VALUE, as in render.seed=7".to_owned()),
+    }
+}

@@ -1,0 +1,262 @@
+//! Values of options: how they are written, and what is said of those that are not.
+
+use std::ops::{Range, RangeInclusive};
+use std::time::Duration;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+use crate::math::Rect;
+use crate::names::Named;
+use crate::scene::Override;
+
+/// `WxH`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    pub width: u32,
+    pub height: u32,
+}
+
+impl Size {
+    /// What `--size` changes in the scene.
+    pub fn overrides(self) -> [Override; 2] {
+        let Self { width, height } = self;
+        [("image.width", width), ("image.height", height)].map(|(key, pixels)| Override {
+            option: format!("--size {width}x{height}"),
+            key: key.to_owned(),
+            value: pixels.to_string(),
+        })
+    }
+}
+
+/// One of these names, each with what it stands for.
+pub fn one_of<T: Clone + Send + Sync + 'static>(
+    choices: impl IntoIterator<Item = (PossibleValue, T)>,
+) -> impl TypedValueParser<Value = T> {
+    let (names, values): (Vec<PossibleValue>, Vec<T>) = choices.into_iter().unzip();
+    PossibleValuesParser::new(names.clone()).try_map(move |given| {
+        let place = names.iter().position(|name| name.get_name() == given);
+        place.map(|place| values[place].clone()).ok_or("there is no such name")
+    })
+}
+
+/// The names of all variants.
+pub fn named<T: Named>() -> impl Iterator<Item = (PossibleValue, T)> {
+    T::NAMES.iter().map(|&(name, value)| (PossibleValue::new(name), value))
+}
+
+/// The names of all variants, with what `--help` says of each.
+pub fn explained<T: Named>(
+    meaning: fn(T) -> &'static str,
+) -> impl Iterator<Item = (PossibleValue, T)> {
+    named().map(move |(name, value)| (name.help(meaning(value)), value))
+}
+
+/// Any whole number: the scene knows which are allowed, and says so.
+pub fn whole(text: &str) -> Result<i128, String> {
+    text.parse().map_err(|_| "it must be a whole number".to_owned())
+}
+
+pub fn size(text: &str) -> Result<Size, String> {
+    let read = || {
+        let (width, height) = text.split_once(['x', 'X'])?;
+        Some(Size { width: width.parse().ok()?, height: height.parse().ok()? })
+    };
+    read().ok_or_else(|| "it must be WIDTHxHEIGHT, as in 640x480".to_owned())
+}
+
+/// More threads than any machine has cores are a typing error, and would not start.
+pub fn threads() -> impl TypedValueParser<Value = usize> {
+    clap::value_parser!(u16).range(1..=4096).map(usize::from)
+}
+
+/// As wide as that of a scene.
+pub fn seed() -> impl TypedValueParser<Value = u64> {
+    clap::value_parser!(i64).range(0..=i64::MAX).map(i64::unsigned_abs)
+}
+
+/// `90s`, `5m`, `1.5h`, or seconds.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let with_unit = |(unit, seconds): (&str, f64)| {
+        Some(text.strip_suffix(unit)?.trim_end().parse::<f64>().ok()? * seconds)
+    };
+    let seconds = units.into_iter().find_map(with_unit).or_else(|| text.parse().ok());
+    match seconds {
+        Some(seconds) if (0.001..1e9).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
+        _ => Err("it must be a time, as in 30s, 5m or 1h".to_owned()),
+    }
+}
+
+/// Stops of exposure.
+pub fn exposure(text: &str) -> Result<f32, String> {
+    match text.parse() {
+        Ok(stops) if (-100.0..=100.0).contains(&stops) => Ok(stops),
+        _ => Err("it must be a number of stops from -100 to 100".to_owned()),
+    }
+}
+
+/// `X0,Y0,X1,Y1`.
+pub fn window(text: &str) -> Result<Rect, String> {
+    let corners = || {
+        let corners: Option<Vec<u32>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+        let [x, y, right, bottom] = corners?.try_into().ok()?;
+        let (width, height) = (right.checked_sub(x)?, bottom.checked_sub(y)?);
+        (width > 0 && height > 0).then_some(Rect { x, y, width, height })
+    };
+    corners().ok_or_else(|| {
+        "it must be the first column and row and the ones behind the last, as in 0,0,320,240"
+            .to_owned()
+    })
+}
+
+/// `A..B`.
+pub fn samples(text: &str) -> Result<Range<u32>, String> {
+    let range = || {
+        let (first, end) = text.split_once("..")?;
+        Some(first.trim().parse().ok()?..end.trim().parse().ok()?)
+    };
+    let range: Option<Range<u32>> = range();
+    range.filter(|range| !range.is_empty()).ok_or_else(|| {
+        "it must be the first sample and the one behind the last, as in 0..64".to_owned()
+    })
+}
+
+/// A whole number, perhaps with an exponent.
+pub fn count(text: &str) -> Result<u64, String> {
+    let whole = || text.parse::<u64>().ok();
+    let with_exponent = || {
+        let number = text.parse::<f64>().ok()?;
+        // Above 2^53 not every whole number is an f64.
+        ((0.0..9e15).contains(&number) && number.fract() == 0.0).then_some(number as u64)
+    };
+    let refused = "it must be a whole number, as in 250000 or 1e6";
+    whole().or_else(with_exponent).ok_or_else(|| refused.to_owned())
+}
+
+/// A number of bytes with a unit.
+pub fn bytes(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 9] = [
+        ("KiB", 1024.0),
+        ("MiB", 1_048_576.0),
+        ("GiB", 1_073_741_824.0),
+        ("TiB", 1_099_511_627_776.0),
+        ("kB", 1e3),
+        ("MB", 1e6),
+        ("GB", 1e9),
+        ("TB", 1e12),
+        ("B", 1.0),
+    ];
+    let refused = || "it must be a size with its unit, as in 8GiB or 500MB".to_owned();
+    let (number, unit) = UNITS
+        .iter()
+        .find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit)))
+        .ok_or_else(refused)?;
+    let number: f64 = number.trim().parse().map_err(|_| refused())?;
+    let size = number * unit;
+    if (1.0..1e18).contains(&size) { Ok(size as u64) } else { Err(refused()) }
+}
+
+pub fn noise(text: &str) -> Result<f64, String> {
+    share(text, 1e-6..=0.5)
+        .ok_or_else(|| "it must be a share up to 50%, as in 1% or 0.01".to_owned())
+}
+
+pub fn confidence(text: &str) -> Result<f64, String> {
+    share(text, 0.5..=0.9999)
+        .ok_or_else(|| "it must be a share from 50% to 99.99%, as in 95% or 0.95".to_owned())
+}
+
+/// `1%` or `0.01`.
+fn share(text: &str, allowed: RangeInclusive<f64>) -> Option<f64> {
+    let share = match text.trim().strip_suffix('%') {
+        Some(percent) => percent.trim_end().parse::<f64>().ok()? / 100.0,
+        None => text.trim().parse().ok()?,
+    };
+    allowed.contains(&share).then_some(share)
+}
+
+pub fn positive(text: &str) -> Result<f64, String> {
+    number(text, |value| value > 0.0).ok_or_else(|| "it must be a number above 0".to_owned())
+}
+
+pub fn positive_or_zero(text: &str) -> Result<f64, String> {
+    number(text, |value| value >= 0.0).ok_or_else(|| "it must be a number from 0".to_owned())
+}
+
+fn number(text: &str, is_allowed: impl Fn(f64) -> bool) -> Option<f64> {
+    text.parse().ok().filter(|&value: &f64| value.is_finite() && is_allowed(value))
+}
+
+pub fn pixel(text: &str) -> Result<(u32, u32), String> {
+    let read = || {
+        let (x, y) = text.split_once(',')?;
+        Some((x.trim().parse().ok()?, y.trim().parse().ok()?))
+    };
+    read().ok_or_else(|| "it must be X,Y, as in 320,240".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_units() {
+        for (text, seconds) in
+            [("30s", 30.0), ("1.5h", 5400.0), ("250ms", 0.25), ("2m", 120.0), ("7", 7.0)]
+        {
+            assert_eq!(duration(text), Ok(Duration::from_secs_f64(seconds)), "{text}");
+        }
+        for text in ["", "s", "-3s", "0", "nan", "1e99h", "3 days"] {
+            assert!(duration(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn windows_have_two_corners() {
+        assert_eq!(window("3,4,10,6"), Ok(Rect { x: 3, y: 4, width: 7, height: 2 }));
+        for text in ["", "1,2,3", "0,0,0,5", "5,0,4,9", "-1,0,4,9", "0,0,4,9,9", "a,b,c,d"] {
+            assert!(window(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn ranges_have_two_ends() {
+        assert_eq!(samples("16..48"), Ok(16..48));
+        for text in ["", "16", "48..16", "16..16", "-1..3", "a..b", "0..=3", "0..99999999999"] {
+            assert!(samples(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn counts_may_have_exponents_but_no_fractions() {
+        assert_eq!(count("1e6"), Ok(1_000_000));
+        assert_eq!(count("250000"), Ok(250_000));
+        assert_eq!(count("2.5e3"), Ok(2500));
+        assert_eq!(count("4294967295"), Ok(4_294_967_295));
+        for wrong in ["-1", "1.5", "1e40", "nan", "many", ""] {
+            assert!(count(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sizes_have_a_number_and_a_unit() {
+        assert_eq!(bytes("8GiB"), Ok(8 << 30));
+        assert_eq!(bytes("1.5 MiB"), Ok(3 << 19));
+        assert_eq!(bytes("500MB"), Ok(500_000_000));
+        assert_eq!(bytes("42B"), Ok(42));
+        for wrong in ["8", "GiB", "-1GiB", "0B", "1e30GiB", "nanGB", "8 gigabytes"] {
+            assert!(bytes(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn shares_are_percentages_or_fractions() {
+        assert_eq!(noise("1%"), Ok(0.01));
+        assert_eq!(noise("0.01"), Ok(0.01));
+        assert_eq!(confidence("99.5 %"), Ok(0.995));
+        for wrong in ["1", "0", "0%", "-1%", "60%", "nan", "NaN%", "", "%", "1 percent"] {
+            assert!(noise(wrong).is_err(), "{wrong}");
+        }
+        assert!(confidence("100%").is_err() && confidence("5%").is_err());
+    }
+}

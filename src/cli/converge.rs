@@ -1,0 +1,246 @@
+//! `photosphere converge`: error against samples and against time.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use crate::accel::Backend;
+use crate::error::{Error, Result};
+use crate::image_io::{self, BEAUTY, WholeFile};
+use crate::report::convergence::{ConvergenceReport, ReferenceOrigin};
+use crate::scene::settings::{Image, Integrator, IntegratorKind};
+use crate::scene::{Override, Settings, read_file};
+use crate::verify::converge::{Metric, Reference, ReferenceFrom, Series, Study, Variant};
+
+use super::args::ConvergeArgs;
+use super::compare::check_finite;
+use super::exit::Exit;
+use super::progress::{Progress, State};
+use super::system::on_threads;
+use super::{interrupt, print};
+
+/// # Errors
+/// Whatever stands between the scene and the plot, the place of the plot first.
+pub(super) fn run(args: &ConvergeArgs) -> Result<Exit> {
+    let file = WholeFile::ending_in(&args.output, "svg")?;
+    interrupt::listen();
+    on_threads(args.scene.threads(), || converge(args, file))
+}
+
+fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
+    let metric = args.metric;
+    let (study, reference_integrator) = study(args)?;
+    let progress = Progress::new(args.quiet);
+    let (done, total, began) = (AtomicU64::new(0), study.samples_in_all(), Instant::now());
+    let result = study.measure(&|rendered| {
+        let before = done.fetch_add(rendered.samples, Ordering::Relaxed);
+        progress.show(&State::since(began, before + rendered.samples, total));
+        if !args.quiet && before == 0 {
+            rendered.warnings.iter().for_each(print::warning);
+        }
+    });
+    progress.finish();
+    let (reference, series) = result?;
+    if !series.iter().any(|one| one.has_error(metric)) {
+        return Err(nothing_to_plot(&reference, metric));
+    }
+    let half = args.reference_half(study.samples.last().copied().unwrap_or(1));
+    let report = ConvergenceReport {
+        scene: &args.scene.path,
+        image: study.variants[0].settings[0].image,
+        seeds: args.seeds,
+        metric,
+        reference: &reference,
+        origin: match &args.reference {
+            Some(path) => ReferenceOrigin::File(path),
+            None => ReferenceOrigin::Halves(&reference_integrator, half),
+        },
+        series: &series,
+    };
+    let svg = report.svg()?;
+    file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
+    if is_too_noisy(&reference, &series, metric) {
+        print::warning("the reference is nearly as noisy as the best point; raise --reference-spp");
+    }
+    match args.json {
+        true => print::json(&report.json(&args.output))?,
+        false => print::result(&report.to_string())?,
+    }
+    if !args.quiet {
+        print::remark(format_args!("wrote {}", args.output.display()));
+    }
+    Ok(Exit::Done)
+}
+
+/// Says why there is nothing to plot.
+fn nothing_to_plot(reference: &Reference, metric: Metric) -> Error {
+    match reference.noise(metric) {
+        Some(0.0) | None => Error::input(
+            "every picture equals the reference: there is no error to plot",
+        )
+        .with_help("each sample of this scene gives the same, so it needs one; try another scene"),
+        Some(_) => Error::input("there is no error above the reference's own noise to plot")
+            .with_help("make the reference better with --reference-spp"),
+    }
+}
+
+/// A reference that is nearly as noisy as what it judges is no reference.
+fn is_too_noisy(reference: &Reference, series: &[Series], metric: Metric) -> bool {
+    let points = series.iter().flat_map(|one| &one.points);
+    // An error that is no number is not the least.
+    let least = points.map(|point| point.error(metric).mean).fold(f64::INFINITY, f64::min);
+    reference.noise(metric).is_some_and(|own| own > 0.0 && own >= 0.5 * least)
+}
+
+/// What is to be rendered, and the integrator of the reference. Where the scene objects to anything, it
+/// does so now and not after an hour.
+fn study(args: &ConvergeArgs) -> Result<(Study, String)> {
+    let choices = choices(args);
+    let mut step = 1;
+    for choice in &choices {
+        step = step.max(subpixels(&settings(args, &choice.overrides, None)?));
+    }
+    let samples = args.samples(step);
+    let overrides = overrides(args, &choices[0].overrides, samples.first().copied());
+    let (scene, own) = read_file(&args.scene.path, &overrides)?.build()?;
+    let own_integrator = own.render.integrator.kind().name();
+    let variant = |choice: Choice| {
+        let of = |&count: &u32| settings(args, &choice.overrides, Some(count));
+        let names = args.integrators.is_empty().then_some(own_integrator).into_iter();
+        let names: Vec<&str> = names.chain(choice.names.iter().map(String::as_str)).collect();
+        let settings = samples.iter().map(of).collect::<Result<_>>()?;
+        Ok(Variant { name: names.join(", "), accel: choice.accel, settings })
+    };
+    let variants = choices.into_iter().map(variant).collect::<Result<_>>()?;
+    let integrator = reference_integrator(args, own_integrator)?;
+    let reference = match &args.reference {
+        Some(path) => ReferenceFrom::Picture(read_reference(path, &own.image)?),
+        None => {
+            let most = samples.last().copied().unwrap_or(1);
+            let choice = [chosen("integrator", &integrator)];
+            let half = Some(args.reference_half(most));
+            ReferenceFrom::Halves(settings(args, &choice, half)?)
+        }
+    };
+    let seeds = args.seed..args.seed + u64::from(args.seeds);
+    Ok((Study { scene, variants, samples, seeds, reference }, integrator))
+}
+
+fn read_reference(path: &Path, image: &Image) -> Result<Reference> {
+    let picture = image_io::read(path)?;
+    check_finite(path, &picture, |name| name == BEAUTY)?;
+    let (width, height) = (image.width as usize, image.height as usize);
+    if (picture.width, picture.height) != (width, height) {
+        return Err(Error::input(format!(
+            "the reference has {} x {} pixels and the scene {width} x {height}",
+            picture.width, picture.height
+        ))
+        .with_help(format!("add --size {}x{}", picture.width, picture.height)));
+    }
+    let beauty = picture.layer(BEAUTY).ok_or_else(|| {
+        Error::input(format!("`{}` has no layer for the whole picture", path.display()))
+    })?;
+    let variance = picture.layer("variance").map(|layer| layer.pixels.as_slice());
+    Ok(Reference::of_picture(beauty.pixels.clone(), variance))
+}
+
+/// What one curve is to show.
+#[derive(Clone)]
+struct Choice {
+    names: Vec<String>,
+    overrides: Vec<Override>,
+    accel: Backend,
+}
+
+/// Everything with everything.
+fn choices(args: &ConvergeArgs) -> Vec<Choice> {
+    let accel = args.accels.first().copied().unwrap_or_default();
+    let mut choices = vec![Choice { names: Vec::new(), overrides: Vec::new(), accel }];
+    let lists = [
+        ("integrator", &args.integrators),
+        ("estimator", &args.estimators),
+        ("sampler", &args.samplers),
+    ];
+    for (key, names) in lists.into_iter().filter(|(_, names)| !names.is_empty()) {
+        let with = |choice: &Choice, name: &String| {
+            let mut choice = choice.clone();
+            choice.names.push(name.clone());
+            choice.overrides.push(chosen(key, name));
+            choice
+        };
+        let of = |choice: &Choice| names.iter().map(|name| with(choice, name)).collect::<Vec<_>>();
+        choices = choices.iter().flat_map(of).collect();
+    }
+    if args.accels.is_empty() {
+        return choices;
+    }
+    let with = |choice: &Choice, accel: Backend| {
+        let mut choice = Choice { accel, ..choice.clone() };
+        choice.names.push(accel.name().to_owned());
+        choice
+    };
+    let of = |choice| args.accels.iter().map(move |&accel| with(choice, accel));
+    choices.iter().flat_map(of).collect()
+}
+
+fn chosen(key: &str, name: &str) -> Override {
+    let (option, value) = (format!("--{key} {name}"), name.to_owned());
+    Override { option, key: format!("render.{key}"), value }
+}
+
+fn settings(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Result<Settings> {
+    Ok(read_file(&args.scene.path, &overrides(args, chosen, samples))?.settings)
+}
+
+/// What is changed in the scene; `--set` has the last word.
+fn overrides(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Vec<Override> {
+    let samples = samples.map(|samples| Override {
+        option: format!("--spp {samples}"),
+        key: "render.samples_per_pixel".to_owned(),
+        value: samples.to_string(),
+    });
+    let size = args.size.into_iter().flat_map(|size| size.overrides());
+    chosen.iter().cloned().chain(size).chain(samples).chain(args.scene.overrides()).collect()
+}
+
+/// What the samples of a pixel have to be a multiple of.
+fn subpixels(settings: &Settings) -> u32 {
+    match settings.render.integrator {
+        Integrator::Paper(paper) => paper.subpixels.pow(2),
+        _ => 1,
+    }
+}
+
+/// The reference's integrator; `own` is the scene's.
+fn reference_integrator(args: &ConvergeArgs, own: &str) -> Result<String> {
+    let is_compared = |kind: IntegratorKind| match args.integrators.as_slice() {
+        [] => own == kind.name(),
+        names => names.iter().any(|one| one == kind.name()),
+    };
+    let any = [IntegratorKind::Path, IntegratorKind::Paper].into_iter().any(is_compared);
+    let found = match &args.reference_integrator {
+        Some(name) => name.clone(),
+        None if any => IntegratorKind::Path.name().to_owned(),
+        None => args.integrators.first().map_or(own, String::as_str).to_owned(),
+    };
+    if args.reference_integrator.is_none() && args.reference.is_none() {
+        must_share_a_mean(&args.integrators, &found)?;
+    }
+    Ok(found)
+}
+
+/// Without a reference of the user's choice, only integrators that converge to the same picture are
+/// compared with one: `path` and `paper` do, each of the others shows something of its own.
+fn must_share_a_mean(integrators: &[String], reference: &str) -> Result<()> {
+    let shown = |name: &str| if name == "paper" { "path".to_owned() } else { name.to_owned() };
+    match integrators.iter().find(|name| shown(name) != shown(reference)) {
+        None => Ok(()),
+        Some(other) => Err(Error::input(format!(
+            "`{other}` and `{reference}` converge to different pictures: no reference serves both"
+        ))
+        .with_help(
+            "compare them one by one, or say with --reference-integrator NAME or --reference FILE \
+             which picture is right",
+        )),
+    }
+}

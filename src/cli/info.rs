@@ -1,0 +1,52 @@
+//! `photosphere info`: what is in a scene, and how a picture was made.
+
+use crate::error::{Error, Result};
+use crate::film::Kind;
+use crate::report::{FileRecords, SceneSummary, is_picture};
+use crate::scene::read_file;
+
+use super::args::InfoArgs;
+use super::exit::Exit;
+use super::memory::Needs;
+use super::system::on_threads;
+use super::{memory, print, render};
+
+/// # Errors
+/// When the scene or the picture cannot be read, or the scene has mistakes.
+pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
+    if is_picture(&args.scene.path) {
+        if let Some(option) = args.scene.overrides().first() {
+            let message = format!(
+                "`{}` changes scenes, but `{}` is a picture",
+                option.option,
+                args.scene.path.display()
+            );
+            return Err(Error::input(message).with_help("leave it out"));
+        }
+        let records = FileRecords::read(&args.scene.path)?;
+        match args.json {
+            true => print::json(&records.json()?)?,
+            false => print::result(&records.words()?)?,
+        }
+        return Ok(Exit::Done);
+    }
+    on_threads(args.scene.threads(), || {
+        let file = read_file(&args.scene.path, &args.scene.overrides())?;
+        let plan = memory::json(&file);
+        if !args.json {
+            // Before anything is loaded: that may be what there is no memory for.
+            print::result(&memory::table(&file))?;
+        }
+        let backends = [args.accel.choice.choose_for(file.sphere_count() as usize).backend];
+        let needs = Needs { backends: &backends, kinds: &Kind::USUAL, besides: 0 };
+        memory::check(&file, &needs, args.memory.limit)?;
+        let (scene, settings) = file.build()?;
+        render::about_spheres(scene.spheres()).iter().for_each(print::warning);
+        let summary = SceneSummary::of(&scene, &settings);
+        match args.json {
+            true => print::json(&summary.with_memory_plan(plan))?,
+            false => print::result(&summary.to_string())?,
+        }
+        Ok(Exit::Done)
+    })
+}

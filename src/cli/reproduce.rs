@@ -1,0 +1,117 @@
+//! `photosphere reproduce`: a picture again, from what it says of itself.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use crate::error::{Error, Result};
+use crate::image_io::{self, Notes, RawChannel, Target};
+use crate::job::reproduce::{Again, Reproduction, metadata_of, reproduce};
+use crate::job::{Metadata, crop_of, is_checkpoint};
+use crate::report::{in_standard_errors, in_steps};
+
+use super::args::ReproduceArgs;
+use super::exit::Exit;
+use super::progress::{Progress, State};
+use super::system::on_threads;
+use super::{interrupt, print};
+
+/// # Errors
+/// When the picture does not say how it was made, when its scene is not what it was, or when it
+/// cannot be rendered.
+pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
+    let path = &args.picture;
+    refuse_part(path)?;
+    let said = metadata_of(path)?;
+    let then = image_io::raw_channels(path)?;
+    let (again, now) = on_threads(args.threads, || {
+        let again = render(args, &said)?;
+        let now = channels(args, &said, &again)?;
+        Ok((again, now))
+    })?;
+    let wrong = differing(&then, &now);
+    if wrong.is_empty() {
+        let what = print::count(then.len(), "channel");
+        print::result(&format!("all pixels agree to the bit, in {what}\n"))?;
+        return Ok(Exit::Done);
+    }
+    let mut words =
+        format!("`{}` comes out differently, in {}\n", path.display(), wrong.join(", "));
+    words += &reasons(&said.differences_of_program(&again.metadata));
+    words += &match is_png(path) {
+        true => in_steps(&then, &now),
+        false => in_standard_errors(&then, &now, &again.film),
+    };
+    print::result(&words)?;
+    Ok(Exit::CheckFailed)
+}
+
+/// A part has no pixels to compare with.
+fn refuse_part(path: &Path) -> Result<()> {
+    if !is_checkpoint(path) {
+        return Ok(());
+    }
+    let path = path.display();
+    Err(Error::input(format!("`{path}` is a part, and a part is no picture")).with_help(format!(
+        "make a picture of it first: photosphere merge '{path}' -o picture.exr"
+    )))
+}
+
+fn render(args: &ReproduceArgs, said: &Metadata) -> Result<Reproduction> {
+    let interrupt = interrupt::listen();
+    let (progress, began) = (Progress::new(args.quiet), Instant::now());
+    let again =
+        Again { folder: folder(args, said), backend: args.accel, cancel: interrupt.cancel() };
+    let result = reproduce(said, &again, &|done, total| {
+        progress.show(&State::since(began, done, total));
+    });
+    progress.finish();
+    result
+}
+
+/// Where the scene's files are.
+fn folder(args: &ReproduceArgs, said: &Metadata) -> PathBuf {
+    let scene_file = said.run.as_ref().and_then(|run| run.scene_file.as_deref());
+    let beside = args.picture.parent().unwrap_or(Path::new(""));
+    let then = scene_file.and_then(Path::parent).unwrap_or(beside);
+    args.folder.clone().unwrap_or_else(|| then.to_path_buf())
+}
+
+/// The numbers that a file of the picture holds: rounding to its format is a part of the picture.
+fn channels(
+    args: &ReproduceArgs,
+    said: &Metadata,
+    again: &Reproduction,
+) -> Result<Vec<RawChannel>> {
+    let notes = Notes {
+        cropped_from: crop_of(again.film.frame()),
+        look: said.look.unwrap_or_default(),
+        ..Notes::default()
+    };
+    let temporary = tempfile::tempdir().map_err(|e| Error::file("write", &args.picture, e))?;
+    let name = if is_png(&args.picture) { "again.png" } else { "again.exr" };
+    let file = temporary.path().join(name);
+    Target::new(&file)?.write_with(&again.picture, &notes)?;
+    image_io::raw_channels(&file)
+}
+
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+}
+
+/// The names of the channels that differ, or that only one of both has.
+fn differing(then: &[RawChannel], now: &[RawChannel]) -> Vec<String> {
+    let differs = |channel: &&RawChannel| !now.contains(channel);
+    let gone = then.iter().filter(differs).map(|channel| channel.name.clone());
+    let is_new = |channel: &&RawChannel| !then.iter().any(|other| other.name == channel.name);
+    gone.chain(now.iter().filter(is_new).map(|channel| channel.name.clone())).collect()
+}
+
+/// Why the picture may differ.
+fn reasons(differences: &[String]) -> String {
+    if differences.is_empty() {
+        return "nothing that is known differs in how it was made: the file was changed since, or this is a \
+                mistake of photosphere; please report it\n"
+            .to_owned();
+    }
+    differences.iter().map(|difference| format!("  {difference}\n")).collect()
+}

@@ -1,0 +1,110 @@
+//! Numbers in cells as a picture inside a page: PNG as a `data:` address.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+
+use crate::color::srgb_from_linear;
+
+use super::page::{element, escape};
+
+/// Screen pixels that a picture is at least wide.
+const WIDTH: usize = 192;
+
+/// A picture of one number per cell.
+#[derive(Clone, Debug)]
+pub struct Cells {
+    /// What it shows, in a few words.
+    pub caption: String,
+    /// Cells across.
+    pub width: usize,
+    /// Row by row from the top; not a number where there is nothing to show.
+    pub values: Vec<f64>,
+    /// How numbers become colours.
+    pub colors: CellColors,
+}
+
+/// How the numbers of cells become colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CellColors {
+    /// From black at 0 to white at this value, through the curve of a screen.
+    Light(f64),
+    /// From one colour at minus this value over none at 0 to another.
+    Signed(f64),
+}
+
+impl Cells {
+    /// The picture with its caption; nothing without cells.
+    pub fn figure(&self) -> String {
+        let Some(png) = self.png() else { return String::new() };
+        let height = self.values.len() / self.width;
+        let zoom = (WIDTH / self.width).max(1);
+        let caption = escape(&self.caption);
+        let image = format!(
+            "<img src=\"data:image/png;base64,{}\" width={} height={} alt=\"{caption}\">",
+            STANDARD.encode(png),
+            self.width * zoom,
+            height * zoom,
+        );
+        element("figure", "", &(image + &element("figcaption", "", &caption)))
+    }
+
+    fn png(&self) -> Option<Vec<u8>> {
+        let height = self.values.len().checked_div(self.width)?;
+        let bytes: Vec<u8> =
+            self.values.iter().flat_map(|&value| color(value, self.colors)).collect();
+        let mut png = Vec::new();
+        let (width, height) = (u32::try_from(self.width).ok()?, u32::try_from(height).ok()?);
+        let encoder = PngEncoder::new(&mut png);
+        encoder.write_image(&bytes, width, height, ExtendedColorType::Rgba8).ok()?;
+        Some(png)
+    }
+}
+
+/// Red, green, blue and opacity. Cells without a value are clear.
+fn color(value: f64, colors: CellColors) -> [u8; 4] {
+    if value.is_nan() {
+        return [0; 4];
+    }
+    let byte = |x: f64| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
+    match colors {
+        CellColors::Light(white) => {
+            let grey = byte(f64::from(srgb_from_linear((value / white) as f32)));
+            [grey, grey, grey, 255]
+        }
+        CellColors::Signed(most) => {
+            // White at 0; red above, blue below.
+            let share = (value / most).clamp(-1.0, 1.0);
+            let fade = |least: f64| byte(1.0 - (1.0 - least) * share.abs());
+            let strong = if share > 0.0 { [0.75, 0.1, 0.1] } else { [0.1, 0.25, 0.75] };
+            let [r, g, b] = strong.map(fade);
+            [r, g, b, 255]
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_have_colours_and_nothing_is_clear() {
+        assert_eq!(color(0.0, CellColors::Signed(4.0)), [255; 4]);
+        let [r, _, b, _] = color(9.0, CellColors::Signed(4.0));
+        assert!(r > b);
+        let [r, _, b, _] = color(-2.0, CellColors::Signed(4.0));
+        assert!(r < b);
+        assert_eq!(color(f64::NAN, CellColors::Light(1.0)), [0; 4]);
+        assert_eq!(color(2.0, CellColors::Light(2.0)), [255; 4]);
+    }
+
+    #[test]
+    fn a_figure_without_cells_is_left_out() {
+        let (caption, colors) = ("c".to_owned(), CellColors::Light(1.0));
+        let empty = Cells { caption, width: 0, values: Vec::new(), colors };
+        assert_eq!(empty.figure(), "");
+        let one = Cells { width: 1, values: vec![0.5], ..empty };
+        assert!(one.figure().contains("data:image/png;base64,iVBOR"));
+    }
+}

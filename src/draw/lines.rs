@@ -1,0 +1,178 @@
+//! Lines through marks on logarithmic axes: one chart with its legend above, or two panels side by
+//! side with a table below.
+
+use plotters::prelude::*;
+
+use crate::error::Result;
+
+use super::axes::{Area, Drawn, MARGIN, SCALE, color_of, drawn, headline, marker, words};
+use super::{Axes, Value};
+
+/// Two of these charts stand side by side on a page.
+const CHART: [u32; 2] = [490 * SCALE, 320 * SCALE];
+const LEGEND_HEIGHT: u32 = 50 * SCALE;
+/// From one name of a legend to the next.
+const LEGEND_STEP: i32 = 112 * SCALE as i32;
+
+const PANELS_WIDTH: u32 = 1120 * SCALE;
+const PANEL_HEIGHT: u32 = 440 * SCALE;
+const TITLE_HEIGHT: u32 = 56 * SCALE;
+const ROW_HEIGHT: u32 = 24 * SCALE;
+
+/// A place on a line. Both numbers are positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// To the right.
+    pub x: Value,
+    /// Upwards.
+    pub y: Value,
+}
+
+/// How a line runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Course {
+    /// From mark to mark.
+    Through,
+    /// Straight between two ends, because it was fitted to the marks; none where none could be.
+    Fitted(Option<[(f64, f64); 2]>),
+}
+
+/// A series: its marks, and a line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// What it is called.
+    pub name: String,
+    /// From left to right; their intervals are drawn as thin lines.
+    pub marks: Vec<Mark>,
+    /// How the line runs.
+    pub course: Course,
+    /// Which colour and mark it has.
+    pub color: usize,
+}
+
+/// A chart of several series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Its axes.
+    pub axes: Axes,
+    /// Its series.
+    pub lines: Vec<Line>,
+}
+
+/// Two charts of the same series, and a table of them below.
+#[derive(Clone, Debug)]
+pub struct Panels<'a> {
+    /// What is shown.
+    pub title: &'a str,
+    /// What the reader should know of it.
+    pub subtitle: &'a str,
+    /// From left to right.
+    pub panels: [Panel; 2],
+    /// The heads of two columns of the table, behind that of the names.
+    pub heads: [&'a str; 2],
+    /// What stands in these columns for each series.
+    pub rows: Vec<[String; 2]>,
+}
+
+/// Draws one chart with its legend above.
+///
+/// # Errors
+/// When the drawing fails.
+pub fn lines(title: &str, panel: &Panel) -> Result<String> {
+    drawn(CHART, |root| {
+        let (head, body) = root.split_vertically(LEGEND_HEIGHT);
+        let unit = SCALE as i32;
+        head.draw(&words(title, (MARGIN, 16 * unit), 15))?;
+        for (i, line) in panel.lines.iter().enumerate() {
+            let at = (MARGIN + 6 * unit + i as i32 * LEGEND_STEP, 38 * unit);
+            head.draw(&marker(line.color, at))?;
+            head.draw(&words(&line.name, (at.0 + 10 * unit, at.1), 12))?;
+        }
+        draw_panel(&body, panel)
+    })
+}
+
+/// Draws two charts side by side, with a table below.
+///
+/// # Errors
+/// When the drawing fails.
+pub fn panels(sheet: &Panels<'_>) -> Result<String> {
+    let rows = sheet.rows.len() as u32;
+    let height = TITLE_HEIGHT + PANEL_HEIGHT + ROW_HEIGHT * (rows + 1) + TITLE_HEIGHT / 4;
+    drawn([PANELS_WIDTH, height], |root| {
+        let (title, rest) = root.split_vertically(TITLE_HEIGHT);
+        headline(&title, sheet.title, sheet.subtitle)?;
+        let (plots, table) = rest.split_vertically(PANEL_HEIGHT);
+        let (left, right) = plots.split_horizontally(PANELS_WIDTH / 2);
+        draw_panel(&left, &sheet.panels[0])?;
+        draw_panel(&right, &sheet.panels[1])?;
+        draw_table(&table, sheet)
+    })
+}
+
+fn draw_table(area: &Area<'_>, sheet: &Panels<'_>) -> Drawn {
+    let unit = SCALE as i32;
+    let [name, first, second] = [64, 460, 760].map(|x| x * unit);
+    for (x, head) in [first, second].into_iter().zip(sheet.heads) {
+        area.draw(&words(head, (x, ROW_HEIGHT as i32 / 2), 12))?;
+    }
+    for (i, (line, row)) in sheet.panels[0].lines.iter().zip(&sheet.rows).enumerate() {
+        let y = ROW_HEIGHT as i32 * (i as i32 + 1) + ROW_HEIGHT as i32 / 2;
+        let sample = vec![(20 * unit, y), (52 * unit, y)];
+        area.draw(&PathElement::new(sample, color_of(line.color).stroke_width(2 * SCALE)))?;
+        area.draw(&marker(line.color, (36 * unit, y)))?;
+        for (x, text) in [(name, &line.name), (first, &row[0]), (second, &row[1])] {
+            area.draw(&words(text, (x, y), 13))?;
+        }
+    }
+    Ok(())
+}
+
+fn draw_panel(area: &Area<'_>, Panel { axes, lines }: &Panel) -> Drawn {
+    let mut chart = axes.draw(area)?;
+    for line in lines {
+        let color = color_of(line.color);
+        let places: Vec<(f64, f64)> =
+            line.marks.iter().map(|mark| (mark.x.middle, mark.y.middle)).collect();
+        // Intervals are thinner than a line that crosses them, and stand out from one that is pale.
+        let (path, style, interval) = match line.course {
+            Course::Through => (Some(places.clone()), color.stroke_width(SCALE + 1), SCALE),
+            Course::Fitted(ends) => {
+                let pale = color.mix(0.55).stroke_width(SCALE + 1);
+                (ends.map(Vec::from), pale, SCALE + 1)
+            }
+        };
+        chart.draw_series(path.map(|path| PathElement::new(path, style)))?;
+        let intervals = line.marks.iter().flat_map(|Mark { x, y }| {
+            // An interval may reach to 0, which no such axis has.
+            let upright = vec![(x.middle, y.low.max(axes.y.start)), (x.middle, y.high)];
+            let flat = vec![(x.low.max(axes.x.start), y.middle), (x.high, y.middle)];
+            [upright, flat].map(|ends| PathElement::new(ends, color.stroke_width(interval)))
+        });
+        chart.draw_series(intervals)?;
+        chart.draw_series(places.into_iter().map(|place| marker(line.color, place)))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_drawn_and_named() {
+        let places = [(3.0, 1e7), (1e6, 2e5)];
+        let marks = places.map(|(x, y)| Mark { x: Value::exact(x), y: Value::exact(y) });
+        let (xs, ys) = (places.map(|place| place.0), places.map(|place| place.1));
+        let axes = Axes::around(["spheres", "rays/s"], xs.into_iter(), ys.into_iter()).unwrap();
+        assert!(axes.x.start < 3.0 && axes.x.end > 1e6 && axes.y.start < 2e5 && axes.y.end > 1e7);
+        let (name, marks) = ("native".to_owned(), marks.to_vec());
+        let line = Line { name, marks, course: Course::Through, color: 1 };
+        let svg = lines("gas", &Panel { axes, lines: vec![line] }).unwrap();
+        for text in ["gas", "native", "spheres", "rays/s", "<polyline"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        assert!(!svg.contains("NaN"));
+        assert_eq!(Axes::around(["", ""], [].into_iter(), [].into_iter()), None);
+    }
+}

@@ -1,0 +1,137 @@
+//! Space seen from the side: projected, without perspective, on one upright plane.
+
+use crate::math::{DVec2, DVec3};
+use crate::sampling::sin_cos;
+
+/// The drawing's size in pixels, at most.
+const LARGEST: DVec2 = DVec2::new(1000.0, 720.0);
+/// The smallest height: a flat path needs room around it.
+const LOWEST: f64 = 300.0;
+const MARGIN: f64 = 48.0;
+
+/// An upright plane, and the window on it. Places on it are in pixels from the window's upper left.
+#[derive(Clone, Debug)]
+pub struct SideView {
+    /// Unit vectors of the plane: to the right, and up.
+    right: DVec3,
+    up: DVec3,
+    /// What is drawn in the window's centre.
+    center: DVec3,
+    /// Pixels per unit of length.
+    pub scale: f64,
+    /// The size of the window in pixels.
+    pub window: DVec2,
+}
+
+impl SideView {
+    /// The plane through `up` on which the points spread most, and a window that holds them all.
+    pub fn of(points: &[DVec3], up: DVec3) -> Self {
+        let up = up.normalize_or(DVec3::Y);
+        let right = widest(points, up);
+        let flat = |p: &DVec3| DVec2::new(p.dot(right), p.dot(up));
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for point in points.iter().map(flat) {
+            (low, high) = (low.min(point), high.max(point));
+        }
+        let size = (high - low).max(DVec2::splat(1e-9 * (1.0 + high.abs().max_element())));
+        let scale = ((LARGEST - 2.0 * MARGIN) / size).min_element();
+        let middle = 0.5 * (low + high);
+        Self {
+            right,
+            up,
+            center: middle.x * right + middle.y * up,
+            scale,
+            window: DVec2::new(LARGEST.x, (size.y * scale + 2.0 * MARGIN).max(LOWEST).round()),
+        }
+    }
+
+    /// Where a point lies on the drawing.
+    pub fn project(&self, point: DVec3) -> DVec2 {
+        0.5 * self.window + self.direction(point - self.center) * self.scale
+    }
+
+    /// A direction on the drawing, whose y axis points down.
+    pub fn direction(&self, direction: DVec3) -> DVec2 {
+        DVec2::new(direction.dot(self.right), -direction.dot(self.up))
+    }
+
+    /// Farther than from corner to corner.
+    pub fn across(&self) -> f64 {
+        self.window.x + self.window.y
+    }
+
+    /// Returns true if a circle is to be seen in the window.
+    pub fn touches(&self, center: DVec2, radius: f64) -> bool {
+        let nearest = center.clamp(DVec2::ZERO, self.window);
+        (center - nearest).length() <= radius
+    }
+
+    /// Where the name of a circle stands: at its centre, or at the part of it that is in view.
+    pub fn label_place(&self, center: DVec2, radius: f64) -> DVec2 {
+        let window = self.window;
+        let inside = center.clamp(DVec2::new(50.0, 16.0), window - DVec2::new(50.0, 10.0));
+        if (inside - center).length() < 0.98 * radius || radius < 12.0 {
+            return inside
+                + if radius < 12.0 { DVec2::new(0.0, -radius - 6.0) } else { DVec2::ZERO };
+        }
+        // The window's corner may miss the circle where its edge does not.
+        let towards = (0.5 * window - center).normalize_or(DVec2::Y);
+        let edge = center + (radius - 14.0) * towards;
+        edge.clamp(DVec2::new(50.0, 16.0), window - DVec2::new(50.0, 10.0))
+    }
+
+    /// A round length that takes about a tenth of the width.
+    pub fn round_length(&self) -> f64 {
+        let wanted = 0.12 * self.window.x / self.scale;
+        let power = libm::exp10(libm::log10(wanted).floor());
+        let steps = [5.0, 2.0, 1.0].map(|step| step * power);
+        steps.into_iter().find(|length| *length <= wanted).unwrap_or(power)
+    }
+}
+
+/// The horizontal unit direction along which the points spread most: the long axis of their scatter.
+fn widest(points: &[DVec3], up: DVec3) -> DVec3 {
+    let a = up.any_orthonormal_vector();
+    let b = up.cross(a);
+    let mean = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+    let mut moments = [0.0; 3];
+    for point in points {
+        let (x, y) = ((*point - mean).dot(a), (*point - mean).dot(b));
+        moments[0] += x * x;
+        moments[1] += x * y;
+        moments[2] += y * y;
+    }
+    // The angle of the principal axis of a 2 x 2 covariance.
+    let angle = 0.5 * crate::sampling::atan2(2.0 * moments[1], moments[0] - moments[2]);
+    let (sin, cos) = sin_cos(angle);
+    cos * a + sin * b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_plane_is_upright_and_the_window_holds_all_points() {
+        let points = [DVec3::ZERO, DVec3::new(3.0, 1.0, 4.0), DVec3::new(6.0, 0.5, 8.0)];
+        let view = SideView::of(&points, DVec3::Y);
+        assert!((view.right.dot(DVec3::new(0.6, 0.0, 0.8)).abs() - 1.0).abs() < 1e-3);
+        for point in points {
+            let p = view.project(point);
+            assert!(p.cmpge(DVec2::ZERO).all() && p.cmple(view.window).all());
+        }
+        // Up is up.
+        assert!(view.project(points[1]).y < view.project(points[0]).y);
+        let gap = view.project(points[2]) - view.project(points[0]);
+        assert!((gap.x.abs() - 10.0 * view.scale).abs() < 0.1 * view.scale);
+    }
+
+    #[test]
+    fn a_single_point_and_huge_circles_have_finite_numbers() {
+        let view = SideView::of(&[DVec3::ONE], DVec3::Y);
+        for radius in [1.0, 1e5, 1e12] {
+            assert!(view.touches(0.5 * view.window + DVec2::new(0.0, radius), radius));
+        }
+        assert!(view.round_length().is_finite());
+    }
+}

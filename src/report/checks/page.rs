@@ -1,0 +1,183 @@
+//! The report of a suite: one HTML page that needs nothing beside itself.
+
+use crate::draw::Cells;
+use crate::draw::page::{details, element, escape, facts, page_of, table};
+
+use crate::verify::check::{FAMILY_SIGNIFICANCE, Group, Outcome};
+use crate::verify::closed_forms::{FORMS, Form};
+
+use super::Judged;
+
+/// The page. `about` stands first: what was checked, where and how.
+pub fn page(about: &[(&str, String)], judged: &[Judged<'_>]) -> String {
+    let failed: Vec<Judged<'_>> =
+        judged.iter().copied().filter(|(_, outcome)| !outcome.passed).collect();
+    let mut body = element("h1", "", "photosphere: verification report");
+    body += &verdict(judged.len(), failed.len());
+    body += &facts(about);
+    body += &summary(judged);
+    body += &how_to_read(judged);
+    if !failed.is_empty() {
+        body += &element("h2", "", "What failed");
+        body += &failed.iter().map(with_pictures).collect::<String>();
+    }
+    for group in Group::ALL {
+        let of_group: Vec<Judged<'_>> =
+            judged.iter().copied().filter(|(check, _)| check.group == group).collect();
+        if !of_group.is_empty() {
+            body += &section(group, &of_group);
+        }
+    }
+    page_of("photosphere: verification report", &body)
+}
+
+fn verdict(total: usize, failed: usize) -> String {
+    if failed == 0 {
+        element("p", "class=verdict", &format!("All {total} checks passed."))
+    } else {
+        let words = format!("{failed} of {total} checks FAILED.");
+        element("p", "class=\"verdict failed\"", &words)
+    }
+}
+
+/// One row for each group.
+fn summary(judged: &[Judged<'_>]) -> String {
+    let row = |group: Group| {
+        let of_group: Vec<_> = judged.iter().filter(|(check, _)| check.group == group).collect();
+        let passed = of_group.iter().filter(|(_, outcome)| outcome.passed).count();
+        let largest = of_group.iter().map(|(_, outcome)| outcome).max_by(|a, b| {
+            (a.statistic / a.limit.max(1.0)).total_cmp(&(b.statistic / b.limit.max(1.0)))
+        })?;
+        let link = format!("<a href=\"#{}\">{}</a>", anchor(group), group.name());
+        let count = format!("{passed} of {}", of_group.len());
+        Some(vec![link, mark(passed == of_group.len(), &count), statistic(largest)])
+    };
+    table(&["group", "passed", "largest statistic"], Group::ALL.into_iter().filter_map(row))
+}
+
+fn how_to_read(judged: &[Judged<'_>]) -> String {
+    let limit = judged.iter().find(|(_, outcome)| outcome.is_random);
+    let limit = limit.map_or(0.0, |(_, outcome)| outcome.limit);
+    let words = format!(
+        "What is exact must have no wrong answer. What is random is judged by how far off it is, in \
+         standard deviations of a normal distribution (σ): a right program is beyond 2 σ in one \
+         check of 22, and that is no sign of an error. The limit of {limit:.2} σ makes the whole \
+         family of {} checks fail by chance with a probability of at most {FAMILY_SIGNIFICANCE}. A \
+         failure by chance would be a single check a little over the limit; with other samples \
+         (a quick or a full run in place of this one) it would not come back. An error is far beyond the \
+         limit, or comes back.",
+        judged.len()
+    );
+    element("p", "class=soft", &words)
+}
+
+fn section(group: Group, judged: &[Judged<'_>]) -> String {
+    let heading = element("h2", &format!("id={}", anchor(group)), about(group));
+    heading
+        + &match group {
+            Group::ClosedForms => {
+                FORMS.iter().map(|form| closed_form(form, judged)).collect::<String>()
+            }
+            _ => listing(judged) + &all_pictures(judged),
+        }
+}
+
+fn anchor(group: Group) -> String {
+    group.name().replace(' ', "-")
+}
+
+fn about(group: Group) -> &'static str {
+    match group {
+        Group::Crosscheck => "Intersectors against arithmetic of twice the digits",
+        Group::ChiSquare => "Sampling routines against their densities",
+        Group::Materials => "Energy and reciprocity of the materials",
+        Group::ClosedForms => "Renders against answers known on paper",
+    }
+}
+
+/// A table of checks.
+fn listing(judged: &[Judged<'_>]) -> String {
+    let row = |(check, outcome): &Judged<'_>| {
+        vec![mark(outcome.passed, &check.name), statistic(outcome), escape(&outcome.detail)]
+    };
+    table(&["check", "statistic", "figures"], judged.iter().map(row))
+}
+
+/// A form with its pictures, its derivation, and the ways in which it was rendered.
+fn closed_form(form: &Form, judged: &[Judged<'_>]) -> String {
+    let prefix = format!("{}: ", form.name);
+    let of_form: Vec<Judged<'_>> =
+        judged.iter().copied().filter(|(check, _)| check.name.starts_with(&prefix)).collect();
+    let Some((first, outcome)) = of_form.first() else { return String::new() };
+    let passed = of_form.iter().filter(|(_, outcome)| outcome.passed).count();
+    let count = format!("{passed} of {} ways", of_form.len());
+    let mut text = element("h3", "", &escape(form.title));
+    text += &element(
+        "p",
+        "",
+        &format!(
+            "<code>{}</code><br>{} <span class=soft>({})</span>",
+            escape(form.formula),
+            mark(passed == of_form.len(), &count),
+            escape(&format!("scenes/verify/{}.toml", form.name)),
+        ),
+    );
+    let figures: String = outcome.pictures.iter().map(Cells::figure).collect();
+    let shown = format!(
+        "The pictures are those of {}: {}<br>{}",
+        escape(&first.name),
+        escape(&outcome.detail),
+        statistic(outcome)
+    );
+    text += &element("div", "", &figures);
+    text += &element("p", "class=soft", &shown);
+    text += &details("the derivation", &element("pre", "", &escape(&derivation(form))));
+    text + &details("every way", &listing(&of_form))
+}
+
+/// The comments at the head of a scene file.
+fn derivation(form: &Form) -> String {
+    let lines = form.text.lines().take_while(|line| line.starts_with('#'));
+    lines
+        .map(|line| line.trim_start_matches("# ").trim_start_matches('#'))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+/// The pictures of every check that has some, folded away.
+fn all_pictures(judged: &[Judged<'_>]) -> String {
+    let seen = judged.iter().filter(|(_, outcome)| !outcome.pictures.is_empty());
+    let each: String = seen.map(with_pictures).collect();
+    if each.is_empty() { each } else { details("pictures", &each) }
+}
+
+fn with_pictures((check, outcome): &Judged<'_>) -> String {
+    let figures: String = outcome.pictures.iter().map(Cells::figure).collect();
+    let words = format!(
+        "{}<br>{} <span class=soft>{}</span>",
+        mark(outcome.passed, &check.name),
+        statistic(outcome),
+        escape(&outcome.detail)
+    );
+    element("p", "", &words) + &element("div", "", &figures)
+}
+
+/// A word with a sign of success or failure, not told by colour alone.
+fn mark(passed: bool, text: &str) -> String {
+    let (class, sign) = if passed { ("good", "✓") } else { ("bad", "✗") };
+    format!("<span class={class}>{sign}</span> {}", escape(text))
+}
+
+/// The statistic with a bar up to its limit.
+fn statistic(outcome: &Outcome) -> String {
+    let Outcome { statistic, limit, is_random, .. } = outcome;
+    if !is_random {
+        return format!("<span class=nobr>{statistic:.0} wrong</span>");
+    }
+    let share = 100.0 * (statistic / limit).min(1.0);
+    let class = if statistic > limit { "bar over" } else { "bar" };
+    format!(
+        "<span class=nobr><span class=\"{class}\"><i style=\"width:{share:.0}%\"></i></span>\
+         {statistic:.2} σ of {limit:.2}</span>"
+    )
+}

@@ -1,0 +1,324 @@
+//! How far a picture is from a reference: layer by layer, in words and as JSON, and where, as a heat map.
+
+use std::fmt;
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::color::Rgb;
+use crate::draw::text::row;
+use crate::image_io::Picture;
+use crate::image_io::{BEAUTY, Layered};
+use crate::math::DVec3;
+use crate::names::named;
+use crate::verify::metrics::{Mean, flip, heatmap, mean_error, psnr, relative_squared, squared};
+
+/// The layer that holds the variance of the beauty's pixels.
+pub const VARIANCE: &str = "variance";
+
+/// A measure of how far two pictures are from each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Metric {
+    /// Mean squared error.
+    Mse,
+    /// Its square root.
+    Rmse,
+    /// Mean relative squared error.
+    Relmse,
+    /// Peak signal-to-noise ratio in decibels.
+    Psnr,
+    /// LDR-FLIP, mean over pixels.
+    Flip,
+    /// Means and their ratio, channel by channel.
+    Mean,
+}
+
+named! {
+    Metric {
+        Mse = "mse",
+        Rmse = "rmse",
+        Relmse = "relmse",
+        Psnr = "psnr",
+        Flip = "flip",
+        Mean = "mean",
+    }
+}
+
+/// The metrics that are one number, in the order of a table.
+const NUMBERS: [Metric; 5] =
+    [Metric::Mse, Metric::Rmse, Metric::Relmse, Metric::Psnr, Metric::Flip];
+
+/// Pictures of one size: A, the reference B, and A once more with other random numbers.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    /// The picture.
+    pub a: Layered,
+    /// The reference.
+    pub b: Layered,
+    /// The picture once more, which tells how noisy its mean is.
+    pub twin: Option<Layered>,
+}
+
+/// What is to be measured, and what is still good enough.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    /// What to measure.
+    pub metrics: Vec<Metric>,
+    /// The largest values that are allowed, or for PSNR the smallest.
+    pub limits: Vec<(Metric, f64)>,
+    /// The brightest value, which PSNR refers to.
+    pub peak: f64,
+}
+
+/// How the layers of two pictures differ.
+#[derive(Clone, Debug)]
+pub struct Comparison<'a> {
+    pair: &'a Pair,
+    wanted: &'a Wanted,
+    layers: Vec<Difference>,
+}
+
+/// How one layer differs.
+#[derive(Clone, Debug)]
+struct Difference {
+    layer: String,
+    mse: f64,
+    relmse: f64,
+    psnr: f64,
+    /// Computed only where it is wanted: it takes the longest.
+    flip: Option<f64>,
+    means: (Mean, Mean),
+    ratio: (DVec3, Option<DVec3>),
+}
+
+/// A limit that was not kept.
+#[derive(Clone, Debug, Serialize)]
+pub struct Exceeded {
+    layer: String,
+    metric: Metric,
+    value: f64,
+    limit: f64,
+}
+
+impl Pair {
+    /// The layers that both pictures have.
+    pub fn common(&self) -> Vec<&str> {
+        let names = self.a.layers.iter().map(|layer| layer.name.as_str());
+        names.filter(|name| *name != VARIANCE && self.b.layer(name).is_some()).collect()
+    }
+
+    /// What the reader of the figures should know about the files.
+    pub fn remarks(&self) -> Vec<String> {
+        let png = "a PNG is decoded from sRGB to linear light; it has 8 bits and is cut off at 1";
+        let any = self.a.for_screen || self.b.for_screen;
+        let mut remarks: Vec<String> = any.then(|| png.to_owned()).into_iter().collect();
+        for (name, picture, other) in [("A", &self.a, &self.b), ("B", &self.b, &self.a)] {
+            let names = picture.layers.iter().map(|layer| &*layer.name);
+            let is_alone = |name: &&str| *name != VARIANCE && other.layer(name).is_none();
+            let alone: Vec<&str> = names.filter(is_alone).collect();
+            if !alone.is_empty() {
+                remarks.push(format!("only {name} has: {}", alone.join(", ")));
+            }
+        }
+        remarks
+    }
+
+    /// Where a layer differs, as a picture, and in words what it shows; by FLIP on a scale from 0 to 1,
+    /// or by the root of each pixel's error on one from 0 to the largest.
+    pub fn heatmap(&self, layer: &str, of: Metric) -> (Picture, String) {
+        let (a, b) = (pixels(&self.a, layer), pixels(&self.b, layer));
+        let root_of = |error: fn(Rgb, Rgb) -> f64| -> Vec<f64> {
+            a.iter().zip(b).map(|(&a, &b)| error(a, b).sqrt()).collect()
+        };
+        let (values, what) = match of {
+            Metric::Relmse => (root_of(relative_squared), "relative error of the channels"),
+            Metric::Flip => (flip::map(a, b, self.a.width, flip::PIXELS_PER_DEGREE), "FLIP"),
+            _ => (root_of(squared), "root mean square error of the channels"),
+        };
+        let largest = values.iter().copied().fold(0.0, f64::max);
+        let most = if of == Metric::Flip { 1.0 } else { largest };
+        let words = format!(
+            "heat map of `{layer}`: {what}; its scale runs from 0 (black, left) to {} (light yellow, \
+             right), the largest is {}",
+            short(most),
+            short(largest)
+        );
+        (heatmap::draw(&values, self.a.width, most), words)
+    }
+
+    /// The means of a layer in A and in B, with what is known of their noise.
+    fn means(&self, name: &str) -> (Mean, Mean) {
+        let mean = |picture: &Layered| {
+            let pixels = pixels(picture, name);
+            match picture.layer(VARIANCE).filter(|_| name == BEAUTY) {
+                Some(variance) => Mean::with_variance(pixels, &variance.pixels),
+                None => Mean::of(pixels),
+            }
+        };
+        let twin = self.twin.as_ref().and_then(|twin| twin.layer(name));
+        let a = match twin {
+            Some(twin) => Mean::with_twin(pixels(&self.a, name), &twin.pixels),
+            None => mean(&self.a),
+        };
+        (a, mean(&self.b))
+    }
+}
+
+fn pixels<'a>(picture: &'a Layered, name: &str) -> &'a [Rgb] {
+    &picture.layer(name).expect("the layer was chosen because it is there").pixels
+}
+
+impl<'a> Comparison<'a> {
+    /// Compares layers that both pictures have.
+    pub fn of(pair: &'a Pair, wanted: &'a Wanted, layers: &[String]) -> Self {
+        let layers = layers.iter().map(|layer| Difference::of(pair, wanted, layer)).collect();
+        Self { pair, wanted, layers }
+    }
+
+    /// The limits that are not kept.
+    pub fn exceeded(&self) -> Vec<Exceeded> {
+        let judge = |of: &Difference, metric, limit| {
+            let value = of.value(metric);
+            let is_good = if metric == Metric::Psnr { value >= limit } else { value <= limit };
+            (!is_good).then(|| Exceeded { layer: of.layer.clone(), metric, value, limit })
+        };
+        let of_layer =
+            |of| self.wanted.limits.iter().filter_map(move |&(m, limit)| judge(of, m, limit));
+        self.layers.iter().flat_map(of_layer).collect()
+    }
+
+    /// All figures for programs; the paths are those of A and B.
+    pub fn json(&self, picture: &Path, reference: &Path) -> Value {
+        let layer = |result: &Difference| {
+            let mut object = json!({ "layer": result.layer });
+            for metric in self.numbers() {
+                object[metric.name()] = json!(result.value(metric));
+            }
+            if self.wanted.metrics.contains(&Metric::Mean) {
+                let (a, b) = &result.means;
+                object["mean_a"] = json!(a.value);
+                object["mean_a_half_interval_95"] = json!(a.half_interval());
+                object["mean_b"] = json!(b.value);
+                object["mean_b_half_interval_95"] = json!(b.half_interval());
+                object["mean_ratio"] = json!(result.ratio.0);
+                object["mean_ratio_half_interval_95"] = json!(result.ratio.1);
+            }
+            object
+        };
+        json!({
+            "picture": picture.display().to_string(),
+            "reference": reference.display().to_string(),
+            "width": self.pair.a.width,
+            "height": self.pair.a.height,
+            "peak": self.wanted.peak,
+            "layers": self.layers.iter().map(layer).collect::<Vec<_>>(),
+            "exceeded": self.exceeded(),
+            "remarks": self.pair.remarks(),
+        })
+    }
+
+    fn numbers(&self) -> impl Iterator<Item = Metric> {
+        NUMBERS.into_iter().filter(|metric| self.wanted.metrics.contains(metric))
+    }
+}
+
+impl fmt::Display for Comparison<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Layered { width, height, .. } = self.pair.a;
+        writeln!(f, "{width} x {height} pixels; B is the reference")?;
+        if self.numbers().next().is_some() {
+            let heads: String = self.numbers().map(|m| format!("{:>13}", m.name())).collect();
+            writeln!(f, "{:<12}{heads}", "layer")?;
+            for result in &self.layers {
+                let value = |metric| format!("{:>13}", short(result.value(metric)));
+                let values: String = self.numbers().map(value).collect();
+                writeln!(f, "{:<12}{values}", result.layer)?;
+            }
+        }
+        if self.wanted.metrics.contains(&Metric::Mean) {
+            f.write_str(&row(MEANS, ["means", "", "A", "B", "A / B"]))?;
+            self.layers.iter().try_for_each(|result| f.write_str(&result.means()))?;
+        }
+        Ok(())
+    }
+}
+
+/// The columns of the table of means.
+const MEANS: [i32; 5] = [-12, -7, -24, -24, -1];
+
+impl Difference {
+    fn of(pair: &Pair, wanted: &Wanted, name: &str) -> Self {
+        let (a, b) = (pixels(&pair.a, name), pixels(&pair.b, name));
+        let mse = mean_error(a, b, squared);
+        let flip = wanted.metrics.contains(&Metric::Flip).then(|| {
+            let map = flip::map(a, b, pair.a.width, flip::PIXELS_PER_DEGREE);
+            map.iter().sum::<f64>() / map.len() as f64
+        });
+        let means = pair.means(name);
+        Self {
+            layer: name.to_owned(),
+            mse,
+            relmse: mean_error(a, b, relative_squared),
+            psnr: psnr(mse, wanted.peak),
+            flip,
+            ratio: means.0.ratio(&means.1),
+            means,
+        }
+    }
+
+    fn value(&self, metric: Metric) -> f64 {
+        match metric {
+            Metric::Mse => self.mse,
+            Metric::Rmse => self.mse.sqrt(),
+            Metric::Relmse => self.relmse,
+            Metric::Psnr => self.psnr,
+            Metric::Flip => self.flip.unwrap_or(f64::NAN),
+            Metric::Mean => (self.ratio.0 - 1.0).abs().max_element(),
+        }
+    }
+
+    /// A line for each channel.
+    fn means(&self) -> String {
+        let (a, b) = &self.means;
+        let line = |(axis, channel): (usize, &str)| {
+            let with_interval = |value: DVec3, half: Option<DVec3>| match half {
+                Some(half) => format!("{} +- {:.1e}", short(value[axis]), half[axis]),
+                None => short(value[axis]),
+            };
+            let layer = if axis == 0 { &*self.layer } else { "" };
+            let [a, b] = [a, b].map(|mean| with_interval(mean.value, mean.half_interval()));
+            let ratio = match self.ratio.0[axis].is_finite() {
+                true => with_interval(self.ratio.0, self.ratio.1),
+                false => "none, B is black".to_owned(),
+            };
+            row(MEANS, [layer, channel, &a, &b, &ratio])
+        };
+        ["red", "green", "blue"].into_iter().enumerate().map(line).collect()
+    }
+}
+
+impl fmt::Display for Exceeded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { layer, metric, value, limit } = self;
+        let (name, allowed) = match metric {
+            Metric::Mean => ("ratio of means - 1", "at most"),
+            Metric::Psnr => ("psnr", "at least"),
+            other => (other.name(), "at most"),
+        };
+        let value = match metric {
+            Metric::Mean if value.is_infinite() => "infinite, since B is black".to_owned(),
+            _ => short(*value),
+        };
+        write!(f, "failed: {name} of `{layer}` is {value}, allowed is {allowed} {limit}")
+    }
+}
+
+/// Five digits, with an exponent where the number is very small or large.
+fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        x if x.is_finite() && !(1e-3..1e5).contains(&x) => format!("{value:.4e}"),
+        _ => format!("{value:.5}"),
+    }
+}

@@ -1,0 +1,124 @@
+//! The plot as SVG: error against samples on the left, against seconds on the right, both
+//! in log-log, with the interval of every point and the fitted lines.
+
+use crate::draw::{Axes, Course, Line, Mark, Panel, Panels, Value, panels};
+use crate::error::{Error, Result};
+
+use crate::verify::converge::{Axis, Fit, Metric, Point, Series};
+use crate::verify::statistics::Estimate;
+
+/// Draws the series, with a title and what is to be known of them.
+///
+/// # Errors
+/// When nothing can be drawn: no error is positive and finite.
+pub(super) fn svg(
+    series: &[Series],
+    metric: Metric,
+    title: &str,
+    subtitle: &str,
+) -> Result<String> {
+    let of = |axis| panel(series, metric, axis);
+    let (Some(left), Some(right)) = (of(Axis::Samples), of(Axis::Seconds)) else {
+        return Err(Error::input("there is no error above the reference's own noise to plot"));
+    };
+    let slopes = |one: &Series| {
+        [Axis::Samples, Axis::Seconds].map(|axis| match one.fit(metric, axis) {
+            Some(Fit { slope, .. }) => format!("{:.3} ± {:.3}", slope.mean, slope.margin(0.95)),
+            None => "—".to_owned(),
+        })
+    };
+    panels(&Panels {
+        title,
+        subtitle,
+        panels: [left, right],
+        heads: ["slope against samples (95 %)", "slope against seconds (95 %)"],
+        rows: series.iter().map(slopes).collect(),
+    })
+}
+
+/// One of the two plots; `None` where there is nothing to draw.
+fn panel(series: &[Series], metric: Metric, axis: Axis) -> Option<Panel> {
+    let line = |(color, one): (usize, &Series)| Line {
+        name: one.name.clone(),
+        marks: marks(one, metric, axis),
+        course: Course::Fitted(fitted(one, metric, axis)),
+        color,
+    };
+    let lines: Vec<Line> = series.iter().enumerate().map(line).collect();
+    let marks = lines.iter().flat_map(|line| &line.marks);
+    // Intervals are shown whole, but for those that come near 0, which no such axis has.
+    let shown = |value: Value| [value.low.max(value.middle / 4.0), value.middle, value.high];
+    let x_name = match axis {
+        Axis::Samples => "samples per pixel",
+        Axis::Seconds => "seconds",
+    };
+    let names = [x_name, metric.name()];
+    let xs = marks.clone().flat_map(|mark| shown(mark.x));
+    let axes = Axes::around(names, xs, marks.clone().flat_map(|mark| shown(mark.y)))?;
+    Some(Panel { axes, lines })
+}
+
+fn marks(series: &Series, metric: Metric, axis: Axis) -> Vec<Mark> {
+    let with_interval = |estimate: Estimate| {
+        let (middle, margin) = (estimate.mean, estimate.margin(0.95));
+        Value { middle, low: middle - margin, high: middle + margin }
+    };
+    let mark = |point: &Point| Mark {
+        x: match axis {
+            Axis::Samples => Value::exact(place(point, axis)),
+            Axis::Seconds => with_interval(point.seconds()),
+        },
+        y: with_interval(point.error(metric)),
+    };
+    let is_shown = |Mark { x, y }: &Mark| x.middle > 0.0 && y.middle > 0.0 && y.high.is_finite();
+    series.points.iter().map(mark).filter(is_shown).collect()
+}
+
+fn place(point: &Point, axis: Axis) -> f64 {
+    match axis {
+        Axis::Samples => f64::from(point.samples),
+        Axis::Seconds => point.seconds().mean,
+    }
+}
+
+/// The ends of the fitted line.
+fn fitted(series: &Series, metric: Metric, axis: Axis) -> Option<[(f64, f64); 2]> {
+    let Fit { slope, intercept } = series.fit(metric, axis)?;
+    let y = |x: f64| libm::exp10(intercept + slope.mean * libm::log10(x));
+    let xs = series.points.iter().map(|point| place(point, axis));
+    let (low, high) = (xs.clone().fold(f64::INFINITY, f64::min), xs.fold(0.0, f64::max));
+    Some([(low, y(low)), (high, y(high))])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::converge::Run;
+
+    fn series(name: &str, factor: f64) -> Series {
+        let point = |samples: u32| {
+            let run = |seed: u32| {
+                let mse = factor * (1.0 + 0.1 * f64::from(seed)) / f64::from(samples);
+                Run { mse, relmse: mse, seconds: 1e-3 * f64::from(samples) }
+            };
+            Point { samples, runs: (0..4).map(run).collect() }
+        };
+        Series { name: name.into(), points: [1, 10, 100].map(point).into() }
+    }
+
+    #[test]
+    fn the_plot_names_every_series_and_its_slope_and_escapes_names() {
+        let all = [series("path", 1.0), series("a < b", 10.0)];
+        let svg = svg(&all, Metric::Rmse, "a title", "against \"that\"").unwrap();
+        assert!(svg.starts_with("<svg width=\"1120\""), "{}", &svg[..80]);
+        for text in ["path", "a &lt; b", "-0.500 ± 0.000", "samples per pixel", "seconds"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+
+    #[test]
+    fn nothing_to_draw_is_an_error() {
+        assert!(svg(&[series("path", -1.0)], Metric::Rmse, "", "").is_err());
+    }
+}

@@ -1,0 +1,186 @@
+//! What a picture's file, a part or a checkpoint says of how it was made.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use crate::error::Result;
+use crate::image_io::{self, Record};
+use crate::job::difference::shown;
+use crate::job::metadata::value_of;
+use crate::job::{Checkpoint, FilePath, Header, Metadata, Status, is_checkpoint};
+
+/// The name of where a part's picture goes.
+const RESUME: &str = "resume";
+
+/// Longer lists are not written out for people.
+const LONGEST_LIST: usize = 100;
+
+/// How a file says that it was made.
+#[derive(Clone, Debug)]
+pub struct FileRecords {
+    metadata: Metadata,
+    /// Of a part or a checkpoint.
+    header: Option<Header>,
+}
+
+/// Returns true if a file says how it was made: by its name a picture or a part, or a checkpoint.
+pub fn is_picture(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    ["png", "exr", "hdr", "pfm"].iter().any(|picture| extension == *picture) || is_part(path)
+}
+
+fn is_part(path: &Path) -> bool {
+    is_checkpoint(path) || path.extension().is_some_and(|extension| extension == "part")
+}
+
+impl FileRecords {
+    /// Reads what the file says.
+    ///
+    /// # Errors
+    /// When it cannot be read, or says nothing, or a part's sums are damaged.
+    pub fn read(path: &Path) -> Result<Self> {
+        if !is_part(path) {
+            let metadata = Metadata::of_records(path, &image_io::records(path)?)?;
+            return Ok(Self { metadata, header: None });
+        }
+        let part = Checkpoint::open(path)?;
+        let header = part.header().clone();
+        // What is damaged behind the header is not kept quiet.
+        part.film()?;
+        Ok(Self { metadata: header.metadata.clone(), header: Some(header) })
+    }
+
+    /// All of it for programs: texts as they are, and what is JSON in the file.
+    ///
+    /// # Errors
+    /// When it cannot be written as records.
+    pub fn json(&self) -> Result<Value> {
+        let entries = |record: &Record| (record.name.clone(), value_of(record));
+        Ok(Value::Object(Map::from_iter(self.records()?.iter().map(entries))))
+    }
+
+    /// All of it for people: one row each, and texts of several lines last, under their names.
+    ///
+    /// # Errors
+    /// When it cannot be written as records.
+    pub fn words(&self) -> Result<String> {
+        let records = self.records()?;
+        let (texts, rows): (Vec<Record>, Vec<Record>) = records
+            .iter()
+            .flat_map(|record| self.words_of(record))
+            .partition(|record| record.text.contains('\n'));
+        let longest = rows.iter().map(|record| record.name.len()).max().unwrap_or(0);
+        let mut words = String::new();
+        for Record { name, text } in rows {
+            words += &format!("{name:<longest$}  {text}\n");
+        }
+        for Record { name, text } in texts {
+            words += &format!("{name}:\n");
+            text.lines()
+                .for_each(|line| words += &format!("{}\n", format!("    {line}").trim_end()));
+        }
+        Ok(words)
+    }
+
+    fn records(&self) -> Result<Vec<Record>> {
+        let mut records = self.metadata.to_records()?;
+        let Some(header) = &self.header else { return Ok(records) };
+        let is_ended = matches!(header.status, Status::Ended { .. });
+        records.push(Record::new("ended", is_ended.to_string()));
+        if let Status::Ended { missed } = &header.status {
+            let words: Vec<String> = missed.iter().map(ToString::to_string).collect();
+            let said = (!words.is_empty()).then(|| Record::new("missed", words.join("; ")));
+            records.extend(said);
+        }
+        if let Some(delivery) = &header.delivery {
+            let way_on = json!({
+                "scene": header.source.as_ref().map(|source| &source.name),
+                "files": delivery.files.iter().map(name_of).collect::<Vec<_>>(),
+                "preview": delivery.preview.as_ref().map(name_of),
+                "samples_per_pixel": header.samples.end,
+            });
+            records.push(Record::new(RESUME, way_on.to_string()));
+        }
+        Ok(records)
+    }
+
+    /// A record for people, who need no JSON; the settings begin with what is asked for most.
+    fn words_of(&self, record: &Record) -> Vec<Record> {
+        let metadata = &self.metadata;
+        let text = match record.name.as_str() {
+            "settings" => return settings_in_words(metadata),
+            "samples" => Some(metadata.samples_as_text()),
+            "counts" => Some(metadata.counts.to_string()),
+            "parts" => Some(format!("{}\n", metadata.parts)),
+            "biased" => Some(metadata.biased.join(", ")),
+            "look" => metadata.look.map(|look| look.to_string()),
+            "layers" => listed(&value_of(record)),
+            "noise" => {
+                metadata.run.as_ref().and_then(|run| run.noise).map(|noise| noise.to_string())
+            }
+            "scene" | "files" => Some(line_by_line(&value_of(record))),
+            RESUME => self.header.as_ref().and_then(way_on),
+            _ => None,
+        };
+        vec![Record::new(&record.name, text.unwrap_or_else(|| record.text.clone()))]
+    }
+}
+
+fn name_of(FilePath(path): &FilePath) -> String {
+    path.display().to_string()
+}
+
+/// What becomes of a part that is gone on with.
+fn way_on(header: &Header) -> Option<String> {
+    let (source, delivery) = (header.source.as_ref()?, header.delivery.as_ref()?);
+    let files: Vec<String> = delivery.files.iter().map(name_of).collect();
+    let (scene, files, samples) = (&source.name, files.join(" and "), header.samples.end);
+    let preview = delivery.preview.as_ref().map(name_of);
+    let preview = preview.map_or(String::new(), |preview| format!(", previewed in {preview}"));
+    Some(format!("renders {scene} to {files}, up to {samples} samples per pixel{preview}"))
+}
+
+fn settings_in_words(metadata: &Metadata) -> Vec<Record> {
+    let image = &metadata.settings.image;
+    let mut records = vec![Record::new("size", format!("{}x{}", image.width, image.height))];
+    records.extend(image.crop.map(|crop| Record::new("crop", crop.to_string())));
+    let value = serde_json::to_value(metadata.settings).unwrap_or_default();
+    records.push(Record::new("settings", line_by_line(&value)));
+    records
+}
+
+/// The texts of a list.
+fn listed(value: &Value) -> Option<String> {
+    let texts: Option<Vec<&str>> = value.as_array()?.iter().map(Value::as_str).collect();
+    Some(texts?.join(","))
+}
+
+/// A line for each value: `image.width = 16`.
+fn line_by_line(value: &Value) -> String {
+    let mut lines = String::new();
+    add_lines("", value, &mut lines);
+    lines
+}
+
+fn add_lines(path: &str, value: &Value, lines: &mut String) {
+    let inner = |step: &str| match path {
+        "" => step.to_owned(),
+        _ => format!("{path}.{step}"),
+    };
+    match value {
+        Value::Null => {}
+        Value::Object(fields) => {
+            fields.iter().for_each(|(name, value)| add_lines(&inner(name), value, lines));
+        }
+        Value::Array(list) if list.len() > LONGEST_LIST => {
+            *lines += &format!("{path} = a list of {}\n", list.len());
+        }
+        Value::Array(list) if list.iter().any(Value::is_object) => {
+            let numbered = list.iter().enumerate();
+            numbered.for_each(|(at, value)| add_lines(&inner(&at.to_string()), value, lines));
+        }
+        Value::Array(list) if list.is_empty() => {}
+        one => *lines += &format!("{path} = {}\n", shown(one)),
+    }
+}

@@ -1,0 +1,261 @@
+//! A path drawn from the side, as SVG.
+//!
+//! Everything is projected, without perspective, on one upright plane: the vertical one in which the
+//! path is widest. Spheres are their outlines.
+
+use crate::draw::{Canvas, SideView};
+use crate::integrator::{Step, Trace};
+use crate::light::Source;
+use crate::math::{DVec2, DVec3};
+use crate::scene::{Scene, Shot};
+
+use super::spheres::{answer, name, place};
+use super::words::number;
+
+/// More spheres than these only hide the path.
+const MOST_SPHERES: usize = 400;
+
+/// What the name of a sphere takes, about.
+const LABEL: DVec2 = DVec2::new(80.0, 16.0);
+
+const STYLE: &str = "\
+text { font: 13px sans-serif; fill: #222 }\n\
+.small { font-size: 11.5px; fill: #555 }\n\
+.halo { paint-order: stroke; stroke: #fff; stroke-width: 3px }\n\
+.sphere { fill: #eef1f4; fill-opacity: .75; stroke: #9aa5b1 }\n\
+.met { fill: #d5e3f0; stroke: #4a6f94; stroke-width: 1.4 }\n\
+.lamp { fill: #ffe9a8; fill-opacity: .9; stroke: #b8860b; stroke-width: 1.4 }\n\
+.around { fill: none }\n\
+.path { stroke: #0b3c6f; stroke-width: 2.4; fill: none }\n\
+.free { stroke: #d98200; stroke-width: 1.6; fill: none }\n\
+.blocked { stroke: #c0392b; stroke-width: 1.4; stroke-dasharray: 5 4; fill: none }\n\
+.vertex { fill: #0b3c6f; stroke: #fff }\n\
+.bar { stroke: #222; stroke-width: 2 }\n";
+
+/// A line of the drawing, in the user's coordinates.
+struct Line {
+    class: &'static str,
+    from: DVec3,
+    to: Option<DVec3>,
+    /// Where it goes if it ends nowhere.
+    direction: DVec3,
+}
+
+/// What the drawing shows.
+#[derive(Default)]
+struct Sketch {
+    lines: Vec<Line>,
+    /// Where the path begins.
+    camera: DVec3,
+    /// The camera first.
+    vertices: Vec<DVec3>,
+    met: Vec<u32>,
+    lamps: Vec<u32>,
+}
+
+/// The drawing, as SVG.
+pub fn svg(shot: &Shot, trace: &Trace) -> String {
+    let scene = shot.scene();
+    let sketch = Sketch::of(scene, trace);
+    let ends = sketch.lines.iter().filter_map(|line| line.to);
+    let points: Vec<DVec3> = sketch.vertices.iter().copied().chain(ends).collect();
+    let view = SideView::of(&points, scene.description().camera.up);
+    let mut canvas = Canvas::new(view.window, 64.0, STYLE);
+    let labels = draw_spheres(&mut canvas, scene, &sketch, &view);
+    for line in &sketch.lines {
+        draw_line(&mut canvas, line, &view);
+    }
+    for (at, name) in labels {
+        canvas.text("halo", "middle", at, &name);
+    }
+    draw_vertices(&mut canvas, &sketch, &view);
+    canvas.leave_window();
+    draw_legend(&mut canvas, shot, trace, &view);
+    canvas.finish()
+}
+
+impl Sketch {
+    fn of(scene: &Scene, trace: &Trace) -> Self {
+        let mut sketch = Self::default();
+        for (at, step) in trace.steps.iter().enumerate() {
+            match step {
+                Step::Camera { ray, .. } => {
+                    sketch.camera = place(scene, ray.origin);
+                    sketch.vertices.push(sketch.camera);
+                }
+                Step::Meet { hit, .. } => {
+                    let point = place(scene, hit.point);
+                    sketch.reach(point);
+                    sketch.met.push(hit.id);
+                    if scene.surface(hit.id).material.is_emissive() {
+                        sketch.lamps.push(hit.id);
+                    }
+                }
+                Step::Miss { wo, .. } => {
+                    sketch.lines.extend(sketch.vertices.last().map(|&from| Line {
+                        class: "path",
+                        from,
+                        to: None,
+                        direction: -*wo,
+                    }))
+                }
+                Step::Aim { sample, .. } => {
+                    if let Source::Lamp(id) = sample.source {
+                        sketch.lamps.push(id);
+                    }
+                    let Some((passed, _)) = answer(&trace.steps, at) else { continue };
+                    let Some(&from) = sketch.vertices.last() else { continue };
+                    let is_near = sample.distance.is_finite();
+                    sketch.lines.push(Line {
+                        class: if passed == 0.0 { "blocked" } else { "free" },
+                        from,
+                        to: is_near.then(|| from + sample.distance * sample.direction),
+                        direction: sample.direction,
+                    });
+                }
+                _ => {}
+            }
+        }
+        sketch
+    }
+
+    /// Goes on to the next vertex.
+    fn reach(&mut self, to: DVec3) {
+        if let Some(&from) = self.vertices.last() {
+            self.lines.push(Line { class: "path", from, to: Some(to), direction: DVec3::ZERO });
+        }
+        self.vertices.push(to);
+    }
+}
+
+/// Draws the spheres in view, the large ones first, and returns their labels, which belong on top.
+fn draw_spheres(
+    canvas: &mut Canvas,
+    scene: &Scene,
+    sketch: &Sketch,
+    view: &SideView,
+) -> Vec<(DVec2, String)> {
+    let spheres = scene.spheres();
+    let is_named = |id: u32| sketch.met.contains(&id) || sketch.lamps.contains(&id);
+    let projected = |id: u32| {
+        let sphere = spheres.sphere(id);
+        let center = view.project(place(scene, sphere.center));
+        (id, center, sphere.radius * view.scale)
+    };
+    let in_view = |&(id, center, radius): &(u32, DVec2, f64)| {
+        is_named(id) || radius > 0.7 && view.touches(center, radius)
+    };
+    let mut circles: Vec<_> = (0..spheres.len() as u32).map(projected).filter(in_view).collect();
+    circles.sort_by(|a, b| is_named(b.0).cmp(&is_named(a.0)).then(b.2.total_cmp(&a.2)));
+    circles.truncate(MOST_SPHERES);
+    circles.sort_by(|a, b| b.2.total_cmp(&a.2));
+    let mut labels = Vec::new();
+    let mut taken = vertex_labels(sketch, view);
+    for (id, center, radius) in circles {
+        let class = match (sketch.lamps.contains(&id), sketch.met.contains(&id)) {
+            (true, _) => "lamp",
+            (_, true) => "met",
+            _ => "sphere",
+        };
+        // What the camera stands in would cover everything: its outline must do.
+        let around = match spheres.sphere(id).contains(sketch.camera - spheres.origin()) {
+            true => " around",
+            false => "",
+        };
+        canvas.circle(&format!("{class}{around}"), center, radius);
+        if is_named(id) {
+            let at = below_all(view.label_place(center, radius), &taken);
+            taken.push(at);
+            labels.push((at, name(scene, id).trim_matches('`').to_owned()));
+        }
+    }
+    labels
+}
+
+/// The place of a label, moved down until it covers none of the others, each of which moves it once.
+fn below_all(mut at: DVec2, others: &[DVec2]) -> DVec2 {
+    for _ in others {
+        let covered = others.iter().find(|other| (at - **other).abs().cmplt(LABEL).all());
+        let Some(other) = covered else { break };
+        at.y = other.y + LABEL.y + 1.0;
+    }
+    at
+}
+
+fn draw_line(canvas: &mut Canvas, line: &Line, view: &SideView) {
+    let from = view.project(line.from);
+    let to = match line.to {
+        Some(to) => view.project(to),
+        None => from + view.across() * view.direction(line.direction),
+    };
+    canvas.line(line.class, from, to);
+}
+
+/// Where the names of the vertices stand: away from where the path comes from, the camera's above it.
+fn vertex_labels(sketch: &Sketch, view: &SideView) -> Vec<DVec2> {
+    let places: Vec<DVec2> = sketch.vertices.iter().map(|&point| view.project(point)).collect();
+    let label = |(k, at): (usize, &DVec2)| {
+        let away = match places[..k].last() {
+            None => DVec2::new(0.0, -0.9),
+            Some(before) => (*at - *before).normalize_or(DVec2::Y),
+        };
+        *at + 15.0 * away + DVec2::new(0.0, 4.0)
+    };
+    places.iter().enumerate().map(label).collect()
+}
+
+fn draw_vertices(canvas: &mut Canvas, sketch: &Sketch, view: &SideView) {
+    for (k, label) in vertex_labels(sketch, view).into_iter().enumerate() {
+        let text = if k == 0 { "camera, x₀".to_owned() } else { format!("x{}", subscript(k)) };
+        canvas.circle("vertex", view.project(sketch.vertices[k]), 4.0);
+        canvas.text("halo", "middle", label, &text);
+    }
+}
+
+/// What the lines mean, which sample it is, and a bar of a round length.
+fn draw_legend(canvas: &mut Canvas, shot: &Shot, trace: &Trace, view: &SideView) {
+    let mut at = DVec2::new(16.0, view.window.y + 24.0);
+    let end = DVec2::new(view.window.x - 16.0, at.y);
+    let unit = view.round_length();
+    canvas.line("bar", end - DVec2::X * unit * view.scale, end);
+    canvas.text("", "end", end + DVec2::Y * 20.0, &format!("{} long", number(unit)));
+    let address = trace.address;
+    let [r, g, b] = (trace.radiance.direct + trace.radiance.indirect).to_array();
+    let [r, g, b] = [r, g, b].map(|v| number(f64::from(v)));
+    let sample = format!(
+        "pixel {}, {}, sample {}, seed {}: L_o = ({r}, {g}, {b})",
+        address.x,
+        address.y,
+        address.sample,
+        shot.render().seed
+    );
+    canvas.text("small", "start", at + DVec2::Y * 27.0, &sample);
+    let entries =
+        [("path", "path"), ("free", "light arrives"), ("blocked", "something is in the way")];
+    for (class, text) in entries {
+        canvas.line(class, at, at + DVec2::X * 32.0);
+        canvas.text("", "start", at + DVec2::new(40.0, 4.5), text);
+        at.x += 64.0 + 7.2 * text.len() as f64;
+    }
+}
+
+fn subscript(number: usize) -> String {
+    let digit = |c: char| char::from_u32(c as u32 - '0' as u32 + '₀' as u32).unwrap_or(c);
+    number.to_string().chars().map(digit).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_in_one_place_stand_below_each_other() {
+        let place = DVec2::new(100.0, 50.0);
+        let mut taken = vec![DVec2::new(300.0, 50.0)];
+        for row in 0..4 {
+            let at = below_all(place + DVec2::new(f64::from(row), 0.0), &taken);
+            assert_eq!(at.y, 50.0 + (LABEL.y + 1.0) * f64::from(row));
+            taken.push(at);
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! A path in words and in the letters of the rendering equation.
+
+use crate::color::Rgb;
+use crate::draw::text::count;
+use crate::geometry::Side;
+use crate::integrator::{Added, End, Step, Trace};
+use crate::light::LightSample;
+use crate::material::Lobe;
+use crate::math::DVec3;
+use crate::scene::{Scene, Shot};
+
+use super::spheres::{answer, name, place, source_name};
+
+/// The whole story.
+pub fn words(shot: &Shot, trace: &Trace) -> String {
+    let scene = shot.scene();
+    let address = trace.address;
+    let render = shot.render();
+    let mut text = format!(
+        "pixel {}, {}, sample {} of {}, seed {}, integrator {}\n\n",
+        address.x,
+        address.y,
+        address.sample,
+        render.samples_per_pixel,
+        render.seed,
+        render.integrator.kind().name()
+    );
+    let mut vertex = 0;
+    for (at, step) in trace.steps.iter().enumerate() {
+        if let Step::Meet { .. } = step {
+            vertex += 1;
+        }
+        text += &one(scene, trace, at, vertex);
+    }
+    let radiance = trace.radiance;
+    text + &format!(
+        "\nL_o at the camera = {} direct + {} indirect = {}; {} traced\n",
+        color(radiance.direct),
+        color(radiance.indirect),
+        color(radiance.direct + radiance.indirect),
+        count(trace.tally.rays as usize, "ray"),
+    )
+}
+
+fn one(scene: &Scene, trace: &Trace, at: usize, vertex: usize) -> String {
+    match &trace.steps[at] {
+        Step::Camera { ray, redraws } => {
+            let again = match redraws {
+                0 => String::new(),
+                n => format!(", drawn again {n} times because it met nothing"),
+            };
+            let origin = vector(place(scene, ray.origin));
+            format!("x_0  the camera at {origin} looks along {}{again}\n", vector(ray.direction))
+        }
+        Step::Meet { hit, wo, presence, transmittance, throughput, .. } => {
+            let side = match hit.side {
+                Side::Outside => "outside",
+                Side::Inside => "inside",
+            };
+            let opacity = match presence {
+                1.0 => String::new(),
+                o => format!("; opacity {}", number(f64::from(*o))),
+            };
+            format!(
+                "\nx_{vertex}  {} met from {side} at {}, after {}{}{opacity}\n     n = {}, w_o = {}, \
+                 T = {}\n",
+                name(scene, hit.id),
+                vector(place(scene, hit.point)),
+                number(hit.t),
+                absorbed(*transmittance),
+                vector(hit.normal),
+                vector(*wo),
+                color(*throughput),
+            )
+        }
+        Step::Miss { throughput, .. } => {
+            format!("\n     nothing is met; T = {}\n", color(*throughput))
+        }
+        Step::Light { source, radiance, pdf, pdf_light, weight, added } => {
+            let of = source_name(scene, *source);
+            let weighed = match pdf {
+                None => "no light sample could have found it: w = 1".to_owned(),
+                Some(pdf) => format!(
+                    "p = {} by chance, {} by aiming: w = {}",
+                    number(*pdf),
+                    number(*pdf_light),
+                    number(f64::from(*weight))
+                ),
+            };
+            let light = color(*radiance);
+            format!("     {of} shines: L_e = {light}; {weighed}\n{}", plus("T L_e w", *added))
+        }
+        Step::Hidden => {
+            "     a boundary inside a medium of higher priority: straight through\n".to_owned()
+        }
+        Step::Absent => "     it is not there for this path: straight through\n".to_owned(),
+        Step::Aim { sample, transmittance, f, cos, pdf_bsdf, weight } => {
+            let told = aim(scene, sample, *transmittance, *f, *cos, *pdf_bsdf, *weight);
+            let tau = if *transmittance == Rgb::ONE { "" } else { " tau" };
+            told + &arrival(tau, answer(&trace.steps, at))
+        }
+        Step::Shadow { .. } => String::new(), // told where it was aimed
+        Step::Scatter { lobe, wi, pdf, weight, eta, throughput } => {
+            scatter(*lobe, *wi, *pdf, *weight, *eta) + &format!(", T = {}\n", color(*throughput))
+        }
+        Step::Roulette { survival, survives, throughput } => {
+            let survival = number(f64::from(*survival));
+            if *survives {
+                format!(
+                    "     roulette: goes on, probability {survival}; T = {}\n",
+                    color(*throughput)
+                )
+            } else {
+                format!("     roulette: stops; the probability to go on was {survival}\n")
+            }
+        }
+        Step::End(end) => format!("     the path ends: {}\n", why(*end)),
+    }
+}
+
+/// What becomes of light that was aimed at, `tau` being the letter of what a medium lets through.
+fn arrival(tau: &str, answer: Option<(f32, Added)>) -> String {
+    match answer {
+        None => "     no ray leaves the surface so flat\n".to_owned(),
+        Some((0.0, _)) => "     something is in the way\n".to_owned(),
+        Some((1.0, added)) => plus(&format!("T f_r |cos| L_e{tau} w / p"), added),
+        Some((passed, added)) => {
+            let share = number(f64::from(passed));
+            format!("     surfaces that are not opaque are in the way and let pass V = {share}\n")
+                + &plus(&format!("T f_r |cos| L_e{tau} V w / p"), added)
+        }
+    }
+}
+
+/// What a medium lets through, where that is not all.
+fn absorbed(transmittance: Rgb) -> String {
+    match transmittance {
+        Rgb::ONE => String::new(),
+        tau => format!(" through a medium, tau = {}", color(tau)),
+    }
+}
+
+fn aim(
+    scene: &Scene,
+    sample: &LightSample,
+    transmittance: Rgb,
+    f: Rgb,
+    cos: f64,
+    pdf_bsdf: f64,
+    weight: f64,
+) -> String {
+    let to = source_name(scene, sample.source);
+    let distance = match sample.distance.is_finite() {
+        true => format!(" at distance {}", number(sample.distance)),
+        false => String::new(),
+    };
+    format!(
+        "     aims at {to}{distance}{}: w_i = {}, L_e = {}\n     f_r = {}, |cos| = {}, p = {}, by \
+         chance {}: w = {}\n",
+        absorbed(transmittance),
+        vector(sample.direction),
+        color(sample.radiance),
+        color(f),
+        number(cos),
+        number(sample.pdf),
+        number(pdf_bsdf),
+        number(weight)
+    )
+}
+
+fn scatter(lobe: Lobe, wi: DVec3, pdf: f64, weight: Rgb, eta: f64) -> String {
+    let (kind, density) = match lobe {
+        Lobe::Diffuse => ("diffuse", "p ="),
+        Lobe::Glossy => ("glossy", "p ="),
+        Lobe::Delta => ("a single direction", "chosen with probability"),
+    };
+    let refracted = match eta {
+        1.0 => String::new(),
+        eta => format!(", refracted by eta = {}", number(eta)),
+    };
+    format!(
+        "     scatters ({kind}): w_i = {}{refracted}, {density} {}, f_r |cos| / p = {}",
+        vector(wi),
+        number(pdf),
+        color(weight)
+    )
+}
+
+fn plus(formula: &str, added: Added) -> String {
+    let layer = if added.is_direct { "direct" } else { "indirect" };
+    let clamped = match added.clamp {
+        1.0 => String::new(),
+        share => format!(", of which clamp_indirect left {}", number(f64::from(share))),
+    };
+    format!("   + {formula} = {} ({layer}{clamped})\n", color(added.light))
+}
+
+/// Why a path ends, in words.
+pub(super) fn why(end: End) -> &'static str {
+    match end {
+        End::Missed => "it met nothing",
+        End::Depth => "max_depth is reached",
+        End::CutOff => "it is longer than any path may be",
+        End::Absorbed => "the surface sends no light this way",
+        End::Grazing => "it leaves the surface too flat to go anywhere",
+        End::Stopped => "its weight has become too small, or roulette ended it",
+        End::DirectOnly => "this integrator follows light through one scattering only",
+    }
+}
+
+fn vector(v: DVec3) -> String {
+    format!("({}, {}, {})", number(v.x), number(v.y), number(v.z))
+}
+
+fn color(color: Rgb) -> String {
+    vector(color.as_dvec3())
+}
+
+/// Four significant digits, as short as they can be written.
+pub(super) fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e6).contains(&size) {
+        return format!("{value:.3e}");
+    }
+    let decimals = (3 - libm::log10(size).floor() as i32).max(0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        let shown =
+            [0.0, 1.0, -0.5, 12.3456, 123456.7, 1e-7, 0.00123456, f64::INFINITY].map(number);
+        assert_eq!(shown, ["0", "1", "-0.5", "12.35", "123457", "1.000e-7", "0.001235", "inf"]);
+    }
+}

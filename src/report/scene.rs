@@ -1,0 +1,205 @@
+//! What is in a scene, and what of it deserves attention.
+
+use std::fmt;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::geometry::{Sphere, SphereSet};
+use crate::math::DVec3;
+use crate::scene::settings::{Integrator, IntegratorKind, Stop};
+use crate::scene::{Scene, Settings};
+
+/// What is in a scene, and how it is to be rendered: as words, and as the fields of a JSON object.
+#[derive(Debug, Serialize)]
+pub struct SceneSummary<'a> {
+    spheres: usize,
+    tables: usize,
+    giants: usize,
+    duplicates: usize,
+    coarse: usize,
+    lamps: usize,
+    materials: Vec<Material<'a>>,
+    bounds: Bounds,
+    radius: Radii,
+    memory_plan: Value,
+    width: u32,
+    height: u32,
+    integrator: IntegratorKind,
+    samples_per_pixel: u32,
+    max_depth: Option<u32>,
+    seed: u64,
+    biased_by: Vec<String>,
+    makes_light: Vec<MakesLight<'a>>,
+    #[serde(skip)]
+    settings: &'a Settings,
+}
+
+#[derive(Debug, Serialize)]
+struct Material<'a> {
+    name: &'a str,
+    r#type: String,
+}
+
+/// The box around all spheres, in the user's coordinates.
+#[derive(Debug, Serialize)]
+struct Bounds {
+    low: DVec3,
+    high: DVec3,
+}
+
+#[derive(Debug, Serialize)]
+struct Radii {
+    smallest: f64,
+    largest: f64,
+}
+
+/// A material that reflects more than it receives.
+#[derive(Debug, Serialize)]
+struct MakesLight<'a> {
+    name: &'a str,
+    up_to: f32,
+}
+
+impl<'a> SceneSummary<'a> {
+    /// Sums up a scene, with its settings.
+    pub fn of(scene: &'a Scene, settings: &'a Settings) -> Self {
+        let (description, spheres) = (scene.description(), scene.spheres());
+        let Settings { image, render } = settings;
+        let (bounds, radius) = extent(spheres);
+        let materials = description.materials.iter();
+        let makes_light = description.makes_light().into_iter();
+        Self {
+            spheres: spheres.len(),
+            tables: description.tables.len(),
+            giants: spheres.giants().len(),
+            duplicates: spheres.duplicates(),
+            coarse: spheres.coarse(),
+            lamps: scene.lamp_count(),
+            materials: materials
+                .map(|m| Material { name: &m.name, r#type: kind(&m.surface) })
+                .collect(),
+            bounds,
+            radius,
+            memory_plan: Value::Null,
+            width: image.width,
+            height: image.height,
+            integrator: render.integrator.kind(),
+            samples_per_pixel: render.samples_per_pixel,
+            max_depth: render.max_depth,
+            seed: render.seed,
+            biased_by: render.biases(),
+            makes_light: makes_light.map(|(name, up_to)| MakesLight { name, up_to }).collect(),
+            settings,
+        }
+    }
+
+    /// Adds how much memory a render will take, for programs.
+    #[must_use]
+    pub fn with_memory_plan(self, memory_plan: Value) -> Self {
+        Self { memory_plan, ..self }
+    }
+}
+
+impl fmt::Display for SceneSummary<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut row = |name: &str, value: String| writeln!(f, "{name:<12}{value}");
+        row("spheres", self.spheres.to_string())?;
+        row("tables", self.tables.to_string())?;
+        row("giants", format!("{} (kept in f64)", self.giants))?;
+        row("duplicates", format!("{} (left out)", self.duplicates))?;
+        row("coarse", format!("{} (moved by rounding by more than 1 %)", self.coarse))?;
+        row("lamps", self.lamps.to_string())?;
+        let mut list = |name: &str, values: Vec<String>| {
+            let names = std::iter::once(name).chain(std::iter::repeat(""));
+            names.zip(values).try_for_each(|(name, value)| row(name, value))
+        };
+        let material = |Material { name, r#type }: &Material<'_>| format!("{name} ({})", r#type);
+        list("materials", self.materials.iter().map(material).collect())?;
+        let (Bounds { low, high }, Radii { smallest, largest }) = (&self.bounds, &self.radius);
+        list("bounds", vec![format!("{} to {}", triple(*low), triple(*high))])?;
+        list("radii", vec![format!("{} to {}", rounded(*smallest), rounded(*largest))])?;
+        list("image", vec![format!("{} x {} pixels", self.width, self.height)])?;
+        list("integrator", vec![integrator(&self.settings.render.integrator)])?;
+        list("samples", vec![format!("{} per pixel", self.samples_per_pixel)])?;
+        let depth = self.max_depth.map_or("no limit".to_owned(), |depth| depth.to_string());
+        list("max_depth", vec![depth])?;
+        list("seed", vec![self.seed.to_string()])?;
+        list("biased by", self.biased_by.clone())?;
+        let note = |MakesLight { name, up_to }: &MakesLight<'_>| {
+            format!("{name} (reflects more than it receives: up to {up_to:.2} of it)")
+        };
+        list("makes light", self.makes_light.iter().map(note).collect())
+    }
+}
+
+fn extent(spheres: &SphereSet) -> (Bounds, Radii) {
+    let nothing = || {
+        let bounds = Bounds { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+        (bounds, Radii { smallest: f64::INFINITY, largest: 0.0 })
+    };
+    let one = |id| {
+        let Sphere { center, radius } = spheres.sphere(id);
+        let center = center + spheres.origin();
+        let bounds = Bounds { low: center - radius, high: center + radius };
+        (bounds, Radii { smallest: radius, largest: radius })
+    };
+    let joined = |(a, r): (Bounds, Radii), (b, s): (Bounds, Radii)| {
+        let bounds = Bounds { low: a.low.min(b.low), high: a.high.max(b.high) };
+        let (smallest, largest) = (r.smallest.min(s.smallest), r.largest.max(s.largest));
+        (bounds, Radii { smallest, largest })
+    };
+    (0..spheres.len() as u32).into_par_iter().map(one).reduce(nothing, joined)
+}
+
+/// The word for a material's surface, as in a scene file.
+fn kind(surface: &impl Serialize) -> String {
+    let tagged = serde_json::to_value(surface).unwrap_or_default();
+    tagged["type"].as_str().unwrap_or_default().to_owned()
+}
+
+fn integrator(integrator: &Integrator) -> String {
+    let name = integrator.kind().name();
+    match integrator {
+        Integrator::Path | Integrator::Direct | Integrator::Normals => name.to_owned(),
+        Integrator::AmbientOcclusion { distance: None } => name.to_owned(),
+        Integrator::AmbientOcclusion { distance: Some(distance) } => {
+            format!("{name}, nearer than {distance}")
+        }
+        Integrator::Raycast { shadows: true } => format!("{name}, with shadows"),
+        Integrator::Raycast { shadows: false } => format!("{name}, without shadows"),
+        Integrator::Paper(paper) => {
+            let hemisphere = paper.hemisphere.name();
+            let stop = match paper.stop {
+                Stop::Roulette => "roulette".to_owned(),
+                Stop::Depth => "depth".to_owned(),
+                Stop::Threshold(threshold) => format!("threshold {threshold}"),
+            };
+            let (k, n) = (paper.subpixels, paper.samples);
+            format!("{name}, {k} x {k} sub-pixels of {n} samples, {hemisphere}, stop at {stop}")
+        }
+    }
+}
+
+fn triple(v: DVec3) -> String {
+    format!("({}, {}, {})", rounded(v.x), rounded(v.y), rounded(v.z))
+}
+
+/// A number in at most seven significant digits, about those of f32.
+fn rounded(x: f64) -> String {
+    // Adding 0 turns -0 into 0.
+    let rounded = format!("{x:.6e}").parse().unwrap_or(x) + 0.0;
+    format!("{rounded:?}").trim_end_matches(".0").to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_rounded_to_what_f32_holds() {
+        let shown = [0.1f32.into(), 250.0, -1e15, 1.0 / 3.0, 1e-15, -0.0, 999.999_99].map(rounded);
+        assert_eq!(shown, ["0.1", "250", "-1000000000000000", "0.3333333", "1e-15", "0", "1000"]);
+    }
+}

@@ -1,0 +1,254 @@
+//! How fast intersectors are: in words, as JSON, as bars, and as a page about the standard scenes.
+
+mod page;
+
+use std::fmt;
+
+pub use page::page;
+
+use serde_json::{Map, Value, json};
+
+use crate::accel::{Choice, Chosen};
+use crate::draw::text::{count, percent, row, si};
+use crate::verify::bench::{
+    BackendBench, Entry, Figure, Measured, Rates, Rounds, SECOND_BOUNCE, Swept, WholeBench,
+};
+
+/// What was measured on one scene.
+#[derive(Clone, Copy, Debug)]
+pub struct SpeedReport<'a> {
+    /// Spheres of the scene.
+    pub spheres: usize,
+    /// How it was measured.
+    pub rounds: Rounds,
+    /// The figures.
+    pub measured: &'a Measured,
+}
+
+/// The columns of a table of rates.
+const RATES: [i32; 8] = [-14, 10, 8, 8, 12, 8, 8, 12];
+
+impl fmt::Display for SpeedReport<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Rounds { count: rounds, batch } = self.rounds;
+        let Chosen { backend, reason } = self.choice();
+        writeln!(
+            f,
+            "{}, {}, {} a call; --accel auto takes {} ({reason})\n",
+            count(self.spheres, "sphere"),
+            count(rayon::current_num_threads(), "thread"),
+            count(batch, "ray"),
+            backend.name(),
+        )?;
+        let columns = [-12, 10, 8, 18, -3, -1];
+        f.write_str(&row(columns, ["", "build (s)", "+-", "bytes per sphere", "", ""]))?;
+        for BackendBench { backend, build_s, bytes_per_sphere, details, .. } in self.results() {
+            let seconds = format!("{:.3}", build_s.median);
+            let bytes = format!("{bytes_per_sphere:.1}");
+            let cells = [backend.name(), &seconds, &spread(*build_s), &bytes, "", details];
+            f.write_str(&row(columns, cells))?;
+        }
+        let rounds = count(rounds, "round");
+        writeln!(
+            f,
+            "\nrays per second of all threads: median of {rounds}, and the spread of half of them"
+        )?;
+        for (kind, name) in self.measured.kinds.iter().enumerate() {
+            f.write_str(&head(name, "other ids"))?;
+            for result in self.results() {
+                f.write_str(&self.of_kind(result, kind))?;
+            }
+        }
+        self.batches(f)?;
+        self.scaling(f)?;
+        self.renders(f)
+    }
+}
+
+impl SpeedReport<'_> {
+    fn choice(&self) -> Chosen {
+        Choice::Auto.choose_for(self.spheres)
+    }
+
+    fn results(&self) -> &[BackendBench] {
+        &self.measured.results
+    }
+
+    /// One backend's rates for one kind of rays, and how they compare with the first backend's.
+    fn of_kind(&self, result: &BackendBench, kind: usize) -> String {
+        let name = result.backend.name();
+        let Some(rates) = result.rates[kind] else {
+            return row(RATES, [name, "-", "", "", "", "", "", ""]);
+        };
+        let first = self.results()[0].rates[kind].unwrap_or(rates);
+        let both = [(rates.closest, first.closest), (rates.occluded, first.occluded)];
+        rates_row(name, both, &rates.other_ids.to_string())
+    }
+
+    fn batches(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for swept in &self.measured.batches {
+            let rays = count(swept.setting.batch, "ray");
+            write!(f, "\n{SECOND_BOUNCE} rays, {rays} a call{}", head("", ""))?;
+            f.write_str(&self.rows_of(swept, |_| swept.rates[0]))?;
+        }
+        Ok(())
+    }
+
+    fn scaling(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(one) = self.measured.scaling.first() else { return Ok(()) };
+        for swept in &self.measured.scaling {
+            let threads = count(swept.setting.threads, "thread");
+            let gain = swept.arithmetic.median / one.arithmetic.median;
+            write!(
+                f,
+                "\n{SECOND_BOUNCE} rays, {threads}; ratios to one thread; that of pure arithmetic is \
+                 {gain:.2}{}",
+                head("", "")
+            )?;
+            f.write_str(&self.rows_of(swept, |backend| one.rates[backend]))?;
+        }
+        Ok(())
+    }
+
+    /// Rates under a setting, and for each backend what they are compared with.
+    fn rows_of(&self, swept: &Swept, with: impl Fn(usize) -> [Figure; 2]) -> String {
+        let backends = self.results().iter().zip(&swept.rates).enumerate();
+        let rows = backends.map(|(i, (result, [closest, occluded]))| {
+            let with = with(i);
+            rates_row(result.backend.name(), [(*closest, with[0]), (*occluded, with[1])], "")
+        });
+        rows.collect()
+    }
+
+    fn renders(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(first) = self.measured.renders.first() else { return Ok(()) };
+        let columns = [-14, 10, 8, 8, 14, 12, 16];
+        let names = ["render", "seconds", "+-", "ratio", "intersector", "rays/s", "other pixels"];
+        write!(f, "\n{}", row(columns, names))?;
+        for render in &self.measured.renders {
+            let Figure { median, .. } = render.seconds;
+            let cells = [
+                render.backend.name(),
+                &format!("{median:.3}"),
+                &spread(render.seconds),
+                &format!("{:.2}", median / first.seconds.median),
+                &percent(render.inside.median),
+                &si(render.rays as f64 / median),
+                &render.other_pixels.to_string(),
+            ];
+            f.write_str(&row(columns, cells))?;
+        }
+        Ok(())
+    }
+
+    /// The figures for programs.
+    pub fn json(&self) -> Value {
+        let Chosen { backend: auto, reason } = self.choice();
+        let Measured { results, batches, scaling, renders, .. } = self.measured;
+        json!({
+            "spheres": self.spheres,
+            "threads": rayon::current_num_threads(),
+            "rounds": self.rounds.count,
+            "batch": self.rounds.batch,
+            "auto": { "accel": auto.name(), "reason": reason },
+            "backends": results.iter().map(|result| self.backend(result)).collect::<Vec<_>>(),
+            "batches": batches.iter().map(|swept| self.swept(swept)).collect::<Vec<_>>(),
+            "scaling": scaling.iter().map(|swept| self.swept(swept)).collect::<Vec<_>>(),
+            "renders": renders.iter().map(whole).collect::<Vec<_>>(),
+        })
+    }
+
+    fn backend(&self, result: &BackendBench) -> Value {
+        let rates = |kind: usize| {
+            result.rates[kind].map(|Rates { closest, occluded, other_ids }| {
+                let (closest, occluded) = (rate(closest), rate(occluded));
+                json!({ "closest": closest, "occluded": occluded, "other_ids": other_ids })
+            })
+        };
+        let kinds = self.measured.kinds.iter().enumerate();
+        let rays: Map<String, Value> =
+            kinds.map(|(kind, name)| (name.replace(' ', "_"), json!(rates(kind)))).collect();
+        json!({
+            "accel": result.backend.name(),
+            "details": result.details,
+            "build_s": result.build_s.median,
+            "build_spread": result.build_s.spread(),
+            "bytes_per_sphere": result.bytes_per_sphere,
+            "rays": rays,
+        })
+    }
+
+    fn swept(&self, swept: &Swept) -> Value {
+        let named = self.measured.results.iter().zip(&swept.rates);
+        let rates: Map<String, Value> = named
+            .map(|(result, [closest, occluded])| {
+                let rates = json!({ "closest": rate(*closest), "occluded": rate(*occluded) });
+                (result.backend.name().to_owned(), rates)
+            })
+            .collect();
+        json!({
+            "threads": swept.setting.threads,
+            "batch": swept.setting.batch,
+            "second_bounce": rates,
+            "arithmetic_passes_per_s": swept.arithmetic.median,
+        })
+    }
+}
+
+/// What a standard scene gave: the rates of the second bounce, which no cache helps.
+impl fmt::Display for Entry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { arrangement, spheres, measured } = self;
+        let kind = measured.kind(SECOND_BOUNCE).unwrap_or(0);
+        let rates = measured.results.iter().filter_map(|result| {
+            let rate = si(result.rates[kind]?.closest.median);
+            Some(format!("{} {rate}rays/s", result.backend.name()))
+        });
+        let rates = rates.collect::<Vec<_>>().join(", ");
+        let rates = if rates.is_empty() { "no ray gets as far as a second bounce" } else { &rates };
+        write!(f, "{}, {}: {rates}", arrangement.name(), count(*spheres as usize, "sphere"))
+    }
+}
+
+/// What was measured on standard scenes, for programs.
+pub fn entries_json(entries: &[Entry], rounds: Rounds) -> Value {
+    let one = |Entry { arrangement, spheres, measured }: &Entry| {
+        let report = SpeedReport { spheres: *spheres as usize, rounds, measured };
+        json!({ "arrangement": arrangement.name(), "measured": report.json() })
+    };
+    entries.iter().map(one).collect()
+}
+
+fn head(name: &str, last: &str) -> String {
+    let cells = [name, "closest", "+-", "ratio", "occluded", "+-", "ratio", last];
+    format!("\n{}", row(RATES, cells))
+}
+
+/// Two rates, each with what it is compared with.
+fn rates_row(name: &str, rates: [(Figure, Figure); 2], last: &str) -> String {
+    let [closest, occluded] = rates.map(|(rate, with)| {
+        [si(rate.median), spread(rate), format!("{:.2}", rate.median / with.median)]
+    });
+    let ([a, b, c], [d, e, f]) = (&closest, &occluded);
+    row(RATES, [name, a, b, c, d, e, f, last])
+}
+
+fn spread(figure: Figure) -> String {
+    format!("{:.0} %", 100.0 * figure.spread())
+}
+
+fn rate(rate: Figure) -> Value {
+    json!({ "rays_per_s": rate.median, "spread": rate.spread() })
+}
+
+fn whole(render: &WholeBench) -> Value {
+    json!({
+        "accel": render.backend.name(),
+        "seconds": render.seconds.median,
+        "spread": render.seconds.spread(),
+        "intersector_share": render.inside.median,
+        "rays": render.rays,
+        "samples": render.samples,
+        "other_pixels": render.other_pixels,
+    })
+}

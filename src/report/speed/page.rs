@@ -1,0 +1,345 @@
+//! What was measured, drawn: one scene as bars, and the standard scenes as a page.
+
+use std::fmt;
+
+use crate::draw::page::{details, element, escape, facts, page_of, table};
+use crate::draw::text::count;
+use crate::draw::{Axes, Bar, BarGroup, Course, Line, Mark, Panel, Value, bars, lines};
+use crate::error::Result;
+use crate::generate::Arrangement;
+
+use crate::verify::bench::{
+    BackendBench, Entry, Figure, Measured, Question, SECOND_BOUNCE, Swept, WholeBench,
+};
+
+impl fmt::Display for Question {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Closest => "closest hit",
+            Self::Occluded => "occluded",
+        })
+    }
+}
+
+/// A figure as it is drawn.
+impl From<Figure> for Value {
+    fn from(Figure { median, low, high }: Figure) -> Self {
+        Self { middle: median, low, high }
+    }
+}
+
+impl Measured {
+    /// Draws everything as bars.
+    ///
+    /// # Errors
+    /// When the drawing fails.
+    pub fn drawing(&self, title: &str, subtitle: &str) -> Result<String> {
+        let mut groups = self.groups_of_kinds();
+        for swept in &self.batches {
+            let rays = count(swept.setting.batch, "ray");
+            groups.extend(self.groups_of(swept, &format!("{rays} a call")));
+        }
+        for swept in &self.scaling {
+            groups.extend(self.groups_of(swept, &count(swept.setting.threads, "thread")));
+        }
+        let whole = |render: &WholeBench| Bar {
+            name: render.backend.name().to_owned(),
+            value: render.seconds.into(),
+            words: format!("{} s", significant(render.seconds.median)),
+            color: render.backend as usize,
+        };
+        let bars_of_renders = self.renders.iter().map(whole).collect();
+        groups.push(BarGroup { name: "render, seconds".to_owned(), bars: bars_of_renders });
+        groups.retain(|group| !group.bars.is_empty());
+        bars(title, subtitle, &groups)
+    }
+
+    fn groups_of_kinds(&self) -> Vec<BarGroup> {
+        let group = |(kind, question): (usize, Question)| {
+            let rate = |result: &BackendBench| Some(result.rates[kind]?.of(question));
+            let name = format!("{} rays, {question}", self.kinds[kind]);
+            self.group(name, &self.results.iter().map(rate).collect::<Vec<_>>())
+        };
+        let kinds = 0..self.kinds.len();
+        kinds.flat_map(|kind| Question::ALL.map(|question| group((kind, question)))).collect()
+    }
+
+    fn groups_of(&self, swept: &Swept, setting: &str) -> [BarGroup; 2] {
+        Question::ALL.map(|question| {
+            let rate = |rates: &[Figure; 2]| Some(rates[question as usize]);
+            let name = format!("{SECOND_BOUNCE} rays, {question}, {setting}");
+            self.group(name, &swept.rates.iter().map(rate).collect::<Vec<_>>())
+        })
+    }
+
+    /// Rates of the intersectors, as far as they are known.
+    fn group(&self, name: String, rates: &[Option<Figure>]) -> BarGroup {
+        let bar = |(result, rate): (&BackendBench, &Option<Figure>)| {
+            let value = (*rate)?;
+            let words = format!("{} M rays/s", significant(value.median / 1e6));
+            let name = result.backend.name().to_owned();
+            Some(Bar { name, value: value.into(), words, color: result.backend as usize })
+        };
+        let bars = self.results.iter().zip(rates).filter_map(bar).collect();
+        BarGroup { name, bars }
+    }
+}
+
+const HOW_TO_READ: &str = "Rays per second of all threads together, against the number of spheres. \
+    Intersectors take turns, so that a busy machine hinders all alike; each figure is the median over \
+    the rounds, and half of the rounds lie within the thin line. Rays of the second bounce come first: \
+    they go everywhere, and no cache helps them. Compare figures of one page only.";
+
+/// One page of all that was measured; `about` stands first.
+///
+/// # Errors
+/// When a drawing fails.
+pub fn page(about: &[(&str, String)], entries: &[Entry]) -> Result<String> {
+    let title = "photosphere: speed of the intersectors";
+    let mut body = element("h1", "", title);
+    body += &facts(about);
+    body += &element("p", "class=soft", HOW_TO_READ);
+    let charts = Charts::of(entries);
+    for &(name, arrangement) in Arrangement::NAMES {
+        let of_scene: Vec<&Entry> =
+            entries.iter().filter(|entry| entry.arrangement == arrangement).collect();
+        if !of_scene.is_empty() {
+            body += &element("h2", "", name);
+            body += &charts.section(&of_scene)?;
+            body += &element("div", "class=\"scroll figures\"", &figures(&of_scene));
+        }
+    }
+    Ok(page_of(title, &body))
+}
+
+/// A figure of an intersector on a scene, where there is one.
+type FigureOf<'a> = &'a dyn Fn(&Entry, &BackendBench) -> Option<Figure>;
+
+/// The lines of a value against the number of spheres, one for each intersector.
+fn lines_of(entries: &[&Entry], value: FigureOf<'_>) -> Vec<Line> {
+    let mut drawn: Vec<Line> = Vec::new();
+    for entry in entries {
+        for result in &entry.measured.results {
+            let Some(y) = value(entry, result) else { continue };
+            // What there is none of, such as the oracle's tree, cannot stand on a logarithmic axis.
+            if y.median <= 0.0 {
+                continue;
+            }
+            let mark = Mark { x: Value::exact(entry.spheres as f64), y: y.into() };
+            let name = result.backend.name();
+            match drawn.iter_mut().find(|line| line.name == name) {
+                Some(line) => line.marks.push(mark),
+                None => {
+                    let color = result.backend as usize;
+                    let (name, marks, course) = (name.to_owned(), vec![mark], Course::Through);
+                    drawn.push(Line { name, marks, course, color });
+                }
+            }
+        }
+    }
+    drawn
+}
+
+fn millions(kind: &str, question: Question) -> impl Fn(&Entry, &BackendBench) -> Option<Figure> {
+    move |entry, result| Some(result.rates[entry.measured.kind(kind)?]?.of(question).times(1e-6))
+}
+
+fn build_seconds(_: &Entry, result: &BackendBench) -> Option<Figure> {
+    (result.bytes_per_sphere > 0.0).then_some(result.build_s)
+}
+
+fn bytes(_: &Entry, result: &BackendBench) -> Option<Figure> {
+    Some(Figure::once(result.bytes_per_sphere))
+}
+
+/// The axes that charts of all scenes share.
+struct Charts {
+    kinds: Vec<&'static str>,
+    rates: Option<Axes>,
+    build: Option<Axes>,
+    bytes: Option<Axes>,
+}
+
+impl Charts {
+    fn of(entries: &[Entry]) -> Self {
+        let all: Vec<&Entry> = entries.iter().collect();
+        let kinds = entries.first().map_or(Vec::new(), |entry| entry.measured.kinds.clone());
+        let mut rates = Vec::new();
+        for kind in &kinds {
+            rates.extend(Question::ALL.map(|q| lines_of(&all, &millions(kind, q))));
+        }
+        let axes = |name, lines: &[Vec<Line>]| {
+            let marks = lines.iter().flatten().flat_map(|line| &line.marks);
+            let (xs, ys) = (marks.clone().map(|m| m.x.middle), marks.map(|m| m.y.middle));
+            Axes::around(["spheres", name], xs, ys)
+        };
+        Self {
+            kinds,
+            rates: axes("million rays per second", &rates),
+            build: axes("seconds", &[lines_of(&all, &build_seconds)]),
+            bytes: axes("bytes per sphere", &[lines_of(&all, &bytes)]),
+        }
+    }
+
+    /// All charts of a scene: two kinds of figures at once, the others to be unfolded.
+    fn section(&self, entries: &[&Entry]) -> Result<String> {
+        let mut shown = String::new();
+        let mut folded = String::new();
+        for &kind in &self.kinds {
+            let text = if kind == SECOND_BOUNCE { &mut shown } else { &mut folded };
+            for question in Question::ALL {
+                let title = format!("{kind} rays, {question}");
+                *text += &chart(&title, &self.rates, entries, &millions(kind, question))?;
+            }
+        }
+        shown += &chart("build", &self.build, entries, &build_seconds)?;
+        shown += &chart("size of the structure", &self.bytes, entries, &bytes)?;
+        let pairs = |charts: &str| element("div", "class=pairs", charts);
+        Ok(pairs(&shown) + &details("other rays", &pairs(&folded)))
+    }
+}
+
+/// Nothing where there is nothing to draw.
+fn chart(
+    title: &str,
+    axes: &Option<Axes>,
+    entries: &[&Entry],
+    value: FigureOf<'_>,
+) -> Result<String> {
+    let drawn = lines_of(entries, value);
+    match axes {
+        Some(axes) if !drawn.is_empty() => {
+            lines(title, &Panel { axes: axes.clone(), lines: drawn })
+        }
+        _ => Ok(String::new()),
+    }
+}
+
+/// Stands where there is no figure.
+const NOTHING: &str = "–";
+
+/// Everything in figures.
+fn figures(entries: &[&Entry]) -> String {
+    let kinds = entries.first().map_or(&[][..], |entry| &entry.measured.kinds);
+    let mut head = vec!["spheres", "intersector", "build (s)", "bytes per sphere"];
+    head.extend(kinds);
+    head.extend(["other ids", "how it works"]);
+    let rows = entries.iter().flat_map(|entry| {
+        entry.measured.results.iter().map(|result| {
+            let mut row = vec![
+                entry.spheres.to_string(),
+                escape(result.backend.name()),
+                build_seconds(entry, result).map_or(NOTHING.to_owned(), |s| significant(s.median)),
+                significant(result.bytes_per_sphere),
+            ];
+            row.extend(result.rates.iter().map(|rates| {
+                rates.map_or(NOTHING.to_owned(), |rates| {
+                    let [closest, occluded] =
+                        Question::ALL.map(|question| significant(1e-6 * rates.of(question).median));
+                    format!("{closest} / {occluded}")
+                })
+            }));
+            row.extend([other_ids(result), escape(&result.details)]);
+            row
+        })
+    });
+    let unit = "Rates in millions of rays per second, closest hit / occluded.";
+    element("p", "class=soft", unit) + &table(&head, rows)
+}
+
+/// How many of the rays that were compared have another id than with the first intersector.
+fn other_ids(result: &BackendBench) -> String {
+    result.rates.iter().flatten().map(|rates| rates.other_ids).sum::<usize>().to_string()
+}
+
+/// Three significant digits.
+fn significant(value: f64) -> String {
+    let digits = if value > 0.0 { 2 - libm::log10(value).floor() as i32 } else { 0 };
+    format!("{value:.*}", digits.clamp(0, 9) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Backend;
+    use crate::verify::bench::{Rates, Setting};
+
+    fn figure(median: f64) -> Figure {
+        Figure::once(median)
+    }
+
+    fn result(backend: Backend, median: f64) -> BackendBench {
+        let (closest, occluded) = (figure(median), figure(2.0 * median));
+        BackendBench {
+            backend,
+            details: "a <tree>".into(),
+            build_s: figure(0.01234),
+            bytes_per_sphere: 34.56,
+            rates: vec![Some(Rates { closest, occluded, other_ids: 3 }), None],
+        }
+    }
+
+    fn measured(median: f64) -> Measured {
+        let results =
+            vec![result(Backend::Native, median), result(Backend::BruteForce, median / 10.0)];
+        Measured { kinds: vec![SECOND_BOUNCE, "shadow"], results, ..Default::default() }
+    }
+
+    #[test]
+    fn a_scene_is_drawn_with_every_figure_that_there_is() {
+        let rates = vec![[figure(4e6), figure(5e6)]; 2];
+        let setting = Setting { threads: 2, batch: 1 };
+        let swept = vec![Swept { setting, rates, arithmetic: figure(1.0) }];
+        let render = WholeBench {
+            backend: Backend::Native,
+            seconds: figure(12.34),
+            inside: figure(0.9),
+            rays: 1,
+            samples: 1,
+            other_pixels: 0,
+        };
+        let measured = Measured {
+            batches: swept.clone(),
+            scaling: swept,
+            renders: vec![render],
+            ..measured(1.5e6)
+        };
+        let svg = measured.drawing("a scene", "3 spheres").unwrap();
+        for text in [
+            "second bounce rays, closest hit",
+            "native",
+            "1.50 M rays/s",
+            "0.300 M rays/s",
+            "occluded, 1 ray a call",
+            "occluded, 2 threads",
+            "5.00 M rays/s",
+            "12.3 s",
+        ] {
+            assert!(svg.contains(text), "{text}");
+        }
+        assert!(!svg.contains("shadow"), "there were no such rays");
+    }
+
+    #[test]
+    fn the_page_has_a_chart_for_each_figure_and_stands_alone() {
+        let entry = |spheres: u64| Entry {
+            arrangement: Arrangement::Gas,
+            spheres,
+            measured: measured(1e9 / spheres as f64),
+        };
+        let facts = [("processor", "a & b".to_owned())];
+        let page = page(&facts, &[entry(3), entry(100), entry(1000)]).unwrap();
+        assert_eq!(page.matches("<svg").count(), 4);
+        for text in ["<h2>gas</h2>", "a &amp; b", "0.0123", "34.6", "a &lt;tree&gt;", "<!doctype"] {
+            assert!(page.contains(text), "{text}");
+        }
+        assert!(page.contains("1.00 / 2.00"), "a cell of the table");
+        assert!(!page.contains("clusters"), "nothing was measured of them");
+    }
+
+    #[test]
+    fn figures_have_three_digits() {
+        let shown = [0.0, 0.001_234, 9.876, 123.4, 98_765.0].map(significant);
+        assert_eq!(shown, ["0", "0.00123", "9.88", "123", "98765"]);
+    }
+}

@@ -1,0 +1,124 @@
+//! The renders behind the curves: every variant at every number of samples and with every seed, held
+//! against one reference.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use crate::accel::{Accel, Backend, BuildOptions};
+use crate::color::Rgb;
+use crate::error::Result;
+use crate::job::{self, Rendered};
+use crate::scene::{Scene, Settings, Shot};
+use crate::task::Cancel;
+
+use super::{Point, Reference, Series};
+
+/// The seeds of the reference's halves are far from any that a user takes.
+const REFERENCE_SEED: u64 = 1 << 40;
+
+/// What is to be rendered.
+#[derive(Debug)]
+pub struct Study {
+    /// What all pictures show.
+    pub scene: Scene,
+    /// One for each curve.
+    pub variants: Vec<Variant>,
+    /// Samples per pixel, rising.
+    pub samples: Vec<u32>,
+    /// One picture for each, for every variant and number of samples.
+    pub seeds: Range<u64>,
+    /// What the pictures are held against.
+    pub reference: ReferenceFrom,
+}
+
+/// One curve.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// What sets it apart.
+    pub name: String,
+    /// The intersector.
+    pub accel: Backend,
+    /// The settings for each number of samples of the study.
+    pub settings: Vec<Settings>,
+}
+
+/// Where the reference comes from.
+#[derive(Clone, Debug)]
+pub enum ReferenceFrom {
+    /// It is there.
+    Picture(Reference),
+    /// It is rendered in two halves with these settings, by the first variant's intersector.
+    Halves(Settings),
+}
+
+impl Study {
+    /// The samples of all its pictures.
+    pub fn samples_in_all(&self) -> u64 {
+        let of = |settings: &Settings| {
+            let image = settings.image;
+            let pixels = u64::from(image.width) * u64::from(image.height);
+            pixels * u64::from(settings.render.samples_per_pixel)
+        };
+        let points = self.variants.iter().flat_map(|variant| &variant.settings);
+        let curves = points.map(of).sum::<u64>() * (self.seeds.end - self.seeds.start);
+        let reference = match &self.reference {
+            ReferenceFrom::Picture(_) => 0,
+            ReferenceFrom::Halves(settings) => 2 * of(settings),
+        };
+        curves + reference
+    }
+
+    /// Renders all of it on the current rayon pool; `done` is told of each picture.
+    ///
+    /// # Errors
+    /// When an intersector cannot be built, or a render fails.
+    pub fn measure(&self, done: &dyn Fn(&Rendered)) -> Result<(Reference, Vec<Series>)> {
+        let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
+        let built = |variant: &Variant| variant.accel.build(self.scene.spheres(), &build);
+        let accels: Vec<Box<dyn Accel>> = self.variants.iter().map(built).collect::<Result<_>>()?;
+        let reference = self.reference(&*accels[0], done)?;
+        let empty = |variant: &Variant| Series { name: variant.name.clone(), points: Vec::new() };
+        let mut series: Vec<Series> = self.variants.iter().map(empty).collect();
+        for (at, &samples) in self.samples.iter().enumerate() {
+            let shot = |variant: &Variant| Shot::new(&self.scene, variant.settings[at]);
+            let mut shots: Vec<Shot> = self.variants.iter().map(shot).collect::<Result<_>>()?;
+            let mut runs = vec![Vec::new(); shots.len()];
+            // The variants take turns, so that what else the machine does troubles all alike.
+            for seed in self.seeds.clone() {
+                for ((shot, accel), runs) in shots.iter_mut().zip(&accels).zip(&mut runs) {
+                    shot.set_seed(seed);
+                    let (pixels, seconds) = render(shot, &**accel, done)?;
+                    runs.push(reference.judge(&pixels, seconds));
+                }
+            }
+            for (series, runs) in series.iter_mut().zip(runs) {
+                series.points.push(Point { samples, runs });
+            }
+        }
+        Ok((reference, series))
+    }
+
+    fn reference(&self, accel: &dyn Accel, done: &dyn Fn(&Rendered)) -> Result<Reference> {
+        let settings = match &self.reference {
+            ReferenceFrom::Picture(reference) => return Ok(reference.clone()),
+            ReferenceFrom::Halves(settings) => *settings,
+        };
+        let mut shot = Shot::new(&self.scene, settings)?;
+        let mut half = |seed| {
+            shot.set_seed(seed);
+            render(&shot, accel, done).map(|(pixels, _)| pixels)
+        };
+        let (a, b) = (half(REFERENCE_SEED)?, half(REFERENCE_SEED + 1)?);
+        Ok(Reference::of_halves(&a, &b))
+    }
+}
+
+/// The beauty, and the seconds it took.
+fn render(shot: &Shot, accel: &dyn Accel, done: &dyn Fn(&Rendered)) -> Result<(Vec<Rgb>, f64)> {
+    let began = Instant::now();
+    let rendered = job::render(shot, accel, &[], &Cancel::default())?;
+    let seconds = began.elapsed().as_secs_f64();
+    done(&rendered);
+    let picture = &rendered.picture;
+    Ok(((0..picture.len()).map(|pixel| picture.beauty(pixel)).collect(), seconds))
+}
