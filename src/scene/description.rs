@@ -93,6 +93,37 @@ impl Default for Projection {
     }
 }
 
+/// The projections without their numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProjectionKind {
+    /// [`Projection::Perspective`].
+    #[default]
+    Perspective,
+    /// [`Projection::Orthographic`].
+    Orthographic,
+    /// [`Projection::Panoramic`].
+    Panoramic,
+}
+
+named! {
+    ProjectionKind {
+        Perspective = "perspective",
+        Orthographic = "orthographic",
+        Panoramic = "panoramic",
+    }
+}
+
+impl Projection {
+    /// The kind of this projection.
+    pub fn kind(&self) -> ProjectionKind {
+        match self {
+            Self::Perspective { .. } => ProjectionKind::Perspective,
+            Self::Orthographic { .. } => ProjectionKind::Orthographic,
+            Self::Panoramic { .. } => ProjectionKind::Panoramic,
+        }
+    }
+}
+
 /// A thin lens.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -274,6 +305,52 @@ impl Default for Surface {
     /// Lambert's, scattering half of the light.
     fn default() -> Self {
         Self::Diffuse { albedo: Rgb::splat(0.5), roughness: 0.0 }
+    }
+}
+
+/// The reflection models without their parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceKind {
+    /// [`Surface::Diffuse`].
+    Diffuse,
+    /// [`Surface::Mirror`].
+    Mirror,
+    /// [`Surface::Conductor`].
+    Conductor,
+    /// [`Surface::Dielectric`].
+    Dielectric,
+    /// [`Surface::Plastic`].
+    Plastic,
+    /// [`Surface::Principled`].
+    Principled,
+    /// [`Surface::Phong`].
+    Phong,
+}
+
+named! {
+    SurfaceKind {
+        Diffuse = "diffuse",
+        Mirror = "mirror",
+        Conductor = "conductor",
+        Dielectric = "dielectric",
+        Plastic = "plastic",
+        Principled = "principled",
+        Phong = "phong",
+    }
+}
+
+impl Surface {
+    /// The reflection model of this surface.
+    pub fn kind(&self) -> SurfaceKind {
+        match self {
+            Self::Diffuse { .. } => SurfaceKind::Diffuse,
+            Self::Mirror { .. } => SurfaceKind::Mirror,
+            Self::Conductor { .. } => SurfaceKind::Conductor,
+            Self::Dielectric { .. } => SurfaceKind::Dielectric,
+            Self::Plastic { .. } => SurfaceKind::Plastic,
+            Self::Principled(_) => SurfaceKind::Principled,
+            Self::Phong { .. } => SurfaceKind::Phong,
+        }
     }
 }
 

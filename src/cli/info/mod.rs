@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::film::Kind;
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
-use crate::scene::description::{Description, Surface};
+use crate::scene::description::Description;
 use crate::scene::settings::{Integrator, Stop};
 use crate::scene::{Scene, Settings, read_file};
 
@@ -153,16 +153,7 @@ fn in_json(scene: &Scene, settings: &Settings, plan: Value) -> Value {
 
 /// Name and kind of every material.
 fn materials(description: &Description) -> Vec<(&str, &'static str)> {
-    let kind = |surface: &Surface| match surface {
-        Surface::Diffuse { .. } => "diffuse",
-        Surface::Mirror { .. } => "mirror",
-        Surface::Conductor { .. } => "conductor",
-        Surface::Dielectric { .. } => "dielectric",
-        Surface::Plastic { .. } => "plastic",
-        Surface::Principled(_) => "principled",
-        Surface::Phong { .. } => "phong",
-    };
-    description.materials.iter().map(|m| (m.name.as_str(), kind(&m.surface))).collect()
+    description.materials.iter().map(|m| (m.name.as_str(), m.surface.kind().name())).collect()
 }
 
 fn integrator(integrator: &Integrator) -> String {
@@ -178,9 +169,8 @@ fn integrator(integrator: &Integrator) -> String {
         Integrator::Paper(paper) => {
             let hemisphere = paper.hemisphere.name();
             let stop = match paper.stop {
-                Stop::Roulette => "roulette".to_owned(),
-                Stop::Depth => "depth".to_owned(),
-                Stop::Threshold(threshold) => format!("threshold {threshold}"),
+                Stop::Roulette | Stop::Depth => paper.stop.kind().name().to_owned(),
+                Stop::Threshold(threshold) => format!("{} {threshold}", paper.stop.kind().name()),
             };
             let (k, n) = (paper.subpixels, paper.samples);
             format!("{name}, {k} x {k} sub-pixels of {n} samples, {hemisphere}, stop at {stop}")
