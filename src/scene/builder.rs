@@ -63,9 +63,9 @@ impl Builder {
 
     /// The direction of the zenith, of any length, for the camera and the background.
     pub fn up(&mut self, up: impl Into<DVec3>) -> &mut Self {
-        let up = normalized(up.into());
+        let up = up.into();
         self.description.camera.up = up;
-        self.description.background.up = up;
+        self.description.background.up = normalized(up);
         self
     }
 

@@ -215,13 +215,14 @@ impl Strided {
         self.len == 0 || is_within(at(0)) && is_within(at(self.len as i128 - 1))
     }
 
-    /// The number of a sphere, which [`fits`](Self::fits).
+    /// The number of a sphere, which [`fits`](Self::fits); -0 is given as 0.
     pub(super) fn get(&self, row: usize) -> f64 {
         let at = self.first.wrapping_add_signed(self.stride.wrapping_mul(row as isize));
-        match &self.values {
+        let number = match &self.values {
             Values::F32(values) => f64::from(values.as_slice()[at]),
             Values::F64(values) => values.as_slice()[at],
-        }
+        };
+        number + 0.0
     }
 }
 

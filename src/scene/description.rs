@@ -392,6 +392,29 @@ pub enum ColorStorage {
 
 named! { ColorStorage { Exact = "exact", Packed = "packed" } }
 
+impl Description {
+    /// Brings values that mean the same into one form, in which they are rendered: a lens without an
+    /// opening is a pinhole, and a place or an angle of -0 is 0.
+    pub(super) fn make_canonical(&mut self) {
+        let Self { camera, background, materials: _, spheres, tables: _ } = self;
+        let Camera { position, look_at, up, near: _, projection } = camera;
+        if let Projection::Perspective { lens, .. } = projection {
+            *lens = lens.filter(|lens| lens.radius > 0.0);
+            if let Some(lens) = lens {
+                lens.rotation_degrees += 0.0;
+            }
+        }
+        let Background { dome, up: zenith, sun, .. } = background;
+        if let Dome::Image { rotation_degrees, .. } = dome {
+            *rotation_degrees += 0.0;
+        }
+        let sun = sun.as_mut().map(|sun| &mut sun.direction);
+        let centers = spheres.iter_mut().map(|sphere| &mut sphere.center);
+        let vectors = [position, look_at, up, zenith].into_iter().chain(sun).chain(centers);
+        vectors.for_each(|vector| *vector += 0.0);
+    }
+}
+
 /// The direction of a vector however long or short, if it has one.
 pub(crate) fn unit(v: DVec3) -> Option<DVec3> {
     (v / v.abs().max_element()).try_normalize()

@@ -140,10 +140,12 @@ impl<'r> TableRows<'r> {
         let flaw = |(number, row)| Flaws::of_row(number, self.flaw_in(row).is_some());
         let flaws = rows.clone().enumerate().map(flaw).reduce(Flaws::default, Flaws::join);
         let sphere = self.layout.sphere;
-        self.all.par_extend(rows.clone().map(|row| sphere.map(|column| value(row, column))));
+        // Adding 0 turns -0 into 0: they are one place.
+        let numbers = |row| sphere.map(|column| value(row, column) + 0.0);
+        self.all.par_extend(rows.clone().map(numbers));
         // Only colours that are allowed can be packed.
         if let (Some(colors), Some(color), 0) = (&mut self.colors, self.layout.color, flaws.count) {
-            let given = rows.map(|row| color.map(|column| value(row, column)));
+            let given = rows.map(|row| color.map(|column| value(row, column) + 0.0));
             colors.extend(given, self.brightest);
         }
         flaws

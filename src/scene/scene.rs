@@ -65,6 +65,7 @@ impl Scene {
         source: Option<Source>,
         refuse: impl FnOnce(Problems) -> Result<()>,
     ) -> Result<Self> {
+        description.make_canonical();
         let mut problems = Problems::default();
         let (rows, groups) = import(&description, &survey, &mut problems)?;
         if !problems.0.is_empty() {
@@ -102,7 +103,7 @@ impl Scene {
         self
     }
 
-    /// What the user wrote.
+    /// What the user wrote, without arrays in memory, which the scene has taken in.
     pub fn description(&self) -> &Description {
         &self.description
     }

@@ -2,27 +2,34 @@
 //! bit, whether they come from a file or from a program.
 //!
 //! The identity is the hash of a canonical encoding of the description: JSON with the fields in the
-//! order of their declaration, in which the hash of its numbers stands for each table and image. Not in
-//! it are where files lie, how a scene file is laid out, and the settings that it is rendered with.
+//! order of their declaration, in which the hash of its numbers stands for each table and image. Values
+//! that mean the same are encoded alike: a camera by its axes, which the length of `up` does not change,
+//! and -0 as 0. Not part of the encoding are the folders that files lie in, the layout of a scene file,
+//! the program's version, and the settings that the scene is rendered with.
 
 use std::fmt;
+use std::io;
 use std::path::PathBuf;
 
 use blake3::Hasher;
 use rayon::prelude::*;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::ser::Formatter;
 
+use crate::camera::axes;
 use crate::geometry::SphereRows;
+use crate::math::DVec3;
 
 use super::data::SphereData;
 use super::description::{
-    Background, Camera, ColorStorage, Description, Dome, NamedMaterial, SphereRow, SphereTable,
+    Background, Camera, ColorStorage, Description, Dome, NamedMaterial, Projection, SphereRow,
+    SphereTable,
 };
 use super::environment::Pixels;
 use super::import::RowGroup;
 
 /// The version of the encoding; it changes with everything that the hash depends on.
-const ENCODING: u32 = 2;
+const ENCODING: u32 = 3;
 
 /// A BLAKE3 hash: 32 bytes, 64 hexadecimal digits as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -64,13 +71,30 @@ const ROWS: usize = 1 << 16;
 #[derive(Serialize)]
 struct Canonical<'a> {
     encoding: u32,
-    version: &'static str,
-    camera: &'a Camera,
+    camera: CanonicalCamera,
     background: Background,
     materials: &'a [NamedMaterial],
     spheres: &'a [SphereRow],
     tables: Vec<CanonicalTable>,
     environment: Option<Identity>,
+}
+
+/// A camera by all that its rays depend on.
+#[derive(Serialize)]
+struct CanonicalCamera {
+    position: DVec3,
+    right: DVec3,
+    forward: DVec3,
+    near: f64,
+    projection: Projection,
+}
+
+impl CanonicalCamera {
+    fn of(camera: &Camera) -> Self {
+        let Camera { position, look_at, up, near, projection } = *camera;
+        let [right, _, forward] = axes(look_at - position, up);
+        Self { position, right, forward, near, projection }
+    }
 }
 
 #[derive(Serialize)]
@@ -176,16 +200,31 @@ impl Hashes {
         };
         let canonical = Canonical {
             encoding: ENCODING,
-            version: env!("CARGO_PKG_VERSION"),
-            camera,
+            camera: CanonicalCamera::of(camera),
             background,
             materials,
             spheres,
             tables: tables.iter().zip(&self.tables).map(table).collect(),
             environment: self.environment,
         };
-        let bytes = serde_json::to_vec(&canonical);
-        Identity::of_bytes(&bytes.expect("plain values with names as their keys are JSON"))
+        let mut hasher = Hasher::new();
+        let mut json = serde_json::Serializer::with_formatter(&mut hasher, OneZero);
+        let written = canonical.serialize(&mut json);
+        written.expect("plain values with names as their keys are JSON");
+        Identity(hasher.finalize().into())
+    }
+}
+
+/// JSON without spaces, in which -0 is written as 0.
+struct OneZero;
+
+impl Formatter for OneZero {
+    fn write_f32<W: ?Sized + io::Write>(&mut self, to: &mut W, value: f32) -> io::Result<()> {
+        serde_json::ser::CompactFormatter.write_f32(to, value + 0.0)
+    }
+
+    fn write_f64<W: ?Sized + io::Write>(&mut self, to: &mut W, value: f64) -> io::Result<()> {
+        serde_json::ser::CompactFormatter.write_f64(to, value + 0.0)
     }
 }
 
