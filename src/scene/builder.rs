@@ -8,8 +8,8 @@ use crate::math::DVec3;
 use super::Scene;
 use super::data::{SphereArrays, SphereData};
 use super::description::{
-    Background, Camera, ColorStorage, Description, Dome, NamedMaterial, Projection, SphereRow,
-    SphereTable, Sun, Surface, unit,
+    Background, Camera, Description, Dome, NamedMaterial, Projection, SphereRow, SphereTable, Sun,
+    Surface, unit,
 };
 
 /// A scene in the making. Whatever it has no word for is a field of its [`Description`], which is open
@@ -140,8 +140,7 @@ impl Builder {
     /// Many spheres.
     pub fn spheres(&mut self, material: Material, arrays: SphereArrays) -> &mut Self {
         let (data, Material(material)) = (SphereData::Memory(arrays), material);
-        let colors = ColorStorage::default();
-        self.description.tables.push(SphereTable { data, material, colors });
+        self.description.tables.push(SphereTable { data, material, ..SphereTable::default() });
         self
     }
 

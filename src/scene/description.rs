@@ -372,6 +372,8 @@ pub struct SphereRow {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereTable {
+    /// The name in the layers of Cryptomatte; see [`Description::name_of_table`] where there is none.
+    pub name: Option<String>,
     /// Where the numbers are.
     pub data: SphereData,
     /// Index into [`Description::materials`].
@@ -393,6 +395,22 @@ pub enum ColorStorage {
 named! { ColorStorage { Exact = "exact", Packed = "packed" } }
 
 impl Description {
+    /// The name of a table: its own; or the name of its file without the folder; or `table 3` for the
+    /// fourth table, where that is in memory.
+    ///
+    /// # Panics
+    /// Panics where there is no table of that index.
+    pub fn name_of_table(&self, index: usize) -> String {
+        let SphereTable { name, data, .. } = &self.tables[index];
+        let of_file = || match data {
+            SphereData::File { path, .. } => {
+                path.file_name().map(|name| name.to_string_lossy().into_owned())
+            }
+            SphereData::Memory(_) => None,
+        };
+        name.clone().or_else(of_file).unwrap_or_else(|| format!("table {index}"))
+    }
+
     /// Brings values that mean the same into one form, in which they are rendered: a lens without an
     /// opening is a pinhole, and a place or an angle of -0 is 0.
     pub(super) fn make_canonical(&mut self) {

@@ -1,7 +1,6 @@
 //! The scene as the renderer sees it: immutable, in coordinates relative to the spheres' origin.
 
 use std::hint::black_box;
-use std::path::Path;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -211,8 +210,12 @@ impl Scene {
         self.has_media
     }
 
-    /// The material of the sphere in a row of the scene, counted as its file names them.
+    /// The index of the material of the sphere in a row of the scene.
+    ///
+    /// # Panics
+    /// Panics where the scene has no such row.
     pub fn material_of_row(&self, row: u32) -> usize {
+        self.demand_row(row);
         match self.description.spheres.get(row as usize) {
             Some(sphere) => sphere.material,
             None => self.group_of(row).material,
@@ -220,8 +223,12 @@ impl Scene {
     }
 
     /// The name of the sphere in a row of the scene, or of its place: `sphere 3`, or `grains.f32:17` for
-    /// a row of a table.
+    /// a row of the table `grains.f32`.
+    ///
+    /// # Panics
+    /// Panics where the scene has no such row.
     pub fn name_of_row(&self, row: u32) -> String {
+        self.demand_row(row);
         match self.description.spheres.get(row as usize) {
             Some(sphere) => sphere.name.clone().unwrap_or_else(|| format!("sphere {row}")),
             None => {
@@ -234,24 +241,25 @@ impl Scene {
         }
     }
 
-    /// The table that a row of the scene comes from, as the scene names its file; `spheres` for the
-    /// spheres of the scene file, and `table 3` for arrays in memory.
+    /// The [name](Description::name_of_table) of the table that a row of the scene comes from; `spheres`
+    /// for the spheres that are described one by one.
+    ///
+    /// # Panics
+    /// Panics where the scene has no such row.
     pub fn table_of_row(&self, row: u32) -> String {
+        self.demand_row(row);
         if (row as usize) < self.description.spheres.len() {
             return "spheres".to_owned();
         }
-        let index = self.groups.partition_point(|group| group.first_row <= row) - 1;
-        match &self.description.tables[index].data {
-            SphereData::File { path, .. } => {
-                let folder = self.source().map_or(Path::new(""), |source| &source.folder);
-                path.strip_prefix(folder).unwrap_or(path).display().to_string()
-            }
-            SphereData::Memory(_) => format!("table {index}"),
-        }
+        self.description.name_of_table(self.index_of_group(row))
     }
 
     /// What the layer `sphere_id` shows for a row: the user's own number where a table has some.
+    ///
+    /// # Panics
+    /// Panics where the scene has no such row.
     pub fn id_of_row(&self, row: u32) -> u32 {
+        self.demand_row(row);
         if (row as usize) < self.description.spheres.len() {
             return row;
         }
@@ -262,7 +270,19 @@ impl Scene {
 
     /// The table that a row comes from, of those that are no spheres of the scene file.
     fn group_of(&self, row: u32) -> &RowGroup {
-        &self.groups[self.groups.partition_point(|group| group.first_row <= row) - 1]
+        &self.groups[self.index_of_group(row)]
+    }
+
+    fn index_of_group(&self, row: u32) -> usize {
+        self.groups.partition_point(|group| group.first_row <= row) - 1
+    }
+
+    fn demand_row(&self, row: u32) {
+        let end = match self.groups.last() {
+            Some(group) => group.first_row + group.count,
+            None => self.description.spheres.len() as u32,
+        };
+        assert!(row < end, "the scene has {end} rows, and no row {row}");
     }
 
     /// The name of a sphere, where the scene gives one.

@@ -99,6 +99,7 @@ impl CanonicalCamera {
 
 #[derive(Serialize)]
 struct CanonicalTable {
+    name: String,
     material: usize,
     colors: Option<ColorStorage>,
     numbers: Identity,
@@ -193,10 +194,11 @@ impl Hashes {
         if let Dome::Image { file, .. } = &mut background.dome {
             file.clear();
         }
-        let table = |(table, numbers): (&SphereTable, &Identity)| {
-            let SphereTable { data, material, colors } = table;
+        let table = |(index, (table, numbers)): (usize, (&SphereTable, &Identity))| {
+            let SphereTable { name: _, data, material, colors } = table;
+            let name = description.name_of_table(index);
             let colors = data.has_colors().then_some(*colors);
-            CanonicalTable { material: *material, colors, numbers: *numbers }
+            CanonicalTable { name, material: *material, colors, numbers: *numbers }
         };
         let canonical = Canonical {
             encoding: ENCODING,
@@ -204,7 +206,7 @@ impl Hashes {
             background,
             materials,
             spheres,
-            tables: tables.iter().zip(&self.tables).map(table).collect(),
+            tables: tables.iter().zip(&self.tables).enumerate().map(table).collect(),
             environment: self.environment,
         };
         let mut hasher = Hasher::new();

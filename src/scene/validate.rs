@@ -365,8 +365,11 @@ fn check_sphere(index: usize, sphere: &SphereRow, materials: usize, problems: &m
 }
 
 fn check_table(index: usize, table: &SphereTable, materials: usize, problems: &mut Problems) {
-    let SphereTable { data, material, colors: _ } = table;
+    let SphereTable { name, data, material, colors: _ } = table;
     let at = Path::of("sphere_tables").entry(index, None);
+    if let Some(name) = name {
+        problems.check(&at, &keys::table::NAME, name);
+    }
     match data {
         SphereData::File { path: _, columns } => check_columns(&at, columns, problems),
         SphereData::Memory(arrays) => check_arrays(&at, arrays, problems),

@@ -77,11 +77,33 @@ material = "lamp"
 center = [0.0, 0.6, 1.5]
 radius = 0.6
 material = "veil"
+[[sphere_tables]]
+name = "grains"
+file = "grains.f32"
+columns = ["x", "y", "z", "radius", "r", "g", "b"]
+material = "ground"
 [render]
 samples_per_pixel = 20
 max_depth = 8
 seed = 7
 "#;
+
+/// Where the table of the text is.
+const FOLDER: &str = "tests/data";
+
+/// The columns of that table.
+const COLUMNS: [Column; 7] = {
+    use Column::{Blue, Green, Radius, Red, X, Y, Z};
+    [X, Y, Z, Radius, Red, Green, Blue]
+};
+
+/// The rows of that table.
+fn grains() -> Vec<[f32; 7]> {
+    let bytes = std::fs::read(Path::new(FOLDER).join("grains.f32")).expect("a table of ours");
+    let values: Vec<f32> =
+        bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    values.chunks_exact(7).map(|row| row.try_into().expect("seven numbers")).collect()
+}
 
 fn scene_of_values() -> Builder {
     let mut scene = Builder::new();
@@ -111,6 +133,14 @@ fn scene_of_values() -> Builder {
         material.name = name.to_owned();
     }
     scene.description.spheres[0].name = Some("ground".to_owned());
+    scene.description.tables.push(SphereTable {
+        name: Some("grains".to_owned()),
+        data: SphereData::File {
+            path: Path::new(FOLDER).join("grains.f32"),
+            columns: COLUMNS.to_vec(),
+        },
+        ..SphereTable::default()
+    });
     scene
 }
 
@@ -136,7 +166,7 @@ fn file_of(scene: &Scene, settings: Settings) -> Vec<u8> {
 
 #[test]
 fn a_scene_of_values_has_the_file_of_the_same_scene_from_text() {
-    let read = read_text("test.toml", TEXT, Path::new(""), &[]).expect("a good scene");
+    let read = read_text("test.toml", TEXT, Path::new(FOLDER), &[]).expect("a good scene");
     let (scene, settings) = read.build().expect("a good scene");
     let values = scene_of_values();
     assert_eq!(*scene.description(), values.description);
@@ -147,10 +177,27 @@ fn a_scene_of_values_has_the_file_of_the_same_scene_from_text() {
     assert!(of_text == of_values, "the same bytes");
 }
 
+/// Layers and names of Cryptomatte included.
+#[test]
+fn a_table_in_memory_gives_the_picture_of_the_file_that_it_is_named_after() {
+    let of_file = scene_of_values().build().expect("a good scene");
+    let grains = grains();
+    let rows = grains.iter().map(|&[x, y, z, radius, ..]| [x, y, z, radius]).collect();
+    let colors = grains.iter().map(|&[.., r, g, b]| [r, g, b]).collect::<Vec<[f32; 3]>>();
+    let mut values = scene_of_values();
+    let arrays = SphereArrays::of_rows(rows).with_colors(colors);
+    values.description.tables[0].data = SphereData::Memory(arrays);
+    must_be_one_scene("in memory", &values.clone().build().expect("a good scene"), &of_file);
+    values.description.tables[0].name = None;
+    let unnamed = values.build().expect("a good scene");
+    assert_ne!(unnamed.identity(), of_file.identity());
+    assert!(picture_of(&unnamed) != picture_of(&of_file), "Cryptomatte shows the names");
+}
+
 /// The scene of the text with one passage in place of another.
 fn scene_of_text(old: &str, new: &str) -> Scene {
     assert_eq!(TEXT.matches(old).count(), 1, "{old}");
-    let read = read_text("test.toml", &TEXT.replace(old, new), Path::new(""), &[]);
+    let read = read_text("test.toml", &TEXT.replace(old, new), Path::new(FOLDER), &[]);
     read.and_then(SceneFile::build).expect("a good scene").0
 }
 
@@ -188,7 +235,7 @@ fn values_that_mean_the_same_are_one_scene() {
     let text = TEXT.replace("aperture_radius = 0.05", pinhole);
     let text = text
         .replace("[background.gradient]", "[background]\nup = [1, 2, 3]\n[background.gradient]");
-    let read = read_text("test.toml", &text, Path::new(""), &[]).and_then(SceneFile::build);
+    let read = read_text("test.toml", &text, Path::new(FOLDER), &[]).and_then(SceneFile::build);
     let (read, _) = read.expect("a good scene");
     for radius in [None, Some(0.0), Some(-0.0)] {
         let mut values = scene_of_values();

@@ -264,6 +264,7 @@ pub(in crate::scene) mod table {
     use super::*;
     keys! {
         FILE: Text = key("file", Text, Required, "a file of raw little-endian f32 rows");
+        NAME: Text = key("name", Text, Depends("the name of the file"), "used in the layers of Cryptomatte and to set keys of this table");
         COLUMNS: Each<Choice<Column>> = key("columns", Each(Choice::NEW), Required, "what each number of a row is");
         MATERIAL: Text = key("material", Text, Required, "the name of a material");
         COLORS: Choice<ColorStorage> = key("colors", Choice::NEW, Is("\"exact\""), "how the colours of the rows are kept in memory");
