@@ -9,6 +9,7 @@ pub mod data;
 pub mod description;
 mod environment;
 mod import;
+mod key_values;
 pub mod keys;
 mod kinds;
 pub(crate) mod paths;

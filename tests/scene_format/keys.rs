@@ -183,7 +183,7 @@ fn preparation(key: &KeyInfo) -> &'static [&'static str] {
 }
 
 /// A folder with what the preparations name.
-fn folder() -> tempfile::TempDir {
+pub(crate) fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let layer = vec![Rgb::ONE; 8];
     let picture = Picture {

@@ -111,7 +111,12 @@ fn words_of(record: &Record, metadata: &Metadata) -> Vec<Record> {
         "look" => metadata.look.map(|look| look.to_string()),
         "layers" => listed(&value(), ","),
         "noise" => metadata.run.as_ref().and_then(|run| run.noise).map(|noise| noise.to_string()),
-        "scene" | "files" => Some(line_by_line(&value())),
+        // The user's own words say the same.
+        "scene" if metadata.run.as_ref().is_some_and(|run| run.scene_text.is_some()) => {
+            return Vec::new();
+        }
+        "scene" => metadata.scene.as_ref().map(|scene| line_by_line(&scene.to_keys())),
+        "files" => Some(line_by_line(&value())),
         RESUME => way_on(&value()),
         _ => None,
     };
@@ -122,8 +127,7 @@ fn settings_in_words(metadata: &Metadata) -> Vec<Record> {
     let image = &metadata.settings.image;
     let mut records = vec![Record::new("size", format!("{}x{}", image.width, image.height))];
     records.extend(image.crop.map(|crop| Record::new("crop", crop.to_string())));
-    let value = serde_json::to_value(metadata.settings).unwrap_or_default();
-    records.push(Record::new("settings", line_by_line(&value)));
+    records.push(Record::new("settings", line_by_line(&metadata.settings.to_keys())));
     records
 }
 
