@@ -144,12 +144,20 @@ impl Builder {
         self
     }
 
-    /// The scene.
+    /// The scene; the builder keeps what it has, arrays in memory included.
     ///
     /// # Errors
     /// As [`Scene::build`].
     pub fn build(&self) -> Result<Scene> {
-        Scene::build(self.description.clone())
+        self.clone().into_scene()
+    }
+
+    /// The scene, for the last time: each array in memory is let go of as soon as it is read.
+    ///
+    /// # Errors
+    /// As [`Scene::build`].
+    pub fn into_scene(self) -> Result<Scene> {
+        Scene::build(self.description)
     }
 }
 

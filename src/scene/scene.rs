@@ -12,7 +12,6 @@ use crate::light::{Background, Lamp, LightChoice, Lights};
 use crate::material::Material;
 use crate::math::{DVec3, Hit};
 
-use super::data::{SphereArrays, SphereData};
 use super::description::Description;
 use super::environment;
 use super::import::{RowGroup, Survey, import};
@@ -40,8 +39,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Checks values and makes a scene of them. Files are read, and so are arrays in memory, which are
-    /// let go then.
+    /// Checks values and makes a scene of them. Files are read, and so are arrays in memory: each is let go
+    /// of as soon as it is read.
     ///
     /// # Errors
     /// All mistakes at once; when there is no memory for the spheres.
@@ -66,14 +65,13 @@ impl Scene {
     ) -> Result<Self> {
         description.make_canonical();
         let mut problems = Problems::default();
-        let (rows, groups) = import(&description, &survey, &mut problems)?;
+        let (rows, groups) = import(&mut description, &survey, &mut problems)?;
         if !problems.0.is_empty() {
             refuse(problems)?;
         }
         let Survey { environment, .. } = survey;
         let hashes = Hashes::of(&description, &rows, &groups, environment.as_ref());
         let identity = hashes.identity(&description);
-        description.let_go_of_arrays();
         let spheres = Arc::new(SphereSet::new(rows)?);
         let materials = materials(&description.materials);
         let has_opacity = materials.iter().any(|material| material.opacity < 1.0);
@@ -300,16 +298,5 @@ impl Scene {
             (emission.max_element() > 0.0).then_some(Lamp { id, emission })
         };
         (0..self.spheres.len() as u32).into_par_iter().filter_map(lamp).collect()
-    }
-}
-
-impl Description {
-    /// Forgets arrays in memory, which the scene has read: only how many spheres they had stays.
-    fn let_go_of_arrays(&mut self) {
-        for table in &mut self.tables {
-            if let SphereData::Memory(arrays) = &mut table.data {
-                *arrays = SphereArrays::gone(arrays.len(), arrays.color.is_some());
-            }
-        }
     }
 }

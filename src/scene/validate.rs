@@ -425,12 +425,15 @@ fn check_arrays(at: &Path, arrays: &SphereArrays, problems: &mut Problems) {
         let message = format!("the column {} of `{at}` reaches beyond its array", column.name());
         problems.add(at.clone(), message);
     }
-    if let Some(ids) = arrays.ids.as_ref().map(|ids| ids.as_slice()) {
-        if ids.len() != len {
-            let message = format!("`{at}` has {len} radii, but {} ids", ids.len());
+    if let Some(ids) = &arrays.ids {
+        let distinct = if ids.stride == 0 { 1 } else { ids.len };
+        if ids.len != len {
+            let message = format!("`{at}` has {len} radii, but {} ids", ids.len);
             problems.add(at.clone(), message);
         }
-        if ids.contains(&NO_SPHERE) {
+        if !ids.fits() {
+            problems.add(at.clone(), format!("the ids of `{at}` reach beyond their array"));
+        } else if ids.iter().take(distinct).any(|id| id == NO_SPHERE) {
             problems
                 .add(at.clone(), format!("`{at}` has the id 2^32 - 1, which stands for nothing"));
         }
