@@ -18,6 +18,9 @@ const MOST_PIXELS: u64 = 1 << 31;
 /// The sine of the angle between `up` and the view below which they count as parallel.
 const PARALLEL: f64 = 1e-6;
 
+/// The index that stands for a material of another [`Builder`](super::Builder).
+pub(super) const FOREIGN_MATERIAL: usize = usize::MAX;
+
 /// How far the sum of two shares may exceed 1 by rounding.
 pub(super) const SHARE_ROUNDING: f32 = 1e-6;
 
@@ -380,8 +383,10 @@ fn check_table(index: usize, table: &SphereTable, materials: usize, problems: &m
 fn check_index(at: &Path, material: usize, materials: usize, problems: &mut Problems) {
     if material >= materials {
         let key = at.key("material");
-        let message =
-            format!("`{key}` is the index {material}, but there are {materials} materials");
+        let message = match material {
+            FOREIGN_MATERIAL => format!("`{key}` is a material of another builder"),
+            _ => format!("`{key}` is the index {material}, but there are {materials} materials"),
+        };
         problems.add(key, message);
     }
 }

@@ -79,7 +79,7 @@ radius = 0.6
 material = "veil"
 [[sphere_tables]]
 name = "grains"
-file = "grains.f32"
+file = "tests/data/grains.f32"
 columns = ["x", "y", "z", "radius", "r", "g", "b"]
 material = "ground"
 [render]
@@ -88,8 +88,8 @@ max_depth = 8
 seed = 7
 "#;
 
-/// Where the table of the text is.
-const FOLDER: &str = "tests/data";
+/// The table of the text.
+const FILE: &str = "tests/data/grains.f32";
 
 /// The columns of that table.
 const COLUMNS: [Column; 7] = {
@@ -99,7 +99,7 @@ const COLUMNS: [Column; 7] = {
 
 /// The rows of that table.
 fn grains() -> Vec<[f32; 7]> {
-    let bytes = std::fs::read(Path::new(FOLDER).join("grains.f32")).expect("a table of ours");
+    let bytes = std::fs::read(Path::new(FILE)).expect("a table of ours");
     let values: Vec<f32> =
         bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
     values.chunks_exact(7).map(|row| row.try_into().expect("seven numbers")).collect()
@@ -135,10 +135,7 @@ fn scene_of_values() -> Builder {
     scene.description.spheres[0].name = Some("ground".to_owned());
     scene.description.tables.push(SphereTable {
         name: Some("grains".to_owned()),
-        data: SphereData::File {
-            path: Path::new(FOLDER).join("grains.f32"),
-            columns: COLUMNS.to_vec(),
-        },
+        data: SphereData::File { path: FILE.into(), columns: COLUMNS.to_vec() },
         ..SphereTable::default()
     });
     scene
@@ -166,7 +163,7 @@ fn file_of(scene: &Scene, settings: Settings) -> Vec<u8> {
 
 #[test]
 fn a_scene_of_values_has_the_file_of_the_same_scene_from_text() {
-    let read = read_text("test.toml", TEXT, Path::new(FOLDER), &[]).expect("a good scene");
+    let read = read_text("test.toml", TEXT, Path::new(""), &[]).expect("a good scene");
     let (scene, settings) = read.build().expect("a good scene");
     let values = scene_of_values();
     assert_eq!(*scene.description(), values.description);
@@ -197,7 +194,7 @@ fn a_table_in_memory_gives_the_picture_of_the_file_that_it_is_named_after() {
 /// The scene of the text with one passage in place of another.
 fn scene_of_text(old: &str, new: &str) -> Scene {
     assert_eq!(TEXT.matches(old).count(), 1, "{old}");
-    let read = read_text("test.toml", &TEXT.replace(old, new), Path::new(FOLDER), &[]);
+    let read = read_text("test.toml", &TEXT.replace(old, new), Path::new(""), &[]);
     read.and_then(SceneFile::build).expect("a good scene").0
 }
 
@@ -235,7 +232,7 @@ fn values_that_mean_the_same_are_one_scene() {
     let text = TEXT.replace("aperture_radius = 0.05", pinhole);
     let text = text
         .replace("[background.gradient]", "[background]\nup = [1, 2, 3]\n[background.gradient]");
-    let read = read_text("test.toml", &text, Path::new(FOLDER), &[]).and_then(SceneFile::build);
+    let read = read_text("test.toml", &text, Path::new(""), &[]).and_then(SceneFile::build);
     let (read, _) = read.expect("a good scene");
     for radius in [None, Some(0.0), Some(-0.0)] {
         let mut values = scene_of_values();
@@ -280,6 +277,45 @@ fn tables_have_one_zero() {
         scene.build().expect("a good table")
     };
     must_be_one_scene("file", &of_file(-0.0), &of_file(0.0));
+}
+
+#[test]
+fn a_builder_takes_tables_and_names() {
+    let mut scene = view();
+    let [_, blue] = [0.25, 0.5].map(|share| scene.diffuse([0.0, 0.0, share]));
+    let data = SphereData::Memory(SphereArrays::of_rows(vec![[0.0, 0.0, 0.0, 1.0]]));
+    let table = SphereTable {
+        name: Some("grains".to_owned()),
+        data,
+        material: blue.index(),
+        ..SphereTable::default()
+    };
+    let scene = scene.named_sphere(blue, "ball", [3.0, 0.0, 0.0], 1.0).table(table).build();
+    let scene = scene.expect("a good scene");
+    assert_eq!([0, 1].map(|row| scene.name_of_row(row)), ["ball", "grains:0"]);
+    assert_eq!([0, 1].map(|row| scene.material_of_row(row)), [1, 1]);
+}
+
+#[test]
+fn a_material_of_another_builder_is_refused() {
+    let mut other = view();
+    let foreign = other.diffuse([0.5; 3]);
+    let mut scene = view();
+    let own = scene.diffuse([0.5; 3]);
+    scene.sphere(own, [0.0; 3], 1.0).sphere(foreign, [3.0, 0.0, 0.0], 1.0);
+    scene.spheres(foreign, SphereArrays::of_rows(vec![[0.0, 3.0, 0.0, 1.0]]));
+    let told = scene.build().expect_err("a material of another builder").to_string();
+    assert!(told.contains("`spheres.1.material` is a material of another builder"), "{told}");
+    assert!(told.contains("`sphere_tables.0.material` is a material of another builder"), "{told}");
+    // A clone goes on with what it has.
+    let mut clone = other.clone();
+    assert!(clone.sphere(foreign, [0.0; 3], 1.0).build().is_ok());
+}
+
+#[test]
+#[should_panic(expected = "the scene has 7 rows, and no row 7")]
+fn a_row_that_the_scene_does_not_have_has_no_name() {
+    scene_of_values().build().expect("a good scene").name_of_row(7);
 }
 
 #[test]
