@@ -135,7 +135,7 @@ pub fn shown(value: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Settings;
+    use crate::scene::{Builder, Settings};
 
     #[test]
     fn the_keys_that_differ_are_named() {
@@ -145,5 +145,16 @@ mod tests {
         let found = keys_that_differ(Some(Settings::default().to_keys()), Some(other.to_keys()));
         assert_eq!(found, ["`image.width` is 640, not 320", "`render.seed` is 0, not 7"]);
         assert!(keys_that_differ(Some(other.to_keys()), Some(other.to_keys())).is_empty());
+        let scene = |ior: f64| {
+            let mut scene = Builder::new();
+            scene.field_of_view(10.0 * ior).glass(ior);
+            Some(scene.description.to_keys())
+        };
+        let found = keys_that_differ(scene(1.5), scene(2.0));
+        let expected = [
+            "`camera.vertical_fov_degrees` is 15.0, not 20.0",
+            "`materials.material-0.ior` is 1.5, not 2.0",
+        ];
+        assert_eq!(found, expected);
     }
 }

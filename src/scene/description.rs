@@ -394,6 +394,16 @@ pub enum ColorStorage {
 
 named! { ColorStorage { Exact = "exact", Packed = "packed" } }
 
+impl ColorStorage {
+    /// Bytes that one colour takes in memory.
+    pub fn bytes_each(self) -> usize {
+        match self {
+            Self::Exact => size_of::<[f32; 3]>(),
+            Self::Packed => size_of::<u32>(),
+        }
+    }
+}
+
 impl Description {
     /// The name of a table: its own; or the name of its file without the folder; or `table 3` for the
     /// fourth table, where that is in memory.

@@ -24,15 +24,15 @@ const MOST_SPHERES: u64 = NO_SPHERE as u64 - 2;
 
 /// The spheres of one table in a scene's rows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RowGroup {
+pub(super) struct RowGroup {
     /// The number of the first row, counted through all spheres of the scene.
-    pub first_row: u32,
+    pub(super) first_row: u32,
     /// How many rows there are.
-    pub count: u32,
+    pub(super) count: u32,
     /// Index into [`Description::materials`].
-    pub material: usize,
+    pub(super) material: usize,
     /// Each row's own linear colour, in `[0, 1]`, where the table has one.
-    pub colors: Option<Colors>,
+    pub(super) colors: Option<Colors>,
     /// Each row's own number, where the table has one.
     pub(super) ids: Option<Vec<u32>>,
 }

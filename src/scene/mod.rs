@@ -26,10 +26,8 @@ mod toml;
 mod validate;
 
 pub use builder::{Builder, Material};
-pub use colors::{Colors, Packed};
 pub use data::{SphereArrays, SphereData};
 pub use description::Description;
-pub use import::RowGroup;
 pub use scene::Scene;
 pub use settings::Settings;
 pub use shot::Shot;

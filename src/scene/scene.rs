@@ -94,7 +94,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// With its files called as in `description`, which says the same but for where they are.
+    /// The scene with the paths of `description`, which differs in nothing but the folders of its files.
     pub(crate) fn with_names_of(mut self, description: Description) -> Self {
         self.description = Arc::new(description);
         self

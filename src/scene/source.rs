@@ -17,6 +17,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::ser::Formatter;
 
 use crate::camera::axes;
+use crate::error::Error;
 use crate::geometry::SphereRows;
 use crate::math::DVec3;
 
@@ -133,7 +134,7 @@ impl Serialize for Identity {
 impl<'de> Deserialize<'de> for Identity {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let digits = String::deserialize(from)?;
-        digits.parse().map_err(|()| serde::de::Error::custom("64 hexadecimal digits were expected"))
+        digits.parse().map_err(serde::de::Error::custom)
     }
 }
 
@@ -150,10 +151,15 @@ impl fmt::Display for Identity {
 }
 
 impl std::str::FromStr for Identity {
-    type Err = ();
+    type Err = Error;
 
-    fn from_str(digits: &str) -> Result<Self, ()> {
-        blake3::Hash::from_hex(digits).map(|hash| Self(hash.into())).map_err(|_| ())
+    /// Reads 64 hexadecimal digits.
+    fn from_str(digits: &str) -> Result<Self, Error> {
+        let hash = blake3::Hash::from_hex(digits);
+        hash.map(|hash| Self(hash.into())).map_err(|error| {
+            let message = format!("an identity is 64 hexadecimal digits, not {digits:?}");
+            Error::input(message).with_source(error)
+        })
     }
 }
 
@@ -292,7 +298,9 @@ mod tests {
         let identity = Identity::of_bytes(b"abc");
         // The first digits of BLAKE3's hash of "abc", as `b3sum` prints them.
         assert!(identity.to_string().starts_with("6437b3ac38465133ffb63b75273a8db5"));
-        assert_eq!(identity.to_string().parse(), Ok(identity));
-        assert!("6437".parse::<Identity>().is_err());
+        assert_eq!(identity.to_string().parse::<Identity>().ok(), Some(identity));
+        let error = "6437".parse::<Identity>().expect_err("too few digits");
+        assert_eq!(error.to_string(), "an identity is 64 hexadecimal digits, not \"6437\"");
+        assert!(std::error::Error::source(&error).is_some());
     }
 }

@@ -60,7 +60,9 @@ fn packed_colours_take_a_third_of_the_memory() {
         Colors::Exact(colors) => size_of_val(&colors[..]),
         Colors::Packed(colors) => size_of_val(&colors[..]),
     };
-    assert_eq!([&groups[0], &groups[1]].map(bytes), [12, 4]);
+    let planned = [ColorStorage::Exact, ColorStorage::Packed].map(ColorStorage::bytes_each);
+    assert_eq!([&groups[0], &groups[1]].map(bytes), planned);
+    assert_eq!(planned, [12, 4]);
 }
 
 /// Rows are numbered through in the order of the tables, although those in f64 are kept elsewhere.
