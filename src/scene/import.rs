@@ -136,6 +136,9 @@ pub(super) fn import(
     Ok((SphereRows { exact, table: all }, groups))
 }
 
+/// The colours and the ids of a table's spheres, where it has some.
+type OwnValues = (Option<Colors>, Option<Vec<u32>>);
+
 /// Appends the spheres of one table, and returns their own colours and ids where it has some; or says
 /// what is wrong with the table.
 fn read_table<T: Row>(
@@ -143,7 +146,7 @@ fn read_table<T: Row>(
     rows: u64,
     brightest: [f32; 3],
     to: &mut Vec<T>,
-) -> Result<std::result::Result<(Option<Colors>, Option<Vec<u32>>), Complaint>> {
+) -> Result<std::result::Result<OwnValues, Complaint>> {
     Ok(match &table.data {
         SphereData::File { path, columns } => {
             let mut reader = TableRows::new(columns, table.colors, rows, brightest, to)?;

@@ -231,7 +231,7 @@ impl Scene {
             Some(sphere) => sphere.name.clone().unwrap_or_else(|| format!("sphere {row}")),
             None => {
                 let group = self.group_of(row);
-                let ids = group.ids.as_ref().map(|ids| ids.as_slice());
+                let ids = group.ids.as_deref();
                 let in_table = row - group.first_row;
                 let id = ids.map_or(in_table, |ids| ids[in_table as usize]);
                 format!("{}:{id}", self.table_of_row(row))

@@ -92,7 +92,7 @@ fn settings() -> impl Iterator<Item = Settings> {
 fn leaves(value: &Value, path: &[String], found: &mut BTreeSet<(String, Option<String>, String)>) {
     let of_type = value.get("type").and_then(Value::as_str);
     for (name, inner) in value.as_object().expect("a table") {
-        let path = [path, &[name.clone()]].concat();
+        let path = [path, std::slice::from_ref(name)].concat();
         match inner {
             Value::Object(_) => leaves(inner, &path, found),
             Value::Array(list) if list.iter().any(Value::is_object) => {
