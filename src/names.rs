@@ -15,7 +15,7 @@ macro_rules! named {
             pub const NAMES: &'static [(&'static str, Self)] = &[$(($name, Self::$variant)),+];
 
             /// The variant's name.
-            pub fn name(self) -> &'static str {
+            pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)+
                 }

@@ -81,13 +81,19 @@ pub struct Lens {
     pub focus_distance: f64,
 }
 
+/// The unit vectors to the right, up and along the view of a camera that looks in the direction
+/// `towards`, with `up` upwards in its picture. Neither needs to be a unit vector.
+pub fn axes(towards: DVec3, up: DVec3) -> [DVec3; 3] {
+    let forward = towards.normalize();
+    let right = forward.cross(up).normalize();
+    [right, right.cross(forward), forward]
+}
+
 impl Camera {
     /// A camera.
     pub fn new(mount: &Mount, projection: Projection) -> Self {
         let [width, height] = mount.size.map(f64::from);
-        let forward = mount.towards.normalize();
-        let right = forward.cross(mount.up).normalize();
-        let up = right.cross(forward);
+        let [right, up, forward] = axes(mount.towards, mount.up);
         let square = |half_height: f64| [half_height * width / height, half_height];
         let half = match projection {
             Projection::Perspective { vertical_fov, .. } => square(libm::tan(vertical_fov / 2.0)),

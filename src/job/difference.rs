@@ -1,7 +1,8 @@
 //! What differs between two renders, key by key.
 
-use serde::Serialize;
 use serde_json::Value;
+
+use crate::scene::Description;
 
 use super::metadata::Metadata;
 
@@ -23,13 +24,14 @@ impl Metadata {
                 settings.image.crop = None;
                 // Which does not say why it matters.
                 super::metadata::set_samples(&mut settings, 1);
-                settings
+                settings.to_keys()
             };
-            found.extend(keys_that_differ(&of(self), &of(other)));
+            found.extend(keys_that_differ(Some(of(self)), Some(of(other))));
         }
         if self.scene_identity != other.scene_identity {
             let before = found.len();
-            found.extend(keys_that_differ(&self.scene, &other.scene));
+            let of = |metadata: &Self| metadata.scene.as_ref().map(Description::to_keys);
+            found.extend(keys_that_differ(of(self), of(other)));
             let hashes = |metadata: &Self| -> Vec<_> {
                 metadata.files.iter().map(|file| file.hash).collect()
             };
@@ -67,11 +69,12 @@ impl Metadata {
 /// More keys than these tell nobody anything.
 const MOST: usize = 5;
 
-/// The keys of two values that differ, as in "`render.seed` is 1, not 2".
-fn keys_that_differ<T: Serialize>(ours: &T, theirs: &T) -> Vec<String> {
-    let value = |of: &T| serde_json::to_value(of).unwrap_or(Value::Null);
+/// The keys of two trees of values that differ, as in "`render.seed` is 1, not 2".
+fn keys_that_differ(ours: Option<Value>, theirs: Option<Value>) -> Vec<String> {
     let mut found = Vec::new();
-    compare("", &value(ours), &value(theirs), &mut found);
+    if let (Some(ours), Some(theirs)) = (ours, theirs) {
+        compare("", &ours, &theirs, &mut found);
+    }
     if found.len() > MOST {
         let more = found.split_off(MOST).len();
         found.push(format!("and {more} more keys differ"));
@@ -134,15 +137,26 @@ pub fn shown(value: &Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Settings;
+    use crate::scene::{Builder, Settings};
 
     #[test]
     fn the_keys_that_differ_are_named() {
         let mut other = Settings::default();
         other.render.seed = 7;
         other.image.width = 320;
-        let found = keys_that_differ(&Settings::default(), &other);
+        let found = keys_that_differ(Some(Settings::default().to_keys()), Some(other.to_keys()));
         assert_eq!(found, ["`image.width` is 640, not 320", "`render.seed` is 0, not 7"]);
-        assert!(keys_that_differ(&other, &other).is_empty());
+        assert!(keys_that_differ(Some(other.to_keys()), Some(other.to_keys())).is_empty());
+        let scene = |ior: f64| {
+            let mut scene = Builder::new();
+            scene.field_of_view(10.0 * ior).glass(ior);
+            Some(scene.description.to_keys())
+        };
+        let found = keys_that_differ(scene(1.5), scene(2.0));
+        let expected = [
+            "`camera.vertical_fov_degrees` is 15.0, not 20.0",
+            "`materials.material-0.ior` is 1.5, not 2.0",
+        ];
+        assert_eq!(found, expected);
     }
 }

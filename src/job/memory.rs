@@ -6,8 +6,8 @@
 
 use crate::accel::Backend;
 use crate::film::{Film, Kind, Scale};
+use crate::scene::SceneFile;
 use crate::scene::description::{ColorStorage, Description};
-use crate::scene::{Colors, SceneFile};
 
 use super::film_format::format_with;
 
@@ -149,8 +149,8 @@ impl Trees {
 fn bytes_of_colors(file: &SceneFile, storage: Option<ColorStorage>) -> u64 {
     let tables = file.description.tables.iter().zip(file.table_rows());
     let colored = tables.filter(|(table, _)| table.data.has_colors());
-    let bytes = colored
-        .map(|(table, rows)| rows * Colors::bytes_each(storage.unwrap_or(table.colors)) as u64);
+    let bytes =
+        colored.map(|(table, rows)| rows * storage.unwrap_or(table.colors).bytes_each() as u64);
     bytes.sum()
 }
 

@@ -94,7 +94,7 @@ fn scene_of(then: &Metadata, again: &Again) -> Result<Scene> {
     each_file(&mut description, |file| *file = again.folder.join(&*file));
     let scene = Scene::build(description)?;
     if scene.identity() == then.scene_identity {
-        // The layers of Cryptomatte show how files are called.
+        // It records its files as the picture does, not by where they were found.
         return Ok(scene.with_names_of(named));
     }
     let is_changed = |said: &&crate::scene::FileHash| {

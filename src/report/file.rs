@@ -119,7 +119,12 @@ impl FileRecords {
             "noise" => {
                 metadata.run.as_ref().and_then(|run| run.noise).map(|noise| noise.to_string())
             }
-            "scene" | "files" => Some(line_by_line(&value_of(record))),
+            // The user's own text says it already.
+            "scene" if metadata.run.as_ref().is_some_and(|run| run.scene_text.is_some()) => {
+                return Vec::new();
+            }
+            "scene" => metadata.scene.as_ref().map(|scene| line_by_line(&scene.to_keys())),
+            "files" => Some(line_by_line(&value_of(record))),
             RESUME => self.header.as_ref().and_then(way_on),
             _ => None,
         };
@@ -145,8 +150,7 @@ fn settings_in_words(metadata: &Metadata) -> Vec<Record> {
     let image = &metadata.settings.image;
     let mut records = vec![Record::new("size", format!("{}x{}", image.width, image.height))];
     records.extend(image.crop.map(|crop| Record::new("crop", crop.to_string())));
-    let value = serde_json::to_value(metadata.settings).unwrap_or_default();
-    records.push(Record::new("settings", line_by_line(&value)));
+    records.push(Record::new("settings", line_by_line(&metadata.settings.to_keys())));
     records
 }
 

@@ -78,7 +78,7 @@ impl<'a> SceneSummary<'a> {
             coarse: spheres.coarse(),
             lamps: scene.lamp_count(),
             materials: materials
-                .map(|m| Material { name: &m.name, r#type: kind(&m.surface) })
+                .map(|m| Material { name: &m.name, r#type: m.surface.kind().name() })
                 .collect(),
             bounds,
             radius,
@@ -153,12 +153,6 @@ fn extent(spheres: &SphereSet) -> (Bounds, Radii) {
     (0..spheres.len() as u32).into_par_iter().map(one).reduce(nothing, joined)
 }
 
-/// The word for a material's surface, as in a scene file.
-fn kind(surface: &impl Serialize) -> String {
-    let tagged = serde_json::to_value(surface).unwrap_or_default();
-    tagged["type"].as_str().unwrap_or_default().to_owned()
-}
-
 fn integrator(integrator: &Integrator) -> String {
     let name = integrator.kind().name();
     match integrator {
@@ -172,9 +166,8 @@ fn integrator(integrator: &Integrator) -> String {
         Integrator::Paper(paper) => {
             let hemisphere = paper.hemisphere.name();
             let stop = match paper.stop {
-                Stop::Roulette => "roulette".to_owned(),
-                Stop::Depth => "depth".to_owned(),
-                Stop::Threshold(threshold) => format!("threshold {threshold}"),
+                Stop::Roulette | Stop::Depth => paper.stop.kind().name().to_owned(),
+                Stop::Threshold(threshold) => format!("{} {threshold}", paper.stop.kind().name()),
             };
             let (k, n) = (paper.subpixels, paper.samples);
             format!("{name}, {k} x {k} sub-pixels of {n} samples, {hemisphere}, stop at {stop}")

@@ -1,83 +1,112 @@
 //! Arrays in memory, read once into the scene's own storage.
 
-use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::geometry::Sphere;
-use crate::math::DVec3;
+use rayon::prelude::*;
 
 use super::colors::Colors;
 use super::complaint::Complaint;
-use super::data::{Column, SphereArrays};
+use super::data::{Column, SphereArrays, Strided};
 use super::description::ColorStorage;
-use super::rows::{allowed, in_words};
-use super::storage::room_for_colors;
+use super::rows::{Row, allowed, in_words};
+use super::storage::{room_for_colors, with_capacity};
 
-/// Appends `[x, y, z, radius]` of every sphere.
+/// Appends every sphere, and returns the colours where the arrays have some; none may be brighter than
+/// `brightest`. Every number is read and checked in one pass.
 ///
 /// # Errors
-/// With the first number that cannot be.
-pub(super) fn read(arrays: &SphereArrays, all: &mut Vec<[f32; 4]>) -> Result<(), Complaint> {
-    check(arrays, [1.0; 3])?;
-    let SphereArrays { center: [x, y, z], radius, .. } = arrays;
-    let row = |row: usize| [x, y, z, radius].map(|array| array.get(row) as f32);
-    all.par_extend((0..arrays.len()).into_par_iter().map(row));
-    Ok(())
-}
-
-/// Appends every sphere in f64.
-///
-/// # Errors
-/// As [`read`].
-pub(super) fn read_exact(arrays: &SphereArrays, all: &mut Vec<Sphere>) -> Result<(), Complaint> {
-    check(arrays, [1.0; 3])?;
-    let SphereArrays { center: [x, y, z], radius, .. } = arrays;
-    let row = |row: usize| Sphere {
-        center: DVec3::new(x.get(row), y.get(row), z.get(row)),
-        radius: radius.get(row),
-    };
-    all.par_extend((0..arrays.len()).into_par_iter().map(row));
-    Ok(())
-}
-
-/// The colours, where there are some; none brighter than `brightest`.
-///
-/// # Errors
-/// With the first number that cannot be, or that there is no memory.
-pub(super) fn read_colors(
+/// With the first number that is not allowed; when there is no memory for the colours.
+pub(super) fn read<T: Row>(
     arrays: &SphereArrays,
     storage: ColorStorage,
     brightest: [f32; 3],
+    all: &mut Vec<T>,
 ) -> Result<Option<Colors>, Complaint> {
-    let Some(color) = &arrays.color else { return Ok(None) };
-    check(arrays, brightest)?;
-    let mut colors = room_for_colors(storage, arrays.len() as u64)
-        .map_err(|error| (error.to_string(), error.help().map(str::to_owned)))?;
-    let rows = (0..arrays.len()).into_par_iter();
-    let row = |row: usize| color.each_ref().map(|array| array.get(row) as f32);
-    colors.extend(rows.map(row), brightest);
-    Ok(Some(colors))
+    let SphereArrays { center: [x, y, z], radius, color, .. } = arrays;
+    let first_wrong = AtomicUsize::new(usize::MAX);
+    let numbers = {
+        use Column::{Radius, X, Y, Z};
+        let is_allowed = within([X, Y, Z, Radius], brightest);
+        let columns = [x, y, z, radius].map(Strided::reader);
+        move |row: usize| {
+            let numbers = columns.each_ref().map(|column| column.get(row));
+            (numbers, is_allowed(&numbers))
+        }
+    };
+    let sphere = |row: usize| {
+        let (numbers, is_allowed) = numbers(row);
+        if !is_allowed {
+            first_wrong.fetch_min(row, Ordering::Relaxed);
+        }
+        T::of(numbers)
+    };
+    all.par_extend((0..arrays.len()).into_par_iter().map(sphere));
+    let colors = match color {
+        None => None,
+        Some(color) => {
+            use Column::{Blue, Green, Red};
+            let is_allowed = within([Red, Green, Blue], brightest);
+            let columns = color.each_ref().map(Strided::reader);
+            let mut colors = room_for_colors(storage, arrays.len() as u64).map_err(complaint)?;
+            let color = |row: usize| {
+                let numbers = columns.each_ref().map(|column| column.get(row));
+                if is_allowed(&numbers) {
+                    return numbers.map(|number| number as f32);
+                }
+                first_wrong.fetch_min(row, Ordering::Relaxed);
+                // Only colours that are allowed can be packed.
+                [0.0; 3]
+            };
+            colors.extend((0..arrays.len()).into_par_iter().map(color), brightest);
+            Some(colors)
+        }
+    };
+    match first_wrong.into_inner() {
+        usize::MAX => Ok(colors),
+        row => Err(tell(arrays, brightest, row)),
+    }
 }
 
-/// Whether every number is one that a file may have as well.
-fn check(arrays: &SphereArrays, brightest: [f32; 3]) -> Result<(), Complaint> {
-    for (column, array) in arrays.columns() {
+/// The ids of the spheres, where the arrays have some.
+///
+/// # Errors
+/// When there is no memory for them.
+pub(super) fn read_ids(arrays: &SphereArrays) -> Result<Option<Vec<u32>>, Complaint> {
+    let Some(given) = &arrays.ids else { return Ok(None) };
+    let mut ids = with_capacity(arrays.len() as u64).map_err(complaint)?;
+    ids.extend(given.iter());
+    Ok(Some(ids))
+}
+
+/// Returns true for numbers that these columns may hold; a file may hold the same.
+fn within<const N: usize>(
+    columns: [Column; N],
+    brightest: [f32; 3],
+) -> impl Fn(&[f64; N]) -> bool + Sync {
+    let limits = columns.map(|column| {
         let allowed = allowed(column, brightest);
-        let wide = f64::from(*allowed.start())..=f64::from(*allowed.end());
-        let is_wrong = |row: &usize| !wide.contains(&array.get(*row));
-        let wrong = (0..arrays.len()).into_par_iter().find_first(is_wrong);
-        if let Some(row) = wrong {
-            let help = (column == Column::Radius).then(|| "radii are positive".to_owned());
-            return Err((
-                format!(
-                    "row {row} (the first is 0) has {} = {:?}; it must be from {} to {}",
-                    column.name(),
-                    array.get(row),
-                    in_words(*allowed.start()),
-                    in_words(*allowed.end()),
-                ),
-                help,
-            ));
-        }
-    }
-    Ok(())
+        f64::from(*allowed.start())..=f64::from(*allowed.end())
+    });
+    move |numbers| limits.iter().zip(numbers).all(|(limits, number)| limits.contains(number))
+}
+
+/// The first number of a row that is not allowed.
+fn tell(arrays: &SphereArrays, brightest: [f32; 3], row: usize) -> Complaint {
+    let wrong = arrays.columns().find_map(|(column, array)| {
+        let number = array.reader().get(row);
+        (!within([column], brightest)(&[number])).then_some((column, number))
+    });
+    let (column, number) = wrong.expect("the row has a number that is not allowed");
+    let allowed = allowed(column, brightest);
+    let message = format!(
+        "row {row} (the first is 0) has {} = {number:?}; it must be from {} to {}",
+        column.name(),
+        in_words(*allowed.start()),
+        in_words(*allowed.end()),
+    );
+    (message, (column == Column::Radius).then(|| "radii are positive".to_owned()))
+}
+
+fn complaint(error: crate::error::Error) -> Complaint {
+    (error.to_string(), error.help().map(str::to_owned))
 }

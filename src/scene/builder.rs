@@ -1,5 +1,7 @@
 //! Building a scene in a few lines: what one would otherwise fill into a [`Description`] by hand.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::material::Metal;
@@ -8,9 +10,10 @@ use crate::math::DVec3;
 use super::Scene;
 use super::data::{SphereArrays, SphereData};
 use super::description::{
-    Background, Camera, ColorStorage, Description, Dome, NamedMaterial, Projection, SphereRow,
-    SphereTable, Sun, Surface, unit,
+    Background, Camera, Description, Dome, NamedMaterial, Projection, SphereRow, SphereTable, Sun,
+    Surface, unit,
 };
+use super::validate::FOREIGN_MATERIAL;
 
 /// A scene in the making. Whatever it has no word for is a field of its [`Description`], which is open
 /// to be changed; mistakes are told by [`Builder::build`], all at once.
@@ -25,15 +28,49 @@ use super::description::{
 /// assert_eq!(scene.build()?.spheres().len(), 1);
 /// # Ok::<(), photosphere::Error>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Builder {
     /// The scene so far.
     pub description: Description,
+    /// The number of this builder, which its clones share.
+    id: u64,
 }
 
-/// A material of a [`Builder`].
+/// A material of a [`Builder`], and of its clones. [`Builder::build`] refuses spheres with a material of
+/// another builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Material(usize);
+pub struct Material {
+    builder: u64,
+    index: usize,
+}
+
+impl Material {
+    /// The index of the material in [`Description::materials`].
+    pub fn index(self) -> usize {
+        self.index
+    }
+}
+
+impl Default for Builder {
+    fn default() -> Self {
+        Self::from(Description::default())
+    }
+}
+
+/// A builder that goes on with a scene.
+impl From<Description> for Builder {
+    fn from(description: Description) -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self { description, id: NEXT.fetch_add(1, Ordering::Relaxed) }
+    }
+}
+
+/// Builders are equal if their scenes are.
+impl PartialEq for Builder {
+    fn eq(&self, other: &Self) -> bool {
+        self.description == other.description
+    }
+}
 
 impl Builder {
     /// Darkness without a sphere, seen from (0, 0, 10) by a pinhole of 36 degrees.
@@ -63,9 +100,9 @@ impl Builder {
 
     /// The direction of the zenith, of any length, for the camera and the background.
     pub fn up(&mut self, up: impl Into<DVec3>) -> &mut Self {
-        let up = normalized(up.into());
+        let up = up.into();
         self.description.camera.up = up;
-        self.description.background.up = up;
+        self.description.background.up = normalized(up);
         self
     }
 
@@ -122,7 +159,7 @@ impl Builder {
             material.name = format!("material-{index}");
         }
         self.description.materials.push(material);
-        Material(index)
+        Material { builder: self.id, index }
     }
 
     /// A sphere.
@@ -132,25 +169,62 @@ impl Builder {
         center: impl Into<DVec3>,
         radius: f64,
     ) -> &mut Self {
-        let (center, Material(material)) = (center.into(), material);
-        self.description.spheres.push(SphereRow { name: None, center, radius, material });
+        self.add_sphere(material, None, center.into(), radius)
+    }
+
+    /// A sphere with a name, which messages and the layers of Cryptomatte show.
+    pub fn named_sphere(
+        &mut self,
+        material: Material,
+        name: impl Into<String>,
+        center: impl Into<DVec3>,
+        radius: f64,
+    ) -> &mut Self {
+        self.add_sphere(material, Some(name.into()), center.into(), radius)
+    }
+
+    fn add_sphere(
+        &mut self,
+        material: Material,
+        name: Option<String>,
+        center: DVec3,
+        radius: f64,
+    ) -> &mut Self {
+        let material = self.index_of(material);
+        self.description.spheres.push(SphereRow { name, center, radius, material });
         self
     }
 
     /// Many spheres.
     pub fn spheres(&mut self, material: Material, arrays: SphereArrays) -> &mut Self {
-        let (data, Material(material)) = (SphereData::Memory(arrays), material);
-        let colors = ColorStorage::default();
-        self.description.tables.push(SphereTable { data, material, colors });
+        let (data, material) = (SphereData::Memory(arrays), self.index_of(material));
+        self.table(SphereTable { data, material, ..SphereTable::default() })
+    }
+
+    /// Many spheres from anywhere; [`Material::index`] gives the material of the table.
+    pub fn table(&mut self, table: SphereTable) -> &mut Self {
+        self.description.tables.push(table);
         self
     }
 
-    /// The scene.
+    fn index_of(&self, material: Material) -> usize {
+        if material.builder == self.id { material.index } else { FOREIGN_MATERIAL }
+    }
+
+    /// The scene; the builder keeps what it has, arrays in memory included.
     ///
     /// # Errors
     /// As [`Scene::build`].
     pub fn build(&self) -> Result<Scene> {
-        Scene::build(self.description.clone())
+        self.clone().into_scene()
+    }
+
+    /// The scene, for the last time: each array in memory is let go of as soon as it is read.
+    ///
+    /// # Errors
+    /// As [`Scene::build`].
+    pub fn into_scene(self) -> Result<Scene> {
+        Scene::build(self.description)
     }
 }
 

@@ -4,11 +4,9 @@ use rayon::prelude::*;
 
 use crate::color::Rgb;
 
-use super::description::ColorStorage;
-
 /// One linear colour for each row of a table, in `[0, 1]`.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Colors {
+pub(super) enum Colors {
     /// As they are in the file, 12 bytes each.
     Exact(Vec<[f32; 3]>),
     /// Rounded, 4 bytes each.
@@ -22,7 +20,7 @@ pub enum Colors {
 /// 2^-22 for blue; 0 and 1 are exact. From c = 0.01 upwards, the steps of 8-bit sRGB, by which
 /// pictures are shown, are 12 to 18 times as large for red and green, and 6 to 9 times for blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Packed(u32);
+pub(super) struct Packed(u32);
 
 /// The largest number and the lowest bit of each channel.
 const FIELDS: [(u32, u32); 3] = [(2047, 21), (2047, 10), (1023, 0)];
@@ -50,16 +48,8 @@ fn decoded(number: u32, most: u32) -> f32 {
 }
 
 impl Colors {
-    /// Bytes of one colour.
-    pub fn bytes_each(storage: ColorStorage) -> usize {
-        match storage {
-            ColorStorage::Exact => size_of::<[f32; 3]>(),
-            ColorStorage::Packed => size_of::<Packed>(),
-        }
-    }
-
     /// The colour of a row, counted in its table.
-    pub fn get(&self, row: usize) -> Rgb {
+    pub(super) fn get(&self, row: usize) -> Rgb {
         Rgb::from_array(match self {
             Self::Exact(colors) => colors[row],
             Self::Packed(colors) => colors[row].get(),
@@ -67,16 +57,11 @@ impl Colors {
     }
 
     /// How many there are.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         match self {
             Self::Exact(colors) => colors.len(),
             Self::Packed(colors) => colors.len(),
         }
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Appends colours, of which none is brighter than `brightest`.

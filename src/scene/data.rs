@@ -1,7 +1,7 @@
 //! Where the numbers of many spheres are: in a file, or in the memory of whoever builds the scene.
 //!
-//! Memory is only referred to, by a shared owner, until the scene is built. It is then read once,
-//! straight into the scene's own storage, and let go.
+//! Memory is only referred to, by a shared owner, until the scene is built. Each table is then read
+//! once, straight into the scene's own storage, and let go before the next is read.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -71,18 +71,22 @@ pub struct SphereArrays {
     pub color: Option<[Strided; 3]>,
     /// The user's own number of each sphere, in place of its row: what the layer `sphere_id` and
     /// names show. 2^32 - 1 stands for nothing there and may not be one.
-    pub ids: Option<Shared<u32>>,
+    pub ids: Option<Strided<Ids>>,
 }
 
-/// One number of each sphere: elements of an array at equal distances.
+/// One number of each sphere, at equal distances in an array.
+///
+/// Distances are counted in elements. In an array of bytes, whose numbers may lie at any byte, they are
+/// counted in bytes: that is how a structured NumPy array is given whose rows are no multiple of its
+/// numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Strided {
+pub struct Strided<A = Values> {
     /// The array.
-    pub values: Values,
-    /// The index of the first sphere's number.
+    pub values: A,
+    /// The index of the first sphere's number; in an array of bytes, of its first byte.
     pub first: usize,
-    /// From one number to the next, in elements: 1 where they lie together, 4 in rows of four, 0
-    /// where all spheres have the same, negative where they run backwards.
+    /// From one number to the next: 1 where they lie together, 4 in rows of four, 0 where all spheres
+    /// have the same, negative where they run backwards.
     pub stride: isize,
     /// How many there are.
     pub len: usize,
@@ -95,6 +99,19 @@ pub enum Values {
     F32(Shared<f32>),
     /// 64-bit numbers, which are not rounded before the scene's origin is known.
     F64(Shared<f64>),
+    /// Little-endian 32-bit numbers in an array of bytes.
+    F32Bytes(Shared<u8>),
+    /// Little-endian 64-bit numbers in an array of bytes, which are not rounded either.
+    F64Bytes(Shared<u8>),
+}
+
+/// An array of ids.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ids {
+    /// Whole numbers of 32 bits.
+    U32(Shared<u32>),
+    /// Little-endian whole numbers of 32 bits in an array of bytes.
+    U32Bytes(Shared<u8>),
 }
 
 /// Memory with a shared owner: a `Vec`, or whatever else lends a slice.
@@ -128,8 +145,17 @@ impl SphereData {
         match self {
             Self::File { .. } => false,
             Self::Memory(SphereArrays { center: [x, y, z], radius, .. }) => {
-                [x, y, z, radius].iter().any(|array| matches!(array.values, Values::F64(_)))
+                let is_f64 =
+                    |values: &Values| matches!(values, Values::F64(_) | Values::F64Bytes(_));
+                [x, y, z, radius].iter().any(|array| is_f64(&array.values))
             }
+        }
+    }
+
+    /// Forgets arrays in memory: only the number of their spheres stays.
+    pub(super) fn let_go(&mut self) {
+        if let Self::Memory(arrays) = self {
+            *arrays = SphereArrays::gone(arrays.len(), arrays.color.is_some());
         }
     }
 }
@@ -157,7 +183,7 @@ impl SphereArrays {
     /// Gives every sphere a number of its own.
     #[must_use]
     pub fn with_ids(self, ids: Vec<u32>) -> Self {
-        Self { ids: Some(Shared::new(ids)), ..self }
+        Self { ids: Some(Strided::of_ids(ids)), ..self }
     }
 
     /// Arrays whose numbers are gone: they [fit](Strided::fits) nothing, so that no scene is built of
@@ -207,36 +233,109 @@ impl Strided {
         Self { values: T::values(Shared::new(vec![value])), first: 0, stride: 0, len }
     }
 
-    /// Whether every element lies within the array.
+    /// Returns true if every number lies within the array.
     pub(super) fn fits(&self) -> bool {
-        let elements = self.values.len() as i128;
-        let at = |row: i128| self.first as i128 + row * self.stride as i128;
-        let is_within = |index: i128| (0..elements).contains(&index);
-        self.len == 0 || is_within(at(0)) && is_within(at(self.len as i128 - 1))
-    }
-
-    /// The number of a sphere, which [`fits`](Self::fits).
-    pub(super) fn get(&self, row: usize) -> f64 {
-        let at = self.first.wrapping_add_signed(self.stride.wrapping_mul(row as isize));
         match &self.values {
-            Values::F32(values) => f64::from(values.as_slice()[at]),
-            Values::F64(values) => values.as_slice()[at],
+            Values::F32(values) => self.is_within(values.as_slice().len(), 1),
+            Values::F64(values) => self.is_within(values.as_slice().len(), 1),
+            Values::F32Bytes(bytes) => self.is_within(bytes.as_slice().len(), size_of::<f32>()),
+            Values::F64Bytes(bytes) => self.is_within(bytes.as_slice().len(), size_of::<f64>()),
         }
     }
+
+    /// The numbers, ready to be read; they [fit](Self::fits).
+    pub(super) fn reader(&self) -> Reader<'_> {
+        let numbers = match &self.values {
+            Values::F32(values) => Numbers::F32(values.as_slice()),
+            Values::F64(values) => Numbers::F64(values.as_slice()),
+            Values::F32Bytes(bytes) => Numbers::F32Bytes(bytes.as_slice()),
+            Values::F64Bytes(bytes) => Numbers::F64Bytes(bytes.as_slice()),
+        };
+        Reader { numbers, first: self.first, stride: self.stride }
+    }
+}
+
+impl Strided<Ids> {
+    /// All of an array.
+    pub fn of_ids(ids: Vec<u32>) -> Self {
+        let len = ids.len();
+        Self { values: Ids::U32(Shared::new(ids)), first: 0, stride: 1, len }
+    }
+
+    /// Returns true if every id lies within the array.
+    pub(super) fn fits(&self) -> bool {
+        match &self.values {
+            Ids::U32(ids) => self.is_within(ids.as_slice().len(), 1),
+            Ids::U32Bytes(bytes) => self.is_within(bytes.as_slice().len(), size_of::<u32>()),
+        }
+    }
+
+    /// Every id in order; they [fit](Self::fits).
+    pub(super) fn iter(&self) -> impl Iterator<Item = u32> {
+        let (words, bytes) = match &self.values {
+            Ids::U32(ids) => (ids.as_slice(), &[][..]),
+            Ids::U32Bytes(bytes) => (&[][..], bytes.as_slice()),
+        };
+        let in_bytes = matches!(self.values, Ids::U32Bytes(_));
+        (0..self.len).map(move |row| match index(self.first, self.stride, row) {
+            at if in_bytes => u32::from_le_bytes(bytes_at(bytes, at)),
+            at => words[at],
+        })
+    }
+}
+
+impl<A> Strided<A> {
+    /// Returns true if every number, which takes `each` of so many elements, lies within the array.
+    fn is_within(&self, elements: usize, each: usize) -> bool {
+        let at = |row: i128| self.first as i128 + row * self.stride as i128;
+        let is_within = |index: i128| 0 <= index && index + each as i128 <= elements as i128;
+        self.len == 0 || is_within(at(0)) && is_within(at(self.len as i128 - 1))
+    }
+}
+
+/// The numbers of a [`Strided`], with the memory looked up once for all of them.
+pub(super) struct Reader<'a> {
+    numbers: Numbers<'a>,
+    first: usize,
+    stride: isize,
+}
+
+enum Numbers<'a> {
+    F32(&'a [f32]),
+    F64(&'a [f64]),
+    F32Bytes(&'a [u8]),
+    F64Bytes(&'a [u8]),
+}
+
+impl Reader<'_> {
+    /// The number of a sphere; -0 is given as 0.
+    #[inline]
+    pub(super) fn get(&self, row: usize) -> f64 {
+        let at = index(self.first, self.stride, row);
+        let number = match self.numbers {
+            Numbers::F32(values) => f64::from(values[at]),
+            Numbers::F64(values) => values[at],
+            Numbers::F32Bytes(bytes) => f64::from(f32::from_le_bytes(bytes_at(bytes, at))),
+            Numbers::F64Bytes(bytes) => f64::from_le_bytes(bytes_at(bytes, at)),
+        };
+        number + 0.0
+    }
+}
+
+/// The index of a row's number in its array.
+fn index(first: usize, stride: isize, row: usize) -> usize {
+    first.wrapping_add_signed(stride.wrapping_mul(row as isize))
+}
+
+fn bytes_at<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+    let mut number = [0; N];
+    number.copy_from_slice(&bytes[at..at + N]);
+    number
 }
 
 impl Default for Strided {
     fn default() -> Self {
         Self::of(Vec::<f32>::new())
-    }
-}
-
-impl Values {
-    fn len(&self) -> usize {
-        match self {
-            Self::F32(values) => values.as_slice().len(),
-            Self::F64(values) => values.as_slice().len(),
-        }
     }
 }
 

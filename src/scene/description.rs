@@ -93,6 +93,37 @@ impl Default for Projection {
     }
 }
 
+/// The projections without their numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ProjectionKind {
+    /// [`Projection::Perspective`].
+    #[default]
+    Perspective,
+    /// [`Projection::Orthographic`].
+    Orthographic,
+    /// [`Projection::Panoramic`].
+    Panoramic,
+}
+
+named! {
+    ProjectionKind {
+        Perspective = "perspective",
+        Orthographic = "orthographic",
+        Panoramic = "panoramic",
+    }
+}
+
+impl Projection {
+    /// The kind of this projection.
+    pub fn kind(&self) -> ProjectionKind {
+        match self {
+            Self::Perspective { .. } => ProjectionKind::Perspective,
+            Self::Orthographic { .. } => ProjectionKind::Orthographic,
+            Self::Panoramic { .. } => ProjectionKind::Panoramic,
+        }
+    }
+}
+
 /// A thin lens.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -277,6 +308,52 @@ impl Default for Surface {
     }
 }
 
+/// The reflection models without their parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceKind {
+    /// [`Surface::Diffuse`].
+    Diffuse,
+    /// [`Surface::Mirror`].
+    Mirror,
+    /// [`Surface::Conductor`].
+    Conductor,
+    /// [`Surface::Dielectric`].
+    Dielectric,
+    /// [`Surface::Plastic`].
+    Plastic,
+    /// [`Surface::Principled`].
+    Principled,
+    /// [`Surface::Phong`].
+    Phong,
+}
+
+named! {
+    SurfaceKind {
+        Diffuse = "diffuse",
+        Mirror = "mirror",
+        Conductor = "conductor",
+        Dielectric = "dielectric",
+        Plastic = "plastic",
+        Principled = "principled",
+        Phong = "phong",
+    }
+}
+
+impl Surface {
+    /// The reflection model of this surface.
+    pub fn kind(&self) -> SurfaceKind {
+        match self {
+            Self::Diffuse { .. } => SurfaceKind::Diffuse,
+            Self::Mirror { .. } => SurfaceKind::Mirror,
+            Self::Conductor { .. } => SurfaceKind::Conductor,
+            Self::Dielectric { .. } => SurfaceKind::Dielectric,
+            Self::Plastic { .. } => SurfaceKind::Plastic,
+            Self::Principled(_) => SurfaceKind::Principled,
+            Self::Phong { .. } => SurfaceKind::Phong,
+        }
+    }
+}
+
 /// One `[[spheres]]`: a sphere of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -295,6 +372,8 @@ pub struct SphereRow {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereTable {
+    /// The name in the layers of Cryptomatte; see [`Description::name_of_table`] where there is none.
+    pub name: Option<String>,
     /// Where the numbers are.
     pub data: SphereData,
     /// Index into [`Description::materials`].
@@ -314,6 +393,55 @@ pub enum ColorStorage {
 }
 
 named! { ColorStorage { Exact = "exact", Packed = "packed" } }
+
+impl ColorStorage {
+    /// Bytes that one colour takes in memory.
+    pub fn bytes_each(self) -> usize {
+        match self {
+            Self::Exact => size_of::<[f32; 3]>(),
+            Self::Packed => size_of::<u32>(),
+        }
+    }
+}
+
+impl Description {
+    /// The name of a table: its own; or the name of its file without the folder; or `table 3` for the
+    /// fourth table, where that is in memory.
+    ///
+    /// # Panics
+    /// Panics where there is no table of that index.
+    pub fn name_of_table(&self, index: usize) -> String {
+        let SphereTable { name, data, .. } = &self.tables[index];
+        let of_file = || match data {
+            SphereData::File { path, .. } => {
+                path.file_name().map(|name| name.to_string_lossy().into_owned())
+            }
+            SphereData::Memory(_) => None,
+        };
+        name.clone().or_else(of_file).unwrap_or_else(|| format!("table {index}"))
+    }
+
+    /// Brings values that mean the same into one form, in which they are rendered: a lens without an
+    /// opening is a pinhole, and a place or an angle of -0 is 0.
+    pub(super) fn make_canonical(&mut self) {
+        let Self { camera, background, materials: _, spheres, tables: _ } = self;
+        let Camera { position, look_at, up, near: _, projection } = camera;
+        if let Projection::Perspective { lens, .. } = projection {
+            *lens = lens.filter(|lens| lens.radius > 0.0);
+            if let Some(lens) = lens {
+                lens.rotation_degrees += 0.0;
+            }
+        }
+        let Background { dome, up: zenith, sun, .. } = background;
+        if let Dome::Image { rotation_degrees, .. } = dome {
+            *rotation_degrees += 0.0;
+        }
+        let sun = sun.as_mut().map(|sun| &mut sun.direction);
+        let centers = spheres.iter_mut().map(|sphere| &mut sphere.center);
+        let vectors = [position, look_at, up, zenith].into_iter().chain(sun).chain(centers);
+        vectors.for_each(|vector| *vector += 0.0);
+    }
+}
 
 /// The direction of a vector however long or short, if it has one.
 pub(crate) fn unit(v: DVec3) -> Option<DVec3> {

@@ -12,11 +12,11 @@ use crate::math::NO_SPHERE;
 use super::arrays;
 use super::colors::Colors;
 use super::complaint::{Complaint, layout_help, unreadable};
-use super::data::{Shared, SphereData};
+use super::data::SphereData;
 use super::description::{Description, Dome, SphereTable, Surface};
 use super::environment::{self, Pixels};
 use super::problem::{self, Problems};
-use super::rows::{Layout, TableRows, VALUE};
+use super::rows::{Layout, Row, TableRows, VALUE};
 use super::storage::with_capacity;
 use super::validate::SHARE_ROUNDING;
 
@@ -25,17 +25,17 @@ const MOST_SPHERES: u64 = NO_SPHERE as u64 - 2;
 
 /// The spheres of one table in a scene's rows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RowGroup {
+pub(super) struct RowGroup {
     /// The number of the first row, counted through all spheres of the scene.
-    pub first_row: u32,
+    pub(super) first_row: u32,
     /// How many rows there are.
-    pub count: u32,
+    pub(super) count: u32,
     /// Index into [`Description::materials`].
-    pub material: usize,
+    pub(super) material: usize,
     /// Each row's own linear colour, in `[0, 1]`, where the table has one.
-    pub colors: Option<Colors>,
+    pub(super) colors: Option<Colors>,
     /// Each row's own number, where the table has one.
-    pub(super) ids: Option<Shared<u32>>,
+    pub(super) ids: Option<Vec<u32>>,
 }
 
 /// What is known of a scene's files and arrays before anything large is read.
@@ -91,12 +91,13 @@ fn read_environment(file: &Path, problems: &mut Problems) -> Option<Pixels> {
         .ok()
 }
 
-/// Reads all tables. What is wrong with their rows is added to `problems`.
+/// Reads all tables, and lets go of each array in memory as soon as it is read. What is wrong with their
+/// rows is added to `problems`.
 ///
 /// # Errors
 /// When there are too many spheres, or too little memory.
 pub(super) fn import(
-    description: &Description,
+    description: &mut Description,
     survey: &Survey,
     problems: &mut Problems,
 ) -> Result<(SphereRows, Vec<RowGroup>)> {
@@ -113,45 +114,48 @@ pub(super) fn import(
     // The exact spheres will be appended to this very array.
     let mut all = with_capacity(survey.sphere_count(description))?;
     let mut groups = Vec::with_capacity(description.tables.len());
-    for (index, (table, &rows)) in description.tables.iter().zip(&survey.rows).enumerate() {
+    for (index, (table, &rows)) in description.tables.iter_mut().zip(&survey.rows).enumerate() {
         let first_row = (exact.len() + all.len()) as u32;
-        let material = &description.materials[table.material];
-        let brightest = brightest_rows(&material.surface);
-        let mut narrow: Vec<[f32; 4]> = Vec::new();
-        let to = if index < wide { &mut narrow } else { &mut all };
-        let read = match &table.data {
-            SphereData::File { path, columns } => {
-                let mut reader = TableRows::new(columns, table.colors, rows, brightest, to)?;
-                reader.read(path).map(|()| reader.colors)
-            }
-            SphereData::Memory(arrays) if table.data.is_f64() => {
-                arrays::read_exact(arrays, &mut exact)
-                    .and_then(|()| arrays::read_colors(arrays, table.colors, brightest))
-            }
-            SphereData::Memory(arrays) => arrays::read(arrays, to)
-                .and_then(|()| arrays::read_colors(arrays, table.colors, brightest)),
+        let brightest = brightest_rows(&description.materials[table.material].surface);
+        let read = match index < wide {
+            true => read_table(table, rows, brightest, &mut exact)?,
+            false => read_table(table, rows, brightest, &mut all)?,
         };
-        exact.extend(narrow.iter().map(|row| {
-            let [x, y, z, radius] = row.map(f64::from);
-            Sphere { center: crate::math::DVec3::new(x, y, z), radius }
-        }));
+        let is_file = matches!(table.data, SphereData::File { .. });
+        table.data.let_go();
         match read {
             Err((message, help)) => {
-                let key =
-                    if matches!(table.data, SphereData::File { .. }) { "file" } else { "data" };
+                let key = if is_file { "file" } else { "data" };
                 problems.add(path_of_table(index).key(key), message).help(help);
             }
-            Ok(colors) => {
-                let ids = match &table.data {
-                    SphereData::Memory(arrays) => arrays.ids.clone(),
-                    SphereData::File { .. } => None,
-                };
+            Ok((colors, ids)) => {
                 let (count, material) = (rows as u32, table.material);
                 groups.push(RowGroup { first_row, count, material, colors, ids });
             }
         }
     }
     Ok((SphereRows { exact, table: all }, groups))
+}
+
+/// The colours and the ids of a table's spheres, where it has some.
+type OwnValues = (Option<Colors>, Option<Vec<u32>>);
+
+/// Appends the spheres of one table, and returns their own colours and ids where it has some; or says
+/// what is wrong with the table.
+fn read_table<T: Row>(
+    table: &SphereTable,
+    rows: u64,
+    brightest: [f32; 3],
+    to: &mut Vec<T>,
+) -> Result<std::result::Result<OwnValues, Complaint>> {
+    Ok(match &table.data {
+        SphereData::File { path, columns } => {
+            let mut reader = TableRows::new(columns, table.colors, rows, brightest, to)?;
+            reader.read(path).map(|()| (reader.colors, None))
+        }
+        SphereData::Memory(arrays) => arrays::read(arrays, table.colors, brightest, to)
+            .and_then(|colors| Ok((colors, arrays::read_ids(arrays)?))),
+    })
 }
 
 /// # Errors

@@ -10,6 +10,7 @@ pub mod data;
 pub mod description;
 mod environment;
 mod import;
+mod key_values;
 pub mod keys;
 mod kinds;
 pub(crate) mod paths;
@@ -27,10 +28,8 @@ mod toml;
 mod validate;
 
 pub use builder::{Builder, Material};
-pub use colors::{Colors, Packed};
 pub use data::{SphereArrays, SphereData};
 pub use description::Description;
-pub use import::RowGroup;
 pub use scene::Scene;
 pub use settings::Settings;
 pub use shot::Shot;

@@ -8,7 +8,8 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::math::MAX_COORDINATE;
+use crate::geometry::Sphere;
+use crate::math::{DVec3, MAX_COORDINATE};
 
 use super::colors::Colors;
 use super::complaint::{Complaint, layout_help, unreadable};
@@ -54,8 +55,26 @@ fn value(row: &[u8], column: usize) -> f32 {
     f32::from_le_bytes(bytes)
 }
 
+/// What the four numbers of a sphere are kept as.
+pub(super) trait Row: Send + Sync {
+    /// From x, y, z and the radius.
+    fn of(numbers: [f64; 4]) -> Self;
+}
+
+impl Row for [f32; 4] {
+    fn of(numbers: [f64; 4]) -> Self {
+        numbers.map(|number| number as f32)
+    }
+}
+
+impl Row for Sphere {
+    fn of([x, y, z, radius]: [f64; 4]) -> Self {
+        Self { center: DVec3::new(x, y, z), radius }
+    }
+}
+
 /// The rows of one table on their way into the array of all.
-pub(super) struct TableRows<'r> {
+pub(super) struct TableRows<'r, T> {
     columns: &'r [Column],
     layout: Layout,
     /// What the values of each column may be.
@@ -63,7 +82,7 @@ pub(super) struct TableRows<'r> {
     rows: u64,
     /// The largest colour that a row may have.
     brightest: [f32; 3],
-    all: &'r mut Vec<[f32; 4]>,
+    all: &'r mut Vec<T>,
     pub(super) colors: Option<Colors>,
 }
 
@@ -84,14 +103,14 @@ impl Flaws {
     }
 }
 
-impl<'r> TableRows<'r> {
+impl<'r, T: Row> TableRows<'r, T> {
     /// `rows` of a table whose file has these columns, and colours up to `brightest`.
     pub(super) fn new(
         columns: &'r [Column],
         colors: ColorStorage,
         rows: u64,
         brightest: [f32; 3],
-        all: &'r mut Vec<[f32; 4]>,
+        all: &'r mut Vec<T>,
     ) -> Result<Self> {
         let layout = Layout::new(columns);
         let colors = layout.color.map(|_| room_for_colors(colors, rows)).transpose()?;
@@ -141,10 +160,12 @@ impl<'r> TableRows<'r> {
         let flaw = |(number, row)| Flaws::of_row(number, self.flaw_in(row).is_some());
         let flaws = rows.clone().enumerate().map(flaw).reduce(Flaws::default, Flaws::join);
         let sphere = self.layout.sphere;
-        self.all.par_extend(rows.clone().map(|row| sphere.map(|column| value(row, column))));
+        // Adding 0 turns -0 into 0: they are one place.
+        let numbers = |row| sphere.map(|column| f64::from(value(row, column) + 0.0));
+        self.all.par_extend(rows.clone().map(|row| T::of(numbers(row))));
         // Only colours that are allowed can be packed.
         if let (Some(colors), Some(color), 0) = (&mut self.colors, self.layout.color, flaws.count) {
-            let given = rows.map(|row| color.map(|column| value(row, column)));
+            let given = rows.map(|row| color.map(|column| value(row, column) + 0.0));
             colors.extend(given, self.brightest);
         }
         flaws

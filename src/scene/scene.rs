@@ -1,7 +1,6 @@
 //! The scene as the renderer sees it: immutable, in coordinates relative to the spheres' origin.
 
 use std::hint::black_box;
-use std::path::Path;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -13,7 +12,6 @@ use crate::light::{Background, Lamp, LightChoice, Lights};
 use crate::material::Material;
 use crate::math::{DVec3, Hit};
 
-use super::data::{SphereArrays, SphereData};
 use super::description::Description;
 use super::environment;
 use super::import::{RowGroup, Survey, import};
@@ -41,8 +39,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Checks values and makes a scene of them. Files are read, and so are arrays in memory, which are
-    /// let go then.
+    /// Checks values and makes a scene of them. Files are read, and so are arrays in memory: each is let go
+    /// of as soon as it is read.
     ///
     /// # Errors
     /// All mistakes at once; when there is no memory for the spheres.
@@ -65,15 +63,15 @@ impl Scene {
         source: Option<Source>,
         refuse: impl FnOnce(Problems) -> Result<()>,
     ) -> Result<Self> {
+        description.make_canonical();
         let mut problems = Problems::default();
-        let (rows, groups) = import(&description, &survey, &mut problems)?;
+        let (rows, groups) = import(&mut description, &survey, &mut problems)?;
         if !problems.0.is_empty() {
             refuse(problems)?;
         }
         let Survey { environment, .. } = survey;
         let hashes = Hashes::of(&description, &rows, &groups, environment.as_ref());
         let identity = hashes.identity(&description);
-        description.let_go_of_arrays();
         let spheres = Arc::new(SphereSet::new(rows)?);
         let materials = materials(&description.materials);
         let has_opacity = materials.iter().any(|material| material.opacity < 1.0);
@@ -96,13 +94,13 @@ impl Scene {
         Ok(scene)
     }
 
-    /// With its files called as in `description`, which says the same but for where they are.
+    /// The scene with the paths of `description`, which differs in nothing but the folders of its files.
     pub(crate) fn with_names_of(mut self, description: Description) -> Self {
         self.description = Arc::new(description);
         self
     }
 
-    /// What the user wrote.
+    /// What the user wrote, without arrays in memory, which the scene has taken in.
     pub fn description(&self) -> &Description {
         &self.description
     }
@@ -210,8 +208,12 @@ impl Scene {
         self.has_media
     }
 
-    /// The material of the sphere in a row of the scene, counted as its file names them.
+    /// The index of the material of the sphere in a row of the scene.
+    ///
+    /// # Panics
+    /// Panics where the scene has no such row.
     pub fn material_of_row(&self, row: u32) -> usize {
+        self.demand_row(row);
         match self.description.spheres.get(row as usize) {
             Some(sphere) => sphere.material,
             None => self.group_of(row).material,
@@ -219,13 +221,17 @@ impl Scene {
     }
 
     /// The name of the sphere in a row of the scene, or of its place: `sphere 3`, or `grains.f32:17` for
-    /// a row of a table.
+    /// a row of the table `grains.f32`.
+    ///
+    /// # Panics
+    /// Panics where the scene has no such row.
     pub fn name_of_row(&self, row: u32) -> String {
+        self.demand_row(row);
         match self.description.spheres.get(row as usize) {
             Some(sphere) => sphere.name.clone().unwrap_or_else(|| format!("sphere {row}")),
             None => {
                 let group = self.group_of(row);
-                let ids = group.ids.as_ref().map(|ids| ids.as_slice());
+                let ids = group.ids.as_deref();
                 let in_table = row - group.first_row;
                 let id = ids.map_or(in_table, |ids| ids[in_table as usize]);
                 format!("{}:{id}", self.table_of_row(row))
@@ -233,24 +239,25 @@ impl Scene {
         }
     }
 
-    /// The table that a row of the scene comes from, as the scene names its file; `spheres` for the
-    /// spheres of the scene file, and `table 3` for arrays in memory.
+    /// The [name](Description::name_of_table) of the table that a row of the scene comes from; `spheres`
+    /// for the spheres that are described one by one.
+    ///
+    /// # Panics
+    /// Panics where the scene has no such row.
     pub fn table_of_row(&self, row: u32) -> String {
+        self.demand_row(row);
         if (row as usize) < self.description.spheres.len() {
             return "spheres".to_owned();
         }
-        let index = self.groups.partition_point(|group| group.first_row <= row) - 1;
-        match &self.description.tables[index].data {
-            SphereData::File { path, .. } => {
-                let folder = self.source().map_or(Path::new(""), |source| &source.folder);
-                path.strip_prefix(folder).unwrap_or(path).display().to_string()
-            }
-            SphereData::Memory(_) => format!("table {index}"),
-        }
+        self.description.name_of_table(self.index_of_group(row))
     }
 
     /// What the layer `sphere_id` shows for a row: the user's own number where a table has some.
+    ///
+    /// # Panics
+    /// Panics where the scene has no such row.
     pub fn id_of_row(&self, row: u32) -> u32 {
+        self.demand_row(row);
         if (row as usize) < self.description.spheres.len() {
             return row;
         }
@@ -261,7 +268,19 @@ impl Scene {
 
     /// The table that a row comes from, of those that are no spheres of the scene file.
     fn group_of(&self, row: u32) -> &RowGroup {
-        &self.groups[self.groups.partition_point(|group| group.first_row <= row) - 1]
+        &self.groups[self.index_of_group(row)]
+    }
+
+    fn index_of_group(&self, row: u32) -> usize {
+        self.groups.partition_point(|group| group.first_row <= row) - 1
+    }
+
+    fn demand_row(&self, row: u32) {
+        let end = match self.groups.last() {
+            Some(group) => group.first_row + group.count,
+            None => self.description.spheres.len() as u32,
+        };
+        assert!(row < end, "the scene has {end} rows, and no row {row}");
     }
 
     /// The name of a sphere, where the scene gives one.
@@ -279,16 +298,5 @@ impl Scene {
             (emission.max_element() > 0.0).then_some(Lamp { id, emission })
         };
         (0..self.spheres.len() as u32).into_par_iter().filter_map(lamp).collect()
-    }
-}
-
-impl Description {
-    /// Forgets arrays in memory, which the scene has read: only how many spheres they had stays.
-    fn let_go_of_arrays(&mut self) {
-        for table in &mut self.tables {
-            if let SphereData::Memory(arrays) = &mut table.data {
-                *arrays = SphereArrays::gone(arrays.len(), arrays.color.is_some());
-            }
-        }
     }
 }

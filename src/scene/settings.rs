@@ -191,6 +191,31 @@ pub enum Stop {
     Threshold(f64),
 }
 
+/// The ways to end a path, without their thresholds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StopKind {
+    /// [`Stop::Roulette`].
+    #[default]
+    Roulette,
+    /// [`Stop::Depth`].
+    Depth,
+    /// [`Stop::Threshold`].
+    Threshold,
+}
+
+named! { StopKind { Roulette = "roulette", Depth = "depth", Threshold = "threshold" } }
+
+impl Stop {
+    /// The kind of this rule.
+    pub fn kind(&self) -> StopKind {
+        match self {
+            Self::Roulette => StopKind::Roulette,
+            Self::Depth => StopKind::Depth,
+            Self::Threshold(_) => StopKind::Threshold,
+        }
+    }
+}
+
 /// What becomes of a camera ray that meets nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Miss {

@@ -2,27 +2,35 @@
 //! bit, whether they come from a file or from a program.
 //!
 //! The identity is the hash of a canonical encoding of the description: JSON with the fields in the
-//! order of their declaration, in which the hash of its numbers stands for each table and image. Not in
-//! it are where files lie, how a scene file is laid out, and the settings that it is rendered with.
+//! order of their declaration, in which the hash of its numbers stands for each table and image. Values
+//! that mean the same are encoded alike: a camera by its axes, which the length of `up` does not change,
+//! and -0 as 0. Not part of the encoding are the folders that files lie in, the layout of a scene file,
+//! the program's version, and the settings that the scene is rendered with.
 
 use std::fmt;
+use std::io;
 use std::path::PathBuf;
 
 use blake3::Hasher;
 use rayon::prelude::*;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::ser::Formatter;
 
+use crate::camera::axes;
+use crate::error::Error;
 use crate::geometry::SphereRows;
+use crate::math::DVec3;
 
 use super::data::SphereData;
 use super::description::{
-    Background, Camera, ColorStorage, Description, Dome, NamedMaterial, SphereRow, SphereTable,
+    Background, Camera, ColorStorage, Description, Dome, NamedMaterial, Projection, SphereRow,
+    SphereTable,
 };
 use super::environment::Pixels;
 use super::import::RowGroup;
 
 /// The version of the encoding; it changes with everything that the hash depends on.
-const ENCODING: u32 = 2;
+const ENCODING: u32 = 3;
 
 /// A BLAKE3 hash: 32 bytes, 64 hexadecimal digits as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -64,8 +72,7 @@ const ROWS: usize = 1 << 16;
 #[derive(Serialize)]
 struct Canonical<'a> {
     encoding: u32,
-    version: &'static str,
-    camera: &'a Camera,
+    camera: CanonicalCamera,
     background: Background,
     materials: &'a [NamedMaterial],
     spheres: &'a [SphereRow],
@@ -73,8 +80,27 @@ struct Canonical<'a> {
     environment: Option<Identity>,
 }
 
+/// A camera by all that its rays depend on.
+#[derive(Serialize)]
+struct CanonicalCamera {
+    position: DVec3,
+    right: DVec3,
+    forward: DVec3,
+    near: f64,
+    projection: Projection,
+}
+
+impl CanonicalCamera {
+    fn of(camera: &Camera) -> Self {
+        let Camera { position, look_at, up, near, projection } = *camera;
+        let [right, _, forward] = axes(look_at - position, up);
+        Self { position, right, forward, near, projection }
+    }
+}
+
 #[derive(Serialize)]
 struct CanonicalTable {
+    name: String,
     material: usize,
     colors: Option<ColorStorage>,
     numbers: Identity,
@@ -108,7 +134,7 @@ impl Serialize for Identity {
 impl<'de> Deserialize<'de> for Identity {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let digits = String::deserialize(from)?;
-        digits.parse().map_err(|()| serde::de::Error::custom("64 hexadecimal digits were expected"))
+        digits.parse().map_err(serde::de::Error::custom)
     }
 }
 
@@ -125,10 +151,15 @@ impl fmt::Display for Identity {
 }
 
 impl std::str::FromStr for Identity {
-    type Err = ();
+    type Err = Error;
 
-    fn from_str(digits: &str) -> Result<Self, ()> {
-        blake3::Hash::from_hex(digits).map(|hash| Self(hash.into())).map_err(|_| ())
+    /// Reads 64 hexadecimal digits.
+    fn from_str(digits: &str) -> Result<Self, Error> {
+        let hash = blake3::Hash::from_hex(digits);
+        hash.map(|hash| Self(hash.into())).map_err(|error| {
+            let message = format!("an identity is 64 hexadecimal digits, not {digits:?}");
+            Error::input(message).with_source(error)
+        })
     }
 }
 
@@ -169,23 +200,39 @@ impl Hashes {
         if let Dome::Image { file, .. } = &mut background.dome {
             file.clear();
         }
-        let table = |(table, numbers): (&SphereTable, &Identity)| {
-            let SphereTable { data, material, colors } = table;
+        let table = |(index, (table, numbers)): (usize, (&SphereTable, &Identity))| {
+            let SphereTable { name: _, data, material, colors } = table;
+            let name = description.name_of_table(index);
             let colors = data.has_colors().then_some(*colors);
-            CanonicalTable { material: *material, colors, numbers: *numbers }
+            CanonicalTable { name, material: *material, colors, numbers: *numbers }
         };
         let canonical = Canonical {
             encoding: ENCODING,
-            version: env!("CARGO_PKG_VERSION"),
-            camera,
+            camera: CanonicalCamera::of(camera),
             background,
             materials,
             spheres,
-            tables: tables.iter().zip(&self.tables).map(table).collect(),
+            tables: tables.iter().zip(&self.tables).enumerate().map(table).collect(),
             environment: self.environment,
         };
-        let bytes = serde_json::to_vec(&canonical);
-        Identity::of_bytes(&bytes.expect("plain values with names as their keys are JSON"))
+        let mut hasher = Hasher::new();
+        let mut json = serde_json::Serializer::with_formatter(&mut hasher, OneZero);
+        let written = canonical.serialize(&mut json);
+        written.expect("plain values with names as their keys are JSON");
+        Identity(hasher.finalize().into())
+    }
+}
+
+/// JSON without spaces, in which -0 is written as 0.
+struct OneZero;
+
+impl Formatter for OneZero {
+    fn write_f32<W: ?Sized + io::Write>(&mut self, to: &mut W, value: f32) -> io::Result<()> {
+        serde_json::ser::CompactFormatter.write_f32(to, value + 0.0)
+    }
+
+    fn write_f64<W: ?Sized + io::Write>(&mut self, to: &mut W, value: f64) -> io::Result<()> {
+        serde_json::ser::CompactFormatter.write_f64(to, value + 0.0)
     }
 }
 
@@ -251,7 +298,9 @@ mod tests {
         let identity = Identity::of_bytes(b"abc");
         // The first digits of BLAKE3's hash of "abc", as `b3sum` prints them.
         assert!(identity.to_string().starts_with("6437b3ac38465133ffb63b75273a8db5"));
-        assert_eq!(identity.to_string().parse(), Ok(identity));
-        assert!("6437".parse::<Identity>().is_err());
+        assert_eq!(identity.to_string().parse::<Identity>().ok(), Some(identity));
+        let error = "6437".parse::<Identity>().expect_err("too few digits");
+        assert_eq!(error.to_string(), "an identity is 64 hexadecimal digits, not \"6437\"");
+        assert!(std::error::Error::source(&error).is_some());
     }
 }

@@ -18,6 +18,9 @@ const MOST_PIXELS: u64 = 1 << 31;
 /// The sine of the angle between `up` and the view below which they count as parallel.
 const PARALLEL: f64 = 1e-6;
 
+/// The index that stands for a material of another [`Builder`](super::Builder).
+pub(super) const FOREIGN_MATERIAL: usize = usize::MAX;
+
 /// How far the sum of two shares may exceed 1 by rounding.
 pub(super) const SHARE_ROUNDING: f32 = 1e-6;
 
@@ -365,8 +368,11 @@ fn check_sphere(index: usize, sphere: &SphereRow, materials: usize, problems: &m
 }
 
 fn check_table(index: usize, table: &SphereTable, materials: usize, problems: &mut Problems) {
-    let SphereTable { data, material, colors: _ } = table;
+    let SphereTable { name, data, material, colors: _ } = table;
     let at = Path::of("sphere_tables").entry(index, None);
+    if let Some(name) = name {
+        problems.check(&at, &keys::table::NAME, name);
+    }
     match data {
         SphereData::File { path: _, columns } => check_columns(&at, columns, problems),
         SphereData::Memory(arrays) => check_arrays(&at, arrays, problems),
@@ -377,8 +383,10 @@ fn check_table(index: usize, table: &SphereTable, materials: usize, problems: &m
 fn check_index(at: &Path, material: usize, materials: usize, problems: &mut Problems) {
     if material >= materials {
         let key = at.key("material");
-        let message =
-            format!("`{key}` is the index {material}, but there are {materials} materials");
+        let message = match material {
+            FOREIGN_MATERIAL => format!("`{key}` is a material of another builder"),
+            _ => format!("`{key}` is the index {material}, but there are {materials} materials"),
+        };
         problems.add(key, message);
     }
 }
@@ -422,12 +430,15 @@ fn check_arrays(at: &Path, arrays: &SphereArrays, problems: &mut Problems) {
         let message = format!("the column {} of `{at}` reaches beyond its array", column.name());
         problems.add(at.clone(), message);
     }
-    if let Some(ids) = arrays.ids.as_ref().map(|ids| ids.as_slice()) {
-        if ids.len() != len {
-            let message = format!("`{at}` has {len} radii, but {} ids", ids.len());
+    if let Some(ids) = &arrays.ids {
+        let distinct = if ids.stride == 0 { 1 } else { ids.len };
+        if ids.len != len {
+            let message = format!("`{at}` has {len} radii, but {} ids", ids.len);
             problems.add(at.clone(), message);
         }
-        if ids.contains(&NO_SPHERE) {
+        if !ids.fits() {
+            problems.add(at.clone(), format!("the ids of `{at}` reach beyond their array"));
+        } else if ids.iter().take(distinct).any(|id| id == NO_SPHERE) {
             problems
                 .add(at.clone(), format!("`{at}` has the id 2^32 - 1, which stands for nothing"));
         }

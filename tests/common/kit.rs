@@ -46,7 +46,7 @@ impl Kit {
             .map(|(key, value)| Override::of(&(key.to_owned(), value.to_owned())))
             .collect();
         let file = read_file(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
-        Self { scene: Builder { description: file.description }, settings: file.settings }
+        Self { scene: Builder::from(file.description), settings: file.settings }
     }
 
     /// With something changed.

@@ -81,7 +81,9 @@ fn grains() -> SphereArrays {
 }
 
 fn table(arrays: SphereArrays) -> SphereTable {
-    SphereTable { data: SphereData::Memory(arrays), material: 0, colors: ColorStorage::Exact }
+    let name = Some("grains.f32".to_owned());
+    let colors = ColorStorage::Exact;
+    SphereTable { name, data: SphereData::Memory(arrays), material: 0, colors }
 }
 
 /// [`TEXT`] as values.
@@ -150,6 +152,38 @@ fn a_scene_is_the_same_from_a_file_and_from_values() {
     assert_eq!(read.identity(), identity(Description { tables, ..values() }));
 }
 
+/// The layers of Cryptomatte show it.
+#[test]
+fn the_name_of_a_table_is_part_of_the_scene() {
+    let folder = folder();
+    let other = folder.path().join("others.f32");
+    std::fs::copy(folder.path().join("grains.f32"), other).expect("a copy");
+    let scene = |options: &[&str]| scene_of_text(TEXT, folder.path(), options);
+    let name = |options: &[&str]| scene(options).table_of_row(2);
+    let of_other = "sphere_tables.0.file=others.f32";
+    assert_eq!([name(&[]), name(&[of_other])], ["grains.f32", "others.f32"]);
+    assert_ne!(scene(&[]).identity(), scene(&[of_other]).identity());
+    let named = "sphere_tables.0.name=grains.f32";
+    assert_eq!(name(&[of_other, named]), "grains.f32");
+    assert_eq!(scene(&[]).identity(), scene(&[of_other, named]).identity());
+    // Without a name, a table in memory is called by its index.
+    let with = |name: Option<&str>| {
+        let name = name.map(str::to_owned);
+        let tables = vec![SphereTable { name, ..table(grains()) }];
+        Scene::build(Description { tables, ..values() }).expect("good values")
+    };
+    assert_eq!(with(None).table_of_row(2), "table 0");
+    assert_eq!(with(None).identity(), with(Some("table 0")).identity());
+    assert_ne!(with(None).identity(), with(Some("grains")).identity());
+    assert!(
+        Scene::build(Description {
+            tables: vec![SphereTable { name: Some(String::new()), ..table(grains()) }],
+            ..values()
+        })
+        .is_err_and(|error| error.to_string().contains("`sphere_tables.0.name` must be a string"))
+    );
+}
+
 #[test]
 fn where_files_lie_and_how_a_scene_is_rendered_or_laid_out_is_no_part_of_it() {
     let [here, there] = [folder(), folder()];
@@ -158,9 +192,10 @@ fn where_files_lie_and_how_a_scene_is_rendered_or_laid_out_is_no_part_of_it() {
     };
     let first = identity(&here, TEXT, &[]);
     assert_eq!(first, identity(&there, TEXT, &[]));
-    let from = there.path().join("grains.f32");
-    std::fs::copy(from, there.path().join("others.f32")).expect("a copy");
-    assert_eq!(first, identity(&there, TEXT, &["sphere_tables.0.file=others.f32"]));
+    let inner = there.path().join("inner");
+    std::fs::create_dir(&inner).expect("a folder");
+    std::fs::copy(there.path().join("grains.f32"), inner.join("grains.f32")).expect("a copy");
+    assert_eq!(first, identity(&there, TEXT, &["sphere_tables.0.file=inner/grains.f32"]));
     let longer = TEXT.replace("radius = 10\n", "radius = 10.000 # a hill\n");
     assert_eq!(first, identity(&here, &longer, &[]));
     let rendering =
@@ -193,6 +228,7 @@ fn each_value_of_a_scene_is_part_of_it() {
         "spheres.1.center=[0,1,1e-300]",
         "spheres.1.material=grass",
         "spheres.1.name=ball",
+        "sphere_tables.0.name=grain",
         "sphere_tables.0.material=glass",
         "sphere_tables.0.colors=packed",
         "sphere_tables.0.columns=['radius','x','y','z','g','r','b']",

@@ -4,15 +4,18 @@
 use std::collections::BTreeSet;
 
 use photosphere::color::Rgb;
-use photosphere::image_io::Picture;
-use photosphere::image_io::Target;
-use photosphere::material::PrincipledParameters;
+use photosphere::image_io::{Picture, Target};
+use photosphere::material::{Metal, PrincipledParameters};
 use photosphere::scene::description::{
-    Background, Camera, ColorStorage, NamedMaterial, Projection, Surface,
+    Background, Camera, ColorStorage, Lens, NamedMaterial, Projection, ProjectionKind, Surface,
+    SurfaceKind,
 };
 use photosphere::scene::keys::{Fallback, KeyInfo, all};
-use photosphere::scene::settings::{Image, Integrator, Paper, Settings};
+use photosphere::scene::settings::{
+    Image, Integrator, IntegratorKind, Paper, Settings, Stop, StopKind,
+};
 use photosphere::scene::{SceneFile, read_text};
+use serde_json::Value;
 
 use crate::scenes::{load, set};
 
@@ -179,7 +182,7 @@ fn preparation(key: &KeyInfo) -> &'static [&'static str] {
 }
 
 /// A folder with what the preparations name.
-fn folder() -> tempfile::TempDir {
+pub(crate) fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let layer = vec![Rgb::ONE; 8];
     let picture = Picture {
@@ -225,4 +228,68 @@ fn no_key_is_declared_twice() {
     let keys = all();
     let places: BTreeSet<_> = keys.iter().map(|key| (key.table, key.of_type, key.name)).collect();
     assert_eq!(places.len(), keys.len());
+}
+
+/// A surface of every kind.
+pub(crate) fn surfaces() -> [Surface; 7] {
+    let half = Rgb::splat(0.5);
+    [
+        Surface::Diffuse { albedo: half, roughness: 0.25 },
+        Surface::Mirror { reflectance: half },
+        Surface::Conductor { metal: Metal::NAMED[0].1, roughness: 0.25 },
+        Surface::Dielectric { ior: 1.25, roughness: 0.25, priority: 3, absorption: half },
+        Surface::Plastic { albedo: half, ior: 1.25, roughness: 0.25 },
+        Surface::Principled(PrincipledParameters::default()),
+        Surface::Phong { albedo: half, specular: half, exponent: 8.0, normalized: false },
+    ]
+}
+
+/// A projection of every kind.
+pub(crate) fn projections() -> [Projection; 3] {
+    let lens = Lens { radius: 0.125, focus_distance: 5.0, blades: 6, rotation_degrees: 30.0 };
+    [
+        Projection::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) },
+        Projection::Orthographic { height: 4.0 },
+        Projection::Panoramic { horizontal_degrees: 270.0, vertical_degrees: 90.0 },
+    ]
+}
+
+/// An integrator of every kind.
+pub(crate) fn integrators() -> [Integrator; 6] {
+    [
+        Integrator::Path,
+        Integrator::Direct,
+        Integrator::AmbientOcclusion { distance: Some(2.0) },
+        Integrator::Normals,
+        Integrator::Paper(Paper { stop: Stop::Threshold(0.25), ..Paper::default() }),
+        Integrator::Raycast { shadows: true },
+    ]
+}
+
+/// Fails unless these are the values of every kind, each with the kind's name as its tag in JSON.
+fn must_have_names<T: serde::Serialize, K: Copy + PartialEq>(
+    values: &[T],
+    kind: impl Fn(&T) -> K,
+    names: &[(&str, K)],
+) {
+    assert_eq!(values.len(), names.len());
+    for (name, of_name) in names {
+        let value = values.iter().find(|value| kind(value) == *of_name).expect("one of each kind");
+        let written = serde_json::to_value(value).expect("plain values");
+        let tag = match &written {
+            Value::Object(map) if map.contains_key("type") => map["type"].as_str(),
+            Value::Object(map) => map.keys().next().map(String::as_str),
+            other => other.as_str(),
+        };
+        assert_eq!(tag, Some(*name));
+    }
+}
+
+#[test]
+fn a_kind_has_the_same_name_in_scene_files_and_in_json() {
+    must_have_names(&surfaces(), Surface::kind, SurfaceKind::NAMES);
+    must_have_names(&projections(), Projection::kind, ProjectionKind::NAMES);
+    must_have_names(&integrators(), Integrator::kind, IntegratorKind::NAMES);
+    let stops = [Stop::Roulette, Stop::Depth, Stop::Threshold(0.25)];
+    must_have_names(&stops, Stop::kind, StopKind::NAMES);
 }

@@ -3,6 +3,7 @@
 mod any_text;
 mod backgrounds;
 mod identity;
+mod key_values;
 mod keys;
 mod layers;
 mod metals;

@@ -1,10 +1,13 @@
 //! Arrays in memory are the spheres that they hold.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use photosphere::film::Kind;
 use photosphere::geometry::Sphere;
 use photosphere::image_io::Picture;
 use photosphere::job::run;
-use photosphere::scene::data::{Shared, Strided, Values};
+use photosphere::scene::data::{Ids, Shared, Strided, Values};
 use photosphere::scene::{Scene, Settings, SphereArrays};
 
 use super::{balls, color_of, job, narrow, of_arrays, rows, sphere_ids, view};
@@ -75,6 +78,24 @@ fn to_f32s(values: Vec<f64>) -> Values {
     f32s(values.into_iter().map(|value| value as f32).collect())
 }
 
+/// A scene's numbers in the bytes of packed structures: one byte before the four numbers of each row, and
+/// one behind them.
+fn structured<const N: usize>(
+    rows: &[[f64; 4]],
+    bytes: impl Fn(f64) -> [u8; N],
+    array: impl Fn(Shared<u8>) -> Values,
+) -> SphereArrays {
+    let mut all = Vec::new();
+    for row in rows {
+        all.push(255);
+        all.extend(row.iter().flat_map(|&number| bytes(number)));
+        all.push(255);
+    }
+    let values = array(Shared::new(all));
+    let (stride, len) = (4 * N as isize + 2, rows.len());
+    arrays(std::array::from_fn(|column| strided(values.clone(), 1 + N * column, stride, len)))
+}
+
 /// The same spheres in every layout that arrays may have.
 fn layouts(balls: &[Sphere], is_f64: bool) -> Vec<(&'static str, SphereArrays)> {
     let rows = rows(balls);
@@ -85,6 +106,7 @@ fn layouts(balls: &[Sphere], is_f64: bool) -> Vec<(&'static str, SphereArrays)> 
         ("f64 centers", SphereArrays::of_centers(centers.clone(), radii.clone())),
         ("f64 columns", columns(&rows, f64s)),
         ("f64 backwards", backwards(&rows, f64s)),
+        ("f64 structures", structured(&rows, f64::to_le_bytes, Values::F64Bytes)),
     ];
     if !is_f64 {
         let narrow_radii: Vec<f32> = radii.iter().map(|&radius| radius as f32).collect();
@@ -97,6 +119,10 @@ fn layouts(balls: &[Sphere], is_f64: bool) -> Vec<(&'static str, SphereArrays)> 
             ("f32 centers", SphereArrays::of_centers(narrow(&centers), narrow_radii)),
             ("f32 columns", columns(&rows, to_f32s)),
             ("f32 backwards", backwards(&rows, to_f32s)),
+            (
+                "f32 structures",
+                structured(&rows, |number| (number as f32).to_le_bytes(), Values::F32Bytes),
+            ),
             ("f64 centers and f32 radii", mixed),
         ]);
     }
@@ -162,8 +188,19 @@ fn the_layer_of_ids_shows_the_numbers_of_an_array() {
     let numbered = |&row: &u32| if row == u32::MAX { row } else { id_of(row as usize) };
     let expected: Vec<u32> = sphere_ids(&plain).iter().map(numbered).collect();
     assert!(expected.iter().any(|&id| id != u32::MAX));
-    for (name, arrays) in layouts(&balls, false) {
-        let scene = of_arrays(arrays.with_ids(ids.clone())).expect("good arrays");
+    let in_bytes = ids.iter().rev().flat_map(|id| [&id.to_le_bytes()[..], &[7]].concat());
+    let in_bytes = Strided {
+        values: Ids::U32Bytes(Shared::new(in_bytes.collect::<Vec<u8>>())),
+        first: 5 * (ids.len() - 1),
+        stride: -5,
+        len: ids.len(),
+    };
+    for (index, (name, arrays)) in layouts(&balls, false).into_iter().enumerate() {
+        let arrays = match index % 2 {
+            0 => arrays.with_ids(ids.clone()),
+            _ => SphereArrays { ids: Some(in_bytes.clone()), ..arrays },
+        };
+        let scene = of_arrays(arrays).expect("good arrays");
         let shown = picture(&scene);
         assert_eq!(sphere_ids(&shown), expected, "{name}");
         assert_eq!(shown.direct, plain.direct, "{name}");
@@ -227,7 +264,23 @@ fn arrays_that_cannot_be_are_refused() {
     is_refused("4 radii, but 1 numbers in its column g", &|a| {
         a.color.as_mut().expect("colours")[1] = array(0, 1, 1);
     });
-    is_refused("4 radii, but 3 ids", &|a| a.ids = Some(Shared::new(vec![1, 2, 3])));
+    is_refused("4 radii, but 3 ids", &|a| a.ids = Some(Strided::of_ids(vec![1, 2, 3])));
+    is_refused("the ids of `sphere_tables.0` reach beyond", &|a| {
+        let ids = a.ids.as_mut().expect("ids");
+        ids.stride = 2;
+    });
+    // The last number would end one byte behind the array.
+    let bytes = Shared::new(vec![0u8; 19]);
+    is_refused("column z of", &|a| {
+        a.center[2] = strided(Values::F32Bytes(bytes.clone()), 0, 5, 4);
+        a.center[2].first = 1;
+    });
+    is_refused("column z of", &|a| {
+        a.center[2] = strided(Values::F64Bytes(bytes.clone()), 0, 4, 4);
+    });
+    is_refused("the ids of", &|a| {
+        a.ids = Some(Strided { values: Ids::U32Bytes(bytes.clone()), first: 1, stride: 5, len: 4 });
+    });
     is_refused("has no spheres", &|a| *a = SphereArrays::default());
     for (first, stride) in [(1, 1), (4, 0), (0, 2), (2, -1), (0, -1), (usize::MAX, 1)] {
         let beyond = array(first, stride, 4);
@@ -237,7 +290,9 @@ fn arrays_that_cannot_be_are_refused() {
     for stride in [isize::MAX, isize::MIN] {
         is_refused("reaches beyond its array", &|a| a.center[2] = array(0, stride, 4));
     }
-    is_refused("the id 2^32 - 1", &|a| a.ids = Some(Shared::new(vec![1, 2, u32::MAX, 4])));
+    is_refused("the id 2^32 - 1", &|a| {
+        a.ids = Some(Strided::of_ids(vec![1, 2, u32::MAX, 4]));
+    });
 }
 
 #[test]
@@ -266,6 +321,49 @@ fn numbers_that_cannot_be_are_refused() {
     for number in [f64::NAN, f64::INFINITY, -0.25, 1.5] {
         is_refused("b", number);
     }
+}
+
+/// An array that knows whether another one was let go of when it was last looked at.
+struct Owner {
+    values: Vec<f64>,
+    /// Counts the owners that are gone.
+    gone: Arc<AtomicUsize>,
+    /// How many were gone at the last look.
+    seen: Arc<AtomicUsize>,
+}
+
+impl AsRef<[f64]> for Owner {
+    fn as_ref(&self) -> &[f64] {
+        self.seen.store(self.gone.load(Ordering::SeqCst), Ordering::SeqCst);
+        &self.values
+    }
+}
+
+impl Drop for Owner {
+    fn drop(&mut self) {
+        self.gone.fetch_add(1, Ordering::SeqCst);
+    }
+}
+
+#[test]
+fn arrays_are_let_go_of_one_after_the_other() {
+    let gone = Arc::new(AtomicUsize::new(0));
+    let last_seen: [Arc<AtomicUsize>; 3] = Default::default();
+    let mut scene = view();
+    let grey = scene.diffuse([0.5; 3]);
+    for (index, seen) in last_seen.iter().enumerate() {
+        let values = vec![index as f64, 0.0, 0.0, 0.25];
+        let owner = Owner { values, gone: Arc::clone(&gone), seen: Arc::clone(seen) };
+        let values = Values::F64(Shared::new(owner));
+        scene.spheres(grey, arrays(std::array::from_fn(|at| strided(values.clone(), at, 4, 1))));
+    }
+    let kept = scene.build().expect("good arrays");
+    assert_eq!(gone.load(Ordering::SeqCst), 0, "the builder has them");
+    let built = scene.into_scene().expect("good arrays");
+    assert_eq!(gone.load(Ordering::SeqCst), 3, "the scene does not need them");
+    let seen = last_seen.map(|seen| seen.load(Ordering::SeqCst));
+    assert_eq!(seen, [0, 1, 2], "each is gone before the next is read");
+    must_be_same("built twice", &kept, &built);
 }
 
 /// However many there are said to be.

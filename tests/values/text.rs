@@ -4,14 +4,16 @@ use std::path::Path;
 
 use photosphere::color::Rgb;
 use photosphere::film::KINDS;
+use photosphere::image_io::Picture;
 use photosphere::job::{End, run};
 use photosphere::material::Metal;
 use photosphere::math::DVec3;
+use photosphere::scene::data::{Column, SphereData};
 use photosphere::scene::description::{
-    Description, Dome, Lens, NamedMaterial, Projection, SphereRow, Sun, Surface,
+    Description, Dome, Lens, NamedMaterial, Projection, SphereRow, SphereTable, Sun, Surface,
 };
 use photosphere::scene::settings::{FilterKind, Image, Render};
-use photosphere::scene::{Builder, Scene, Settings, read_text};
+use photosphere::scene::{Builder, Scene, SceneFile, Settings, SphereArrays, read_text};
 
 use super::{job, view};
 
@@ -76,11 +78,33 @@ material = "lamp"
 center = [0.0, 0.6, 1.5]
 radius = 0.6
 material = "veil"
+[[sphere_tables]]
+name = "grains"
+file = "tests/data/grains.f32"
+columns = ["x", "y", "z", "radius", "r", "g", "b"]
+material = "ground"
 [render]
 samples_per_pixel = 20
 max_depth = 8
 seed = 7
 "#;
+
+/// The table of the text.
+const FILE: &str = "tests/data/grains.f32";
+
+/// The columns of that table.
+const COLUMNS: [Column; 7] = {
+    use Column::{Blue, Green, Radius, Red, X, Y, Z};
+    [X, Y, Z, Radius, Red, Green, Blue]
+};
+
+/// The rows of that table.
+fn grains() -> Vec<[f32; 7]> {
+    let bytes = std::fs::read(Path::new(FILE)).expect("a table of ours");
+    let values: Vec<f32> =
+        bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    values.chunks_exact(7).map(|row| row.try_into().expect("seven numbers")).collect()
+}
 
 fn scene_of_values() -> Builder {
     let mut scene = Builder::new();
@@ -110,6 +134,11 @@ fn scene_of_values() -> Builder {
         material.name = name.to_owned();
     }
     scene.description.spheres[0].name = Some("ground".to_owned());
+    scene.description.tables.push(SphereTable {
+        name: Some("grains".to_owned()),
+        data: SphereData::File { path: FILE.into(), columns: COLUMNS.to_vec() },
+        ..SphereTable::default()
+    });
     scene
 }
 
@@ -144,6 +173,150 @@ fn a_scene_of_values_has_the_file_of_the_same_scene_from_text() {
     assert_eq!(built.identity(), scene.identity());
     let (of_text, of_values) = (file_of(&scene, settings), file_of(&built, settings_of_values()));
     assert!(of_text == of_values, "the same bytes");
+}
+
+/// Layers and names of Cryptomatte included.
+#[test]
+fn a_table_in_memory_gives_the_picture_of_the_file_that_it_is_named_after() {
+    let of_file = scene_of_values().build().expect("a good scene");
+    let grains = grains();
+    let rows = grains.iter().map(|&[x, y, z, radius, ..]| [x, y, z, radius]).collect();
+    let colors = grains.iter().map(|&[.., r, g, b]| [r, g, b]).collect::<Vec<[f32; 3]>>();
+    let mut values = scene_of_values();
+    let arrays = SphereArrays::of_rows(rows).with_colors(colors);
+    values.description.tables[0].data = SphereData::Memory(arrays);
+    must_be_one_scene("in memory", &values.clone().build().expect("a good scene"), &of_file);
+    values.description.tables[0].name = None;
+    let unnamed = values.build().expect("a good scene");
+    assert_ne!(unnamed.identity(), of_file.identity());
+    assert!(picture_of(&unnamed) != picture_of(&of_file), "Cryptomatte shows the names");
+}
+
+/// The scene of the text with one passage in place of another.
+fn scene_of_text(old: &str, new: &str) -> Scene {
+    assert_eq!(TEXT.matches(old).count(), 1, "{old}");
+    let read = read_text("test.toml", &TEXT.replace(old, new), Path::new(""), &[]);
+    read.and_then(SceneFile::build).expect("a good scene").0
+}
+
+fn picture_of(scene: &Scene) -> Picture {
+    let kinds = KINDS.map(|row| row.kind);
+    let mut settings = settings_of_values();
+    settings.render.samples_per_pixel = 2;
+    run(scene, &job(settings, &kinds), &()).expect("renders").picture
+}
+
+/// Fails unless two scenes have one identity and one picture.
+fn must_be_one_scene(what: &str, a: &Scene, b: &Scene) {
+    assert_eq!(a.identity(), b.identity(), "{what}");
+    assert!(picture_of(a) == picture_of(b), "{what}: pictures");
+}
+
+#[test]
+fn values_that_mean_the_same_are_one_scene() {
+    let expected = scene_of_text("format = 1", "format = 1");
+    let look_at = "look_at = [0.0, 1.0, 0.0]";
+    for (old, new) in [
+        (look_at, "look_at = [0.0, 1.0, 0.0]\nup = [0.0, 2.0, 0.0]"),
+        (look_at, "look_at = [0.0, 1.0, 0.0]\nup = [-0.0, 0.125, -0.0]"),
+        (look_at, "look_at = [-0.0, 1.0, -0.0]"),
+        ("[background.gradient]", "[background]\nup = [-0.0, 5.0, 0.0]\n[background.gradient]"),
+        ("direction = [1.0, 2.0, 1.0]", "direction = [2.0, 4.0, 2.0]"),
+        ("center = [1.5, 1.0, 0.0]", "center = [1.5, 1.0, -0.0]"),
+        ("albedo = [0.0, 0.0, 0.0]", "albedo = [0.0, -0.0, 0.0]"),
+    ] {
+        must_be_one_scene(new, &scene_of_text(old, new), &expected);
+    }
+    // A lens without an opening, and a zenith that is not along an axis.
+    let (scale, pinhole) =
+        (DVec3::new(1.0, 2.0, 3.0), "up = [1.0, 2.0, 3.0]\naperture_radius = 0.0");
+    let text = TEXT.replace("aperture_radius = 0.05", pinhole);
+    let text = text
+        .replace("[background.gradient]", "[background]\nup = [1, 2, 3]\n[background.gradient]");
+    let read = read_text("test.toml", &text, Path::new(""), &[]).and_then(SceneFile::build);
+    let (read, _) = read.expect("a good scene");
+    for radius in [None, Some(0.0), Some(-0.0)] {
+        let mut values = scene_of_values();
+        let lens = |radius| Lens { radius, focus_distance: 7.5, blades: 5, rotation_degrees: 30.0 };
+        let lens = radius.map(lens);
+        let projection = Projection::Perspective { vertical_fov_degrees: 40.0, lens };
+        values.up(scale).description.camera.projection = projection;
+        must_be_one_scene("pinhole", &values.build().expect("a good scene"), &read);
+    }
+}
+
+#[test]
+fn tables_have_one_zero() {
+    let scene = |zero: f32, is_f64: bool| {
+        let centers = vec![[zero, 1.0, zero], [1.0, zero, 0.5]];
+        let (radii, wide) = (vec![0.5, 0.25], |center: &[f32; 3]| center.map(f64::from));
+        let arrays = match is_f64 {
+            true => {
+                SphereArrays::of_centers(centers.iter().map(wide).collect(), vec![0.5f64, 0.25])
+            }
+            false => SphereArrays::of_centers(centers.clone(), radii),
+        };
+        let arrays = arrays.with_colors(vec![[0.5, zero, zero], [zero, 0.5, 0.5]]);
+        let mut scene = view();
+        let grey = scene.diffuse([0.5; 3]);
+        scene.spheres(grey, arrays).build().expect("good arrays")
+    };
+    for is_f64 in [false, true] {
+        must_be_one_scene("arrays", &scene(-0.0, is_f64), &scene(0.0, is_f64));
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let of_file = |zero: f32| {
+        let path = folder.path().join("rows.f32");
+        let bytes: Vec<u8> =
+            [zero, 1.0, zero, 0.5].into_iter().flat_map(f32::to_le_bytes).collect();
+        std::fs::write(&path, bytes).expect("written");
+        let columns = vec![Column::X, Column::Y, Column::Z, Column::Radius];
+        let mut scene = view();
+        scene.diffuse([0.5; 3]);
+        let data = SphereData::File { path, columns };
+        scene.description.tables.push(SphereTable { data, ..SphereTable::default() });
+        scene.build().expect("a good table")
+    };
+    must_be_one_scene("file", &of_file(-0.0), &of_file(0.0));
+}
+
+#[test]
+fn a_builder_takes_tables_and_names() {
+    let mut scene = view();
+    let [_, blue] = [0.25, 0.5].map(|share| scene.diffuse([0.0, 0.0, share]));
+    let data = SphereData::Memory(SphereArrays::of_rows(vec![[0.0, 0.0, 0.0, 1.0]]));
+    let table = SphereTable {
+        name: Some("grains".to_owned()),
+        data,
+        material: blue.index(),
+        ..SphereTable::default()
+    };
+    let scene = scene.named_sphere(blue, "ball", [3.0, 0.0, 0.0], 1.0).table(table).build();
+    let scene = scene.expect("a good scene");
+    assert_eq!([0, 1].map(|row| scene.name_of_row(row)), ["ball", "grains:0"]);
+    assert_eq!([0, 1].map(|row| scene.material_of_row(row)), [1, 1]);
+}
+
+#[test]
+fn a_material_of_another_builder_is_refused() {
+    let mut other = view();
+    let foreign = other.diffuse([0.5; 3]);
+    let mut scene = view();
+    let own = scene.diffuse([0.5; 3]);
+    scene.sphere(own, [0.0; 3], 1.0).sphere(foreign, [3.0, 0.0, 0.0], 1.0);
+    scene.spheres(foreign, SphereArrays::of_rows(vec![[0.0, 3.0, 0.0, 1.0]]));
+    let told = scene.build().expect_err("a material of another builder").to_string();
+    assert!(told.contains("`spheres.1.material` is a material of another builder"), "{told}");
+    assert!(told.contains("`sphere_tables.0.material` is a material of another builder"), "{told}");
+    // A clone goes on with what it has.
+    let mut clone = other.clone();
+    assert!(clone.sphere(foreign, [0.0; 3], 1.0).build().is_ok());
+}
+
+#[test]
+#[should_panic(expected = "the scene has 7 rows, and no row 7")]
+fn a_row_that_the_scene_does_not_have_has_no_name() {
+    scene_of_values().build().expect("a good scene").name_of_row(7);
 }
 
 #[test]

@@ -7,10 +7,10 @@ use crate::scene::data::{Column, SphereArrays};
 use crate::scene::description::{ColorStorage, NamedMaterial, SphereRow};
 
 /// The rows and groups of a description without mistakes.
-fn imported(description: &Description) -> (SphereRows, Vec<RowGroup>) {
+fn imported(mut description: Description) -> (SphereRows, Vec<RowGroup>) {
     let mut problems = Problems::default();
-    let survey = Survey::of(description, &mut problems);
-    let read = import(description, &survey, &mut problems).expect("few spheres");
+    let survey = Survey::of(&description, &mut problems);
+    let read = import(&mut description, &survey, &mut problems).expect("few spheres");
     assert!(problems.0.is_empty(), "{problems:?}");
     read
 }
@@ -41,7 +41,7 @@ fn a_table_longer_than_the_buffer_keeps_its_order_and_fits_at_once() {
     let count = 600_000;
     let values: Vec<f32> = (0..count).flat_map(|i| [i as f32, 0.0, 0.0, 1.0]).collect();
     let file = file_of(&values);
-    let (rows, groups) = imported(&described(vec![table(&file, &PLAIN)]));
+    let (rows, groups) = imported(described(vec![table(&file, &PLAIN)]));
     assert_eq!(rows.table.len(), count);
     // The exact sphere will be appended.
     assert_eq!(rows.table.capacity(), count + 1, "nothing was moved or held twice");
@@ -55,12 +55,14 @@ fn packed_colours_take_a_third_of_the_memory() {
     let file = file_of(&[0.0, 0.0, 0.0, 1.0, 0.25, 0.5, 1.0]);
     let colored = table(&file, &[&PLAIN[..], &[Red, Green, Blue]].concat());
     let packed = SphereTable { colors: ColorStorage::Packed, ..colored.clone() };
-    let (_, groups) = imported(&described(vec![colored, packed]));
+    let (_, groups) = imported(described(vec![colored, packed]));
     let bytes = |group: &RowGroup| match group.colors.as_ref().expect("colours") {
         Colors::Exact(colors) => size_of_val(&colors[..]),
         Colors::Packed(colors) => size_of_val(&colors[..]),
     };
-    assert_eq!([&groups[0], &groups[1]].map(bytes), [12, 4]);
+    let planned = [ColorStorage::Exact, ColorStorage::Packed].map(ColorStorage::bytes_each);
+    assert_eq!([&groups[0], &groups[1]].map(bytes), planned);
+    assert_eq!(planned, [12, 4]);
 }
 
 /// Rows are numbered through in the order of the tables, although those in f64 are kept elsewhere.
@@ -71,9 +73,10 @@ fn tables_of_both_precisions_keep_their_order() {
     let memory = |arrays| SphereTable { data: SphereData::Memory(arrays), ..Default::default() };
     let wide = SphereArrays::of_centers(vec![[0.1, 0.0, 0.0]], vec![1.0]);
     let tables = vec![table(&file, &PLAIN), memory(wide), memory(narrow(3.0))];
-    let (rows, groups) = imported(&described(tables));
+    let (rows, groups) = imported(described(tables));
     let exact: Vec<f64> = rows.exact.iter().map(|sphere| sphere.center.x).collect();
     assert_eq!(exact, [0.0, 1.0, 0.1]);
+    assert_eq!(rows.exact.capacity(), 3, "nothing was moved or held twice");
     assert_eq!(rows.table, [[3.0, 0.0, 0.0, 1.0]]);
     let first: Vec<u32> = groups.iter().map(|group| group.first_row).collect();
     assert_eq!(first, [1, 2, 3]);

@@ -1,8 +1,8 @@
 //! `[camera]`.
 
 use crate::math::DVec3;
-use crate::scene::description::{Camera, Lens, Projection, SphereRow};
-use crate::scene::keys::camera::{self as keys, Type};
+use crate::scene::description::{Camera, Lens, Projection, ProjectionKind, SphereRow};
+use crate::scene::keys::camera as keys;
 use crate::scene::kinds::{Node, Read, Text, Unfit};
 use crate::scene::suggest::did_you_mean;
 use crate::scene::toml::document::Table;
@@ -20,16 +20,16 @@ pub(super) fn read(table: &Table<'_>, spheres: &[SphereRow]) -> Camera {
     let near = table.get(&keys::NEAR).unwrap_or(usual.near);
     let view = position.zip(look_at).map(|(position, look_at)| View { position, look_at });
     let projection = match kind {
-        Type::Perspective => {
+        ProjectionKind::Perspective => {
             let fov = table.get(&keys::perspective::FOV);
             let lens = read_lens(table, view.as_ref(), spheres);
             Projection::Perspective { vertical_fov_degrees: fov.unwrap_or(36.0), lens }
         }
-        Type::Orthographic => {
+        ProjectionKind::Orthographic => {
             let height = table.get(&keys::orthographic::HEIGHT);
             Projection::Orthographic { height: height.unwrap_or(1.0) }
         }
-        Type::Panoramic => Projection::Panoramic {
+        ProjectionKind::Panoramic => Projection::Panoramic {
             horizontal_degrees: table.get(&keys::panoramic::HORIZONTAL).unwrap_or(360.0),
             vertical_degrees: table.get(&keys::panoramic::VERTICAL).unwrap_or(180.0),
         },

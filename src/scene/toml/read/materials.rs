@@ -2,8 +2,8 @@
 
 use crate::color::Rgb;
 use crate::material::{Metal, PrincipledParameters};
-use crate::scene::description::{NamedMaterial, Surface};
-use crate::scene::keys::material::{self as keys, Type};
+use crate::scene::description::{NamedMaterial, Surface, SurfaceKind};
+use crate::scene::keys::material as keys;
 use crate::scene::kinds::{Node, Number, Read, Unfit};
 use crate::scene::toml::document::Table;
 
@@ -24,22 +24,22 @@ fn read_surface(table: &Table<'_>) -> Surface {
         return Surface::default();
     };
     match kind {
-        Type::Diffuse => Surface::Diffuse {
+        SurfaceKind::Diffuse => Surface::Diffuse {
             albedo: table.get(&keys::diffuse::ALBEDO).unwrap_or_default(),
             roughness: table.get(&keys::diffuse::ROUGHNESS).unwrap_or(0.0),
         },
-        Type::Mirror => Surface::Mirror {
+        SurfaceKind::Mirror => Surface::Mirror {
             reflectance: table.get(&keys::mirror::REFLECTANCE).unwrap_or_default(),
         },
-        Type::Conductor => conductor(table),
-        Type::Dielectric => dielectric(table),
-        Type::Plastic => Surface::Plastic {
+        SurfaceKind::Conductor => conductor(table),
+        SurfaceKind::Dielectric => dielectric(table),
+        SurfaceKind::Plastic => Surface::Plastic {
             albedo: table.get(&keys::plastic::ALBEDO).unwrap_or_default(),
             ior: table.get(&keys::plastic::IOR).unwrap_or(1.5),
             roughness: table.get(&keys::plastic::ROUGHNESS).unwrap_or(0.0),
         },
-        Type::Principled => principled(table),
-        Type::Phong => Surface::Phong {
+        SurfaceKind::Principled => principled(table),
+        SurfaceKind::Phong => Surface::Phong {
             albedo: table.get(&keys::phong::ALBEDO).unwrap_or_default(),
             specular: table.get(&keys::phong::SPECULAR).unwrap_or_default(),
             exponent: table.get(&keys::phong::EXPONENT).unwrap_or_default(),

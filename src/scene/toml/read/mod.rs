@@ -113,6 +113,7 @@ fn read_sphere(table: &Table<'_>, index_of: &BTreeMap<&str, usize>) -> SphereRow
 }
 
 fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path) -> SphereTable {
+    let name = table.get(&keys::table::NAME);
     let file = table.get(&keys::table::FILE);
     let columns = table.get(&keys::table::COLUMNS);
     let material = table.required(keys::table::MATERIAL.name, &MaterialName(index_of));
@@ -129,7 +130,8 @@ fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path
         path: folder.join(file.unwrap_or_default()),
         columns: columns.unwrap_or(usual),
     };
-    SphereTable { data, material: material.unwrap_or_default(), colors: colors.unwrap_or_default() }
+    let (material, colors) = (material.unwrap_or_default(), colors.unwrap_or_default());
+    SphereTable { name, data, material, colors }
 }
 
 fn demand_spheres(root: &Table<'_>) {

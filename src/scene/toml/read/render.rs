@@ -1,7 +1,9 @@
 //! `[render]`, and how many samples the paper's sub-pixels make of it.
 
-use crate::scene::keys::render::{self as keys, StopKind};
-use crate::scene::settings::{Integrator, IntegratorKind, Paper, Render, SamplerKind, Stop};
+use crate::scene::keys::render as keys;
+use crate::scene::settings::{
+    Integrator, IntegratorKind, Paper, Render, SamplerKind, Stop, StopKind,
+};
 use crate::scene::toml::document::Table;
 
 pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> Render {

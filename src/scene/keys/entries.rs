@@ -1,144 +1,25 @@
-//! Every key of a scene file, declared once: its name, what it may hold, what it is where it is left
-//! out, and what it means. The reader of scene files, the check of values that a program gives, the
-//! command line's options, the JSON schema for editors, and the manual are made of this table or
-//! tested against it.
-
-use serde_json::{Map, Value, json};
+//! The entries of the table of keys, section by section, in the order of the manual.
 
 use crate::material::{GLASSES, Metal};
 use crate::math::MAX_COORDINATE;
-
-use super::data::Column;
-use super::description::ColorStorage;
-use super::kinds::{
-    COORDINATES, Choice, Color, Each, Flag, Kind, Limits, Number, Text, Triple, Whole, Word,
+use crate::scene::data::Column;
+use crate::scene::description::{ColorStorage, ProjectionKind, SurfaceKind};
+use crate::scene::kinds::{
+    COORDINATES, Choice, Color, Each, Flag, Limits, Number, Text, Triple, Whole, Word,
 };
-use super::settings::{
-    Estimator, FilterKind, Hemisphere, IntegratorKind, LightChoice, Miss, SamplerKind,
+use crate::scene::settings::{
+    Estimator, FilterKind, Hemisphere, IntegratorKind, LightChoice, Miss, SamplerKind, StopKind,
 };
 
-/// One key.
-pub(super) struct Key<K> {
-    pub(super) name: &'static str,
-    pub(super) kind: K,
-    /// As a scene file would write it; or in words, in brackets.
-    pub(super) default: Fallback,
-    /// One sentence without a full stop.
-    pub(super) help: &'static str,
-    pub(super) option: Option<SceneOption>,
-}
-
-/// What a key is where it is left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fallback {
-    /// It may not be left out.
-    Required,
-    /// This, in TOML.
-    Is(&'static str),
-    /// This, in words: it depends on other keys.
-    Depends(&'static str),
-}
-
-/// The option of the command line that sets a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SceneOption {
-    /// Its name.
-    pub name: &'static str,
-    /// What stands for its value in a description.
-    pub value: &'static str,
-    /// What is said of it, where that is not what is said of the key.
-    pub help: Option<&'static str>,
-}
-
-/// What anybody needs to know of a key, whatever it holds.
-#[derive(Clone, Debug)]
-pub struct KeyInfo {
-    /// The table that it stands in: `image`, `render.paper`, `materials.NAME`.
-    pub table: &'static str,
-    /// The `type` of the table that it belongs to, if it is of one type only.
-    pub of_type: Option<&'static str>,
-    /// Its name in that table.
-    pub name: &'static str,
-    /// What it may hold, in words.
-    pub expects: String,
-    /// The same as a JSON schema.
-    pub schema: Value,
-    /// What it is where it is left out.
-    pub default: Fallback,
-    /// What it means.
-    pub help: &'static str,
-    /// The option that sets it.
-    pub option: Option<SceneOption>,
-}
-
-/// A key whose kind does not matter.
-pub(in crate::scene) trait AnyKey: Sync {
-    fn info(&self, table: &'static str, of_type: Option<&'static str>) -> KeyInfo;
-    fn schema(&self) -> Value;
-}
-
-impl<K: Kind + Sync> AnyKey for Key<K> {
-    fn info(&self, table: &'static str, of_type: Option<&'static str>) -> KeyInfo {
-        let Self { name, ref kind, default, help, option } = *self;
-        let (expects, schema) = (kind.expects(), kind.schema());
-        KeyInfo { table, of_type, name, expects, schema, default, help, option }
-    }
-
-    fn schema(&self) -> Value {
-        let mut schema = self.kind.schema();
-        schema["description"] = json!(self.help);
-        let default = match self.default {
-            Fallback::Is(text) => value_of(text),
-            _ => None,
-        };
-        if let Some(value) = default {
-            schema["default"] = value;
-        }
-        schema
-    }
-}
-
-/// A TOML value as JSON.
-fn value_of(text: &str) -> Option<Value> {
-    // Every default in the table is written alike in both.
-    serde_json::from_str(text).ok()
-}
-
-/// A table of a scene file.
-struct Section {
-    path: &'static str,
-    help: &'static str,
-    keys: &'static [&'static dyn AnyKey],
-    /// Its types, each with the keys that only it has; the first is the one where none is named.
-    types: &'static [(&'static str, &'static [&'static dyn AnyKey])],
-}
-
-const fn key<K>(name: &'static str, kind: K, default: Fallback, help: &'static str) -> Key<K> {
-    Key { name, kind, default, help, option: None }
-}
-
-const fn optional<K>(
-    name: &'static str,
-    kind: K,
-    default: Fallback,
-    help: &'static str,
-    option: SceneOption,
-) -> Key<K> {
-    Key { name, kind, default, help, option: Some(option) }
-}
-
-const fn option(name: &'static str, value: &'static str) -> SceneOption {
-    SceneOption { name, value, help: None }
-}
-
-use Fallback::{Depends, Is, Required};
+use super::Fallback::{Depends, Is, Required};
+use super::{AnyKey, Key, SceneOption, key, option, optional};
 
 /// The largest radiance.
-pub(super) const BRIGHTEST: f64 = 1e15;
+pub(in crate::scene) const BRIGHTEST: f64 = 1e15;
 /// The smallest radius; its square is still a normal f32 number.
-pub(super) const SMALLEST_RADIUS: f64 = 1e-15;
+pub(in crate::scene) const SMALLEST_RADIUS: f64 = 1e-15;
 /// The most pixels along one side.
-pub(super) const WIDEST: u32 = 65_536;
+pub(in crate::scene) const WIDEST: u32 = 65_536;
 
 const LENGTH: Number = Number(Limits::AboveTo(0.0, MAX_COORDINATE));
 const RADIANCE: Color = Color(Limits::FromTo(0.0, BRIGHTEST));
@@ -158,7 +39,7 @@ macro_rules! keys {
 }
 
 /// The document itself.
-pub(super) mod root {
+pub(in crate::scene) mod root {
     use super::*;
     keys! {
         FORMAT: Whole<i64> = key("format", Whole(1..=i64::MAX), Required, "the version of this format: 1");
@@ -166,7 +47,7 @@ pub(super) mod root {
 }
 
 /// `[image]`.
-pub(super) mod image {
+pub(in crate::scene) mod image {
     use super::*;
     keys! {
         WIDTH: Whole<u32> = key("width", Whole(1..=WIDEST), Is("640"), "pixels across");
@@ -184,23 +65,11 @@ pub(super) mod image {
 }
 
 /// `[camera]`.
-pub(super) mod camera {
+pub(in crate::scene) mod camera {
     use super::*;
 
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub(in crate::scene) enum Type {
-        #[default]
-        Perspective,
-        Orthographic,
-        Panoramic,
-    }
-
-    crate::names::named! {
-        Type { Perspective = "perspective", Orthographic = "orthographic", Panoramic = "panoramic" }
-    }
-
     keys! {
-        TYPE: Choice<Type> = key("type", Choice::NEW, Is("\"perspective\""), "how directions become places in the picture");
+        TYPE: Choice<ProjectionKind> = key("type", Choice::NEW, Is("\"perspective\""), "how directions become places in the picture");
         POSITION: Triple = key("position", COORDINATE_TRIPLE, Required, "where the camera is");
         LOOK_AT: Triple = key("look_at", COORDINATE_TRIPLE, Required, "the point in the middle of the picture");
         UP: Triple = key("up", COORDINATE_TRIPLE, Is("[0, 1, 0]"), "the direction that is up in the picture, of any length");
@@ -242,7 +111,7 @@ pub(super) mod camera {
 }
 
 /// `[background]`.
-pub(super) mod background {
+pub(in crate::scene) mod background {
     use super::*;
     keys! {
         RADIANCE_EVERYWHERE: Color = key("radiance", RADIANCE, Is("[0, 0, 0]"), "radiance from everywhere, in W/(sr m^2)");
@@ -294,34 +163,11 @@ pub(super) mod background {
 }
 
 /// `[materials.NAME]`.
-pub(super) mod material {
+pub(in crate::scene) mod material {
     use super::*;
 
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub(in crate::scene) enum Type {
-        Diffuse,
-        Mirror,
-        Conductor,
-        Dielectric,
-        Plastic,
-        Principled,
-        Phong,
-    }
-
-    crate::names::named! {
-        Type {
-            Diffuse = "diffuse",
-            Mirror = "mirror",
-            Conductor = "conductor",
-            Dielectric = "dielectric",
-            Plastic = "plastic",
-            Principled = "principled",
-            Phong = "phong",
-        }
-    }
-
     keys! {
-        TYPE: Choice<Type> = key("type", Choice::NEW, Required, "the reflection model");
+        TYPE: Choice<SurfaceKind> = key("type", Choice::NEW, Required, "the reflection model");
         EMISSION: Color = key("emission", RADIANCE, Is("[0, 0, 0]"), "radiance that the surface emits on both sides, in W/(sr m^2)");
         OPACITY: Number = key("opacity", SHARE, Is("1"), "the probability that the surface is there for light");
     }
@@ -403,7 +249,7 @@ pub(super) mod material {
 }
 
 /// `[[spheres]]`.
-pub(super) mod sphere {
+pub(in crate::scene) mod sphere {
     use super::*;
     keys! {
         NAME: Text = key("name", Text, Depends("none"), "used in messages and to set keys of this sphere");
@@ -414,10 +260,11 @@ pub(super) mod sphere {
 }
 
 /// `[[sphere_tables]]`.
-pub(super) mod table {
+pub(in crate::scene) mod table {
     use super::*;
     keys! {
         FILE: Text = key("file", Text, Required, "a file of raw little-endian f32 rows");
+        NAME: Text = key("name", Text, Depends("the name of the file"), "used in the layers of Cryptomatte and to set keys of this table");
         COLUMNS: Each<Choice<Column>> = key("columns", Each(Choice::NEW), Required, "what each number of a row is");
         MATERIAL: Text = key("material", Text, Required, "the name of a material");
         COLORS: Choice<ColorStorage> = key("colors", Choice::NEW, Is("\"exact\""), "how the colours of the rows are kept in memory");
@@ -425,7 +272,7 @@ pub(super) mod table {
 }
 
 /// `[render]`.
-pub(super) mod render {
+pub(in crate::scene) mod render {
     use super::*;
     keys! {
         INTEGRATOR: Choice<IntegratorKind> = optional("integrator", Choice::NEW, Is("\"path\""), "what is computed",
@@ -451,18 +298,6 @@ pub(super) mod render {
         }
     }
 
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub(in crate::scene) enum StopKind {
-        #[default]
-        Roulette,
-        Depth,
-        Threshold,
-    }
-
-    crate::names::named! {
-        StopKind { Roulette = "roulette", Depth = "depth", Threshold = "threshold" }
-    }
-
     pub(in crate::scene) mod paper {
         use super::*;
         keys! {
@@ -483,146 +318,4 @@ pub(super) mod render {
             SHADOWS: Flag = key("shadows", Flag, Is("false"), "whether emitters cast shadows");
         }
     }
-}
-
-const fn plain(
-    path: &'static str,
-    help: &'static str,
-    keys: &'static [&'static dyn AnyKey],
-) -> Section {
-    Section { path, help, keys, types: &[] }
-}
-
-/// Every table of a scene file.
-const SECTIONS: &[Section] = &[
-    plain("", "a scene", root::ALL),
-    plain("image", "the picture", image::ALL),
-    Section {
-        path: "camera",
-        help: "where the picture is seen from",
-        keys: camera::ALL,
-        types: &[
-            ("perspective", camera::perspective::ALL),
-            ("orthographic", camera::orthographic::ALL),
-            ("panoramic", camera::panoramic::ALL),
-        ],
-    },
-    plain("background", "what a ray sees that hits nothing", background::ALL),
-    plain("background.gradient", "from above to below", background::gradient::ALL),
-    plain("background.image", "a picture of the surroundings", background::image::ALL),
-    plain("background.sky", "a clear sky", background::sky::ALL),
-    plain("background.sun", "the sun's disc", background::sun::ALL),
-    Section {
-        path: "materials.NAME",
-        help: "a surface",
-        keys: material::ALL,
-        types: &[
-            ("diffuse", material::diffuse::ALL),
-            ("mirror", material::mirror::ALL),
-            ("conductor", material::conductor::ALL),
-            ("dielectric", material::dielectric::ALL),
-            ("plastic", material::plastic::ALL),
-            ("principled", material::principled::ALL),
-            ("phong", material::phong::ALL),
-        ],
-    },
-    plain("spheres", "a sphere", sphere::ALL),
-    plain("sphere_tables", "many spheres from a file", table::ALL),
-    plain("render", "how the light is computed", render::ALL),
-    plain(
-        "render.ambient_occlusion",
-        "used only by ambient-occlusion",
-        render::ambient_occlusion::ALL,
-    ),
-    plain("render.paper", "used only by paper", render::paper::ALL),
-    plain("render.raycast", "used only by raycast", render::raycast::ALL),
-];
-
-/// Every key of a scene file, table by table.
-pub fn all() -> Vec<KeyInfo> {
-    let of_section = |section: &'static Section| {
-        let common = section.keys.iter().map(|key| key.info(section.path, None));
-        let typed = section
-            .types
-            .iter()
-            .flat_map(|(name, keys)| keys.iter().map(|key| key.info(section.path, Some(name))));
-        common.chain(typed)
-    };
-    SECTIONS.iter().flat_map(of_section).collect()
-}
-
-/// The JSON schema of scene files, for editors.
-pub fn schema() -> Value {
-    let mut root = Node::default();
-    for section in SECTIONS {
-        let mut node = &mut root;
-        for step in section.path.split('.').filter(|step| !step.is_empty()) {
-            node = node.tables.entry(step).or_default();
-        }
-        node.section = Some(section);
-    }
-    let mut schema = root.schema();
-    schema["$schema"] = json!("http://json-schema.org/draft-07/schema#");
-    schema["title"] = json!("photosphere scene");
-    schema
-}
-
-/// A table with the tables in it.
-#[derive(Default)]
-struct Node {
-    section: Option<&'static Section>,
-    tables: std::collections::BTreeMap<&'static str, Node>,
-}
-
-impl Node {
-    fn schema(&self) -> Value {
-        let Some(section) = self.section else {
-            // A table of tables: `materials`.
-            let entry = self.tables.values().next().map(Self::schema);
-            return json!({ "type": "object", "additionalProperties": entry });
-        };
-        let mut shared: Map<String, Value> = Map::new();
-        let mut required = Vec::new();
-        let add = |keys: &[&dyn AnyKey], to: &mut Map<String, Value>, required: &mut Vec<_>| {
-            for key in keys {
-                let info = key.info(section.path, None);
-                to.insert(info.name.to_owned(), key.schema());
-                required.extend((info.default == Required).then_some(info.name));
-            }
-        };
-        add(section.keys, &mut shared, &mut required);
-        for (name, table) in &self.tables {
-            let schema = table.schema();
-            let is_list = matches!(*name, "spheres" | "sphere_tables");
-            let schema = match is_list {
-                true => json!({ "type": "array", "items": schema }),
-                false => schema,
-            };
-            shared.insert((*name).to_owned(), schema);
-        }
-        if section.types.is_empty() {
-            return object(section.help, shared, &required);
-        }
-        let is_first = |index: usize| index == 0 && !required.contains(&"type");
-        let of_type = |(index, (name, keys)): (usize, &(&str, &[&dyn AnyKey]))| {
-            let (mut properties, mut required) = (shared.clone(), required.clone());
-            add(keys, &mut properties, &mut required);
-            properties.insert("type".to_owned(), json!({ "const": name }));
-            if !is_first(index) && !required.contains(&"type") {
-                required.push("type");
-            }
-            object(section.help, properties, &required)
-        };
-        json!({ "oneOf": section.types.iter().enumerate().map(of_type).collect::<Vec<_>>() })
-    }
-}
-
-fn object(help: &str, properties: Map<String, Value>, required: &[&str]) -> Value {
-    json!({
-        "type": "object",
-        "description": help,
-        "properties": properties,
-        "required": required,
-        "additionalProperties": false,
-    })
 }

@@ -1,0 +1,83 @@
+//! The JSON schema of scene files, made of the table of keys.
+
+use serde_json::{Map, Value, json};
+
+use super::Fallback::Required;
+use super::sections::SECTIONS;
+use super::{AnyKey, Section};
+
+/// The JSON schema of scene files, for editors.
+pub fn schema() -> Value {
+    let mut root = Node::default();
+    for section in SECTIONS {
+        let mut node = &mut root;
+        for step in section.path.split('.').filter(|step| !step.is_empty()) {
+            node = node.tables.entry(step).or_default();
+        }
+        node.section = Some(section);
+    }
+    let mut schema = root.schema();
+    schema["$schema"] = json!("http://json-schema.org/draft-07/schema#");
+    schema["title"] = json!("photosphere scene");
+    schema
+}
+
+/// A table with the tables in it.
+#[derive(Default)]
+struct Node {
+    section: Option<&'static Section>,
+    tables: std::collections::BTreeMap<&'static str, Node>,
+}
+
+impl Node {
+    fn schema(&self) -> Value {
+        let Some(section) = self.section else {
+            // A table of tables: `materials`.
+            let entry = self.tables.values().next().map(Self::schema);
+            return json!({ "type": "object", "additionalProperties": entry });
+        };
+        let mut shared: Map<String, Value> = Map::new();
+        let mut required = Vec::new();
+        let add = |keys: &[&dyn AnyKey], to: &mut Map<String, Value>, required: &mut Vec<_>| {
+            for key in keys {
+                let info = key.info(section.path, None);
+                to.insert(info.name.to_owned(), key.schema());
+                required.extend((info.default == Required).then_some(info.name));
+            }
+        };
+        add(section.keys, &mut shared, &mut required);
+        for (name, table) in &self.tables {
+            let schema = table.schema();
+            let is_list = matches!(*name, "spheres" | "sphere_tables");
+            let schema = match is_list {
+                true => json!({ "type": "array", "items": schema }),
+                false => schema,
+            };
+            shared.insert((*name).to_owned(), schema);
+        }
+        if section.types.is_empty() {
+            return object(section.help, shared, &required);
+        }
+        let is_first = |index: usize| index == 0 && !required.contains(&"type");
+        let of_type = |(index, (name, keys)): (usize, &(&str, &[&dyn AnyKey]))| {
+            let (mut properties, mut required) = (shared.clone(), required.clone());
+            add(keys, &mut properties, &mut required);
+            properties.insert("type".to_owned(), json!({ "const": name }));
+            if !is_first(index) && !required.contains(&"type") {
+                required.push("type");
+            }
+            object(section.help, properties, &required)
+        };
+        json!({ "oneOf": section.types.iter().enumerate().map(of_type).collect::<Vec<_>>() })
+    }
+}
+
+fn object(help: &str, properties: Map<String, Value>, required: &[&str]) -> Value {
+    json!({
+        "type": "object",
+        "description": help,
+        "properties": properties,
+        "required": required,
+        "additionalProperties": false,
+    })
+}
