@@ -79,7 +79,7 @@ fn what_does_not_add_up_is_refused_with_the_reason() {
     refused("a.part seed.part", &["are no parts of one picture", "`render.seed` is 5, not 0"]);
     refused("a.part size.part", &["`image.height` is 13, not 12"]);
     refused("a.part accel.part", &["the intersector is native, not "]);
-    let albedo = "`materials.0.surface.albedo` is [0.3, 0.6, 0.2], not [0.2, 0.6, 0.2]";
+    let albedo = "`materials.grass.albedo` is [0.3, 0.6, 0.2], not [0.2, 0.6, 0.2]";
     refused("a.part other.part", &[albedo]);
     let within = "`short.part` ends within a block, at sample 20, so that `c.part` cannot follow";
     refused("c.part short.part", &[within]);
@@ -185,7 +185,7 @@ fn what_is_not_this_render_is_not_gone_on_with() {
         .expect("written");
     refused(
         "resume a.state",
-        &["`materials.0.surface.albedo` is [0.2, 0.6, 0.2], not [0.3, 0.6, 0.2]"],
+        &["`materials.grass.albedo` is [0.2, 0.6, 0.2], not [0.3, 0.6, 0.2]"],
     );
 }
 
