@@ -43,14 +43,15 @@ impl Vertex {
     /// Dimensions set aside for each vertex.
     const COUNT: u32 = 8;
 
+    /// `depth` counts from 1. Lanes that nobody uses may have any; their numbers are of no account.
     pub(super) fn at(depth: u32) -> Self {
-        Self { base: Self::COUNT * depth }
+        Self { base: Self::COUNT.wrapping_mul(depth) }
     }
 
     /// The direction towards a light: two dimensions, in one set with the direction of the edge that
     /// ends here, or with the place in the pixel.
     pub(super) fn towards_lamp(self) -> u32 {
-        self.base - Self::COUNT + 2
+        self.base.wrapping_sub(Self::COUNT - 2)
     }
 
     /// The direction from the BSDF: two dimensions.

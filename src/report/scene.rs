@@ -39,7 +39,7 @@ pub struct SceneSummary<'a> {
 #[derive(Debug, Serialize)]
 struct Material<'a> {
     name: &'a str,
-    r#type: String,
+    r#type: &'static str,
 }
 
 /// The box around all spheres, in the user's coordinates.
