@@ -36,12 +36,12 @@ impl State {
     /// The state of work that began at some time, and takes so many samples.
     pub(super) fn since(began: Instant, samples_done: u64, samples_total: u64) -> Self {
         let left = samples_total.saturating_sub(samples_done);
-        let pace = Pace { elapsed: began.elapsed(), samples: samples_done, left: left..left };
+        let estimate = Pace { elapsed: began.elapsed(), samples: samples_done, left: left..left };
         Self {
             samples_done,
             samples_total,
-            rate: pace.rate(),
-            left: pace.time_left().map(|left| pace::in_words(&left)),
+            rate: estimate.rate(),
+            left: estimate.time_left().map(|left| pace::in_words(&left)),
             ..Self::default()
         }
     }

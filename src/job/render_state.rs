@@ -276,16 +276,16 @@ impl RenderState {
             total = pace::total_in_time(&total, in_time, self.samples_at_least());
         }
         let left = total.start.saturating_sub(done)..total.end.saturating_sub(done);
-        let pace = Pace { elapsed, samples, left };
+        let estimate = Pace { elapsed, samples, left };
         // Before the first decisions nobody knows.
         let is_known = standing.as_ref().is_none_or(|standing| standing.worst.is_finite());
         Progress {
             samples_done: done,
             samples_total: total.end,
-            rate: pace.rate(),
+            rate: estimate.rate(),
             error,
             squares: standing.map(|standing| [standing.done, standing.squares]),
-            left: pace.time_left().filter(|_| is_known || rest.is_some()),
+            left: estimate.time_left().filter(|_| is_known || rest.is_some()),
         }
     }
 }

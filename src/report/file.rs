@@ -110,6 +110,7 @@ impl FileRecords {
         let metadata = &self.metadata;
         let text = match record.name.as_str() {
             "settings" => return settings_in_words(metadata),
+            "intersector" => Some(metadata.intersector.to_string()),
             "samples" => Some(metadata.samples_as_text()),
             "counts" => Some(metadata.counts.to_string()),
             "parts" => Some(format!("{}\n", metadata.parts)),

@@ -429,7 +429,7 @@ fn without_comments(code: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-fn line_of(code: &str, at: usize) -> usize {
+pub(super) fn line_of(code: &str, at: usize) -> usize {
     code[..at].matches('\n').count() + 1
 }
 
@@ -442,12 +442,17 @@ fn room_of(file: &str) -> Option<String> {
 
 /// Every Rust file below `src`, with its text.
 fn sources() -> Vec<(String, String)> {
+    sources_in("src")
+}
+
+/// Every Rust file below a folder, with its text.
+pub(super) fn sources_in(folder: &str) -> Vec<(String, String)> {
     let mut found = Vec::new();
-    let mut folders = vec!["src".to_owned()];
+    let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
-        let entries = fs::read_dir(root().join(&folder)).expect("src can be listed");
+        let entries = fs::read_dir(root().join(&folder)).expect("folders can be listed");
         for entry in entries {
-            let entry = entry.expect("src can be listed");
+            let entry = entry.expect("folders can be listed");
             let name = format!("{folder}/{}", entry.file_name().to_string_lossy());
             if entry.path().is_dir() {
                 folders.push(name);
