@@ -7,7 +7,7 @@
 //! same ids, and every form of the kernel too.
 
 mod build;
-mod bvh;
+mod aggregate;
 mod giants;
 #[allow(unsafe_code, reason = "the one measured kernel; its head says why it is sound")]
 mod kernel;
@@ -27,12 +27,12 @@ use crate::math::{Hit, Ray};
 pub use kernel::Instance;
 
 use build::Shape;
-use bvh::Bvh;
+use aggregate::Aggregate;
 use giants::Giants;
 
 /// The hierarchy, and the form of the kernel that goes through it.
 pub(super) struct Native {
-    bvh: Bvh,
+    bvh: Aggregate,
     shape: Shape,
     instance: Instance,
 }
@@ -44,7 +44,7 @@ impl Native {
         let first_giant = spheres.particles().len();
         let giants = Giants::build(spheres.giants(), first_giant, &options.cancel)?;
         let instance = options.instance.unwrap_or_else(Instance::best);
-        Ok(Self { bvh: Bvh { tree, giants, spheres }, shape, instance })
+        Ok(Self { bvh: Aggregate { tree, giants, spheres }, shape, instance })
     }
 }
 

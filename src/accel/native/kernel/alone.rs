@@ -2,7 +2,7 @@
 
 use std::mem::MaybeUninit;
 
-use crate::accel::native::bvh::Bvh;
+use crate::accel::native::aggregate::Aggregate;
 use crate::accel::native::node::{Child, each_lane};
 use crate::accel::native::query::Query;
 use crate::accel::native::tree::Tree;
@@ -32,7 +32,7 @@ pub(super) unsafe fn judge(tree: &Tree, ray: &Ray, slot: &mut Slot) {
 /// that they are to overlook.
 #[cold]
 #[inline(never)]
-pub(super) fn alone<Q: Question>(bvh: &Bvh, ray: &Ray) -> Q::Answer {
+pub(super) fn alone<Q: Question>(bvh: &Aggregate, ray: &Ray) -> Q::Answer {
     let best = bvh.best_giant(ray, Q::ANY);
     if Q::ANY && best.is_hit() {
         return Q::answer(best);

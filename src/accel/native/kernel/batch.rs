@@ -1,6 +1,6 @@
 //! The rays of a batch, and how far it has come.
 
-use crate::accel::native::bvh::Bvh;
+use crate::accel::native::aggregate::Aggregate;
 use crate::accel::native::query::Best;
 use crate::math::Ray;
 
@@ -10,7 +10,7 @@ use super::slot::Slot;
 
 /// The rays of a batch, and how far it has come.
 pub(super) struct Batch<'a, Q: Question> {
-    pub(super) bvh: &'a Bvh,
+    pub(super) bvh: &'a Aggregate,
     pub(super) rays: &'a [Ray],
     pub(super) answers: &'a mut [Q::Answer],
     /// The first ray that has not been on its way yet.

@@ -2,7 +2,7 @@
 
 use std::mem::MaybeUninit;
 
-use crate::accel::native::bvh::Bvh;
+use crate::accel::native::aggregate::Aggregate;
 use crate::math::Ray;
 
 use super::batch::Batch;
@@ -46,7 +46,7 @@ impl Fly for Any {
 /// # Safety
 /// Needs the instructions of `L`, and as many answers as rays; the tree has a root.
 #[inline(always)]
-pub(super) unsafe fn fly<L: Lanes, Q: Fly>(bvh: &Bvh, rays: &[Ray], answers: &mut [Q::Answer]) {
+pub(super) unsafe fn fly<L: Lanes, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Answer]) {
     let mut pending = Pending::new();
     let mut batch = Batch::<Q> { bvh, rays, answers, next: 0, end: rays.len() };
     // SAFETY: the caller's promise; all that is pending was added here.
@@ -122,7 +122,7 @@ unsafe fn in_packets<L: Lanes>(batch: &mut Batch<'_, Closest>, pending: &mut Pen
 /// Needs the instructions of `L`, and as many answers as rays.
 #[inline(always)]
 pub(super) unsafe fn walk<L: Lanes, Q: Question>(
-    bvh: &Bvh,
+    bvh: &Aggregate,
     rays: &[Ray],
     answers: &mut [Q::Answer],
 ) {

@@ -47,7 +47,7 @@ mod x86;
 
 pub use instance::Instance;
 
-use crate::accel::native::bvh::Bvh;
+use crate::accel::native::aggregate::Aggregate;
 use crate::math::{Hit, Ray};
 
 use flight::Fly;
@@ -56,17 +56,17 @@ use question::{Any, Closest};
 
 /// # Panics
 /// When the slices differ in length.
-pub(super) fn closest(instance: Instance, bvh: &Bvh, rays: &[Ray], hits: &mut [Hit]) {
+pub(super) fn closest(instance: Instance, bvh: &Aggregate, rays: &[Ray], hits: &mut [Hit]) {
     trace::<Closest>(instance, bvh, rays, hits);
 }
 
 /// # Panics
 /// When the slices differ in length.
-pub(super) fn occluded(instance: Instance, bvh: &Bvh, rays: &[Ray], blocked: &mut [bool]) {
+pub(super) fn occluded(instance: Instance, bvh: &Aggregate, rays: &[Ray], blocked: &mut [bool]) {
     trace::<Any>(instance, bvh, rays, blocked);
 }
 
-fn trace<Q: Fly>(instance: Instance, bvh: &Bvh, rays: &[Ray], answers: &mut [Q::Answer]) {
+fn trace<Q: Fly>(instance: Instance, bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Answer]) {
     assert_eq!(rays.len(), answers.len(), "one answer for each ray");
     assert!(rays.len() <= u32::MAX as usize, "a batch has fewer than 2^32 rays");
     match instance {
@@ -88,7 +88,7 @@ fn trace<Q: Fly>(instance: Instance, bvh: &Bvh, rays: &[Ray], answers: &mut [Q::
 /// # Safety
 /// Needs the instructions of `L`, and as many answers as rays.
 #[inline(always)]
-unsafe fn form<L: Lanes, Q: Fly>(bvh: &Bvh, rays: &[Ray], answers: &mut [Q::Answer]) {
+unsafe fn form<L: Lanes, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Answer]) {
     // SAFETY: the caller's promise.
     unsafe {
         if bvh.tree.root.is_some() {
@@ -103,7 +103,7 @@ unsafe fn form<L: Lanes, Q: Fly>(bvh: &Bvh, rays: &[Ray], answers: &mut [Q::Answ
 /// Needs the features named, and as many answers as rays.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-unsafe fn avx2_form<Q: Fly>(bvh: &Bvh, rays: &[Ray], answers: &mut [Q::Answer]) {
+unsafe fn avx2_form<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Answer]) {
     // SAFETY: the caller's promise.
     unsafe { form::<avx2::Avx2, Q>(bvh, rays, answers) }
 }
@@ -112,7 +112,7 @@ unsafe fn avx2_form<Q: Fly>(bvh: &Bvh, rays: &[Ray], answers: &mut [Q::Answer]) 
 /// Needs the features named, and as many answers as rays.
 #[cfg(all(target_arch = "x86_64", has_avx512))]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl")]
-unsafe fn avx512_form<Q: Fly>(bvh: &Bvh, rays: &[Ray], answers: &mut [Q::Answer]) {
+unsafe fn avx512_form<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Answer]) {
     // SAFETY: the caller's promise.
     unsafe { form::<avx512::Avx512, Q>(bvh, rays, answers) }
 }

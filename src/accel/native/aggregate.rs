@@ -10,14 +10,14 @@ use super::query::{Best, Query};
 use super::tree::Tree;
 
 /// The tree of the particles, and the giants beside it.
-pub(super) struct Bvh {
+pub(super) struct Aggregate {
     pub(super) tree: Tree,
     pub(super) giants: Giants,
     /// The spheres that both are made of.
     pub(super) spheres: Arc<SphereSet>,
 }
 
-impl Bvh {
+impl Aggregate {
     /// The best hit of a valid ray on a giant; with `any`, some hit. Giants come first: there are few,
     /// and a hit on one shortens the way through the tree.
     #[inline(always)]
