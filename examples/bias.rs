@@ -15,9 +15,9 @@ use std::time::Instant;
 use photosphere::Result;
 use photosphere::accel::{Backend, BuildOptions};
 use photosphere::image_io::Picture;
-use photosphere::job::{Rendered, render};
-use photosphere::scene::{Override, Shot, read_file};
-use photosphere::verify::statistics::Estimate;
+use photosphere::job::{RenderedImage, render_with_accel};
+use photosphere::scene::{Override, PreparedScene, read_file};
+use photosphere::verify::statistics::MeanEstimate;
 
 const SEEDS: u64 = 32;
 const SAMPLES: u32 = 25600;
@@ -79,7 +79,7 @@ fn main() -> Result<()> {
     for seed in 0..SEEDS {
         for row in &mut rows {
             let began = Instant::now();
-            let Rendered { picture, rays, .. } = outcome(row.keys, seed)?;
+            let RenderedImage { picture, rays, .. } = outcome(row.keys, seed)?;
             row.seconds.push(began.elapsed().as_secs_f64());
             row.pictures.push(picture);
             row.rays += rays;
@@ -121,9 +121,9 @@ impl Row {
     fn error(&self, other: &Self) -> String {
         let differences: Vec<f64> =
             self.means().zip(other.means()).map(|(ours, theirs)| ours - theirs).collect();
-        let difference = Estimate::of(&differences);
-        let percent = 100.0 / Estimate::of(&other.means().collect::<Vec<_>>()).mean;
-        let margin = percent * difference.margin(0.95);
+        let difference = MeanEstimate::from_values(&differences);
+        let percent = 100.0 / MeanEstimate::from_values(&other.means().collect::<Vec<_>>()).mean;
+        let margin = percent * difference.confidence_half_width(0.95);
         // Two digits of the interval, and as many of the error.
         let digits = (1.0 - libm::log10(margin).floor()).clamp(2.0, 9.0) as usize;
         format!("{:+.digits$} +- {margin:.digits$} %", percent * difference.mean)
@@ -143,7 +143,7 @@ impl Row {
             self.pictures.iter().map(|p| f64::from(p.beauty(i / 3)[i % 3])).collect()
         };
         let count = 3 * self.pictures[0].len();
-        let of_mean = |i: usize| Estimate::of(&values(i)).standard_error.powi(2);
+        let of_mean = |i: usize| MeanEstimate::from_values(&values(i)).standard_error.powi(2);
         let mean = (0..count).map(of_mean).sum::<f64>() / count as f64;
         mean * SEEDS as f64 * f64::from(self.samples())
     }
@@ -163,7 +163,7 @@ fn samples(keys: &[&str]) -> u32 {
 }
 
 /// Figure 2 with these keys of `[render]`, in 8 x 6 pixels with independent random numbers.
-fn outcome(keys: &[&str], seed: u64) -> Result<Rendered> {
+fn outcome(keys: &[&str], seed: u64) -> Result<RenderedImage> {
     let set = |pair: &str| {
         let (key, value) = pair.split_once('=').expect("key=value");
         Override { option: format!("--set {pair}"), key: key.into(), value: value.into() }
@@ -176,5 +176,5 @@ fn outcome(keys: &[&str], seed: u64) -> Result<Rendered> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/paper/fig2.toml");
     let (scene, settings) = read_file(&path, &overrides)?.build()?;
     let accel = Backend::BruteForce.build(scene.spheres(), &BuildOptions::default())?;
-    render(&Shot::new(&scene, settings)?, &*accel, &[], &Default::default())
+    render_with_accel(&PreparedScene::new(&scene, settings)?, &*accel, &[], &Default::default())
 }

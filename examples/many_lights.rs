@@ -12,9 +12,9 @@ use std::time::Instant;
 
 use photosphere::accel::{Backend, BuildOptions};
 use photosphere::image_io::Picture;
-use photosphere::job::render;
+use photosphere::job::render_with_accel;
 use photosphere::sampling::Sampler;
-use photosphere::scene::{Override, Shot, read_file};
+use photosphere::scene::{Override, PreparedScene, read_file};
 
 const SCENE: &str = r#"format = 1
 [image]
@@ -70,7 +70,7 @@ fn write_scene(folder: &Path, count: u32) -> std::io::Result<PathBuf> {
     let radius = 25.0 / f64::from(count).sqrt();
     let mut rows = [const { Vec::new() }; MATERIALS.len()];
     for i in 0..count {
-        let sampler = Sampler::new(0, u64::from(i), 0);
+        let sampler = Sampler::independent(0, u64::from(i), 0);
         let [x, y, z] = [0, 1, 2].map(|dimension| sampler.get(dimension));
         let place = [80.0 * x - 40.0, 1.0 + 0.5 * y, 80.0 * z - 40.0];
         let material = [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0];
@@ -111,13 +111,13 @@ fn picture(
     ];
     let start = Instant::now();
     let (scene, settings) = read_file(path, &overrides)?.build()?;
-    let shot = Shot::new(&scene, settings)?;
+    let shot = PreparedScene::new(&scene, settings)?;
     let loaded = start.elapsed().as_secs_f64();
     let threads = rayon::current_num_threads();
     let accel = Backend::default()
         .build(scene.spheres(), &BuildOptions { threads, ..Default::default() })?;
     let start = Instant::now();
-    let picture = render(&shot, &*accel, &[], &Default::default())?.picture;
+    let picture = render_with_accel(&shot, &*accel, &[], &Default::default())?.picture;
     println!("({choice}: the scene took {loaded:.2} s to load)");
     Ok((picture, start.elapsed().as_secs_f64()))
 }

@@ -13,8 +13,8 @@ use std::path::Path;
 use photosphere::Result;
 use photosphere::accel::{Backend, BuildOptions};
 use photosphere::image_io::Picture;
-use photosphere::job::render;
-use photosphere::scene::{Override, Shot, read_file};
+use photosphere::job::render_with_accel;
+use photosphere::scene::{Override, PreparedScene, read_file};
 
 const SEEDS: usize = 16;
 
@@ -69,6 +69,6 @@ fn picture(scene: &str, sampler: &str, samples: u32, seed: usize) -> Result<Pict
     ];
     let (scene, settings) = read_file(Path::new(scene), &overrides)?.build()?;
     let accel = Backend::BruteForce.build(scene.spheres(), &BuildOptions::default())?;
-    let shot = Shot::new(&scene, settings)?;
-    Ok(render(&shot, &*accel, &[], &Default::default())?.picture)
+    let shot = PreparedScene::new(&scene, settings)?;
+    Ok(render_with_accel(&shot, &*accel, &[], &Default::default())?.picture)
 }

@@ -15,7 +15,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// Something that went wrong, told in the user's words: what happened, and what to do.
 #[derive(Debug)]
 pub struct Error {
-    kind: Box<Kind>,
+    repr: Box<Repr>,
 }
 
 /// Whose fault an [`Error`] is; the command line turns it into an exit code.
@@ -33,7 +33,7 @@ pub enum Category {
 
 /// What an advice tells to change. Every program has its own name for it: the command line, an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Setting {
+pub enum Suggestion {
     /// The intersector.
     Intersector,
     /// The number of threads.
@@ -55,33 +55,33 @@ pub enum Setting {
 }
 
 #[derive(Debug)]
-enum Kind {
-    Mistakes(Vec<Mistake>),
+enum Repr {
+    Diagnostics(Vec<Diagnostic>),
     Message {
         category: Category,
         message: String,
         help: Option<String>,
-        settings: Vec<(Setting, String)>,
+        settings: Vec<(Suggestion, String)>,
         source: Option<Box<dyn std::error::Error + Send + Sync>>,
     },
 }
 
 /// One mistake in a scene, with its place in the text where it has one.
 #[derive(Clone, Debug)]
-pub struct Mistake {
+pub struct Diagnostic {
     /// What is wrong, as one sentence without a full stop.
     pub message: String,
     /// Where in the text, and the few words written under the caret.
-    pub place: Option<Place>,
+    pub location: Option<SourceLocation>,
     /// What to do about it.
     pub help: Option<String>,
 }
 
 /// A stretch of source text, and what to write under it.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct SourceLocation {
     /// The text that the span points into.
-    pub source: Arc<Source>,
+    pub source: Arc<SourceText>,
     /// Byte range in the source text.
     pub span: Range<usize>,
     /// A few words for the caret; may be empty.
@@ -90,7 +90,7 @@ pub struct Place {
 
 /// A named text: a scene file, or an option of the command line.
 #[derive(Debug)]
-pub struct Source {
+pub struct SourceText {
     /// File name, or the option's name.
     pub name: String,
     /// The whole text.
@@ -125,15 +125,15 @@ impl Error {
     }
 
     /// All the mistakes found in a scene; `mistakes` must not be empty.
-    pub fn mistakes_found(mistakes: Vec<Mistake>) -> Self {
+    pub fn from_diagnostics(mistakes: Vec<Diagnostic>) -> Self {
         debug_assert!(!mistakes.is_empty());
-        Self { kind: Box::new(Kind::Mistakes(mistakes)) }
+        Self { repr: Box::new(Repr::Diagnostics(mistakes)) }
     }
 
     /// Adds the advice on what to do.
     #[must_use]
     pub fn with_help(mut self, advice: impl Into<String>) -> Self {
-        if let Kind::Message { help, .. } = &mut *self.kind {
+        if let Repr::Message { help, .. } = &mut *self.repr {
             *help = Some(advice.into());
         }
         self
@@ -141,8 +141,8 @@ impl Error {
 
     /// Adds a setting that the advice is about, and to what it should be set; empty where that is open.
     #[must_use]
-    pub fn with_setting(mut self, which: Setting, value: impl Into<String>) -> Self {
-        if let Kind::Message { settings, .. } = &mut *self.kind {
+    pub fn with_suggestion(mut self, which: Suggestion, value: impl Into<String>) -> Self {
+        if let Repr::Message { settings, .. } = &mut *self.repr {
             settings.push((which, value.into()));
         }
         self
@@ -154,7 +154,7 @@ impl Error {
         mut self,
         from: impl Into<Box<dyn std::error::Error + Send + Sync>>,
     ) -> Self {
-        if let Kind::Message { source, .. } = &mut *self.kind {
+        if let Repr::Message { source, .. } = &mut *self.repr {
             *source = Some(from.into());
         }
         self
@@ -162,34 +162,34 @@ impl Error {
 
     /// Whose fault it is.
     pub fn category(&self) -> Category {
-        match &*self.kind {
-            Kind::Mistakes(_) => Category::Input,
-            Kind::Message { category, .. } => *category,
+        match &*self.repr {
+            Repr::Diagnostics(_) => Category::Input,
+            Repr::Message { category, .. } => *category,
         }
     }
 
     /// The mistakes of a scene, in the order of the file; empty for other errors.
-    pub fn mistakes(&self) -> &[Mistake] {
-        match &*self.kind {
-            Kind::Mistakes(mistakes) => mistakes,
-            Kind::Message { .. } => &[],
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        match &*self.repr {
+            Repr::Diagnostics(mistakes) => mistakes,
+            Repr::Message { .. } => &[],
         }
     }
 
     /// What to do about it, where there is one thing to do.
     pub fn help(&self) -> Option<&str> {
-        match &*self.kind {
-            Kind::Mistakes(_) => None,
-            Kind::Message { help, .. } => help.as_deref(),
+        match &*self.repr {
+            Repr::Diagnostics(_) => None,
+            Repr::Message { help, .. } => help.as_deref(),
         }
     }
 
     /// The settings that the advice is about, any of which helps, and to what each should be set; empty
     /// where that is open.
-    pub fn settings(&self) -> impl Iterator<Item = (Setting, &str)> {
-        let settings: &[(Setting, String)] = match &*self.kind {
-            Kind::Mistakes(_) => &[],
-            Kind::Message { settings, .. } => settings,
+    pub fn suggestions(&self) -> impl Iterator<Item = (Suggestion, &str)> {
+        let settings: &[(Suggestion, String)] = match &*self.repr {
+            Repr::Diagnostics(_) => &[],
+            Repr::Message { settings, .. } => settings,
         };
         settings.iter().map(|(which, value)| (*which, value.as_str()))
     }
@@ -197,7 +197,7 @@ impl Error {
     fn message(category: Category, message: impl Into<String>) -> Self {
         let message = message.into();
         Self {
-            kind: Box::new(Kind::Message {
+            repr: Box::new(Repr::Message {
                 category,
                 message,
                 help: None,
@@ -210,9 +210,9 @@ impl Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &*self.kind {
-            Kind::Message { message, .. } => f.write_str(message),
-            Kind::Mistakes(mistakes) => {
+        match &*self.repr {
+            Repr::Message { message, .. } => f.write_str(message),
+            Repr::Diagnostics(mistakes) => {
                 for (i, mistake) in mistakes.iter().enumerate() {
                     let separator = if i == 0 { "" } else { "\n" };
                     write!(f, "{separator}{mistake}")?;
@@ -223,9 +223,9 @@ impl fmt::Display for Error {
     }
 }
 
-impl fmt::Display for Mistake {
+impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(place) = &self.place {
+        if let Some(place) = &self.location {
             let (line, column) = place.source.line_and_column(place.span.start);
             write!(f, "{}:{line}:{column}: ", place.source.name)?;
         }
@@ -235,14 +235,14 @@ impl fmt::Display for Mistake {
 
 impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match &*self.kind {
-            Kind::Mistakes(_) => None,
-            Kind::Message { source, .. } => Some(source.as_deref()?),
+        match &*self.repr {
+            Repr::Diagnostics(_) => None,
+            Repr::Message { source, .. } => Some(source.as_deref()?),
         }
     }
 }
 
-impl Source {
+impl SourceText {
     /// Line and column (in characters) of a byte offset, both counted from 1.
     pub fn line_and_column(&self, offset: usize) -> (usize, usize) {
         let before = &self.text[..offset.min(self.text.len())];

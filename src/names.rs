@@ -7,7 +7,7 @@ pub trait Named: Copy + PartialEq + 'static {
 }
 
 /// Gives an enum its names: the constant `NAMES`, `name()`, `named()`, and their use by serde.
-macro_rules! named {
+macro_rules! named_enum {
     ($type:ident { $($variant:ident = $name:literal),+ $(,)? }) => {
         #[allow(unreachable_pub, reason = "some of the enums are a room's own")]
         impl $type {
@@ -50,4 +50,4 @@ macro_rules! named {
         }
     };
 }
-pub(crate) use named;
+pub(crate) use named_enum;

@@ -8,9 +8,9 @@ use std::path::Path;
 
 use photosphere::accel::Backend;
 use photosphere::fault::{Fault, switch_to};
-use photosphere::task::Cancel;
-use photosphere::verify::check::{Effort, Outcome};
-use photosphere::verify::checks_on;
+use photosphere::task::CancelToken;
+use photosphere::verify::check::{Effort, CheckResult};
+use photosphere::verify::all_checks_on;
 
 /// Which check finds which mistake: the first whose name begins so.
 const FOUND_BY: &[(Fault, &str)] = &[
@@ -87,12 +87,12 @@ fn every_mistake_is_found_and_nothing_fails_without_one() {
 
 /// Runs a check with a mistake, or with none. The check is made anew each time: what it prepares, it
 /// prepares with the mistake.
-fn run(name: &str, fault: Option<Fault>) -> Outcome {
+fn run(name: &str, fault: Option<Fault>) -> CheckResult {
     switch_to(fault);
-    let checks = checks_on(Effort::Quick, &[Backend::Native]);
+    let checks = all_checks_on(Effort::Quick, &[Backend::Native]);
     let check = checks.iter().find(|check| check.name.starts_with(name));
     let check = check.unwrap_or_else(|| panic!("no check is called {name}"));
-    let outcome = check.run(&Cancel::default());
+    let outcome = check.run(&CancelToken::default());
     switch_to(None);
     outcome.expect("the check runs")
 }
@@ -109,7 +109,7 @@ struct Row {
 }
 
 impl Row {
-    fn new(fault: Fault, check: &str, outcome: &Outcome) -> Self {
+    fn new(fault: Fault, check: &str, outcome: &CheckResult) -> Self {
         Self {
             mistake: format!("`{fault:?}`"),
             text: [fault.breaks().to_owned(), check.to_owned()],

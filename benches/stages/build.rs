@@ -2,7 +2,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 
-use photosphere::accel::{Backend, BuildOptions, Quality};
+use photosphere::accel::{Backend, BuildOptions, BuildQuality};
 use photosphere::generate::Arrangement;
 use photosphere::verify::bench::StandardScene;
 
@@ -20,9 +20,9 @@ pub(crate) fn bench(criterion: &mut Criterion) {
             });
         };
         for &backend in Backend::AVAILABLE.iter().filter(|&&b| b != Backend::BruteForce) {
-            measure(backend.name(), backend, Quality::Best);
+            measure(backend.name(), backend, BuildQuality::Best);
         }
-        measure("native, fast", Backend::Native, Quality::Fast);
+        measure("native, fast", Backend::Native, BuildQuality::Fast);
     }
     group.finish();
 }

@@ -2,22 +2,22 @@
 
 use criterion::{Criterion, Throughput};
 
-use photosphere::color::{Radiance, Rgb};
-use photosphere::film::{BLOCK, Film, Format, Frame, Kind, Run, Scale, summed_for};
+use photosphere::color::{PathRadiance, Rgb};
+use photosphere::film::{BLOCK_SIZE, Film, FilmFormat, FilmFrame, Aov, SampleRun, RadianceScale, required_layers};
 
 const SIDE: u32 = 128;
 
 pub(crate) fn bench(criterion: &mut Criterion) {
-    let format = Format {
-        frame: Frame::whole(SIDE, SIDE),
+    let format = FilmFormat {
+        frame: FilmFrame::full(SIDE, SIDE),
         first_sample: 0,
-        scale: Scale::of_brightest(1.0),
-        layers: summed_for(&Kind::USUAL),
+        scale: RadianceScale::from_max_radiance(1.0),
+        layers: required_layers(&Aov::DEFAULT),
         squares: true,
     };
     let mut group = criterion.benchmark_group("film");
-    group.throughput(Throughput::Elements(u64::from(SIDE * SIDE * BLOCK)));
-    let light = light(16 * 4 * BLOCK);
+    group.throughput(Throughput::Elements(u64::from(SIDE * SIDE * BLOCK_SIZE)));
+    let light = light(16 * 4 * BLOCK_SIZE);
     // One film for all rounds: a render touches a pixel's memory for the first time only once.
     let film = Film::new(&format).expect("a small film");
     group.bench_function("add a block to every pixel", |bencher| {
@@ -32,28 +32,28 @@ pub(crate) fn bench(criterion: &mut Criterion) {
     group.finish();
 }
 
-fn light(samples: u32) -> Vec<Radiance> {
-    let of = |i: u32| Radiance {
+fn light(samples: u32) -> Vec<PathRadiance> {
+    let of = |i: u32| PathRadiance {
         direct: Rgb::splat(0.001 * (i % 997) as f32),
         indirect: Rgb::splat(0.002 * (i % 499) as f32),
-        ..Radiance::default()
+        ..PathRadiance::default()
     };
     (0..samples).map(of).collect()
 }
 
 /// One block of samples for every pixel.
-fn add_block(light: &[Radiance], film: &Film) {
-    let counts = vec![BLOCK; light.len() / BLOCK as usize];
-    for tile in 0..film.frame().tiles() {
-        let pixels = film.frame().tile(tile).pixels();
-        let run = Run { light: &light[..pixels * BLOCK as usize], seen: &[] };
+fn add_block(light: &[PathRadiance], film: &Film) {
+    let counts = vec![BLOCK_SIZE; light.len() / BLOCK_SIZE as usize];
+    for tile in 0..film.frame().tile_count() {
+        let pixels = film.frame().tile(tile).pixel_count();
+        let run = SampleRun { radiance: &light[..pixels * BLOCK_SIZE as usize], visible_surfaces: &[] };
         film.add(tile, &counts[..pixels], run).expect("nothing is too bright");
     }
 }
 
 /// What [`add_block`] adds, by plain arithmetic: both layers, and the squares of their sum.
-fn add_block_inexactly(light: &[Radiance], sums: &mut [[f64; 9]]) {
-    let blocks = light.chunks_exact(BLOCK as usize).cycle();
+fn add_block_inexactly(light: &[PathRadiance], sums: &mut [[f64; 9]]) {
+    let blocks = light.chunks_exact(BLOCK_SIZE as usize).cycle();
     for (sums, block) in sums.iter_mut().zip(blocks) {
         let mut of_block = [0.0; 6];
         for sample in block {

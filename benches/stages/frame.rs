@@ -5,11 +5,11 @@ use std::path::Path;
 
 use criterion::{Criterion, Throughput};
 
-use photosphere::accel::{BuildOptions, Choice};
+use photosphere::accel::{BuildOptions, BackendChoice};
 use photosphere::generate::{Arrangement, Recipe, scene_text, write_rows};
-use photosphere::job::render;
-use photosphere::scene::{Override, Shot, read_file};
-use photosphere::task::Cancel;
+use photosphere::job::render_with_accel;
+use photosphere::scene::{Override, PreparedScene, read_file};
+use photosphere::task::CancelToken;
 
 const KEYS: [(&str, &str); 3] =
     [("image.width", "96"), ("image.height", "72"), ("render.samples_per_pixel", "16")];
@@ -31,12 +31,12 @@ pub(crate) fn bench(criterion: &mut Criterion) {
         });
         let file = read_file(&path, &overrides).expect("a scene of ours");
         let (scene, settings) = file.build().expect("spheres of ours");
-        let shot = Shot::new(&scene, settings).expect("settings of ours");
-        let backend = Choice::Auto.choose(scene.spheres()).backend;
+        let shot = PreparedScene::new(&scene, settings).expect("settings of ours");
+        let backend = BackendChoice::Auto.select(scene.spheres()).backend;
         let accel = backend.build(scene.spheres(), &BuildOptions::default()).expect("builds");
-        let cancel = Cancel::default();
+        let cancel = CancelToken::default();
         group.bench_function(name, |bencher| {
-            bencher.iter(|| render(&shot, &*accel, &[], &cancel).expect("renders"));
+            bencher.iter(|| render_with_accel(&shot, &*accel, &[], &cancel).expect("renders"));
         });
     }
     group.finish();

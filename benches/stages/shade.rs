@@ -6,11 +6,11 @@ use std::path::Path;
 use criterion::{BenchmarkId, Criterion, Throughput};
 
 use photosphere::accel::{Backend, BuildOptions};
-use photosphere::color::Radiance;
-use photosphere::integrator::{SampleAddress, Workspace, World, of_shot};
+use photosphere::color::PathRadiance;
+use photosphere::integrator::{SampleAddress, Workspace, RenderContext, create};
 use photosphere::math::Isa;
-use photosphere::scene::{Shot, read_file};
-use photosphere::task::Cancel;
+use photosphere::scene::{PreparedScene, read_file};
+use photosphere::task::CancelToken;
 
 /// Samples of a batch, as in a render.
 const SAMPLES: u32 = 1024;
@@ -22,12 +22,12 @@ pub(crate) fn bench(criterion: &mut Criterion) {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(file);
         let file = read_file(&path, &[]).expect("a scene of ours");
         let (scene, settings) = file.build().expect("spheres of ours");
-        let shot = Shot::new(&scene, settings).expect("settings of ours");
-        let cancel = Cancel::default();
+        let shot = PreparedScene::new(&scene, settings).expect("settings of ours");
+        let cancel = CancelToken::default();
         let options = BuildOptions::default();
         let accel = Backend::BruteForce.build(scene.spheres(), &options).expect("builds");
-        let world = World::new(&shot, &*accel, &cancel);
-        let integrator = of_shot(&shot);
+        let world = RenderContext::new(&shot, &*accel, &cancel);
+        let integrator = create(&shot);
         // A block of neighbouring pixels in the middle, as a tile has them.
         let image = settings.image;
         let place = |i: u32| SampleAddress {
@@ -36,12 +36,12 @@ pub(crate) fn bench(criterion: &mut Criterion) {
             sample: i % 16,
         };
         let samples: Vec<_> = (0..SAMPLES).map(place).collect();
-        let mut radiance = vec![Radiance::default(); samples.len()];
-        for isa in Isa::all() {
-            let mut workspace = Workspace::with(isa);
+        let mut radiance = vec![PathRadiance::default(); samples.len()];
+        for isa in Isa::available() {
+            let mut workspace = Workspace::with_isa(isa);
             group.bench_function(BenchmarkId::new(name, isa.name()), |bencher| {
                 bencher.iter(|| {
-                    radiance.fill(Radiance::default());
+                    radiance.fill(PathRadiance::default());
                     integrator.estimate(world, &samples, &mut radiance, &mut workspace)
                 });
             });

@@ -5,7 +5,7 @@ use criterion::{BenchmarkId, Criterion, Throughput};
 use photosphere::accel::{Accel, Backend, BuildOptions};
 use photosphere::generate::Arrangement;
 use photosphere::math::{Hit, Ray};
-use photosphere::verify::bench::{Field, SECOND_BOUNCE, StandardScene};
+use photosphere::verify::bench::{BackendSet, SECOND_BOUNCE, StandardScene};
 
 const SPHERES: u64 = 100_000;
 const RAYS: usize = 16_384;
@@ -18,11 +18,11 @@ pub(crate) fn bench(criterion: &mut Criterion) {
         let trees: Vec<Backend> =
             Backend::AVAILABLE.iter().copied().filter(|&b| b != Backend::BruteForce).collect();
         let options = BuildOptions::default();
-        let field = Field::build(&scene.spheres, &trees, &options, 1).expect("builds");
-        let kinds = field.kinds_of_rays(scene.camera);
+        let field = BackendSet::build(&scene.spheres, &trees, &options, 1).expect("builds");
+        let kinds = field.ray_sets(scene.camera_rays);
         let kind = kinds.iter().find(|kind| kind.name == SECOND_BOUNCE).expect("there is one");
         let rays = &kind.rays[..RAYS.min(kind.rays.len())];
-        for (backend, accel) in field.contenders() {
+        for (backend, accel) in field.backends() {
             one(criterion, &format!("{}/{name}", backend.name()), accel, rays);
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
-use crate::names::named;
+use crate::names::named_enum;
 
 #[cfg(feature = "embree")]
 use super::embree;
@@ -27,7 +27,7 @@ pub enum Backend {
     BruteForce,
 }
 
-named! {
+named_enum! {
     Backend {
         Embree = "embree",
         EmbreeUser = "embree-user",
@@ -59,21 +59,21 @@ impl Backend {
     pub fn build(self, spheres: &Arc<SphereSet>, options: &BuildOptions) -> Result<Box<dyn Accel>> {
         options.cancel.check()?;
         match self {
-            Self::Native => Ok(Box::new(native::Native::new(Arc::clone(spheres), options)?)),
+            Self::Native => Ok(Box::new(native::NativeAccel::new(Arc::clone(spheres), options)?)),
             #[cfg(feature = "embree")]
             Self::Embree => {
-                Ok(Box::new(embree::Embree::build(spheres, embree::Particles::Points, options)?))
+                Ok(Box::new(embree::Embree::build(spheres, embree::ParticleGeometry::Points, options)?))
             }
             #[cfg(feature = "embree")]
             Self::EmbreeUser => {
-                Ok(Box::new(embree::Embree::build(spheres, embree::Particles::User, options)?))
+                Ok(Box::new(embree::Embree::build(spheres, embree::ParticleGeometry::User, options)?))
             }
             Self::BruteForce => Ok(Box::new(brute_force::BruteForce::new(spheres.clone()))),
             #[cfg(not(feature = "embree"))]
             Self::Embree | Self::EmbreeUser => {
                 Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
                     .with_help("build with the default features, or choose another intersector")
-                    .with_setting(crate::error::Setting::Intersector, "native"))
+                    .with_setting(crate::error::Suggestion::Intersector, "native"))
             }
         }
     }

@@ -29,7 +29,7 @@ pub struct EmbreeBuild {
 
 impl Intersector {
     /// The intersector that this backend is on this machine.
-    pub fn of(backend: Backend) -> Self {
+    pub fn for_backend(backend: Backend) -> Self {
         let embree = match embree_info() {
             Some(Ok(info)) if backend.uses_embree() => Some(EmbreeBuild {
                 version: info.runtime_version,

@@ -19,31 +19,31 @@ pub trait Accel: Send + Sync {
 
     /// [`Self::closest`] for the f64 rays of paths. Most backends are asked with [`SphereSet::ask`] of
     /// each, for which `asked` is room; one that computes in f64 may take them as they are.
-    fn closest_of(
+    fn closest_path_rays(
         &self,
         spheres: &SphereSet,
         rays: &PathRays,
-        asked: &mut Vec<Ray>,
+        queries: &mut Vec<Ray>,
         hits: &mut [Hit],
     ) {
-        ask(spheres, rays, asked);
-        self.closest(asked, hits);
+        to_queries(spheres, rays, queries);
+        self.closest(queries, hits);
     }
 
     /// [`Self::occluded`] for the f64 rays of paths.
-    fn occluded_of(
+    fn occluded_path_rays(
         &self,
         spheres: &SphereSet,
         rays: &PathRays,
-        asked: &mut Vec<Ray>,
+        queries: &mut Vec<Ray>,
         blocked: &mut [bool],
     ) {
-        ask(spheres, rays, asked);
-        self.occluded(asked, blocked);
+        to_queries(spheres, rays, queries);
+        self.occluded(queries, blocked);
     }
 
     /// How far this backend's arithmetic may move a sphere's surface for a ray.
-    fn precision(&self) -> Precision;
+    fn error_bound(&self) -> ErrorBound;
 
     /// Bytes held by the structure, without the spheres themselves.
     fn bytes(&self) -> usize;
@@ -55,9 +55,9 @@ pub trait Accel: Send + Sync {
 }
 
 /// Makes the rays to ask with.
-pub(super) fn ask(spheres: &SphereSet, rays: &PathRays, asked: &mut Vec<Ray>) {
-    asked.clear();
-    asked.extend(rays.iter().map(|ray| spheres.ask(&ray)));
+pub(super) fn to_queries(spheres: &SphereSet, rays: &PathRays, queries: &mut Vec<Ray>) {
+    queries.clear();
+    queries.extend(rays.iter().map(|ray| spheres.to_query(&ray)));
 }
 
 /// The stated error of a backend's arithmetic, as a backward error: an answer is exact for spheres
@@ -67,7 +67,7 @@ pub(super) fn ask(spheres: &SphereSet, rays: &PathRays, asked: &mut Vec<Ray>) {
 /// `crosscheck` and the differential tests accept an id that differs from the judge's only within
 /// this band.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Precision {
+pub struct ErrorBound {
     /// The factor `k` for spheres stored in f32.
     pub particles: f64,
     /// The factor `k` for giants.

@@ -3,7 +3,7 @@
 
 mod backend;
 mod brute_force;
-mod choice;
+mod backend_choice;
 #[cfg(feature = "embree")]
 #[allow(unsafe_code, reason = "the fence around Embree")]
 mod embree;
@@ -12,13 +12,13 @@ mod info;
 mod intersector;
 mod native;
 mod options;
-mod plan;
+mod memory_estimate;
 
 pub use backend::{Backend, embree_info};
-pub use choice::{Choice, Chosen};
+pub use backend_choice::{BackendChoice, SelectedBackend};
 pub use identity::{EmbreeBuild, Intersector};
 pub use info::EmbreeInfo;
-pub use intersector::{Accel, Precision};
-pub use native::Instance;
-pub use options::{BuildOptions, Quality};
-pub use plan::PlannedBytes;
+pub use intersector::{Accel, ErrorBound};
+pub use native::KernelIsa;
+pub use options::{BuildOptions, BuildQuality};
+pub use memory_estimate::MemoryEstimate;

@@ -3,10 +3,10 @@
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
-use crate::names::named;
-use crate::task::{Cancel, Progress};
+use crate::names::named_enum;
+use crate::task::{CancelToken, ProgressCallback};
 
-use super::native::Instance;
+use super::native::KernelIsa;
 
 /// How a backend is built.
 #[derive(Clone, Debug, Default)]
@@ -15,18 +15,18 @@ pub struct BuildOptions {
     /// current rayon pool.
     pub threads: usize,
     /// How much care the native backend takes.
-    pub quality: Quality,
+    pub quality: BuildQuality,
     /// Told how far a build is.
-    pub progress: Progress,
+    pub progress: ProgressCallback,
     /// The form of the native kernel; the fastest that there is where `None`.
-    pub instance: Option<Instance>,
+    pub isa: Option<KernelIsa>,
     /// Set from elsewhere to stop the build, which then fails with a cancellation.
-    pub cancel: Cancel,
+    pub cancel: CancelToken,
 }
 
 /// How much care a build takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Quality {
+pub enum BuildQuality {
     /// For pictures that take longer than the build.
     #[default]
     Best,
@@ -34,14 +34,14 @@ pub enum Quality {
     Fast,
 }
 
-impl Quality {
+impl BuildQuality {
     /// Every kind of care.
     pub const ALL: &[Self] = &[Self::Best, Self::Fast];
 }
 
-named! { Quality { Best = "best", Fast = "fast" } }
+named_enum! { BuildQuality { Best = "best", Fast = "fast" } }
 
-impl FromStr for Quality {
+impl FromStr for BuildQuality {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self> {

@@ -20,13 +20,13 @@ pub struct Aperture {
 impl Aperture {
     /// A point of the opening, from `u` in `[0, 1)^2`.
     pub fn sample(&self, u: [f64; 2]) -> [f64; 2] {
-        let unit = if self.blades == 0 { disk(u) } else { self.polygon(u) };
+        let unit = if self.blades == 0 { sample_concentric_disk(u) } else { self.sample_polygon(u) };
         unit.map(|x| x * self.radius)
     }
 
     /// The density of [`Self::sample`] per area: 0 outside of the opening.
     pub fn pdf(&self, point: [f64; 2]) -> f64 {
-        let [_, r] = self.sector_and_share(point);
+        let [_, r] = self.sector_coordinates(point);
         let is_outside = if self.blades == 0 { length(point) > self.radius } else { r > 1.0 };
         if is_outside { 0.0 } else { 1.0 / self.area() }
     }
@@ -34,9 +34,9 @@ impl Aperture {
     /// The `u` that gives a point.
     pub fn invert(&self, point: [f64; 2]) -> [f64; 2] {
         if self.blades == 0 {
-            return invert_disk(point.map(|x| x / self.radius));
+            return invert_concentric_disk(point.map(|x| x / self.radius));
         }
-        let [sector, r] = self.sector_and_share(point);
+        let [sector, r] = self.sector_coordinates(point);
         [sector / f64::from(self.blades), r * r]
     }
 
@@ -52,7 +52,7 @@ impl Aperture {
 
     /// In the triangle from the centre to an edge, lines parallel to the edge have lengths that grow
     /// with their distance, so the square root of a uniform number is the right distance.
-    fn polygon(&self, u: [f64; 2]) -> [f64; 2] {
+    fn sample_polygon(&self, u: [f64; 2]) -> [f64; 2] {
         let place = u[0] * f64::from(self.blades);
         let sector = place.floor().min(f64::from(self.blades - 1));
         let (along, r) = (place - sector, u[1].sqrt());
@@ -62,7 +62,7 @@ impl Aperture {
 
     /// Number of the sector plus the place along its edge, and the distance from the centre as a
     /// share of the edge's.
-    fn sector_and_share(&self, point: [f64; 2]) -> [f64; 2] {
+    fn sector_coordinates(&self, point: [f64; 2]) -> [f64; 2] {
         let n = f64::from(self.blades.max(3));
         let angle = atan2(point[1], point[0]) - self.rotation;
         let turns = angle / TAU - (angle / TAU).floor();
@@ -93,7 +93,7 @@ fn length([x, y]: [f64; 2]) -> f64 {
 
 /// A point of the unit disk. Squares around the centre of `u` become circles (Shirley and Chiu 1997,
 /// "A Low Distortion Map Between Disk and Square"), so points that are spread well stay so.
-fn disk(u: [f64; 2]) -> [f64; 2] {
+fn sample_concentric_disk(u: [f64; 2]) -> [f64; 2] {
     let [a, b] = u.map(|u| 2.0 * u - 1.0);
     if a == 0.0 && b == 0.0 {
         return [0.0; 2];
@@ -107,7 +107,7 @@ fn disk(u: [f64; 2]) -> [f64; 2] {
     [r * cos, r * sin]
 }
 
-fn invert_disk(point: [f64; 2]) -> [f64; 2] {
+fn invert_concentric_disk(point: [f64; 2]) -> [f64; 2] {
     let r = length(point);
     let angle = atan2(point[1], point[0]);
     // From -45 degrees on, so that each quarter belongs to one side of the square.

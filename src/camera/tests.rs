@@ -5,32 +5,32 @@ use approx::assert_relative_eq;
 use super::*;
 use crate::sampling::Sampler;
 
-const PINHOLE: Projection = Projection::Perspective { vertical_fov: FRAC_PI_2, lens: None };
+const PINHOLE: CameraModel = CameraModel::Perspective { vertical_fov: FRAC_PI_2, lens: None };
 
-fn camera(projection: Projection, near: f64) -> Camera {
-    let mount = Mount {
+fn camera(projection: CameraModel, near: f64) -> Camera {
+    let mount = CameraPose {
         position: DVec3::new(0.0, 0.0, 5.0),
-        towards: DVec3::new(0.0, 0.0, -2.0),
+        view_direction: DVec3::new(0.0, 0.0, -2.0),
         up: DVec3::Y,
         near,
-        size: [200, 100],
+        resolution: [200, 100],
     };
     Camera::new(&mount, projection)
 }
 
-fn thin_lens(radius: f64, focus_distance: f64) -> Projection {
+fn thin_lens(radius: f64, focus_distance: f64) -> CameraModel {
     let aperture = Aperture { radius, blades: 0, rotation: 0.0 };
-    let lens = Some(Lens { aperture, focus_distance });
-    Projection::Perspective { vertical_fov: FRAC_PI_2, lens }
+    let lens = Some(ThinLens { aperture, focus_distance });
+    CameraModel::Perspective { vertical_fov: FRAC_PI_2, lens }
 }
 
-const EVERY: [Projection; 4] = [
+const EVERY: [CameraModel; 4] = [
     PINHOLE,
-    Projection::Orthographic { height: 3.0 },
-    Projection::Panoramic { horizontal: TAU, vertical: PI },
-    Projection::Perspective {
+    CameraModel::Orthographic { height: 3.0 },
+    CameraModel::Panoramic { horizontal: TAU, vertical: PI },
+    CameraModel::Perspective {
         vertical_fov: 1.0,
-        lens: Some(Lens {
+        lens: Some(ThinLens {
             aperture: Aperture { radius: 0.5, blades: 5, rotation: 0.1 },
             focus_distance: 3.0,
         }),
@@ -40,8 +40,8 @@ const EVERY: [Projection; 4] = [
 #[test]
 fn the_middle_of_the_picture_is_the_view_axis_and_the_corners_are_symmetric() {
     let pinhole = camera(PINHOLE, 0.0);
-    assert_eq!(pinhole.ray(100.0, 50.0, [0.9; 2]).direction, -DVec3::Z);
-    let corner = pinhole.ray(200.0, 0.0, [0.0; 2]).direction;
+    assert_eq!(pinhole.generate_ray(100.0, 50.0, [0.9; 2]).direction, -DVec3::Z);
+    let corner = pinhole.generate_ray(200.0, 0.0, [0.0; 2]).direction;
     assert_relative_eq!(corner.x / -corner.z, 2.0, max_relative = 1e-12);
     assert_relative_eq!(corner.y / -corner.z, 1.0, max_relative = 1e-12);
 }
@@ -52,28 +52,28 @@ fn near_is_a_depth_along_the_axis_and_no_start_is_farther_than_stated() {
         for near in [0.0, 2.0] {
             let camera = camera(projection, near);
             let margin = 3.0;
-            let reach = camera.farthest_start(margin) * (1.0 + 1e-12);
+            let reach = camera.max_start_distance(margin) * (1.0 + 1e-12);
             for i in 0..1000 {
-                let sampler = Sampler::new(1, i, 0);
+                let sampler = Sampler::independent(1, i, 0);
                 let x = -3.0 + 206.0 * sampler.get(0);
                 let y = -3.0 + 106.0 * sampler.get(1);
-                let ray = camera.ray(x, y, sampler.get_2d(2));
+                let ray = camera.generate_ray(x, y, sampler.get_2d(2));
                 let from = ray.at(ray.t_min) - camera.position();
                 let depth = match projection {
-                    Projection::Panoramic { .. } => from.length(),
+                    CameraModel::Panoramic { .. } => from.length(),
                     _ => -from.z,
                 };
                 assert_relative_eq!(depth, near, epsilon = 1e-12);
                 assert_relative_eq!(ray.direction.length(), 1.0, max_relative = 1e-15);
                 assert!(from.length() <= reach && ray.t_min <= reach);
                 let origin = (ray.origin - camera.position()).length();
-                assert!(origin <= camera.farthest_origin(margin) * (1.0 + 1e-12));
+                assert!(origin <= camera.max_origin_distance(margin) * (1.0 + 1e-12));
                 // Small spheres around the start are among those that it may be in.
                 let sphere = Sphere { center: ray.at(ray.t_min), radius: 1e-9 };
-                assert!(camera.may_start_in(&sphere, margin));
+                assert!(camera.may_start_inside(&sphere, margin));
             }
             let far = Sphere { center: DVec3::new(0.0, 0.0, -90.0), radius: 1.0 };
-            assert!(!camera.may_start_in(&far, margin));
+            assert!(!camera.may_start_inside(&far, margin));
         }
     }
 }
@@ -82,10 +82,10 @@ fn near_is_a_depth_along_the_axis_and_no_start_is_farther_than_stated() {
 fn rays_through_a_lens_meet_where_it_is_focused() {
     let (sharp, pinhole) = (camera(thin_lens(0.7, 4.0), 0.0), camera(PINHOLE, 0.0));
     for (x, y) in [(100.0, 50.0), (0.0, 0.0), (13.0, 87.0)] {
-        let axis = pinhole.ray(x, y, [0.0; 2]);
+        let axis = pinhole.generate_ray(x, y, [0.0; 2]);
         let meeting = axis.at(4.0 / -axis.direction.z);
         for lens in [[0.1, 0.2], [0.5, 0.5], [0.99, 0.3]] {
-            let ray = sharp.ray(x, y, lens);
+            let ray = sharp.generate_ray(x, y, lens);
             let at = ray.at(4.0 / -ray.direction.z);
             assert!((at - meeting).length() < 1e-12, "{at} {meeting}");
             assert_eq!(ray.origin.z, 5.0);
@@ -93,16 +93,16 @@ fn rays_through_a_lens_meet_where_it_is_focused() {
     }
     // The middle of the opening is the pinhole.
     assert_eq!(
-        sharp.ray(13.0, 87.0, [0.5; 2]).direction,
-        pinhole.ray(13.0, 87.0, [0.0; 2]).direction
+        sharp.generate_ray(13.0, 87.0, [0.5; 2]).direction,
+        pinhole.generate_ray(13.0, 87.0, [0.0; 2]).direction
     );
 }
 
 #[test]
 fn a_lens_that_closes_becomes_the_pinhole() {
-    let pinhole = camera(PINHOLE, 0.5).ray(31.0, 77.0, [0.0; 2]);
+    let pinhole = camera(PINHOLE, 0.5).generate_ray(31.0, 77.0, [0.0; 2]);
     for radius in [1e-3, 1e-6, 1e-9] {
-        let ray = camera(thin_lens(radius, 2.0), 0.5).ray(31.0, 77.0, [0.93, 0.12]);
+        let ray = camera(thin_lens(radius, 2.0), 0.5).generate_ray(31.0, 77.0, [0.93, 0.12]);
         assert!((ray.direction - pinhole.direction).length() < radius);
         assert!((ray.origin - pinhole.origin).length() <= radius);
     }
@@ -110,16 +110,16 @@ fn a_lens_that_closes_becomes_the_pinhole() {
 
 #[test]
 fn parallel_rays_keep_their_distance() {
-    let camera = camera(Projection::Orthographic { height: 4.0 }, 1.0);
-    let ray = camera.ray(200.0, 0.0, [0.3; 2]);
+    let camera = camera(CameraModel::Orthographic { height: 4.0 }, 1.0);
+    let ray = camera.generate_ray(200.0, 0.0, [0.3; 2]);
     assert_eq!((ray.origin, ray.direction), (DVec3::new(4.0, 2.0, 5.0), -DVec3::Z));
     assert_eq!(ray.t_min, 1.0);
 }
 
 #[test]
 fn a_panorama_looks_everywhere() {
-    let whole = camera(Projection::Panoramic { horizontal: TAU, vertical: PI }, 0.0);
-    let direction = |x, y| whole.ray(x, y, [0.0; 2]).direction;
+    let whole = camera(CameraModel::Panoramic { horizontal: TAU, vertical: PI }, 0.0);
+    let direction = |x, y| whole.generate_ray(x, y, [0.0; 2]).direction;
     for (x, y, expected) in [
         (100.0, 50.0, -DVec3::Z),
         (150.0, 50.0, DVec3::X),

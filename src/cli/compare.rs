@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::color::Rgb;
 use crate::error::{Error, Result};
-use crate::image_io::{self, BEAUTY, Layered, Target};
+use crate::image_io::{self, BEAUTY, LayeredImage, ImageWriter};
 use crate::report::compare::{Comparison, Pair, VARIANCE};
 
 use super::args::CompareArgs;
@@ -15,7 +15,7 @@ use super::print;
 /// When a picture cannot be read, or the pictures cannot be compared.
 pub(super) fn run(args: &CompareArgs) -> Result<Exit> {
     check_heatmap(args)?;
-    let heatmap = args.heatmap.as_deref().map(Target::new).transpose()?;
+    let heatmap = args.heatmap.as_deref().map(ImageWriter::new).transpose()?;
     let pair = read(args)?;
     let layers = layers(&pair, &args.layers)?;
     let wanted = args.wanted();
@@ -23,15 +23,15 @@ pub(super) fn run(args: &CompareArgs) -> Result<Exit> {
     if let Some(target) = heatmap {
         let (picture, words) = pair.heatmap(&layers[0], args.heatmap_of);
         target.write(&picture)?;
-        print::remark(words);
+        print::note(words);
     }
     let exceeded = comparison.exceeded();
     if args.json {
         print::json(&comparison.json(&args.picture, &args.reference))?;
     } else {
-        pair.remarks().iter().for_each(print::remark);
+        pair.remarks().iter().for_each(print::note);
         print::result(&comparison.to_string())?;
-        exceeded.iter().for_each(print::remark);
+        exceeded.iter().for_each(print::note);
     }
     Ok(if exceeded.is_empty() { Exit::Done } else { Exit::CheckFailed })
 }
@@ -50,13 +50,13 @@ fn check_heatmap(args: &CompareArgs) -> Result<()> {
 
 /// Reads the pictures, and refuses those that cannot be compared.
 fn read(args: &CompareArgs) -> Result<Pair> {
-    let (mut a, mut b) = (image_io::read(&args.picture)?, image_io::read(&args.reference)?);
+    let (mut a, mut b) = (image_io::read_image(&args.picture)?, image_io::read_image(&args.reference)?);
     forget_equal_infinities(&mut a, &mut b);
     let is_compared =
         |name: &str| args.layers.is_empty() || args.layers.iter().any(|layer| layer == name);
     check_finite(&args.picture, &a, is_compared)?;
     check_finite(&args.reference, &b, is_compared)?;
-    let twin = args.twin.as_deref().map(image_io::read).transpose()?;
+    let twin = args.twin.as_deref().map(image_io::read_image).transpose()?;
     if let Some((path, twin)) = args.twin.as_deref().zip(twin.as_ref()) {
         check_finite(path, twin, |name| name == BEAUTY)?;
     }
@@ -87,7 +87,7 @@ fn layers(pair: &Pair, asked: &[String]) -> Result<Vec<String>> {
         return Err(error.with_help(format!("both have: {}", common.join(", "))));
     }
     if common.is_empty() {
-        let of = |picture: &Layered| {
+        let of = |picture: &LayeredImage| {
             picture.layers.iter().map(|layer| &*layer.name).collect::<Vec<_>>().join(", ")
         };
         let error = Error::input("the pictures have no layer in common");
@@ -101,7 +101,7 @@ fn layers(pair: &Pair, asked: &[String]) -> Result<Vec<String>> {
 
 /// Puts 0 where both pictures have the same value that is not finite, as the depth of nothing is
 /// infinite: there is no difference.
-fn forget_equal_infinities(a: &mut Layered, b: &mut Layered) {
+fn forget_equal_infinities(a: &mut LayeredImage, b: &mut LayeredImage) {
     for ours in &mut a.layers {
         let Some(theirs) = b.layers.iter_mut().find(|layer| layer.name == ours.name) else {
             continue;
@@ -118,14 +118,14 @@ fn forget_equal_infinities(a: &mut Layered, b: &mut Layered) {
 /// it is then not known.
 pub(super) fn check_finite(
     path: &Path,
-    picture: &Layered,
+    picture: &LayeredImage,
     is_compared: impl Fn(&str) -> bool,
 ) -> Result<()> {
     for layer in picture.layers.iter().filter(|layer| is_compared(&layer.name)) {
         if layer.name == VARIANCE {
             continue;
         }
-        if let Some((count, first)) = layer.non_finite() {
+        if let Some((count, first)) = layer.count_non_finite() {
             let (x, y) = (first % picture.width, first / picture.width);
             return Err(Error::input(format!(
                 "`{}` has {} that are infinite or not a number in its layer `{}`, the first at {x}, {y}",

@@ -6,35 +6,35 @@ use std::time::Instant;
 
 use crate::accel::Backend;
 use crate::error::{Error, Result};
-use crate::image_io::{self, BEAUTY, WholeFile};
+use crate::image_io::{self, BEAUTY, AtomicFile};
 use crate::report::convergence::{ConvergenceReport, ReferenceOrigin};
-use crate::scene::settings::{Image, Integrator, IntegratorKind};
+use crate::scene::settings::{ImageSettings, IntegratorSettings, IntegratorKind};
 use crate::scene::{Override, Settings, read_file};
-use crate::verify::converge::{Metric, Reference, ReferenceFrom, Series, Study, Variant};
+use crate::verify::converge::{ErrorMetric, Reference, ReferenceFrom, Series, Study, Variant};
 
 use super::args::ConvergeArgs;
 use super::compare::check_finite;
 use super::exit::Exit;
-use super::progress::{Progress, State};
+use super::progress::{ProgressDisplay, ProgressState};
 use super::system::on_threads;
 use super::{interrupt, print};
 
 /// # Errors
 /// Whatever stands between the scene and the plot, the place of the plot first.
 pub(super) fn run(args: &ConvergeArgs) -> Result<Exit> {
-    let file = WholeFile::ending_in(&args.output, "svg")?;
+    let file = AtomicFile::with_extension(&args.output, "svg")?;
     interrupt::listen();
     on_threads(args.scene.threads(), || converge(args, file))
 }
 
-fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
+fn converge(args: &ConvergeArgs, file: AtomicFile) -> Result<Exit> {
     let metric = args.metric;
     let (study, reference_integrator) = study(args)?;
-    let progress = Progress::new(args.quiet);
+    let progress = ProgressDisplay::new(args.quiet);
     let (done, total, began) = (AtomicU64::new(0), study.samples_in_all(), Instant::now());
     let result = study.measure(&|rendered| {
         let before = done.fetch_add(rendered.samples, Ordering::Relaxed);
-        progress.show(&State::since(began, before + rendered.samples, total));
+        progress.show(&ProgressState::since(began, before + rendered.samples, total));
         if !args.quiet && before == 0 {
             rendered.warnings.iter().for_each(print::warning);
         }
@@ -67,13 +67,13 @@ fn converge(args: &ConvergeArgs, file: WholeFile) -> Result<Exit> {
         false => print::result(&report.to_string())?,
     }
     if !args.quiet {
-        print::remark(format_args!("wrote {}", args.output.display()));
+        print::note(format_args!("wrote {}", args.output.display()));
     }
     Ok(Exit::Done)
 }
 
 /// Says why there is nothing to plot.
-fn nothing_to_plot(reference: &Reference, metric: Metric) -> Error {
+fn nothing_to_plot(reference: &Reference, metric: ErrorMetric) -> Error {
     match reference.noise(metric) {
         Some(0.0) | None => Error::input(
             "every picture equals the reference: there is no error to plot",
@@ -85,7 +85,7 @@ fn nothing_to_plot(reference: &Reference, metric: Metric) -> Error {
 }
 
 /// A reference that is nearly as noisy as what it judges is no reference.
-fn is_too_noisy(reference: &Reference, series: &[Series], metric: Metric) -> bool {
+fn is_too_noisy(reference: &Reference, series: &[Series], metric: ErrorMetric) -> bool {
     let points = series.iter().flat_map(|one| &one.points);
     // An error that is no number is not the least.
     let least = points.map(|point| point.error(metric).mean).fold(f64::INFINITY, f64::min);
@@ -126,8 +126,8 @@ fn study(args: &ConvergeArgs) -> Result<(Study, String)> {
     Ok((Study { scene, variants, samples, seeds, reference }, integrator))
 }
 
-fn read_reference(path: &Path, image: &Image) -> Result<Reference> {
-    let picture = image_io::read(path)?;
+fn read_reference(path: &Path, image: &ImageSettings) -> Result<Reference> {
+    let picture = image_io::read_image(path)?;
     check_finite(path, &picture, |name| name == BEAUTY)?;
     let (width, height) = (image.width as usize, image.height as usize);
     if (picture.width, picture.height) != (width, height) {
@@ -141,7 +141,7 @@ fn read_reference(path: &Path, image: &Image) -> Result<Reference> {
         Error::input(format!("`{}` has no layer for the whole picture", path.display()))
     })?;
     let variance = picture.layer("variance").map(|layer| layer.pixels.as_slice());
-    Ok(Reference::of_picture(beauty.pixels.clone(), variance))
+    Ok(Reference::from_picture(beauty.pixels.clone(), variance))
 }
 
 /// What one curve is to show.
@@ -206,7 +206,7 @@ fn overrides(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> 
 /// What the samples of a pixel have to be a multiple of.
 fn subpixels(settings: &Settings) -> u32 {
     match settings.render.integrator {
-        Integrator::Paper(paper) => paper.subpixels.pow(2),
+        IntegratorSettings::Paper(paper) => paper.subpixels.pow(2),
         _ => 1,
     }
 }

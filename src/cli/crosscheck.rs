@@ -10,8 +10,8 @@ use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, SphereSet};
 use crate::math::{DVec3, NO_SPHERE};
-use crate::scene::{Scene, Shot, read_file};
-use crate::verify::crosscheck::{self, Contender, Disagreement, Tally};
+use crate::scene::{Scene, PreparedScene, read_file};
+use crate::verify::crosscheck::{self, TestedBackend, Disagreement, CrosscheckResult};
 use crate::verify::rays;
 
 use super::args::CrosscheckArgs;
@@ -37,7 +37,7 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     let create = |path| Ok((path, File::create(path).map_err(|e| Error::file("write", path, e))?));
     let dump = args.dump.as_deref().map(create).transpose()?;
     let (scene, settings) = read_file(&args.scene.path, &args.scene.overrides())?.build()?;
-    let shot = Shot::new(&scene, settings)?;
+    let shot = PreparedScene::new(&scene, settings)?;
     let spheres = scene.spheres();
     let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
     let backends: Vec<(&str, Box<dyn Accel>)> = args
@@ -46,22 +46,22 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
         .iter()
         .map(|backend| Ok((backend.name(), backend.build(spheres, &build)?)))
         .collect::<Result<_>>()?;
-    let contenders: Vec<Contender<'_>> =
-        backends.iter().map(|(name, accel)| Contender { name, accel: accel.as_ref() }).collect();
+    let contenders: Vec<TestedBackend<'_>> =
+        backends.iter().map(|(name, accel)| TestedBackend { name, accel: accel.as_ref() }).collect();
 
     let of_scene = rays_of_shot(&shot, bouncer(spheres).build(spheres, &build)?.as_ref(), args);
     let left = args.rays as usize - of_scene.len();
-    let mut random = rays::beams(spheres, left / 4, args.seed);
+    let mut random = rays::coherent(spheres, left / 4, args.seed);
     random.extend(rays::random(spheres, left - random.len(), args.seed));
     let mut tallies = crosscheck::compare(spheres, &contenders, &of_scene, &build.cancel)?;
     tallies.iter().filter_map(about_ambiguity).for_each(print::warning);
     let about_random = crosscheck::compare(spheres, &contenders, &random, &build.cancel)?;
-    tallies.iter_mut().zip(about_random).for_each(|(tally, random)| tally.add(random));
+    tallies.iter_mut().zip(about_random).for_each(|(tally, random)| tally.merge(random));
     print::result(&table(&tallies))?;
     if let Some((path, file)) = dump {
         write_dump(file, &tallies, &scene).map_err(|e| Error::file("write", path, e))?;
     }
-    let failures: usize = tallies.iter().map(Tally::failures).sum();
+    let failures: usize = tallies.iter().map(CrosscheckResult::failures).sum();
     Ok(if failures == 0 { Exit::Done } else { Exit::CheckFailed })
 }
 
@@ -73,16 +73,16 @@ fn bouncer(spheres: &SphereSet) -> Backend {
 
 /// A third of all rays each: rays of the camera, and their bounces. Camera rays that hit nothing have
 /// no bounce; random rays take those places.
-fn rays_of_shot(shot: &Shot, accel: &dyn Accel, args: &CrosscheckArgs) -> Vec<PathRay> {
+fn rays_of_shot(shot: &PreparedScene, accel: &dyn Accel, args: &CrosscheckArgs) -> Vec<PathRay> {
     let spheres = shot.scene().spheres();
     let mut rays = camera_rays(shot, args.rays as usize / 3, args.seed);
-    rays.extend(rays::bounces(spheres, accel, &rays, args.seed));
-    rays.retain(|ray| rays::can_be_asked(spheres, ray));
+    rays.extend(rays::secondary(spheres, accel, &rays, args.seed));
+    rays.retain(|ray| rays::is_traceable(spheres, ray));
     rays
 }
 
 /// What to know of an intersector that often cannot tell the scene's spheres apart.
-fn about_ambiguity(of_scene: &Tally) -> Option<String> {
+fn about_ambiguity(of_scene: &CrosscheckResult) -> Option<String> {
     let share = of_scene.ambiguous_share();
     (share > TOLERABLE_AMBIGUITY).then(|| {
         format!(
@@ -96,18 +96,18 @@ fn about_ambiguity(of_scene: &Tally) -> Option<String> {
     })
 }
 
-fn camera_rays(shot: &Shot, count: usize, seed: u64) -> Vec<PathRay> {
+fn camera_rays(shot: &PreparedScene, count: usize, seed: u64) -> Vec<PathRay> {
     let mut rng = StdRng::seed_from_u64(seed);
-    let image = shot.image();
+    let image = shot.image_settings();
     let mut place = |pixels: u32| f64::from(pixels) * rng.random::<f64>();
     let mut ray = || {
         let (x, y) = (place(image.width), place(image.height));
-        shot.camera().ray(x, y, [place(1), place(1)])
+        shot.camera().generate_ray(x, y, [place(1), place(1)])
     };
     std::iter::repeat_with(&mut ray).take(count).collect()
 }
 
-fn table(tallies: &[Tally]) -> String {
+fn table(tallies: &[CrosscheckResult]) -> String {
     const COLUMNS: [i32; 12] = [-12, 9, 9, 11, 13, 7, 7, 8, 10, 7, 11, 9];
     let mut text = row(
         COLUMNS,
@@ -129,21 +129,21 @@ fn table(tallies: &[Tally]) -> String {
     for tally in tallies {
         let counts = [
             tally.rays,
-            tally.equal,
+            tally.exact,
             tally.ambiguous,
-            tally.passed_over,
-            tally.wrong,
-            tally.lost,
-            tally.ghosts,
+            tally.hidden_hits,
+            tally.wrong_ids,
+            tally.false_misses,
+            tally.false_hits,
             tally.wrong_distances,
             tally.wrong_sides,
             tally.wrong_occlusions,
         ];
         let [a, b, c, d, e, f, g, h, i, j] = &counts.map(|count| count.to_string());
-        let error = format!("{:.3}", tally.largest_distance_error);
+        let error = format!("{:.3}", tally.max_distance_error);
         text += &row(COLUMNS, [&tally.name, a, b, c, d, e, f, g, h, i, j, &error]);
     }
-    let failures: usize = tallies.iter().map(Tally::failures).sum();
+    let failures: usize = tallies.iter().map(CrosscheckResult::failures).sum();
     text += "passed over: those of the ambiguous that lie behind another sphere\n\
              t error: the largest error of a distance, in units of what is allowed\n";
     text += &match failures {
@@ -155,9 +155,9 @@ fn table(tallies: &[Tally]) -> String {
 
 /// What each sphere of a disagreement is to the user: ` 7 = row 2 "ball"`.
 fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
-    let Disagreement { ray, answered, judged, .. } = disagreement;
+    let Disagreement { ray, backend_hit: answered, exact_hit: judged, .. } = disagreement;
     let hits = [answered, judged].map(|hit| hit.map_or(NO_SPHERE, |(id, _)| id));
-    let mut ids = [hits[0], hits[1], ray.leaves, ray.aims_at].to_vec();
+    let mut ids = [hits[0], hits[1], ray.origin_sphere, ray.target_sphere].to_vec();
     ids.sort_unstable();
     ids.dedup();
     // A broken intersector may answer a sphere that there is not.
@@ -176,7 +176,7 @@ fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
 const ABOUT_DUMP: &str = "spheres by their ids, and behind them what they are in the scene: rows count \
     from 0 through [[spheres]] and then the tables";
 
-fn write_dump(to: File, tallies: &[Tally], scene: &Scene) -> std::io::Result<()> {
+fn write_dump(to: File, tallies: &[CrosscheckResult], scene: &Scene) -> std::io::Result<()> {
     let mut to = BufWriter::new(to);
     let DVec3 { x, y, z } = scene.spheres().origin();
     writeln!(to, "# rays relative to {x:?} {y:?} {z:?}; {ABOUT_DUMP}")?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::accel::{self, Accel, Backend, BuildOptions, Choice, Chosen, EmbreeInfo};
+use crate::accel::{self, Accel, Backend, BuildOptions, BackendChoice, SelectedBackend, EmbreeInfo};
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use crate::math::{DVec3, Hit};
@@ -99,10 +99,10 @@ impl Report {
 
     /// What `--accel auto` takes, for all numbers of spheres.
     fn choice(&mut self) {
-        let few = Choice::VERY_FEW;
+        let few = BackendChoice::BRUTE_FORCE_MAX_SPHERES;
         let up_to = format!("up to {few} spheres");
         for (name, spheres, words) in [("--accel auto", few, &*up_to), ("", few + 1, "more")] {
-            let Chosen { backend, reason } = Choice::Auto.choose_for(spheres);
+            let SelectedBackend { backend, reason } = BackendChoice::Auto.select_for_count(spheres);
             self.wide_row(name, format!("{words}: {} ({reason})", backend.name()));
         }
     }
@@ -125,7 +125,7 @@ fn try_out(backend: Backend) -> Result<()> {
     let accel = backend.build(&spheres, &BuildOptions::default())?;
     for (start, expected) in [(0.0, 2.0), (3.0, 1.0)] {
         let origin = DVec3::new(start, 0.0, 0.0) - spheres.origin();
-        let ray = PathRay::free(origin, DVec3::X);
+        let ray = PathRay::new(origin, DVec3::X);
         let found = distance(accel.as_ref(), &spheres, &ray);
         if found != Some(expected) {
             return Err(Error::backend(format!(
@@ -138,6 +138,6 @@ fn try_out(backend: Backend) -> Result<()> {
 
 fn distance(accel: &dyn Accel, spheres: &SphereSet, ray: &PathRay) -> Option<f64> {
     let mut hits = [Hit::MISS];
-    accel.closest(&[spheres.ask(ray)], &mut hits);
-    spheres.answer(ray, hits[0]).map(|hit| hit.t)
+    accel.closest(&[spheres.to_query(ray)], &mut hits);
+    spheres.resolve_hit(ray, hits[0]).map(|hit| hit.t)
 }

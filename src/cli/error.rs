@@ -11,18 +11,18 @@ use miette::{
     Report, ReportHandler,
 };
 
-use crate::error::{Error, Mistake, Place, Setting};
+use crate::error::{Error, Diagnostic, SourceLocation, Suggestion};
 
 use super::print;
 
 /// Prints the error, with all its mistakes.
 pub(super) fn print(error: &Error) {
-    print::remark(report(error, &handler()).trim_end());
+    print::note(report(error, &handler()).trim_end());
 }
 
 /// The whole report.
 fn report(error: &Error, handler: &MietteHandler) -> String {
-    let mistakes = error.mistakes();
+    let mistakes = error.diagnostics();
     if mistakes.is_empty() {
         return drawn(&bare(error.to_string(), help(error).as_deref()).into(), handler);
     }
@@ -32,22 +32,22 @@ fn report(error: &Error, handler: &MietteHandler) -> String {
 /// What to do, with the option that does it.
 fn help(error: &Error) -> Option<String> {
     let help = error.help()?;
-    let ways: Vec<String> = error.settings().map(way_of).collect();
+    let ways: Vec<String> = error.suggestions().map(way_of).collect();
     Some(if ways.is_empty() { help.to_owned() } else { format!("{help}: {}", ways.join(" or ")) })
 }
 
 /// What to type for a setting.
-fn way_of((setting, value): (Setting, &str)) -> String {
+fn way_of((setting, value): (Suggestion, &str)) -> String {
     let option = match setting {
-        Setting::Intersector => "--accel",
-        Setting::Threads => "--threads",
-        Setting::Count => "--count",
-        Setting::Layers => "--layers",
-        Setting::SamplesPerPixel => "--spp",
-        Setting::Folder => "--folder",
-        Setting::AllowGaps => "--allow-gaps",
-        Setting::Resume => return format!("photosphere resume '{value}'"),
-        Setting::Info => "photosphere info",
+        Suggestion::Intersector => "--accel",
+        Suggestion::Threads => "--threads",
+        Suggestion::Count => "--count",
+        Suggestion::Layers => "--layers",
+        Suggestion::SamplesPerPixel => "--spp",
+        Suggestion::Folder => "--folder",
+        Suggestion::AllowGaps => "--allow-gaps",
+        Suggestion::Resume => return format!("photosphere resume '{value}'"),
+        Suggestion::Info => "photosphere info",
     };
     format!("{option} {value}").trim_end().to_owned()
 }
@@ -58,9 +58,9 @@ fn drawn(diagnostic: &Report, handler: &MietteHandler) -> String {
     format!("{}\n", drawn.trim_start().trim_end())
 }
 
-fn diagnostic(mistake: &Mistake) -> Report {
+fn diagnostic(mistake: &Diagnostic) -> Report {
     let bare = bare(mistake.message.clone(), mistake.help.as_deref());
-    match &mistake.place {
+    match &mistake.location {
         None => bare.into(),
         Some(place) => {
             // miette draws nothing under the end of a last line that is not ended.
@@ -79,7 +79,7 @@ fn bare(message: String, help: Option<&str>) -> MietteDiagnostic {
     }
 }
 
-fn label(place: &Place) -> LabeledSpan {
+fn label(place: &SourceLocation) -> LabeledSpan {
     let end = place.span.end.min(place.source.text.trim_end_matches('\n').len());
     let start = place.span.start.min(end);
     let words = Some(place.label.clone()).filter(|words| !words.is_empty());
@@ -121,15 +121,15 @@ impl fmt::Display for Drawing<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::Source;
+    use crate::error::SourceText;
     use std::sync::Arc;
 
-    fn mistake(text: &str, span: std::ops::Range<usize>) -> Mistake {
-        let source = Arc::new(Source { name: "a.toml".into(), text: text.into() });
-        let place = Place { source, span, label: "not positive".into() };
-        Mistake {
+    fn mistake(text: &str, span: std::ops::Range<usize>) -> Diagnostic {
+        let source = Arc::new(SourceText { name: "a.toml".into(), text: text.into() });
+        let place = SourceLocation { source, span, label: "not positive".into() };
+        Diagnostic {
             message: "the radius is 0".into(),
-            place: Some(place),
+            location: Some(place),
             help: Some("give it a size".into()),
         }
     }
@@ -138,7 +138,7 @@ mod tests {
     fn all_mistakes_are_drawn_with_place_and_caret() {
         let text = "[a]\nradius = 0\n";
         let mistakes = vec![mistake(text, 13..14), mistake(text, 1..2)];
-        let report = report(&Error::mistakes_found(mistakes), &plain());
+        let report = report(&Error::from_diagnostics(mistakes), &plain());
         let expected = "\
 error: the radius is 0
    ,-[a.toml:2:10]
@@ -156,7 +156,7 @@ error: the radius is 0
     #[test]
     fn a_place_at_the_end_or_beyond_is_still_drawn() {
         for (text, span) in [("", 0..0), ("a", 1..1), ("a\n", 2..2), ("a\n", 7..9)] {
-            let report = report(&Error::mistakes_found(vec![mistake(text, span)]), &plain());
+            let report = report(&Error::from_diagnostics(vec![mistake(text, span)]), &plain());
             assert!(report.contains("[a.toml:") && report.contains("not positive"), "{report}");
         }
     }
@@ -165,7 +165,7 @@ error: the radius is 0
     fn plain_errors_are_a_message_and_its_help() {
         let error = Error::input("no").with_help("try yes");
         assert_eq!(report(&error, &plain()), "error: no\n  help: try yes\n");
-        let error = error.with_setting(Setting::Intersector, "native");
+        let error = error.with_suggestion(Suggestion::Intersector, "native");
         assert_eq!(report(&error, &plain()), "error: no\n  help: try yes: --accel native\n");
     }
 }

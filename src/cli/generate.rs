@@ -8,7 +8,7 @@ use indicatif::ProgressBar;
 
 use crate::error::{Error, Result};
 use crate::generate::{Recipe, scene_text, write_rows};
-use crate::image_io::WholeFile;
+use crate::image_io::AtomicFile;
 
 use super::args::GenerateArgs;
 use super::exit::Exit;
@@ -23,20 +23,20 @@ pub(super) fn run(args: &GenerateArgs) -> Result<Exit> {
         return Err(Error::input("the table and the scene cannot be the same file")
             .with_help("name another file with --scene"));
     }
-    let table = WholeFile::new(&args.output)?;
-    let scene = args.scene.as_deref().map(WholeFile::new).transpose()?;
+    let table = AtomicFile::new(&args.output)?;
+    let scene = args.scene.as_deref().map(AtomicFile::new).transpose()?;
     interrupt::listen();
     on_threads(args.threads, || write_table(&recipe, table, &args.output))?;
     if let (Some(file), Some(path)) = (scene, &args.scene) {
         let text = scene_text(&recipe, &table_as_seen_from(path, &args.output));
         file.write(|to| to.write_all(text.as_bytes()))?;
         let path = path.display();
-        print::remark(format_args!("wrote {path}; try: photosphere render {path} -o picture.png"));
+        print::note(format_args!("wrote {path}; try: photosphere render {path} -o picture.png"));
     }
     Ok(Exit::Done)
 }
 
-fn write_table(recipe: &Recipe, file: WholeFile, path: &Path) -> Result<()> {
+fn write_table(recipe: &Recipe, file: AtomicFile, path: &Path) -> Result<()> {
     let start = Instant::now();
     // Draws nothing where the standard error is no terminal.
     let bar = ProgressBar::new(recipe.count());
@@ -45,7 +45,7 @@ fn write_table(recipe: &Recipe, file: WholeFile, path: &Path) -> Result<()> {
     written?;
     let spheres = print::count(recipe.count() as usize, "sphere");
     let seconds = start.elapsed().as_secs_f64();
-    print::remark(format_args!("wrote {}: {spheres} in {seconds:.2} s", path.display()));
+    print::note(format_args!("wrote {}: {spheres} in {seconds:.2} s", path.display()));
     Ok(())
 }
 

@@ -1,13 +1,13 @@
 //! `photosphere info`: what is in a scene, and how a picture was made.
 
 use crate::error::{Error, Result};
-use crate::film::Kind;
+use crate::film::Aov;
 use crate::report::{FileRecords, SceneSummary, is_picture};
 use crate::scene::read_file;
 
 use super::args::InfoArgs;
 use super::exit::Exit;
-use super::memory::Needs;
+use super::memory::MemoryNeeds;
 use super::system::on_threads;
 use super::{memory, print, render};
 
@@ -37,8 +37,8 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
             // Before anything is loaded: that may be what there is no memory for.
             print::result(&memory::table(&file))?;
         }
-        let backends = [args.accel.choice.choose_for(file.sphere_count() as usize).backend];
-        let needs = Needs { backends: &backends, kinds: &Kind::USUAL, besides: 0 };
+        let backends = [args.accel.choice.select_for_count(file.sphere_count() as usize).backend];
+        let needs = MemoryNeeds { backends: &backends, kinds: &Aov::DEFAULT, besides: 0 };
         memory::check(&file, &needs, args.memory.limit)?;
         let (scene, settings) = file.build()?;
         render::about_spheres(scene.spheres()).iter().for_each(print::warning);

@@ -10,9 +10,9 @@ use std::thread;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
 use signal_hook::iterator::Signals;
 
-use crate::image_io::remove_unfinished;
+use crate::image_io::remove_temp_files;
 use crate::job::SaveRequest;
-use crate::task::Cancel;
+use crate::task::CancelToken;
 
 use super::exit::{Exit, leave_with};
 use super::print;
@@ -20,7 +20,7 @@ use super::print;
 /// What signals ask for.
 #[derive(Clone, Default)]
 pub(super) struct Interrupt {
-    cancel: Cancel,
+    cancel: CancelToken,
     can_save: Arc<AtomicBool>,
     is_asked: Arc<AtomicBool>,
     save_request: SaveRequest,
@@ -72,19 +72,19 @@ pub(super) fn listen() -> Interrupt {
     let ours = interrupt.clone();
     let mut heard = Heard::default();
     let mut handler = move |signal| {
-        let is_asked = ours.is_asked();
+        let is_asked = ours.is_requested();
         match heard.meaning(signal, ours.can_save.load(Ordering::Relaxed)) {
             Meaning::Stop => {
                 ours.is_asked.store(true, Ordering::Relaxed);
                 ours.cancel.cancel();
-                print::remark("stopping; press Ctrl-C again to stop at once and write nothing");
+                print::note("stopping; press Ctrl-C again to stop at once and write nothing");
             }
-            Meaning::Save => ours.save_request.ask(),
+            Meaning::Save => ours.save_request.request(),
             Meaning::Nothing => {}
             Meaning::Die => {
-                remove_unfinished();
+                remove_temp_files();
                 if !is_asked {
-                    print::remark("stopped; nothing was written");
+                    print::note("stopped; nothing was written");
                 }
                 leave_with(Exit::Stopped as u8);
             }
@@ -120,7 +120,7 @@ pub(super) fn survive_file_size_limits() {
 impl Interrupt {
     /// The request that the first signal sets, once there is something to save. Others may set it for
     /// reasons of their own, such as a time that is up.
-    pub(super) fn cancel(&self) -> Cancel {
+    pub(super) fn cancel(&self) -> CancelToken {
         self.cancel.clone()
     }
 
@@ -130,12 +130,12 @@ impl Interrupt {
     }
 
     /// Whether a signal asked to stop.
-    pub(super) fn is_asked(&self) -> bool {
+    pub(super) fn is_requested(&self) -> bool {
         self.is_asked.load(Ordering::Relaxed)
     }
 
     /// From here on there is work that the first Ctrl-C should not throw away.
-    pub(super) fn save_from_now_on(&self) {
+    pub(super) fn enable_saving(&self) {
         self.can_save.store(true, Ordering::Relaxed);
     }
 }

@@ -4,19 +4,19 @@ use serde_json::{Value, json};
 
 use crate::accel::Backend;
 use crate::error::{Error, Result};
-use crate::film::Kind;
-use crate::job::{MemoryPlan, Step};
+use crate::film::Aov;
+use crate::job::{MemoryPlan, MemoryPhase};
 use crate::scene::SceneFile;
 use crate::scene::description::ColorStorage;
 
 use super::{print, system};
 
 /// What a command needs memory for, beside the scene.
-pub(super) struct Needs<'a> {
+pub(super) struct MemoryNeeds<'a> {
     /// They are built one after the other and kept.
     pub(super) backends: &'a [Backend],
     /// The layers of the picture.
-    pub(super) kinds: &'a [Kind],
+    pub(super) kinds: &'a [Aov],
     /// Other bytes.
     pub(super) besides: u64,
 }
@@ -25,8 +25,8 @@ pub(super) struct Needs<'a> {
 ///
 /// # Errors
 /// With the number, and the cheaper choice where there is one.
-pub(super) fn check(file: &SceneFile, needs: &Needs<'_>, limit: Option<u64>) -> Result<()> {
-    let Needs { backends, kinds, besides } = *needs;
+pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64>) -> Result<()> {
+    let MemoryNeeds { backends, kinds, besides } = *needs;
     let (limit, whose) = match (limit, system::available_memory()) {
         (Some(limit), _) => (limit, "more than the limit of"),
         (None, Some(free)) => (free, "but there is free only"),
@@ -84,7 +84,7 @@ fn pack_colors(file: &SceneFile) -> String {
 fn plans(file: &SceneFile) -> impl Iterator<Item = (&'static str, MemoryPlan)> {
     let plan = move |&backend: &Backend| {
         let threads = rayon::current_num_threads();
-        let plan = MemoryPlan::new(file, &[backend], &Kind::USUAL, threads, None);
+        let plan = MemoryPlan::new(file, &[backend], &Aov::DEFAULT, threads, None);
         (backend.name(), plan)
     };
     Backend::AVAILABLE.iter().map(plan)
@@ -101,7 +101,7 @@ pub(super) fn table(file: &SceneFile) -> String {
             ("spheres", plan.spheres),
             ("rows", plan.rows),
             ("colours", plan.colors),
-            ("lamps", plan.lamps),
+            ("lamps", plan.emitters),
             ("background", plan.background),
             ("film", plan.film),
         ];
@@ -109,11 +109,11 @@ pub(super) fn table(file: &SceneFile) -> String {
         held.for_each(|(name, bytes)| line(name, print::bytes(bytes)));
     }
     for (name, plan) in plans(file) {
-        let (tree, peak) = (print::bytes(plan.tree), print::bytes(plan.peak()));
-        let doing = match plan.critical() {
-            Step::Sorting => "sorting",
-            Step::Building => "building the tree",
-            Step::Rendering => "rendering",
+        let (tree, peak) = (print::bytes(plan.accel), print::bytes(plan.peak()));
+        let doing = match plan.peak_phase() {
+            MemoryPhase::Sorting => "sorting",
+            MemoryPhase::Building => "building the tree",
+            MemoryPhase::Rendering => "rendering",
         };
         line(name, format!("tree {tree}, peak {peak} while {doing}"));
     }
@@ -123,7 +123,7 @@ pub(super) fn table(file: &SceneFile) -> String {
 /// The plan for programs.
 pub(super) fn json(file: &SceneFile) -> Value {
     let backend = |(name, plan): (&str, MemoryPlan)| {
-        let MemoryPlan { spheres, rows, colors, lamps, background, tree, build, film, program } =
+        let MemoryPlan { spheres, rows, colors, emitters: lamps, background, accel: tree, accel_build: build, film, program } =
             plan;
         json!({
             "accel": name,

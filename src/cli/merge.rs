@@ -1,8 +1,8 @@
 //! `photosphere merge`: parts of a picture become one.
 
 use crate::error::Result;
-use crate::image_io::WholeFile;
-use crate::job::merge::{Merged, Plan, merge};
+use crate::image_io::AtomicFile;
+use crate::job::merge::{MergedRender, MergeOptions, merge};
 
 use super::args::MergeArgs;
 use super::exit::Exit;
@@ -14,36 +14,36 @@ use super::{interrupt, print, system};
 /// result cannot be written.
 pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     let files: Vec<_> = args.output.files.iter().map(|file| ("-o", file.as_path())).collect();
-    outputs::refuse_same_places(&files)?;
-    let layers = args.output.asks_for_layers().then(|| args.output.kinds());
+    outputs::refuse_duplicate_paths(&files)?;
+    let layers = args.output.has_layers().then(|| args.output.kinds());
     let given = layers.as_deref().unwrap_or_default();
-    let mut outputs = Outputs::new(&args.output.delivery(), given, layers.is_some())?;
-    let part = outputs.part().map(WholeFile::new).transpose()?;
+    let mut outputs = Outputs::new(&args.output.output_spec(), given, layers.is_some())?;
+    let part = outputs.part().map(AtomicFile::new).transpose()?;
     interrupt::listen();
-    let plan = Plan {
+    let plan = MergeOptions {
         layers,
         crop: args.crop,
         allow_gaps: args.allow_gaps,
-        makes_picture: outputs.has_pictures(),
-        makes_part: part.is_some(),
+        writes_picture: outputs.has_pictures(),
+        writes_checkpoint: part.is_some(),
         command: Some(system::command_line()),
     };
     let merged = merge(&args.parts, &plan)?;
     outputs.set_layers(&merged.layers);
     if let Some(part) = part {
-        merged.write_part(&part)?;
+        merged.write_checkpoint(&part)?;
     }
     write_pictures(&merged, &outputs)?;
     if !args.quiet {
         let parts = print::count(args.parts.len(), "part");
         let files = outputs::in_words(&args.output.files);
-        let samples = merged.metadata.samples_as_text();
-        print::remark(format_args!("wrote {files}, samples {samples} of {parts}"));
+        let samples = merged.metadata.samples_to_string();
+        print::note(format_args!("wrote {files}, samples {samples} of {parts}"));
     }
     Ok(tell_missed(&merged))
 }
 
-fn write_pictures(merged: &Merged, outputs: &Outputs) -> Result<()> {
+fn write_pictures(merged: &MergedRender, outputs: &Outputs) -> Result<()> {
     if !outputs.has_pictures() {
         return Ok(());
     }
@@ -53,11 +53,11 @@ fn write_pictures(merged: &Merged, outputs: &Outputs) -> Result<()> {
 }
 
 /// Says which parts ended without having met their noise target.
-fn tell_missed(merged: &Merged) -> Exit {
-    for (path, missed) in &merged.missed {
+fn tell_missed(merged: &MergedRender) -> Exit {
+    for (path, missed) in &merged.missed_targets {
         for status in missed {
             print::warning(format_args!("`{}`: {status}", path.display()));
         }
     }
-    if merged.missed.is_empty() { Exit::Done } else { Exit::CheckFailed }
+    if merged.missed_targets.is_empty() { Exit::Done } else { Exit::CheckFailed }
 }

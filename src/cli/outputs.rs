@@ -2,34 +2,34 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::color::Look;
+use crate::color::ViewTransform;
 use crate::error::{Error, Result};
-use crate::film::{Frame, Kind, Layer};
+use crate::film::{FilmFrame, Aov, Layer};
 use crate::image_io::Picture;
-use crate::image_io::{Notes, Target};
-use crate::job::{Delivery, FilePath, Metadata, crop_of};
+use crate::image_io::{WriteOptions, ImageWriter};
+use crate::job::{OutputSpec, FilePath, Metadata, frame_crop};
 
 /// The files that a picture goes to.
 pub(super) struct Outputs {
-    pictures: Vec<File>,
+    pictures: Vec<PictureFile>,
     /// Where the sums themselves go.
     part: Option<PathBuf>,
-    look: Look,
-    layers: Vec<Kind>,
+    look: ViewTransform,
+    layers: Vec<Aov>,
     with_run: bool,
 }
 
 /// The file of a picture.
-pub(super) struct File {
+pub(super) struct PictureFile {
     pub(super) path: PathBuf,
-    target: Target,
+    target: ImageWriter,
 }
 
 /// What the files of a picture say of it.
-pub(super) struct FileNotes {
-    notes: Notes,
+pub(super) struct PictureNotes {
+    notes: WriteOptions,
     metadata: Metadata,
-    layers: Vec<Kind>,
+    layers: Vec<Aov>,
 }
 
 impl Outputs {
@@ -37,8 +37,8 @@ impl Outputs {
     ///
     /// # Errors
     /// When one cannot be written, is named twice, or none has a place for what is asked.
-    pub(super) fn new(delivery: &Delivery, layers: &[Kind], layers_given: bool) -> Result<Self> {
-        let mut pictures: Vec<File> = Vec::new();
+    pub(super) fn new(delivery: &OutputSpec, layers: &[Aov], layers_given: bool) -> Result<Self> {
+        let mut pictures: Vec<PictureFile> = Vec::new();
         let mut part = None;
         for FilePath(path) in &delivery.files {
             if is_part(path) {
@@ -49,7 +49,7 @@ impl Outputs {
                 }
                 continue;
             }
-            pictures.push(File { path: path.clone(), target: Target::new(path)? });
+            pictures.push(PictureFile { path: path.clone(), target: ImageWriter::new(path)? });
         }
         if part.is_none() && layers_given {
             refuse_layers_without_place(layers, &pictures)?;
@@ -57,7 +57,7 @@ impl Outputs {
         if delivery.preview.is_none() {
             refuse_look_without_screen(delivery, &pictures)?;
         }
-        let Delivery { look, with_run, .. } = *delivery;
+        let OutputSpec { look, with_run, .. } = *delivery;
         Ok(Self { pictures, part, look, layers: layers.to_vec(), with_run })
     }
 
@@ -72,26 +72,26 @@ impl Outputs {
     }
 
     /// The files of the picture.
-    pub(super) fn pictures(&self) -> &[File] {
+    pub(super) fn pictures(&self) -> &[PictureFile] {
         &self.pictures
     }
 
     /// Asks for other layers.
-    pub(super) fn set_layers(&mut self, layers: &[Kind]) {
+    pub(super) fn set_layers(&mut self, layers: &[Aov]) {
         self.layers = layers.to_vec();
     }
 
     /// What they say of a picture; `quickly` where somebody waits for the end of writing it.
-    pub(super) fn notes(&self, frame: &Frame, metadata: &Metadata, quickly: bool) -> FileNotes {
+    pub(super) fn notes(&self, frame: &FilmFrame, metadata: &Metadata, quickly: bool) -> PictureNotes {
         let mut metadata = metadata.clone();
         metadata.run = metadata.run.filter(|_| self.with_run);
-        let cropped_from = crop_of(frame);
-        let notes = Notes { cropped_from, look: self.look, records: Vec::new(), quickly };
-        FileNotes { notes, metadata, layers: self.layers.clone() }
+        let cropped_from = frame_crop(frame);
+        let notes = WriteOptions { crop_window: cropped_from, view_transform: self.look, metadata: Vec::new(), fast: quickly };
+        PictureNotes { notes, metadata, layers: self.layers.clone() }
     }
 }
 
-impl File {
+impl PictureFile {
     /// Writes the picture, in its own place or in another.
     ///
     /// # Errors
@@ -100,18 +100,18 @@ impl File {
         &self,
         place: Option<&Path>,
         picture: &Picture,
-        of: &FileNotes,
+        of: &PictureNotes,
     ) -> Result<()> {
-        let usual = of.notes.look == Look::default();
+        let usual = of.notes.view_transform == ViewTransform::default();
         let metadata = Metadata {
-            look: (self.target.is_for_screen() && !usual).then_some(of.notes.look),
+            look: (self.target.is_display_referred() && !usual).then_some(of.notes.view_transform),
             layers: self.target.has_layers().then(|| of.layers.clone()),
             ..of.metadata.clone()
         };
-        let notes = Notes { records: metadata.to_records()?, ..of.notes.clone() };
+        let notes = WriteOptions { metadata: metadata.to_records()?, ..of.notes.clone() };
         match place {
             None => self.target.write_with(picture, &notes),
-            Some(place) => Target::new(place)?.write_with(picture, &notes),
+            Some(place) => ImageWriter::new(place)?.write_with(picture, &notes),
         }
     }
 }
@@ -125,7 +125,7 @@ pub(super) fn paths(files: &[FilePath]) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// With the first two of them.
-pub(super) fn refuse_same_places(files: &[(&str, &Path)]) -> Result<()> {
+pub(super) fn refuse_duplicate_paths(files: &[(&str, &Path)]) -> Result<()> {
     let places: Vec<PathBuf> = files.iter().map(|(_, file)| place(file)).collect();
     for (at, (option, file)) in files.iter().enumerate() {
         let Some(earlier) = places[..at].iter().position(|place| *place == places[at]) else {
@@ -158,38 +158,38 @@ pub(super) fn in_words(files: &[PathBuf]) -> String {
 }
 
 /// `.png` has the beauty, and alpha; the formats of linear light have the beauty alone.
-fn refuse_layers_without_place(layers: &[Kind], files: &[File]) -> Result<()> {
-    let any = |test: fn(&Target) -> bool| files.iter().any(|file| test(&file.target));
-    if any(Target::has_layers) {
+fn refuse_layers_without_place(layers: &[Aov], files: &[PictureFile]) -> Result<()> {
+    let any = |test: fn(&ImageWriter) -> bool| files.iter().any(|file| test(&file.target));
+    if any(ImageWriter::has_layers) {
         return Ok(());
     }
-    let has_place = |kind: &&Kind| match kind {
-        Kind::Beauty => true,
-        Kind::Mean(Layer::Alpha) => any(Target::is_for_screen),
+    let has_place = |kind: &&Aov| match kind {
+        Aov::Beauty => true,
+        Aov::Mean(Layer::Alpha) => any(ImageWriter::is_display_referred),
         _ => false,
     };
     let Some(homeless) = layers.iter().find(|kind| !has_place(kind)) else { return Ok(()) };
-    let (layer, names) = (homeless.row().name, quoted(files));
+    let (layer, names) = (homeless.info().name, quoted(files));
     let verb = if files.len() == 1 { "has" } else { "have" };
     Err(Error::input(format!("{names} {verb} no place for the layer `{layer}`"))
         .with_help("layers go into .exr files; name one beside it where you want both"))
 }
 
-fn quoted(files: &[File]) -> String {
+fn quoted(files: &[PictureFile]) -> String {
     let names: Vec<String> =
         files.iter().map(|file| format!("`{}`", file.path.display())).collect();
     names.join(" and ")
 }
 
-fn refuse_look_without_screen(delivery: &Delivery, files: &[File]) -> Result<()> {
-    let usual = Look::default();
+fn refuse_look_without_screen(delivery: &OutputSpec, files: &[PictureFile]) -> Result<()> {
+    let usual = ViewTransform::default();
     let given = [
         ("--exposure", delivery.look.exposure != usual.exposure),
         ("--tone", delivery.look.tone != usual.tone),
         ("--dither", delivery.look.dither),
     ];
     let Some((option, _)) = given.into_iter().find(|(_, given)| *given) else { return Ok(()) };
-    if files.iter().any(|file| file.target.is_for_screen()) {
+    if files.iter().any(|file| file.target.is_display_referred()) {
         return Ok(());
     }
     let verb = if delivery.files.len() == 1 { "holds" } else { "hold" };

@@ -34,13 +34,13 @@ pub(super) fn json(value: &impl Serialize) -> Result<()> {
 }
 
 /// Prints a remark; if nobody can read it, that changes nothing.
-pub(super) fn remark(text: impl Display) {
+pub(super) fn note(text: impl Display) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
 /// Prints a warning.
 pub(super) fn warning(text: impl Display) {
-    remark(format_args!("warning: {text}"));
+    note(format_args!("warning: {text}"));
 }
 
 /// A number of bytes with a binary prefix: `12.34 MiB`.

@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::task;
 
-use crate::job::pace::{self, Pace};
+use crate::job::eta::{self, Eta};
 use crate::job::{self, Observer};
 
 use super::print;
@@ -18,7 +18,7 @@ const BAR: &str = "{bar:24} {percent:>3} %  {msg}";
 
 /// What there is to tell.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct State {
+pub(super) struct ProgressState {
     pub(super) samples_done: u64,
     /// Samples of the whole render; the most where only an estimate is known.
     pub(super) samples_total: u64,
@@ -32,34 +32,34 @@ pub(super) struct State {
     pub(super) left: Option<String>,
 }
 
-impl State {
+impl ProgressState {
     /// The state of work that began at some time, and takes so many samples.
     pub(super) fn since(began: Instant, samples_done: u64, samples_total: u64) -> Self {
         let left = samples_total.saturating_sub(samples_done);
-        let estimate = Pace { elapsed: began.elapsed(), samples: samples_done, left: left..left };
+        let estimate = Eta { elapsed: began.elapsed(), samples: samples_done, samples_left: left..left };
         Self {
             samples_done,
             samples_total,
             rate: estimate.rate(),
-            left: estimate.time_left().map(|left| pace::in_words(&left)),
+            left: estimate.time_left().map(|left| eta::format_time_range(&left)),
             ..Self::default()
         }
     }
 
-    fn of(progress: &job::Progress) -> Self {
+    fn of(progress: &job::RenderProgress) -> Self {
         Self {
             samples_done: progress.samples_done,
             samples_total: progress.samples_total,
             rate: progress.rate,
             error: progress.error,
-            squares: progress.squares,
-            left: progress.left.as_ref().map(pace::in_words),
+            squares: progress.tiles_converged,
+            left: progress.time_left.as_ref().map(eta::format_time_range),
         }
     }
 }
 
 /// Something that grows on the standard error, where anybody sees it.
-pub(super) enum Progress {
+pub(super) enum ProgressDisplay {
     Quiet,
     Bar(ProgressBar),
     /// Off a terminal: a line now and then.
@@ -69,7 +69,7 @@ pub(super) enum Progress {
     },
 }
 
-impl Progress {
+impl ProgressDisplay {
     /// That of a render.
     pub(super) fn new(quiet: bool) -> Self {
         Self::with(quiet, BAR, BETWEEN_LINES)
@@ -91,8 +91,8 @@ impl Progress {
     }
 
     /// Shows how far a render is; called from any thread, as often as it likes.
-    pub(super) fn show(&self, state: &State) {
-        let State { samples_done, samples_total, .. } = *state;
+    pub(super) fn show(&self, state: &ProgressState) {
+        let ProgressState { samples_done, samples_total, .. } = *state;
         self.grow(samples_done, samples_total, || details(state), || line(state));
     }
 
@@ -116,14 +116,14 @@ impl Progress {
                 let Ok(mut last) = last.try_lock() else { return };
                 if last.elapsed() >= *between {
                     *last = Instant::now();
-                    print::remark(line());
+                    print::note(line());
                 }
             }
         }
     }
 
     /// Lets something be said without a bar in the way.
-    pub(super) fn say(&self, words: impl FnOnce()) {
+    pub(super) fn suspend(&self, words: impl FnOnce()) {
         match self {
             Self::Bar(bar) => bar.suspend(words),
             _ => words(),
@@ -138,27 +138,27 @@ impl Progress {
     }
 }
 
-impl Observer for Progress {
+impl Observer for ProgressDisplay {
     fn wants_progress(&self) -> bool {
         !matches!(self, Self::Quiet)
     }
 
-    fn progress(&self, progress: &job::Progress) {
-        self.show(&State::of(progress));
+    fn on_progress(&self, progress: &job::RenderProgress) {
+        self.show(&ProgressState::of(progress));
     }
 
-    fn warning(&self, text: &str) {
-        self.say(|| print::warning(text));
+    fn on_warning(&self, text: &str) {
+        self.suspend(|| print::warning(text));
     }
 }
 
 /// Says how far a build is, every few seconds: nothing for builds that are over by then.
-pub(super) fn of_a_build(quiet: bool) -> task::Progress {
+pub(super) fn build_progress(quiet: bool) -> task::ProgressCallback {
     if quiet {
-        return task::Progress::default();
+        return task::ProgressCallback::default();
     }
-    let lines = Progress::Lines { last: Mutex::new(Instant::now()), between: BETWEEN_LINES };
-    task::Progress::new(move |done| {
+    let lines = ProgressDisplay::Lines { last: Mutex::new(Instant::now()), between: BETWEEN_LINES };
+    task::ProgressCallback::new(move |done| {
         let line = || format!("{:.0} % of the intersector built", 100.0 * done);
         if done < 1.0 {
             lines.grow(0, 0, String::new, line);
@@ -166,14 +166,14 @@ pub(super) fn of_a_build(quiet: bool) -> task::Progress {
     })
 }
 
-fn line(state: &State) -> String {
+fn line(state: &ProgressState) -> String {
     let share = state.samples_done as f64 / state.samples_total.max(1) as f64;
     let total = print::si(state.samples_total as f64);
     format!("{:.0} % of {total}samples, {}", 100.0 * share.min(1.0), details(state))
 }
 
 /// All but the share that is done.
-fn details(state: &State) -> String {
+fn details(state: &ProgressState) -> String {
     let rate = format!("{}samples/s", print::si(state.rate));
     let error = state.error.map(|error| format!("error {}", print::percent(error)));
     let squares = state.squares.map(|[done, all]| format!("{done} of {all} squares done"));
@@ -192,19 +192,19 @@ mod tests {
 
     #[test]
     fn a_line_tells_share_rate_error_and_time_left() {
-        let state = State {
+        let state = ProgressState {
             samples_done: 1_000_000,
             samples_total: 4_000_000,
             rate: 1e5,
             left: Some("30 s".to_owned()),
-            ..State::default()
+            ..ProgressState::default()
         };
         assert_eq!(line(&state), "25 % of 4.00 Msamples, 100 ksamples/s, 30 s left");
-        let state = State { error: Some(0.0234), squares: Some([3, 40]), ..state };
+        let state = ProgressState { error: Some(0.0234), squares: Some([3, 40]), ..state };
         let told =
             "25 % of 4.00 Msamples, 100 ksamples/s, error 2.34 %, 3 of 40 squares done, 30 s left";
         assert_eq!(line(&state), told);
-        let begun = State { samples_total: 4_000_000, ..State::default() };
+        let begun = ProgressState { samples_total: 4_000_000, ..ProgressState::default() };
         assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, just begun");
     }
 

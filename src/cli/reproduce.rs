@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::error::{Error, Result};
-use crate::image_io::{self, Notes, RawChannel, Target};
-use crate::job::reproduce::{Again, Reproduction, metadata_of, reproduce};
-use crate::job::{Metadata, crop_of, is_checkpoint};
+use crate::image_io::{self, WriteOptions, RawChannel, ImageWriter};
+use crate::job::reproduce::{ReproduceOptions, Reproduction, read_metadata, reproduce};
+use crate::job::{Metadata, frame_crop, is_checkpoint};
 use crate::report::{in_standard_errors, in_steps};
 
 use super::args::ReproduceArgs;
 use super::exit::Exit;
-use super::progress::{Progress, State};
+use super::progress::{ProgressDisplay, ProgressState};
 use super::system::on_threads;
 use super::{interrupt, print};
 
@@ -21,8 +21,8 @@ use super::{interrupt, print};
 pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
     let path = &args.picture;
     refuse_part(path)?;
-    let said = metadata_of(path)?;
-    let then = image_io::raw_channels(path)?;
+    let said = read_metadata(path)?;
+    let then = image_io::read_raw_channels(path)?;
     let (again, now) = on_threads(args.threads, || {
         let again = render(args, &said)?;
         let now = channels(args, &said, &again)?;
@@ -36,7 +36,7 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
     }
     let mut words =
         format!("`{}` comes out differently, in {}\n", path.display(), wrong.join(", "));
-    words += &reasons(&said.differences_of_program(&again.metadata));
+    words += &reasons(&said.program_differences(&again.metadata));
     words += &match is_png(path) {
         true => in_steps(&then, &now),
         false => in_standard_errors(&then, &now, &again.film),
@@ -58,11 +58,11 @@ fn refuse_part(path: &Path) -> Result<()> {
 
 fn render(args: &ReproduceArgs, said: &Metadata) -> Result<Reproduction> {
     let interrupt = interrupt::listen();
-    let (progress, began) = (Progress::new(args.quiet), Instant::now());
+    let (progress, began) = (ProgressDisplay::new(args.quiet), Instant::now());
     let again =
-        Again { folder: folder(args, said), backend: args.accel, cancel: interrupt.cancel() };
+        ReproduceOptions { folder: folder(args, said), backend: args.accel, cancel: interrupt.cancel() };
     let result = reproduce(said, &again, &|done, total| {
-        progress.show(&State::since(began, done, total));
+        progress.show(&ProgressState::since(began, done, total));
     });
     progress.finish();
     result
@@ -82,16 +82,16 @@ fn channels(
     said: &Metadata,
     again: &Reproduction,
 ) -> Result<Vec<RawChannel>> {
-    let notes = Notes {
-        cropped_from: crop_of(again.film.frame()),
-        look: said.look.unwrap_or_default(),
-        ..Notes::default()
+    let notes = WriteOptions {
+        crop_window: frame_crop(again.film.frame()),
+        view_transform: said.look.unwrap_or_default(),
+        ..WriteOptions::default()
     };
     let temporary = tempfile::tempdir().map_err(|e| Error::file("write", &args.picture, e))?;
     let name = if is_png(&args.picture) { "again.png" } else { "again.exr" };
     let file = temporary.path().join(name);
-    Target::new(&file)?.write_with(&again.picture, &notes)?;
-    image_io::raw_channels(&file)
+    ImageWriter::new(&file)?.write_with(&again.picture, &notes)?;
+    image_io::read_raw_channels(&file)
 }
 
 fn is_png(path: &Path) -> bool {

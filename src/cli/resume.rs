@@ -1,12 +1,12 @@
 //! `photosphere resume`: a render goes on from its checkpoint.
 
 use crate::error::{Error, Result};
-use crate::job::{Checkpoint, Delivery, FilePath, Until};
+use crate::job::{Checkpoint, OutputSpec, FilePath, StopCriteria};
 
 use super::args::ResumeArgs;
 use super::exit::Exit;
 use super::outputs::is_part;
-use super::render::{self, Request};
+use super::render::{self, RenderRequest};
 
 /// # Errors
 /// When the file cannot be resumed, and whatever a render meets.
@@ -18,7 +18,7 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
             .with_help("a part that was merged has no such place; name one: -o picture.exr")
     };
     let is_named = !args.outputs.is_empty();
-    let named = || is_named.then(Delivery::default);
+    let named = || is_named.then(OutputSpec::default);
     let delivery = header.delivery.clone().or_else(named).ok_or_else(unknown)?;
     let no_scene = || {
         let path = args.file.display();
@@ -26,7 +26,7 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
             .with_help("resume it with the program that made it")
     };
     let mut request =
-        Request::of_header(&header, delivered(args, delivery)?).ok_or_else(no_scene)?;
+        RenderRequest::of_header(&header, delivered(args, delivery)?).ok_or_else(no_scene)?;
     // A part that is among the files keeps its samples itself.
     let keeps_itself = request.delivery.files.iter().any(|FilePath(file)| is_part(file));
     request.checkpoint = (!keeps_itself).then(|| args.file.clone());
@@ -37,7 +37,7 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
         // A number of samples is asked for in place of what ended the render.
         request.samples_per_pixel = Some(samples);
         request.is_extended = true;
-        request.job.until = Until::default();
+        request.job.until = StopCriteria::default();
     }
     request.job.threads = args.threads.unwrap_or(request.job.threads);
     request.memory_limit = args.memory.limit;
@@ -46,7 +46,7 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
 }
 
 /// Where the picture goes: as before, but for what the options say.
-fn delivered(args: &ResumeArgs, mut delivery: Delivery) -> Result<Delivery> {
+fn delivered(args: &ResumeArgs, mut delivery: OutputSpec) -> Result<OutputSpec> {
     if let Some(part) = args.outputs.iter().find(|file| is_part(file) && **file != args.file) {
         let (part, kept) = (part.display(), args.file.display());
         let message = format!("`{part}` is a part, but the samples stay in `{kept}`");

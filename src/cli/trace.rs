@@ -2,11 +2,11 @@
 
 use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
-use crate::image_io::WholeFile;
-use crate::integrator::{self, SampleAddress, World};
+use crate::image_io::AtomicFile;
+use crate::integrator::{self, SampleAddress, RenderContext};
 use crate::report::path;
-use crate::scene::{Shot, read_file};
-use crate::task::Cancel;
+use crate::scene::{PreparedScene, read_file};
+use crate::task::CancelToken;
 
 use super::args::TraceArgs;
 use super::exit::Exit;
@@ -16,23 +16,23 @@ use super::{interrupt, print};
 /// # Errors
 /// When the scene cannot be had, has no such pixel or sample, or its integrator follows no paths.
 pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
-    let svg = |path| WholeFile::ending_in(path, "svg");
+    let svg = |path| AtomicFile::with_extension(path, "svg");
     let file = args.svg.as_deref().map(svg).transpose()?;
     interrupt::listen();
     on_threads(args.scene.threads(), || trace(args, file))
 }
 
-fn trace(args: &TraceArgs, file: Option<WholeFile>) -> Result<Exit> {
+fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
     let (scene, settings) = read_file(&args.scene.path, &args.overrides())?.build()?;
-    let shot = Shot::new(&scene, settings)?;
+    let shot = PreparedScene::new(&scene, settings)?;
     let address = address(args, &shot)?;
     let (threads, quality) = (rayon::current_num_threads(), args.accel.build.quality);
     let build = BuildOptions { threads, quality, ..Default::default() };
-    let accel = args.accel.choice.choose(scene.spheres()).backend.build(scene.spheres(), &build)?;
-    let cancel = Cancel::default();
-    let world = World::new(&shot, &*accel, &cancel);
-    let trace = integrator::of_shot(&shot).trace(world, address).ok_or_else(|| {
-        let name = shot.render().integrator.kind().name();
+    let accel = args.accel.choice.select(scene.spheres()).backend.build(scene.spheres(), &build)?;
+    let cancel = CancelToken::default();
+    let world = RenderContext::new(&shot, &*accel, &cancel);
+    let trace = integrator::create(&shot).trace_path(world, address).ok_or_else(|| {
+        let name = shot.render_settings().integrator.kind().name();
         Error::input(format!("the integrator `{name}` follows no paths"))
             .with_help("add --integrator path")
     })?;
@@ -44,15 +44,15 @@ fn trace(args: &TraceArgs, file: Option<WholeFile>) -> Result<Exit> {
     if let (Some(file), Some(path)) = (file, &args.svg) {
         let svg = path::svg(&shot, &trace);
         file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
-        print::remark(format_args!("wrote {}", path.display()));
+        print::note(format_args!("wrote {}", path.display()));
     }
     Ok(Exit::Done)
 }
 
 /// The sample, if the picture has it.
-fn address(args: &TraceArgs, shot: &Shot) -> Result<SampleAddress> {
+fn address(args: &TraceArgs, shot: &PreparedScene) -> Result<SampleAddress> {
     let (x, y) = args.pixel;
-    let image = shot.image();
+    let image = shot.image_settings();
     if x >= image.width || y >= image.height {
         let (width, height) = (image.width, image.height);
         return Err(Error::input(format!(
@@ -60,7 +60,7 @@ fn address(args: &TraceArgs, shot: &Shot) -> Result<SampleAddress> {
         ))
         .with_help(format!("pixels run from 0,0 to {},{}", width - 1, height - 1)));
     }
-    let count = shot.render().samples_per_pixel;
+    let count = shot.render_settings().samples_per_pixel;
     if args.sample >= count {
         return Err(Error::input(format!("each pixel has {count} samples, counted from 0"))
             .with_help(format!("the last is --sample {}", count - 1)));

@@ -5,16 +5,16 @@ use std::time::{Duration, Instant};
 
 use crate::accel::embree_info;
 use crate::error::{Error, Result};
-use crate::image_io::WholeFile;
+use crate::image_io::AtomicFile;
 use crate::job::Observer;
-use crate::report::checks::{self, Judged};
-use crate::task::Cancel;
-use crate::verify::check::{self, Check, Effort, run_all, share_significance};
-use crate::verify::checks_on;
+use crate::report::checks::{self, CheckEntry};
+use crate::task::CancelToken;
+use crate::verify::check::{self, Check, Effort, run_all, split_significance};
+use crate::verify::all_checks_on;
 
 use super::args::VerifyArgs;
 use super::exit::Exit;
-use super::progress::Progress;
+use super::progress::ProgressDisplay;
 use super::system::on_threads;
 use super::{interrupt, print, system};
 
@@ -24,13 +24,13 @@ const BAR: &str = "{bar:32} {pos} of {len}  {elapsed}  {wide_msg}";
 /// # Errors
 /// When an intersector cannot be built, or the report not be written.
 pub(super) fn run(args: &VerifyArgs) -> Result<Exit> {
-    let html = |path| WholeFile::ending_in(path, "html");
+    let html = |path| AtomicFile::with_extension(path, "html");
     let report = args.report.as_deref().map(html).transpose()?;
     interrupt::listen();
     on_threads(args.threads, || verify(args, report))
 }
 
-fn verify(args: &VerifyArgs, report: Option<WholeFile>) -> Result<Exit> {
+fn verify(args: &VerifyArgs, report: Option<AtomicFile>) -> Result<Exit> {
     let started = Instant::now();
     let checks = chosen(args)?;
     if args.list {
@@ -38,10 +38,10 @@ fn verify(args: &VerifyArgs, report: Option<WholeFile>) -> Result<Exit> {
         print::result(&checks.iter().map(name).collect::<String>())?;
         return Ok(Exit::Done);
     }
-    let shown = Progress::with(args.quiet, BAR, BETWEEN_LINES);
-    let outcomes = run_all(&checks, &Cancel::default(), &|progress| show(&shown, &progress))?;
+    let shown = ProgressDisplay::with(args.quiet, BAR, BETWEEN_LINES);
+    let outcomes = run_all(&checks, &CancelToken::default(), &|progress| show(&shown, &progress))?;
     shown.finish();
-    let judged: Vec<Judged<'_>> = checks.iter().zip(&outcomes).collect();
+    let judged: Vec<CheckEntry<'_>> = checks.iter().zip(&outcomes).collect();
     let seconds = started.elapsed().as_secs_f64();
     if let Some(report) = report {
         let page = checks::page(&facts(args, seconds), &judged);
@@ -53,18 +53,18 @@ fn verify(args: &VerifyArgs, report: Option<WholeFile>) -> Result<Exit> {
         print::result(&checks::table(&judged, seconds))?;
     }
     if let (Some(path), false) = (&args.report, args.quiet) {
-        print::remark(format_args!("wrote {}", path.display()));
+        print::note(format_args!("wrote {}", path.display()));
     }
     let passed = outcomes.iter().all(|outcome| outcome.passed);
     Ok(if passed { Exit::Done } else { Exit::CheckFailed })
 }
 
 /// Shows how many checks are done, and which failed.
-fn show(shown: &Progress, progress: &check::Progress<'_>) {
-    let check::Progress { done, total, check, outcome } = *progress;
+fn show(shown: &ProgressDisplay, progress: &check::SuiteProgress<'_>) {
+    let check::SuiteProgress { done, total, check, result: outcome } = *progress;
     if !outcome.passed && shown.wants_progress() {
         let (group, name) = (check.group.name(), &check.name);
-        shown.say(|| print::remark(format_args!("FAILED {group}, {name}")));
+        shown.suspend(|| print::note(format_args!("FAILED {group}, {name}")));
     }
     let line = || format!("{done} of {total} checks done");
     shown.grow(done as u64, total as u64, || check.name.clone(), line);
@@ -72,13 +72,13 @@ fn show(shown: &Progress, progress: &check::Progress<'_>) {
 
 /// The checks that are asked for; fewer of them share the same significance.
 fn chosen(args: &VerifyArgs) -> Result<Vec<Check>> {
-    let mut checks = checks_on(args.effort(), args.accels.backends());
+    let mut checks = all_checks_on(args.effort(), args.accels.backends());
     let is_meant = |check: &Check, text: &String| {
         check.name.contains(text) || check.group.name().contains(text)
     };
     if !args.only.is_empty() {
         checks.retain(|check| args.only.iter().any(|text| is_meant(check, text)));
-        share_significance(&mut checks);
+        split_significance(&mut checks);
     }
     if checks.is_empty() {
         return Err(Error::input("no check has a name that contains what --only asks for")

@@ -1,19 +1,19 @@
 //! Colours: linear Rec. 709 radiance and reflectance, and the ways to the screen.
 
-mod seen;
-mod tone;
+mod visible_surface;
+mod view_transform;
 
 use std::sync::LazyLock;
 
-pub use seen::{NOTHING, Seen};
-pub use tone::{Look, Tone};
+pub use visible_surface::{NO_ROW, VisibleSurface};
+pub use view_transform::{ViewTransform, ToneCurve};
 
 /// Red, green, blue in linear Rec. 709. Radiance is in W/(sr m^2) per channel.
 pub type Rgb = glam::Vec3;
 
 /// What one sample brings to its pixel.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Radiance {
+pub struct PathRadiance {
     /// Emission and background seen by the camera, and light scattered once on its way from a lamp
     /// to the camera. Mirrors and glass in between do not count as scattering.
     pub direct: Rgb,
@@ -35,12 +35,12 @@ pub fn srgb_from_linear(linear: f32) -> f32 {
 }
 
 /// The nearest of 256 steps of the same, without its power for each value.
-pub fn srgb_step(linear: f32) -> u8 {
-    STEPS.partition_point(|from| *from <= linear) as u8
+pub fn srgb8_from_linear(linear: f32) -> u8 {
+    SRGB8_THRESHOLDS.partition_point(|from| *from <= linear) as u8
 }
 
 /// From which light on each step but the first is the nearest: found once, to the last bit.
-static STEPS: LazyLock<[f32; 255]> = LazyLock::new(|| {
+static SRGB8_THRESHOLDS: LazyLock<[f32; 255]> = LazyLock::new(|| {
     std::array::from_fn(|step| {
         let is_there =
             |bits: u32| (srgb_from_linear(f32::from_bits(bits)) * 255.0).round() > step as f32;
@@ -76,11 +76,11 @@ mod tests {
         let by_curve = |light: f32| (srgb_from_linear(light) * 255.0).round() as u8;
         // Every 997th float from 0 to beyond 1, and around each place where the step changes.
         let all = (0..1.5f32.to_bits()).step_by(997);
-        let edges = STEPS.iter().flat_map(|edge| edge.to_bits() - 1..=edge.to_bits() + 1);
+        let edges = SRGB8_THRESHOLDS.iter().flat_map(|edge| edge.to_bits() - 1..=edge.to_bits() + 1);
         for light in all.chain(edges).map(f32::from_bits) {
-            assert_eq!(srgb_step(light), by_curve(light), "{light:e}");
+            assert_eq!(srgb8_from_linear(light), by_curve(light), "{light:e}");
         }
-        assert_eq!([-1.0, -0.0, f32::MIN, f32::MAX].map(srgb_step), [0, 0, 0, 255]);
+        assert_eq!([-1.0, -0.0, f32::MIN, f32::MAX].map(srgb8_from_linear), [0, 0, 0, 255]);
     }
 
     #[test]

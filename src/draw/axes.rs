@@ -32,7 +32,7 @@ const COLORS: [RGBColor; 7] = [
 pub(super) const MARGIN: i32 = 16 * SCALE as i32;
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-pub(super) type Drawn<T = ()> = std::result::Result<T, DrawingAreaErrorKind<io::Error>>;
+pub(super) type DrawResult<T = ()> = std::result::Result<T, DrawingAreaErrorKind<io::Error>>;
 pub(super) type LogChart<'b, 'a> =
     ChartContext<'b, SVGBackend<'a>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 /// The mark of a series at a place of any kind of coordinates.
@@ -76,7 +76,7 @@ impl Axes {
         Some(Self { names, x: range(xs)?, y: range(ys)? })
     }
 
-    pub(super) fn draw<'b, 'a>(&self, area: &'b Area<'a>) -> Drawn<LogChart<'b, 'a>> {
+    pub(super) fn draw<'b, 'a>(&self, area: &'b Area<'a>) -> DrawResult<LogChart<'b, 'a>> {
         let font = |size: u32| (FONT, size * SCALE).into_font().color(&INK);
         let mut chart = ChartBuilder::on(area)
             .margin(12 * SCALE)
@@ -106,7 +106,7 @@ impl Axes {
 ///
 /// # Errors
 /// When the drawing fails.
-pub(super) fn drawn(size: [u32; 2], content: impl Fn(&Area<'_>) -> Drawn) -> Result<String> {
+pub(super) fn drawn(size: [u32; 2], content: impl Fn(&Area<'_>) -> DrawResult) -> Result<String> {
     let mut text = String::new();
     let root = SVGBackend::with_string(&mut text, size.into()).into_drawing_area();
     root.fill(&WHITE)
@@ -118,7 +118,7 @@ pub(super) fn drawn(size: [u32; 2], content: impl Fn(&Area<'_>) -> Drawn) -> Res
 }
 
 /// Two lines at the top of the sheet.
-pub(super) fn headline(area: &Area<'_>, title: &str, subtitle: &str) -> Drawn {
+pub(super) fn headline(area: &Area<'_>, title: &str, subtitle: &str) -> DrawResult {
     let unit = SCALE as i32;
     area.draw(&words(title, (MARGIN, 18 * unit), 17))?;
     area.draw(&words(subtitle, (MARGIN, 40 * unit), 12))

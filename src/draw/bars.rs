@@ -5,7 +5,7 @@ use plotters::prelude::*;
 use crate::error::Result;
 
 use super::Value;
-use super::axes::{Area, Drawn, INK, MARGIN, SCALE, color_of, drawn, headline, words};
+use super::axes::{Area, DrawResult, INK, MARGIN, SCALE, color_of, drawn, headline, words};
 
 const WIDTH: u32 = 960 * SCALE;
 const TITLE_HEIGHT: u32 = 60 * SCALE;
@@ -64,7 +64,7 @@ pub fn bars(title: &str, subtitle: &str, groups: &[BarGroup]) -> Result<String> 
     })
 }
 
-fn draw_bar(root: &Area<'_>, bar: &Bar, longest: f64, top: i32) -> Drawn {
+fn draw_bar(root: &Area<'_>, bar: &Bar, longest: f64, top: i32) -> DrawResult {
     let [begin, end] = BARS.map(f64::from);
     let place = |value: f64| (begin + (end - begin) * value / longest.max(1e-300)).round() as i32;
     let (gap, middle) = (2 * SCALE as i32, top + BAR_HEIGHT as i32 / 2);

@@ -5,7 +5,7 @@ use plotters::prelude::*;
 
 use crate::error::Result;
 
-use super::axes::{Area, Drawn, MARGIN, SCALE, color_of, drawn, headline, marker, words};
+use super::axes::{Area, DrawResult, MARGIN, SCALE, color_of, drawn, headline, marker, words};
 use super::{Axes, Value};
 
 /// Two of these charts stand side by side on a page.
@@ -110,7 +110,7 @@ pub fn panels(sheet: &Panels<'_>) -> Result<String> {
     })
 }
 
-fn draw_table(area: &Area<'_>, sheet: &Panels<'_>) -> Drawn {
+fn draw_table(area: &Area<'_>, sheet: &Panels<'_>) -> DrawResult {
     let unit = SCALE as i32;
     let [name, first, second] = [64, 460, 760].map(|x| x * unit);
     for (x, head) in [first, second].into_iter().zip(sheet.heads) {
@@ -128,7 +128,7 @@ fn draw_table(area: &Area<'_>, sheet: &Panels<'_>) -> Drawn {
     Ok(())
 }
 
-fn draw_panel(area: &Area<'_>, Panel { axes, lines }: &Panel) -> Drawn {
+fn draw_panel(area: &Area<'_>, Panel { axes, lines }: &Panel) -> DrawResult {
     let mut chart = axes.draw(area)?;
     for line in lines {
         let color = color_of(line.color);

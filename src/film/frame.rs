@@ -6,7 +6,7 @@ use crate::math::Rect;
 
 /// A part of a picture, and the whole that it is a part of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Frame {
+pub struct FilmFrame {
     /// Pixels of the whole picture, across and down.
     pub full_size: [u32; 2],
     /// The part that the film has.
@@ -15,62 +15,62 @@ pub struct Frame {
 
 /// Pixels across and down of a tile. Tiles are aligned in the whole picture, so that those of a part
 /// are those of the whole, and four of them make a square of 16 pixels.
-pub const TILE: [u32; 2] = [16, 4];
+pub const TILE_SIZE: [u32; 2] = [16, 4];
 
-impl Frame {
+impl FilmFrame {
     /// The whole of a picture.
-    pub fn whole(width: u32, height: u32) -> Self {
+    pub fn full(width: u32, height: u32) -> Self {
         let full_size = [width, height];
         Self { full_size, window: Rect { x: 0, y: 0, width, height } }
     }
 
     /// Pixels of the part.
-    pub fn pixels(&self) -> usize {
-        self.window.pixels()
+    pub fn pixel_count(&self) -> usize {
+        self.window.pixel_count()
     }
 
     /// Tiles across and down.
-    fn tiles_each_way(&self) -> [usize; 2] {
+    fn tile_grid(&self) -> [usize; 2] {
         let Rect { x, y, width, height } = self.window;
         let count = |first: u32, length: u32, tile: u32| {
             let end = u64::from(first) + u64::from(length);
             (end.div_ceil(tile.into()) - u64::from(first / tile)) as usize
         };
-        [count(x, width, TILE[0]), count(y, height, TILE[1])]
+        [count(x, width, TILE_SIZE[0]), count(y, height, TILE_SIZE[1])]
     }
 
     /// How many tiles the part has; they are counted along their rows.
-    pub fn tiles(&self) -> usize {
-        let [across, down] = self.tiles_each_way();
+    pub fn tile_count(&self) -> usize {
+        let [across, down] = self.tile_grid();
         across * down
     }
 
     /// How many tiles a row of them has.
     pub fn tiles_across(&self) -> usize {
-        self.tiles_each_way()[0]
+        self.tile_grid()[0]
     }
 
     /// The tile that has this pixel of the whole picture; `None` outside of the part.
-    pub fn tile_with(&self, [column, row]: [u32; 2]) -> Option<usize> {
+    pub fn tile_containing(&self, [column, row]: [u32; 2]) -> Option<usize> {
         let Rect { x, y, width, height } = self.window;
         let is_within = (x..x + width).contains(&column) && (y..y + height).contains(&row);
-        let across = self.tiles_each_way()[0];
+        let across = self.tile_grid()[0];
         let at = |place: u32, first: u32, tile: u32| (place / tile - first / tile) as usize;
-        is_within.then(|| at(row, y, TILE[1]) * across + at(column, x, TILE[0]))
+        is_within.then(|| at(row, y, TILE_SIZE[1]) * across + at(column, x, TILE_SIZE[0]))
     }
 
     /// Where a tile lies. Tiles at the edges may be smaller.
     pub fn tile(&self, index: usize) -> Rect {
         let Rect { x, y, width, height } = self.window;
-        let across = self.tiles_each_way()[0];
+        let across = self.tile_grid()[0];
         let span = |first: u32, length: u32, tile: u32, at: usize| {
             let begin = (first / tile + at as u32) * tile;
             let end = begin.saturating_add(tile).min(first + length);
             let begin = begin.max(first);
             (begin, end - begin)
         };
-        let (x, width) = span(x, width, TILE[0], index % across);
-        let (y, height) = span(y, height, TILE[1], index / across);
+        let (x, width) = span(x, width, TILE_SIZE[0], index % across);
+        let (y, height) = span(y, height, TILE_SIZE[1], index / across);
         Rect { x, y, width, height }
     }
 }
@@ -81,26 +81,26 @@ mod tests {
 
     #[test]
     fn tiles_cover_every_pixel_once_and_are_those_of_the_whole() {
-        let whole = Frame::whole(50, 21);
+        let whole = FilmFrame::full(50, 21);
         for window in [
             whole.window,
             Rect { x: 15, y: 3, width: 18, height: 2 },
             Rect { x: 49, y: 20, width: 1, height: 1 },
             Rect { x: 16, y: 4, width: 16, height: 4 },
         ] {
-            let frame = Frame { window, ..whole };
+            let frame = FilmFrame { window, ..whole };
             let mut places: Vec<_> =
-                (0..frame.tiles()).flat_map(|tile| frame.tile(tile).places()).collect();
+                (0..frame.tile_count()).flat_map(|tile| frame.tile(tile).pixel_coords()).collect();
             places.sort_by_key(|[x, y]| (*y, *x));
-            assert_eq!(places, window.places().collect::<Vec<_>>());
-            for tile in 0..frame.tiles() {
+            assert_eq!(places, window.pixel_coords().collect::<Vec<_>>());
+            for tile in 0..frame.tile_count() {
                 let place = frame.tile(tile);
-                assert!(place.places().all(|pixel| frame.tile_with(pixel) == Some(tile)));
-                let wholes = |of: &usize| whole.tile(*of).common(&place).is_some();
-                assert_eq!((0..whole.tiles()).filter(wholes).count(), 1, "{place:?}");
+                assert!(place.pixel_coords().all(|pixel| frame.tile_containing(pixel) == Some(tile)));
+                let wholes = |of: &usize| whole.tile(*of).intersection(&place).is_some();
+                assert_eq!((0..whole.tile_count()).filter(wholes).count(), 1, "{place:?}");
             }
         }
-        assert_eq!(whole.tile_with([50, 3]), None);
+        assert_eq!(whole.tile_containing([50, 3]), None);
         assert_eq!(whole.tile(5), Rect { x: 16, y: 4, width: 16, height: 4 });
     }
 }

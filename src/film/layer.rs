@@ -1,9 +1,9 @@
 //! What is summed for every pixel.
 
-use crate::color::{Radiance, Rgb, Seen};
-use crate::names::named;
+use crate::color::{PathRadiance, Rgb, VisibleSurface};
+use crate::names::named_enum;
 
-use super::fixed::{Wide, step_below};
+use super::exact_sum::{U192, step_for_exponent};
 
 /// A layer whose pixels are means over their samples.
 ///
@@ -33,7 +33,7 @@ pub enum Layer {
     Coverage,
 }
 
-named! {
+named_enum! {
     Layer {
         Direct = "direct",
         Indirect = "indirect",
@@ -76,7 +76,7 @@ impl Layer {
     }
 
     /// Whether it is about what samples see first, which integrators record only where it is wanted.
-    pub fn is_of_seen(self) -> bool {
+    pub fn uses_visible_surface(self) -> bool {
         match self {
             Self::Direct | Self::Indirect | Self::Alpha => false,
             Self::Emission
@@ -89,14 +89,14 @@ impl Layer {
     }
 
     /// Whether a pixel's value is the mean over those samples alone that see something.
-    pub(super) fn is_of_hits(self) -> bool {
+    pub(super) fn is_hit_mean(self) -> bool {
         matches!(self, Self::Depth | Self::Position)
     }
 
     /// The steps in which a block is summed.
-    pub(super) fn step(self, scale: Scale) -> i32 {
-        step_below::<i128>(match self {
-            Self::Direct | Self::Indirect | Self::Emission => scale.brightest + HEADROOM,
+    pub(super) fn step(self, scale: RadianceScale) -> i32 {
+        step_for_exponent::<i128>(match self {
+            Self::Direct | Self::Indirect | Self::Emission => scale.exponent + HEADROOM,
             // Shares of 1, and coordinates of unit vectors.
             Self::Alpha | Self::Albedo | Self::Normal => HEADROOM,
             // Sixteen times what coordinates can be; the steps are 2^-38.
@@ -106,8 +106,8 @@ impl Layer {
     }
 
     /// Whether a sample's value is finite.
-    pub(super) fn is_finite(self, light: &Radiance, seen: Option<&Seen>) -> bool {
-        let seen = seen.unwrap_or(&Seen::NOTHING);
+    pub(super) fn is_finite(self, light: &PathRadiance, seen: Option<&VisibleSurface>) -> bool {
+        let seen = seen.unwrap_or(&VisibleSurface::NONE);
         match self {
             Self::Direct => light.direct.is_finite(),
             Self::Indirect => light.indirect.is_finite(),
@@ -123,18 +123,18 @@ impl Layer {
 
     /// Goes on with the running sums of some pixels, each by its samples in their order; `sums` are the
     /// planes of the layer's channels.
-    pub(super) fn add(self, sums: &mut [f64], runs: &[Run<'_>]) {
-        let (light, seen) = (Run::light, Run::seen);
+    pub(super) fn add(self, sums: &mut [f64], runs: &[SampleRun<'_>]) {
+        let (light, seen) = (SampleRun::radiance, SampleRun::visible_surfaces);
         // The choice of the layer stands outside of the loops.
         match self {
-            Self::Direct => add_all(sums, runs, light, |light| wide(light.direct)),
-            Self::Indirect => add_all(sums, runs, light, |light| wide(light.indirect)),
+            Self::Direct => add_all(sums, runs, light, |light| rgb_to_f64(light.direct)),
+            Self::Indirect => add_all(sums, runs, light, |light| rgb_to_f64(light.indirect)),
             Self::Alpha => add_all(sums, runs, light, |light| [f64::from(light.alpha)]),
-            Self::Emission => add_all(sums, runs, seen, |seen| wide(seen.emission)),
-            Self::Albedo => add_all(sums, runs, seen, |seen| wide(seen.albedo)),
-            Self::Normal => add_all(sums, runs, seen, |seen| wide(seen.normal)),
+            Self::Emission => add_all(sums, runs, seen, |seen| rgb_to_f64(seen.emission)),
+            Self::Albedo => add_all(sums, runs, seen, |seen| rgb_to_f64(seen.albedo)),
+            Self::Normal => add_all(sums, runs, seen, |seen| rgb_to_f64(seen.normal)),
             Self::Depth => add_all(sums, runs, seen, |seen| [f64::from(seen.distance)]),
-            Self::Position => add_all(sums, runs, seen, |seen| wide(seen.position)),
+            Self::Position => add_all(sums, runs, seen, |seen| rgb_to_f64(seen.position)),
             Self::Coverage => {}
         }
     }
@@ -142,46 +142,46 @@ impl Layer {
 
 /// Consecutive samples of a pixel.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Run<'a> {
+pub struct SampleRun<'a> {
     /// The light of each.
-    pub light: &'a [Radiance],
+    pub radiance: &'a [PathRadiance],
     /// What each sees first; empty where no layer is about that.
-    pub seen: &'a [Seen],
+    pub visible_surfaces: &'a [VisibleSurface],
 }
 
-impl<'a> Run<'a> {
-    fn light(&self) -> &'a [Radiance] {
-        self.light
+impl<'a> SampleRun<'a> {
+    fn radiance(&self) -> &'a [PathRadiance] {
+        self.radiance
     }
 
-    fn seen(&self) -> &'a [Seen] {
-        self.seen
+    fn visible_surfaces(&self) -> &'a [VisibleSurface] {
+        self.visible_surfaces
     }
 
     pub(super) fn len(&self) -> usize {
-        self.light.len()
+        self.radiance.len()
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.light.is_empty()
+        self.radiance.is_empty()
     }
 
     /// The first `count` samples, and the others.
     pub fn split_at(&self, count: usize) -> (Self, Self) {
-        let (light, other_light) = self.light.split_at(count);
-        let (seen, other_seen) = self.seen.split_at(count.min(self.seen.len()));
-        (Self { light, seen }, Self { light: other_light, seen: other_seen })
+        let (light, other_light) = self.radiance.split_at(count);
+        let (seen, other_seen) = self.visible_surfaces.split_at(count.min(self.visible_surfaces.len()));
+        (Self { radiance: light, visible_surfaces: seen }, Self { radiance: other_light, visible_surfaces: other_seen })
     }
 }
 
-fn wide(values: Rgb) -> [f64; 3] {
+fn rgb_to_f64(values: Rgb) -> [f64; 3] {
     values.to_array().map(f64::from)
 }
 
 fn add_all<'a, S: 'a, const CHANNELS: usize>(
     sums: &mut [f64],
-    runs: &[Run<'a>],
-    samples: impl Fn(&Run<'a>) -> &'a [S],
+    runs: &[SampleRun<'a>],
+    samples: impl Fn(&SampleRun<'a>) -> &'a [S],
     of: impl Fn(&S) -> [f64; CHANNELS],
 ) {
     let pixels = runs.len();
@@ -216,49 +216,49 @@ pub(super) const HEADROOM: i32 = 34;
 /// `2^(2 brightest + 70 - 163)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "i32", into = "i32")]
-pub struct Scale {
-    brightest: i32,
+pub struct RadianceScale {
+    exponent: i32,
 }
 
-impl From<Scale> for i32 {
-    fn from(scale: Scale) -> Self {
-        scale.brightest
+impl From<RadianceScale> for i32 {
+    fn from(scale: RadianceScale) -> Self {
+        scale.exponent
     }
 }
 
-impl TryFrom<i32> for Scale {
+impl TryFrom<i32> for RadianceScale {
     type Error = &'static str;
 
     fn try_from(exponent: i32) -> Result<Self, Self::Error> {
-        Self::of_exponent(exponent).ok_or("no radiance has this exponent")
+        Self::from_exponent(exponent).ok_or("no radiance has this exponent")
     }
 }
 
-impl Scale {
+impl RadianceScale {
     /// The scale for lights up to this radiance in any channel; finite, not negative.
-    pub fn of_brightest(radiance: f32) -> Self {
+    pub fn from_max_radiance(radiance: f32) -> Self {
         debug_assert!(radiance >= 0.0 && radiance.is_finite());
         let bits = f64::from(radiance).to_bits();
         let exponent = (bits >> 52) as i32 - 1023;
         let is_power = bits & ((1 << 52) - 1) == 0;
         // Nothing shines: there is nothing to be exact about.
         let brightest = if radiance > 0.0 { exponent + i32::from(!is_power) } else { 0 };
-        Self { brightest }
+        Self { exponent: brightest }
     }
 
     /// From [`Self::exponent`], as files hold it; `None` where no radiance has it.
-    pub fn of_exponent(exponent: i32) -> Option<Self> {
-        (-149..=128).contains(&exponent).then_some(Self { brightest: exponent })
+    pub fn from_exponent(exponent: i32) -> Option<Self> {
+        (-149..=128).contains(&exponent).then_some(Self { exponent })
     }
 
     /// The brightest light is not above `2^exponent`.
     pub fn exponent(self) -> i32 {
-        self.brightest
+        self.exponent
     }
 
     /// The steps in which squares are summed.
-    pub(super) fn step_of_squares(self) -> i32 {
-        step_below::<Wide>(2 * (self.brightest + HEADROOM + 1))
+    pub(super) fn square_step(self) -> i32 {
+        step_for_exponent::<U192>(2 * (self.exponent + HEADROOM + 1))
     }
 }
 
@@ -268,21 +268,21 @@ mod tests {
 
     #[test]
     fn the_scale_is_the_power_of_two_above() {
-        let exponent = |radiance| Scale::of_brightest(radiance).exponent();
+        let exponent = |radiance| RadianceScale::from_max_radiance(radiance).exponent();
         assert_eq!([1.0, 1.01, 2.0, 14.0, 0.5, 0.0].map(exponent), [0, 1, 1, 4, -1, 0]);
         assert_eq!(exponent(f32::MAX), 128);
         assert_eq!(exponent(f32::from_bits(1)), -149);
         for exponent in [-149, 0, 128] {
-            assert_eq!(Scale::of_exponent(exponent).map(Scale::exponent), Some(exponent));
+            assert_eq!(RadianceScale::from_exponent(exponent).map(RadianceScale::exponent), Some(exponent));
         }
-        assert_eq!(Scale::of_exponent(129), None);
+        assert_eq!(RadianceScale::from_exponent(129), None);
     }
 
     #[test]
     fn steps_are_as_the_documentation_says() {
-        let scale = Scale::of_brightest(8.0);
+        let scale = RadianceScale::from_max_radiance(8.0);
         assert_eq!(Layer::Direct.step(scale), 3 - 64);
         assert_eq!(Layer::Alpha.step(scale), -64);
-        assert_eq!(scale.step_of_squares(), 2 * 3 + 70 - 163);
+        assert_eq!(scale.square_step(), 2 * 3 + 70 - 163);
     }
 }

@@ -4,16 +4,16 @@ use crate::color::Rgb;
 use crate::fault::fault;
 use crate::image_io::Picture;
 use crate::math::Rect;
-use crate::task::hands;
+use crate::task::parallel;
 
 use super::tile::Tile;
-use super::{BLOCK, Film, Layer};
+use super::{BLOCK_SIZE, Film, Layer};
 
 impl Film {
     /// The mean of every pixel. A pixel without samples is black; one whose samples were all left out
     /// is not a number.
     pub fn picture(&self) -> Picture {
-        let color = |layer| self.mean(layer).unwrap_or_else(|| vec![[0.0; 3]; self.frame.pixels()]);
+        let color = |layer| self.mean(layer).unwrap_or_else(|| vec![[0.0; 3]; self.frame.pixel_count()]);
         let colors = |layer| color(layer).into_iter().map(Rgb::from_array).collect();
         Picture {
             width: self.frame.window.width as usize,
@@ -31,15 +31,15 @@ impl Film {
     /// Of what is seen, depth and position are means over the samples that see something, for which
     /// alpha must be summed too; where none does, depth is infinite and the position 0.
     pub fn mean(&self, layer: Layer) -> Option<Vec<[f32; 3]>> {
-        let plane = self.plan.plane_of(layer)?;
-        let hits = match layer.is_of_hits() {
-            true => Some(self.plan.plane_of(Layer::Alpha)?),
+        let plane = self.plan.first_plane(layer)?;
+        let hits = match layer.is_hit_mean() {
+            true => Some(self.plan.first_plane(Layer::Alpha)?),
             false => None,
         };
-        Some(self.map(|sums, pixel| {
+        Some(self.map_pixels(|sums, pixel| {
             let count = match hits {
                 Some(hits) => sums.sum(&self.plan, hits, pixel),
-                None => f64::from(divisor(sums.summed(pixel))),
+                None => f64::from(divisor(sums.finite_samples(pixel))),
             };
             if count == 0.0 {
                 let nowhere = if layer == Layer::Depth { f32::INFINITY } else { 0.0 };
@@ -49,7 +49,7 @@ impl Film {
             for (channel, mean) in mean.iter_mut().take(layer.channels()).enumerate() {
                 *mean = (sums.sum(&self.plan, plane + channel, pixel) / count) as f32;
             }
-            let lost = sums.summed(pixel) == 0 && sums.counts[pixel] > 0;
+            let lost = sums.finite_samples(pixel) == 0 && sums.counts[pixel] > 0;
             if lost { [f32::NAN; 3] } else { mean }
         }))
     }
@@ -58,24 +58,24 @@ impl Film {
     /// that of independent blocks; where those are spread evenly together, the error is smaller.
     /// Infinite for fewer than two finished blocks; `None` where squares are not summed.
     pub fn variance(&self) -> Option<Vec<[f32; 3]>> {
-        let direct = self.plan.plane_of(Layer::Direct)?;
-        let indirect = self.plan.plane_of(Layer::Indirect)?;
+        let direct = self.plan.first_plane(Layer::Direct)?;
+        let indirect = self.plan.first_plane(Layer::Indirect)?;
         let of_pixel = |sums: &Tile, pixel: usize| {
-            let blocks = f64::from(sums.counts[pixel] / BLOCK);
-            let samples = f64::from(sums.summed(pixel));
+            let blocks = f64::from(sums.counts[pixel] / BLOCK_SIZE);
+            let samples = f64::from(sums.finite_samples(pixel));
             std::array::from_fn(|axis| {
                 if blocks < 2.0 {
                     return f32::INFINITY;
                 }
-                let plane = |first: usize| sums.finished(&self.plan, first + axis, pixel);
+                let plane = |first: usize| sums.finished_sum(&self.plan, first + axis, pixel);
                 let sum = plane(direct) + plane(indirect);
                 let squares = sums.sum_of_squares(&self.plan, axis, pixel);
                 // Of the sum of a block, 16 times the variance of a sample.
                 let of_block = (squares - sum * (sum / blocks)).max(0.0) / (blocks - 1.0);
-                (of_block / f64::from(BLOCK) / samples) as f32
+                (of_block / f64::from(BLOCK_SIZE) / samples) as f32
             })
         };
-        self.plan.squares.then(|| self.map(of_pixel))
+        self.plan.squares.then(|| self.map_pixels(of_pixel))
     }
 
     /// How many samples of every pixel, along the rows, see which row of the scene first, in the order of
@@ -83,20 +83,20 @@ impl Film {
     pub fn coverage(&self) -> Option<Vec<Vec<(u32, u32)>>> {
         let of_pixel = |sums: &Tile, pixel: usize| sums.coverage.get(pixel).cloned();
         let is_counted = self.plan.layers.contains(&Layer::Coverage);
-        is_counted.then(|| self.map(|sums, pixel| of_pixel(sums, pixel).unwrap_or_default()))
+        is_counted.then(|| self.map_pixels(|sums, pixel| of_pixel(sums, pixel).unwrap_or_default()))
     }
 
     /// How many samples every pixel has, along the rows; those left out are among them.
     pub fn counts(&self) -> Vec<u32> {
-        self.map(|sums, pixel| sums.counts[pixel])
+        self.map_pixels(|sums, pixel| sums.counts[pixel])
     }
 
     /// Something of every pixel, along the rows of the window.
-    fn map<T: Clone + Default + Send>(
+    fn map_pixels<T: Clone + Default + Send>(
         &self,
         of: impl Fn(&Tile, usize) -> T + Send + Sync,
     ) -> Vec<T> {
-        let mut all = vec![T::default(); self.frame.pixels()];
+        let mut all = vec![T::default(); self.frame.pixel_count()];
         let width = self.frame.window.width as usize;
         let across = self.frame.tiles_across();
         // The pixels of each row of tiles lie together.
@@ -108,7 +108,7 @@ impl Film {
             rows.push((first, row));
             rest = others;
         }
-        hands::map(rows, |(first, row): (usize, &mut [T])| {
+        parallel::map(rows, |(first, row): (usize, &mut [T])| {
             let Rect { x: left, y: top, .. } = self.frame.tile(first);
             for tile in first..first + across {
                 let place = self.frame.tile(tile);

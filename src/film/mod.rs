@@ -13,39 +13,39 @@
 //! can be made of it while others are adding. Of a tile's pixels, every one is then at a whole call of
 //! [`Film::add`].
 
-mod bytes;
+mod encoding;
 mod estimate;
-mod fixed;
+mod exact_sum;
 mod frame;
-mod kind;
+mod aov;
 mod layer;
 mod means;
 #[cfg(test)]
 mod tests;
 mod tile;
 
-pub use estimate::Estimate;
-pub use frame::{Frame, TILE};
-pub use kind::{By, KINDS, Kind, Merge, summed_for};
-pub use layer::{Layer, Run, Scale};
-pub use tile::BLOCK;
+pub use estimate::PixelEstimate;
+pub use frame::{FilmFrame, TILE_SIZE};
+pub use aov::{CryptomatteKind, AOVS, Aov, MergeRule, required_layers};
+pub use layer::{Layer, SampleRun, RadianceScale};
+pub use tile::BLOCK_SIZE;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::error::{Error, Result, Setting};
+use crate::error::{Error, Result, Suggestion};
 
-use tile::{Plan, Tile, TooBright};
+use tile::{FilmLayout, Tile, BlockOverflow};
 
 /// What a film is to hold.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Format {
+pub struct FilmFormat {
     /// Its pixels.
-    pub frame: Frame,
+    pub frame: FilmFrame,
     /// The index of the first sample of every pixel, a multiple of [`BLOCK`].
     pub first_sample: u32,
     /// How large values are.
-    pub scale: Scale,
+    pub scale: RadianceScale,
     /// The layers that are summed.
     pub layers: Vec<Layer>,
     /// Whether squares are summed as well, so that the error of the means is known.
@@ -55,9 +55,9 @@ pub struct Format {
 /// The sums of a picture.
 #[derive(Debug)]
 pub struct Film {
-    frame: Frame,
+    frame: FilmFrame,
     first_sample: u32,
-    plan: Plan,
+    plan: FilmLayout,
     tiles: Vec<Mutex<Tile>>,
 }
 
@@ -66,19 +66,19 @@ impl Film {
     ///
     /// # Errors
     /// When there is no memory for it.
-    pub fn new(format: &Format) -> Result<Self> {
-        let Format { frame, first_sample, scale, ref layers, squares } = *format;
-        debug_assert!(first_sample % BLOCK == 0);
-        let plan = Plan::new(scale, layers, squares);
+    pub fn new(format: &FilmFormat) -> Result<Self> {
+        let FilmFormat { frame, first_sample, scale, ref layers, squares } = *format;
+        debug_assert!(first_sample % BLOCK_SIZE == 0);
+        let plan = FilmLayout::new(scale, layers, squares);
         let no_memory = || {
             let bytes = Self::bytes(format);
             Error::input(format!("there is no memory for a film of {bytes} bytes"))
                 .with_help("render a smaller picture")
         };
         let mut tiles = Vec::new();
-        tiles.try_reserve_exact(frame.tiles()).map_err(|_| no_memory())?;
-        for tile in 0..frame.tiles() {
-            let tile = Tile::new(&plan, frame.tile(tile).pixels()).ok_or_else(no_memory)?;
+        tiles.try_reserve_exact(frame.tile_count()).map_err(|_| no_memory())?;
+        for tile in 0..frame.tile_count() {
+            let tile = Tile::new(&plan, frame.tile(tile).pixel_count()).ok_or_else(no_memory)?;
             tiles.push(Mutex::new(tile));
         }
         Ok(Self { frame, first_sample, plan, tiles })
@@ -86,17 +86,17 @@ impl Film {
 
     /// A film without samples that takes memory for sums only as they come. Its frame must fit its full
     /// size.
-    pub fn without_memory(format: &Format) -> Self {
-        let Format { frame, first_sample, scale, ref layers, squares } = *format;
-        let plan = Plan::new(scale, layers, squares);
-        let tile = |tile| Mutex::new(Tile::without_memory(frame.tile(tile).pixels()));
-        Self { frame, first_sample, plan, tiles: (0..frame.tiles()).map(tile).collect() }
+    pub fn new_lazy(format: &FilmFormat) -> Self {
+        let FilmFormat { frame, first_sample, scale, ref layers, squares } = *format;
+        let plan = FilmLayout::new(scale, layers, squares);
+        let tile = |tile| Mutex::new(Tile::new_lazy(frame.tile(tile).pixel_count()));
+        Self { frame, first_sample, plan, tiles: (0..frame.tile_count()).map(tile).collect() }
     }
 
     /// Bytes that such a film holds, but for unfinished blocks.
-    pub fn bytes(format: &Format) -> usize {
-        let plan = Plan::new(format.scale, &format.layers, format.squares);
-        format.frame.pixels() * plan.bytes_per_pixel() + format.frame.tiles() * size_of::<Tile>()
+    pub fn bytes(format: &FilmFormat) -> usize {
+        let plan = FilmLayout::new(format.scale, &format.layers, format.squares);
+        format.frame.pixel_count() * plan.bytes_per_pixel() + format.frame.tile_count() * size_of::<Tile>()
     }
 
     /// A copy as it is now, with every tile at a whole call of [`Self::add`].
@@ -108,8 +108,8 @@ impl Film {
     }
 
     /// What it holds.
-    pub fn format(&self) -> Format {
-        Format {
+    pub fn format(&self) -> FilmFormat {
+        FilmFormat {
             frame: self.frame,
             first_sample: self.first_sample,
             scale: self.plan.scale,
@@ -119,7 +119,7 @@ impl Film {
     }
 
     /// Its pixels, in tiles.
-    pub fn frame(&self) -> &Frame {
+    pub fn frame(&self) -> &FilmFrame {
         &self.frame
     }
 
@@ -129,24 +129,24 @@ impl Film {
     }
 
     /// How many samples each pixel of a tile has, along the rows; added to `counts`.
-    pub fn counts_of_tile(&self, tile: usize, counts: &mut Vec<u32>) {
+    pub fn tile_counts(&self, tile: usize, counts: &mut Vec<u32>) {
         counts.extend_from_slice(&self.lock(tile).counts);
     }
 
     /// How many samples the pixel of a tile has that has the fewest.
-    pub fn fewest_samples(&self, tile: usize) -> u32 {
+    pub fn min_tile_samples(&self, tile: usize) -> u32 {
         self.lock(tile).counts.iter().copied().min().unwrap_or(0)
     }
 
     /// How many samples each pixel of a tile has, where all have the same.
-    pub fn samples_of_tile(&self, tile: usize) -> Option<u32> {
+    pub fn uniform_tile_samples(&self, tile: usize) -> Option<u32> {
         let counts = &self.lock(tile).counts;
         let first = counts.first().copied().unwrap_or(0);
         counts.iter().all(|count| *count == first).then_some(first)
     }
 
     /// How many samples the pixel has that has the fewest, and the one that has the most.
-    pub fn fewest_and_most(&self) -> (u32, u32) {
+    pub fn sample_count_range(&self) -> (u32, u32) {
         (0..self.tiles.len()).fold((u32::MAX, 0), |(fewest, most), tile| {
             let counts = &self.lock(tile).counts;
             let all = || counts.iter().copied();
@@ -159,9 +159,9 @@ impl Film {
     ///
     /// # Errors
     /// When a block is too bright for the sums; neither it nor a later one is added then.
-    pub fn add(&self, tile: usize, counts: &[u32], samples: Run<'_>) -> Result<()> {
+    pub fn add(&self, tile: usize, counts: &[u32], samples: SampleRun<'_>) -> Result<()> {
         let added = self.lock(tile).add(&self.plan, counts, samples);
-        added.map_err(|over| self.too_bright(tile, over))
+        added.map_err(|over| self.overflow_error(tile, over))
     }
 
     /// Adds what another film of the same kind holds, which are other samples of some of these pixels.
@@ -170,38 +170,38 @@ impl Film {
     /// When the other has pixels that this one has not, when both hold an unfinished block of the same
     /// pixel, or on overflow, which films of one scene cannot bring about. This film is then of no use
     /// any more.
-    pub fn add_film(&mut self, other: &Self) -> Result<()> {
+    pub fn merge(&mut self, other: &Self) -> Result<()> {
         let window = self.frame.window;
-        if other.plan != self.plan || other.frame.window.common(&window) != Some(other.frame.window)
+        if other.plan != self.plan || other.frame.window.intersection(&window) != Some(other.frame.window)
         {
             return Err(Error::input("films of different kinds cannot be added"));
         }
         for theirs in 0..other.tiles.len() {
             let their_place = other.frame.tile(theirs);
             // Tiles are aligned, so no tile of theirs has pixels of two of ours.
-            let Some(ours) = self.frame.tile_with([their_place.x, their_place.y]) else { continue };
+            let Some(ours) = self.frame.tile_containing([their_place.x, their_place.y]) else { continue };
             let place = self.frame.tile(ours);
             let (mut sums, theirs) = (self.lock(ours), other.lock(theirs));
-            for (their_pixel, [x, y]) in their_place.places().enumerate() {
+            for (their_pixel, [x, y]) in their_place.pixel_coords().enumerate() {
                 let pixel = (y - place.y) * place.width + (x - place.x);
-                sums.add_pixel(&self.plan, pixel as usize, &theirs, their_pixel)?;
+                sums.merge_pixel(&self.plan, pixel as usize, &theirs, their_pixel)?;
             }
         }
         Ok(())
     }
 
     /// All samples so far.
-    pub fn samples(&self) -> u64 {
+    pub fn sample_count(&self) -> u64 {
         let of_tile = |tile| self.lock(tile).counts.iter().map(|&count| u64::from(count)).sum();
         (0..self.tiles.len()).map(|tile| -> u64 { of_tile(tile) }).sum()
     }
 
     /// How many samples were left out because they were not finite, and one of their pixels.
-    pub fn left_out(&self) -> Option<(u64, [u32; 2])> {
+    pub fn non_finite_samples(&self) -> Option<(u64, [u32; 2])> {
         let mut found = None;
         for tile in 0..self.tiles.len() {
             let sums = self.lock(tile);
-            for (&count, place) in sums.left_out.iter().zip(self.frame.tile(tile).places()) {
+            for (&count, place) in sums.non_finite_counts.iter().zip(self.frame.tile(tile).pixel_coords()) {
                 if count > 0 {
                     let (total, first) = found.unwrap_or((0, place));
                     found = Some((total + u64::from(count), first));
@@ -216,14 +216,14 @@ impl Film {
         self.tiles[tile].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn too_bright(&self, tile: usize, over: TooBright) -> Error {
-        let TooBright { pixel, first_sample, value, limit } = over;
-        let [x, y] = self.frame.tile(tile).places().nth(pixel).unwrap_or_default();
+    fn overflow_error(&self, tile: usize, over: BlockOverflow) -> Error {
+        let BlockOverflow { pixel, first_sample, value, limit } = over;
+        let [x, y] = self.frame.tile(tile).pixel_coords().nth(pixel).unwrap_or_default();
         let first = self.first_sample + first_sample;
         Error::input(format!(
             "samples {first} to {} of the pixel in column {x}, row {y} add up to {value:.1e}, and the \
              film holds less than {limit:.1e}, 2^{} times the brightest light of the scene",
-            first + BLOCK - 1,
+            first + BLOCK_SIZE - 1,
             layer::HEADROOM,
         ))
         .with_help(
@@ -232,6 +232,6 @@ impl Film {
              (`normalized = false`) does: choose another, or end paths with `max_depth`. `max_depth` and \
              `clamp_indirect` bias the picture. To see which materials make light",
         )
-        .with_setting(Setting::Info, "")
+        .with_suggestion(Suggestion::Info, "")
     }
 }

@@ -3,20 +3,20 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::color::{Radiance, Rgb, Seen};
+use crate::color::{PathRadiance, Rgb, VisibleSurface};
 use crate::math::Rect;
 
 const WIDTH: u32 = 21;
 const HEIGHT: u32 = 9;
 
 /// Samples that see nothing but light.
-fn light(samples: &[Radiance]) -> Run<'_> {
-    static SEEN: [Seen; 1024] = [Seen::NOTHING; 1024];
-    Run { light: samples, seen: &SEEN[..samples.len()] }
+fn light(samples: &[PathRadiance]) -> SampleRun<'_> {
+    static SEEN: [VisibleSurface; 1024] = [VisibleSurface::NONE; 1024];
+    SampleRun { radiance: samples, visible_surfaces: &SEEN[..samples.len()] }
 }
 
 /// A sample of any size and sign that the scale allows, from its address alone.
-fn sample([x, y]: [u32; 2], index: u32) -> Radiance {
+fn sample([x, y]: [u32; 2], index: u32) -> PathRadiance {
     let mut bits = u64::from(x) << 40 ^ u64::from(y) << 20 ^ u64::from(index);
     let mut next = || {
         bits = (bits ^ 0x9e37_79b9_7f4a_7c15).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -25,13 +25,13 @@ fn sample([x, y]: [u32; 2], index: u32) -> Radiance {
         mantissa * 10f32.powi((bits % 17) as i32 - 12)
     };
     let direct = Rgb::new(next(), next(), next());
-    Radiance { direct, indirect: Rgb::new(next(), next(), next()), alpha: (index % 3) as f32 }
+    PathRadiance { direct, indirect: Rgb::new(next(), next(), next()), alpha: (index % 3) as f32 }
 }
 
 /// What a sample sees, made of its light.
-fn seen(place: [u32; 2], index: u32) -> Seen {
-    let Radiance { direct, indirect, alpha } = sample(place, index);
-    Seen {
+fn seen(place: [u32; 2], index: u32) -> VisibleSurface {
+    let PathRadiance { direct, indirect, alpha } = sample(place, index);
+    VisibleSurface {
         emission: direct,
         albedo: indirect.abs().min(Rgb::ONE),
         normal: direct.normalize_or_zero(),
@@ -41,44 +41,44 @@ fn seen(place: [u32; 2], index: u32) -> Seen {
     }
 }
 
-fn format(window: Rect, first_sample: u32) -> Format {
-    Format {
-        frame: Frame { window, ..Frame::whole(WIDTH, HEIGHT) },
+fn format(window: Rect, first_sample: u32) -> FilmFormat {
+    FilmFormat {
+        frame: FilmFrame { window, ..FilmFrame::full(WIDTH, HEIGHT) },
         first_sample,
-        scale: Scale::of_brightest(3.0),
+        scale: RadianceScale::from_max_radiance(3.0),
         layers: Layer::ALL.to_vec(),
         squares: true,
     }
 }
 
 fn whole() -> Rect {
-    Frame::whole(WIDTH, HEIGHT).window
+    FilmFrame::full(WIDTH, HEIGHT).window
 }
 
 /// Adds samples to all pixels of a film up to an index, in steps of the given sizes, over and over.
 fn fill(film: &Film, end: u32, steps: &[u32], tiles: &[usize]) {
     let mut steps = steps.iter().copied().cycle();
     while let Some(&tile) =
-        tiles.iter().find(|&&tile| film.fewest_samples(tile) < end - film.first_sample())
+        tiles.iter().find(|&&tile| film.min_tile_samples(tile) < end - film.first_sample())
     {
         let step = steps.next().unwrap();
         let mut counts = Vec::new();
-        film.counts_of_tile(tile, &mut counts);
+        film.tile_counts(tile, &mut counts);
         let mut samples = Vec::new();
-        for (count, place) in counts.iter_mut().zip(film.frame().tile(tile).places()) {
+        for (count, place) in counts.iter_mut().zip(film.frame().tile(tile).pixel_coords()) {
             let next = film.first_sample() + *count;
             let range = next..next.saturating_add(step).min(end);
             *count = range.len() as u32;
             samples.extend(range.map(|index| (sample(place, index), seen(place, index))));
         }
         let (light, seen): (Vec<_>, Vec<_>) = samples.into_iter().unzip();
-        film.add(tile, &counts, Run { light: &light, seen: &seen }).unwrap();
+        film.add(tile, &counts, SampleRun { radiance: &light, visible_surfaces: &seen }).unwrap();
     }
 }
 
 fn filled(window: Rect, samples: std::ops::Range<u32>, steps: &[u32]) -> Film {
     let film = Film::new(&format(window, samples.start)).unwrap();
-    let tiles: Vec<usize> = (0..film.frame().tiles()).collect();
+    let tiles: Vec<usize> = (0..film.frame().tile_count()).collect();
     fill(&film, samples.end, steps, &tiles);
     film
 }
@@ -95,10 +95,10 @@ fn assert_same(a: &Film, b: &Film) {
     assert_eq!(bits(a), bits(b));
     for tile in 0..a.tiles.len() {
         let (a, b) = (a.lock(tile).clone(), b.lock(tile).clone());
-        assert_eq!((a.sums, a.squares, a.counts), (b.sums, b.squares, b.counts));
+        assert_eq!((a.sums, a.sums_of_squares, a.counts), (b.sums, b.sums_of_squares, b.counts));
         assert_eq!(a.coverage, b.coverage);
         let open = |open: Vec<f64>| open.iter().map(|sum| sum.to_bits()).collect::<Vec<_>>();
-        let (a, b) = (open(a.open), open(b.open));
+        let (a, b) = (open(a.partial_blocks), open(b.partial_blocks));
         // Once there was an unfinished block, there is room for the next.
         let unused = |open: &[u64]| open.iter().all(|&bits| bits == 0);
         assert!(a == b || unused(&a) && unused(&b));
@@ -109,8 +109,8 @@ fn assert_same(a: &Film, b: &Film) {
 fn means_and_variances_are_those_of_the_samples() {
     let film = filled(whole(), 0..37, &[37]);
     let (direct, variance) = (film.mean(Layer::Direct).unwrap(), film.variance().unwrap());
-    for (pixel, place) in whole().places().enumerate() {
-        let samples: Vec<Radiance> = (0..37).map(|index| sample(place, index)).collect();
+    for (pixel, place) in whole().pixel_coords().enumerate() {
+        let samples: Vec<PathRadiance> = (0..37).map(|index| sample(place, index)).collect();
         let of = |axis: usize| samples.iter().map(move |s| f64::from(s.direct[axis]));
         for axis in 0..3 {
             let mean = of(axis).sum::<f64>() / 37.0;
@@ -133,31 +133,31 @@ fn means_and_variances_are_those_of_the_samples() {
 
 #[test]
 fn samples_that_are_not_finite_are_left_out_and_counted() {
-    let frame = Frame::whole(1, 1);
-    let film = Film::new(&Format { frame, ..format(frame.window, 0) }).unwrap();
-    let good = Radiance { direct: Rgb::splat(2.0), ..Radiance::default() };
+    let frame = FilmFrame::full(1, 1);
+    let film = Film::new(&FilmFormat { frame, ..format(frame.window, 0) }).unwrap();
+    let good = PathRadiance { direct: Rgb::splat(2.0), ..PathRadiance::default() };
     let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY]
-        .map(|value| Radiance { indirect: Rgb::new(0.0, value, 0.0), ..good });
-    assert_eq!(film.left_out(), None);
+        .map(|value| PathRadiance { indirect: Rgb::new(0.0, value, 0.0), ..good });
+    assert_eq!(film.non_finite_samples(), None);
     film.add(0, &[5], light(&[bad[0], good, bad[1], good, bad[2]])).unwrap();
     assert_eq!(film.picture().direct[0], Rgb::splat(2.0));
-    assert_eq!(film.left_out(), Some((3, [0, 0])));
+    assert_eq!(film.non_finite_samples(), Some((3, [0, 0])));
     film.add(0, &[27], light(&[good; 27])).unwrap();
     assert_eq!((film.picture().direct[0], film.counts()[0]), (Rgb::splat(2.0), 32));
 
-    let film = Film::new(&Format { frame, ..format(frame.window, 0) }).unwrap();
+    let film = Film::new(&FilmFormat { frame, ..format(frame.window, 0) }).unwrap();
     film.add(0, &[3], light(&bad)).unwrap();
     assert!(film.picture().direct[0].is_nan(), "no light is known, which is not darkness");
 }
 
 #[test]
 fn what_is_too_bright_is_an_error_and_never_wraps() {
-    let frame = Frame::whole(40, 9);
-    let film = Film::new(&Format { frame, ..format(frame.window, 0) }).unwrap();
-    let bright = |value: f32| Radiance { direct: Rgb::new(0.0, value, 0.0), ..Radiance::default() };
+    let frame = FilmFrame::full(40, 9);
+    let film = Film::new(&FilmFormat { frame, ..format(frame.window, 0) }).unwrap();
+    let bright = |value: f32| PathRadiance { direct: Rgb::new(0.0, value, 0.0), ..PathRadiance::default() };
     // The scale is 4, so that a block holds less than 2^36.
     let tile = 5;
-    let mut counts = vec![0; film.frame().tile(tile).pixels()];
+    let mut counts = vec![0; film.frame().tile(tile).pixel_count()];
     counts[2] = 16;
     let most = 2f32.powi(32);
     let mut block = [bright(most); 16];
@@ -180,7 +180,7 @@ proptest! {
     fn batches_and_the_order_of_tiles_change_nothing(
         end in 1u32..70,
         steps in proptest::collection::vec(1u32..40, 1..6),
-        shuffled in Just((0..Frame::whole(WIDTH, HEIGHT).tiles()).collect::<Vec<_>>()).prop_shuffle(),
+        shuffled in Just((0..FilmFrame::full(WIDTH, HEIGHT).tile_count()).collect::<Vec<_>>()).prop_shuffle(),
     ) {
         let film = Film::new(&format(whole(), 0)).unwrap();
         fill(&film, end, &steps, &shuffled);
@@ -194,7 +194,7 @@ proptest! {
         [column, row] in [1..WIDTH, 1..HEIGHT],
         order in Just((0..60usize).collect::<Vec<_>>()).prop_shuffle(),
     ) {
-        let mut cuts: Vec<u32> = cuts.iter().map(|cut| cut * BLOCK).filter(|&cut| cut < end).collect();
+        let mut cuts: Vec<u32> = cuts.iter().map(|cut| cut * BLOCK_SIZE).filter(|&cut| cut < end).collect();
         cuts.extend([0, end]);
         cuts.sort_unstable();
         cuts.dedup();
@@ -209,7 +209,7 @@ proptest! {
             .collect();
         let mut sum = Film::new(&format(whole(), 0)).unwrap();
         for index in order.into_iter().filter(|&index| index < parts.len()) {
-            sum.add_film(&parts[index]).unwrap();
+            sum.merge(&parts[index]).unwrap();
         }
         assert_same(&sum, &filled(whole(), 0..end, &[end]));
     }
@@ -218,11 +218,11 @@ proptest! {
 #[test]
 fn films_that_do_not_belong_together_are_not_added() {
     let mut film = filled(whole(), 0..20, &[20]);
-    assert!(film.add_film(&filled(whole(), 0..20, &[20])).is_err(), "two unfinished blocks");
+    assert!(film.merge(&filled(whole(), 0..20, &[20])).is_err(), "two unfinished blocks");
     let mut part = Film::new(&format(Rect { x: 0, y: 0, width: 3, height: 3 }, 0)).unwrap();
-    assert!(part.add_film(&film).is_err(), "pixels without a place");
-    let other = Format { scale: Scale::of_brightest(1.0), ..format(whole(), 0) };
-    assert!(film.add_film(&Film::new(&other).unwrap()).is_err(), "another scale");
+    assert!(part.merge(&film).is_err(), "pixels without a place");
+    let other = FilmFormat { scale: RadianceScale::from_max_radiance(1.0), ..format(whole(), 0) };
+    assert!(film.merge(&Film::new(&other).unwrap()).is_err(), "another scale");
 }
 
 /// A film that reads as this one was written.
@@ -241,14 +241,14 @@ fn films_come_back_from_bytes_and_go_on() {
     let window = Rect { x: 3, y: 1, width: 17, height: 7 };
     for end in [0, 5, 16, 37] {
         let film = filled(window, 0..end, &[end.max(1)]);
-        let bad = Radiance { direct: Rgb::splat(f32::NAN), ..Radiance::default() };
-        let mut counts = vec![0; film.frame().tile(2).pixels()];
+        let bad = PathRadiance { direct: Rgb::splat(f32::NAN), ..PathRadiance::default() };
+        let mut counts = vec![0; film.frame().tile(2).pixel_count()];
         counts[..3].copy_from_slice(&[1, 0, 2]);
         film.add(2, &counts, light(&[bad, bad, sample([9, 9], 1)])).unwrap();
         let copy = copied(&film);
         assert_same(&copy, &film);
-        assert_eq!(copy.left_out(), film.left_out());
-        let tiles: Vec<usize> = (0..film.frame().tiles()).collect();
+        assert_eq!(copy.non_finite_samples(), film.non_finite_samples());
+        let tiles: Vec<usize> = (0..film.frame().tile_count()).collect();
         fill(&film, 50, &[3], &tiles);
         fill(&copy, 50, &[50], &tiles);
         assert_same(&copy, &film);

@@ -1,14 +1,14 @@
 //! The sums of a few neighbouring pixels.
 
-use crate::color::{Radiance, Seen};
+use crate::color::{PathRadiance, VisibleSurface};
 use crate::error::{Error, Result};
 use crate::fault::fault;
 
-use super::fixed::{Sum, Wide, limit};
-use super::layer::{Layer, Run, Scale};
+use super::exact_sum::{ExactSum, U192, limit};
+use super::layer::{Layer, SampleRun, RadianceScale};
 
 /// Samples are summed in blocks of this many consecutive ones, in index order.
-pub const BLOCK: u32 = 16;
+pub const BLOCK_SIZE: u32 = 16;
 
 /// Channels of the squares.
 const COLOR: usize = 3;
@@ -16,16 +16,16 @@ const COLOR: usize = 3;
 /// Which numbers are summed, and how finely: one plane for every channel of every layer, and the
 /// squares of the finished blocks of the beauty.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Plan {
-    pub(super) scale: Scale,
+pub(super) struct FilmLayout {
+    pub(super) scale: RadianceScale,
     pub(super) layers: Vec<Layer>,
     pub(super) squares: bool,
     steps: Vec<i32>,
     limits: Vec<f64>,
 }
 
-impl Plan {
-    pub(super) fn new(scale: Scale, layers: &[Layer], squares: bool) -> Self {
+impl FilmLayout {
+    pub(super) fn new(scale: RadianceScale, layers: &[Layer], squares: bool) -> Self {
         let steps: Vec<i32> = layers
             .iter()
             .flat_map(|layer| std::iter::repeat_n(layer.step(scale), layer.channels()))
@@ -35,17 +35,17 @@ impl Plan {
     }
 
     /// Numbers summed for a pixel in 128 bits.
-    pub(super) fn sums(&self) -> usize {
+    pub(super) fn sum_count(&self) -> usize {
         self.steps.len()
     }
 
     /// Numbers summed for a pixel in 192 bits.
-    pub(super) fn wide_sums(&self) -> usize {
+    pub(super) fn square_count(&self) -> usize {
         if self.squares { COLOR } else { 0 }
     }
 
     /// The plane of a layer's first channel.
-    pub(super) fn plane_of(&self, layer: Layer) -> Option<usize> {
+    pub(super) fn first_plane(&self, layer: Layer) -> Option<usize> {
         let at = self.layers.iter().position(|kept| *kept == layer)?;
         Some(self.layers[..at].iter().map(|layer| layer.channels()).sum())
     }
@@ -55,12 +55,12 @@ impl Plan {
         let coverage = self.layers.contains(&Layer::Coverage);
         // As for a pixel that sees one sphere.
         let coverage = if coverage { size_of::<Vec<(u32, u32)>>() + 4 * 8 } else { 0 };
-        let sums = self.sums() * size_of::<i128>() + self.wide_sums() * size_of::<Wide>();
+        let sums = self.sum_count() * size_of::<i128>() + self.square_count() * size_of::<U192>();
         size_of::<u32>() + sums + coverage
     }
 
     /// Goes on with the running sums of some pixels, each by its samples.
-    fn go_on(&self, sums: &mut [f64], runs: &[Run<'_>]) {
+    fn accumulate(&self, sums: &mut [f64], runs: &[SampleRun<'_>]) {
         let mut rest = sums;
         for layer in &self.layers {
             let (own, others) = rest.split_at_mut(layer.channels() * runs.len());
@@ -70,25 +70,25 @@ impl Plan {
     }
 
     /// The planes of direct and indirect light where their squares are summed.
-    pub(super) fn squared(&self) -> Option<[usize; 2]> {
-        let planes = [self.plane_of(Layer::Direct)?, self.plane_of(Layer::Indirect)?];
+    pub(super) fn square_planes(&self) -> Option<[usize; 2]> {
+        let planes = [self.first_plane(Layer::Direct)?, self.first_plane(Layer::Indirect)?];
         self.squares.then_some(planes)
     }
 
     /// Whether all sums of a plane after the other are finite and below the limits.
-    pub(super) fn holds(&self, sums: &[f64], pixels: usize) -> bool {
+    pub(super) fn fits(&self, sums: &[f64], pixels: usize) -> bool {
         let planes = sums.chunks_exact(pixels).zip(&self.limits);
         planes.into_iter().all(|(plane, limit)| plane.iter().all(|sum| sum.abs() < *limit))
     }
 
-    fn is_finite(&self, light: &Radiance, seen: Option<&Seen>) -> bool {
+    fn is_finite(&self, light: &PathRadiance, seen: Option<&VisibleSurface>) -> bool {
         self.layers.iter().all(|layer| layer.is_finite(light, seen))
     }
 }
 
 /// A block that is brighter than the sums can hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TooBright {
+pub(super) struct BlockOverflow {
     pub(super) pixel: usize,
     pub(super) first_sample: u32,
     pub(super) value: f64,
@@ -103,11 +103,11 @@ pub(super) struct Tile {
     /// Finished blocks. Empty before the first sample.
     pub(super) sums: Vec<i128>,
     /// Finished blocks of the squares.
-    pub(super) squares: Vec<Wide>,
+    pub(super) sums_of_squares: Vec<U192>,
     /// The running sums of unfinished blocks; empty where no pixel has one.
-    pub(super) open: Vec<f64>,
+    pub(super) partial_blocks: Vec<f64>,
     /// Samples of each pixel that were not finite; empty where there is none.
-    pub(super) left_out: Vec<u32>,
+    pub(super) non_finite_counts: Vec<u32>,
     /// How many samples of each pixel see which row first, in the order of the rows; empty where that
     /// is not counted.
     pub(super) coverage: Vec<Vec<(u32, u32)>>,
@@ -116,15 +116,15 @@ pub(super) struct Tile {
 impl Tile {
     /// A tile of so many pixels without samples, which holds all the memory that it will need for
     /// finished blocks. `None` where there is not enough.
-    pub(super) fn new(plan: &Plan, pixels: usize) -> Option<Self> {
-        let mut tile = Self::without_memory(pixels);
-        tile.sums.try_reserve_exact(pixels * plan.sums()).ok()?;
-        tile.squares.try_reserve_exact(pixels * plan.wide_sums()).ok()?;
+    pub(super) fn new(plan: &FilmLayout, pixels: usize) -> Option<Self> {
+        let mut tile = Self::new_lazy(pixels);
+        tile.sums.try_reserve_exact(pixels * plan.sum_count()).ok()?;
+        tile.sums_of_squares.try_reserve_exact(pixels * plan.square_count()).ok()?;
         Some(tile)
     }
 
     /// A tile of so many pixels without samples.
-    pub(super) fn without_memory(pixels: usize) -> Self {
+    pub(super) fn new_lazy(pixels: usize) -> Self {
         Self { counts: vec![0; pixels], ..Self::default() }
     }
 
@@ -132,13 +132,13 @@ impl Tile {
     /// nothing is added from the block on that does not fit.
     pub(super) fn add(
         &mut self,
-        plan: &Plan,
+        plan: &FilmLayout,
         counts: &[u32],
-        samples: Run<'_>,
-    ) -> std::result::Result<(), TooBright> {
-        self.make_room(plan);
+        samples: SampleRun<'_>,
+    ) -> std::result::Result<(), BlockOverflow> {
+        self.allocate(plan);
         let mut rest = samples;
-        let mut own: Vec<Run<'_>> = counts
+        let mut own: Vec<SampleRun<'_>> = counts
             .iter()
             .map(|&count| {
                 let (own, others) = rest.split_at(count as usize);
@@ -148,11 +148,11 @@ impl Tile {
             .collect();
         // Up to the end of the block that each pixel is in, and on.
         while own.iter().any(|samples| !samples.is_empty()) {
-            let runs: Vec<Run<'_>> = own
+            let runs: Vec<SampleRun<'_>> = own
                 .iter_mut()
                 .zip(&self.counts)
                 .map(|(samples, count)| {
-                    let left = (BLOCK - count % BLOCK) as usize;
+                    let left = (BLOCK_SIZE - count % BLOCK_SIZE) as usize;
                     let (run, others) = samples.split_at(samples.len().min(left));
                     *samples = others;
                     run
@@ -163,26 +163,26 @@ impl Tile {
         Ok(())
     }
 
-    fn make_room(&mut self, plan: &Plan) {
+    fn allocate(&mut self, plan: &FilmLayout) {
         let pixels = self.counts.len();
-        self.sums.resize(pixels * plan.sums(), 0);
-        self.squares.resize(pixels * plan.wide_sums(), Wide::default());
+        self.sums.resize(pixels * plan.sum_count(), 0);
+        self.sums_of_squares.resize(pixels * plan.square_count(), U192::default());
         if plan.layers.contains(&Layer::Coverage) {
             self.coverage.resize(pixels, Vec::new());
         }
     }
 
     /// Adds samples to every pixel, all in one block of it.
-    fn add_runs(&mut self, plan: &Plan, runs: &[Run<'_>]) -> std::result::Result<(), TooBright> {
+    fn add_runs(&mut self, plan: &FilmLayout, runs: &[SampleRun<'_>]) -> std::result::Result<(), BlockOverflow> {
         let pixels = self.counts.len();
-        let mut running = self.open.clone();
-        running.resize(pixels * plan.sums(), 0.0);
-        plan.go_on(&mut running, runs);
-        if !plan.holds(&running, pixels) {
-            let left_out = self.without_bad_samples(plan, &mut running, runs);
-            self.check(plan, &running)?;
-            self.left_out.resize(pixels, 0);
-            self.left_out.iter_mut().zip(left_out).for_each(|(total, more)| *total += more);
+        let mut running = self.partial_blocks.clone();
+        running.resize(pixels * plan.sum_count(), 0.0);
+        plan.accumulate(&mut running, runs);
+        if !plan.fits(&running, pixels) {
+            let left_out = self.resum_finite(plan, &mut running, runs);
+            self.check_limits(plan, &running)?;
+            self.non_finite_counts.resize(pixels, 0);
+            self.non_finite_counts.iter_mut().zip(left_out).for_each(|(total, more)| *total += more);
         }
         if fault!(FirstBlockDropped) {
             let is_first = |pixel: usize| self.counts[pixel % pixels] == 0;
@@ -193,13 +193,13 @@ impl Tile {
             *count += run.len() as u32;
         }
         for (rows, run) in self.coverage.iter_mut().zip(runs) {
-            run.seen.iter().for_each(|seen| count_row(rows, seen.row, 1));
+            run.visible_surfaces.iter().for_each(|seen| add_coverage(rows, seen.row, 1));
         }
         // Finished blocks move to the sums; the others stay open.
         let finished: Vec<bool> = runs
             .iter()
             .zip(&self.counts)
-            .map(|(run, count)| !run.is_empty() && count % BLOCK == 0)
+            .map(|(run, count)| !run.is_empty() && count % BLOCK_SIZE == 0)
             .collect();
         self.add_squares(plan, &running, &finished);
         let all_finished = finished.iter().all(|&finished| finished);
@@ -211,16 +211,16 @@ impl Tile {
                 move_finished(block, totals, &finished, step);
             }
         }
-        self.open = if all_finished { Vec::new() } else { running };
+        self.partial_blocks = if all_finished { Vec::new() } else { running };
         Ok(())
     }
 
     /// Adds the squares of the finished blocks of the beauty.
-    fn add_squares(&mut self, plan: &Plan, blocks: &[f64], finished: &[bool]) {
-        let Some([direct, indirect]) = plan.squared() else { return };
+    fn add_squares(&mut self, plan: &FilmLayout, blocks: &[f64], finished: &[bool]) {
+        let Some([direct, indirect]) = plan.square_planes() else { return };
         let pixels = self.counts.len();
-        let step = plan.scale.step_of_squares();
-        for (axis, totals) in self.squares.chunks_exact_mut(pixels).enumerate() {
+        let step = plan.scale.square_step();
+        for (axis, totals) in self.sums_of_squares.chunks_exact_mut(pixels).enumerate() {
             let plane = |first: usize| &blocks[(first + axis) * pixels..][..pixels];
             let light = plane(direct).iter().zip(plane(indirect)).zip(finished);
             let squares = light.map(|((a, b), &finished)| {
@@ -233,28 +233,28 @@ impl Tile {
 
     /// Does the running sums again without the samples that are not finite; returns how many those are
     /// of each pixel.
-    fn without_bad_samples(&self, plan: &Plan, running: &mut [f64], runs: &[Run<'_>]) -> Vec<u32> {
+    fn resum_finite(&self, plan: &FilmLayout, running: &mut [f64], runs: &[SampleRun<'_>]) -> Vec<u32> {
         running.fill(0.0);
-        running[..self.open.len()].copy_from_slice(&self.open);
-        let good = |run: &Run<'_>| -> (Vec<Radiance>, Vec<Seen>) {
-            let (light, seen) = (run.light, run.seen);
+        running[..self.partial_blocks.len()].copy_from_slice(&self.partial_blocks);
+        let good = |run: &SampleRun<'_>| -> (Vec<PathRadiance>, Vec<VisibleSurface>) {
+            let (light, seen) = (run.radiance, run.visible_surfaces);
             let is_good = |&at: &usize| plan.is_finite(&light[at], seen.get(at));
             let good: Vec<usize> = (0..run.len()).filter(is_good).collect();
             let seen = good.iter().filter_map(|&at| seen.get(at).copied());
             (good.iter().map(|&at| light[at]).collect(), seen.collect())
         };
         let good: Vec<_> = runs.iter().map(good).collect();
-        let good: Vec<Run<'_>> = good.iter().map(|(light, seen)| Run { light, seen }).collect();
-        plan.go_on(running, &good);
+        let good: Vec<SampleRun<'_>> = good.iter().map(|(light, seen)| SampleRun { radiance: light, visible_surfaces: seen }).collect();
+        plan.accumulate(running, &good);
         runs.iter().zip(good).map(|(run, good)| (run.len() - good.len()) as u32).collect()
     }
 
-    fn check(&self, plan: &Plan, running: &[f64]) -> std::result::Result<(), TooBright> {
+    fn check_limits(&self, plan: &FilmLayout, running: &[f64]) -> std::result::Result<(), BlockOverflow> {
         let pixels = self.counts.len();
         for (plane, &limit) in running.chunks_exact(pixels).zip(&plan.limits) {
             if let Some(pixel) = plane.iter().position(|sum| sum.abs() >= limit) {
-                let first_sample = self.counts[pixel] / BLOCK * BLOCK;
-                return Err(TooBright { pixel, first_sample, value: plane[pixel], limit });
+                let first_sample = self.counts[pixel] / BLOCK_SIZE * BLOCK_SIZE;
+                return Err(BlockOverflow { pixel, first_sample, value: plane[pixel], limit });
             }
         }
         Ok(())
@@ -264,9 +264,9 @@ impl Tile {
     ///
     /// # Errors
     /// When both have an unfinished block, and on overflow.
-    pub(super) fn add_pixel(
+    pub(super) fn merge_pixel(
         &mut self,
-        plan: &Plan,
+        plan: &FilmLayout,
         pixel: usize,
         other: &Self,
         other_pixel: usize,
@@ -276,38 +276,38 @@ impl Tile {
         if other.counts[other_pixel] == 0 {
             return Ok(());
         }
-        let unfinished = other.counts[other_pixel] % BLOCK != 0;
-        if unfinished && self.counts[pixel] % BLOCK != 0 {
+        let unfinished = other.counts[other_pixel] % BLOCK_SIZE != 0;
+        if unfinished && self.counts[pixel] % BLOCK_SIZE != 0 {
             return Err(Error::input("two films have an unfinished block of the same pixel"));
         }
-        self.make_room(plan);
+        self.allocate(plan);
         let mut overflows = false;
-        for plane in 0..plan.sums() {
+        for plane in 0..plan.sum_count() {
             let (to, from) = at(plane);
-            let (sum, over) = self.sums[to].plus(other.sums[from]);
+            let (sum, over) = self.sums[to].add_overflowing(other.sums[from]);
             self.sums[to] = sum;
             overflows |= over;
         }
-        for plane in 0..plan.wide_sums() {
+        for plane in 0..plan.square_count() {
             let (to, from) = at(plane);
-            let (sum, over) = self.squares[to].plus(other.squares[from]);
-            self.squares[to] = sum;
+            let (sum, over) = self.sums_of_squares[to].add_overflowing(other.sums_of_squares[from]);
+            self.sums_of_squares[to] = sum;
             overflows |= over;
         }
         if unfinished {
-            self.open.resize(pixels * plan.sums(), 0.0);
-            for plane in 0..plan.sums() {
+            self.partial_blocks.resize(pixels * plan.sum_count(), 0.0);
+            for plane in 0..plan.sum_count() {
                 let (to, from) = at(plane);
-                self.open[to] = other.open[from];
+                self.partial_blocks[to] = other.partial_blocks[from];
             }
         }
         for &(row, count) in other.coverage.get(other_pixel).into_iter().flatten() {
-            count_row(&mut self.coverage[pixel], row, count);
+            add_coverage(&mut self.coverage[pixel], row, count);
         }
-        let left_out = other.left_out.get(other_pixel).copied().unwrap_or(0);
+        let left_out = other.non_finite_counts.get(other_pixel).copied().unwrap_or(0);
         if left_out > 0 {
-            self.left_out.resize(pixels, 0);
-            self.left_out[pixel] += left_out;
+            self.non_finite_counts.resize(pixels, 0);
+            self.non_finite_counts[pixel] += left_out;
         }
         let (count, over) = self.counts[pixel].overflowing_add(other.counts[other_pixel]);
         self.counts[pixel] = count;
@@ -318,32 +318,32 @@ impl Tile {
     }
 
     /// How many samples of a pixel its sums hold.
-    pub(super) fn summed(&self, pixel: usize) -> u32 {
-        self.counts[pixel] - self.left_out.get(pixel).copied().unwrap_or(0)
+    pub(super) fn finite_samples(&self, pixel: usize) -> u32 {
+        self.counts[pixel] - self.non_finite_counts.get(pixel).copied().unwrap_or(0)
     }
 
     /// The sum of one channel of a layer over a pixel's samples.
-    pub(super) fn sum(&self, plan: &Plan, plane: usize, pixel: usize) -> f64 {
+    pub(super) fn sum(&self, plan: &FilmLayout, plane: usize, pixel: usize) -> f64 {
         let at = plane * self.counts.len() + pixel;
-        self.finished(plan, plane, pixel) + self.open.get(at).copied().unwrap_or(0.0)
+        self.finished_sum(plan, plane, pixel) + self.partial_blocks.get(at).copied().unwrap_or(0.0)
     }
 
     /// The same over its finished blocks.
-    pub(super) fn finished(&self, plan: &Plan, plane: usize, pixel: usize) -> f64 {
+    pub(super) fn finished_sum(&self, plan: &FilmLayout, plane: usize, pixel: usize) -> f64 {
         let at = plane * self.counts.len() + pixel;
-        self.sums.get(at).map_or(0.0, |sum| sum.value(plan.steps[plane]))
+        self.sums.get(at).map_or(0.0, |sum| sum.to_f64(plan.steps[plane]))
     }
 
     /// The sum of the squares of the finished blocks of one channel of the beauty.
-    pub(super) fn sum_of_squares(&self, plan: &Plan, axis: usize, pixel: usize) -> f64 {
+    pub(super) fn sum_of_squares(&self, plan: &FilmLayout, axis: usize, pixel: usize) -> f64 {
         let pixels = self.counts.len();
-        let finished = self.squares.get(axis * pixels + pixel);
-        finished.map_or(0.0, |sum| sum.value(plan.scale.step_of_squares()))
+        let finished = self.sums_of_squares.get(axis * pixels + pixel);
+        finished.map_or(0.0, |sum| sum.to_f64(plan.scale.square_step()))
     }
 }
 
 /// Counts more samples that see a row.
-fn count_row(rows: &mut Vec<(u32, u32)>, row: u32, more: u32) {
+fn add_coverage(rows: &mut Vec<(u32, u32)>, row: u32, more: u32) {
     match rows.binary_search_by_key(&row, |(row, _)| *row) {
         Ok(at) => rows[at].1 = rows[at].1.saturating_add(more),
         Err(at) => rows.insert(at, (row, more)),
@@ -351,12 +351,12 @@ fn count_row(rows: &mut Vec<(u32, u32)>, row: u32, more: u32) {
 }
 
 /// Adds the blocks of one plane to its sums.
-fn add_all<S: Sum>(blocks: &[f64], totals: &mut [S], step: i32) {
+fn add_all<S: ExactSum>(blocks: &[f64], totals: &mut [S], step: i32) {
     add_each(blocks.iter().copied(), totals, step);
 }
 
 /// Adds the finished blocks of one plane to its sums, and leaves zeros in their place.
-fn move_finished<S: Sum>(blocks: &mut [f64], totals: &mut [S], finished: &[bool], step: i32) {
+fn move_finished<S: ExactSum>(blocks: &mut [f64], totals: &mut [S], finished: &[bool], step: i32) {
     let taken = blocks
         .iter_mut()
         .zip(finished)
@@ -364,10 +364,10 @@ fn move_finished<S: Sum>(blocks: &mut [f64], totals: &mut [S], finished: &[bool]
     add_each(taken, totals, step);
 }
 
-fn add_each<S: Sum>(values: impl Iterator<Item = f64>, totals: &mut [S], step: i32) {
+fn add_each<S: ExactSum>(values: impl Iterator<Item = f64>, totals: &mut [S], step: i32) {
     let mut overflows = false;
     for (total, value) in totals.iter_mut().zip(values) {
-        let (sum, over) = total.plus(S::rounded(value, step));
+        let (sum, over) = total.add_overflowing(S::quantize(value, step));
         *total = sum;
         overflows |= over;
     }

@@ -1,6 +1,6 @@
 //! The arrangements that there are.
 
-use crate::names::named;
+use crate::names::named_enum;
 
 /// How the spheres are arranged. All fill a box of side 1 around the origin, more or less.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,4 +19,4 @@ pub enum Arrangement {
     Lattice,
 }
 
-named! { Arrangement { Gas = "gas", Packed = "packed", Clusters = "clusters", Lattice = "lattice" } }
+named_enum! { Arrangement { Gas = "gas", Packed = "packed", Clusters = "clusters", Lattice = "lattice" } }

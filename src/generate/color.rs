@@ -4,25 +4,25 @@
 use crate::math::DVec3;
 
 use super::arrangement::Arrangement;
-use super::numbers::Numbers;
-use super::places::Placed;
+use super::rng::IndexedRng;
+use super::placement::PlacedSphere;
 
 /// Linear albedo in `[0.02, 0.87]`.
-pub(super) fn of(arrangement: Arrangement, placed: &Placed, numbers: &mut Numbers) -> [f32; 3] {
-    let own = numbers.between(-0.5, 0.5);
+pub(super) fn albedo(arrangement: Arrangement, placed: &PlacedSphere, numbers: &mut IndexedRng) -> [f32; 3] {
+    let jitter = numbers.uniform_in(-0.5, 0.5);
     let color = match arrangement {
         Arrangement::Gas => {
-            dusk(0.42 + 0.4 * placed.center.dot(DVec3::new(0.5, 0.9, 0.3)) + 0.12 * own)
+            palette(0.42 + 0.4 * placed.center.dot(DVec3::new(0.5, 0.9, 0.3)) + 0.12 * jitter)
         }
-        Arrangement::Packed => dusk(0.45 + 0.22 * gyroid(placed.center * 9.0) + 0.15 * own),
-        Arrangement::Clusters => dusk(placed.kind + 0.1 * own),
+        Arrangement::Packed => palette(0.45 + 0.22 * gyroid(placed.center * 9.0) + 0.15 * jitter),
+        Arrangement::Clusters => palette(placed.hue + 0.1 * jitter),
         Arrangement::Lattice => placed.center + 0.5,
     };
     (0.02 + 0.85 * color.clamp(DVec3::ZERO, DVec3::ONE)).as_vec3().to_array()
 }
 
 /// Night, sea, sand, ember and wine, as linear albedo; then night again.
-const DUSK: [[f64; 3]; 5] = [
+const PALETTE: [[f64; 3]; 5] = [
     [0.015, 0.05, 0.18],
     [0.03, 0.3, 0.38],
     [0.82, 0.66, 0.36],
@@ -31,9 +31,9 @@ const DUSK: [[f64; 3]; 5] = [
 ];
 
 /// A colour between the two that are nearest to `t`, which counts once around per unit.
-fn dusk(t: f64) -> DVec3 {
-    let at = (t - t.floor()) * DUSK.len() as f64;
-    let color = |i: usize| DVec3::from_array(DUSK[i % DUSK.len()]);
+fn palette(t: f64) -> DVec3 {
+    let at = (t - t.floor()) * PALETTE.len() as f64;
+    let color = |i: usize| DVec3::from_array(PALETTE[i % PALETTE.len()]);
     color(at as usize).lerp(color(at as usize + 1), at.fract())
 }
 

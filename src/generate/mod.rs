@@ -8,22 +8,22 @@
 
 mod arrangement;
 mod color;
-mod numbers;
-mod places;
+mod rng;
+mod placement;
 mod scene;
 mod table;
 
-use crate::error::{Error, Result, Setting};
+use crate::error::{Error, Result, Suggestion};
 use crate::math::NO_SPHERE;
 
-use places::Places;
+use placement::Placement;
 
 pub use arrangement::Arrangement;
 pub use scene::scene_text;
 pub use table::write_rows;
 
 /// The most spheres of a scene.
-const MOST_SPHERES: u64 = NO_SPHERE as u64 - 2;
+const MAX_SPHERES: u64 = NO_SPHERE as u64 - 2;
 
 /// What is to be made.
 #[derive(Clone, Debug)]
@@ -32,12 +32,12 @@ pub struct Recipe {
     count: u64,
     seed: u64,
     colors: bool,
-    places: Places,
+    placement: Placement,
 }
 
 /// One sphere of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct GeneratedSphere {
     /// Centre and radius.
     pub sphere: [f32; 4],
     /// Linear albedo, in `[0, 1]`.
@@ -53,17 +53,17 @@ impl Recipe {
         if count == 0 {
             return Err(Error::input("a table has at least one sphere")
                 .with_help("ask for more")
-                .with_setting(Setting::Count, "1"));
+                .with_suggestion(Suggestion::Count, "1"));
         }
-        if count > MOST_SPHERES {
+        if count > MAX_SPHERES {
             let message =
-                format!("{count} spheres are more than the {MOST_SPHERES} that a scene can hold");
+                format!("{count} spheres are more than the {MAX_SPHERES} that a scene can hold");
             return Err(Error::input(message)
                 .with_help("ask for fewer")
-                .with_setting(Setting::Count, MOST_SPHERES.to_string()));
+                .with_suggestion(Suggestion::Count, MAX_SPHERES.to_string()));
         }
-        let places = Places::new(arrangement, count, seed);
-        Ok(Self { arrangement, count, seed, colors, places })
+        let places = Placement::new(arrangement, count, seed);
+        Ok(Self { arrangement, count, seed, colors, placement: places })
     }
 
     /// How the spheres are arranged.
@@ -82,12 +82,12 @@ impl Recipe {
     }
 
     /// The sphere with this index, which is below the count.
-    pub fn row(&self, index: u64) -> Row {
-        let mut numbers = numbers::of(self.seed, index);
-        let placed = self.places.place(index, &mut numbers);
-        let color = color::of(self.arrangement, &placed, &mut numbers);
+    pub fn sphere(&self, index: u64) -> GeneratedSphere {
+        let mut numbers = rng::for_sphere(self.seed, index);
+        let placed = self.placement.sphere_at(index, &mut numbers);
+        let color = color::albedo(self.arrangement, &placed, &mut numbers);
         let [x, y, z] = placed.center.as_vec3().to_array();
-        Row { sphere: [x, y, z, placed.radius as f32], color }
+        GeneratedSphere { sphere: [x, y, z, placed.radius as f32], color }
     }
 }
 
@@ -97,12 +97,12 @@ mod tests {
     use crate::math::DVec3;
     use std::f64::consts::PI;
 
-    fn rows(arrangement: Arrangement, count: u64) -> Vec<Row> {
+    fn rows(arrangement: Arrangement, count: u64) -> Vec<GeneratedSphere> {
         let recipe = Recipe::new(arrangement, count, 7, true).expect("a small count");
-        (0..count).map(|index| recipe.row(index)).collect()
+        (0..count).map(|index| recipe.sphere(index)).collect()
     }
 
-    fn parts(row: &Row) -> (DVec3, f64) {
+    fn parts(row: &GeneratedSphere) -> (DVec3, f64) {
         let [x, y, z, radius] = row.sphere.map(f64::from);
         (DVec3::new(x, y, z), radius)
     }
@@ -130,9 +130,9 @@ mod tests {
     fn a_sphere_depends_on_its_index_and_the_recipe_alone() {
         for &(_, arrangement) in Arrangement::NAMES {
             let recipe = Recipe::new(arrangement, 1000, 7, true).expect("a small count");
-            let alone = recipe.row(123);
+            let alone = recipe.sphere(123);
             assert_eq!(rows(arrangement, 1000)[123], alone);
-            let other = Recipe::new(arrangement, 1000, 8, true).expect("a small count").row(123);
+            let other = Recipe::new(arrangement, 1000, 8, true).expect("a small count").sphere(123);
             if arrangement != Arrangement::Lattice {
                 assert_ne!(other.sphere, alone.sphere);
             }
@@ -149,7 +149,7 @@ mod tests {
         let (least, most) = radii.fold((1.0, 0.0), |(a, b), r| (r.min(a), r.max(b)));
         assert!((least / radius - 0.75).abs() < 0.01 && (most / radius - 1.25).abs() < 0.01);
         for axis in 0..3 {
-            let at = |row: &Row| parts(row).0[axis];
+            let at = |row: &GeneratedSphere| parts(row).0[axis];
             assert!(mean(rows.iter().map(at), count).abs() < 0.01);
             assert!((mean(rows.iter().map(|r| at(r).powi(2)), count) - 1.0 / 12.0).abs() < 0.005);
         }

@@ -10,8 +10,8 @@ const LOOK_AT: [f64; 3] = [0.02, -0.06, 0.0];
 impl Recipe {
     /// Where the camera of [`scene_text`] stands, where it looks, and its vertical field of view in
     /// degrees.
-    pub fn view(&self) -> ([f64; 3], [f64; 3], f64) {
-        let view = view(self.arrangement);
+    pub fn viewpoint(&self) -> ([f64; 3], [f64; 3], f64) {
+        let view = preset_for(self.arrangement);
         (view.position, LOOK_AT, view.fov)
     }
 }
@@ -24,7 +24,7 @@ pub fn scene_text(recipe: &Recipe, file: &Path) -> String {
     let columns = if *colors { r#", "r", "g", "b""# } else { "" };
     // What JSON escapes in a string, TOML reads alike.
     let file = serde_json::Value::from(file.display().to_string());
-    let View { position, fov, zenith, horizon, nadir, sun } = view(*arrangement);
+    let Viewpoint { position, fov, zenith, horizon, nadir, sun } = preset_for(*arrangement);
     format!(
         r#"# {count} generated spheres: {name}, seed {seed}{own}.
 
@@ -67,7 +67,7 @@ samples_per_pixel = 64
 }
 
 /// Camera and light.
-struct View {
+struct Viewpoint {
     position: [f64; 3],
     fov: f64,
     zenith: [f64; 3],
@@ -76,8 +76,8 @@ struct View {
     sun: [f64; 3],
 }
 
-fn view(arrangement: Arrangement) -> View {
-    let day = View {
+fn preset_for(arrangement: Arrangement) -> Viewpoint {
+    let day = Viewpoint {
         position: [1.75, 1.2, 2.65],
         fov: 29.0,
         zenith: [0.2, 0.3, 0.5],
@@ -87,7 +87,7 @@ fn view(arrangement: Arrangement) -> View {
     };
     match arrangement {
         Arrangement::Gas | Arrangement::Packed | Arrangement::Lattice => day,
-        Arrangement::Clusters => View {
+        Arrangement::Clusters => Viewpoint {
             position: [1.3, 0.6, 2.1],
             fov: 34.0,
             zenith: [0.03, 0.045, 0.09],

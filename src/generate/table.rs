@@ -4,10 +4,10 @@ use std::io::{self, Write};
 
 use rayon::prelude::*;
 
-use super::{Recipe, Row};
+use super::{Recipe, GeneratedSphere};
 
 /// Rows made at a time; their bytes are all that is held in memory.
-const AT_ONCE: u64 = 1 << 18;
+const ROWS_PER_CHUNK: u64 = 1 << 18;
 
 /// Writes the rows of a table on the current rayon pool: little-endian f32, x, y, z, radius and,
 /// where the recipe has colours, r, g, b. `progress` is told how many rows are written.
@@ -17,11 +17,11 @@ const AT_ONCE: u64 = 1 << 18;
 pub fn write_rows(recipe: &Recipe, to: &mut dyn Write, progress: &dyn Fn(u64)) -> io::Result<()> {
     let columns = if recipe.has_colors() { 7 } else { 4 };
     let mut bytes = Vec::new();
-    for first in (0..recipe.count()).step_by(AT_ONCE as usize) {
-        let rows = AT_ONCE.min(recipe.count() - first) as usize;
+    for first in (0..recipe.count()).step_by(ROWS_PER_CHUNK as usize) {
+        let rows = ROWS_PER_CHUNK.min(recipe.count() - first) as usize;
         bytes.resize(rows * columns * size_of::<f32>(), 0);
         let slots = bytes.par_chunks_exact_mut(columns * size_of::<f32>()).enumerate();
-        slots.with_min_len(256).for_each(|(i, slot)| put(recipe.row(first + i as u64), slot));
+        slots.with_min_len(256).for_each(|(i, slot)| encode_row(recipe.sphere(first + i as u64), slot));
         to.write_all(&bytes)?;
         progress(first + rows as u64);
     }
@@ -29,7 +29,7 @@ pub fn write_rows(recipe: &Recipe, to: &mut dyn Write, progress: &dyn Fn(u64)) -
 }
 
 /// Puts as many of the row's numbers as the slot has room for.
-fn put(row: Row, slot: &mut [u8]) {
+fn encode_row(row: GeneratedSphere, slot: &mut [u8]) {
     let numbers = row.sphere.into_iter().chain(row.color);
     for (place, number) in slot.chunks_exact_mut(size_of::<f32>()).zip(numbers) {
         place.copy_from_slice(&number.to_le_bytes());

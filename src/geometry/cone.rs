@@ -4,7 +4,7 @@
 //! smallest that f64 can tell, keeps full relative precision.
 
 use crate::fault::fault;
-use crate::math::{DVec3, Frame, nearly_unit};
+use crate::math::{DVec3, Frame, renormalize};
 use crate::sampling;
 
 use super::Sphere;
@@ -33,16 +33,16 @@ pub struct ConeSample {
 impl Cone {
     /// The cone under which `sphere` is seen from `point`; `None` from inside or on it.
     #[inline(always)]
-    pub fn seen_from(point: DVec3, sphere: &Sphere) -> Option<Self> {
+    pub fn subtending(point: DVec3, sphere: &Sphere) -> Option<Self> {
         let to_center = sphere.center - point;
         let distance = to_center.length();
-        let cone = Self::along(to_center, distance, sphere.radius);
+        let cone = Self::from_axis(to_center, distance, sphere.radius);
         (sphere.radius < distance).then_some(cone)
     }
 
     /// The cone under which a sphere is seen whose centre is there, and farther than its radius.
     #[inline(always)]
-    pub fn along(to_center: DVec3, distance: f64, radius: f64) -> Self {
+    pub fn from_axis(to_center: DVec3, distance: f64, radius: f64) -> Self {
         let per_distance = 1.0 / distance;
         let sin_max = radius * per_distance;
         // 1 - cos = sin^2 / (1 + cos), which does not cancel for a small angle; and
@@ -50,7 +50,7 @@ impl Cone {
         let cos_max = ((distance - radius) * (distance + radius)).sqrt() * per_distance;
         let cos_max = if fault!(NarrowCone) { 1.0 } else { cos_max };
         Self {
-            frame: Frame::around(to_center * per_distance),
+            frame: Frame::from_z(to_center * per_distance),
             distance,
             radius,
             one_minus_cos_max: sin_max * sin_max / (1.0 + cos_max),
@@ -73,12 +73,12 @@ impl Cone {
         let share = if fault!(ConeUniformInAngle) { u[0] * u[0] } else { u[0] };
         let one_minus_cos = share * self.one_minus_cos_max;
         let sin_squared = one_minus_cos * (2.0 - one_minus_cos);
-        let (sin_phi, cos_phi) = sampling::sin_cos_of_turns(u[1]);
+        let (sin_phi, cos_phi) = sampling::sin_cos_2pi(u[1]);
         let sin = sin_squared.max(0.0).sqrt();
         let cos = 1.0 - one_minus_cos;
         let local = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
         ConeSample {
-            direction: nearly_unit(self.frame.to_world(local)),
+            direction: renormalize(self.frame.to_world(local)),
             distance: self.distance_to_sphere(sin_squared, cos),
             pdf: self.pdf(),
         }
@@ -104,7 +104,7 @@ mod tests {
     fn the_solid_angle_is_right_for_tiny_and_for_wide_cones() {
         let seen = |d: f64| {
             let sphere = Sphere { center: DVec3::new(0.0, 0.0, d), radius: 1.0 };
-            Cone::seen_from(DVec3::ZERO, &sphere).expect("outside").solid_angle()
+            Cone::subtending(DVec3::ZERO, &sphere).expect("outside").solid_angle()
         };
         // Far away: pi R^2 / d^2. On the surface: a half space.
         assert_relative_eq!(seen(1e8), std::f64::consts::PI * 1e-16, max_relative = 1e-14);
@@ -119,7 +119,7 @@ mod tests {
     #[test]
     fn samples_lie_on_the_visible_side() {
         let sphere = Sphere { center: DVec3::new(3.0, -2.0, 5.0), radius: 2.0 };
-        let cone = Cone::seen_from(DVec3::ZERO, &sphere).expect("outside");
+        let cone = Cone::subtending(DVec3::ZERO, &sphere).expect("outside");
         for i in 0..100 {
             let u = [f64::from(i) / 100.0, f64::from(i * 37 % 100) / 100.0];
             let ConeSample { direction, distance, .. } = cone.sample(u);
@@ -133,7 +133,7 @@ mod tests {
     fn a_cone_is_that_of_its_sphere_wherever_it_is_seen_from() {
         let sphere = Sphere { center: DVec3::new(3.0, -2.0, 5.0), radius: 3.0 };
         let point = DVec3::new(-1.0, 4.0, 2.0);
-        let cone = Cone::seen_from(point, &sphere).expect("outside");
+        let cone = Cone::subtending(point, &sphere).expect("outside");
         let distance = sphere.center.distance(point);
         let cos_max = (1.0 - 9.0 / (distance * distance)).sqrt();
         assert_relative_eq!(
@@ -159,8 +159,8 @@ mod tests {
     fn there_is_no_cone_from_inside() {
         let sphere = Sphere { center: DVec3::new(1.0, 0.0, 0.0), radius: 2.0 };
         for x in [1.0, 2.0, 3.0] {
-            assert!(Cone::seen_from(DVec3::new(x, 0.0, 0.0), &sphere).is_none(), "{x}");
+            assert!(Cone::subtending(DVec3::new(x, 0.0, 0.0), &sphere).is_none(), "{x}");
         }
-        assert!(Cone::seen_from(DVec3::NAN, &sphere).is_none());
+        assert!(Cone::subtending(DVec3::NAN, &sphere).is_none());
     }
 }

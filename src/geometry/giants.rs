@@ -13,18 +13,18 @@
 
 use rayon::prelude::*;
 
-use crate::math::F32_ROUNDING;
+use crate::math::F32_UNIT_ROUNDOFF;
 
 use super::Sphere;
 
-const LOWEST: i32 = -60;
-const HIGHEST: i32 = 60;
-const SHELLS: usize = (HIGHEST - LOWEST + 1) as usize;
+const MIN_EXPONENT: i32 = -60;
+const MAX_EXPONENT: i32 = 60;
+const SHELLS: usize = (MAX_EXPONENT - MIN_EXPONENT + 1) as usize;
 
 /// The share of the smallest touchable radius by which rounding may move a surface.
-const TOLERATED: f64 = 1e-3;
+const TOLERANCE: f64 = 1e-3;
 /// How much larger than the coordinates of a shell a giant's own numbers are.
-const OUT_OF_SCALE: f64 = 8.0;
+const SCALE_RATIO: f64 = 8.0;
 
 /// The smallest radius whose surface enters each shell around the origin.
 pub(super) struct Shells {
@@ -35,14 +35,14 @@ pub(super) struct Shells {
 
 impl Shells {
     /// Surveys `count` spheres, given by index, relative to the origin.
-    pub(super) fn survey(count: usize, sphere: impl Fn(usize) -> Sphere + Sync) -> Self {
+    pub(super) fn new(count: usize, sphere: impl Fn(usize) -> Sphere + Sync) -> Self {
         let nothing = || [f64::INFINITY; SHELLS];
         let smallest_radius = (0..count)
             .into_par_iter()
             .with_min_len(4096)
             .fold(nothing, |mut shells, index| {
                 let sphere = sphere(index);
-                for shell in &mut shells[shells_of(&sphere)] {
+                for shell in &mut shells[shell_range(&sphere)] {
                     *shell = shell.min(sphere.radius);
                 }
                 shells
@@ -58,19 +58,19 @@ impl Shells {
     /// Whether the sphere is a giant among those surveyed.
     pub(super) fn is_giant(&self, sphere: &Sphere) -> bool {
         let scale = sphere.center.length() + sphere.radius;
-        let moved = F32_ROUNDING * scale;
-        if moved <= TOLERATED * self.smallest {
+        let moved = F32_UNIT_ROUNDOFF * scale;
+        if moved <= TOLERANCE * self.smallest {
             return false; // nearly always
         }
-        shells_of(sphere).any(|shell| {
-            let shell_end = 2f64.powi(LOWEST + shell as i32 + 1);
-            scale > OUT_OF_SCALE * shell_end && moved > TOLERATED * self.smallest_radius[shell]
+        shell_range(sphere).any(|shell| {
+            let shell_end = 2f64.powi(MIN_EXPONENT + shell as i32 + 1);
+            scale > SCALE_RATIO * shell_end && moved > TOLERANCE * self.smallest_radius[shell]
         })
     }
 }
 
 /// The shells that a sphere's surface enters.
-fn shells_of(sphere: &Sphere) -> std::ops::Range<usize> {
+fn shell_range(sphere: &Sphere) -> std::ops::Range<usize> {
     let distance = sphere.center.length();
     let nearest = (distance - sphere.radius).abs();
     shell_at(nearest)..shell_at(distance + sphere.radius) + 1
@@ -79,7 +79,7 @@ fn shells_of(sphere: &Sphere) -> std::ops::Range<usize> {
 fn shell_at(distance: f64) -> usize {
     // The exponent as f64 stores it; below the lowest shell for 0 and subnormal numbers.
     let exponent = (distance.to_bits() >> 52) as i32 - 1023;
-    (exponent.clamp(LOWEST, HIGHEST) - LOWEST) as usize
+    (exponent.clamp(MIN_EXPONENT, MAX_EXPONENT) - MIN_EXPONENT) as usize
 }
 
 #[cfg(test)]
@@ -88,7 +88,7 @@ mod tests {
     use crate::math::DVec3;
 
     fn giants(spheres: &[Sphere]) -> Vec<bool> {
-        let shells = Shells::survey(spheres.len(), |i| spheres[i]);
+        let shells = Shells::new(spheres.len(), |i| spheres[i]);
         spheres.iter().map(|s| shells.is_giant(s)).collect()
     }
 
@@ -104,9 +104,9 @@ mod tests {
 
     #[test]
     fn shells_begin_at_powers_of_two() {
-        let shell = |distance| shell_at(distance) as i32 + LOWEST;
+        let shell = |distance| shell_at(distance) as i32 + MIN_EXPONENT;
         assert_eq!([1.0, 1.999, 2.0, 0.75].map(shell), [0, 0, 1, -1]);
-        assert_eq!([0.0, 1e-320, 1e300].map(shell), [LOWEST, LOWEST, HIGHEST]);
+        assert_eq!([0.0, 1e-320, 1e300].map(shell), [MIN_EXPONENT, MIN_EXPONENT, MAX_EXPONENT]);
     }
 
     #[test]
@@ -134,8 +134,8 @@ mod tests {
         let lowest = [0.0, 1e-30, 0.99, 1.0, 1.99, 2.0, 3.9, 1e30].map(shell_at);
         assert_eq!(lowest, [0, 0, 59, 60, 60, 61, 61, 120]);
         // From the nearest to the farthest point of the surface.
-        assert_eq!(shells_of(&ball(3.0, 0.0, 0.0, 1.0)), 61..63);
-        assert_eq!(shells_of(&ball(1.0, 0.0, 0.0, 4.0)), 61..63);
+        assert_eq!(shell_range(&ball(3.0, 0.0, 0.0, 1.0)), 61..63);
+        assert_eq!(shell_range(&ball(1.0, 0.0, 0.0, 4.0)), 61..63);
     }
 
     #[test]

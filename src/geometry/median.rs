@@ -5,7 +5,7 @@ use rayon::prelude::*;
 /// Half of the bits of an f32 are told apart in each of two passes.
 const DIGITS: usize = 1 << 16;
 /// Numbers that one thread counts at a time; each time costs a table of [`DIGITS`] counts.
-const AT_ONCE: usize = 1 << 22;
+const CHUNK_SIZE: usize = 1 << 22;
 
 /// The lower median, by `f32::total_cmp`, of what `value` gives for `items`; 0 for none.
 pub(super) fn lower_median<T: Sync>(items: &[T], value: impl Fn(&T) -> Option<f32> + Sync) -> f32 {
@@ -16,7 +16,7 @@ pub(super) fn lower_median<T: Sync>(items: &[T], value: impl Fn(&T) -> Option<f3
     let (first_half, rest) = locate(&counts, last / 2);
     let low = |key: u32| (high(key) == Some(first_half)).then_some(key as usize % DIGITS);
     let (second_half, _) = locate(&count(items, &value, low), rest);
-    of_key((first_half << 16 | second_half) as u32)
+    from_key((first_half << 16 | second_half) as u32)
 }
 
 /// How many items have each digit.
@@ -27,7 +27,7 @@ fn count<T: Sync>(
 ) -> Vec<u64> {
     let of_chunk = |items: &[T]| {
         let mut counts = vec![0u64; DIGITS];
-        let digits = items.iter().filter_map(|item| digit(key(value(item)?)));
+        let digits = items.iter().filter_map(|item| digit(to_key(value(item)?)));
         digits.for_each(|digit| counts[digit] += 1);
         counts
     };
@@ -35,7 +35,7 @@ fn count<T: Sync>(
         a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         a
     };
-    items.par_chunks(AT_ONCE).map(of_chunk).reduce_with(added).unwrap_or_else(|| vec![0; DIGITS])
+    items.par_chunks(CHUNK_SIZE).map(of_chunk).reduce_with(added).unwrap_or_else(|| vec![0; DIGITS])
 }
 
 /// The digit of the item with this rank, and its rank among those of the same digit.
@@ -50,12 +50,12 @@ fn locate(counts: &[u64], mut rank: u64) -> (usize, u64) {
 }
 
 /// Numbers in the order of `f32::total_cmp`.
-fn key(value: f32) -> u32 {
+fn to_key(value: f32) -> u32 {
     let bits = value.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }
 
-fn of_key(key: u32) -> f32 {
+fn from_key(key: u32) -> f32 {
     f32::from_bits(if key >> 31 == 1 { key ^ 1 << 31 } else { !key })
 }
 
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn more_numbers_than_are_counted_at_once_are_counted_together() {
         // A whole table of one number and half a table of a smaller one.
-        let items: Vec<bool> = (0..AT_ONCE + AT_ONCE / 2).map(|i| i < AT_ONCE).collect();
+        let items: Vec<bool> = (0..CHUNK_SIZE + CHUNK_SIZE / 2).map(|i| i < CHUNK_SIZE).collect();
         let value = |&is_large: &bool| Some(if is_large { 5.0 } else { -7.0 });
         assert_eq!(lower_median(&items, value), 5.0);
     }

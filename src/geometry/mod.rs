@@ -1,6 +1,6 @@
 //! The heart: one sphere, and all the spheres of a scene as one array.
 
-mod arrange;
+mod build;
 mod cone;
 mod giants;
 mod median;
@@ -9,10 +9,10 @@ mod origin;
 mod rays;
 mod set;
 mod sphere;
-mod surface;
+mod path_ray;
 
 pub use cone::{Cone, ConeSample};
 pub use rays::{PathRays, RayBlock};
 pub use set::{SphereRows, SphereSet};
 pub use sphere::{Roots, Sphere};
-pub use surface::{PathRay, Side, SurfaceHit};
+pub use path_ray::{PathRay, Side, SurfaceHit};

@@ -10,12 +10,12 @@ use crate::math::Vec3;
 ///
 /// Sorts 8-byte keys (a 30-bit code and the index) and breaks ties with a 63-bit code, so that a
 /// cluster far smaller than the bounding box is sorted too.
-pub(super) fn order(
+pub(super) fn morton_order(
     spheres: &[[f32; 4]],
     row_of: impl Fn(u32) -> u32 + Sync,
     last: impl Fn(u32) -> bool + Sync,
-) -> (Vec<u32>, Curve) {
-    let curve = Curve::of(spheres);
+) -> (Vec<u32>, MortonCurve) {
+    let curve = MortonCurve::fit(spheres);
     let row = |&key: &u64| row_of(index_of(key));
     let keys = sorted_keys(spheres, curve, &row_of, last);
     (keys.par_iter().map(row).collect(), curve)
@@ -23,7 +23,7 @@ pub(super) fn order(
 
 fn sorted_keys(
     spheres: &[[f32; 4]],
-    curve: Curve,
+    curve: MortonCurve,
     row_of: &(impl Fn(u32) -> u32 + Sync),
     last: impl Fn(u32) -> bool + Sync,
 ) -> Vec<u64> {
@@ -51,23 +51,23 @@ fn index_of(key: u64) -> u32 {
 /// The curve, by the box that it cuts into cells: nearly all centres, so that one lamp far away does not put the
 /// crowd into a few cells. What lies outside is sorted into the cells at the edge.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Curve {
+pub(super) struct MortonCurve {
     low: Vec3,
     high: Vec3,
 }
 
 /// Centres that the box is measured on.
-const SAMPLED: usize = 1 << 14;
+const SAMPLE_SIZE: usize = 1 << 14;
 /// The share of them that may lie outside, at either end of an axis.
-const OUTSIDE: usize = 1000;
+const OUTLIER_DIVISOR: usize = 1000;
 
-impl Curve {
-    fn of(spheres: &[[f32; 4]]) -> Self {
-        let sampled = || spheres.iter().step_by(spheres.len().div_ceil(SAMPLED).max(1));
+impl MortonCurve {
+    fn fit(spheres: &[[f32; 4]]) -> Self {
+        let sampled = || spheres.iter().step_by(spheres.len().div_ceil(SAMPLE_SIZE).max(1));
         let ends = |axis: usize| {
             let mut values: Vec<f32> = sampled().map(|sphere| sphere[axis]).collect();
             values.sort_unstable_by(f32::total_cmp);
-            let outside = values.len() / OUTSIDE;
+            let outside = values.len() / OUTLIER_DIVISOR;
             let high = values.len().saturating_sub(1 + outside);
             (values.get(outside).copied().unwrap_or(0.0), values.get(high).copied().unwrap_or(0.0))
         };
@@ -85,13 +85,13 @@ impl Curve {
         let extent = (self.high - self.low).max(Vec3::splat(f32::MIN_POSITIVE));
         let cell = ((Vec3::new(x, y, z) - self.low) / extent * CELLS)
             .clamp(Vec3::ZERO, Vec3::splat(CELLS - 1.0));
-        let [x, y, z] = cell.to_array().map(|c| spread(c as u32));
+        let [x, y, z] = cell.to_array().map(|c| spread_bits(c as u32));
         x << 2 | y << 1 | z
     }
 }
 
 /// Puts two zero bits between the low 21 bits.
-fn spread(bits: u32) -> u64 {
+fn spread_bits(bits: u32) -> u64 {
     let mut v = u64::from(bits) & 0x1f_ffff;
     v = (v | v << 32) & 0x001f_0000_0000_ffff;
     v = (v | v << 16) & 0x001f_0000_ff00_00ff;
@@ -106,16 +106,16 @@ mod tests {
 
     #[test]
     fn spreading_leaves_two_gaps_between_bits() {
-        assert_eq!(spread(0b111), 0b1_001_001);
-        assert_eq!(spread(0x1f_ffff).count_ones(), 21);
-        assert_eq!(spread(1 << 20), 1 << 60);
+        assert_eq!(spread_bits(0b111), 0b1_001_001);
+        assert_eq!(spread_bits(0x1f_ffff).count_ones(), 21);
+        assert_eq!(spread_bits(1 << 20), 1 << 60);
     }
 
     #[test]
     fn order_is_a_permutation_with_equal_spheres_side_by_side() {
         let at = |x: f32| [x, 0.0, 0.0, 1.0];
         let spheres = [at(0.9), at(0.1), at(0.5), at(0.1), at(0.0), at(1.0)];
-        assert_eq!(order(&spheres, |i| i, |i| i == 2).0, [4, 1, 3, 0, 5, 2]);
+        assert_eq!(morton_order(&spheres, |i| i, |i| i == 2).0, [4, 1, 3, 0, 5, 2]);
     }
 
     #[test]
@@ -124,7 +124,7 @@ mod tests {
             (0..100u32).map(|i| [(i * 37 % 100) as f32, 0.0, 0.0, 1.0]).collect();
         spheres.push([1e6, 0.0, 0.0, 1.0]);
         let xs: Vec<_> =
-            order(&spheres, |i| i, |_| false).0.iter().map(|&i| spheres[i as usize][0]).collect();
+            morton_order(&spheres, |i| i, |_| false).0.iter().map(|&i| spheres[i as usize][0]).collect();
         assert!(xs.is_sorted());
     }
 
@@ -144,7 +144,7 @@ mod tests {
         let mut expected: Vec<u32> = (0..cells.pow(3)).collect();
         expected.sort_by_key(|&i| code(i));
         expected.push(cells.pow(3));
-        assert_eq!(order(&spheres, |i| i, |_| false).0, expected, "steps of {step}");
+        assert_eq!(morton_order(&spheres, |i| i, |_| false).0, expected, "steps of {step}");
     }
 
     #[test]
@@ -158,23 +158,23 @@ mod tests {
     #[test]
     fn one_in_a_thousand_may_lie_outside_of_the_box() {
         let at = |i: u32| [i as f32, 2.0 * i as f32, 0.0, 1.0];
-        let Curve { low, high } = Curve::of(&(0..5000).map(at).collect::<Vec<_>>());
+        let MortonCurve { low, high } = MortonCurve::fit(&(0..5000).map(at).collect::<Vec<_>>());
         assert_eq!(low.to_array(), [5.0, 10.0, 0.0]);
         assert_eq!(high.to_array(), [4994.0, 9988.0, 0.0]);
-        let outside = [-1e6, 1e6].map(|x| Curve { low, high }.fine_code(&[x, x, x, 1.0]));
+        let outside = [-1e6, 1e6].map(|x| MortonCurve { low, high }.fine_code(&[x, x, x, 1.0]));
         assert_eq!(outside, [0, (1 << 63) - 1]);
     }
 
     #[test]
     fn what_comes_last_keeps_the_order_of_its_indices() {
         let spheres = [0.5, 0.1, 0.9, 0.3].map(|x| [x, 0.0, 0.0, 1.0]);
-        assert_eq!(order(&spheres, |i| i, |i| i != 2).0, [2, 0, 1, 3]);
+        assert_eq!(morton_order(&spheres, |i| i, |i| i != 2).0, [2, 0, 1, 3]);
     }
 
     #[test]
     fn the_cells_divide_the_box_wherever_it_lies() {
         let low = Vec3::new(-3.0, 1.0, 10.0);
-        let curve = Curve { low, high: Vec3::new(-1.0, 2.0, 14.0) };
+        let curve = MortonCurve { low, high: Vec3::new(-1.0, 2.0, 14.0) };
         let code = |x: f32, y: f32, z: f32| curve.fine_code(&[x, y, z, 1.0]);
         assert_eq!(code(-3.0, 1.0, 10.0), 0);
         // Halfway along an axis its highest bit is set, and a quarter of the way the next one.

@@ -6,20 +6,20 @@
 
 use rayon::prelude::*;
 
-use crate::math::{DVec3, F32_ROUNDING};
+use crate::math::{DVec3, F32_UNIT_ROUNDOFF};
 
 use super::median::lower_median;
 
 /// The share of its radius by which rounding may move a sphere before another origin is tried.
-const TOLERATED: f64 = 1e-3;
+const TOLERANCE: f64 = 1e-3;
 /// Spheres larger than this many times the smallest may turn out to be giants, which f32 need not
 /// serve: `TOLERATED / F32_ROUNDING` is 16777.
 const SMALL: f32 = 1e4;
 
 /// The origin for `[x, y, z, radius]`, representable in f32.
-pub(super) fn choose(spheres: &[[f32; 4]]) -> DVec3 {
+pub(super) fn choose_origin(spheres: &[[f32; 4]]) -> DVec3 {
     let all = median(spheres, f32::INFINITY);
-    if badly_rounded(spheres, all) == 0 {
+    if count_badly_rounded(spheres, all) == 0 {
         return all;
     }
     let smallest = spheres.par_iter().map(|s| s[3]).reduce(|| f32::INFINITY, f32::min);
@@ -27,7 +27,7 @@ pub(super) fn choose(spheres: &[[f32; 4]]) -> DVec3 {
     let small = median(spheres, SMALL * smallest);
     // `min_by_key` keeps the first of equals.
     let places = [all, smaller_half, small];
-    places.into_iter().min_by_key(|&place| badly_rounded(spheres, place)).unwrap_or(all)
+    places.into_iter().min_by_key(|&place| count_badly_rounded(spheres, place)).unwrap_or(all)
 }
 
 /// The per-axis median of the centres of the spheres up to a radius.
@@ -40,10 +40,10 @@ fn median(spheres: &[[f32; 4]], largest: f32) -> DVec3 {
 }
 
 /// How many spheres rounding relative to this place could move by too much of their radius.
-fn badly_rounded(spheres: &[[f32; 4]], place: DVec3) -> usize {
+fn count_badly_rounded(spheres: &[[f32; 4]], place: DVec3) -> usize {
     let is_bad = |&&[x, y, z, radius]: &&[f32; 4]| {
         let center = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-        F32_ROUNDING * center.distance(place) > TOLERATED * f64::from(radius)
+        F32_UNIT_ROUNDOFF * center.distance(place) > TOLERANCE * f64::from(radius)
     };
     spheres.par_iter().with_min_len(4096).filter(is_bad).count()
 }
@@ -56,29 +56,29 @@ mod tests {
 
     #[test]
     fn one_ball_on_one_ground_is_where_the_origin_is() {
-        assert_eq!(choose(&[GROUND, [3.0, 1.0, 0.0, 1.0]]), DVec3::new(3.0, 1.0, 0.0));
-        assert_eq!(choose(&[[3.0, 1.0, 0.0, 1.0], GROUND]), DVec3::new(3.0, 1.0, 0.0));
+        assert_eq!(choose_origin(&[GROUND, [3.0, 1.0, 0.0, 1.0]]), DVec3::new(3.0, 1.0, 0.0));
+        assert_eq!(choose_origin(&[[3.0, 1.0, 0.0, 1.0], GROUND]), DVec3::new(3.0, 1.0, 0.0));
     }
 
     #[test]
     fn many_grounds_do_not_outvote_two_balls() {
         let mut spheres = vec![GROUND; 200];
         spheres.extend([[3.0, 1.0, 0.0, 1.0], [5.0, 1.0, 0.0, 1.0]]);
-        assert_eq!(choose(&spheres), DVec3::new(3.0, 1.0, 0.0));
+        assert_eq!(choose_origin(&spheres), DVec3::new(3.0, 1.0, 0.0));
     }
 
     #[test]
     fn one_speck_far_away_does_not_drag_the_origin_along() {
         let mut spheres = vec![[0.0, 0.0, 0.0, 1.0]; 10];
         spheres.push([1e6, 0.0, 0.0, 1e-6]);
-        assert_eq!(choose(&spheres), DVec3::ZERO);
+        assert_eq!(choose_origin(&spheres), DVec3::ZERO);
     }
 
     #[test]
     fn where_all_are_served_well_it_is_the_median() {
         let spheres = [[1.0, 5.0, 0.0, 0.1], [2.0, 7.0, 0.0, 9.0], [3.0, 6.0, 0.0, 0.2]];
-        assert_eq!(choose(&spheres), DVec3::new(2.0, 6.0, 0.0));
-        assert_eq!(choose(&[]), DVec3::ZERO);
+        assert_eq!(choose_origin(&spheres), DVec3::new(2.0, 6.0, 0.0));
+        assert_eq!(choose_origin(&[]), DVec3::ZERO);
     }
 
     #[test]
@@ -86,6 +86,6 @@ mod tests {
         // The grounds are larger than 1e4 times the balls, and smaller than 1e4.
         let mut spheres = vec![[0.0, -1000.0, 0.0, 1000.0]; 200];
         spheres.extend([[3.0, 1.0, 0.0, 0.01], [5.0, 1.0, 0.0, 0.01]]);
-        assert_eq!(choose(&spheres), DVec3::new(3.0, 1.0, 0.0));
+        assert_eq!(choose_origin(&spheres), DVec3::new(3.0, 1.0, 0.0));
     }
 }

@@ -1,6 +1,6 @@
 //! Rays of many paths, side by side: field by field in blocks, for loops that become vector instructions.
 
-use crate::math::{Isa, LANES, Lanes, Lanes3, MAX_COORDINATE, NO_SPHERE, Stage};
+use crate::math::{Isa, LANES, Lanes, Lanes3, MAX_COORDINATE, NO_SPHERE, SimdKernel};
 
 use super::PathRay;
 
@@ -24,11 +24,11 @@ pub struct RayBlock {
     /// Hits at or beyond this distance do not count.
     pub t_max: Lanes<f64>,
     /// Where they meet the sphere that they leave again; infinite outwards.
-    pub far_wall: Lanes<f64>,
+    pub t_exit: Lanes<f64>,
     /// The sphere whose surface they start on.
-    pub leaves: Lanes<u32>,
+    pub origin_sphere: Lanes<u32>,
     /// The sphere that they aim at.
-    pub aims_at: Lanes<u32>,
+    pub target_sphere: Lanes<u32>,
 }
 
 impl PathRays {
@@ -71,9 +71,9 @@ impl PathRays {
         self.len += count;
         let block = &mut self.blocks[index];
         block.t_max = Lanes::splat(f64::INFINITY);
-        block.far_wall = Lanes::splat(f64::INFINITY);
-        block.leaves = Lanes::splat(NO_SPHERE);
-        block.aims_at = Lanes::splat(NO_SPHERE);
+        block.t_exit = Lanes::splat(f64::INFINITY);
+        block.origin_sphere = Lanes::splat(NO_SPHERE);
+        block.target_sphere = Lanes::splat(NO_SPHERE);
         block
     }
 
@@ -85,9 +85,9 @@ impl PathRays {
         block.direction.set(lane, ray.direction);
         block.t_min.0[lane] = ray.t_min;
         block.t_max.0[lane] = ray.t_max;
-        block.far_wall.0[lane] = ray.far_wall;
-        block.leaves.0[lane] = ray.leaves;
-        block.aims_at.0[lane] = ray.aims_at;
+        block.t_exit.0[lane] = ray.t_exit;
+        block.origin_sphere.0[lane] = ray.origin_sphere;
+        block.target_sphere.0[lane] = ray.target_sphere;
     }
 
     /// One of them.
@@ -99,16 +99,16 @@ impl PathRays {
             direction: block.direction.get(lane),
             t_min: block.t_min.0[lane],
             t_max: block.t_max.0[lane],
-            leaves: block.leaves.0[lane],
-            aims_at: block.aims_at.0[lane],
-            far_wall: block.far_wall.0[lane],
+            origin_sphere: block.origin_sphere.0[lane],
+            target_sphere: block.target_sphere.0[lane],
+            t_exit: block.t_exit.0[lane],
         }
     }
 
     /// Whether one goes into the sphere that it leaves.
     #[inline(always)]
-    pub fn goes_in(&self, index: usize) -> bool {
-        self.blocks[index / LANES].far_wall.0[index % LANES] < f64::INFINITY
+    pub fn is_inward(&self, index: usize) -> bool {
+        self.blocks[index / LANES].t_exit.0[index % LANES] < f64::INFINITY
     }
 
     /// All, in order.
@@ -128,7 +128,7 @@ impl PathRays {
         let mut left = self.len;
         for block in self.blocks() {
             let mut is_traced = Lanes::default();
-            isa.run(Survey { block, is_traced: &mut is_traced });
+            isa.run(FindTraced { block, is_traced: &mut is_traced });
             let used = left.min(LANES);
             count += is_traced.0[..used].iter().sum::<u32>() as usize;
             left -= used;
@@ -141,12 +141,12 @@ impl RayBlock {
     /// The end of the interval in which the ray of a lane may hit anything but its own far wall;
     /// minus infinity if it may not be asked: the same rule as [`crate::math::Ray::is_valid`].
     #[inline(always)]
-    pub fn end(&self, lane: usize) -> f64 {
+    pub fn t_end(&self, lane: usize) -> f64 {
         const LIMIT: f64 = 4.0 * MAX_COORDINATE;
         let [origin, direction] =
             [self.origin.get(lane), self.direction.get(lane)].map(|v| v.abs());
         let t_min = self.t_min.0[lane];
-        let (t_max, far_wall) = (self.t_max.0[lane], self.far_wall.0[lane]);
+        let (t_max, far_wall) = (self.t_max.0[lane], self.t_exit.0[lane]);
         let t_max = if far_wall < t_max { far_wall } else { t_max };
         // Without branches, which would keep loops from becoming vector instructions.
         let is_valid = (origin.x <= LIMIT)
@@ -163,17 +163,17 @@ impl RayBlock {
 }
 
 /// Finds out which rays of a block are traced.
-struct Survey<'a> {
+struct FindTraced<'a> {
     block: &'a RayBlock,
     /// 1 or 0.
     is_traced: &'a mut Lanes<u32>,
 }
 
-impl Stage for Survey<'_> {
+impl SimdKernel for FindTraced<'_> {
     #[inline(always)]
     fn run(self) {
         for lane in 0..LANES {
-            let is_traced = self.block.t_min.0[lane] < self.block.end(lane);
+            let is_traced = self.block.t_min.0[lane] < self.block.t_end(lane);
             self.is_traced.0[lane] = u32::from(is_traced);
         }
     }
@@ -186,7 +186,7 @@ mod tests {
     use crate::math::DVec3;
 
     fn from(x: f64) -> PathRay {
-        PathRay::free(DVec3::new(x, 1.0, 2.0), DVec3::Z)
+        PathRay::new(DVec3::new(x, 1.0, 2.0), DVec3::Z)
     }
 
     #[test]
@@ -196,10 +196,10 @@ mod tests {
             rays.clear();
             for i in 0..100u32 {
                 let x = f64::from(i + round);
-                let ray = PathRay { leaves: i, ..PathRay::free(DVec3::new(x, 1.0, 2.0), DVec3::Z) };
+                let ray = PathRay { origin_sphere: i, ..PathRay::new(DVec3::new(x, 1.0, 2.0), DVec3::Z) };
                 rays.push(&match i % 4 {
                     0 => ray,
-                    1 => PathRay { far_wall: 0.0, ..ray },
+                    1 => PathRay { t_exit: 0.0, ..ray },
                     2 => PathRay { origin: DVec3::splat(f64::NAN), ..ray },
                     _ => PathRay { t_min: 1.0, t_max: 3.0, ..ray },
                 });
@@ -207,8 +207,8 @@ mod tests {
             let found: Vec<PathRay> = rays.iter().collect();
             assert_eq!(found.len(), 100);
             assert_eq!(found[43].origin.x, 43.0 + f64::from(round));
-            assert!((0..100).all(|i| found[i as usize].leaves == i));
-            assert!(Isa::all().into_iter().all(|isa| rays.count_traced(isa) == 50));
+            assert!((0..100).all(|i| found[i as usize].origin_sphere == i));
+            assert!(Isa::available().into_iter().all(|isa| rays.count_traced(isa) == 50));
         }
     }
 
@@ -227,34 +227,34 @@ mod tests {
         rays.set(2, &PathRay { t_max: 0.0, ..from(0.0) });
         assert_eq!((rays.len(), rays.blocks().len()), (LANES + 3, 2));
         assert!(!rays.is_empty());
-        assert!(Isa::all().into_iter().all(|isa| rays.count_traced(isa) == LANES + 2));
+        assert!(Isa::available().into_iter().all(|isa| rays.count_traced(isa) == LANES + 2));
     }
 
     #[test]
     fn a_block_of_rays_stands_behind_the_others_and_aims_at_nothing() {
         let mut rays = PathRays::default();
-        let shadow = PathRay { t_max: 1.0, leaves: 3, aims_at: 4, far_wall: 0.5, ..from(0.0) };
+        let shadow = PathRay { t_max: 1.0, origin_sphere: 3, target_sphere: 4, t_exit: 0.5, ..from(0.0) };
         (0..3).for_each(|_| _ = rays.push_block(LANES));
-        assert!((0..3 * LANES).all(|index| !rays.goes_in(index)));
+        assert!((0..3 * LANES).all(|index| !rays.is_inward(index)));
         rays.set(LANES + 1, &shadow);
-        let into = (0..3 * LANES).filter(|&index| rays.goes_in(index));
+        let into = (0..3 * LANES).filter(|&index| rays.is_inward(index));
         assert!(into.eq([LANES + 1]));
         rays.clear();
         (0..LANES).for_each(|_| rays.push(&shadow));
         rays.push_block(3).origin.set(2, DVec3::X);
         assert_eq!(rays.len(), LANES + 3);
-        let PathRay { origin, t_max, leaves, aims_at, far_wall, .. } = rays.get(LANES + 2);
+        let PathRay { origin, t_max, origin_sphere: leaves, target_sphere: aims_at, t_exit: far_wall, .. } = rays.get(LANES + 2);
         assert_eq!((origin, t_max, far_wall), (DVec3::X, f64::INFINITY, f64::INFINITY));
         assert_eq!((leaves, aims_at), (NO_SPHERE, NO_SPHERE));
-        assert!(rays.goes_in(LANES - 1) && !rays.goes_in(LANES));
-        assert_eq!(rays.get(LANES - 1).far_wall, 0.5);
+        assert!(rays.is_inward(LANES - 1) && !rays.is_inward(LANES));
+        assert_eq!(rays.get(LANES - 1).t_exit, 0.5);
     }
 
     /// Every number of a ray beyond its range, one at a time.
     #[test]
     fn a_ray_of_a_block_ends_where_that_of_a_backend_does() {
         let limit = 4.0 * MAX_COORDINATE;
-        let mut rays = vec![PathRay { far_wall: 3.0, t_max: 5.0, ..from(0.0) }];
+        let mut rays = vec![PathRay { t_exit: 3.0, t_max: 5.0, ..from(0.0) }];
         for value in [limit, -limit, 1.1 * limit, -1.1 * limit, f64::INFINITY, f64::NAN] {
             for axis in 0..3 {
                 let mut bent = [from(0.0); 2];
@@ -271,11 +271,11 @@ mod tests {
         let end = |ray: &PathRay| {
             let mut rays = PathRays::default();
             rays.push(ray);
-            rays.blocks()[0].end(0)
+            rays.blocks()[0].t_end(0)
         };
         for ray in &rays {
-            let is_valid = set.ask(ray).is_valid();
-            let expected = if is_valid { ray.t_max.min(ray.far_wall) } else { f64::NEG_INFINITY };
+            let is_valid = set.to_query(ray).is_valid();
+            let expected = if is_valid { ray.t_max.min(ray.t_exit) } else { f64::NEG_INFINITY };
             assert_eq!(end(ray), expected, "{ray:?}");
         }
     }

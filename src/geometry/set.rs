@@ -10,7 +10,7 @@ use std::hint::black_box;
 use crate::fault::fault;
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
-use super::{PathRay, Side, Sphere, SurfaceHit, morton::Curve};
+use super::{PathRay, Side, Sphere, SurfaceHit, morton::MortonCurve};
 
 /// The spheres as the user gave them. Rows are numbered through: `exact` first, then `table`.
 #[derive(Clone, Debug, Default)]
@@ -29,9 +29,9 @@ pub struct SphereSet {
     pub(super) giants: Vec<Sphere>,
     /// The user's row of each id.
     pub(super) rows: Vec<u32>,
-    pub(super) curve: Curve,
+    pub(super) curve: MortonCurve,
     pub(super) duplicates: usize,
-    pub(super) coarse: usize,
+    pub(super) displaced: usize,
 }
 
 impl SphereSet {
@@ -57,7 +57,7 @@ impl SphereSet {
 
     /// Where a sphere lies along the curve that the particles are sorted by: they come in ascending
     /// order. Three bits for each halving of space.
-    pub(crate) fn place_on_curve(&self, sphere: &[f32; 4]) -> u64 {
+    pub(crate) fn morton_code(&self, sphere: &[f32; 4]) -> u64 {
         self.curve.fine_code(sphere)
     }
 
@@ -82,21 +82,21 @@ impl SphereSet {
     }
 
     /// How many spheres were moved by rounding by more than 1 % of their radius.
-    pub fn coarse(&self) -> usize {
-        self.coarse
+    pub fn displaced(&self) -> usize {
+        self.displaced
     }
 
     /// The sphere as stored, relative to the origin.
     pub fn sphere(&self, id: u32) -> Sphere {
         match (id as usize).checked_sub(self.particles.len()) {
             Some(giant) => self.giants[giant],
-            None => widened(&self.particles[id as usize]),
+            None => to_f64(&self.particles[id as usize]),
         }
     }
 
     /// Reads spheres, so that they are in the processor's near memory when they are asked for one by
     /// one: no read here waits for another.
-    pub fn warm(&self, ids: impl Iterator<Item = u32>) {
+    pub fn prefetch(&self, ids: impl Iterator<Item = u32>) {
         let read = |id: u32| {
             let particle = self.particles.get(id as usize);
             self.row(id) ^ particle.map_or(0, |[x, ..]| x.to_bits())
@@ -110,38 +110,38 @@ impl SphereSet {
     }
 
     /// The question for a backend: what does this ray hit before its own far wall?
-    pub fn ask(&self, ray: &PathRay) -> Ray {
-        let t_max = ray.t_max.min(ray.far_wall);
-        let leaves = if fault!(ExclusionLost) { NO_SPHERE } else { ray.leaves };
-        let aims_at = if fault!(LampBlocksItself) { NO_SPHERE } else { ray.aims_at };
+    pub fn to_query(&self, ray: &PathRay) -> Ray {
+        let t_max = ray.t_max.min(ray.t_exit);
+        let leaves = if fault!(ExclusionLost) { NO_SPHERE } else { ray.origin_sphere };
+        let aims_at = if fault!(LampBlocksItself) { NO_SPHERE } else { ray.target_sphere };
         Ray::new(ray.origin, ray.direction, ray.t_min, t_max, [leaves, aims_at])
     }
 
     /// Turns a backend's answer into a point on a sphere, the same for all backends: only the id is
     /// taken from the backend, the rest is solved again in f64. The far wall of the sphere that the
     /// ray leaves wins where it lies before the sphere that was found.
-    pub fn answer(&self, ray: &PathRay, hit: Hit) -> Option<SurfaceHit> {
+    pub fn resolve_hit(&self, ray: &PathRay, hit: Hit) -> Option<SurfaceHit> {
         let found = (!hit.is_miss()).then(|| {
             let sphere = self.sphere(hit.id);
-            (hit.id, sphere.resolve(ray.origin, ray.direction, ray.t_min))
+            (hit.id, sphere.hit_distance(ray.origin, ray.direction, ray.t_min))
         });
         let (id, t, is_far_wall) = match found {
-            Some((id, t)) if t < ray.far_wall => (id, t, false),
-            _ if ray.far_wall < ray.t_max => (ray.leaves, ray.far_wall, true),
+            Some((id, t)) if t < ray.t_exit => (id, t, false),
+            _ if ray.t_exit < ray.t_max => (ray.origin_sphere, ray.t_exit, true),
             _ => return None,
         };
         let sphere = self.sphere(id);
-        let (point, normal) = sphere.touched(ray.origin, ray.direction, t);
+        let (point, normal) = sphere.reproject(ray.origin, ray.direction, t);
         let side = match is_far_wall {
             // Where the chord is short, rounding may leave d.n with either sign.
             true => Side::Inside,
-            false => Side::of_arriving(ray.direction, normal),
+            false => Side::arriving(ray.direction, normal),
         };
         Some(SurfaceHit { id, t, point, normal, radius: sphere.radius, side })
     }
 }
 
-pub(super) fn widened(&[x, y, z, radius]: &[f32; 4]) -> Sphere {
+pub(super) fn to_f64(&[x, y, z, radius]: &[f32; 4]) -> Sphere {
     let center = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
     Sphere { center, radius: f64::from(radius) }
 }
@@ -167,7 +167,7 @@ mod tests {
         assert_eq!(set.giants().len(), 1);
         for id in 0..set.len() as u32 {
             let row = set.row(id) as usize;
-            let given = exact.get(row).copied().unwrap_or_else(|| widened(&table[row - 2]));
+            let given = exact.get(row).copied().unwrap_or_else(|| to_f64(&table[row - 2]));
             let stored = set.sphere(id);
             assert!((stored.center + set.origin()).distance(given.center) < 1e-5);
             assert_eq!(stored.radius, given.radius);
@@ -199,7 +199,7 @@ mod tests {
         let in_f32: Vec<f64> = set.particles().iter().map(|&[x, ..]| f64::from(x)).collect();
         assert_eq!(in_f32.len(), 6);
         assert!(in_f32.into_iter().map(|x| x + set.origin().x).eq(stored));
-        let places: Vec<u64> = set.particles().iter().map(|s| set.place_on_curve(s)).collect();
+        let places: Vec<u64> = set.particles().iter().map(|s| set.morton_code(s)).collect();
         assert!(places.is_sorted_by(|a, b| a < b), "{places:?}");
     }
 
@@ -235,33 +235,33 @@ mod tests {
     #[test]
     fn coarse_rounding_is_counted() {
         let far = |x: f64| ball(1e9 + x, 0.0, 0.0, 1.0);
-        assert_eq!(set(vec![far(0.0), far(10.3)], vec![]).coarse(), 0, "the origin moves there");
+        assert_eq!(set(vec![far(0.0), far(10.3)], vec![]).displaced(), 0, "the origin moves there");
         assert_eq!(
             set(vec![ball(0.0, 0.0, 0.0, 1.0), ball(1.0, 0.0, 0.0, 1.0), far(0.3)], vec![])
-                .coarse(),
+                .displaced(),
             1
         );
         // Moved by less than 1, a hundredth of this radius.
         let large = ball(1e9 + 0.3, 0.0, 0.0, 100.0);
         let near = [0.0, 1.0].map(|x| ball(x, 0.0, 0.0, 1.0));
-        assert_eq!(set([near.to_vec(), vec![large]].concat(), vec![]).coarse(), 0);
+        assert_eq!(set([near.to_vec(), vec![large]].concat(), vec![]).displaced(), 0);
         // Moved by exactly a hundredth of its radius.
         let moved_by_1 = ball(1e9 + 1.0, 0.0, 0.0, 100.0);
         let around_0 = [-1.0, 0.0].map(|x| ball(x, 0.0, 0.0, 1.0));
-        assert_eq!(set([around_0.to_vec(), vec![moved_by_1]].concat(), vec![]).coarse(), 0);
+        assert_eq!(set([around_0.to_vec(), vec![moved_by_1]].concat(), vec![]).displaced(), 0);
         // A radius so small that f32 has few digits for it.
-        assert_eq!(set(vec![ball(0.0, 0.0, 0.0, 2e-45)], vec![]).coarse(), 1);
+        assert_eq!(set(vec![ball(0.0, 0.0, 0.0, 2e-45)], vec![]).displaced(), 1);
     }
 
     #[test]
     fn an_answer_lies_on_the_sphere_and_knows_its_side() {
         let set = set(vec![ball(10.0, 0.0, 0.0, 2.0)], vec![]);
-        let ray = PathRay::free(DVec3::new(-5.0, 0.0, 0.0), DVec3::X);
-        let hit = set.answer(&ray, Hit { t: 99.0, id: 0 }).expect("hits");
+        let ray = PathRay::new(DVec3::new(-5.0, 0.0, 0.0), DVec3::X);
+        let hit = set.resolve_hit(&ray, Hit { t: 99.0, id: 0 }).expect("hits");
         assert_eq!((hit.t, hit.normal, hit.side), (3.0, -DVec3::X, Side::Outside));
-        let inward = hit.leave(DVec3::X).expect("a chord");
-        assert_eq!(inward.far_wall, 4.0);
-        let far = set.answer(&inward, Hit::MISS).expect("the far wall");
+        let inward = hit.spawn_ray(DVec3::X).expect("a chord");
+        assert_eq!(inward.t_exit, 4.0);
+        let far = set.resolve_hit(&inward, Hit::MISS).expect("the far wall");
         assert_eq!((far.id, far.t, far.side), (0, 4.0, Side::Inside));
     }
 
@@ -277,8 +277,8 @@ mod tests {
             let point = center + normal * radius;
             let start = SurfaceHit { id, t: 0.0, point, normal, radius, side: Side::Outside };
             let along = normal.any_orthonormal_vector();
-            let inward = start.leave((along - normal * 1e-11).normalize()).expect("a chord");
-            let far = set.answer(&inward, Hit::MISS).expect("the far wall");
+            let inward = start.spawn_ray((along - normal * 1e-11).normalize()).expect("a chord");
+            let far = set.resolve_hit(&inward, Hit::MISS).expect("the far wall");
             assert_eq!((far.id, far.side), (id, Side::Inside));
         }
     }
@@ -289,8 +289,8 @@ mod tests {
         let set = set(vec![ball(0.0, 0.0, 0.0, 1.0); 1], vec![[1e9, 0.0, 0.0, 1.0]; 1]);
         let id = (0..2).find(|&id| set.row(id) == 1).expect("row 1");
         let center = set.sphere(id).center;
-        let ray = PathRay::free(center - DVec3::X * 5.0, DVec3::new(0.99, 0.1, 0.0).normalize());
-        let hit = set.answer(&ray, Hit { t: 4.0, id }).expect("hits");
+        let ray = PathRay::new(center - DVec3::X * 5.0, DVec3::new(0.99, 0.1, 0.0).normalize());
+        let hit = set.resolve_hit(&ray, Hit { t: 4.0, id }).expect("hits");
         let expected = ray.direction * hit.t - DVec3::X * 5.0;
         assert!((hit.normal - expected).length() < 1e-14);
     }
@@ -300,15 +300,15 @@ mod tests {
         let set = set(vec![ball(0.0, 0.0, 0.0, 2.0), ball(3.0, 0.0, 0.0, 2.0)], vec![]);
         let [left, right] = [0, 1].map(|row| (0..2).find(|&id| set.row(id) == row).expect("row"));
         let start = DVec3::new(-2.0, 0.0, 0.0) - set.origin();
-        let inward = PathRay { leaves: left, far_wall: 4.0, ..PathRay::free(start, DVec3::X) };
-        let answer = |ray: &PathRay, hit| set.answer(ray, hit).map(|hit| (hit.id, hit.t));
+        let inward = PathRay { origin_sphere: left, t_exit: 4.0, ..PathRay::new(start, DVec3::X) };
+        let answer = |ray: &PathRay, hit| set.resolve_hit(ray, hit).map(|hit| (hit.id, hit.t));
         let found = Hit { t: 3.0, id: right };
         assert_eq!(answer(&inward, found), Some((right, 3.0)));
-        let nearer_wall = PathRay { far_wall: 2.5, ..inward };
+        let nearer_wall = PathRay { t_exit: 2.5, ..inward };
         assert_eq!(answer(&nearer_wall, found), Some((left, 2.5)));
         assert_eq!(answer(&inward, Hit::MISS), Some((left, 4.0)));
         let up_to = |t_max| answer(&PathRay { t_max, ..inward }, Hit::MISS);
         assert_eq!([4.5, 4.0, 3.5].map(up_to), [Some((left, 4.0)), None, None]);
-        assert_eq!(answer(&PathRay::free(start, -DVec3::X), Hit::MISS), None);
+        assert_eq!(answer(&PathRay::new(start, -DVec3::X), Hit::MISS), None);
     }
 }

@@ -29,8 +29,8 @@ impl Sphere {
     /// for Ray/Sphere Intersection", Ray Tracing Gems, ch. 7).
     pub fn roots(&self, origin: DVec3, direction: DVec3) -> Option<Roots> {
         let per_length_squared = 1.0 / direction.length_squared();
-        let Approach { t, half_chord_squared } =
-            self.approach(origin, direction, per_length_squared);
+        let LineApproach { t, half_chord_squared } =
+            self.closest_approach(origin, direction, per_length_squared);
         if half_chord_squared < 0.0 {
             return None;
         }
@@ -59,11 +59,11 @@ impl Sphere {
         &self,
         origin: DVec3,
         direction: DVec3,
-        per_length_squared: f64,
+        inv_length_squared: f64,
         t_min: f64,
     ) -> f64 {
-        let Approach { t, half_chord_squared } =
-            self.approach(origin, direction, per_length_squared);
+        let LineApproach { t, half_chord_squared } =
+            self.closest_approach(origin, direction, inv_length_squared);
         let h = half_chord_squared.sqrt();
         if t - h > t_min || fault!(NearRootForFar) { t - h } else { t + h }
     }
@@ -71,10 +71,10 @@ impl Sphere {
     /// The distance at which a line that is known to hit is taken to hit: the first root beyond
     /// `t_min`; the tangent point where f64 sees the line pass by; and never before `t_min`.
     #[inline(always)]
-    pub fn resolve(&self, origin: DVec3, direction: DVec3, t_min: f64) -> f64 {
+    pub fn hit_distance(&self, origin: DVec3, direction: DVec3, t_min: f64) -> f64 {
         let per_length_squared = 1.0 / direction.length_squared();
-        let Approach { t, half_chord_squared } =
-            self.approach(origin, direction, per_length_squared);
+        let LineApproach { t, half_chord_squared } =
+            self.closest_approach(origin, direction, per_length_squared);
         let h = half_chord_squared.max(0.0).sqrt();
         let root = if t - h > t_min && !fault!(FarRootForNear) { t - h } else { t + h };
         root.max(t_min)
@@ -82,7 +82,7 @@ impl Sphere {
 
     /// The point of the sphere that a ray meets at a distance `t`, and the outward normal there.
     #[inline(always)]
-    pub fn touched(&self, origin: DVec3, direction: DVec3, t: f64) -> (DVec3, DVec3) {
+    pub fn reproject(&self, origin: DVec3, direction: DVec3, t: f64) -> (DVec3, DVec3) {
         // Seen from the centre: adding `origin + t * direction` first would round at the scale of
         // the coordinates, which may be far larger than that of the ray.
         let from_center = (origin - self.center) + direction * t;
@@ -98,17 +98,17 @@ impl Sphere {
     }
 
     #[inline(always)]
-    fn approach(&self, origin: DVec3, direction: DVec3, per_length_squared: f64) -> Approach {
+    fn closest_approach(&self, origin: DVec3, direction: DVec3, per_length_squared: f64) -> LineApproach {
         let to_center = self.center - origin;
         let t = to_center.dot(direction) * per_length_squared;
         let perpendicular = to_center - direction * t;
         let discriminant = self.radius * self.radius - perpendicular.length_squared();
-        Approach { t, half_chord_squared: discriminant * per_length_squared }
+        LineApproach { t, half_chord_squared: discriminant * per_length_squared }
     }
 }
 
 /// The line's closest approach to the centre.
-struct Approach {
+struct LineApproach {
     /// Distance along the line.
     t: f64,
     /// Square of half the chord, in the same units; negative where the line passes by.
@@ -145,8 +145,8 @@ mod tests {
     fn a_ghost_resolves_to_the_tangent_point() {
         let origin = DVec3::new(1.0 + 1e-9, 0.0, -3.0);
         assert_eq!(UNIT.roots(origin, DVec3::Z), None);
-        assert_eq!(UNIT.resolve(origin, DVec3::Z, 0.0), 3.0);
-        assert_eq!(UNIT.resolve(DVec3::new(0.0, 0.0, 2.0), DVec3::Z, 0.0), 0.0);
+        assert_eq!(UNIT.hit_distance(origin, DVec3::Z, 0.0), 3.0);
+        assert_eq!(UNIT.hit_distance(DVec3::new(0.0, 0.0, 2.0), DVec3::Z, 0.0), 0.0);
     }
 
     #[test]
@@ -156,7 +156,7 @@ mod tests {
         let four = UNIT.roots(origin, DVec3::Z * 4.0).expect("hits");
         assert_eq!([four.near * 4.0, four.far * 4.0], [one.near, one.far]);
         assert_relative_eq!(one.far - one.near, 3f64.sqrt(), max_relative = 1e-15);
-        assert_eq!(UNIT.resolve(origin, DVec3::Z * 4.0, 0.0), four.near);
+        assert_eq!(UNIT.hit_distance(origin, DVec3::Z * 4.0, 0.0), four.near);
     }
 
     #[test]
@@ -173,18 +173,18 @@ mod tests {
         assert_eq!(first(2.0, 5.0), Some(4.0));
         assert_eq!(first(2.0, 4.0), None);
         assert_eq!(first(4.0, 5.0), None);
-        assert_eq!([1.9, 2.0, 4.5].map(|t| UNIT.resolve(origin, DVec3::Z, t)), [2.0, 4.0, 4.5]);
-        assert_eq!(UNIT.resolve(DVec3::Z * 0.5, DVec3::Z, 0.0), 0.5, "from inside");
+        assert_eq!([1.9, 2.0, 4.5].map(|t| UNIT.hit_distance(origin, DVec3::Z, t)), [2.0, 4.0, 4.5]);
+        assert_eq!(UNIT.hit_distance(DVec3::Z * 0.5, DVec3::Z, 0.0), 0.5, "from inside");
     }
 
     #[test]
     fn what_is_touched_lies_on_the_sphere_and_has_a_normal_even_where_it_has_no_direction() {
         let sphere = Sphere { center: DVec3::new(10.0, -4.0, 7.0), radius: 3.0 };
-        let (point, normal) = sphere.touched(DVec3::new(10.0, -4.0, 0.0), DVec3::Z, 4.0);
+        let (point, normal) = sphere.reproject(DVec3::new(10.0, -4.0, 0.0), DVec3::Z, 4.0);
         assert_eq!((point, normal), (DVec3::new(10.0, -4.0, 4.0), -DVec3::Z));
-        let (point, normal) = sphere.touched(sphere.center, DVec3::X, 0.0);
+        let (point, normal) = sphere.reproject(sphere.center, DVec3::X, 0.0);
         assert_eq!((point, normal), (DVec3::new(7.0, -4.0, 7.0), -DVec3::X));
-        let beyond_f64 = sphere.touched(DVec3::ZERO, DVec3::ONE, f64::INFINITY);
+        let beyond_f64 = sphere.reproject(DVec3::ZERO, DVec3::ONE, f64::INFINITY);
         assert_eq!(beyond_f64.1, -DVec3::ONE);
     }
 

@@ -20,47 +20,47 @@ use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{AttributeValue, IntegerBounds, Text, Vec2};
 
 use crate::color::Rgb;
-use crate::task::hands;
+use crate::task::parallel;
 
-use super::notes::{Crop, Notes};
-use super::picture::{Picture, Plane, Values};
-use super::record::Record;
-use super::whole::Sink;
+use super::notes::{CropWindow, WriteOptions};
+use super::picture::{Picture, ImageChannel, ChannelValues};
+use super::record::MetadataEntry;
+use super::atomic_file::Sink;
 
 /// Files with more bytes of pixels than this are written quickly where they are wanted quickly.
-const LARGE: usize = 32 << 20;
+const LARGE_IMAGE: usize = 32 << 20;
 
 /// Blocks that a hand makes before they are written.
-const BLOCKS: usize = 4;
+const BLOCKS_PER_THREAD: usize = 4;
 
 /// Bytes of the magic number and the version, which the attributes follow.
-const HEAD: u64 = 8;
+const HEADER_BYTES: u64 = 8;
 
 /// A channel of the file.
 struct Channel<'a> {
     name: String,
-    values: Source<'a>,
+    values: ChannelData<'a>,
 }
 
 /// Where the values of a channel are.
 #[derive(Clone, Copy)]
-enum Source<'a> {
+enum ChannelData<'a> {
     Beauty(usize),
     Color(&'a [Rgb], usize),
     Float(&'a [f32]),
-    Whole(&'a [u32]),
+    Uint(&'a [u32]),
 }
 
 /// Writes the beauty and all layers. A cropped picture lies in the window of the whole one.
-pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Result<()> {
+pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> io::Result<()> {
     let channels = channels(picture);
     let headers = vec![header(picture, &channels, notes)];
     exr::block::write(&mut *to, headers.into(), true, |meta, file| {
         let blocks: Vec<_> = enumerate_ordered_header_block_indices(&meta.headers).collect();
-        for some in blocks.chunks(BLOCKS * hands::count()) {
-            let compressed = hands::map(some.to_vec(), |(at, index)| {
+        for some in blocks.chunks(BLOCKS_PER_THREAD * parallel::thread_count()) {
+            let compressed = parallel::map(some.to_vec(), |(at, index)| {
                 let rows = index.pixel_position.1..index.pixel_position.1 + index.pixel_size.1;
-                let data = bytes_of(picture, &channels, rows);
+                let data = encode_rows(picture, &channels, rows);
                 (at, UncompressedBlock { index, data }.compress_to_chunk(&meta.headers))
             });
             for (at, chunk) in compressed {
@@ -82,29 +82,29 @@ fn channels(picture: &Picture) -> Vec<Channel<'_>> {
     let mut channels = Vec::new();
     let mut add = |name: String, values| channels.push(Channel { name, values });
     for (axis, name) in ["R", "G", "B"].into_iter().enumerate() {
-        add(name.to_owned(), Source::Beauty(axis));
+        add(name.to_owned(), ChannelData::Beauty(axis));
         let layers = [("direct", &picture.direct), ("indirect", &picture.indirect)];
         for (layer, values) in
-            layers.into_iter().filter(|(layer, _)| !picture.left_out.contains(layer))
+            layers.into_iter().filter(|(layer, _)| !picture.hidden_layers.contains(layer))
         {
-            add(format!("{layer}.{name}"), Source::Color(values, axis));
+            add(format!("{layer}.{name}"), ChannelData::Color(values, axis));
         }
     }
-    for Plane { name, values } in &picture.planes {
+    for ImageChannel { name, values } in &picture.channels {
         let values = match values {
-            Values::Float(values) => Source::Float(values),
-            Values::Whole(values) => Source::Whole(values),
+            ChannelValues::Float(values) => ChannelData::Float(values),
+            ChannelValues::Uint(values) => ChannelData::Uint(values),
         };
         add(name.clone(), values);
     }
     if let Some(alpha) = &picture.alpha {
-        add("A".to_owned(), Source::Float(alpha));
+        add("A".to_owned(), ChannelData::Float(alpha));
     }
     channels.sort_by(|a, b| a.name.cmp(&b.name));
     channels
 }
 
-fn header(picture: &Picture, channels: &[Channel<'_>], notes: &Notes) -> Header {
+fn header(picture: &Picture, channels: &[Channel<'_>], notes: &WriteOptions) -> Header {
     let mut attributes = LayerAttributes {
         software_name: Some(Text::from(concat!("photosphere ", env!("CARGO_PKG_VERSION")))),
         ..LayerAttributes::default()
@@ -114,21 +114,21 @@ fn header(picture: &Picture, channels: &[Channel<'_>], notes: &Notes) -> Header 
         attributes.other.insert(Text::from(name), AttributeValue::Text(text));
     };
     picture.attributes.iter().for_each(|(name, text)| add(name, text));
-    notes.records.iter().for_each(|record| add(&record.key(), &record.text));
+    notes.metadata.iter().for_each(|record| add(&record.key(), &record.text));
     let size = Vec2(picture.width, picture.height);
     let mut shared = ImageAttributes::with_size(size);
-    if let Some(Crop { full_size: [width, height], corner: [x, y] }) = notes.cropped_from {
+    if let Some(CropWindow { full_size: [width, height], offset: [x, y] }) = notes.crop_window {
         attributes.layer_position = Vec2(x as i32, y as i32);
         shared.display_window = IntegerBounds::from_dimensions((width, height));
     }
-    let is_large = picture.len() * channels.len() * size_of::<f32>() > LARGE;
-    let compression = match notes.quickly && is_large {
+    let is_large = picture.len() * channels.len() * size_of::<f32>() > LARGE_IMAGE;
+    let compression = match notes.fast && is_large {
         true => Compression::RLE,
         false => Compression::ZIP16,
     };
     let description = |channel: &Channel<'_>| {
         let kind = match channel.values {
-            Source::Whole(_) => SampleType::U32,
+            ChannelData::Uint(_) => SampleType::U32,
             _ => SampleType::F32,
         };
         ChannelDescription::named(channel.name.as_str(), kind)
@@ -140,23 +140,23 @@ fn header(picture: &Picture, channels: &[Channel<'_>], notes: &Notes) -> Header 
 }
 
 /// Some rows: of each, the values of one channel after the other.
-fn bytes_of(picture: &Picture, channels: &[Channel<'_>], rows: Range<usize>) -> Vec<u8> {
+fn encode_rows(picture: &Picture, channels: &[Channel<'_>], rows: Range<usize>) -> Vec<u8> {
     let mut bytes =
         Vec::with_capacity(rows.len() * picture.width * channels.len() * size_of::<f32>());
     for row in rows {
         let pixels = row * picture.width..(row + 1) * picture.width;
         for channel in channels {
             match channel.values {
-                Source::Beauty(axis) => pixels
+                ChannelData::Beauty(axis) => pixels
                     .clone()
                     .for_each(|pixel| bytes.extend(picture.beauty(pixel)[axis].to_ne_bytes())),
-                Source::Color(values, axis) => values[pixels.clone()]
+                ChannelData::Color(values, axis) => values[pixels.clone()]
                     .iter()
                     .for_each(|value| bytes.extend(value[axis].to_ne_bytes())),
-                Source::Float(values) => {
+                ChannelData::Float(values) => {
                     values[pixels.clone()].iter().for_each(|v| bytes.extend(v.to_ne_bytes()));
                 }
-                Source::Whole(values) => {
+                ChannelData::Uint(values) => {
                     values[pixels.clone()].iter().for_each(|v| bytes.extend(v.to_ne_bytes()));
                 }
             }
@@ -168,7 +168,7 @@ fn bytes_of(picture: &Picture, channels: &[Channel<'_>], rows: Range<usize>) -> 
 /// Brings the attributes of a finished file with one part into the order of their names, as OpenEXR's
 /// own library writes them: the crate's order is that of a hash map, which chance decides.
 fn sort_attributes(file: &mut File) -> io::Result<()> {
-    file.seek(SeekFrom::Start(HEAD))?;
+    file.seek(SeekFrom::Start(HEADER_BYTES))?;
     let mut attributes = Vec::new();
     let mut from = BufReader::new(&mut *file);
     loop {
@@ -186,20 +186,20 @@ fn sort_attributes(file: &mut File) -> io::Result<()> {
         attributes.push(attribute);
     }
     attributes.sort();
-    file.seek(SeekFrom::Start(HEAD))?;
+    file.seek(SeekFrom::Start(HEADER_BYTES))?;
     file.write_all(&attributes.concat())?;
     file.seek(SeekFrom::End(0)).map(|_| ())
 }
 
 /// The records of a file.
-pub(super) fn records(path: &Path) -> Result<Vec<Record>, String> {
+pub(super) fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>, String> {
     let meta = MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
     let header = meta.headers.first().ok_or("it has no parts")?;
     let shared = header.shared_attributes.other.iter();
     let record = |(name, value): (&Text, &AttributeValue)| match value {
         AttributeValue::Text(text) => {
             let text = String::from_utf8_lossy(text.as_slice()).into_owned();
-            Record::of_file(&name.to_string(), text)
+            MetadataEntry::from_key(&name.to_string(), text)
         }
         _ => None,
     };
@@ -208,7 +208,7 @@ pub(super) fn records(path: &Path) -> Result<Vec<Record>, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Target;
+    use super::super::ImageWriter;
     use super::super::tests::{picture, written};
     use super::*;
 
@@ -258,9 +258,9 @@ mod tests {
     fn a_crop_lies_in_the_whole_picture() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        let cropped_from = Some(Crop { full_size: [640, 480], corner: [31, 17] });
-        let notes = Notes { cropped_from, ..Notes::default() };
-        Target::new(&path).unwrap().write_with(&picture(), &notes).unwrap();
+        let cropped_from = Some(CropWindow { full_size: [640, 480], offset: [31, 17] });
+        let notes = WriteOptions { crop_window: cropped_from, ..WriteOptions::default() };
+        ImageWriter::new(&path).unwrap().write_with(&picture(), &notes).unwrap();
         let image = exr::prelude::read_first_flat_layer_from_file(&path).unwrap();
         assert_eq!(image.attributes.display_window.size, Vec2(640, 480));
         let attributes = &image.layer_data.attributes;
@@ -280,15 +280,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, quickly: bool| {
             let path = folder.path().join(name);
-            let notes = Notes { quickly, ..Notes::default() };
-            Target::new(&path).unwrap().write_with(&large, &notes).unwrap();
+            let notes = WriteOptions { fast: quickly, ..WriteOptions::default() };
+            ImageWriter::new(&path).unwrap().write_with(&large, &notes).unwrap();
             path
         };
         let small = write("small.exr", false);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         let (quick, again) = pool.install(|| (write("quick.exr", true), write("again.exr", false)));
         assert!(std::fs::read(&small).unwrap() == std::fs::read(again).unwrap());
-        let values = |path: &Path| crate::image_io::raw_channels(path).unwrap();
+        let values = |path: &Path| crate::image_io::read_raw_channels(path).unwrap();
         assert!(values(&small) == values(&quick));
         let bytes = |path: &Path| std::fs::metadata(path).unwrap().len();
         assert!(bytes(&quick) > bytes(&small));

@@ -6,16 +6,16 @@ use crate::error::{Error, Result};
 
 /// The file formats, by their extensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Format {
+pub(super) enum FileFormat {
     Png,
     Exr,
     Hdr,
     Pfm,
 }
 
-impl Format {
+impl FileFormat {
     /// That of a file, by its extension.
-    pub(super) fn of(path: &Path) -> Result<Self> {
+    pub(super) fn from_path(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
         match extension.to_str() {
             Some("png") => Ok(Self::Png),

@@ -9,22 +9,22 @@ use image::codecs::hdr::HdrEncoder;
 use crate::color::Rgb;
 
 use super::picture::Picture;
-use super::whole::Sink;
+use super::atomic_file::Sink;
 
 /// The brightest value of RGBE.
-const BRIGHTEST: f32 = 255.0 / 256.0 * 1.701_411_8e38;
+const MAX_RGBE: f32 = 255.0 / 256.0 * 1.701_411_8e38;
 /// Below this the exponent would not fit into its byte.
-const DARKEST: f32 = f32::MIN_POSITIVE;
+const MIN_RGBE: f32 = f32::MIN_POSITIVE;
 
 /// Writes linear beauty; what is negative or too dark becomes 0.
 pub(super) fn write(picture: &Picture, to: &mut Sink) -> io::Result<()> {
     let pixels: Vec<_> =
-        (0..picture.len()).map(|pixel| representable(picture.finite_beauty(pixel))).collect();
+        (0..picture.len()).map(|pixel| to_rgbe_range(picture.finite_beauty(pixel))).collect();
     HdrEncoder::new(to).encode(&pixels, picture.width, picture.height).map_err(io::Error::other)
 }
 
-fn representable(color: Rgb) -> ImageRgb<f32> {
-    let fit = |value: f32| if value < DARKEST { 0.0 } else { value.min(BRIGHTEST) };
+fn to_rgbe_range(color: Rgb) -> ImageRgb<f32> {
+    let fit = |value: f32| if value < MIN_RGBE { 0.0 } else { value.min(MAX_RGBE) };
     ImageRgb(color.to_array().map(fit))
 }
 

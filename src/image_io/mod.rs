@@ -19,17 +19,17 @@ mod picture;
 mod png;
 mod read;
 mod record;
-mod records;
+mod metadata;
 mod target;
 #[cfg(test)]
 mod tests;
-mod whole;
+mod atomic_file;
 
-pub use notes::{Crop, Notes};
-pub use picture::{Picture, Plane, Values};
+pub use notes::{CropWindow, WriteOptions};
+pub use picture::{Picture, ImageChannel, ChannelValues};
 pub use png::rgba_png;
-pub use read::{BEAUTY, Image, Layer, Layered, RawChannel, raw_channels, read, read_light};
-pub use record::Record;
-pub use records::records;
-pub use target::Target;
-pub use whole::{Sink, WholeFile, remove_unfinished};
+pub use read::{BEAUTY, Image, ImageLayer, LayeredImage, RawChannel, read_raw_channels, read_image, read_light};
+pub use record::MetadataEntry;
+pub use metadata::read_metadata;
+pub use target::ImageWriter;
+pub use atomic_file::{Sink, AtomicFile, remove_temp_files};

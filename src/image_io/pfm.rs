@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use super::picture::Picture;
-use super::whole::Sink;
+use super::atomic_file::Sink;
 
 /// Writes linear beauty; a scale of -1 says that the numbers are little-endian.
 pub(super) fn write(picture: &Picture, to: &mut Sink) -> io::Result<()> {

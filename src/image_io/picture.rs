@@ -21,34 +21,34 @@ pub struct Picture {
     /// then light over nothing (premultiplied).
     pub alpha: Option<Vec<f32>>,
     /// Of direct and indirect light, the names of what files do not show apart.
-    pub left_out: Vec<&'static str>,
+    pub hidden_layers: Vec<&'static str>,
     /// Further channels, for files that have a place for them.
-    pub planes: Vec<Plane>,
+    pub channels: Vec<ImageChannel>,
     /// What readers of those channels need to know: names and texts of attributes.
     pub attributes: Vec<(String, String)>,
 }
 
 /// A channel of a file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plane {
+pub struct ImageChannel {
     /// Its whole name, such as `normal.X`.
     pub name: String,
     /// A value for each pixel.
-    pub values: Values,
+    pub values: ChannelValues,
 }
 
 /// The values of a channel.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Values {
+pub enum ChannelValues {
     /// 32-bit floats.
     Float(Vec<f32>),
     /// 32-bit whole numbers.
-    Whole(Vec<u32>),
+    Uint(Vec<u32>),
 }
 
-impl Plane {
+impl ImageChannel {
     /// A channel.
-    pub fn new(name: &str, values: Values) -> Self {
+    pub fn new(name: &str, values: ChannelValues) -> Self {
         Self { name: name.to_owned(), values }
     }
 }

@@ -14,51 +14,51 @@ use image::{ExtendedColorType, ImageEncoder};
 use png::text_metadata::ITXtChunk;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter};
 
-use crate::task::hands;
+use crate::task::parallel;
 
-use super::notes::{Crop, Notes};
+use super::notes::{CropWindow, WriteOptions};
 use super::picture::Picture;
-use super::record::Record;
-use super::whole::Sink;
+use super::record::MetadataEntry;
+use super::atomic_file::Sink;
 
 /// Texts of more bytes than this are compressed.
-const SHORT: usize = 512;
+const COMPRESS_TEXT_ABOVE: usize = 512;
 
 /// Rows that are made bytes of at once.
-const ROWS: usize = 16;
+const ROWS_PER_TASK: usize = 16;
 
 /// The longest text that is read, in bytes.
-const LONGEST: usize = 64 << 20;
+const MAX_TEXT_BYTES: usize = 64 << 20;
 
 /// Writes beauty for the screen, rounded to the nearest of 256 steps.
-pub(super) fn write(picture: &Picture, notes: &Notes, to: &mut Sink) -> io::Result<()> {
+pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> io::Result<()> {
     let mut encoder = Encoder::new(to, picture.width as u32, picture.height as u32);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);
-    encoder.set_filter(if notes.quickly { Filter::Up } else { Filter::Adaptive });
+    encoder.set_filter(if notes.fast { Filter::Up } else { Filter::Adaptive });
     encoder.set_color(match picture.alpha {
         None => ColorType::Rgb,
         Some(_) => ColorType::Rgba,
     });
     let mut writer = encoder.write_header()?;
-    for record in &notes.records {
+    for record in &notes.metadata {
         let mut chunk = ITXtChunk::new(record.key(), &record.text);
-        chunk.compressed = record.text.len() > SHORT;
+        chunk.compressed = record.text.len() > COMPRESS_TEXT_ABOVE;
         writer.write_text_chunk(&chunk)?;
     }
-    writer.write_image_data(&bytes(picture, notes))?;
+    writer.write_image_data(&encode_pixels(picture, notes))?;
     writer.finish()?;
     Ok(())
 }
 
 /// The pixels, row by row.
-fn bytes(picture: &Picture, notes: &Notes) -> Vec<u8> {
-    let rows = (0..picture.height).step_by(ROWS).map(|row| row..(row + ROWS).min(picture.height));
-    hands::map(rows.collect(), |rows| bytes_of(picture, notes, rows)).concat()
+fn encode_pixels(picture: &Picture, notes: &WriteOptions) -> Vec<u8> {
+    let rows = (0..picture.height).step_by(ROWS_PER_TASK).map(|row| row..(row + ROWS_PER_TASK).min(picture.height));
+    parallel::map(rows.collect(), |rows| encode_rows(picture, notes, rows)).concat()
 }
 
-fn bytes_of(picture: &Picture, notes: &Notes, rows: Range<usize>) -> Vec<u8> {
-    let [left, top] = notes.cropped_from.map_or([0; 2], |Crop { corner, .. }| corner);
+fn encode_rows(picture: &Picture, notes: &WriteOptions, rows: Range<usize>) -> Vec<u8> {
+    let [left, top] = notes.crop_window.map_or([0; 2], |CropWindow { offset: corner, .. }| corner);
     let mut bytes = Vec::with_capacity(4 * rows.len() * picture.width);
     for row in rows {
         for column in 0..picture.width {
@@ -70,7 +70,7 @@ fn bytes_of(picture: &Picture, notes: &Notes, rows: Range<usize>) -> Vec<u8> {
                 Some(_) => 0.0,
             };
             let light = picture.finite_beauty(pixel) * covered;
-            bytes.extend(notes.look.steps(light, left + column, top + row));
+            bytes.extend(notes.view_transform.to_display_8bit(light, left + column, top + row));
             bytes.extend(alpha.map(|alpha| (alpha * 255.0).round() as u8));
         }
     }
@@ -85,18 +85,18 @@ pub fn rgba_png(width: u32, height: u32, bytes: &[u8]) -> Option<Vec<u8>> {
 }
 
 /// The records of a file.
-pub(super) fn records(path: &Path) -> Result<Vec<Record>, String> {
+pub(super) fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>, String> {
     let file = File::open(path).map_err(|e| e.to_string())?;
     let reader = Decoder::new(BufReader::new(file)).read_info().map_err(|e| e.to_string())?;
     let info = reader.info();
     let mut found = Vec::new();
     for chunk in &info.uncompressed_latin1_text {
-        found.extend(Record::of_file(&chunk.keyword, chunk.text.clone()));
+        found.extend(MetadataEntry::from_key(&chunk.keyword, chunk.text.clone()));
     }
     for chunk in &info.utf8_text {
         let mut chunk = chunk.clone();
-        chunk.decompress_text_with_limit(LONGEST).map_err(|e| e.to_string())?;
-        found.extend(Record::of_file(&chunk.keyword, chunk.get_text().map_err(|e| e.to_string())?));
+        chunk.decompress_text_with_limit(MAX_TEXT_BYTES).map_err(|e| e.to_string())?;
+        found.extend(MetadataEntry::from_key(&chunk.keyword, chunk.get_text().map_err(|e| e.to_string())?));
     }
     Ok(found)
 }
@@ -104,8 +104,8 @@ pub(super) fn records(path: &Path) -> Result<Vec<Record>, String> {
 #[cfg(test)]
 mod tests {
     use super::super::tests::{picture, written};
-    use super::super::{Crop, Notes, Target};
-    use crate::color::{Look, Rgb, Tone, srgb_from_linear};
+    use super::super::{CropWindow, WriteOptions, ImageWriter};
+    use crate::color::{ViewTransform, Rgb, ToneCurve, srgb_from_linear};
 
     #[test]
     fn pixels_come_back_in_place_and_rounded() {
@@ -143,15 +143,15 @@ mod tests {
     fn the_look_is_that_of_the_notes() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
-        let look = Look { exposure: -2.5, tone: Tone::AgX, dither: true };
-        let cropped_from = Some(Crop { full_size: [640, 480], corner: [31, 17] });
-        let notes = Notes { look, cropped_from, ..Notes::default() };
+        let look = ViewTransform { exposure: -2.5, tone: ToneCurve::AgX, dither: true };
+        let cropped_from = Some(CropWindow { full_size: [640, 480], offset: [31, 17] });
+        let notes = WriteOptions { view_transform: look, crop_window: cropped_from, ..WriteOptions::default() };
         let picture = picture();
-        Target::new(&path).unwrap().write_with(&picture, &notes).unwrap();
+        ImageWriter::new(&path).unwrap().write_with(&picture, &notes).unwrap();
         let image = image::open(&path).unwrap().into_rgb8();
         for (x, y, read) in image.enumerate_pixels() {
             let (x, y) = (x as usize, y as usize);
-            assert_eq!(read.0, look.steps(picture.beauty(13 * y + x), 31 + x, 17 + y));
+            assert_eq!(read.0, look.to_display_8bit(picture.beauty(13 * y + x), 31 + x, 17 + y));
         }
     }
 

@@ -6,14 +6,14 @@ const PREFIX: &str = "photosphere:";
 
 /// A text with a name, such as `seed`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Record {
+pub struct MetadataEntry {
     /// The name without the prefix: ASCII letters, digits and `-`, 60 at most.
     pub name: String,
     /// Any text without zero bytes.
     pub text: String,
 }
 
-impl Record {
+impl MetadataEntry {
     /// A record.
     pub fn new(name: &str, text: impl Into<String>) -> Self {
         Self { name: name.to_owned(), text: text.into().replace('\0', "") }
@@ -25,7 +25,7 @@ impl Record {
     }
 
     /// A record of a file, if it is one of ours.
-    pub(super) fn of_file(key: &str, text: String) -> Option<Self> {
+    pub(super) fn from_key(key: &str, text: String) -> Option<Self> {
         Some(Self { name: key.strip_prefix(PREFIX)?.to_owned(), text })
     }
 }

@@ -4,20 +4,20 @@ use std::path::Path;
 
 use crate::error::Result;
 
-use super::format::Format;
-use super::notes::Notes;
+use super::format::FileFormat;
+use super::notes::WriteOptions;
 use super::picture::Picture;
-use super::whole::{self, Sink, WholeFile};
+use super::atomic_file::{self, Sink, AtomicFile};
 use super::{exr, hdr, pfm, png};
 
 /// A place where a picture can be written: the folder is there and lets us in.
 #[derive(Debug)]
-pub struct Target {
-    file: WholeFile,
-    format: Format,
+pub struct ImageWriter {
+    file: AtomicFile,
+    format: FileFormat,
 }
 
-impl Target {
+impl ImageWriter {
     /// Prepares to write `path`. Its extension, in any case, chooses the format: `.png` (sRGB, 8
     /// bit), or linear radiance as `.exr` (32-bit float with the layers `direct` and `indirect`),
     /// `.hdr` (RGBE) or `.pfm` (32-bit float).
@@ -26,19 +26,19 @@ impl Target {
     /// When the extension is another one, when `path` is a folder, or when its folder is missing or
     /// cannot be written to.
     pub fn new(path: &Path) -> Result<Self> {
-        whole::refuse_folder(path, "picture.png")?;
-        let format = Format::of(path)?;
-        Ok(Self { file: WholeFile::new(path)?, format })
+        atomic_file::reject_folder(path, "picture.png")?;
+        let format = FileFormat::from_path(path)?;
+        Ok(Self { file: AtomicFile::new(path)?, format })
     }
 
     /// Whether the file has layers.
     pub fn has_layers(&self) -> bool {
-        self.format == Format::Exr
+        self.format == FileFormat::Exr
     }
 
     /// Whether the file is for the screen, and so has a [`Look`](crate::color::Look).
-    pub fn is_for_screen(&self) -> bool {
-        self.format == Format::Png
+    pub fn is_display_referred(&self) -> bool {
+        self.format == FileFormat::Png
     }
 
     /// Writes the picture, whole, as often as one likes, and gives the file its name.
@@ -47,21 +47,21 @@ impl Target {
     /// When the disk refuses; a file that was there before is then unchanged, and nothing else is
     /// left behind.
     pub fn write(&self, picture: &Picture) -> Result<()> {
-        self.write_with(picture, &Notes::default())
+        self.write_with(picture, &WriteOptions::default())
     }
 
     /// The same with notes, as far as the format has a place for them.
     ///
     /// # Errors
     /// Like [`Self::write`].
-    pub fn write_with(&self, picture: &Picture, notes: &Notes) -> Result<()> {
+    pub fn write_with(&self, picture: &Picture, notes: &WriteOptions) -> Result<()> {
         let content = |sink: &mut Sink<'_>| match self.format {
-            Format::Png => png::write(picture, notes, sink),
-            Format::Exr => exr::write(picture, notes, sink),
-            Format::Hdr => hdr::write(picture, sink),
-            Format::Pfm => pfm::write(picture, sink),
+            FileFormat::Png => png::write(picture, notes, sink),
+            FileFormat::Exr => exr::write(picture, notes, sink),
+            FileFormat::Hdr => hdr::write(picture, sink),
+            FileFormat::Pfm => pfm::write(picture, sink),
         };
-        match notes.quickly {
+        match notes.fast {
             true => self.file.write_unsynced(content),
             false => self.file.write(content),
         }

@@ -3,8 +3,8 @@ use std::path::{Path, PathBuf};
 
 use crate::color::Rgb;
 
-use super::format::Format;
-use super::{Picture, Target};
+use super::format::FileFormat;
+use super::{Picture, ImageWriter};
 
 /// A picture with every kind of value that a render can give.
 pub(super) fn picture() -> Picture {
@@ -21,7 +21,7 @@ pub(super) fn picture() -> Picture {
 pub(super) fn written(picture: &Picture, name: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
-    Target::new(&path).unwrap().write(picture).unwrap();
+    ImageWriter::new(&path).unwrap().write(picture).unwrap();
     assert_eq!(names(folder.path()), [name]);
     (folder, path)
 }
@@ -38,17 +38,17 @@ fn names(folder: &Path) -> Vec<String> {
 #[test]
 fn another_extension_is_refused_with_the_list() {
     for name in ["a.bmp", "a", "png", ".png", "a.PNG.txt"] {
-        let error = Target::new(Path::new(name)).unwrap_err();
+        let error = ImageWriter::new(Path::new(name)).unwrap_err();
         let expected = format!("`{name}` does not end in .png, .exr, .hdr or .pfm");
         assert_eq!(error.to_string(), expected);
     }
-    assert_eq!(Format::of(Path::new("a.b.ExR")).unwrap(), Format::Exr);
+    assert_eq!(FileFormat::from_path(Path::new("a.b.ExR")).unwrap(), FileFormat::Exr);
 }
 
 #[test]
 fn places_that_cannot_be_written_are_refused_before_rendering() {
     let folder = tempfile::tempdir().unwrap();
-    let at = |name: &str| Target::new(&folder.path().join(name)).unwrap_err().to_string();
+    let at = |name: &str| ImageWriter::new(&folder.path().join(name)).unwrap_err().to_string();
     assert!(at("missing/a.png").ends_with("missing` does not exist"), "{}", at("missing/a.png"));
     fs::create_dir(folder.path().join("a.png")).unwrap();
     assert!(at("a.png").ends_with("it is a folder"));
@@ -64,11 +64,11 @@ fn a_failed_write_leaves_the_old_file_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
     fs::write(&path, "old").unwrap();
-    drop(Target::new(&path).unwrap());
+    drop(ImageWriter::new(&path).unwrap());
     assert_eq!(fs::read(&path).unwrap(), b"old");
 
     // A folder that takes the name while we render makes the rename fail.
-    let target = Target::new(&path).unwrap();
+    let target = ImageWriter::new(&path).unwrap();
     fs::remove_file(&path).unwrap();
     fs::create_dir(&path).unwrap();
     let error = target.write(&picture()).unwrap_err().to_string();
@@ -88,12 +88,12 @@ fn the_file_has_the_permissions_of_any_new_file_and_links_are_followed() {
 
     let link = folder.path().join("link.pfm");
     std::os::unix::fs::symlink("any", &link).unwrap();
-    Target::new(&link).unwrap().write(&picture()).unwrap();
+    ImageWriter::new(&link).unwrap().write(&picture()).unwrap();
     assert!(link.is_symlink());
 
     let dangling = folder.path().join("dangling.pfm");
     std::os::unix::fs::symlink("nowhere", &dangling).unwrap();
-    let error = Target::new(&dangling).unwrap_err().to_string();
+    let error = ImageWriter::new(&dangling).unwrap_err().to_string();
     assert!(error.contains("it is a link to `nowhere`, which cannot be reached ("), "{error}");
     assert_eq!(fs::read(&beside).unwrap(), fs::read(&path).unwrap());
 }

@@ -6,19 +6,19 @@
 //! that shines through all that is farther away, with light scattered once. So a camera ray that
 //! meets nothing is white as well.
 
-use crate::color::{Radiance, Rgb};
+use crate::color::{PathRadiance, Rgb};
 use crate::geometry::{PathRay, SurfaceHit};
 use crate::math::{Frame, NO_SPHERE};
 use crate::sampling::Hemisphere;
-use crate::scene::Shot;
+use crate::scene::PreparedScene;
 
-use super::camera_rays::{Strata, sampler_of};
-use super::dimension::Vertex;
+use super::camera_rays::{Strata, sampler_for};
+use super::dimension::VertexDimensions;
 use super::estimate::Integrator;
-use super::first_hits::first_hits;
-use super::sample::{SampleAddress, Tally};
+use super::primary_hits::trace_primary_rays;
+use super::sample::{SampleAddress, RenderStats};
 use super::workspace::Workspace;
-use super::world::World;
+use super::world::RenderContext;
 
 /// Ambient occlusion by what is nearer than `distance`.
 pub(super) struct AmbientOcclusion {
@@ -28,37 +28,37 @@ pub(super) struct AmbientOcclusion {
 impl Integrator for AmbientOcclusion {
     fn estimate(
         &self,
-        world: World<'_>,
+        world: RenderContext<'_>,
         samples: &[SampleAddress],
-        radiance: &mut [Radiance],
+        radiance: &mut [PathRadiance],
         workspace: &mut Workspace,
-    ) -> Tally {
-        let World { shot, scene, accel, .. } = world;
-        let mut tally = Tally::default();
-        let found = first_hits(world, Strata::NONE, samples, workspace, &mut tally);
+    ) -> RenderStats {
+        let RenderContext { shot, scene, accel, .. } = world;
+        let mut tally = RenderStats::default();
+        let found = trace_primary_rays(world, Strata::UNSTRATIFIED, samples, workspace, &mut tally);
 
         // One ray for each sample whose own sphere does not stand in the way already.
-        let Workspace { rays, blocked, .. } = workspace;
+        let Workspace { rays, occluded: blocked, .. } = workspace;
         rays.clear();
-        let mut asked = Vec::with_capacity(samples.len());
+        let mut ray_samples = Vec::with_capacity(samples.len());
         for ((index, first), &address) in found.iter().enumerate().zip(samples) {
-            let ray = first.surface.map(|surface| self.ray(shot, address, &surface));
+            let ray = first.hit.map(|surface| self.occlusion_ray(shot, address, &surface));
             let (direct, alpha) = match ray {
                 Some(_) => (Rgb::ZERO, 1.0),
-                None if scene.shows_background() => (Rgb::ONE, 0.0),
+                None if scene.camera_sees_background() => (Rgb::ONE, 0.0),
                 None => (Rgb::ZERO, 0.0),
             };
-            radiance[index] = Radiance { direct, indirect: Rgb::ZERO, alpha };
+            radiance[index] = PathRadiance { direct, indirect: Rgb::ZERO, alpha };
             if let Some(Some(ray)) = ray {
-                rays.push(scene.spheres().ask(&ray));
-                asked.push(index);
+                rays.push(scene.spheres().to_query(&ray));
+                ray_samples.push(index);
             }
         }
         blocked.clear();
         blocked.resize(rays.len(), false);
         accel.occluded(rays, blocked);
-        tally.count(rays);
-        for (index, _) in asked.into_iter().zip(&*blocked).filter(|(_, blocked)| !**blocked) {
+        tally.count_rays(rays);
+        for (index, _) in ray_samples.into_iter().zip(&*blocked).filter(|(_, blocked)| !**blocked) {
             radiance[index].direct = Rgb::ONE;
         }
         tally
@@ -67,9 +67,9 @@ impl Integrator for AmbientOcclusion {
 
 impl AmbientOcclusion {
     /// A ray into the hemisphere above a point; `None` where its own sphere blocks it.
-    fn ray(&self, shot: &Shot, address: SampleAddress, hit: &SurfaceHit) -> Option<PathRay> {
-        let u = sampler_of(shot, Strata::NONE, address).get_2d(Vertex::at(1).towards_lamp());
-        let direction = Frame::around(hit.facing_normal()).to_world(Hemisphere::Cosine.sample(u));
-        hit.leave_towards(direction.normalize(), self.distance, NO_SPHERE)
+    fn occlusion_ray(&self, shot: &PreparedScene, address: SampleAddress, hit: &SurfaceHit) -> Option<PathRay> {
+        let u = sampler_for(shot, Strata::UNSTRATIFIED, address).get_2d(VertexDimensions::at(1).light_direction());
+        let direction = Frame::from_z(hit.facing_normal()).to_world(Hemisphere::Cosine.sample(u));
+        hit.spawn_shadow_ray(direction.normalize(), self.distance, NO_SPHERE)
     }
 }

@@ -3,7 +3,7 @@
 use crate::fault::fault;
 use crate::geometry::PathRay;
 use crate::sampling::Sampler;
-use crate::scene::Shot;
+use crate::scene::PreparedScene;
 
 use super::sample::SampleAddress;
 
@@ -22,11 +22,11 @@ pub(super) struct Strata {
 
 impl Strata {
     /// The whole pixel at once.
-    pub(super) const NONE: Self = Self { subpixels: 1, jitter: 1.0 };
+    pub(super) const UNSTRATIFIED: Self = Self { subpixels: 1, jitter: 1.0 };
 
-    fn place(&self, sample: u32, u: [f64; 2]) -> [f64; 2] {
+    fn warp(&self, sample: u32, u: [f64; 2]) -> [f64; 2] {
         let k = self.subpixels;
-        if self.is_none() {
+        if self.is_unstratified() {
             return u;
         }
         let cell = [sample % k, sample / k % k];
@@ -37,37 +37,37 @@ impl Strata {
     }
 
     /// Whether samples may be anywhere in their pixel.
-    pub(super) fn is_none(&self) -> bool {
+    pub(super) fn is_unstratified(&self) -> bool {
         self.subpixels == 1 && self.jitter == 1.0
     }
 }
 
 /// The random numbers of a sample. Every sub-pixel has its own sequence of them.
-pub(super) fn sampler_of(shot: &Shot, strata: Strata, address: SampleAddress) -> Sampler {
-    let (image, render) = (shot.image(), shot.render());
+pub(super) fn sampler_for(shot: &PreparedScene, strata: Strata, address: SampleAddress) -> Sampler {
+    let (image, render) = (shot.image_settings(), shot.render_settings());
     let pixel = u64::from(address.y) * u64::from(image.width) + u64::from(address.x);
     let cells = strata.subpixels * strata.subpixels;
     let cell = pixel * u64::from(cells) + u64::from(address.sample % cells);
     let samples = render.samples_per_pixel.div_ceil(cells);
-    Sampler::of_kind(render.sampler, render.seed, cell, address.sample / cells, samples)
+    Sampler::with_kind(render.sampler, render.seed, cell, address.sample / cells, samples)
 }
 
 /// The camera ray of a sample, from two random numbers for its place in the pixel and two for that
 /// on the lens, whose first dimensions are given.
-pub(super) fn camera_ray(
-    shot: &Shot,
+pub(super) fn generate_camera_ray(
+    shot: &PreparedScene,
     strata: Strata,
     address: SampleAddress,
     sampler: Sampler,
     [pixel, lens]: [u32; 2],
 ) -> PathRay {
-    let place = strata.place(address.sample, sampler.get_2d(pixel));
+    let place = strata.warp(address.sample, sampler.get_2d(pixel));
     let [dx, dy] = shot.filter().sample(place);
     let half = if fault!(CornerForCentre) { 0.0 } else { 0.5 };
     let (x, y) = (f64::from(address.x) + half + dx, f64::from(address.y) + half + dy);
     let camera = shot.camera();
     let lens = if camera.has_lens() { sampler.get_2d(lens) } else { [0.5; 2] };
-    camera.ray(x, y, lens)
+    camera.generate_ray(x, y, lens)
 }
 
 #[cfg(test)]
@@ -77,11 +77,11 @@ mod tests {
     #[test]
     fn samples_go_around_the_subpixels_and_cover_them() {
         let strata = Strata { subpixels: 2, jitter: 1.0 };
-        assert_eq!(strata.place(0, [0.0, 0.0]), [0.0, 0.0]);
-        assert_eq!(strata.place(5, [0.5, 0.5]), [0.75, 0.25]);
-        assert_eq!(strata.place(2, [0.0, 0.0]), [0.0, 0.5]);
+        assert_eq!(strata.warp(0, [0.0, 0.0]), [0.0, 0.0]);
+        assert_eq!(strata.warp(5, [0.5, 0.5]), [0.75, 0.25]);
+        assert_eq!(strata.warp(2, [0.0, 0.0]), [0.0, 0.5]);
         let still = Strata { subpixels: 2, jitter: 0.0 };
-        assert_eq!(still.place(3, [0.1, 0.9]), [0.75, 0.75]);
+        assert_eq!(still.warp(3, [0.1, 0.9]), [0.75, 0.75]);
     }
 
     #[test]
@@ -91,7 +91,7 @@ mod tests {
         let strata = Strata { subpixels: 2, jitter: 1.0 };
         let n = 40_000;
         let xs: Vec<f64> =
-            (0..n).map(|i| strata.place(0, Sampler::new(1, i, 0).get_2d(0))[0]).collect();
+            (0..n).map(|i| strata.warp(0, Sampler::independent(1, i, 0).get_2d(0))[0]).collect();
         let mean = xs.iter().sum::<f64>() / n as f64;
         let variance = xs.iter().map(|x| (x - 0.25).powi(2)).sum::<f64>() / n as f64;
         let sigma = (1.0f64 / 48.0).sqrt();

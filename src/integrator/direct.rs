@@ -3,12 +3,12 @@
 //!
 //! It is [`super::path`] without the rest: its picture is the layer `direct` of that one, bit by bit.
 
-use crate::scene::settings::Render;
+use crate::scene::settings::RenderSettings;
 
 use super::path;
-use super::transport::Transport;
+use super::transport::PathTracer;
 
 /// Direct light only, as `[render]` asks for it.
-pub(super) fn new(render: &Render) -> Transport {
-    Transport { most_scatterings: 1, ..path::new(render) }
+pub(super) fn new(render: &RenderSettings) -> PathTracer {
+    PathTracer { max_scatterings: 1, ..path::new(render) }
 }

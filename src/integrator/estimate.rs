@@ -1,26 +1,26 @@
 //! What every integrator can do.
 
-use crate::color::Radiance;
+use crate::color::PathRadiance;
 
-use super::sample::{SampleAddress, Tally};
-use super::trace::Trace;
+use super::sample::{SampleAddress, RenderStats};
+use super::trace::PathTrace;
 use super::workspace::Workspace;
-use super::world::World;
+use super::world::RenderContext;
 
 /// An estimator of the light that arrives at a pixel.
 pub trait Integrator: Send + Sync {
     /// Estimates the radiance of each sample. The slices have equal lengths.
     fn estimate(
         &self,
-        world: World<'_>,
+        world: RenderContext<'_>,
         samples: &[SampleAddress],
-        radiance: &mut [Radiance],
+        radiance: &mut [PathRadiance],
         workspace: &mut Workspace,
-    ) -> Tally;
+    ) -> RenderStats;
 
     /// Tells the path of one sample step by step: the very path that [`Self::estimate`] takes there.
     /// `None` for an integrator that follows no paths.
-    fn trace(&self, _world: World<'_>, _address: SampleAddress) -> Option<Trace> {
+    fn trace_path(&self, _world: RenderContext<'_>, _address: SampleAddress) -> Option<PathTrace> {
         None
     }
 }

@@ -9,34 +9,34 @@ mod camera_rays;
 mod dimension;
 mod direct;
 mod estimate;
-mod first_hits;
+mod primary_hits;
 mod normals;
 mod paper;
 mod path;
 mod raycast;
 mod sample;
-mod seen;
+mod aov;
 mod trace;
 mod transport;
 mod workspace;
 mod world;
 
 pub use estimate::Integrator;
-pub use sample::{SampleAddress, Tally};
-pub use trace::{Added, End, Step, Trace};
+pub use sample::{SampleAddress, RenderStats};
+pub use trace::{Contribution, Termination, PathEvent, PathTrace};
 pub use workspace::Workspace;
-pub use world::World;
+pub use world::RenderContext;
 
-use crate::scene::Shot;
-use crate::scene::settings::Integrator as Kind;
+use crate::scene::PreparedScene;
+use crate::scene::settings::IntegratorSettings as Kind;
 
 use ambient_occlusion::AmbientOcclusion;
 use normals::Normals;
 use raycast::Raycast;
 
 /// The estimator that a shot asks for.
-pub fn of_shot(shot: &Shot) -> Box<dyn Integrator> {
-    let render = shot.render();
+pub fn create(shot: &PreparedScene) -> Box<dyn Integrator> {
+    let render = shot.render_settings();
     match render.integrator {
         Kind::Path => Box::new(path::new(render)),
         Kind::Direct => Box::new(direct::new(render)),

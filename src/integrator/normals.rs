@@ -1,15 +1,15 @@
 //! `integrator = "normals"`: the unit normal `n` of the first sphere, away from its centre, as the
 //! colour `0.5 + 0.5 n`; black where there is none. Nothing is random but the place in the pixel.
 
-use crate::color::{Radiance, Rgb};
+use crate::color::{PathRadiance, Rgb};
 use crate::math::DVec3;
 
 use super::camera_rays::Strata;
 use super::estimate::Integrator;
-use super::first_hits::{first_hits, strata_without_noise};
-use super::sample::{SampleAddress, Tally};
+use super::primary_hits::{trace_primary_rays, noise_free_strata};
+use super::sample::{SampleAddress, RenderStats};
 use super::workspace::Workspace;
-use super::world::World;
+use super::world::RenderContext;
 
 /// Normals as colours.
 pub(super) struct Normals {
@@ -19,24 +19,24 @@ pub(super) struct Normals {
 impl Normals {
     /// With one sample a pixel, the ray goes through the pixel's centre.
     pub(super) fn new(samples_per_pixel: u32) -> Self {
-        Self { strata: strata_without_noise(samples_per_pixel) }
+        Self { strata: noise_free_strata(samples_per_pixel) }
     }
 }
 
 impl Integrator for Normals {
     fn estimate(
         &self,
-        world: World<'_>,
+        world: RenderContext<'_>,
         samples: &[SampleAddress],
-        radiance: &mut [Radiance],
+        radiance: &mut [PathRadiance],
         workspace: &mut Workspace,
-    ) -> Tally {
-        let mut tally = Tally::default();
-        let found = first_hits(world, self.strata, samples, workspace, &mut tally);
+    ) -> RenderStats {
+        let mut tally = RenderStats::default();
+        let found = trace_primary_rays(world, self.strata, samples, workspace, &mut tally);
         for (radiance, first) in radiance.iter_mut().zip(found) {
-            let direct = first.surface.map_or(Rgb::ZERO, |surface| color(surface.normal));
-            let alpha = f32::from(u8::from(first.surface.is_some()));
-            *radiance = Radiance { direct, indirect: Rgb::ZERO, alpha };
+            let direct = first.hit.map_or(Rgb::ZERO, |surface| color(surface.normal));
+            let alpha = f32::from(u8::from(first.hit.is_some()));
+            *radiance = PathRadiance { direct, indirect: Rgb::ZERO, alpha };
         }
         tally
     }

@@ -3,21 +3,21 @@
 //!
 //! Where the paper is silent or wrong, `docs/paper.md` says how it is read here.
 
-use crate::scene::settings::{Estimator, Paper, Render};
+use crate::scene::settings::{Estimator, PaperSettings, RenderSettings};
 
 use super::camera_rays::Strata;
-use super::transport::Transport;
+use super::transport::PathTracer;
 
 /// The paper's estimator with its options.
-pub(super) fn new(paper: &Paper, render: &Render) -> Transport {
-    Transport {
+pub(super) fn new(paper: &PaperSettings, render: &RenderSettings) -> PathTracer {
+    PathTracer {
         estimator: Estimator::Bsdf,
         hemisphere: paper.hemisphere,
         stop: paper.stop,
         miss: paper.miss,
         strata: Strata { subpixels: paper.subpixels, jitter: paper.jitter },
         max_depth: render.max_depth.unwrap_or(u32::MAX),
-        most_scatterings: u32::MAX,
+        max_scatterings: u32::MAX,
         clamp_indirect: render.clamp_indirect.map(|limit| limit as f32),
     }
 }

@@ -3,21 +3,21 @@
 //! had alone for comparison: `estimator`.
 
 use crate::sampling::Hemisphere;
-use crate::scene::settings::{Miss, Render, Stop};
+use crate::scene::settings::{MissPolicy, RenderSettings, PathTermination};
 
 use super::camera_rays::Strata;
-use super::transport::Transport;
+use super::transport::PathTracer;
 
 /// The path tracer that `[render]` asks for.
-pub(super) fn new(render: &Render) -> Transport {
-    Transport {
+pub(super) fn new(render: &RenderSettings) -> PathTracer {
+    PathTracer {
         estimator: render.estimator,
         hemisphere: Hemisphere::Cosine,
-        stop: Stop::Roulette,
-        miss: Miss::Background,
-        strata: Strata::NONE,
+        stop: PathTermination::Roulette,
+        miss: MissPolicy::Background,
+        strata: Strata::UNSTRATIFIED,
         max_depth: render.max_depth.unwrap_or(u32::MAX),
-        most_scatterings: u32::MAX,
+        max_scatterings: u32::MAX,
         clamp_indirect: render.clamp_indirect.map(|limit| limit as f32),
     }
 }

@@ -7,9 +7,9 @@
 
 use std::f64::consts::PI;
 
-use crate::color::{Radiance, Rgb};
+use crate::color::{PathRadiance, Rgb};
 use crate::geometry::{PathRay, SurfaceHit};
-use crate::light::Lamp;
+use crate::light::Emitter;
 use crate::material::Bsdf;
 use crate::math::{DVec3, Frame};
 use crate::sampling::Hemisphere;
@@ -17,11 +17,11 @@ use crate::scene::Scene;
 
 use super::camera_rays::Strata;
 use super::estimate::Integrator;
-use super::first_hits::{FirstHit, first_hits, strata_without_noise};
-use super::sample::{SampleAddress, Tally};
-use super::seen;
+use super::primary_hits::{PrimaryHit, trace_primary_rays, noise_free_strata};
+use super::sample::{SampleAddress, RenderStats};
+use super::aov;
 use super::workspace::Workspace;
-use super::world::World;
+use super::world::RenderContext;
 
 /// Ray casting.
 pub(super) struct Raycast {
@@ -32,64 +32,64 @@ pub(super) struct Raycast {
 impl Raycast {
     /// With one sample a pixel, the ray goes through the pixel's centre.
     pub(super) fn new(shadows: bool, samples_per_pixel: u32) -> Self {
-        Self { shadows, strata: strata_without_noise(samples_per_pixel) }
+        Self { shadows, strata: noise_free_strata(samples_per_pixel) }
     }
 }
 
 /// Light from one lamp, and the ray that it comes along.
-struct FromLamp {
-    light: Rgb,
+struct DirectLight {
+    radiance: Rgb,
     /// `None` where the surface itself stands in the way.
-    ray: Option<PathRay>,
+    shadow_ray: Option<PathRay>,
 }
 
 impl Integrator for Raycast {
     fn estimate(
         &self,
-        world: World<'_>,
+        world: RenderContext<'_>,
         samples: &[SampleAddress],
-        radiance: &mut [Radiance],
+        radiance: &mut [PathRadiance],
         workspace: &mut Workspace,
-    ) -> Tally {
-        let World { shot, scene, accel, .. } = world;
+    ) -> RenderStats {
+        let RenderContext { shot, scene, accel, .. } = world;
         let spheres = scene.spheres();
-        let mut tally = Tally::default();
-        let found = first_hits(world, self.strata, samples, workspace, &mut tally);
-        let Workspace { rays, blocked, seen, .. } = workspace;
+        let mut tally = RenderStats::default();
+        let found = trace_primary_rays(world, self.strata, samples, workspace, &mut tally);
+        let Workspace { rays, occluded: blocked, visible_surfaces: seen, .. } = workspace;
 
-        for (index, FirstHit { ray, surface }) in found.into_iter().enumerate() {
+        for (index, PrimaryHit { ray, hit: surface }) in found.into_iter().enumerate() {
             let radiance = &mut radiance[index];
-            let mut see = |light| seen.get_mut(index).map(|seen| seen::add_emission(seen, light));
+            let mut see = |light| seen.get_mut(index).map(|seen| aov::add_emission(seen, light));
             let Some(surface) = surface else {
-                *radiance = scene.seen_by_camera(ray.direction);
+                *radiance = scene.camera_background(ray.direction);
                 see(radiance.direct);
                 continue;
             };
-            let mut light = scene.surface(surface.id).material.emission;
+            let mut light = scene.sphere_material(surface.id).material.emission;
             see(light);
-            let lamps = shot.lights().lamps().iter();
-            let mut lit: Vec<FromLamp> =
-                lamps.filter_map(|lamp| shade(scene, &surface, ray.direction, lamp)).collect();
+            let lamps = shot.lights().emitters().iter();
+            let mut lit: Vec<DirectLight> =
+                lamps.filter_map(|lamp| shade_light(scene, &surface, ray.direction, lamp)).collect();
             if self.shadows {
-                lit.retain(|from| from.ray.is_some());
+                lit.retain(|from| from.shadow_ray.is_some());
                 rays.clear();
-                rays.extend(lit.iter().filter_map(|from| from.ray).map(|ray| spheres.ask(&ray)));
+                rays.extend(lit.iter().filter_map(|from| from.shadow_ray).map(|ray| spheres.to_query(&ray)));
                 blocked.clear();
                 blocked.resize(rays.len(), false);
                 accel.occluded(rays, blocked);
-                tally.count(rays);
+                tally.count_rays(rays);
                 let mut answers = blocked.iter();
                 lit.retain(|_| answers.next() == Some(&false));
             }
-            light += lit.iter().map(|from| from.light).sum::<Rgb>();
-            *radiance = Radiance { direct: light, indirect: Rgb::ZERO, alpha: 1.0 };
+            light += lit.iter().map(|from| from.radiance).sum::<Rgb>();
+            *radiance = PathRadiance { direct: light, indirect: Rgb::ZERO, alpha: 1.0 };
         }
         tally
     }
 }
 
 /// The light that a surface sends towards the camera because of one lamp.
-fn shade(scene: &Scene, hit: &SurfaceHit, direction: DVec3, lamp: &Lamp) -> Option<FromLamp> {
+fn shade_light(scene: &Scene, hit: &SurfaceHit, direction: DVec3, lamp: &Emitter) -> Option<DirectLight> {
     let sphere = scene.spheres().sphere(lamp.id);
     let to_center = sphere.center - hit.point;
     let distance = to_center.length();
@@ -97,16 +97,16 @@ fn shade(scene: &Scene, hit: &SurfaceHit, direction: DVec3, lamp: &Lamp) -> Opti
         return None;
     }
     let wi = to_center / distance;
-    let surface = scene.surface(hit.id);
+    let surface = scene.sphere_material(hit.id);
     let bsdf: Bsdf = surface.material.bsdf(surface.albedo, 1.0, Hemisphere::Cosine);
-    let frame = Frame::around(hit.facing_normal());
+    let frame = Frame::from_z(hit.facing_normal());
     let wi_local = frame.to_local(wi);
     let f = bsdf.eval(frame.to_local(-direction), wi_local);
     if f.max_element() <= 0.0 {
         return None;
     }
-    let ray = hit.leave_towards(wi, distance - sphere.radius, lamp.id);
+    let ray = hit.spawn_shadow_ray(wi, distance - sphere.radius, lamp.id);
     let irradiance = PI * (sphere.radius / distance).powi(2) * wi_local.z;
     let light = f * lamp.emission * irradiance as f32;
-    Some(FromLamp { light, ray })
+    Some(DirectLight { radiance: light, shadow_ray: ray })
 }

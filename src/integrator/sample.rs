@@ -16,37 +16,37 @@ pub struct SampleAddress {
 
 /// What happened on the way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct RenderStats {
     /// Rays traced, shadow rays included.
     pub rays: u64,
     /// Paths that were inside more dielectric spheres than can be remembered.
     pub media_overflows: u64,
     /// Paths cut off at the hard limit on their length.
-    pub cut_off: u64,
+    pub truncated_paths: u64,
 }
 
-impl Tally {
+impl RenderStats {
     /// Counts the rays that a backend was asked with. A ray that is not valid, or whose interval is
     /// empty, is not traced and does not count.
-    pub(super) fn count(&mut self, rays: &[Ray]) {
+    pub(super) fn count_rays(&mut self, rays: &[Ray]) {
         let is_traced = |ray: &&Ray| ray.is_valid() && ray.t_min < ray.t_max;
         self.rays += rays.iter().filter(is_traced).count() as u64;
     }
 
     /// The same for the rays of paths.
-    pub(super) fn count_of(&mut self, rays: &PathRays, isa: Isa) {
+    pub(super) fn count_path_rays(&mut self, rays: &PathRays, isa: Isa) {
         self.rays += rays.count_traced(isa) as u64;
     }
 }
 
-impl std::ops::Add for Tally {
+impl std::ops::Add for RenderStats {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
         Self {
             rays: self.rays + other.rays,
             media_overflows: self.media_overflows + other.media_overflows,
-            cut_off: self.cut_off + other.cut_off,
+            truncated_paths: self.truncated_paths + other.truncated_paths,
         }
     }
 }

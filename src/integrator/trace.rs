@@ -5,33 +5,33 @@
 //! computed. The other keeps a list, so that a trace is not a retelling but the very path that the
 //! picture was made from.
 
-use crate::color::{Radiance, Rgb};
+use crate::color::{PathRadiance, Rgb};
 use crate::geometry::{PathRay, SurfaceHit};
-use crate::light::{LightSample, Source};
+use crate::light::{LightSample, LightSource};
 use crate::material::Lobe;
 use crate::math::DVec3;
 
-use super::sample::{SampleAddress, Tally};
+use super::sample::{SampleAddress, RenderStats};
 
 /// The path of one sample.
 #[derive(Clone, Debug)]
-pub struct Trace {
+pub struct PathTrace {
     /// Which sample.
     pub address: SampleAddress,
     /// What happened, in order. Adding up the light of all [`Step::Light`] and [`Step::Shadow`] in
     /// this order, layer by layer in f32, gives `radiance` to the bit.
-    pub steps: Vec<Step>,
+    pub events: Vec<PathEvent>,
     /// What the sample brings to its pixel.
-    pub radiance: Radiance,
+    pub radiance: PathRadiance,
     /// Rays traced, and the like.
-    pub tally: Tally,
+    pub stats: RenderStats,
 }
 
 /// Light that a step brings to the sample: radiance times the path's throughput and all weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Added {
+pub struct Contribution {
     /// The light; black where something stands in the way.
-    pub light: Rgb,
+    pub radiance: Rgb,
     /// What `clamp_indirect` left of it; 1 where that did not bite.
     pub clamp: f32,
     /// Which layer it goes to.
@@ -40,16 +40,16 @@ pub struct Added {
 
 /// One event of a path. Directions are in world space, points relative to the spheres' origin.
 #[derive(Clone, Copy, Debug)]
-pub enum Step {
+pub enum PathEvent {
     /// A ray leaves the camera.
-    Camera {
+    CameraRay {
         /// The ray.
         ray: PathRay,
         /// How often it was drawn again before.
         redraws: u32,
     },
     /// A ray meets a sphere.
-    Meet {
+    Hit {
         /// Edges so far, counted from 1.
         depth: u32,
         /// Sphere, point, normal, distance and side.
@@ -57,7 +57,7 @@ pub enum Step {
         /// Unit direction to the previous vertex.
         wo: DVec3,
         /// The probability with which the surface is there: its opacity.
-        presence: f32,
+        opacity: f32,
         /// What the medium on the way let through.
         transmittance: Rgb,
         /// The product of `f cos / p` so far, and of what media let through.
@@ -73,9 +73,9 @@ pub enum Step {
         throughput: Rgb,
     },
     /// Light found by chance: emission of the sphere just met, or background.
-    Light {
+    Emission {
         /// Where it comes from.
-        source: Source,
+        source: LightSource,
         /// `Le`, times the lamp's opacity.
         radiance: Rgb,
         /// The density with which chance drew the direction; `None` from the camera and after a
@@ -86,15 +86,15 @@ pub enum Step {
         /// The weight of chance against light sampling.
         weight: f32,
         /// Throughput times radiance times weight.
-        added: Added,
+        contribution: Contribution,
     },
     /// The boundary just met is hidden in a medium of higher priority: the path goes straight through.
-    Hidden,
+    HiddenBoundary,
     /// The surface just met is not there this time, since it is not opaque: the path goes straight
     /// through.
-    Absent,
+    Transparent,
     /// A light sample. It brings light if a later [`Step::Shadow`] says so.
-    Aim {
+    LightSample {
         /// The light, the direction `wi`, its density and the radiance `Le`, times the lamp's opacity.
         sample: LightSample,
         /// What the medium on the way would let through.
@@ -109,15 +109,15 @@ pub enum Step {
         weight: f64,
     },
     /// The answer to the shadow ray of the last light sample.
-    Shadow {
+    ShadowRay {
         /// The share that what is in the way lets through: 0 for an opaque surface, 1 minus the opacity
         /// for each other one, 1 if there is nothing.
-        passed: f32,
+        visibility: f32,
         /// Throughput times `f cos Le weight / p`, times what passes.
-        added: Added,
+        contribution: Contribution,
     },
     /// The BSDF draws a direction.
-    Scatter {
+    BsdfSample {
         /// Which kind of lobe it came from.
         lobe: Lobe,
         /// The direction, leaving the surface.
@@ -141,63 +141,63 @@ pub enum Step {
         throughput: Rgb,
     },
     /// The path ends.
-    End(End),
+    End(Termination),
 }
 
 /// Why a path ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum Termination {
     /// It met nothing.
-    Missed,
+    Escaped,
     /// `max_depth` is reached.
-    Depth,
+    MaxDepth,
     /// It is longer than any path may be.
-    CutOff,
+    LengthLimit,
     /// The surface sends no light this way.
     Absorbed,
     /// The direction grazes the surface so closely that no ray leaves it.
     Grazing,
     /// It lost at roulette, or its weight fell below the threshold.
-    Stopped,
+    LowThroughput,
     /// The integrator follows light through one scattering only.
     DirectOnly,
 }
 
 /// Listens to the stages.
-pub(super) trait Recorder {
+pub(super) trait PathRecorder {
     /// Whether it is worth telling anything.
-    const LISTENS: bool;
+    const ENABLED: bool;
 
     /// Takes note of a step, which need not be computed where nobody listens.
-    fn note(&mut self, step: impl FnOnce() -> Step);
+    fn record(&mut self, step: impl FnOnce() -> PathEvent);
 }
 
 /// Listens to nothing.
-pub(super) struct Silent;
+pub(super) struct NullRecorder;
 
-impl Recorder for Silent {
-    const LISTENS: bool = false;
+impl PathRecorder for NullRecorder {
+    const ENABLED: bool = false;
 
     #[inline(always)]
-    fn note(&mut self, _: impl FnOnce() -> Step) {}
+    fn record(&mut self, _: impl FnOnce() -> PathEvent) {}
 }
 
-impl Recorder for Vec<Step> {
-    const LISTENS: bool = true;
+impl PathRecorder for Vec<PathEvent> {
+    const ENABLED: bool = true;
 
-    fn note(&mut self, step: impl FnOnce() -> Step) {
+    fn record(&mut self, step: impl FnOnce() -> PathEvent) {
         self.push(step());
     }
 }
 
-impl Trace {
+impl PathTrace {
     /// The light that the steps bring, added up in their order.
-    pub fn sum(&self) -> Radiance {
-        let mut sum = Radiance::default();
-        for step in &self.steps {
-            if let Step::Light { added, .. } | Step::Shadow { added, .. } = step {
+    pub fn sum(&self) -> PathRadiance {
+        let mut sum = PathRadiance::default();
+        for step in &self.events {
+            if let PathEvent::Emission { contribution: added, .. } | PathEvent::ShadowRay { contribution: added, .. } = step {
                 let layer = if added.is_direct { &mut sum.direct } else { &mut sum.indirect };
-                *layer += added.light;
+                *layer += added.radiance;
             }
         }
         sum

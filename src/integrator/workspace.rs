@@ -1,56 +1,56 @@
 //! Memory that is used again.
 
-use crate::color::Seen;
-use crate::material::Media;
+use crate::color::VisibleSurface;
+use crate::material::MediumStack;
 use crate::math::{Hit, Isa, Ray};
 use crate::sampling::Sampler;
 
-use super::transport::{Block, Drawn, Paths, Shadows, StartBlock};
+use super::transport::{DiffuseBatch, PrevVertex, PathQueue, ShadowRays, CameraRayBatch};
 
 /// Memory that one thread uses again for every batch.
 #[derive(Default)]
 pub struct Workspace {
     pub(super) isa: Isa,
-    pub(super) paths: Paths,
-    pub(super) next_paths: Paths,
-    pub(super) start: StartBlock,
-    pub(super) block: Block,
-    pub(super) shadows: Shadows,
+    pub(super) path_queue: PathQueue,
+    pub(super) next_path_queue: PathQueue,
+    pub(super) camera_batch: CameraRayBatch,
+    pub(super) diffuse_batch: DiffuseBatch,
+    pub(super) shadow_rays: ShadowRays,
     pub(super) samplers: Vec<Sampler>,
-    pub(super) drawn: Vec<Drawn>,
+    pub(super) prev_vertices: Vec<PrevVertex>,
     /// The media that each sample's path is in, where something is a dielectric.
-    pub(super) media: Vec<Media>,
+    pub(super) media: Vec<MediumStack>,
     /// The media that shadow rays start in, where something is not opaque.
-    pub(super) shadow_media: Vec<Media>,
+    pub(super) shadow_media: Vec<MediumStack>,
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Hit>,
-    pub(super) blocked: Vec<bool>,
+    pub(super) occluded: Vec<bool>,
     /// The share of the light of each shadow ray that arrives.
-    pub(super) passed: Vec<f32>,
-    pub(super) records_seen: bool,
+    pub(super) visibility: Vec<f32>,
+    pub(super) records_visible_surfaces: bool,
     /// What each sample sees first, where that is recorded.
-    pub(super) seen: Vec<Seen>,
+    pub(super) visible_surfaces: Vec<VisibleSurface>,
 }
 
 impl Workspace {
     /// With a choice of the instructions that vectors are computed with, which changes no bit.
-    pub fn with(isa: Isa) -> Self {
+    pub fn with_isa(isa: Isa) -> Self {
         Self { isa, ..Self::default() }
     }
 
     /// Whether estimates from here on record what each sample sees first.
-    pub fn record_seen(&mut self, wanted: bool) {
-        self.records_seen = wanted;
+    pub fn record_visible_surfaces(&mut self, wanted: bool) {
+        self.records_visible_surfaces = wanted;
     }
 
     /// What each sample of the last estimate sees first; empty where that is not recorded.
-    pub fn seen(&self) -> &[Seen] {
-        &self.seen
+    pub fn visible_surfaces(&self) -> &[VisibleSurface] {
+        &self.visible_surfaces
     }
 
     /// Forgets the records of the last estimate, and makes room for so many where they are wanted.
-    pub(super) fn begin_seen(&mut self, samples: usize) {
-        self.seen.clear();
-        self.seen.resize(if self.records_seen { samples } else { 0 }, Seen::NOTHING);
+    pub(super) fn reset_visible_surfaces(&mut self, samples: usize) {
+        self.visible_surfaces.clear();
+        self.visible_surfaces.resize(if self.records_visible_surfaces { samples } else { 0 }, VisibleSurface::NONE);
     }
 }

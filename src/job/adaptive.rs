@@ -11,37 +11,37 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::film::Film;
 
-use super::noise::{self, NoiseTarget, Square, error_of};
-use super::passes::Passes;
-use super::squares::Squares;
+use super::noise::{self, NoiseTarget, TileNoise, error_quantile};
+use super::progressive::ProgressiveRenderer;
+use super::adaptive_tiles::AdaptiveTiles;
 
 /// Samples per pixel at the first decision: four blocks, the fewest that say anything of their spread.
-pub const FIRST_DECISION: u32 = 64;
+pub const MIN_ADAPTIVE_SAMPLES: u32 = 64;
 
 /// How far the error of a square, estimated from `n` samples, may be off, as a share of it: this over
 /// the square root of `n`. It is two standard deviations of what was measured (docs/stopping.md).
-const SPREAD: f64 = 1.2;
+const ERROR_UNCERTAINTY: f64 = 1.2;
 
 /// Squares that an estimate of the whole picture's error looks at.
-const PROBED: usize = 64;
+const PROBED_TILES: usize = 64;
 
 /// About how many of their pixels it asks how far off they are.
-const PIXELS: usize = 1024;
+const PROBED_PIXELS: usize = 1024;
 
 /// How far a render to a target is.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Standing {
+pub struct NoiseProgress {
     /// What is asked for.
     pub target: NoiseTarget,
     /// Squares of the picture.
-    pub squares: usize,
+    pub tiles: usize,
     /// Squares that meet the target.
-    pub done: usize,
+    pub tiles_converged: usize,
     /// The error of the square that is worst, by the same measure as the target; infinite where one has
     /// not decided yet.
-    pub worst: f64,
+    pub worst_error: f64,
     /// The least and the most samples that the whole picture is likely to take.
-    pub samples: Range<u64>,
+    pub expected_samples: Range<u64>,
 }
 
 /// Renders until every square meets the target, or has `most` samples per pixel. `tell` is called
@@ -50,92 +50,92 @@ pub struct Standing {
 ///
 /// # Errors
 /// When a pixel is too bright for the film.
-pub fn render_to(
-    passes: &Passes<'_>,
+pub fn render_adaptive(
+    passes: &ProgressiveRenderer<'_>,
     target: NoiseTarget,
-    most: u32,
-    tell: &dyn Fn(&Standing),
-) -> Result<(Standing, bool)> {
+    max_samples: u32,
+    on_progress: &dyn Fn(&NoiseProgress),
+) -> Result<(NoiseProgress, bool)> {
     let film = passes.film();
-    let squares = Squares::of(film.frame());
+    let squares = AdaptiveTiles::new(film.frame());
     // The error of each square at its last decision, and at how many samples that was.
     let mut last = vec![Decision { samples: 0, error: f64::INFINITY }; squares.len()];
-    tell(&standing(film, &squares, &last, target, most));
-    let mut samples = FIRST_DECISION.min(most);
+    on_progress(&noise_progress(film, &squares, &last, target, max_samples));
+    let mut samples = MIN_ADAPTIVE_SAMPLES.min(max_samples);
     loop {
-        let wanted = |tile: usize| last[squares.of_tile(tile)].error > target.error;
-        let complete = passes.advance(samples, &wanted)?;
-        last = decide(film, &squares, &last, samples, target);
-        let standing = standing(film, &squares, &last, target, most);
-        passes.counts().expect_samples(standing.samples.end);
-        tell(&standing);
-        if !complete || standing.done == squares.len() || samples >= most {
+        let wanted = |tile: usize| last[squares.containing(tile)].error > target.error;
+        let complete = passes.render_to_sample(samples, &wanted)?;
+        last = update_decisions(film, &squares, &last, samples, target);
+        let standing = noise_progress(film, &squares, &last, target, max_samples);
+        passes.counters().set_samples_total(standing.expected_samples.end);
+        on_progress(&standing);
+        if !complete || standing.tiles_converged == squares.len() || samples >= max_samples {
             return Ok((standing, complete));
         }
-        samples = next_decision(samples, most);
+        samples = next_decision(samples, max_samples);
     }
 }
 
 /// The decisions of all squares at so many samples. Those that are done stay done; one that has gone on
 /// from here already, before a stop, has not been good enough here.
-fn decide(
+fn update_decisions(
     film: &Film,
-    squares: &Squares,
+    squares: &AdaptiveTiles,
     last: &[Decision],
     samples: u32,
     target: NoiseTarget,
 ) -> Vec<Decision> {
     let one = |(square, before): (usize, &Decision)| {
-        let is_due = before.error > target.error && squares.is_at(film, square, samples);
-        if is_due { Decision::of(&squares.read(film, square), samples, target) } else { *before }
+        let is_due = before.error > target.error && squares.has_samples(film, square, samples);
+        if is_due { Decision::new(&squares.noise(film, square), samples, target) } else { *before }
     };
     last.par_iter().enumerate().map(one).collect()
 }
 
-fn standing(
+fn noise_progress(
     film: &Film,
-    squares: &Squares,
+    squares: &AdaptiveTiles,
     last: &[Decision],
     target: NoiseTarget,
     most: u32,
-) -> Standing {
+) -> NoiseProgress {
     let total = |side: f64| -> u64 {
         let samples = last.iter().map(|decision| decision.forecast(side, target, most));
         samples.enumerate().map(|(square, n)| u64::from(n) * squares.pixels(film, square)).sum()
     };
-    Standing {
+    NoiseProgress {
         target,
-        squares: squares.len(),
-        done: last.iter().filter(|decision| decision.error <= target.error).count(),
-        worst: last.iter().map(|decision| decision.error).fold(0.0, f64::max),
-        samples: total(-1.0)..total(1.0),
+        tiles: squares.len(),
+        tiles_converged: last.iter().filter(|decision| decision.error <= target.error).count(),
+        worst_error: last.iter().map(|decision| decision.error).fold(0.0, f64::max),
+        expected_samples: total(-1.0)..total(1.0),
     }
 }
 
 /// The error that 19 of 20 values (for a confidence of 0.95) stay below, estimated from about a thousand
 /// pixels of some squares all over the picture: a few milliseconds. `None` before anything is known.
-pub fn error_so_far(film: &Film, confidence: f64) -> Option<f64> {
-    let squares = Squares::of(film.frame());
-    let step = squares.len().div_ceil(PROBED).max(1);
+pub fn estimate_error(film: &Film, confidence: f64) -> Option<f64> {
+    let squares = AdaptiveTiles::new(film.frame());
+    let step = squares.len().div_ceil(PROBED_TILES).max(1);
     let probed: Vec<_> =
         (0..squares.len()).step_by(step).map(|square| squares.estimates(film, square)).collect();
     let pixels: usize = probed.iter().map(Vec::len).sum();
     // Odd, so that they do not lie in one column of each square.
-    let every = (pixels / PIXELS).max(1) | 1;
-    let probed: Vec<Square> = probed.iter().map(|pixels| Square::of_some(pixels, every)).collect();
-    error_of(&probed, confidence)
+    let every = (pixels / PROBED_PIXELS).max(1) | 1;
+    let probed: Vec<TileNoise> = probed.iter().map(|pixels| TileNoise::with_stride(pixels, every)).collect();
+    error_quantile(&probed, confidence)
 }
 
 /// How far the truth may be from the mean of each pixel, per channel, with this confidence: half the
 /// width of the interval, along the rows of the window. Infinite where nothing is known, also where
 /// squares are not summed.
-pub fn half_widths(film: &Film, confidence: f64) -> Vec<[f64; 3]> {
+pub fn confidence_half_widths(film: &Film, confidence: f64) -> Vec<[f64; 3]> {
     let window = film.frame().window;
-    let mut all = vec![[f64::INFINITY; 3]; film.frame().pixels()];
-    let squares = Squares::of(film.frame());
+    let mut all = vec![[f64::INFINITY; 3]; film.frame().pixel_count()];
+    let squares = AdaptiveTiles::new(film.frame());
     for square in 0..squares.len() {
-        let widths = noise::half_widths(&squares.estimates(film, square), confidence);
-        for (widths, [x, y]) in widths.into_iter().zip(squares.places(film, square)) {
+        let widths = noise::confidence_half_widths(&squares.estimates(film, square), confidence);
+        for (widths, [x, y]) in widths.into_iter().zip(squares.pixels_of(film, square)) {
             all[((y - window.y) * window.width + (x - window.x)) as usize] = widths;
         }
     }
@@ -151,8 +151,8 @@ struct Decision {
 }
 
 impl Decision {
-    fn of(square: &Square, samples: u32, target: NoiseTarget) -> Self {
-        let error = square.error(target.confidence).unwrap_or(0.0);
+    fn new(square: &TileNoise, samples: u32, target: NoiseTarget) -> Self {
+        let error = square.error_quantile(target.confidence).unwrap_or(0.0);
         // The share is what decides; the error is found by steps, and may be off in its last digit.
         let error = match square.meets(target) {
             true => error.min(target.error),
@@ -163,17 +163,17 @@ impl Decision {
 
     /// The samples at which the square will be done, if the error falls with the square root of their
     /// number. `side`: -1 if it is as much smaller than estimated as it may be, 1 if it is larger.
-    fn forecast(self, side: f64, target: NoiseTarget, most: u32) -> u32 {
+    fn forecast(self, sign: f64, target: NoiseTarget, max_samples: u32) -> u32 {
         if self.error <= target.error || self.samples == 0 {
-            return self.samples.max(FIRST_DECISION.min(most));
+            return self.samples.max(MIN_ADAPTIVE_SAMPLES.min(max_samples));
         }
-        let factor = 1.0 + side * SPREAD / f64::from(self.samples).sqrt();
+        let factor = 1.0 + sign * ERROR_UNCERTAINTY / f64::from(self.samples).sqrt();
         let ratio = factor * self.error / target.error;
         let needed = f64::from(self.samples) * ratio * ratio;
         // Not met so far, so it will be decided again, whatever the factor.
-        let mut samples = next_decision(self.samples, most);
-        while f64::from(samples) < needed && samples < most {
-            samples = next_decision(samples, most);
+        let mut samples = next_decision(self.samples, max_samples);
+        while f64::from(samples) < needed && samples < max_samples {
+            samples = next_decision(samples, max_samples);
         }
         samples
     }
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn decisions_double_and_end_at_the_most() {
         let all = |most: u32| {
-            let mut samples = FIRST_DECISION.min(most);
+            let mut samples = MIN_ADAPTIVE_SAMPLES.min(most);
             let mut all = vec![samples];
             while samples < most {
                 samples = next_decision(samples, most);

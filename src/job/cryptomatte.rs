@@ -7,60 +7,60 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use crate::color::NOTHING;
-use crate::film::{By, Film};
-use crate::image_io::{Picture, Plane, Values};
+use crate::color::NO_ROW;
+use crate::film::{CryptomatteKind, Film};
+use crate::image_io::{Picture, ImageChannel, ChannelValues};
 use crate::scene::Scene;
 
 /// Ids of a pixel that are written, those with the largest shares; two for each layer.
 const RANKS: usize = 6;
 
 /// Above so many names there is no list of them, which the specification allows.
-const MOST_NAMES: usize = 100_000;
+const MAX_MANIFEST_NAMES: usize = 100_000;
 
 /// Adds the layers to a picture, and what readers need to know of them.
-pub(super) fn add(picture: &mut Picture, scene: &Scene, film: &Film, by: By) {
+pub(super) fn add_layers(picture: &mut Picture, scene: &Scene, film: &Film, by: CryptomatteKind) {
     let Some(coverage) = film.coverage() else { return };
-    let mut names = Names { scene, by, ids: HashMap::new(), hashes: BTreeMap::new() };
+    let mut names = MatteIds { scene, by, ids: HashMap::new(), hashes: BTreeMap::new() };
     let counts = film.counts();
     let mut ranked = vec![[[0.0f32; 2]; RANKS]; counts.len()];
     for ((ranked, rows), count) in ranked.iter_mut().zip(coverage).zip(counts) {
-        let shares = names.shares(&rows);
+        let shares = names.ranked_coverage(&rows);
         for (rank, (id, seen)) in ranked.iter_mut().zip(shares) {
             *rank = [f32::from_bits(id), (f64::from(seen) / f64::from(count)) as f32];
         }
     }
-    let name = type_name(by);
+    let name = layer_name(by);
     for layer in 0..RANKS / 2 {
         for (channel, letter) in ["R", "G", "B", "A"].into_iter().enumerate() {
             let (rank, value) = (2 * layer + channel / 2, channel % 2);
             let values = ranked.iter().map(|ranked| ranked[rank][value]).collect();
             let name = format!("{name}{layer:02}.{letter}");
-            picture.planes.push(Plane { name, values: Values::Float(values) });
+            picture.channels.push(ImageChannel { name, values: ChannelValues::Float(values) });
         }
     }
     picture.attributes.extend(attributes(name, &names.hashes));
 }
 
 /// What the layers are called.
-fn type_name(by: By) -> &'static str {
+fn layer_name(by: CryptomatteKind) -> &'static str {
     match by {
-        By::Sphere => "CryptoSphere",
-        By::Material => "CryptoMaterial",
-        By::Table => "CryptoTable",
+        CryptomatteKind::Sphere => "CryptoSphere",
+        CryptomatteKind::Material => "CryptoMaterial",
+        CryptomatteKind::Table => "CryptoTable",
     }
 }
 
 /// The attributes of the file that tell of the layers.
 fn attributes(name: &str, hashes: &BTreeMap<String, u32>) -> Vec<(String, String)> {
     // Seven digits of the hash of the layers' name.
-    let key = &format!("{:08x}", id_of_name(name))[..7];
+    let key = &format!("{:08x}", cryptomatte_id(name))[..7];
     let mut attributes = vec![
         ("name", name.to_owned()),
         ("hash", "MurmurHash3_32".to_owned()),
         ("conversion", "uint32_to_float32".to_owned()),
     ];
-    if hashes.len() <= MOST_NAMES {
+    if hashes.len() <= MAX_MANIFEST_NAMES {
         let digits = hashes.iter().map(|(name, hash)| (name.clone(), format!("{hash:08x}").into()));
         attributes.push(("manifest", serde_json::Value::Object(digits.collect()).to_string()));
     }
@@ -69,20 +69,20 @@ fn attributes(name: &str, hashes: &BTreeMap<String, u32>) -> Vec<(String, String
 }
 
 /// The names that are seen.
-struct Names<'a> {
+struct MatteIds<'a> {
     scene: &'a Scene,
-    by: By,
+    by: CryptomatteKind,
     /// The id of each row.
     ids: HashMap<u32, u32>,
     /// The id of each name.
     hashes: BTreeMap<String, u32>,
 }
 
-impl Names<'_> {
+impl MatteIds<'_> {
     /// The ids of a pixel with the number of samples that see them, the largest first.
-    fn shares(&mut self, rows: &[(u32, u32)]) -> Vec<(u32, u32)> {
+    fn ranked_coverage(&mut self, rows: &[(u32, u32)]) -> Vec<(u32, u32)> {
         let mut shares: Vec<(u32, u32)> = Vec::new();
-        for &(row, seen) in rows.iter().filter(|(row, _)| *row != NOTHING) {
+        for &(row, seen) in rows.iter().filter(|(row, _)| *row != NO_ROW) {
             let id = self.id(row);
             match shares.iter_mut().find(|(known, _)| *known == id) {
                 Some((_, total)) => *total += seen,
@@ -98,14 +98,14 @@ impl Names<'_> {
             return *id;
         }
         let name = match self.by {
-            By::Sphere => self.scene.name_of_row(row),
-            By::Material => {
+            CryptomatteKind::Sphere => self.scene.name_of_row(row),
+            CryptomatteKind::Material => {
                 let material = self.scene.material_of_row(row);
                 self.scene.description().materials[material].name.clone()
             }
-            By::Table => self.scene.table_of_row(row),
+            CryptomatteKind::Table => self.scene.table_of_row(row),
         };
-        let id = id_of_name(&name);
+        let id = cryptomatte_id(&name);
         self.hashes.insert(name, id);
         self.ids.insert(row, id);
         id
@@ -114,7 +114,7 @@ impl Names<'_> {
 
 /// The bits of the float that stands for a name: its hash, with one bit of the exponent turned where
 /// the float would be 0, denormal, infinite or not a number.
-fn id_of_name(name: &str) -> u32 {
+fn cryptomatte_id(name: &str) -> u32 {
     let hash = murmur3(name.as_bytes());
     match hash >> 23 & 0xff {
         0 | 0xff => hash ^ 1 << 23,
@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn every_id_is_an_ordinary_float() {
         for number in 0..100_000 {
-            let id = f32::from_bits(id_of_name(&format!("sphere {number}")));
+            let id = f32::from_bits(cryptomatte_id(&format!("sphere {number}")));
             assert!(id.is_normal(), "{number}");
         }
     }

@@ -1,29 +1,29 @@
 //! Which film a job needs.
 
-use crate::film::{Format, Frame, Kind, Layer, Scale, summed_for};
+use crate::film::{FilmFormat, FilmFrame, Aov, Layer, RadianceScale, required_layers};
 use crate::math::Rect;
-use crate::scene::{Settings, Shot};
+use crate::scene::{Settings, PreparedScene};
 
 /// The film of a shot's picture with these layers, from the first sample on.
-pub fn format_of(shot: &Shot, layers: &[Kind]) -> Format {
+pub fn format_for_scene(shot: &PreparedScene, layers: &[Aov]) -> FilmFormat {
     let transparent = shot.scene().description().background.transparent;
-    format_with(shot.settings(), transparent, Scale::of_brightest(shot.brightest()), layers)
+    format_for_settings(shot.settings(), transparent, RadianceScale::from_max_radiance(shot.max_radiance()), layers)
 }
 
 /// The same, before the scene's emitters are known.
-pub(super) fn format_with(
+pub(super) fn format_for_settings(
     settings: &Settings,
     transparent: bool,
-    scale: Scale,
-    layers: &[Kind],
-) -> Format {
-    let mut layers = summed_for(layers);
+    scale: RadianceScale,
+    layers: &[Aov],
+) -> FilmFormat {
+    let mut layers = required_layers(layers);
     if transparent && !layers.contains(&Layer::Alpha) {
         layers.push(Layer::Alpha);
     }
-    let Rect { x, y, width, height } = settings.image.window();
-    Format {
-        frame: Frame {
+    let Rect { x, y, width, height } = settings.image.pixel_bounds();
+    FilmFormat {
+        frame: FilmFrame {
             full_size: [settings.image.width, settings.image.height],
             window: Rect { x, y, width, height },
         },

@@ -5,28 +5,28 @@
 //! built, the picture rendered. The peak is the largest of them.
 
 use crate::accel::Backend;
-use crate::film::{Film, Kind, Scale};
+use crate::film::{Film, Aov, RadianceScale};
 use crate::scene::SceneFile;
-use crate::scene::description::{ColorStorage, Description};
+use crate::scene::description::{ColorStorage, SceneDescription};
 
-use super::film_format::format_with;
+use super::film_format::format_for_settings;
 
 /// Bytes of one sphere: `[x, y, z, radius]` in f32.
-const SPHERE: u64 = 16;
+const SPHERE_BYTES: u64 = 16;
 /// Bytes of the row of one sphere.
-const ROW: u64 = 4;
+const ROW_BYTES: u64 = 4;
 /// Bytes of one sphere that is written out in the scene, in the description and beside it.
-const WRITTEN_OUT: u64 = 256;
+const INLINE_SPHERE_BYTES: u64 = 256;
 /// Bytes of one lamp, in the list and the hierarchy of lamps.
-const LAMP: u64 = 288;
+const EMITTER_BYTES: u64 = 288;
 /// Bytes of one pixel of the background's image: the image, and what directions are drawn by.
-const BACKGROUND_PIXEL: u64 = 48;
+const ENVIRONMENT_PIXEL_BYTES: u64 = 48;
 /// Bytes of one pixel of the finished picture and of the file that it becomes.
-const PICTURE_PIXEL: u64 = 32;
+const PICTURE_PIXEL_BYTES: u64 = 32;
 /// The program itself, without Embree's library and with it.
-const PROGRAM: [u64; 2] = [10 << 20, 12 << 20];
+const PROGRAM_BYTES: [u64; 2] = [10 << 20, 12 << 20];
 /// What one thread takes for its paths.
-const THREAD: u64 = 1 << 20;
+const THREAD_BYTES: u64 = 1 << 20;
 
 /// The memory plan of one render. All figures are bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,13 +38,13 @@ pub struct MemoryPlan {
     /// The spheres' own colours.
     pub colors: u64,
     /// The lamps and the hierarchy over them.
-    pub lamps: u64,
+    pub emitters: u64,
     /// The background's image.
     pub background: u64,
     /// The trees of all intersectors.
-    pub tree: u64,
+    pub accel: u64,
     /// The most that is held for trees while they are built.
-    pub build: u64,
+    pub accel_build: u64,
     /// Film and picture.
     pub film: u64,
     /// The program and its threads.
@@ -53,7 +53,7 @@ pub struct MemoryPlan {
 
 /// What happens when the most memory is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
+pub enum MemoryPhase {
     /// The spheres are put in order.
     Sorting,
     /// Trees are built.
@@ -69,93 +69,93 @@ impl MemoryPlan {
     pub fn new(
         file: &SceneFile,
         backends: &[Backend],
-        kinds: &[Kind],
+        aovs: &[Aov],
         threads: usize,
         colors: Option<ColorStorage>,
     ) -> Self {
         let description = &file.description;
         // How bright the lamps are does not change the film's size.
         let transparent = description.background.transparent;
-        let scale = Scale::of_brightest(1.0);
-        let format = format_with(&file.settings, transparent, scale, kinds);
+        let scale = RadianceScale::from_max_radiance(1.0);
+        let format = format_for_settings(&file.settings, transparent, scale, aovs);
         let written_out = description.spheres.len() as u64;
-        let bare = Self::of_spheres(file.sphere_count(), backends, threads);
+        let bare = Self::for_spheres(file.sphere_count(), backends, threads);
         Self {
-            spheres: bare.spheres + written_out * WRITTEN_OUT,
-            colors: bytes_of_colors(file, colors),
-            lamps: count_lamps(file) * LAMP,
-            background: file.environment_pixels() * BACKGROUND_PIXEL,
-            film: Film::bytes(&format) as u64 + format.frame.pixels() as u64 * PICTURE_PIXEL,
+            spheres: bare.spheres + written_out * INLINE_SPHERE_BYTES,
+            colors: color_bytes(file, colors),
+            emitters: emitter_count(file) * EMITTER_BYTES,
+            background: file.environment_pixels() * ENVIRONMENT_PIXEL_BYTES,
+            film: Film::bytes(&format) as u64 + format.frame.pixel_count() as u64 * PICTURE_PIXEL_BYTES,
             ..bare
         }
     }
 
     /// The plan for so many spheres without anything else, and these intersectors.
-    pub fn of_spheres(count: u64, backends: &[Backend], threads: usize) -> Self {
-        let mut trees = Trees::default();
+    pub fn for_spheres(count: u64, backends: &[Backend], threads: usize) -> Self {
+        let mut trees = AccelMemory::default();
         backends.iter().for_each(|backend| trees.build(*backend, count));
         let with_embree = backends.iter().any(|backend| backend.uses_embree());
         Self {
-            spheres: count * SPHERE,
-            rows: count * ROW,
+            spheres: count * SPHERE_BYTES,
+            rows: count * ROW_BYTES,
             colors: 0,
-            lamps: 0,
+            emitters: 0,
             background: 0,
-            tree: trees.finished,
-            build: trees.peak,
+            accel: trees.finished,
+            accel_build: trees.peak,
             film: 0,
-            program: PROGRAM[usize::from(with_embree)] + threads as u64 * THREAD,
+            program: PROGRAM_BYTES[usize::from(with_embree)] + threads as u64 * THREAD_BYTES,
         }
     }
 
     /// The most that is held at any time.
     pub fn peak(&self) -> u64 {
-        self.step(self.critical())
+        self.bytes_in(self.peak_phase())
     }
 
     /// When the most is held.
-    pub fn critical(&self) -> Step {
-        let steps = [Step::Sorting, Step::Building, Step::Rendering];
-        steps.into_iter().max_by_key(|&step| self.step(step)).unwrap_or(Step::Rendering)
+    pub fn peak_phase(&self) -> MemoryPhase {
+        let steps = [MemoryPhase::Sorting, MemoryPhase::Building, MemoryPhase::Rendering];
+        steps.into_iter().max_by_key(|&step| self.bytes_in(step)).unwrap_or(MemoryPhase::Rendering)
     }
 
     /// What is held in a step at most.
-    pub fn step(&self, step: Step) -> u64 {
+    pub fn bytes_in(&self, step: MemoryPhase) -> u64 {
         let scene = self.spheres + self.rows + self.colors + self.background + self.program;
         match step {
             // The spheres in their old and in their new order.
-            Step::Sorting => scene + self.spheres,
-            Step::Building => scene + self.lamps + self.build,
-            Step::Rendering => scene + self.lamps + self.tree + self.film,
+            MemoryPhase::Sorting => scene + self.spheres,
+            MemoryPhase::Building => scene + self.emitters + self.accel_build,
+            MemoryPhase::Rendering => scene + self.emitters + self.accel + self.film,
         }
     }
 }
 
 /// Trees that are built one after the other.
 #[derive(Default)]
-struct Trees {
+struct AccelMemory {
     finished: u64,
     peak: u64,
 }
 
-impl Trees {
+impl AccelMemory {
     fn build(&mut self, backend: Backend, spheres: u64) {
-        let planned = backend.planned_bytes(spheres);
+        let planned = backend.memory_estimate(spheres);
         self.peak = self.peak.max(self.finished + planned.peak);
-        self.finished += planned.finished;
+        self.finished += planned.built;
     }
 }
 
-fn bytes_of_colors(file: &SceneFile, storage: Option<ColorStorage>) -> u64 {
+fn color_bytes(file: &SceneFile, storage: Option<ColorStorage>) -> u64 {
     let tables = file.description.tables.iter().zip(file.table_rows());
     let colored = tables.filter(|(table, _)| table.data.has_colors());
     let bytes =
-        colored.map(|(table, rows)| rows * storage.unwrap_or(table.colors).bytes_each() as u64);
+        colored.map(|(table, rows)| rows * storage.unwrap_or(table.colors).bytes_per_color() as u64);
     bytes.sum()
 }
 
-fn count_lamps(file: &SceneFile) -> u64 {
-    let Description { materials, spheres, tables, .. } = &file.description;
+fn emitter_count(file: &SceneFile) -> u64 {
+    let SceneDescription { materials, spheres, tables, .. } = &file.description;
     let shines = |material: usize| materials[material].emission.max_element() > 0.0;
     let written_out = spheres.iter().filter(|sphere| shines(sphere.material)).count() as u64;
     let of_tables = tables.iter().zip(file.table_rows());

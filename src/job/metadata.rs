@@ -12,17 +12,17 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::accel::{self, Backend, Intersector};
-use crate::color::Look;
+use crate::color::ViewTransform;
 use crate::error::{Error, Result};
-use crate::film::Kind;
-use crate::image_io::Record;
+use crate::film::Aov;
+use crate::image_io::MetadataEntry;
 use crate::scene::data::SphereData;
-use crate::scene::description::Dome;
-use crate::scene::settings::Integrator;
-use crate::scene::{Description, FileHash, Identity, Scene, Settings, Shot};
+use crate::scene::description::EnvironmentDescription;
+use crate::scene::settings::IntegratorSettings;
+use crate::scene::{SceneDescription, FileHash, ContentHash, Scene, Settings, PreparedScene};
 
 use super::noise::NoiseTarget;
-use super::samples::{Samples, Shares, TileCounts};
+use super::samples::{SampleRange, MergedSamples, TileSampleCounts};
 
 /// The version of this program.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -32,7 +32,7 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub const COMMIT: &str = env!("PHOTOSPHERE_COMMIT");
 
 /// The longest description of a scene, in bytes, that goes along with a picture.
-const LONGEST: usize = 1 << 20;
+const MAX_DESCRIPTION_BYTES: usize = 1 << 20;
 
 /// All that the file of a picture says of it beside the pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,36 +43,36 @@ pub struct Metadata {
     /// The commit that it was built from.
     pub commit: String,
     /// What the scene is: [`Scene::identity`].
-    pub scene_identity: Identity,
+    pub scene_identity: ContentHash,
     /// What was computed of it, and what with: samples of equal identities may be added up.
-    pub job_identity: Identity,
+    pub job_identity: ContentHash,
     /// What found the hits.
     pub intersector: Intersector,
     /// The settings, with as many samples per pixel as the picture has.
     pub settings: Settings,
     /// Which samples of each pixel.
-    pub samples: Samples,
+    pub samples: SampleRange,
     /// How many of them in each tile, where that differs.
-    #[serde(default, skip_serializing_if = "TileCounts::is_empty")]
-    pub counts: TileCounts,
+    #[serde(default, skip_serializing_if = "TileSampleCounts::is_uniform")]
+    pub counts: TileSampleCounts,
     /// The samples of each of its parts, where those two do not tell it.
-    #[serde(default, skip_serializing_if = "Shares::is_empty")]
-    pub parts: Shares,
+    #[serde(default, skip_serializing_if = "MergedSamples::is_empty")]
+    pub parts: MergedSamples,
     /// The options that bias the picture.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub biased: Vec<String>,
     /// How a file for the screen shows light, where that is not the usual way.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub look: Option<Look>,
+    pub look: Option<ViewTransform>,
     /// The layers, in a file that has a place for them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub layers: Option<Vec<Kind>>,
+    pub layers: Option<Vec<Aov>>,
     /// The files of the scene, as it names them, with the hashes of their numbers.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<FileHash>,
     /// The scene; `None` where it is too long to go along.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub scene: Option<Description>,
+    pub scene: Option<SceneDescription>,
     /// What one run was like; `None` where it is left out.
     #[serde(flatten)]
     pub run: Option<RunRecord>,
@@ -117,7 +117,7 @@ pub struct RunRecord {
 
 /// What a job's identity is the hash of.
 #[derive(Serialize)]
-struct Canonical<'a> {
+struct CanonicalJob<'a> {
     encoding: u32,
     version: &'static str,
     intersector: &'a Intersector,
@@ -126,45 +126,45 @@ struct Canonical<'a> {
 
 impl Metadata {
     /// Of a picture of a shot by an intersector, without any sample so far.
-    pub(super) fn of(shot: &Shot, backend: Backend) -> Self {
-        let intersector = Intersector::of(backend);
+    pub(super) fn new(shot: &PreparedScene, backend: Backend) -> Self {
+        let intersector = Intersector::for_backend(backend);
         let scene = shot.scene();
         Self {
             version: VERSION.to_owned(),
             commit: COMMIT.to_owned(),
-            scene_identity: scene.identity(),
+            scene_identity: scene.content_hash(),
             job_identity: job_identity(shot.settings(), &intersector),
             intersector,
             settings: *shot.settings(),
-            samples: Samples::all(0),
-            counts: TileCounts::default(),
-            parts: Shares::default(),
-            biased: shot.render().biases(),
+            samples: SampleRange::first_n(0),
+            counts: TileSampleCounts::default(),
+            parts: MergedSamples::default(),
+            biased: shot.render_settings().biases(),
             look: None,
             layers: None,
-            files: files_of(scene),
-            scene: description_of(scene),
+            files: relative_files(scene),
+            scene: embedded_description(scene),
             run: None,
         }
     }
 
     /// With the samples that the picture holds, by which equal pictures have equal settings.
-    pub(super) fn with_samples(self, samples: Samples, counts: TileCounts, parts: Shares) -> Self {
+    pub(super) fn with_samples(self, samples: SampleRange, counts: TileSampleCounts, parts: MergedSamples) -> Self {
         let mut settings = self.settings;
-        if !settings.render.sampler.depends_on_count() {
-            set_samples(&mut settings, samples.first + samples.most);
+        if !settings.render.sampler.depends_on_sample_count() {
+            set_sample_count(&mut settings, samples.first + samples.most);
         }
         Self { settings, samples, counts, parts, ..self }
     }
 
     /// The indices of the samples: `0..64`, or `0..16, 32..64` where some are missing in between, and
     /// whether every pixel has them.
-    pub fn samples_as_text(&self) -> String {
+    pub fn samples_to_string(&self) -> String {
         if self.parts.is_empty() {
             return self.samples.to_string();
         }
-        let ranges = self.parts.ranges();
-        match self.parts.are_all_of(&self.settings.image.window()) {
+        let ranges = self.parts.ranges_to_string();
+        match self.parts.all_cover(&self.settings.image.pixel_bounds()) {
             true => ranges,
             false => format!("{ranges} (some pixels lack some)"),
         }
@@ -174,18 +174,18 @@ impl Metadata {
     ///
     /// # Errors
     /// When a path cannot be written.
-    pub fn to_records(&self) -> Result<Vec<Record>> {
+    pub fn to_records(&self) -> Result<Vec<MetadataEntry>> {
         let value = serde_json::to_value(self);
         let value = value.map_err(|e| Error::input(format!("cannot say how it was made: {e}")))?;
         let Value::Object(fields) = value else { return Ok(Vec::new()) };
-        Ok(fields.into_iter().map(|(name, value)| Record::new(&name, text_of(value))).collect())
+        Ok(fields.into_iter().map(|(name, value)| MetadataEntry::new(&name, record_text(value))).collect())
     }
 
     /// From the records of a file.
     ///
     /// # Errors
     /// When one is missing or makes no sense; the message names the picture.
-    pub fn of_records(picture: &Path, records: &[Record]) -> Result<Self> {
+    pub fn from_records(picture: &Path, records: &[MetadataEntry]) -> Result<Self> {
         let shown = picture.display();
         if !records.iter().any(|record| record.name == "scene-identity") {
             let message = format!("`{shown}` does not say how it was made");
@@ -197,7 +197,7 @@ impl Metadata {
             return Err(Error::input(message).with_help(help));
         }
         let fields: Map<String, Value> =
-            records.iter().map(|record| (record.name.clone(), value_of(record))).collect();
+            records.iter().map(|record| (record.name.clone(), record_value(record))).collect();
         serde_json::from_value(Value::Object(fields)).map_err(|e| {
             let message =
                 format!("`{shown}` says how it was made in a way that is not understood: {e}");
@@ -207,7 +207,7 @@ impl Metadata {
 }
 
 /// The text of a record: a text as it is, unless it reads as JSON, and all else as JSON.
-fn text_of(value: Value) -> String {
+fn record_text(value: Value) -> String {
     match value {
         Value::String(text) if serde_json::from_str::<Value>(&text).is_err() => text,
         other => other.to_string(),
@@ -215,15 +215,15 @@ fn text_of(value: Value) -> String {
 }
 
 /// What a record says: JSON, or else a text.
-pub fn value_of(record: &Record) -> Value {
+pub fn record_value(record: &MetadataEntry) -> Value {
     serde_json::from_str(&record.text).unwrap_or_else(|_| Value::String(record.text.clone()))
 }
 
 /// Asks for so many samples of each pixel, or the paper's sub-pixels for as many as that takes.
-pub(super) fn set_samples(settings: &mut Settings, samples: u32) {
+pub(super) fn set_sample_count(settings: &mut Settings, samples: u32) {
     let render = &mut settings.render;
     match &mut render.integrator {
-        Integrator::Paper(paper) => {
+        IntegratorSettings::Paper(paper) => {
             // Settings may still hold any number.
             let cells = paper.subpixels.saturating_pow(2).max(1);
             paper.samples = samples.div_ceil(cells).max(1);
@@ -234,15 +234,15 @@ pub(super) fn set_samples(settings: &mut Settings, samples: u32) {
 }
 
 /// What decides the worth of a sample beside the scene: not which samples of which pixels are taken.
-pub(super) fn job_identity(settings: &Settings, intersector: &Intersector) -> Identity {
+pub(super) fn job_identity(settings: &Settings, intersector: &Intersector) -> ContentHash {
     let mut settings = *settings;
     settings.image.crop = None;
     let render = &settings.render;
     let is_centred = render.samples_per_pixel == 1;
     // Where the samples' number changes each of them.
-    let samples = match (render.sampler.depends_on_count(), render.integrator) {
+    let samples = match (render.sampler.depends_on_sample_count(), render.integrator) {
         (true, _) => render.samples_per_pixel,
-        (_, Integrator::Normals | Integrator::Raycast { .. }) => {
+        (_, IntegratorSettings::Normals | IntegratorSettings::Raycast { .. }) => {
             if is_centred {
                 1
             } else {
@@ -251,42 +251,42 @@ pub(super) fn job_identity(settings: &Settings, intersector: &Intersector) -> Id
         }
         _ => 1,
     };
-    set_samples(&mut settings, samples);
-    let canonical = Canonical { encoding: 2, version: VERSION, intersector, settings };
+    set_sample_count(&mut settings, samples);
+    let canonical = CanonicalJob { encoding: 2, version: VERSION, intersector, settings };
     let bytes = serde_json::to_vec(&canonical);
-    Identity::of_bytes(&bytes.expect("plain values with names as their keys are JSON"))
+    ContentHash::of_bytes(&bytes.expect("plain values with names as their keys are JSON"))
 }
 
 /// The scene with its files as it names them.
-pub(super) fn description_of(scene: &Scene) -> Option<Description> {
+pub(super) fn embedded_description(scene: &Scene) -> Option<SceneDescription> {
     // Written-out spheres take a hundred bytes and more.
-    if scene.description().spheres.len() > LONGEST / 64 {
+    if scene.description().spheres.len() > MAX_DESCRIPTION_BYTES / 64 {
         return None;
     }
     let mut description = scene.description().clone();
     let folder = scene.source().map_or(Path::new(""), |source| &source.folder);
-    each_file(&mut description, |file| {
+    for_each_file(&mut description, |file| {
         if let Ok(relative) = file.strip_prefix(folder) {
             *file = relative.to_path_buf();
         }
     });
     let length = serde_json::to_vec(&description).ok()?.len();
-    (length <= LONGEST).then_some(description)
+    (length <= MAX_DESCRIPTION_BYTES).then_some(description)
 }
 
 /// Changes the path of every file of a scene.
-pub(super) fn each_file(description: &mut Description, mut change: impl FnMut(&mut PathBuf)) {
+pub(super) fn for_each_file(description: &mut SceneDescription, mut change: impl FnMut(&mut PathBuf)) {
     for table in &mut description.tables {
         if let SphereData::File { path, .. } = &mut table.data {
             change(path);
         }
     }
-    if let Dome::Image { file, .. } = &mut description.background.dome {
+    if let EnvironmentDescription::Image { file, .. } = &mut description.background.dome {
         change(file);
     }
 }
 
-fn files_of(scene: &Scene) -> Vec<FileHash> {
+fn relative_files(scene: &Scene) -> Vec<FileHash> {
     let folder = scene.source().map_or(Path::new(""), |source| &source.folder);
     let named = |FileHash { file, hash }: &FileHash| FileHash {
         file: file.strip_prefix(folder).unwrap_or(file).to_path_buf(),
@@ -296,7 +296,7 @@ fn files_of(scene: &Scene) -> Vec<FileHash> {
 }
 
 /// What is to be told of the Embree in use.
-pub(super) fn embree_as_text() -> Option<String> {
+pub(super) fn embree_summary() -> Option<String> {
     let info = accel::embree_info()?.ok()?;
     Some(format!(
         "{}, compiled against {}, {}, {}",

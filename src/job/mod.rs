@@ -9,7 +9,7 @@ mod adaptive;
 mod aovs;
 mod checkpoint;
 mod cryptomatte;
-pub mod difference;
+pub mod diff;
 mod film_format;
 mod memory;
 pub mod merge;
@@ -18,8 +18,8 @@ mod monitor;
 mod noise;
 mod observer;
 mod outcome;
-pub mod pace;
-mod passes;
+pub mod eta;
+mod progressive;
 mod render_state;
 pub mod reproduce;
 mod samples;
@@ -27,49 +27,49 @@ pub mod save;
 mod save_request;
 mod session;
 mod spec;
-mod squares;
-mod start;
-mod turns;
+mod adaptive_tiles;
+mod resume;
+mod budgeted_timer;
 
-pub use adaptive::{FIRST_DECISION, Standing, error_so_far, half_widths, render_to};
-pub use aovs::{needs_scene, picture, picture_of_sums};
+pub use adaptive::{MIN_ADAPTIVE_SAMPLES, NoiseProgress, estimate_error, confidence_half_widths, render_adaptive};
+pub use aovs::{needs_scene, develop, develop_without_scene};
 pub use checkpoint::{
-    Checkpoint, Delivery, FilePath, Header, Statistics, Status, is_checkpoint, write_checkpoint,
+    Checkpoint, OutputSpec, FilePath, CheckpointHeader, CumulativeStats, RenderStatus, is_checkpoint, write_checkpoint,
 };
-pub use film_format::format_of;
-pub use memory::{MemoryPlan, Step};
+pub use film_format::format_for_scene;
+pub use memory::{MemoryPlan, MemoryPhase};
 pub use metadata::{COMMIT, Metadata, RunRecord, VERSION};
 pub use noise::NoiseTarget;
-pub use observer::{Observer, Progress};
-pub use outcome::{End, NoiseStatus, Outcome, Reached, crop_of, warnings};
-pub use passes::{Counters, Passes};
-pub use samples::{Samples, Share, Shares, TileCounts};
+pub use observer::{Observer, RenderProgress};
+pub use outcome::{StopReason, NoiseStatus, RenderResult, RunOutcome, frame_crop, render_warnings};
+pub use progressive::{Counters, ProgressiveRenderer};
+pub use samples::{SampleRange, WindowSamples, MergedSamples, TileSampleCounts};
 pub use save_request::SaveRequest;
-pub use session::{Opening, Session};
-pub use spec::{ENDLESS, Job, Until};
-pub use turns::Turns;
+pub use session::{SessionOptions, Session};
+pub use spec::{UNLIMITED_SAMPLES, Job, StopCriteria};
+pub use budgeted_timer::BudgetedTimer;
 
 use crate::accel::Accel;
 use crate::error::Result;
-use crate::film::{Film, Kind};
+use crate::film::{Film, Aov};
 use crate::image_io::Picture;
-use crate::scene::{Scene, Shot};
-use crate::task::Cancel;
+use crate::scene::{Scene, PreparedScene};
+use crate::task::CancelToken;
 
 /// Renders a job, and tells `observer` on this thread how far it is; `&()` does not look on.
 ///
 /// # Errors
 /// When the job makes no sense, the intersector cannot be built, there is no memory for the picture, or
 /// a pixel is too bright for the film.
-pub fn run(scene: &Scene, job: &Job, observer: &dyn Observer) -> Result<Outcome> {
-    let session = Session::new(scene, job.clone(), Opening::default())?;
+pub fn run(scene: &Scene, job: &Job, observer: &dyn Observer) -> Result<RenderResult> {
+    let session = Session::new(scene, job.clone(), SessionOptions::default())?;
     let reached = session.run(observer)?;
-    Ok(session.outcome(reached))
+    Ok(session.result(reached))
 }
 
 /// A picture that was rendered on the current thread pool.
 #[derive(Debug)]
-pub struct Rendered {
+pub struct RenderedImage {
     /// The picture.
     pub picture: Picture,
     /// Samples rendered.
@@ -87,22 +87,22 @@ pub struct Rendered {
 ///
 /// # Errors
 /// When there is no memory for the picture, or a pixel is too bright for the film.
-pub fn render(
-    shot: &Shot,
+pub fn render_with_accel(
+    shot: &PreparedScene,
     accel: &dyn Accel,
-    layers: &[Kind],
-    cancel: &Cancel,
-) -> Result<Rendered> {
-    let film = Film::new(&format_of(shot, layers))?;
-    let samples = shot.render().samples_per_pixel;
-    let counters = Counters::of(&film, film.frame().pixels() as u64 * u64::from(samples));
-    let passes = Passes::new(shot, accel, &film, &counters, cancel);
-    let complete = passes.advance(samples, &|_| true)?;
-    Ok(Rendered {
-        picture: picture(shot, accel, &film, layers),
+    aovs: &[Aov],
+    cancel: &CancelToken,
+) -> Result<RenderedImage> {
+    let film = Film::new(&format_for_scene(shot, aovs))?;
+    let samples = shot.render_settings().samples_per_pixel;
+    let counters = Counters::new(&film, film.frame().pixel_count() as u64 * u64::from(samples));
+    let passes = ProgressiveRenderer::new(shot, accel, &film, &counters, cancel);
+    let complete = passes.render_to_sample(samples, &|_| true)?;
+    Ok(RenderedImage {
+        picture: develop(shot, accel, &film, aovs),
         samples: counters.samples_done(),
-        rays: counters.tally().rays,
+        rays: counters.stats().rays,
         complete,
-        warnings: warnings(shot, &counters.tally(), &film),
+        warnings: render_warnings(shot, &counters.stats(), &film),
     })
 }

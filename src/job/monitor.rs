@@ -11,40 +11,40 @@ use std::time::{Duration, Instant};
 use rayon::ThreadPool;
 
 use crate::error::Result;
-use crate::image_io::WholeFile;
+use crate::image_io::AtomicFile;
 
 use super::observer::Observer;
-use super::outcome::{End, Reached};
+use super::outcome::{StopReason, RunOutcome};
 use super::render_state::RenderState;
-use super::turns::Turns;
+use super::budgeted_timer::BudgetedTimer;
 
 /// How long the threads that render may take to follow a request to stop: most of the two seconds in
 /// which a program should be gone are for saving. Nothing is lost with them but what is in flight.
-const PATIENCE: Duration = Duration::from_millis(500);
+const STOP_TIMEOUT: Duration = Duration::from_millis(500);
 /// Between two looks at the clock; where a time is nearly up, sooner.
-const TICK: Duration = Duration::from_millis(40);
-const SHORTEST_TICK: Duration = Duration::from_millis(5);
+const POLL_INTERVAL: Duration = Duration::from_millis(40);
+const MIN_POLL_INTERVAL: Duration = Duration::from_millis(5);
 /// Between two words on the progress.
-const BETWEEN_WORDS: Duration = Duration::from_millis(100);
+const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
 /// Between two estimates of the error.
-const BETWEEN_ERRORS: Duration = Duration::from_secs(2);
+const ERROR_INTERVAL: Duration = Duration::from_secs(2);
 /// The share of the time of all threads that estimates of the error may take.
-const FOR_ERRORS: f64 = 1.0 / 256.0;
+const ERROR_BUDGET: f64 = 1.0 / 256.0;
 /// What an estimate takes, known better after the first.
-const ERROR: Duration = Duration::from_millis(5);
+const ERROR_COST_GUESS: Duration = Duration::from_millis(5);
 /// What failed is tried again no later than this.
-const LONGEST_RETRY: Duration = Duration::from_secs(10);
+const MAX_RETRY_INTERVAL: Duration = Duration::from_secs(10);
 
 /// What is said of a panic.
-fn unexpected(what: &str) -> String {
+fn panic_warning(what: &str) -> String {
     format!("{what} failed in an unexpected way; please report this")
 }
 
 /// Where the samples are saved while they are rendered, and how often.
 #[derive(Clone, Debug)]
 pub(super) struct Autosave {
-    pub(super) file: WholeFile,
-    pub(super) every: Duration,
+    pub(super) file: AtomicFile,
+    pub(super) interval: Duration,
 }
 
 /// Renders on the pool, and minds everything else on this thread.
@@ -53,99 +53,99 @@ pub(super) fn run(
     pool: &ThreadPool,
     autosave: Option<&Autosave>,
     observer: &dyn Observer,
-) -> Result<Reached> {
-    state.mind_time();
+) -> Result<RunOutcome> {
+    state.check_time_limit();
     let (end, ended) = mpsc::channel();
     let rendering = Arc::clone(state);
     pool.spawn(move || {
         // A panic ends the render, and the samples so far are kept.
-        let ended = catch_unwind(AssertUnwindSafe(|| rendering.reach()));
+        let ended = catch_unwind(AssertUnwindSafe(|| rendering.render()));
         drop(rendering);
         let _ = end.send(ended);
     });
     let (warn, warnings) = mpsc::channel();
-    let saver = autosave.map(|autosave| Saver::start(state, autosave, warn));
+    let saver = autosave.map(|autosave| AutosaveThread::start(state, autosave, warn));
     let threads = pool.current_num_threads();
-    let ended = wait(state, &ended, &warnings, threads, saver.as_ref(), observer);
+    let ended = wait_for_end(state, &ended, &warnings, threads, saver.as_ref(), observer);
     // The file is whole before anybody writes it for the last time.
     if let Some(saver) = saver {
-        saver.finish(observer);
+        saver.join(observer);
     }
-    warnings.try_iter().for_each(|text| observer.warning(&text));
+    warnings.try_iter().for_each(|text| observer.on_warning(&text));
     match ended {
-        Some(Ok(ended)) => Ok(state.reached(ended?)),
+        Some(Ok(ended)) => Ok(state.outcome(ended?)),
         Some(Err(_)) => {
-            observer.warning(&unexpected("rendering"));
-            Ok(Reached { end: End::Failed, ..state.reached(false) })
+            observer.on_warning(&panic_warning("rendering"));
+            Ok(RunOutcome { stop_reason: StopReason::Failed, ..state.outcome(false) })
         }
         None => {
-            state.is_left_behind.store(true, Ordering::Relaxed);
-            Ok(state.reached(false))
+            state.is_abandoned.store(true, Ordering::Relaxed);
+            Ok(state.outcome(false))
         }
     }
 }
 
-type Ended = std::thread::Result<Result<bool>>;
+type RenderThreadResult = std::thread::Result<Result<bool>>;
 
 /// Waits for the end; `None` where the threads that render were left behind.
-fn wait(
+fn wait_for_end(
     state: &RenderState,
-    ended: &Receiver<Ended>,
+    ended: &Receiver<RenderThreadResult>,
     warnings: &Receiver<String>,
     threads: usize,
-    saver: Option<&Saver>,
+    saver: Option<&AutosaveThread>,
     observer: &dyn Observer,
-) -> Option<Ended> {
-    let mut errors = Turns::new(BETWEEN_ERRORS, FOR_ERRORS, threads, ERROR);
-    let (mut error, mut next_words) = (None, Instant::now() + BETWEEN_WORDS);
+) -> Option<RenderThreadResult> {
+    let mut errors = BudgetedTimer::new(ERROR_INTERVAL, ERROR_BUDGET, threads, ERROR_COST_GUESS);
+    let (mut error, mut next_words) = (None, Instant::now() + PROGRESS_INTERVAL);
     let mut asked_to_stop = None;
     let mut wants_progress = observer.wants_progress();
     loop {
-        let left = state.time_left().unwrap_or(TICK);
-        match ended.recv_timeout(left.clamp(SHORTEST_TICK, TICK)) {
+        let left = state.time_left().unwrap_or(POLL_INTERVAL);
+        match ended.recv_timeout(left.clamp(MIN_POLL_INTERVAL, POLL_INTERVAL)) {
             Ok(end) => return Some(end),
             Err(RecvTimeoutError::Disconnected) => return None,
             Err(RecvTimeoutError::Timeout) => {}
         }
-        warnings.try_iter().for_each(|text| observer.warning(&text));
-        state.mind_time();
+        warnings.try_iter().for_each(|text| observer.on_warning(&text));
+        state.check_time_limit();
         if state.save_request.take() {
             match saver {
                 Some(saver) => saver.save_now(),
-                None => observer.warning("nothing was saved: the render keeps no checkpoint"),
+                None => observer.on_warning("nothing was saved: the render keeps no checkpoint"),
             }
         }
-        if state.is_asked_to_stop() {
+        if state.should_stop() {
             let since = *asked_to_stop.get_or_insert_with(Instant::now);
-            if since.elapsed() >= PATIENCE {
+            if since.elapsed() >= STOP_TIMEOUT {
                 return None;
             }
         } else if wants_progress && Instant::now() >= next_words {
-            errors.take(|| error = state.error());
+            errors.run_if_due(|| error = state.estimate_error());
             let progress = state.progress(error);
             // Whatever goes wrong there, the render is not lost.
-            if catch_unwind(AssertUnwindSafe(|| observer.progress(&progress))).is_err() {
-                observer.warning(&unexpected("telling the progress"));
+            if catch_unwind(AssertUnwindSafe(|| observer.on_progress(&progress))).is_err() {
+                observer.on_warning(&panic_warning("telling the progress"));
                 wants_progress = false;
             }
-            next_words = Instant::now() + BETWEEN_WORDS;
+            next_words = Instant::now() + PROGRESS_INTERVAL;
         }
     }
 }
 
 /// The thread that saves.
-struct Saver {
+struct AutosaveThread {
     /// Told to save at once; dropped at the end.
     wake: Sender<()>,
     thread: std::io::Result<std::thread::JoinHandle<()>>,
 }
 
-impl Saver {
+impl AutosaveThread {
     fn start(state: &Arc<RenderState>, autosave: &Autosave, warn: Sender<String>) -> Self {
         let (wake, woken) = mpsc::channel();
-        let (state, Autosave { file, every }) = (Arc::clone(state), autosave.clone());
+        let (state, Autosave { file, interval: every }) = (Arc::clone(state), autosave.clone());
         let save = move || {
-            save_again_and_again(every, &woken, &warn, &file, &|| {
+            autosave_loop(every, &woken, &warn, &file, &|| {
                 state.write_checkpoint(&file, None)
             })
         };
@@ -159,13 +159,13 @@ impl Saver {
     }
 
     /// Waits until it is over. Whatever went wrong there, the render is not lost.
-    fn finish(self, observer: &dyn Observer) {
+    fn join(self, observer: &dyn Observer) {
         drop(self.wake);
         match self.thread {
-            Err(e) => observer.warning(&format!("nothing was saved while it rendered: {e}")),
+            Err(e) => observer.on_warning(&format!("nothing was saved while it rendered: {e}")),
             Ok(thread) => {
                 if thread.join().is_err() {
-                    observer.warning(&unexpected("saving"));
+                    observer.on_warning(&panic_warning("saving"));
                 }
             }
         }
@@ -173,11 +173,11 @@ impl Saver {
 }
 
 /// Saves at intervals, and when woken, until the sender is gone. A failure is told of once, until it works again.
-fn save_again_and_again(
+fn autosave_loop(
     every: Duration,
     woken: &Receiver<()>,
     warn: &Sender<String>,
-    file: &WholeFile,
+    file: &AtomicFile,
     save: &dyn Fn() -> Result<()>,
 ) {
     let (mut wait, mut is_failing) = (every, false);
@@ -189,7 +189,7 @@ fn save_again_and_again(
             Ok(Err(error)) => Some(error.to_string()),
             Err(_) => Some(format!("writing `{name}` failed in an unexpected way")),
         };
-        wait = if failure.is_some() { every.min(LONGEST_RETRY) } else { every };
+        wait = if failure.is_some() { every.min(MAX_RETRY_INTERVAL) } else { every };
         let text = match (&failure, is_failing) {
             (Some(error), false) => {
                 Some(format!("{error}; the render goes on and tries again to write `{name}`"))
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn what_cannot_be_saved_is_told_of_once_and_tried_again_even_after_a_panic() {
         let folder = tempfile::tempdir().unwrap();
-        let file = WholeFile::new(&folder.path().join("a.part")).unwrap();
+        let file = AtomicFile::new(&folder.path().join("a.part")).unwrap();
         let tries = Arc::new(AtomicUsize::new(0));
         let ((end, ended), (warn, warnings)) = (mpsc::channel::<()>(), mpsc::channel());
         let counted = Arc::clone(&tries);
@@ -222,7 +222,7 @@ mod tests {
                 2 => panic!("a mistake"),
                 _ => Ok(()),
             };
-            save_again_and_again(Duration::from_millis(1), &ended, &warn, &file, &save);
+            autosave_loop(Duration::from_millis(1), &ended, &warn, &file, &save);
         });
         while tries.load(Ordering::SeqCst) < 6 {
             std::thread::sleep(Duration::from_millis(1));

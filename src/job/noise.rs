@@ -20,13 +20,13 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::error::{Error, Result};
-use crate::film::Estimate;
+use crate::film::PixelEstimate;
 
 /// The share of its square's variance that every value is taken to have.
-const SHARED: f64 = 1.0 / 16.0;
+const SHARED_VARIANCE_WEIGHT: f64 = 1.0 / 16.0;
 
 /// No pixel needs to be more exact than one with this share of its square's mean brightness.
-const DARKEST: f64 = 0.1;
+const MIN_RELATIVE_BRIGHTNESS: f64 = 0.1;
 
 /// What is asked of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,7 +51,7 @@ impl NoiseTarget {
     ///
     /// # Errors
     /// With the two numbers.
-    pub(super) fn check(self) -> Result<()> {
+    pub(super) fn validate(self) -> Result<()> {
         let Self { error, confidence } = self;
         let is_share = |x: f64| x > 0.0 && x < 1.0;
         if is_share(error) && is_share(confidence) {
@@ -72,111 +72,111 @@ impl fmt::Display for NoiseTarget {
 
 /// How far a mean may be from the truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Spread {
+struct StandardError {
     /// Its standard deviation.
-    deviation: f64,
+    std_dev: f64,
     /// Degrees of freedom behind that.
-    freedom: f64,
+    degrees_of_freedom: f64,
 }
 
 /// What all values of a square have in common: a share of their mean variance, per channel.
-struct Shared([f64; 3]);
+struct PooledVariance([f64; 3]);
 
 /// What is known of the values of one square.
 #[derive(Debug, Default)]
-pub(super) struct Square {
-    values: Vec<Value>,
+pub(super) struct TileNoise {
+    channels: Vec<ChannelNoise>,
 }
 
 /// One channel of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Value {
+struct ChannelNoise {
     /// What the user sees the error against.
     brightness: f64,
-    spread: Spread,
+    standard_error: StandardError,
 }
 
-impl Shared {
-    fn of(pixels: &[&Estimate]) -> Self {
-        Self(std::array::from_fn(|axis| SHARED * mean(pixels, |pixel| pixel.variance[axis])))
+impl PooledVariance {
+    fn new(pixels: &[&PixelEstimate]) -> Self {
+        Self(std::array::from_fn(|axis| SHARED_VARIANCE_WEIGHT * mean(pixels, |pixel| pixel.variance[axis])))
     }
 
     /// Those of a pixel's channels.
-    fn spreads(&self, pixel: &Estimate) -> [Spread; 3] {
+    fn standard_errors(&self, pixel: &PixelEstimate) -> [StandardError; 3] {
         std::array::from_fn(|axis| {
-            let own = (1.0 - SHARED) * pixel.variance[axis];
+            let own = (1.0 - SHARED_VARIANCE_WEIGHT) * pixel.variance[axis];
             let variance = own + self.0[axis];
             let ratio = variance / own;
             let blocks = f64::from(pixel.blocks);
             // A pixel without a variance of its own has only the shared one, which is well known.
             let freedom = if ratio < 1e6 { (blocks - 1.0) * ratio * ratio } else { f64::INFINITY };
-            Spread { deviation: variance.sqrt(), freedom }
+            StandardError { std_dev: variance.sqrt(), degrees_of_freedom: freedom }
         })
     }
 }
 
 /// How far the truth may be from the mean of each pixel of a square, per channel, with this
 /// confidence: half the width of the interval. Infinite where it is not known.
-pub(super) fn half_widths(pixels: &[Estimate], confidence: f64) -> Vec<[f64; 3]> {
-    let known: Vec<&Estimate> = pixels.iter().filter(|pixel| pixel.is_known()).collect();
-    let shared = Shared::of(&known);
+pub(super) fn confidence_half_widths(pixels: &[PixelEstimate], confidence: f64) -> Vec<[f64; 3]> {
+    let known: Vec<&PixelEstimate> = pixels.iter().filter(|pixel| pixel.is_known()).collect();
+    let shared = PooledVariance::new(&known);
     let sigmas = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);
-    let of_pixel = |pixel: &Estimate| match pixel.is_known() {
-        true => shared.spreads(pixel).map(|spread| spread.half_width(sigmas)),
+    let of_pixel = |pixel: &PixelEstimate| match pixel.is_known() {
+        true => shared.standard_errors(pixel).map(|spread| spread.half_width(sigmas)),
         false => [f64::INFINITY; 3],
     };
     pixels.iter().map(of_pixel).collect()
 }
 
-impl Square {
+impl TileNoise {
     /// From the estimates of its pixels. Those with fewer than two blocks say nothing of their error,
     /// and pixels that are no numbers are left out.
-    pub(super) fn new(pixels: &[Estimate]) -> Self {
-        Self::of_some(pixels, 1)
+    pub(super) fn new(pixels: &[PixelEstimate]) -> Self {
+        Self::with_stride(pixels, 1)
     }
 
     /// The same with the values of every so many pixels only; what they have in common is that of all.
-    pub(super) fn of_some(pixels: &[Estimate], every: usize) -> Self {
-        let known: Vec<&Estimate> = pixels.iter().filter(|pixel| pixel.is_known()).collect();
-        let darkest = DARKEST * mean(&known, brightness);
-        let shared = Shared::of(&known);
-        let of_pixel = |pixel: &&Estimate| {
+    pub(super) fn with_stride(pixels: &[PixelEstimate], stride: usize) -> Self {
+        let known: Vec<&PixelEstimate> = pixels.iter().filter(|pixel| pixel.is_known()).collect();
+        let darkest = MIN_RELATIVE_BRIGHTNESS * mean(&known, brightness);
+        let shared = PooledVariance::new(&known);
+        let of_pixel = |pixel: &&PixelEstimate| {
             let brightness = brightness(pixel).max(darkest);
-            shared.spreads(pixel).map(|spread| Value { brightness, spread })
+            shared.standard_errors(pixel).map(|spread| ChannelNoise { brightness, standard_error: spread })
         };
-        Self { values: known.iter().step_by(every).flat_map(of_pixel).collect() }
+        Self { channels: known.iter().step_by(stride).flat_map(of_pixel).collect() }
     }
 
     /// Whether the target is met.
     pub(super) fn meets(&self, target: NoiseTarget) -> bool {
-        self.outside(target.error) <= 1.0 - target.confidence
+        self.fraction_above(target.error) <= 1.0 - target.confidence
     }
 
     /// The share of the values that are to be expected further from the truth than `error`.
-    pub(super) fn outside(&self, error: f64) -> f64 {
-        let sum: f64 = self.values.iter().map(|value| value.outside(error)).sum();
-        sum / self.values.len().max(1) as f64
+    pub(super) fn fraction_above(&self, error: f64) -> f64 {
+        let sum: f64 = self.channels.iter().map(|value| value.exceedance_probability(error)).sum();
+        sum / self.channels.len().max(1) as f64
     }
 
     /// The error that a share of `confidence` of the values stay below, to three digits; `None` where
     /// nothing is known.
-    pub(super) fn error(&self, confidence: f64) -> Option<f64> {
-        error_of(std::slice::from_ref(self), confidence)
+    pub(super) fn error_quantile(&self, confidence: f64) -> Option<f64> {
+        error_quantile(std::slice::from_ref(self), confidence)
     }
 }
 
 /// The same over the values of many squares.
-pub(super) fn error_of(squares: &[Square], confidence: f64) -> Option<f64> {
-    let values: usize = squares.iter().map(|square| square.values.len()).sum();
+pub(super) fn error_quantile(squares: &[TileNoise], confidence: f64) -> Option<f64> {
+    let values: usize = squares.iter().map(|square| square.channels.len()).sum();
     if values == 0 {
         return None;
     }
     let outside = |error: f64| {
-        let each = |square: &Square| square.outside(error) * square.values.len() as f64;
+        let each = |square: &TileNoise| square.fraction_above(error) * square.channels.len() as f64;
         squares.iter().map(each).sum::<f64>() / values as f64
     };
-    let all = squares.iter().flat_map(|square| &square.values);
-    let largest = all.map(|value| value.relative()).fold(0.0, f64::max);
+    let all = squares.iter().flat_map(|square| &square.channels);
+    let largest = all.map(|value| value.relative_error()).fold(0.0, f64::max);
     if !(largest > 0.0 && largest.is_finite()) {
         return Some(largest);
     }
@@ -189,36 +189,36 @@ pub(super) fn error_of(squares: &[Square], confidence: f64) -> Option<f64> {
     Some(high)
 }
 
-impl Spread {
+impl StandardError {
     /// The distance that is exceeded as rarely as so many standard deviations are by a normal variable.
     fn half_width(self, sigmas: f64) -> f64 {
-        t_of_normal(sigmas, self.freedom) * self.deviation
+        student_t_from_normal(sigmas, self.degrees_of_freedom) * self.std_dev
     }
 }
 
-impl Value {
-    fn relative(&self) -> f64 {
-        let deviation = self.spread.deviation;
+impl ChannelNoise {
+    fn relative_error(&self) -> f64 {
+        let deviation = self.standard_error.std_dev;
         if deviation == 0.0 { 0.0 } else { deviation / self.brightness }
     }
 
     /// The probability that the truth is further away than `error` times the brightness.
-    fn outside(&self, error: f64) -> f64 {
-        let Spread { deviation, freedom } = self.spread;
+    fn exceedance_probability(&self, error: f64) -> f64 {
+        let StandardError { std_dev: deviation, degrees_of_freedom: freedom } = self.standard_error;
         if deviation == 0.0 {
             return 0.0;
         }
-        let sigmas = normal_of_t(error * self.brightness / deviation, freedom);
+        let sigmas = normal_from_student_t(error * self.brightness / deviation, freedom);
         libm::erfc(sigmas * std::f64::consts::FRAC_1_SQRT_2)
     }
 }
 
-fn mean(pixels: &[&Estimate], of: impl Fn(&Estimate) -> f64) -> f64 {
+fn mean(pixels: &[&PixelEstimate], of: impl Fn(&PixelEstimate) -> f64) -> f64 {
     pixels.iter().map(|pixel| of(pixel)).sum::<f64>() / pixels.len().max(1) as f64
 }
 
 /// What an error is seen against: the mean of the channels, never negative.
-fn brightness(pixel: &Estimate) -> f64 {
+fn brightness(pixel: &PixelEstimate) -> f64 {
     let [red, green, blue] = pixel.mean;
     ((red + green + blue) / 3.0).max(0.0)
 }
@@ -227,23 +227,23 @@ fn brightness(pixel: &Estimate) -> f64 {
 /// a few hundredths from three degrees of freedom on (Wallace 1959, "Bounds on normal approximations
 /// to Student's and the chi-square distributions"). A closed form, of the `libm` crate's functions: a
 /// decision must be the same on every machine.
-fn normal_of_t(t: f64, freedom: f64) -> f64 {
+fn normal_from_student_t(t: f64, freedom: f64) -> f64 {
     if freedom.is_infinite() {
         return t;
     }
-    shrink(freedom) * (freedom * libm::log1p(t * t / freedom)).sqrt()
+    wallace_factor(freedom) * (freedom * libm::log1p(t * t / freedom)).sqrt()
 }
 
 /// The inverse of [`normal_of_t`].
-fn t_of_normal(sigmas: f64, freedom: f64) -> f64 {
+fn student_t_from_normal(sigmas: f64, freedom: f64) -> f64 {
     if freedom.is_infinite() {
         return sigmas;
     }
-    let u = sigmas / shrink(freedom);
+    let u = sigmas / wallace_factor(freedom);
     (freedom * libm::expm1(u * u / freedom)).sqrt()
 }
 
-fn shrink(freedom: f64) -> f64 {
+fn wallace_factor(freedom: f64) -> f64 {
     (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0)
 }
 
@@ -253,8 +253,8 @@ mod tests {
     use approx::assert_relative_eq;
     use statrs::distribution::StudentsT;
 
-    fn pixel(mean: f64, deviation: f64, blocks: u32) -> Estimate {
-        Estimate { mean: [mean; 3], variance: [deviation * deviation; 3], blocks }
+    fn pixel(mean: f64, deviation: f64, blocks: u32) -> PixelEstimate {
+        PixelEstimate { mean: [mean; 3], variance: [deviation * deviation; 3], blocks }
     }
 
     #[test]
@@ -264,25 +264,25 @@ mod tests {
             for (confidence, off) in [(0.8, 0.01), (0.95, 0.013), (0.99, 0.04)] {
                 let p = 0.5 + 0.5 * confidence;
                 let sigmas = Normal::standard().inverse_cdf(p);
-                let t = t_of_normal(sigmas, freedom);
+                let t = student_t_from_normal(sigmas, freedom);
                 assert_relative_eq!(t, student.inverse_cdf(p), max_relative = off);
-                assert_relative_eq!(normal_of_t(t, freedom), sigmas, max_relative = 1e-12);
+                assert_relative_eq!(normal_from_student_t(t, freedom), sigmas, max_relative = 1e-12);
             }
         }
-        assert_eq!(normal_of_t(1.5, f64::INFINITY), 1.5);
+        assert_eq!(normal_from_student_t(1.5, f64::INFINITY), 1.5);
     }
 
     #[test]
     fn equal_pixels_are_done_when_their_interval_is_as_narrow_as_the_target() {
-        let square = |deviation| Square::new(&[pixel(2.0, deviation, 1 << 20); 256]);
+        let square = |deviation| TileNoise::new(&[pixel(2.0, deviation, 1 << 20); 256]);
         let target = NoiseTarget { error: 0.01, confidence: 0.95 };
         // 1.96 standard deviations are 1 % of 2.
         let edge = 0.02 / 1.959964;
         assert!(square(0.999 * edge).meets(target));
         assert!(!square(1.001 * edge).meets(target));
-        assert_relative_eq!(square(edge).error(0.95).unwrap(), 0.01, max_relative = 1e-3);
+        assert_relative_eq!(square(edge).error_quantile(0.95).unwrap(), 0.01, max_relative = 1e-3);
         let both = [square(edge), square(edge)];
-        assert_relative_eq!(error_of(&both, 0.95).unwrap(), 0.01, max_relative = 1e-3);
+        assert_relative_eq!(error_quantile(&both, 0.95).unwrap(), 0.01, max_relative = 1e-3);
     }
 
     #[test]
@@ -290,13 +290,13 @@ mod tests {
         let with_noisy = |count: usize| {
             let mut pixels = vec![pixel(1.0, 0.0, 1 << 20); 1000];
             pixels[..count].fill(pixel(1.0, 1e-3, 1 << 20));
-            Square::new(&pixels)
+            TileNoise::new(&pixels)
         };
         // A third of a standard deviation of the noisy ones, and many of what the others share.
         let target = NoiseTarget { error: 3.3e-4, confidence: 0.95 };
         assert!(with_noisy(50).meets(target));
         assert!(!with_noisy(100).meets(target));
-        let off = with_noisy(50).outside(target.error) - 0.05 * 0.74;
+        let off = with_noisy(50).fraction_above(target.error) - 0.05 * 0.74;
         assert!(off.abs() < 1e-3, "{off}");
     }
 
@@ -304,8 +304,8 @@ mod tests {
     fn a_pixel_without_spread_has_that_of_its_square() {
         let mut pixels = vec![pixel(1.0, 0.1, 4); 255];
         pixels.push(pixel(1.0, 0.0, 4));
-        let widths = half_widths(&pixels, 0.95);
-        let shared = 0.1 * (SHARED * 255.0 / 256.0).sqrt();
+        let widths = confidence_half_widths(&pixels, 0.95);
+        let shared = 0.1 * (SHARED_VARIANCE_WEIGHT * 255.0 / 256.0).sqrt();
         assert_relative_eq!(widths[255][0], 1.959964 * shared, max_relative = 1e-5);
         // The others have 3 degrees of freedom and a little more.
         assert!((0.29..0.322).contains(&widths[0][0]), "{:?}", widths[0]);
@@ -316,16 +316,16 @@ mod tests {
         let mut pixels = vec![pixel(1.0, 0.0, 8); 100];
         pixels[0] = pixel(1e-6, 0.0, 8);
         assert_eq!(
-            Square::new(&pixels).values[0].brightness,
-            DARKEST * mean(&pixels.iter().collect::<Vec<_>>(), brightness)
+            TileNoise::new(&pixels).channels[0].brightness,
+            MIN_RELATIVE_BRIGHTNESS * mean(&pixels.iter().collect::<Vec<_>>(), brightness)
         );
         pixels[0] = pixel(f64::NAN, f64::NAN, 8);
         pixels[1] = pixel(1.0, f64::NAN, 1);
-        let square = Square::new(&pixels);
-        assert_eq!((square.values.len(), square.error(0.95)), (3 * 98, Some(0.0)));
-        assert_eq!(half_widths(&pixels, 0.95)[1], [f64::INFINITY; 3]);
-        assert_eq!(Square::new(&[]).error(0.95), None);
-        let black = Square::new(&[pixel(0.0, 0.0, 4); 4]);
+        let square = TileNoise::new(&pixels);
+        assert_eq!((square.channels.len(), square.error_quantile(0.95)), (3 * 98, Some(0.0)));
+        assert_eq!(confidence_half_widths(&pixels, 0.95)[1], [f64::INFINITY; 3]);
+        assert_eq!(TileNoise::new(&[]).error_quantile(0.95), None);
+        let black = TileNoise::new(&[pixel(0.0, 0.0, 4); 4]);
         assert!(black.meets(NoiseTarget { error: 1e-6, confidence: 0.99 }));
     }
 }

@@ -11,17 +11,17 @@ pub trait Observer {
     }
 
     /// Told about ten times a second how far the render is.
-    fn progress(&self, _progress: &Progress) {}
+    fn on_progress(&self, _progress: &RenderProgress) {}
 
     /// Told what the user should know at once, such as that a checkpoint cannot be written.
-    fn warning(&self, _text: &str) {}
+    fn on_warning(&self, _text: &str) {}
 }
 
 impl Observer for () {}
 
 /// How far a render is.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Progress {
+pub struct RenderProgress {
     /// Samples so far, those of earlier runs included.
     pub samples_done: u64,
     /// Samples of the whole render; the most where only an estimate is known.
@@ -31,7 +31,7 @@ pub struct Progress {
     /// The error of the picture so far, as a share of the brightness of its pixels.
     pub error: Option<f64>,
     /// Squares that meet the noise target, and all of them.
-    pub squares: Option<[usize; 2]>,
+    pub tiles_converged: Option<[usize; 2]>,
     /// The shortest and the longest time that it may still take; `None` before anything is known.
-    pub left: Option<Range<Duration>>,
+    pub time_left: Option<Range<Duration>>,
 }

@@ -6,25 +6,25 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
-use crate::film::{Film, Frame};
+use crate::film::{Film, FilmFrame};
 use crate::image_io::Picture;
-use crate::image_io::{Crop, Notes, Target};
-use crate::integrator::Tally;
-use crate::scene::Shot;
+use crate::image_io::{CropWindow, WriteOptions, ImageWriter};
+use crate::integrator::RenderStats;
+use crate::scene::PreparedScene;
 
-use super::adaptive::Standing;
+use super::adaptive::NoiseProgress;
 use super::metadata::Metadata;
 use super::noise::NoiseTarget;
 
 /// A finished render.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct RenderResult {
     /// The picture with its layers.
     pub picture: Picture,
     /// How it was made.
     pub metadata: Metadata,
     /// How the render ended.
-    pub end: End,
+    pub stop_reason: StopReason,
     /// How far the noise target is met, where there is one.
     pub noise: Option<NoiseStatus>,
     /// The error that 95 % of the values stay below, or the share that a noise target names, as a share
@@ -42,9 +42,9 @@ pub struct Outcome {
 
 /// What a render came to, before it is saved or shown.
 #[derive(Clone, Debug)]
-pub struct Reached {
+pub struct RunOutcome {
     /// How it ended.
-    pub end: End,
+    pub stop_reason: StopReason,
     /// How far the noise target is met, where there is one.
     pub noise: Option<NoiseStatus>,
     /// The error that a share of the values stay below.
@@ -53,13 +53,13 @@ pub struct Reached {
 
 /// How a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum StopReason {
     /// It has all that was asked for.
     Finished,
     /// Its time was up.
-    TimeUp,
+    TimeLimit,
     /// It has the most samples that there may be, and some squares are noisier than was asked for.
-    TooNoisy,
+    NoiseTargetMissed,
     /// It was stopped.
     Stopped,
     /// A thread that renders failed in an unexpected way, which is a fault of this library. The samples
@@ -81,26 +81,26 @@ pub struct NoiseStatus {
     pub worst: Option<f64>,
 }
 
-impl Outcome {
+impl RenderResult {
     /// Writes the picture with how it was made, whole; the file's extension chooses the format: `.png`
     /// for the screen, `.exr` with the layers, `.hdr` or `.pfm`.
     ///
     /// # Errors
     /// When it cannot be written; a file that was there before is then unchanged.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<()> {
-        let target = Target::new(path.as_ref())?;
+        let target = ImageWriter::new(path.as_ref())?;
         let mut metadata = self.metadata.clone();
         if !target.has_layers() {
             metadata.layers = None;
         }
         let crop = metadata.settings.image.crop;
-        let cropped_from = crop.map(|crop| Crop {
+        let cropped_from = crop.map(|crop| CropWindow {
             full_size: [metadata.settings.image.width, metadata.settings.image.height]
                 .map(|pixels| pixels as usize),
-            corner: [crop.x, crop.y].map(|pixels| pixels as usize),
+            offset: [crop.x, crop.y].map(|pixels| pixels as usize),
         });
         let records = metadata.to_records()?;
-        target.write_with(&self.picture, &Notes { cropped_from, records, ..Notes::default() })
+        target.write_with(&self.picture, &WriteOptions { crop_window: cropped_from, metadata: records, ..WriteOptions::default() })
     }
 }
 
@@ -111,9 +111,9 @@ impl NoiseStatus {
     }
 }
 
-impl From<&Standing> for NoiseStatus {
-    fn from(standing: &Standing) -> Self {
-        let Standing { target, squares, done, worst, .. } = *standing;
+impl From<&NoiseProgress> for NoiseStatus {
+    fn from(standing: &NoiseProgress) -> Self {
+        let NoiseProgress { target, tiles: squares, tiles_converged: done, worst_error: worst, .. } = *standing;
         Self { target, squares, done, worst: worst.is_finite().then_some(worst) }
     }
 }
@@ -122,21 +122,21 @@ impl From<&Standing> for NoiseStatus {
 impl fmt::Display for NoiseStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { target, squares, done, worst } = self;
-        let target = percent(target.error);
+        let target = format_percent(target.error);
         write!(
             f,
             "the noise target of {target} is not met in {} of {squares} squares; ",
             squares - done
         )?;
         match worst {
-            Some(worst) => write!(f, "the worst has an error of {}", percent(*worst)),
+            Some(worst) => write!(f, "the worst has an error of {}", format_percent(*worst)),
             None => f.write_str("their errors are not known yet"),
         }
     }
 }
 
 /// A share in three digits: `1.23 %`.
-pub(crate) fn percent(share: f64) -> String {
+pub(crate) fn format_percent(share: f64) -> String {
     let decimals = match 100.0 * share {
         x if x < 9.995 => 2,
         x if x < 99.95 => 1,
@@ -146,22 +146,22 @@ pub(crate) fn percent(share: f64) -> String {
 }
 
 /// Which part of the whole picture a film is, unless it is all of it.
-pub fn crop_of(frame: &Frame) -> Option<Crop> {
-    let Frame { full_size, window } = *frame;
-    (*frame != Frame::whole(full_size[0], full_size[1])).then(|| Crop {
+pub fn frame_crop(frame: &FilmFrame) -> Option<CropWindow> {
+    let FilmFrame { full_size, window } = *frame;
+    (*frame != FilmFrame::full(full_size[0], full_size[1])).then(|| CropWindow {
         full_size: full_size.map(|pixels| pixels as usize),
-        corner: [window.x, window.y].map(|pixels| pixels as usize),
+        offset: [window.x, window.y].map(|pixels| pixels as usize),
     })
 }
 
 /// What the user should know about a film of a shot.
-pub fn warnings(shot: &Shot, tally: &Tally, film: &Film) -> Vec<String> {
+pub fn render_warnings(shot: &PreparedScene, tally: &RenderStats, film: &Film) -> Vec<String> {
     let mut warnings = Vec::new();
-    if shot.render().clamp_indirect.is_some() {
-        let options = shot.render().biases().join(", ");
+    if shot.render_settings().clamp_indirect.is_some() {
+        let options = shot.render_settings().biases().join(", ");
         warnings.push(format!("the picture is biased by {options}"));
     }
-    if let Some((count, [x, y])) = film.left_out() {
+    if let Some((count, [x, y])) = film.non_finite_samples() {
         warnings.push(format!(
             "{count} samples were infinite or not a number and were left out, such as in column {x}, \
              row {y}: please report this"
@@ -171,8 +171,8 @@ pub fn warnings(shot: &Shot, tally: &Tally, film: &Film) -> Vec<String> {
         let count = tally.media_overflows;
         warnings.push(format!("{count} paths were inside more than 8 dielectric spheres at once"));
     }
-    if tally.cut_off > 0 {
-        let count = tally.cut_off;
+    if tally.truncated_paths > 0 {
+        let count = tally.truncated_paths;
         warnings.push(format!("{count} paths were cut off after 10000 edges, which loses light"));
     }
     warnings

@@ -7,74 +7,74 @@ use std::time::{Duration, Instant};
 
 use crate::accel::Accel;
 use crate::error::{Error, Result};
-use crate::film::{BLOCK, Film};
-use crate::image_io::WholeFile;
-use crate::integrator::Tally;
-use crate::scene::Shot;
-use crate::task::Cancel;
+use crate::film::{BLOCK_SIZE, Film};
+use crate::image_io::AtomicFile;
+use crate::integrator::RenderStats;
+use crate::scene::PreparedScene;
+use crate::task::CancelToken;
 
-use super::adaptive::{Standing, error_so_far, render_to};
-use super::checkpoint::{Delivery, Header, Statistics, Status, write_checkpoint};
-use super::metadata::{Metadata, RunRecord, embree_as_text};
-use super::observer::Progress;
-use super::outcome::{End, NoiseStatus, Reached};
-use super::pace::{self, Pace};
-use super::passes::{Counters, Passes};
-use super::samples::{Samples, Shares, TileCounts};
+use super::adaptive::{NoiseProgress, estimate_error, render_adaptive};
+use super::checkpoint::{OutputSpec, CheckpointHeader, CumulativeStats, RenderStatus, write_checkpoint};
+use super::metadata::{Metadata, RunRecord, embree_summary};
+use super::observer::RenderProgress;
+use super::outcome::{StopReason, NoiseStatus, RunOutcome};
+use super::eta::{self, Eta};
+use super::progressive::{Counters, ProgressiveRenderer};
+use super::samples::{SampleRange, MergedSamples, TileSampleCounts};
 use super::save_request::SaveRequest;
 use super::spec::Job;
 
 /// What the threads that render share with those that look on.
 pub(super) struct RenderState {
-    pub(super) shot: Shot,
+    pub(super) shot: PreparedScene,
     pub(super) accel: Box<dyn Accel>,
     pub(super) film: Film,
     pub(super) job: Job,
     /// The samples that every pixel is to have.
     pub(super) samples: Range<u32>,
     /// The request to stop the run that goes on, or else the next one.
-    pub(super) stop: Mutex<Cancel>,
+    pub(super) stop_token: Mutex<CancelToken>,
     /// A request from elsewhere, which ends every run.
-    pub(super) cancel: Cancel,
+    pub(super) cancel: CancelToken,
     pub(super) is_running: AtomicBool,
     pub(super) counters: Counters,
-    pub(super) standing: Mutex<Option<Standing>>,
-    pub(super) is_time_up: AtomicBool,
+    pub(super) noise_progress: Mutex<Option<NoiseProgress>>,
+    pub(super) is_timed_out: AtomicBool,
     /// Set where threads still render though they were asked to stop.
-    pub(super) is_left_behind: AtomicBool,
+    pub(super) is_abandoned: AtomicBool,
     pub(super) save_request: SaveRequest,
     /// What earlier runs took.
-    pub(super) before: Statistics,
-    pub(super) samples_before: u64,
-    pub(super) timing: Mutex<Timing>,
+    pub(super) previous: CumulativeStats,
+    pub(super) initial_samples: u64,
+    pub(super) clock: Mutex<RunClock>,
     pub(super) threads: usize,
     pub(super) metadata: Metadata,
-    pub(super) accel_words: String,
-    pub(super) delivery: Option<Delivery>,
+    pub(super) accel_summary: String,
+    pub(super) output: Option<OutputSpec>,
     /// What the command line adds to the records of a run.
     pub(super) command: Option<String>,
 }
 
 /// When the render ran.
 #[derive(Default)]
-pub(super) struct Timing {
+pub(super) struct RunClock {
     /// Of runs of this session that are over.
-    spent: Duration,
+    elapsed: Duration,
     running_since: Option<Instant>,
 }
 
 /// A run that goes on.
-pub(super) struct Running<'a>(&'a RenderState);
+pub(super) struct RunGuard<'a>(&'a RenderState);
 
-impl Drop for Running<'_> {
+impl Drop for RunGuard<'_> {
     fn drop(&mut self) {
         let state = self.0;
-        let mut timing = lock(&state.timing);
+        let mut timing = lock(&state.clock);
         if let Some(since) = timing.running_since.take() {
-            timing.spent += since.elapsed();
+            timing.elapsed += since.elapsed();
         }
         // Threads that were left behind still hold the old request.
-        *lock(&state.stop) = Cancel::default();
+        *lock(&state.stop_token) = CancelToken::default();
         state.is_running.store(false, Ordering::Release);
     }
 }
@@ -86,64 +86,64 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl RenderState {
     /// Renders until the job is done or cancelled. Returns whether it is done.
-    pub(super) fn reach(&self) -> Result<bool> {
-        let stop = self.stop_request();
-        let passes = Passes::new(&self.shot, &*self.accel, &self.film, &self.counters, &stop);
+    pub(super) fn render(&self) -> Result<bool> {
+        let stop = self.stop_token();
+        let passes = ProgressiveRenderer::new(&self.shot, &*self.accel, &self.film, &self.counters, &stop);
         match self.job.until.noise {
-            None => passes.advance(self.samples.end, &|_| true),
+            None => passes.render_to_sample(self.samples.end, &|_| true),
             Some(target) => {
-                let tell = |standing: &Standing| self.tell_standing(standing.clone());
-                render_to(&passes, target, self.samples.end, &tell).map(|(_, ended)| ended)
+                let tell = |standing: &NoiseProgress| self.set_noise_progress(standing.clone());
+                render_adaptive(&passes, target, self.samples.end, &tell).map(|(_, ended)| ended)
             }
         }
     }
 
     /// What it came to; `ended` where it is done and not only stopped.
-    pub(super) fn reached(&self, ended: bool) -> Reached {
-        let noise = self.standing().as_ref().map(NoiseStatus::from);
+    pub(super) fn outcome(&self, ended: bool) -> RunOutcome {
+        let noise = self.noise_progress().as_ref().map(NoiseStatus::from);
         let is_met = noise.is_none_or(|noise| noise.is_met());
-        let end = match (ended, self.is_time_up.load(Ordering::Relaxed)) {
-            (true, _) if is_met => End::Finished,
-            (true, _) => End::TooNoisy,
-            (false, true) => End::TimeUp,
-            (false, false) => End::Stopped,
+        let end = match (ended, self.is_timed_out.load(Ordering::Relaxed)) {
+            (true, _) if is_met => StopReason::Finished,
+            (true, _) => StopReason::NoiseTargetMissed,
+            (false, true) => StopReason::TimeLimit,
+            (false, false) => StopReason::Stopped,
         };
-        Reached { end, noise, error: self.error() }
+        RunOutcome { stop_reason: end, noise, error: self.estimate_error() }
     }
 
-    fn tell_standing(&self, standing: Standing) {
-        *lock(&self.standing) = Some(standing);
+    fn set_noise_progress(&self, standing: NoiseProgress) {
+        *lock(&self.noise_progress) = Some(standing);
     }
 
-    pub(super) fn standing(&self) -> Option<Standing> {
-        lock(&self.standing).clone()
+    pub(super) fn noise_progress(&self) -> Option<NoiseProgress> {
+        lock(&self.noise_progress).clone()
     }
 
     /// Begins a run, which ends when the value is dropped.
     ///
     /// # Errors
     /// When a run is going on: two would render the same samples twice.
-    pub(super) fn begin(&self) -> Result<Running<'_>> {
-        if self.is_left_behind.load(Ordering::Relaxed) {
+    pub(super) fn start_clock(&self) -> Result<RunGuard<'_>> {
+        if self.is_abandoned.load(Ordering::Relaxed) {
             let message = "threads of a run that was stopped are still rendering";
             return Err(Error::input(message).with_help("save a checkpoint, and resume that"));
         }
         if self.is_running.swap(true, Ordering::AcqRel) {
             return Err(Error::input("this session is running already"));
         }
-        self.is_time_up.store(false, Ordering::Relaxed);
-        lock(&self.timing).running_since = Some(Instant::now());
-        Ok(Running(self))
+        self.is_timed_out.store(false, Ordering::Relaxed);
+        lock(&self.clock).running_since = Some(Instant::now());
+        Ok(RunGuard(self))
     }
 
     /// The request to stop the current run.
-    pub(super) fn stop_request(&self) -> Cancel {
-        lock(&self.stop).clone()
+    pub(super) fn stop_token(&self) -> CancelToken {
+        lock(&self.stop_token).clone()
     }
 
     /// Whether the run is to stop; a request from elsewhere becomes one of this run.
-    pub(super) fn is_asked_to_stop(&self) -> bool {
-        let stop = self.stop_request();
+    pub(super) fn should_stop(&self) -> bool {
+        let stop = self.stop_token();
         if self.cancel.is_cancelled() {
             stop.cancel();
         }
@@ -152,44 +152,44 @@ impl RenderState {
 
     /// Time in this session.
     pub(super) fn elapsed(&self) -> Duration {
-        let timing = lock(&self.timing);
-        timing.spent + timing.running_since.map_or(Duration::ZERO, |since| since.elapsed())
+        let timing = lock(&self.clock);
+        timing.elapsed + timing.running_since.map_or(Duration::ZERO, |since| since.elapsed())
     }
 
     /// Seconds of rendering in all sessions.
-    pub(super) fn seconds(&self) -> f64 {
-        self.before.seconds + self.elapsed().as_secs_f64()
+    pub(super) fn total_seconds(&self) -> f64 {
+        self.previous.seconds + self.elapsed().as_secs_f64()
     }
 
     /// Seconds of rendering before this session.
-    pub(super) fn seconds_before(&self) -> f64 {
-        self.before.seconds
+    pub(super) fn previous_seconds(&self) -> f64 {
+        self.previous.seconds
     }
 
     /// What happened in this session and those before.
-    pub(super) fn tally(&self) -> Tally {
-        let Statistics { rays, media_overflows, cut_off, .. } = self.before;
-        self.counters.tally() + Tally { rays, media_overflows, cut_off }
+    pub(super) fn stats(&self) -> RenderStats {
+        let CumulativeStats { rays, media_overflows, cut_off, .. } = self.previous;
+        self.counters.stats() + RenderStats { rays, media_overflows, truncated_paths: cut_off }
     }
 
-    pub(super) fn error(&self) -> Option<f64> {
-        error_so_far(&self.film, self.job.until.confidence())
+    pub(super) fn estimate_error(&self) -> Option<f64> {
+        estimate_error(&self.film, self.job.until.confidence())
     }
 
     /// How the picture of a film of this render was made.
     pub(super) fn metadata(&self, film: &Film) -> Metadata {
-        let samples = Samples::of(film, self.samples.start);
+        let samples = SampleRange::from_film(film, self.samples.start);
         // Parts that cut tiles may have been resumed: then nothing short tells how many each has.
-        let counts = TileCounts::of(film).unwrap_or_default();
+        let counts = TileSampleCounts::from_film(film).unwrap_or_default();
         let source = self.shot.scene().source();
         let run = RunRecord {
-            rays: self.tally().rays,
-            seconds: (self.seconds() * 1e3).round() / 1e3,
+            rays: self.stats().rays,
+            seconds: (self.total_seconds() * 1e3).round() / 1e3,
             threads: self.threads,
             noise: self.job.until.noise,
-            error: self.error(),
-            intersector_choice: self.accel_words.clone(),
-            embree: embree_as_text(),
+            error: self.estimate_error(),
+            intersector_choice: self.accel_summary.clone(),
+            embree: embree_summary(),
             command: self.command.clone(),
             scene_file: source
                 .and_then(|source| source.file.as_ref())
@@ -197,21 +197,21 @@ impl RenderState {
             scene_text: source.and_then(|source| source.text.clone()),
         };
         let metadata = Metadata { run: Some(run), ..self.metadata.clone() };
-        metadata.with_samples(samples, counts, Shares::default())
+        metadata.with_samples(samples, counts, MergedSamples::default())
     }
 
     pub(super) fn write_checkpoint(
         &self,
-        file: &WholeFile,
-        reached: Option<&Reached>,
+        file: &AtomicFile,
+        reached: Option<&RunOutcome>,
     ) -> Result<()> {
         let mut metadata = self.metadata(&self.film);
         metadata.layers = Some(self.job.layers.clone());
-        let is_ended = |reached: &&Reached| !matches!(reached.end, End::Stopped | End::Failed);
-        let status = reached.filter(is_ended).map_or(Status::Unfinished, |reached| Status::Ended {
+        let is_ended = |reached: &&RunOutcome| !matches!(reached.stop_reason, StopReason::Stopped | StopReason::Failed);
+        let status = reached.filter(is_ended).map_or(RenderStatus::Unfinished, |reached| RenderStatus::Ended {
             missed: reached.noise.filter(|noise| !noise.is_met()).into_iter().collect(),
         });
-        let Tally { rays, media_overflows, cut_off } = self.tally();
+        let RenderStats { rays, media_overflows, truncated_paths: cut_off } = self.stats();
         let scene = self.shot.scene();
         let source = scene.source().map(|source| {
             let mut source = source.clone();
@@ -219,73 +219,73 @@ impl RenderState {
             source.file = source.file.map(|file| std::path::absolute(&file).unwrap_or(file));
             source
         });
-        let header = Header {
+        let header = CheckpointHeader {
             film: self.film.format(),
             samples: self.samples.clone(),
             job: self.job.clone(),
             metadata,
             status,
-            statistics: Statistics { rays, seconds: self.seconds(), media_overflows, cut_off },
+            statistics: CumulativeStats { rays, seconds: self.total_seconds(), media_overflows, cut_off },
             transparent: scene.description().background.transparent,
             source,
-            delivery: self.delivery.clone(),
+            delivery: self.output.clone(),
         };
         write_checkpoint(file, &self.film, &header)
     }
 
     /// What is left of the time of the job, counted over all its runs; `None` where there is no limit.
     pub(super) fn time_left(&self) -> Option<Duration> {
-        let spent = Duration::try_from_secs_f64(self.seconds_before()).unwrap_or_default();
+        let spent = Duration::try_from_secs_f64(self.previous_seconds()).unwrap_or_default();
         Some(self.job.until.time?.saturating_sub(spent).saturating_sub(self.elapsed()))
     }
 
     /// Samples that there must be before the time ends the render: one block of every pixel.
-    pub(super) fn samples_at_least(&self) -> u64 {
-        let block = BLOCK.min(self.samples.len() as u32);
-        self.film.frame().pixels() as u64 * u64::from(block)
+    pub(super) fn min_samples(&self) -> u64 {
+        let block = BLOCK_SIZE.min(self.samples.len() as u32);
+        self.film.frame().pixel_count() as u64 * u64::from(block)
     }
 
     /// Stops the render, if its time is up and it has one block of every pixel. Who stopped it before is
     /// who stopped it.
-    pub(super) fn mind_time(&self) {
-        if self.is_asked_to_stop() {
+    pub(super) fn check_time_limit(&self) {
+        if self.should_stop() {
             return;
         }
         let is_up = self.time_left().is_some_and(|left| left.is_zero());
-        if is_up && self.counters.samples_done() >= self.samples_at_least() {
-            self.is_time_up.store(true, Ordering::Relaxed);
-            self.stop_request().cancel();
+        if is_up && self.counters.samples_done() >= self.min_samples() {
+            self.is_timed_out.store(true, Ordering::Relaxed);
+            self.stop_token().cancel();
         }
     }
 
     /// How far it is; `error` is the last estimate of the error.
-    pub(super) fn progress(&self, error: Option<f64>) -> Progress {
-        let done = self.counters.samples_done().max(self.samples_before);
-        let standing = self.standing();
+    pub(super) fn progress(&self, error: Option<f64>) -> RenderProgress {
+        let done = self.counters.samples_done().max(self.initial_samples);
+        let standing = self.noise_progress();
         let mut total = match &standing {
-            Some(standing) => standing.samples.clone(),
+            Some(standing) => standing.expected_samples.clone(),
             None => {
                 let total = self.counters.samples_total();
                 total..total
             }
         };
-        let (elapsed, samples) = (self.elapsed(), done - self.samples_before);
+        let (elapsed, samples) = (self.elapsed(), done - self.initial_samples);
         let rest = self.time_left();
         if let Some(rest) = rest {
-            let in_time = done + pace::samples_in(rest, samples, elapsed);
-            total = pace::total_in_time(&total, in_time, self.samples_at_least());
+            let in_time = done + eta::expected_samples(rest, samples, elapsed);
+            total = eta::total_at_deadline(&total, in_time, self.min_samples());
         }
         let left = total.start.saturating_sub(done)..total.end.saturating_sub(done);
-        let estimate = Pace { elapsed, samples, left };
+        let estimate = Eta { elapsed, samples, samples_left: left };
         // Before the first decisions nobody knows.
-        let is_known = standing.as_ref().is_none_or(|standing| standing.worst.is_finite());
-        Progress {
+        let is_known = standing.as_ref().is_none_or(|standing| standing.worst_error.is_finite());
+        RenderProgress {
             samples_done: done,
             samples_total: total.end,
             rate: estimate.rate(),
             error,
-            squares: standing.map(|standing| [standing.done, standing.squares]),
-            left: estimate.time_left().filter(|_| is_known || rest.is_some()),
+            tiles_converged: standing.map(|standing| [standing.tiles_converged, standing.tiles]),
+            time_left: estimate.time_left().filter(|_| is_known || rest.is_some()),
         }
     }
 }

@@ -5,41 +5,41 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
-use crate::task::hands;
+use crate::task::parallel;
 
 /// How long files are tried again whose content would be lost.
-const PATIENCE: Duration = Duration::from_secs(60);
+const RETRY_TIMEOUT: Duration = Duration::from_secs(60);
 /// Between two tries.
-const PAUSE: Duration = Duration::from_secs(1);
+const RETRY_INTERVAL: Duration = Duration::from_secs(1);
 /// Between two looks at whether somebody waits for the end.
-const TICK: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Writes a file in its own place, or in another.
-pub type Write<'a> = dyn Fn(Option<&Path>) -> Result<()> + Send + Sync + 'a;
+pub type WriteFn<'a> = dyn Fn(Option<&Path>) -> Result<()> + Send + Sync + 'a;
 
 /// A file that is to be written.
-pub struct Errand<'a> {
+pub struct SaveTask<'a> {
     /// Its place.
     pub path: PathBuf,
     /// Whether its content is nowhere else.
-    pub is_vital: bool,
+    pub is_only_copy: bool,
     /// What to do about it where nothing is lost.
     pub help: String,
     /// How.
-    pub write: Box<Write<'a>>,
+    pub write: Box<WriteFn<'a>>,
 }
 
 /// How to save.
-pub struct Manner<'a> {
+pub struct RetryPolicy<'a> {
     /// Whether somebody waits for the end.
-    pub in_haste: &'a (dyn Fn() -> bool + Sync),
+    pub skip_retries: &'a (dyn Fn() -> bool + Sync),
     /// Says a warning.
     pub warn: &'a (dyn Fn(String) + Sync),
 }
 
 /// An errand that failed, and why.
-struct Failed<'a> {
-    errand: &'a Errand<'a>,
+struct FailedTask<'a> {
+    task: &'a SaveTask<'a>,
     error: Error,
 }
 
@@ -47,17 +47,17 @@ struct Failed<'a> {
 ///
 /// # Errors
 /// When something could not be written in its place, with where it is and what was written.
-pub fn all(first: &[Errand<'_>], others: &[Errand<'_>], manner: &Manner<'_>) -> Result<()> {
-    let (mut failed, more) = hands::join(|| attempt(first), || attempt(others));
+pub fn save_all(first: &[SaveTask<'_>], others: &[SaveTask<'_>], policy: &RetryPolicy<'_>) -> Result<()> {
+    let (mut failed, more) = parallel::join(|| run_tasks(first), || run_tasks(others));
     failed.extend(more);
-    insist(&mut failed, manner);
+    retry(&mut failed, policy);
     if failed.is_empty() {
         return Ok(());
     }
-    let is_written = |errand: &&Errand<'_>| failed.iter().all(|one| one.errand.path != errand.path);
+    let is_written = |errand: &&SaveTask<'_>| failed.iter().all(|one| one.task.path != errand.path);
     let written: Vec<String> =
         first.iter().chain(others).filter(is_written).map(|errand| quoted(&errand.path)).collect();
-    let mut help: Vec<String> = failed.iter().map(Failed::way_out).collect();
+    let mut help: Vec<String> = failed.iter().map(FailedTask::rescue).collect();
     help.dedup();
     if !written.is_empty() {
         help.push(format!("written: {}", written.join(", ")));
@@ -65,38 +65,38 @@ pub fn all(first: &[Errand<'_>], others: &[Errand<'_>], manner: &Manner<'_>) -> 
     Err(failed.swap_remove(0).error.with_help(help.join("; ")))
 }
 
-fn attempt<'a>(errands: &'a [Errand<'a>]) -> Vec<Failed<'a>> {
+fn run_tasks<'a>(errands: &'a [SaveTask<'a>]) -> Vec<FailedTask<'a>> {
     let failed =
-        |errand: &'a Errand<'a>| (errand.write)(None).err().map(|error| Failed { errand, error });
+        |errand: &'a SaveTask<'a>| (errand.write)(None).err().map(|error| FailedTask { task: errand, error });
     errands.iter().filter_map(failed).collect()
 }
 
 /// Tries again while something would be lost, unless somebody waits.
-fn insist(failed: &mut Vec<Failed<'_>>, manner: &Manner<'_>) {
-    let is_lost = |failed: &[Failed<'_>]| failed.iter().any(|one| one.errand.is_vital);
-    if !is_lost(failed) || (manner.in_haste)() {
+fn retry(failed: &mut Vec<FailedTask<'_>>, policy: &RetryPolicy<'_>) {
+    let is_lost = |failed: &[FailedTask<'_>]| failed.iter().any(|one| one.task.is_only_copy);
+    if !is_lost(failed) || (policy.skip_retries)() {
         return;
     }
     for one in failed.iter() {
-        let (error, patience) = (&one.error, PATIENCE.as_secs());
-        (manner.warn)(format!("{error}; it is tried again for {patience} s"));
+        let (error, patience) = (&one.error, RETRY_TIMEOUT.as_secs());
+        (policy.warn)(format!("{error}; it is tried again for {patience} s"));
     }
-    let (until, mut next) = (Instant::now() + PATIENCE, Instant::now() + PAUSE);
-    while is_lost(failed) && Instant::now() < until && !(manner.in_haste)() {
-        std::thread::sleep(TICK);
+    let (until, mut next) = (Instant::now() + RETRY_TIMEOUT, Instant::now() + RETRY_INTERVAL);
+    while is_lost(failed) && Instant::now() < until && !(policy.skip_retries)() {
+        std::thread::sleep(POLL_INTERVAL);
         if Instant::now() < next {
             continue;
         }
-        failed.retain_mut(|one| one.fails_again(manner));
-        next = Instant::now() + PAUSE;
+        failed.retain_mut(|one| one.still_fails(policy));
+        next = Instant::now() + RETRY_INTERVAL;
     }
 }
 
-impl Failed<'_> {
-    fn fails_again(&mut self, manner: &Manner<'_>) -> bool {
-        match (self.errand.write)(None) {
+impl FailedTask<'_> {
+    fn still_fails(&mut self, manner: &RetryPolicy<'_>) -> bool {
+        match (self.task.write)(None) {
             Ok(()) => {
-                (manner.warn)(format!("can write {} again", quoted(&self.errand.path)));
+                (manner.warn)(format!("can write {} again", quoted(&self.task.path)));
                 false
             }
             Err(error) => {
@@ -107,12 +107,12 @@ impl Failed<'_> {
     }
 
     /// What to do about it; what would be lost is written elsewhere.
-    fn way_out(&self) -> String {
-        let Errand { path, is_vital, help, write } = self.errand;
+    fn rescue(&self) -> String {
+        let SaveTask { path, is_only_copy: is_vital, help, write } = self.task;
         if !is_vital {
             return help.clone();
         }
-        let places = places_beside(path);
+        let places = rescue_paths(path);
         match places.iter().find(|place| write(Some(place)).is_ok()) {
             Some(place) => format!("it is in {} instead", quoted(place)),
             None => {
@@ -125,7 +125,7 @@ impl Failed<'_> {
 
 /// Where a file may go that cannot go where it belongs: into the folder of the command, or into the
 /// system's for temporary files. No other file has such a name.
-fn places_beside(path: &Path) -> Vec<PathBuf> {
+fn rescue_paths(path: &Path) -> Vec<PathBuf> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = format!("rescued-{}-{name}", std::process::id());
     let folders = [std::env::current_dir().ok(), Some(std::env::temp_dir())];
@@ -146,9 +146,9 @@ mod tests {
         name: &str,
         is_vital: bool,
         write: impl Fn(Option<&Path>) -> Result<()> + Send + Sync + 'a,
-    ) -> Errand<'a> {
+    ) -> SaveTask<'a> {
         let help = "write it again".to_owned();
-        Errand { path: PathBuf::from(name), is_vital, help, write: Box::new(write) }
+        SaveTask { path: PathBuf::from(name), is_only_copy: is_vital, help, write: Box::new(write) }
     }
 
     fn full<T>() -> Result<T> {
@@ -162,8 +162,8 @@ mod tests {
             0..2 => full(),
             _ => Ok(()),
         };
-        let manner = Manner { in_haste: &|| false, warn: &|text| told.lock().unwrap().push(text) };
-        all(&[errand("a.part", true, write)], &[], &manner).unwrap();
+        let manner = RetryPolicy { skip_retries: &|| false, warn: &|text| told.lock().unwrap().push(text) };
+        save_all(&[errand("a.part", true, write)], &[], &manner).unwrap();
         let expected = [
             "cannot write `a.part`: no space left; it is tried again for 60 s",
             "can write `a.part` again",
@@ -173,17 +173,17 @@ mod tests {
 
     #[test]
     fn in_haste_it_is_written_elsewhere_and_the_error_says_where() {
-        let manner = Manner { in_haste: &|| true, warn: &|text| panic!("{text}") };
+        let manner = RetryPolicy { skip_retries: &|| true, warn: &|text| panic!("{text}") };
         let elsewhere = |place: Option<&Path>| if place.is_some() { Ok(()) } else { full() };
         let part = [errand("kept/a.part", true, elsewhere)];
         let others = [errand("a.png", false, |_| Ok(())), errand("a.exr", false, |_| full())];
-        let error = all(&part, &others, &manner).unwrap_err();
+        let error = save_all(&part, &others, &manner).unwrap_err();
         let help = error.help().unwrap();
         let name = format!("rescued-{}-a.part", std::process::id());
         assert!(help.starts_with("it is in `") && help.contains(&name), "{help}");
         assert!(help.ends_with("` instead; write it again; written: `a.png`"), "{help}");
 
-        let error = all(&[errand("a.part", true, |_| full())], &[], &manner).unwrap_err();
+        let error = save_all(&[errand("a.part", true, |_| full())], &[], &manner).unwrap_err();
         assert!(error.help().unwrap().starts_with("it is lost: "), "{error:?}");
     }
 }

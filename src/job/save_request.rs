@@ -9,7 +9,7 @@ pub struct SaveRequest(Arc<AtomicBool>);
 
 impl SaveRequest {
     /// Asks the render that holds this to write its checkpoint soon.
-    pub fn ask(&self) {
+    pub fn request(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 

@@ -9,24 +9,24 @@ use std::time::{Duration, Instant};
 use rayon::ThreadPool;
 
 use crate::accel::{Accel, Backend, BuildOptions};
-use crate::error::{Error, Result, Setting};
-use crate::film::{Film, Format};
-use crate::image_io::{Picture, WholeFile};
-use crate::scene::{Scene, Shot};
-use crate::task::Cancel;
+use crate::error::{Error, Result, Suggestion};
+use crate::film::{Film, FilmFormat};
+use crate::image_io::{Picture, AtomicFile};
+use crate::scene::{Scene, PreparedScene};
+use crate::task::CancelToken;
 
-use super::aovs::picture;
-use super::checkpoint::{Checkpoint, Delivery, Statistics};
-use super::film_format::format_of;
+use super::aovs::develop;
+use super::checkpoint::{Checkpoint, OutputSpec, CumulativeStats};
+use super::film_format::format_for_scene;
 use super::metadata::Metadata;
 use super::monitor::{self, Autosave};
-use super::observer::{Observer, Progress};
-use super::outcome::{Outcome, Reached, warnings};
-use super::passes::Counters;
+use super::observer::{Observer, RenderProgress};
+use super::outcome::{RenderResult, RunOutcome, render_warnings};
+use super::progressive::Counters;
 use super::render_state::RenderState;
 use super::save_request::SaveRequest;
 use super::spec::Job;
-use super::start;
+use super::resume;
 
 /// A render that owns all it needs.
 pub struct Session {
@@ -39,15 +39,15 @@ pub struct Session {
 
 /// What a session is opened with, beside scene and job.
 #[derive(Clone, Debug, Default)]
-pub struct Opening {
+pub struct SessionOptions {
     /// Set from elsewhere to stop the build and the render.
-    pub cancel: Cancel,
+    pub cancel: CancelToken,
     /// Set from elsewhere to have the checkpoint written at once, while the render goes on.
     pub save_request: SaveRequest,
     /// Told how far the build is.
-    pub build_progress: crate::task::Progress,
+    pub build_progress: crate::task::ProgressCallback,
     /// Where the picture goes, for checkpoints to tell.
-    pub delivery: Option<Delivery>,
+    pub output: Option<OutputSpec>,
     /// The command, quoted for a shell, for files to tell.
     pub command: Option<String>,
 }
@@ -57,8 +57,8 @@ impl Session {
     ///
     /// # Errors
     /// When the job makes no sense, there is no memory for the film, or the intersector cannot be built.
-    pub fn new(scene: &Scene, job: Job, opening: Opening) -> Result<Self> {
-        Self::open(scene, job, None, opening)
+    pub fn new(scene: &Scene, job: Job, opening: SessionOptions) -> Result<Self> {
+        Self::create(scene, job, None, opening)
     }
 
     /// Opens a render where a checkpoint ends. The job may ask for more samples, or for less noise.
@@ -69,29 +69,29 @@ impl Session {
         scene: &Scene,
         job: Job,
         checkpoint: Checkpoint,
-        opening: Opening,
+        opening: SessionOptions,
     ) -> Result<Self> {
-        Self::open(scene, job, Some(checkpoint), opening)
+        Self::create(scene, job, Some(checkpoint), opening)
     }
 
-    fn open(
+    fn create(
         scene: &Scene,
         job: Job,
         checkpoint: Option<Checkpoint>,
-        opening: Opening,
+        opening: SessionOptions,
     ) -> Result<Self> {
-        job.check()?;
+        job.validate()?;
         let job = job.without_repeated_layers();
-        let Opening { cancel, save_request, build_progress, delivery, command } = opening;
-        let pool = pool_of(job.threads)?;
-        let shot = pool.install(|| Shot::new(scene, job.settings))?;
+        let SessionOptions { cancel, save_request, build_progress, output: delivery, command } = opening;
+        let pool = thread_pool(job.threads)?;
+        let shot = pool.install(|| PreparedScene::new(scene, job.settings))?;
         let samples = job.sample_range()?;
-        let chosen = job.accel.choose(scene.spheres());
-        let metadata = Metadata::of(&shot, chosen.backend);
-        let format = Format { first_sample: samples.start, ..format_of(&shot, &job.layers) };
+        let chosen = job.accel.select(scene.spheres());
+        let metadata = Metadata::new(&shot, chosen.backend);
+        let format = FilmFormat { first_sample: samples.start, ..format_for_scene(&shot, &job.layers) };
         let (film, before) = match checkpoint {
-            None => (Film::new(&format)?, Statistics::default()),
-            Some(checkpoint) => start::of(checkpoint, &metadata, &format, &samples, &job)?,
+            None => (Film::new(&format)?, CumulativeStats::default()),
+            Some(checkpoint) => resume::load_film(checkpoint, &metadata, &format, &samples, &job)?,
         };
         let build = BuildOptions {
             threads: pool.current_num_threads(),
@@ -103,37 +103,37 @@ impl Session {
         let began = Instant::now();
         let accel = pool.install(|| chosen.backend.build(scene.spheres(), &build))?;
         let build_seconds = began.elapsed().as_secs_f64();
-        let accel_words = words_of_accel(chosen.backend, &chosen.reason, &*accel);
-        let total = film.frame().pixels() as u64 * samples.len() as u64;
+        let accel_words = describe_accel(chosen.backend, &chosen.reason, &*accel);
+        let total = film.frame().pixel_count() as u64 * samples.len() as u64;
         let state = RenderState {
-            counters: Counters::of(&film, total),
-            samples_before: film.samples(),
+            counters: Counters::new(&film, total),
+            initial_samples: film.sample_count(),
             shot,
             accel,
             film,
             job,
             samples,
-            stop: Default::default(),
+            stop_token: Default::default(),
             cancel,
             is_running: AtomicBool::new(false),
             save_request,
-            standing: Default::default(),
-            is_time_up: AtomicBool::new(false),
-            is_left_behind: AtomicBool::new(false),
+            noise_progress: Default::default(),
+            is_timed_out: AtomicBool::new(false),
+            is_abandoned: AtomicBool::new(false),
             threads: pool.current_num_threads(),
-            before,
-            timing: Default::default(),
+            previous: before,
+            clock: Default::default(),
             metadata,
-            accel_words,
-            delivery,
+            accel_summary: accel_words,
+            output: delivery,
             command,
         };
         Ok(Self { state: Arc::new(state), pool, autosave: None, build_seconds })
     }
 
     /// Saves the samples so far to this file, again and again while it runs, by a thread of its own.
-    pub fn autosave(&mut self, file: WholeFile, every: Duration) {
-        self.autosave = Some(Autosave { file, every });
+    pub fn autosave(&mut self, file: AtomicFile, every: Duration) {
+        self.autosave = Some(Autosave { file, interval: every });
     }
 
     /// Renders until the job is done, stopped or cancelled; `observer` is told on this thread. Called
@@ -144,15 +144,15 @@ impl Session {
     ///
     /// # Errors
     /// When the session is running already, or a pixel is too bright for the film.
-    pub fn run(&self, observer: &dyn Observer) -> Result<Reached> {
-        let _running = self.state.begin()?;
+    pub fn run(&self, observer: &dyn Observer) -> Result<RunOutcome> {
+        let _running = self.state.start_clock()?;
         monitor::run(&self.state, &self.pool, self.autosave.as_ref(), observer)
     }
 
     /// Asks the run that goes on to stop, or else the next one. Every pixel then has a whole number of
     /// blocks of samples, and the next run goes on from there.
     pub fn stop(&self) {
-        self.state.stop_request().cancel();
+        self.state.stop_token().cancel();
     }
 
     /// Asks for more samples, or for less noise, or for more time, after a run.
@@ -160,28 +160,28 @@ impl Session {
     /// # Errors
     /// When the job is of another render than this one, or asks for less than there is.
     pub fn extend(&mut self, job: Job) -> Result<()> {
-        job.check()?;
+        job.validate()?;
         let Some(state) = Arc::get_mut(&mut self.state) else {
             let message = "threads of a run that was stopped are still rendering";
             return Err(Error::input(message).with_help("save a checkpoint, and resume that"));
         };
         let refused = |what: String| Error::input(format!("cannot extend the render: {what}"));
         let samples = job.sample_range()?;
-        let shot = self.pool.install(|| Shot::new(state.shot.scene(), job.settings))?;
-        let metadata = Metadata::of(&shot, state.metadata.intersector.backend);
-        let format = Format { first_sample: samples.start, ..format_of(&shot, &job.layers) };
+        let shot = self.pool.install(|| PreparedScene::new(state.shot.scene(), job.settings))?;
+        let metadata = Metadata::new(&shot, state.metadata.intersector.backend);
+        let format = FilmFormat { first_sample: samples.start, ..format_for_scene(&shot, &job.layers) };
         let then = state.film.format();
-        start::check_same((&state.metadata, &then), (&metadata, &format)).map_err(refused)?;
-        start::check_goes_on(&state.film, state.job.until.noise, &samples, &job)
+        resume::check_matches((&state.metadata, &then), (&metadata, &format)).map_err(refused)?;
+        resume::check_can_continue(&state.film, state.job.until.noise, &samples, &job)
             .map_err(refused)?;
-        state.counters.expect_samples(state.film.frame().pixels() as u64 * samples.len() as u64);
+        state.counters.set_samples_total(state.film.frame().pixel_count() as u64 * samples.len() as u64);
         (state.shot, state.metadata, state.samples, state.job) = (shot, metadata, samples, job);
         Ok(())
     }
 
     /// Whether the time of the job is up.
-    pub fn is_time_up(&self) -> bool {
-        self.state.is_time_up.load(Ordering::Relaxed)
+    pub fn timed_out(&self) -> bool {
+        self.state.is_timed_out.load(Ordering::Relaxed)
     }
 
     /// The render.
@@ -190,7 +190,7 @@ impl Session {
     }
 
     /// The scene as the job has it.
-    pub fn shot(&self) -> &Shot {
+    pub fn shot(&self) -> &PreparedScene {
         &self.state.shot
     }
 
@@ -210,8 +210,8 @@ impl Session {
     }
 
     /// The intersector, why it, and how it was built, in words.
-    pub fn accel_as_text(&self) -> &str {
-        &self.state.accel_words
+    pub fn accel_summary(&self) -> &str {
+        &self.state.accel_summary
     }
 
     /// Seconds that the intersector's build took.
@@ -225,14 +225,14 @@ impl Session {
     }
 
     /// How far it is, without an estimate of the error.
-    pub fn progress(&self) -> Progress {
+    pub fn progress(&self) -> RenderProgress {
         self.state.progress(None)
     }
 
     /// The error that a share of the values stay below, estimated from some pixels in a few
     /// milliseconds; `None` before anything is known.
-    pub fn error(&self) -> Option<f64> {
-        self.state.error()
+    pub fn estimate_error(&self) -> Option<f64> {
+        self.state.estimate_error()
     }
 
     /// The picture of the samples so far with all of its layers, and how it was made. While it runs, both
@@ -240,7 +240,7 @@ impl Session {
     pub fn snapshot(&self) -> (Picture, Metadata) {
         let RenderState { shot, accel, film, job, .. } = &*self.state;
         let of =
-            |film: &Film| (picture(shot, &**accel, film, &job.layers), self.state.metadata(film));
+            |film: &Film| (develop(shot, &**accel, film, &job.layers), self.state.metadata(film));
         match self.state.is_running.load(Ordering::Acquire) {
             true => of(&film.snapshot()),
             false => of(film),
@@ -268,43 +268,43 @@ impl Session {
     /// Samples and rays of this session alone, and what the user should know about the picture.
     pub fn statistics(&self) -> (u64, u64, Vec<String>) {
         let state = &*self.state;
-        let samples = state.counters.samples_done() - state.samples_before;
-        let warnings = warnings(&state.shot, &state.tally(), &state.film);
-        (samples, state.counters.tally().rays, warnings)
+        let samples = state.counters.samples_done() - state.initial_samples;
+        let warnings = render_warnings(&state.shot, &state.stats(), &state.film);
+        (samples, state.counters.stats().rays, warnings)
     }
 
     /// Writes the sums; `reached` is what they came to, where the render does not go on.
     ///
     /// # Errors
     /// When the disk refuses; a file that was there before is then unchanged.
-    pub fn write_checkpoint(&self, file: &WholeFile, reached: Option<&Reached>) -> Result<()> {
+    pub fn write_checkpoint(&self, file: &AtomicFile, reached: Option<&RunOutcome>) -> Result<()> {
         self.state.write_checkpoint(file, reached)
     }
 
     /// All that there is to know of what the render came to.
-    pub fn outcome(&self, reached: Reached) -> Outcome {
-        let Reached { end, noise, error } = reached;
+    pub fn result(&self, reached: RunOutcome) -> RenderResult {
+        let RunOutcome { stop_reason: end, noise, error } = reached;
         let (_, _, mut warnings) = self.statistics();
         warnings.extend(noise.filter(|noise| !noise.is_met()).map(|noise| noise.to_string()));
-        Outcome {
-            picture: self.on_free_threads(|| self.picture()),
+        RenderResult {
+            picture: self.install(|| self.picture()),
             metadata: Metadata { layers: Some(self.state.job.layers.clone()), ..self.metadata() },
-            end,
+            stop_reason: end,
             noise,
             error,
-            samples: self.state.film.samples(),
-            rays: self.state.tally().rays,
-            seconds: self.state.seconds(),
+            samples: self.state.film.sample_count(),
+            rays: self.state.stats().rays,
+            seconds: self.state.total_seconds(),
             warnings,
         }
     }
 
     /// Does something with the help of all threads, also where those that render are stuck.
-    pub fn on_free_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        if !self.state.is_left_behind.load(Ordering::Relaxed) {
+    pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        if !self.state.is_abandoned.load(Ordering::Relaxed) {
             return self.pool.install(work);
         }
-        match pool_of(self.state.job.threads) {
+        match thread_pool(self.state.job.threads) {
             Ok(pool) => pool.install(work),
             // Without threads to be had, this one does it alone.
             Err(_) => work(),
@@ -313,27 +313,27 @@ impl Session {
 }
 
 /// As in "native (fastest on processors with AVX2; ...)".
-fn words_of_accel(backend: Backend, reason: &str, accel: &dyn Accel) -> String {
+fn describe_accel(backend: Backend, reason: &str, accel: &dyn Accel) -> String {
     let details = accel.details();
     let separator = if details.is_empty() { "" } else { "; " };
     format!("{} ({reason}{separator}{details})", backend.name())
 }
 
-fn pool_of(threads: usize) -> Result<ThreadPool> {
+fn thread_pool(threads: usize) -> Result<ThreadPool> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map_err(|e| {
         Error::input(format!("cannot start the threads: {e}"))
             .with_help("ask for fewer threads")
-            .with_setting(Setting::Threads, "")
+            .with_suggestion(Suggestion::Threads, "")
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::Precision;
+    use crate::accel::ErrorBound;
     use crate::math::{Hit, Ray};
-    use crate::scene::Builder;
+    use crate::scene::SceneBuilder;
     use std::sync::atomic::AtomicUsize;
 
     /// An intersector without spheres that fails once it has answered a few times.
@@ -349,8 +349,8 @@ mod tests {
             blocked.fill(false);
         }
 
-        fn precision(&self) -> Precision {
-            Precision { particles: 0.0, giants: 0.0, rounds_origin: false }
+        fn error_bound(&self) -> ErrorBound {
+            ErrorBound { particles: 0.0, giants: 0.0, rounds_origin: false }
         }
 
         fn bytes(&self) -> usize {
@@ -360,17 +360,17 @@ mod tests {
 
     #[test]
     fn a_panic_of_a_thread_that_renders_keeps_the_samples_so_far() {
-        let mut scene = Builder::new();
+        let mut scene = SceneBuilder::new();
         let grey = scene.diffuse([0.5; 3]);
         scene.sphere(grey, [0.0; 3], 1.0);
         let scene = scene.build().unwrap();
-        let mut job = Job::sized(64, 48).samples_per_pixel(4096);
+        let mut job = Job::with_size(64, 48).samples_per_pixel(4096);
         job.threads = 1;
-        let mut session = Session::new(&scene, job, Opening::default()).unwrap();
+        let mut session = Session::new(&scene, job, SessionOptions::default()).unwrap();
         Arc::get_mut(&mut session.state).unwrap().accel = Box::new(Failing(AtomicUsize::new(0)));
         let reached = session.run(&()).unwrap();
-        let samples = session.film().samples();
-        assert!(reached.end == super::super::End::Failed && samples > 0, "{reached:?}");
-        assert_eq!(session.outcome(reached).samples, samples);
+        let samples = session.film().sample_count();
+        assert!(reached.stop_reason == super::super::StopReason::Failed && samples > 0, "{reached:?}");
+        assert_eq!(session.result(reached).samples, samples);
     }
 }

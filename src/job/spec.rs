@@ -5,19 +5,19 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::accel::{Choice, Quality};
-use crate::error::{Error, Result, Setting};
-use crate::film::{BLOCK, Kind, Layer};
+use crate::accel::{BackendChoice, BuildQuality};
+use crate::error::{Error, Result, Suggestion};
+use crate::film::{BLOCK_SIZE, Aov, Layer};
 use crate::sampling::SamplerKind;
 use crate::scene::Settings;
-use crate::scene::settings::{Image, Integrator, Paper, Render};
+use crate::scene::settings::{ImageSettings, IntegratorSettings, PaperSettings, RenderSettings};
 
-use super::metadata::set_samples;
+use super::metadata::set_sample_count;
 use super::noise::NoiseTarget;
 
 /// Samples per pixel of a render that only its time ends: more than anybody has time for, in whole
 /// blocks, and a multiple of all usual numbers of sub-pixels.
-pub const ENDLESS: u32 = 74_565 * 60 * 60 * BLOCK;
+pub const UNLIMITED_SAMPLES: u32 = 74_565 * 60 * 60 * BLOCK_SIZE;
 
 /// A render: everything that [`run`](super::run) needs to know beside the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,13 +29,13 @@ pub struct Job {
     /// last. `None`: all up to `settings.render.samples_per_pixel`.
     pub samples: Option<Range<u32>>,
     /// What ends the render before it has all samples.
-    pub until: Until,
+    pub until: StopCriteria,
     /// The layers (AOVs) that the picture has beside the beauty.
-    pub layers: Vec<Kind>,
+    pub layers: Vec<Aov>,
     /// The intersector.
-    pub accel: Choice,
+    pub accel: BackendChoice,
     /// How much care its build takes.
-    pub quality: Quality,
+    pub quality: BuildQuality,
     /// Threads; 0 is as many as there are cores. The picture does not depend on them.
     pub threads: usize,
 }
@@ -43,7 +43,7 @@ pub struct Job {
 /// When a render ends before every pixel has all of its samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Until {
+pub struct StopCriteria {
     /// Each square of 16 x 16 pixels ends when it is as exact as this.
     pub noise: Option<NoiseTarget>,
     /// All pixels end after this time, counted over all runs of the render, but not before each has 16
@@ -54,28 +54,28 @@ pub struct Until {
 impl Default for Job {
     /// 640 x 480 pixels with 64 samples each, by the fastest intersector on all cores.
     fn default() -> Self {
-        Self::of(Settings::default())
+        Self::from_settings(Settings::default())
     }
 }
 
 impl Job {
     /// All samples that these settings ask for.
-    pub fn of(settings: Settings) -> Self {
+    pub fn from_settings(settings: Settings) -> Self {
         Self {
             settings,
             samples: None,
-            until: Until::default(),
-            layers: Kind::USUAL.to_vec(),
-            accel: Choice::Auto,
-            quality: Quality::default(),
+            until: StopCriteria::default(),
+            layers: Aov::DEFAULT.to_vec(),
+            accel: BackendChoice::Auto,
+            quality: BuildQuality::default(),
             threads: 0,
         }
     }
 
     /// A picture of this size in pixels, with 64 samples each.
-    pub fn sized(width: u32, height: u32) -> Self {
-        let image = Image { width, height, ..Image::default() };
-        Self::of(Settings { image, ..Settings::default() })
+    pub fn with_size(width: u32, height: u32) -> Self {
+        let image = ImageSettings { width, height, ..ImageSettings::default() };
+        Self::from_settings(Settings { image, ..Settings::default() })
     }
 
     /// With so many samples of each pixel.
@@ -88,11 +88,11 @@ impl Job {
     /// Until 95 % of the values are within this share of their pixel's brightness, as in 0.02. Up to 65536
     /// samples of each pixel, unless their number was set before.
     #[must_use]
-    pub fn noise(mut self, error: f64) -> Self {
+    pub fn noise_target(mut self, error: f64) -> Self {
         self.until.noise = Some(NoiseTarget::new(error));
         match self.settings.render.samples_per_pixel {
-            ENDLESS => self.samples_per_pixel(Until::MOST_SAMPLES),
-            _ => self.at_most_by_default(Until::MOST_SAMPLES),
+            UNLIMITED_SAMPLES => self.samples_per_pixel(StopCriteria::DEFAULT_MAX_SAMPLES),
+            _ => self.at_most_by_default(StopCriteria::DEFAULT_MAX_SAMPLES),
         }
     }
 
@@ -101,19 +101,19 @@ impl Job {
     #[must_use]
     pub fn time(mut self, time: Duration) -> Self {
         self.until.time = Some(time);
-        self.at_most_by_default(ENDLESS)
+        self.at_most_by_default(UNLIMITED_SAMPLES)
     }
 
     /// So many samples per pixel in place of the default number.
     fn at_most_by_default(self, most: u32) -> Self {
-        let default = Render::default().samples_per_pixel;
+        let default = RenderSettings::default().samples_per_pixel;
         let is_default = self.settings.render.samples_per_pixel == default;
         if is_default { self.samples_per_pixel(most) } else { self }
     }
 
     /// With these layers beside the beauty, in place of the usual ones.
     #[must_use]
-    pub fn layers(mut self, layers: &[Kind]) -> Self {
+    pub fn aovs(mut self, layers: &[Aov]) -> Self {
         self.layers = layers.to_vec();
         self.without_repeated_layers()
     }
@@ -132,7 +132,7 @@ impl Job {
 
     /// Asks for so many samples of every pixel, or the paper's sub-pixels for as many as that takes.
     pub fn set_samples_per_pixel(&mut self, samples: u32) {
-        set_samples(&mut self.settings, samples);
+        set_sample_count(&mut self.settings, samples);
     }
 
     /// The samples of every pixel that it is to have in the end.
@@ -142,35 +142,35 @@ impl Job {
     pub fn sample_range(&self) -> Result<Range<u32>> {
         let last = self.settings.render.samples_per_pixel;
         let Some(Range { start, end }) = self.samples.clone() else { return Ok(0..last) };
-        let refused = |what: String, help: String| {
+        let invalid = |what: String, help: String| {
             Err(Error::input(format!("the samples {start}..{end} {what}")).with_help(help))
         };
         if start >= end {
-            return refused(
+            return invalid(
                 "are none".to_owned(),
                 "ask for the first and the one behind the last".to_owned(),
             );
         }
-        if start % BLOCK != 0 {
-            let near = start / BLOCK * BLOCK;
-            return refused(
-                format!("must start on a multiple of {BLOCK}"),
-                format!("samples are summed in blocks of {BLOCK}; try {near}..{end}"),
+        if start % BLOCK_SIZE != 0 {
+            let near = start / BLOCK_SIZE * BLOCK_SIZE;
+            return invalid(
+                format!("must start on a multiple of {BLOCK_SIZE}"),
+                format!("samples are summed in blocks of {BLOCK_SIZE}; try {near}..{end}"),
             );
         }
         if end > last {
-            let refusal = refused(
+            let refusal = invalid(
                 format!("end behind the last sample, of {last} per pixel"),
                 "ask for so many samples per pixel".to_owned(),
             );
             return refusal
-                .map_err(|error| error.with_setting(Setting::SamplesPerPixel, end.to_string()));
+                .map_err(|error| error.with_suggestion(Suggestion::SamplesPerPixel, end.to_string()));
         }
-        if end % BLOCK != 0 && end != last {
-            let near = end.next_multiple_of(BLOCK).min(last);
-            return refused(
-                format!("must end on a multiple of {BLOCK}, or at the last sample, {last}"),
-                format!("samples are summed in blocks of {BLOCK}; try {start}..{near}"),
+        if end % BLOCK_SIZE != 0 && end != last {
+            let near = end.next_multiple_of(BLOCK_SIZE).min(last);
+            return invalid(
+                format!("must end on a multiple of {BLOCK_SIZE}, or at the last sample, {last}"),
+                format!("samples are summed in blocks of {BLOCK_SIZE}; try {start}..{near}"),
             );
         }
         Ok(start..end)
@@ -178,16 +178,16 @@ impl Job {
 
     /// Whether the picture has an alpha channel, where `transparent` is what the scene says.
     pub fn has_alpha(&self, transparent: bool) -> bool {
-        transparent || self.layers.contains(&Kind::Mean(Layer::Alpha))
+        transparent || self.layers.contains(&Aov::Mean(Layer::Alpha))
     }
 
     /// Refuses what cannot be rendered.
     ///
     /// # Errors
     /// With the first thing that makes no sense.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(super) fn validate(&self) -> Result<()> {
         self.sample_range()?;
-        self.until.check(&self.settings.render)?;
+        self.until.validate(&self.settings.render)?;
         if self.until.noise.is_some() && self.samples.is_some() {
             let message =
                 "a noise target decides from all samples of a pixel, not from a part of them";
@@ -199,21 +199,21 @@ impl Job {
     }
 }
 
-impl Until {
+impl StopCriteria {
     /// The most samples of each pixel that a noise target takes where nothing else is said.
-    pub const MOST_SAMPLES: u32 = 65_536;
+    pub const DEFAULT_MAX_SAMPLES: u32 = 65_536;
 
     /// Refuses what spreads its samples over a number that must be known before.
     ///
     /// # Errors
     /// With what it is, and what to use in its place.
-    pub fn check(&self, render: &Render) -> Result<()> {
+    pub fn validate(&self, render: &RenderSettings) -> Result<()> {
         let what = match (self.noise, self.time) {
             (None, None) => return Ok(()),
             (Some(_), _) => "a noise target",
             (None, Some(_)) => "a time",
         };
-        self.noise.map_or(Ok(()), NoiseTarget::check)?;
+        self.noise.map_or(Ok(()), NoiseTarget::validate)?;
         let refuse = |why: &str, help: &str| {
             let message = format!("{what} decides when to stop, but {why}");
             Err(Error::input(message).with_help(help))
@@ -223,11 +223,11 @@ impl Until {
             return refuse(why, "choose the sampler `sobol` or `independent`");
         }
         // Settings may still hold any number.
-        let fit = |cells: u32| cells > 0 && BLOCK % cells == 0;
+        let fit = |cells: u32| cells > 0 && BLOCK_SIZE % cells == 0;
         match render.integrator {
-            Integrator::Paper(Paper { subpixels: k, .. }) if !k.checked_pow(2).is_some_and(fit) => {
+            IntegratorSettings::Paper(PaperSettings { subpixels: k, .. }) if !k.checked_pow(2).is_some_and(fit) => {
                 let why =
-                    format!("{k} x {k} sub-pixels do not fit into its blocks of {BLOCK} samples");
+                    format!("{k} x {k} sub-pixels do not fit into its blocks of {BLOCK_SIZE} samples");
                 refuse(&why, "use 1, 2 or 4 sub-pixels along each side")
             }
             _ => Ok(()),

@@ -5,18 +5,18 @@
 //! would have been given ([`Lights::pdf`]). That density may be 0 for light that is best left to
 //! chance, such as a background of one colour; by chance it must then be found.
 
-mod background;
-mod choice;
-mod cluster;
-mod lamp;
+mod environment;
+mod light_sampler;
+mod light_bounds;
+mod emitter;
 mod receiver;
-mod shares;
-mod tree;
+mod category;
+mod light_tree;
 
-pub use background::{Background, Dome, Orientation, Sky, Sun};
-pub use choice::LightChoice;
-pub use lamp::Lamp;
-pub use receiver::Receiver;
+pub use environment::{Environment, EnvironmentMap, Orientation, Sky, SunLight};
+pub use light_sampler::LightSamplerKind;
+pub use emitter::Emitter;
+pub use receiver::LightSampleContext;
 
 use std::sync::Arc;
 
@@ -24,33 +24,33 @@ use crate::color::Rgb;
 use crate::geometry::SphereSet;
 use crate::math::{DVec3, NO_SPHERE};
 
-use choice::Choice;
-use lamp::View;
-use shares::{Kind, Shares};
+use light_sampler::LightSampler;
+use emitter::VisibleEmitter;
+use category::{LightCategory, CategoryPmf};
 
 /// All lights of a scene.
 #[derive(Debug, Default)]
 pub struct Lights {
     /// Sorted by id.
-    lamps: Arc<[Lamp]>,
-    choice: Choice,
-    background: Arc<Background>,
+    emitters: Arc<[Emitter]>,
+    sampler: LightSampler,
+    environment: Arc<Environment>,
 }
 
 /// Where light comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum LightSource {
     /// An emissive sphere, by its id.
-    Lamp(u32),
+    Emitter(u32),
     /// Nothing that can be met.
-    Background,
+    Environment,
 }
 
 /// A direction that light may come from.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
     /// What shines there.
-    pub source: Source,
+    pub source: LightSource,
     /// Unit direction.
     pub direction: DVec3,
     /// Distance to the lamp's surface in that direction; infinite for the background.
@@ -61,63 +61,63 @@ pub struct LightSample {
     pub pdf: f64,
 }
 
-impl Source {
+impl LightSource {
     /// The sphere that a shadow ray to this source aims at.
-    pub fn sphere(self) -> u32 {
+    pub fn sphere_id(self) -> u32 {
         match self {
-            Self::Lamp(id) => id,
-            Self::Background => NO_SPHERE,
+            Self::Emitter(id) => id,
+            Self::Environment => NO_SPHERE,
         }
     }
 }
 
 impl Lights {
     /// The lamps among `spheres`, before a background, chosen by their hierarchy.
-    pub fn new(mut lamps: Vec<Lamp>, spheres: &SphereSet, background: Background) -> Self {
+    pub fn new(mut lamps: Vec<Emitter>, spheres: &SphereSet, background: Environment) -> Self {
         lamps.sort_unstable_by_key(|lamp| lamp.id);
-        Self::chosen_by(LightChoice::Hierarchy, lamps.into(), spheres, Arc::new(background))
+        Self::with_sampler(LightSamplerKind::Hierarchy, lamps.into(), spheres, Arc::new(background))
     }
 
     /// Lamps sorted by their ids, with a way to choose among them.
-    pub fn chosen_by(
-        by: LightChoice,
-        lamps: Arc<[Lamp]>,
+    pub fn with_sampler(
+        by: LightSamplerKind,
+        lamps: Arc<[Emitter]>,
         spheres: &SphereSet,
-        background: Arc<Background>,
+        background: Arc<Environment>,
     ) -> Self {
         debug_assert!(lamps.is_sorted_by_key(|lamp| lamp.id));
-        let choice = Choice::new(&lamps, spheres, by);
-        Self { lamps, choice, background }
+        let choice = LightSampler::new(&lamps, spheres, by);
+        Self { emitters: lamps, sampler: choice, environment: background }
     }
 
     /// Number of lamps.
     pub fn len(&self) -> usize {
-        self.lamps.len()
+        self.emitters.len()
     }
 
     /// Whether [`Self::sample`] heeds the number that chooses.
-    pub fn has_choice(&self) -> bool {
-        self.lamps.len() > 1 || self.background.is_aimed_at()
+    pub fn needs_selection(&self) -> bool {
+        self.emitters.len() > 1 || self.environment.is_sampled()
     }
 
     /// The lamp, where there is one and nothing else to aim at.
-    pub fn only_lamp(&self) -> Option<&Lamp> {
-        if self.has_choice() { None } else { self.lamps.first() }
+    pub fn single_emitter(&self) -> Option<&Emitter> {
+        if self.needs_selection() { None } else { self.emitters.first() }
     }
 
     /// Whether the scene has no lamp.
     pub fn is_empty(&self) -> bool {
-        self.lamps.is_empty()
+        self.emitters.is_empty()
     }
 
     /// All lamps, sorted by id.
-    pub fn lamps(&self) -> &[Lamp] {
-        &self.lamps
+    pub fn emitters(&self) -> &[Emitter] {
+        &self.emitters
     }
 
     /// What a ray sees that meets nothing.
-    pub fn background(&self) -> &Background {
-        &self.background
+    pub fn environment(&self) -> &Environment {
+        &self.environment
     }
 
     /// A direction that light may come from, from `choose` and `u` in `[0, 1)`; `None` where what
@@ -125,38 +125,38 @@ impl Lights {
     pub fn sample(
         &self,
         spheres: &SphereSet,
-        from: &Receiver,
-        choose: f64,
+        from: &LightSampleContext,
+        u_select: f64,
         u: [f64; 2],
     ) -> Option<LightSample> {
         let shares = self.shares(from)?;
-        let (kind, share, choose) = shares.choose(choose);
+        let (kind, share, choose) = shares.sample(u_select);
         let direction = match kind {
-            Kind::Lamps => return self.sample_lamp(spheres, from, share, choose, u),
-            Kind::Dome => self.background.sample(u)?,
-            Kind::Sun => self.background.sun()?.sample(u),
+            LightCategory::Emitters => return self.sample_emitter(spheres, from, share, choose, u),
+            LightCategory::EnvironmentMap => self.environment.sample(u)?,
+            LightCategory::Sun => self.environment.sun()?.sample(u),
         };
-        let source = Source::Background;
-        let pdf = self.pdf_of_background(&shares, direction);
-        let radiance = self.background.radiance(direction);
+        let source = LightSource::Environment;
+        let pdf = self.environment_pdf(&shares, direction);
+        let radiance = self.environment.radiance(direction);
         let sample = LightSample { source, direction, distance: f64::INFINITY, radiance, pdf };
         (pdf > 0.0).then_some(sample)
     }
 
-    fn sample_lamp(
+    fn sample_emitter(
         &self,
         spheres: &SphereSet,
-        from: &Receiver,
+        from: &LightSampleContext,
         share: f64,
-        choose: f64,
+        u_select: f64,
         u: [f64; 2],
     ) -> Option<LightSample> {
-        let (index, pmf) = self.choice.sample(from, choose)?;
-        let Lamp { id, emission } = self.lamps[index];
-        let view = View::new(from, id, &spheres.sphere(id))?;
+        let (index, pmf) = self.sampler.sample(from, u_select)?;
+        let Emitter { id, emission } = self.emitters[index];
+        let view = VisibleEmitter::new(from, id, &spheres.sphere(id))?;
         let (direction, distance, pdf) = view.sample(u);
         let pdf = pdf * pmf * share;
-        let source = Source::Lamp(id);
+        let source = LightSource::Emitter(id);
         (pdf > 0.0).then_some(LightSample { source, direction, distance, radiance: emission, pdf })
     }
 
@@ -165,36 +165,36 @@ impl Lights {
     pub fn pdf(
         &self,
         spheres: &SphereSet,
-        from: &Receiver,
-        source: Source,
+        from: &LightSampleContext,
+        source: LightSource,
         direction: DVec3,
     ) -> f64 {
         let Some(shares) = self.shares(from) else { return 0.0 };
-        let Source::Lamp(id) = source else {
-            return self.pdf_of_background(&shares, direction);
+        let LightSource::Emitter(id) = source else {
+            return self.environment_pdf(&shares, direction);
         };
-        let Ok(index) = self.lamps.binary_search_by_key(&id, |lamp| lamp.id) else { return 0.0 };
-        let view = View::new(from, id, &spheres.sphere(id));
-        let pmf = || shares.of(Kind::Lamps) * self.choice.pmf(from, index);
+        let Ok(index) = self.emitters.binary_search_by_key(&id, |lamp| lamp.id) else { return 0.0 };
+        let view = VisibleEmitter::new(from, id, &spheres.sphere(id));
+        let pmf = || shares.pmf(LightCategory::Emitters) * self.sampler.pmf(from, index);
         view.map_or(0.0, |view| view.pdf(direction) * pmf())
     }
 
     /// The probability that [`Self::sample`] aims at the background and not at a lamp.
-    pub fn share_of_background(&self, from: &Receiver) -> f64 {
-        let share = |shares: Shares| shares.of(Kind::Dome) + shares.of(Kind::Sun);
+    pub fn environment_probability(&self, from: &LightSampleContext) -> f64 {
+        let share = |shares: CategoryPmf| shares.pmf(LightCategory::EnvironmentMap) + shares.pmf(LightCategory::Sun);
         self.shares(from).map_or(0.0, share)
     }
 
-    fn shares(&self, from: &Receiver) -> Option<Shares> {
-        Shares::new(&self.choice, !self.is_empty(), &self.background, from)
+    fn shares(&self, from: &LightSampleContext) -> Option<CategoryPmf> {
+        CategoryPmf::new(&self.sampler, !self.is_empty(), &self.environment, from)
     }
 
     /// A direction to the sun is also one to the dome, so their densities add up.
-    fn pdf_of_background(&self, shares: &Shares, direction: DVec3) -> f64 {
-        let dome = shares.of(Kind::Dome);
-        let dome = if dome > 0.0 { dome * self.background.pdf(direction) } else { 0.0 };
-        let sun = self.background.sun().map_or(0.0, |sun| sun.pdf(direction));
-        dome + shares.of(Kind::Sun) * sun
+    fn environment_pdf(&self, shares: &CategoryPmf, direction: DVec3) -> f64 {
+        let dome = shares.pmf(LightCategory::EnvironmentMap);
+        let dome = if dome > 0.0 { dome * self.environment.pdf(direction) } else { 0.0 };
+        let sun = self.environment.sun().map_or(0.0, |sun| sun.pdf(direction));
+        dome + shares.pmf(LightCategory::Sun) * sun
     }
 }
 
@@ -203,29 +203,29 @@ mod tests {
     use super::*;
     use crate::geometry::{Side, Sphere, SurfaceHit};
     use crate::sampling::Sampler;
-    use cluster::Item;
+    use light_bounds::LightItem;
 
     /// Lamps of very different sizes and powers in a unit box.
-    pub(super) fn items(count: usize) -> Vec<Item> {
+    pub(super) fn items(count: usize) -> Vec<LightItem> {
         let item = |lamp: u32| {
             let u: [f64; 5] =
-                std::array::from_fn(|d| Sampler::new(0, lamp.into(), 0).get(d as u32));
+                std::array::from_fn(|d| Sampler::independent(0, lamp.into(), 0).get(d as u32));
             let center = DVec3::new(u[0], u[1], u[2]);
-            Item { sphere: Sphere { center, radius: 0.1 * u[3].powi(4) + 1e-9 }, power: u[4], lamp }
+            LightItem { sphere: Sphere { center, radius: 0.1 * u[3].powi(4) + 1e-9 }, power: u[4], emitter_index: lamp }
         };
         (0..count as u32).map(item).collect()
     }
 
     /// Points among the lamps and far from them, facing anywhere, one-sided and two-sided.
-    pub(super) fn receivers() -> impl Iterator<Item = Receiver> {
+    pub(super) fn receivers() -> impl Iterator<Item = LightSampleContext> {
         (0..40u32).map(|i| {
-            let u: [f64; 6] = std::array::from_fn(|d| Sampler::new(1, i.into(), 0).get(d as u32));
+            let u: [f64; 6] = std::array::from_fn(|d| Sampler::independent(1, i.into(), 0).get(d as u32));
             let normal = (DVec3::new(u[0], u[1], u[2]) - 0.5).normalize();
             let scale = if i < 20 { 1.0 } else { 50.0 };
             let point = (DVec3::new(u[3], u[4], u[5]) - 0.5) * scale + 0.5;
             let side = if i % 3 == 0 { Side::Inside } else { Side::Outside };
             let hit = SurfaceHit { id: 0, t: 1.0, point, normal, radius: 1.0, side };
-            Receiver { hit, is_two_sided: i % 2 == 0 }
+            LightSampleContext { hit, is_two_sided: i % 2 == 0 }
         })
     }
 }

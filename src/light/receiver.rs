@@ -4,7 +4,7 @@ use crate::geometry::{Sphere, SurfaceHit};
 
 /// A point that light is gathered at.
 #[derive(Clone, Copy, Debug)]
-pub struct Receiver {
+pub struct LightSampleContext {
     /// The point.
     pub hit: SurfaceHit,
     /// Whether light is gathered from both sides of the surface and not only from the side that
@@ -12,10 +12,10 @@ pub struct Receiver {
     pub is_two_sided: bool,
 }
 
-impl Receiver {
+impl LightSampleContext {
     /// Whether a lamp is seen from its inside here, so that light is aimed at its far wall. A
     /// receiver on the lamp itself sees nothing else of it.
-    pub fn is_within(&self, id: u32, lamp: &Sphere) -> bool {
+    pub fn is_inside(&self, id: u32, lamp: &Sphere) -> bool {
         self.hit.id == id || lamp.contains(self.hit.point)
     }
 }

@@ -14,10 +14,10 @@ use std::f64::consts::FRAC_1_PI;
 use crate::color::Rgb;
 use crate::math::DVec3;
 
-use super::energy::{hemispherical_mean, mean_over_facets};
+use super::energy_compensation::{hemispherical_mean, mean_over_visible_normals};
 use super::ggx::half_vector;
-use super::mirror::reflected;
-use super::{BsdfSample, Ggx, Lobe, MissingEnergy, fresnel};
+use super::mirror::reflect;
+use super::{BsdfSample, Ggx, Lobe, EnergyCompensation, fresnel};
 
 /// A clear coat.
 #[derive(Clone, Debug)]
@@ -26,9 +26,9 @@ pub struct Coat {
     /// `None` where it is smooth.
     ggx: Option<Ggx>,
     /// The table of `1 - E`. A smooth coat has it for drawing alone: there Fresnel's equations tell.
-    table: Box<MissingEnergy>,
+    compensation: Box<EnergyCompensation>,
     /// The cosine-weighted mean of `1 - E`.
-    mean_through: f64,
+    mean_transmittance: f64,
 }
 
 impl Coat {
@@ -38,39 +38,39 @@ impl Coat {
         let reflectance = |cos: f64| fresnel(cos.min(1.0), ior).reflectance;
         let ggx = Ggx::new(roughness);
         let table = match ggx {
-            Some(ggx) => let_through(ggx, ior),
-            None => MissingEnergy::new([0.5; 2], |wo| reflectance(wo.z)),
+            Some(ggx) => rough_transmittance(ggx, ior),
+            None => EnergyCompensation::new([0.5; 2], |wo| reflectance(wo.z)),
         };
         let mean_through = match ggx {
-            Some(_) => table.average(),
+            Some(_) => table.mean_missing(),
             None => hemispherical_mean(|cos| 1.0 - reflectance(cos)),
         };
-        Self { ior, ggx, table: Box::new(table), mean_through }
+        Self { ior, ggx, compensation: Box::new(table), mean_transmittance: mean_through }
     }
 
     /// The share `1 - E` that comes through from a direction of this cosine.
-    pub(super) fn through(&self, cos: f64) -> f64 {
+    pub(super) fn transmittance(&self, cos: f64) -> f64 {
         match self.ggx {
-            Some(_) => self.table.at(cos),
+            Some(_) => self.compensation.missing(cos),
             None => 1.0 - fresnel(cos.min(1.0), self.ior).reflectance,
         }
     }
 
     /// What a white matt base would send through the coat: `f` without the cosine.
-    pub(super) fn lobe(&self, cos_o: f64, cos_i: f64) -> f64 {
-        self.through(cos_o) * self.through(cos_i) * FRAC_1_PI / self.mean_through
+    pub(super) fn eval_base(&self, cos_o: f64, cos_i: f64) -> f64 {
+        self.transmittance(cos_o) * self.transmittance(cos_i) * FRAC_1_PI / self.mean_transmittance
     }
 
     /// The share of evenly scattered light beneath that comes out at once.
-    pub(super) fn escaping(&self) -> f64 {
-        (self.mean_through / (self.ior * self.ior)).min(1.0)
+    pub(super) fn internal_escape(&self) -> f64 {
+        (self.mean_transmittance / (self.ior * self.ior)).min(1.0)
     }
 
     /// The coat's own reflection, delta lobes left out.
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
         let Some(ggx) = self.ggx else { return 0.0 };
         let cos = wo.dot(half_vector(wo, wi)).clamp(0.0, 1.0);
-        ggx.reflection(wo, wi) * fresnel(cos, self.ior).reflectance
+        ggx.eval_reflection(wo, wi) * fresnel(cos, self.ior).reflectance
     }
 
     /// The density of [`Self::sample`], delta lobes left out.
@@ -87,7 +87,7 @@ impl Coat {
     pub(super) fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<BsdfSample> {
         let Some(ggx) = self.ggx else {
             let weight = Rgb::splat(fresnel(wo.z.min(1.0), self.ior).reflectance as f32);
-            let (wi, lobe) = (reflected(wo), Lobe::Delta);
+            let (wi, lobe) = (reflect(wo), Lobe::Delta);
             return Some(BsdfSample { wi, weight, pdf: 1.0, lobe, eta: 1.0 });
         };
         let (wi, m) = ggx.sample_reflection(wo, u)?;
@@ -112,23 +112,23 @@ impl Coat {
             let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.ior).reflectance;
             (choice < reflectance * ggx.shadowing(wo, wi)).then_some(wi)
         });
-        let beneath = || (self.table.sample_lobe(base), Lobe::Diffuse);
+        let beneath = || (self.compensation.sample(base), Lobe::Diffuse);
         reflected.map_or_else(beneath, |wi| (wi, Lobe::Glossy))
     }
 
     /// The density of [`Self::sample_with_base`].
     pub(super) fn pdf_with_base(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let of_base = if self.is_delta() { 1.0 } else { self.through(wo.z) };
-        self.eval(wo, wi) * wi.z + of_base * self.table.lobe_pdf(wi.z)
+        let of_base = if self.is_delta() { 1.0 } else { self.transmittance(wo.z) };
+        self.eval(wo, wi) * wi.z + of_base * self.compensation.pdf(wi.z)
     }
 }
 
 /// What the facets of a rough coat let through: all that its facets do not reflect at once.
-fn let_through(ggx: Ggx, ior: f64) -> MissingEnergy {
+fn rough_transmittance(ggx: Ggx, ior: f64) -> EnergyCompensation {
     // Facets hide one another below a cosine of about alpha, and Fresnel's equations bend below one
     // of about 1/4, whatever the roughness.
-    MissingEnergy::new([2.0 * ggx.alpha(), f64::max(0.5, 2.0 * ggx.alpha())], |wo| {
-        mean_over_facets(ggx, wo, |m| {
+    EnergyCompensation::new([2.0 * ggx.alpha(), f64::max(0.5, 2.0 * ggx.alpha())], |wo| {
+        mean_over_visible_normals(ggx, wo, |m| {
             let cos = wo.dot(m).clamp(0.0, 1.0);
             let wi = m * (2.0 * cos) - wo;
             let share = fresnel(cos, ior).reflectance;
@@ -155,11 +155,11 @@ mod tests {
     fn the_mean_of_a_smooth_coat_is_known_in_closed_form() {
         for ior in [1.1, 1.5, 2.4] {
             let coat = Coat::new(ior, 0.0);
-            assert_relative_eq!(coat.mean_through, 1.0 - mean_reflectance(ior), epsilon = 1e-5);
+            assert_relative_eq!(coat.mean_transmittance, 1.0 - mean_reflectance(ior), epsilon = 1e-5);
             // From inside, the mean over directions with total reflection among them is the same
             // number by reciprocity.
             let inside = hemispherical_mean(|cos| fresnel(cos, 1.0 / ior).reflectance);
-            assert_abs_diff_eq!(1.0 - coat.escaping(), inside, epsilon = 1e-3);
+            assert_abs_diff_eq!(1.0 - coat.internal_escape(), inside, epsilon = 1e-3);
         }
     }
 
@@ -167,7 +167,7 @@ mod tests {
     fn a_narrow_lobe_lets_through_what_a_smooth_coat_does() {
         let [smooth, narrow] = [0.0, 0.02].map(|roughness| Coat::new(1.5, roughness));
         for cos in [1.0, 0.6, 0.2, 0.1] {
-            assert_abs_diff_eq!(smooth.through(cos), narrow.through(cos), epsilon = 1e-3);
+            assert_abs_diff_eq!(smooth.transmittance(cos), narrow.transmittance(cos), epsilon = 1e-3);
         }
     }
 }

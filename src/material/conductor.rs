@@ -12,42 +12,42 @@
 use crate::color::Rgb;
 use crate::math::DVec3;
 
-use super::energy::{after_many_bounces, hemispherical_mean};
+use super::energy_compensation::{multiscatter_tint, hemispherical_mean};
 use super::ggx::half_vector;
-use super::mirror::reflected;
-use super::{Again, BsdfSample, Ggx, Lobe, Metal, MissingEnergy};
+use super::mirror::reflect;
+use super::{ExtraUniforms, BsdfSample, Ggx, Lobe, Metal, EnergyCompensation};
 
 /// A metal surface.
 #[derive(Clone, Debug)]
 pub struct Conductor {
-    facets: Facets,
+    fresnel: ConductorFresnel,
     /// The colour of light after many bounces between facets.
-    tint: Rgb,
+    multiscatter_tint: Rgb,
     /// `None` where it is smooth.
-    rough: Option<Box<Rough>>,
+    rough: Option<Box<RoughConductor>>,
 }
 
 /// A metal surface at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct ConductorBsdf<'a> {
-    facets: Facets,
-    tint: Rgb,
-    rough: Option<&'a Rough>,
+    fresnel: ConductorFresnel,
+    multiscatter_tint: Rgb,
+    rough: Option<&'a RoughConductor>,
 }
 
 /// What a facet reflects.
 #[derive(Clone, Copy, Debug)]
-enum Facets {
+enum ConductorFresnel {
     /// By Fresnel's equations.
     Metal(Metal),
     /// By Schlick's approximation, from the reflectance straight from above.
-    Colored(Rgb),
+    Schlick(Rgb),
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Rough {
+struct RoughConductor {
     ggx: Ggx,
-    missing: MissingEnergy,
+    compensation: EnergyCompensation,
 }
 
 /// The share of unpolarised light that is reflected at the cosine `cos >= 0` from vacuum by a medium
@@ -80,12 +80,12 @@ impl Metal {
     }
 }
 
-impl Facets {
+impl ConductorFresnel {
     /// The reflectance at the cosine `cos >= 0`.
     fn reflectance(&self, cos: f64) -> Rgb {
         match self {
             Self::Metal(metal) => metal.reflectance(cos),
-            Self::Colored(color) => {
+            Self::Schlick(color) => {
                 let rest = (1.0 - cos).clamp(0.0, 1.0).powi(5);
                 *color + (Rgb::ONE - color) * rest as f32
             }
@@ -98,16 +98,16 @@ impl Facets {
             Self::Metal(metal) => {
                 metal.per_channel(|n, k| hemispherical_mean(|cos| fresnel_conductor(cos, n, k)))
             }
-            Self::Colored(color) => *color + (Rgb::ONE - color) / 21.0,
+            Self::Schlick(color) => *color + (Rgb::ONE - color) / 21.0,
         }
     }
 }
 
-impl Rough {
+impl RoughConductor {
     /// The colour of light after many bounces between such facets.
-    fn tint(&self, facets: &Facets) -> Rgb {
-        let missing = self.missing.average();
-        let tint = |mean: f32| after_many_bounces(f64::from(mean), missing) as f32;
+    fn multiscatter_tint(&self, facets: &ConductorFresnel) -> Rgb {
+        let missing = self.compensation.mean_missing();
+        let tint = |mean: f32| multiscatter_tint(f64::from(mean), missing) as f32;
         Rgb::from_array(facets.mean_reflectance().to_array().map(tint))
     }
 }
@@ -115,43 +115,43 @@ impl Rough {
 impl Conductor {
     /// A metal of a roughness in `[0, 1]`.
     pub fn new(metal: Metal, roughness: f64) -> Self {
-        Self::of_facets(Facets::Metal(metal), roughness)
+        Self::from_fresnel(ConductorFresnel::Metal(metal), roughness)
     }
 
     /// A metal that reflects the share `color` straight from above.
-    pub fn of_color(color: Rgb, roughness: f64) -> Self {
-        Self::of_facets(Facets::Colored(color), roughness)
+    pub fn from_color(color: Rgb, roughness: f64) -> Self {
+        Self::from_fresnel(ConductorFresnel::Schlick(color), roughness)
     }
 
-    fn of_facets(facets: Facets, roughness: f64) -> Self {
-        let rough = |ggx| Box::new(Rough { ggx, missing: MissingEnergy::of_reflection(ggx) });
+    fn from_fresnel(facets: ConductorFresnel, roughness: f64) -> Self {
+        let rough = |ggx| Box::new(RoughConductor { ggx, compensation: EnergyCompensation::for_reflection(ggx) });
         let rough = Ggx::new(roughness).map(rough);
-        let tint = rough.as_ref().map_or(Rgb::ZERO, |rough| rough.tint(&facets));
-        Self { facets, tint, rough }
+        let tint = rough.as_ref().map_or(Rgb::ZERO, |rough| rough.multiscatter_tint(&facets));
+        Self { fresnel: facets, multiscatter_tint: tint, rough }
     }
 
     /// This metal at a point, in the colour of a sphere that has its own.
-    pub(super) fn at(&self, color: Option<Rgb>) -> ConductorBsdf<'_> {
-        let Self { facets, tint, rough } = self;
+    pub(super) fn bsdf(&self, color: Option<Rgb>) -> ConductorBsdf<'_> {
+        let Self { fresnel: facets, multiscatter_tint: tint, rough } = self;
         let rough = rough.as_deref();
         let Some(color) = color else {
-            return ConductorBsdf { facets: *facets, tint: *tint, rough };
+            return ConductorBsdf { fresnel: *facets, multiscatter_tint: *tint, rough };
         };
-        let facets = Facets::Colored(color);
-        let tint = rough.map_or(Rgb::ZERO, |rough| rough.tint(&facets));
-        ConductorBsdf { facets, tint, rough }
+        let facets = ConductorFresnel::Schlick(color);
+        let tint = rough.map_or(Rgb::ZERO, |rough| rough.multiscatter_tint(&facets));
+        ConductorBsdf { fresnel: facets, multiscatter_tint: tint, rough }
     }
 }
 
 impl ConductorBsdf<'_> {
     /// The mean reflectance of its facets.
     pub(super) fn mean_reflectance(&self) -> Rgb {
-        self.facets.mean_reflectance()
+        self.fresnel.mean_reflectance()
     }
 
     /// The reflectance of its facets at the cosine `cos >= 0`.
     pub(super) fn reflectance(&self, cos: f64) -> Rgb {
-        self.facets.reflectance(cos)
+        self.fresnel.reflectance(cos)
     }
 
     pub(super) fn is_delta(&self) -> bool {
@@ -163,9 +163,9 @@ impl ConductorBsdf<'_> {
         if wi.z <= 0.0 {
             return Rgb::ZERO;
         }
-        let once = rough.ggx.reflection(wo, wi) as f32;
-        let often = rough.missing.lobe(wo.z, wi.z) as f32;
-        self.facets.reflectance(wo.dot(half_vector(wo, wi))) * once + self.tint * often
+        let single = rough.ggx.eval_reflection(wo, wi) as f32;
+        let multiple = rough.compensation.eval(wo.z, wi.z) as f32;
+        self.fresnel.reflectance(wo.dot(half_vector(wo, wi))) * single + self.multiscatter_tint * multiple
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
@@ -173,8 +173,8 @@ impl ConductorBsdf<'_> {
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let often = rough.missing.at(wo.z) * rough.missing.lobe_pdf(wi.z);
-        rough.ggx.reflection(wo, wi) * wi.z + often
+        let often = rough.compensation.missing(wo.z) * rough.compensation.pdf(wi.z);
+        rough.ggx.eval_reflection(wo, wi) * wi.z + often
     }
 
     /// A facet that is seen from `wo`; where its light meets another facet, a direction of the broad
@@ -182,17 +182,17 @@ impl ConductorBsdf<'_> {
     pub(super) fn sample(
         &self,
         wo: DVec3,
-        lobe: f64,
+        u_lobe: f64,
         u: [f64; 2],
-        again: Again<'_>,
+        extra: ExtraUniforms<'_>,
     ) -> Option<BsdfSample> {
         let Some(rough) = &self.rough else {
-            let (wi, weight) = (reflected(wo), self.facets.reflectance(wo.z));
+            let (wi, weight) = (reflect(wo), self.fresnel.reflectance(wo.z));
             return Some(BsdfSample { wi, weight, pdf: 1.0, lobe: Lobe::Delta, eta: 1.0 });
         };
         let once = rough.ggx.sample_reflection(wo, u).map(|(wi, _)| wi);
-        let once = once.filter(|wi| lobe < rough.ggx.shadowing(wo, *wi));
-        let wi = once.unwrap_or_else(|| rough.missing.sample_lobe(again()));
+        let once = once.filter(|wi| u_lobe < rough.ggx.shadowing(wo, *wi));
+        let wi = once.unwrap_or_else(|| rough.compensation.sample(extra()));
         let pdf = self.pdf(wo, wi);
         let weight = self.eval(wo, wi) * (wi.z / pdf) as f32;
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe: Lobe::Glossy, eta: 1.0 })
@@ -265,9 +265,9 @@ mod tests {
     fn albedo(conductor: &Conductor, wo: DVec3) -> (Rgb, f64) {
         let n = 20_000u32;
         let weights = (0..n).map(|i| {
-            let sampler = Sampler::new(5, u64::from(i), 0);
+            let sampler = Sampler::independent(5, u64::from(i), 0);
             let again = || sampler.get_2d(4);
-            let conductor = conductor.at(None);
+            let conductor = conductor.bsdf(None);
             let sample = conductor.sample(wo, sampler.get(0), sampler.get_2d(1), &again);
             sample.map_or(Rgb::ZERO, |sample| sample.weight)
         });
@@ -309,9 +309,9 @@ mod tests {
     #[test]
     fn light_may_go_both_ways() {
         let conductor = Conductor::new(named("copper"), 0.6);
-        let conductor = conductor.at(None);
+        let conductor = conductor.bsdf(None);
         for i in 0..1000 {
-            let u = Sampler::new(1, i, 0);
+            let u = Sampler::independent(1, i, 0);
             let wo = Hemisphere::Cosine.sample(u.get_2d(0));
             let wi = Hemisphere::UniformAngle.sample(u.get_2d(2));
             let (there, back) = (conductor.eval(wo, wi), conductor.eval(wi, wo));

@@ -19,14 +19,14 @@ use crate::color::Rgb;
 use crate::fault::fault;
 use crate::math::DVec3;
 
-use super::fresnel::{Fresnel, fresnel, refracted};
+use super::fresnel::{Fresnel, fresnel, refract};
 use super::ggx::half_vector;
-use super::mirror::reflected;
-use super::{Again, BsdfSample, EnergyOfSide, Ggx, InterfaceEnergy, Lobe};
+use super::mirror::reflect;
+use super::{ExtraUniforms, BsdfSample, DielectricCompensationSide, Ggx, DielectricCompensation, Lobe};
 
 /// Media whose indices differ by less than this part have no rough boundary: facets would bend light
 /// by less than a degree, which broad lobes do not resemble.
-const MATCHED: f64 = 0.01;
+const INDEX_MATCHED: f64 = 0.01;
 
 /// Glass.
 #[derive(Clone, Debug)]
@@ -36,50 +36,50 @@ pub struct Dielectric {
     /// Where dielectric spheres overlap, the higher priority fills the common part.
     pub priority: i32,
     /// `None` where it is smooth.
-    rough: Option<Arc<Rough>>,
+    rough: Option<Arc<RoughDielectric>>,
 }
 
 #[derive(Debug)]
-struct Rough {
+struct RoughDielectric {
     ggx: Ggx,
     /// By the ratio of this index of refraction and another; prepared where light meets it.
-    energies: Vec<(f64, OnceLock<InterfaceEnergy>)>,
+    compensations: Vec<(f64, OnceLock<DielectricCompensation>)>,
 }
 
 /// Glass where light meets it.
 #[derive(Clone, Copy, Debug)]
-pub struct Interface<'a> {
+pub struct DielectricBsdf<'a> {
     /// The index of refraction beyond over the one on the side of `wo`.
     eta: f64,
-    rough: Option<(Ggx, EnergyOfSide<'a>)>,
+    rough: Option<(Ggx, DielectricCompensationSide<'a>)>,
 }
 
 impl Dielectric {
     /// Glass of a roughness in `[0, 1]`. `others` are the indices of all media that it may border on:
     /// what is costly is prepared once for each.
-    pub fn new(ior: f64, priority: i32, roughness: f64, others: &[f64]) -> Self {
-        let energies = || others.iter().map(|other| (ior / other, OnceLock::new())).collect();
-        let rough = Ggx::new(roughness).map(|ggx| Arc::new(Rough { ggx, energies: energies() }));
+    pub fn new(ior: f64, priority: i32, roughness: f64, adjacent_iors: &[f64]) -> Self {
+        let energies = || adjacent_iors.iter().map(|other| (ior / other, OnceLock::new())).collect();
+        let rough = Ggx::new(roughness).map(|ggx| Arc::new(RoughDielectric { ggx, compensations: energies() }));
         Self { ior, priority, rough }
     }
 
     /// This glass where the index of refraction beyond over the one on this side is `eta`: its own
     /// over one of the `others`, or the inverse.
-    pub fn interface(&self, eta: f64) -> Interface<'_> {
-        let rough = self.rough.as_ref().filter(|_| (eta - 1.0).abs() >= MATCHED);
-        Interface { eta, rough: rough.and_then(|rough| Some((rough.ggx, rough.energy(eta)?))) }
+    pub fn bsdf(&self, eta: f64) -> DielectricBsdf<'_> {
+        let rough = self.rough.as_ref().filter(|_| (eta - 1.0).abs() >= INDEX_MATCHED);
+        DielectricBsdf { eta, rough: rough.and_then(|rough| Some((rough.ggx, rough.compensation(eta)?))) }
     }
 }
 
-impl Rough {
+impl RoughDielectric {
     /// The energy for the ratio that is told, which rounding may have moved a little.
-    fn energy(&self, eta: f64) -> Option<EnergyOfSide<'_>> {
+    fn compensation(&self, eta: f64) -> Option<DielectricCompensationSide<'_>> {
         let off = |ratio: f64| f64::min((ratio - eta).abs(), (1.0 / ratio - eta).abs());
-        let nearest = self.energies.iter().min_by(|(a, _), (b, _)| off(*a).total_cmp(&off(*b)));
+        let nearest = self.compensations.iter().min_by(|(a, _), (b, _)| off(*a).total_cmp(&off(*b)));
         let (ratio, energy) = nearest?;
-        let energy = energy.get_or_init(|| InterfaceEnergy::new(self.ggx, *ratio));
+        let energy = energy.get_or_init(|| DielectricCompensation::new(self.ggx, *ratio));
         let is_told_from_here = (*ratio > 1.0) == (eta > 1.0);
-        Some(if is_told_from_here { energy.from_here() } else { energy.from_beyond() })
+        Some(if is_told_from_here { energy.near_side() } else { energy.far_side() })
     }
 }
 
@@ -94,7 +94,7 @@ struct Facet {
     jacobian: f64,
 }
 
-impl Interface<'_> {
+impl DielectricBsdf<'_> {
     pub(super) fn is_delta(&self) -> bool {
         self.rough.is_none()
     }
@@ -119,15 +119,15 @@ impl Interface<'_> {
 
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
         let Some((ggx, energy)) = &self.rough else { return 0.0 };
-        let all = self.once(ggx, wo, wi) + energy.lobe(wo, wi);
-        if wi.z > 0.0 { all } else { all / self.squared() }
+        let all = self.single_scattering(ggx, wo, wi) + energy.eval(wo, wi);
+        if wi.z > 0.0 { all } else { all / self.eta_squared() }
     }
 
     /// What single facets send, without the change of radiance between media.
-    fn once(&self, ggx: &Ggx, wo: DVec3, wi: DVec3) -> f64 {
+    fn single_scattering(&self, ggx: &Ggx, wo: DVec3, wi: DVec3) -> f64 {
         if wi.z > 0.0 {
             let cos = wo.dot(half_vector(wo, wi)).clamp(0.0, 1.0);
-            return ggx.reflection(wo, wi) * fresnel(cos, self.eta).reflectance;
+            return ggx.eval_reflection(wo, wi) * fresnel(cos, self.eta).reflectance;
         }
         self.facet(wo, wi).map_or(0.0, |facet| {
             let seen = 4.0 * facet.cos_o * ggx.d(facet.normal) * ggx.g2_over_cosines(wo, wi);
@@ -136,13 +136,13 @@ impl Interface<'_> {
     }
 
     /// What refraction divides radiance by.
-    fn squared(&self) -> f64 {
+    fn eta_squared(&self) -> f64 {
         if fault!(EtaSquaredDropped) { 1.0 } else { self.eta * self.eta }
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let Some((ggx, energy)) = &self.rough else { return 0.0 };
-        self.once(ggx, wo, wi) * wi.z.abs() + energy.missing(wo) * energy.lobe_pdf(wi)
+        self.single_scattering(ggx, wo, wi) * wi.z.abs() + energy.missing(wo) * energy.pdf(wi)
     }
 
     /// Reflects with the Fresnel probability and refracts otherwise, at a facet that is seen from
@@ -150,13 +150,13 @@ impl Interface<'_> {
     pub(super) fn sample(
         &self,
         wo: DVec3,
-        lobe: f64,
+        u_lobe: f64,
         u: [f64; 2],
-        again: Again<'_>,
+        extra: ExtraUniforms<'_>,
     ) -> Option<BsdfSample> {
-        let Some((ggx, energy)) = &self.rough else { return Some(self.sample_smooth(wo, lobe)) };
-        let once = self.sample_once(ggx, wo, lobe, u);
-        let wi = once.unwrap_or_else(|side| energy.sample_lobe(side, again()));
+        let Some((ggx, energy)) = &self.rough else { return Some(self.sample_smooth(wo, u_lobe)) };
+        let once = self.sample_single_scattering(ggx, wo, u_lobe, u);
+        let wi = once.unwrap_or_else(|side| energy.sample(side, extra()));
         let pdf = self.pdf(wo, wi);
         let weight = Rgb::splat((self.eval(wo, wi) * wi.z.abs() / pdf) as f32);
         let eta = if wi.z < 0.0 { self.eta } else { 1.0 };
@@ -165,15 +165,15 @@ impl Interface<'_> {
 
     /// A direction by a single facet. Where its light meets another one, what is left of `lobe`: a
     /// number in `[0, 1)` that is as random as it was, whatever the facet.
-    fn sample_once(&self, ggx: &Ggx, wo: DVec3, lobe: f64, u: [f64; 2]) -> Result<DVec3, f64> {
-        let m = ggx.sample_normal(wo, u);
+    fn sample_single_scattering(&self, ggx: &Ggx, wo: DVec3, u_lobe: f64, u: [f64; 2]) -> Result<DVec3, f64> {
+        let m = ggx.sample_visible_normal(wo, u);
         let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.eta).reflectance;
-        let (wi, rest) = if lobe < reflectance {
+        let (wi, rest) = if u_lobe < reflectance {
             let wi = (m * (2.0 * wo.dot(m)) - wo).normalize();
-            (Some(wi).filter(|wi| wi.z > 0.0), lobe / reflectance)
+            (Some(wi).filter(|wi| wi.z > 0.0), u_lobe / reflectance)
         } else {
-            let wi = refracted(wo, m, self.eta).filter(|wi| wi.z < 0.0);
-            (wi, (lobe - reflectance) / (1.0 - reflectance))
+            let wi = refract(wo, m, self.eta).filter(|wi| wi.z < 0.0);
+            (wi, (u_lobe - reflectance) / (1.0 - reflectance))
         };
         let Some(wi) = wi else { return Err(rest) };
         let seen = ggx.shadowing(wo, wi);
@@ -181,16 +181,16 @@ impl Interface<'_> {
     }
 
     /// The weight is 1 but for the change of radiance between media.
-    fn sample_smooth(&self, wo: DVec3, lobe: f64) -> BsdfSample {
+    fn sample_smooth(&self, wo: DVec3, u_lobe: f64) -> BsdfSample {
         let eta = self.eta;
         let Fresnel { reflectance, cos_transmitted } = fresnel(wo.z.min(1.0), eta);
-        if lobe < reflectance {
-            let (wi, weight) = (reflected(wo), Rgb::ONE);
+        if u_lobe < reflectance {
+            let (wi, weight) = (reflect(wo), Rgb::ONE);
             return BsdfSample { wi, weight, pdf: reflectance, lobe: Lobe::Delta, eta: 1.0 };
         }
         BsdfSample {
             wi: DVec3::new(-wo.x / eta, -wo.y / eta, -cos_transmitted).normalize(),
-            weight: Rgb::splat((1.0 / self.squared()) as f32),
+            weight: Rgb::splat((1.0 / self.eta_squared()) as f32),
             pdf: 1.0 - reflectance,
             lobe: Lobe::Delta,
             eta,
@@ -234,7 +234,7 @@ mod tests {
             let glass = glass(roughness);
             let wo = DVec3::new(0.6, 0.0, 0.8);
             let sample =
-                |eta: f64, wo| glass.interface(eta).sample(wo, 0.999, [0.5, 0.0], &|| [0.5; 2]);
+                |eta: f64, wo| glass.bsdf(eta).sample(wo, 0.999, [0.5, 0.0], &|| [0.5; 2]);
             let into = sample(1.5, wo).expect("a direction").wi;
             assert_relative_eq!(into.x, -0.4, max_relative = 1e-3);
             let back = DVec3::new(into.x, into.y, -into.z);
@@ -247,7 +247,7 @@ mod tests {
     fn rough_glass_without_a_boundary_is_not_there() {
         let wo = DVec3::new(0.6, 0.0, 0.8);
         let glass = glass(0.8);
-        let matched = glass.interface(1.0);
+        let matched = glass.bsdf(1.0);
         let sample = matched.sample(wo, 0.5, [0.3, 0.3], &|| [0.5; 2]).expect("a direction");
         assert!(matched.is_delta() && (sample.wi + wo).length() < 1e-12);
     }
@@ -257,9 +257,9 @@ mod tests {
         let (wo, wi) = (DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.0, 0.28, -0.96));
         let (many, ggx) = (glass(0.7), Ggx::new(0.7).expect("rough"));
         for eta in [1.5, 1.0 / 1.5, 1.5 / 1.33, 1.33 / 1.5] {
-            let energy = InterfaceEnergy::new(ggx, eta);
-            let fresh = Interface { eta, rough: Some((ggx, energy.from_here())) };
-            assert_relative_eq!(many.interface(eta).eval(wo, wi), fresh.eval(wo, wi));
+            let energy = DielectricCompensation::new(ggx, eta);
+            let fresh = DielectricBsdf { eta, rough: Some((ggx, energy.near_side())) };
+            assert_relative_eq!(many.bsdf(eta).eval(wo, wi), fresh.eval(wo, wi));
         }
     }
 
@@ -273,8 +273,8 @@ mod tests {
                     let wo = DVec3::new(f64::sqrt(1.0 - cos * cos), 0.0, cos);
                     let n = 4000;
                     let variance = |i: u32| {
-                        let u = Sampler::new(3, 0, i);
-                        let glass = glass.interface(eta);
+                        let u = Sampler::independent(3, 0, i);
+                        let glass = glass.bsdf(eta);
                         let drawn = glass.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(4));
                         let weight = drawn.map_or(0.0, |s| f64::from(s.weight.x) * s.eta * s.eta);
                         (weight - 1.0) * (weight - 1.0)
@@ -290,7 +290,7 @@ mod tests {
     fn nothing_breaks_at_the_horizon() {
         for (roughness, eta) in [(0.01, 1.5), (0.5, 0.5), (1.0, 1.02), (1.0, 10.0), (0.01, 0.1)] {
             let glass = Dielectric::new(eta, 0, roughness, &[1.0]);
-            let glass = glass.interface(eta);
+            let glass = glass.bsdf(eta);
             for wo in [DVec3::X, DVec3::new(1.0, 0.0, 1e-300), DVec3::Z] {
                 for u in [[0.0, 0.0], [0.5, 0.5], [0.25, 1.0 - f64::EPSILON]] {
                     for lobe in [0.0, 0.3, 1.0 - f64::EPSILON] {

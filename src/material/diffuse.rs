@@ -24,7 +24,7 @@ pub(super) fn pdf(hemisphere: Hemisphere, wi: DVec3) -> f64 {
 
 impl Diffuse {
     /// This surface in a sphere's own colour.
-    pub fn colored(self, albedo: Option<Rgb>) -> Self {
+    pub fn with_color(self, albedo: Option<Rgb>) -> Self {
         Self { albedo: albedo.unwrap_or(self.albedo) }
     }
 

@@ -29,7 +29,7 @@ pub fn fresnel(cos: f64, eta: f64) -> Fresnel {
 
 /// Where a facet of normal `m` sends the light that it does not reflect; `None` where it reflects
 /// all.
-pub(super) fn refracted(wo: DVec3, m: DVec3, eta: f64) -> Option<DVec3> {
+pub(super) fn refract(wo: DVec3, m: DVec3, eta: f64) -> Option<DVec3> {
     let cos = wo.dot(m).clamp(0.0, 1.0);
     let Fresnel { reflectance, cos_transmitted } = fresnel(cos, eta);
     let along = cos / eta - cos_transmitted;

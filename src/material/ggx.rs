@@ -80,7 +80,7 @@ impl Ggx {
     }
 
     /// A facet's normal, drawn among those that are seen from `wo` (`wo.z >= 0`).
-    pub fn sample_normal(self, wo: DVec3, u: [f64; 2]) -> DVec3 {
+    pub fn sample_visible_normal(self, wo: DVec3, u: [f64; 2]) -> DVec3 {
         // Stretched along z, the microsurface is a hemisphere; the directions in which it reflects
         // `wo` fill a spherical cap evenly.
         let standard =
@@ -94,7 +94,7 @@ impl Ggx {
 
     /// The density of [`Self::sample_normal`], per solid angle of `m`:
     /// `G1(wo) (wo.m) D(m) / wo.z`.
-    pub fn normal_pdf(self, wo: DVec3, m: DVec3) -> f64 {
+    pub fn visible_normal_pdf(self, wo: DVec3, m: DVec3) -> f64 {
         2.0 * wo.dot(m).max(0.0) * self.d(m) / (wo.z.abs() + self.stretch(wo))
     }
 
@@ -102,7 +102,7 @@ impl Ggx {
     /// `None` where it leads into the surface. The weight of a lossless facet is
     /// [`Self::shadowing`].
     pub fn sample_reflection(self, wo: DVec3, u: [f64; 2]) -> Option<(DVec3, DVec3)> {
-        let m = self.sample_normal(wo, u);
+        let m = self.sample_visible_normal(wo, u);
         let wi = (m * (2.0 * wo.dot(m)) - wo).normalize();
         (wi.z > 0.0).then_some((wi, m))
     }
@@ -119,7 +119,7 @@ impl Ggx {
 
     /// The BRDF of lossless facets, `D G2 / (4 cos_o cos_i)`; times the Fresnel reflectance at
     /// `wo.m` it is that of real ones.
-    pub fn reflection(self, wo: DVec3, wi: DVec3) -> f64 {
+    pub fn eval_reflection(self, wo: DVec3, wi: DVec3) -> f64 {
         if wi.z <= 0.0 || wo.z < 0.0 {
             return 0.0;
         }
@@ -201,7 +201,7 @@ mod tests {
                 let ratio = ggx.g2(wo, wi) / ggx.g1(wo);
                 assert_relative_eq!(ggx.shadowing(wo, wi), ratio, max_relative = 1e-12);
                 let f = ggx.d(half_vector(wo, wi)) * ggx.g2(wo, wi) / (4.0 * wo.z * wi.z);
-                assert_relative_eq!(ggx.reflection(wo, wi), f, max_relative = 1e-9);
+                assert_relative_eq!(ggx.eval_reflection(wo, wi), f, max_relative = 1e-9);
             }
         }
     }
@@ -213,10 +213,10 @@ mod tests {
             for (theta, u) in [(0.0, [0.1, 0.2]), (0.8, [0.7, 0.6]), (1.5, [0.3, 0.1])] {
                 let wo = direction(theta, 1.0);
                 let Some((wi, m)) = ggx.sample_reflection(wo, u) else { continue };
-                let weight = ggx.reflection(wo, wi) * wi.z / ggx.reflection_pdf(wo, wi);
+                let weight = ggx.eval_reflection(wo, wi) * wi.z / ggx.reflection_pdf(wo, wi);
                 assert_relative_eq!(weight, ggx.shadowing(wo, wi), max_relative = 1e-9);
                 let jacobian = 1.0 / (4.0 * wo.dot(m));
-                let pdf = ggx.normal_pdf(wo, m) * jacobian;
+                let pdf = ggx.visible_normal_pdf(wo, m) * jacobian;
                 assert_relative_eq!(ggx.reflection_pdf(wo, wi), pdf, max_relative = 1e-6);
             }
         }
@@ -228,12 +228,12 @@ mod tests {
             let ggx = Ggx::new(roughness).expect("rough");
             for wo in [DVec3::X, DVec3::new(1.0, 0.0, 1e-300), DVec3::Z] {
                 for u in [[0.0, 0.0], [0.5, 0.5], [0.25, 1.0 - f64::EPSILON]] {
-                    let m = ggx.sample_normal(wo, u);
+                    let m = ggx.sample_visible_normal(wo, u);
                     assert!(m.is_normalized() && m.z >= 0.0, "{m}");
-                    assert!(ggx.normal_pdf(wo, m).is_finite());
+                    assert!(ggx.visible_normal_pdf(wo, m).is_finite());
                     if let Some((wi, _)) = ggx.sample_reflection(wo, u) {
                         assert!((0.0..=1.0 + 1e-12).contains(&ggx.shadowing(wo, wi)));
-                        assert!(ggx.reflection(wo, wi).is_finite());
+                        assert!(ggx.eval_reflection(wo, wi).is_finite());
                     }
                 }
             }

@@ -14,14 +14,14 @@ pub struct Mirror {
 
 impl Mirror {
     /// This mirror in a sphere's own colour.
-    pub(super) fn colored(self, reflectance: Option<Rgb>) -> Self {
+    pub(super) fn with_color(self, reflectance: Option<Rgb>) -> Self {
         Self { reflectance: reflectance.unwrap_or(self.reflectance) }
     }
 
     /// The mirror direction; its weight is the reflectance, with no cosine over density.
     pub(super) fn sample(&self, wo: DVec3) -> BsdfSample {
         BsdfSample {
-            wi: reflected(wo),
+            wi: reflect(wo),
             weight: self.reflectance,
             pdf: 1.0,
             lobe: Lobe::Delta,
@@ -31,6 +31,6 @@ impl Mirror {
 }
 
 /// The mirror direction of `wo` about the local z axis.
-pub(super) fn reflected(wo: DVec3) -> DVec3 {
+pub(super) fn reflect(wo: DVec3) -> DVec3 {
     DVec3::new(-wo.x, -wo.y, wo.z)
 }

@@ -9,11 +9,11 @@ mod coat;
 mod conductor;
 mod dielectric;
 mod diffuse;
-mod energy;
+mod energy_compensation;
 mod fresnel;
 mod ggx;
-mod glasses;
-mod media;
+mod named_iors;
+mod medium_stack;
 mod metals;
 mod mirror;
 mod oren_nayar;
@@ -24,20 +24,20 @@ mod sample;
 
 pub use coat::Coat;
 pub use conductor::{Conductor, ConductorBsdf, fresnel_conductor};
-pub use dielectric::{Dielectric, Interface};
+pub use dielectric::{Dielectric, DielectricBsdf};
 pub use diffuse::Diffuse;
-pub use energy::{EnergyOfSide, InterfaceEnergy, MissingEnergy};
+pub use energy_compensation::{DielectricCompensationSide, DielectricCompensation, EnergyCompensation};
 pub use fresnel::fresnel;
 pub use ggx::{Ggx, half_vector};
-pub use glasses::GLASSES;
-pub use media::{Boundary, Media, Medium};
+pub use named_iors::NAMED_IORS;
+pub use medium_stack::{Boundary, MediumStack, Medium};
 pub use metals::Metal;
 pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
 pub use phong::Phong;
 pub use plastic::{Plastic, PlasticBsdf};
 pub use principled::{Principled, PrincipledBsdf, PrincipledParameters};
-pub use sample::{Again, BsdfSample, Lobe};
+pub use sample::{ExtraUniforms, BsdfSample, Lobe};
 
 use crate::color::Rgb;
 use crate::math::DVec3;
@@ -89,7 +89,7 @@ pub enum Bsdf<'a> {
     /// Metal.
     Conductor(ConductorBsdf<'a>),
     /// An interface between transparent media.
-    Dielectric(Interface<'a>),
+    Dielectric(DielectricBsdf<'a>),
     /// A matt base under a clear coat.
     Plastic(PlasticBsdf<'a>),
     /// A mixture of the others.
@@ -111,14 +111,14 @@ impl Material {
     /// diffuse directions are drawn.
     pub fn bsdf(&self, albedo: Option<Rgb>, eta: f64, hemisphere: Hemisphere) -> Bsdf<'_> {
         match &self.model {
-            Model::Diffuse(diffuse) => Bsdf::Diffuse(diffuse.colored(albedo), hemisphere),
-            Model::OrenNayar(rough) => Bsdf::OrenNayar(rough.colored(albedo), hemisphere),
-            Model::Mirror(mirror) => Bsdf::Mirror(mirror.colored(albedo)),
-            Model::Conductor(conductor) => Bsdf::Conductor(conductor.at(albedo)),
-            Model::Dielectric(dielectric) => Bsdf::Dielectric(dielectric.interface(eta)),
-            Model::Plastic(plastic) => Bsdf::Plastic(plastic.at(albedo)),
-            Model::Principled(principled) => Bsdf::Principled(principled.at(albedo, eta)),
-            Model::Phong(phong) => Bsdf::Phong(phong.colored(albedo)),
+            Model::Diffuse(diffuse) => Bsdf::Diffuse(diffuse.with_color(albedo), hemisphere),
+            Model::OrenNayar(rough) => Bsdf::OrenNayar(rough.with_color(albedo), hemisphere),
+            Model::Mirror(mirror) => Bsdf::Mirror(mirror.with_color(albedo)),
+            Model::Conductor(conductor) => Bsdf::Conductor(conductor.bsdf(albedo)),
+            Model::Dielectric(dielectric) => Bsdf::Dielectric(dielectric.bsdf(eta)),
+            Model::Plastic(plastic) => Bsdf::Plastic(plastic.bsdf(albedo)),
+            Model::Principled(principled) => Bsdf::Principled(principled.bsdf(albedo, eta)),
+            Model::Phong(phong) => Bsdf::Phong(phong.with_color(albedo)),
         }
     }
 
@@ -127,15 +127,15 @@ impl Material {
     /// the sphere's own colour where it has one.
     pub fn base_color(&self, albedo: Option<Rgb>) -> Rgb {
         match &self.model {
-            Model::Diffuse(diffuse) => diffuse.colored(albedo).albedo,
-            Model::OrenNayar(rough) => rough.colored(albedo).albedo,
-            Model::Mirror(mirror) => mirror.colored(albedo).reflectance,
-            Model::Conductor(conductor) => conductor.at(albedo).reflectance(1.0),
+            Model::Diffuse(diffuse) => diffuse.with_color(albedo).albedo,
+            Model::OrenNayar(rough) => rough.with_color(albedo).albedo,
+            Model::Mirror(mirror) => mirror.with_color(albedo).reflectance,
+            Model::Conductor(conductor) => conductor.bsdf(albedo).reflectance(1.0),
             Model::Dielectric(_) => Rgb::ONE,
             Model::Plastic(plastic) => albedo.unwrap_or(plastic.albedo),
             Model::Principled(principled) => albedo.unwrap_or(principled.base_color()),
             Model::Phong(phong) => {
-                let Phong { albedo, specular, .. } = phong.colored(albedo);
+                let Phong { albedo, specular, .. } = phong.with_color(albedo);
                 (albedo + specular).min(Rgb::ONE)
             }
         }
@@ -143,18 +143,18 @@ impl Material {
 
     /// The largest share of the light from a direction that the surface sends on: 1 or less, but for
     /// the classic form of Phong's model, which makes light.
-    pub fn most_energy(&self) -> Rgb {
+    pub fn max_albedo(&self) -> Rgb {
         match &self.model {
-            Model::Phong(phong) => phong.most_energy(),
+            Model::Phong(phong) => phong.max_albedo(),
             _ => Rgb::ONE,
         }
     }
 
     /// The glass that fills a sphere of this material, where light may enter it.
-    pub fn glass(&self) -> Option<&Dielectric> {
+    pub fn dielectric(&self) -> Option<&Dielectric> {
         match &self.model {
             Model::Dielectric(glass) => Some(glass),
-            Model::Principled(principled) => principled.glass(),
+            Model::Principled(principled) => principled.dielectric(),
             _ => None,
         }
     }
@@ -201,33 +201,33 @@ impl Bsdf<'_> {
     pub fn sample(
         &self,
         wo: DVec3,
-        lobe: f64,
+        u_lobe: f64,
         u: [f64; 2],
-        again: Again<'_>,
+        extra: ExtraUniforms<'_>,
     ) -> Option<BsdfSample> {
         match self {
             Self::Diffuse(diffuse, hemisphere) => diffuse.sample(*hemisphere, u),
             Self::OrenNayar(rough, hemisphere) => rough.sample(*hemisphere, wo, u),
             Self::Mirror(mirror) => Some(mirror.sample(wo)),
-            Self::Dielectric(interface) => interface.sample(wo, lobe, u, again),
-            Self::Principled(principled) => principled.sample(wo, lobe, u, again),
-            Self::Phong(phong) => phong.sample(wo, lobe, u),
-            Self::Plastic(plastic) => plastic.sample(wo, lobe, u),
-            Self::Conductor(conductor) => conductor.sample(wo, lobe, u, again),
+            Self::Dielectric(interface) => interface.sample(wo, u_lobe, u, extra),
+            Self::Principled(principled) => principled.sample(wo, u_lobe, u, extra),
+            Self::Phong(phong) => phong.sample(wo, u_lobe, u),
+            Self::Plastic(plastic) => plastic.sample(wo, u_lobe, u),
+            Self::Conductor(conductor) => conductor.sample(wo, u_lobe, u, extra),
         }
     }
 
     /// Whether light may come through from behind the surface, in more than single directions.
-    pub fn transmits(&self) -> bool {
+    pub fn is_rough_transmissive(&self) -> bool {
         match self {
             Self::Dielectric(interface) => !interface.is_delta(),
-            Self::Principled(principled) => principled.transmits(),
+            Self::Principled(principled) => principled.is_rough_transmissive(),
             _ => false,
         }
     }
 
     /// Whether [`Self::sample`] heeds the number that chooses a lobe.
-    pub fn has_lobes(&self) -> bool {
+    pub fn needs_lobe_sample(&self) -> bool {
         !matches!(self, Self::Diffuse(..) | Self::OrenNayar(..) | Self::Mirror(_))
     }
 

@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 use crate::color::Rgb;
 use crate::math::DVec3;
-use crate::sampling::{Hemisphere, acos};
+use crate::sampling::{Hemisphere, safe_acos};
 
 use super::{BsdfSample, Lobe, diffuse};
 
@@ -38,7 +38,7 @@ pub struct OrenNayar {
 
 impl OrenNayar {
     /// This surface in a sphere's own colour.
-    pub(super) fn colored(self, albedo: Option<Rgb>) -> Self {
+    pub(super) fn with_color(self, albedo: Option<Rgb>) -> Self {
         Self { albedo: albedo.unwrap_or(self.albedo), ..self }
     }
 
@@ -50,15 +50,15 @@ impl OrenNayar {
         let scale = FRAC_1_PI / (1.0 + C1 * r);
         let s = wo.x * wi.x + wo.y * wi.y;
         let t = if s > 0.0 { wo.z.max(wi.z) } else { 1.0 };
-        let once = scale * (1.0 + r * s / t);
+        let single = scale * (1.0 + r * s / t);
         // (1 - E_o)(1 - E_i) / (1 - mean E), with the factors A r cancelled.
-        let often = scale * r * missing(wo.z) * missing(wi.z) / (C1 - C2);
-        self.albedo * once as f32 + self.albedo_of_more() * often as f32
+        let multiple = scale * r * missing_energy(wo.z) * missing_energy(wi.z) / (C1 - C2);
+        self.albedo * single as f32 + self.multiscatter_albedo() * multiple as f32
     }
 
     /// The colour of light that was scattered more than once: the geometric series over the facets'
     /// albedo, of which the mean of `E` escapes each time.
-    fn albedo_of_more(&self) -> Rgb {
+    fn multiscatter_albedo(&self) -> Rgb {
         let escapes = ((1.0 + C2 * self.roughness) / (1.0 + C1 * self.roughness)) as f32;
         self.albedo * self.albedo * escapes / (Rgb::ONE - self.albedo * (1.0 - escapes))
     }
@@ -79,11 +79,11 @@ impl OrenNayar {
 
 /// `(1 - E(cos)) / (A r) = c1 - G(cos) / pi`, which is 0 at the horizon. `G` is written without its
 /// division by the cosine.
-fn missing(cos: f64) -> f64 {
+fn missing_energy(cos: f64) -> f64 {
     let cos = cos.min(1.0);
     let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
     let cubic = sin * cos * (1.0 + sin + sin * sin) / (1.0 + sin);
-    let g = sin * (acos(cos) - sin * cos) + 2.0 / 3.0 * (cubic - sin);
+    let g = sin * (safe_acos(cos) - sin * cos) + 2.0 / 3.0 * (cubic - sin);
     (C1 - FRAC_1_PI * g).max(0.0)
 }
 

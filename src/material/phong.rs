@@ -16,7 +16,7 @@ use crate::fault::fault;
 use crate::math::{DVec3, Frame};
 use crate::sampling::{Hemisphere, hemisphere, powf};
 
-use super::mirror::reflected;
+use super::mirror::reflect;
 use super::{BsdfSample, Lobe};
 
 /// A surface with a highlight.
@@ -34,7 +34,7 @@ pub struct Phong {
 
 impl Phong {
     /// This surface with a sphere's own colour as its diffuse share.
-    pub(super) fn colored(self, albedo: Option<Rgb>) -> Self {
+    pub(super) fn with_color(self, albedo: Option<Rgb>) -> Self {
         Self { albedo: albedo.unwrap_or(self.albedo), ..self }
     }
 
@@ -42,7 +42,7 @@ impl Phong {
         if wi.z <= 0.0 {
             return Rgb::ZERO;
         }
-        let lobe = powf(wi.dot(reflected(wo)).max(0.0), self.exponent);
+        let lobe = powf(wi.dot(reflect(wo)).max(0.0), self.exponent);
         let scale = if self.normalized { (self.exponent + 2.0) / TAU } else { 1.0 / wi.z };
         self.albedo * FRAC_1_PI + self.specular * (scale * lobe) as f32
     }
@@ -51,18 +51,18 @@ impl Phong {
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let glossy = self.glossy_share();
+        let glossy = self.glossy_probability();
         let glossy = if fault!(SharesSwapped) { 1.0 - glossy } else { glossy };
-        let cos_alpha = wi.dot(reflected(wo)).clamp(0.0, 1.0);
+        let cos_alpha = wi.dot(reflect(wo)).clamp(0.0, 1.0);
         (1.0 - glossy) * Hemisphere::Cosine.pdf(wi.z)
             + glossy * hemisphere::power_cosine_pdf(self.exponent, cos_alpha)
     }
 
     /// The part of the glossy lobe that reaches below the surface is lost: `None`.
-    pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
-        let is_glossy = lobe < self.glossy_share();
+    pub(super) fn sample(&self, wo: DVec3, u_lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+        let is_glossy = u_lobe < self.glossy_probability();
         let wi = if is_glossy {
-            let around = Frame::around(reflected(wo));
+            let around = Frame::from_z(reflect(wo));
             around.to_world(hemisphere::sample_power_cosine(self.exponent, u))
         } else {
             Hemisphere::Cosine.sample(u)
@@ -76,13 +76,13 @@ impl Phong {
     /// The largest share of light that is sent on, over all directions: that from straight above,
     /// where none of the highlight lies below the surface. Its integral of `cos^n` there is
     /// `2 pi / (n + 1)`. More than 1 for most classic highlights.
-    pub fn most_energy(&self) -> Rgb {
+    pub fn max_albedo(&self) -> Rgb {
         let lobe = if self.normalized { 1.0 } else { TAU / (self.exponent + 1.0) };
         self.albedo + self.specular * lobe as f32
     }
 
     /// The probability of sampling the highlight.
-    fn glossy_share(&self) -> f64 {
+    fn glossy_probability(&self) -> f64 {
         let (diffuse, glossy) = (luminance(self.albedo), luminance(self.specular));
         let sum = diffuse + glossy;
         if sum > 0.0 { f64::from(glossy / sum) } else { 0.0 }

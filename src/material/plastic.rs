@@ -31,7 +31,7 @@ pub struct PlasticBsdf<'a> {
 
 impl Plastic {
     /// This surface at a point, with a sphere's own colour as its base.
-    pub(super) fn at(&self, albedo: Option<Rgb>) -> PlasticBsdf<'_> {
+    pub(super) fn bsdf(&self, albedo: Option<Rgb>) -> PlasticBsdf<'_> {
         PlasticBsdf { albedo: albedo.unwrap_or(self.albedo), coat: &self.coat }
     }
 }
@@ -41,7 +41,7 @@ impl PlasticBsdf<'_> {
         if wi.z <= 0.0 {
             return Rgb::ZERO;
         }
-        let base = self.base() * self.coat.lobe(wo.z, wi.z) as f32;
+        let base = self.base_albedo() * self.coat.eval_base(wo.z, wi.z) as f32;
         base + Rgb::splat(self.coat.eval(wo, wi) as f32)
     }
 
@@ -49,13 +49,13 @@ impl PlasticBsdf<'_> {
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let glossy = self.glossy_share(wo);
+        let glossy = self.coat_probability(wo);
         (1.0 - glossy) * Hemisphere::Cosine.pdf(wi.z) + glossy * self.coat.pdf(wo, wi)
     }
 
-    pub(super) fn sample(&self, wo: DVec3, lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
-        let glossy = self.glossy_share(wo);
-        let (wi, lobe) = if lobe < glossy {
+    pub(super) fn sample(&self, wo: DVec3, u_lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
+        let glossy = self.coat_probability(wo);
+        let (wi, lobe) = if u_lobe < glossy {
             let coat = self.coat.sample(wo, u)?;
             if coat.lobe == Lobe::Delta {
                 let weight = coat.weight / glossy as f32;
@@ -71,15 +71,15 @@ impl PlasticBsdf<'_> {
     }
 
     /// The colour of the base as seen through the coat.
-    fn base(&self) -> Rgb {
-        let escaping = self.coat.escaping() as f32;
+    fn base_albedo(&self) -> Rgb {
+        let escaping = self.coat.internal_escape() as f32;
         self.albedo * escaping / (Rgb::ONE - self.albedo * (1.0 - escaping))
     }
 
     /// The probability of sampling the coat.
-    fn glossy_share(&self, wo: DVec3) -> f64 {
-        let through = self.coat.through(wo.z);
-        let base = f64::from(luminance(self.base())) * through;
+    fn coat_probability(&self, wo: DVec3) -> f64 {
+        let through = self.coat.transmittance(wo.z);
+        let base = f64::from(luminance(self.base_albedo())) * through;
         let sum = 1.0 - through + base;
         if sum > 0.0 { (1.0 - through) / sum } else { 0.0 }
     }

@@ -28,14 +28,14 @@ use crate::color::{Rgb, luminance};
 use crate::fault::fault;
 use crate::math::DVec3;
 
-use super::dielectric::Interface;
-use super::energy::hemispherical_mean;
-use super::{Again, BsdfSample, Coat, Conductor, ConductorBsdf, Dielectric, Lobe};
+use super::dielectric::DielectricBsdf;
+use super::energy_compensation::hemispherical_mean;
+use super::{ExtraUniforms, BsdfSample, Coat, Conductor, ConductorBsdf, Dielectric, Lobe};
 
 /// The index of refraction of the coat.
 const COAT_IOR: f64 = 1.5;
 /// The gloss reflects at most this share straight from above.
-const MOST_GLOSS: f64 = 0.65;
+const MAX_GLOSS: f64 = 0.65;
 
 /// What a principled surface is told by, named as in scene files. All but the colour and the index
 /// of refraction are from 0 to 1.
@@ -79,49 +79,49 @@ impl Default for PrincipledParameters {
 #[derive(Clone, Debug)]
 pub struct Principled {
     base_color: Rgb,
-    metal: Option<(f64, Conductor)>,
-    glass: Option<(f64, Dielectric)>,
-    layers: Box<Layers>,
+    conductor: Option<(f64, Conductor)>,
+    dielectric: Option<(f64, Dielectric)>,
+    layers: Box<PrincipledLayers>,
 }
 
 /// What depends neither on a sphere's own colour nor on what is behind the surface.
 #[derive(Clone, Debug)]
-struct Layers {
+struct PrincipledLayers {
     coat: Option<(f64, Coat)>,
-    matt: Option<Matt>,
+    diffuse: Option<DiffuseBase>,
 }
 
 /// A principled surface at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct PrincipledBsdf<'a> {
     base_color: Rgb,
-    metal: Option<(f64, ConductorBsdf<'a>)>,
-    glass: Option<(f64, Interface<'a>)>,
-    layers: &'a Layers,
+    conductor: Option<(f64, ConductorBsdf<'a>)>,
+    dielectric: Option<(f64, DielectricBsdf<'a>)>,
+    layers: &'a PrincipledLayers,
 }
 
 /// Matt under a gloss.
 #[derive(Clone, Debug)]
-struct Matt {
-    share: f64,
+struct DiffuseBase {
+    weight: f64,
     gloss: Coat,
     /// The cosine-weighted mean of the share that comes through gloss and coat.
-    mean_through: f64,
+    mean_transmittance: f64,
 }
 
 /// What is drawn from.
 #[derive(Clone, Copy, PartialEq)]
-enum Part {
+enum Component {
     Coat,
-    Metal,
+    Conductor,
     /// The gloss alone.
     Gloss,
     /// What is matt and, where that is rough, the gloss over it, as if the base were white.
-    Matt,
-    Glass,
+    Diffuse,
+    Dielectric,
 }
 
-const PARTS: [Part; 5] = [Part::Coat, Part::Metal, Part::Gloss, Part::Matt, Part::Glass];
+const COMPONENTS: [Component; 5] = [Component::Coat, Component::Conductor, Component::Gloss, Component::Diffuse, Component::Dielectric];
 
 impl Principled {
     /// The surface of these parameters; `others` are the indices of the media that it may border on,
@@ -131,16 +131,16 @@ impl Principled {
         let transmission = parameters.transmission;
         let glass = (1.0 - metallic) * transmission;
         let matt = (1.0 - metallic) * (1.0 - transmission);
-        let coat = part(parameters.coat, || Coat::new(COAT_IOR, parameters.coat_roughness));
+        let coat = weighted(parameters.coat, || Coat::new(COAT_IOR, parameters.coat_roughness));
         let gloss = || Coat::new(gloss_ior(ior, parameters.specular), roughness);
-        let matt = part(matt, gloss).map(|(share, gloss)| {
-            let through = |cos| gloss.through(cos) * through(coat.as_ref(), cos);
+        let matt = weighted(matt, gloss).map(|(share, gloss)| {
+            let through = |cos| gloss.transmittance(cos) * coat_transmittance(coat.as_ref(), cos);
             let mean_through = hemispherical_mean(through);
-            Matt { share, gloss, mean_through }
+            DiffuseBase { weight: share, gloss, mean_transmittance: mean_through }
         });
-        let metal = part(metallic, || Conductor::of_color(base_color, roughness));
-        let glass = part(glass, || Dielectric::new(ior, 0, roughness, others));
-        Self { base_color, metal, glass, layers: Box::new(Layers { coat, matt }) }
+        let metal = weighted(metallic, || Conductor::from_color(base_color, roughness));
+        let glass = weighted(glass, || Dielectric::new(ior, 0, roughness, others));
+        Self { base_color, conductor: metal, dielectric: glass, layers: Box::new(PrincipledLayers { coat, diffuse: matt }) }
     }
 
     /// Its base colour.
@@ -149,85 +149,85 @@ impl Principled {
     }
 
     /// The glass, where there is some.
-    pub fn glass(&self) -> Option<&Dielectric> {
-        self.glass.as_ref().map(|(_, glass)| glass)
+    pub fn dielectric(&self) -> Option<&Dielectric> {
+        self.dielectric.as_ref().map(|(_, glass)| glass)
     }
 
     /// This surface at a point, with a sphere's own colour in place of the base colour; `eta` is the
     /// index of refraction beyond over the one on this side.
-    pub(super) fn at(&self, color: Option<Rgb>, eta: f64) -> PrincipledBsdf<'_> {
+    pub(super) fn bsdf(&self, color: Option<Rgb>, eta: f64) -> PrincipledBsdf<'_> {
         PrincipledBsdf {
             base_color: color.unwrap_or(self.base_color),
-            metal: self.metal.as_ref().map(|(share, metal)| (*share, metal.at(color))),
-            glass: self.glass.as_ref().map(|(share, glass)| (*share, glass.interface(eta))),
+            conductor: self.conductor.as_ref().map(|(share, metal)| (*share, metal.bsdf(color))),
+            dielectric: self.dielectric.as_ref().map(|(share, glass)| (*share, glass.bsdf(eta))),
             layers: &self.layers,
         }
     }
 }
 
 /// A part with its share, if it has any.
-fn part<T>(share: f64, make: impl FnOnce() -> T) -> Option<(f64, T)> {
+fn weighted<T>(share: f64, make: impl FnOnce() -> T) -> Option<(f64, T)> {
     (share > 0.0).then(|| (share, make()))
 }
 
 /// The index that reflects `2 specular` times as much straight from above as `ior` does.
 fn gloss_ior(ior: f64, specular: f64) -> f64 {
     let amplitude = (ior - 1.0) / (ior + 1.0);
-    let amplitude = (2.0 * specular * amplitude * amplitude).min(MOST_GLOSS).sqrt();
+    let amplitude = (2.0 * specular * amplitude * amplitude).min(MAX_GLOSS).sqrt();
     (1.0 + amplitude) / (1.0 - amplitude)
 }
 
 /// The share of light that comes through a coat from a direction of this cosine.
-fn through(coat: Option<&(f64, Coat)>, cos: f64) -> f64 {
+fn coat_transmittance(coat: Option<&(f64, Coat)>, cos: f64) -> f64 {
     if fault!(CoatNotPaidFor) {
         return 1.0;
     }
-    coat.map_or(1.0, |(share, coat)| 1.0 - share * (1.0 - coat.through(cos)))
+    coat.map_or(1.0, |(share, coat)| 1.0 - share * (1.0 - coat.transmittance(cos)))
 }
 
 impl PrincipledBsdf<'_> {
     pub(super) fn is_delta(&self) -> bool {
-        let Layers { coat, matt } = self.layers;
+        let PrincipledLayers { coat, diffuse: matt } = self.layers;
         matt.is_none()
             && coat.as_ref().is_none_or(|(_, coat)| coat.is_delta())
-            && self.metal.is_none_or(|(_, metal)| metal.is_delta())
-            && self.glass.is_none_or(|(_, glass)| glass.is_delta())
+            && self.conductor.is_none_or(|(_, metal)| metal.is_delta())
+            && self.dielectric.is_none_or(|(_, glass)| glass.is_delta())
     }
 
     /// Whether light comes through, and not in a single direction alone.
-    pub(super) fn transmits(&self) -> bool {
-        self.glass.is_some_and(|(_, glass)| !glass.is_delta())
+    pub(super) fn is_rough_transmissive(&self) -> bool {
+        self.dielectric.is_some_and(|(_, glass)| !glass.is_delta())
     }
 
     /// What comes through the coat in both directions.
-    fn beneath(&self, cos_o: f64, cos_i: f64) -> f64 {
+    fn base_attenuation(&self, cos_o: f64, cos_i: f64) -> f64 {
         let coat = self.layers.coat.as_ref();
-        through(coat, cos_o).min(through(coat, cos_i))
+        coat_transmittance(coat, cos_o).min(coat_transmittance(coat, cos_i))
     }
 
     /// The colour of light that comes through glass.
-    fn tint(&self) -> Rgb {
+    fn transmission_tint(&self) -> Rgb {
         Rgb::from_array(self.base_color.to_array().map(f32::sqrt))
     }
 
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let beneath = self.beneath(wo.z, wi.z.abs());
-        let glass = self.glass.map_or(0.0, |(share, glass)| share * beneath * glass.eval(wo, wi));
+        let beneath = self.base_attenuation(wo.z, wi.z.abs());
+        let glass = self.dielectric.map_or(0.0, |(share, glass)| share * beneath * glass.eval(wo, wi));
         if wi.z <= 0.0 {
-            return self.tint() * glass as f32;
+            return self.transmission_tint() * glass as f32;
         }
-        let Layers { coat, matt } = self.layers;
+        let PrincipledLayers { coat, diffuse: matt } = self.layers;
         let mut white = glass;
         let mut f = Rgb::ZERO;
         if let Some((share, coat)) = coat {
             white += share * coat.eval(wo, wi);
         }
-        if let Some((share, metal)) = &self.metal {
+        if let Some((share, metal)) = &self.conductor {
             f += metal.eval(wo, wi) * (share * beneath) as f32;
         }
-        if let Some(Matt { share, gloss, mean_through }) = matt {
+        if let Some(DiffuseBase { weight: share, gloss, mean_transmittance: mean_through }) = matt {
             white += share * beneath * gloss.eval(wo, wi);
-            let through = |cos| gloss.through(cos) * through(coat.as_ref(), cos);
+            let through = |cos| gloss.transmittance(cos) * coat_transmittance(coat.as_ref(), cos);
             let diffuse = share * through(wo.z) * through(wi.z) * FRAC_1_PI / mean_through;
             f += self.base_color * diffuse as f32;
         }
@@ -240,16 +240,16 @@ impl PrincipledBsdf<'_> {
     /// every weight is 1: a path is reflected hundreds of times within a ball of a high index, and the
     /// product of weights that are right on average alone would have no bound (see
     /// [`super::Dielectric`]). A darker base sends on less, and the gloss alone gets what it lacks.
-    fn shares(&self, wo: DVec3) -> [f64; 5] {
-        let Layers { coat, matt } = self.layers;
-        let beneath = through(coat.as_ref(), wo.z);
-        let of_coat = coat.as_ref().map_or(0.0, |(share, coat)| share * (1.0 - coat.through(wo.z)));
-        let of_metal = self.metal.map_or(0.0, |(share, metal)| {
+    fn component_probabilities(&self, wo: DVec3) -> [f64; 5] {
+        let PrincipledLayers { coat, diffuse: matt } = self.layers;
+        let beneath = coat_transmittance(coat.as_ref(), wo.z);
+        let of_coat = coat.as_ref().map_or(0.0, |(share, coat)| share * (1.0 - coat.transmittance(wo.z)));
+        let of_metal = self.conductor.map_or(0.0, |(share, metal)| {
             share * beneath * f64::from(luminance(metal.mean_reflectance()))
         });
         let [of_gloss, of_matt] =
-            matt.as_ref().map_or([0.0; 2], |Matt { share, gloss, .. }| {
-                let through = gloss.through(wo.z);
+            matt.as_ref().map_or([0.0; 2], |DiffuseBase { weight: share, gloss, .. }| {
+                let through = gloss.transmittance(wo.z);
                 let color = f64::from(luminance(self.base_color));
                 let [alone, both] = if gloss.is_delta() {
                     [1.0 - through, through * color]
@@ -258,29 +258,29 @@ impl PrincipledBsdf<'_> {
                 };
                 [share * beneath * alone, share * beneath * both]
             });
-        let of_glass = self.glass.map_or(0.0, |(share, _)| share * beneath);
+        let of_glass = self.dielectric.map_or(0.0, |(share, _)| share * beneath);
         let shares = [of_coat, of_metal, of_gloss, of_matt, of_glass];
         let sum: f64 = shares.iter().sum();
         shares.map(|share| if sum > 0.0 { share / sum } else { 0.0 })
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let shares = self.shares(wo);
-        let of = |(part, share): (Part, f64)| {
-            if share > 0.0 { share * self.pdf_of(part, wo, wi) } else { 0.0 }
+        let shares = self.component_probabilities(wo);
+        let of = |(part, share): (Component, f64)| {
+            if share > 0.0 { share * self.component_pdf(part, wo, wi) } else { 0.0 }
         };
-        PARTS.into_iter().zip(shares).map(of).sum()
+        COMPONENTS.into_iter().zip(shares).map(of).sum()
     }
 
-    fn pdf_of(&self, part: Part, wo: DVec3, wi: DVec3) -> f64 {
-        let Layers { coat, matt } = self.layers;
+    fn component_pdf(&self, part: Component, wo: DVec3, wi: DVec3) -> f64 {
+        let PrincipledLayers { coat, diffuse: matt } = self.layers;
         let pdf = match part {
-            Part::Glass => return self.glass.map_or(0.0, |(_, glass)| glass.pdf(wo, wi)),
+            Component::Dielectric => return self.dielectric.map_or(0.0, |(_, glass)| glass.pdf(wo, wi)),
             _ if wi.z <= 0.0 => return 0.0,
-            Part::Coat => coat.as_ref().map(|(_, coat)| coat.pdf(wo, wi)),
-            Part::Metal => self.metal.map(|(_, metal)| metal.pdf(wo, wi)),
-            Part::Gloss => matt.as_ref().map(|matt| matt.gloss.pdf(wo, wi)),
-            Part::Matt => matt.as_ref().map(|matt| matt.gloss.pdf_with_base(wo, wi)),
+            Component::Coat => coat.as_ref().map(|(_, coat)| coat.pdf(wo, wi)),
+            Component::Conductor => self.conductor.map(|(_, metal)| metal.pdf(wo, wi)),
+            Component::Gloss => matt.as_ref().map(|matt| matt.gloss.pdf(wo, wi)),
+            Component::Diffuse => matt.as_ref().map(|matt| matt.gloss.pdf_with_base(wo, wi)),
         };
         pdf.unwrap_or(0.0)
     }
@@ -289,15 +289,15 @@ impl PrincipledBsdf<'_> {
     pub(super) fn sample(
         &self,
         wo: DVec3,
-        lobe: f64,
+        u_lobe: f64,
         u: [f64; 2],
-        again: Again<'_>,
+        extra: ExtraUniforms<'_>,
     ) -> Option<BsdfSample> {
-        let shares = self.shares(wo);
-        let mut rest = lobe;
+        let shares = self.component_probabilities(wo);
+        let mut rest = u_lobe;
         let mut chosen = None;
-        for (part, share) in PARTS.into_iter().zip(shares).filter(|(_, share)| *share > 0.0) {
-            rest -= chosen.map_or(0.0, |(_, before): (Part, f64)| before);
+        for (part, share) in COMPONENTS.into_iter().zip(shares).filter(|(_, share)| *share > 0.0) {
+            rest -= chosen.map_or(0.0, |(_, before): (Component, f64)| before);
             chosen = Some((part, share));
             if rest < share {
                 break;
@@ -305,11 +305,11 @@ impl PrincipledBsdf<'_> {
         }
         let (part, share) = chosen?;
         let within = (rest / share).clamp(0.0, 1.0 - f64::EPSILON);
-        let (drawn, scale) = self.draw(part, wo, within, u, again)?;
+        let (drawn, scale) = self.sample_component(part, wo, within, u, extra)?;
         if drawn.lobe == Lobe::Delta {
-            let beneath = self.beneath(wo.z, drawn.wi.z.abs());
-            let scale = if part == Part::Coat { scale } else { scale * beneath };
-            let tint = if drawn.wi.z < 0.0 { self.tint() } else { Rgb::ONE };
+            let beneath = self.base_attenuation(wo.z, drawn.wi.z.abs());
+            let scale = if part == Component::Coat { scale } else { scale * beneath };
+            let tint = if drawn.wi.z < 0.0 { self.transmission_tint() } else { Rgb::ONE };
             let weight = drawn.weight * tint * (scale / share) as f32;
             return Some(BsdfSample { weight, pdf: share * drawn.pdf, ..drawn });
         }
@@ -319,34 +319,34 @@ impl PrincipledBsdf<'_> {
     }
 
     /// A direction of this part as if it were alone, and what the part is multiplied with.
-    fn draw(
+    fn sample_component(
         &self,
-        part: Part,
+        part: Component,
         wo: DVec3,
-        lobe: f64,
+        u_lobe: f64,
         u: [f64; 2],
-        again: Again<'_>,
+        extra: ExtraUniforms<'_>,
     ) -> Option<(BsdfSample, f64)> {
-        let Layers { coat, matt } = self.layers;
+        let PrincipledLayers { coat, diffuse: matt } = self.layers;
         match part {
-            Part::Coat => {
+            Component::Coat => {
                 coat.as_ref().and_then(|(share, coat)| Some((coat.sample(wo, u)?, *share)))
             }
-            Part::Metal => self
-                .metal
-                .and_then(|(share, metal)| Some((metal.sample(wo, lobe, u, again)?, share))),
-            Part::Gloss => {
-                matt.as_ref().and_then(|matt| Some((matt.gloss.sample(wo, u)?, matt.share)))
+            Component::Conductor => self
+                .conductor
+                .and_then(|(share, metal)| Some((metal.sample(wo, u_lobe, u, extra)?, share))),
+            Component::Gloss => {
+                matt.as_ref().and_then(|matt| Some((matt.gloss.sample(wo, u)?, matt.weight)))
             }
             // The first pair is for the base, which most light comes from.
-            Part::Matt => matt.as_ref().map(|matt| {
-                let (wi, lobe) = matt.gloss.sample_with_base(wo, lobe, again, u);
+            Component::Diffuse => matt.as_ref().map(|matt| {
+                let (wi, lobe) = matt.gloss.sample_with_base(wo, u_lobe, extra, u);
                 let drawn = BsdfSample { wi, weight: Rgb::ONE, pdf: 1.0, lobe, eta: 1.0 };
-                (drawn, matt.share)
+                (drawn, matt.weight)
             }),
-            Part::Glass => self
-                .glass
-                .and_then(|(share, glass)| Some((glass.sample(wo, lobe, u, again)?, share))),
+            Component::Dielectric => self
+                .dielectric
+                .and_then(|(share, glass)| Some((glass.sample(wo, u_lobe, u, extra)?, share))),
         }
     }
 }
@@ -369,7 +369,7 @@ mod tests {
     };
 
     fn eval(parameters: PrincipledParameters, wi: DVec3) -> Rgb {
-        Principled::new(parameters, &[1.0]).at(None, parameters.ior).eval(WO, wi)
+        Principled::new(parameters, &[1.0]).bsdf(None, parameters.ior).eval(WO, wi)
     }
 
     const WO: DVec3 = DVec3::new(0.6, 0.0, 0.8);
@@ -379,11 +379,11 @@ mod tests {
     fn its_ends_are_the_models_that_it_is_made_of() {
         let PrincipledParameters { base_color, roughness, .. } = PLAIN;
         let metal = eval(PrincipledParameters { metallic: 1.0, ..PLAIN }, WI);
-        let expected = Conductor::of_color(base_color, roughness);
-        assert_eq!(metal, expected.at(None).eval(WO, WI));
+        let expected = Conductor::from_color(base_color, roughness);
+        assert_eq!(metal, expected.bsdf(None).eval(WO, WI));
         let glass = PrincipledParameters { transmission: 1.0, ..PLAIN };
         let expected = Dielectric::new(1.5, 0, roughness, &[1.0]);
-        let expected = expected.interface(1.5);
+        let expected = expected.bsdf(1.5);
         assert_relative_eq!(eval(glass, WI).x, expected.eval(WO, WI) as f32);
         let through = eval(glass, -WI).x / expected.eval(WO, -WI) as f32;
         assert_relative_eq!(through * through, base_color.x, max_relative = 1e-6);
@@ -400,7 +400,7 @@ mod tests {
                 let wo = DVec3::new(f64::sqrt(1.0 - cos * cos), 0.0, cos);
                 let n = 4000;
                 let square = |i: u32| {
-                    let (u, surface) = (Sampler::new(3, 0, i), white.at(None, eta));
+                    let (u, surface) = (Sampler::independent(3, 0, i), white.bsdf(None, eta));
                     let drawn = surface.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(4));
                     let weight = drawn.map_or(0.0, |s| f64::from(s.weight.x) * s.eta * s.eta);
                     (weight - 1.0) * (weight - 1.0)
@@ -426,7 +426,7 @@ mod tests {
             let told = PrincipledParameters { metallic, transmission, coat: 0.7, ..PLAIN };
             let grey = PrincipledParameters { base_color: Rgb::splat(0.5), ..told };
             let grey = Principled::new(grey, &[1.0]);
-            let own = grey.at(Some(told.base_color), 1.5);
+            let own = grey.bsdf(Some(told.base_color), 1.5);
             for wi in [WI, -WI] {
                 assert_relative_eq!(own.eval(WO, wi).x, eval(told, wi).x);
             }

@@ -4,7 +4,7 @@ use crate::color::Rgb;
 use crate::math::DVec3;
 
 /// A second pair of random numbers in `[0, 1)`, made when asked for.
-pub type Again<'a> = &'a dyn Fn() -> [f64; 2];
+pub type ExtraUniforms<'a> = &'a dyn Fn() -> [f64; 2];
 
 /// How sharply a sampled direction is defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

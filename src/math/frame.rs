@@ -18,7 +18,7 @@ impl Frame {
     ///
     /// Duff et al. 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1).
     #[inline(always)]
-    pub fn around(z: DVec3) -> Self {
+    pub fn from_z(z: DVec3) -> Self {
         let sign = 1.0_f64.copysign(z.z);
         let a = -1.0 / (sign + z.z);
         let b = z.x * z.y * a;
@@ -45,7 +45,7 @@ impl Frame {
 /// A vector that is as long as a unit vector but for rounding, such as one turned into another frame,
 /// with the rounding of its length undone: one step of Newton's method for `1 / |v|`, from 1.
 #[inline(always)]
-pub fn nearly_unit(v: DVec3) -> DVec3 {
+pub fn renormalize(v: DVec3) -> DVec3 {
     v * (1.5 - 0.5 * v.length_squared())
 }
 
@@ -58,7 +58,7 @@ mod tests {
     fn frames_are_orthonormal_and_right_handed() {
         let directions = [DVec3::Z, -DVec3::Z, DVec3::X, DVec3::new(0.3, -0.2, -0.9).normalize()];
         for z in directions {
-            let frame = Frame::around(z);
+            let frame = Frame::from_z(z);
             assert_abs_diff_eq!(frame.x.dot(frame.y), 0.0, epsilon = 1e-15);
             assert_abs_diff_eq!(frame.x.length(), 1.0, epsilon = 1e-15);
             assert!((frame.x.cross(frame.y) - z).length() < 1e-15);

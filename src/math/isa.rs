@@ -14,10 +14,10 @@ use std::sync::LazyLock;
 
 /// Instructions that this processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Isa(Kind);
+pub struct Isa(Level);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum Level {
     Portable,
     #[cfg(target_arch = "x86_64")]
     Avx2,
@@ -26,7 +26,7 @@ enum Kind {
 }
 
 /// Work to be compiled for several instruction sets.
-pub trait Stage {
+pub trait SimdKernel {
     /// Does the work. To be inlined always, and so must be the functions whose loops are to become
     /// vector instructions.
     fn run(self);
@@ -34,15 +34,15 @@ pub trait Stage {
 
 impl Isa {
     /// What every processor of this kind has.
-    pub const PORTABLE: Self = Self(Kind::Portable);
+    pub const PORTABLE: Self = Self(Level::Portable);
 
     /// All that this processor has and this build knows, the widest last.
-    pub fn all() -> Vec<Self> {
+    pub fn available() -> Vec<Self> {
         let mut found = vec![Self::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         {
             if is_x86_feature_detected!("avx2") {
-                found.push(Self(Kind::Avx2));
+                found.push(Self(Level::Avx2));
             }
             #[cfg(has_avx512)]
             if is_x86_feature_detected!("avx512f")
@@ -50,7 +50,7 @@ impl Isa {
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512vl")
             {
-                found.push(Self(Kind::Avx512));
+                found.push(Self(Level::Avx512));
             }
         }
         found
@@ -58,32 +58,32 @@ impl Isa {
 
     /// The widest of them.
     pub fn best() -> Self {
-        static BEST: LazyLock<Isa> = LazyLock::new(|| Isa::all().pop().unwrap_or(Isa::PORTABLE));
+        static BEST: LazyLock<Isa> = LazyLock::new(|| Isa::available().pop().unwrap_or(Isa::PORTABLE));
         *BEST
     }
 
     /// The name that a reader knows.
     pub fn name(self) -> &'static str {
         match self.0 {
-            Kind::Portable => "portable",
+            Level::Portable => "portable",
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2 => "AVX2",
+            Level::Avx2 => "AVX2",
             #[cfg(all(target_arch = "x86_64", has_avx512))]
-            Kind::Avx512 => "AVX-512",
+            Level::Avx512 => "AVX-512",
         }
     }
 
     /// Runs a stage with these instructions.
     #[inline(always)]
-    pub fn run(self, stage: impl Stage) {
+    pub fn run(self, stage: impl SimdKernel) {
         match self.0 {
-            Kind::Portable => stage.run(),
+            Level::Portable => stage.run(),
             // SAFETY: only `all` makes this kind, where the processor has the instructions.
             #[cfg(target_arch = "x86_64")]
-            Kind::Avx2 => unsafe { avx2(stage) },
+            Level::Avx2 => unsafe { avx2(stage) },
             // SAFETY: as above.
             #[cfg(all(target_arch = "x86_64", has_avx512))]
-            Kind::Avx512 => unsafe { avx512(stage) },
+            Level::Avx512 => unsafe { avx512(stage) },
         }
     }
 }
@@ -96,12 +96,12 @@ impl Default for Isa {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-unsafe fn avx2(stage: impl Stage) {
+unsafe fn avx2(stage: impl SimdKernel) {
     stage.run();
 }
 
 #[cfg(all(target_arch = "x86_64", has_avx512))]
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
-unsafe fn avx512(stage: impl Stage) {
+unsafe fn avx512(stage: impl SimdKernel) {
     stage.run();
 }

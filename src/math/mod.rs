@@ -7,12 +7,12 @@ mod lanes;
 mod ray;
 mod rect;
 
-pub use frame::{Frame, nearly_unit};
+pub use frame::{Frame, renormalize};
 pub use glam::{DVec2, DVec3, Vec3};
-pub use isa::{Isa, Stage};
+pub use isa::{Isa, SimdKernel};
 pub use lanes::{LANES, Lanes, Lanes3};
 pub use ray::{Hit, MAX_COORDINATE, NO_SPHERE, Ray};
 pub use rect::Rect;
 
 /// The distance from 1 to the next larger f32, halved: the relative error of one f32 rounding.
-pub const F32_ROUNDING: f64 = 1.0 / (1u32 << 24) as f64;
+pub const F32_UNIT_ROUNDOFF: f64 = 1.0 / (1u32 << 24) as f64;

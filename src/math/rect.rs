@@ -19,18 +19,18 @@ pub struct Rect {
 
 impl Rect {
     /// How many pixels it has.
-    pub fn pixels(&self) -> usize {
+    pub fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize
     }
 
     /// The columns and rows of its pixels, along the rows.
-    pub fn places(self) -> impl Iterator<Item = [u32; 2]> {
+    pub fn pixel_coords(self) -> impl Iterator<Item = [u32; 2]> {
         let Self { x, y, width, height } = self;
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| [column, row]))
     }
 
     /// What it has in common with another, if anything.
-    pub fn common(&self, other: &Self) -> Option<Self> {
+    pub fn intersection(&self, other: &Self) -> Option<Self> {
         let overlap = |a: u32, a_length: u32, b: u32, b_length: u32| {
             let begin = a.max(b);
             let end = (a + a_length).min(b + b_length);
@@ -43,7 +43,7 @@ impl Rect {
 
     /// From the first column and row and the ones behind the last, as `--crop` and `image.crop` have
     /// them; `None` where nothing lies between.
-    pub fn of_corners([left, top, right, bottom]: [u32; 4]) -> Option<Self> {
+    pub fn from_corners([left, top, right, bottom]: [u32; 4]) -> Option<Self> {
         let (width, height) = (right.checked_sub(left)?, bottom.checked_sub(top)?);
         (width > 0 && height > 0).then_some(Self { x: left, y: top, width, height })
     }

@@ -9,17 +9,17 @@ use serde_json::{Value, json};
 use crate::color::Rgb;
 use crate::draw::text::row;
 use crate::image_io::Picture;
-use crate::image_io::{BEAUTY, Layered};
+use crate::image_io::{BEAUTY, LayeredImage};
 use crate::math::DVec3;
-use crate::names::named;
-use crate::verify::metrics::{Mean, flip, heatmap, mean_error, psnr, relative_squared, squared};
+use crate::names::named_enum;
+use crate::verify::metrics::{ImageMean, flip, heatmap, mean_error, psnr, relative_squared, squared};
 
 /// The layer that holds the variance of the beauty's pixels.
 pub const VARIANCE: &str = "variance";
 
 /// A measure of how far two pictures are from each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Metric {
+pub enum CompareMetric {
     /// Mean squared error.
     Mse,
     /// Its square root.
@@ -34,8 +34,8 @@ pub enum Metric {
     Mean,
 }
 
-named! {
-    Metric {
+named_enum! {
+    CompareMetric {
         Mse = "mse",
         Rmse = "rmse",
         Relmse = "relmse",
@@ -46,27 +46,27 @@ named! {
 }
 
 /// The metrics that are one number, in the order of a table.
-const NUMBERS: [Metric; 5] =
-    [Metric::Mse, Metric::Rmse, Metric::Relmse, Metric::Psnr, Metric::Flip];
+const NUMBERS: [CompareMetric; 5] =
+    [CompareMetric::Mse, CompareMetric::Rmse, CompareMetric::Relmse, CompareMetric::Psnr, CompareMetric::Flip];
 
 /// Pictures of one size: A, the reference B, and A once more with other random numbers.
 #[derive(Clone, Debug)]
 pub struct Pair {
     /// The picture.
-    pub a: Layered,
+    pub a: LayeredImage,
     /// The reference.
-    pub b: Layered,
+    pub b: LayeredImage,
     /// The picture once more, which tells how noisy its mean is.
-    pub twin: Option<Layered>,
+    pub twin: Option<LayeredImage>,
 }
 
 /// What is to be measured, and what is still good enough.
 #[derive(Clone, Debug)]
 pub struct Wanted {
     /// What to measure.
-    pub metrics: Vec<Metric>,
+    pub metrics: Vec<CompareMetric>,
     /// The largest values that are allowed, or for PSNR the smallest.
-    pub limits: Vec<(Metric, f64)>,
+    pub limits: Vec<(CompareMetric, f64)>,
     /// The brightest value, which PSNR refers to.
     pub peak: f64,
 }
@@ -88,7 +88,7 @@ struct Difference {
     psnr: f64,
     /// Computed only where it is wanted: it takes the longest.
     flip: Option<f64>,
-    means: (Mean, Mean),
+    means: (ImageMean, ImageMean),
     ratio: (DVec3, Option<DVec3>),
 }
 
@@ -96,7 +96,7 @@ struct Difference {
 #[derive(Clone, Debug, Serialize)]
 pub struct Exceeded {
     layer: String,
-    metric: Metric,
+    metric: CompareMetric,
     value: f64,
     limit: f64,
 }
@@ -111,7 +111,7 @@ impl Pair {
     /// What the reader of the figures should know about the files.
     pub fn remarks(&self) -> Vec<String> {
         let png = "a PNG is decoded from sRGB to linear light; it has 8 bits and is cut off at 1";
-        let any = self.a.for_screen || self.b.for_screen;
+        let any = self.a.is_display_referred || self.b.is_display_referred;
         let mut remarks: Vec<String> = any.then(|| png.to_owned()).into_iter().collect();
         for (name, picture, other) in [("A", &self.a, &self.b), ("B", &self.b, &self.a)] {
             let names = picture.layers.iter().map(|layer| &*layer.name);
@@ -126,18 +126,18 @@ impl Pair {
 
     /// Where a layer differs, as a picture, and in words what it shows; by FLIP on a scale from 0 to 1,
     /// or by the root of each pixel's error on one from 0 to the largest.
-    pub fn heatmap(&self, layer: &str, of: Metric) -> (Picture, String) {
+    pub fn heatmap(&self, layer: &str, of: CompareMetric) -> (Picture, String) {
         let (a, b) = (pixels(&self.a, layer), pixels(&self.b, layer));
         let root_of = |error: fn(Rgb, Rgb) -> f64| -> Vec<f64> {
             a.iter().zip(b).map(|(&a, &b)| error(a, b).sqrt()).collect()
         };
         let (values, what) = match of {
-            Metric::Relmse => (root_of(relative_squared), "relative error of the channels"),
-            Metric::Flip => (flip::map(a, b, self.a.width, flip::PIXELS_PER_DEGREE), "FLIP"),
+            CompareMetric::Relmse => (root_of(relative_squared), "relative error of the channels"),
+            CompareMetric::Flip => (flip::map(a, b, self.a.width, flip::PIXELS_PER_DEGREE), "FLIP"),
             _ => (root_of(squared), "root mean square error of the channels"),
         };
         let largest = values.iter().copied().fold(0.0, f64::max);
-        let most = if of == Metric::Flip { 1.0 } else { largest };
+        let most = if of == CompareMetric::Flip { 1.0 } else { largest };
         let words = format!(
             "heat map of `{layer}`: {what}; its scale runs from 0 (black, left) to {} (light yellow, \
              right), the largest is {}",
@@ -148,24 +148,24 @@ impl Pair {
     }
 
     /// The means of a layer in A and in B, with what is known of their noise.
-    fn means(&self, name: &str) -> (Mean, Mean) {
-        let mean = |picture: &Layered| {
+    fn means(&self, name: &str) -> (ImageMean, ImageMean) {
+        let mean = |picture: &LayeredImage| {
             let pixels = pixels(picture, name);
             match picture.layer(VARIANCE).filter(|_| name == BEAUTY) {
-                Some(variance) => Mean::with_variance(pixels, &variance.pixels),
-                None => Mean::of(pixels),
+                Some(variance) => ImageMean::with_variance(pixels, &variance.pixels),
+                None => ImageMean::of(pixels),
             }
         };
         let twin = self.twin.as_ref().and_then(|twin| twin.layer(name));
         let a = match twin {
-            Some(twin) => Mean::with_twin(pixels(&self.a, name), &twin.pixels),
+            Some(twin) => ImageMean::with_twin(pixels(&self.a, name), &twin.pixels),
             None => mean(&self.a),
         };
         (a, mean(&self.b))
     }
 }
 
-fn pixels<'a>(picture: &'a Layered, name: &str) -> &'a [Rgb] {
+fn pixels<'a>(picture: &'a LayeredImage, name: &str) -> &'a [Rgb] {
     &picture.layer(name).expect("the layer was chosen because it is there").pixels
 }
 
@@ -180,7 +180,7 @@ impl<'a> Comparison<'a> {
     pub fn exceeded(&self) -> Vec<Exceeded> {
         let judge = |of: &Difference, metric, limit| {
             let value = of.value(metric);
-            let is_good = if metric == Metric::Psnr { value >= limit } else { value <= limit };
+            let is_good = if metric == CompareMetric::Psnr { value >= limit } else { value <= limit };
             (!is_good).then(|| Exceeded { layer: of.layer.clone(), metric, value, limit })
         };
         let of_layer =
@@ -195,12 +195,12 @@ impl<'a> Comparison<'a> {
             for metric in self.numbers() {
                 object[metric.name()] = json!(result.value(metric));
             }
-            if self.wanted.metrics.contains(&Metric::Mean) {
+            if self.wanted.metrics.contains(&CompareMetric::Mean) {
                 let (a, b) = &result.means;
                 object["mean_a"] = json!(a.value);
-                object["mean_a_half_interval_95"] = json!(a.half_interval());
+                object["mean_a_half_interval_95"] = json!(a.half_width_95());
                 object["mean_b"] = json!(b.value);
-                object["mean_b_half_interval_95"] = json!(b.half_interval());
+                object["mean_b_half_interval_95"] = json!(b.half_width_95());
                 object["mean_ratio"] = json!(result.ratio.0);
                 object["mean_ratio_half_interval_95"] = json!(result.ratio.1);
             }
@@ -218,14 +218,14 @@ impl<'a> Comparison<'a> {
         })
     }
 
-    fn numbers(&self) -> impl Iterator<Item = Metric> {
+    fn numbers(&self) -> impl Iterator<Item = CompareMetric> {
         NUMBERS.into_iter().filter(|metric| self.wanted.metrics.contains(metric))
     }
 }
 
 impl fmt::Display for Comparison<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Layered { width, height, .. } = self.pair.a;
+        let LayeredImage { width, height, .. } = self.pair.a;
         writeln!(f, "{width} x {height} pixels; B is the reference")?;
         if self.numbers().next().is_some() {
             let heads: String = self.numbers().map(|m| format!("{:>13}", m.name())).collect();
@@ -236,7 +236,7 @@ impl fmt::Display for Comparison<'_> {
                 writeln!(f, "{:<12}{values}", result.layer)?;
             }
         }
-        if self.wanted.metrics.contains(&Metric::Mean) {
+        if self.wanted.metrics.contains(&CompareMetric::Mean) {
             f.write_str(&row(MEANS, ["means", "", "A", "B", "A / B"]))?;
             self.layers.iter().try_for_each(|result| f.write_str(&result.means()))?;
         }
@@ -251,7 +251,7 @@ impl Difference {
     fn of(pair: &Pair, wanted: &Wanted, name: &str) -> Self {
         let (a, b) = (pixels(&pair.a, name), pixels(&pair.b, name));
         let mse = mean_error(a, b, squared);
-        let flip = wanted.metrics.contains(&Metric::Flip).then(|| {
+        let flip = wanted.metrics.contains(&CompareMetric::Flip).then(|| {
             let map = flip::map(a, b, pair.a.width, flip::PIXELS_PER_DEGREE);
             map.iter().sum::<f64>() / map.len() as f64
         });
@@ -267,14 +267,14 @@ impl Difference {
         }
     }
 
-    fn value(&self, metric: Metric) -> f64 {
+    fn value(&self, metric: CompareMetric) -> f64 {
         match metric {
-            Metric::Mse => self.mse,
-            Metric::Rmse => self.mse.sqrt(),
-            Metric::Relmse => self.relmse,
-            Metric::Psnr => self.psnr,
-            Metric::Flip => self.flip.unwrap_or(f64::NAN),
-            Metric::Mean => (self.ratio.0 - 1.0).abs().max_element(),
+            CompareMetric::Mse => self.mse,
+            CompareMetric::Rmse => self.mse.sqrt(),
+            CompareMetric::Relmse => self.relmse,
+            CompareMetric::Psnr => self.psnr,
+            CompareMetric::Flip => self.flip.unwrap_or(f64::NAN),
+            CompareMetric::Mean => (self.ratio.0 - 1.0).abs().max_element(),
         }
     }
 
@@ -287,7 +287,7 @@ impl Difference {
                 None => short(value[axis]),
             };
             let layer = if axis == 0 { &*self.layer } else { "" };
-            let [a, b] = [a, b].map(|mean| with_interval(mean.value, mean.half_interval()));
+            let [a, b] = [a, b].map(|mean| with_interval(mean.value, mean.half_width_95()));
             let ratio = match self.ratio.0[axis].is_finite() {
                 true => with_interval(self.ratio.0, self.ratio.1),
                 false => "none, B is black".to_owned(),
@@ -302,12 +302,12 @@ impl fmt::Display for Exceeded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { layer, metric, value, limit } = self;
         let (name, allowed) = match metric {
-            Metric::Mean => ("ratio of means - 1", "at most"),
-            Metric::Psnr => ("psnr", "at least"),
+            CompareMetric::Mean => ("ratio of means - 1", "at most"),
+            CompareMetric::Psnr => ("psnr", "at least"),
             other => (other.name(), "at most"),
         };
         let value = match metric {
-            Metric::Mean if value.is_infinite() => "infinite, since B is black".to_owned(),
+            CompareMetric::Mean if value.is_infinite() => "infinite, since B is black".to_owned(),
             _ => short(*value),
         };
         write!(f, "failed: {name} of `{layer}` is {value}, allowed is {allowed} {limit}")

@@ -87,7 +87,7 @@ pub fn in_standard_errors(then: &[RawChannel], now: &[RawChannel], film: &Film) 
             true => "none of them".to_owned(),
             false => format!("{} of them not", found.unjudged),
         };
-        let reason = match film.fewest_and_most().0 < FEWEST {
+        let reason = match film.sample_count_range().0 < FEWEST {
             true => format!("too few samples: there must be {FEWEST}"),
             false => "their samples do not differ".to_owned(),
         };
@@ -129,26 +129,26 @@ fn compared(then: &[RawChannel], now: &[RawChannel], film: &Film) -> Option<Diff
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::{Radiance, Rgb};
-    use crate::film::{Format, Frame, Layer, Run, Scale};
+    use crate::color::{PathRadiance, Rgb};
+    use crate::film::{FilmFormat, FilmFrame, Layer, SampleRun, RadianceScale};
 
     /// Two pixels, of which the second has samples that are all alike, and their picture.
     fn film(samples: u32) -> (Film, Vec<RawChannel>) {
-        let film = Film::new(&Format {
-            frame: Frame::whole(2, 1),
+        let film = Film::new(&FilmFormat {
+            frame: FilmFrame::full(2, 1),
             first_sample: 0,
-            scale: Scale::of_brightest(1.0),
+            scale: RadianceScale::from_max_radiance(1.0),
             layers: vec![Layer::Direct, Layer::Indirect],
             squares: true,
         });
         let film = film.expect("there is memory");
-        let light = |pixel: u32, sample: u32| Radiance {
+        let light = |pixel: u32, sample: u32| PathRadiance {
             direct: Rgb::splat(0.5 + (1 - pixel) as f32 * (sample / 16 % 2) as f32 * 0.1),
-            ..Radiance::default()
+            ..PathRadiance::default()
         };
-        let all: Vec<Radiance> =
+        let all: Vec<PathRadiance> =
             (0..2 * samples).map(|at| light(at / samples, at % samples)).collect();
-        film.add(0, &[samples; 2], Run { light: &all, seen: &[] }).expect("not too bright");
+        film.add(0, &[samples; 2], SampleRun { radiance: &all, visible_surfaces: &[] }).expect("not too bright");
         let picture = film.picture();
         let channel = |axis: usize| RawChannel {
             name: ["R", "G", "B"][axis].to_owned(),

@@ -5,10 +5,10 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use crate::error::Result;
-use crate::image_io::{self, Record};
-use crate::job::difference::shown;
-use crate::job::metadata::value_of;
-use crate::job::{Checkpoint, FilePath, Header, Metadata, Status, is_checkpoint};
+use crate::image_io::{self, MetadataEntry};
+use crate::job::diff::format_json;
+use crate::job::metadata::record_value;
+use crate::job::{Checkpoint, FilePath, CheckpointHeader, Metadata, RenderStatus, is_checkpoint};
 
 /// The name of where a part's picture goes.
 const RESUME: &str = "resume";
@@ -21,7 +21,7 @@ const LONGEST_LIST: usize = 100;
 pub struct FileRecords {
     metadata: Metadata,
     /// Of a part or a checkpoint.
-    header: Option<Header>,
+    header: Option<CheckpointHeader>,
 }
 
 /// Returns true if a file says how it was made: by its name a picture or a part, or a checkpoint.
@@ -41,13 +41,13 @@ impl FileRecords {
     /// When it cannot be read, or says nothing, or a part's sums are damaged.
     pub fn read(path: &Path) -> Result<Self> {
         if !is_part(path) {
-            let metadata = Metadata::of_records(path, &image_io::records(path)?)?;
+            let metadata = Metadata::from_records(path, &image_io::read_metadata(path)?)?;
             return Ok(Self { metadata, header: None });
         }
         let part = Checkpoint::open(path)?;
         let header = part.header().clone();
         // What is damaged behind the header is not kept quiet.
-        part.film()?;
+        part.into_film()?;
         Ok(Self { metadata: header.metadata.clone(), header: Some(header) })
     }
 
@@ -56,7 +56,7 @@ impl FileRecords {
     /// # Errors
     /// When it cannot be written as records.
     pub fn json(&self) -> Result<Value> {
-        let entries = |record: &Record| (record.name.clone(), value_of(record));
+        let entries = |record: &MetadataEntry| (record.name.clone(), record_value(record));
         Ok(Value::Object(Map::from_iter(self.records()?.iter().map(entries))))
     }
 
@@ -66,16 +66,16 @@ impl FileRecords {
     /// When it cannot be written as records.
     pub fn words(&self) -> Result<String> {
         let records = self.records()?;
-        let (texts, rows): (Vec<Record>, Vec<Record>) = records
+        let (texts, rows): (Vec<MetadataEntry>, Vec<MetadataEntry>) = records
             .iter()
             .flat_map(|record| self.words_of(record))
             .partition(|record| record.text.contains('\n'));
         let longest = rows.iter().map(|record| record.name.len()).max().unwrap_or(0);
         let mut words = String::new();
-        for Record { name, text } in rows {
+        for MetadataEntry { name, text } in rows {
             words += &format!("{name:<longest$}  {text}\n");
         }
-        for Record { name, text } in texts {
+        for MetadataEntry { name, text } in texts {
             words += &format!("{name}:\n");
             text.lines()
                 .for_each(|line| words += &format!("{}\n", format!("    {line}").trim_end()));
@@ -83,14 +83,14 @@ impl FileRecords {
         Ok(words)
     }
 
-    fn records(&self) -> Result<Vec<Record>> {
+    fn records(&self) -> Result<Vec<MetadataEntry>> {
         let mut records = self.metadata.to_records()?;
         let Some(header) = &self.header else { return Ok(records) };
-        let is_ended = matches!(header.status, Status::Ended { .. });
-        records.push(Record::new("ended", is_ended.to_string()));
-        if let Status::Ended { missed } = &header.status {
+        let is_ended = matches!(header.status, RenderStatus::Ended { .. });
+        records.push(MetadataEntry::new("ended", is_ended.to_string()));
+        if let RenderStatus::Ended { missed } = &header.status {
             let words: Vec<String> = missed.iter().map(ToString::to_string).collect();
-            let said = (!words.is_empty()).then(|| Record::new("missed", words.join("; ")));
+            let said = (!words.is_empty()).then(|| MetadataEntry::new("missed", words.join("; ")));
             records.extend(said);
         }
         if let Some(delivery) = &header.delivery {
@@ -100,23 +100,23 @@ impl FileRecords {
                 "preview": delivery.preview.as_ref().map(name_of),
                 "samples_per_pixel": header.samples.end,
             });
-            records.push(Record::new(RESUME, way_on.to_string()));
+            records.push(MetadataEntry::new(RESUME, way_on.to_string()));
         }
         Ok(records)
     }
 
     /// A record for people, who need no JSON; the settings begin with what is asked for most.
-    fn words_of(&self, record: &Record) -> Vec<Record> {
+    fn words_of(&self, record: &MetadataEntry) -> Vec<MetadataEntry> {
         let metadata = &self.metadata;
         let text = match record.name.as_str() {
             "settings" => return settings_in_words(metadata),
             "intersector" => Some(metadata.intersector.to_string()),
-            "samples" => Some(metadata.samples_as_text()),
+            "samples" => Some(metadata.samples_to_string()),
             "counts" => Some(metadata.counts.to_string()),
             "parts" => Some(format!("{}\n", metadata.parts)),
             "biased" => Some(metadata.biased.join(", ")),
             "look" => metadata.look.map(|look| look.to_string()),
-            "layers" => listed(&value_of(record)),
+            "layers" => listed(&record_value(record)),
             "noise" => {
                 metadata.run.as_ref().and_then(|run| run.noise).map(|noise| noise.to_string())
             }
@@ -125,11 +125,11 @@ impl FileRecords {
                 return Vec::new();
             }
             "scene" => metadata.scene.as_ref().map(|scene| line_by_line(&scene.to_keys())),
-            "files" => Some(line_by_line(&value_of(record))),
+            "files" => Some(line_by_line(&record_value(record))),
             RESUME => self.header.as_ref().and_then(way_on),
             _ => None,
         };
-        vec![Record::new(&record.name, text.unwrap_or_else(|| record.text.clone()))]
+        vec![MetadataEntry::new(&record.name, text.unwrap_or_else(|| record.text.clone()))]
     }
 }
 
@@ -138,7 +138,7 @@ fn name_of(FilePath(path): &FilePath) -> String {
 }
 
 /// What becomes of a part that is gone on with.
-fn way_on(header: &Header) -> Option<String> {
+fn way_on(header: &CheckpointHeader) -> Option<String> {
     let (source, delivery) = (header.source.as_ref()?, header.delivery.as_ref()?);
     let files: Vec<String> = delivery.files.iter().map(name_of).collect();
     let (scene, files, samples) = (&source.name, files.join(" and "), header.samples.end);
@@ -147,11 +147,11 @@ fn way_on(header: &Header) -> Option<String> {
     Some(format!("renders {scene} to {files}, up to {samples} samples per pixel{preview}"))
 }
 
-fn settings_in_words(metadata: &Metadata) -> Vec<Record> {
+fn settings_in_words(metadata: &Metadata) -> Vec<MetadataEntry> {
     let image = &metadata.settings.image;
-    let mut records = vec![Record::new("size", format!("{}x{}", image.width, image.height))];
-    records.extend(image.crop.map(|crop| Record::new("crop", crop.to_string())));
-    records.push(Record::new("settings", line_by_line(&metadata.settings.to_keys())));
+    let mut records = vec![MetadataEntry::new("size", format!("{}x{}", image.width, image.height))];
+    records.extend(image.crop.map(|crop| MetadataEntry::new("crop", crop.to_string())));
+    records.push(MetadataEntry::new("settings", line_by_line(&metadata.settings.to_keys())));
     records
 }
 
@@ -186,6 +186,6 @@ fn add_lines(path: &str, value: &Value, lines: &mut String) {
             numbered.for_each(|(at, value)| add_lines(&inner(&at.to_string()), value, lines));
         }
         Value::Array(list) if list.is_empty() => {}
-        one => *lines += &format!("{path} = {}\n", shown(one)),
+        one => *lines += &format!("{path} = {}\n", format_json(one)),
     }
 }

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
-use crate::scene::settings::{Integrator, IntegratorKind, Stop};
+use crate::scene::settings::{IntegratorSettings, IntegratorKind, PathTermination};
 use crate::scene::{Scene, Settings};
 
 /// What is in a scene, and how it is to be rendered: as words, and as the fields of a JSON object.
@@ -69,14 +69,14 @@ impl<'a> SceneSummary<'a> {
         let Settings { image, render } = settings;
         let (bounds, radius) = extent(spheres);
         let materials = description.materials.iter();
-        let makes_light = description.makes_light().into_iter();
+        let makes_light = description.energy_creating_materials().into_iter();
         Self {
             spheres: spheres.len(),
             tables: description.tables.len(),
             giants: spheres.giants().len(),
             duplicates: spheres.duplicates(),
-            coarse: spheres.coarse(),
-            lamps: scene.lamp_count(),
+            coarse: spheres.displaced(),
+            lamps: scene.emitter_count(),
             materials: materials
                 .map(|m| Material { name: &m.name, r#type: m.surface.kind().name() })
                 .collect(),
@@ -153,21 +153,21 @@ fn extent(spheres: &SphereSet) -> (Bounds, Radii) {
     (0..spheres.len() as u32).into_par_iter().map(one).reduce(nothing, joined)
 }
 
-fn integrator(integrator: &Integrator) -> String {
+fn integrator(integrator: &IntegratorSettings) -> String {
     let name = integrator.kind().name();
     match integrator {
-        Integrator::Path | Integrator::Direct | Integrator::Normals => name.to_owned(),
-        Integrator::AmbientOcclusion { distance: None } => name.to_owned(),
-        Integrator::AmbientOcclusion { distance: Some(distance) } => {
+        IntegratorSettings::Path | IntegratorSettings::Direct | IntegratorSettings::Normals => name.to_owned(),
+        IntegratorSettings::AmbientOcclusion { distance: None } => name.to_owned(),
+        IntegratorSettings::AmbientOcclusion { distance: Some(distance) } => {
             format!("{name}, nearer than {distance}")
         }
-        Integrator::Raycast { shadows: true } => format!("{name}, with shadows"),
-        Integrator::Raycast { shadows: false } => format!("{name}, without shadows"),
-        Integrator::Paper(paper) => {
+        IntegratorSettings::Raycast { shadows: true } => format!("{name}, with shadows"),
+        IntegratorSettings::Raycast { shadows: false } => format!("{name}, without shadows"),
+        IntegratorSettings::Paper(paper) => {
             let hemisphere = paper.hemisphere.name();
             let stop = match paper.stop {
-                Stop::Roulette | Stop::Depth => paper.stop.kind().name().to_owned(),
-                Stop::Threshold(threshold) => format!("{} {threshold}", paper.stop.kind().name()),
+                PathTermination::Roulette | PathTermination::Depth => paper.stop.kind().name().to_owned(),
+                PathTermination::Threshold(threshold) => format!("{} {threshold}", paper.stop.kind().name()),
             };
             let (k, n) = (paper.subpixels, paper.samples);
             format!("{name}, {k} x {k} sub-pixels of {n} samples, {hemisphere}, stop at {stop}")

@@ -4,12 +4,12 @@ use crate::fault::fault;
 
 /// A discrete distribution over `0..n`.
 #[derive(Clone, Debug)]
-pub struct Discrete {
+pub struct DiscreteDistribution {
     /// `cumulative[i]` is the probability of an index up to and including `i`; the last is 1.
     cumulative: Vec<f64>,
 }
 
-impl Discrete {
+impl DiscreteDistribution {
     /// Probabilities proportional to `weights`, which are finite, not negative and not all 0;
     /// `None` otherwise.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn indices_come_with_their_probabilities() {
-        let choice = Discrete::new([1.0, 0.0, 3.0]).expect("valid");
+        let choice = DiscreteDistribution::new([1.0, 0.0, 3.0]).expect("valid");
         assert_relative_eq!(choice.pmf(0), 0.25);
         assert_relative_eq!(choice.pmf(1), 0.0);
         assert_relative_eq!(choice.pmf(2), 0.75);
@@ -65,10 +65,10 @@ mod tests {
 
     #[test]
     fn impossible_weights_are_refused() {
-        assert!(Discrete::new([]).is_none());
-        assert!(Discrete::new([0.0, 0.0]).is_none());
-        assert!(Discrete::new([1.0, -1.0]).is_none());
-        assert!(Discrete::new([f64::NAN]).is_none());
-        assert!(Discrete::new([f64::INFINITY]).is_none());
+        assert!(DiscreteDistribution::new([]).is_none());
+        assert!(DiscreteDistribution::new([0.0, 0.0]).is_none());
+        assert!(DiscreteDistribution::new([1.0, -1.0]).is_none());
+        assert!(DiscreteDistribution::new([f64::NAN]).is_none());
+        assert!(DiscreteDistribution::new([f64::INFINITY]).is_none());
     }
 }

@@ -7,9 +7,9 @@ use std::f64::consts::PI;
 
 use crate::fault::fault;
 
-use crate::names::named;
+use crate::names::named_enum;
 
-use super::{Discrete, cos, exp};
+use super::{DiscreteDistribution, cos, exp};
 
 /// The shapes of a pixel's weight function.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub enum FilterKind {
     BlackmanHarris,
 }
 
-named! {
+named_enum! {
     FilterKind {
         Box = "box",
         Tent = "tent",
@@ -47,7 +47,7 @@ enum Profile {
     Box,
     Tent,
     /// The shape averaged over equal bins; sampled exactly as that staircase.
-    Bins(Discrete),
+    Tabulated(DiscreteDistribution),
 }
 
 const BINS: usize = 1024;
@@ -57,13 +57,13 @@ impl Filter {
     pub fn new(kind: FilterKind, radius: f64) -> Self {
         let bins = |shape: fn(f64) -> f64| {
             let centers = (0..BINS).map(|i| (i as f64 + 0.5) / BINS as f64 * 2.0 - 1.0);
-            Discrete::new(centers.map(shape)).expect("a window function is positive inside")
+            DiscreteDistribution::new(centers.map(shape)).expect("a window function is positive inside")
         };
         let profile = match kind {
             FilterKind::Box => Profile::Box,
             FilterKind::Tent => Profile::Tent,
-            FilterKind::Gaussian => Profile::Bins(bins(|x| exp(-4.5 * x * x))),
-            FilterKind::BlackmanHarris => Profile::Bins(bins(blackman_harris)),
+            FilterKind::Gaussian => Profile::Tabulated(bins(|x| exp(-4.5 * x * x))),
+            FilterKind::BlackmanHarris => Profile::Tabulated(bins(blackman_harris)),
         };
         Self { profile, radius }
     }
@@ -75,7 +75,7 @@ impl Filter {
 
     /// The radius of a box; `None` for other filters. [`Self::sample`] is then [`box_sample`] of either
     /// number, times the radius.
-    pub fn radius_of_box(&self) -> Option<f64> {
+    pub fn box_radius(&self) -> Option<f64> {
         matches!(self.profile, Profile::Box).then_some(self.radius)
     }
 
@@ -93,17 +93,17 @@ impl Filter {
 
 /// A place in a box from -1 to 1.
 #[inline(always)]
-pub fn box_sample(u: f64) -> f64 {
+pub fn sample_box(u: f64) -> f64 {
     2.0 * u - 1.0
 }
 
 impl Profile {
     fn sample(&self, u: f64) -> f64 {
         match self {
-            Self::Box => box_sample(u),
+            Self::Box => sample_box(u),
             Self::Tent if u < 0.5 => (2.0 * u).sqrt() - 1.0,
             Self::Tent => 1.0 - (2.0 - 2.0 * u).sqrt(),
-            Self::Bins(bins) => {
+            Self::Tabulated(bins) => {
                 let bin = bins.sample(u);
                 (bin as f64 + bins.remap(bin, u)) / BINS as f64 * 2.0 - 1.0
             }
@@ -117,7 +117,7 @@ impl Profile {
         match self {
             Self::Box => 0.5,
             Self::Tent => 1.0 - x.abs(),
-            Self::Bins(bins) => bins.pmf(bin_of(x)) * BINS as f64 / 2.0,
+            Self::Tabulated(bins) => bins.pmf(bin_index(x)) * BINS as f64 / 2.0,
         }
     }
 
@@ -126,8 +126,8 @@ impl Profile {
             Self::Box => (x + 1.0) / 2.0,
             Self::Tent if x < 0.0 => (x + 1.0) * (x + 1.0) / 2.0,
             Self::Tent => 1.0 - (1.0 - x) * (1.0 - x) / 2.0,
-            Self::Bins(bins) => {
-                let bin = bin_of(x);
+            Self::Tabulated(bins) => {
+                let bin = bin_index(x);
                 let below: f64 = (0..bin).map(|i| bins.pmf(i)).sum();
                 let inside = (x + 1.0) / 2.0 * BINS as f64 - bin as f64;
                 below + inside * bins.pmf(bin)
@@ -136,7 +136,7 @@ impl Profile {
     }
 }
 
-fn bin_of(x: f64) -> usize {
+fn bin_index(x: f64) -> usize {
     (((x + 1.0) / 2.0 * BINS as f64) as usize).min(BINS - 1)
 }
 
@@ -194,7 +194,7 @@ mod tests {
         }
         let boxes = [0.25, 3.0].map(|radius| Filter::new(FilterKind::Box, radius));
         assert_eq!(boxes[0].pdf([0.1, -0.2]), 4.0);
-        assert_eq!(boxes.map(|filter| filter.radius_of_box()), [Some(0.25), Some(3.0)]);
-        assert!(Filter::new(FilterKind::Tent, 1.0).radius_of_box().is_none());
+        assert_eq!(boxes.map(|filter| filter.box_radius()), [Some(0.25), Some(3.0)]);
+        assert!(Filter::new(FilterKind::Tent, 1.0).box_radius().is_none());
     }
 }

@@ -7,9 +7,9 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
 use crate::fault::fault;
 use crate::math::DVec3;
-use crate::names::named;
+use crate::names::named_enum;
 
-use super::{acos, atan2, powf, sin_cos, sin_cos_of_turns};
+use super::{safe_acos, atan2, powf, sin_cos, sin_cos_2pi};
 
 /// How directions over the hemisphere are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub enum Hemisphere {
     UniformAngle,
 }
 
-named! {
+named_enum! {
     Hemisphere {
         Cosine = "cosine",
         UniformSolidAngle = "uniform-solid-angle",
@@ -39,12 +39,12 @@ impl Hemisphere {
         match self {
             Self::Cosine => {
                 // Malley's method: the height of a point drawn uniformly on the disc.
-                direction(u[0].sqrt(), (1.0 - u[0]).sqrt(), u[1])
+                spherical_direction(u[0].sqrt(), (1.0 - u[0]).sqrt(), u[1])
             }
-            Self::UniformSolidAngle => direction(sine(u[0]), u[0], u[1]),
+            Self::UniformSolidAngle => spherical_direction(sin_from_cos(u[0]), u[0], u[1]),
             Self::UniformAngle => {
                 let (sin_elevation, cos_elevation) = sin_cos(FRAC_PI_2 * u[0]);
-                direction(cos_elevation, sin_elevation, u[1])
+                spherical_direction(cos_elevation, sin_elevation, u[1])
             }
         }
     }
@@ -58,7 +58,7 @@ impl Hemisphere {
             Self::UniformSolidAngle => 1.0 / TAU,
             Self::UniformAngle if fault!(AngleJacobianLost) => 1.0 / (PI * PI),
             // The elevation's cosine is the sine of the angle from the normal.
-            Self::UniformAngle => 1.0 / (PI * PI * sine(cos)),
+            Self::UniformAngle => 1.0 / (PI * PI * sin_from_cos(cos)),
         }
     }
 
@@ -67,7 +67,7 @@ impl Hemisphere {
         let u = match self {
             Self::Cosine => 1.0 - direction.z * direction.z,
             Self::UniformSolidAngle => direction.z,
-            Self::UniformAngle => 1.0 - acos(direction.z) / FRAC_PI_2,
+            Self::UniformAngle => 1.0 - safe_acos(direction.z) / FRAC_PI_2,
         };
         [u, azimuth(direction)]
     }
@@ -75,16 +75,16 @@ impl Hemisphere {
 
 /// A direction uniform over the solid angle of the cap around +z whose rim has this `1 - cos`, of any
 /// size. Its density is `1 / (2 pi (1 - cos))`.
-pub fn sample_cap(one_minus_cos_rim: f64, u: [f64; 2]) -> DVec3 {
-    let one_minus_cos = u[0] * one_minus_cos_rim;
+pub fn sample_uniform_cone(one_minus_cos_max: f64, u: [f64; 2]) -> DVec3 {
+    let one_minus_cos = u[0] * one_minus_cos_max;
     let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
-    direction(sin, 1.0 - one_minus_cos, u[1])
+    spherical_direction(sin, 1.0 - one_minus_cos, u[1])
 }
 
 /// A direction with density `(n + 1) / (2 pi) cos^n`, the lobe of the Phong model.
 pub fn sample_power_cosine(exponent: f64, u: [f64; 2]) -> DVec3 {
     let cos = powf(u[0], 1.0 / (exponent + 1.0));
-    direction(sine(cos), cos, u[1])
+    spherical_direction(sin_from_cos(cos), cos, u[1])
 }
 
 /// The density of [`sample_power_cosine`].
@@ -99,8 +99,8 @@ pub fn invert_power_cosine(exponent: f64, direction: DVec3) -> [f64; 2] {
 }
 
 #[inline(always)]
-fn direction(sin: f64, cos: f64, u: f64) -> DVec3 {
-    let (sin_phi, cos_phi) = sin_cos_of_turns(u);
+fn spherical_direction(sin: f64, cos: f64, u: f64) -> DVec3 {
+    let (sin_phi, cos_phi) = sin_cos_2pi(u);
     DVec3::new(sin * cos_phi, sin * sin_phi, cos)
 }
 
@@ -109,7 +109,7 @@ fn azimuth(direction: DVec3) -> f64 {
     if turns < 0.0 { turns + 1.0 } else { turns }
 }
 
-fn sine(cos: f64) -> f64 {
+fn sin_from_cos(cos: f64) -> f64 {
     ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt()
 }
 
@@ -147,7 +147,7 @@ mod tests {
         for rim in [1e-12, 0.3, 1.0, 2.0] {
             for i in 0..50 {
                 let u = [f64::from(i) / 50.0, f64::from(i * 7 % 50) / 50.0];
-                let drawn = sample_cap(rim, u);
+                let drawn = sample_uniform_cone(rim, u);
                 assert!((drawn.length() - 1.0).abs() < 1e-15);
                 let chord_squared = drawn.distance_squared(DVec3::Z);
                 let expected = 2.0 * u[0] * rim;

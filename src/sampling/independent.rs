@@ -13,31 +13,31 @@ pub(super) struct Independent {
 
 impl Independent {
     pub(super) fn new(seed: u64, pixel: u64, sample: u32) -> Self {
-        Self { key: mix(pixel_key(seed, pixel) ^ u64::from(sample)) }
+        Self { key: mix_bits(pixel_key(seed, pixel) ^ u64::from(sample)) }
     }
 
     /// In `[0, 1)`, a multiple of 2^-53.
     pub(super) fn get(self, dimension: u32) -> f64 {
-        (output(self.key, dimension) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+        (split_mix(self.key, dimension) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 }
 
 /// 64 bits that stand for a pixel under a seed.
 #[inline(always)]
 pub(super) fn pixel_key(seed: u64, pixel: u64) -> u64 {
-    mix(mix(seed.wrapping_add(GAMMA)) ^ pixel)
+    mix_bits(mix_bits(seed.wrapping_add(GAMMA)) ^ pixel)
 }
 
 /// The output number `index` of the generator that starts at `key`.
 #[inline(always)]
-pub(super) fn output(key: u64, index: u32) -> u64 {
-    mix(key.wrapping_add(GAMMA.wrapping_mul(u64::from(index) + 1)))
+pub(super) fn split_mix(key: u64, index: u32) -> u64 {
+    mix_bits(key.wrapping_add(GAMMA.wrapping_mul(u64::from(index) + 1)))
 }
 
 /// The output function of SplitMix64: a bijection in which every input bit reaches every output bit
 /// (Stafford's variant 13 of the MurmurHash3 finaliser).
 #[inline(always)]
-fn mix(mut z: u64) -> u64 {
+fn mix_bits(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
@@ -52,7 +52,7 @@ mod tests {
         // The published first outputs for state 0.
         let expected = [0xe220_a839_7b1d_cdaf_u64, 0x6e78_9e6a_a1b9_65f4];
         for (index, bits) in expected.into_iter().enumerate() {
-            assert_eq!(output(0, index as u32), bits);
+            assert_eq!(split_mix(0, index as u32), bits);
         }
     }
 }

@@ -5,8 +5,8 @@
 ///
 /// Written with the ratio of the densities: their squares overflow for a distant lamp.
 #[inline(always)]
-pub fn power_heuristic(drawn: f64, other: f64) -> f64 {
-    let ratio = other / drawn;
+pub fn power_heuristic(pdf: f64, other_pdf: f64) -> f64 {
+    let ratio = other_pdf / pdf;
     1.0 / (1.0 + ratio * ratio)
 }
 

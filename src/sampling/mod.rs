@@ -12,12 +12,12 @@ mod mis;
 mod sampler;
 mod sobol;
 mod stratified;
-mod trig;
+mod transcendental;
 
-pub use discrete::Discrete;
-pub use filter::{Filter, FilterKind, box_sample};
+pub use discrete::DiscreteDistribution;
+pub use filter::{Filter, FilterKind, sample_box};
 pub use hemisphere::Hemisphere;
 pub use mis::power_heuristic;
 pub use sampler::{Sampler, SamplerKind};
 pub use sobol::SobolLanes;
-pub use trig::{acos, atan2, cos, exp, ln, powf, sin_cos, sin_cos_of_turns, tan};
+pub use transcendental::{safe_acos, atan2, cos, exp, ln, powf, sin_cos, sin_cos_2pi, tan};

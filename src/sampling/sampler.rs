@@ -3,7 +3,7 @@
 //! Every number is a pure function of (seed, pixel, sample, dimension): threads, tiles, batches and
 //! restarts cannot change it. There are three kinds; `docs/sampling.md` compares them.
 
-use crate::names::named;
+use crate::names::named_enum;
 
 use super::independent::Independent;
 use super::sobol::{Sobol, SobolLanes};
@@ -21,11 +21,11 @@ pub enum SamplerKind {
     Stratified,
 }
 
-named! { SamplerKind { Sobol = "sobol", Independent = "independent", Stratified = "stratified" } }
+named_enum! { SamplerKind { Sobol = "sobol", Independent = "independent", Stratified = "stratified" } }
 
 impl SamplerKind {
     /// Whether all numbers change with how many samples a pixel is to have.
-    pub fn depends_on_count(self) -> bool {
+    pub fn depends_on_sample_count(self) -> bool {
         match self {
             Self::Sobol | Self::Independent => false,
             Self::Stratified => true,
@@ -35,10 +35,10 @@ impl SamplerKind {
 
 /// All the random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sampler(Numbers);
+pub struct Sampler(SamplerState);
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Numbers {
+enum SamplerState {
     Independent(Independent),
     Sobol(Sobol),
     Stratified(Stratified),
@@ -49,34 +49,34 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 impl Sampler {
     /// Independent numbers at an address; `pixel` counts along the rows of the full picture.
-    pub fn new(seed: u64, pixel: u64, sample: u32) -> Self {
-        Self(Numbers::Independent(Independent::new(seed, pixel, sample)))
+    pub fn independent(seed: u64, pixel: u64, sample: u32) -> Self {
+        Self(SamplerState::Independent(Independent::new(seed, pixel, sample)))
     }
 
     /// Numbers of any kind at an address. Only stratified ones depend on `samples`, how many
     /// samples the pixel is to have: they are best when there are just as many.
-    pub fn of_kind(kind: SamplerKind, seed: u64, pixel: u64, sample: u32, samples: u32) -> Self {
+    pub fn with_kind(kind: SamplerKind, seed: u64, pixel: u64, sample: u32, samples: u32) -> Self {
         match kind {
-            SamplerKind::Sobol => Self(Numbers::Sobol(Sobol::new(seed, pixel, sample))),
-            SamplerKind::Independent => Self::new(seed, pixel, sample),
+            SamplerKind::Sobol => Self(SamplerState::Sobol(Sobol::new(seed, pixel, sample))),
+            SamplerKind::Independent => Self::independent(seed, pixel, sample),
             SamplerKind::Stratified => {
-                Self(Numbers::Stratified(Stratified::new(seed, pixel, sample, samples)))
+                Self(SamplerState::Stratified(Stratified::new(seed, pixel, sample, samples)))
             }
         }
     }
 
     /// The numbers of a lane's sample.
     #[inline(always)]
-    pub fn of_lane(lanes: &SobolLanes, lane: usize) -> Self {
-        Self(Numbers::Sobol(lanes.take(lane)))
+    pub fn from_lane(lanes: &SobolLanes, lane: usize) -> Self {
+        Self(SamplerState::Sobol(lanes.lane(lane)))
     }
 
     /// Puts these numbers into a lane; `false` if they are not Sobol's.
     #[inline(always)]
-    pub fn put_into(self, lanes: &mut SobolLanes, lane: usize) -> bool {
+    pub fn store_in_lane(self, lanes: &mut SobolLanes, lane: usize) -> bool {
         match self.0 {
-            Numbers::Sobol(numbers) => {
-                lanes.put(lane, numbers);
+            SamplerState::Sobol(numbers) => {
+                lanes.set_lane(lane, numbers);
                 true
             }
             _ => false,
@@ -86,9 +86,9 @@ impl Sampler {
     /// The number of one dimension, in `[0, 1)`.
     pub fn get(self, dimension: u32) -> f64 {
         match self.0 {
-            Numbers::Independent(numbers) => numbers.get(dimension),
-            Numbers::Sobol(numbers) => numbers.get(dimension),
-            Numbers::Stratified(numbers) => {
+            SamplerState::Independent(numbers) => numbers.get(dimension),
+            SamplerState::Sobol(numbers) => numbers.get(dimension),
+            SamplerState::Stratified(numbers) => {
                 numbers.pair(dimension / 2)[dimension as usize % 2].min(BELOW_ONE)
             }
         }
@@ -98,8 +98,8 @@ impl Sampler {
     /// over the square together.
     pub fn get_2d(self, dimension: u32) -> [f64; 2] {
         match self.0 {
-            Numbers::Sobol(numbers) if dimension % 2 == 0 => numbers.get_2d(dimension),
-            Numbers::Stratified(numbers) if dimension % 2 == 0 => {
+            SamplerState::Sobol(numbers) if dimension % 2 == 0 => numbers.get_2d(dimension),
+            SamplerState::Stratified(numbers) if dimension % 2 == 0 => {
                 numbers.pair(dimension / 2).map(|u| u.min(BELOW_ONE))
             }
             _ => [self.get(dimension), self.get(dimension + 1)],
@@ -122,8 +122,8 @@ mod tests {
     #[test]
     fn the_kinds_whose_numbers_depend_on_their_count_say_so() {
         for kind in KINDS {
-            let differ = Sampler::of_kind(kind, 1, 2, 3, 16) != Sampler::of_kind(kind, 1, 2, 3, 40);
-            assert_eq!(kind.depends_on_count(), differ, "{kind:?}");
+            let differ = Sampler::with_kind(kind, 1, 2, 3, 16) != Sampler::with_kind(kind, 1, 2, 3, 40);
+            assert_eq!(kind.depends_on_sample_count(), differ, "{kind:?}");
         }
     }
 
@@ -131,9 +131,9 @@ mod tests {
     fn only_numbers_of_sobol_go_into_lanes_and_they_come_back() {
         for kind in KINDS {
             let mut lanes = SobolLanes::default();
-            let numbers = Sampler::of_kind(kind, 1, 2, 3, 16);
-            assert_eq!(numbers.put_into(&mut lanes, 5), kind == SamplerKind::Sobol);
-            assert_eq!(Sampler::of_lane(&lanes, 5) == numbers, kind == SamplerKind::Sobol);
+            let numbers = Sampler::with_kind(kind, 1, 2, 3, 16);
+            assert_eq!(numbers.store_in_lane(&mut lanes, 5), kind == SamplerKind::Sobol);
+            assert_eq!(Sampler::from_lane(&lanes, 5) == numbers, kind == SamplerKind::Sobol);
         }
     }
 }

@@ -9,17 +9,17 @@
 //! the second has it, the error of a smooth integral falls less fast than that of plain jitter. Which
 //! sample has which cell is permuted for every pair, so that pairs are independent of one another.
 
-use super::independent::{GAMMA, output, pixel_key};
+use super::independent::{GAMMA, split_mix, pixel_key};
 
 /// The most cells of a pair; with more samples they are filled again.
-const MOST_CELLS: u32 = 1 << 30;
+const MAX_CELLS: u32 = 1 << 30;
 
 /// The numbers of one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Stratified {
     key: u64,
     /// Which cell before it is permuted.
-    place: u32,
+    cell: u32,
     columns: u32,
     rows: u32,
 }
@@ -28,26 +28,26 @@ impl Stratified {
     /// `samples` is how many the pixel is to have. Where they make no full rectangle some cells stay
     /// empty, chosen at random.
     pub(super) fn new(seed: u64, pixel: u64, sample: u32, samples: u32) -> Self {
-        let samples = samples.clamp(1, MOST_CELLS);
+        let samples = samples.clamp(1, MAX_CELLS);
         let columns = samples.isqrt();
         let rows = samples.div_ceil(columns);
         let cells = columns * rows;
         let (round, place) = (sample / cells, sample % cells);
-        Self { key: output(pixel_key(seed, pixel), round), place, columns, rows }
+        Self { key: split_mix(pixel_key(seed, pixel), round), cell: place, columns, rows }
     }
 
     /// The numbers of dimensions `2 pair` and `2 pair + 1`, in `[0, 1]`.
     pub(super) fn pair(self, pair: u32) -> [f64; 2] {
         let Self { columns, rows, .. } = self;
-        let key = output(self.key, pair);
-        let cell = permuted(self.place, columns * rows, key);
+        let key = split_mix(self.key, pair);
+        let cell = permute(self.cell, columns * rows, key);
         let (column, row) = (cell % columns, cell / columns);
         // Each column of cells, and each row, is permuted on its own.
         let [of_column, of_row] = [(0, column), (1, row)]
-            .map(|(axis, place)| output(output(key, MOST_CELLS + axis), place));
-        let within = [permuted(row, rows, of_column), permuted(column, columns, of_row)];
-        let jitter = output(key, self.place);
-        let [x, y] = [jitter as u32, (jitter >> 32) as u32].map(fraction);
+            .map(|(axis, place)| split_mix(split_mix(key, MAX_CELLS + axis), place));
+        let within = [permute(row, rows, of_column), permute(column, columns, of_row)];
+        let jitter = split_mix(key, self.cell);
+        let [x, y] = [jitter as u32, (jitter >> 32) as u32].map(to_unit_interval);
         [
             (f64::from(column) + (f64::from(within[0]) + x) / f64::from(rows)) / f64::from(columns),
             (f64::from(row) + (f64::from(within[1]) + y) / f64::from(columns)) / f64::from(rows),
@@ -55,7 +55,7 @@ impl Stratified {
     }
 }
 
-fn fraction(bits: u32) -> f64 {
+fn to_unit_interval(bits: u32) -> f64 {
     (f64::from(bits) + 0.5) * (1.0 / (1u64 << 32) as f64)
 }
 
@@ -63,7 +63,7 @@ fn fraction(bits: u32) -> f64 {
 /// of the next power of two, repeated until it ends below `length`, and then a turn by a random number
 /// of places. Only that makes all places as likely for each index: of a length that is no power of two
 /// the bijection alone prefers some.
-fn permuted(index: u32, length: u32, key: u64) -> u32 {
+fn permute(index: u32, length: u32, key: u64) -> u32 {
     let mask = length.next_power_of_two() - 1;
     let half = mask.count_ones().div_ceil(2);
     let turn = ((key.wrapping_mul(GAMMA) >> 32) * u64::from(length)) >> 32;
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn places_within_a_cell_reach_neither_of_its_ends() {
-        let [first, last] = [0, u32::MAX].map(fraction);
+        let [first, last] = [0, u32::MAX].map(to_unit_interval);
         assert!(first > 0.0 && last < 1.0);
         assert_eq!(first, 1.0 - last);
     }
@@ -98,10 +98,10 @@ mod tests {
     fn permutations_permute() {
         for length in [1, 2, 3, 16, 17, 100, 1000] {
             for key in 0..20 {
-                let key = output(7, key);
+                let key = split_mix(7, key);
                 let mut seen = vec![false; length as usize];
                 for index in 0..length {
-                    seen[permuted(index, length, key) as usize] = true;
+                    seen[permute(index, length, key) as usize] = true;
                 }
                 assert!(seen.into_iter().all(|seen| seen));
             }

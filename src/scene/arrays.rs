@@ -4,30 +4,30 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::colors::Colors;
-use super::complaint::Complaint;
-use super::data::{Column, SphereArrays, Strided};
+use super::colors::SphereColors;
+use super::complaint::TableDiagnostic;
+use super::data::{Column, SphereArrays, StridedArray};
 use super::description::ColorStorage;
-use super::rows::{Row, allowed, in_words};
-use super::storage::{room_for_colors, with_capacity};
+use super::table_reader::{Row, column_range, format_f32};
+use super::storage::{reserve_colors, try_with_capacity};
 
 /// Appends every sphere, and returns the colours where the arrays have some; none may be brighter than
 /// `brightest`. Every number is read and checked in one pass.
 ///
 /// # Errors
 /// With the first number that is not allowed; when there is no memory for the colours.
-pub(super) fn read<T: Row>(
+pub(super) fn read_f32<T: Row>(
     arrays: &SphereArrays,
     storage: ColorStorage,
     brightest: [f32; 3],
     all: &mut Vec<T>,
-) -> Result<Option<Colors>, Complaint> {
+) -> Result<Option<SphereColors>, TableDiagnostic> {
     let SphereArrays { center: [x, y, z], radius, color, .. } = arrays;
     let first_wrong = AtomicUsize::new(usize::MAX);
     let numbers = {
         use Column::{Radius, X, Y, Z};
         let is_allowed = within([X, Y, Z, Radius], brightest);
-        let columns = [x, y, z, radius].map(Strided::reader);
+        let columns = [x, y, z, radius].map(StridedArray::reader);
         move |row: usize| {
             let numbers = columns.each_ref().map(|column| column.get(row));
             (numbers, is_allowed(&numbers))
@@ -46,8 +46,8 @@ pub(super) fn read<T: Row>(
         Some(color) => {
             use Column::{Blue, Green, Red};
             let is_allowed = within([Red, Green, Blue], brightest);
-            let columns = color.each_ref().map(Strided::reader);
-            let mut colors = room_for_colors(storage, arrays.len() as u64).map_err(complaint)?;
+            let columns = color.each_ref().map(StridedArray::reader);
+            let mut colors = reserve_colors(storage, arrays.len() as u64).map_err(complaint)?;
             let color = |row: usize| {
                 let numbers = columns.each_ref().map(|column| column.get(row));
                 if is_allowed(&numbers) {
@@ -71,9 +71,9 @@ pub(super) fn read<T: Row>(
 ///
 /// # Errors
 /// When there is no memory for them.
-pub(super) fn read_ids(arrays: &SphereArrays) -> Result<Option<Vec<u32>>, Complaint> {
+pub(super) fn read_ids(arrays: &SphereArrays) -> Result<Option<Vec<u32>>, TableDiagnostic> {
     let Some(given) = &arrays.ids else { return Ok(None) };
-    let mut ids = with_capacity(arrays.len() as u64).map_err(complaint)?;
+    let mut ids = try_with_capacity(arrays.len() as u64).map_err(complaint)?;
     ids.extend(given.iter());
     Ok(Some(ids))
 }
@@ -84,29 +84,29 @@ fn within<const N: usize>(
     brightest: [f32; 3],
 ) -> impl Fn(&[f64; N]) -> bool + Sync {
     let limits = columns.map(|column| {
-        let allowed = allowed(column, brightest);
+        let allowed = column_range(column, brightest);
         f64::from(*allowed.start())..=f64::from(*allowed.end())
     });
     move |numbers| limits.iter().zip(numbers).all(|(limits, number)| limits.contains(number))
 }
 
 /// The first number of a row that is not allowed.
-fn tell(arrays: &SphereArrays, brightest: [f32; 3], row: usize) -> Complaint {
+fn tell(arrays: &SphereArrays, brightest: [f32; 3], row: usize) -> TableDiagnostic {
     let wrong = arrays.columns().find_map(|(column, array)| {
         let number = array.reader().get(row);
         (!within([column], brightest)(&[number])).then_some((column, number))
     });
     let (column, number) = wrong.expect("the row has a number that is not allowed");
-    let allowed = allowed(column, brightest);
+    let allowed = column_range(column, brightest);
     let message = format!(
         "row {row} (the first is 0) has {} = {number:?}; it must be from {} to {}",
         column.name(),
-        in_words(*allowed.start()),
-        in_words(*allowed.end()),
+        format_f32(*allowed.start()),
+        format_f32(*allowed.end()),
     );
     (message, (column == Column::Radius).then(|| "radii are positive".to_owned()))
 }
 
-fn complaint(error: crate::error::Error) -> Complaint {
+fn complaint(error: crate::error::Error) -> TableDiagnostic {
     (error.to_string(), error.help().map(str::to_owned))
 }

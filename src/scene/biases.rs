@@ -4,16 +4,16 @@
 
 use crate::material::Phong;
 
-use super::description::{Description, Surface};
-use super::settings::{Integrator, Miss, Render, Stop};
+use super::description::{SceneDescription, SurfaceModel};
+use super::settings::{IntegratorSettings, MissPolicy, RenderSettings, PathTermination};
 
-impl Description {
+impl SceneDescription {
     /// The materials that reflect more light than they receive, by name, with the largest share that
     /// they send on: classic Phong surfaces. The colours of sphere tables are not looked at.
-    pub fn makes_light(&self) -> Vec<(&str, f32)> {
-        let up_to = |surface: &Surface| match *surface {
-            Surface::Phong { albedo, specular, exponent, normalized } => {
-                Phong { albedo, specular, exponent, normalized }.most_energy().max_element()
+    pub fn energy_creating_materials(&self) -> Vec<(&str, f32)> {
+        let up_to = |surface: &SurfaceModel| match *surface {
+            SurfaceModel::Phong { albedo, specular, exponent, normalized } => {
+                Phong { albedo, specular, exponent, normalized }.max_albedo().max_element()
             }
             _ => 1.0,
         };
@@ -23,7 +23,7 @@ impl Description {
     }
 }
 
-impl Render {
+impl RenderSettings {
     /// The options that bias the picture, as `key = value`; empty for a picture that can be trusted.
     ///
     /// Integrators that are not after the whole light say so by their names: `direct`,
@@ -32,26 +32,26 @@ impl Render {
     pub fn biases(&self) -> Vec<String> {
         let mut biases = Vec::new();
         let follows_paths =
-            matches!(self.integrator, Integrator::Path | Integrator::Direct | Integrator::Paper(_));
+            matches!(self.integrator, IntegratorSettings::Path | IntegratorSettings::Direct | IntegratorSettings::Paper(_));
         if !follows_paths {
             return biases;
         }
         if let Some(depth) = self.max_depth {
             biases.push(format!("max_depth = {depth}"));
         }
-        if let Some(limit) = self.clamp_indirect.filter(|_| self.integrator != Integrator::Direct) {
+        if let Some(limit) = self.clamp_indirect.filter(|_| self.integrator != IntegratorSettings::Direct) {
             biases.push(format!("clamp_indirect = {limit}"));
         }
-        if let Integrator::Paper(paper) = self.integrator {
+        if let IntegratorSettings::Paper(paper) = self.integrator {
             match paper.stop {
-                Stop::Roulette => {}
-                Stop::Depth => biases.push("paper.stop = \"depth\"".to_owned()),
-                Stop::Threshold(threshold) => {
+                PathTermination::Roulette => {}
+                PathTermination::Depth => biases.push("paper.stop = \"depth\"".to_owned()),
+                PathTermination::Threshold(threshold) => {
                     biases.push("paper.stop = \"threshold\"".to_owned());
                     biases.push(format!("paper.threshold = {threshold}"));
                 }
             }
-            if paper.miss == Miss::Redraw {
+            if paper.miss == MissPolicy::Redraw {
                 biases.push("paper.miss = \"redraw\"".to_owned());
             }
             if paper.jitter < 1.0 {

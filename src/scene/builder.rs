@@ -10,8 +10,8 @@ use crate::math::DVec3;
 use super::Scene;
 use super::data::{SphereArrays, SphereData};
 use super::description::{
-    Background, Camera, Description, Dome, NamedMaterial, Projection, SphereRow, SphereTable, Sun,
-    Surface, unit,
+    BackgroundDescription, CameraDescription, SceneDescription, EnvironmentDescription, MaterialDescription, ProjectionDescription, SphereDescription, SphereTable, SunDescription,
+    SurfaceModel, normalize_robust,
 };
 use super::validate::FOREIGN_MATERIAL;
 
@@ -29,9 +29,9 @@ use super::validate::FOREIGN_MATERIAL;
 /// # Ok::<(), photosphere::Error>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Builder {
+pub struct SceneBuilder {
     /// The scene so far.
-    pub description: Description,
+    pub description: SceneDescription,
     /// The number of this builder, which its clones share.
     id: u64,
 }
@@ -39,40 +39,40 @@ pub struct Builder {
 /// A material of a [`Builder`], and of its clones. [`Builder::build`] refuses spheres with a material of
 /// another builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Material {
+pub struct MaterialHandle {
     builder: u64,
     index: usize,
 }
 
-impl Material {
+impl MaterialHandle {
     /// The index of the material in [`Description::materials`].
     pub fn index(self) -> usize {
         self.index
     }
 }
 
-impl Default for Builder {
+impl Default for SceneBuilder {
     fn default() -> Self {
-        Self::from(Description::default())
+        Self::from(SceneDescription::default())
     }
 }
 
 /// A builder that goes on with a scene.
-impl From<Description> for Builder {
-    fn from(description: Description) -> Self {
+impl From<SceneDescription> for SceneBuilder {
+    fn from(description: SceneDescription) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self { description, id: NEXT.fetch_add(1, Ordering::Relaxed) }
     }
 }
 
 /// Builders are equal if their scenes are.
-impl PartialEq for Builder {
+impl PartialEq for SceneBuilder {
     fn eq(&self, other: &Self) -> bool {
         self.description == other.description
     }
 }
 
-impl Builder {
+impl SceneBuilder {
     /// Darkness without a sphere, seen from (0, 0, 10) by a pinhole of 36 degrees.
     pub fn new() -> Self {
         Self::default()
@@ -81,20 +81,20 @@ impl Builder {
     /// Puts the camera somewhere, with a point in the middle of its picture; the rest stays.
     pub fn camera(&mut self, position: impl Into<DVec3>, look_at: impl Into<DVec3>) -> &mut Self {
         let camera = &mut self.description.camera;
-        *camera = Camera { position: position.into(), look_at: look_at.into(), ..*camera };
+        *camera = CameraDescription { position: position.into(), look_at: look_at.into(), ..*camera };
         self
     }
 
     /// Gives the camera a pinhole that sees so many degrees between the bottom and the top of the picture.
     pub fn field_of_view(&mut self, vertical_fov_degrees: f64) -> &mut Self {
         self.description.camera.projection =
-            Projection::Perspective { vertical_fov_degrees, lens: None };
+            ProjectionDescription::Perspective { vertical_fov_degrees, lens: None };
         self
     }
 
     /// The same radiance from all directions, in W/(sr m^2).
     pub fn background(&mut self, radiance: impl Into<Rgb>) -> &mut Self {
-        self.description.background.dome = Dome::Constant { radiance: radiance.into() };
+        self.description.background.dome = EnvironmentDescription::Constant { radiance: radiance.into() };
         self
     }
 
@@ -102,7 +102,7 @@ impl Builder {
     pub fn up(&mut self, up: impl Into<DVec3>) -> &mut Self {
         let up = up.into();
         self.description.camera.up = up;
-        self.description.background.up = normalized(up);
+        self.description.background.up = unit_or_unchanged(up);
         self
     }
 
@@ -113,59 +113,59 @@ impl Builder {
         angular_diameter_degrees: f64,
         irradiance: impl Into<Rgb>,
     ) -> &mut Self {
-        let direction = normalized(direction.into());
-        let sun = Sun { direction, angular_diameter_degrees, irradiance: irradiance.into() };
+        let direction = unit_or_unchanged(direction.into());
+        let sun = SunDescription { direction, angular_diameter_degrees, irradiance: irradiance.into() };
         self.description.background =
-            Background { sun: Some(sun), ..self.description.background.clone() };
+            BackgroundDescription { sun: Some(sun), ..self.description.background.clone() };
         self
     }
 
     /// Lambert's surface with this albedo.
-    pub fn diffuse(&mut self, albedo: impl Into<Rgb>) -> Material {
-        self.surface(Surface::Diffuse { albedo: albedo.into(), roughness: 0.0 })
+    pub fn diffuse(&mut self, albedo: impl Into<Rgb>) -> MaterialHandle {
+        self.surface(SurfaceModel::Diffuse { albedo: albedo.into(), roughness: 0.0 })
     }
 
     /// A mirror that reflects this share of light.
-    pub fn mirror(&mut self, reflectance: impl Into<Rgb>) -> Material {
-        self.surface(Surface::Mirror { reflectance: reflectance.into() })
+    pub fn mirror(&mut self, reflectance: impl Into<Rgb>) -> MaterialHandle {
+        self.surface(SurfaceModel::Mirror { reflectance: reflectance.into() })
     }
 
     /// Clear, smooth glass of this index of refraction.
-    pub fn glass(&mut self, ior: f64) -> Material {
+    pub fn glass(&mut self, ior: f64) -> MaterialHandle {
         let absorption = Rgb::ZERO;
-        self.surface(Surface::Dielectric { ior, roughness: 0.0, priority: 0, absorption })
+        self.surface(SurfaceModel::Dielectric { ior, roughness: 0.0, priority: 0, absorption })
     }
 
     /// A metal, from 0, smooth, to 1 in roughness.
-    pub fn metal(&mut self, metal: Metal, roughness: f64) -> Material {
-        self.surface(Surface::Conductor { metal, roughness })
+    pub fn metal(&mut self, metal: Metal, roughness: f64) -> MaterialHandle {
+        self.surface(SurfaceModel::Conductor { metal, roughness })
     }
 
     /// A black surface that sends out this radiance, in W/(sr m^2).
-    pub fn lamp(&mut self, emission: impl Into<Rgb>) -> Material {
-        let surface = Surface::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
-        self.material(NamedMaterial { surface, emission: emission.into(), ..Default::default() })
+    pub fn emitter(&mut self, emission: impl Into<Rgb>) -> MaterialHandle {
+        let surface = SurfaceModel::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
+        self.material(MaterialDescription { surface, emission: emission.into(), ..Default::default() })
     }
 
     /// Any surface that sends out no light.
-    pub fn surface(&mut self, surface: Surface) -> Material {
-        self.material(NamedMaterial { surface, ..NamedMaterial::default() })
+    pub fn surface(&mut self, surface: SurfaceModel) -> MaterialHandle {
+        self.material(MaterialDescription { surface, ..MaterialDescription::default() })
     }
 
     /// Any material; one without a name is called after its place, as in `material-0`.
-    pub fn material(&mut self, mut material: NamedMaterial) -> Material {
+    pub fn material(&mut self, mut material: MaterialDescription) -> MaterialHandle {
         let index = self.description.materials.len();
         if material.name.is_empty() {
             material.name = format!("material-{index}");
         }
         self.description.materials.push(material);
-        Material { builder: self.id, index }
+        MaterialHandle { builder: self.id, index }
     }
 
     /// A sphere.
     pub fn sphere(
         &mut self,
-        material: Material,
+        material: MaterialHandle,
         center: impl Into<DVec3>,
         radius: f64,
     ) -> &mut Self {
@@ -175,7 +175,7 @@ impl Builder {
     /// A sphere with a name, which messages and the layers of Cryptomatte show.
     pub fn named_sphere(
         &mut self,
-        material: Material,
+        material: MaterialHandle,
         name: impl Into<String>,
         center: impl Into<DVec3>,
         radius: f64,
@@ -185,18 +185,18 @@ impl Builder {
 
     fn add_sphere(
         &mut self,
-        material: Material,
+        material: MaterialHandle,
         name: Option<String>,
         center: DVec3,
         radius: f64,
     ) -> &mut Self {
         let material = self.index_of(material);
-        self.description.spheres.push(SphereRow { name, center, radius, material });
+        self.description.spheres.push(SphereDescription { name, center, radius, material });
         self
     }
 
     /// Many spheres.
-    pub fn spheres(&mut self, material: Material, arrays: SphereArrays) -> &mut Self {
+    pub fn spheres(&mut self, material: MaterialHandle, arrays: SphereArrays) -> &mut Self {
         let (data, material) = (SphereData::Memory(arrays), self.index_of(material));
         self.table(SphereTable { data, material, ..SphereTable::default() })
     }
@@ -207,7 +207,7 @@ impl Builder {
         self
     }
 
-    fn index_of(&self, material: Material) -> usize {
+    fn index_of(&self, material: MaterialHandle) -> usize {
         if material.builder == self.id { material.index } else { FOREIGN_MATERIAL }
     }
 
@@ -229,6 +229,6 @@ impl Builder {
 }
 
 /// A vector without a direction stays as it is, and is refused where the scene is built.
-fn normalized(v: DVec3) -> DVec3 {
-    unit(v).unwrap_or(v)
+fn unit_or_unchanged(v: DVec3) -> DVec3 {
+    normalize_robust(v).unwrap_or(v)
 }

@@ -6,11 +6,11 @@ use crate::color::Rgb;
 
 /// One linear colour for each row of a table, in `[0, 1]`.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Colors {
+pub(super) enum SphereColors {
     /// As they are in the file, 12 bytes each.
     Exact(Vec<[f32; 3]>),
     /// Rounded, 4 bytes each.
-    Packed(Vec<Packed>),
+    Packed(Vec<PackedColor>),
 }
 
 /// A colour in 32 bits: the square roots of its channels, red and green in 11 bits each and blue,
@@ -20,34 +20,34 @@ pub(super) enum Colors {
 /// 2^-22 for blue; 0 and 1 are exact. From c = 0.01 upwards, the steps of 8-bit sRGB, by which
 /// pictures are shown, are 12 to 18 times as large for red and green, and 6 to 9 times for blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Packed(u32);
+pub(super) struct PackedColor(u32);
 
 /// The largest number and the lowest bit of each channel.
-const FIELDS: [(u32, u32); 3] = [(2047, 21), (2047, 10), (1023, 0)];
+const CHANNELS: [(u32, u32); 3] = [(2047, 21), (2047, 10), (1023, 0)];
 
-impl Packed {
+impl PackedColor {
     /// The nearest colour that is not brighter than `brightest` in any channel.
-    pub(super) fn new(color: [f32; 3], brightest: [f32; 3]) -> Self {
+    pub(super) fn new(color: [f32; 3], max_color: [f32; 3]) -> Self {
         let mut bits = 0;
-        for (channel, (most, lowest_bit)) in FIELDS.into_iter().enumerate() {
+        for (channel, (most, lowest_bit)) in CHANNELS.into_iter().enumerate() {
             let nearest = (color[channel].sqrt() * most as f32).round() as u32;
-            let is_too_bright = decoded(nearest, most) > brightest[channel];
+            let is_too_bright = unpack(nearest, most) > max_color[channel];
             bits |= (nearest - u32::from(is_too_bright)) << lowest_bit;
         }
         Self(bits)
     }
 
     fn get(self) -> [f32; 3] {
-        FIELDS.map(|(most, lowest_bit)| decoded(self.0 >> lowest_bit & most, most))
+        CHANNELS.map(|(most, lowest_bit)| unpack(self.0 >> lowest_bit & most, most))
     }
 }
 
-fn decoded(number: u32, most: u32) -> f32 {
+fn unpack(number: u32, most: u32) -> f32 {
     let root = number as f32 / most as f32;
     root * root
 }
 
-impl Colors {
+impl SphereColors {
     /// The colour of a row, counted in its table.
     pub(super) fn get(&self, row: usize) -> Rgb {
         Rgb::from_array(match self {
@@ -73,7 +73,7 @@ impl Colors {
         match self {
             Self::Exact(all) => all.par_extend(colors),
             Self::Packed(all) => {
-                all.par_extend(colors.map(|color| Packed::new(color, brightest)));
+                all.par_extend(colors.map(|color| PackedColor::new(color, brightest)));
             }
         }
     }
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     fn packed(color: [f32; 3]) -> [f32; 3] {
-        Packed::new(color, [1.0; 3]).get()
+        PackedColor::new(color, [1.0; 3]).get()
     }
 
     #[test]
@@ -108,7 +108,7 @@ mod tests {
     fn no_colour_becomes_brighter_than_its_material_allows() {
         for i in 1..1000u16 {
             let brightest = [f32::from(i) / 1000.0; 3];
-            let found = Packed::new(brightest, brightest).get();
+            let found = PackedColor::new(brightest, brightest).get();
             assert!(found.iter().zip(brightest).all(|(c, most)| *c <= most && most - c < 2e-3));
         }
     }

@@ -4,10 +4,10 @@ use std::io;
 use std::path::Path;
 
 /// What is wrong with a table, and what to do about it.
-pub(super) type Complaint = (String, Option<String>);
+pub(super) type TableDiagnostic = (String, Option<String>);
 
 /// Of a file that cannot be read.
-pub(super) fn unreadable(path: &Path, error: &io::Error) -> Complaint {
+pub(super) fn read_error(path: &Path, error: &io::Error) -> TableDiagnostic {
     let help = match error.kind() {
         io::ErrorKind::NotFound => Some("a relative path starts at the scene's folder".to_owned()),
         _ => None,

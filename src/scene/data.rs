@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::names::named;
+use crate::names::named_enum;
 
 /// The numbers of many spheres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,7 +48,7 @@ pub enum Column {
     Blue,
 }
 
-named! {
+named_enum! {
     Column {
         X = "x",
         Y = "y",
@@ -64,14 +64,14 @@ named! {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SphereArrays {
     /// Centres: x, y and z.
-    pub center: [Strided; 3],
+    pub center: [StridedArray; 3],
     /// Radii, in the same unit.
-    pub radius: Strided,
+    pub radius: StridedArray,
     /// Linear colours in `[0, 1]`, in place of the material's own: red, green and blue.
-    pub color: Option<[Strided; 3]>,
+    pub color: Option<[StridedArray; 3]>,
     /// The user's own number of each sphere, in place of its row: what the layer `sphere_id` and
     /// names show. 2^32 - 1 stands for nothing there and may not be one.
-    pub ids: Option<Strided<Ids>>,
+    pub ids: Option<StridedArray<Ids>>,
 }
 
 /// One number of each sphere, at equal distances in an array.
@@ -80,11 +80,11 @@ pub struct SphereArrays {
 /// counted in bytes: that is how a structured NumPy array is given whose rows are no multiple of its
 /// numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Strided<A = Values> {
+pub struct StridedArray<A = ArrayValues> {
     /// The array.
     pub values: A,
     /// The index of the first sphere's number; in an array of bytes, of its first byte.
-    pub first: usize,
+    pub offset: usize,
     /// From one number to the next: 1 where they lie together, 4 in rows of four, 0 where all spheres
     /// have the same, negative where they run backwards.
     pub stride: isize,
@@ -94,28 +94,28 @@ pub struct Strided<A = Values> {
 
 /// An array of one type.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Values {
+pub enum ArrayValues {
     /// 32-bit numbers.
-    F32(Shared<f32>),
+    F32(SharedSlice<f32>),
     /// 64-bit numbers, which are not rounded before the scene's origin is known.
-    F64(Shared<f64>),
+    F64(SharedSlice<f64>),
     /// Little-endian 32-bit numbers in an array of bytes.
-    F32Bytes(Shared<u8>),
+    F32Bytes(SharedSlice<u8>),
     /// Little-endian 64-bit numbers in an array of bytes, which are not rounded either.
-    F64Bytes(Shared<u8>),
+    F64Bytes(SharedSlice<u8>),
 }
 
 /// An array of ids.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ids {
     /// Whole numbers of 32 bits.
-    U32(Shared<u32>),
+    U32(SharedSlice<u32>),
     /// Little-endian whole numbers of 32 bits in an array of bytes.
-    U32Bytes(Shared<u8>),
+    U32Bytes(SharedSlice<u8>),
 }
 
 /// Memory with a shared owner: a `Vec`, or whatever else lends a slice.
-pub struct Shared<T>(Arc<dyn AsRef<[T]> + Send + Sync>);
+pub struct SharedSlice<T>(Arc<dyn AsRef<[T]> + Send + Sync>);
 
 impl Default for SphereData {
     /// No spheres.
@@ -146,7 +146,7 @@ impl SphereData {
             Self::File { .. } => false,
             Self::Memory(SphereArrays { center: [x, y, z], radius, .. }) => {
                 let is_f64 =
-                    |values: &Values| matches!(values, Values::F64(_) | Values::F64Bytes(_));
+                    |values: &ArrayValues| matches!(values, ArrayValues::F64(_) | ArrayValues::F64Bytes(_));
                 [x, y, z, radius].iter().any(|array| is_f64(&array.values))
             }
         }
@@ -155,41 +155,41 @@ impl SphereData {
     /// Forgets arrays in memory: only the number of their spheres stays.
     pub(super) fn let_go(&mut self) {
         if let Self::Memory(arrays) = self {
-            *arrays = SphereArrays::gone(arrays.len(), arrays.color.is_some());
+            *arrays = SphereArrays::placeholder(arrays.len(), arrays.color.is_some());
         }
     }
 }
 
 impl SphereArrays {
     /// Rows of `[x, y, z, radius]` in f32.
-    pub fn of_rows(rows: Vec<[f32; 4]>) -> Self {
+    pub fn from_rows(rows: Vec<[f32; 4]>) -> Self {
         let len = rows.len();
-        let values = Values::F32(Shared::new(Flat(rows)));
-        let column = |first: usize| Strided { values: values.clone(), first, stride: 4, len };
+        let values = ArrayValues::F32(SharedSlice::new(FlatRows(rows)));
+        let column = |first: usize| StridedArray { values: values.clone(), offset: first, stride: 4, len };
         Self { center: [0, 1, 2].map(column), radius: column(3), color: None, ids: None }
     }
 
     /// Centres with their radii, in f32 or in f64.
-    pub fn of_centers<T: Element>(centers: Vec<[T; 3]>, radii: Vec<T>) -> Self {
-        Self { center: Strided::columns_of(centers), radius: Strided::of(radii), ..Self::default() }
+    pub fn from_centers<T: Scalar>(centers: Vec<[T; 3]>, radii: Vec<T>) -> Self {
+        Self { center: StridedArray::columns_from(centers), radius: StridedArray::from_vec(radii), ..Self::default() }
     }
 
     /// Gives every sphere a linear colour of its own.
     #[must_use]
-    pub fn with_colors<T: Element>(self, colors: Vec<[T; 3]>) -> Self {
-        Self { color: Some(Strided::columns_of(colors)), ..self }
+    pub fn with_colors<T: Scalar>(self, colors: Vec<[T; 3]>) -> Self {
+        Self { color: Some(StridedArray::columns_from(colors)), ..self }
     }
 
     /// Gives every sphere a number of its own.
     #[must_use]
     pub fn with_ids(self, ids: Vec<u32>) -> Self {
-        Self { ids: Some(Strided::of_ids(ids)), ..self }
+        Self { ids: Some(StridedArray::of_ids(ids)), ..self }
     }
 
     /// Arrays whose numbers are gone: they [fit](Strided::fits) nothing, so that no scene is built of
     /// them.
-    pub(super) fn gone(len: usize, has_colors: bool) -> Self {
-        let gone = || Strided { len, ..Strided::default() };
+    pub(super) fn placeholder(len: usize, has_colors: bool) -> Self {
+        let gone = || StridedArray { len, ..StridedArray::default() };
         let three = || std::array::from_fn(|_| gone());
         let color = has_colors.then(three);
         Self { center: three(), radius: gone(), color, ids: None }
@@ -206,7 +206,7 @@ impl SphereArrays {
     }
 
     /// Each array with its name.
-    pub(super) fn columns(&self) -> impl Iterator<Item = (Column, &Strided)> {
+    pub(super) fn columns(&self) -> impl Iterator<Item = (Column, &StridedArray)> {
         use Column::{Blue, Green, Radius, Red, X, Y, Z};
         let color = self.color.iter().flat_map(|color| [Red, Green, Blue].into_iter().zip(color));
         let center = [X, Y, Z].into_iter().zip(&self.center);
@@ -214,52 +214,52 @@ impl SphereArrays {
     }
 }
 
-impl Strided {
+impl StridedArray {
     /// All of an array.
-    pub fn of<T: Element>(values: Vec<T>) -> Self {
+    pub fn from_vec<T: Scalar>(values: Vec<T>) -> Self {
         let len = values.len();
-        Self { values: T::values(Shared::new(values)), first: 0, stride: 1, len }
+        Self { values: T::into_values(SharedSlice::new(values)), offset: 0, stride: 1, len }
     }
 
     /// The columns of an array of rows.
-    pub fn columns_of<T: Element, const N: usize>(rows: Vec<[T; N]>) -> [Self; N] {
+    pub fn columns_from<T: Scalar, const N: usize>(rows: Vec<[T; N]>) -> [Self; N] {
         let len = rows.len();
-        let values = T::values(Shared::new(Flat(rows)));
-        std::array::from_fn(|first| Self { values: values.clone(), first, stride: N as isize, len })
+        let values = T::into_values(SharedSlice::new(FlatRows(rows)));
+        std::array::from_fn(|first| Self { values: values.clone(), offset: first, stride: N as isize, len })
     }
 
     /// The same number for every sphere.
-    pub fn all<T: Element>(value: T, len: usize) -> Self {
-        Self { values: T::values(Shared::new(vec![value])), first: 0, stride: 0, len }
+    pub fn constant<T: Scalar>(value: T, len: usize) -> Self {
+        Self { values: T::into_values(SharedSlice::new(vec![value])), offset: 0, stride: 0, len }
     }
 
     /// Returns true if every number lies within the array.
-    pub(super) fn fits(&self) -> bool {
+    pub(super) fn is_in_bounds(&self) -> bool {
         match &self.values {
-            Values::F32(values) => self.is_within(values.as_slice().len(), 1),
-            Values::F64(values) => self.is_within(values.as_slice().len(), 1),
-            Values::F32Bytes(bytes) => self.is_within(bytes.as_slice().len(), size_of::<f32>()),
-            Values::F64Bytes(bytes) => self.is_within(bytes.as_slice().len(), size_of::<f64>()),
+            ArrayValues::F32(values) => self.is_within(values.as_slice().len(), 1),
+            ArrayValues::F64(values) => self.is_within(values.as_slice().len(), 1),
+            ArrayValues::F32Bytes(bytes) => self.is_within(bytes.as_slice().len(), size_of::<f32>()),
+            ArrayValues::F64Bytes(bytes) => self.is_within(bytes.as_slice().len(), size_of::<f64>()),
         }
     }
 
     /// The numbers, ready to be read; they [fit](Self::fits).
     pub(super) fn reader(&self) -> Reader<'_> {
         let numbers = match &self.values {
-            Values::F32(values) => Numbers::F32(values.as_slice()),
-            Values::F64(values) => Numbers::F64(values.as_slice()),
-            Values::F32Bytes(bytes) => Numbers::F32Bytes(bytes.as_slice()),
-            Values::F64Bytes(bytes) => Numbers::F64Bytes(bytes.as_slice()),
+            ArrayValues::F32(values) => Numbers::F32(values.as_slice()),
+            ArrayValues::F64(values) => Numbers::F64(values.as_slice()),
+            ArrayValues::F32Bytes(bytes) => Numbers::F32Bytes(bytes.as_slice()),
+            ArrayValues::F64Bytes(bytes) => Numbers::F64Bytes(bytes.as_slice()),
         };
-        Reader { numbers, first: self.first, stride: self.stride }
+        Reader { numbers, first: self.offset, stride: self.stride }
     }
 }
 
-impl Strided<Ids> {
+impl StridedArray<Ids> {
     /// All of an array.
     pub fn of_ids(ids: Vec<u32>) -> Self {
         let len = ids.len();
-        Self { values: Ids::U32(Shared::new(ids)), first: 0, stride: 1, len }
+        Self { values: Ids::U32(SharedSlice::new(ids)), offset: 0, stride: 1, len }
     }
 
     /// Returns true if every id lies within the array.
@@ -277,17 +277,17 @@ impl Strided<Ids> {
             Ids::U32Bytes(bytes) => (&[][..], bytes.as_slice()),
         };
         let in_bytes = matches!(self.values, Ids::U32Bytes(_));
-        (0..self.len).map(move |row| match index(self.first, self.stride, row) {
+        (0..self.len).map(move |row| match index(self.offset, self.stride, row) {
             at if in_bytes => u32::from_le_bytes(bytes_at(bytes, at)),
             at => words[at],
         })
     }
 }
 
-impl<A> Strided<A> {
+impl<A> StridedArray<A> {
     /// Returns true if every number, which takes `each` of so many elements, lies within the array.
     fn is_within(&self, elements: usize, each: usize) -> bool {
-        let at = |row: i128| self.first as i128 + row * self.stride as i128;
+        let at = |row: i128| self.offset as i128 + row * self.stride as i128;
         let is_within = |index: i128| 0 <= index && index + each as i128 <= elements as i128;
         self.len == 0 || is_within(at(0)) && is_within(at(self.len as i128 - 1))
     }
@@ -333,42 +333,42 @@ fn bytes_at<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     number
 }
 
-impl Default for Strided {
+impl Default for StridedArray {
     fn default() -> Self {
-        Self::of(Vec::<f32>::new())
+        Self::from_vec(Vec::<f32>::new())
     }
 }
 
 /// f32 or f64.
-pub trait Element: Copy + Send + Sync + 'static {
+pub trait Scalar: Copy + Send + Sync + 'static {
     /// An array of such numbers.
-    fn values(array: Shared<Self>) -> Values
+    fn into_values(array: SharedSlice<Self>) -> ArrayValues
     where
         Self: Sized;
 }
 
-impl Element for f32 {
-    fn values(array: Shared<Self>) -> Values {
-        Values::F32(array)
+impl Scalar for f32 {
+    fn into_values(array: SharedSlice<Self>) -> ArrayValues {
+        ArrayValues::F32(array)
     }
 }
 
-impl Element for f64 {
-    fn values(array: Shared<Self>) -> Values {
-        Values::F64(array)
+impl Scalar for f64 {
+    fn into_values(array: SharedSlice<Self>) -> ArrayValues {
+        ArrayValues::F64(array)
     }
 }
 
 /// Rows as one flat array.
-struct Flat<T, const N: usize>(Vec<[T; N]>);
+struct FlatRows<T, const N: usize>(Vec<[T; N]>);
 
-impl<T, const N: usize> AsRef<[T]> for Flat<T, N> {
+impl<T, const N: usize> AsRef<[T]> for FlatRows<T, N> {
     fn as_ref(&self) -> &[T] {
         self.0.as_flattened()
     }
 }
 
-impl<T> Shared<T> {
+impl<T> SharedSlice<T> {
     /// Memory that `owner` lends for as long as it lives.
     pub fn new(owner: impl AsRef<[T]> + Send + Sync + 'static) -> Self {
         Self(Arc::new(owner))
@@ -380,20 +380,20 @@ impl<T> Shared<T> {
     }
 }
 
-impl<T> Clone for Shared<T> {
+impl<T> Clone for SharedSlice<T> {
     fn clone(&self) -> Self {
         Self(Arc::clone(&self.0))
     }
 }
 
-impl<T> fmt::Debug for Shared<T> {
+impl<T> fmt::Debug for SharedSlice<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} elements", self.as_slice().len())
     }
 }
 
 /// The same memory, or equal numbers in it.
-impl<T: PartialEq> PartialEq for Shared<T> {
+impl<T: PartialEq> PartialEq for SharedSlice<T> {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0) || self.as_slice() == other.as_slice()
     }
@@ -402,16 +402,16 @@ impl<T: PartialEq> PartialEq for Shared<T> {
 /// What is told of arrays as text.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ArraysInWords {
+struct ArraysSummary {
     spheres: usize,
     has_colors: bool,
 }
 
 fn serialize_arrays<S: Serializer>(arrays: &SphereArrays, to: S) -> Result<S::Ok, S::Error> {
-    ArraysInWords { spheres: arrays.len(), has_colors: arrays.color.is_some() }.serialize(to)
+    ArraysSummary { spheres: arrays.len(), has_colors: arrays.color.is_some() }.serialize(to)
 }
 
 fn deserialize_arrays<'de, D: Deserializer<'de>>(from: D) -> Result<SphereArrays, D::Error> {
-    let ArraysInWords { spheres, has_colors } = ArraysInWords::deserialize(from)?;
-    Ok(SphereArrays::gone(spheres, has_colors))
+    let ArraysSummary { spheres, has_colors } = ArraysSummary::deserialize(from)?;
+    Ok(SphereArrays::placeholder(spheres, has_colors))
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::color::Rgb;
 use crate::material::{Metal, PrincipledParameters};
 use crate::math::DVec3;
-use crate::names::named;
+use crate::names::named_enum;
 
 use super::data::SphereData;
 
@@ -18,15 +18,15 @@ use super::data::SphereData;
 /// How it is rendered (size, samples, integrator) is no part of it: see [`Settings`](super::Settings).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Description {
+pub struct SceneDescription {
     /// Where the picture is seen from.
-    pub camera: Camera,
+    pub camera: CameraDescription,
     /// What a ray sees that meets nothing.
-    pub background: Background,
+    pub background: BackgroundDescription,
     /// The surfaces; spheres name them by their index here.
-    pub materials: Vec<NamedMaterial>,
+    pub materials: Vec<MaterialDescription>,
     /// Spheres one by one.
-    pub spheres: Vec<SphereRow>,
+    pub spheres: Vec<SphereDescription>,
     /// Many spheres at once, from files or from memory.
     pub tables: Vec<SphereTable>,
 }
@@ -34,7 +34,7 @@ pub struct Description {
 /// `[camera]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Camera {
+pub struct CameraDescription {
     /// Where the camera is: the middle of the lens or of the picture's plane.
     pub position: DVec3,
     /// A point in the middle of the picture.
@@ -45,10 +45,10 @@ pub struct Camera {
     /// distance.
     pub near: f64,
     /// `type` and its keys.
-    pub projection: Projection,
+    pub projection: ProjectionDescription,
 }
 
-impl Default for Camera {
+impl Default for CameraDescription {
     /// At (0, 0, 10), looking at the origin, with a pinhole of 36 degrees; y is up.
     fn default() -> Self {
         Self {
@@ -56,7 +56,7 @@ impl Default for Camera {
             look_at: DVec3::ZERO,
             up: DVec3::Y,
             near: 0.0,
-            projection: Projection::default(),
+            projection: ProjectionDescription::default(),
         }
     }
 }
@@ -64,13 +64,13 @@ impl Default for Camera {
 /// How directions become places in the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Projection {
+pub enum ProjectionDescription {
     /// `type = "perspective"`.
     Perspective {
         /// The angle from the bottom to the top of the picture.
         vertical_fov_degrees: f64,
         /// `None` is a pinhole.
-        lens: Option<Lens>,
+        lens: Option<LensDescription>,
     },
     /// `type = "orthographic"`: parallel rays.
     Orthographic {
@@ -86,7 +86,7 @@ pub enum Projection {
     },
 }
 
-impl Default for Projection {
+impl Default for ProjectionDescription {
     /// A pinhole of 36 degrees.
     fn default() -> Self {
         Self::Perspective { vertical_fov_degrees: 36.0, lens: None }
@@ -105,7 +105,7 @@ pub enum ProjectionKind {
     Panoramic,
 }
 
-named! {
+named_enum! {
     ProjectionKind {
         Perspective = "perspective",
         Orthographic = "orthographic",
@@ -113,7 +113,7 @@ named! {
     }
 }
 
-impl Projection {
+impl ProjectionDescription {
     /// The kind of this projection.
     pub fn kind(&self) -> ProjectionKind {
         match self {
@@ -127,7 +127,7 @@ impl Projection {
 /// A thin lens.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Lens {
+pub struct LensDescription {
     /// Of its opening, in scene units.
     pub radius: f64,
     /// Along the view axis to the plane in focus: as said, or found by `focus_on`.
@@ -141,23 +141,23 @@ pub struct Lens {
 /// `[background]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Background {
+pub struct BackgroundDescription {
     /// Light from all directions.
-    pub dome: Dome,
+    pub dome: EnvironmentDescription,
     /// The unit direction of the zenith.
     pub up: DVec3,
     /// `[background.sun]`.
-    pub sun: Option<Sun>,
+    pub sun: Option<SunDescription>,
     /// Whether camera rays that meet nothing see the background, or black.
     pub camera_visible: bool,
     /// Whether pictures have an alpha channel that is 0 where camera rays meet nothing.
     pub transparent: bool,
 }
 
-impl Default for Background {
+impl Default for BackgroundDescription {
     /// Darkness, with y as its zenith.
     fn default() -> Self {
-        let dome = Dome::default();
+        let dome = EnvironmentDescription::default();
         Self { dome, up: DVec3::Y, sun: None, camera_visible: true, transparent: false }
     }
 }
@@ -165,7 +165,7 @@ impl Default for Background {
 /// The light of the background.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Dome {
+pub enum EnvironmentDescription {
     /// `radiance`: the same from everywhere.
     Constant {
         /// W/(sr m^2).
@@ -201,7 +201,7 @@ pub enum Dome {
     },
 }
 
-impl Default for Dome {
+impl Default for EnvironmentDescription {
     /// No light.
     fn default() -> Self {
         Self::Constant { radiance: Rgb::ZERO }
@@ -211,7 +211,7 @@ impl Default for Dome {
 /// `[background.sun]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sun {
+pub struct SunDescription {
     /// Unit direction towards it.
     pub direction: DVec3,
     /// How wide it is seen.
@@ -223,21 +223,21 @@ pub struct Sun {
 /// `[materials.NAME]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct NamedMaterial {
+pub struct MaterialDescription {
     /// The table's name.
     pub name: String,
     /// `type` and its keys.
-    pub surface: Surface,
+    pub surface: SurfaceModel,
     /// Radiance that the surface sends out on both sides.
     pub emission: Rgb,
     /// The probability that the surface is there for light, in `[0, 1]`.
     pub opacity: f64,
 }
 
-impl Default for NamedMaterial {
+impl Default for MaterialDescription {
     /// Grey and diffuse, without a name.
     fn default() -> Self {
-        let surface = Surface::default();
+        let surface = SurfaceModel::default();
         Self { name: String::new(), surface, emission: Rgb::ZERO, opacity: 1.0 }
     }
 }
@@ -245,7 +245,7 @@ impl Default for NamedMaterial {
 /// What a material does with light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Surface {
+pub enum SurfaceModel {
     /// `type = "diffuse"`: Lambert, or Oren and Nayar.
     Diffuse {
         /// The share of light that is scattered, in `[0, 1]`.
@@ -301,7 +301,7 @@ pub enum Surface {
     },
 }
 
-impl Default for Surface {
+impl Default for SurfaceModel {
     /// Lambert's, scattering half of the light.
     fn default() -> Self {
         Self::Diffuse { albedo: Rgb::splat(0.5), roughness: 0.0 }
@@ -327,7 +327,7 @@ pub enum SurfaceKind {
     Phong,
 }
 
-named! {
+named_enum! {
     SurfaceKind {
         Diffuse = "diffuse",
         Mirror = "mirror",
@@ -339,7 +339,7 @@ named! {
     }
 }
 
-impl Surface {
+impl SurfaceModel {
     /// The reflection model of this surface.
     pub fn kind(&self) -> SurfaceKind {
         match self {
@@ -357,7 +357,7 @@ impl Surface {
 /// One `[[spheres]]`: a sphere of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SphereRow {
+pub struct SphereDescription {
     /// Used in messages.
     pub name: Option<String>,
     /// Centre.
@@ -392,11 +392,11 @@ pub enum ColorStorage {
     Packed,
 }
 
-named! { ColorStorage { Exact = "exact", Packed = "packed" } }
+named_enum! { ColorStorage { Exact = "exact", Packed = "packed" } }
 
 impl ColorStorage {
     /// Bytes that one colour takes in memory.
-    pub fn bytes_each(self) -> usize {
+    pub fn bytes_per_color(self) -> usize {
         match self {
             Self::Exact => size_of::<[f32; 3]>(),
             Self::Packed => size_of::<u32>(),
@@ -404,7 +404,7 @@ impl ColorStorage {
     }
 }
 
-impl Description {
+impl SceneDescription {
     /// The name of a table: its own; or the name of its file without the folder; or `table 3` for the
     /// fourth table, where that is in memory.
     ///
@@ -425,15 +425,15 @@ impl Description {
     /// opening is a pinhole, and a place or an angle of -0 is 0.
     pub(super) fn make_canonical(&mut self) {
         let Self { camera, background, materials: _, spheres, tables: _ } = self;
-        let Camera { position, look_at, up, near: _, projection } = camera;
-        if let Projection::Perspective { lens, .. } = projection {
+        let CameraDescription { position, look_at, up, near: _, projection } = camera;
+        if let ProjectionDescription::Perspective { lens, .. } = projection {
             *lens = lens.filter(|lens| lens.radius > 0.0);
             if let Some(lens) = lens {
                 lens.rotation_degrees += 0.0;
             }
         }
-        let Background { dome, up: zenith, sun, .. } = background;
-        if let Dome::Image { rotation_degrees, .. } = dome {
+        let BackgroundDescription { dome, up: zenith, sun, .. } = background;
+        if let EnvironmentDescription::Image { rotation_degrees, .. } = dome {
             *rotation_degrees += 0.0;
         }
         let sun = sun.as_mut().map(|sun| &mut sun.direction);
@@ -444,6 +444,6 @@ impl Description {
 }
 
 /// The direction of a vector however long or short, if it has one.
-pub(crate) fn unit(v: DVec3) -> Option<DVec3> {
+pub(crate) fn normalize_robust(v: DVec3) -> Option<DVec3> {
     (v / v.abs().max_element()).try_normalize()
 }

@@ -6,23 +6,23 @@ use crate::color::Rgb;
 use crate::image_io::{Image, read_light};
 use crate::light::{self, Orientation};
 
-use super::description::{Background, Dome, Sun};
+use super::description::{BackgroundDescription, EnvironmentDescription, SunDescription};
 
 /// The most pixels along an image.
-const WIDEST: usize = 32_768;
+const MAX_WIDTH: usize = 32_768;
 
 /// The pixels of an image in latitude and longitude, rows from the top, checked to be radiance.
 #[derive(Clone, Debug)]
-pub(super) struct Pixels {
+pub(super) struct EnvironmentPixels {
     width: usize,
     height: usize,
     pixels: Vec<Rgb>,
 }
 
-impl Pixels {
-    fn dome(mut self, scale: f64) -> light::Dome {
+impl EnvironmentPixels {
+    fn into_environment(mut self, scale: f64) -> light::EnvironmentMap {
         self.pixels.iter_mut().for_each(|pixel| *pixel *= scale as f32);
-        light::Dome::image(self.width, self.height, &self.pixels)
+        light::EnvironmentMap::from_image(self.width, self.height, &self.pixels)
     }
 
     /// How many there are.
@@ -47,10 +47,10 @@ impl Pixels {
     /// What keeps the pixels from being a background.
     fn check(self) -> Result<Self, String> {
         let Self { width, height, ref pixels } = self;
-        if width != 2 * height || width > WIDEST {
+        if width != 2 * height || width > MAX_WIDTH {
             return Err(format!(
                 "it has {width} x {height} pixels, but an image in latitude and longitude is twice \
-                 as wide as high, and at most {WIDEST} wide"
+                 as wide as high, and at most {MAX_WIDTH} wide"
             ));
         }
         let is_wrong = |pixel: &&Rgb| !pixel.is_finite() || pixel.min_element() < 0.0;
@@ -69,26 +69,26 @@ impl Pixels {
 }
 
 /// Reads a `.exr` or `.hdr` file; or says what is wrong with it.
-pub(super) fn read(path: &Path) -> Result<Pixels, String> {
+pub(super) fn read(path: &Path) -> Result<EnvironmentPixels, String> {
     let Image { width, height, pixels } = read_light(path)?;
-    Pixels { width, height, pixels }.check()
+    EnvironmentPixels { width, height, pixels }.check()
 }
 
 /// The light of a described background.
-pub(super) fn light(of: &Background, pixels: Option<Pixels>) -> light::Background {
+pub(super) fn build_background(of: &BackgroundDescription, pixels: Option<EnvironmentPixels>) -> light::Environment {
     let angle = match of.dome {
-        Dome::Image { rotation_degrees, .. } => rotation_degrees.to_radians(),
+        EnvironmentDescription::Image { rotation_degrees, .. } => rotation_degrees.to_radians(),
         _ => 0.0,
     };
     let orientation = Orientation::new(of.up, angle);
     let dome = match (&of.dome, pixels) {
-        (Dome::Constant { radiance }, _) => light::Dome::constant(*radiance),
-        (Dome::Gradient { zenith, horizon, nadir }, _) => {
-            light::Dome::gradient(*zenith, *horizon, *nadir)
+        (EnvironmentDescription::Constant { radiance }, _) => light::EnvironmentMap::constant(*radiance),
+        (EnvironmentDescription::Gradient { zenith, horizon, nadir }, _) => {
+            light::EnvironmentMap::gradient(*zenith, *horizon, *nadir)
         }
-        (Dome::Image { scale, .. }, Some(image)) => image.dome(*scale),
-        (Dome::Image { .. }, None) => light::Dome::constant(Rgb::ZERO),
-        (Dome::Sky { turbidity, ground_albedo, scale }, _) => {
+        (EnvironmentDescription::Image { scale, .. }, Some(image)) => image.into_environment(*scale),
+        (EnvironmentDescription::Image { .. }, None) => light::EnvironmentMap::constant(Rgb::ZERO),
+        (EnvironmentDescription::Sky { turbidity, ground_albedo, scale }, _) => {
             let sun = of.sun.as_ref();
             light::Sky {
                 turbidity: *turbidity,
@@ -97,13 +97,13 @@ pub(super) fn light(of: &Background, pixels: Option<Pixels>) -> light::Backgroun
                 ground: *ground_albedo,
                 scale: *scale,
             }
-            .dome()
+            .environment_map()
         }
     };
-    let shines = |sun: &&Sun| sun.irradiance.max_element() > 0.0;
-    let sun = of.sun.as_ref().filter(shines).map(|sun| {
+    let is_emitting = |sun: &&SunDescription| sun.irradiance.max_element() > 0.0;
+    let sun = of.sun.as_ref().filter(is_emitting).map(|sun| {
         let diameter = sun.angular_diameter_degrees.to_radians();
-        light::Sun::new(sun.direction, diameter, sun.irradiance)
+        light::SunLight::new(sun.direction, diameter, sun.irradiance)
     });
-    light::Background::new(dome, orientation, sun)
+    light::Environment::new(dome, orientation, sun)
 }

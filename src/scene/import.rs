@@ -10,18 +10,18 @@ use crate::geometry::{Sphere, SphereRows};
 use crate::math::NO_SPHERE;
 
 use super::arrays;
-use super::colors::Colors;
-use super::complaint::{Complaint, layout_help, unreadable};
+use super::colors::SphereColors;
+use super::complaint::{TableDiagnostic, layout_help, read_error};
 use super::data::SphereData;
-use super::description::{Description, Dome, SphereTable, Surface};
-use super::environment::{self, Pixels};
-use super::problem::{self, Problems};
-use super::rows::{Layout, Row, TableRows, VALUE};
-use super::storage::with_capacity;
+use super::description::{SceneDescription, EnvironmentDescription, SphereTable, SurfaceModel};
+use super::environment::{self, EnvironmentPixels};
+use super::validation_errors::{self, ValidationErrors};
+use super::table_reader::{RowLayout, Row, TableReader, VALUE_BYTES};
+use super::storage::try_with_capacity;
 use super::validate::SHARE_ROUNDING;
 
 /// The most spheres of a scene, so that rows and ids fit in 32 bits.
-const MOST_SPHERES: u64 = NO_SPHERE as u64 - 2;
+const MAX_SPHERES: u64 = NO_SPHERE as u64 - 2;
 
 /// The spheres of one table in a scene's rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,33 +33,33 @@ pub(super) struct RowGroup {
     /// Index into [`Description::materials`].
     pub(super) material: usize,
     /// Each row's own linear colour, in `[0, 1]`, where the table has one.
-    pub(super) colors: Option<Colors>,
+    pub(super) colors: Option<SphereColors>,
     /// Each row's own number, where the table has one.
     pub(super) ids: Option<Vec<u32>>,
 }
 
 /// What is known of a scene's files and arrays before anything large is read.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Survey {
+pub(super) struct ImportPlan {
     /// Rows of each table.
     pub(super) rows: Vec<u64>,
     /// The pixels of the background's image.
-    pub(super) environment: Option<Pixels>,
+    pub(super) environment: Option<EnvironmentPixels>,
 }
 
-impl Survey {
+impl ImportPlan {
     /// Looks at the files of a description; what is wrong with them is added to `problems`.
-    pub(super) fn of(description: &Description, problems: &mut Problems) -> Self {
+    pub(super) fn scan(description: &SceneDescription, problems: &mut ValidationErrors) -> Self {
         let environment = match &description.background.dome {
-            Dome::Image { file, .. } => read_environment(file, problems),
+            EnvironmentDescription::Image { file, .. } => read_environment(file, problems),
             _ => None,
         };
         let mut count = |(index, table): (usize, &SphereTable)| match &table.data {
             SphereData::Memory(arrays) => arrays.len() as u64,
             SphereData::File { path, columns } => {
-                let counted = count_rows(path, Layout::new(columns).bytes());
+                let counted = count_rows(path, RowLayout::new(columns).row_bytes());
                 counted.unwrap_or_else(|(message, help)| {
-                    problems.add(path_of_table(index).key("file"), message).help(help);
+                    problems.add(table_path(index).key("file"), message).with_help(help);
                     0
                 })
             }
@@ -69,7 +69,7 @@ impl Survey {
     }
 
     /// How many spheres there are, those that are there twice included.
-    pub(super) fn sphere_count(&self, description: &Description) -> u64 {
+    pub(super) fn sphere_count(&self, description: &SceneDescription) -> u64 {
         // Arrays may claim any length, as those do whose spheres share one number.
         self.rows
             .iter()
@@ -77,15 +77,15 @@ impl Survey {
     }
 }
 
-fn path_of_table(index: usize) -> problem::Path {
-    problem::Path::of("sphere_tables").entry(index, None)
+fn table_path(index: usize) -> validation_errors::KeyPath {
+    validation_errors::KeyPath::root("sphere_tables").entry(index, None)
 }
 
-fn read_environment(file: &Path, problems: &mut Problems) -> Option<Pixels> {
+fn read_environment(file: &Path, problems: &mut ValidationErrors) -> Option<EnvironmentPixels> {
     environment::read(file)
         .map_err(|trouble| {
             let message = format!("cannot use `{}` as background: {trouble}", file.display());
-            let at = problem::Path::of("background").key("image").key("file");
+            let at = validation_errors::KeyPath::root("background").key("image").key("file");
             problems.add(at, message);
         })
         .ok()
@@ -96,27 +96,27 @@ fn read_environment(file: &Path, problems: &mut Problems) -> Option<Pixels> {
 ///
 /// # Errors
 /// When there are too many spheres, or too little memory.
-pub(super) fn import(
-    description: &mut Description,
-    survey: &Survey,
-    problems: &mut Problems,
+pub(super) fn load_tables(
+    description: &mut SceneDescription,
+    survey: &ImportPlan,
+    problems: &mut ValidationErrors,
 ) -> Result<(SphereRows, Vec<RowGroup>)> {
     check_count(survey.sphere_count(description))?;
     // Rows are numbered through those in f64 first, so all tables up to the last one in f64 are.
-    let wide = description.tables.iter().rposition(|table| table.data.is_f64());
-    let wide = wide.map_or(0, |last| last + 1);
-    let written_out = description.spheres.len() as u64;
-    let in_f64 = written_out + survey.rows[..wide].iter().sum::<u64>();
-    let mut exact: Vec<Sphere> = with_capacity(in_f64)?;
+    let f64_tables = description.tables.iter().rposition(|table| table.data.is_f64());
+    let wide = f64_tables.map_or(0, |last| last + 1);
+    let listed = description.spheres.len() as u64;
+    let f64_count = listed + survey.rows[..wide].iter().sum::<u64>();
+    let mut exact: Vec<Sphere> = try_with_capacity(f64_count)?;
     exact.extend(
         description.spheres.iter().map(|row| Sphere { center: row.center, radius: row.radius }),
     );
     // The exact spheres will be appended to this very array.
-    let mut all = with_capacity(survey.sphere_count(description))?;
+    let mut all = try_with_capacity(survey.sphere_count(description))?;
     let mut groups = Vec::with_capacity(description.tables.len());
     for (index, (table, &rows)) in description.tables.iter_mut().zip(&survey.rows).enumerate() {
         let first_row = (exact.len() + all.len()) as u32;
-        let brightest = brightest_rows(&description.materials[table.material].surface);
+        let brightest = max_row_color(&description.materials[table.material].surface);
         let read = match index < wide {
             true => read_table(table, rows, brightest, &mut exact)?,
             false => read_table(table, rows, brightest, &mut all)?,
@@ -126,7 +126,7 @@ pub(super) fn import(
         match read {
             Err((message, help)) => {
                 let key = if is_file { "file" } else { "data" };
-                problems.add(path_of_table(index).key(key), message).help(help);
+                problems.add(table_path(index).key(key), message).with_help(help);
             }
             Ok((colors, ids)) => {
                 let (count, material) = (rows as u32, table.material);
@@ -138,7 +138,7 @@ pub(super) fn import(
 }
 
 /// The colours and the ids of a table's spheres, where it has some.
-type OwnValues = (Option<Colors>, Option<Vec<u32>>);
+type OwnValues = (Option<SphereColors>, Option<Vec<u32>>);
 
 /// Appends the spheres of one table, and returns their own colours and ids where it has some; or says
 /// what is wrong with the table.
@@ -147,13 +147,13 @@ fn read_table<T: Row>(
     rows: u64,
     brightest: [f32; 3],
     to: &mut Vec<T>,
-) -> Result<std::result::Result<OwnValues, Complaint>> {
+) -> Result<std::result::Result<OwnValues, TableDiagnostic>> {
     Ok(match &table.data {
         SphereData::File { path, columns } => {
-            let mut reader = TableRows::new(columns, table.colors, rows, brightest, to)?;
+            let mut reader = TableReader::new(columns, table.colors, rows, brightest, to)?;
             reader.read(path).map(|()| (reader.colors, None))
         }
-        SphereData::Memory(arrays) => arrays::read(arrays, table.colors, brightest, to)
+        SphereData::Memory(arrays) => arrays::read_f32(arrays, table.colors, brightest, to)
             .and_then(|colors| Ok((colors, arrays::read_ids(arrays)?))),
     })
 }
@@ -161,9 +161,9 @@ fn read_table<T: Row>(
 /// # Errors
 /// When there are more spheres than ids.
 pub(super) fn check_count(spheres: u64) -> Result<()> {
-    if spheres > MOST_SPHERES {
+    if spheres > MAX_SPHERES {
         return Err(Error::input(format!(
-            "{spheres} spheres are more than the {MOST_SPHERES} that a scene can hold: their numbers \
+            "{spheres} spheres are more than the {MAX_SPHERES} that a scene can hold: their numbers \
              have 32 bits"
         ))
         .with_help("leave some tables out, or thin them out"));
@@ -172,25 +172,25 @@ pub(super) fn check_count(spheres: u64) -> Result<()> {
 }
 
 /// The largest colour that a row may have.
-fn brightest_rows(surface: &Surface) -> [f32; 3] {
+fn max_row_color(surface: &SurfaceModel) -> [f32; 3] {
     match surface {
-        Surface::Diffuse { .. }
-        | Surface::Plastic { .. }
-        | Surface::Principled(_)
-        | Surface::Mirror { .. }
-        | Surface::Conductor { .. }
-        | Surface::Dielectric { .. }
-        | Surface::Phong { normalized: false, .. } => [1.0; 3],
-        Surface::Phong { specular, .. } => {
+        SurfaceModel::Diffuse { .. }
+        | SurfaceModel::Plastic { .. }
+        | SurfaceModel::Principled(_)
+        | SurfaceModel::Mirror { .. }
+        | SurfaceModel::Conductor { .. }
+        | SurfaceModel::Dielectric { .. }
+        | SurfaceModel::Phong { normalized: false, .. } => [1.0; 3],
+        SurfaceModel::Phong { specular, .. } => {
             specular.to_array().map(|share| 1.0 - share + SHARE_ROUNDING)
         }
     }
 }
 
 /// How many whole rows the file has, or what is wrong with it.
-fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, Complaint> {
+fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, TableDiagnostic> {
     let shown = path.display();
-    let metadata = path.metadata().map_err(|error| unreadable(path, &error))?;
+    let metadata = path.metadata().map_err(|error| read_error(path, &error))?;
     let refused = |why: String, help: &str| Err((format!("`{shown}` {why}"), Some(help.into())));
     if metadata.is_dir() {
         return refused("is a folder".into(), "name the file with the rows");
@@ -206,17 +206,17 @@ fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, Complaint> {
         (rows, over) => refused(
             format!(
                 "has {}, which is no whole number of rows: {} of {row} bytes and {} over",
-                counted(bytes, "byte"),
-                counted(rows, "row"),
-                counted(over, "byte"),
+                pluralize(bytes, "byte"),
+                pluralize(rows, "row"),
+                pluralize(over, "byte"),
             ),
-            &layout_help(row / VALUE as u64),
+            &layout_help(row / VALUE_BYTES as u64),
         ),
     }
 }
 
 /// `1 row`, `2 rows`.
-fn counted(number: u64, singular: &str) -> String {
+fn pluralize(number: u64, singular: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{number} {singular}{plural}")
 }

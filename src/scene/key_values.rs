@@ -6,12 +6,12 @@ use serde_json::{Map, Value};
 
 use super::data::{Column, SphereData};
 use super::description::{
-    Background, Camera, Description, Dome, Lens, NamedMaterial, Projection, SphereRow, SphereTable,
-    Sun, Surface,
+    BackgroundDescription, CameraDescription, SceneDescription, EnvironmentDescription, LensDescription, MaterialDescription, ProjectionDescription, SphereDescription, SphereTable,
+    SunDescription, SurfaceModel,
 };
 use super::keys::{self, Key};
-use super::problem::quoted_where_needed;
-use super::settings::{Image, Integrator, Paper, Render, Settings, Stop};
+use super::validation_errors::quote_if_needed;
+use super::settings::{ImageSettings, IntegratorSettings, PaperSettings, RenderSettings, Settings, PathTermination};
 
 /// One table of a scene file.
 #[derive(Default)]
@@ -40,7 +40,7 @@ impl From<Section> for Value {
     }
 }
 
-impl Description {
+impl SceneDescription {
     /// The values under the keys of a scene file: `camera.position`, `materials.grass.albedo`,
     /// `spheres.0.radius`. Materials are quoted as in a dotted key. Arrays in memory, for which there is
     /// no key, are told as the `file` of their table.
@@ -50,10 +50,10 @@ impl Description {
         let mut root = Section::default();
         root.add("camera", of_camera(camera));
         root.add("background", of_background(background));
-        let of_material = |m: &NamedMaterial| (quoted_where_needed(&m.name), of_material(m).into());
+        let of_material = |m: &MaterialDescription| (quote_if_needed(&m.name), of_material(m).into());
         let surfaces: Map<String, Value> = materials.iter().map(of_material).collect();
         root.add("materials", surfaces);
-        let of_sphere = |SphereRow { name, center, radius, material }: &SphereRow| {
+        let of_sphere = |SphereDescription { name, center, radius, material }: &SphereDescription| {
             use keys::sphere as keys;
             let mut section = Section::default();
             section.set_if_given(&keys::NAME, name.as_ref());
@@ -90,9 +90,9 @@ impl Settings {
     }
 }
 
-fn of_camera(camera: &Camera) -> Section {
+fn of_camera(camera: &CameraDescription) -> Section {
     use keys::camera as keys;
-    let Camera { position, look_at, up, near, projection } = camera;
+    let CameraDescription { position, look_at, up, near, projection } = camera;
     let mut section = Section::default();
     section.set(&keys::TYPE, projection.kind());
     section.set(&keys::POSITION, position);
@@ -100,17 +100,17 @@ fn of_camera(camera: &Camera) -> Section {
     section.set(&keys::UP, up);
     section.set(&keys::NEAR, near);
     match projection {
-        Projection::Perspective { vertical_fov_degrees, lens } => {
+        ProjectionDescription::Perspective { vertical_fov_degrees, lens } => {
             section.set(&keys::perspective::FOV, vertical_fov_degrees);
-            if let Some(Lens { radius, focus_distance, blades, rotation_degrees }) = lens {
+            if let Some(LensDescription { radius, focus_distance, blades, rotation_degrees }) = lens {
                 section.set(&keys::perspective::APERTURE_RADIUS, radius);
                 section.set(&keys::perspective::FOCUS_DISTANCE, focus_distance);
                 section.set(&keys::perspective::BLADES, blades);
                 section.set(&keys::perspective::ROTATION, rotation_degrees);
             }
         }
-        Projection::Orthographic { height } => section.set(&keys::orthographic::HEIGHT, height),
-        Projection::Panoramic { horizontal_degrees, vertical_degrees } => {
+        ProjectionDescription::Orthographic { height } => section.set(&keys::orthographic::HEIGHT, height),
+        ProjectionDescription::Panoramic { horizontal_degrees, vertical_degrees } => {
             section.set(&keys::panoramic::HORIZONTAL, horizontal_degrees);
             section.set(&keys::panoramic::VERTICAL, vertical_degrees);
         }
@@ -118,36 +118,36 @@ fn of_camera(camera: &Camera) -> Section {
     section
 }
 
-fn of_background(background: &Background) -> Section {
+fn of_background(background: &BackgroundDescription) -> Section {
     use keys::background as keys;
-    let Background { dome, up, sun, camera_visible, transparent } = background;
+    let BackgroundDescription { dome, up, sun, camera_visible, transparent } = background;
     let mut section = Section::default();
     section.set(&keys::UP, up);
     section.set(&keys::CAMERA_VISIBLE, camera_visible);
     section.set(&keys::TRANSPARENT, transparent);
     let mut inner = Section::default();
     match dome {
-        Dome::Constant { radiance } => section.set(&keys::RADIANCE_EVERYWHERE, radiance),
-        Dome::Gradient { zenith, horizon, nadir } => {
+        EnvironmentDescription::Constant { radiance } => section.set(&keys::RADIANCE_EVERYWHERE, radiance),
+        EnvironmentDescription::Gradient { zenith, horizon, nadir } => {
             inner.set(&keys::gradient::ZENITH, zenith);
             inner.set(&keys::gradient::HORIZON, horizon);
             inner.set(&keys::gradient::NADIR, nadir);
             section.add("gradient", inner);
         }
-        Dome::Image { file, rotation_degrees, scale } => {
+        EnvironmentDescription::Image { file, rotation_degrees, scale } => {
             inner.set(&keys::image::FILE, file.display().to_string());
             inner.set(&keys::image::ROTATION, rotation_degrees);
             inner.set(&keys::image::FACTOR, scale);
             section.add("image", inner);
         }
-        Dome::Sky { turbidity, ground_albedo, scale } => {
+        EnvironmentDescription::Sky { turbidity, ground_albedo, scale } => {
             inner.set(&keys::sky::TURBIDITY, turbidity);
             inner.set(&keys::sky::GROUND_ALBEDO, ground_albedo);
             inner.set(&keys::sky::FACTOR, scale);
             section.add("sky", inner);
         }
     }
-    if let Some(Sun { direction, angular_diameter_degrees, irradiance }) = sun {
+    if let Some(SunDescription { direction, angular_diameter_degrees, irradiance }) = sun {
         let mut inner = Section::default();
         inner.set(&keys::sun::DIRECTION, direction);
         inner.set(&keys::sun::DIAMETER, angular_diameter_degrees);
@@ -157,34 +157,34 @@ fn of_background(background: &Background) -> Section {
     section
 }
 
-fn of_material(material: &NamedMaterial) -> Section {
+fn of_material(material: &MaterialDescription) -> Section {
     use keys::material as keys;
-    let NamedMaterial { name: _, surface, emission, opacity } = material;
+    let MaterialDescription { name: _, surface, emission, opacity } = material;
     let mut section = Section::default();
     section.set(&keys::TYPE, surface.kind());
     match surface {
-        Surface::Diffuse { albedo, roughness } => {
+        SurfaceModel::Diffuse { albedo, roughness } => {
             section.set(&keys::diffuse::ALBEDO, albedo);
             section.set(&keys::diffuse::ROUGHNESS, roughness);
         }
-        Surface::Mirror { reflectance } => section.set(&keys::mirror::REFLECTANCE, reflectance),
-        Surface::Conductor { metal, roughness } => {
+        SurfaceModel::Mirror { reflectance } => section.set(&keys::mirror::REFLECTANCE, reflectance),
+        SurfaceModel::Conductor { metal, roughness } => {
             section.set(&keys::conductor::IOR, metal.ior);
             section.set(&keys::conductor::EXTINCTION, metal.extinction);
             section.set(&keys::conductor::ROUGHNESS, roughness);
         }
-        Surface::Dielectric { ior, roughness, priority, absorption } => {
+        SurfaceModel::Dielectric { ior, roughness, priority, absorption } => {
             section.set(&keys::dielectric::IOR, ior);
             section.set(&keys::dielectric::ROUGHNESS, roughness);
             section.set(&keys::dielectric::PRIORITY, priority);
             section.set(&keys::dielectric::ABSORPTION, absorption);
         }
-        Surface::Plastic { albedo, ior, roughness } => {
+        SurfaceModel::Plastic { albedo, ior, roughness } => {
             section.set(&keys::plastic::ALBEDO, albedo);
             section.set(&keys::plastic::IOR, ior);
             section.set(&keys::plastic::ROUGHNESS, roughness);
         }
-        Surface::Principled(parameters) => {
+        SurfaceModel::Principled(parameters) => {
             use keys::principled as keys;
             section.set(&keys::BASE_COLOR, parameters.base_color);
             section.set(&keys::METALLIC, parameters.metallic);
@@ -195,7 +195,7 @@ fn of_material(material: &NamedMaterial) -> Section {
             section.set(&keys::COAT_ROUGHNESS, parameters.coat_roughness);
             section.set(&keys::TRANSMISSION, parameters.transmission);
         }
-        Surface::Phong { albedo, specular, exponent, normalized } => {
+        SurfaceModel::Phong { albedo, specular, exponent, normalized } => {
             section.set(&keys::phong::ALBEDO, albedo);
             section.set(&keys::phong::SPECULAR, specular);
             section.set(&keys::phong::EXPONENT, exponent);
@@ -218,9 +218,9 @@ fn told(data: &SphereData) -> (String, Vec<Column>) {
     }
 }
 
-fn of_image(image: &Image) -> Section {
+fn of_image(image: &ImageSettings) -> Section {
     use keys::image as keys;
-    let Image { width, height, crop, filter, filter_radius } = image;
+    let ImageSettings { width, height, crop, filter, filter_radius } = image;
     let mut section = Section::default();
     section.set(&keys::WIDTH, width);
     section.set(&keys::HEIGHT, height);
@@ -230,9 +230,9 @@ fn of_image(image: &Image) -> Section {
     section
 }
 
-fn of_render(render: &Render) -> Section {
+fn of_render(render: &RenderSettings) -> Section {
     use keys::render as keys;
-    let Render {
+    let RenderSettings {
         integrator,
         estimator,
         samples_per_pixel,
@@ -253,29 +253,29 @@ fn of_render(render: &Render) -> Section {
     section.set(&keys::LIGHT_CHOICE, light_choice);
     let mut inner = Section::default();
     match integrator {
-        Integrator::AmbientOcclusion { distance } => {
+        IntegratorSettings::AmbientOcclusion { distance } => {
             inner.set_if_given(&keys::ambient_occlusion::DISTANCE, *distance);
             section.add("ambient_occlusion", inner);
         }
-        Integrator::Paper(paper) => section.add("paper", of_paper(paper)),
-        Integrator::Raycast { shadows } => {
+        IntegratorSettings::Paper(paper) => section.add("paper", of_paper(paper)),
+        IntegratorSettings::Raycast { shadows } => {
             inner.set(&keys::raycast::SHADOWS, shadows);
             section.add("raycast", inner);
         }
-        Integrator::Path | Integrator::Direct | Integrator::Normals => {}
+        IntegratorSettings::Path | IntegratorSettings::Direct | IntegratorSettings::Normals => {}
     }
     section
 }
 
-fn of_paper(paper: &Paper) -> Section {
+fn of_paper(paper: &PaperSettings) -> Section {
     use keys::render::paper as keys;
-    let Paper { subpixels, samples, hemisphere, stop, miss, jitter } = paper;
+    let PaperSettings { subpixels, samples, hemisphere, stop, miss, jitter } = paper;
     let mut section = Section::default();
     section.set(&keys::SUBPIXELS, subpixels);
     section.set(&keys::SAMPLES, samples);
     section.set(&keys::HEMISPHERE, hemisphere);
     section.set(&keys::STOP, stop.kind());
-    if let Stop::Threshold(threshold) = stop {
+    if let PathTermination::Threshold(threshold) = stop {
         section.set(&keys::THRESHOLD, threshold);
     }
     section.set(&keys::MISS, miss);

@@ -12,28 +12,28 @@ mod environment;
 mod import;
 mod key_values;
 pub mod keys;
-mod kinds;
+mod value_types;
 pub(crate) mod paths;
-mod problem;
-mod rows;
+mod validation_errors;
+mod table_reader;
 #[allow(clippy::module_inception, reason = "the room is called after what it makes")]
 mod scene;
 pub mod settings;
-mod shot;
+mod prepared_scene;
 mod source;
 mod storage;
 mod suggest;
-mod surface;
+mod sphere_material;
 mod toml;
 mod validate;
 
-pub use builder::{Builder, Material};
+pub use builder::{SceneBuilder, MaterialHandle};
 pub use data::{SphereArrays, SphereData};
-pub use description::Description;
+pub use description::SceneDescription;
 pub use scene::Scene;
 pub use settings::Settings;
-pub use shot::Shot;
-pub use source::{FileHash, Identity, Source};
-pub use surface::Surface;
+pub use prepared_scene::PreparedScene;
+pub use source::{FileHash, ContentHash, SceneSource};
+pub use sphere_material::SphereMaterial;
 
 pub use self::toml::{Override, SceneFile, read_file, read_text};

@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum Written {
+enum PathRepr {
     Text(String),
     Bytes(Vec<u8>),
 }
@@ -19,14 +19,14 @@ pub(crate) fn serialize<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::E
 }
 
 pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<PathBuf, D::Error> {
-    Ok(match Written::deserialize(from)? {
-        Written::Text(text) => PathBuf::from(text),
-        Written::Bytes(bytes) => of_bytes(bytes),
+    Ok(match PathRepr::deserialize(from)? {
+        PathRepr::Text(text) => PathBuf::from(text),
+        PathRepr::Bytes(bytes) => path_from_bytes(bytes),
     })
 }
 
 #[cfg(unix)]
-fn of_bytes(bytes: Vec<u8>) -> PathBuf {
+fn path_from_bytes(bytes: Vec<u8>) -> PathBuf {
     use std::os::unix::ffi::OsStringExt;
     PathBuf::from(std::ffi::OsString::from_vec(bytes))
 }
@@ -42,18 +42,18 @@ pub(crate) mod optional {
     use super::{Deserialize, Deserializer, PathBuf, Serialize, Serializer};
 
     #[derive(Serialize, Deserialize)]
-    struct One(#[serde(with = "super")] PathBuf);
+    struct SerdePath(#[serde(with = "super")] PathBuf);
 
     pub(crate) fn serialize<S: Serializer>(
         path: &Option<PathBuf>,
         to: S,
     ) -> Result<S::Ok, S::Error> {
-        path.clone().map(One).serialize(to)
+        path.clone().map(SerdePath).serialize(to)
     }
 
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
         from: D,
     ) -> Result<Option<PathBuf>, D::Error> {
-        Ok(Option::<One>::deserialize(from)?.map(|One(path)| path))
+        Ok(Option::<SerdePath>::deserialize(from)?.map(|SerdePath(path)| path))
     }
 }

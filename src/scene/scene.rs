@@ -5,37 +5,37 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::color::{Radiance, Rgb};
+use crate::color::{PathRadiance, Rgb};
 use crate::error::Result;
 use crate::geometry::SphereSet;
-use crate::light::{Background, Lamp, LightChoice, Lights};
+use crate::light::{Environment, Emitter, LightSamplerKind, Lights};
 use crate::material::Material;
 use crate::math::{DVec3, Hit};
 
-use super::description::Description;
+use super::description::SceneDescription;
 use super::environment;
-use super::import::{RowGroup, Survey, import};
-use super::problem::Problems;
-use super::source::{FileHash, Hashes, Identity, Source};
-use super::surface::{Surface, materials};
+use super::import::{RowGroup, ImportPlan, load_tables};
+use super::validation_errors::ValidationErrors;
+use super::source::{FileHash, SceneHashes, ContentHash, SceneSource};
+use super::sphere_material::{SphereMaterial, build_materials};
 
 /// So many spheres stay in a processor's near memory by themselves.
-const NEAR: usize = 1000;
+const PREFETCH_MIN_SPHERES: usize = 1000;
 
 /// A scene: checked, immutable, and shared by all its clones.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    description: Arc<Description>,
-    source: Option<Arc<Source>>,
-    identity: Identity,
+    description: Arc<SceneDescription>,
+    source: Option<Arc<SceneSource>>,
+    content_hash: ContentHash,
     files: Arc<[FileHash]>,
     spheres: Arc<SphereSet>,
     materials: Arc<[Material]>,
     has_opacity: bool,
     has_media: bool,
     groups: Arc<[RowGroup]>,
-    lamps: Arc<[Lamp]>,
-    background: Arc<Background>,
+    emitters: Arc<[Emitter]>,
+    background: Arc<Environment>,
 }
 
 impl Scene {
@@ -44,69 +44,69 @@ impl Scene {
     ///
     /// # Errors
     /// All mistakes at once; when there is no memory for the spheres.
-    pub fn build(description: Description) -> Result<Self> {
-        let mut problems = description.problems();
+    pub fn build(description: SceneDescription) -> Result<Self> {
+        let mut problems = description.validate();
         if problems.0.is_empty() {
-            let survey = Survey::of(&description, &mut problems);
+            let survey = ImportPlan::scan(&description, &mut problems);
             if problems.0.is_empty() {
-                return Self::assemble(description, survey, None, Problems::verdict);
+                return Self::assemble(description, survey, None, ValidationErrors::into_result);
             }
         }
-        problems.verdict()?;
+        problems.into_result()?;
         unreachable!("there are problems")
     }
 
     /// Makes a scene of values that were checked; `refuse` tells of problems with its tables.
     pub(super) fn assemble(
-        mut description: Description,
-        survey: Survey,
-        source: Option<Source>,
-        refuse: impl FnOnce(Problems) -> Result<()>,
+        mut description: SceneDescription,
+        survey: ImportPlan,
+        source: Option<SceneSource>,
+        refuse: impl FnOnce(ValidationErrors) -> Result<()>,
     ) -> Result<Self> {
         description.make_canonical();
-        let mut problems = Problems::default();
-        let (rows, groups) = import(&mut description, &survey, &mut problems)?;
+        let mut problems = ValidationErrors::default();
+        let (rows, groups) = load_tables(&mut description, &survey, &mut problems)?;
         if !problems.0.is_empty() {
             refuse(problems)?;
         }
-        let Survey { environment, .. } = survey;
-        let hashes = Hashes::of(&description, &rows, &groups, environment.as_ref());
-        let identity = hashes.identity(&description);
+        let ImportPlan { environment, .. } = survey;
+        let hashes = SceneHashes::new(&description, &rows, &groups, environment.as_ref());
+        let identity = hashes.scene_hash(&description);
         let spheres = Arc::new(SphereSet::new(rows)?);
-        let materials = materials(&description.materials);
+        let materials = build_materials(&description.materials);
         let has_opacity = materials.iter().any(|material| material.opacity < 1.0);
-        let has_media = materials.iter().any(|material| material.glass().is_some());
-        let background = environment::light(&description.background, environment);
+        let has_media = materials.iter().any(|material| material.dielectric().is_some());
+        let background = environment::build_background(&description.background, environment);
         let mut scene = Self {
             description: Arc::new(description),
             source: source.map(Arc::new),
-            identity,
+            content_hash: identity,
             files: hashes.files.into(),
             spheres,
             materials: materials.into(),
             has_opacity,
             has_media,
             groups: groups.into(),
-            lamps: Vec::new().into(),
+            emitters: Vec::new().into(),
             background: Arc::new(background),
         };
-        scene.lamps = scene.find_lamps().into();
+        scene.emitters = scene.find_emitters().into();
         Ok(scene)
     }
 
     /// The scene with the paths of `description`, which differs in nothing but the folders of its files.
-    pub(crate) fn with_names_of(mut self, description: Description) -> Self {
+    pub(crate) fn with_description(mut self, description: SceneDescription) -> Self {
         self.description = Arc::new(description);
         self
     }
 
     /// What the user wrote, without arrays in memory, which the scene has taken in.
-    pub fn description(&self) -> &Description {
+    pub fn description(&self) -> &SceneDescription {
         &self.description
     }
 
     /// The scene file that it was read from, if it was.
-    pub fn source(&self) -> Option<&Source> {
+    pub fn source(&self) -> Option<&SceneSource> {
         self.source.as_deref()
     }
 
@@ -116,8 +116,8 @@ impl Scene {
     }
 
     /// What it is: scenes of one identity are the same.
-    pub fn identity(&self) -> Identity {
-        self.identity
+    pub fn content_hash(&self) -> ContentHash {
+        self.content_hash
     }
 
     /// All spheres.
@@ -126,49 +126,49 @@ impl Scene {
     }
 
     /// All emitters, and the choice among them.
-    pub fn lights(&self, by: LightChoice) -> Lights {
-        Lights::chosen_by(by, Arc::clone(&self.lamps), &self.spheres, Arc::clone(&self.background))
+    pub fn lights(&self, by: LightSamplerKind) -> Lights {
+        Lights::with_sampler(by, Arc::clone(&self.emitters), &self.spheres, Arc::clone(&self.background))
     }
 
     /// How many spheres are emitters.
-    pub fn lamp_count(&self) -> usize {
-        self.lamps.len()
+    pub fn emitter_count(&self) -> usize {
+        self.emitters.len()
     }
 
     /// The radiance seen by a ray in this direction that meets nothing.
-    pub fn background(&self, direction: DVec3) -> Rgb {
+    pub fn background_radiance(&self, direction: DVec3) -> Rgb {
         self.background.radiance(direction)
     }
 
     /// The largest radiance that anything in the scene sends out, in any channel.
-    pub fn brightest(&self) -> f32 {
+    pub fn max_radiance(&self) -> f32 {
         let emissions = self.materials.iter().map(|material| material.emission.max_element());
-        let brightest = emissions.fold(self.background.brightest(), f32::max);
+        let brightest = emissions.fold(self.background.max_radiance(), f32::max);
         // Two that each fit may not fit together: a dome and a sun before it.
         brightest.min(f32::MAX)
     }
 
     /// Whether the camera sees the background.
-    pub fn shows_background(&self) -> bool {
+    pub fn camera_sees_background(&self) -> bool {
         self.description.background.camera_visible
     }
 
     /// What a camera ray in this direction brings that meets nothing: the background, unless it is
     /// hidden from the camera.
-    pub fn seen_by_camera(&self, direction: DVec3) -> Radiance {
-        let direct = if self.shows_background() { self.background(direction) } else { Rgb::ZERO };
-        Radiance { direct, indirect: Rgb::ZERO, alpha: 0.0 }
+    pub fn camera_background(&self, direction: DVec3) -> PathRadiance {
+        let direct = if self.camera_sees_background() { self.background_radiance(direction) } else { Rgb::ZERO };
+        PathRadiance { direct, indirect: Rgb::ZERO, alpha: 0.0 }
     }
 
     /// What a sphere is made of.
-    pub fn surface(&self, id: u32) -> Surface<'_> {
-        let (material, color) = self.material(id);
-        Surface::new(material, color, || self.spheres.sphere(id).radius)
+    pub fn sphere_material(&self, id: u32) -> SphereMaterial<'_> {
+        let (material, color) = self.material_and_color(id);
+        SphereMaterial::new(material, color, || self.spheres.sphere(id).radius)
     }
 
     /// What a sphere is made of, and its own colour where a table gives one.
     #[inline(always)]
-    pub(crate) fn material(&self, id: u32) -> (&Material, Option<Rgb>) {
+    pub(crate) fn material_and_color(&self, id: u32) -> (&Material, Option<Rgb>) {
         let row = self.spheres.row(id);
         if let Some(sphere) = self.description.spheres.get(row as usize) {
             return (&self.materials[sphere.material], None);
@@ -181,12 +181,12 @@ impl Scene {
 
     /// Reads what is known of the spheres that were hit, unless there are so few that all of them are
     /// near at hand; see [`SphereSet::warm`].
-    pub fn warm(&self, hits: &[Hit]) {
-        if self.spheres.len() <= NEAR {
+    pub fn prefetch(&self, hits: &[Hit]) {
+        if self.spheres.len() <= PREFETCH_MIN_SPHERES {
             return;
         }
         let ids = || hits.iter().filter(|hit| !hit.is_miss()).map(|hit| hit.id);
-        self.spheres.warm(ids());
+        self.spheres.prefetch(ids());
         if self.groups.iter().any(|group| group.colors.is_some()) {
             let read = |id: u32| {
                 let row = self.spheres.row(id);
@@ -288,14 +288,14 @@ impl Scene {
         self.description.spheres.get(self.spheres.row(id) as usize)?.name.as_deref()
     }
 
-    fn find_lamps(&self) -> Vec<Lamp> {
+    fn find_emitters(&self) -> Vec<Emitter> {
         if !self.materials.iter().any(Material::is_emissive) {
             return Vec::new();
         }
         let lamp = |id| {
-            let material = self.surface(id).material;
+            let material = self.sphere_material(id).material;
             let emission = material.emission * material.opacity;
-            (emission.max_element() > 0.0).then_some(Lamp { id, emission })
+            (emission.max_element() > 0.0).then_some(Emitter { id, emission })
         };
         (0..self.spheres.len() as u32).into_par_iter().filter_map(lamp).collect()
     }

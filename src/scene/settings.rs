@@ -4,9 +4,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::math::Rect;
-use crate::names::named;
+use crate::names::named_enum;
 
-pub use crate::light::LightChoice;
+pub use crate::light::LightSamplerKind;
 pub use crate::sampling::{FilterKind, Hemisphere, SamplerKind};
 
 /// Everything that decides what a sample of a pixel is worth, beside the scene.
@@ -14,15 +14,15 @@ pub use crate::sampling::{FilterKind, Hemisphere, SamplerKind};
 #[serde(deny_unknown_fields)]
 pub struct Settings {
     /// The picture.
-    pub image: Image,
+    pub image: ImageSettings,
     /// The light.
-    pub render: Render,
+    pub render: RenderSettings,
 }
 
 /// `[image]`: the picture's size and the pixel's weight function.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Image {
+pub struct ImageSettings {
     /// Pixels across.
     pub width: u32,
     /// Pixels down.
@@ -35,18 +35,18 @@ pub struct Image {
     pub filter_radius: f64,
 }
 
-impl Default for Image {
+impl Default for ImageSettings {
     /// 640 x 480 pixels, each with a box of its own size.
     fn default() -> Self {
         let filter = FilterKind::default();
-        let filter_radius = Self::usual_radius(filter);
+        let filter_radius = Self::default_filter_radius(filter);
         Self { width: 640, height: 480, crop: None, filter, filter_radius }
     }
 }
 
-impl Image {
+impl ImageSettings {
     /// The radius of a filter where none is given, in pixels.
-    pub fn usual_radius(filter: FilterKind) -> f64 {
+    pub fn default_filter_radius(filter: FilterKind) -> f64 {
         match filter {
             FilterKind::Box => 0.5,
             FilterKind::Tent => 1.0,
@@ -56,7 +56,7 @@ impl Image {
     }
 
     /// The part of the picture that is rendered.
-    pub fn window(&self) -> Rect {
+    pub fn pixel_bounds(&self) -> Rect {
         let Self { width, height, .. } = *self;
         self.crop.unwrap_or(Rect { x: 0, y: 0, width, height })
     }
@@ -65,9 +65,9 @@ impl Image {
 /// `[render]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Render {
+pub struct RenderSettings {
     /// `integrator`, with the keys of its own table.
-    pub integrator: Integrator,
+    pub integrator: IntegratorSettings,
     /// How lights are found by `path` and `direct`.
     pub estimator: Estimator,
     /// Samples of each pixel.
@@ -82,21 +82,21 @@ pub struct Render {
     /// How random numbers are spread over a pixel's samples.
     pub sampler: SamplerKind,
     /// `light_choice`: which lamp a point aims at.
-    pub light_choice: LightChoice,
+    pub light_choice: LightSamplerKind,
 }
 
-impl Default for Render {
+impl Default for RenderSettings {
     /// The integrator `path` with 64 samples of each pixel.
     fn default() -> Self {
         Self {
-            integrator: Integrator::Path,
+            integrator: IntegratorSettings::Path,
             estimator: Estimator::default(),
             samples_per_pixel: 64,
             max_depth: None,
             clamp_indirect: None,
             seed: 0,
             sampler: SamplerKind::default(),
-            light_choice: LightChoice::default(),
+            light_choice: LightSamplerKind::default(),
         }
     }
 }
@@ -104,7 +104,7 @@ impl Default for Render {
 /// The estimators.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Integrator {
+pub enum IntegratorSettings {
     /// `"path"`: next-event estimation and hemisphere sampling, combined.
     Path,
     /// `"direct"`: the same for light that was scattered once at most.
@@ -117,7 +117,7 @@ pub enum Integrator {
     /// `"normals"`: the normals as colours.
     Normals,
     /// `"paper"`: the paper's own, lamps found by chance.
-    Paper(Paper),
+    Paper(PaperSettings),
     /// `"raycast"`: one ray and a shading model, the paper's starting point.
     Raycast {
         /// Whether lamps cast shadows.
@@ -137,12 +137,12 @@ pub enum Estimator {
     Bsdf,
 }
 
-named! { Estimator { Mis = "mis", Light = "light", Bsdf = "bsdf" } }
+named_enum! { Estimator { Mis = "mis", Light = "light", Bsdf = "bsdf" } }
 
 /// `[render.paper]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Paper {
+pub struct PaperSettings {
     /// Sub-pixels along each side of a pixel, k.
     pub subpixels: u32,
     /// Paths of each sub-pixel, N.
@@ -150,28 +150,28 @@ pub struct Paper {
     /// How directions over the hemisphere are drawn.
     pub hemisphere: Hemisphere,
     /// When a path ends.
-    pub stop: Stop,
+    pub stop: PathTermination,
     /// What becomes of a camera ray that meets nothing.
-    pub miss: Miss,
+    pub miss: MissPolicy,
     /// The size of the random shift in a sub-pixel: 1 covers it, 0 stays at its centre.
     pub jitter: f64,
 }
 
-impl Default for Paper {
+impl Default for PaperSettings {
     /// The paper's own: 2 x 2 sub-pixels of 4 paths.
     fn default() -> Self {
         Self {
             subpixels: 2,
             samples: 4,
             hemisphere: Hemisphere::default(),
-            stop: Stop::default(),
-            miss: Miss::default(),
+            stop: PathTermination::default(),
+            miss: MissPolicy::default(),
             jitter: 1.0,
         }
     }
 }
 
-impl Paper {
+impl PaperSettings {
     /// Samples of a pixel: k^2 N.
     pub fn samples_per_pixel(&self) -> u64 {
         u64::from(self.subpixels).pow(2).saturating_mul(u64::from(self.samples))
@@ -181,7 +181,7 @@ impl Paper {
 /// When a path ends, beside `max_depth`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Stop {
+pub enum PathTermination {
     /// Russian roulette: unbiased.
     #[default]
     Roulette,
@@ -193,7 +193,7 @@ pub enum Stop {
 
 /// The ways to end a path, without their thresholds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StopKind {
+pub enum PathTerminationKind {
     /// [`Stop::Roulette`].
     #[default]
     Roulette,
@@ -203,22 +203,22 @@ pub enum StopKind {
     Threshold,
 }
 
-named! { StopKind { Roulette = "roulette", Depth = "depth", Threshold = "threshold" } }
+named_enum! { PathTerminationKind { Roulette = "roulette", Depth = "depth", Threshold = "threshold" } }
 
-impl Stop {
+impl PathTermination {
     /// The kind of this rule.
-    pub fn kind(&self) -> StopKind {
+    pub fn kind(&self) -> PathTerminationKind {
         match self {
-            Self::Roulette => StopKind::Roulette,
-            Self::Depth => StopKind::Depth,
-            Self::Threshold(_) => StopKind::Threshold,
+            Self::Roulette => PathTerminationKind::Roulette,
+            Self::Depth => PathTerminationKind::Depth,
+            Self::Threshold(_) => PathTerminationKind::Threshold,
         }
     }
 }
 
 /// What becomes of a camera ray that meets nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Miss {
+pub enum MissPolicy {
     /// It sees the background.
     #[default]
     Background,
@@ -226,7 +226,7 @@ pub enum Miss {
     Redraw,
 }
 
-named! { Miss { Background = "background", Redraw = "redraw" } }
+named_enum! { MissPolicy { Background = "background", Redraw = "redraw" } }
 
 /// The integrators without their options.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -246,7 +246,7 @@ pub enum IntegratorKind {
     Raycast,
 }
 
-named! {
+named_enum! {
     IntegratorKind {
         Path = "path",
         Direct = "direct",
@@ -257,7 +257,7 @@ named! {
     }
 }
 
-impl Integrator {
+impl IntegratorSettings {
     /// Which it is, without its options.
     pub fn kind(&self) -> IntegratorKind {
         match self {

@@ -23,10 +23,10 @@ use crate::math::DVec3;
 
 use super::data::SphereData;
 use super::description::{
-    Background, Camera, ColorStorage, Description, Dome, NamedMaterial, Projection, SphereRow,
+    BackgroundDescription, CameraDescription, ColorStorage, SceneDescription, EnvironmentDescription, MaterialDescription, ProjectionDescription, SphereDescription,
     SphereTable,
 };
-use super::environment::Pixels;
+use super::environment::EnvironmentPixels;
 use super::import::RowGroup;
 
 /// The version of the encoding; it changes with everything that the hash depends on.
@@ -34,7 +34,7 @@ const ENCODING: u32 = 3;
 
 /// A BLAKE3 hash: 32 bytes, 64 hexadecimal digits as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Identity([u8; 32]);
+pub struct ContentHash([u8; 32]);
 
 /// A file that belongs to a scene, and a hash of what was read from it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,12 +43,12 @@ pub struct FileHash {
     #[serde(with = "super::paths")]
     pub file: PathBuf,
     /// Of its values, not of its bytes: the order of a table's columns does not count.
-    pub hash: Identity,
+    pub hash: ContentHash,
 }
 
 /// The scene file that a scene was read from.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Source {
+pub struct SceneSource {
     /// The name that messages give it.
     pub name: String,
     /// The file, where there is one.
@@ -60,24 +60,24 @@ pub struct Source {
     /// Its text; `None` where that is longer than a picture should carry.
     pub text: Option<String>,
     /// The hash of its text.
-    pub text_hash: Identity,
+    pub text_hash: ContentHash,
     /// The keys that options set, with their values.
     pub overrides: Vec<(String, String)>,
 }
 
 /// Rows that are hashed at a time, in parallel.
-const ROWS: usize = 1 << 16;
+const ROWS_PER_CHUNK: usize = 1 << 16;
 
 /// What the hash of a scene is of.
 #[derive(Serialize)]
-struct Canonical<'a> {
+struct CanonicalScene<'a> {
     encoding: u32,
     camera: CanonicalCamera,
-    background: Background,
-    materials: &'a [NamedMaterial],
-    spheres: &'a [SphereRow],
+    background: BackgroundDescription,
+    materials: &'a [MaterialDescription],
+    spheres: &'a [SphereDescription],
     tables: Vec<CanonicalTable>,
-    environment: Option<Identity>,
+    environment: Option<ContentHash>,
 }
 
 /// A camera by all that its rays depend on.
@@ -87,12 +87,12 @@ struct CanonicalCamera {
     right: DVec3,
     forward: DVec3,
     near: f64,
-    projection: Projection,
+    projection: ProjectionDescription,
 }
 
 impl CanonicalCamera {
-    fn of(camera: &Camera) -> Self {
-        let Camera { position, look_at, up, near, projection } = *camera;
+    fn of(camera: &CameraDescription) -> Self {
+        let CameraDescription { position, look_at, up, near, projection } = *camera;
         let [right, _, forward] = axes(look_at - position, up);
         Self { position, right, forward, near, projection }
     }
@@ -103,10 +103,10 @@ struct CanonicalTable {
     name: String,
     material: usize,
     colors: Option<ColorStorage>,
-    numbers: Identity,
+    numbers: ContentHash,
 }
 
-impl Identity {
+impl ContentHash {
     /// The 32 bytes.
     pub fn as_bytes(&self) -> &[u8; 32] {
         &self.0
@@ -118,39 +118,39 @@ impl Identity {
     }
 }
 
-impl Default for Identity {
+impl Default for ContentHash {
     /// The hash of nothing.
     fn default() -> Self {
         Self::of_bytes(&[])
     }
 }
 
-impl Serialize for Identity {
+impl Serialize for ContentHash {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         to.collect_str(self)
     }
 }
 
-impl<'de> Deserialize<'de> for Identity {
+impl<'de> Deserialize<'de> for ContentHash {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let digits = String::deserialize(from)?;
         digits.parse().map_err(serde::de::Error::custom)
     }
 }
 
-impl From<[u8; 32]> for Identity {
+impl From<[u8; 32]> for ContentHash {
     fn from(bytes: [u8; 32]) -> Self {
         Self(bytes)
     }
 }
 
-impl fmt::Display for Identity {
+impl fmt::Display for ContentHash {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&blake3::Hash::from_bytes(self.0).to_hex())
     }
 }
 
-impl std::str::FromStr for Identity {
+impl std::str::FromStr for ContentHash {
     type Err = Error;
 
     /// Reads 64 hexadecimal digits.
@@ -164,29 +164,29 @@ impl std::str::FromStr for Identity {
 }
 
 /// The files of a scene with the hashes of their numbers, and the hash of each table.
-pub(super) struct Hashes {
-    tables: Vec<Identity>,
-    environment: Option<Identity>,
+pub(super) struct SceneHashes {
+    tables: Vec<ContentHash>,
+    environment: Option<ContentHash>,
     pub(super) files: Vec<FileHash>,
 }
 
-impl Hashes {
+impl SceneHashes {
     /// Hashes what was read.
-    pub(super) fn of(
-        description: &Description,
+    pub(super) fn new(
+        description: &SceneDescription,
         rows: &SphereRows,
         groups: &[RowGroup],
-        environment: Option<&Pixels>,
+        environment: Option<&EnvironmentPixels>,
     ) -> Self {
-        let tables: Vec<Identity> = groups.iter().map(|group| hash_of_group(rows, group)).collect();
-        let environment = environment.map(|pixels| Identity(pixels.hash().into()));
-        let of_table = |(table, hash): (&SphereTable, &Identity)| match &table.data {
+        let tables: Vec<ContentHash> = groups.iter().map(|group| hash_group(rows, group)).collect();
+        let environment = environment.map(|pixels| ContentHash(pixels.hash().into()));
+        let of_table = |(table, hash): (&SphereTable, &ContentHash)| match &table.data {
             SphereData::File { path, .. } => Some(FileHash { file: path.clone(), hash: *hash }),
             SphereData::Memory(_) => None,
         };
         let mut files: Vec<FileHash> =
             description.tables.iter().zip(&tables).filter_map(of_table).collect();
-        if let (Dome::Image { file, .. }, Some(hash)) = (&description.background.dome, environment)
+        if let (EnvironmentDescription::Image { file, .. }, Some(hash)) = (&description.background.dome, environment)
         {
             files.push(FileHash { file: file.clone(), hash });
         }
@@ -194,19 +194,19 @@ impl Hashes {
     }
 
     /// The identity of the scene.
-    pub(super) fn identity(&self, description: &Description) -> Identity {
-        let Description { camera, background, materials, spheres, tables } = description;
+    pub(super) fn scene_hash(&self, description: &SceneDescription) -> ContentHash {
+        let SceneDescription { camera, background, materials, spheres, tables } = description;
         let mut background = background.clone();
-        if let Dome::Image { file, .. } = &mut background.dome {
+        if let EnvironmentDescription::Image { file, .. } = &mut background.dome {
             file.clear();
         }
-        let table = |(index, (table, numbers)): (usize, (&SphereTable, &Identity))| {
+        let table = |(index, (table, numbers)): (usize, (&SphereTable, &ContentHash))| {
             let SphereTable { name: _, data, material, colors } = table;
             let name = description.name_of_table(index);
             let colors = data.has_colors().then_some(*colors);
             CanonicalTable { name, material: *material, colors, numbers: *numbers }
         };
-        let canonical = Canonical {
+        let canonical = CanonicalScene {
             encoding: ENCODING,
             camera: CanonicalCamera::of(camera),
             background,
@@ -219,7 +219,7 @@ impl Hashes {
         let mut json = serde_json::Serializer::with_formatter(&mut hasher, OneZero);
         let written = canonical.serialize(&mut json);
         written.expect("plain values with names as their keys are JSON");
-        Identity(hasher.finalize().into())
+        ContentHash(hasher.finalize().into())
     }
 }
 
@@ -238,13 +238,13 @@ impl Formatter for OneZero {
 
 /// The hash of a table's numbers: in f32 where the table is, so that equal numbers have equal hashes
 /// wherever they come from.
-fn hash_of_group(rows: &SphereRows, group: &RowGroup) -> Identity {
+fn hash_group(rows: &SphereRows, group: &RowGroup) -> ContentHash {
     let (first, count) = (group.first_row as usize, group.count as usize);
     let mut hasher = Hasher::new();
     hasher.update(&(count as u64).to_le_bytes());
     match first.checked_sub(rows.exact.len()) {
         Some(first) => {
-            add_rows(&mut hasher, count, |row| rows.table[first + row].map(f32::to_le_bytes))
+            hash_rows(&mut hasher, count, |row| rows.table[first + row].map(f32::to_le_bytes))
         }
         None => {
             let exact = &rows.exact[first..first + count];
@@ -255,34 +255,34 @@ fn hash_of_group(rows: &SphereRows, group: &RowGroup) -> Identity {
             let fits = |row: usize| numbers(row).iter().all(|x| f64::from(*x as f32) == *x);
             if (0..count).into_par_iter().all(fits) {
                 let narrow = |row| numbers(row).map(|x| (x as f32).to_le_bytes());
-                add_rows(&mut hasher, count, narrow);
+                hash_rows(&mut hasher, count, narrow);
             } else {
-                add_rows(&mut hasher, count, |row| numbers(row).map(f64::to_le_bytes));
+                hash_rows(&mut hasher, count, |row| numbers(row).map(f64::to_le_bytes));
             }
         }
     }
     if let Some(colors) = &group.colors {
         let color = |row| colors.get(row).to_array().map(f32::to_le_bytes);
-        add_rows(&mut hasher, colors.len(), color);
+        hash_rows(&mut hasher, colors.len(), color);
     }
     if let Some(ids) = &group.ids {
         let ids = ids.as_slice();
-        add_rows(&mut hasher, ids.len(), |row| [ids[row].to_le_bytes()]);
+        hash_rows(&mut hasher, ids.len(), |row| [ids[row].to_le_bytes()]);
     }
-    Identity(hasher.finalize().into())
+    ContentHash(hasher.finalize().into())
 }
 
-fn add_rows<const N: usize, const B: usize>(
+fn hash_rows<const N: usize, const B: usize>(
     hasher: &mut Hasher,
     count: usize,
     numbers: impl Fn(usize) -> [[u8; B]; N] + Sync,
 ) {
     let hash_of_piece = |piece: usize| {
-        let rows = piece * ROWS..count.min((piece + 1) * ROWS);
+        let rows = piece * ROWS_PER_CHUNK..count.min((piece + 1) * ROWS_PER_CHUNK);
         let bytes: Vec<u8> = rows.flat_map(|row| numbers(row).into_iter().flatten()).collect();
         blake3::hash(&bytes)
     };
-    let pieces = (0..count.div_ceil(ROWS)).into_par_iter();
+    let pieces = (0..count.div_ceil(ROWS_PER_CHUNK)).into_par_iter();
     let hashes: Vec<blake3::Hash> = pieces.map(hash_of_piece).collect();
     for hash in hashes {
         hasher.update(hash.as_bytes());
@@ -295,11 +295,11 @@ mod tests {
 
     #[test]
     fn an_identity_is_read_back_from_its_digits() {
-        let identity = Identity::of_bytes(b"abc");
+        let identity = ContentHash::of_bytes(b"abc");
         // The first digits of BLAKE3's hash of "abc", as `b3sum` prints them.
         assert!(identity.to_string().starts_with("6437b3ac38465133ffb63b75273a8db5"));
-        assert_eq!(identity.to_string().parse::<Identity>().ok(), Some(identity));
-        let error = "6437".parse::<Identity>().expect_err("too few digits");
+        assert_eq!(identity.to_string().parse::<ContentHash>().ok(), Some(identity));
+        let error = "6437".parse::<ContentHash>().expect_err("too few digits");
         assert_eq!(error.to_string(), "an identity is 64 hexadecimal digits, not \"6437\"");
         assert!(std::error::Error::source(&error).is_some());
     }

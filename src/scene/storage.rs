@@ -2,19 +2,19 @@
 
 use crate::error::{Error, Result};
 
-use super::colors::Colors;
+use super::colors::SphereColors;
 use super::description::ColorStorage;
 
 /// Room for colours as they are to be kept.
-pub(super) fn room_for_colors(storage: ColorStorage, rows: u64) -> Result<Colors> {
+pub(super) fn reserve_colors(storage: ColorStorage, rows: u64) -> Result<SphereColors> {
     Ok(match storage {
-        ColorStorage::Exact => Colors::Exact(with_capacity(rows)?),
-        ColorStorage::Packed => Colors::Packed(with_capacity(rows)?),
+        ColorStorage::Exact => SphereColors::Exact(try_with_capacity(rows)?),
+        ColorStorage::Packed => SphereColors::Packed(try_with_capacity(rows)?),
     })
 }
 
 /// Room for so much of something that each sphere has.
-pub(super) fn with_capacity<T>(count: u64) -> Result<Vec<T>> {
+pub(super) fn try_with_capacity<T>(count: u64) -> Result<Vec<T>> {
     let mut vec = Vec::new();
     vec.try_reserve_exact(count as usize).map_err(|_| {
         Error::input(format!("there is not enough memory for {count} spheres"))

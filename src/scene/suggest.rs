@@ -1,22 +1,22 @@
 //! "Did you mean": the known word nearest to one that was mistyped.
 
 /// No word longer than this is compared with others.
-const LONGEST_WORD: usize = 100;
+const MAX_WORD_BYTES: usize = 100;
 
 /// "did you mean `x`?" where one of the known words is near.
 pub(super) fn did_you_mean<'k>(
     word: &str,
     known: impl IntoIterator<Item = &'k str>,
 ) -> Option<String> {
-    if word.len() > LONGEST_WORD {
+    if word.len() > MAX_WORD_BYTES {
         return None;
     }
-    let slips_allowed = (word.chars().count() / 3).max(1);
+    let max_edits = (word.chars().count() / 3).max(1);
     known
         .into_iter()
         .map(|candidate| (strsim::damerau_levenshtein(word, candidate), candidate))
         .min()
-        .filter(|&(slips, _)| slips <= slips_allowed)
+        .filter(|&(slips, _)| slips <= max_edits)
         .map(|(_, candidate)| format!("did you mean `{candidate}`?"))
 }
 

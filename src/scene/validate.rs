@@ -3,20 +3,20 @@
 use crate::color::Rgb;
 use crate::math::{DVec3, MAX_COORDINATE, NO_SPHERE, Rect};
 
-use super::data::{Column, SphereArrays, SphereData, Strided};
+use super::data::{Column, SphereArrays, SphereData, StridedArray};
 use super::description::{
-    Background, Camera, Description, Dome, Lens, NamedMaterial, Projection, SphereRow, SphereTable,
-    Sun, Surface, unit,
+    BackgroundDescription, CameraDescription, SceneDescription, EnvironmentDescription, LensDescription, MaterialDescription, ProjectionDescription, SphereDescription, SphereTable,
+    SunDescription, SurfaceModel, normalize_robust,
 };
 use super::keys;
-use super::problem::{Path, Problems};
-use super::settings::{Image, Integrator, Render, Settings, Stop};
+use super::validation_errors::{KeyPath, ValidationErrors};
+use super::settings::{ImageSettings, IntegratorSettings, RenderSettings, Settings, PathTermination};
 
 /// The most pixels of a picture.
-const MOST_PIXELS: u64 = 1 << 31;
+const MAX_PIXELS: u64 = 1 << 31;
 
 /// The sine of the angle between `up` and the view below which they count as parallel.
-const PARALLEL: f64 = 1e-6;
+const MIN_VIEW_UP_SINE: f64 = 1e-6;
 
 /// The index that stands for a material of another [`Builder`](super::Builder).
 pub(super) const FOREIGN_MATERIAL: usize = usize::MAX;
@@ -24,11 +24,11 @@ pub(super) const FOREIGN_MATERIAL: usize = usize::MAX;
 /// How far the sum of two shares may exceed 1 by rounding.
 pub(super) const SHARE_ROUNDING: f32 = 1e-6;
 
-impl Description {
+impl SceneDescription {
     /// What keeps these values from being a scene; files are not looked at.
-    pub(super) fn problems(&self) -> Problems {
+    pub(super) fn validate(&self) -> ValidationErrors {
         let Self { camera, background, materials, spheres, tables } = self;
-        let mut problems = Problems::default();
+        let mut problems = ValidationErrors::default();
         check_camera(camera, &mut problems);
         check_background(background, &mut problems);
         check_names(materials, &mut problems);
@@ -42,8 +42,8 @@ impl Description {
             check_table(index, table, materials.len(), &mut problems);
         }
         if spheres.is_empty() && tables.is_empty() {
-            let problem = problems.add(Path::of("spheres"), "the scene has no spheres");
-            problem.with(Path::of("sphere_tables")).help("add one, or a table of them".to_owned());
+            let problem = problems.add(KeyPath::root("spheres"), "the scene has no spheres");
+            problem.with_related(KeyPath::root("sphere_tables")).with_help("add one, or a table of them".to_owned());
         }
         problems
     }
@@ -51,8 +51,8 @@ impl Description {
 
 impl Settings {
     /// What keeps a scene from being rendered so.
-    pub(super) fn problems(&self) -> Problems {
-        let mut problems = Problems::default();
+    pub(super) fn validate(&self) -> ValidationErrors {
+        let mut problems = ValidationErrors::default();
         check_image(&self.image, &mut problems);
         check_render(&self.render, &mut problems);
         problems
@@ -60,19 +60,19 @@ impl Settings {
 }
 
 /// What a crop must be.
-pub(super) fn crop_must_be(width: u32, height: u32) -> String {
+pub(super) fn crop_error(width: u32, height: u32) -> String {
     format!("`image.crop` must be [x0, y0, x1, y1] with x0 < x1 <= {width} and y0 < y1 <= {height}")
 }
 
-fn check_image(image: &Image, problems: &mut Problems) {
-    let Image { width, height, crop, filter: _, filter_radius } = image;
-    let at = Path::of("image");
+fn check_image(image: &ImageSettings, problems: &mut ValidationErrors) {
+    let ImageSettings { width, height, crop, filter: _, filter_radius } = image;
+    let at = KeyPath::root("image");
     problems.check(&at, &keys::image::WIDTH, width);
     problems.check(&at, &keys::image::HEIGHT, height);
     problems.check(&at, &keys::image::FILTER_RADIUS, filter_radius);
-    if u64::from(*width) * u64::from(*height) > MOST_PIXELS {
+    if u64::from(*width) * u64::from(*height) > MAX_PIXELS {
         let message = format!("{width} x {height} pixels are more than 2^31");
-        problems.add(at.key("height"), message).with(at.key("width"));
+        problems.add(at.key("height"), message).with_related(at.key("width"));
     }
     let is_within = |crop: &Rect| {
         let ends = |first: u32, length: u32, all: u32| {
@@ -81,14 +81,14 @@ fn check_image(image: &Image, problems: &mut Problems) {
         ends(crop.x, crop.width, *width) && ends(crop.y, crop.height, *height)
     };
     if !crop.as_ref().is_none_or(is_within) {
-        let problem = problems.add(at.key("crop"), crop_must_be(*width, *height));
-        problem.with(at.key("width")).with(at.key("height"));
+        let problem = problems.add(at.key("crop"), crop_error(*width, *height));
+        problem.with_related(at.key("width")).with_related(at.key("height"));
     }
 }
 
-fn check_render(render: &Render, problems: &mut Problems) {
-    let Render { integrator, samples_per_pixel, max_depth, clamp_indirect, seed, .. } = render;
-    let at = Path::of("render");
+fn check_render(render: &RenderSettings, problems: &mut ValidationErrors) {
+    let RenderSettings { integrator, samples_per_pixel, max_depth, clamp_indirect, seed, .. } = render;
+    let at = KeyPath::root("render");
     problems.check(&at, &keys::render::SAMPLES, samples_per_pixel);
     if let Some(depth) = max_depth {
         problems.check(&at, &keys::render::MAX_DEPTH, depth);
@@ -102,22 +102,22 @@ fn check_render(render: &Render, problems: &mut Problems) {
         problems.add(at.key("seed"), message);
     }
     match integrator {
-        Integrator::AmbientOcclusion { distance: Some(distance) } => {
+        IntegratorSettings::AmbientOcclusion { distance: Some(distance) } => {
             let at = at.key("ambient_occlusion");
             problems.check(&at, &keys::render::ambient_occlusion::DISTANCE, distance);
         }
-        Integrator::Paper(paper) => {
+        IntegratorSettings::Paper(paper) => {
             let of_paper = at.key("paper");
             problems.check(&of_paper, &keys::render::paper::SUBPIXELS, &paper.subpixels);
             problems.check(&of_paper, &keys::render::paper::SAMPLES, &paper.samples);
             problems.check(&of_paper, &keys::render::paper::JITTER, &paper.jitter);
-            if let Stop::Threshold(threshold) = &paper.stop {
+            if let PathTermination::Threshold(threshold) = &paper.stop {
                 problems.check(&of_paper, &keys::render::paper::THRESHOLD, threshold);
             }
-            if paper.stop == Stop::Depth && max_depth.is_none() {
+            if paper.stop == PathTermination::Depth && max_depth.is_none() {
                 let message = "`render.paper.stop = \"depth\"` needs `render.max_depth`";
-                let problem = problems.add(of_paper.key("stop"), message).with(at.key("max_depth"));
-                problem.help("add `max_depth = 6` to `[render]`".to_owned());
+                let problem = problems.add(of_paper.key("stop"), message).with_related(at.key("max_depth"));
+                problem.with_help("add `max_depth = 6` to `[render]`".to_owned());
             }
             let total = paper.samples_per_pixel();
             if total != u64::from(*samples_per_pixel) {
@@ -127,32 +127,32 @@ fn check_render(render: &Render, problems: &mut Problems) {
                      {n} samples make {total}"
                 );
                 let problem = problems.add(at.key("samples_per_pixel"), message);
-                problem.with(of_paper.key("samples")).with(of_paper.key("subpixels"));
+                problem.with_related(of_paper.key("samples")).with_related(of_paper.key("subpixels"));
             }
         }
         _ => {}
     }
 }
 
-fn check_camera(camera: &Camera, problems: &mut Problems) {
+fn check_camera(camera: &CameraDescription, problems: &mut ValidationErrors) {
     use keys::camera as keys;
-    let Camera { position, look_at, up, near, projection } = camera;
-    let at = Path::of("camera");
+    let CameraDescription { position, look_at, up, near, projection } = camera;
+    let at = KeyPath::root("camera");
     problems.check(&at, &keys::POSITION, position);
     problems.check(&at, &keys::LOOK_AT, look_at);
     problems.check(&at, &keys::UP, up);
     problems.check(&at, &keys::NEAR, near);
     match projection {
-        Projection::Perspective { vertical_fov_degrees, lens } => {
+        ProjectionDescription::Perspective { vertical_fov_degrees, lens } => {
             problems.check(&at, &keys::perspective::FOV, vertical_fov_degrees);
             if let Some(lens) = lens {
                 check_lens(&at, lens, problems);
             }
         }
-        Projection::Orthographic { height } => {
+        ProjectionDescription::Orthographic { height } => {
             problems.check(&at, &keys::orthographic::HEIGHT, height);
         }
-        Projection::Panoramic { horizontal_degrees, vertical_degrees } => {
+        ProjectionDescription::Panoramic { horizontal_degrees, vertical_degrees } => {
             problems.check(&at, &keys::panoramic::HORIZONTAL, horizontal_degrees);
             problems.check(&at, &keys::panoramic::VERTICAL, vertical_degrees);
         }
@@ -160,14 +160,14 @@ fn check_camera(camera: &Camera, problems: &mut Problems) {
     check_axes(&at, camera, problems);
 }
 
-fn check_lens(at: &Path, lens: &Lens, problems: &mut Problems) {
+fn check_lens(at: &KeyPath, lens: &LensDescription, problems: &mut ValidationErrors) {
     use keys::camera::perspective as keys;
-    let Lens { radius, focus_distance, blades, rotation_degrees } = lens;
+    let LensDescription { radius, focus_distance, blades, rotation_degrees } = lens;
     problems.check(at, &keys::APERTURE_RADIUS, radius);
     problems.check(at, &keys::FOCUS_DISTANCE, focus_distance);
-    let focus = problems.0.last_mut().filter(|last| last.at == at.key("focus_distance"));
+    let focus = problems.0.last_mut().filter(|last| last.path == at.key("focus_distance"));
     focus.map(|problem| {
-        problem.with(at.key("focus_on")).with(at.key("look_at")).with(at.key("position"))
+        problem.with_related(at.key("focus_on")).with_related(at.key("look_at")).with_related(at.key("position"))
     });
     problems.check(at, &keys::BLADES, blades);
     problems.check(at, &keys::ROTATION, rotation_degrees);
@@ -178,57 +178,57 @@ fn check_lens(at: &Path, lens: &Lens, problems: &mut Problems) {
 }
 
 /// Whether the camera looks anywhere, and knows how to hold its head.
-fn check_axes(at: &Path, camera: &Camera, problems: &mut Problems) {
-    let view = unit(camera.look_at - camera.position);
-    let up = unit(camera.up);
+fn check_axes(at: &KeyPath, camera: &CameraDescription, problems: &mut ValidationErrors) {
+    let view = normalize_robust(camera.look_at - camera.position);
+    let up = normalize_robust(camera.up);
     let problem = match (view, up) {
         (None, _) => {
             problems.add(at.key("look_at"), "`camera.look_at` must not be `camera.position`")
         }
         (_, None) => problems.add(at.key("up"), "`camera.up` must not be [0, 0, 0]"),
-        (Some(view), Some(up)) if view.cross(up).length() < PARALLEL => {
+        (Some(view), Some(up)) if view.cross(up).length() < MIN_VIEW_UP_SINE => {
             let other = if view.y.abs() < 0.5 { "[0, 1, 0]" } else { "[0, 0, 1]" };
-            let key = if camera.up == Camera::default().up { "look_at" } else { "up" };
+            let key = if camera.up == CameraDescription::default().up { "look_at" } else { "up" };
             problems
                 .add(at.key(key), "`camera.up` must not be parallel to the view")
-                .help(format!("any other direction will do, as in `up = {other}`"))
+                .with_help(format!("any other direction will do, as in `up = {other}`"))
         }
         _ => return,
     };
     ["position", "look_at", "up"].into_iter().for_each(|key| {
-        problem.with(at.key(key));
+        problem.with_related(at.key(key));
     });
 }
 
-fn check_background(background: &Background, problems: &mut Problems) {
+fn check_background(background: &BackgroundDescription, problems: &mut ValidationErrors) {
     use keys::background as keys;
-    let Background { dome, up, sun, camera_visible, transparent } = background;
-    let at = Path::of("background");
+    let BackgroundDescription { dome, up, sun, camera_visible, transparent } = background;
+    let at = KeyPath::root("background");
     if !is_unit(*up) {
         problems.add(at.key("up"), format!("`background.up` must be a unit vector, not {up}"));
     }
     match dome {
-        Dome::Constant { radiance } => problems.check(&at, &keys::RADIANCE_EVERYWHERE, radiance),
-        Dome::Gradient { zenith, horizon, nadir } => {
+        EnvironmentDescription::Constant { radiance } => problems.check(&at, &keys::RADIANCE_EVERYWHERE, radiance),
+        EnvironmentDescription::Gradient { zenith, horizon, nadir } => {
             let at = at.key("gradient");
             problems.check(&at, &keys::gradient::ZENITH, zenith);
             problems.check(&at, &keys::gradient::HORIZON, horizon);
             problems.check(&at, &keys::gradient::NADIR, nadir);
         }
-        Dome::Image { file: _, rotation_degrees, scale } => {
+        EnvironmentDescription::Image { file: _, rotation_degrees, scale } => {
             let at = at.key("image");
             problems.check(&at, &keys::image::ROTATION, rotation_degrees);
             problems.check(&at, &keys::image::FACTOR, scale);
         }
-        Dome::Sky { turbidity, ground_albedo, scale } => {
+        EnvironmentDescription::Sky { turbidity, ground_albedo, scale } => {
             let inner = at.key("sky");
             problems.check(&inner, &keys::sky::TURBIDITY, turbidity);
             problems.check(&inner, &keys::sky::GROUND_ALBEDO, ground_albedo);
             problems.check(&inner, &keys::sky::FACTOR, scale);
-            demand_sun_for_sky(&at, background, problems);
+            check_sky_sun(&at, background, problems);
         }
     }
-    if let Some(Sun { direction, angular_diameter_degrees, irradiance }) = sun {
+    if let Some(SunDescription { direction, angular_diameter_degrees, irradiance }) = sun {
         let at = at.key("sun");
         if !is_unit(*direction) {
             let message =
@@ -242,22 +242,22 @@ fn check_background(background: &Background, problems: &mut Problems) {
         let message = "`background.camera_visible` is true, but `background.transparent` leaves the \
                        background out of the picture";
         let problem = problems.add(at.key("camera_visible"), message);
-        problem.with(at.key("transparent")).help("leave one out".to_owned());
+        problem.with_related(at.key("transparent")).with_help("leave one out".to_owned());
     }
 }
 
-fn demand_sun_for_sky(at: &Path, background: &Background, problems: &mut Problems) {
+fn check_sky_sun(at: &KeyPath, background: &BackgroundDescription, problems: &mut ValidationErrors) {
     match &background.sun {
         None => {
             let message = "`background.sky` needs `[background.sun]`, which says where the sun is";
-            let problem = problems.add(at.key("sky"), message).with(at.key("sun"));
-            problem.help("an irradiance of [0, 0, 0] leaves the sun itself out".to_owned());
+            let problem = problems.add(at.key("sky"), message).with_related(at.key("sun"));
+            problem.with_help("an irradiance of [0, 0, 0] leaves the sun itself out".to_owned());
         }
         Some(sun) if sun.direction.dot(background.up) <= 0.0 => {
             let problem =
                 problems.add(at.key("sun"), "`background.sky` needs a sun above the horizon");
             for key in ["direction", "elevation_degrees", "azimuth_degrees"] {
-                problem.with(at.key("sun").key(key));
+                problem.with_related(at.key("sun").key(key));
             }
         }
         Some(_) => {}
@@ -265,10 +265,10 @@ fn demand_sun_for_sky(at: &Path, background: &Background, problems: &mut Problem
 }
 
 /// Every material has a name of its own.
-fn check_names(materials: &[NamedMaterial], problems: &mut Problems) {
+fn check_names(materials: &[MaterialDescription], problems: &mut ValidationErrors) {
     let mut names = std::collections::BTreeSet::new();
-    let at = Path::of("materials");
-    for (index, NamedMaterial { name, .. }) in materials.iter().enumerate() {
+    let at = KeyPath::root("materials");
+    for (index, MaterialDescription { name, .. }) in materials.iter().enumerate() {
         if !names.insert(name) {
             problems.add(at.key(name), format!("two materials are named {name:?}"));
         }
@@ -278,40 +278,40 @@ fn check_names(materials: &[NamedMaterial], problems: &mut Problems) {
     }
 }
 
-fn check_material(material: &NamedMaterial, problems: &mut Problems) {
-    let NamedMaterial { name, surface, emission, opacity } = material;
-    let at = Path::of("materials").key(name);
+fn check_material(material: &MaterialDescription, problems: &mut ValidationErrors) {
+    let MaterialDescription { name, surface, emission, opacity } = material;
+    let at = KeyPath::root("materials").key(name);
     problems.check(&at, &keys::material::EMISSION, emission);
     problems.check(&at, &keys::material::OPACITY, opacity);
     check_surface(&at, surface, problems);
 }
 
-fn check_surface(at: &Path, surface: &Surface, problems: &mut Problems) {
+fn check_surface(at: &KeyPath, surface: &SurfaceModel, problems: &mut ValidationErrors) {
     use keys::material as keys;
     match surface {
-        Surface::Diffuse { albedo, roughness } => {
+        SurfaceModel::Diffuse { albedo, roughness } => {
             problems.check(at, &keys::diffuse::ALBEDO, albedo);
             problems.check(at, &keys::diffuse::ROUGHNESS, roughness);
         }
-        Surface::Mirror { reflectance } => {
+        SurfaceModel::Mirror { reflectance } => {
             problems.check(at, &keys::mirror::REFLECTANCE, reflectance);
         }
-        Surface::Conductor { metal, roughness } => {
+        SurfaceModel::Conductor { metal, roughness } => {
             problems.check(at, &keys::conductor::IOR, &metal.ior);
             problems.check(at, &keys::conductor::EXTINCTION, &metal.extinction);
             problems.check(at, &keys::conductor::ROUGHNESS, roughness);
         }
-        Surface::Dielectric { ior, roughness, priority: _, absorption } => {
+        SurfaceModel::Dielectric { ior, roughness, priority: _, absorption } => {
             problems.check(at, &keys::dielectric::IOR, ior);
             problems.check(at, &keys::dielectric::ROUGHNESS, roughness);
             problems.check(at, &keys::dielectric::ABSORPTION, absorption);
         }
-        Surface::Plastic { albedo, ior, roughness } => {
+        SurfaceModel::Plastic { albedo, ior, roughness } => {
             problems.check(at, &keys::plastic::ALBEDO, albedo);
             problems.check(at, &keys::plastic::IOR, ior);
             problems.check(at, &keys::plastic::ROUGHNESS, roughness);
         }
-        Surface::Principled(p) => {
+        SurfaceModel::Principled(p) => {
             use keys::principled as keys;
             problems.check(at, &keys::BASE_COLOR, &p.base_color);
             problems.check(at, &keys::METALLIC, &p.metallic);
@@ -322,12 +322,12 @@ fn check_surface(at: &Path, surface: &Surface, problems: &mut Problems) {
             problems.check(at, &keys::COAT_ROUGHNESS, &p.coat_roughness);
             problems.check(at, &keys::TRANSMISSION, &p.transmission);
         }
-        Surface::Phong { albedo, specular, exponent, normalized } => {
+        SurfaceModel::Phong { albedo, specular, exponent, normalized } => {
             problems.check(at, &keys::phong::ALBEDO, albedo);
             problems.check(at, &keys::phong::SPECULAR, specular);
             problems.check(at, &keys::phong::EXPONENT, exponent);
             if *normalized {
-                check_sum(at, *albedo + *specular, problems);
+                check_energy(at, *albedo + *specular, problems);
             }
         }
     }
@@ -337,28 +337,28 @@ fn is_unit(v: DVec3) -> bool {
     (v.length_squared() - 1.0).abs() < 1e-6
 }
 
-fn check_sum(at: &Path, sum: Rgb, problems: &mut Problems) {
+fn check_energy(at: &KeyPath, sum: Rgb, problems: &mut ValidationErrors) {
     if sum.max_element() > 1.0 + SHARE_ROUNDING {
         let key = at.key("specular");
         let message = format!(
             "`{key}` and albedo add up to more than 1, so that the surface would create light"
         );
         let help = "lower one of them; `normalized = false` is Phong's own form".to_owned();
-        problems.add(key, message).with(at.key("albedo")).help(help);
+        problems.add(key, message).with_related(at.key("albedo")).with_help(help);
     }
 }
 
-fn check_sphere(index: usize, sphere: &SphereRow, materials: usize, problems: &mut Problems) {
-    let SphereRow { name, center, radius, material } = sphere;
+fn check_sphere(index: usize, sphere: &SphereDescription, materials: usize, problems: &mut ValidationErrors) {
+    let SphereDescription { name, center, radius, material } = sphere;
     // Most spheres are good, and a scene may have millions.
     let is_good = *material < materials
         && center.abs().cmple(DVec3::splat(MAX_COORDINATE)).all()
-        && (keys::SMALLEST_RADIUS..=MAX_COORDINATE).contains(radius)
+        && (keys::MIN_RADIUS..=MAX_COORDINATE).contains(radius)
         && name.is_none();
     if is_good {
         return;
     }
-    let at = Path::of("spheres").entry(index, name.as_deref());
+    let at = KeyPath::root("spheres").entry(index, name.as_deref());
     if let Some(name) = name {
         problems.check(&at, &keys::sphere::NAME, name);
     }
@@ -367,9 +367,9 @@ fn check_sphere(index: usize, sphere: &SphereRow, materials: usize, problems: &m
     check_index(&at, *material, materials, problems);
 }
 
-fn check_table(index: usize, table: &SphereTable, materials: usize, problems: &mut Problems) {
+fn check_table(index: usize, table: &SphereTable, materials: usize, problems: &mut ValidationErrors) {
     let SphereTable { name, data, material, colors: _ } = table;
-    let at = Path::of("sphere_tables").entry(index, None);
+    let at = KeyPath::root("sphere_tables").entry(index, None);
     if let Some(name) = name {
         problems.check(&at, &keys::table::NAME, name);
     }
@@ -380,7 +380,7 @@ fn check_table(index: usize, table: &SphereTable, materials: usize, problems: &m
     check_index(&at, *material, materials, problems);
 }
 
-fn check_index(at: &Path, material: usize, materials: usize, problems: &mut Problems) {
+fn check_index(at: &KeyPath, material: usize, materials: usize, problems: &mut ValidationErrors) {
     if material >= materials {
         let key = at.key("material");
         let message = match material {
@@ -392,7 +392,7 @@ fn check_index(at: &Path, material: usize, materials: usize, problems: &mut Prob
 }
 
 /// Whether every column is there that must be, and none twice.
-fn check_columns(at: &Path, columns: &[Column], problems: &mut Problems) {
+fn check_columns(at: &KeyPath, columns: &[Column], problems: &mut ValidationErrors) {
     let count = |column: Column| columns.iter().filter(|&&c| c == column).count();
     let words = |wrong: &dyn Fn(Column) -> bool| {
         let wrong = Column::NAMES.iter().filter(|(_, column)| wrong(*column));
@@ -406,18 +406,18 @@ fn check_columns(at: &Path, columns: &[Column], problems: &mut Problems) {
             let key = at.key("columns");
             let message = format!("`{key}` {what} {which}");
             let help = "x, y, z and radius once each; r, g, b all or none".to_owned();
-            problems.add(key, message).help(help);
+            problems.add(key, message).with_help(help);
         }
     }
 }
 
 /// Whether every array has a number for each sphere.
-fn check_arrays(at: &Path, arrays: &SphereArrays, problems: &mut Problems) {
+fn check_arrays(at: &KeyPath, arrays: &SphereArrays, problems: &mut ValidationErrors) {
     let len = arrays.len();
     if len == 0 {
         problems.add(at.clone(), format!("`{at}` has no spheres"));
     }
-    for (column, Strided { len: found, .. }) in arrays.columns() {
+    for (column, StridedArray { len: found, .. }) in arrays.columns() {
         if *found != len {
             let message = format!(
                 "`{at}` has {len} radii, but {found} numbers in its column {}",
@@ -426,7 +426,7 @@ fn check_arrays(at: &Path, arrays: &SphereArrays, problems: &mut Problems) {
             problems.add(at.clone(), message);
         }
     }
-    for (column, _) in arrays.columns().filter(|(_, array)| !array.fits()) {
+    for (column, _) in arrays.columns().filter(|(_, array)| !array.is_in_bounds()) {
         let message = format!("the column {} of `{at}` reaches beyond its array", column.name());
         problems.add(at.clone(), message);
     }

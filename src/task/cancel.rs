@@ -7,9 +7,9 @@ use crate::error::{Error, Result};
 
 /// A request to stop, shared between threads.
 #[derive(Clone, Debug, Default)]
-pub struct Cancel(Arc<AtomicBool>);
+pub struct CancelToken(Arc<AtomicBool>);
 
-impl Cancel {
+impl CancelToken {
     /// Asks everything that holds this to stop.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);

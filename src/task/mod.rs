@@ -1,8 +1,8 @@
 //! What long work has in common: a request to stop it, how far it is, and the threads that help.
 
 mod cancel;
-pub(crate) mod hands;
+pub(crate) mod parallel;
 mod progress;
 
-pub use cancel::Cancel;
-pub use progress::Progress;
+pub use cancel::CancelToken;
+pub use progress::ProgressCallback;

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 /// Whoever wants to know how far something is, such as a build.
 #[derive(Clone, Default)]
-pub struct Progress(Option<Arc<dyn Fn(f64) + Send + Sync>>);
+pub struct ProgressCallback(Option<Arc<dyn Fn(f64) + Send + Sync>>);
 
-impl Progress {
+impl ProgressCallback {
     /// Calls `listener`, from any thread, with the share that is done.
     pub fn new(listener: impl Fn(f64) + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(listener)))
@@ -21,7 +21,7 @@ impl Progress {
     }
 }
 
-impl fmt::Debug for Progress {
+impl fmt::Debug for ProgressCallback {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(if self.0.is_some() { "Progress(listened to)" } else { "Progress(none)" })
     }

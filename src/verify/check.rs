@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::draw::Cells;
 use crate::error::Result;
-use crate::task::Cancel;
+use crate::task::CancelToken;
 
 use super::statistics::{bonferroni, sigmas};
 
@@ -31,14 +31,14 @@ pub enum Effort {
 
 impl Effort {
     /// The choice among three values, in the order quick, normal, full.
-    pub fn choose<T: Copy>(self, values: [T; 3]) -> T {
+    pub fn select<T: Copy>(self, values: [T; 3]) -> T {
         values[self as usize]
     }
 }
 
 /// What a check is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Group {
+pub enum CheckGroup {
     /// Intersectors against arithmetic of twice the digits.
     Crosscheck,
     /// Sampling routines against their densities.
@@ -49,7 +49,7 @@ pub enum Group {
     ClosedForms,
 }
 
-impl Group {
+impl CheckGroup {
     /// Every group, in the order of a report.
     pub const ALL: [Self; 4] =
         [Self::Crosscheck, Self::ChiSquare, Self::Materials, Self::ClosedForms];
@@ -67,37 +67,37 @@ impl Group {
 
 /// How a check came by its result.
 #[derive(Clone, Debug)]
-pub enum Finding {
+pub enum TestStatistic {
     /// What happened would happen to a right program with this probability.
     PValue(f64),
     /// So many answers were wrong.
-    Wrong(usize),
+    ErrorCount(usize),
 }
 
 /// What a check found, before it is judged.
 #[derive(Clone, Debug)]
-pub struct Measured {
+pub struct CheckMeasurement {
     /// By which it is judged.
-    pub finding: Finding,
+    pub statistic: TestStatistic,
     /// The figures in one line.
     pub detail: String,
     /// What there is to see.
-    pub pictures: Vec<Cells>,
+    pub images: Vec<Cells>,
     /// What the user ought to know though the check passed.
-    pub remark: Option<String>,
+    pub note: Option<String>,
 }
 
 /// The work of a check. It looks at the request to stop now and then.
-pub type Work = Box<dyn Fn(&Cancel) -> Result<Measured> + Send + Sync>;
+pub type CheckFn = Box<dyn Fn(&CancelToken) -> Result<CheckMeasurement> + Send + Sync>;
 
 /// One check.
 pub struct Check {
     /// Its name, which no other check has.
     pub name: String,
     /// What it is about.
-    pub group: Group,
+    pub group: CheckGroup,
     /// Measures; [`Self::run`] judges as well.
-    pub work: Work,
+    pub measure: CheckFn,
     /// The probability with which a right program may fail this check; [`share_significance`] sets
     /// it. Exact checks do not heed it.
     pub significance: f64,
@@ -105,7 +105,7 @@ pub struct Check {
 
 /// The judged result of a check.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct CheckResult {
     /// Whether the statistic is within the limit.
     pub passed: bool,
     /// Standard deviations for what is random, wrong answers for what is exact.
@@ -117,20 +117,20 @@ pub struct Outcome {
     /// The figures in one line.
     pub detail: String,
     /// What there is to see.
-    pub pictures: Vec<Cells>,
+    pub images: Vec<Cells>,
     /// What the user ought to know though the check passed.
-    pub remark: Option<String>,
+    pub note: Option<String>,
 }
 
 impl Check {
     /// A check of this name, to be judged alone.
     pub fn new(
-        group: Group,
+        group: CheckGroup,
         name: impl Into<String>,
-        work: impl Fn(&Cancel) -> Result<Measured> + Send + Sync + 'static,
+        work: impl Fn(&CancelToken) -> Result<CheckMeasurement> + Send + Sync + 'static,
     ) -> Self {
         let significance = FAMILY_SIGNIFICANCE;
-        Self { name: name.into(), group, work: Box::new(work), significance }
+        Self { name: name.into(), group, measure: Box::new(work), significance }
     }
 
     /// Does the check.
@@ -138,52 +138,52 @@ impl Check {
     /// # Errors
     /// On cancellation, and when the means to check are missing, as an intersector that cannot be
     /// built.
-    pub fn run(&self, cancel: &Cancel) -> Result<Outcome> {
+    pub fn run(&self, cancel: &CancelToken) -> Result<CheckResult> {
         cancel.check()?;
-        let measured = (self.work)(cancel)?;
+        let measured = (self.measure)(cancel)?;
         cancel.check()?;
-        Ok(measured.judged(self.significance))
+        Ok(measured.judge(self.significance))
     }
 }
 
-impl Measured {
+impl CheckMeasurement {
     /// A result without pictures.
-    pub fn new(finding: Finding, detail: impl Into<String>) -> Self {
-        Self { finding, detail: detail.into(), pictures: Vec::new(), remark: None }
+    pub fn new(finding: TestStatistic, detail: impl Into<String>) -> Self {
+        Self { statistic: finding, detail: detail.into(), images: Vec::new(), note: None }
     }
 
     /// With something to see.
     #[must_use]
-    pub fn with_pictures(self, pictures: Vec<Cells>) -> Self {
-        Self { pictures, ..self }
+    pub fn with_images(self, pictures: Vec<Cells>) -> Self {
+        Self { images: pictures, ..self }
     }
 
     /// With a remark.
     #[must_use]
-    pub fn with_remark(self, remark: impl Into<String>) -> Self {
-        Self { remark: Some(remark.into()), ..self }
+    pub fn with_note(self, remark: impl Into<String>) -> Self {
+        Self { note: Some(remark.into()), ..self }
     }
 
-    fn judged(self, significance: f64) -> Outcome {
-        let Self { finding, detail, pictures, remark } = self;
+    fn judge(self, significance: f64) -> CheckResult {
+        let Self { statistic: finding, detail, images: pictures, note: remark } = self;
         let (statistic, limit, is_random) = match finding {
-            Finding::PValue(p) => (sigmas(p), sigmas(significance), true),
-            Finding::Wrong(count) => (count as f64, 0.0, false),
+            TestStatistic::PValue(p) => (sigmas(p), sigmas(significance), true),
+            TestStatistic::ErrorCount(count) => (count as f64, 0.0, false),
         };
         let passed = statistic <= limit;
-        Outcome { passed, statistic, limit, is_random, detail, pictures, remark }
+        CheckResult { passed, statistic, limit, is_random, detail, images: pictures, note: remark }
     }
 }
 
 /// Gives each check its share of the family-wise significance.
-pub fn share_significance(checks: &mut [Check]) {
+pub fn split_significance(checks: &mut [Check]) {
     let each = bonferroni(FAMILY_SIGNIFICANCE, checks.len());
     checks.iter_mut().for_each(|check| check.significance = each);
 }
 
 /// How far a suite is.
 #[derive(Clone, Copy)]
-pub struct Progress<'a> {
+pub struct SuiteProgress<'a> {
     /// Checks finished, this one included.
     pub done: usize,
     /// Checks in all.
@@ -191,7 +191,7 @@ pub struct Progress<'a> {
     /// The check that was just finished.
     pub check: &'a Check,
     /// What came of it.
-    pub outcome: &'a Outcome,
+    pub result: &'a CheckResult,
 }
 
 /// Runs all checks on the current rayon thread pool, several at once; the outcomes are in their
@@ -201,14 +201,14 @@ pub struct Progress<'a> {
 /// The first error of a check, and on cancellation.
 pub fn run_all(
     checks: &[Check],
-    cancel: &Cancel,
-    progress: &(dyn Fn(Progress<'_>) + Sync),
-) -> Result<Vec<Outcome>> {
+    cancel: &CancelToken,
+    progress: &(dyn Fn(SuiteProgress<'_>) + Sync),
+) -> Result<Vec<CheckResult>> {
     let done = std::sync::atomic::AtomicUsize::new(0);
     let run = |check: &Check| {
         let outcome = check.run(cancel)?;
         let done = 1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        progress(Progress { done, total: checks.len(), check, outcome: &outcome });
+        progress(SuiteProgress { done, total: checks.len(), check, result: &outcome });
         Ok(outcome)
     };
     // One by one, so that a long check at the end of a thread's share is not waited for alone.
@@ -227,36 +227,36 @@ pub fn seed(name: &str, index: u64) -> u64 {
 mod tests {
     use super::*;
 
-    fn check(finding: Finding) -> Check {
-        Check::new(Group::ChiSquare, "a check", move |_| Ok(Measured::new(finding.clone(), "")))
+    fn check(finding: TestStatistic) -> Check {
+        Check::new(CheckGroup::ChiSquare, "a check", move |_| Ok(CheckMeasurement::new(finding.clone(), "")))
     }
 
     #[test]
     fn a_check_passes_up_to_its_limit() {
-        let passes = |finding| check(finding).run(&Cancel::default()).expect("runs").passed;
-        assert!(passes(Finding::PValue(1.0)) && passes(Finding::PValue(0.01)));
-        assert!(!passes(Finding::PValue(0.0)) && !passes(Finding::PValue(0.9e-3)));
-        assert!(passes(Finding::Wrong(0)) && !passes(Finding::Wrong(1)));
+        let passes = |finding| check(finding).run(&CancelToken::default()).expect("runs").passed;
+        assert!(passes(TestStatistic::PValue(1.0)) && passes(TestStatistic::PValue(0.01)));
+        assert!(!passes(TestStatistic::PValue(0.0)) && !passes(TestStatistic::PValue(0.9e-3)));
+        assert!(passes(TestStatistic::ErrorCount(0)) && !passes(TestStatistic::ErrorCount(1)));
     }
 
     #[test]
     fn a_family_of_checks_is_judged_more_gently() {
-        let mut checks: Vec<_> = (0..100).map(|_| check(Finding::PValue(1e-4))).collect();
+        let mut checks: Vec<_> = (0..100).map(|_| check(TestStatistic::PValue(1e-4))).collect();
         let passes = |checks: &[Check]| {
-            let outcomes = run_all(checks, &Cancel::default(), &|_| ()).expect("runs");
+            let outcomes = run_all(checks, &CancelToken::default(), &|_| ()).expect("runs");
             outcomes.iter().filter(|outcome| outcome.passed).count()
         };
         assert_eq!(passes(&checks), 0);
-        share_significance(&mut checks);
+        split_significance(&mut checks);
         assert_eq!(passes(&checks), 100);
     }
 
     #[test]
     fn a_request_to_stop_is_an_error_and_progress_counts_to_the_end() {
-        let cancel = Cancel::default();
-        let checks: Vec<_> = (0..7).map(|_| check(Finding::Wrong(0))).collect();
+        let cancel = CancelToken::default();
+        let checks: Vec<_> = (0..7).map(|_| check(TestStatistic::ErrorCount(0))).collect();
         let most = std::sync::Mutex::new(0);
-        let count = |p: Progress<'_>| {
+        let count = |p: SuiteProgress<'_>| {
             let mut most = most.lock().expect("nobody panics");
             *most = p.done.max(*most);
         };

@@ -4,22 +4,22 @@ use std::fmt;
 
 use rayon::prelude::*;
 
-use crate::accel::{Accel, Precision};
+use crate::accel::{Accel, ErrorBound};
 use crate::error::Result;
 use crate::geometry::{PathRay, Side, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
-use crate::task::Cancel;
+use crate::task::CancelToken;
 
-use super::judge::{Case, First, Verdict, widest};
+use super::ground_truth::{RayCase, ExactHit, Verdict, covering_precision};
 
 /// Rays asked in one batch, as many as an integrator has in flight.
-const BATCH: usize = 256;
+const BATCH_RAYS: usize = 256;
 /// Disagreeing rays kept for each backend; the rest are only counted.
-const KEPT: usize = 1000;
+const MAX_DISAGREEMENTS: usize = 1000;
 
 /// A backend to be checked.
 #[derive(Clone, Copy)]
-pub struct Contender<'a> {
+pub struct TestedBackend<'a> {
     /// What the report calls it.
     pub name: &'a str,
     /// Built from the very spheres that are checked.
@@ -28,30 +28,30 @@ pub struct Contender<'a> {
 
 /// How one backend fared.
 #[derive(Clone, Debug, Default)]
-pub struct Tally {
+pub struct CrosscheckResult {
     /// What the caller called the backend.
     pub name: String,
     /// What the backend states of its error.
-    pub precision: Precision,
+    pub precision: ErrorBound,
     /// Rays asked, each for its first hit and for occlusion.
     pub rays: usize,
     /// Ids equal to the judge's, misses included.
-    pub equal: usize,
+    pub exact: usize,
     /// Other ids, within the backend's stated error.
     pub ambiguous: usize,
     /// Those among the ambiguous that resolve to a point behind another sphere, which the path then
     /// never sees.
-    pub passed_over: usize,
+    pub hidden_hits: usize,
     /// Ids of another sphere than the judge's, beyond the stated error.
-    pub wrong: usize,
+    pub wrong_ids: usize,
     /// Misses, beyond the stated error, where the judge sees a sphere.
-    pub lost: usize,
+    pub false_misses: usize,
     /// Hits, beyond the stated error, where the judge sees none.
-    pub ghosts: usize,
+    pub false_hits: usize,
     /// Resolved distances that are off by more than f64 is allowed.
     pub wrong_distances: usize,
     /// The largest error of a resolved distance, in units of what is allowed.
-    pub largest_distance_error: f64,
+    pub max_distance_error: f64,
     /// Sides of a sphere arrived at other than the judge's, where its chord is long enough to tell.
     pub wrong_sides: usize,
     /// Occlusions other than the judge's, within the stated error.
@@ -68,18 +68,18 @@ pub struct Disagreement {
     /// What the caller called the backend.
     pub backend: String,
     /// In what they disagree.
-    pub about: Disputed,
+    pub mismatch: Mismatch,
     /// The ray, relative to [`SphereSet::origin`].
     pub ray: PathRay,
     /// The backend's answer after [`SphereSet::answer`]: id and distance.
-    pub answered: Option<(u32, f64)>,
+    pub backend_hit: Option<(u32, f64)>,
     /// The judge's answer.
-    pub judged: Option<(u32, f64)>,
+    pub exact_hit: Option<(u32, f64)>,
 }
 
 /// In what a backend and the judge disagree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Disputed {
+pub enum Mismatch {
     /// Which sphere is hit first.
     Id,
     /// How far away it is.
@@ -97,37 +97,37 @@ pub enum Disputed {
 /// On cancellation.
 pub fn compare(
     spheres: &SphereSet,
-    contenders: &[Contender<'_>],
+    contenders: &[TestedBackend<'_>],
     rays: &[PathRay],
-    cancel: &Cancel,
-) -> Result<Vec<Tally>> {
-    let batches: Vec<Vec<Tally>> = rays
-        .par_chunks(BATCH)
+    cancel: &CancelToken,
+) -> Result<Vec<CrosscheckResult>> {
+    let batches: Vec<Vec<CrosscheckResult>> = rays
+        .par_chunks(BATCH_RAYS)
         .map(|rays| cancel.check().map(|()| compare_batch(spheres, contenders, rays)))
         .collect::<Result<_>>()?;
-    let mut tallies: Vec<Tally> = contenders.iter().map(Tally::of).collect();
+    let mut tallies: Vec<CrosscheckResult> = contenders.iter().map(CrosscheckResult::new).collect();
     for batch in batches {
-        tallies.iter_mut().zip(batch).for_each(|(tally, part)| tally.add(part));
+        tallies.iter_mut().zip(batch).for_each(|(tally, part)| tally.merge(part));
     }
     Ok(tallies)
 }
 
 fn compare_batch(
     spheres: &SphereSet,
-    contenders: &[Contender<'_>],
+    contenders: &[TestedBackend<'_>],
     rays: &[PathRay],
-) -> Vec<Tally> {
-    let precision = widest(contenders.iter().map(|contender| contender.accel.precision()));
-    let cases: Vec<Case<'_>> = rays.iter().map(|ray| Case::new(spheres, ray, &precision)).collect();
-    let asked: Vec<Ray> = rays.iter().map(|ray| spheres.ask(ray)).collect();
-    let judged = |contender: &Contender<'_>| {
+) -> Vec<CrosscheckResult> {
+    let precision = covering_precision(contenders.iter().map(|contender| contender.accel.error_bound()));
+    let cases: Vec<RayCase<'_>> = rays.iter().map(|ray| RayCase::new(spheres, ray, &precision)).collect();
+    let queries: Vec<Ray> = rays.iter().map(|ray| spheres.to_query(ray)).collect();
+    let judged = |contender: &TestedBackend<'_>| {
         let mut hits = vec![Hit::MISS; rays.len()];
-        contender.accel.closest(&asked, &mut hits);
+        contender.accel.closest(&queries, &mut hits);
         let mut blocked = vec![false; rays.len()];
-        contender.accel.occluded(&asked, &mut blocked);
-        let mut tally = Tally::of(contender);
+        contender.accel.occluded(&queries, &mut blocked);
+        let mut tally = CrosscheckResult::new(contender);
         for (i, case) in cases.iter().enumerate() {
-            let answer = answer_of(spheres, &rays[i], hits[i]);
+            let answer = resolve(spheres, &rays[i], hits[i]);
             tally.count(case, &answer, blocked[i]);
         }
         tally
@@ -136,7 +136,7 @@ fn compare_batch(
 }
 
 /// The answer as an integrator sees it.
-struct Answer {
+struct ResolvedHit {
     /// The sphere that the backend found.
     found: Option<u32>,
     hit: Option<(u32, f64)>,
@@ -144,24 +144,24 @@ struct Answer {
 }
 
 /// An id that does not exist stays visible.
-fn answer_of(spheres: &SphereSet, ray: &PathRay, hit: Hit) -> Answer {
+fn resolve(spheres: &SphereSet, ray: &PathRay, hit: Hit) -> ResolvedHit {
     let found = (!hit.is_miss()).then_some(hit.id);
     if found.is_some_and(|id| id as usize >= spheres.len()) {
-        return Answer { found, hit: Some((hit.id, f64::NAN)), side: None };
+        return ResolvedHit { found, hit: Some((hit.id, f64::NAN)), side: None };
     }
-    let hit = spheres.answer(ray, hit);
-    Answer { found, hit: hit.map(|hit| (hit.id, hit.t)), side: hit.map(|hit| hit.side) }
+    let hit = spheres.resolve_hit(ray, hit);
+    ResolvedHit { found, hit: hit.map(|hit| (hit.id, hit.t)), side: hit.map(|hit| hit.side) }
 }
 
-impl Tally {
-    fn of(contender: &Contender<'_>) -> Self {
-        let precision = contender.accel.precision();
+impl CrosscheckResult {
+    fn new(contender: &TestedBackend<'_>) -> Self {
+        let precision = contender.accel.error_bound();
         Self { name: contender.name.to_owned(), precision, ..Self::default() }
     }
 
     /// Everything that is beyond what was stated; 0 if the backend is right.
     pub fn failures(&self) -> usize {
-        let ids = self.wrong + self.lost + self.ghosts;
+        let ids = self.wrong_ids + self.false_misses + self.false_hits;
         ids + self.wrong_distances + self.wrong_sides + self.wrong_occlusions
     }
 
@@ -170,76 +170,76 @@ impl Tally {
         self.ambiguous as f64 / self.rays.max(1) as f64
     }
 
-    fn count(&mut self, case: &Case<'_>, answer: &Answer, blocked: bool) {
+    fn count(&mut self, case: &RayCase<'_>, answer: &ResolvedHit, blocked: bool) {
         self.rays += 1;
-        let judged = case.first().map(|First { id, t }| (id, t));
+        let judged = case.first_hit().map(|ExactHit { id, t }| (id, t));
         let about_hit = self.count_id(case, answer).or_else(|| self.count_hit(case, answer));
         let about_occlusion = self.count_occlusion(case, blocked);
         if let Some(about) = about_hit.or(about_occlusion) {
-            if self.disagreements.len() < KEPT {
+            if self.disagreements.len() < MAX_DISAGREEMENTS {
                 let (backend, ray) = (self.name.clone(), *case.ray());
                 let answered = answer.hit;
-                self.disagreements.push(Disagreement { backend, about, ray, answered, judged });
+                self.disagreements.push(Disagreement { backend, mismatch: about, ray, backend_hit: answered, exact_hit: judged });
             }
         }
     }
 
-    fn count_id(&mut self, case: &Case<'_>, answer: &Answer) -> Option<Disputed> {
+    fn count_id(&mut self, case: &RayCase<'_>, answer: &ResolvedHit) -> Option<Mismatch> {
         match case.judge_closest(answer.found, answer.hit.map(|(id, _)| id), &self.precision) {
-            Verdict::Equal => self.equal += 1,
+            Verdict::Equal => self.exact += 1,
             Verdict::Ambiguous => {
                 self.ambiguous += 1;
-                let passes = |(id, t)| case.is_passed_over(id, t, &self.precision);
-                self.passed_over += usize::from(answer.hit.is_some_and(passes));
+                let passes = |(id, t)| case.is_hidden(id, t, &self.precision);
+                self.hidden_hits += usize::from(answer.hit.is_some_and(passes));
             }
             Verdict::Wrong => {
-                match (answer.hit, case.first()) {
-                    (None, _) => self.lost += 1,
-                    (_, None) => self.ghosts += 1,
-                    _ => self.wrong += 1,
+                match (answer.hit, case.first_hit()) {
+                    (None, _) => self.false_misses += 1,
+                    (_, None) => self.false_hits += 1,
+                    _ => self.wrong_ids += 1,
                 }
-                return Some(Disputed::Id);
+                return Some(Mismatch::Id);
             }
         }
         None
     }
 
     /// Distance and side of a hit whose id is accepted.
-    fn count_hit(&mut self, case: &Case<'_>, answer: &Answer) -> Option<Disputed> {
+    fn count_hit(&mut self, case: &RayCase<'_>, answer: &ResolvedHit) -> Option<Mismatch> {
         let ((id, t), side) = (answer.hit?, answer.side?);
         let error = case.distance_error(id, t);
-        self.largest_distance_error = self.largest_distance_error.max(error);
+        self.max_distance_error = self.max_distance_error.max(error);
         if error > 1.0 || error.is_nan() {
             self.wrong_distances += 1;
-            return Some(Disputed::Distance);
+            return Some(Mismatch::Distance);
         }
         let is_wrong = case.side(id, t).is_some_and(|judged| judged != side);
         self.wrong_sides += usize::from(is_wrong);
-        is_wrong.then_some(Disputed::Side)
+        is_wrong.then_some(Mismatch::Side)
     }
 
-    fn count_occlusion(&mut self, case: &Case<'_>, blocked: bool) -> Option<Disputed> {
+    fn count_occlusion(&mut self, case: &RayCase<'_>, blocked: bool) -> Option<Mismatch> {
         let verdict = case.judge_occluded(blocked, &self.precision);
         self.ambiguous_occlusions += usize::from(verdict == Verdict::Ambiguous);
         self.wrong_occlusions += usize::from(verdict == Verdict::Wrong);
-        (verdict == Verdict::Wrong).then_some(Disputed::Occlusion)
+        (verdict == Verdict::Wrong).then_some(Mismatch::Occlusion)
     }
 
     /// Adds what the same backend did on other rays.
-    pub fn add(&mut self, other: Self) {
+    pub fn merge(&mut self, other: Self) {
         self.rays += other.rays;
-        self.equal += other.equal;
+        self.exact += other.exact;
         self.ambiguous += other.ambiguous;
-        self.passed_over += other.passed_over;
-        self.wrong += other.wrong;
-        self.lost += other.lost;
-        self.ghosts += other.ghosts;
+        self.hidden_hits += other.hidden_hits;
+        self.wrong_ids += other.wrong_ids;
+        self.false_misses += other.false_misses;
+        self.false_hits += other.false_hits;
         self.wrong_distances += other.wrong_distances;
-        self.largest_distance_error = self.largest_distance_error.max(other.largest_distance_error);
+        self.max_distance_error = self.max_distance_error.max(other.max_distance_error);
         self.wrong_sides += other.wrong_sides;
         self.ambiguous_occlusions += other.ambiguous_occlusions;
         self.wrong_occlusions += other.wrong_occlusions;
-        let room = KEPT - self.disagreements.len();
+        let room = MAX_DISAGREEMENTS - self.disagreements.len();
         self.disagreements.extend(other.disagreements.into_iter().take(room));
     }
 }
@@ -247,17 +247,17 @@ impl Tally {
 /// One line of a dump. Decimal numbers are the shortest that read back as the same f64.
 impl fmt::Display for Disagreement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { backend, about, ray, .. } = self;
+        let Self { backend, mismatch: about, ray, .. } = self;
         let vector = |v: DVec3| format!("{:?} {:?} {:?}", v.x, v.y, v.z);
         let sphere = |id: u32| if id == NO_SPHERE { "none".to_owned() } else { id.to_string() };
         let hit = |hit: Option<(u32, f64)>| {
             hit.map_or("miss".to_owned(), |(id, t)| format!("{id} at {t:?}"))
         };
         let about = match about {
-            Disputed::Id => "id",
-            Disputed::Distance => "distance",
-            Disputed::Side => "side",
-            Disputed::Occlusion => "occlusion",
+            Mismatch::Id => "id",
+            Mismatch::Distance => "distance",
+            Mismatch::Side => "side",
+            Mismatch::Occlusion => "occlusion",
         };
         write!(
             f,
@@ -267,11 +267,11 @@ impl fmt::Display for Disagreement {
             vector(ray.direction),
             ray.t_min,
             ray.t_max,
-            sphere(ray.leaves),
-            sphere(ray.aims_at),
-            ray.far_wall,
-            hit(self.answered),
-            hit(self.judged),
+            sphere(ray.origin_sphere),
+            sphere(ray.target_sphere),
+            ray.t_exit,
+            hit(self.backend_hit),
+            hit(self.exact_hit),
         )
     }
 }
@@ -303,8 +303,8 @@ mod tests {
             blocked.iter_mut().for_each(self.break_occlusion);
         }
 
-        fn precision(&self) -> Precision {
-            Precision { particles: 16.0, giants: 16.0, rounds_origin: true }
+        fn error_bound(&self) -> ErrorBound {
+            ErrorBound { particles: 16.0, giants: 16.0, rounds_origin: true }
         }
 
         fn bytes(&self) -> usize {
@@ -333,34 +333,34 @@ mod tests {
         break_ray: fn(&mut Ray),
         break_hit: fn(&mut Hit),
         break_occlusion: fn(&mut bool),
-    ) -> Tally {
+    ) -> CrosscheckResult {
         let spheres = spheres();
         let sound = Backend::BruteForce.build(&spheres, &BuildOptions::default()).expect("builds");
         let broken = Broken { sound, break_ray, break_hit, break_occlusion };
-        let contender = Contender { name: "broken", accel: &broken };
+        let contender = TestedBackend { name: "broken", accel: &broken };
         let rays = rays::random(&spheres, 3000, 7);
-        compare(&spheres, &[contender], &rays, &Cancel::default()).expect("not cancelled").remove(0)
+        compare(&spheres, &[contender], &rays, &CancelToken::default()).expect("not cancelled").remove(0)
     }
 
     #[test]
     fn a_sound_backend_has_no_failures() {
         let sound = tally(|_| (), |_| (), |_| ());
         assert_eq!((sound.rays, sound.failures()), (3000, 0));
-        assert!(sound.equal > 2800 && sound.disagreements.is_empty());
+        assert!(sound.exact > 2800 && sound.disagreements.is_empty());
     }
 
     #[test]
     fn every_kind_of_fault_is_found_and_named() {
         let lost = tally(|_| (), |hit| *hit = Hit::MISS, |_| ());
-        assert!(lost.lost > 1000 && lost.wrong + lost.ghosts == 0);
+        assert!(lost.false_misses > 1000 && lost.wrong_ids + lost.false_hits == 0);
         let ghosts = tally(|_| (), |hit| hit.id = 0, |_| ());
-        assert!(ghosts.ghosts > 100 && ghosts.wrong > 1000 && ghosts.lost == 0);
+        assert!(ghosts.false_hits > 100 && ghosts.wrong_ids > 1000 && ghosts.false_misses == 0);
         let shifted = tally(|ray| ray.origin[0] += 1e-3, |_| (), |_| ());
         assert!(shifted.failures() > 10);
         let blind = tally(|_| (), |_| (), |blocked| *blocked = !*blocked);
-        assert!(blind.wrong_occlusions > 2800 && blind.wrong + blind.lost == 0);
+        assert!(blind.wrong_occlusions > 2800 && blind.wrong_ids + blind.false_misses == 0);
         let unknown = tally(|_| (), |hit| hit.id = 4_000_000, |_| ());
-        assert_eq!(unknown.wrong + unknown.ghosts, 3000);
+        assert_eq!(unknown.wrong_ids + unknown.false_hits, 3000);
     }
 
     #[test]
@@ -377,7 +377,7 @@ mod tests {
     #[test]
     fn a_request_to_stop_is_an_error() {
         let spheres = spheres();
-        let cancel = Cancel::default();
+        let cancel = CancelToken::default();
         cancel.cancel();
         assert!(compare(&spheres, &[], &rays::random(&spheres, 9, 1), &cancel).is_err());
     }

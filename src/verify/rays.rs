@@ -9,20 +9,20 @@ use crate::math::{DVec3, Frame, Hit, MAX_COORDINATE, Ray};
 use crate::sampling;
 
 /// Rays of a beam.
-const BEAM: usize = 16;
+const GROUP_SIZE: usize = 16;
 
 /// No coordinate of a place is larger: less than backends take, and beyond every surface.
-const FARTHEST: f64 = 3.5 * MAX_COORDINATE;
+const MAX_POSITION: f64 = 3.5 * MAX_COORDINATE;
 
 /// Random rays through a scene that has at least one sphere: at sphere centres and silhouettes,
 /// from inside, parallel to an axis, leaving surfaces to all sides, towards lamps, and clipped at
 /// both ends; none that [cannot be asked](can_be_asked). Reproducible from the seed.
 pub fn random(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
-    let mut source = Source { spheres, rng: StdRng::seed_from_u64(seed) };
-    let kinds = Source::KINDS.iter().cycle().take(count);
+    let mut source = RayGenerator { spheres, rng: StdRng::seed_from_u64(seed) };
+    let kinds = RayGenerator::GENERATORS.iter().cycle().take(count);
     let drawn = kinds.map(|kind| {
-        let ray = kind(&mut source).filter(|ray| can_be_asked(spheres, ray));
-        ray.unwrap_or_else(|| source.any())
+        let ray = kind(&mut source).filter(|ray| is_traceable(spheres, ray));
+        ray.unwrap_or_else(|| source.fallback())
     });
     drawn.collect()
 }
@@ -30,19 +30,19 @@ pub fn random(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
 /// Beams of as many rays as the samples of a block, one after the other: from one place or from places
 /// nearby, in nearly the same direction. Their number is the largest of whole beams up to `count`.
 /// Reproducible from the seed.
-pub fn beams(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
-    let mut source = Source { spheres, rng: StdRng::seed_from_u64(seed) };
-    (0..count / BEAM).flat_map(|number| source.beam(number)).collect()
+pub fn coherent(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
+    let mut source = RayGenerator { spheres, rng: StdRng::seed_from_u64(seed) };
+    (0..count / GROUP_SIZE).flat_map(|number| source.coherent_group(number)).collect()
 }
 
 /// Whether a backend takes the ray at all: a scene as large as can be has places beyond its reach.
-pub fn can_be_asked(spheres: &SphereSet, ray: &PathRay) -> bool {
-    spheres.ask(ray).is_valid()
+pub fn is_traceable(spheres: &SphereSet, ray: &PathRay) -> bool {
+    spheres.to_query(ray).is_valid()
 }
 
 /// The rays that a diffuse surface would send on from where `rays` end: one for each hit,
 /// cosine-distributed about the normal that faces the ray. Reproducible from the seed.
-pub fn bounces(
+pub fn secondary(
     spheres: &SphereSet,
     accel: &dyn Accel,
     rays: &[PathRay],
@@ -50,15 +50,15 @@ pub fn bounces(
 ) -> Vec<PathRay> {
     let mut rng = StdRng::seed_from_u64(seed);
     let mut bounce = |(ray, hit): (&PathRay, Hit)| {
-        let hit = spheres.answer(ray, hit)?;
-        hit.leave(cosine_about(hit.facing_normal(), &mut rng))
+        let hit = spheres.resolve_hit(ray, hit)?;
+        hit.spawn_ray(cosine_direction(hit.facing_normal(), &mut rng))
     };
     rays.iter().zip(first_hits(spheres, accel, rays)).filter_map(&mut bounce).collect()
 }
 
 /// Shadow rays from where `rays` end towards a sphere of the scene each, as if it were a lamp; none
 /// where the sphere's own surface is in the way. Reproducible from the seed.
-pub fn shadows(
+pub fn shadow(
     spheres: &SphereSet,
     accel: &dyn Accel,
     rays: &[PathRay],
@@ -66,62 +66,62 @@ pub fn shadows(
 ) -> Vec<PathRay> {
     let mut rng = StdRng::seed_from_u64(seed);
     let mut shadow = |(ray, hit): (&PathRay, Hit)| {
-        let hit = spheres.answer(ray, hit)?;
+        let hit = spheres.resolve_hit(ray, hit)?;
         let lamp = rng.random_range(0..spheres.len() as u32);
-        let cone = Cone::seen_from(hit.point, &spheres.sphere(lamp))?;
+        let cone = Cone::subtending(hit.point, &spheres.sphere(lamp))?;
         let sample = cone.sample([rng.random(), rng.random()]);
-        hit.leave_towards(sample.direction, sample.distance, lamp)
+        hit.spawn_shadow_ray(sample.direction, sample.distance, lamp)
     };
     rays.iter().zip(first_hits(spheres, accel, rays)).filter_map(&mut shadow).collect()
 }
 
 fn first_hits(spheres: &SphereSet, accel: &dyn Accel, rays: &[PathRay]) -> Vec<Hit> {
-    let asked: Vec<Ray> = rays.iter().map(|ray| spheres.ask(ray)).collect();
+    let asked: Vec<Ray> = rays.iter().map(|ray| spheres.to_query(ray)).collect();
     let mut hits = vec![Hit::MISS; rays.len()];
     accel.closest(&asked, &mut hits);
     hits
 }
 
 /// A direction on the unit sphere.
-pub fn direction(rng: &mut impl Rng) -> DVec3 {
+pub fn uniform_direction(rng: &mut impl Rng) -> DVec3 {
     let z: f64 = rng.random_range(-1.0..1.0);
     let (sin, cos) = sampling::sin_cos(rng.random_range(0.0..std::f64::consts::TAU));
     let r = (1.0 - z * z).sqrt();
     DVec3::new(r * cos, r * sin, z)
 }
 
-fn cosine_about(normal: DVec3, rng: &mut impl Rng) -> DVec3 {
-    (normal + direction(rng)).try_normalize().unwrap_or(normal)
+fn cosine_direction(normal: DVec3, rng: &mut impl Rng) -> DVec3 {
+    (normal + uniform_direction(rng)).try_normalize().unwrap_or(normal)
 }
 
-struct Source<'a> {
+struct RayGenerator<'a> {
     spheres: &'a SphereSet,
     rng: StdRng,
 }
 
-impl Source<'_> {
+impl RayGenerator<'_> {
     /// The kinds of random rays, which take turns.
-    const KINDS: [fn(&mut Self) -> Option<PathRay>; 9] = [
-        Self::through,
+    const GENERATORS: [fn(&mut Self) -> Option<PathRay>; 9] = [
+        Self::towards_sphere,
         Self::silhouette,
-        Self::starting_inside,
+        Self::from_inside,
         Self::axis_parallel,
-        Self::leaving,
-        Self::leaving_along_the_surface,
-        Self::leaving_for_a_neighbour,
-        Self::towards_a_lamp,
+        Self::from_surface,
+        Self::grazing,
+        Self::towards_neighbour,
+        Self::towards_emitter,
         Self::clipped,
     ];
 
-    fn id(&mut self) -> u32 {
+    fn random_id(&mut self) -> u32 {
         self.rng.random_range(0..self.spheres.len() as u32)
     }
 
     /// A point on a random sphere, as if a ray had arrived there from the side given.
-    fn surface(&mut self, side: Side) -> SurfaceHit {
-        let id = self.id();
+    fn random_hit(&mut self, side: Side) -> SurfaceHit {
+        let id = self.random_id();
         let sphere = self.spheres.sphere(id);
-        let normal = direction(&mut self.rng);
+        let normal = uniform_direction(&mut self.rng);
         let point = sphere.center + normal * sphere.radius;
         SurfaceHit { id, t: 0.0, point, normal, radius: sphere.radius, side }
     }
@@ -132,117 +132,117 @@ impl Source<'_> {
     }
 
     /// A point among the spheres, near one or between two, at any of the scene's scales.
-    fn place(&mut self) -> DVec3 {
-        let farthest = DVec3::splat(FARTHEST);
-        self.place_anywhere().clamp(-farthest, farthest)
+    fn random_point(&mut self) -> DVec3 {
+        let farthest = DVec3::splat(MAX_POSITION);
+        self.unclamped_point().clamp(-farthest, farthest)
     }
 
-    fn place_anywhere(&mut self) -> DVec3 {
-        let a = self.spheres.sphere(self.id());
+    fn unclamped_point(&mut self) -> DVec3 {
+        let a = self.spheres.sphere(self.random_id());
         if self.rng.random() {
             let away = a.radius * self.log_uniform(1e-2, 1e4);
-            return a.center + direction(&mut self.rng) * away;
+            return a.center + uniform_direction(&mut self.rng) * away;
         }
-        let b = self.spheres.sphere(self.id());
+        let b = self.spheres.sphere(self.random_id());
         a.center.lerp(b.center, self.rng.random_range(-1.0..2.0))
-            + direction(&mut self.rng) * a.radius
+            + uniform_direction(&mut self.rng) * a.radius
     }
 
     fn aimed(&mut self, origin: DVec3, target: DVec3) -> PathRay {
-        let any = direction(&mut self.rng);
-        PathRay::free(origin, (target - origin).try_normalize().unwrap_or(any))
+        let any = uniform_direction(&mut self.rng);
+        PathRay::new(origin, (target - origin).try_normalize().unwrap_or(any))
     }
 
     /// Always succeeds, for where another kind does not.
-    fn any(&mut self) -> PathRay {
-        let (origin, towards) = (self.place(), direction(&mut self.rng));
-        PathRay::free(origin, towards)
+    fn fallback(&mut self) -> PathRay {
+        let (origin, towards) = (self.random_point(), uniform_direction(&mut self.rng));
+        PathRay::new(origin, towards)
     }
 
-    fn through(&mut self) -> Option<PathRay> {
-        let (origin, target) = (self.place(), self.surface(Side::Outside));
+    fn towards_sphere(&mut self) -> Option<PathRay> {
+        let (origin, target) = (self.random_point(), self.random_hit(Side::Outside));
         Some(self.aimed(origin, target.point))
     }
 
     /// Past a sphere at `R (1 +- 10^-u)`, down to what f64 can tell and below.
     fn silhouette(&mut self) -> Option<PathRay> {
-        let origin = self.place();
-        let sphere = self.spheres.sphere(self.id());
+        let origin = self.random_point();
+        let sphere = self.spheres.sphere(self.random_id());
         let off = self.log_uniform(1e-16, 1e-1);
         let off = if self.rng.random() { off } else { -off };
         let distance = origin.distance(sphere.center);
         let sin = sphere.radius * (1.0 + off) / distance;
-        let frame = Frame::around((sphere.center - origin).try_normalize()?);
+        let frame = Frame::from_z((sphere.center - origin).try_normalize()?);
         let (sin_phi, cos_phi) = sampling::sin_cos(self.rng.random_range(0.0..6.3));
         let cos = (1.0 - sin * sin).max(0.0).sqrt();
         let local = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
-        (sin < 1.0).then(|| PathRay::free(origin, frame.to_world(local).normalize()))
+        (sin < 1.0).then(|| PathRay::new(origin, frame.to_world(local).normalize()))
     }
 
-    fn starting_inside(&mut self) -> Option<PathRay> {
-        let hit = self.surface(Side::Inside);
+    fn from_inside(&mut self) -> Option<PathRay> {
+        let hit = self.random_hit(Side::Inside);
         let depth = self.log_uniform(1e-9, 2.0);
         let origin = hit.point - hit.normal * (depth * hit.radius);
-        Some(PathRay::free(origin, direction(&mut self.rng)))
+        Some(PathRay::new(origin, uniform_direction(&mut self.rng)))
     }
 
     /// Directions with exact zeros, whose reciprocals are infinite.
     fn axis_parallel(&mut self) -> Option<PathRay> {
         let axis = DVec3::AXES[self.rng.random_range(0..3)];
         let axis = if self.rng.random() { axis } else { -axis };
-        let target = self.surface(Side::Outside);
+        let target = self.random_hit(Side::Outside);
         let back = target.radius * self.log_uniform(1e-2, 1e4);
-        Some(PathRay::free(target.point - axis * back, axis))
+        Some(PathRay::new(target.point - axis * back, axis))
     }
 
-    fn leaving(&mut self) -> Option<PathRay> {
-        let towards = direction(&mut self.rng);
-        self.surface(Side::Outside).leave(towards)
+    fn from_surface(&mut self) -> Option<PathRay> {
+        let towards = uniform_direction(&mut self.rng);
+        self.random_hit(Side::Outside).spawn_ray(towards)
     }
 
-    fn leaving_along_the_surface(&mut self) -> Option<PathRay> {
-        let hit = self.surface(Side::Outside);
+    fn grazing(&mut self) -> Option<PathRay> {
+        let hit = self.random_hit(Side::Outside);
         let tilt = self.log_uniform(1e-16, 1e-2);
         let tilt = if self.rng.random() { tilt } else { -tilt };
-        let tangent = Frame::around(hit.normal).x;
-        hit.leave((tangent + hit.normal * tilt).normalize())
+        let tangent = Frame::from_z(hit.normal).x;
+        hit.spawn_ray((tangent + hit.normal * tilt).normalize())
     }
 
-    fn leaving_for_a_neighbour(&mut self) -> Option<PathRay> {
-        let (from, to) = (self.surface(Side::Outside), self.surface(Side::Outside));
-        from.leave((to.point - from.point).try_normalize()?)
+    fn towards_neighbour(&mut self) -> Option<PathRay> {
+        let (from, to) = (self.random_hit(Side::Outside), self.random_hit(Side::Outside));
+        from.spawn_ray((to.point - from.point).try_normalize()?)
     }
 
-    fn towards_a_lamp(&mut self) -> Option<PathRay> {
-        let from = self.surface(Side::Outside);
-        let lamp = self.id();
-        let cone = Cone::seen_from(from.point, &self.spheres.sphere(lamp))?;
+    fn towards_emitter(&mut self) -> Option<PathRay> {
+        let from = self.random_hit(Side::Outside);
+        let lamp = self.random_id();
+        let cone = Cone::subtending(from.point, &self.spheres.sphere(lamp))?;
         let sample = cone.sample([self.rng.random(), self.rng.random()]);
-        from.leave_towards(sample.direction, sample.distance, lamp)
+        from.spawn_shadow_ray(sample.direction, sample.distance, lamp)
     }
 
     /// Rays around another, within an angle and a distance from it.
-    fn beam(&mut self, number: usize) -> Vec<PathRay> {
-        let leads = [Self::through, Self::axis_parallel, Self::leaving, Self::clipped];
-        let lead = leads[number % leads.len()](self).filter(|ray| can_be_asked(self.spheres, ray));
-        let lead = lead.unwrap_or_else(|| self.any());
+    fn coherent_group(&mut self, number: usize) -> Vec<PathRay> {
+        let leads = [Self::towards_sphere, Self::axis_parallel, Self::from_surface, Self::clipped];
+        let lead = leads[number % leads.len()](self).filter(|ray| is_traceable(self.spheres, ray));
+        let lead = lead.unwrap_or_else(|| self.fallback());
         let angle = self.log_uniform(1e-9, 1e-1);
-        let sphere = self.spheres.sphere(self.id());
+        let sphere = self.spheres.sphere(self.random_id());
         let away = if number % 2 == 0 { 0.0 } else { sphere.radius * self.log_uniform(1e-6, 1.0) };
         let is_straight = number % 3 == 0;
         let one = |_| {
-            let turned = lead.direction + direction(&mut self.rng) * angle;
+            let turned = lead.direction + uniform_direction(&mut self.rng) * angle;
             let turned = if is_straight { lead.direction } else { turned.normalize() };
-            let origin = lead.origin + direction(&mut self.rng) * away;
+            let origin = lead.origin + uniform_direction(&mut self.rng) * away;
             let ray = PathRay { origin, direction: turned, ..lead };
-            if can_be_asked(self.spheres, &ray) { ray } else { lead }
+            if is_traceable(self.spheres, &ray) { ray } else { lead }
         };
-        (0..BEAM).map(one).collect()
+        (0..GROUP_SIZE).map(one).collect()
     }
 
     /// An interval such as a camera's near plane or a limited reach leaves.
     fn clipped(&mut self) -> Option<PathRay> {
-        let (origin, target) = (self.place(), self.surface(Side::Outside));
+        let (origin, target) = (self.random_point(), self.random_hit(Side::Outside));
         let reach = origin.distance(target.point);
         let t_min = reach * self.rng.random_range(0.0..1.0);
         let t_max = reach * self.rng.random_range(1.0..2.0);
@@ -255,8 +255,8 @@ mod tests {
     use super::*;
     use crate::accel::{Backend, BuildOptions};
     use crate::geometry::{Sphere, SphereRows};
-    use crate::task::Cancel;
-    use crate::verify::crosscheck::{Contender, compare};
+    use crate::task::CancelToken;
+    use crate::verify::crosscheck::{TestedBackend, compare};
     use std::sync::Arc;
 
     #[test]
@@ -268,11 +268,11 @@ mod tests {
             let rows = SphereRows { exact, table: Vec::new() };
             let spheres = Arc::new(SphereSet::new(rows).expect("few spheres"));
             let rays = random(&spheres, 2000, 3);
-            assert!(rays.iter().all(|ray| can_be_asked(&spheres, ray)));
+            assert!(rays.iter().all(|ray| is_traceable(&spheres, ray)));
             for backend in Backend::AVAILABLE {
                 let accel = backend.build(&spheres, &BuildOptions::default()).expect("builds");
-                let contender = Contender { name: backend.name(), accel: accel.as_ref() };
-                let tally = compare(&spheres, &[contender], &rays, &Cancel::default());
+                let contender = TestedBackend { name: backend.name(), accel: accel.as_ref() };
+                let tally = compare(&spheres, &[contender], &rays, &CancelToken::default());
                 let tally = tally.expect("nobody cancels").remove(0);
                 assert_eq!(tally.failures(), 0, "{tally:?}");
             }

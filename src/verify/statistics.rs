@@ -14,7 +14,7 @@ pub const ROUNDING: f64 = 1e-5;
 
 /// A mean over independent seeds, with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub struct MeanEstimate {
     /// The mean.
     pub mean: f64,
     /// The standard deviation of that mean, itself estimated from the seeds.
@@ -23,9 +23,9 @@ pub struct Estimate {
     pub seeds: usize,
 }
 
-impl Estimate {
+impl MeanEstimate {
     /// From one value per independent seed, of which there must be at least two.
-    pub fn of(values: &[f64]) -> Self {
+    pub fn from_values(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
@@ -42,7 +42,7 @@ impl Estimate {
 
     /// The probability that two estimates of the same value differ by as much or more, beyond
     /// [`ROUNDING`].
-    pub fn p_value_against(&self, other: &Self) -> f64 {
+    pub fn welch_p_value(&self, other: &Self) -> f64 {
         let largest = self.mean.abs().max(other.mean.abs());
         let off = (self.mean - other.mean).abs() - ROUNDING * largest;
         let [a, b] = [self, other].map(|e| e.standard_error * e.standard_error);
@@ -53,7 +53,7 @@ impl Estimate {
     }
 
     /// Half the width of the interval that holds the true mean with this probability, in (0, 1).
-    pub fn margin(&self, confidence: f64) -> f64 {
+    pub fn confidence_half_width(&self, confidence: f64) -> f64 {
         student_t_quantile(0.5 + 0.5 * confidence, self.seeds as f64 - 1.0) * self.standard_error
     }
 }
@@ -114,38 +114,38 @@ mod tests {
         assert_relative_eq!(sigmas(1e-6), 4.891638, max_relative = 1e-6);
         assert_eq!(sigmas(1.0), 0.0);
         assert!((37.0..39.0).contains(&sigmas(0.0)));
-        let estimate = Estimate { mean: 1.0, standard_error: 0.1, seeds: 32 };
-        assert_relative_eq!(estimate.margin(0.95), 0.2039513, max_relative = 1e-6);
+        let estimate = MeanEstimate { mean: 1.0, standard_error: 0.1, seeds: 32 };
+        assert_relative_eq!(estimate.confidence_half_width(0.95), 0.2039513, max_relative = 1e-6);
         let p = estimate.p_value(1.2039513 / (1.0 + ROUNDING));
         assert_relative_eq!(p, 0.05, max_relative = 1e-3);
     }
 
     #[test]
     fn an_estimate_has_the_mean_and_its_standard_error() {
-        let estimate = Estimate::of(&[1.0, 2.0, 3.0, 6.0]);
+        let estimate = MeanEstimate::from_values(&[1.0, 2.0, 3.0, 6.0]);
         assert_eq!((estimate.mean, estimate.seeds), (3.0, 4));
         assert_relative_eq!(estimate.standard_error, (14.0f64 / 3.0 / 4.0).sqrt());
     }
 
     #[test]
     fn what_never_varies_must_be_equal_up_to_rounding() {
-        let still = Estimate::of(&[2.0, 2.0, 2.0]);
+        let still = MeanEstimate::from_values(&[2.0, 2.0, 2.0]);
         assert_eq!(still.p_value(2.0 * (1.0 + 0.9 * ROUNDING)), 1.0);
         assert_eq!(still.p_value(2.0 * (1.0 + 2.0 * ROUNDING)), 0.0);
-        assert_eq!(still.p_value_against(&still), 1.0);
-        assert_eq!(still.p_value_against(&Estimate { mean: 2.1, ..still }), 0.0);
-        assert_eq!(Estimate::of(&[f64::NAN, 1.0]).p_value(1.0), 0.0);
-        assert_eq!(Estimate::of(&[f64::INFINITY, 1.0]).p_value(1.0), 0.0);
+        assert_eq!(still.welch_p_value(&still), 1.0);
+        assert_eq!(still.welch_p_value(&MeanEstimate { mean: 2.1, ..still }), 0.0);
+        assert_eq!(MeanEstimate::from_values(&[f64::NAN, 1.0]).p_value(1.0), 0.0);
+        assert_eq!(MeanEstimate::from_values(&[f64::INFINITY, 1.0]).p_value(1.0), 0.0);
     }
 
     #[test]
     fn welchs_test_has_the_textbook_degrees_of_freedom() {
         // Equal errors and numbers: the degrees of freedom add up.
-        let a = Estimate { mean: 0.0, standard_error: 3.0, seeds: 11 };
-        let b = Estimate { mean: 10.0, standard_error: 3.0, seeds: 11 };
+        let a = MeanEstimate { mean: 0.0, standard_error: 3.0, seeds: 11 };
+        let b = MeanEstimate { mean: 10.0, standard_error: 3.0, seeds: 11 };
         let t = (10.0 - 10.0 * ROUNDING) / 18.0f64.sqrt();
         let expected = 2.0 * student_t(20.0).sf(t);
-        assert_relative_eq!(a.p_value_against(&b), expected, max_relative = 1e-9);
+        assert_relative_eq!(a.welch_p_value(&b), expected, max_relative = 1e-9);
     }
 
     #[test]

@@ -2,21 +2,21 @@
 
 use crate::accel::Backend;
 
-use super::check::{Check, Effort, share_significance};
-use super::{closed_forms, densities, intersectors, materials};
+use super::check::{Check, Effort, split_significance};
+use super::{closed_forms, chi2_checks, intersector_checks, materials};
 
 /// Every check on every intersector of this build.
-pub fn checks(effort: Effort) -> Vec<Check> {
-    checks_on(effort, Backend::AVAILABLE)
+pub fn all_checks(effort: Effort) -> Vec<Check> {
+    all_checks_on(effort, Backend::AVAILABLE)
 }
 
 /// Every check, on these intersectors where one is used; the first of them is used most.
-pub fn checks_on(effort: Effort, backends: &[Backend]) -> Vec<Check> {
-    let mut checks = intersectors::checks(effort, backends);
-    checks.extend(densities::checks(effort));
+pub fn all_checks_on(effort: Effort, backends: &[Backend]) -> Vec<Check> {
+    let mut checks = intersector_checks::checks(effort, backends);
+    checks.extend(chi2_checks::checks(effort));
     checks.extend(materials::checks(effort));
     checks.extend(closed_forms::checks(effort, backends));
-    share_significance(&mut checks);
+    split_significance(&mut checks);
     checks
 }
 
@@ -27,7 +27,7 @@ mod tests {
     #[test]
     fn names_differ_and_more_effort_loses_no_check() {
         let names = |effort| {
-            let mut names: Vec<_> = checks(effort).into_iter().map(|check| check.name).collect();
+            let mut names: Vec<_> = all_checks(effort).into_iter().map(|check| check.name).collect();
             let count = names.len();
             names.sort();
             names.dedup();

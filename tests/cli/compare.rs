@@ -5,7 +5,7 @@ use std::path::Path;
 
 use photosphere::color::Rgb;
 use photosphere::image_io::Picture;
-use photosphere::image_io::Target;
+use photosphere::image_io::ImageWriter;
 use serde_json::Value;
 
 use crate::desk::{Desk, Outcome};
@@ -30,7 +30,7 @@ fn write(desk: &Desk, name: &str, size: (usize, usize), direct: f32, indirect: f
         ..Picture::default()
     };
     let path = desk.path().join(name);
-    Target::new(&path).expect("a writable place").write(&picture).expect("written");
+    ImageWriter::new(&path).expect("a writable place").write(&picture).expect("written");
 }
 
 /// `a.exr` is 0.25 + 0.25, `b.exr` 0.25 + 0.5, `c.exr` the same as `a.exr`.
@@ -175,7 +175,7 @@ fn a_heat_map_is_drawn_with_its_scale_told() {
         let outcome = run(&desk, &arguments);
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
         assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
-        let map = photosphere::image_io::read(&desk.path().join("h.png")).expect("a picture");
+        let map = photosphere::image_io::read_image(&desk.path().join("h.png")).expect("a picture");
         assert_eq!((map.width, map.height), (260, 146));
     }
     let outcome = run(&desk, "a.exr b.exr --heatmap-of rmse");

@@ -20,7 +20,7 @@ fn every_arrangement_makes_a_table_and_a_scene_that_renders() {
             let file = read_file(&desk.path().join("s.toml"), &[]);
             let (scene, _) = file.and_then(SceneFile::build).expect("it rendered");
             assert_eq!(scene.spheres().len(), 2000);
-            assert_eq!(scene.surface(0).albedo.is_some(), !colors.is_empty());
+            assert_eq!(scene.sphere_material(0).albedo.is_some(), !colors.is_empty());
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use photosphere::image_io::{BEAUTY, read};
+use photosphere::image_io::{BEAUTY, read_image};
 use serde_json::Value;
 
 use crate::desk::{Desk, Outcome};
@@ -83,7 +83,7 @@ fn must_multiply(steps: &[Value]) {
 /// it. Each of the `wanted` is told at least once.
 fn must_be_what_render_takes(scene: &str, options: &str, wanted: &[fn(&Value) -> bool]) {
     let desk = desk_with(scene, options);
-    let picture = read(&desk.path().join("one.exr")).expect("a picture");
+    let picture = read_image(&desk.path().join("one.exr")).expect("a picture");
     let pixels = &picture.layer(BEAUTY).expect("a beauty").pixels;
     let mut all = Vec::new();
     for (x, y) in [(0, 11), (5, 6), (8, 7), (12, 3), (15, 0), (9, 5), (6, 8), (11, 9), (3, 7)] {

@@ -1,11 +1,11 @@
 //! `photosphere verify` passes on this program, and would not pass on another.
 
 use photosphere::report;
-use photosphere::task::Cancel;
+use photosphere::task::CancelToken;
 use photosphere::verify::check::{
-    Check, Effort, Finding, Group, Measured, run_all, share_significance,
+    Check, Effort, TestStatistic, CheckGroup, CheckMeasurement, run_all, split_significance,
 };
-use photosphere::verify::checks;
+use photosphere::verify::all_checks;
 
 use crate::desk::{Desk, Outcome, outcome};
 
@@ -19,10 +19,10 @@ fn the_quick_suite_passes_and_its_report_contains_every_check() {
     let done = desk.run("verify --quick --quiet --report report.html");
     let table = done.stdout;
     assert_eq!(done.code, Some(0), "{table}{}", done.stderr);
-    let checks = checks(Effort::Quick);
+    let checks = all_checks(Effort::Quick);
     assert!(table.contains(&format!("{} checks passed", checks.len())), "{table}");
     let report = String::from_utf8(desk.read("report.html")).expect("text");
-    for check in &checks {
+    for check in &all_checks {
         assert!(report.contains(&check.name), "{} is not in the report", check.name);
     }
     for sign in ["<!doctype html>", "</html>", "data:image/png;base64,", "All "] {
@@ -34,10 +34,10 @@ fn the_quick_suite_passes_and_its_report_contains_every_check() {
 
 #[test]
 fn a_check_is_called_alone_by_its_name_and_judges_alike_every_time() {
-    let checks = checks(Effort::Quick);
-    let check = checks.iter().find(|check| check.name.starts_with("furnace: path"));
+    let checks = all_checks(Effort::Quick);
+    let check = all_checks.iter().find(|check| check.name.starts_with("furnace: path"));
     let check = check.expect("there is one");
-    let [once, again] = [(); 2].map(|()| check.run(&Cancel::default()).expect("runs"));
+    let [once, again] = [(); 2].map(|()| check.run(&CancelToken::default()).expect("runs"));
     assert!(once.passed && once.is_random);
     assert_eq!(once.statistic, again.statistic);
     assert_eq!(once.detail, again.detail);
@@ -47,13 +47,13 @@ fn a_check_is_called_alone_by_its_name_and_judges_alike_every_time() {
 fn a_failure_is_told_with_its_pictures_and_names() {
     let fails = |name: &str, p| {
         let name = name.to_owned();
-        Check::new(Group::ChiSquare, name, move |_| Ok(Measured::new(Finding::PValue(p), "<why>")))
+        Check::new(CheckGroup::ChiSquare, name, move |_| Ok(CheckMeasurement::new(TestStatistic::PValue(p), "<why>")))
     };
     let mut checks = vec![fails("good & right", 0.5), fails("bad <wrong>", 1e-9)];
-    share_significance(&mut checks);
-    let outcomes = run_all(&checks, &Cancel::default(), &|_| ()).expect("runs");
+    split_significance(&mut all_checks);
+    let outcomes = run_all(&all_checks, &CancelToken::default(), &|_| ()).expect("runs");
     assert_eq!(outcomes.iter().map(|o| o.passed).collect::<Vec<_>>(), [true, false]);
-    let judged: Vec<_> = checks.iter().zip(&outcomes).collect();
+    let judged: Vec<_> = all_checks.iter().zip(&outcomes).collect();
     let page = report::checks::page(&[("machine", "a & b".to_owned())], &judged);
     for sign in
         ["1 of 2 checks FAILED", "What failed", "bad &lt;wrong&gt;", "a &amp; b", "&lt;why&gt;"]
@@ -96,7 +96,7 @@ fn json_has_every_check_that_was_asked_for() {
     let json = done.json();
     let checks = json["checks"].as_array().expect("a list");
     assert!(checks.len() >= 4);
-    for check in checks {
+    for check in all_checks {
         assert!(check["name"].as_str().is_some_and(|name| name.starts_with("furnace: ")));
         assert_eq!(check["passed"], true);
         assert!(check["limit"].as_f64().is_some_and(|limit| limit > 3.0));

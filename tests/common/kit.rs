@@ -5,14 +5,14 @@ use std::path::Path;
 
 use photosphere::accel::{Accel, Backend, BuildOptions};
 use photosphere::color::Rgb;
-use photosphere::film::Kind;
+use photosphere::film::Aov;
 use photosphere::image_io::Picture;
-use photosphere::job::{Rendered, render};
-use photosphere::scene::description::{NamedMaterial, Surface};
-use photosphere::scene::settings::{Integrator, Paper, SamplerKind};
-use photosphere::scene::{Builder, Override, Settings, Shot, read_file};
-use photosphere::task::Cancel;
-pub(crate) use photosphere::verify::statistics::Estimate;
+use photosphere::job::{RenderedImage, render_with_accel};
+use photosphere::scene::description::{MaterialDescription, SurfaceModel};
+use photosphere::scene::settings::{IntegratorSettings, PaperSettings, SamplerKind};
+use photosphere::scene::{SceneBuilder, Override, Settings, PreparedScene, read_file};
+use photosphere::task::CancelToken;
+pub(crate) use photosphere::verify::statistics::MeanEstimate;
 
 /// Independent seeds behind every standard error.
 pub(crate) const SEEDS: u64 = 32;
@@ -24,7 +24,7 @@ pub(crate) const ALLOWED: f64 = 4.0;
 /// A scene and how it is rendered, both open to be changed.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kit {
-    pub(crate) scene: Builder,
+    pub(crate) scene: SceneBuilder,
     pub(crate) settings: Settings,
 }
 
@@ -43,10 +43,10 @@ impl Kit {
         let overrides: Vec<Override> = overrides
             .iter()
             .map(|pair| pair.split_once('=').expect("key=value"))
-            .map(|(key, value)| Override::of(&(key.to_owned(), value.to_owned())))
+            .map(|(key, value)| Override::from_pair(&(key.to_owned(), value.to_owned())))
             .collect();
         let file = read_file(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
-        Self { scene: Builder::from(file.description), settings: file.settings }
+        Self { scene: SceneBuilder::from(file.description), settings: file.settings }
     }
 
     /// With something changed.
@@ -56,24 +56,24 @@ impl Kit {
     }
 
     /// With another integrator.
-    pub(crate) fn integrator(mut self, integrator: Integrator) -> Self {
+    pub(crate) fn integrator(mut self, integrator: IntegratorSettings) -> Self {
         self.settings.render.integrator = integrator;
         self
     }
 
     /// With the paper's integrator, fed with independent numbers as in its figures. The samples of a
     /// pixel stay, and its sub-pixels share them.
-    pub(crate) fn paper(mut self, paper: Paper) -> Self {
+    pub(crate) fn paper(mut self, paper: PaperSettings) -> Self {
         self.settings.render.sampler = SamplerKind::Independent;
         let samples = self.settings.render.samples_per_pixel;
-        self.integrator(Integrator::Paper(paper)).samples(samples)
+        self.integrator(IntegratorSettings::Paper(paper)).samples(samples)
     }
 
     /// With so many samples of each pixel.
     pub(crate) fn samples(mut self, samples: u32) -> Self {
         let render = &mut self.settings.render;
-        render.samples_per_pixel = samples;
-        if let Integrator::Paper(paper) = &mut render.integrator {
+        render_with_accel.samples_per_pixel = samples;
+        if let IntegratorSettings::Paper(paper) = &mut render_with_accel.integrator {
             paper.samples = samples / paper.subpixels.pow(2);
         }
         self
@@ -87,11 +87,11 @@ impl Kit {
 
     /// With paths traced by the two integrators that solve the whole equation: `path` and `paper`.
     pub(crate) fn both_ways(self) -> [Self; 2] {
-        [self.clone().integrator(Integrator::Path), self.paper(Paper::default())]
+        [self.clone().integrator(IntegratorSettings::Path), self.paper(PaperSettings::default())]
     }
 
     /// Adds a sphere with a material of its own.
-    pub(crate) fn ball(&mut self, center: [f64; 3], radius: f64, surface: Surface) -> &mut Self {
+    pub(crate) fn ball(&mut self, center: [f64; 3], radius: f64, surface: SurfaceModel) -> &mut Self {
         self.glowing_ball(center, radius, surface, 0.0)
     }
 
@@ -100,18 +100,18 @@ impl Kit {
         &mut self,
         center: [f64; 3],
         radius: f64,
-        surface: Surface,
+        surface: SurfaceModel,
         emission: f32,
     ) -> &mut Self {
         let emission = Rgb::splat(emission);
         let material =
-            self.scene.material(NamedMaterial { surface, emission, ..NamedMaterial::default() });
+            self.scene.material(MaterialDescription { surface, emission, ..MaterialDescription::default() });
         self.scene.sphere(material, center, radius);
         self
     }
 
     /// The material of the ball that was added as the n-th, counted from 0.
-    pub(crate) fn material(&mut self, ball: usize) -> &mut NamedMaterial {
+    pub(crate) fn material(&mut self, ball: usize) -> &mut MaterialDescription {
         let description = &mut self.scene.description;
         &mut description.materials[description.spheres[ball].material]
     }
@@ -121,9 +121,9 @@ impl Kit {
         format!("{:?}", self.settings.render.integrator)
     }
 
-    pub(crate) fn shot(&self) -> Shot {
+    pub(crate) fn shot(&self) -> PreparedScene {
         let scene = self.scene.build().unwrap_or_else(|e| panic!("{e}"));
-        Shot::new(&scene, self.settings).unwrap_or_else(|e| panic!("{e}"))
+        PreparedScene::new(&scene, self.settings).unwrap_or_else(|e| panic!("{e}"))
     }
 
     /// Renders with the brute-force backend.
@@ -142,35 +142,35 @@ impl Kit {
     }
 
     /// The mean of the picture's green channel, over seeds.
-    pub(crate) fn estimate(&self, backend: Backend) -> Estimate {
+    pub(crate) fn estimate(&self, backend: Backend) -> MeanEstimate {
         let means = self.pictures(backend).map(|picture| picture.mean().y);
-        Estimate::of(&means.collect::<Vec<_>>())
+        MeanEstimate::from_values(&means.collect::<Vec<_>>())
     }
 
     /// The same, by brute force, for scenes of few spheres.
-    pub(crate) fn mean(&self) -> Estimate {
+    pub(crate) fn mean(&self) -> MeanEstimate {
         self.estimate(Backend::BruteForce)
     }
 }
 
 /// Lambert's surface, grey.
-pub(crate) const fn diffuse(albedo: f32) -> Surface {
-    Surface::Diffuse { albedo: Rgb::splat(albedo), roughness: 0.0 }
+pub(crate) const fn diffuse(albedo: f32) -> SurfaceModel {
+    SurfaceModel::Diffuse { albedo: Rgb::splat(albedo), roughness: 0.0 }
 }
 
 /// A grey mirror.
-pub(crate) const fn mirror(reflectance: f32) -> Surface {
-    Surface::Mirror { reflectance: Rgb::splat(reflectance) }
+pub(crate) const fn mirror(reflectance: f32) -> SurfaceModel {
+    SurfaceModel::Mirror { reflectance: Rgb::splat(reflectance) }
 }
 
 /// Clear glass.
-pub(crate) const fn glass(ior: f64) -> Surface {
+pub(crate) const fn glass(ior: f64) -> SurfaceModel {
     rough_glass(ior, 0.0)
 }
 
 /// Clear glass, smooth at 0 and rough at 1.
-pub(crate) const fn rough_glass(ior: f64, roughness: f64) -> Surface {
-    Surface::Dielectric { ior, roughness, priority: 0, absorption: Rgb::ZERO }
+pub(crate) const fn rough_glass(ior: f64, roughness: f64) -> SurfaceModel {
+    SurfaceModel::Dielectric { ior, roughness, priority: 0, absorption: Rgb::ZERO }
 }
 
 /// Phong's surface, scaled to conserve energy or as Phong wrote it, grey.
@@ -178,21 +178,21 @@ pub(crate) const fn phong(
     [albedo, specular]: [f32; 2],
     exponent: f64,
     normalized: bool,
-) -> Surface {
+) -> SurfaceModel {
     let [albedo, specular] = [Rgb::splat(albedo), Rgb::splat(specular)];
-    Surface::Phong { albedo, specular, exponent, normalized }
+    SurfaceModel::Phong { albedo, specular, exponent, normalized }
 }
 
 /// A backend over the spheres of a shot, built on the current thread pool.
-pub(crate) fn built(shot: &Shot, backend: Backend) -> Box<dyn Accel> {
+pub(crate) fn built(shot: &PreparedScene, backend: Backend) -> Box<dyn Accel> {
     let options = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
     backend.build(shot.scene().spheres(), &options).expect("builds")
 }
 
 /// Renders with a backend on the current thread pool.
-pub(crate) fn rendered(shot: &Shot, backend: Backend) -> Rendered {
+pub(crate) fn rendered(shot: &PreparedScene, backend: Backend) -> RenderedImage {
     let accel = built(shot, backend);
-    render(shot, &*accel, &Kind::USUAL, &Cancel::default()).expect("a small film")
+    render_with_accel(shot, &*accel, &Aov::DEFAULT, &CancelToken::default()).expect("a small film")
 }
 
 /// An estimate, and what it must be.
@@ -203,7 +203,7 @@ pub(crate) trait Judged {
     fn must_agree(self, other: Self, what: &str);
 }
 
-impl Judged for Estimate {
+impl Judged for MeanEstimate {
     #[allow(clippy::print_stdout, reason = "the figures are worth reading with --nocapture")]
     fn must_be(self, expected: f64, what: &str) {
         let p = self.p_value(expected);
@@ -212,7 +212,7 @@ impl Judged for Estimate {
     }
 
     fn must_agree(self, other: Self, what: &str) {
-        let p = self.p_value_against(&other);
+        let p = self.welch_p_value(&other);
         assert!(p >= SIGNIFICANCE, "{what}: {self:?} is not {other:?}, p = {p:.1e}");
     }
 }

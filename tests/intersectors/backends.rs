@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use photosphere::accel::{Accel, Backend, BuildOptions, Precision};
+use photosphere::accel::{Accel, Backend, BuildOptions, ErrorBound};
 use photosphere::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use photosphere::math::{Hit, Ray};
-use photosphere::task::Cancel;
-use photosphere::verify::crosscheck::{Contender, Tally, compare};
+use photosphere::task::CancelToken;
+use photosphere::verify::crosscheck::{TestedBackend, CrosscheckResult, compare};
 
 /// The backends that a test runs over.
 pub(crate) fn backends() -> impl Iterator<Item = Backend> {
@@ -32,13 +32,13 @@ pub(crate) fn against_the_judge(
     spheres: &Arc<SphereSet>,
     rays: &[PathRay],
     change: fn(Box<dyn Accel>) -> Box<dyn Accel>,
-) -> Vec<Tally> {
+) -> Vec<CrosscheckResult> {
     let rounded = Box::new(RoundedRays(built(Backend::BruteForce, spheres)));
     let mut accels: Vec<_> = backends().map(|b| (b.name(), change(built(b, spheres)))).collect();
     accels.push(("f32 rays", change(rounded)));
     let contenders: Vec<_> =
-        accels.iter().map(|(name, accel)| Contender { name, accel: accel.as_ref() }).collect();
-    compare(spheres, &contenders, rays, &Cancel::default()).expect("nobody cancels")
+        accels.iter().map(|(name, accel)| TestedBackend { name, accel: accel.as_ref() }).collect();
+    compare(spheres, &contenders, rays, &CancelToken::default()).expect("nobody cancels")
 }
 
 /// Brute force on rays rounded to f32: the least that any f32 backend gets wrong, and so a test of
@@ -64,8 +64,8 @@ impl Accel for RoundedRays {
     /// Rounding turns the direction by at most 2^-24, which moves the line at the sphere by that
     /// share of the distance, and makes it longer or shorter by as much: `k = 2`, and room for what
     /// f64 adds.
-    fn precision(&self) -> Precision {
-        Precision { particles: 2.01, giants: 2.01, rounds_origin: true }
+    fn error_bound(&self) -> ErrorBound {
+        ErrorBound { particles: 2.01, giants: 2.01, rounds_origin: true }
     }
 
     fn bytes(&self) -> usize {
@@ -74,7 +74,7 @@ impl Accel for RoundedRays {
 }
 
 /// Fails with the first disagreeing rays of a backend, if there are any.
-pub(crate) fn assert_no_failures(what: &str, tally: &Tally) {
+pub(crate) fn assert_no_failures(what: &str, tally: &CrosscheckResult) {
     let shown: Vec<String> =
         tally.disagreements.iter().take(3).map(|ray| format!("  {ray}")).collect();
     assert_eq!(
@@ -83,11 +83,11 @@ pub(crate) fn assert_no_failures(what: &str, tally: &Tally) {
         "{what}: `{}` is beyond its stated error: {} wrong, {} lost, {} ghosts, {} distances \
          (largest {:.3}), {} sides, {} occlusions, of {} rays; the first:\n{}",
         tally.name,
-        tally.wrong,
-        tally.lost,
-        tally.ghosts,
+        tally.wrong_ids,
+        tally.false_misses,
+        tally.false_hits,
         tally.wrong_distances,
-        tally.largest_distance_error,
+        tally.max_distance_error,
         tally.wrong_sides,
         tally.wrong_occlusions,
         tally.rays,

@@ -11,7 +11,7 @@
 
 use photosphere::geometry::{PathRay, Sphere};
 use photosphere::math::DVec3;
-use photosphere::verify::crosscheck::Tally;
+use photosphere::verify::crosscheck::CrosscheckResult;
 use photosphere::verify::rays;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
@@ -39,14 +39,14 @@ struct Recorded {
 /// Runs all trials over all backends with `random` more rays each, and holds the shares of
 /// ambiguous ids against what was recorded.
 fn check(family: &str, recorded: Recorded, random: usize, trials: Vec<Trial>) {
-    let tallies: Vec<Vec<Tally>> = trials
+    let tallies: Vec<Vec<CrosscheckResult>> = trials
         .into_par_iter()
         .enumerate()
         .map(|(seed, trial)| {
             let spheres = set_of(trial.spheres);
             let mut all = rays::random(&spheres, random, seed as u64);
             let moved = |&(from, to): &(DVec3, DVec3)| {
-                PathRay::free(from - spheres.origin(), (to - from).normalize())
+                PathRay::new(from - spheres.origin(), (to - from).normalize())
             };
             all.extend(trial.rays.iter().map(moved));
             let tallies = against_the_judge(&spheres, &all, |accel| accel);
@@ -57,22 +57,22 @@ fn check(family: &str, recorded: Recorded, random: usize, trials: Vec<Trial>) {
         })
         .collect();
     for backend in 0..tallies[0].len() {
-        let of_backend: Vec<&Tally> = tallies.iter().map(|trial| &trial[backend]).collect();
+        let of_backend: Vec<&CrosscheckResult> = tallies.iter().map(|trial| &trial[backend]).collect();
         assert_share_is_within(family, &recorded, &of_backend);
     }
 }
 
 /// Holds one backend's share of ambiguous ids, over all trials of a family, against the record.
-fn assert_share_is_within(family: &str, recorded: &Recorded, tallies: &[&Tally]) {
-    let sum = |of: fn(&Tally) -> usize| tallies.iter().map(|tally| of(tally)).sum::<usize>();
+fn assert_share_is_within(family: &str, recorded: &Recorded, tallies: &[&CrosscheckResult]) {
+    let sum = |of: fn(&CrosscheckResult) -> usize| tallies.iter().map(|tally| of(tally)).sum::<usize>();
     let rays = sum(|tally| tally.rays);
     let share = sum(|tally| tally.ambiguous) as f64 / rays as f64;
-    let errors = tallies.iter().map(|tally| tally.largest_distance_error);
+    let errors = tallies.iter().map(|tally| tally.max_distance_error);
     let largest = errors.fold(0.0, f64::max);
     let is_f64 = tallies[0].precision.particles < 1e-3;
     let bound = if is_f64 { recorded.f64 } else { recorded.f32 };
     let name = &tallies[0].name;
-    let passed_over = sum(|tally| tally.passed_over) as f64 / rays as f64;
+    let passed_over = sum(|tally| tally.hidden_hits) as f64 / rays as f64;
     println!(
         "{family:12} {name:12} {rays:7} rays: ambiguous {share:.1e} (bound {bound:.0e}), passed over \
          {passed_over:.1e}, distance {largest:.2} of what is allowed"
@@ -132,7 +132,7 @@ fn grazing_rays() {
         let spheres = cloud(seed, 20, 10.0, 0.1..1.0);
         let rays = (0..4000).map(|i| {
             let sphere = spheres[i % spheres.len()];
-            let normal = rays::direction(&mut rng);
+            let normal = rays::uniform_direction(&mut rng);
             let along = normal.any_orthonormal_vector();
             let off = 10f64.powf(rng.random_range(-8.0..-1.0));
             let off = if i % 2 == 0 { off } else { -off };
@@ -257,7 +257,7 @@ fn more_than_64_giants() {
         let mut rng = StdRng::seed_from_u64(seed);
         let mut spheres = cloud(seed, 400, 1.0, 1e-3..1e-2);
         for _ in 0..150 {
-            let normal = rays::direction(&mut rng);
+            let normal = rays::uniform_direction(&mut rng);
             let radius = 10f64.powf(rng.random_range(5.0..7.0));
             let depth = rng.random_range(0.5..3.0);
             spheres.push(Sphere { center: normal * (radius + depth), radius });
@@ -297,14 +297,14 @@ fn radius_and_distance_sweep() {
     let scene = |i: i32| {
         let (radius, distance) = (decade(i % STEPS), decade(i / STEPS));
         let mut rng = StdRng::seed_from_u64(i as u64);
-        let towards = rays::direction(&mut rng);
+        let towards = rays::uniform_direction(&mut rng);
         let center = towards * (radius + distance);
         let spheres = vec![
             Sphere { center, radius },
             Sphere { center: towards * (distance * 0.5), radius: distance.min(radius) * 0.1 },
             Sphere { center: center + towards * (3.0 * radius), radius },
         ];
-        let aim = |_| (DVec3::ZERO, center + rays::direction(&mut rng) * (radius * 1.1));
+        let aim = |_| (DVec3::ZERO, center + rays::uniform_direction(&mut rng) * (radius * 1.1));
         let rays = (0..40).map(aim).collect();
         Trial { spheres, rays }
     };

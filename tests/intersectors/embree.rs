@@ -7,7 +7,7 @@ use photosphere::accel::{Accel, Backend, BuildOptions, embree_info};
 use photosphere::error::Category;
 use photosphere::geometry::{Sphere, SphereRows, SphereSet};
 use photosphere::math::{DVec3, Hit, MAX_COORDINATE, NO_SPHERE, Ray};
-use photosphere::task::Cancel;
+use photosphere::task::CancelToken;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rayon::prelude::*;
 
@@ -211,7 +211,7 @@ fn nothing_may_be_empty() {
 fn a_cancelled_build_says_so_and_a_later_one_works() {
     let set = set();
     for backend in BOTH {
-        let cancel = Cancel::default();
+        let cancel = CancelToken::default();
         cancel.cancel();
         let options = BuildOptions { threads: 1, cancel, ..Default::default() };
         let error = backend.build(&set, &options).err().expect("cancelled");

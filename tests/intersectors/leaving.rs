@@ -5,11 +5,11 @@
 
 use std::sync::Arc;
 
-use photosphere::accel::{Accel, Precision};
+use photosphere::accel::{Accel, ErrorBound};
 use photosphere::geometry::{Cone, PathRay, Side, Sphere, SphereSet, SurfaceHit};
 use photosphere::math::{DVec3, Frame, Hit, NO_SPHERE, Ray};
-use photosphere::verify::crosscheck::Tally;
-use photosphere::verify::{judge, rays};
+use photosphere::verify::crosscheck::CrosscheckResult;
+use photosphere::verify::{ground_truth, rays};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rayon::prelude::*;
 
@@ -41,8 +41,8 @@ impl Stand {
         let mut rng = StdRng::seed_from_u64(index as u64);
         let decades = |step: usize| 10f64.powf(-6.0 + 14.0 * step as f64 / 31.0);
         let (radius, distance) = (decades(index % 32), decades(index / 32));
-        let towards_neighbour = rays::direction(&mut rng);
-        let sphere = Sphere { center: rays::direction(&mut rng) * distance, radius };
+        let towards_neighbour = rays::uniform_direction(&mut rng);
+        let sphere = Sphere { center: rays::uniform_direction(&mut rng) * distance, radius };
         let beside = sphere.radius * 10f64.powf(rng.random_range(-2.0..2.0));
         let apart = |share: f64| Sphere {
             center: sphere.center + towards_neighbour * (radius + share * beside),
@@ -72,7 +72,7 @@ impl Stand {
     /// A point on the sphere: anywhere, or near the place where the neighbour touches.
     fn hit(&mut self) -> SurfaceHit {
         let Sphere { center, radius } = self.sphere();
-        let anywhere = rays::direction(&mut self.rng);
+        let anywhere = rays::uniform_direction(&mut self.rng);
         let normal = match self.rng.random_range(0..4) {
             0 => {
                 let off = 10f64.powf(self.rng.random_range(-16.0..0.0));
@@ -90,12 +90,12 @@ impl Stand {
             let hit = self.hit();
             let tilt = 10f64.powf(self.rng.random_range(-16.0..-1.0));
             let direction = match i % 6 {
-                0 => (Frame::around(hit.normal).x + hit.normal * tilt).normalize(),
-                1 => (Frame::around(hit.normal).y - hit.normal * tilt).normalize(),
-                _ => rays::direction(&mut self.rng),
+                0 => (Frame::from_z(hit.normal).x + hit.normal * tilt).normalize(),
+                1 => (Frame::from_z(hit.normal).y - hit.normal * tilt).normalize(),
+                _ => rays::uniform_direction(&mut self.rng),
             };
-            let ray = hit.leave(direction);
-            if let Some(ray) = ray.filter(|ray| ray.far_wall.is_finite()) {
+            let ray = hit.spawn_ray(direction);
+            if let Some(ray) = ray.filter(|ray| ray.t_exit.is_finite()) {
                 assert_far_wall_is_right(&ray, &self.sphere());
             }
             assert!(ray.is_some() || direction.dot(hit.normal).abs() < 1e-15, "no chord");
@@ -110,11 +110,11 @@ impl Stand {
 fn assert_far_wall_is_right(ray: &PathRay, sphere: &Sphere) {
     let moved = 8.0 * f64::EPSILON * (sphere.center.length() + sphere.radius);
     let tangent = moved + (2.0 * (sphere.radius + moved) * moved).sqrt();
-    let roots = judge::roots(ray.origin, ray.direction, sphere);
+    let roots = ground_truth::roots(ray.origin, ray.direction, sphere);
     let (half_chord, far) = roots.map_or((0.0, 0.0), |r| (0.5 * (r.far - r.near), r.far));
     let allowed = (moved * (1.0 + sphere.radius / half_chord)).min(tangent);
-    let error = (far - ray.far_wall).abs();
-    assert!(error <= allowed, "far wall {:e}, exact {far:e}, {sphere:?}", ray.far_wall);
+    let error = (far - ray.t_exit).abs();
+    assert!(error <= allowed, "far wall {:e}, exact {far:e}, {sphere:?}", ray.t_exit);
 }
 
 fn leaves_rightly(neighbour: Neighbour) {
@@ -152,12 +152,12 @@ fn entering_always_finds_the_far_wall() {
         let rays = stand.leaving_rays(100);
         for backend in backends() {
             let accel = built(backend, &stand.spheres);
-            for ray in rays.iter().filter(|ray| ray.far_wall.is_finite()) {
+            for ray in rays.iter().filter(|ray| ray.t_exit.is_finite()) {
                 let mut hit = [Hit::MISS];
-                accel.closest(&[stand.spheres.ask(ray)], &mut hit);
-                let hit = stand.spheres.answer(ray, hit[0]).expect("the far wall");
+                accel.closest(&[stand.spheres.to_query(ray)], &mut hit);
+                let hit = stand.spheres.resolve_hit(ray, hit[0]).expect("the far wall");
                 let found = (hit.id, hit.t, hit.side);
-                assert_eq!(found, (stand.id, ray.far_wall, Side::Inside), "{}", backend.name());
+                assert_eq!(found, (stand.id, ray.t_exit, Side::Inside), "{}", backend.name());
             }
         }
     });
@@ -174,22 +174,22 @@ fn a_lamp_never_blocks_its_own_light() {
         for _ in 0..100 {
             let hit = stand.hit();
             let u = [stand.rng.random(), stand.rng.random()];
-            if let Some(cone) = Cone::seen_from(hit.point, &stand.spheres.sphere(lamp)) {
+            if let Some(cone) = Cone::subtending(hit.point, &stand.spheres.sphere(lamp)) {
                 let sample = cone.sample(u);
-                rays.extend(hit.leave_towards(sample.direction, sample.distance, lamp));
+                rays.extend(hit.spawn_shadow_ray(sample.direction, sample.distance, lamp));
             }
         }
         let mut inside = Stand::new(index & !1, Neighbour::None);
-        let to_own_wall = |ray: PathRay| PathRay { t_max: ray.far_wall, aims_at: 0, ..ray };
+        let to_own_wall = |ray: PathRay| PathRay { t_max: ray.t_exit, target_sphere: 0, ..ray };
         let leaving = inside.leaving_rays(100).into_iter();
-        let own: Vec<_> = leaving.filter(|ray| ray.far_wall.is_finite()).map(to_own_wall).collect();
+        let own: Vec<_> = leaving.filter(|ray| ray.t_exit.is_finite()).map(to_own_wall).collect();
         assert_nothing_blocks(&stand.spheres, &rays);
         assert_nothing_blocks(&inside.spheres, &own);
     });
 }
 
 fn assert_nothing_blocks(spheres: &Arc<SphereSet>, rays: &[PathRay]) {
-    let asked: Vec<Ray> = rays.iter().map(|ray| spheres.ask(ray)).collect();
+    let asked: Vec<Ray> = rays.iter().map(|ray| spheres.to_query(ray)).collect();
     for backend in backends() {
         let mut blocked = vec![false; asked.len()];
         built(backend, spheres).occluded(&asked, &mut blocked);
@@ -216,8 +216,8 @@ impl Accel for Forgetful {
         self.0.occluded(&Self::forget(rays), blocked);
     }
 
-    fn precision(&self) -> Precision {
-        self.0.precision()
+    fn error_bound(&self) -> ErrorBound {
+        self.0.error_bound()
     }
 
     fn bytes(&self) -> usize {
@@ -235,9 +235,9 @@ fn a_broken_exclusion_is_found() {
         let rays = stand.leaving_rays(100);
         against_the_judge(&stand.spheres, &rays, |accel| Box::new(Forgetful(accel)))
     });
-    let outcomes: Vec<Vec<Tally>> = outcomes.collect();
+    let outcomes: Vec<Vec<CrosscheckResult>> = outcomes.collect();
     for backend in 0..outcomes[0].len() {
-        let failures = |outcomes: &&Vec<Tally>| outcomes[backend].failures() > 5;
+        let failures = |outcomes: &&Vec<CrosscheckResult>| outcomes[backend].failures() > 5;
         let caught = outcomes.iter().filter(failures).count();
         let name = &outcomes[0][backend].name;
         assert!(caught * 10 > stands.len() * 9, "`{name}`: found on {caught} spheres only");

@@ -9,13 +9,13 @@ use std::sync::Arc;
 use photosphere::accel::{Backend, BuildOptions};
 use photosphere::color::Rgb;
 use photosphere::geometry::{Sphere, SphereRows, SphereSet};
-use photosphere::job::render;
+use photosphere::job::render_with_accel;
 use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
 use photosphere::scene::description::{
-    Background, Camera, Description, Dome, NamedMaterial, SphereRow, Surface,
+    BackgroundDescription, CameraDescription, SceneDescription, EnvironmentDescription, MaterialDescription, SphereDescription, SurfaceModel,
 };
-use photosphere::scene::{Scene, Settings, Shot};
-use photosphere::task::Cancel;
+use photosphere::scene::{Scene, Settings, PreparedScene};
+use photosphere::task::CancelToken;
 
 /// A hundred balls on a giant, as `table` and `exact` rows.
 fn set() -> Arc<SphereSet> {
@@ -49,7 +49,7 @@ fn small_workload() {
     let truth = trace(Backend::BruteForce);
     for backend in [Backend::Embree, Backend::EmbreeUser] {
         assert_eq!(trace(backend), truth, "{backend:?}");
-        let cancel = Cancel::default();
+        let cancel = CancelToken::default();
         cancel.cancel();
         assert!(
             backend
@@ -60,31 +60,31 @@ fn small_workload() {
 }
 
 /// A matt and a glass ball on a giant, under a lamp and an even sky, in 8 x 8 pixels.
-fn shot() -> Shot {
-    let named = |name: &str, surface, emission: f32| NamedMaterial {
+fn shot() -> PreparedScene {
+    let named = |name: &str, surface, emission: f32| MaterialDescription {
         name: name.to_owned(),
         surface,
         emission: Rgb::splat(emission),
-        ..NamedMaterial::default()
+        ..MaterialDescription::default()
     };
     let glass =
-        Surface::Dielectric { ior: 1.5, roughness: 0.0, priority: 0, absorption: Rgb::ZERO };
-    let black = Surface::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
-    let sphere = |center: [f64; 3], radius, material| SphereRow {
+        SurfaceModel::Dielectric { ior: 1.5, roughness: 0.0, priority: 0, absorption: Rgb::ZERO };
+    let black = SurfaceModel::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
+    let sphere = |center: [f64; 3], radius, material| SphereDescription {
         center: center.into(),
         radius,
         material,
-        ..SphereRow::default()
+        ..SphereDescription::default()
     };
     let (position, look_at) = (DVec3::new(0.0, 1.0, 6.0), DVec3::Y);
-    let description = Description {
-        camera: Camera { position, look_at, ..Camera::default() },
-        background: Background {
-            dome: Dome::Constant { radiance: Rgb::ONE },
-            ..Background::default()
+    let description = SceneDescription {
+        camera: CameraDescription { position, look_at, ..CameraDescription::default() },
+        background: BackgroundDescription {
+            dome: EnvironmentDescription::Constant { radiance: Rgb::ONE },
+            ..BackgroundDescription::default()
         },
         materials: vec![
-            named("matt", Surface::default(), 0.0),
+            named("matt", SurfaceModel::default(), 0.0),
             named("glass", glass, 0.0),
             named("lamp", black, 9.0),
         ],
@@ -100,7 +100,7 @@ fn shot() -> Shot {
     (settings.image.width, settings.image.height) = (8, 8);
     settings.render.samples_per_pixel = 4;
     let scene = Scene::build(description).expect("a good scene");
-    Shot::new(&scene, settings).expect("good settings")
+    PreparedScene::new(&scene, settings).expect("good settings")
 }
 
 /// A whole render, on two threads. Runs by itself, and again under valgrind.
@@ -110,8 +110,8 @@ fn small_render() {
     let options = BuildOptions { threads: 2, ..Default::default() };
     let accel = Backend::Embree.build(shot.scene().spheres(), &options).expect("builds");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
-    let render = || render(&shot, accel.as_ref(), &[], &Cancel::default());
-    let outcome = pool.install(render).expect("a small film");
+    let render = || render_with_accel(&shot, accel.as_ref(), &[], &CancelToken::default());
+    let outcome = pool.install(render_with_accel).expect("a small film");
     assert_eq!((outcome.samples, outcome.complete), (8 * 8 * 4, true));
     assert!(outcome.picture.mean().min_element() > 0.0);
 }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use photosphere::accel::{Accel, Backend, BuildOptions, Instance};
+use photosphere::accel::{Accel, Backend, BuildOptions, KernelIsa};
 use photosphere::geometry::{Sphere, SphereSet};
 use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
 use photosphere::verify::rays;
@@ -31,7 +31,7 @@ const BATCHES: [usize; 4] = [1, 7, 64, 1000];
 impl Pair {
     fn over(exact: Vec<Sphere>) -> Self {
         let set = set_of(exact);
-        let native = Instance::ALL
+        let native = KernelIsa::ALL
             .iter()
             .filter(|instance| instance.is_available())
             .map(|&instance| (instance.name(), native(&set, instance)))
@@ -72,8 +72,8 @@ impl Pair {
     }
 }
 
-fn native(set: &Arc<SphereSet>, instance: Instance) -> Box<dyn Accel> {
-    let options = BuildOptions { instance: Some(instance), ..Default::default() };
+fn native(set: &Arc<SphereSet>, instance: KernelIsa) -> Box<dyn Accel> {
+    let options = BuildOptions { isa: Some(instance), ..Default::default() };
     Backend::Native.build(set, &options).expect("nobody cancels")
 }
 
@@ -149,8 +149,8 @@ fn ids_and_occlusion_equal_brute_force_on_every_family() {
 fn beams_of_rays_that_go_together_equal_brute_force_on_every_family() {
     for (seed, (name, spheres)) in families().into_iter().enumerate() {
         let pair = Pair::over(spheres);
-        let beams = rays::beams(&pair.set, 12_000, seed as u64);
-        let mut beams: Vec<Ray> = beams.iter().map(|ray| pair.set.ask(ray)).collect();
+        let beams = rays::coherent(&pair.set, 12_000, seed as u64);
+        let mut beams: Vec<Ray> = beams.iter().map(|ray| pair.set.to_query(ray)).collect();
         // Some without a partner in front, so that beams begin anywhere in a batch.
         beams.splice(16 * 300..16 * 300, one_by_one(&pair, 48, seed as u64));
         let hits = pair.compare(&beams);
@@ -170,7 +170,7 @@ fn a_hundred_thousand_giants_are_found_through_their_own_tree() {
 fn an_empty_scene_is_never_hit() {
     let pair = Pair::over(Vec::new());
     assert_eq!(pair.compare(&[ray(DVec3::ZERO, DVec3::X)]), 0);
-    assert_eq!(native(&pair.set, Instance::best()).bytes(), 0);
+    assert_eq!(native(&pair.set, KernelIsa::best()).bytes(), 0);
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! One scene, one picture, to the bit: whatever the threads, the passes and the order.
 
-use photosphere::accel::{Accel, Backend, Precision};
-use photosphere::film::{Film, Kind, Layer};
-use photosphere::job::{Counters, Passes, format_of};
+use photosphere::accel::{Accel, Backend, ErrorBound};
+use photosphere::film::{Film, Aov, Layer};
+use photosphere::job::{Counters, ProgressiveRenderer, format_for_scene};
 use photosphere::math::{Hit, Ray};
-use photosphere::scene::Shot;
-use photosphere::task::Cancel;
+use photosphere::scene::PreparedScene;
+use photosphere::task::CancelToken;
 
 use crate::kit::{Kit, built};
 
@@ -14,16 +14,16 @@ const SMALL: &[&str] =
 /// Samples of the picture.
 const ALL: u64 = 37 * 22 * 41;
 
-fn small() -> Shot {
+fn small() -> PreparedScene {
     Kit::of_file("cornell-spheres.toml", SMALL).shot()
 }
 
-fn accel(shot: &Shot) -> Box<dyn Accel> {
+fn accel(shot: &PreparedScene) -> Box<dyn Accel> {
     built(shot, Backend::Native)
 }
 
-fn empty_film(shot: &Shot) -> Film {
-    Film::new(&format_of(shot, &Kind::USUAL)).expect("a small film")
+fn empty_film(shot: &PreparedScene) -> Film {
+    Film::new(&format_for_scene(shot, &Aov::DEFAULT)).expect("a small film")
 }
 
 fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -39,23 +39,23 @@ fn bits(film: &Film) -> Vec<u32> {
 }
 
 /// A film that `work` filled on so many threads.
-fn filled(shot: &Shot, threads: usize, work: impl Fn(&Passes<'_>) + Sync + Send) -> Film {
-    let (film, accel, cancel) = (empty_film(shot), accel(shot), Cancel::default());
-    let counters = Counters::of(&film, ALL);
-    on_threads(threads, || work(&Passes::new(shot, &*accel, &film, &counters, &cancel)));
+fn filled(shot: &PreparedScene, threads: usize, work: impl Fn(&ProgressiveRenderer<'_>) + Sync + Send) -> Film {
+    let (film, accel, cancel) = (empty_film(shot), accel(shot), CancelToken::default());
+    let counters = Counters::new(&film, ALL);
+    on_threads(threads, || work(&ProgressiveRenderer::new(shot, &*accel, &film, &counters, &cancel)));
     film
 }
 
-fn all_at_once(passes: &Passes<'_>) {
-    assert!(passes.advance(41, &|_| true).expect("not too bright"));
-    assert_eq!(passes.counts().samples_done(), ALL);
+fn all_at_once(passes: &ProgressiveRenderer<'_>) {
+    assert!(passes.render_to_sample(41, &|_| true).expect("not too bright"));
+    assert_eq!(passes.counters().samples_done(), ALL);
 }
 
 /// An intersector that asks the render to stop, in the midst of a job, once so many samples are done.
 struct Stopping<'a> {
     inner: &'a dyn Accel,
     counters: &'a Counters,
-    cancel: &'a Cancel,
+    cancel: &'a CancelToken,
     after: u64,
 }
 
@@ -71,8 +71,8 @@ impl Accel for Stopping<'_> {
         self.inner.occluded(rays, blocked);
     }
 
-    fn precision(&self) -> Precision {
-        self.inner.precision()
+    fn error_bound(&self) -> ErrorBound {
+        self.inner.error_bound()
     }
 
     fn bytes(&self) -> usize {
@@ -81,13 +81,13 @@ impl Accel for Stopping<'_> {
 }
 
 /// Asks a render to stop once so many samples are done. Returns the film, of which not all is there.
-fn stopped(shot: &Shot, threads: usize, after: u64) -> Film {
-    let (film, accel, cancel) = (empty_film(shot), accel(shot), Cancel::default());
-    let counters = Counters::of(&film, ALL);
+fn stopped(shot: &PreparedScene, threads: usize, after: u64) -> Film {
+    let (film, accel, cancel) = (empty_film(shot), accel(shot), CancelToken::default());
+    let counters = Counters::new(&film, ALL);
     let accel = Stopping { inner: &*accel, counters: &counters, cancel: &cancel, after };
-    let passes = Passes::new(shot, &accel, &film, &counters, &cancel);
-    let ended = on_threads(threads, || passes.advance(41, &|_| true)).expect("not too bright");
-    assert!(!ended && counters.samples_done() == film.samples());
+    let passes = ProgressiveRenderer::new(shot, &accel, &film, &counters, &cancel);
+    let ended = on_threads(threads, || passes.render_to_sample(41, &|_| true)).expect("not too bright");
+    assert!(!ended && counters.samples_done() == film.sample_count());
     film
 }
 
@@ -109,7 +109,7 @@ fn a_request_to_stop_is_followed_by_no_new_work() {
     let shot = small();
     for threads in [1, 2, 7] {
         let after = 4 * JOB;
-        let samples = stopped(&shot, threads, after).samples();
+        let samples = stopped(&shot, threads, after).sample_count();
         // The job that got there, and one on each of the other threads.
         let most = after + threads as u64 * JOB;
         assert!((after..most).contains(&samples), "{samples} of {threads} threads");
@@ -120,13 +120,13 @@ fn a_request_to_stop_is_followed_by_no_new_work() {
 fn neither_passes_nor_the_order_of_tiles_change_a_bit() {
     let shot = small();
     let whole = bits(&filled(&shot, 2, all_at_once));
-    let backwards_and_in_bits = |passes: &Passes<'_>| {
-        let tiles = passes.film().frame().tiles();
+    let backwards_and_in_bits = |passes: &ProgressiveRenderer<'_>| {
+        let tiles = passes.film().frame().tile_count();
         for tile in (0..tiles).rev() {
             let end = 1 + 7 * (tile as u32 % 6);
-            assert!(passes.advance(end, &|one| one == tile).expect("not too bright"));
+            assert!(passes.render_to_sample(end, &|one| one == tile).expect("not too bright"));
         }
-        assert!(passes.advance(33, &|tile| tile % 3 == 1).expect("not too bright"));
+        assert!(passes.render_to_sample(33, &|tile| tile % 3 == 1).expect("not too bright"));
         all_at_once(passes);
     };
     assert!(bits(&filled(&shot, 2, backwards_and_in_bits)) == whole);
@@ -138,11 +138,11 @@ fn a_stopped_film_is_finished_by_another_session() {
     let whole = bits(&filled(&shot, 2, all_at_once));
     for jobs in [1, 4, 9, 17] {
         let film = stopped(&shot, 2, jobs * 1024);
-        let half = film.samples();
+        let half = film.sample_count();
         assert!(half > 0 && half < ALL);
 
-        let (accel, cancel, counters) = (accel(&shot), Cancel::default(), Counters::of(&film, ALL));
-        all_at_once(&Passes::new(&shot, &*accel, &film, &counters, &cancel));
+        let (accel, cancel, counters) = (accel(&shot), CancelToken::default(), Counters::new(&film, ALL));
+        all_at_once(&ProgressiveRenderer::new(&shot, &*accel, &film, &counters, &cancel));
         assert!(bits(&film) == whole, "stopped after {half} samples");
     }
 }

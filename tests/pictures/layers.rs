@@ -1,14 +1,14 @@
 //! The layers of a picture show what they say.
 
 use photosphere::accel::Backend;
-use photosphere::color::{NOTHING, Rgb};
-use photosphere::film::{KINDS, Kind, Layer};
-use photosphere::image_io::{Picture, Values};
-use photosphere::job::render;
+use photosphere::color::{NO_ROW, Rgb};
+use photosphere::film::{AOVS, Aov, Layer};
+use photosphere::image_io::{Picture, ChannelValues};
+use photosphere::job::render_with_accel;
 use photosphere::math::Rect;
-use photosphere::scene::description::{NamedMaterial, Surface};
-use photosphere::scene::settings::{Integrator, Paper, SamplerKind};
-use photosphere::task::Cancel;
+use photosphere::scene::description::{MaterialDescription, SurfaceModel};
+use photosphere::scene::settings::{IntegratorSettings, PaperSettings, SamplerKind};
+use photosphere::task::CancelToken;
 
 use crate::kit::{Kit, built};
 
@@ -22,10 +22,10 @@ fn kit() -> Kit {
     let matt = scene.diffuse([0.25, 0.5, 0.125]);
     let mirror = scene.mirror([0.875, 0.75, 0.5]);
     let glass = scene.glass(1.5);
-    let lamp = scene.lamp([4.0, 3.0, 2.0]);
-    let red = Surface::Diffuse { albedo: Rgb::X, roughness: 0.0 };
+    let lamp = scene.emitter([4.0, 3.0, 2.0]);
+    let red = SurfaceModel::Diffuse { albedo: Rgb::X, roughness: 0.0 };
     let half =
-        scene.material(NamedMaterial { surface: red, opacity: 0.5, ..NamedMaterial::default() });
+        scene.material(MaterialDescription { surface: red, opacity: 0.5, ..MaterialDescription::default() });
     scene
         .sphere(ground, [0.0, -100.0, 0.0], 100.0)
         .sphere(matt, [0.0, 1.0, 0.0], 1.0)
@@ -43,25 +43,25 @@ fn solid_kit() -> Kit {
 
 const EYE: [f32; 3] = [0.0, 1.0, 6.0];
 
-fn rendered(kit: &Kit, kinds: &[Kind]) -> Picture {
+fn rendered(kit: &Kit, kinds: &[Aov]) -> Picture {
     let shot = kit.shot();
     let accel = built(&shot, Backend::Native);
-    render(&shot, &*accel, kinds, &Cancel::default()).expect("memory").picture
+    render_with_accel(&shot, &*accel, kinds, &CancelToken::default()).expect("memory").picture
 }
 
 fn everything(kit: &Kit) -> Picture {
-    rendered(kit, &KINDS.map(|row| row.kind))
+    rendered(kit, &AOVS.map(|row| row.aov))
 }
 
 fn floats<'p>(picture: &'p Picture, name: &str) -> &'p [f32] {
-    let plane = picture.planes.iter().find(|plane| plane.name == name).expect(name);
-    let Values::Float(values) = &plane.values else { panic!("{name} is whole") };
+    let plane = picture.channels.iter().find(|plane| plane.name == name).expect(name);
+    let ChannelValues::Float(values) = &plane.values else { panic!("{name} is whole") };
     values
 }
 
 fn whole<'p>(picture: &'p Picture, name: &str) -> &'p [u32] {
-    let plane = picture.planes.iter().find(|plane| plane.name == name).expect(name);
-    let Values::Whole(values) = &plane.values else { panic!("{name} is not whole") };
+    let plane = picture.channels.iter().find(|plane| plane.name == name).expect(name);
+    let ChannelValues::Uint(values) = &plane.values else { panic!("{name} is not whole") };
     values
 }
 
@@ -87,17 +87,17 @@ fn covered(picture: &Picture, material: u32, albedo: [f32; 3]) -> Vec<usize> {
 #[test]
 fn light_is_the_same_whatever_layers_are_kept() {
     let all = everything(&kit());
-    let usual = rendered(&kit(), &Kind::USUAL);
-    let few = rendered(&kit(), &[Kind::Mean(Layer::Depth)]);
+    let usual = rendered(&kit(), &Aov::DEFAULT);
+    let few = rendered(&kit(), &[Aov::Mean(Layer::Depth)]);
     for picture in [&usual, &few] {
         assert_eq!(picture.direct, all.direct);
         assert_eq!(picture.indirect, all.indirect);
         assert_eq!(picture.alpha, None);
     }
-    assert_eq!(few.left_out, ["direct", "indirect"]);
-    assert_eq!(few.planes.len(), 1);
+    assert_eq!(few.hidden_layers, ["direct", "indirect"]);
+    assert_eq!(few.channels.len(), 1);
     assert_eq!(floats(&few, "depth"), floats(&all, "depth"));
-    assert!(usual.planes.is_empty() && usual.left_out.is_empty());
+    assert!(usual.channels.is_empty() && usual.hidden_layers.is_empty());
 }
 
 /// What the camera sees straight is what paths of one edge bring.
@@ -105,7 +105,7 @@ fn light_is_the_same_whatever_layers_are_kept() {
 fn emission_is_the_light_of_paths_of_one_edge() {
     let all = everything(&kit());
     let straight =
-        rendered(&kit().with(|kit| kit.settings.render.max_depth = Some(1)), &Kind::USUAL);
+        rendered(&kit().with(|kit| kit.settings.render.max_depth = Some(1)), &Aov::DEFAULT);
     for pixel in 0..all.len() {
         let emission = triple(&all, "emission", "RGB", pixel);
         assert_eq!(emission, straight.beauty(pixel).to_array(), "{pixel}");
@@ -122,7 +122,7 @@ fn normals_are_those_of_the_integrator_for_them() {
     let alpha = all.alpha.clone().expect("asked for");
     // Its samples go through the same places; it knows nothing of opacity.
     let solid = everything(&solid_kit());
-    let normals = rendered(&kit().integrator(Integrator::Normals), &Kind::USUAL);
+    let normals = rendered(&kit().integrator(IntegratorSettings::Normals), &Aov::DEFAULT);
     let solid_alpha = solid.alpha.clone().expect("asked for");
     for pixel in 0..all.len() {
         let expected = normals.beauty(pixel).to_array();
@@ -179,8 +179,8 @@ fn albedo_depth_and_position_are_those_of_the_first_surface() {
     for pixel in (0..all.len()).filter(|&pixel| alpha[pixel] == 0.0) {
         assert_eq!(depths[pixel], f32::INFINITY);
         assert_eq!(triple(&all, "position", "XYZ", pixel), [0.0; 3]);
-        assert_eq!(whole(&all, "sphere_id")[pixel], NOTHING);
-        assert_eq!(whole(&all, "material_id")[pixel], NOTHING);
+        assert_eq!(whole(&all, "sphere_id")[pixel], NO_ROW);
+        assert_eq!(whole(&all, "material_id")[pixel], NO_ROW);
     }
 }
 
@@ -214,7 +214,7 @@ fn variance_is_that_of_the_mean() {
     kit.settings.render.sampler = SamplerKind::Independent;
     let mut picture = |seed| {
         kit.settings.render.seed = seed;
-        rendered(&kit, &[Kind::Variance])
+        rendered(&kit, &[Aov::Variance])
     };
     let pictures: Vec<Picture> = (0..64).map(&mut picture).collect();
     let (mut found, mut said) = (0.0, 0.0);
@@ -234,17 +234,17 @@ fn variance_is_that_of_the_mean() {
 fn integrators_that_follow_no_paths_have_layers_too() {
     let all = everything(&solid_kit());
     for integrator in [
-        Integrator::Raycast { shadows: false },
-        Integrator::AmbientOcclusion { distance: None },
-        Integrator::Normals,
-        Integrator::Direct,
-        Integrator::Paper(Paper { subpixels: 1, samples: 20, ..Paper::default() }),
+        IntegratorSettings::Raycast { shadows: false },
+        IntegratorSettings::AmbientOcclusion { distance: None },
+        IntegratorSettings::Normals,
+        IntegratorSettings::Direct,
+        IntegratorSettings::Paper(PaperSettings { subpixels: 1, samples: 20, ..PaperSettings::default() }),
     ] {
         let other = everything(&solid_kit().integrator(integrator));
         for name in ["albedo.R", "normal.Y", "depth", "position.Z"] {
             assert_eq!(floats(&other, name), floats(&all, name), "{integrator:?} {name}");
         }
-        if !matches!(integrator, Integrator::AmbientOcclusion { .. } | Integrator::Normals) {
+        if !matches!(integrator, IntegratorSettings::AmbientOcclusion { .. } | IntegratorSettings::Normals) {
             assert_eq!(floats(&other, "emission.R"), floats(&all, "emission.R"), "{integrator:?}");
         }
     }

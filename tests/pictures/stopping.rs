@@ -3,22 +3,22 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use photosphere::accel::{Accel, Backend, Precision};
+use photosphere::accel::{Accel, Backend, ErrorBound};
 use photosphere::color::Rgb;
 use photosphere::film::Film;
 use photosphere::geometry::{PathRays, SphereSet};
 use photosphere::job::{
-    Counters, NoiseTarget, Passes, Standing, format_of, half_widths, render_to,
+    Counters, NoiseTarget, ProgressiveRenderer, NoiseProgress, format_for_scene, confidence_half_widths, render_adaptive,
 };
 use photosphere::math::{DVec3, Hit, Ray, Rect};
 use photosphere::sampling::SamplerKind;
 use photosphere::scene::description::{
-    Background, Camera, Dome, NamedMaterial, Projection, SphereRow, Surface,
+    BackgroundDescription, CameraDescription, EnvironmentDescription, MaterialDescription, ProjectionDescription, SphereDescription, SurfaceModel,
 };
-use photosphere::scene::settings::{Image, Render};
-use photosphere::scene::{Description, Scene, Settings, Shot};
-use photosphere::task::Cancel;
-use photosphere::verify::statistics::Estimate;
+use photosphere::scene::settings::{ImageSettings, RenderSettings};
+use photosphere::scene::{SceneDescription, Scene, Settings, PreparedScene};
+use photosphere::task::CancelToken;
+use photosphere::verify::statistics::MeanEstimate;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
@@ -32,29 +32,29 @@ const TARGET: NoiseTarget = NoiseTarget { error: 0.04, confidence: 0.95 };
 /// More than any square takes.
 const MOST: u32 = 4096;
 
-fn matt(name: &str, albedo: [f32; 3], emission: [f32; 3]) -> NamedMaterial {
-    let surface = Surface::Diffuse { albedo: Rgb::from(albedo), roughness: 0.0 };
-    NamedMaterial { name: name.to_owned(), surface, emission: emission.into(), opacity: 1.0 }
+fn matt(name: &str, albedo: [f32; 3], emission: [f32; 3]) -> MaterialDescription {
+    let surface = SurfaceModel::Diffuse { albedo: Rgb::from(albedo), roughness: 0.0 };
+    MaterialDescription { name: name.to_owned(), surface, emission: emission.into(), opacity: 1.0 }
 }
 
-fn ball(center: [f64; 3], radius: f64, material: usize) -> SphereRow {
-    SphereRow { name: None, center: DVec3::from(center), radius, material }
+fn ball(center: [f64; 3], radius: f64, material: usize) -> SphereDescription {
+    SphereDescription { name: None, center: DVec3::from(center), radius, material }
 }
 
 /// Balls on matt ground in the open, and a lamp beside the picture. The left one of its two squares is
 /// near the lamp, the right one has more shade, and both have edges of light.
 fn small_scene() -> Scene {
-    let camera = Camera {
+    let camera = CameraDescription {
         position: DVec3::new(0.0, 3.0, 6.0),
         look_at: DVec3::new(0.3, 0.3, 0.0),
-        projection: Projection::Perspective { vertical_fov_degrees: 22.0, lens: None },
-        ..Camera::default()
+        projection: ProjectionDescription::Perspective { vertical_fov_degrees: 22.0, lens: None },
+        ..CameraDescription::default()
     };
-    let dome = Dome::Constant { radiance: Rgb::new(0.2, 0.25, 0.3) };
+    let dome = EnvironmentDescription::Constant { radiance: Rgb::new(0.2, 0.25, 0.3) };
     let [ground, white, lamp] = [0, 1, 2];
-    let description = Description {
+    let description = SceneDescription {
         camera,
-        background: Background { dome, ..Background::default() },
+        background: BackgroundDescription { dome, ..BackgroundDescription::default() },
         materials: vec![
             matt("ground", [0.6, 0.5, 0.4], [0.0; 3]),
             matt("white", [0.8; 3], [0.0; 3]),
@@ -72,49 +72,49 @@ fn small_scene() -> Scene {
 }
 
 fn settings() -> Settings {
-    let image = Image { width: 32, height: 16, ..Image::default() };
-    let render = Render { samples_per_pixel: MOST, max_depth: Some(5), ..Render::default() };
+    let image = ImageSettings { width: 32, height: 16, ..ImageSettings::default() };
+    let render = RenderSettings { samples_per_pixel: MOST, max_depth: Some(5), ..RenderSettings::default() };
     Settings { image, render }
 }
 
 /// The small scene, ready to be rendered.
-fn shot(settings: Settings) -> Shot {
-    Shot::new(&small_scene(), settings).expect("settings that make sense")
+fn shot(settings: Settings) -> PreparedScene {
+    PreparedScene::new(&small_scene(), settings).expect("settings that make sense")
 }
 
-fn accel(shot: &Shot) -> Box<dyn Accel> {
+fn accel(shot: &PreparedScene) -> Box<dyn Accel> {
     built(shot, Backend::Native)
 }
 
-fn empty_film(shot: &Shot) -> Film {
-    Film::new(&format_of(shot, &[])).expect("a small film")
+fn empty_film(shot: &PreparedScene) -> Film {
+    Film::new(&format_for_scene(shot, &[])).expect("a small film")
 }
 
 /// Fills a film of the shot until it meets the target or is cancelled; the second says whether it got
 /// to its end.
 fn fill_with(
     accel: &dyn Accel,
-    shot: &Shot,
+    shot: &PreparedScene,
     film: &Film,
     target: NoiseTarget,
     most: u32,
-    cancel: &Cancel,
-) -> (Standing, bool) {
-    let counters = Counters::of(film, 0);
-    let passes = Passes::new(shot, accel, film, &counters, cancel);
-    render_to(&passes, target, most, &|_| {}).expect("no light so bright")
+    cancel: &CancelToken,
+) -> (NoiseProgress, bool) {
+    let counters = Counters::new(film, 0);
+    let passes = ProgressiveRenderer::new(shot, accel, film, &counters, cancel);
+    render_adaptive(&passes, target, most, &|_| {}).expect("no light so bright")
 }
 
 /// The same with nobody to cancel it.
-fn fill(shot: &Shot, film: &Film, target: NoiseTarget, most: u32) -> Standing {
+fn fill(shot: &PreparedScene, film: &Film, target: NoiseTarget, most: u32) -> NoiseProgress {
     let accel = accel(shot);
-    let (standing, complete) = fill_with(&*accel, shot, film, target, most, &Cancel::default());
+    let (standing, complete) = fill_with(&*accel, shot, film, target, most, &CancelToken::default());
     assert!(complete);
     standing
 }
 
 /// A film of the shot that is filled until it meets the target.
-fn stopped(shot: &Shot, target: NoiseTarget) -> (Film, Standing) {
+fn stopped(shot: &PreparedScene, target: NoiseTarget) -> (Film, NoiseProgress) {
     let film = empty_film(shot);
     let standing = fill(shot, &film, target, MOST);
     (film, standing)
@@ -142,10 +142,10 @@ fn long_reference() -> Film {
     settings.render.seed = 1000;
     settings.render.samples_per_pixel = 16384;
     let shot = shot(settings);
-    let (film, accel, cancel) = (empty_film(&shot), accel(&shot), Cancel::default());
-    let counters = Counters::of(&film, 0);
-    let passes = Passes::new(&shot, &*accel, &film, &counters, &cancel);
-    assert!(passes.advance(16384, &|_| true).expect("no light so bright"));
+    let (film, accel, cancel) = (empty_film(&shot), accel(&shot), CancelToken::default());
+    let counters = Counters::new(&film, 0);
+    let passes = ProgressiveRenderer::new(&shot, &*accel, &film, &counters, &cancel);
+    assert!(passes.render_to_sample(16384, &|_| true).expect("no light so bright"));
     film
 }
 
@@ -153,9 +153,9 @@ fn run(sampler: SamplerKind, seed: u64, truth: &[f64]) -> Run {
     let mut settings = settings();
     (settings.render.sampler, settings.render.seed) = (sampler, seed);
     let (film, standing) = stopped(&shot(settings), TARGET);
-    assert_eq!(standing.done, standing.squares);
+    assert_eq!(standing.tiles_converged, standing.tiles);
     let values = values(&film);
-    let widths: Vec<f64> = half_widths(&film, TARGET.confidence).concat();
+    let widths: Vec<f64> = confidence_half_widths(&film, TARGET.confidence).concat();
     let brightness: Vec<f64> = truth.chunks(3).map(|rgb| rgb.iter().sum::<f64>() / 3.0).collect();
     let off = |i: usize| (values[i] - truth[i]).abs();
     let share = |is: &dyn Fn(usize) -> bool| {
@@ -163,7 +163,7 @@ fn run(sampler: SamplerKind, seed: u64, truth: &[f64]) -> Run {
     };
     let covered = share(&|i| off(i) <= widths[i]);
     let near = share(&|i| off(i) <= TARGET.error * brightness[i / 3]);
-    Run { covered, near, samples: film.samples() as f64, values }
+    Run { covered, near, samples: film.sample_count() as f64, values }
 }
 
 /// The middle 99 % of the means of the numbers drawn again with repetition: with which mean other
@@ -223,7 +223,7 @@ fn must_not_be_biased(sampler: &str, runs: &[Run], reference: &Film) {
         let expected = sum(&truth);
         let of_reference = sum(&variance).sqrt() / expected;
         let ratios: Vec<f64> = runs.iter().map(|run| sum(&run.values) / expected).collect();
-        let Estimate { mean, standard_error, .. } = Estimate::of(&ratios);
+        let MeanEstimate { mean, standard_error, .. } = MeanEstimate::from_values(&ratios);
         let error = standard_error.hypot(of_reference);
         println!("{sampler}, {part}, channel {channel}: {mean:.5} +- {error:.5} of the reference");
         let most = ALLOWED * error + ALLOWANCE;
@@ -240,7 +240,7 @@ fn threads_stops_and_windows_change_no_bit() {
     let (film, standing) = stopped(&whole, target);
     let counts = film.counts();
     assert!(
-        counts.iter().any(|&n| n > counts[0]) && standing.done == standing.squares,
+        counts.iter().any(|&n| n > counts[0]) && standing.tiles_converged == standing.tiles,
         "{counts:?}"
     );
     let bits = |film: &Film| {
@@ -267,11 +267,11 @@ fn threads_stops_and_windows_change_no_bit() {
 }
 
 /// The same, in many pieces: each is cancelled after some more rays.
-fn stopped_and_resumed(shot: &Shot, target: NoiseTarget) -> Film {
+fn stopped_and_resumed(shot: &PreparedScene, target: NoiseTarget) -> Film {
     let film = empty_film(shot);
     let mut pieces = 1;
     loop {
-        let cancel = Cancel::default();
+        let cancel = CancelToken::default();
         let tiring = Tiring::new(accel(shot), &cancel);
         if fill_with(&tiring, shot, &film, target, MOST, &cancel).1 {
             assert!(pieces > 3, "it was to be stopped more often");
@@ -285,11 +285,11 @@ fn stopped_and_resumed(shot: &Shot, target: NoiseTarget) -> Film {
 struct Tiring<'a> {
     accel: Box<dyn Accel>,
     left: AtomicUsize,
-    cancel: &'a Cancel,
+    cancel: &'a CancelToken,
 }
 
 impl<'a> Tiring<'a> {
-    fn new(accel: Box<dyn Accel>, cancel: &'a Cancel) -> Self {
+    fn new(accel: Box<dyn Accel>, cancel: &'a CancelToken) -> Self {
         Self { accel, left: AtomicUsize::new(4_000), cancel }
     }
 
@@ -310,29 +310,29 @@ impl Accel for Tiring<'_> {
         self.accel.occluded(rays, blocked);
     }
 
-    fn closest_of(
+    fn closest_path_rays(
         &self,
         spheres: &SphereSet,
         rays: &PathRays,
         asked: &mut Vec<Ray>,
         hits: &mut [Hit],
     ) {
-        self.accel.closest_of(spheres, rays, asked, hits);
+        self.accel.closest_path_rays(spheres, rays, asked, hits);
         self.tire(hits.len());
     }
 
-    fn occluded_of(
+    fn occluded_path_rays(
         &self,
         spheres: &SphereSet,
         rays: &PathRays,
         asked: &mut Vec<Ray>,
         blocked: &mut [bool],
     ) {
-        self.accel.occluded_of(spheres, rays, asked, blocked);
+        self.accel.occluded_path_rays(spheres, rays, asked, blocked);
     }
 
-    fn precision(&self) -> Precision {
-        self.accel.precision()
+    fn error_bound(&self) -> ErrorBound {
+        self.accel.error_bound()
     }
 
     fn bytes(&self) -> usize {
@@ -347,6 +347,6 @@ fn what_cannot_be_met_ends_at_the_most_samples_and_says_so() {
     let target = NoiseTarget { error: 1e-4, confidence: 0.95 };
     let standing = fill(&shot, &film, target, 100);
     assert!(film.counts().iter().all(|&count| count == 100));
-    assert_eq!((standing.done, standing.squares), (0, 2));
-    assert!(standing.worst > 0.01 && standing.worst < 10.0, "{standing:?}");
+    assert_eq!((standing.tiles_converged, standing.tiles), (0, 2));
+    assert!(standing.worst_error > 0.01 && standing.worst_error < 10.0, "{standing:?}");
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use photosphere::math::DVec3;
 use photosphere::sampling::Hemisphere;
-use photosphere::verify::chi2::{Histogram, Pair, judge, table};
+use photosphere::verify::chi2::{Histogram, SamplingTest, chi_square_test, sampling_tests};
 use photosphere::verify::statistics::sidak;
 use rayon::prelude::*;
 
@@ -18,12 +18,12 @@ const POINTS: u32 = 1_000_000;
 
 #[test]
 fn every_routine_draws_from_its_density() {
-    let table = table();
-    let each = sidak(SIGNIFICANCE, table.len());
+    let table = sampling_tests();
+    let each = sidak(SIGNIFICANCE, sampling_tests.len());
     let verdicts: Vec<_> =
-        table.par_iter().with_max_len(1).map(|pair| judge(pair, POINTS, 0)).collect();
+        sampling_tests.par_iter().with_max_len(1).map(|pair| chi_square_test(pair, POINTS, 0)).collect();
     let mut failed = Vec::new();
-    for (pair, verdict) in table.iter().zip(verdicts) {
+    for (pair, verdict) in sampling_tests.iter().zip(verdicts) {
         let p = verdict.p_value;
         println!("{:<60} p = {p:.4}", pair.name);
         if p < each {
@@ -37,14 +37,14 @@ fn every_routine_draws_from_its_density() {
 
 #[test]
 fn every_row_has_its_own_name() {
-    let table = table();
-    let names: HashSet<&str> = table.iter().map(|pair| pair.name.as_str()).collect();
+    let table = sampling_tests();
+    let names: HashSet<&str> = sampling_tests.iter().map(|pair| pair.name.as_str()).collect();
     assert_eq!(names.len(), table.len());
 }
 
 fn cosine_against(pdf: fn(DVec3) -> f64) -> f64 {
     let drawn = |u: [f64; 4]| Some(Hemisphere::Cosine.sample([u[0], u[1]]));
-    judge(&Pair::over_hemisphere("cosine against something", drawn, pdf), POINTS, 0).p_value
+    chi_square_test(&SamplingTest::over_hemisphere("cosine against something", drawn, pdf), POINTS, 0).p_value
 }
 
 #[test]
@@ -63,14 +63,14 @@ fn a_wrong_density_is_found() {
 fn wrong_probabilities_and_wrong_areas_are_found() {
     let choice = |probabilities: [f64; 3]| {
         let thirds = |u: [f64; 4]| Some((u[0] * 3.0) as usize);
-        judge(&Pair::over_indices("thirds", probabilities.into(), thirds), POINTS, 0).p_value
+        chi_square_test(&SamplingTest::over_indices("thirds", probabilities.into(), thirds), POINTS, 0).p_value
     };
     assert!(choice([1.0 / 3.0; 3]) > 1e-3);
     assert!(choice([0.34, 0.33, 0.33]) < 1e-9);
     let square = |side: f64, pdf: f64| {
         let uniform = move |u: [f64; 4]| Some([side * u[0], side * u[1]]);
         let range = [[0.0; 2], [2.0; 2]];
-        judge(&Pair::over_rectangle("square", range, uniform, move |_| pdf), POINTS, 0).p_value
+        chi_square_test(&SamplingTest::over_rectangle("square", range, uniform, move |_| pdf), POINTS, 0).p_value
     };
     assert!(square(2.0, 0.25) > 1e-3);
     assert!(square(2.0, 0.24) < 1e-9, "too little");
@@ -85,7 +85,7 @@ fn directions_over_the_whole_sphere_are_judged() {
             let w = Hemisphere::UniformSolidAngle.sample([u[0], u[1]]);
             Some(if u[2] < below { DVec3::new(w.x, w.y, -w.z) } else { w })
         };
-        judge(&Pair::over_sphere("both sides", sample, |_| 0.5 / TAU), POINTS, 0).p_value
+        chi_square_test(&SamplingTest::over_sphere("both sides", sample, |_| 0.5 / TAU), POINTS, 0).p_value
     };
     assert!(both(0.5) > 1e-3);
     assert!(both(0.52) < 1e-9);

@@ -11,7 +11,7 @@ const KINDS: [SamplerKind; 3] =
     [SamplerKind::Sobol, SamplerKind::Independent, SamplerKind::Stratified];
 
 fn sobol(seed: u64, pixel: u64, sample: u32) -> Sampler {
-    Sampler::of_kind(SamplerKind::Sobol, seed, pixel, sample, 1)
+    Sampler::with_kind(SamplerKind::Sobol, seed, pixel, sample, 1)
 }
 
 /// The most points in a box among those that cut each axis `i` into `2^digits[i]` equal parts.
@@ -106,7 +106,7 @@ fn every_number_is_uniform_over_the_pixels() {
             for sample in [0, 1, 1000] {
                 let (mut one, mut two) = (vec![0; 256], vec![0; 256]);
                 for pixel in 0..1 << 16 {
-                    let sampler = Sampler::of_kind(kind, 1, pixel, sample, 1024);
+                    let sampler = Sampler::with_kind(kind, 1, pixel, sample, 1024);
                     let [x, y] = sampler.get_2d(dimension);
                     one[(x * 256.0) as usize] += 1;
                     two[(x * 16.0) as usize * 16 + (y * 16.0) as usize] += 1;
@@ -128,7 +128,7 @@ fn pairs_are_uniform_down_to_the_cells_within_cells() {
             for pair in [0, 6] {
                 let mut counts = vec![0; (n * n) as usize];
                 for pixel in 0..1 << 17 {
-                    let sampler = Sampler::of_kind(kind, 4, pixel, pixel as u32 % n, n);
+                    let sampler = Sampler::with_kind(kind, 4, pixel, pixel as u32 % n, n);
                     let [x, y] = sampler.get_2d(pair).map(|u| (u * f64::from(n)) as u32);
                     counts[(x * n + y) as usize] += 1;
                 }
@@ -161,7 +161,7 @@ fn numbers_of_other_addresses_are_uncorrelated() {
         for dimension in [0, 5, 14] {
             for (name, (seed, pixel, sample, set)) in &others {
                 let number = |s: u64, p: u64, i: u32, d: u32| {
-                    Sampler::of_kind(kind, s, p, i, 64).get(dimension + d) - 0.5
+                    Sampler::with_kind(kind, s, p, i, 64).get(dimension + d) - 0.5
                 };
                 let product = |p| number(0, p, 5, 0) * number(*seed, p + pixel, 5 + sample, *set);
                 let correlation = 12.0 * (0..n).map(product).sum::<f64>() / n as f64;
@@ -189,7 +189,7 @@ fn within_a_pixel_sets_are_joined_at_random() {
 fn errors(kind: SamplerKind, dimension: u32, n: u32) -> Vec<f64> {
     let error = |pixel| {
         let value = |sample| {
-            let [x, y] = Sampler::of_kind(kind, 2, pixel, sample, n).get_2d(dimension);
+            let [x, y] = Sampler::with_kind(kind, 2, pixel, sample, n).get_2d(dimension);
             (x + y * y) * (x + y * y)
         };
         (0..n).map(value).sum::<f64>() / f64::from(n) - 13.0 / 15.0
@@ -244,7 +244,7 @@ fn means_are_right_for_any_number_of_samples() {
 fn a_number_is_the_same_alone_and_in_its_pair_and_never_one() {
     for kind in KINDS {
         for sample in 0..1000 {
-            let sampler = Sampler::of_kind(kind, 5, 6, sample, 1000);
+            let sampler = Sampler::with_kind(kind, 5, 6, sample, 1000);
             // Also where a pair begins in the middle of another, or in one set and ends in the next.
             for dimension in 0..9 {
                 let pair = sampler.get_2d(dimension);
@@ -266,7 +266,7 @@ fn numbers_are_those_of_every_version() {
         for seed in [0, 1, 0x1234_5678_9abc] {
             for pixel in [0, 1, 639, 307_199, 1 << 40] {
                 for (sample, samples) in [(0, 1), (3, 4), (11, 12), (37, 64), (12_345, 10_000)] {
-                    let sampler = Sampler::of_kind(kind, seed, pixel, sample, samples);
+                    let sampler = Sampler::with_kind(kind, seed, pixel, sample, samples);
                     for dimension in [0, 1, 2, 3, 4, 9, 14, 100, 1 << 30, (1 << 31) + 7] {
                         let bits = sampler.get(dimension).to_bits();
                         digest = (digest ^ bits).wrapping_mul(0x0100_0000_01b3).rotate_left(29);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use photosphere::error::Mistake;
+use photosphere::error::Diagnostic;
 use photosphere::scene::{Override, SceneFile, read_text};
 use proptest::prelude::*;
 
@@ -36,11 +36,11 @@ proptest! {
         let option = Override { option: format!("--set {key}={value}"), key, value };
         let file = read_text("edited.toml", &text, Path::new("tests/data"), &[option]);
         if let Err(error) = file.and_then(SceneFile::build) {
-            let shows_text = |mistake: &Mistake| {
-                let place = mistake.place.as_ref();
+            let shows_text = |mistake: &Diagnostic| {
+                let place = mistake.location.as_ref();
                 place.is_none_or(|place| place.source.text.get(place.span.clone()).is_some())
             };
-            prop_assert!(error.mistakes().iter().all(shows_text), "{error}");
+            prop_assert!(error.diagnostics().iter().all(shows_text), "{error}");
             prop_assert!(!error.to_string().is_empty());
         }
     }

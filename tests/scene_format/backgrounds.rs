@@ -2,9 +2,9 @@
 
 use photosphere::color::Rgb;
 use photosphere::image_io::Picture;
-use photosphere::image_io::Target;
+use photosphere::image_io::ImageWriter;
 use photosphere::math::DVec3;
-use photosphere::scene::description::Dome;
+use photosphere::scene::description::EnvironmentDescription;
 use photosphere::scene::{SceneFile, read_text};
 
 use crate::scenes::{SCENE, load, set, told};
@@ -14,7 +14,7 @@ fn backgrounds_are_read_with_their_defaults() {
     let background = |options: &[&str]| load(SCENE, options).expect("good").description.background;
     let gradient = background(&["background.gradient={zenith=[0,0,1],horizon=[1,1,1]}"]);
     let white = [1.0; 3].into();
-    let dome = Dome::Gradient { zenith: [0.0, 0.0, 1.0].into(), horizon: white, nadir: white };
+    let dome = EnvironmentDescription::Gradient { zenith: [0.0, 0.0, 1.0].into(), horizon: white, nadir: white };
     assert_eq!(gradient.dome, dome);
 
     let sun = "background.sun={elevation_degrees=30,azimuth_degrees=90,irradiance=[1,1,1]}";
@@ -82,7 +82,7 @@ fn images_that_are_no_background_say_why() {
         let mut picture =
             Picture { width, height, direct: layer.clone(), indirect: layer, ..Picture::default() };
         picture.direct[5] = Rgb::new(1.0, pixel, 1.0);
-        Target::new(&folder.path().join(name)).unwrap().write(&picture).unwrap();
+        ImageWriter::new(&folder.path().join(name)).unwrap().write(&picture).unwrap();
     };
     write("square.exr", 4, 4, 1.0);
     write("square.hdr", 4, 4, 1.0);
@@ -107,13 +107,13 @@ fn images_that_are_no_background_say_why() {
         ("empty.exr", "as background: "),
         ("text.hdr", "as background: "),
     ] {
-        let told = load(name).expect_err("a mistake").mistakes()[0].to_string();
+        let told = load(name).expect_err("a mistake").diagnostics()[0].to_string();
         assert!(told.contains(expected), "{told} is not {expected}");
     }
     for name in ["good.exr", "good.hdr"] {
         let (scene, _) = load(name).expect("a good image");
         // Pixel (1, 1) is seen in the middle of its quarter, at 45 degrees below the horizon.
-        let seen = scene.background(DVec3::new(-0.5, -0.5f64.sqrt(), -0.5));
+        let seen = scene.background_radiance(DVec3::new(-0.5, -0.5f64.sqrt(), -0.5));
         assert!((seen - Rgb::new(2.0, 4.0, 2.0)).length() < 0.04, "{name}: {seen}");
     }
 }

@@ -6,10 +6,10 @@ use photosphere::color::Rgb;
 use photosphere::math::DVec3;
 use photosphere::scene::data::{Column, SphereArrays, SphereData};
 use photosphere::scene::description::{
-    Background, Camera, ColorStorage, Description, Dome, Lens, NamedMaterial, Projection,
-    SphereRow, SphereTable, Surface,
+    BackgroundDescription, CameraDescription, ColorStorage, SceneDescription, EnvironmentDescription, LensDescription, MaterialDescription, ProjectionDescription,
+    SphereDescription, SphereTable, SurfaceModel,
 };
-use photosphere::scene::{Identity, Scene, SceneFile, read_text};
+use photosphere::scene::{ContentHash, Scene, SceneFile, read_text};
 use tempfile::TempDir;
 
 use crate::scenes::set;
@@ -77,7 +77,7 @@ fn grains() -> SphereArrays {
     let centers = GRAINS.iter().map(|&[x, y, z, ..]| [x, y, z]).collect();
     let radii = GRAINS.iter().map(|grain| grain[3]).collect();
     let colors = GRAINS.iter().map(|&[.., r, g, b]| [r, g, b]).collect::<Vec<[f32; 3]>>();
-    SphereArrays::of_centers::<f32>(centers, radii).with_colors(colors)
+    SphereArrays::from_centers::<f32>(centers, radii).with_colors(colors)
 }
 
 fn table(arrays: SphereArrays) -> SphereTable {
@@ -87,54 +87,54 @@ fn table(arrays: SphereArrays) -> SphereTable {
 }
 
 /// [`TEXT`] as values.
-fn values() -> Description {
-    let lens = Lens { radius: 0.125, focus_distance: 5.0, blades: 0, rotation_degrees: 0.0 };
-    let named = |name: &str, surface| NamedMaterial {
+fn values() -> SceneDescription {
+    let lens = LensDescription { radius: 0.125, focus_distance: 5.0, blades: 0, rotation_degrees: 0.0 };
+    let named = |name: &str, surface| MaterialDescription {
         name: name.to_owned(),
         surface,
-        ..NamedMaterial::default()
+        ..MaterialDescription::default()
     };
-    let grass = Surface::Diffuse { albedo: Rgb::new(0.2, 0.6, 0.2), roughness: 0.0 };
+    let grass = SurfaceModel::Diffuse { albedo: Rgb::new(0.2, 0.6, 0.2), roughness: 0.0 };
     let glass =
-        Surface::Dielectric { ior: 1.5, roughness: 0.0, priority: 2, absorption: Rgb::ZERO };
-    Description {
-        camera: Camera {
+        SurfaceModel::Dielectric { ior: 1.5, roughness: 0.0, priority: 2, absorption: Rgb::ZERO };
+    SceneDescription {
+        camera: CameraDescription {
             position: DVec3::new(0.5, 1.0, 5.0),
             look_at: DVec3::new(0.5, 1.0, 0.0),
-            projection: Projection::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) },
-            ..Camera::default()
+            projection: ProjectionDescription::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) },
+            ..CameraDescription::default()
         },
-        background: Background {
-            dome: Dome::Gradient {
+        background: BackgroundDescription {
+            dome: EnvironmentDescription::Gradient {
                 zenith: Rgb::new(0.25, 0.5, 1.0),
                 horizon: Rgb::ONE,
                 nadir: Rgb::ONE,
             },
-            ..Background::default()
+            ..BackgroundDescription::default()
         },
         materials: vec![named("grass", grass), named("glass", glass)],
         spheres: vec![
-            SphereRow {
+            SphereDescription {
                 name: Some("ground".to_owned()),
                 center: DVec3::new(0.0, -10.0, 0.0),
                 radius: 10.0,
                 material: 0,
             },
-            SphereRow { name: None, center: DVec3::Y, radius: 0.1, material: 1 },
+            SphereDescription { name: None, center: DVec3::Y, radius: 0.1, material: 1 },
         ],
         tables: vec![table(grains())],
     }
 }
 
-fn identity(description: Description) -> Identity {
-    Scene::build(description).expect("good values").identity()
+fn identity(description: SceneDescription) -> ContentHash {
+    Scene::build(description).expect("good values").content_hash()
 }
 
 #[test]
 fn a_scene_is_the_same_from_a_file_and_from_values() {
     let folder = folder();
     let read = scene_of_text(TEXT, folder.path(), &[]);
-    assert_eq!(read.identity(), identity(values()));
+    assert_eq!(read.content_hash(), identity(values()));
     // The file as a value, too, whatever the order of its columns.
     let file = SphereData::File {
         path: folder.path().join("grains.f32"),
@@ -149,7 +149,7 @@ fn a_scene_is_the_same_from_a_file_and_from_values() {
         ],
     };
     let tables = vec![SphereTable { data: file, ..table(grains()) }];
-    assert_eq!(read.identity(), identity(Description { tables, ..values() }));
+    assert_eq!(read.content_hash(), identity(SceneDescription { tables, ..values() }));
 }
 
 /// The layers of Cryptomatte show it.
@@ -162,21 +162,21 @@ fn the_name_of_a_table_is_part_of_the_scene() {
     let name = |options: &[&str]| scene(options).table_of_row(2);
     let of_other = "sphere_tables.0.file=others.f32";
     assert_eq!([name(&[]), name(&[of_other])], ["grains.f32", "others.f32"]);
-    assert_ne!(scene(&[]).identity(), scene(&[of_other]).identity());
+    assert_ne!(scene(&[]).content_hash(), scene(&[of_other]).content_hash());
     let named = "sphere_tables.0.name=grains.f32";
     assert_eq!(name(&[of_other, named]), "grains.f32");
-    assert_eq!(scene(&[]).identity(), scene(&[of_other, named]).identity());
+    assert_eq!(scene(&[]).content_hash(), scene(&[of_other, named]).content_hash());
     // Without a name, a table in memory is called by its index.
     let with = |name: Option<&str>| {
         let name = name.map(str::to_owned);
         let tables = vec![SphereTable { name, ..table(grains()) }];
-        Scene::build(Description { tables, ..values() }).expect("good values")
+        Scene::build(SceneDescription { tables, ..values() }).expect("good values")
     };
     assert_eq!(with(None).table_of_row(2), "table 0");
-    assert_eq!(with(None).identity(), with(Some("table 0")).identity());
-    assert_ne!(with(None).identity(), with(Some("grains")).identity());
+    assert_eq!(with(None).content_hash(), with(Some("table 0")).content_hash());
+    assert_ne!(with(None).content_hash(), with(Some("grains")).content_hash());
     assert!(
-        Scene::build(Description {
+        Scene::build(SceneDescription {
             tables: vec![SphereTable { name: Some(String::new()), ..table(grains()) }],
             ..values()
         })
@@ -188,7 +188,7 @@ fn the_name_of_a_table_is_part_of_the_scene() {
 fn where_files_lie_and_how_a_scene_is_rendered_or_laid_out_is_no_part_of_it() {
     let [here, there] = [folder(), folder()];
     let identity = |folder: &TempDir, text: &str, options: &[&str]| {
-        scene_of_text(text, folder.path(), options).identity()
+        scene_of_text(text, folder.path(), options).content_hash()
     };
     let first = identity(&here, TEXT, &[]);
     assert_eq!(first, identity(&there, TEXT, &[]));
@@ -209,7 +209,7 @@ fn where_files_lie_and_how_a_scene_is_rendered_or_laid_out_is_no_part_of_it() {
 #[test]
 fn each_value_of_a_scene_is_part_of_it() {
     let folder = folder();
-    let mut identities = vec![scene_of_text(TEXT, folder.path(), &[]).identity()];
+    let mut identities = vec![scene_of_text(TEXT, folder.path(), &[]).content_hash()];
     for option in [
         "camera.position=[0.5,1,5.000000000000001]",
         "camera.near=0.1",
@@ -238,7 +238,7 @@ fn each_value_of_a_scene_is_part_of_it() {
             Some(_) => &["camera={position=[0.5,1,5],look_at=[0.5,1,0],type='panoramic'}"],
             None => &[option],
         };
-        let identity = scene_of_text(TEXT, folder.path(), option).identity();
+        let identity = scene_of_text(TEXT, folder.path(), option).content_hash();
         assert!(!identities.contains(&identity), "{option:?} changes nothing");
         identities.push(identity);
     }
@@ -246,9 +246,9 @@ fn each_value_of_a_scene_is_part_of_it() {
 
 #[test]
 fn each_number_of_a_table_is_part_of_the_scene() {
-    let with = |arrays| identity(Description { tables: vec![table(arrays)], ..values() });
+    let with = |arrays| identity(SceneDescription { tables: vec![table(arrays)], ..values() });
     let mut identities = vec![with(grains())];
-    let mut add = |identity: Identity, what: &str| {
+    let mut add = |identity: ContentHash, what: &str| {
         assert!(!identities.contains(&identity), "{what} changes nothing");
         identities.push(identity);
     };
@@ -273,13 +273,13 @@ fn each_number_of_a_table_is_part_of_the_scene() {
 fn arrays_of(grains: &[[f32; 7]]) -> SphereArrays {
     let rows = grains.iter().map(|&[x, y, z, radius, ..]| [x, y, z, radius]).collect();
     let colors = grains.iter().map(|&[.., r, g, b]| [r, g, b]).collect::<Vec<[f32; 3]>>();
-    SphereArrays::of_rows(rows).with_colors(colors)
+    SphereArrays::from_rows(rows).with_colors(colors)
 }
 
 /// How numbers lie in memory does not matter, and their type only where it holds more.
 #[test]
 fn equal_numbers_are_the_same_in_every_layout_and_type() {
-    let with = |arrays| identity(Description { tables: vec![table(arrays)], ..values() });
+    let with = |arrays| identity(SceneDescription { tables: vec![table(arrays)], ..values() });
     let expected = with(grains());
     assert_eq!(expected, with(arrays_of(&GRAINS)), "in rows and in columns");
     let wide = |grain: &[f32; 7]| [grain[0], grain[1], grain[2]].map(f64::from);
@@ -287,7 +287,7 @@ fn equal_numbers_are_the_same_in_every_layout_and_type() {
         let mut centers: Vec<[f64; 3]> = GRAINS.iter().map(wide).collect();
         centers[1][2] += last;
         let radii = GRAINS.iter().map(|grain| f64::from(grain[3])).collect();
-        SphereArrays { color: grains().color, ..SphereArrays::of_centers(centers, radii) }
+        SphereArrays { color: grains().color, ..SphereArrays::from_centers(centers, radii) }
     };
     assert_eq!(expected, with(in_f64(0.0)), "in f64");
     assert_ne!(expected, with(in_f64(1e-12)), "what only f64 tells apart");
@@ -296,7 +296,7 @@ fn equal_numbers_are_the_same_in_every_layout_and_type() {
 #[test]
 fn a_scene_keeps_its_identity_but_not_its_arrays() {
     let scene = Scene::build(values()).expect("good values");
-    assert_eq!(scene.identity(), scene.clone().identity());
+    assert_eq!(scene.content_hash(), scene.clone().content_hash());
     let SphereData::Memory(arrays) = &scene.description().tables[0].data else {
         panic!("the table was in memory");
     };

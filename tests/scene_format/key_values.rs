@@ -8,36 +8,36 @@ use photosphere::color::Rgb;
 use photosphere::math::{DVec3, Rect};
 use photosphere::scene::data::{Column, SphereArrays, SphereData};
 use photosphere::scene::description::{
-    Background, Camera, Description, Dome, NamedMaterial, SphereRow, SphereTable, Sun,
+    BackgroundDescription, CameraDescription, SceneDescription, EnvironmentDescription, MaterialDescription, SphereDescription, SphereTable, SunDescription,
 };
 use photosphere::scene::keys::all;
 use photosphere::scene::read_text;
-use photosphere::scene::settings::{FilterKind, Image, Render, Settings};
+use photosphere::scene::settings::{FilterKind, ImageSettings, RenderSettings, Settings};
 use serde_json::Value;
 
 use crate::keys::{folder, integrators, projections, surfaces};
 
-fn domes(folder: &Path) -> [Dome; 4] {
+fn domes(folder: &Path) -> [EnvironmentDescription; 4] {
     let [zenith, horizon, nadir] = [0.75, 0.5, 0.25].map(Rgb::splat);
     let file = folder.join("sky.exr");
     [
-        Dome::Constant { radiance: zenith },
-        Dome::Gradient { zenith, horizon, nadir },
-        Dome::Image { file, rotation_degrees: 30.0, scale: 0.5 },
-        Dome::Sky { turbidity: 4.0, ground_albedo: nadir, scale: 0.5 },
+        EnvironmentDescription::Constant { radiance: zenith },
+        EnvironmentDescription::Gradient { zenith, horizon, nadir },
+        EnvironmentDescription::Image { file, rotation_degrees: 30.0, scale: 0.5 },
+        EnvironmentDescription::Sky { turbidity: 4.0, ground_albedo: nadir, scale: 0.5 },
     ]
 }
 
 /// Descriptions in which every kind of thing occurs; the files are in this folder.
-fn descriptions(folder: &Path) -> Vec<Description> {
-    let described = |(index, dome): (usize, Dome)| {
-        let materials = surfaces().into_iter().enumerate().map(|(at, surface)| NamedMaterial {
+fn descriptions(folder: &Path) -> Vec<SceneDescription> {
+    let described = |(index, dome): (usize, EnvironmentDescription)| {
+        let materials = surfaces().into_iter().enumerate().map(|(at, surface)| MaterialDescription {
             name: format!("material no. {at}"),
             surface,
             emission: Rgb::new(0.1, 0.2, 0.3),
             opacity: 0.5,
         });
-        let sun = Sun { direction: DVec3::Y, angular_diameter_degrees: 0.5, irradiance: Rgb::ONE };
+        let sun = SunDescription { direction: DVec3::Y, angular_diameter_degrees: 0.5, irradiance: Rgb::ONE };
         use Column::{Blue, Green, Radius, Red, X, Y, Z};
         let data = SphereData::File {
             path: folder.join("grains.f32"),
@@ -46,22 +46,22 @@ fn descriptions(folder: &Path) -> Vec<Description> {
         let table =
             SphereTable { name: Some("grains".into()), data, material: 2, ..Default::default() };
         let (center, radius) = (DVec3::new(1.0, -2.0, 0.1), 0.5);
-        let sphere = SphereRow { name: Some("ball".into()), center, radius, material: 1 };
-        Description {
-            camera: Camera {
+        let sphere = SphereDescription { name: Some("ball".into()), center, radius, material: 1 };
+        SceneDescription {
+            camera: CameraDescription {
                 near: 0.25,
                 projection: projections()[index % 3],
-                ..Camera::default()
+                ..CameraDescription::default()
             },
-            background: Background {
+            background: BackgroundDescription {
                 dome,
                 sun: Some(sun),
                 camera_visible: false,
                 transparent: true,
-                ..Background::default()
+                ..BackgroundDescription::default()
             },
             materials: materials.collect(),
-            spheres: vec![sphere.clone(), SphereRow { name: None, material: 0, ..sphere }],
+            spheres: vec![sphere.clone(), SphereDescription { name: None, material: 0, ..sphere }],
             tables: vec![table],
         }
     };
@@ -70,20 +70,20 @@ fn descriptions(folder: &Path) -> Vec<Description> {
 
 fn settings() -> impl Iterator<Item = Settings> {
     integrators().into_iter().map(|integrator| Settings {
-        image: Image {
+        image: ImageSettings {
             width: 64,
             height: 48,
             crop: Some(Rect { x: 8, y: 4, width: 16, height: 8 }),
             filter: FilterKind::Gaussian,
             filter_radius: 1.25,
         },
-        render: Render {
+        render: RenderSettings {
             integrator,
             samples_per_pixel: 16,
             max_depth: Some(5),
             clamp_indirect: Some(10.0),
             seed: 7,
-            ..Render::default()
+            ..RenderSettings::default()
         },
     })
 }
@@ -114,7 +114,7 @@ fn every_value_has_a_key() {
     let folder = folder();
     let mut found = BTreeSet::new();
     for mut description in descriptions(folder.path()) {
-        let arrays = SphereArrays::of_rows(vec![[0.0, 0.0, 0.0, 1.0]]);
+        let arrays = SphereArrays::from_rows(vec![[0.0, 0.0, 0.0, 1.0]]);
         let arrays = arrays.with_colors(vec![[0.5f32; 3]]);
         let data = SphereData::Memory(arrays);
         description.tables.push(SphereTable { data, ..SphereTable::default() });

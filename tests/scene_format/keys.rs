@@ -4,15 +4,15 @@
 use std::collections::BTreeSet;
 
 use photosphere::color::Rgb;
-use photosphere::image_io::{Picture, Target};
+use photosphere::image_io::{Picture, ImageWriter};
 use photosphere::material::{Metal, PrincipledParameters};
 use photosphere::scene::description::{
-    Background, Camera, ColorStorage, Lens, NamedMaterial, Projection, ProjectionKind, Surface,
+    BackgroundDescription, CameraDescription, ColorStorage, LensDescription, MaterialDescription, ProjectionDescription, ProjectionKind, SurfaceModel,
     SurfaceKind,
 };
-use photosphere::scene::keys::{Fallback, KeyInfo, all};
+use photosphere::scene::keys::{DefaultValue, KeyInfo, all};
 use photosphere::scene::settings::{
-    Image, Integrator, IntegratorKind, Paper, Settings, Stop, StopKind,
+    ImageSettings, IntegratorSettings, IntegratorKind, PaperSettings, Settings, PathTermination, PathTerminationKind,
 };
 use photosphere::scene::{SceneFile, read_text};
 use serde_json::Value;
@@ -92,9 +92,9 @@ fn check_row(key: &KeyInfo, row: &Row<'_>) {
     assert_eq!(row.kind, kind_in_the_manual(key), "{at}");
     let default = row.default.replace('`', "").replace('²', "^2");
     match key.default {
-        Fallback::Required => assert_eq!(default, "required", "{at}"),
-        Fallback::Is(value) => assert_eq!(default, value, "{at}"),
-        Fallback::Depends(words) => {
+        DefaultValue::Required => assert_eq!(default, "required", "{at}"),
+        DefaultValue::Toml(value) => assert_eq!(default, value, "{at}"),
+        DefaultValue::Derived(words) => {
             let default = default.replace('"', "");
             assert!(default.starts_with(words), "{at}: {default} is not {words}");
         }
@@ -133,23 +133,23 @@ spheres = [{ center = [0, 0, 0], radius = 1, material = "m" }]
 fn what_is_left_out_is_what_the_values_have_by_themselves() {
     let SceneFile { description, settings, .. } = load(BARE, &[]).expect("a good scene");
     assert_eq!(settings, Settings::default());
-    assert_eq!(description.camera, Camera::default());
-    assert_eq!(description.background, Background::default());
-    let plain = NamedMaterial { name: "m".into(), ..NamedMaterial::default() };
+    assert_eq!(description.camera, CameraDescription::default());
+    assert_eq!(description.background, BackgroundDescription::default());
+    let plain = MaterialDescription { name: "m".into(), ..MaterialDescription::default() };
     assert_eq!(description.materials, [plain]);
     let of = |options: &[&str]| load(BARE, options).expect("a good scene");
     let paper = of(&["render.integrator=paper"]).settings.render.integrator;
-    assert_eq!(paper, Integrator::Paper(Paper::default()));
+    assert_eq!(paper, IntegratorSettings::Paper(PaperSettings::default()));
     let principled = of(&["materials.m={type='principled',base_color=[0.5,0.5,0.5]}"]);
-    let usual = Surface::Principled(PrincipledParameters::default());
+    let usual = SurfaceModel::Principled(PrincipledParameters::default());
     assert_eq!(principled.description.materials[0].surface, usual);
     let table = "sphere_tables=[{file='grains.f32',material='m',columns=['x','y','z','radius','r','g','b']}]";
     assert_eq!(of(&[table]).description.tables[0].colors, ColorStorage::default());
     for (name, filter) in photosphere::scene::settings::FilterKind::NAMES {
         let image = of(&[&format!("image.filter={name}")]).settings.image;
-        assert_eq!(image.filter_radius, Image::usual_radius(*filter));
+        assert_eq!(image.filter_radius, ImageSettings::default_filter_radius(*filter));
     }
-    assert_eq!(description.camera.projection, Projection::default());
+    assert_eq!(description.camera.projection, ProjectionDescription::default());
 }
 
 /// What must be said for a key to mean something, beside the key itself.
@@ -193,7 +193,7 @@ pub(crate) fn folder() -> tempfile::TempDir {
         ..Picture::default()
     };
     let file = folder.path().join("sky.exr");
-    Target::new(&file).expect("a name").write(&picture).expect("a picture");
+    ImageWriter::new(&file).expect("a name").write(&picture).expect("a picture");
     std::fs::copy("tests/data/grains.f32", folder.path().join("grains.f32")).expect("a table");
     folder
 }
@@ -209,7 +209,7 @@ fn saying_a_default_changes_nothing() {
     };
     let mut said = 0;
     for key in all() {
-        let Fallback::Is(value) = key.default else { continue };
+        let DefaultValue::Toml(value) = key.default else { continue };
         let table = key.table.replace("NAME", "m").replace("sphere_tables", "sphere_tables.0");
         let path = format!("{table}.{}", key.name);
         let is_key_itself = |option: &&&str| option.starts_with(&format!("{path}="));
@@ -231,38 +231,38 @@ fn no_key_is_declared_twice() {
 }
 
 /// A surface of every kind.
-pub(crate) fn surfaces() -> [Surface; 7] {
+pub(crate) fn surfaces() -> [SurfaceModel; 7] {
     let half = Rgb::splat(0.5);
     [
-        Surface::Diffuse { albedo: half, roughness: 0.25 },
-        Surface::Mirror { reflectance: half },
-        Surface::Conductor { metal: Metal::NAMED[0].1, roughness: 0.25 },
-        Surface::Dielectric { ior: 1.25, roughness: 0.25, priority: 3, absorption: half },
-        Surface::Plastic { albedo: half, ior: 1.25, roughness: 0.25 },
-        Surface::Principled(PrincipledParameters::default()),
-        Surface::Phong { albedo: half, specular: half, exponent: 8.0, normalized: false },
+        SurfaceModel::Diffuse { albedo: half, roughness: 0.25 },
+        SurfaceModel::Mirror { reflectance: half },
+        SurfaceModel::Conductor { metal: Metal::NAMED[0].1, roughness: 0.25 },
+        SurfaceModel::Dielectric { ior: 1.25, roughness: 0.25, priority: 3, absorption: half },
+        SurfaceModel::Plastic { albedo: half, ior: 1.25, roughness: 0.25 },
+        SurfaceModel::Principled(PrincipledParameters::default()),
+        SurfaceModel::Phong { albedo: half, specular: half, exponent: 8.0, normalized: false },
     ]
 }
 
 /// A projection of every kind.
-pub(crate) fn projections() -> [Projection; 3] {
-    let lens = Lens { radius: 0.125, focus_distance: 5.0, blades: 6, rotation_degrees: 30.0 };
+pub(crate) fn projections() -> [ProjectionDescription; 3] {
+    let lens = LensDescription { radius: 0.125, focus_distance: 5.0, blades: 6, rotation_degrees: 30.0 };
     [
-        Projection::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) },
-        Projection::Orthographic { height: 4.0 },
-        Projection::Panoramic { horizontal_degrees: 270.0, vertical_degrees: 90.0 },
+        ProjectionDescription::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) },
+        ProjectionDescription::Orthographic { height: 4.0 },
+        ProjectionDescription::Panoramic { horizontal_degrees: 270.0, vertical_degrees: 90.0 },
     ]
 }
 
 /// An integrator of every kind.
-pub(crate) fn integrators() -> [Integrator; 6] {
+pub(crate) fn integrators() -> [IntegratorSettings; 6] {
     [
-        Integrator::Path,
-        Integrator::Direct,
-        Integrator::AmbientOcclusion { distance: Some(2.0) },
-        Integrator::Normals,
-        Integrator::Paper(Paper { stop: Stop::Threshold(0.25), ..Paper::default() }),
-        Integrator::Raycast { shadows: true },
+        IntegratorSettings::Path,
+        IntegratorSettings::Direct,
+        IntegratorSettings::AmbientOcclusion { distance: Some(2.0) },
+        IntegratorSettings::Normals,
+        IntegratorSettings::Paper(PaperSettings { stop: PathTermination::Threshold(0.25), ..PaperSettings::default() }),
+        IntegratorSettings::Raycast { shadows: true },
     ]
 }
 
@@ -287,9 +287,9 @@ fn must_have_names<T: serde::Serialize, K: Copy + PartialEq>(
 
 #[test]
 fn a_kind_has_the_same_name_in_scene_files_and_in_json() {
-    must_have_names(&surfaces(), Surface::kind, SurfaceKind::NAMES);
-    must_have_names(&projections(), Projection::kind, ProjectionKind::NAMES);
-    must_have_names(&integrators(), Integrator::kind, IntegratorKind::NAMES);
-    let stops = [Stop::Roulette, Stop::Depth, Stop::Threshold(0.25)];
-    must_have_names(&stops, Stop::kind, StopKind::NAMES);
+    must_have_names(&surfaces(), SurfaceModel::kind, SurfaceKind::NAMES);
+    must_have_names(&projections(), ProjectionDescription::kind, ProjectionKind::NAMES);
+    must_have_names(&integrators(), IntegratorSettings::kind, IntegratorKind::NAMES);
+    let stops = [PathTermination::Roulette, PathTermination::Depth, PathTermination::Threshold(0.25)];
+    must_have_names(&stops, PathTermination::kind, PathTerminationKind::NAMES);
 }

@@ -1,8 +1,8 @@
 //! Glass is named or given by its index; the principled material has other renderers' parameters.
 
 use photosphere::color::Rgb;
-use photosphere::material::{GLASSES, PrincipledParameters};
-use photosphere::scene::description::Surface;
+use photosphere::material::{NAMED_IORS, PrincipledParameters};
+use photosphere::scene::description::SurfaceModel;
 
 use crate::scenes::{assert_told, load, with};
 
@@ -10,7 +10,7 @@ fn material(keys: &str) -> String {
     with("type = \"diffuse\"\nalbedo = [0.2, 0.6, 0.2]", keys)
 }
 
-fn surface(keys: &str) -> Surface {
+fn surface(keys: &str) -> SurfaceModel {
     load(&material(keys), &[]).expect("a good scene").description.materials[0].surface
 }
 
@@ -18,8 +18,8 @@ fn surface(keys: &str) -> Surface {
 fn glass_is_named_or_given_by_its_index() {
     let of = |keys: &str| surface(&format!("type = \"dielectric\"\n{keys}"));
     let glass =
-        |ior, roughness| Surface::Dielectric { ior, roughness, priority: 0, absorption: Rgb::ZERO };
-    for (name, ior) in GLASSES {
+        |ior, roughness| SurfaceModel::Dielectric { ior, roughness, priority: 0, absorption: Rgb::ZERO };
+    for (name, ior) in NAMED_IORS {
         assert_eq!(of(&format!("glass = \"{name}\"")), glass(ior, 0.0));
     }
     assert_eq!(of("ior = 1.25\nroughness = 0.5"), glass(1.25, 0.5));
@@ -48,7 +48,7 @@ fn glass_is_named_or_given_by_its_index() {
 
 #[test]
 fn a_wrong_name_of_a_glass_is_told_with_the_right_ones() {
-    let names: Vec<_> = GLASSES.iter().map(|(name, _)| format!("\"{name}\"")).collect();
+    let names: Vec<_> = NAMED_IORS.iter().map(|(name, _)| format!("\"{name}\"")).collect();
     let expected = format!(
         "13:9: `materials.grass.glass` must be {}, not \"diamnd\" | did you mean `diamond`?",
         names.join(" or ")
@@ -70,7 +70,7 @@ fn a_principled_material_has_only_a_base_color_that_must_be_told() {
         transmission: 0.0,
     };
     let color = "base_color = [0.25, 0.5, 0.75]";
-    assert_eq!(of(color), Surface::Principled(plain));
+    assert_eq!(of(color), SurfaceModel::Principled(plain));
     let all = "metallic = 0.125\nroughness = 0.25\nspecular = 1\nior = 1.25\ncoat = 0.75\n\
                coat_roughness = 0.625\ntransmission = 0.375";
     let told = PrincipledParameters {
@@ -83,7 +83,7 @@ fn a_principled_material_has_only_a_base_color_that_must_be_told() {
         transmission: 0.375,
         ..plain
     };
-    assert_eq!(of(&format!("{color}\n{all}")), Surface::Principled(told));
+    assert_eq!(of(&format!("{color}\n{all}")), SurfaceModel::Principled(told));
 
     let keys = "type = \"principled\"\nmetalic = 1\ntransmission = 2\nior = 0.9";
     assert_told(

@@ -1,7 +1,7 @@
 //! Metals are named or given by their index.
 
 use photosphere::material::Metal;
-use photosphere::scene::description::Surface;
+use photosphere::scene::description::SurfaceModel;
 
 use crate::scenes::{assert_told, load, with};
 
@@ -16,10 +16,10 @@ fn metals_are_named_or_given_by_their_index() {
         load(&text, &[]).expect("a good scene").description.materials[0].surface
     };
     let gold = Metal::NAMED[0].1;
-    assert_eq!(of("metal = \"gold\""), Surface::Conductor { metal: gold, roughness: 0.0 });
+    assert_eq!(of("metal = \"gold\""), SurfaceModel::Conductor { metal: gold, roughness: 0.0 });
     let own = Metal { ior: [0.0, 1.0, 2.0].into(), extinction: [3.0, 4.0, 5.0].into() };
     let given = of("ior = [0, 1, 2]\nextinction = [3, 4, 5]\nroughness = 0.5");
-    assert_eq!(given, Surface::Conductor { metal: own, roughness: 0.5 });
+    assert_eq!(given, SurfaceModel::Conductor { metal: own, roughness: 0.5 });
 
     let told = |keys: &str, expected: &[&str]| {
         assert_told(&metal(&format!("type = \"conductor\"\n{keys}")), &[], expected);

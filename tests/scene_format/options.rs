@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use photosphere::scene::description::Surface;
-use photosphere::scene::settings::{FilterKind, Integrator, Paper};
+use photosphere::scene::description::SurfaceModel;
+use photosphere::scene::settings::{FilterKind, IntegratorSettings, PaperSettings};
 use photosphere::scene::{Override, SceneFile, read_text};
 
 use crate::scenes::{SCENE, assert_told, load, with};
@@ -23,11 +23,11 @@ fn options_replace_what_the_file_says() {
     ];
     let SceneFile { description, settings, .. } = load(SCENE, &options).expect("a good scene");
     let albedo = [1.0, 0.0, 0.0].into();
-    assert_eq!(description.materials[0].surface, Surface::Diffuse { albedo, roughness: 0.0 });
+    assert_eq!(description.materials[0].surface, SurfaceModel::Diffuse { albedo, roughness: 0.0 });
     assert_eq!(description.spheres[0].radius, 20.0);
     assert_eq!(description.spheres[0].center.y, -20.0);
     assert_eq!(description.spheres[1].name.as_deref(), Some("a \"b\""));
-    assert!(matches!(settings.render.integrator, Integrator::Paper(Paper { samples: 9, .. })));
+    assert!(matches!(settings.render.integrator, IntegratorSettings::Paper(PaperSettings { samples: 9, .. })));
     assert_eq!(settings.render.samples_per_pixel, 36);
     assert_eq!(settings.image.filter, FilterKind::Tent);
     assert_eq!(settings.render.seed, 2, "the last one wins");
@@ -82,7 +82,7 @@ fn an_option_of_its_own_name_is_shown_as_written() {
         value: "0".into(),
     };
     let error = read_text("a.toml", SCENE, Path::new(""), &[spp]).expect_err("0 samples");
-    let place = error.mistakes()[0].place.as_ref().expect("a place");
+    let place = error.diagnostics()[0].location.as_ref().expect("a place");
     assert_eq!(place.source.text, "--spp 0");
     assert_eq!(place.span, 6..7);
 }

@@ -1,6 +1,6 @@
 //! The paper's integrator, its samples and its options.
 
-use photosphere::scene::settings::{Hemisphere, Integrator, Miss, Paper, SamplerKind, Stop};
+use photosphere::scene::settings::{Hemisphere, IntegratorSettings, MissPolicy, PaperSettings, SamplerKind, PathTermination};
 
 use crate::scenes::{assert_told, load, with};
 
@@ -8,7 +8,7 @@ use crate::scenes::{assert_told, load, with};
 fn paper_samples(render: &str, options: &[&str]) -> (u32, u32) {
     let text = with("seed = 7", render);
     let render = load(&text, options).expect("a good scene").settings.render;
-    let Integrator::Paper(paper) = render.integrator else { panic!("not the paper's") };
+    let IntegratorSettings::Paper(paper) = render.integrator else { panic!("not the paper's") };
     assert_eq!(render.samples_per_pixel, paper.subpixels.pow(2) * paper.samples);
     (paper.subpixels, paper.samples)
 }
@@ -80,17 +80,17 @@ fn the_papers_options_are_read() {
          hemisphere = \"uniform-angle\"\nstop = \"threshold\"\nthreshold = 0.25\nmiss = \"redraw\"\n\
          jitter = 0.5\n[render.raycast]\nshadows = true",
     );
-    let expected = Paper {
+    let expected = PaperSettings {
         subpixels: 3,
         samples: 5,
         hemisphere: Hemisphere::UniformAngle,
-        stop: Stop::Threshold(0.25),
-        miss: Miss::Redraw,
+        stop: PathTermination::Threshold(0.25),
+        miss: MissPolicy::Redraw,
         jitter: 0.5,
     };
     let render = load(&text, &[]).expect("good").settings.render;
-    assert_eq!(render.integrator, Integrator::Paper(expected));
+    assert_eq!(render.integrator, IntegratorSettings::Paper(expected));
     let render = load(&text, &["render.integrator=raycast"]).expect("good").settings.render;
-    assert_eq!(render.integrator, Integrator::Raycast { shadows: true });
+    assert_eq!(render.integrator, IntegratorSettings::Raycast { shadows: true });
     assert_eq!(render.samples_per_pixel, 1);
 }

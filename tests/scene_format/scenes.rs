@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use photosphere::error::{Category, Error, Mistake};
+use photosphere::error::{Category, Error, Diagnostic};
 use photosphere::scene::{Override, SceneFile, read_text};
 
 /// The smallest scene; each test changes something.
@@ -64,14 +64,14 @@ pub(crate) fn told(text: &str, options: &[&str]) -> Vec<String> {
     let built = load(text, options).and_then(SceneFile::build);
     let error = built.expect_err("a mistake");
     assert_eq!(error.category(), Category::Input);
-    let tell = |mistake: &Mistake| {
+    let tell = |mistake: &Diagnostic| {
         let told = mistake.to_string().trim_start_matches("test.toml:").to_owned();
         match &mistake.help {
             Some(help) => format!("{told} | {help}"),
             None => told,
         }
     };
-    error.mistakes().iter().map(tell).collect()
+    error.diagnostics().iter().map(tell).collect()
 }
 
 pub(crate) fn assert_told(text: &str, options: &[&str], expected: &[&str]) {

@@ -69,7 +69,7 @@ impl Desk {
     fn told(&self) -> Vec<String> {
         let error = self.load().expect_err("a mistake");
         let folder = format!("{}/", self.folder.path().display());
-        let messages = error.mistakes().iter().map(|mistake| mistake.message.replace(&folder, ""));
+        let messages = error.diagnostics().iter().map(|mistake| mistake.message.replace(&folder, ""));
         messages.collect()
     }
 }
@@ -113,7 +113,7 @@ fn sphere(scene: &Scene, row: u32) -> [f64; 4] {
 }
 
 fn color(scene: &Scene, row: u32) -> Option<[f32; 3]> {
-    scene.surface(id(scene, row)).albedo.map(|color| color.to_array())
+    scene.sphere_material(id(scene, row)).albedo.map(|color| color.to_array())
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn the_file_must_be_there_and_whole() {
     let missing = Desk::new().table("a.f32", COLUMNS, "matt");
     let told = missing.told();
     assert!(told[0].starts_with("cannot read `a.f32`: No such file"), "{told:?}");
-    let place = missing.load().expect_err("missing").mistakes()[0].place.clone().expect("a place");
+    let place = missing.load().expect_err("missing").diagnostics()[0].location.clone().expect("a place");
     assert_eq!(&place.source.text[place.span], "\"a.f32\"");
     let folder = Desk::new().table("a.f32", COLUMNS, "matt");
     fs::create_dir(folder.folder.path().join("a.f32")).expect("a folder");
@@ -202,7 +202,7 @@ fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
     let two = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0];
     let scene = Desk::new().table("a.f32", COLUMNS, "matt").values("a.f32", &two);
     assert!(scene.told()[0].ends_with("from 1e-15 to 1e15; 1 more row is wrong"));
-    let mistake = scene.load().expect_err("a mistake").mistakes()[0].clone();
+    let mistake = scene.load().expect_err("a mistake").diagnostics()[0].clone();
     let help = mistake.help.expect("a help");
     assert!(help.starts_with("a row is 4 little-endian f32 numbers, as `columns` says"), "{help}");
 }
@@ -250,7 +250,7 @@ fn colours_are_as_bright_as_their_material_lets_them_be() {
 fn a_coloured_bead_leaves_its_colour_of_light_that_crosses_it() {
     let values = [1.0, 0.5, 0.0, 2.0, 0.0, 0.0, 0.0];
     let desk = Desk::new().table("a.f32", COLORED, "glass").values("a.f32", &values);
-    let medium = desk.load().expect("a good scene").surface(0).medium(0).expect("glass");
+    let medium = desk.load().expect("a good scene").sphere_material(0).medium(0).expect("glass");
     assert_eq!(medium.absorption.x, 0.0);
     assert!((f64::from(medium.absorption.y) - std::f64::consts::LN_2 / 4.0).abs() < 1e-7);
     assert!(medium.absorption.z > 10.0 && medium.absorption.is_finite());

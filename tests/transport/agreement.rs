@@ -6,13 +6,13 @@
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::image_io::Picture;
-use photosphere::scene::description::Surface;
-use photosphere::scene::settings::Paper;
+use photosphere::scene::description::SurfaceModel;
+use photosphere::scene::settings::PaperSettings;
 
-use crate::kit::{Estimate, Judged, Kit, diffuse, glass, mirror, phong, rendered};
+use crate::kit::{MeanEstimate, Judged, Kit, diffuse, glass, mirror, phong, rendered};
 
 /// What a ball is made of, and the radiance that it sends out.
-type Look = (Surface, f32);
+type Look = (SurfaceModel, f32);
 /// Centre, radius and look of a ball.
 type Ball = ([f64; 3], f64, Look);
 
@@ -23,7 +23,7 @@ const MIRROR_LAMP: Look = (mirror(0.5), 2.0);
 const GLASS_LAMP: Look = (glass(1.5), 1.0);
 const GLASS: Look = (glass(1.5), 0.0);
 const WATER: Look =
-    (Surface::Dielectric { ior: 1.33, roughness: 0.0, priority: -1, absorption: Rgb::ZERO }, 0.0);
+    (SurfaceModel::Dielectric { ior: 1.33, roughness: 0.0, priority: -1, absorption: Rgb::ZERO }, 0.0);
 const PHONG: Look = (phong([0.3, 0.5], 20.0, true), 0.0);
 const CLASSIC_PHONG: Look = (phong([0.1, 0.2], 10.0, false), 0.0);
 
@@ -38,12 +38,12 @@ fn scene(balls: &[Ball]) -> Kit {
 }
 
 /// Direct and indirect light of a scene, over seeds.
-fn layers(kit: &Kit) -> [Estimate; 2] {
+fn layers(kit: &Kit) -> [MeanEstimate; 2] {
     let pictures: Vec<Picture> = kit.pictures(Backend::BruteForce).collect();
     let mean = |layer: fn(&Picture) -> &Vec<Rgb>| {
         let of =
             |p: &Picture| layer(p).iter().map(|c| f64::from(c.y)).sum::<f64>() / p.len() as f64;
-        Estimate::of(&pictures.iter().map(of).collect::<Vec<_>>())
+        MeanEstimate::from_values(&pictures.iter().map(of).collect::<Vec<_>>())
     };
     [mean(|p| &p.direct), mean(|p| &p.indirect)]
 }
@@ -55,7 +55,7 @@ fn must_agree_on_the_ground(name: &str, balls: &[Ball]) {
 
 fn must_agree(name: &str, balls: &[Ball]) {
     let path = layers(&scene(balls).samples(64));
-    let paper = layers(&scene(balls).paper(Paper::default()).samples(256));
+    let paper = layers(&scene(balls).paper(PaperSettings::default()).samples(256));
     for (layer, (path, paper)) in ["direct", "indirect"].iter().zip(path.into_iter().zip(paper)) {
         path.must_agree(paper, &format!("{name}, {layer}"));
     }

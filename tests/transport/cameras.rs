@@ -2,44 +2,44 @@
 
 use photosphere::color::Rgb;
 use photosphere::math::Rect;
-use photosphere::scene::Material;
-use photosphere::scene::description::{Lens, NamedMaterial, Projection, Surface};
-use photosphere::scene::settings::{FilterKind, Image, Integrator, SamplerKind};
+use photosphere::scene::MaterialHandle;
+use photosphere::scene::description::{LensDescription, MaterialDescription, ProjectionDescription, SurfaceModel};
+use photosphere::scene::settings::{FilterKind, ImageSettings, IntegratorSettings, SamplerKind};
 
 use crate::kit::Kit;
 
 /// A lens before an opening of this radius, in focus at this distance.
-fn lens(radius: f64, focus_distance: f64, blades: u32) -> Lens {
-    Lens { radius, focus_distance, blades, rotation_degrees: 0.0 }
+fn lens(radius: f64, focus_distance: f64, blades: u32) -> LensDescription {
+    LensDescription { radius, focus_distance, blades, rotation_degrees: 0.0 }
 }
 
 /// 36 degrees through a lens.
-fn through(lens: Lens) -> Projection {
-    Projection::Perspective { vertical_fov_degrees: 36.0, lens: Some(lens) }
+fn through(lens: LensDescription) -> ProjectionDescription {
+    ProjectionDescription::Perspective { vertical_fov_degrees: 36.0, lens: Some(lens) }
 }
 
 /// Every camera, for a point in focus at this distance.
-fn cameras(distance: f64) -> [Projection; 6] {
+fn cameras(distance: f64) -> [ProjectionDescription; 6] {
     [
-        Projection::Perspective { vertical_fov_degrees: 50.0, lens: None },
+        ProjectionDescription::Perspective { vertical_fov_degrees: 50.0, lens: None },
         through(lens(0.3, 2.0, 0)),
-        through(Lens { rotation_degrees: 20.0, ..lens(0.3, distance, 5) }),
-        Projection::Orthographic { height: 2.0 },
-        Projection::Panoramic { horizontal_degrees: 360.0, vertical_degrees: 180.0 },
-        Projection::Panoramic { horizontal_degrees: 90.0, vertical_degrees: 100.0 },
+        through(LensDescription { rotation_degrees: 20.0, ..lens(0.3, distance, 5) }),
+        ProjectionDescription::Orthographic { height: 2.0 },
+        ProjectionDescription::Panoramic { horizontal_degrees: 360.0, vertical_degrees: 180.0 },
+        ProjectionDescription::Panoramic { horizontal_degrees: 90.0, vertical_degrees: 100.0 },
     ]
 }
 
 fn filtered(kit: &mut Kit, filter: FilterKind) {
     let image = &mut kit.settings.image;
-    *image = Image { filter, filter_radius: Image::usual_radius(filter), ..*image };
+    *image = ImageSettings { filter, filter_radius: ImageSettings::default_filter_radius(filter), ..*image };
 }
 
 /// A black surface that glows.
-fn glowing(kit: &mut Kit, emission: [f32; 3]) -> Material {
-    let surface = Surface::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
+fn glowing(kit: &mut Kit, emission: [f32; 3]) -> MaterialHandle {
+    let surface = SurfaceModel::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
     let emission = emission.into();
-    kit.scene.material(NamedMaterial { surface, emission, ..Default::default() })
+    kit.scene.material(MaterialDescription { surface, emission, ..Default::default() })
 }
 
 /// Inside of a black ball that glows.
@@ -89,7 +89,7 @@ fn every_camera_knows_the_glass_that_its_rays_start_in() {
     // A plane of parallel rays that reaches out of the glass on both sides: the rays of the middle
     // pixel start within it, near enough to its middle that none is trapped.
     (inside.settings.image.width, inside.settings.image.height) = (9, 1);
-    inside.scene.description.camera.projection = Projection::Orthographic { height: 8.0 };
+    inside.scene.description.camera.projection = ProjectionDescription::Orthographic { height: 8.0 };
     let shown = inside.picture();
     for (pixel, expected) in [(0, 0.5), (4, 0.5 * 2.25), (8, 0.5)] {
         assert!((shown.beauty(pixel).y - expected).abs() < 1e-5, "{pixel}");
@@ -100,12 +100,12 @@ fn every_camera_knows_the_glass_that_its_rays_start_in() {
 fn a_closed_lens_is_the_pinhole_bit_by_bit() {
     let small = ["image.width=24", "image.height=18", "render.samples_per_pixel=4"];
     let mut kit = Kit::of_file("paper/fig4.toml", &small);
-    let with_lens = |kit: &Kit, lens: Lens| {
+    let with_lens = |kit: &Kit, lens: LensDescription| {
         kit.clone().with(|kit| kit.scene.description.camera.projection = through(lens)).picture()
     };
     assert_eq!(with_lens(&kit, lens(0.0, 3.0, 6)), kit.picture());
     // Almost closed, nearly all pixels are nearly the same.
-    kit.settings.render.integrator = Integrator::Normals;
+    kit.settings.render.integrator = IntegratorSettings::Normals;
     let (sharp, almost) = (kit.picture(), with_lens(&kit, lens(1e-9, 3.0, 0)));
     let differ = |i: &usize| (sharp.direct[*i] - almost.direct[*i]).abs().max_element() > 1e-5;
     assert_eq!((0..sharp.len()).filter(differ).count(), 0);
@@ -113,11 +113,11 @@ fn a_closed_lens_is_the_pinhole_bit_by_bit() {
 
 /// A wall of two halves, seen from 5 away: two balls so large that they are flat, one glowing. Their
 /// surfaces cross where x = 0, between the fourth and the fifth of eight columns.
-fn wall(lens: Option<Lens>) -> Kit {
+fn wall(lens: Option<LensDescription>) -> Kit {
     let mut kit = Kit::new(8, 6, 64);
     kit.scene.camera([0.0, 0.0, 5.0], [0.0; 3]);
     kit.scene.description.camera.projection =
-        Projection::Perspective { vertical_fov_degrees: 20.0, lens };
+        ProjectionDescription::Perspective { vertical_fov_degrees: 20.0, lens };
     let dark = kit.scene.diffuse([0.0; 3]);
     let bright = glowing(&mut kit, [1.0; 3]);
     kit.scene.sphere(dark, [-1.0, 0.0, -1e6], 1e6).sphere(bright, [1.0, 0.0, -1e6], 1e6);
@@ -131,7 +131,7 @@ fn focus(options: &[&str]) -> f64 {
         ["camera.position=[0, 0, 5]", "camera.look_at=[0, 0, 0]", "camera.aperture_radius=0.4"];
     let kit = Kit::of_file("paper/fig4.toml", &[&camera[..], options].concat());
     match kit.scene.description.camera.projection {
-        Projection::Perspective { lens: Some(lens), .. } => lens.focus_distance,
+        ProjectionDescription::Perspective { lens: Some(lens), .. } => lens.focus_distance,
         other => panic!("{other:?}"),
     }
 }
@@ -164,7 +164,7 @@ fn parallel_rays_are_those_of_a_camera_far_away() {
     kit.scene.camera([0.0, 1.0, 1e6], [0.0, 1.0, 0.0]);
     kit.scene.field_of_view(2.0 * (2e-6f64).atan().to_degrees());
     let far = kit.picture();
-    kit.scene.description.camera.projection = Projection::Orthographic { height: 4.0 };
+    kit.scene.description.camera.projection = ProjectionDescription::Orthographic { height: 4.0 };
     let parallel = kit.picture();
     let differ =
         |pixel: &usize| (parallel.direct[*pixel] - far.direct[*pixel]).abs().max_element() > 1e-4;

@@ -1,6 +1,6 @@
 //! Inside a glowing sphere: nothing is lost and nothing is made.
 
-use photosphere::scene::settings::{Paper, Stop};
+use photosphere::scene::settings::{PaperSettings, PathTermination};
 
 use crate::kit::{ALLOWED, Judged, diffuse, glass, phong};
 use crate::scenes::{BUBBLE, WALL, estimators, full_furnace, furnace, must_be, must_be_everywhere};
@@ -38,10 +38,10 @@ fn a_path_of_limited_depth_gathers_the_first_terms_of_the_series() {
 
 #[test]
 fn the_papers_stop_rules_lose_just_what_they_cut_off() {
-    let paper = |stop| furnace().paper(Paper { stop, ..Paper::default() });
-    paper(Stop::Depth).depth(5).mean().must_be(2.0 - 0.5f64.powi(4), "depth");
+    let paper = |stop| furnace().paper(PaperSettings { stop, ..PaperSettings::default() });
+    paper(PathTermination::Depth).depth(5).mean().must_be(2.0 - 0.5f64.powi(4), "depth");
     // The weight after k bounces is 2^-k; the first below 0.01 is the seventh.
-    paper(Stop::Threshold(0.01)).mean().must_be(2.0 - 0.5f64.powi(6), "threshold");
+    paper(PathTermination::Threshold(0.01)).mean().must_be(2.0 - 0.5f64.powi(6), "threshold");
 }
 
 #[test]

@@ -4,12 +4,12 @@
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::integrator::{End, SampleAddress, Step, Trace, World, of_shot};
+use photosphere::integrator::{Termination, SampleAddress, PathEvent, PathTrace, RenderContext, create};
 use photosphere::math::DVec3;
-use photosphere::scene::Shot;
-use photosphere::scene::description::NamedMaterial;
-use photosphere::scene::settings::{Estimator, Integrator, Miss, Paper, Stop};
-use photosphere::task::Cancel;
+use photosphere::scene::PreparedScene;
+use photosphere::scene::description::MaterialDescription;
+use photosphere::scene::settings::{Estimator, IntegratorSettings, MissPolicy, PaperSettings, PathTermination};
+use photosphere::task::CancelToken;
 
 use crate::kit::{Judged, Kit, built, diffuse, glass, mirror, phong};
 
@@ -24,7 +24,7 @@ fn still_life() -> Kit {
     kit.ball([2.2, 1.0, 0.0], 1.0, glass(1.5));
     let emission = Rgb::new(4.0, 3.0, 2.0);
     let surface = diffuse(0.5);
-    let lamp = kit.scene.material(NamedMaterial { surface, emission, ..Default::default() });
+    let lamp = kit.scene.material(MaterialDescription { surface, emission, ..Default::default() });
     kit.scene.sphere(lamp, [-1.0, 5.0, 2.0], 1.5).sphere(lamp, [1.0, 0.3, 2.0], 0.3);
     kit
 }
@@ -41,7 +41,7 @@ fn clamped(mut kit: Kit, limit: f64) -> Kit {
 
 #[test]
 fn all_ways_to_find_light_have_the_same_mean() {
-    for integrator in [Integrator::Path, Integrator::Direct] {
+    for integrator in [IntegratorSettings::Path, IntegratorSettings::Direct] {
         let mean = |way: Estimator, samples: u32| {
             estimator(still_life(), way).integrator(integrator).samples(samples).mean()
         };
@@ -56,15 +56,15 @@ fn all_ways_to_find_light_have_the_same_mean() {
 fn each_way_to_find_light_does_what_its_name_says() {
     // Seen by nothing but matt surfaces, a lamp met by chance brings nothing to `light`, and
     // nothing is aimed at by `bsdf`: in a trace there are only shadow rays, or none.
-    let count = |way: Estimator, chosen: &dyn Fn(&Step) -> bool| {
+    let count = |way: Estimator, chosen: &dyn Fn(&PathEvent) -> bool| {
         let shot = estimator(still_life(), way).shot();
-        traces(&shot).iter().flat_map(|trace| &trace.steps).filter(|step| chosen(step)).count()
+        traces(&shot).iter().flat_map(|trace| &trace.events).filter(|step| chosen(step)).count()
     };
-    let by_chance = |step: &Step| {
-        matches!(step, Step::Light { pdf: Some(_), pdf_light, added, .. }
-        if *pdf_light > 0.0 && added.light != Rgb::ZERO)
+    let by_chance = |step: &PathEvent| {
+        matches!(step, PathEvent::Emission { pdf: Some(_), pdf_light, contribution, .. }
+        if *pdf_light > 0.0 && added.radiance != Rgb::ZERO)
     };
-    let aimed = |step: &Step| matches!(step, Step::Aim { .. });
+    let aimed = |step: &PathEvent| matches!(step, PathEvent::LightSample { .. });
     assert_eq!(count(Estimator::Light, &by_chance), 0);
     assert_eq!(count(Estimator::Bsdf, &aimed), 0);
     assert!(count(Estimator::Mis, &by_chance) > 0 && count(Estimator::Mis, &aimed) > 0);
@@ -77,8 +77,8 @@ fn direct_light_is_the_direct_layer_of_all_light() {
         (kit.settings.image.width, kit.settings.image.height) = (24, 18);
         for way in [Estimator::Mis, Estimator::Light, Estimator::Bsdf] {
             let kit = estimator(kit.clone(), way).samples(16);
-            let all = kit.clone().integrator(Integrator::Path).picture();
-            let direct = kit.integrator(Integrator::Direct).picture();
+            let all = kit.clone().integrator(IntegratorSettings::Path).picture();
+            let direct = kit.integrator(IntegratorSettings::Direct).picture();
             assert_eq!(direct.direct, all.direct, "{way:?}");
             assert!(direct.indirect.iter().all(|&light| light == Rgb::ZERO));
             assert!(all.indirect.iter().any(|&light| light != Rgb::ZERO));
@@ -88,7 +88,7 @@ fn direct_light_is_the_direct_layer_of_all_light() {
 
 #[test]
 fn normals_are_exact_and_have_no_noise() {
-    let mut kit = Kit::new(3, 3, 1).integrator(Integrator::Normals);
+    let mut kit = Kit::new(3, 3, 1).integrator(IntegratorSettings::Normals);
     kit.settings.render.seed = 9;
     kit.scene.camera([0.0, 0.0, 5.0], [0.0; 3]).field_of_view(30.0);
     kit.ball([0.0; 3], 1.0, mirror(1.0));
@@ -108,7 +108,7 @@ fn normals_are_exact_and_have_no_noise() {
 
 /// Two balls, their centres 4 apart as seen at the point between them.
 fn two_balls() -> Kit {
-    let mut kit = Kit::new(1, 1, 256).integrator(Integrator::AmbientOcclusion { distance: None });
+    let mut kit = Kit::new(1, 1, 256).integrator(IntegratorSettings::AmbientOcclusion { distance: None });
     kit.scene.camera([0.0, 6.0, 0.0], [0.0; 3]).up(DVec3::X).field_of_view(1e-6);
     kit.glowing_ball([0.0; 3], 1.0, diffuse(0.1), 3.0);
     kit.glowing_ball([4.0, 1.0, 0.0], 2.0, diffuse(0.1), 3.0);
@@ -125,7 +125,7 @@ fn ambient_occlusion_is_one_less_the_covered_share() {
     let covered = (a - a.sin() * a.cos()) / std::f64::consts::PI;
     two_balls().mean().must_be(1.0 - covered, "openness");
     // Its nearest point is 2 away.
-    let within = |distance: f64| Integrator::AmbientOcclusion { distance: Some(distance) };
+    let within = |distance: f64| IntegratorSettings::AmbientOcclusion { distance: Some(distance) };
     two_balls().integrator(within(1.99)).mean().must_be(1.0, "nothing is that near");
     let a_little = two_balls().integrator(within(2.5)).mean();
     assert!(a_little.mean > 1.0 - covered && a_little.mean < 1.0, "{a_little:?}");
@@ -141,28 +141,28 @@ fn ambient_occlusion_is_one_less_the_covered_share() {
 
 #[test]
 fn ambient_occlusion_is_a_white_scene_under_a_white_sky() {
-    let mut white = still_life().integrator(Integrator::Direct);
+    let mut white = still_life().integrator(IntegratorSettings::Direct);
     white.scene.background([1.0; 3]);
     for material in &mut white.scene.description.materials {
         (material.surface, material.emission) = (diffuse(1.0), Rgb::ZERO);
     }
-    let openness = still_life().integrator(Integrator::AmbientOcclusion { distance: None });
+    let openness = still_life().integrator(IntegratorSettings::AmbientOcclusion { distance: None });
     openness.mean().must_agree(white.mean(), "white sky");
 }
 
 /// The traces of some samples of every pixel.
-fn traces(shot: &Shot) -> Vec<Trace> {
+fn traces(shot: &PreparedScene) -> Vec<PathTrace> {
     let accel = built(shot, Backend::BruteForce);
-    let cancel = Cancel::default();
-    let world = World::new(shot, &*accel, &cancel);
-    let integrator = of_shot(shot);
-    let image = shot.image();
+    let cancel = CancelToken::default();
+    let world = RenderContext::new(shot, &*accel, &cancel);
+    let integrator = create(shot);
+    let image = shot.image_settings();
     let mut traces = Vec::new();
     for y in 0..image.height {
         for x in 0..image.width {
             for sample in 0..4 {
                 let address = SampleAddress { x, y, sample };
-                traces.push(integrator.trace(world, address).expect("it follows paths"));
+                traces.push(integrator.trace_path(world, address).expect("it follows paths"));
             }
         }
     }
@@ -174,22 +174,22 @@ fn a_trace_adds_up_to_its_sample_bit_by_bit() {
     for kit in [
         still_life(),
         clamped(still_life(), 0.5).depth(5),
-        estimator(still_life(), Estimator::Light).integrator(Integrator::Direct),
-        still_life().paper(Paper { miss: Miss::Redraw, ..Paper::default() }),
-        still_life().paper(Paper { stop: Stop::Threshold(0.01), ..Paper::default() }),
+        estimator(still_life(), Estimator::Light).integrator(IntegratorSettings::Direct),
+        still_life().paper(PaperSettings { miss: MissPolicy::Redraw, ..PaperSettings::default() }),
+        still_life().paper(PaperSettings { stop: PathTermination::Threshold(0.01), ..PaperSettings::default() }),
     ] {
         let how = kit.how();
         let shot = kit.shot();
         let accel = built(&shot, Backend::BruteForce);
-        let cancel = Cancel::default();
-        let world = World::new(&shot, &*accel, &cancel);
+        let cancel = CancelToken::default();
+        let world = RenderContext::new(&shot, &*accel, &cancel);
         let traces = traces(&shot);
         // The renderer's own way: all samples in one batch.
         let samples: Vec<SampleAddress> = traces.iter().map(|trace| trace.address).collect();
         let mut radiance = vec![Default::default(); samples.len()];
         let tally =
-            of_shot(&shot).estimate(world, &samples, &mut radiance, &mut Default::default());
-        assert_eq!(tally.rays, traces.iter().map(|trace| trace.tally.rays).sum::<u64>());
+            create(&shot).estimate(world, &samples, &mut radiance, &mut Default::default());
+        assert_eq!(tally.rays, traces.iter().map(|trace| trace.stats.rays).sum::<u64>());
         let mut lit = 0;
         for (trace, radiance) in traces.iter().zip(radiance) {
             for sum in [trace.sum(), trace.radiance] {
@@ -197,26 +197,26 @@ fn a_trace_adds_up_to_its_sample_bit_by_bit() {
                 assert_eq!(sum.indirect, radiance.indirect, "{how}");
             }
             lit += usize::from(radiance.indirect != Rgb::ZERO);
-            let ends = trace.steps.iter().filter(|step| matches!(step, Step::End(_))).count();
+            let ends = trace.events.iter().filter(|step| matches!(step, PathEvent::End(_))).count();
             assert_eq!(ends, 1, "a path ends once");
         }
-        assert!(lit > 0 || kit.settings.render.integrator == Integrator::Direct);
+        assert!(lit > 0 || kit.settings.render.integrator == IntegratorSettings::Direct);
     }
 }
 
 #[test]
 fn integrators_without_paths_have_nothing_to_tell() {
     for integrator in [
-        Integrator::Normals,
-        Integrator::AmbientOcclusion { distance: None },
-        Integrator::Raycast { shadows: false },
+        IntegratorSettings::Normals,
+        IntegratorSettings::AmbientOcclusion { distance: None },
+        IntegratorSettings::Raycast { shadows: false },
     ] {
         let shot = still_life().integrator(integrator).shot();
         let accel = built(&shot, Backend::BruteForce);
-        let cancel = Cancel::default();
-        let world = World::new(&shot, &*accel, &cancel);
+        let cancel = CancelToken::default();
+        let world = RenderContext::new(&shot, &*accel, &cancel);
         let address = SampleAddress { x: 0, y: 0, sample: 0 };
-        assert!(of_shot(&shot).trace(world, address).is_none(), "{integrator:?}");
+        assert!(create(&shot).trace_path(world, address).is_none(), "{integrator:?}");
     }
 }
 
@@ -243,8 +243,8 @@ fn roulette_keeps_weights_and_their_variance_bounded() {
     let mean = samples.iter().sum::<f64>() / n;
     let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
     assert!(variance < 1.5, "{variance}");
-    for step in traces.iter().flat_map(|trace| &trace.steps) {
-        if let Step::Roulette { throughput, .. } = step {
+    for step in traces.iter().flat_map(|trace| &trace.events) {
+        if let PathEvent::Roulette { throughput, .. } = step {
             assert!(throughput.max_element() <= 1.0 + 1e-6, "{step:?}");
         }
     }
@@ -257,13 +257,13 @@ fn a_path_of_heavy_weight_survives_and_a_light_one_comes_to_weigh_one() {
     for trace in traces(&still_life().shot()) {
         let mut before = 1.0f32;
         let mut index_squared = 1.0f64;
-        for step in &trace.steps {
+        for step in &trace.events {
             match *step {
-                Step::Scatter { throughput, eta, .. } => {
+                PathEvent::BsdfSample { throughput, eta, .. } => {
                     before = throughput.max_element();
                     index_squared *= eta * eta;
                 }
-                Step::Roulette { survival, survives, throughput } if survives => {
+                PathEvent::Roulette { survival, survives, throughput } if survives => {
                     let after = throughput.max_element() * index_squared as f32;
                     assert!(after <= 1.0f32.max(before * index_squared as f32) + 1e-5);
                     assert!((after - 1.0).abs() < 1e-5 || survival == 1.0);
@@ -272,7 +272,7 @@ fn a_path_of_heavy_weight_survives_and_a_light_one_comes_to_weigh_one() {
                 _ => {}
             }
         }
-        assert!(trace.steps.iter().all(|step| !matches!(step, Step::End(End::CutOff))));
+        assert!(trace.events.iter().all(|step| !matches!(step, PathEvent::End(Termination::LengthLimit))));
     }
     assert!(seen[0] > 0, "{seen:?}");
 }
@@ -290,12 +290,12 @@ fn clamping_takes_light_away_from_the_indirect_layer_only() {
 
 #[test]
 fn options_that_bias_are_named() {
-    let biases = |kit: Kit| kit.shot().render().biases();
+    let biases = |kit: Kit| kit.shot().render_settings().biases();
     assert!(biases(still_life()).is_empty());
-    assert!(biases(still_life().paper(Paper::default())).is_empty());
-    assert!(biases(still_life().integrator(Integrator::Normals).depth(3)).is_empty());
+    assert!(biases(still_life().paper(PaperSettings::default())).is_empty());
+    assert!(biases(still_life().integrator(IntegratorSettings::Normals).depth(3)).is_empty());
     assert_eq!(biases(clamped(still_life(), 10.0)), ["clamp_indirect = 10"]);
-    let paper = Paper { stop: Stop::Depth, miss: Miss::Redraw, ..Paper::default() };
+    let paper = PaperSettings { stop: PathTermination::Depth, miss: MissPolicy::Redraw, ..PaperSettings::default() };
     assert_eq!(
         biases(still_life().paper(paper).depth(5)),
         ["max_depth = 5", "paper.stop = \"depth\"", "paper.miss = \"redraw\""]

@@ -2,25 +2,25 @@
 //! set of vector instructions that this processor has.
 
 use photosphere::accel::Backend;
-use photosphere::color::Radiance;
-use photosphere::integrator::{SampleAddress, Tally, Workspace, World, of_shot};
+use photosphere::color::PathRadiance;
+use photosphere::integrator::{SampleAddress, RenderStats, Workspace, RenderContext, create};
 use photosphere::math::Isa;
-use photosphere::scene::description::{NamedMaterial, Surface};
+use photosphere::scene::description::{MaterialDescription, SurfaceModel};
 use photosphere::scene::settings::{
-    Estimator, FilterKind, Image, Integrator, LightChoice, SamplerKind,
+    Estimator, FilterKind, ImageSettings, IntegratorSettings, LightSamplerKind, SamplerKind,
 };
-use photosphere::scene::{Material, Shot};
-use photosphere::task::Cancel;
+use photosphere::scene::{MaterialHandle, PreparedScene};
+use photosphere::task::CancelToken;
 
 use crate::kit::{Kit, built};
 
-fn matt(albedo: [f32; 3], roughness: f64) -> Surface {
-    Surface::Diffuse { albedo: albedo.into(), roughness }
+fn matt(albedo: [f32; 3], roughness: f64) -> SurfaceModel {
+    SurfaceModel::Diffuse { albedo: albedo.into(), roughness }
 }
 
-fn lamp(kit: &mut Kit, albedo: [f32; 3], emission: [f32; 3]) -> Material {
+fn lamp(kit: &mut Kit, albedo: [f32; 3], emission: [f32; 3]) -> MaterialHandle {
     let (surface, emission) = (matt(albedo, 0.0), emission.into());
-    kit.scene.material(NamedMaterial { surface, emission, ..Default::default() })
+    kit.scene.material(MaterialDescription { surface, emission, ..Default::default() })
 }
 
 /// A few lamps, one of them around the camera and all, over matt and other surfaces; and small lamps
@@ -48,33 +48,33 @@ fn lamps(small: impl Iterator<Item = [f64; 3]>) -> Kit {
 }
 
 /// The picture's samples, each of them followed by itself.
-fn one_by_one(world: World<'_>, samples: &[SampleAddress]) -> (Vec<Radiance>, u64) {
-    let integrator = of_shot(world.shot);
-    let trace = |&address| integrator.trace(world, address).expect("it follows paths");
+fn one_by_one(world: RenderContext<'_>, samples: &[SampleAddress]) -> (Vec<PathRadiance>, u64) {
+    let integrator = create(world.shot);
+    let trace = |&address| integrator.trace_path(world, address).expect("it follows paths");
     let traces: Vec<_> = samples.iter().map(trace).collect();
-    let rays = traces.iter().map(|trace| trace.tally.rays).sum();
+    let rays = traces.iter().map(|trace| trace.stats.rays).sum();
     (traces.into_iter().map(|trace| trace.radiance).collect(), rays)
 }
 
 /// The same, in batches.
 fn in_batches(
-    world: World<'_>,
+    world: RenderContext<'_>,
     samples: &[SampleAddress],
     size: usize,
     isa: Isa,
-) -> (Vec<Radiance>, u64) {
-    let integrator = of_shot(world.shot);
-    let mut workspace = Workspace::with(isa);
-    let mut radiance = vec![Radiance::default(); samples.len()];
-    let mut tally = Tally::default();
+) -> (Vec<PathRadiance>, u64) {
+    let integrator = create(world.shot);
+    let mut workspace = Workspace::with_isa(isa);
+    let mut radiance = vec![PathRadiance::default(); samples.len()];
+    let mut tally = RenderStats::default();
     for (samples, radiance) in samples.chunks(size).zip(radiance.chunks_mut(size)) {
         tally = tally + integrator.estimate(world, samples, radiance, &mut workspace);
     }
     (radiance, tally.rays)
 }
 
-fn samples(shot: &Shot) -> Vec<SampleAddress> {
-    let window = shot.image().window();
+fn samples(shot: &PreparedScene) -> Vec<SampleAddress> {
+    let window = shot.image_settings().pixel_bounds();
     let mut samples = Vec::new();
     for y in window.y..window.y + window.height {
         for x in window.x..window.x + window.width {
@@ -87,12 +87,12 @@ fn samples(shot: &Shot) -> Vec<SampleAddress> {
 fn must_agree(name: &str, kit: &Kit) {
     let shot = kit.shot();
     let accel = built(&shot, Backend::BruteForce);
-    let cancel = Cancel::default();
-    let world = World::new(&shot, &*accel, &cancel);
+    let cancel = CancelToken::default();
+    let world = RenderContext::new(&shot, &*accel, &cancel);
     let samples = samples(&shot);
     let (alone, rays) = one_by_one(world, &samples);
-    let bits = |radiance: &Radiance| {
-        let Radiance { direct, indirect, alpha } = *radiance;
+    let bits = |radiance: &PathRadiance| {
+        let PathRadiance { direct, indirect, alpha } = *radiance;
         (
             direct.to_array().map(f32::to_bits),
             indirect.to_array().map(f32::to_bits),
@@ -100,7 +100,7 @@ fn must_agree(name: &str, kit: &Kit) {
         )
     };
     assert!(alone.iter().any(|radiance| radiance.direct.max_element() > 0.0), "{name} is dark");
-    for isa in Isa::all() {
+    for isa in Isa::available() {
         for size in [1, 7, 31, 1000] {
             let (together, rays_together) = in_batches(world, &samples, size, isa);
             let isa = isa.name();
@@ -133,13 +133,13 @@ fn all_that_an_integrator_can_be_asked_for_has_the_same_bits() {
         ("short paths", |kit| kit.settings.render.max_depth = Some(3)),
         ("clamped", |kit| kit.settings.render.clamp_indirect = Some(0.5)),
         ("independent", |kit| kit.settings.render.sampler = SamplerKind::Independent),
-        ("direct", |kit| kit.settings.render.integrator = Integrator::Direct),
-        ("by power", |kit| kit.settings.render.light_choice = LightChoice::Power),
+        ("direct", |kit| kit.settings.render.integrator = IntegratorSettings::Direct),
+        ("by power", |kit| kit.settings.render.light_choice = LightSamplerKind::Power),
         ("cut open", |kit| kit.scene.description.camera.near = 5.5),
         ("blurred", |kit| {
             let filter = FilterKind::Gaussian;
-            let filter_radius = Image::usual_radius(filter);
-            kit.settings.image = Image { filter, filter_radius, ..kit.settings.image };
+            let filter_radius = ImageSettings::default_filter_radius(filter);
+            kit.settings.image = ImageSettings { filter, filter_radius, ..kit.settings.image };
         }),
     ];
     for (name, change) in changes {

@@ -8,13 +8,13 @@ use std::f64::consts::PI;
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
 use photosphere::image_io::Picture;
-use photosphere::image_io::Target;
+use photosphere::image_io::ImageWriter;
 use photosphere::light::Orientation;
 use photosphere::math::DVec3;
-use photosphere::scene::description::{Background, Dome, Sun};
-use photosphere::scene::settings::LightChoice;
+use photosphere::scene::description::{BackgroundDescription, EnvironmentDescription, SunDescription};
+use photosphere::scene::settings::LightSamplerKind;
 
-use crate::kit::{Estimate, Judged, Kit, diffuse, glass, mirror};
+use crate::kit::{MeanEstimate, Judged, Kit, diffuse, glass, mirror};
 
 /// One point of a matt plane, looked at from above. The plane is a giant.
 fn point() -> Kit {
@@ -26,7 +26,7 @@ fn point() -> Kit {
 }
 
 /// The point under a dome.
-fn under(dome: Dome) -> Kit {
+fn under(dome: EnvironmentDescription) -> Kit {
     point().with(|kit| kit.scene.description.background.dome = dome)
 }
 
@@ -34,7 +34,7 @@ fn under(dome: Dome) -> Kit {
 /// powers; and the radiance that they make at the point: `albedo L sin^2 cos` each.
 fn lamps(count: u32) -> (Kit, f64) {
     let mut kit = point();
-    let powers = [1.0, 2.0, 3.0].map(|power| kit.scene.lamp([power; 3]));
+    let powers = [1.0, 2.0, 3.0].map(|power| kit.scene.emitter([power; 3]));
     let mut sum = 0.0;
     for i in 0..count {
         // A spiral over the hemisphere, whose turns are further apart than the lamps are wide.
@@ -54,7 +54,7 @@ fn lamps(count: u32) -> (Kit, f64) {
 fn many_lamps_shine_like_their_sum_however_they_are_chosen() {
     for count in [5, 100, 3000] {
         let (mut kit, sum) = lamps(count);
-        for choice in [LightChoice::Hierarchy, LightChoice::Power, LightChoice::Uniform] {
+        for choice in [LightSamplerKind::Hierarchy, LightSamplerKind::Power, LightSamplerKind::Uniform] {
             kit.settings.render.light_choice = choice;
             let what = format!("{count} lamps, {choice:?}");
             kit.estimate(Backend::Native).must_be(sum, &what);
@@ -63,9 +63,9 @@ fn many_lamps_shine_like_their_sum_however_they_are_chosen() {
 }
 
 /// A sun at an elevation and an azimuth in degrees, so many of them wide.
-fn sun(elevation: f64, azimuth: f64, angular_diameter_degrees: f64, irradiance: f32) -> Sun {
+fn sun(elevation: f64, azimuth: f64, angular_diameter_degrees: f64, irradiance: f32) -> SunDescription {
     let sky = Orientation::new(DVec3::Y, 0.0);
-    Sun {
+    SunDescription {
         direction: sky.direction(elevation.to_radians(), azimuth.to_radians()),
         angular_diameter_degrees,
         irradiance: Rgb::splat(irradiance),
@@ -89,14 +89,14 @@ fn a_sun_shines_on_a_plane_like_the_cosine_of_its_height() {
 
 #[test]
 fn skies_shine_on_a_plane_like_their_integrals() {
-    let gradient = Dome::Gradient {
+    let gradient = EnvironmentDescription::Gradient {
         zenith: Rgb::splat(5.0),
         horizon: Rgb::splat(1.0),
         nadir: Rgb::splat(70.0),
     };
     for (sky, expected) in [
         // albedo L
-        (Dome::Constant { radiance: Rgb::splat(4.0) }, 0.5 * 4.0),
+        (EnvironmentDescription::Constant { radiance: Rgb::splat(4.0) }, 0.5 * 4.0),
         // albedo times twice the integral of (1 + 4 h) h over the height h
         (gradient, 0.5 * (1.0 + 2.0 * 4.0 / 3.0)),
     ] {
@@ -122,7 +122,7 @@ fn an_image_shines_on_a_plane_like_its_interpolation() {
     let indirect = vec![Rgb::ZERO; width * height];
     let picture = Picture { width, height, direct, indirect, ..Picture::default() };
     let file = folder.path().join("image.exr");
-    Target::new(&file).expect("a place").write(&picture).expect("room");
+    ImageWriter::new(&file).expect("a place").write(&picture).expect("room");
 
     let row_mean = |row: usize| {
         let row = &pixels[width * row..width * (row + 1)];
@@ -142,7 +142,7 @@ fn an_image_shines_on_a_plane_like_its_interpolation() {
 
     for rotation_degrees in [0.0, 200.0] {
         for kit in
-            under(Dome::Image { file: file.clone(), rotation_degrees, scale: 1.0 }).both_ways()
+            under(EnvironmentDescription::Image { file: file.clone(), rotation_degrees, scale: 1.0 }).both_ways()
         {
             let what = format!("image, {rotation_degrees} degrees, {}", kit.how());
             kit.mean().must_be(expected, &what);
@@ -155,10 +155,10 @@ fn an_image_shines_on_a_plane_like_its_interpolation() {
 fn lamps_sky_and_sun_add_up() {
     let (mut kit, sum) = lamps(40);
     let (zenith, horizon, nadir) = (Rgb::splat(0.3), Rgb::ZERO, Rgb::ZERO);
-    kit.scene.description.background = Background {
-        dome: Dome::Gradient { zenith, horizon, nadir },
+    kit.scene.description.background = BackgroundDescription {
+        dome: EnvironmentDescription::Gradient { zenith, horizon, nadir },
         sun: Some(sun(50.0, 0.0, 0.533, 0.2)),
-        ..Background::default()
+        ..BackgroundDescription::default()
     };
     let all = kit.mean();
     // The lamps cover some of the sky, and one may cover the sun.
@@ -166,8 +166,8 @@ fn lamps_sky_and_sun_add_up() {
         material.emission = Rgb::ZERO;
     }
     let by_sky = kit.mean();
-    let alone = Estimate { mean: all.mean - by_sky.mean, ..all };
-    alone.must_agree(Estimate { mean: sum, ..by_sky }, "lamps beside sky and sun");
+    let alone = MeanEstimate { mean: all.mean - by_sky.mean, ..all };
+    alone.must_agree(MeanEstimate { mean: sum, ..by_sky }, "lamps beside sky and sun");
 }
 
 /// A matt, a glass and a mirror ball before a background.

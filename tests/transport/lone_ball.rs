@@ -1,6 +1,6 @@
 //! A ball under a lamp, and what raycasting makes of it.
 
-use photosphere::scene::settings::Integrator;
+use photosphere::scene::settings::IntegratorSettings;
 
 use crate::kit::{Kit, diffuse, phong};
 use crate::scenes::{lone_ball, must_be_everywhere};
@@ -12,7 +12,7 @@ fn lone_ball_radiance() -> f64 {
 
 /// The radiance by one ray.
 fn cast(kit: &Kit, shadows: bool) -> f64 {
-    let kit = kit.clone().integrator(Integrator::Raycast { shadows }).samples(1);
+    let kit = kit.clone().integrator(IntegratorSettings::Raycast { shadows }).samples(1);
     kit.picture().mean().y
 }
 

@@ -2,7 +2,7 @@
 //! reflects nor refracts, so that a ray along an axis keeps `exp(-absorption x length)` of the light.
 
 use photosphere::color::Rgb;
-use photosphere::scene::description::Surface;
+use photosphere::scene::description::SurfaceModel;
 
 use crate::kit::{Judged, Kit, diffuse, glass};
 
@@ -10,7 +10,7 @@ use crate::kit::{Judged, Kit, diffuse, glass};
 ///
 /// The camera looks along -z from z = 5 at a background of radiance 2; the view is so narrow that all
 /// rays are the axis.
-fn axis(balls: &[(f64, f64, Surface)]) -> Kit {
+fn axis(balls: &[(f64, f64, SurfaceModel)]) -> Kit {
     let mut kit = Kit::new(2, 2, 4);
     kit.scene.camera([0.0, 0.0, 5.0], [0.0; 3]).field_of_view(1e-4).background([2.0; 3]);
     for &(z, radius, surface) in balls {
@@ -20,8 +20,8 @@ fn axis(balls: &[(f64, f64, Surface)]) -> Kit {
 }
 
 /// A medium that absorbs green light.
-fn dark(ior: f64, absorption: f32, priority: i32) -> Surface {
-    Surface::Dielectric {
+fn dark(ior: f64, absorption: f32, priority: i32) -> SurfaceModel {
+    SurfaceModel::Dielectric {
         ior,
         roughness: 0.0,
         priority,

@@ -2,11 +2,11 @@
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::scene::Material;
-use photosphere::scene::description::{NamedMaterial, Surface};
-use photosphere::scene::settings::{FilterKind, Image};
+use photosphere::scene::MaterialHandle;
+use photosphere::scene::description::{MaterialDescription, SurfaceModel};
+use photosphere::scene::settings::{FilterKind, ImageSettings};
 
-use crate::kit::{Estimate, Judged, Kit, rendered};
+use crate::kit::{MeanEstimate, Judged, Kit, rendered};
 
 /// Looks along -z from z = 1/2 at a small grey ball, which fills the picture.
 fn ball() -> Kit {
@@ -19,18 +19,18 @@ fn ball() -> Kit {
 
 /// Adds a black sphere that glows and is there with a probability.
 fn shell(kit: &mut Kit, center: [f64; 3], radius: f64, emission: f32, opacity: f64) {
-    let surface = Surface::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
+    let surface = SurfaceModel::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
     let emission = Rgb::splat(emission);
-    let material = NamedMaterial { surface, emission, opacity, ..Default::default() };
+    let material = MaterialDescription { surface, emission, opacity, ..Default::default() };
     let shell = kit.scene.material(material);
     kit.scene.sphere(shell, center, radius);
 }
 
 /// Glass that is there with a probability.
-fn glass(kit: &mut Kit, opacity: f64) -> Material {
+fn glass(kit: &mut Kit, opacity: f64) -> MaterialHandle {
     let surface =
-        Surface::Dielectric { ior: 1.5, roughness: 0.0, priority: 0, absorption: Rgb::ZERO };
-    kit.scene.material(NamedMaterial { surface, opacity, ..Default::default() })
+        SurfaceModel::Dielectric { ior: 1.5, roughness: 0.0, priority: 0, absorption: Rgb::ZERO };
+    kit.scene.material(MaterialDescription { surface, opacity, ..Default::default() })
 }
 
 /// With the ball out of the way, and with more samples.
@@ -82,7 +82,7 @@ fn both_walls_of_a_veiled_lamp_shine() {
     let opaque = lamp(1.0).mean();
     let share = 1.0 - 0.6 * 0.6;
     let (expected, error) = (share * opaque.mean, share * opaque.standard_error);
-    let expected = Estimate { mean: expected, standard_error: error, ..opaque };
+    let expected = MeanEstimate { mean: expected, standard_error: error, ..opaque };
     for kit in lamp(0.4).both_ways() {
         kit.mean().must_agree(expected, &kit.how());
     }
@@ -100,15 +100,15 @@ fn glass_that_is_half_there_keeps_a_uniform_field() {
     kit.scene.field_of_view(10.0);
     let description = &mut kit.scene.description;
     description.spheres[0].center = [0.0, 0.0, -3.0].into();
-    description.materials[0].surface = Surface::Diffuse { albedo: Rgb::ONE, roughness: 0.0 };
+    description.materials[0].surface = SurfaceModel::Diffuse { albedo: Rgb::ONE, roughness: 0.0 };
     must_be(&kit, 2.0);
 }
 
 fn pixels(kit: &Kit) -> Vec<[f32; 3]> {
     let filter = FilterKind::Tent;
-    let filter_radius = Image::usual_radius(filter);
+    let filter_radius = ImageSettings::default_filter_radius(filter);
     let mut kit = kit.clone();
-    kit.settings.image = Image { width: 24, height: 24, crop: None, filter, filter_radius };
+    kit.settings.image = ImageSettings { width: 24, height: 24, crop: None, filter, filter_radius };
     let picture = kit.picture();
     (0..picture.len()).map(|pixel| picture.beauty(pixel).to_array()).collect()
 }

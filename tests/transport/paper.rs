@@ -10,15 +10,15 @@ use photosphere::image_io::Picture;
 use photosphere::material::Model;
 use photosphere::math::{DVec3, Frame, Hit};
 use photosphere::sampling::Hemisphere;
-use photosphere::scene::description::SphereRow;
-use photosphere::scene::settings::Integrator;
-use photosphere::scene::{Scene, Shot};
+use photosphere::scene::description::SphereDescription;
+use photosphere::scene::settings::IntegratorSettings;
+use photosphere::scene::{Scene, PreparedScene};
 
-use crate::kit::{ALLOWED, Estimate, Judged, Kit, SEEDS, built, rendered};
+use crate::kit::{ALLOWED, MeanEstimate, Judged, Kit, SEEDS, built, rendered};
 
 const SMALL: [&str; 3] = ["image.width=96", "image.height=72", "render.samples_per_pixel=16"];
 
-fn ball<'a>(scene: &'a Scene, name: &str) -> (u32, &'a SphereRow) {
+fn ball<'a>(scene: &'a Scene, name: &str) -> (u32, &'a SphereDescription) {
     let rows = &scene.description().spheres;
     let row =
         rows.iter().position(|s| s.name.as_deref() == Some(name)).expect("named in the scene");
@@ -27,22 +27,22 @@ fn ball<'a>(scene: &'a Scene, name: &str) -> (u32, &'a SphereRow) {
 }
 
 /// What the camera sees through the centre of every pixel.
-fn first_hits(shot: &Shot) -> Vec<Option<SurfaceHit>> {
-    let (image, spheres) = (shot.image(), shot.scene().spheres());
+fn first_hits(shot: &PreparedScene) -> Vec<Option<SurfaceHit>> {
+    let (image, spheres) = (shot.image_settings(), shot.scene().spheres());
     let accel = built(shot, Backend::BruteForce);
     let pixels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
     let rays: Vec<_> = pixels
-        .map(|(x, y)| shot.camera().ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.0; 2]))
+        .map(|(x, y)| shot.camera().generate_ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.0; 2]))
         .collect();
-    let asked: Vec<_> = rays.iter().map(|ray| spheres.ask(ray)).collect();
+    let asked: Vec<_> = rays.iter().map(|ray| spheres.to_query(ray)).collect();
     let mut hits = vec![Hit::MISS; asked.len()];
     accel.closest(&asked, &mut hits);
-    rays.iter().zip(hits).map(|(ray, hit)| spheres.answer(ray, hit)).collect()
+    rays.iter().zip(hits).map(|(ray, hit)| spheres.resolve_hit(ray, hit)).collect()
 }
 
 /// The mean over the pixels that show the lower half of a ball.
 fn lower_half(
-    shot: &Shot,
+    shot: &PreparedScene,
     picture: &Picture,
     name: &str,
     layer: fn(&Picture, usize) -> Rgb,
@@ -57,25 +57,25 @@ fn lower_half(
 }
 
 /// A picture of the paper, small.
-fn small(path: &str) -> Shot {
+fn small(path: &str) -> PreparedScene {
     Kit::of_file(path, &SMALL).shot()
 }
 
 /// Green over red in the light that falls on the lower half of a ball, over seeds.
-fn green_tint(path: &str, name: &str) -> Estimate {
+fn green_tint(path: &str, name: &str) -> MeanEstimate {
     let mut shot = small(path);
     let mut value = |seed: u64| {
         shot.set_seed(seed);
         let picture = rendered(&shot, Backend::BruteForce).picture;
         let radiance = lower_half(&shot, &picture, name, Picture::beauty);
         let (id, _) = ball(shot.scene(), name);
-        let Model::Diffuse(diffuse) = shot.scene().surface(id).material.model else {
+        let Model::Diffuse(diffuse) = shot.scene().sphere_material(id).material.model else {
             panic!("the balls of figure 2 are matt")
         };
         let arriving = radiance / diffuse.albedo;
         f64::from(arriving.y / arriving.x)
     };
-    Estimate::of(&(0..SEEDS).map(&mut value).collect::<Vec<_>>())
+    MeanEstimate::from_values(&(0..SEEDS).map(&mut value).collect::<Vec<_>>())
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn figures_5_to_7_are_the_papers_own_estimator_with_1_10_and_100_samples() {
     for (figure, expected) in [(5, 1), (6, 10), (7, 100)] {
         let settings = Kit::of_file(&format!("paper/fig{figure}.toml"), &[]).settings;
         let render = settings.render;
-        let Integrator::Paper(paper) = render.integrator else { panic!("the paper's estimator") };
+        let IntegratorSettings::Paper(paper) = render.integrator else { panic!("the paper's estimator") };
         assert_eq!((paper.subpixels, paper.samples), (2, expected));
         assert_eq!(render.samples_per_pixel, 4 * expected);
         assert_eq!((settings.image.width, settings.image.height), (640, 480));
@@ -148,8 +148,8 @@ fn the_mirror_ball_reflects_by_the_closed_form() {
     for hit in first_hits(&shot).into_iter().flatten().filter(|hit| hit.id == mirror) {
         let d = (hit.point - shot.camera().position()).normalize();
         let n = (hit.point - center) / row.radius;
-        let frame = Frame::around(hit.facing_normal());
-        let bsdf = scene.surface(hit.id).material.bsdf(None, 1.0, Hemisphere::Cosine);
+        let frame = Frame::from_z(hit.facing_normal());
+        let bsdf = scene.sphere_material(hit.id).material.bsdf(None, 1.0, Hemisphere::Cosine);
         let sample = bsdf.sample(frame.to_local(-d), 0.5, [0.5, 0.5], &|| [0.5, 0.5]);
         let sample = sample.expect("reflects");
         let expected = d - 2.0 * d.dot(n) * n;

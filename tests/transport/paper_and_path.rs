@@ -1,6 +1,6 @@
 //! The paper's integrator agrees with `path`, and errs as the paper says.
 
-use photosphere::scene::settings::Paper;
+use photosphere::scene::settings::PaperSettings;
 
 use crate::kit::{Judged, Kit};
 use crate::scenes::estimators;
@@ -21,7 +21,7 @@ fn the_error_falls_with_the_square_root_of_the_samples() {
     let kit = Kit::of_file("paper/fig2.toml", &["image.width=16", "image.height=12"]);
     let reference = kit.clone().samples(16384).picture();
     let error = |samples: u32| {
-        let mut paper = kit.clone().paper(Paper::default()).samples(samples);
+        let mut paper = kit.clone().paper(PaperSettings::default()).samples(samples);
         let squares: f64 = (0..8)
             .map(|seed| {
                 paper.settings.render.seed = seed + 1;

@@ -2,9 +2,9 @@
 
 use photosphere::accel::Backend;
 use photosphere::math::DVec3;
-use photosphere::scene::settings::{FilterKind, Image, Miss, Paper};
+use photosphere::scene::settings::{FilterKind, ImageSettings, MissPolicy, PaperSettings};
 
-use crate::kit::{Estimate, Kit};
+use crate::kit::{MeanEstimate, Kit};
 use crate::scenes::{WALL, furnace};
 
 #[test]
@@ -16,8 +16,8 @@ fn a_constant_scene_is_constant_under_every_filter_and_subpixel_count() {
         [FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian, FilterKind::BlackmanHarris]
     {
         let image = &mut away.settings.image;
-        (image.filter, image.filter_radius) = (filter, Image::usual_radius(filter));
-        let paper = away.clone().paper(Paper { subpixels: 3, ..Paper::default() }).samples(18);
+        (image.filter, image.filter_radius) = (filter, ImageSettings::default_filter_radius(filter));
+        let paper = away.clone().paper(PaperSettings { subpixels: 3, ..PaperSettings::default() }).samples(18);
         for kit in [&away, &paper] {
             let picture = kit.picture();
             for i in 0..picture.len() {
@@ -29,7 +29,7 @@ fn a_constant_scene_is_constant_under_every_filter_and_subpixel_count() {
 }
 
 /// A glowing ball with a sharp edge before a black background.
-fn glowing_ball(paper: Paper) -> Kit {
+fn glowing_ball(paper: PaperSettings) -> Kit {
     let mut kit = furnace().depth(1).paper(paper);
     let ball = &mut kit.scene.description.spheres[WALL];
     (ball.center, ball.radius) = (DVec3::ZERO, 0.7);
@@ -39,11 +39,11 @@ fn glowing_ball(paper: Paper) -> Kit {
 #[test]
 fn subpixels_lower_the_variance_at_an_edge() {
     let variance = |subpixels| {
-        let kit = glowing_ball(Paper { subpixels, ..Paper::default() });
+        let kit = glowing_ball(PaperSettings { subpixels, ..PaperSettings::default() });
         let pictures: Vec<_> = kit.pictures(Backend::BruteForce).collect();
         let pixel = |i: usize| {
             let values: Vec<f64> = pictures.iter().map(|p| f64::from(p.beauty(i).y)).collect();
-            Estimate::of(&values).standard_error.powi(2)
+            MeanEstimate::from_values(&values).standard_error.powi(2)
         };
         (0..pictures[0].len()).map(pixel).sum::<f64>()
     };
@@ -54,8 +54,8 @@ fn subpixels_lower_the_variance_at_an_edge() {
 #[test]
 fn redrawing_after_a_miss_swells_silhouettes() {
     let after =
-        |miss| glowing_ball(Paper { subpixels: 1, miss, ..Paper::default() }).samples(64).picture();
-    let (background, redrawn) = (after(Miss::Background), after(Miss::Redraw));
+        |miss| glowing_ball(PaperSettings { subpixels: 1, miss, ..PaperSettings::default() }).samples(64).picture();
+    let (background, redrawn) = (after(MissPolicy::Background), after(MissPolicy::Redraw));
     let partly = |i: &usize| (0.001..0.999).contains(&background.beauty(*i).y);
     let edges: Vec<usize> = (0..background.len()).filter(partly).collect();
     assert!(!edges.is_empty());
@@ -67,7 +67,7 @@ fn redrawing_after_a_miss_swells_silhouettes() {
 
 #[test]
 fn without_jitter_a_pixel_has_no_noise_of_its_own() {
-    let mut still = glowing_ball(Paper { jitter: 0.0, ..Paper::default() });
+    let mut still = glowing_ball(PaperSettings { jitter: 0.0, ..PaperSettings::default() });
     let mut render = |seed| {
         still.settings.render.seed = seed;
         still.picture()

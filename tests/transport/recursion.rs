@@ -5,25 +5,25 @@
 //! the same random numbers it must give what the batched loop gives, to f32 rounding.
 
 use photosphere::accel::{Accel, Backend};
-use photosphere::color::{Radiance, Rgb};
+use photosphere::color::{PathRadiance, Rgb};
 use photosphere::geometry::{PathRay, SurfaceHit};
-use photosphere::integrator::{SampleAddress, Workspace, World, of_shot};
-use photosphere::light::{Receiver, Source};
+use photosphere::integrator::{SampleAddress, Workspace, RenderContext, create};
+use photosphere::light::{LightSampleContext, LightSource};
 use photosphere::material::Lobe;
 use photosphere::math::{Frame, Hit};
 use photosphere::sampling::{Hemisphere, Sampler, power_heuristic};
-use photosphere::scene::Shot;
+use photosphere::scene::PreparedScene;
 
 use crate::kit::{Kit, built};
 
 /// An opaque surface.
-fn receiver(hit: &SurfaceHit) -> Receiver {
-    Receiver { hit: *hit, is_two_sided: false }
+fn receiver(hit: &SurfaceHit) -> LightSampleContext {
+    LightSampleContext { hit: *hit, is_two_sided: false }
 }
 
 /// What a call needs to know of its callers.
 struct Call<'a> {
-    shot: &'a Shot,
+    shot: &'a PreparedScene,
     accel: &'a dyn Accel,
     sampler: Sampler,
     samples_lamps: bool,
@@ -37,21 +37,21 @@ impl Call<'_> {
         let scene = self.shot.scene();
         let spheres = scene.spheres();
         let mut hit = [Hit::MISS];
-        self.accel.closest(&[spheres.ask(ray)], &mut hit);
-        let Some(hit) = spheres.answer(ray, hit[0]) else {
-            return scene.background(ray.direction);
+        self.accel.closest(&[spheres.to_query(ray)], &mut hit);
+        let Some(hit) = spheres.resolve_hit(ray, hit[0]) else {
+            return scene.background_radiance(ray.direction);
         };
-        let material = scene.surface(hit.id).material;
+        let material = scene.sphere_material(hit.id).material;
 
         let mut radiance = material.emission;
         if let (true, Some((at, pdf))) = (self.samples_lamps, drawn) {
             let aimed =
-                self.shot.lights().pdf(spheres, &receiver(at), Source::Lamp(hit.id), ray.direction);
+                self.shot.lights().pdf(spheres, &receiver(at), LightSource::Emitter(hit.id), ray.direction);
             radiance *= power_heuristic(pdf, aimed) as f32;
         }
 
         let bsdf = material.bsdf(None, 1.0, Hemisphere::Cosine);
-        let frame = Frame::around(hit.facing_normal());
+        let frame = Frame::from_z(hit.facing_normal());
         let wo = frame.to_local(-ray.direction);
         // The table of docs/sampling.md: direction to a light, direction, lobe, roulette, lamp.
         let number = |i| self.sampler.get(8 * (depth - 1) + i);
@@ -81,7 +81,7 @@ impl Call<'_> {
             weight /= survival;
         }
         let direction = frame.to_world(sample.wi).normalize();
-        let Some(next) = hit.leave(direction) else { return radiance };
+        let Some(next) = hit.spawn_ray(direction) else { return radiance };
         let drawn = (sample.lobe != Lobe::Delta).then_some((&hit, sample.pdf));
         radiance + factor * self.radiance(&next, depth + 1, weight, drawn)
     }
@@ -100,11 +100,11 @@ impl Call<'_> {
             return Rgb::ZERO;
         };
         let wi = frame.to_local(aim.direction);
-        let Some(ray) = hit.leave_towards(aim.direction, aim.distance, aim.source.sphere()) else {
+        let Some(ray) = hit.spawn_shadow_ray(aim.direction, aim.distance, aim.source.sphere_id()) else {
             return Rgb::ZERO;
         };
         let mut blocked = [false];
-        self.accel.occluded(&[spheres.ask(&ray)], &mut blocked);
+        self.accel.occluded(&[spheres.to_query(&ray)], &mut blocked);
         if blocked[0] || wi.z <= 0.0 {
             return Rgb::ZERO;
         }
@@ -141,15 +141,15 @@ fn the_loop_equals_the_recursion() {
         let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i / 100 };
         let samples: Vec<_> = (0..3000).map(address).collect();
 
-        let mut looped = vec![Radiance::default(); samples.len()];
+        let mut looped = vec![PathRadiance::default(); samples.len()];
         let cancel = Default::default();
-        let world = World::new(&shot, &*accel, &cancel);
-        of_shot(&shot).estimate(world, &samples, &mut looped, &mut Workspace::default());
+        let world = RenderContext::new(&shot, &*accel, &cancel);
+        create(&shot).estimate(world, &samples, &mut looped, &mut Workspace::default());
 
         let mut bright = 0;
         for (address, looped) in samples.iter().zip(&looped) {
-            let render = shot.render();
-            let sampler = Sampler::of_kind(
+            let render = shot.render_settings();
+            let sampler = Sampler::with_kind(
                 render.sampler,
                 0,
                 u64::from(address.y) * 64 + u64::from(address.x),
@@ -158,7 +158,7 @@ fn the_loop_equals_the_recursion() {
             );
             let [u, v] = sampler.get_2d(0);
             let (x, y) = (f64::from(address.x) + u, f64::from(address.y) + v);
-            let ray = shot.camera().ray(x, y, [0.0; 2]);
+            let ray = shot.camera().generate_ray(x, y, [0.0; 2]);
             let call = Call { shot: &shot, accel: &*accel, sampler, samples_lamps };
             let recursive = call.radiance(&ray, 1, 1.0, None);
             let looped = looped.direct + looped.indirect;

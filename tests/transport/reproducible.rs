@@ -23,17 +23,17 @@ fn the_picture_has_the_same_bits_for_any_number_of_threads() {
 
 #[test]
 fn a_sample_does_not_depend_on_its_batch_or_order() {
-    use photosphere::color::Radiance;
-    use photosphere::integrator::{SampleAddress, Workspace, World, of_shot};
+    use photosphere::color::PathRadiance;
+    use photosphere::integrator::{SampleAddress, Workspace, RenderContext, create};
     let kit = Kit::of_file("paper/fig4.toml", &["image.width=64", "image.height=48"]);
     for kit in kit.both_ways() {
         let shot = kit.shot();
         let accel = built(&shot, Backend::BruteForce);
         let cancel = Default::default();
-        let world = World::new(&shot, &*accel, &cancel);
+        let world = RenderContext::new(&shot, &*accel, &cancel);
         let estimate = |samples: &[SampleAddress]| {
-            let mut radiance = vec![Radiance::default(); samples.len()];
-            of_shot(&shot).estimate(world, samples, &mut radiance, &mut Workspace::default());
+            let mut radiance = vec![PathRadiance::default(); samples.len()];
+            create(&shot).estimate(world, samples, &mut radiance, &mut Workspace::default());
             radiance.iter().map(|r| (r.direct, r.indirect)).collect::<Vec<_>>()
         };
         let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i % 13 };

@@ -4,26 +4,26 @@
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::material::{GLASSES, Metal, PrincipledParameters};
-use photosphere::scene::description::{Dome, Surface};
-use photosphere::scene::settings::{Paper, SamplerKind};
+use photosphere::material::{NAMED_IORS, Metal, PrincipledParameters};
+use photosphere::scene::description::{EnvironmentDescription, SurfaceModel};
+use photosphere::scene::settings::{PaperSettings, SamplerKind};
 
-use crate::kit::{Estimate, Judged, Kit, diffuse, mirror, phong, rough_glass};
+use crate::kit::{MeanEstimate, Judged, Kit, diffuse, mirror, phong, rough_glass};
 
 /// What the tables of lost energy may be off.
 const TABLES: f64 = 5e-4;
 
 /// A ball alone in a field of radiance 1.
-fn field(surface: Surface) -> Kit {
+fn field(surface: SurfaceModel) -> Kit {
     let mut kit = Kit::new(6, 6, 16);
     kit.scene.camera([0.0, 0.0, 4.0], [0.0; 3]).field_of_view(24.0).background([1.0; 3]);
     kit.ball([0.0; 3], 1.0, surface);
     kit
 }
 
-fn metal(name: &str, roughness: f64) -> Surface {
+fn metal(name: &str, roughness: f64) -> SurfaceModel {
     let (_, metal) = Metal::NAMED.iter().find(|(known, _)| *known == name).expect("a metal");
-    Surface::Conductor { metal: *metal, roughness }
+    SurfaceModel::Conductor { metal: *metal, roughness }
 }
 
 /// A ball that is partly metal, matt and glass, under a coat.
@@ -38,18 +38,18 @@ const MIXTURE: PrincipledParameters = PrincipledParameters {
     transmission: 0.6,
 };
 
-fn mixture(roughness: f64) -> Surface {
-    Surface::Principled(PrincipledParameters { roughness, ..MIXTURE })
+fn mixture(roughness: f64) -> SurfaceModel {
+    SurfaceModel::Principled(PrincipledParameters { roughness, ..MIXTURE })
 }
 
-fn must_be_near(estimate: Estimate, expected: f64, what: &str) {
+fn must_be_near(estimate: MeanEstimate, expected: f64, what: &str) {
     let off = (estimate.mean - expected).abs();
     let allowed = 4.0 * estimate.standard_error + TABLES * expected;
     assert!(off <= allowed, "{what}: {estimate:?} is not {expected}");
 }
 
 /// The field must be seen through the ball as if it were not there, and without glaring pixels.
-fn must_vanish(surface: Surface) {
+fn must_vanish(surface: SurfaceModel) {
     let estimate = field(surface).mean();
     assert!(estimate.standard_error < 3e-3, "{surface:?}: {estimate:?}");
     must_be_near(estimate, 1.0, &format!("{surface:?}"));
@@ -59,7 +59,7 @@ fn must_vanish(surface: Surface) {
 fn a_lossless_metal_vanishes_in_a_uniform_field_at_every_roughness() {
     let metal = Metal { ior: Rgb::ZERO, extinction: Rgb::ONE };
     for roughness in [0.0, 0.1, 0.5, 1.0] {
-        let estimate = field(Surface::Conductor { metal, roughness }).mean();
+        let estimate = field(SurfaceModel::Conductor { metal, roughness }).mean();
         must_be_near(estimate, 1.0, &format!("roughness {roughness}"));
     }
 }
@@ -83,7 +83,7 @@ fn dense_mixtures_vanish_in_a_uniform_field() {
         [(10.0, 0.0, 0.5), (10.0, 0.0, 1.0), (3.0, 0.3, 0.8), (10.0, 0.2, 0.0)]
     {
         let told = PrincipledParameters { ior, metallic, roughness, ..white };
-        must_vanish(Surface::Principled(told));
+        must_vanish(SurfaceModel::Principled(told));
     }
 }
 
@@ -93,7 +93,7 @@ fn dense_mixtures_vanish_in_a_uniform_field() {
 fn evenly_spread_numbers_are_worth_it_on_the_roughest_metal() {
     let mut kit = field(metal("gold", 1.0)).samples(256);
     kit.scene.field_of_view(10.0);
-    kit.scene.description.background.dome = Dome::Gradient {
+    kit.scene.description.background.dome = EnvironmentDescription::Gradient {
         zenith: Rgb::splat(2.0),
         horizon: Rgb::splat(0.5),
         nadir: Rgb::splat(0.1),
@@ -104,7 +104,7 @@ fn evenly_spread_numbers_are_worth_it_on_the_roughest_metal() {
         let variance = |pixel| {
             let values: Vec<f64> =
                 pictures.iter().map(|picture| f64::from(picture.beauty(pixel).y)).collect();
-            Estimate::of(&values).standard_error.powi(2)
+            MeanEstimate::from_values(&values).standard_error.powi(2)
         };
         (0..36).map(variance).sum::<f64>()
     };
@@ -115,14 +115,14 @@ fn evenly_spread_numbers_are_worth_it_on_the_roughest_metal() {
 }
 
 /// A ball in the dark.
-fn in_the_dark(surface: Surface) -> Kit {
+fn in_the_dark(surface: SurfaceModel) -> Kit {
     field(surface).with(|kit| {
         kit.scene.background([0.0; 3]);
     })
 }
 
 /// The same with a lamp.
-fn beside_a_lamp(center: [f64; 3], radius: f64, surface: Surface) -> Kit {
+fn beside_a_lamp(center: [f64; 3], radius: f64, surface: SurfaceModel) -> Kit {
     in_the_dark(surface).with(|kit| {
         kit.glowing_ball(center, radius, diffuse(0.0), 9.0);
     })
@@ -151,13 +151,13 @@ fn they_agree_where_the_lamp_is_behind_rough_glass_or_in_it() {
 /// The same picture of a rough ball by aiming at lamps and by chance.
 fn both_ways_agree(kit: &Kit) {
     let aimed = kit.clone().samples(64).mean();
-    let by_chance = kit.clone().paper(Paper::default()).samples(256).mean();
+    let by_chance = kit.clone().paper(PaperSettings::default()).samples(256).mean();
     aimed.must_agree(by_chance, &format!("{:?}", kit.scene.description.materials[0].surface));
 }
 
 /// The index of a glass.
 fn index(name: &str) -> f64 {
-    GLASSES.iter().find(|(known, _)| *known == name).expect("a glass").1
+    NAMED_IORS.iter().find(|(known, _)| *known == name).expect("a glass").1
 }
 
 #[test]
@@ -167,14 +167,14 @@ fn every_material_may_glow() {
         PrincipledParameters { base_color: Rgb::ONE, transmission: 1.0, ..Default::default() };
     for (surface, is_opaque) in [
         (diffuse(0.0), true),
-        (Surface::Diffuse { albedo: Rgb::ZERO, roughness: 0.5 }, true),
+        (SurfaceModel::Diffuse { albedo: Rgb::ZERO, roughness: 0.5 }, true),
         (mirror(0.0), true),
         (metal("iron", 0.5), true),
         (rough_glass(index("diamond"), 0.0), false),
         (rough_glass(1.5, 0.3), false),
-        (Surface::Plastic { albedo: Rgb::ZERO, ior: 1.5, roughness: 0.0 }, true),
-        (Surface::Principled(black), true),
-        (Surface::Principled(clear), false),
+        (SurfaceModel::Plastic { albedo: Rgb::ZERO, ior: 1.5, roughness: 0.0 }, true),
+        (SurfaceModel::Principled(black), true),
+        (SurfaceModel::Principled(clear), false),
         (phong([0.0, 0.0], 1.0, true), true),
     ] {
         // In the dark a ball sends its emission and, where light can run through it, more.

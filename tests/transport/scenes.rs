@@ -2,14 +2,14 @@
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::scene::description::Surface;
-use photosphere::scene::settings::{Hemisphere, Paper};
+use photosphere::scene::description::SurfaceModel;
+use photosphere::scene::settings::{Hemisphere, PaperSettings};
 
 use crate::kit::{Judged, Kit, diffuse, glass, mirror};
 
 /// The estimators that solve the whole rendering equation: `path`, then the paper's.
 pub(crate) fn estimators(kit: &Kit) -> [Kit; 4] {
-    let paper = |hemisphere| kit.clone().paper(Paper { hemisphere, ..Paper::default() });
+    let paper = |hemisphere| kit.clone().paper(PaperSettings { hemisphere, ..PaperSettings::default() });
     [
         kit.clone(),
         paper(Hemisphere::Cosine),
@@ -52,7 +52,7 @@ pub(crate) fn furnace() -> Kit {
 /// With a white ball, a mirror, a bubble of glass in glass, and water that reaches into the glass.
 pub(crate) fn full_furnace() -> Kit {
     let water =
-        Surface::Dielectric { ior: 1.33, roughness: 0.0, priority: 1, absorption: Rgb::ZERO };
+        SurfaceModel::Dielectric { ior: 1.33, roughness: 0.0, priority: 1, absorption: Rgb::ZERO };
     let mut kit = furnace();
     kit.ball([-1.2, 0.0, 0.0], 0.6, diffuse(1.0));
     kit.ball([0.0, 0.9, 0.0], 0.7, mirror(1.0));
@@ -63,7 +63,7 @@ pub(crate) fn full_furnace() -> Kit {
 }
 
 /// A matt ball under a lamp that it sees entirely: radiance is `albedo L (R / d)^2 cos`.
-pub(crate) fn lone_ball(surface: Surface) -> Kit {
+pub(crate) fn lone_ball(surface: SurfaceModel) -> Kit {
     let mut kit = Kit::new(2, 2, 256);
     kit.scene.camera([0.0, 0.0, 6.0], [0.0, 0.0, 1.0]).field_of_view(0.0001);
     kit.ball([0.0; 3], 1.0, surface).glowing_ball([0.0, 3.0, 5.0], 2.0, diffuse(0.0), 7.0);

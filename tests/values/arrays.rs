@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use photosphere::film::Kind;
+use photosphere::film::Aov;
 use photosphere::geometry::Sphere;
 use photosphere::image_io::Picture;
 use photosphere::job::run;
-use photosphere::scene::data::{Ids, Shared, Strided, Values};
+use photosphere::scene::data::{Ids, SharedSlice, StridedArray, ArrayValues};
 use photosphere::scene::{Scene, Settings, SphereArrays};
 
 use super::{balls, color_of, job, narrow, of_arrays, rows, sphere_ids, view};
@@ -30,7 +30,7 @@ fn picture(scene: &Scene) -> Picture {
     let mut settings = Settings::default();
     (settings.image.width, settings.image.height) = (32, 24);
     settings.render.samples_per_pixel = 4;
-    let kinds = [Kind::SphereId, Kind::Variance];
+    let kinds = [Aov::SphereId, Aov::Variance];
     run(scene, &job(settings, &kinds), &()).expect("renders").picture
 }
 
@@ -45,36 +45,36 @@ fn must_be_same(name: &str, a: &Scene, b: &Scene) {
 }
 
 /// An array with a first number, a stride and a length.
-fn strided(values: Values, first: usize, stride: isize, len: usize) -> Strided {
-    Strided { values, first, stride, len }
+fn strided(values: ArrayValues, first: usize, stride: isize, len: usize) -> StridedArray {
+    StridedArray { values, offset: first, stride, len }
 }
 
-fn f32s(values: Vec<f32>) -> Values {
-    Values::F32(Shared::new(values))
+fn f32s(values: Vec<f32>) -> ArrayValues {
+    ArrayValues::F32(SharedSlice::new(values))
 }
 
-fn f64s(values: Vec<f64>) -> Values {
-    Values::F64(Shared::new(values))
+fn f64s(values: Vec<f64>) -> ArrayValues {
+    ArrayValues::F64(SharedSlice::new(values))
 }
 
 /// The arrays of four numbers of each sphere.
-fn arrays([x, y, z, radius]: [Strided; 4]) -> SphereArrays {
+fn arrays([x, y, z, radius]: [StridedArray; 4]) -> SphereArrays {
     SphereArrays { center: [x, y, z], radius, ..SphereArrays::default() }
 }
 
 /// A scene's numbers in one array of rows with something between them, from the last row to the first.
-fn backwards(rows: &[[f64; 4]], array: impl Fn(Vec<f64>) -> Values) -> SphereArrays {
+fn backwards(rows: &[[f64; 4]], array: impl Fn(Vec<f64>) -> ArrayValues) -> SphereArrays {
     let padded = rows.iter().rev().flat_map(|row| [&row[..], &[f64::NAN, -1.0]].concat());
     let (values, len) = (array(padded.collect()), rows.len());
     arrays(std::array::from_fn(|column| strided(values.clone(), column + 6 * (len - 1), -6, len)))
 }
 
-fn columns(rows: &[[f64; 4]], array: impl Fn(Vec<f64>) -> Values) -> SphereArrays {
+fn columns(rows: &[[f64; 4]], array: impl Fn(Vec<f64>) -> ArrayValues) -> SphereArrays {
     let column = |column: usize| rows.iter().map(|row| row[column]).collect::<Vec<f64>>();
     arrays(std::array::from_fn(|at| strided(array(column(at)), 0, 1, rows.len())))
 }
 
-fn to_f32s(values: Vec<f64>) -> Values {
+fn to_f32s(values: Vec<f64>) -> ArrayValues {
     f32s(values.into_iter().map(|value| value as f32).collect())
 }
 
@@ -83,7 +83,7 @@ fn to_f32s(values: Vec<f64>) -> Values {
 fn structured<const N: usize>(
     rows: &[[f64; 4]],
     bytes: impl Fn(f64) -> [u8; N],
-    array: impl Fn(Shared<u8>) -> Values,
+    array: impl Fn(SharedSlice<u8>) -> ArrayValues,
 ) -> SphereArrays {
     let mut all = Vec::new();
     for row in rows {
@@ -91,7 +91,7 @@ fn structured<const N: usize>(
         all.extend(row.iter().flat_map(|&number| bytes(number)));
         all.push(255);
     }
-    let values = array(Shared::new(all));
+    let values = array(SharedSlice::new(all));
     let (stride, len) = (4 * N as isize + 2, rows.len());
     arrays(std::array::from_fn(|column| strided(values.clone(), 1 + N * column, stride, len)))
 }
@@ -102,26 +102,26 @@ fn layouts(balls: &[Sphere], is_f64: bool) -> Vec<(&'static str, SphereArrays)> 
     let centers: Vec<[f64; 3]> = balls.iter().map(|ball| ball.center.to_array()).collect();
     let radii: Vec<f64> = balls.iter().map(|ball| ball.radius).collect();
     let mut all = vec![
-        ("f64 rows", arrays(Strided::columns_of(rows.clone()))),
-        ("f64 centers", SphereArrays::of_centers(centers.clone(), radii.clone())),
+        ("f64 rows", arrays(StridedArray::columns_from(rows.clone()))),
+        ("f64 centers", SphereArrays::from_centers(centers.clone(), radii.clone())),
         ("f64 columns", columns(&rows, f64s)),
         ("f64 backwards", backwards(&rows, f64s)),
-        ("f64 structures", structured(&rows, f64::to_le_bytes, Values::F64Bytes)),
+        ("f64 structures", structured(&rows, f64::to_le_bytes, ArrayValues::F64Bytes)),
     ];
     if !is_f64 {
         let narrow_radii: Vec<f32> = radii.iter().map(|&radius| radius as f32).collect();
         let mixed = SphereArrays {
-            radius: Strided::of(narrow_radii.clone()),
-            ..SphereArrays::of_centers(centers.clone(), radii)
+            radius: StridedArray::from_vec(narrow_radii.clone()),
+            ..SphereArrays::from_centers(centers.clone(), radii)
         };
         all.extend([
-            ("f32 rows", SphereArrays::of_rows(narrow(&rows))),
-            ("f32 centers", SphereArrays::of_centers(narrow(&centers), narrow_radii)),
+            ("f32 rows", SphereArrays::from_rows(narrow(&rows))),
+            ("f32 centers", SphereArrays::from_centers(narrow(&centers), narrow_radii)),
             ("f32 columns", columns(&rows, to_f32s)),
             ("f32 backwards", backwards(&rows, to_f32s)),
             (
                 "f32 structures",
-                structured(&rows, |number| (number as f32).to_le_bytes(), Values::F32Bytes),
+                structured(&rows, |number| (number as f32).to_le_bytes(), ArrayValues::F32Bytes),
             ),
             ("f64 centers and f32 radii", mixed),
         ]);
@@ -153,7 +153,7 @@ fn one_number_can_be_that_of_all_spheres() {
     for array in [f64s, to_f32s] {
         let mut arrays = columns(&rows, array);
         arrays.center[1] = strided(array(vec![9.0, 0.5]), 1, 0, rows.len());
-        arrays.radius = Strided::all(0.25f32, rows.len());
+        arrays.radius = StridedArray::constant(0.25f32, rows.len());
         must_be_same("stride 0", &of_arrays(arrays).expect("good arrays"), &expected);
     }
 }
@@ -189,9 +189,9 @@ fn the_layer_of_ids_shows_the_numbers_of_an_array() {
     let expected: Vec<u32> = sphere_ids(&plain).iter().map(numbered).collect();
     assert!(expected.iter().any(|&id| id != u32::MAX));
     let in_bytes = ids.iter().rev().flat_map(|id| [&id.to_le_bytes()[..], &[7]].concat());
-    let in_bytes = Strided {
-        values: Ids::U32Bytes(Shared::new(in_bytes.collect::<Vec<u8>>())),
-        first: 5 * (ids.len() - 1),
+    let in_bytes = StridedArray {
+        values: Ids::U32Bytes(SharedSlice::new(in_bytes.collect::<Vec<u8>>())),
+        offset: 5 * (ids.len() - 1),
         stride: -5,
         len: ids.len(),
     };
@@ -225,9 +225,9 @@ fn several_tables_lie_behind_each_other() {
     let ids: Vec<u32> = (20..45).map(id_of).collect();
     let wide = columns(&rows(&balls[20..45]), f64s);
     scene
-        .spheres(grey, SphereArrays::of_rows(narrow_rows(10, 20)).with_colors(colors(10, 20)))
+        .spheres(grey, SphereArrays::from_rows(narrow_rows(10, 20)).with_colors(colors(10, 20)))
         .spheres(grey, wide.with_colors(colors(20, 45)).with_ids(ids))
-        .spheres(grey, SphereArrays::of_rows(narrow_rows(45, 60)).with_colors(colors(45, 60)));
+        .spheres(grey, SphereArrays::from_rows(narrow_rows(45, 60)).with_colors(colors(45, 60)));
     let scene = scene.build().expect("good arrays");
     assert_eq!(scene.spheres().particles(), expected.spheres().particles());
     assert_eq!(scene.spheres().rows(), expected.spheres().rows());
@@ -243,7 +243,7 @@ fn several_tables_lie_behind_each_other() {
 
 /// Four good spheres, with one thing changed.
 fn flawed(change: impl FnOnce(&mut SphereArrays)) -> String {
-    let mut arrays = SphereArrays::of_rows(vec![[0.0, 1.0, 2.0, 0.5]; 4])
+    let mut arrays = SphereArrays::from_rows(vec![[0.0, 1.0, 2.0, 0.5]; 4])
         .with_colors(vec![[0.5f32; 3]; 4])
         .with_ids(vec![1, 2, 3, 4]);
     change(&mut arrays);
@@ -264,22 +264,22 @@ fn arrays_that_cannot_be_are_refused() {
     is_refused("4 radii, but 1 numbers in its column g", &|a| {
         a.color.as_mut().expect("colours")[1] = array(0, 1, 1);
     });
-    is_refused("4 radii, but 3 ids", &|a| a.ids = Some(Strided::of_ids(vec![1, 2, 3])));
+    is_refused("4 radii, but 3 ids", &|a| a.ids = Some(StridedArray::of_ids(vec![1, 2, 3])));
     is_refused("the ids of `sphere_tables.0` reach beyond", &|a| {
         let ids = a.ids.as_mut().expect("ids");
         ids.stride = 2;
     });
     // The last number would end one byte behind the array.
-    let bytes = Shared::new(vec![0u8; 19]);
+    let bytes = SharedSlice::new(vec![0u8; 19]);
     is_refused("column z of", &|a| {
-        a.center[2] = strided(Values::F32Bytes(bytes.clone()), 0, 5, 4);
-        a.center[2].first = 1;
+        a.center[2] = strided(ArrayValues::F32Bytes(bytes.clone()), 0, 5, 4);
+        a.center[2].offset = 1;
     });
     is_refused("column z of", &|a| {
-        a.center[2] = strided(Values::F64Bytes(bytes.clone()), 0, 4, 4);
+        a.center[2] = strided(ArrayValues::F64Bytes(bytes.clone()), 0, 4, 4);
     });
     is_refused("the ids of", &|a| {
-        a.ids = Some(Strided { values: Ids::U32Bytes(bytes.clone()), first: 1, stride: 5, len: 4 });
+        a.ids = Some(StridedArray { values: Ids::U32Bytes(bytes.clone()), offset: 1, stride: 5, len: 4 });
     });
     is_refused("has no spheres", &|a| *a = SphereArrays::default());
     for (first, stride) in [(1, 1), (4, 0), (0, 2), (2, -1), (0, -1), (usize::MAX, 1)] {
@@ -291,7 +291,7 @@ fn arrays_that_cannot_be_are_refused() {
         is_refused("reaches beyond its array", &|a| a.center[2] = array(0, stride, 4));
     }
     is_refused("the id 2^32 - 1", &|a| {
-        a.ids = Some(Strided::of_ids(vec![1, 2, u32::MAX, 4]));
+        a.ids = Some(StridedArray::of_ids(vec![1, 2, u32::MAX, 4]));
     });
 }
 
@@ -354,7 +354,7 @@ fn arrays_are_let_go_of_one_after_the_other() {
     for (index, seen) in last_seen.iter().enumerate() {
         let values = vec![index as f64, 0.0, 0.0, 0.25];
         let owner = Owner { values, gone: Arc::clone(&gone), seen: Arc::clone(seen) };
-        let values = Values::F64(Shared::new(owner));
+        let values = ArrayValues::F64(SharedSlice::new(owner));
         scene.spheres(grey, arrays(std::array::from_fn(|at| strided(values.clone(), at, 4, 1))));
     }
     let kept = scene.build().expect("good arrays");
@@ -374,7 +374,7 @@ fn more_spheres_than_a_scene_can_hold_are_refused() {
         let grey = scene.diffuse([0.5; 3]);
         scene.sphere(grey, [0.0; 3], 1.0);
         for _ in 0..tables {
-            let [x, y, z, radius] = [(); 4].map(|()| Strided::all(0.5f32, len));
+            let [x, y, z, radius] = [(); 4].map(|()| StridedArray::constant(0.5f32, len));
             scene.spheres(grey, arrays([x, y, z, radius]));
         }
         let told = scene.build().expect_err("too many").to_string();

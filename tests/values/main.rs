@@ -6,17 +6,17 @@ mod sessions;
 mod text;
 
 use photosphere::Error;
-use photosphere::accel::{Backend, Choice};
-use photosphere::film::Kind;
+use photosphere::accel::{Backend, BackendChoice};
+use photosphere::film::Aov;
 use photosphere::geometry::Sphere;
-use photosphere::image_io::{Picture, Values};
+use photosphere::image_io::{Picture, ChannelValues};
 use photosphere::job::Job;
 use photosphere::math::DVec3;
-use photosphere::scene::{Builder, Scene, Settings, SphereArrays};
+use photosphere::scene::{SceneBuilder, Scene, Settings, SphereArrays};
 
 /// A job for these settings on two threads.
-fn job(settings: Settings, kinds: &[Kind]) -> Job {
-    Job { threads: 2, accel: Choice::Only(Backend::Native), ..Job::of(settings) }.layers(kinds)
+fn job(settings: Settings, kinds: &[Aov]) -> Job {
+    Job { threads: 2, accel: BackendChoice::Only(Backend::Native), ..Job::from_settings(settings) }.aovs(kinds)
 }
 
 /// Numbers that f32 can hold, or not.
@@ -34,8 +34,8 @@ fn color_of(row: usize) -> [f32; 3] {
     [row % 4, row % 3, row % 5].map(|part| part as f32 / 8.0 + 0.25)
 }
 
-fn view() -> Builder {
-    let mut scene = Builder::new();
+fn view() -> SceneBuilder {
+    let mut scene = SceneBuilder::new();
     scene.camera([0.0, 0.0, 12.0], [0.0; 3]).background([0.9, 1.0, 1.1]);
     scene
 }
@@ -47,9 +47,9 @@ fn of_arrays(arrays: SphereArrays) -> Result<Scene, Error> {
 }
 
 fn sphere_ids(picture: &Picture) -> &[u32] {
-    let plane = picture.planes.iter().find(|plane| plane.name == "sphere_id").expect("asked for");
+    let plane = picture.channels.iter().find(|plane| plane.name == "sphere_id").expect("asked for");
     match &plane.values {
-        Values::Whole(ids) => ids,
+        ChannelValues::Uint(ids) => ids,
         other => panic!("{other:?}"),
     }
 }

@@ -4,11 +4,11 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
-use photosphere::film::{By, Kind};
-use photosphere::image_io::Values;
-use photosphere::image_io::WholeFile;
+use photosphere::film::{CryptomatteKind, Aov};
+use photosphere::image_io::ChannelValues;
+use photosphere::image_io::AtomicFile;
 use photosphere::job::{
-    Checkpoint, End, Job, Observer, Opening, Outcome, Progress, Reached, Session,
+    Checkpoint, StopReason, Job, Observer, SessionOptions, RenderResult, RenderProgress, RunOutcome, Session,
 };
 use photosphere::scene::settings::SamplerKind;
 use photosphere::scene::{Scene, Settings, SphereArrays};
@@ -21,7 +21,7 @@ fn session_scene() -> Scene {
     let grey = scene.diffuse([0.5; 3]);
     scene.sphere(grey, [0.0, -105.0, 0.0], 100.0);
     let colors = (0..60).map(color_of).collect();
-    scene.spheres(grey, SphereArrays::of_rows(narrow(&rows(&balls(false)))).with_colors(colors));
+    scene.spheres(grey, SphereArrays::from_rows(narrow(&rows(&balls(false)))).with_colors(colors));
     scene.build().expect("good spheres")
 }
 
@@ -30,36 +30,36 @@ fn session_job(samples: u32) -> Job {
     (settings.image.width, settings.image.height) = (48, 36);
     settings.render.samples_per_pixel = samples;
     settings.render.sampler = SamplerKind::Sobol;
-    job(settings, &[Kind::SphereId, Kind::Variance, Kind::SampleCount])
+    job(settings, &[Aov::SphereId, Aov::Variance, Aov::SampleCount])
 }
 
 const SAMPLES: u32 = 800;
 
 fn opened(samples: u32) -> Session {
-    Session::new(&session_scene(), session_job(samples), Opening::default()).expect("opens")
+    Session::new(&session_scene(), session_job(samples), SessionOptions::default()).expect("opens")
 }
 
 fn resumed(checkpoint: &Path, samples: u32) -> Session {
     let checkpoint = Checkpoint::open(checkpoint).expect("a checkpoint");
     let job = session_job(samples);
-    Session::resume(&session_scene(), job, checkpoint, Opening::default()).expect("resumes")
+    Session::resume(&session_scene(), job, checkpoint, SessionOptions::default()).expect("resumes")
 }
 
-fn finished(session: &Session) -> Outcome {
+fn finished(session: &Session) -> RenderResult {
     let reached = session.run(&()).expect("renders");
-    assert_eq!(reached.end, End::Finished);
-    session.outcome(reached)
+    assert_eq!(reached.stop_reason, StopReason::Finished);
+    session.result(reached)
 }
 
 /// Fails unless the picture and what is known of it are the same, whatever happened in between.
-fn must_be_outcome(what: &str, found: &Outcome, expected: &Outcome) {
+fn must_be_outcome(what: &str, found: &RenderResult, expected: &RenderResult) {
     assert!(found.picture == expected.picture, "{what}: another picture");
     assert_eq!(found.samples, expected.samples, "{what}");
     assert_eq!(found.error, expected.error, "{what}");
 }
 
 /// Runs a session on another thread, and looks at it as soon as there is something to be seen.
-fn looked_at(session: &Session, look: impl FnOnce()) -> Reached {
+fn looked_at(session: &Session, look: impl FnOnce()) -> RunOutcome {
     std::thread::scope(|scope| {
         let running = scope.spawn(|| session.run(&()));
         while session.progress().samples_done == 0 {
@@ -75,7 +75,7 @@ fn looked_at(session: &Session, look: impl FnOnce()) -> Reached {
 fn a_session_can_be_looked_at_while_it_runs_and_changes_nothing_by_that() {
     let expected = finished(&opened(SAMPLES));
     let session = opened(SAMPLES);
-    assert_eq!((session.progress().samples_done, session.error()), (0, None));
+    assert_eq!((session.progress().samples_done, session.estimate_error()), (0, None));
     let reached = looked_at(&session, || {
         let mut last = 0;
         for _ in 0..5 {
@@ -87,13 +87,13 @@ fn a_session_can_be_looked_at_while_it_runs_and_changes_nothing_by_that() {
             assert_eq!((picture.width, picture.height, picture.non_finite()), (48, 36, 0));
             assert_eq!(sphere_ids(&picture), sphere_ids(&expected.picture));
             assert!(picture.mean().y > 0.0 && session.preview().mean().y > 0.0);
-            assert!(session.error().is_none_or(|error| error > 0.0));
+            assert!(session.estimate_error().is_none_or(|error| error > 0.0));
             assert!(session.metadata().run.is_some());
         }
     });
-    assert_eq!(reached.end, End::Finished);
-    assert!(session.error().is_some_and(|error| error > 0.0));
-    must_be_outcome("looked at", &session.outcome(reached), &expected);
+    assert_eq!(reached.stop_reason, StopReason::Finished);
+    assert!(session.estimate_error().is_some_and(|error| error > 0.0));
+    must_be_outcome("looked at", &session.result(reached), &expected);
 }
 
 #[test]
@@ -102,8 +102,8 @@ fn a_stopped_session_is_resumed_to_the_same_bits_and_extended() {
     let folder = tempfile::tempdir().expect("a folder");
     let [on_the_way, at_the_end, whole] =
         ["a.part", "b.part", "c.part"].map(|name| folder.path().join(name));
-    let write = |session: &Session, path: &Path, reached: Option<&Reached>| {
-        let file = WholeFile::new(path).expect("can be written");
+    let write = |session: &Session, path: &Path, reached: Option<&RunOutcome>| {
+        let file = AtomicFile::new(path).expect("can be written");
         session.write_checkpoint(&file, reached).expect("written");
     };
 
@@ -113,9 +113,9 @@ fn a_stopped_session_is_resumed_to_the_same_bits_and_extended() {
         session.stop();
     });
     let done = session.progress().samples_done;
-    assert!(reached.end == End::Stopped && done > 0 && done < expected.samples, "{reached:?}");
+    assert!(reached.stop_reason == StopReason::Stopped && done > 0 && done < expected.samples, "{reached:?}");
     write(&session, &at_the_end, Some(&reached));
-    let stopped = session.outcome(reached);
+    let stopped = session.result(reached);
     assert_eq!(stopped.samples, done);
 
     for path in [&on_the_way, &at_the_end] {
@@ -125,7 +125,7 @@ fn a_stopped_session_is_resumed_to_the_same_bits_and_extended() {
         must_be_outcome("resumed", &outcome, &expected);
         // A checkpoint on the way may tell of fewer rays than were traced for its samples.
         assert!(outcome.rays == expected.rays || path == &on_the_way);
-        write(&session, &whole, Some(&Reached { end: End::Finished, noise: None, error: None }));
+        write(&session, &whole, Some(&RunOutcome { stop_reason: StopReason::Finished, noise: None, error: None }));
     }
     // More samples than were asked for at first, from half-way and from the end.
     let more = finished(&opened(SAMPLES + 100));
@@ -135,7 +135,7 @@ fn a_stopped_session_is_resumed_to_the_same_bits_and_extended() {
     }
     // Fewer than there are.
     let checkpoint = Checkpoint::open(&whole).expect("a checkpoint");
-    let fewer = Session::resume(&session_scene(), session_job(16), checkpoint, Opening::default());
+    let fewer = Session::resume(&session_scene(), session_job(16), checkpoint, SessionOptions::default());
     let told = fewer.err().expect("it has more").to_string();
     assert!(told.contains("it has samples up to 800, more than the 16"), "{told}");
 }
@@ -158,15 +158,15 @@ fn a_session_runs_once_at_a_time_and_goes_on_after_a_stop() {
             session.stop();
             running.join().expect("no panic").expect("renders")
         });
-        if reached.end == End::Finished {
+        if reached.stop_reason == StopReason::Finished {
             break;
         }
-        assert_eq!(reached.end, End::Stopped);
+        assert_eq!(reached.stop_reason, StopReason::Stopped);
     }
     // A stop that came after the end of a run would be one of the next.
-    while session.run(&()).expect("renders").end != End::Finished {}
+    while session.run(&()).expect("renders").stop_reason != StopReason::Finished {}
     let reached = session.run(&()).expect("nothing is left to render");
-    must_be_outcome("in several runs", &session.outcome(reached), &expected);
+    must_be_outcome("in several runs", &session.result(reached), &expected);
 }
 
 #[test]
@@ -190,16 +190,16 @@ fn a_session_is_extended_to_the_bits_of_one_render() {
 #[test]
 fn a_snapshot_of_a_running_session_is_consistent() {
     let mut job = session_job(SAMPLES);
-    job.layers = vec![Kind::SampleCount, Kind::Cryptomatte(By::Sphere)];
-    let session = Session::new(&session_scene(), job, Opening::default()).expect("opens");
+    job.layers = vec![Aov::SampleCount, Aov::Cryptomatte(CryptomatteKind::Sphere)];
+    let session = Session::new(&session_scene(), job, SessionOptions::default()).expect("opens");
     looked_at(&session, || {
         for _ in 0..20 {
             let (picture, metadata) = session.snapshot();
             let channel = |name: &str| -> Vec<f64> {
-                let plane = picture.planes.iter().find(|plane| plane.name == name).expect(name);
+                let plane = picture.channels.iter().find(|plane| plane.name == name).expect(name);
                 match &plane.values {
-                    Values::Float(values) => values.iter().map(|v| f64::from(*v)).collect(),
-                    Values::Whole(values) => values.iter().map(|v| f64::from(*v)).collect(),
+                    ChannelValues::Float(values) => values.iter().map(|v| f64::from(*v)).collect(),
+                    ChannelValues::Uint(values) => values.iter().map(|v| f64::from(*v)).collect(),
                 }
             };
             let counts = channel("sample_count");
@@ -229,10 +229,10 @@ fn an_observer_that_panics_does_not_end_the_render() {
         fn wants_progress(&self) -> bool {
             true
         }
-        fn progress(&self, _: &Progress) {
+        fn on_progress(&self, _: &RenderProgress) {
             panic!("the observer fails, as this test wants it");
         }
-        fn warning(&self, text: &str) {
+        fn on_warning(&self, text: &str) {
             self.0.lock().expect("no panic while it is held").push(text.to_owned());
         }
     }
@@ -247,10 +247,10 @@ fn an_observer_that_panics_does_not_end_the_render() {
         session.stop();
         running.join().expect("the panic stays in there").expect("renders")
     });
-    assert_eq!(reached.end, End::Stopped);
+    assert_eq!(reached.stop_reason, StopReason::Stopped);
     let told = clumsy.0.into_inner().expect("no panic");
     assert_eq!(told, ["telling the progress failed in an unexpected way; please report this"]);
-    assert!(session.outcome(reached).samples > 0);
+    assert!(session.result(reached).samples > 0);
 }
 
 #[test]
@@ -259,14 +259,14 @@ fn a_checkpoint_of_another_scene_is_refused() {
     let path = folder.path().join("a.part");
     let session = opened(16);
     let reached = session.run(&()).expect("renders");
-    let file = WholeFile::new(&path).expect("can be written");
+    let file = AtomicFile::new(&path).expect("can be written");
     session.write_checkpoint(&file, Some(&reached)).expect("written");
     // One number of one array differs.
     let mut other = balls(false);
     other[17].radius *= 2.0;
-    let other = of_arrays(SphereArrays::of_rows(narrow(&rows(&other)))).expect("good arrays");
+    let other = of_arrays(SphereArrays::from_rows(narrow(&rows(&other)))).expect("good arrays");
     let checkpoint = Checkpoint::open(&path).expect("a checkpoint");
-    let told = Session::resume(&other, session_job(16), checkpoint, Opening::default());
+    let told = Session::resume(&other, session_job(16), checkpoint, SessionOptions::default());
     let told = told.err().expect("it is of another scene").to_string();
     assert!(told.contains("it is of another render"), "{told}");
 }

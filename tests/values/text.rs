@@ -3,17 +3,17 @@
 use std::path::Path;
 
 use photosphere::color::Rgb;
-use photosphere::film::KINDS;
+use photosphere::film::AOVS;
 use photosphere::image_io::Picture;
-use photosphere::job::{End, run};
+use photosphere::job::{StopReason, run};
 use photosphere::material::Metal;
 use photosphere::math::DVec3;
 use photosphere::scene::data::{Column, SphereData};
 use photosphere::scene::description::{
-    Description, Dome, Lens, NamedMaterial, Projection, SphereRow, SphereTable, Sun, Surface,
+    SceneDescription, EnvironmentDescription, LensDescription, MaterialDescription, ProjectionDescription, SphereDescription, SphereTable, SunDescription, SurfaceModel,
 };
-use photosphere::scene::settings::{FilterKind, Image, Render};
-use photosphere::scene::{Builder, Scene, SceneFile, Settings, SphereArrays, read_text};
+use photosphere::scene::settings::{FilterKind, ImageSettings, RenderSettings};
+use photosphere::scene::{SceneBuilder, Scene, SceneFile, Settings, SphereArrays, read_text};
 
 use super::{job, view};
 
@@ -106,22 +106,22 @@ fn grains() -> Vec<[f32; 7]> {
     values.chunks_exact(7).map(|row| row.try_into().expect("seven numbers")).collect()
 }
 
-fn scene_of_values() -> Builder {
-    let mut scene = Builder::new();
+fn scene_of_values() -> SceneBuilder {
+    let mut scene = SceneBuilder::new();
     scene.camera([0.0, 1.5, 8.0], [0.0, 1.0, 0.0]).sun([1.0, 2.0, 1.0], 4.0, [2.0, 1.9, 1.7]);
-    let lens = Lens { radius: 0.05, focus_distance: 7.5, blades: 0, rotation_degrees: 0.0 };
+    let lens = LensDescription { radius: 0.05, focus_distance: 7.5, blades: 0, rotation_degrees: 0.0 };
     let camera = &mut scene.description.camera;
-    camera.projection = Projection::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) };
+    camera.projection = ProjectionDescription::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) };
     camera.near = 0.5;
     let [zenith, horizon, nadir] = [[0.2, 0.3, 0.6], [0.7, 0.7, 0.8], [0.1; 3]].map(Into::into);
-    scene.description.background.dome = Dome::Gradient { zenith, horizon, nadir };
+    scene.description.background.dome = EnvironmentDescription::Gradient { zenith, horizon, nadir };
 
     let ground = scene.diffuse([0.5, 0.4, 0.3]);
     let gold = scene.metal(Metal::NAMED[0].1, 0.3);
     let glass = scene.glass(1.5);
-    let lamp = scene.lamp([5.0, 4.0, 3.0]);
-    let surface = Surface::Diffuse { albedo: [0.9, 0.2, 0.2].into(), roughness: 0.5 };
-    let veil = scene.material(NamedMaterial { surface, opacity: 0.5, ..Default::default() });
+    let lamp = scene.emitter([5.0, 4.0, 3.0]);
+    let surface = SurfaceModel::Diffuse { albedo: [0.9, 0.2, 0.2].into(), roughness: 0.5 };
+    let veil = scene.material(MaterialDescription { surface, opacity: 0.5, ..Default::default() });
     scene
         .sphere(ground, [0.0, -100.0, 0.0], 100.0)
         .sphere(gold, [-1.5, 1.0, 0.0], 1.0)
@@ -144,17 +144,17 @@ fn scene_of_values() -> Builder {
 
 fn settings_of_values() -> Settings {
     let filter = FilterKind::Gaussian;
-    let filter_radius = Image::usual_radius(filter);
-    let image = Image { width: 40, height: 30, filter, filter_radius, ..Image::default() };
-    let render = Render { samples_per_pixel: 20, max_depth: Some(8), seed: 7, ..Render::default() };
+    let filter_radius = ImageSettings::default_filter_radius(filter);
+    let image = ImageSettings { width: 40, height: 30, filter, filter_radius, ..ImageSettings::default() };
+    let render = RenderSettings { samples_per_pixel: 20, max_depth: Some(8), seed: 7, ..RenderSettings::default() };
     Settings { image, render }
 }
 
 /// The file of a picture with all layers, but for what only this run took.
 fn file_of(scene: &Scene, settings: Settings) -> Vec<u8> {
-    let kinds = KINDS.map(|row| row.kind);
+    let kinds = AOVS.map(|row| row.aov);
     let mut outcome = run(scene, &job(settings, &kinds), &()).expect("renders");
-    assert_eq!(outcome.end, End::Finished);
+    assert_eq!(outcome.stop_reason, StopReason::Finished);
     outcome.metadata.run = None;
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("a.exr");
@@ -170,7 +170,7 @@ fn a_scene_of_values_has_the_file_of_the_same_scene_from_text() {
     assert_eq!(*scene.description(), values.description);
     assert_eq!(settings, settings_of_values());
     let built = values.build().expect("a good scene");
-    assert_eq!(built.identity(), scene.identity());
+    assert_eq!(built.content_hash(), scene.content_hash());
     let (of_text, of_values) = (file_of(&scene, settings), file_of(&built, settings_of_values()));
     assert!(of_text == of_values, "the same bytes");
 }
@@ -183,12 +183,12 @@ fn a_table_in_memory_gives_the_picture_of_the_file_that_it_is_named_after() {
     let rows = grains.iter().map(|&[x, y, z, radius, ..]| [x, y, z, radius]).collect();
     let colors = grains.iter().map(|&[.., r, g, b]| [r, g, b]).collect::<Vec<[f32; 3]>>();
     let mut values = scene_of_values();
-    let arrays = SphereArrays::of_rows(rows).with_colors(colors);
+    let arrays = SphereArrays::from_rows(rows).with_colors(colors);
     values.description.tables[0].data = SphereData::Memory(arrays);
     must_be_one_scene("in memory", &values.clone().build().expect("a good scene"), &of_file);
     values.description.tables[0].name = None;
     let unnamed = values.build().expect("a good scene");
-    assert_ne!(unnamed.identity(), of_file.identity());
+    assert_ne!(unnamed.content_hash(), of_file.content_hash());
     assert!(picture_of(&unnamed) != picture_of(&of_file), "Cryptomatte shows the names");
 }
 
@@ -200,7 +200,7 @@ fn scene_of_text(old: &str, new: &str) -> Scene {
 }
 
 fn picture_of(scene: &Scene) -> Picture {
-    let kinds = KINDS.map(|row| row.kind);
+    let kinds = AOVS.map(|row| row.aov);
     let mut settings = settings_of_values();
     settings.render.samples_per_pixel = 2;
     run(scene, &job(settings, &kinds), &()).expect("renders").picture
@@ -208,7 +208,7 @@ fn picture_of(scene: &Scene) -> Picture {
 
 /// Fails unless two scenes have one identity and one picture.
 fn must_be_one_scene(what: &str, a: &Scene, b: &Scene) {
-    assert_eq!(a.identity(), b.identity(), "{what}");
+    assert_eq!(a.content_hash(), b.content_hash(), "{what}");
     assert!(picture_of(a) == picture_of(b), "{what}: pictures");
 }
 
@@ -237,9 +237,9 @@ fn values_that_mean_the_same_are_one_scene() {
     let (read, _) = read.expect("a good scene");
     for radius in [None, Some(0.0), Some(-0.0)] {
         let mut values = scene_of_values();
-        let lens = |radius| Lens { radius, focus_distance: 7.5, blades: 5, rotation_degrees: 30.0 };
+        let lens = |radius| LensDescription { radius, focus_distance: 7.5, blades: 5, rotation_degrees: 30.0 };
         let lens = radius.map(lens);
-        let projection = Projection::Perspective { vertical_fov_degrees: 40.0, lens };
+        let projection = ProjectionDescription::Perspective { vertical_fov_degrees: 40.0, lens };
         values.up(scale).description.camera.projection = projection;
         must_be_one_scene("pinhole", &values.build().expect("a good scene"), &read);
     }
@@ -252,9 +252,9 @@ fn tables_have_one_zero() {
         let (radii, wide) = (vec![0.5, 0.25], |center: &[f32; 3]| center.map(f64::from));
         let arrays = match is_f64 {
             true => {
-                SphereArrays::of_centers(centers.iter().map(wide).collect(), vec![0.5f64, 0.25])
+                SphereArrays::from_centers(centers.iter().map(wide).collect(), vec![0.5f64, 0.25])
             }
-            false => SphereArrays::of_centers(centers.clone(), radii),
+            false => SphereArrays::from_centers(centers.clone(), radii),
         };
         let arrays = arrays.with_colors(vec![[0.5, zero, zero], [zero, 0.5, 0.5]]);
         let mut scene = view();
@@ -284,7 +284,7 @@ fn tables_have_one_zero() {
 fn a_builder_takes_tables_and_names() {
     let mut scene = view();
     let [_, blue] = [0.25, 0.5].map(|share| scene.diffuse([0.0, 0.0, share]));
-    let data = SphereData::Memory(SphereArrays::of_rows(vec![[0.0, 0.0, 0.0, 1.0]]));
+    let data = SphereData::Memory(SphereArrays::from_rows(vec![[0.0, 0.0, 0.0, 1.0]]));
     let table = SphereTable {
         name: Some("grains".to_owned()),
         data,
@@ -304,7 +304,7 @@ fn a_material_of_another_builder_is_refused() {
     let mut scene = view();
     let own = scene.diffuse([0.5; 3]);
     scene.sphere(own, [0.0; 3], 1.0).sphere(foreign, [3.0, 0.0, 0.0], 1.0);
-    scene.spheres(foreign, SphereArrays::of_rows(vec![[0.0, 3.0, 0.0, 1.0]]));
+    scene.spheres(foreign, SphereArrays::from_rows(vec![[0.0, 3.0, 0.0, 1.0]]));
     let told = scene.build().expect_err("a material of another builder").to_string();
     assert!(told.contains("`spheres.1.material` is a material of another builder"), "{told}");
     assert!(told.contains("`sphere_tables.0.material` is a material of another builder"), "{told}");
@@ -325,37 +325,37 @@ fn mistakes_of_values_are_told_all_at_once() {
     let grey = scene.diffuse([0.5; 3]);
     scene.sphere(grey, [0.0; 3], -1.0).sphere(grey, [f64::NAN, 0.0, 0.0], 1.0);
     let material = 7;
-    scene.description.spheres.push(SphereRow { radius: 1.0, material, ..SphereRow::default() });
+    scene.description.spheres.push(SphereDescription { radius: 1.0, material, ..SphereDescription::default() });
     let direction = DVec3::ZERO;
-    let sun = Sun { direction, angular_diameter_degrees: 1.0, irradiance: [1.0; 3].into() };
+    let sun = SunDescription { direction, angular_diameter_degrees: 1.0, irradiance: [1.0; 3].into() };
     scene.description.background.sun = Some(sun);
     let error = scene.build().expect_err("nothing is right");
-    assert_eq!(error.mistakes().len(), 4, "{error}");
+    assert_eq!(error.diagnostics().len(), 4, "{error}");
 }
 
 #[test]
 fn values_that_are_no_numbers_are_refused() {
-    let places: [fn(&mut Description, f64); 14] = [
+    let places: [fn(&mut SceneDescription, f64); 14] = [
         |scene, x| scene.camera.position.x = x,
         |scene, x| scene.camera.look_at.y = x,
         |scene, x| scene.camera.up.z = x,
         |scene, x| scene.camera.near = x,
-        |scene, x| scene.camera.projection = Projection::Orthographic { height: x },
+        |scene, x| scene.camera.projection = ProjectionDescription::Orthographic { height: x },
         |scene, x| scene.background.up.x = x,
-        |scene, x| scene.background.dome = Dome::Constant { radiance: Rgb::splat(x as f32) },
+        |scene, x| scene.background.dome = EnvironmentDescription::Constant { radiance: Rgb::splat(x as f32) },
         |scene, x| scene.spheres[1].center.x = x,
         |scene, x| scene.spheres[1].center.y = x,
         |scene, x| scene.spheres[1].center.z = x,
         |scene, x| scene.spheres[1].radius = x,
         |scene, x| scene.materials[3].emission.y = x as f32,
         |scene, x| scene.materials[4].opacity = x,
-        |scene, x| scene.materials[0].surface = Surface::Mirror { reflectance: Rgb::X * x as f32 },
+        |scene, x| scene.materials[0].surface = SurfaceModel::Mirror { reflectance: Rgb::X * x as f32 },
     ];
     for (index, change) in places.into_iter().enumerate() {
         for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut scene = scene_of_values();
             change(&mut scene.description, x);
-            let mistakes = scene.build().err().map_or(0, |error| error.mistakes().len());
+            let mistakes = scene.build().err().map_or(0, |error| error.diagnostics().len());
             assert!(mistakes > 0, "{x} in place {index} is accepted");
         }
     }

@@ -5,7 +5,7 @@ use std::ptr::NonNull;
 use std::sync::atomic::{AtomicIsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::error::{Error, Result, Setting};
+use crate::error::{Error, Result, Suggestion};
 
 use super::sys;
 
@@ -13,19 +13,19 @@ use super::sys;
 pub(super) struct Device {
     raw: NonNull<sys::PsDevice>,
     /// Embree keeps its address, so it goes after `raw` is released.
-    listener: Arc<Listener>,
+    listener: Arc<DeviceListener>,
 }
 
 /// What Embree tells a device, from any of its threads.
 #[derive(Default)]
-struct Listener {
+struct DeviceListener {
     /// The first error since the last check; later ones are mostly its consequences.
-    error: Mutex<Option<Report>>,
+    error: Mutex<Option<DeviceError>>,
     /// Bytes that Embree holds, by its own count.
     bytes: AtomicIsize,
 }
 
-struct Report {
+struct DeviceError {
     code: u32,
     text: String,
 }
@@ -58,7 +58,7 @@ impl Device {
             };
             return Err(Error::backend(format!("Embree cannot start: {cause}"))
                 .with_help("choose another intersector")
-                .with_setting(Setting::Intersector, "native"));
+                .with_suggestion(Suggestion::Intersector, "native"));
         };
         let device = Self { raw, listener: Arc::default() };
         let listener = Arc::as_ptr(&device.listener).cast_mut().cast::<c_void>();
@@ -80,7 +80,7 @@ impl Device {
         match self.listener.error().take() {
             None => Ok(()),
             Some(report) if report.code == sys::PS_ERROR_CANCELLED => Err(Error::cancelled()),
-            Some(Report { code, text }) => {
+            Some(DeviceError { code, text }) => {
                 Err(Error::backend(format!("Embree cannot {doing}: {text} (error code {code})")))
             }
         }
@@ -113,27 +113,27 @@ impl Drop for Device {
     }
 }
 
-impl Listener {
-    fn error(&self) -> std::sync::MutexGuard<'_, Option<Report>> {
+impl DeviceListener {
+    fn error(&self) -> std::sync::MutexGuard<'_, Option<DeviceError>> {
         self.error.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 unsafe extern "C" fn on_error(listener: *mut c_void, code: u32, text: *const c_char) {
     // SAFETY: `adopt` passed a pointer to the device's listener, which outlives the device.
-    let listener = unsafe { &*listener.cast::<Listener>() };
+    let listener = unsafe { &*listener.cast::<DeviceListener>() };
     let text = if text.is_null() {
         "no reason given".to_owned()
     } else {
         // SAFETY: Embree passes a C string that is valid during this call.
         unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
     };
-    listener.error().get_or_insert(Report { code, text });
+    listener.error().get_or_insert(DeviceError { code, text });
 }
 
 unsafe extern "C" fn on_memory(listener: *mut c_void, bytes: isize, _after: bool) -> bool {
     // SAFETY: `adopt` passed a pointer to the device's listener, which outlives the device.
-    let listener = unsafe { &*listener.cast::<Listener>() };
+    let listener = unsafe { &*listener.cast::<DeviceListener>() };
     listener.bytes.fetch_add(bytes, Ordering::Relaxed);
     true
 }

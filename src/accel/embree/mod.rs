@@ -18,35 +18,35 @@ mod tests;
 
 use std::sync::Arc;
 
-use crate::error::{Error, Result, Setting};
+use crate::error::{Error, Result, Suggestion};
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
 
 use super::info::EmbreeInfo;
-use super::intersector::{Accel, Precision};
+use super::intersector::{Accel, ErrorBound};
 use super::options::BuildOptions;
 
-pub(super) use scene::Particles;
+pub(super) use scene::ParticleGeometry;
 
 use device::Device;
-use scene::{Geometry, Scene, SceneBuilder, Spheres};
+use scene::{Geometry, EmbreeScene, EmbreeSceneBuilder, SphereBuffers};
 
 /// Spheres in an Embree scene.
 pub(super) struct Embree {
-    scene: Scene,
-    particles: Particles,
+    scene: EmbreeScene,
+    particles: ParticleGeometry,
 }
 
 impl Embree {
     pub(super) fn build(
         set: &Arc<SphereSet>,
-        particles: Particles,
+        particles: ParticleGeometry,
         options: &BuildOptions,
     ) -> Result<Self> {
         let device = Device::new(options.threads)?;
-        require(&describe(&device)?, particles)?;
-        let spheres = Spheres::new(set, particles);
-        let mut builder = SceneBuilder::new(&device)?;
+        check_support(&describe(&device)?, particles)?;
+        let spheres = SphereBuffers::new(set, particles);
+        let mut builder = EmbreeSceneBuilder::new(&device)?;
         if spheres.point_count() > 0 {
             builder = builder.attach(&Geometry::points(&device, &spheres)?)?;
         }
@@ -66,12 +66,12 @@ impl Accel for Embree {
         self.scene.occluded(rays, blocked);
     }
 
-    fn precision(&self) -> Precision {
+    fn error_bound(&self) -> ErrorBound {
         let particles = match self.particles {
-            Particles::Points => POINTS,
-            Particles::User => USER,
+            ParticleGeometry::Points => POINTS_ERROR,
+            ParticleGeometry::User => USER_ERROR,
         };
-        Precision { particles, giants: USER, rounds_origin: true }
+        ErrorBound { particles, giants: USER_ERROR, rounds_origin: true }
     }
 
     fn bytes(&self) -> usize {
@@ -100,12 +100,12 @@ impl Accel for Embree {
 /// Embree's tree is traversed with its robust flag, which loses nothing; but it rounds the boxes of
 /// sphere points to nearest at the scale of `|c| + R`, the scale at which the ray's origin was
 /// rounded too.
-const POINTS: f64 = 16.0;
+const POINTS_ERROR: f64 = 16.0;
 
 /// `k` of user geometry. Distances are computed from the 48-bit ray, and compared, in f64; only
 /// Embree's walk through its boxes uses the ray in f32, so that a sphere may be overlooked at its
 /// box's very edge: 1 for the rounded direction, and 1 for the reciprocals in the box test.
-const USER: f64 = 2.0;
+const USER_ERROR: f64 = 2.0;
 
 /// What the Embree in use says of itself.
 pub(super) fn info() -> Result<EmbreeInfo> {
@@ -147,19 +147,19 @@ fn describe(device: &Device) -> Result<EmbreeInfo> {
 }
 
 /// Refuses an Embree that would answer wrongly without saying so.
-fn require(info: &EmbreeInfo, particles: Particles) -> Result<()> {
+fn check_support(info: &EmbreeInfo, particles: ParticleGeometry) -> Result<()> {
     if let Some(feature) = info.missing.first() {
         return Err(Error::backend(format!("this Embree was built without {feature}"))
             .with_help("install another build of Embree, or choose another intersector")
-            .with_setting(Setting::Intersector, "native"));
+            .with_suggestion(Suggestion::Intersector, "native"));
     }
-    if particles == Particles::Points && info.culls_sphere_back_faces == Some(true) {
+    if particles == ParticleGeometry::Points && info.culls_sphere_back_faces == Some(true) {
         return Err(Error::backend(
             "this Embree was built with EMBREE_BACKFACE_CULLING_SPHERES: it does not see spheres \
              from inside",
         )
         .with_help("choose the intersector `embree-user` or `native`")
-        .with_setting(Setting::Intersector, "embree-user"));
+        .with_suggestion(Suggestion::Intersector, "embree-user"));
     }
     Ok(())
 }

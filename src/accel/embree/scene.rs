@@ -19,13 +19,13 @@ use super::sys;
 
 /// What particles become in Embree. Giants are always user geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::accel) enum Particles {
+pub(in crate::accel) enum ParticleGeometry {
     Points,
     User,
 }
 
 /// The spheres as the shim reads them. Never moves or changes once it is in its `Arc`.
-pub(super) struct Spheres {
+pub(super) struct SphereBuffers {
     pub(super) table: sys::PsSpheres,
     /// What the table points to.
     _set: Arc<SphereSet>,
@@ -33,12 +33,12 @@ pub(super) struct Spheres {
 }
 
 // SAFETY: the table's pointers lead to memory that this value owns and that nobody ever writes.
-unsafe impl Send for Spheres {}
+unsafe impl Send for SphereBuffers {}
 // SAFETY: as above.
-unsafe impl Sync for Spheres {}
+unsafe impl Sync for SphereBuffers {}
 
-impl Spheres {
-    pub(super) fn new(set: &Arc<SphereSet>, particles_as: Particles) -> Arc<Self> {
+impl SphereBuffers {
+    pub(super) fn new(set: &Arc<SphereSet>, particles_as: ParticleGeometry) -> Arc<Self> {
         let giants: Vec<[f64; 4]> = set
             .giants()
             .iter()
@@ -52,8 +52,8 @@ impl Spheres {
             particle_count: particles.len() as u32,
             giant_count: giants.len() as u32,
             first_user_id: match particles_as {
-                Particles::Points => particles.len() as u32,
-                Particles::User => 0,
+                ParticleGeometry::Points => particles.len() as u32,
+                ParticleGeometry::User => 0,
             },
         };
         Arc::new(Self { table, _set: set.clone(), _giants: giants })
@@ -72,7 +72,7 @@ impl Spheres {
 pub(super) struct Geometry {
     raw: NonNull<sys::PsGeometry>,
     device: Arc<Device>,
-    spheres: Arc<Spheres>,
+    spheres: Arc<SphereBuffers>,
 }
 
 // SAFETY: a geometry may be used and released by any one thread.
@@ -80,14 +80,14 @@ unsafe impl Send for Geometry {}
 
 impl Geometry {
     /// The spheres that are sphere points, committed.
-    pub(super) fn points(device: &Arc<Device>, spheres: &Arc<Spheres>) -> Result<Self> {
+    pub(super) fn points(device: &Arc<Device>, spheres: &Arc<SphereBuffers>) -> Result<Self> {
         // SAFETY: device and table are alive, and the geometry keeps them so.
         let raw = unsafe { sys::ps_points_new(device.raw(), &spheres.table) };
         Self::uncommitted(raw, device, spheres, "share the spheres")?.commit()
     }
 
     /// The spheres that are user geometry, committed.
-    pub(super) fn user(device: &Arc<Device>, spheres: &Arc<Spheres>) -> Result<Self> {
+    pub(super) fn user(device: &Arc<Device>, spheres: &Arc<SphereBuffers>) -> Result<Self> {
         // SAFETY: device and table are alive, and the geometry keeps them so.
         let raw = unsafe { sys::ps_user_new(device.raw(), &spheres.table) };
         Self::uncommitted(raw, device, spheres, "take the spheres")?.commit()
@@ -96,7 +96,7 @@ impl Geometry {
     pub(super) fn uncommitted(
         raw: *mut sys::PsGeometry,
         device: &Arc<Device>,
-        spheres: &Arc<Spheres>,
+        spheres: &Arc<SphereBuffers>,
         doing: &str,
     ) -> Result<Self> {
         let owned = NonNull::new(raw).map(|raw| Self {
@@ -124,19 +124,19 @@ impl Drop for Geometry {
 }
 
 /// Owns a scene's handle, and all that Embree reads through it.
-struct Handle {
+struct SceneHandle {
     raw: NonNull<sys::PsScene>,
-    spheres: Vec<Arc<Spheres>>,
+    spheres: Vec<Arc<SphereBuffers>>,
     device: Arc<Device>,
 }
 
 // SAFETY: Embree's scenes may be used by any thread; `SceneBuilder` lets only one change a scene.
-unsafe impl Send for Handle {}
+unsafe impl Send for SceneHandle {}
 // SAFETY: what takes `&self` (the queries of a committed `Scene`) may run on many threads at once,
 // by Embree's contract.
-unsafe impl Sync for Handle {}
+unsafe impl Sync for SceneHandle {}
 
-impl Drop for Handle {
+impl Drop for SceneHandle {
     fn drop(&mut self) {
         // SAFETY: this is the one owner, and fields are dropped only afterwards.
         unsafe { sys::ps_scene_release(self.raw.as_ptr()) }
@@ -144,15 +144,15 @@ impl Drop for Handle {
 }
 
 /// A scene being put together.
-pub(super) struct SceneBuilder {
-    handle: Handle,
+pub(super) struct EmbreeSceneBuilder {
+    handle: SceneHandle,
 }
 
-impl SceneBuilder {
+impl EmbreeSceneBuilder {
     pub(super) fn new(device: &Arc<Device>) -> Result<Self> {
         // SAFETY: the device is alive.
         let raw = NonNull::new(unsafe { sys::ps_scene_new(device.raw()) });
-        let owned = raw.map(|raw| Handle { raw, spheres: Vec::new(), device: device.clone() });
+        let owned = raw.map(|raw| SceneHandle { raw, spheres: Vec::new(), device: device.clone() });
         device.check("begin a scene")?;
         Ok(Self { handle: owned.expect("Embree reports an error where it gives no scene") })
     }
@@ -167,22 +167,22 @@ impl SceneBuilder {
     }
 
     /// Builds the tree.
-    pub(super) fn commit(self, options: &BuildOptions) -> Result<Scene> {
+    pub(super) fn commit(self, options: &BuildOptions) -> Result<EmbreeScene> {
         let raw = self.handle.raw.as_ptr();
         let listener = ptr::from_ref(options).cast_mut().cast::<c_void>();
         // SAFETY: `self` is the only user of the scene. `go_on` reads `options` as shared, and is
         // taken away again before the borrow ends.
         unsafe {
-            sys::ps_scene_on_progress(raw, Some(go_on), listener);
+            sys::ps_scene_on_progress(raw, Some(on_progress), listener);
             sys::ps_scene_commit(raw);
             sys::ps_scene_on_progress(raw, None, ptr::null_mut());
         }
         self.handle.device.check("build its tree")?;
-        Ok(Scene { handle: self.handle })
+        Ok(EmbreeScene { handle: self.handle })
     }
 }
 
-unsafe extern "C" fn go_on(options: *mut c_void, done: f64) -> bool {
+unsafe extern "C" fn on_progress(options: *mut c_void, done: f64) -> bool {
     // SAFETY: `commit` passed a `&BuildOptions` that it holds while this may be called.
     let options = unsafe { &*options.cast::<BuildOptions>() };
     options.progress.report(done);
@@ -190,11 +190,11 @@ unsafe extern "C" fn go_on(options: *mut c_void, done: f64) -> bool {
 }
 
 /// A committed scene: it can only be asked.
-pub(super) struct Scene {
-    handle: Handle,
+pub(super) struct EmbreeScene {
+    handle: SceneHandle,
 }
 
-impl Scene {
+impl EmbreeScene {
     /// # Panics
     /// When the slices differ in length.
     pub(super) fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {

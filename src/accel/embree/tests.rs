@@ -9,8 +9,8 @@ use crate::geometry::{SphereRows, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
 use super::device::Device;
-use super::scene::{Geometry, Scene, SceneBuilder, Spheres};
-use super::{Particles, describe, require, sys};
+use super::scene::{Geometry, EmbreeScene, EmbreeSceneBuilder, SphereBuffers};
+use super::{ParticleGeometry, describe, check_support, sys};
 
 /// A grid of spheres of radius 0.25, and a giant under it.
 fn grid(side: i32) -> Arc<SphereSet> {
@@ -22,16 +22,16 @@ fn grid(side: i32) -> Arc<SphereSet> {
     Arc::new(set)
 }
 
-fn commit(device: &Arc<Device>, spheres: &Arc<Spheres>) -> Scene {
+fn commit(device: &Arc<Device>, spheres: &Arc<SphereBuffers>) -> EmbreeScene {
     let points = Geometry::points(device, spheres).expect("shares");
     let user = Geometry::user(device, spheres).expect("takes");
-    let builder = SceneBuilder::new(device).expect("begins");
+    let builder = EmbreeSceneBuilder::new(device).expect("begins");
     let builder = builder.attach(&points).and_then(|b| b.attach(&user)).expect("attaches");
     builder.commit(&BuildOptions::default()).expect("builds")
 }
 
 /// A ray down through the middle of the grid hits a sphere, and one beside it the ground.
-fn ask(scene: &Scene) {
+fn ask(scene: &EmbreeScene) {
     let down =
         |x: f64| Ray::new(DVec3::new(x, 100.0, 0.0), -DVec3::Y, 0.0, f64::INFINITY, [NO_SPHERE; 2]);
     let mut hits = [Hit::MISS; 2];
@@ -48,10 +48,10 @@ fn owners_may_go_in_any_order() {
     for order in orders {
         let set = grid(3);
         let device = Device::new(1).expect("starts");
-        let spheres = Spheres::new(&set, Particles::Points);
+        let spheres = SphereBuffers::new(&set, ParticleGeometry::Points);
         let geometry = Geometry::points(&device, &spheres).expect("shares");
         let unused =
-            SceneBuilder::new(&device).and_then(|b| b.attach(&geometry)).expect("attaches");
+            EmbreeSceneBuilder::new(&device).and_then(|b| b.attach(&geometry)).expect("attaches");
         let scene = commit(&device, &spheres);
         drop((set, spheres));
         let (mut device, mut geometry, mut unused) = (Some(device), Some(geometry), Some(unused));
@@ -74,7 +74,7 @@ fn threads_build_ask_and_drop_at_once() {
             scope.spawn(|| {
                 for _ in 0..25 {
                     let device = Device::new(1).expect("starts");
-                    let scene = commit(&device, &Spheres::new(&set, Particles::Points));
+                    let scene = commit(&device, &SphereBuffers::new(&set, ParticleGeometry::Points));
                     drop(device);
                     std::thread::scope(|inner| {
                         inner.spawn(|| ask(&scene));
@@ -92,7 +92,7 @@ fn threads_build_ask_and_drop_at_once() {
 fn a_refused_buffer_is_told_in_embrees_words() {
     let set = grid(3);
     let device = Device::new(1).expect("starts");
-    let spheres = Spheres::new(&set, Particles::Points);
+    let spheres = SphereBuffers::new(&set, ParticleGeometry::Points);
     // An address that is no multiple of 4; it is refused before it is read.
     let table = sys::PsSpheres { particles: std::ptr::without_provenance(2), ..spheres.table };
     // SAFETY: the device is alive; Embree refuses the address and keeps nothing of the table.
@@ -110,12 +110,12 @@ fn a_refused_buffer_is_told_in_embrees_words() {
 fn a_build_that_fails_in_the_middle_says_why_and_leaves_nothing_behind() {
     let set = grid(3);
     let device = Device::new(1).expect("starts");
-    let spheres = Spheres::new(&set, Particles::Points);
+    let spheres = SphereBuffers::new(&set, ParticleGeometry::Points);
     let good = Geometry::user(&device, &spheres).expect("takes");
     // SAFETY: device and table are alive.
     let raw = unsafe { sys::ps_points_new(device.raw(), &spheres.table) };
     let raw = Geometry::uncommitted(raw, &device, &spheres, "share").expect("shares");
-    let builder = SceneBuilder::new(&device).and_then(|b| b.attach(&good)).expect("attaches");
+    let builder = EmbreeSceneBuilder::new(&device).and_then(|b| b.attach(&good)).expect("attaches");
     let builder = builder.attach(&raw).expect("attaches");
     let error =
         builder.commit(&BuildOptions::default()).err().expect("the points are not committed");
@@ -130,9 +130,9 @@ fn a_build_that_fails_in_the_middle_says_why_and_leaves_nothing_behind() {
 fn a_commit_stops_when_asked_and_a_later_one_works() {
     let set = grid(60);
     let device = Device::new(1).expect("starts");
-    let spheres = Spheres::new(&set, Particles::Points);
+    let spheres = SphereBuffers::new(&set, ParticleGeometry::Points);
     let points = Geometry::points(&device, &spheres).expect("shares");
-    let builder = SceneBuilder::new(&device).and_then(|b| b.attach(&points)).expect("attaches");
+    let builder = EmbreeSceneBuilder::new(&device).and_then(|b| b.attach(&points)).expect("attaches");
     let options = BuildOptions::default();
     options.cancel.cancel();
     let error = builder.commit(&options).err().expect("stopped");
@@ -152,12 +152,12 @@ fn no_device_is_an_error_and_not_a_crash() {
 fn an_embree_that_would_answer_wrongly_is_refused() {
     let device = Device::new(1).expect("starts");
     let real = describe(&device).expect("describes itself");
-    require(&real, Particles::Points).expect("this one is complete");
+    check_support(&real, ParticleGeometry::Points).expect("this one is complete");
     let blind = super::EmbreeInfo { culls_sphere_back_faces: Some(true), ..real.clone() };
-    assert!(require(&blind, Particles::Points).is_err());
-    assert!(require(&blind, Particles::User).is_ok());
+    assert!(check_support(&blind, ParticleGeometry::Points).is_err());
+    assert!(check_support(&blind, ParticleGeometry::User).is_ok());
     let poor = super::EmbreeInfo { missing: vec!["filter functions"], ..real };
-    let text = require(&poor, Particles::User).expect_err("incomplete").to_string();
+    let text = check_support(&poor, ParticleGeometry::User).expect_err("incomplete").to_string();
     assert!(text.contains("filter functions"), "{text}");
 }
 
@@ -166,7 +166,7 @@ fn bytes_are_counted_and_given_back() {
     let set = grid(20);
     let device = Device::new(1).expect("starts");
     let before = device.bytes();
-    let scene = commit(&device, &Spheres::new(&set, Particles::Points));
+    let scene = commit(&device, &SphereBuffers::new(&set, ParticleGeometry::Points));
     let held = device.bytes() - before;
     assert!((16 * set.len()..1000 * set.len()).contains(&held), "{held} bytes");
     drop(scene);

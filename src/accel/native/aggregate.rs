@@ -6,12 +6,12 @@ use crate::geometry::SphereSet;
 use crate::math::Ray;
 
 use super::giants::Giants;
-use super::query::{Best, Query};
-use super::tree::Tree;
+use super::query::{BestHit, ExactQuery};
+use super::bvh::Bvh;
 
 /// The tree of the particles, and the giants beside it.
 pub(super) struct Aggregate {
-    pub(super) tree: Tree,
+    pub(super) tree: Bvh,
     pub(super) giants: Giants,
     /// The spheres that both are made of.
     pub(super) spheres: Arc<SphereSet>,
@@ -21,12 +21,12 @@ impl Aggregate {
     /// The best hit of a valid ray on a giant; with `any`, some hit. Giants come first: there are few,
     /// and a hit on one shortens the way through the tree.
     #[inline(always)]
-    pub(super) fn best_giant(&self, ray: &Ray, any: bool) -> Best {
-        let best = Best::none(ray);
+    pub(super) fn closest_giant(&self, ray: &Ray, any: bool) -> BestHit {
+        let best = BestHit::none(ray);
         if self.giants.is_empty() {
             return best;
         }
-        let mut query = Query::new(ray, best);
+        let mut query = ExactQuery::new(ray, best);
         self.giants.trace(&mut query, any);
         query.best
     }

@@ -7,20 +7,20 @@
 use crate::error::Result;
 use crate::geometry::Sphere;
 use crate::math::DVec3;
-use crate::task::Cancel;
+use crate::task::CancelToken;
 
-use super::node::F64_SLACK;
-use super::query::Query;
+use super::node::F64_BOX_SLACK;
+use super::query::ExactQuery;
 
 /// As many giants as are tested one by one.
-const LIST: usize = 64;
+const MAX_LIST_SIZE: usize = 64;
 /// Most spheres of a leaf.
-const LEAF: usize = 8;
+const MAX_LEAF_SIZE: usize = 8;
 
 /// The giants of a scene; the tree's nodes are in depth-first order.
 pub(super) struct Giants {
     giants: Box<[Giant]>,
-    nodes: Box<[Node]>,
+    nodes: Box<[GiantNode]>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +32,7 @@ struct Giant {
 /// A box, the giants in it, and where its right child is (the left one comes next); a leaf has no
 /// right child.
 #[derive(Clone, Debug, PartialEq)]
-struct Node {
+struct GiantNode {
     low: DVec3,
     high: DVec3,
     first: u32,
@@ -45,12 +45,12 @@ impl Giants {
     ///
     /// # Errors
     /// On cancellation.
-    pub(super) fn build(giants: &[Sphere], first_id: usize, cancel: &Cancel) -> Result<Self> {
+    pub(super) fn build(giants: &[Sphere], first_id: usize, cancel: &CancelToken) -> Result<Self> {
         let giant = |(i, &sphere)| Giant { sphere, id: (first_id + i) as u32 };
         let mut giants: Box<[Giant]> = giants.iter().enumerate().map(giant).collect();
         let mut nodes = Vec::new();
-        if giants.len() > LIST {
-            grow(&mut giants, 0, &mut nodes, cancel)?;
+        if giants.len() > MAX_LIST_SIZE {
+            build_node(&mut giants, 0, &mut nodes, cancel)?;
         }
         Ok(Self { giants, nodes: nodes.into_boxed_slice() })
     }
@@ -68,32 +68,32 @@ impl Giants {
 
     /// Offers the query every giant that may be better than what it has; with `any`, until one is
     /// hit.
-    pub(super) fn trace(&self, query: &mut Query, any: bool) {
+    pub(super) fn trace(&self, query: &mut ExactQuery, any: bool) {
         if self.nodes.is_empty() {
-            offer_all(&self.giants, query);
+            consider_all(&self.giants, query);
         } else {
-            self.descend(0, inverse_of(query.direction), query, any);
+            self.traverse(0, safe_inverse(query.direction), query, any);
         }
     }
 
     /// Recursion goes as deep as the tree, which is at most 30 levels, as it is halved.
-    fn descend(&self, index: usize, inverse: DVec3, query: &mut Query, any: bool) {
+    fn traverse(&self, index: usize, inverse: DVec3, query: &mut ExactQuery, any: bool) {
         let node = &self.nodes[index];
-        if (any && query.best.is_hit()) || !node.may_be_met(inverse, query) {
+        if (any && query.best.is_hit()) || !node.may_intersect(inverse, query) {
             return;
         }
         match node.right {
-            None => offer_all(&self.giants[node.first as usize..][..node.count as usize], query),
+            None => consider_all(&self.giants[node.first as usize..][..node.count as usize], query),
             Some(right) => {
                 let (left, right) = (index + 1, right as usize);
-                let ahead = |index: usize| {
-                    let Node { low, high, .. } = &self.nodes[index];
+                let order = |index: usize| {
+                    let GiantNode { low, high, .. } = &self.nodes[index];
                     (low + high).dot(query.direction)
                 };
                 let (near, far) =
-                    if ahead(left) <= ahead(right) { (left, right) } else { (right, left) };
-                self.descend(near, inverse, query, any);
-                self.descend(far, inverse, query, any);
+                    if order(left) <= order(right) { (left, right) } else { (right, left) };
+                self.traverse(near, inverse, query, any);
+                self.traverse(far, inverse, query, any);
             }
         }
     }
@@ -101,32 +101,32 @@ impl Giants {
 
 /// One over each component; one that is less than 2^-60 of the whole counts as that much, which
 /// moves a point of the ray by far less than the slack, and nothing is divided by zero.
-fn inverse_of(direction: DVec3) -> DVec3 {
+fn safe_inverse(direction: DVec3) -> DVec3 {
     let smallest = direction.length() / (1u64 << 60) as f64;
     direction.abs().max(DVec3::splat(smallest)).copysign(direction).recip()
 }
 
-fn offer_all(giants: &[Giant], query: &mut Query) {
-    giants.iter().for_each(|giant| query.offer(giant.id, &giant.sphere));
+fn consider_all(giants: &[Giant], query: &mut ExactQuery) {
+    giants.iter().for_each(|giant| query.consider(giant.id, &giant.sphere));
 }
 
-fn grow(giants: &mut [Giant], first: usize, nodes: &mut Vec<Node>, cancel: &Cancel) -> Result<()> {
+fn build_node(giants: &mut [Giant], first: usize, nodes: &mut Vec<GiantNode>, cancel: &CancelToken) -> Result<()> {
     cancel.check()?;
     let index = nodes.len();
-    nodes.push(Node::around(giants, first));
-    if giants.len() > LEAF {
-        let at = halve(giants);
+    nodes.push(GiantNode::new(giants, first));
+    if giants.len() > MAX_LEAF_SIZE {
+        let at = split_median(giants);
         let (left, right) = giants.split_at_mut(at);
-        grow(left, first, nodes, cancel)?;
+        build_node(left, first, nodes, cancel)?;
         nodes[index].right = Some(nodes.len() as u32);
-        grow(right, first + at, nodes, cancel)?;
+        build_node(right, first + at, nodes, cancel)?;
     }
     Ok(())
 }
 
 /// Puts the half with the smaller centres first, along the axis where they differ most.
-fn halve(giants: &mut [Giant]) -> usize {
-    let (low, high) = span(giants.iter().map(|giant| (giant.sphere.center, giant.sphere.center)));
+fn split_median(giants: &mut [Giant]) -> usize {
+    let (low, high) = bounds_of(giants.iter().map(|giant| (giant.sphere.center, giant.sphere.center)));
     let axis = (high - low).max_position();
     let at = giants.len() / 2;
     giants.select_nth_unstable_by(at, |a, b| {
@@ -136,17 +136,17 @@ fn halve(giants: &mut [Giant]) -> usize {
     at
 }
 
-fn span(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> (DVec3, DVec3) {
+fn bounds_of(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> (DVec3, DVec3) {
     let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     boxes.fold(nothing, |(low, high), next| (low.min(next.0), high.max(next.1)))
 }
 
-impl Node {
-    fn around(giants: &[Giant], first: usize) -> Self {
-        let (low, high) = span(giants.iter().map(|Giant { sphere, .. }| {
+impl GiantNode {
+    fn new(giants: &[Giant], first: usize) -> Self {
+        let (low, high) = bounds_of(giants.iter().map(|Giant { sphere, .. }| {
             (sphere.center - sphere.radius, sphere.center + sphere.radius)
         }));
-        let slack = F64_SLACK * low.abs().max(high.abs()).max_element();
+        let slack = F64_BOX_SLACK * low.abs().max(high.abs()).max_element();
         let (low, high) = (low - slack, high + slack);
         Self { low, high, first: first as u32, count: giants.len() as u32, right: None }
     }
@@ -155,8 +155,8 @@ impl Node {
     ///
     /// The planes are moved apart by what the f64 arithmetic may be wrong by for this origin, here
     /// and in the test of a sphere.
-    fn may_be_met(&self, inverse: DVec3, query: &Query) -> bool {
-        let slack = F64_SLACK * query.origin.abs().max_element();
+    fn may_intersect(&self, inverse: DVec3, query: &ExactQuery) -> bool {
+        let slack = F64_BOX_SLACK * query.origin.abs().max_element();
         let a = (self.low - slack - query.origin) * inverse;
         let b = (self.high + slack - query.origin) * inverse;
         let (mut enter, mut leave) = (query.t_min, query.best.t);
@@ -164,6 +164,6 @@ impl Node {
             enter = enter.max(a[axis].min(b[axis]));
             leave = leave.min(a[axis].max(b[axis]));
         }
-        enter <= leave * (1.0 + F64_SLACK)
+        enter <= leave * (1.0 + F64_BOX_SLACK)
     }
 }

@@ -14,55 +14,55 @@ mod kernel;
 mod limits;
 mod node;
 mod query;
-mod tree;
+mod bvh;
 
 use std::sync::Arc;
 
-use crate::accel::intersector::{Accel, Precision};
+use crate::accel::intersector::{Accel, ErrorBound};
 use crate::accel::options::BuildOptions;
 use crate::error::Result;
 use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
 
-pub use kernel::Instance;
+pub use kernel::KernelIsa;
 
-use build::Shape;
+use build::BuildStats;
 use aggregate::Aggregate;
 use giants::Giants;
 
 /// The hierarchy, and the form of the kernel that goes through it.
-pub(super) struct Native {
+pub(super) struct NativeAccel {
     bvh: Aggregate,
-    shape: Shape,
-    instance: Instance,
+    stats: BuildStats,
+    isa: KernelIsa,
 }
 
-impl Native {
+impl NativeAccel {
     /// Builds on the current rayon pool, whatever `options.threads` says.
     pub(super) fn new(spheres: Arc<SphereSet>, options: &BuildOptions) -> Result<Self> {
         let (tree, shape) = build::build(&spheres, options)?;
         let first_giant = spheres.particles().len();
         let giants = Giants::build(spheres.giants(), first_giant, &options.cancel)?;
-        let instance = options.instance.unwrap_or_else(Instance::best);
-        Ok(Self { bvh: Aggregate { tree, giants, spheres }, shape, instance })
+        let instance = options.isa.unwrap_or_else(KernelIsa::best);
+        Ok(Self { bvh: Aggregate { tree, giants, spheres }, stats: shape, isa: instance })
     }
 }
 
-impl Accel for Native {
+impl Accel for NativeAccel {
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-        kernel::closest(self.instance, &self.bvh, rays, hits);
+        kernel::closest(self.isa, &self.bvh, rays, hits);
     }
 
     fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        kernel::occluded(self.instance, &self.bvh, rays, blocked);
+        kernel::occluded(self.isa, &self.bvh, rays, blocked);
     }
 
     /// The ray is known to 48 bits, and spheres are tested with the arithmetic of the brute-force
     /// backend; boxes leave nothing out (see `node` and `kernel::slot`). So the band is the same:
     /// `k 2^-24 = 2^-44`.
-    fn precision(&self) -> Precision {
+    fn error_bound(&self) -> ErrorBound {
         let k = 2f64.powi(-20);
-        Precision { particles: k, giants: k, rounds_origin: false }
+        ErrorBound { particles: k, giants: k, rounds_origin: false }
     }
 
     fn bytes(&self) -> usize {
@@ -70,11 +70,11 @@ impl Accel for Native {
     }
 
     fn details(&self) -> String {
-        let Shape { cells, optimal } = self.shape;
+        let BuildStats { treelets: cells, optimal_treelets: optimal } = self.stats;
         match cells {
-            0 => self.instance.name().to_owned(),
+            0 => self.isa.name().to_owned(),
             _ => {
-                format!("{}; {optimal} of {cells} cells collapsed optimally", self.instance.name())
+                format!("{}; {optimal} of {cells} cells collapsed optimally", self.isa.name())
             }
         }
     }

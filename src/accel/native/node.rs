@@ -4,7 +4,7 @@
 use crate::geometry::Sphere;
 use crate::math::{DVec3, NO_SPHERE};
 
-use super::build::{Bounds, Item};
+use super::build::{Aabb, PrimRef};
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
@@ -13,29 +13,29 @@ pub(super) const LEAF_SIZE: usize = 8;
 
 /// What f64 arithmetic may move a surface by, relative to the numbers it works with: 4 times the
 /// bound derived in [`Node::set`].
-pub(super) const F64_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
+pub(super) const F64_BOX_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
 /// What a box is larger by, as a part of its coordinates: 8 roundings to f32.
-const F32_SLACK: f64 = 1.0 / (1u32 << 21) as f64;
+const F32_BOX_SLACK: f64 = 1.0 / (1u32 << 21) as f64;
 /// Absolute slack, 2^-90, where numbers underflow and relative bounds mean nothing.
-pub(super) const TINY: f64 = f32::from_bits((127 - 90) << 23) as f64;
+pub(super) const ABSOLUTE_SLACK: f64 = f32::from_bits((127 - 90) << 23) as f64;
 
 /// A reference to a node or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Child(pub(super) u32);
+pub(super) struct NodeRef(pub(super) u32);
 
 /// Up to eight boxes and what is in them. Two hundred and fifty-six bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
-pub(super) struct Node {
+pub(super) struct BvhNode {
     /// Planes of the boxes: low x, y, z, then high x, y, z; an unused lane is inside out.
     pub(super) planes: [[f32; WIDTH]; 6],
-    pub(super) children: [Child; WIDTH],
+    pub(super) children: [NodeRef; WIDTH],
 }
 
 /// Up to eight spheres. The radius of an unused lane is NaN, which no comparison accepts.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Leaf {
+pub(super) struct SphereLeaf {
     pub(super) x: [f32; LEAF_SIZE],
     pub(super) y: [f32; LEAF_SIZE],
     pub(super) z: [f32; LEAF_SIZE],
@@ -45,45 +45,45 @@ pub(super) struct Leaf {
 /// The ids of a leaf's spheres, which are kept apart because few are ever looked at.
 pub(super) type LeafIds = [u32; LEAF_SIZE];
 
-impl Child {
-    const LEAF: u32 = 1 << 31;
+impl NodeRef {
+    const LEAF_BIT: u32 = 1 << 31;
     /// Neither.
     pub(super) const NONE: Self = Self(u32::MAX);
     /// As many nodes, or leaves, as can be referred to.
-    pub(super) const LIMIT: usize = Self::LEAF as usize - 1;
+    pub(super) const MAX_INDEX: usize = Self::LEAF_BIT as usize - 1;
 
     pub(super) fn node(index: usize) -> Self {
         Self(index as u32)
     }
 
     pub(super) fn leaf(index: usize) -> Self {
-        Self(index as u32 | Self::LEAF)
+        Self(index as u32 | Self::LEAF_BIT)
     }
 
     /// The reference after nodes and leaves were put before it.
-    pub(super) fn moved_by(self, nodes: usize, leaves: usize) -> Self {
+    pub(super) fn offset_by(self, nodes: usize, leaves: usize) -> Self {
         let places = if self.is_leaf() { leaves } else { nodes };
         Self(self.0.wrapping_add(places as u32))
     }
 
     #[inline(always)]
     pub(super) fn is_leaf(self) -> bool {
-        self.0 & Self::LEAF != 0
+        self.0 & Self::LEAF_BIT != 0
     }
 
     #[inline(always)]
     pub(super) fn index(self) -> usize {
-        (self.0 & !Self::LEAF) as usize
+        (self.0 & !Self::LEAF_BIT) as usize
     }
 }
 
-impl Node {
+impl BvhNode {
     pub(super) const EMPTY: Self = Self {
         planes: {
             let (low, high) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
             [low, low, low, high, high, high]
         },
-        children: [Child(0); WIDTH],
+        children: [NodeRef(0); WIDTH],
     };
 
     /// Sets one child and its box, larger than the box of its spheres by what keeps every hit.
@@ -97,9 +97,9 @@ impl Node {
     /// added to the ray's origin (`kernel::slot`). `bounds` itself was rounded to f32 once, and is
     /// rounded again here: of the 8 roundings that are added, the ray's arithmetic needs less than 4,
     /// see there.
-    pub(super) fn set(&mut self, lane: usize, bounds: &Bounds, child: Child) {
-        let everywhere = F64_SLACK * f64::from(bounds.magnitude()) + TINY;
-        let slack = |plane: f32| F32_SLACK * f64::from(plane.abs()) + everywhere;
+    pub(super) fn set_child(&mut self, lane: usize, bounds: &Aabb, child: NodeRef) {
+        let everywhere = F64_BOX_SLACK * f64::from(bounds.max_abs()) + ABSOLUTE_SLACK;
+        let slack = |plane: f32| F32_BOX_SLACK * f64::from(plane.abs()) + everywhere;
         for axis in 0..3 {
             let (low, high) = (bounds.low[axis], bounds.high[axis]);
             self.planes[axis][lane] = (f64::from(low) - slack(low)) as f32;
@@ -109,9 +109,9 @@ impl Node {
     }
 }
 
-impl Leaf {
+impl SphereLeaf {
     /// The leaf of up to eight spheres.
-    pub(super) fn of(items: &[Item]) -> Self {
+    pub(super) fn from_prims(items: &[PrimRef]) -> Self {
         let lanes = |lane: usize, unused: f32| {
             let mut values = [unused; LEAF_SIZE];
             values.iter_mut().zip(items).for_each(|(value, item)| *value = item.sphere[lane]);
@@ -121,7 +121,7 @@ impl Leaf {
     }
 
     /// The ids that belong to [`Self::of`].
-    pub(super) fn ids_of(items: &[Item]) -> LeafIds {
+    pub(super) fn prim_ids(items: &[PrimRef]) -> LeafIds {
         let mut ids = [NO_SPHERE; LEAF_SIZE];
         ids.iter_mut().zip(items).for_each(|(id, item)| *id = item.id);
         ids
@@ -136,7 +136,7 @@ impl Leaf {
 
 /// The numbers of the bits that are set.
 #[inline(always)]
-pub(super) fn each_lane(mut lanes: u32) -> impl Iterator<Item = usize> {
+pub(super) fn mask_lanes(mut lanes: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = lanes.trailing_zeros() as usize;
         lanes &= lanes.wrapping_sub(1);

@@ -5,24 +5,24 @@ use crate::geometry::Sphere;
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
 /// One ray in f64, and the best hit so far.
-pub(super) struct Query<'a> {
+pub(super) struct ExactQuery<'a> {
     pub(super) origin: DVec3,
     pub(super) direction: DVec3,
     pub(super) t_min: f64,
     ray: &'a Ray,
-    pub(super) best: Best,
+    pub(super) best: BestHit,
 }
 
 /// The best hit so far.
 #[derive(Clone, Copy)]
-pub(super) struct Best {
+pub(super) struct BestHit {
     /// Its distance, in units of the direction's length; at first, the ray's end.
     pub(super) t: f64,
     /// The sphere hit, or [`NO_SPHERE`].
     pub(super) id: u32,
 }
 
-impl Best {
+impl BestHit {
     /// None yet.
     #[inline(always)]
     pub(super) fn none(ray: &Ray) -> Self {
@@ -35,31 +35,31 @@ impl Best {
     }
 
     #[inline(always)]
-    pub(super) fn hit(&self) -> Hit {
+    pub(super) fn to_hit(&self) -> Hit {
         if self.is_hit() { Hit { t: self.t as f32, id: self.id } } else { Hit::MISS }
     }
 }
 
-impl<'a> Query<'a> {
+impl<'a> ExactQuery<'a> {
     #[inline(always)]
-    pub(super) fn new(ray: &'a Ray, best: Best) -> Self {
+    pub(super) fn new(ray: &'a Ray, best: BestHit) -> Self {
         let (origin, direction) = (ray.origin_f64(), ray.direction_f64());
         Self { origin, direction, t_min: f64::from(ray.t_min), ray, best }
     }
 
     /// Takes the sphere's hit if it is better: nearer, or as near and of a smaller id.
     #[inline(always)]
-    pub(super) fn offer(&mut self, id: u32, sphere: &Sphere) {
+    pub(super) fn consider(&mut self, id: u32, sphere: &Sphere) {
         if self.ray.excludes(id) {
             return;
         }
         let root = sphere.first_root(self.origin, self.direction, self.t_min, f64::INFINITY);
         let Some(t) = root else { return };
-        let Best { t: best, id: of } = self.best;
+        let BestHit { t: best, id: best_id } = self.best;
         let is_better =
-            t < best || fault!(NotTheNearest) || (t == best && id < of && of != NO_SPHERE);
+            t < best || fault!(NotTheNearest) || (t == best && id < best_id && best_id != NO_SPHERE);
         if is_better {
-            self.best = Best { t, id };
+            self.best = BestHit { t, id };
         }
     }
 }

@@ -3,7 +3,7 @@
 use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
 
-use crate::accel::{Backend, Choice, Quality};
+use crate::accel::{Backend, BackendChoice, BuildQuality};
 
 use super::values::{explained, one_of};
 
@@ -11,9 +11,9 @@ use super::values::{explained, one_of};
 #[derive(Args, Debug)]
 pub struct AccelArg {
     /// The intersector
-    #[arg(long = "accel", value_name = "NAME", default_value = Choice::Auto.name())]
+    #[arg(long = "accel", value_name = "NAME", default_value = BackendChoice::Auto.name())]
     #[arg(value_parser = choices())]
-    pub choice: Choice,
+    pub choice: BackendChoice,
 
     #[command(flatten)]
     pub build: BuildArg,
@@ -23,9 +23,9 @@ pub struct AccelArg {
 #[derive(Args, Debug)]
 pub struct BuildArg {
     /// How much care the native intersector takes
-    #[arg(long = "build", value_name = "HOW", default_value = Quality::default().name())]
+    #[arg(long = "build", value_name = "HOW", default_value = BuildQuality::default().name())]
     #[arg(value_parser = one_of(explained(care)))]
-    pub quality: Quality,
+    pub quality: BuildQuality,
 }
 
 /// Which intersectors.
@@ -48,11 +48,11 @@ pub fn backends() -> impl TypedValueParser<Value = Backend> {
     one_of(named_backends())
 }
 
-fn choices() -> impl TypedValueParser<Value = Choice> {
-    let auto = PossibleValue::new(Choice::Auto.name())
+fn choices() -> impl TypedValueParser<Value = BackendChoice> {
+    let auto = PossibleValue::new(BackendChoice::Auto.name())
         .help("whatever is fastest for the scene on this processor");
-    let others = named_backends().map(|(name, backend)| (name, Choice::Only(backend)));
-    one_of([(auto, Choice::Auto)].into_iter().chain(others))
+    let others = named_backends().map(|(name, backend)| (name, BackendChoice::Only(backend)));
+    one_of([(auto, BackendChoice::Auto)].into_iter().chain(others))
 }
 
 /// Those that this build lacks can be named, but are not listed.
@@ -61,10 +61,10 @@ fn named_backends() -> impl Iterator<Item = (PossibleValue, Backend)> {
     explained(meaning).map(move |(name, backend)| (name.hide(hidden(backend)), backend))
 }
 
-fn care(quality: Quality) -> &'static str {
+fn care(quality: BuildQuality) -> &'static str {
     match quality {
-        Quality::Best => "fastest to trace",
-        Quality::Fast => "fastest to build, for previews of very many spheres",
+        BuildQuality::Best => "fastest to trace",
+        BuildQuality::Fast => "fastest to build, for previews of very many spheres",
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::report::compare::{Metric, Wanted};
+use crate::report::compare::{CompareMetric, Wanted};
 
 use super::values::{named, one_of, positive, positive_or_zero};
 
@@ -47,8 +47,8 @@ pub struct CompareArgs {
     pub reference: PathBuf,
 
     /// What to measure; all by default
-    #[arg(long = "metric", value_name = "NAMES", value_parser = one_of(named::<Metric>()), value_delimiter = ',')]
-    metrics: Vec<Metric>,
+    #[arg(long = "metric", value_name = "NAMES", value_parser = one_of(named::<CompareMetric>()), value_delimiter = ',')]
+    metrics: Vec<CompareMetric>,
 
     /// This layer only; may be repeated
     #[arg(long = "layer", value_name = "NAME")]
@@ -70,7 +70,7 @@ pub struct CompareArgs {
     /// error) on one from 0 to the largest
     #[arg(long, value_name = "NAME", default_value = "flip", requires = "heatmap")]
     #[arg(value_parser = one_of(MAPPED.map(|metric| (metric.name().into(), metric))))]
-    pub heatmap_of: Metric,
+    pub heatmap_of: CompareMetric,
 
     #[command(flatten)]
     limits: Limits,
@@ -81,7 +81,7 @@ pub struct CompareArgs {
 }
 
 /// What a heat map can show.
-const MAPPED: [Metric; 3] = [Metric::Flip, Metric::Rmse, Metric::Relmse];
+const MAPPED: [CompareMetric; 3] = [CompareMetric::Flip, CompareMetric::Rmse, CompareMetric::Relmse];
 
 /// What is still good enough.
 #[derive(Args, Debug)]
@@ -113,14 +113,14 @@ struct Limits {
 
 impl Limits {
     /// Every limit that was set; for PSNR it is the smallest allowed value.
-    fn set(&self) -> Vec<(Metric, f64)> {
+    fn set(&self) -> Vec<(CompareMetric, f64)> {
         let all = [
-            (Metric::Mse, self.max_mse),
-            (Metric::Rmse, self.max_rmse),
-            (Metric::Relmse, self.max_relmse),
-            (Metric::Psnr, self.min_psnr),
-            (Metric::Flip, self.max_flip),
-            (Metric::Mean, self.max_mean),
+            (CompareMetric::Mse, self.max_mse),
+            (CompareMetric::Rmse, self.max_rmse),
+            (CompareMetric::Relmse, self.max_relmse),
+            (CompareMetric::Psnr, self.min_psnr),
+            (CompareMetric::Flip, self.max_flip),
+            (CompareMetric::Mean, self.max_mean),
         ];
         all.into_iter().filter_map(|(metric, limit)| Some((metric, limit?))).collect()
     }
@@ -130,11 +130,11 @@ impl CompareArgs {
     /// What to measure: what is asked for, or everything, and in any case what has a limit.
     pub fn wanted(&self) -> Wanted {
         let limits = self.limits.set();
-        let is_wanted = |metric: &Metric| {
+        let is_wanted = |metric: &CompareMetric| {
             let is_limited = limits.iter().any(|(limited, _)| limited == metric);
             self.metrics.is_empty() || self.metrics.contains(metric) || is_limited
         };
-        let metrics = Metric::NAMES.iter().map(|(_, metric)| *metric).filter(is_wanted).collect();
+        let metrics = CompareMetric::NAMES.iter().map(|(_, metric)| *metric).filter(is_wanted).collect();
         Wanted { metrics, limits, peak: self.peak }
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::TypedValueParser;
 
 use crate::accel::Backend;
-use crate::verify::converge::Metric;
+use crate::verify::converge::ErrorMetric;
 
 use super::accel::backends;
 use super::scene::SceneArgs;
@@ -70,7 +70,7 @@ pub struct ConvergeArgs {
 
     /// Which error
     #[arg(long, value_name = "NAME", value_parser = metrics(), default_value = "rmse")]
-    pub metric: Metric,
+    pub metric: ErrorMetric,
 
     /// Independent renders behind every point
     #[arg(long, value_name = "K", default_value_t = 8)]
@@ -127,6 +127,6 @@ impl ConvergeArgs {
     }
 }
 
-fn metrics() -> impl TypedValueParser<Value = Metric> {
-    one_of([("rmse".into(), Metric::Rmse), ("relmse".into(), Metric::Relmse)])
+fn metrics() -> impl TypedValueParser<Value = ErrorMetric> {
+    one_of([("rmse".into(), ErrorMetric::Rmse), ("relmse".into(), ErrorMetric::Relmse)])
 }

@@ -13,7 +13,7 @@ use super::values::{duration, threads, window};
 
 /// How a render is kept from being lost.
 #[derive(Args, Debug)]
-pub struct KeepArgs {
+pub struct CheckpointArgs {
     /// Keep the samples so far in this file, and go on from it where it is already there. Written
     /// at the end, too: `photosphere resume FILE --extend-to N` adds samples
     #[arg(long, value_name = "FILE")]

@@ -7,9 +7,9 @@ use std::time::Duration;
 use clap::Args;
 use clap::builder::TypedValueParser;
 
-use crate::color::{Look, Tone};
-use crate::film::{KINDS, Kind};
-use crate::job::{Delivery, FilePath};
+use crate::color::{ViewTransform, ToneCurve};
+use crate::film::{AOVS, Aov};
+use crate::job::{OutputSpec, FilePath};
 
 use super::values::{exposure, named, one_of};
 
@@ -23,15 +23,15 @@ pub struct OutputArgs {
 
     /// The layers of .exr files beside the beauty, as in --layers direct,albedo,normal
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = kinds())]
-    layers: Option<Vec<Kind>>,
+    layers: Option<Vec<Aov>>,
 
     /// Brighten .png files by this many stops, each of which doubles the light
     #[arg(long, value_name = "EV", value_parser = exposure)]
     exposure: Option<f32>,
 
     /// How .png files show bright light: srgb (cut off at 1), filmic or agx
-    #[arg(long, value_name = "NAME", value_parser = one_of(named::<Tone>()))]
-    tone: Option<Tone>,
+    #[arg(long, value_name = "NAME", value_parser = one_of(named::<ToneCurve>()))]
+    tone: Option<ToneCurve>,
 
     /// Spread the rounding of .png files to 8 bits over neighbouring pixels, which hides steps in
     /// smooth gradients
@@ -46,9 +46,9 @@ pub struct OutputArgs {
 
 impl OutputArgs {
     /// The layers asked for, each once; or the usual ones.
-    pub fn kinds(&self) -> Vec<Kind> {
+    pub fn kinds(&self) -> Vec<Aov> {
         let mut kinds = Vec::new();
-        for kind in self.layers.as_deref().unwrap_or(&Kind::USUAL) {
+        for kind in self.layers.as_deref().unwrap_or(&Aov::DEFAULT) {
             if !kinds.contains(kind) {
                 kinds.push(*kind);
             }
@@ -57,13 +57,13 @@ impl OutputArgs {
     }
 
     /// Whether layers are asked for.
-    pub fn asks_for_layers(&self) -> bool {
+    pub fn has_layers(&self) -> bool {
         self.layers.is_some()
     }
 
     /// Where the picture goes, without anybody who looks on.
-    pub fn delivery(&self) -> Delivery {
-        Delivery {
+    pub fn output_spec(&self) -> OutputSpec {
+        OutputSpec {
             files: self.files.iter().cloned().map(FilePath).collect(),
             look: self.look(),
             with_run: !self.no_run_figures,
@@ -75,17 +75,17 @@ impl OutputArgs {
     }
 
     /// How files for the screen show the picture.
-    pub fn look(&self) -> Look {
+    pub fn look(&self) -> ViewTransform {
         let (exposure, tone) = (self.exposure.unwrap_or(0.0), self.tone.unwrap_or_default());
-        Look { exposure, tone, dither: self.dither }
+        ViewTransform { exposure, tone, dither: self.dither }
     }
 
     /// The options again, as words of a command: those that parts need to know of, and those that only
     /// files for people do.
-    pub fn words(&self) -> [Vec<String>; 2] {
+    pub fn to_arguments(&self) -> [Vec<String>; 2] {
         let mut of_parts = Vec::new();
         if let Some(kinds) = &self.layers {
-            let names: Vec<&str> = kinds.iter().map(|kind| kind.row().name).collect();
+            let names: Vec<&str> = kinds.iter().map(|kind| kind.info().name).collect();
             of_parts.extend(["--layers".to_owned(), names.join(",")]);
         }
         let mut of_pictures = Vec::new();
@@ -102,6 +102,6 @@ impl OutputArgs {
     }
 }
 
-fn kinds() -> impl TypedValueParser<Value = Kind> {
-    one_of(KINDS.iter().filter_map(|row| Some((row.name.into(), Kind::named(row.name)?))))
+fn kinds() -> impl TypedValueParser<Value = Aov> {
+    one_of(AOVS.iter().filter_map(|row| Some((row.name.into(), Aov::named(row.name)?))))
 }

@@ -5,7 +5,7 @@ use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use serde_json::Value;
 
 use crate::scene::Override;
-use crate::scene::keys::{self, KeyInfo, SceneOption};
+use crate::scene::keys::{self, KeyInfo, CliOption};
 
 use super::scene::SceneArgs;
 use super::values::{Size, size, whole};
@@ -32,7 +32,7 @@ impl PictureArgs {
 }
 
 /// The keys that have an option.
-fn options() -> impl Iterator<Item = (KeyInfo, SceneOption)> {
+fn options() -> impl Iterator<Item = (KeyInfo, CliOption)> {
     keys::all().into_iter().filter_map(|key| key.option.map(|option| (key, option)))
 }
 
@@ -42,7 +42,7 @@ fn is_a(key: &KeyInfo, kind: &str) -> bool {
 }
 
 /// The key's own words, and the names that it may have.
-fn help(key: &KeyInfo, option: &SceneOption) -> String {
+fn help(key: &KeyInfo, option: &CliOption) -> String {
     let words = option.help.unwrap_or(key.help);
     let mut letters = words.chars();
     let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
@@ -56,7 +56,7 @@ fn help(key: &KeyInfo, option: &SceneOption) -> String {
 }
 
 /// Numbers are judged where the scene is, which knows which are allowed.
-fn argument(key: &KeyInfo, option: &SceneOption) -> Arg {
+fn argument(key: &KeyInfo, option: &CliOption) -> Arg {
     let arg = Arg::new(option.name)
         .long(option.name)
         .value_name(option.value)

@@ -38,8 +38,8 @@ pub struct PlanArgs {
     pub shards: u32,
 
     /// What to print
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = Format::Shell)]
-    pub format: Format,
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = PlanFormat::Shell)]
+    pub format: PlanFormat,
 
     /// What each shard is a part of [default: samples; crop with --noise]
     #[arg(long, value_name = "WHAT", value_enum)]
@@ -64,7 +64,7 @@ pub struct PlanArgs {
 
 /// Who is to read the plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Format {
+pub enum PlanFormat {
     /// One command per line, for a shell or for your own script
     Shell,
     /// A script for Slurm that submits an array of shards, and the merge that waits for it

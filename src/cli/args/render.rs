@@ -7,7 +7,7 @@ use clap::Args;
 use crate::scene::Override;
 
 use super::accel::AccelArg;
-use super::keep::KeepArgs;
+use super::keep::CheckpointArgs;
 use super::memory::MemoryArg;
 use super::output::OutputArgs;
 use super::picture::PictureArgs;
@@ -55,7 +55,7 @@ pub struct RenderArgs {
     pub samples: Option<Range<u32>>,
 
     #[command(flatten)]
-    pub keep: KeepArgs,
+    pub keep: CheckpointArgs,
 
     #[command(flatten)]
     pub stop: StopArgs,
@@ -83,7 +83,7 @@ impl RenderArgs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::{Backend, Choice, Quality};
+    use crate::accel::{Backend, BackendChoice, BuildQuality};
     use crate::cli::args::{Cli, Command};
     use clap::Parser;
 
@@ -121,16 +121,16 @@ mod tests {
 
     #[test]
     fn every_backend_can_be_named_and_the_choice_is_automatic_by_default() {
-        assert_eq!(render("a.toml -o a.png").accel.choice, Choice::Auto);
+        assert_eq!(render("a.toml -o a.png").accel.choice, BackendChoice::Auto);
         for backend in Backend::ALL {
             let args = render(&format!("a.toml -o a.png --accel {}", backend.name()));
-            assert_eq!(args.accel.choice, Choice::Only(*backend));
+            assert_eq!(args.accel.choice, BackendChoice::Only(*backend));
         }
     }
 
     #[test]
     fn a_build_can_be_fast() {
-        assert_eq!(render("a.toml -o a.png").accel.build.quality, Quality::Best);
-        assert_eq!(render("a.toml -o a.png --build fast").accel.build.quality, Quality::Fast);
+        assert_eq!(render("a.toml -o a.png").accel.build.quality, BuildQuality::Best);
+        assert_eq!(render("a.toml -o a.png --build fast").accel.build.quality, BuildQuality::Fast);
     }
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use crate::job::{ENDLESS, NoiseTarget, Until};
+use crate::job::{UNLIMITED_SAMPLES, NoiseTarget, StopCriteria};
 use crate::scene::Override;
 
 use super::values::{confidence, duration, noise};
@@ -53,16 +53,16 @@ pub struct WatchArgs {
 
 impl StopArgs {
     /// When the render ends.
-    pub fn until(&self) -> Until {
+    pub fn stop_criteria(&self) -> StopCriteria {
         let noise = self.noise.map(|error| NoiseTarget { error, confidence: self.confidence });
-        Until { noise, time: self.time }
+        StopCriteria { noise, time: self.time }
     }
 
     /// What the options change in the scene: the most samples that there can be.
     pub fn overrides(&self, given_spp: bool) -> Option<Override> {
         let (option, most) = match (self.noise, self.time) {
             (Some(_), _) => (format!("--max-spp {}", self.max_spp), self.max_spp),
-            (None, Some(_)) if !given_spp => ("--time".to_owned(), ENDLESS),
+            (None, Some(_)) if !given_spp => ("--time".to_owned(), UNLIMITED_SAMPLES),
             _ => return None,
         };
         let key = "render.samples_per_pixel".to_owned();

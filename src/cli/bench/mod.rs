@@ -6,21 +6,21 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-use crate::accel::{Instance, embree_info};
+use crate::accel::{KernelIsa, embree_info};
 use crate::error::{Error, Result};
-use crate::film::Kind;
+use crate::film::Aov;
 use crate::geometry::PathRay;
-use crate::image_io::WholeFile;
+use crate::image_io::AtomicFile;
 use crate::job::{COMMIT, VERSION};
 use crate::math::Ray;
 use crate::report::speed::SpeedReport;
-use crate::scene::{SceneFile, Shot, read_file};
-use crate::verify::bench::{KINDS, Measuring, Record, Rounds, camera_rays, renders};
+use crate::scene::{SceneFile, PreparedScene, read_file};
+use crate::verify::bench::{RAY_SETS, Measuring, Record, BenchOptions, camera_rays, bench_renders};
 
 use super::args::BenchArgs;
 use super::exit::Exit;
 use super::interrupt::{self, Interrupt};
-use super::memory::{self, Needs};
+use super::memory::{self, MemoryNeeds};
 use super::print;
 use super::system::{self, on_threads};
 
@@ -54,28 +54,28 @@ fn measuring(args: &BenchArgs, interrupt: &Interrupt) -> Measuring {
 }
 
 fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
-    let svg = |path| WholeFile::ending_in(path, "svg");
+    let svg = |path| AtomicFile::with_extension(path, "svg");
     let drawing = args.svg.as_deref().map(svg).transpose()?;
     let scene_file = read_file(path, &args.scene.overrides())?;
     let backends = args.accels.backends();
     let besides = bytes_of_rays(&scene_file, backends.len());
-    let kinds: &[Kind] = if args.render { &Kind::USUAL } else { &[] };
-    memory::check(&scene_file, &Needs { backends, kinds, besides }, args.memory.limit)?;
+    let kinds: &[Aov] = if args.render { &Aov::DEFAULT } else { &[] };
+    memory::check(&scene_file, &MemoryNeeds { backends, kinds, besides }, args.memory.limit)?;
     let (scene, settings) = scene_file.build()?;
-    let shot = Shot::new(&scene, settings)?;
+    let shot = PreparedScene::new(&scene, settings)?;
     let measuring = measuring(args, interrupt);
     let field = measuring.field(scene.spheres(), backends)?;
     let image = settings.image;
     let camera = camera_rays(shot.camera(), [image.width, image.height], MOST_RAYS);
     let mut measured = measuring.measure(&field, camera)?;
     if args.render {
-        measured.renders = renders(&shot, &field, args.rounds.into(), &measuring.cancel)?;
+        measured.renders = bench_renders(&shot, &field, args.rounds.into(), &measuring.cancel)?;
     }
     let (spheres, rounds) = (scene.spheres().len(), measuring.rounds());
     if let Some(file) = drawing {
         let title = format!("{}: speed of the intersectors", path.display());
         let subtitle = format!("{}, {}", print::count(spheres, "sphere"), circumstances(rounds));
-        let svg = measured.drawing(&title, &subtitle)?;
+        let svg = measured.to_svg(&title, &subtitle)?;
         file.write(|to| to.write_all(svg.as_bytes()))?;
     }
     let report = SpeedReport { spheres, rounds, measured: &measured };
@@ -89,7 +89,7 @@ fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<
 
 /// Measures native against Embree; each table is shown when it is finished.
 fn record(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
-    let file = WholeFile::new(path)?;
+    let file = AtomicFile::new(path)?;
     let embree = embree_info().ok_or_else(|| {
         Error::backend("this build has no Embree to compare with")
             .with_help("`photosphere doctor` says how to get it")
@@ -104,20 +104,20 @@ fn record(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> 
         embree.runtime_version,
         embree.instruction_set,
         embree.tasking,
-        Instance::best().name()
+        KernelIsa::best().name()
     );
     let _ = writeln!(text, "command: {}", system::command_line());
     let _ = writeln!(text, "medians of {rounds} interleaved rounds, +- the middle half of them;");
     let _ = writeln!(text, "ratio: how much faster than Embree; in brackets what is asked for");
-    print::remark(text.trim_end());
+    print::note(text.trim_end());
     let largest = args.largest.unwrap_or(LARGEST_OF_RECORD);
     Record { largest, rounds, cancel: interrupt.cancel() }.measure(&mut |table| {
-        print::remark(format_args!("\n{}", table.trim_end()));
+        print::note(format_args!("\n{}", table.trim_end()));
         text += "\n";
         text += table;
     })?;
     file.write(|to| to.write_all(text.as_bytes()))?;
-    print::remark(format_args!("wrote {}", path.display()));
+    print::note(format_args!("wrote {}", path.display()));
     Ok(Exit::Done)
 }
 
@@ -125,17 +125,17 @@ fn record(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> 
 fn bytes_of_rays(file: &SceneFile, backends: usize) -> u64 {
     let image = file.settings.image;
     let rays = 16 * u64::from(image.width) * u64::from(image.height);
-    let each = KINDS * (size_of::<PathRay>() + size_of::<Ray>() * (1 + 2 * backends));
+    let each = RAY_SETS * (size_of::<PathRay>() + size_of::<Ray>() * (1 + 2 * backends));
     rays.min(MOST_RAYS as u64) * each as u64
 }
 
 /// On what, and how, was measured.
-fn circumstances(rounds: Rounds) -> String {
+fn circumstances(rounds: BenchOptions) -> String {
     let threads = print::count(rayon::current_num_threads(), "thread");
     let processor = system::processor().map_or(String::new(), |name| format!(" of {name}"));
     let rays = print::count(rounds.batch, "ray");
     format!(
         "{threads}{processor}, {rays} a call, median of {}",
-        print::count(rounds.count, "round")
+        print::count(rounds.rounds, "round")
     )
 }

@@ -9,10 +9,10 @@ use crate::cli::exit::Exit;
 use crate::cli::interrupt::Interrupt;
 use crate::cli::{print, system};
 use crate::error::Result;
-use crate::image_io::WholeFile;
+use crate::image_io::AtomicFile;
 use crate::job::COMMIT;
 use crate::report::speed::{entries_json, page};
-use crate::verify::bench::{Event, Rounds, Suite};
+use crate::verify::bench::{Event, BenchOptions, Suite};
 
 use super::{circumstances, measuring};
 
@@ -22,7 +22,7 @@ const LARGEST: u64 = 100_000_000;
 /// # Errors
 /// When an intersector cannot be built, or the page not be written.
 pub(super) fn run(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
-    let file = WholeFile::ending_in(path, "html")?;
+    let file = AtomicFile::with_extension(path, "html")?;
     let suite = Suite {
         measuring: measuring(args, interrupt),
         backends: args.accels.backends().to_vec(),
@@ -33,25 +33,25 @@ pub(super) fn run(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Resul
         match event {
             Event::LeftOut(backend, spheres) => {
                 let name = backend.name();
-                print::remark(format_args!("{spheres} spheres with {name} do not fit into memory"));
+                print::note(format_args!("{spheres} spheres with {name} do not fit into memory"));
             }
             Event::Finished(entry) => {
-                print::remark(entry);
-                interrupt.save_from_now_on();
+                print::note(entry);
+                interrupt.enable_saving();
             }
         };
     })?;
     let rounds = suite.measuring.rounds();
     let text = page(&facts(rounds), &entries)?;
     file.write(|to| to.write_all(text.as_bytes()))?;
-    print::remark(format_args!("wrote {}", path.display()));
+    print::note(format_args!("wrote {}", path.display()));
     if args.json {
         print::json(&entries_json(&entries, rounds))?;
     }
     Ok(if suite.measuring.cancel.is_cancelled() { Exit::Stopped } else { Exit::Done })
 }
 
-fn facts(rounds: Rounds) -> [(&'static str, String); 4] {
+fn facts(rounds: BenchOptions) -> [(&'static str, String); 4] {
     let embree = match embree_info() {
         Some(Ok(EmbreeInfo { runtime_version, instruction_set, .. })) => {
             format!("{runtime_version}, {instruction_set}")

@@ -13,15 +13,15 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::scene::{Override, Settings, read_file};
 
-use super::args::{Division, Format, OutputArgs, PlanArgs, StopArgs};
+use super::args::{Division, PlanFormat, OutputArgs, PlanArgs, StopArgs};
 use super::exit::Exit;
-use super::outputs::{Outputs, is_part, refuse_same_places};
+use super::outputs::{Outputs, is_part, refuse_duplicate_paths};
 use super::print;
 use super::system::on_threads;
 use shards::Shard;
 
 /// The commands of a shared render.
-struct Plan {
+struct ShardPlan {
     /// What to call it: the name of the scene.
     name: String,
     scene: String,
@@ -41,20 +41,20 @@ struct Plan {
 pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     let outputs = outputs(args);
     let files: Vec<_> = outputs.files.iter().map(|file| ("-o", file.as_path())).collect();
-    refuse_same_places(&files)?;
-    Outputs::new(&outputs.delivery(), &outputs.kinds(), outputs.asks_for_layers())?;
+    refuse_duplicate_paths(&files)?;
+    Outputs::new(&outputs.output_spec(), &outputs.kinds(), outputs.has_layers())?;
     let overrides = overrides(args);
     // Its tables are looked at, but not read: that may take more memory than there is here.
     let file = on_threads(args.scene.threads(), || read_file(&args.scene.path, &overrides))?;
     let division = division(&args.stop, args.by)?;
-    args.stop.until().check(&file.settings.render)?;
+    args.stop.stop_criteria().validate(&file.settings.render)?;
     // Two machines may choose differently, and their parts would not add up.
-    let backend = args.accel.choice.choose_for(file.sphere_count() as usize).backend;
-    let plan = Plan::new(args, &outputs, division, &file.settings, backend.name())?;
+    let backend = args.accel.choice.select_for_count(file.sphere_count() as usize).backend;
+    let plan = ShardPlan::new(args, &outputs, division, &file.settings, backend.name())?;
     print::result(&match args.format {
-        Format::Shell => script::shell(&plan)?,
-        Format::Slurm => script::slurm(&plan)?,
-        Format::Openjd => openjd::template(&plan)?,
+        PlanFormat::Shell => script::shell(&plan)?,
+        PlanFormat::Slurm => script::slurm(&plan)?,
+        PlanFormat::Openjd => openjd::template(&plan)?,
     })?;
     Ok(Exit::Done)
 }
@@ -95,7 +95,7 @@ fn division(stop: &StopArgs, asked: Option<Division>) -> Result<Division> {
     }
 }
 
-impl Plan {
+impl ShardPlan {
     fn new(
         args: &PlanArgs,
         outputs: &OutputArgs,
@@ -106,11 +106,11 @@ impl Plan {
         let image = &settings.image;
         let shards = match division {
             Division::Samples => shards::by_samples(settings.render.samples_per_pixel, args.shards),
-            Division::Crop => shards::by_crop(image.window(), args.shards),
+            Division::Crop => shards::by_crop(image.pixel_bounds(), args.shards),
         }?;
         let name = args.scene.path.file_stem().unwrap_or_default();
         let files: Result<Vec<String>> = outputs.files.iter().map(|file| text(file)).collect();
-        let [of_parts, mut merge_options] = outputs.words();
+        let [of_parts, mut merge_options] = outputs.to_arguments();
         let mut options = options(args, division, accel);
         options.extend(of_parts);
         if let (Division::Crop, Some(crop)) = (division, image.crop) {

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::error::{Error, Result};
 
-use super::Plan;
+use super::ShardPlan;
 use super::script::without_controls;
 use crate::cli::args::Division;
 
@@ -23,7 +23,7 @@ const FOLDER: &str = "{{Param.Folder}}";
 /// # Errors
 /// When there are more shards than a template can have tasks, or a name holds what a template would
 /// replace.
-pub(super) fn template(plan: &Plan) -> Result<String> {
+pub(super) fn template(plan: &ShardPlan) -> Result<String> {
     if plan.shards.len() > MOST_TASKS {
         return Err(Error::input(format!(
             "a job template has at most {MOST_TASKS} tasks, too few for {} shards",
@@ -97,12 +97,12 @@ fn script(words: &[String]) -> Value {
 }
 
 /// The plan with its files in the job's folder, where they are not named from the root.
-fn in_folder(plan: &Plan) -> Plan {
+fn in_folder(plan: &ShardPlan) -> ShardPlan {
     let placed = |name: &String| match name.starts_with('/') {
         true => name.clone(),
         false => format!("{FOLDER}/{name}"),
     };
-    Plan {
+    ShardPlan {
         name: plan.name.clone(),
         scene: placed(&plan.scene),
         outputs: plan.outputs.iter().map(placed).collect(),

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::cli::print;
 use crate::error::{Error, Result};
 
-use super::Plan;
+use super::ShardPlan;
 
 /// The program as the scripts call it.
 const PROGRAM: &str = r#""${PHOTOSPHERE:-photosphere}""#;
@@ -14,7 +14,7 @@ const PROGRAM: &str = r#""${PHOTOSPHERE:-photosphere}""#;
 ///
 /// # Errors
 /// When a name cannot be quoted.
-pub(super) fn shell(plan: &Plan) -> Result<String> {
+pub(super) fn shell(plan: &ShardPlan) -> Result<String> {
     let mut text = format!(
         "#!/bin/sh\n\
          # {}: {}, in any order and on any machine, then the merge.\n\
@@ -35,7 +35,7 @@ pub(super) fn shell(plan: &Plan) -> Result<String> {
 ///
 /// # Errors
 /// When a name cannot be quoted.
-pub(super) fn slurm(plan: &Plan) -> Result<String> {
+pub(super) fn slurm(plan: &ShardPlan) -> Result<String> {
     let merge = plan.shards.len();
     let last = merge - 1;
     let name: String =

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use crate::error::{Error, Result};
-use crate::film::BLOCK;
+use crate::film::BLOCK_SIZE;
 use crate::math::Rect;
 
 /// Side of the squares, on the grid of the full picture, that a crop is made of.
@@ -36,16 +36,16 @@ impl fmt::Display for Shard {
 /// # Errors
 /// When there are fewer blocks than shards.
 pub(super) fn by_samples(samples: u32, shards: u32) -> Result<Vec<Shard>> {
-    let blocks = samples.div_ceil(BLOCK);
+    let blocks = samples.div_ceil(BLOCK_SIZE);
     if blocks < shards {
         return Err(Error::input(format!(
-            "{samples} samples per pixel are {blocks} blocks of {BLOCK}, too few for {shards} shards"
+            "{samples} samples per pixel are {blocks} blocks of {BLOCK_SIZE}, too few for {shards} shards"
         ))
         .with_help("use fewer shards, more samples (--spp), or divide the pixels with --by crop"));
     }
     let ends = parts(0..blocks, shards);
     Ok(ends
-        .map(|part| Shard::Samples(part.start * BLOCK..(part.end * BLOCK).min(samples)))
+        .map(|part| Shard::Samples(part.start * BLOCK_SIZE..(part.end * BLOCK_SIZE).min(samples)))
         .collect())
 }
 

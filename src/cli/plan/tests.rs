@@ -20,12 +20,12 @@ radius = 1.0
 material = "m"
 "#;
 
-fn plan(words: &[&str]) -> Plan {
+fn plan(words: &[&str]) -> ShardPlan {
     let words = ["photosphere", "plan"].iter().chain(words);
     let Command::Plan(args) = Cli::try_parse_from(words).unwrap().command else { panic!() };
     let division = division(&args.stop, args.by).unwrap();
     let file = read_text("a.toml", SCENE, Path::new(""), &overrides(&args)).unwrap();
-    Plan::new(&args, &outputs(&args), division, &file.settings, "native").unwrap()
+    ShardPlan::new(&args, &outputs(&args), division, &file.settings, "native").unwrap()
 }
 
 fn lines(script: &str) -> Vec<&str> {

@@ -4,33 +4,33 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
-use crate::image_io::WholeFile;
-use crate::job::save::{self, Errand, Manner};
-use crate::job::{End, Reached, Session};
+use crate::image_io::AtomicFile;
+use crate::job::save::{self, SaveTask, RetryPolicy};
+use crate::job::{StopReason, RunOutcome, Session};
 
 use super::super::exit::Exit;
 use super::super::interrupt::Interrupt;
 use super::super::outputs::Outputs;
 use super::super::print;
-use super::super::progress::Progress;
-use super::super::watch::LastLook;
+use super::super::progress::ProgressDisplay;
+use super::super::watch::FinalUpdate;
 use super::report::{Report, Times};
-use super::{Keep, Request};
+use super::{CheckpointTarget, RenderRequest};
 
 /// What the end of a render needs.
-pub(super) struct Finish<'a> {
-    pub(super) request: &'a Request,
+pub(super) struct RenderFinisher<'a> {
+    pub(super) request: &'a RenderRequest,
     pub(super) session: &'a Session,
     pub(super) outputs: &'a Outputs,
-    pub(super) keep: Option<&'a Keep>,
+    pub(super) keep: Option<&'a CheckpointTarget>,
     pub(super) interrupt: &'a Interrupt,
-    pub(super) progress: &'a Progress,
+    pub(super) progress: &'a ProgressDisplay,
     pub(super) times: Times,
     /// What there was to warn of.
     pub(super) about_spheres: Vec<String>,
 }
 
-impl Finish<'_> {
+impl RenderFinisher<'_> {
     /// Saves what it came to, and tells of it. Saved first, and shown then: who looks on may keep nobody
     /// waiting.
     ///
@@ -38,18 +38,18 @@ impl Finish<'_> {
     /// When something cannot be written, or there is nothing to write.
     pub(super) fn close(
         &self,
-        reached: &Reached,
+        reached: &RunOutcome,
         render_s: f64,
-        last_look: &LastLook<'_>,
+        last_look: &FinalUpdate<'_>,
     ) -> Result<Exit> {
-        last_look.saving();
-        let saved = self.session.on_free_threads(|| self.save_all(reached, last_look));
+        last_look.begin_saving();
+        let saved = self.session.install(|| self.save_all(reached, last_look));
         last_look.wait();
         saved?;
         self.report(reached, render_s)?;
-        Ok(match reached.end {
-            End::Stopped => Exit::Stopped,
-            End::Failed => Exit::Fault,
+        Ok(match reached.stop_reason {
+            StopReason::Stopped => Exit::Stopped,
+            StopReason::Failed => Exit::Fault,
             // Of a picture that is shared out, the merge says so.
             _ if !is_met(reached) && self.outputs.has_pictures() => Exit::CheckFailed,
             _ => Exit::Done,
@@ -61,51 +61,51 @@ impl Finish<'_> {
     /// # Errors
     /// When something cannot be written; the others are, where they can be, and what would be lost is
     /// elsewhere. When there is not one sample.
-    fn save_all(&self, reached: &Reached, last_look: &LastLook<'_>) -> Result<()> {
+    fn save_all(&self, reached: &RunOutcome, last_look: &FinalUpdate<'_>) -> Result<()> {
         let session = self.session;
-        if session.film().samples() == 0 {
+        if session.film().sample_count() == 0 {
             let help = "no sample was finished, so no picture was written";
             return Err(Error::cancelled().with_help(help));
         }
         let picture = OnceLock::new();
         let shown = || picture.get_or_init(|| session.picture());
         // Whoever stops a render waits for the end of it.
-        let in_haste = self.interrupt.is_asked();
+        let in_haste = self.interrupt.is_requested();
         let notes = self.outputs.notes(session.film().frame(), &session.metadata(), in_haste);
-        let part: Vec<Errand<'_>> =
+        let part: Vec<SaveTask<'_>> =
             self.keep.map(|keep| self.errand_of(keep, reached)).into_iter().collect();
         let help = self.keep.map(|keep| {
             let path = keep.path.display();
             format!("the samples are safe: photosphere resume '{path}' writes it again")
         });
-        let pictures = self.outputs.pictures().iter().map(|file| Errand {
+        let pictures = self.outputs.pictures().iter().map(|file| SaveTask {
             path: file.path.clone(),
-            is_vital: self.keep.is_none(),
+            is_only_copy: self.keep.is_none(),
             help: help.clone().unwrap_or_default(),
             write: Box::new(|place| file.write(place, shown(), &notes)),
         });
-        let pictures: Vec<Errand<'_>> = pictures.collect();
-        let warn = |text: String| self.progress.say(|| print::warning(&text));
-        let manner = Manner { in_haste: &|| self.interrupt.is_asked(), warn: &warn };
-        let saved = save::all(&part, &pictures, &manner);
+        let pictures: Vec<SaveTask<'_>> = pictures.collect();
+        let warn = |text: String| self.progress.suspend(|| print::warning(&text));
+        let manner = RetryPolicy { skip_retries: &|| self.interrupt.is_requested(), warn: &warn };
+        let saved = save::save_all(&part, &pictures, &manner);
         drop(pictures);
         if let Some(picture) = picture.into_inner() {
-            last_look.show(picture);
+            last_look.set_picture(picture);
         }
         saved
     }
 
-    fn errand_of<'a>(&'a self, keep: &'a Keep, reached: &'a Reached) -> Errand<'a> {
+    fn errand_of<'a>(&'a self, keep: &'a CheckpointTarget, reached: &'a RunOutcome) -> SaveTask<'a> {
         let write = move |place: Option<&Path>| match place {
             None => self.session.write_checkpoint(&keep.file, Some(reached)),
-            Some(place) => self.session.write_checkpoint(&WholeFile::new(place)?, Some(reached)),
+            Some(place) => self.session.write_checkpoint(&AtomicFile::new(place)?, Some(reached)),
         };
         let (path, help) = (keep.path.clone(), String::new());
-        Errand { path, is_vital: true, help, write: Box::new(write) }
+        SaveTask { path, is_only_copy: true, help, write: Box::new(write) }
     }
 
     /// Tells what came of it.
-    fn report(&self, reached: &Reached, render_s: f64) -> Result<()> {
+    fn report(&self, reached: &RunOutcome, render_s: f64) -> Result<()> {
         let (samples, rays, about_film) = self.session.statistics();
         let complaint =
             reached.noise.filter(|noise| !noise.is_met()).map(|noise| noise.to_string());
@@ -127,6 +127,6 @@ impl Finish<'_> {
 }
 
 /// Whether the picture is as exact as was asked for.
-fn is_met(reached: &Reached) -> bool {
+fn is_met(reached: &RunOutcome) -> bool {
     reached.noise.is_none_or(|noise| noise.is_met())
 }

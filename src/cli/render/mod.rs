@@ -6,28 +6,28 @@ mod report;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::accel::Choice;
+use crate::accel::BackendChoice;
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
-use crate::image_io::WholeFile;
-use crate::job::{Checkpoint, Delivery, ENDLESS, FilePath, Header, Job, Opening, Session};
+use crate::image_io::AtomicFile;
+use crate::job::{Checkpoint, OutputSpec, UNLIMITED_SAMPLES, FilePath, CheckpointHeader, Job, SessionOptions, Session};
 use crate::scene::{Override, Scene, Settings, read_file};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
 use super::interrupt::Interrupt;
-use super::memory::Needs;
+use super::memory::MemoryNeeds;
 use super::outputs::{self, Outputs, is_part};
-use super::progress::{self, Progress};
+use super::progress::{self, ProgressDisplay};
 use super::system::on_threads;
 use super::watch::Viewers;
 use super::{interrupt, memory, print, system};
 
-use finish::Finish;
+use finish::RenderFinisher;
 use report::Times;
 
 /// A render that is asked for, by its options or by a checkpoint.
-pub(super) struct Request {
+pub(super) struct RenderRequest {
     pub(super) scene: PathBuf,
     pub(super) overrides: Vec<Override>,
     pub(super) memory_limit: Option<u64>,
@@ -39,7 +39,7 @@ pub(super) struct Request {
     pub(super) samples_per_pixel: Option<u32>,
     /// Whether those are more than were asked for before.
     pub(super) is_extended: bool,
-    pub(super) delivery: Delivery,
+    pub(super) delivery: OutputSpec,
     pub(super) layers_given: bool,
     /// The file that keeps the samples so far.
     pub(super) checkpoint: Option<PathBuf>,
@@ -50,9 +50,9 @@ pub(super) struct Request {
 }
 
 /// The file that keeps the samples so far.
-struct Keep {
+struct CheckpointTarget {
     path: PathBuf,
-    file: WholeFile,
+    file: AtomicFile,
 }
 
 /// # Errors
@@ -63,10 +63,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
 
 /// # Errors
 /// As [`run`].
-pub(super) fn execute(request: &Request) -> Result<Exit> {
-    outputs::refuse_same_places(&places(request))?;
+pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
+    outputs::refuse_duplicate_paths(&places(request))?;
     let outputs = Outputs::new(&request.delivery, &request.job.layers, request.layers_given)?;
-    let keep = Keep::new(request, &outputs)?;
+    let keep = CheckpointTarget::new(request, &outputs)?;
     let name = outputs::in_words(&outputs::paths(&request.delivery.files));
     let viewers = Viewers::new(&request.delivery, name, request.is_resumed)?;
     let interrupt = interrupt::listen();
@@ -79,9 +79,9 @@ pub(super) fn execute(request: &Request) -> Result<Exit> {
 
     let session = open(request, &scene, settings, keep.as_ref(), &interrupt)?;
     let times = Times { load_s, build_s: session.build_seconds() };
-    let progress = Progress::new(request.quiet);
-    interrupt.save_from_now_on();
-    let finish = Finish {
+    let progress = ProgressDisplay::new(request.quiet);
+    interrupt.enable_saving();
+    let finish = RenderFinisher {
         request,
         session: &session,
         outputs: &outputs,
@@ -91,7 +91,7 @@ pub(super) fn execute(request: &Request) -> Result<Exit> {
         times,
         about_spheres,
     };
-    viewers.during(&session, &interrupt, |last_look| {
+    viewers.run_alongside(&session, &interrupt, |last_look| {
         let began = Instant::now();
         let reached = session.run(&progress);
         progress.finish();
@@ -100,24 +100,24 @@ pub(super) fn execute(request: &Request) -> Result<Exit> {
 }
 
 /// The scene and its settings, if there is memory for them.
-fn load(request: &Request) -> Result<(Scene, Settings)> {
+fn load(request: &RenderRequest) -> Result<(Scene, Settings)> {
     let mut file = read_file(&request.scene, &request.overrides)?;
     if !request.has_settings_of_file {
         file.settings = request.job.settings;
     }
     // Before spheres that are there twice are left out.
-    let chosen = request.job.accel.choose_for(file.sphere_count() as usize);
-    let needs = Needs { backends: &[chosen.backend], kinds: &request.job.layers, besides: 0 };
+    let chosen = request.job.accel.select_for_count(file.sphere_count() as usize);
+    let needs = MemoryNeeds { backends: &[chosen.backend], kinds: &request.job.layers, besides: 0 };
     memory::check(&file, &needs, request.memory_limit)?;
     file.build()
 }
 
 /// The render with its samples so far, if there are some.
 fn open(
-    request: &Request,
+    request: &RenderRequest,
     scene: &Scene,
     settings: Settings,
-    keep: Option<&Keep>,
+    keep: Option<&CheckpointTarget>,
     interrupt: &Interrupt,
 ) -> Result<Session> {
     let mut job = Job { settings, ..request.job.clone() };
@@ -128,11 +128,11 @@ fn open(
                 job.samples.map(|samples| samples.start..job.settings.render.samples_per_pixel);
         }
     }
-    let opening = Opening {
+    let opening = SessionOptions {
         cancel: interrupt.cancel(),
         save_request: interrupt.save_request(),
-        build_progress: progress::of_a_build(request.quiet),
-        delivery: Some(from_the_root(&request.delivery)),
+        build_progress: progress::build_progress(request.quiet),
+        output: Some(from_the_root(&request.delivery)),
         command: Some(system::command_line()),
     };
     let keep_every = request.delivery.save_every;
@@ -152,11 +152,11 @@ fn open(
 }
 
 /// With its files named from the root on: a checkpoint may be resumed in another folder.
-fn from_the_root(delivery: &Delivery) -> Delivery {
+fn from_the_root(delivery: &OutputSpec) -> OutputSpec {
     let absolute = |FilePath(file): &FilePath| {
         FilePath(std::path::absolute(file).unwrap_or_else(|_| file.clone()))
     };
-    Delivery {
+    OutputSpec {
         files: delivery.files.iter().map(absolute).collect(),
         preview: delivery.preview.as_ref().map(absolute),
         ..delivery.clone()
@@ -165,34 +165,34 @@ fn from_the_root(delivery: &Delivery) -> Delivery {
 
 fn tell_of_samples(session: &Session, path: &Path) {
     let film = session.film();
-    let each = film.samples() as f64 / film.frame().pixels() as f64;
+    let each = film.sample_count() as f64 / film.frame().pixel_count() as f64;
     let all = match session.job().settings.render.samples_per_pixel {
-        ENDLESS => String::new(),
+        UNLIMITED_SAMPLES => String::new(),
         _ => format!(" of {}", session.samples().len()),
     };
     let path = path.display();
-    print::remark(format_args!("resuming `{path}`: {each:.1}{all} samples per pixel"));
+    print::note(format_args!("resuming `{path}`: {each:.1}{all} samples per pixel"));
 }
 
 impl RenderArgs {
-    fn request(&self) -> Request {
+    fn request(&self) -> RenderRequest {
         let job = Job {
             samples: self.samples.clone(),
-            until: self.stop.until(),
+            until: self.stop.stop_criteria(),
             layers: self.output.kinds(),
             accel: self.accel.choice,
             quality: self.accel.build.quality,
             threads: self.scene.threads().unwrap_or(0),
             ..Job::default()
         };
-        let delivery = Delivery {
+        let delivery = OutputSpec {
             save_every: self.keep.checkpoint_every,
             preview: self.watch.preview.clone().map(FilePath),
             preview_every: self.watch.preview_every,
             tev: self.watch.tev.clone(),
-            ..self.output.delivery()
+            ..self.output.output_spec()
         };
-        Request {
+        RenderRequest {
             scene: self.scene.path.clone(),
             overrides: self.overrides(),
             has_settings_of_file: true,
@@ -201,7 +201,7 @@ impl RenderArgs {
             samples_per_pixel: None,
             is_extended: false,
             delivery,
-            layers_given: self.output.asks_for_layers(),
+            layers_given: self.output.has_layers(),
             checkpoint: self.keep.checkpoint.clone(),
             is_resumed: false,
             quiet: self.quiet,
@@ -210,17 +210,17 @@ impl RenderArgs {
     }
 }
 
-impl Request {
+impl RenderRequest {
     /// The render that a checkpoint is of.
-    pub(super) fn of_header(header: &Header, delivery: Delivery) -> Option<Self> {
+    pub(super) fn of_header(header: &CheckpointHeader, delivery: OutputSpec) -> Option<Self> {
         let source = header.source.as_ref()?;
         Some(Self {
             scene: source.file.clone()?,
-            overrides: source.overrides.iter().map(Override::of).collect(),
+            overrides: source.overrides.iter().map(Override::from_pair).collect(),
             memory_limit: None,
             // Another machine may find another intersector the fastest.
             job: Job {
-                accel: Choice::Only(header.metadata.intersector.backend),
+                accel: BackendChoice::Only(header.metadata.intersector.backend),
                 ..header.job.clone()
             },
             has_settings_of_file: false,
@@ -236,9 +236,9 @@ impl Request {
     }
 }
 
-impl Keep {
+impl CheckpointTarget {
     /// The checkpoint, or the part that is asked for, if either is.
-    fn new(request: &Request, outputs: &Outputs) -> Result<Option<Self>> {
+    fn new(request: &RenderRequest, outputs: &Outputs) -> Result<Option<Self>> {
         let path = match (&request.checkpoint, outputs.part()) {
             (Some(checkpoint), Some(part)) if checkpoint != part => {
                 let message = format!(
@@ -252,14 +252,14 @@ impl Keep {
             (None, Some(path)) => path.to_path_buf(),
             (None, None) => return Ok(None),
         };
-        let file = WholeFile::new(&path)?;
+        let file = AtomicFile::new(&path)?;
         Ok(Some(Self { path, file }))
     }
 }
 
 /// What is to be written, and where; `-o FILE.part` may be named as the checkpoint, too.
-fn places(request: &Request) -> Vec<(&'static str, &Path)> {
-    let Delivery { files, preview, .. } = &request.delivery;
+fn places(request: &RenderRequest) -> Vec<(&'static str, &Path)> {
+    let OutputSpec { files, preview, .. } = &request.delivery;
     let named = files.iter().map(|FilePath(file)| ("-o", file.as_path()));
     let checkpoint = request.checkpoint.as_deref().map(|file| ("--checkpoint", file));
     let is_part = |file: &&Path| files.iter().any(|FilePath(part)| part == file && is_part(part));
@@ -277,11 +277,11 @@ pub(super) fn about_spheres(spheres: &SphereSet) -> Vec<String> {
             print::count(spheres.duplicates(), "sphere"),
         ));
     }
-    if spheres.coarse() > 0 {
+    if spheres.displaced() > 0 {
         warnings.push(format!(
             "rounding to f32 moved {} by more than 1 % of the radius; they are small and far from \
              most others",
-            print::count(spheres.coarse(), "sphere"),
+            print::count(spheres.displaced(), "sphere"),
         ));
     }
     warnings

@@ -6,10 +6,10 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::error::Result;
-use crate::job::{End, NoiseStatus, Reached, Session};
+use crate::job::{StopReason, NoiseStatus, RunOutcome, Session};
 
 use super::super::{outputs, print, system};
-use super::Request;
+use super::RenderRequest;
 
 /// What came before the render, in seconds.
 #[derive(Clone, Copy, Debug)]
@@ -20,9 +20,9 @@ pub(super) struct Times {
 
 /// All that there is to be told.
 pub(super) struct Report<'a> {
-    pub(super) request: &'a Request,
+    pub(super) request: &'a RenderRequest,
     pub(super) session: &'a Session,
-    pub(super) reached: &'a Reached,
+    pub(super) reached: &'a RunOutcome,
     /// The file that keeps the samples.
     pub(super) kept: Option<&'a Path>,
     /// Of this run.
@@ -39,13 +39,13 @@ impl Report<'_> {
     /// When the standard output is closed.
     pub(super) fn print(&self) -> Result<()> {
         if !self.request.quiet {
-            print::remark(self.in_words());
+            print::note(self.in_words());
         }
         if self.request.json { print::json(&self.in_json()) } else { Ok(()) }
     }
 
     fn is_complete(&self) -> bool {
-        !matches!(self.reached.end, End::Stopped | End::Failed)
+        !matches!(self.reached.stop_reason, StopReason::Stopped | StopReason::Failed)
     }
 
     /// What was written, and how to go on where that is not all.
@@ -53,7 +53,7 @@ impl Report<'_> {
         let film = self.session.film();
         let mut text = format!("wrote {}", self.outputs());
         if !self.is_complete() {
-            let per_pixel = film.samples() as f64 / film.frame().pixels() as f64;
+            let per_pixel = film.sample_count() as f64 / film.frame().pixel_count() as f64;
             text += &format!(", stopped after {per_pixel:.1} samples per pixel");
             if let Some(kept) = self.kept {
                 text += &format!("\nresume it with: photosphere resume '{}'", kept.display());
@@ -73,7 +73,7 @@ impl Report<'_> {
         let mut line = |words: std::fmt::Arguments<'_>| {
             text.write_fmt(words).expect("a string takes all that is written to it");
         };
-        line(format_args!("intersector {}\n", self.session.accel_as_text()));
+        line(format_args!("intersector {}\n", self.session.accel_summary()));
         line(format_args!("load {load_s:.3} s, build {build_s:.3} s, render {render_s:.3} s\n"));
         line(format_args!(
             "{}samples/s, {}rays/s",
@@ -94,7 +94,7 @@ impl Report<'_> {
         let Times { load_s, build_s } = self.times;
         let session = self.session;
         let picture = session.film().picture();
-        let chosen = session.job().accel.choose(session.shot().scene().spheres());
+        let chosen = session.job().accel.select(session.shot().scene().spheres());
         json!({
             "output": self.outputs(),
             "complete": self.is_complete(),
@@ -110,7 +110,7 @@ impl Report<'_> {
             "build_s": build_s,
             "render_s": self.render_s,
             "samples": self.samples,
-            "samples_in_all": session.film().samples(),
+            "samples_in_all": session.film().sample_count(),
             "rays": self.rays,
             "error": self.reached.error,
             "noise": self.reached.noise.map(noise_in_json),

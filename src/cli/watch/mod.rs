@@ -15,9 +15,9 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::time::Duration;
 
 use crate::error::Result;
-use crate::film::Frame;
+use crate::film::FilmFrame;
 use crate::image_io::Picture;
-use crate::job::{Delivery, FilePath, Session, Turns, crop_of};
+use crate::job::{OutputSpec, FilePath, Session, BudgetedTimer, frame_crop};
 
 use super::interrupt::Interrupt;
 use super::print;
@@ -51,10 +51,10 @@ impl Viewers {
     ///
     /// # Errors
     /// When the preview cannot be written, or tev cannot be reached, and it is not resumed.
-    pub(super) fn new(delivery: &Delivery, name: String, is_resumed: bool) -> Result<Self> {
+    pub(super) fn new(delivery: &OutputSpec, name: String, is_resumed: bool) -> Result<Self> {
         let preview = delivery.preview.as_ref();
         let preview = preview.map(|FilePath(path)| Preview::new(path, delivery.look));
-        let tev = delivery.tev.as_deref().map(|place| Tev::find(place, name));
+        let tev = delivery.tev.as_deref().map(|place| Tev::connect(place, name));
         let (preview, tev) = (there(preview, is_resumed)?, there(tev, is_resumed)?);
         Ok(Self { preview, tev, every: delivery.preview_every })
     }
@@ -64,9 +64,9 @@ impl Viewers {
     }
 
     /// Brings the pictures up to date. Who cannot be reached any more is told of once.
-    fn update(&mut self, picture: &Picture, frame: &Frame) {
+    fn update(&mut self, picture: &Picture, frame: &FilmFrame) {
         if let Some(preview) = &mut self.preview {
-            preview.write(picture, crop_of(frame));
+            preview.write(picture, frame_crop(frame));
         }
         if let Some(Err(e)) = self.tev.as_mut().map(|tev| tev.show(picture)) {
             print::warning(format_args!("tev does not take the picture any more: {e}"));
@@ -76,19 +76,19 @@ impl Viewers {
 
     /// Runs `work` while another thread shows what it comes to, until the last look, which `work` may
     /// have before its own end.
-    pub(super) fn during<T>(
+    pub(super) fn run_alongside<T>(
         mut self,
         session: &Session,
         interrupt: &Interrupt,
-        work: impl FnOnce(&LastLook<'_>) -> T,
+        work: impl FnOnce(&FinalUpdate<'_>) -> T,
     ) -> T {
         let (end, ended) = mpsc::channel::<()>();
         let (shown, all_shown) = mpsc::channel::<()>();
-        let hang_up = self.tev.as_ref().and_then(Tev::hang_up);
+        let hang_up = self.tev.as_ref().and_then(Tev::disconnector);
         let hang_up = hang_up.map(|hang_up| Box::new(hang_up) as Box<dyn FnOnce() + Send>);
         let looking = Looking { _end: end, all_shown, hang_up };
         let state = State::default();
-        let last_look = LastLook { on: Mutex::new(Some(looking)), state: &state, interrupt };
+        let last_look = FinalUpdate { on: Mutex::new(Some(looking)), state: &state, interrupt };
         std::thread::scope(|threads| {
             let state = &state;
             let watch = move || {
@@ -114,12 +114,12 @@ impl Viewers {
 
     fn run(&mut self, session: &Session, state: &State, ended: &Receiver<()>) {
         let frame = *session.film().frame();
-        let picture = PIXEL.saturating_mul(frame.pixels() as u32);
-        let mut pictures = Turns::new(self.every, FOR_PICTURES, session.threads(), picture);
+        let picture = PIXEL.saturating_mul(frame.pixel_count() as u32);
+        let mut pictures = BudgetedTimer::new(self.every, FOR_PICTURES, session.threads(), picture);
         while ended.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
             // While what it came to is being saved, nobody takes a thread away.
             if !state.is_saving.load(Ordering::Relaxed) {
-                pictures.take(|| self.show(session));
+                pictures.run_if_due(|| self.show(session));
             }
         }
         match state.picture.lock().ok().and_then(|mut picture| picture.take()) {
@@ -130,7 +130,7 @@ impl Viewers {
 
     /// Shows the picture so far, if somebody sees it.
     fn show(&mut self, session: &Session) {
-        if !self.is_empty() && session.film().samples() > 0 {
+        if !self.is_empty() && session.film().sample_count() > 0 {
             self.update(&session.preview(), session.film().frame());
         }
     }
@@ -158,7 +158,7 @@ struct State {
 
 /// The end of watching, which whoever works may bring about: the pictures are brought up to date once
 /// more.
-pub(super) struct LastLook<'a> {
+pub(super) struct FinalUpdate<'a> {
     on: Mutex<Option<Looking>>,
     state: &'a State,
     interrupt: &'a Interrupt,
@@ -172,14 +172,14 @@ struct Looking {
     hang_up: Option<Box<dyn FnOnce() + Send>>,
 }
 
-impl LastLook<'_> {
+impl FinalUpdate<'_> {
     /// Nothing more is rendered from now on.
-    pub(super) fn saving(&self) {
+    pub(super) fn begin_saving(&self) {
         self.state.is_saving.store(true, Ordering::Relaxed);
     }
 
     /// The picture that it came to.
-    pub(super) fn show(&self, picture: Picture) {
+    pub(super) fn set_picture(&self, picture: Picture) {
         if let Ok(mut shown) = self.state.picture.lock() {
             *shown = Some(picture);
         }
@@ -191,7 +191,7 @@ impl LastLook<'_> {
         let looking = self.on.lock().ok().and_then(|mut on| on.take());
         let Some(Looking { _end: end, all_shown, hang_up }) = looking else { return };
         drop(end);
-        let is_asked = self.interrupt.is_asked();
+        let is_asked = self.interrupt.is_requested();
         let patience = if is_asked { PATIENCE_WHEN_STOPPED } else { PATIENCE };
         let waited = all_shown.recv_timeout(patience);
         if let (Err(RecvTimeoutError::Timeout), Some(hang_up)) = (waited, hang_up) {

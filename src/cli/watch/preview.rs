@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::print;
-use crate::color::Look;
+use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::image_io::Picture;
-use crate::image_io::{Crop, Notes, Target};
+use crate::image_io::{CropWindow, WriteOptions, ImageWriter};
 
 /// A file that is replaced whole, again and again.
 pub(super) struct Preview {
     path: PathBuf,
-    look: Look,
+    look: ViewTransform,
     /// Whether the last attempt failed, and was told of.
     is_failing: bool,
 }
@@ -19,7 +19,7 @@ pub(super) struct Preview {
 impl Preview {
     /// # Errors
     /// When the path does not end in `.png`, or nothing can be written there.
-    pub(super) fn new(path: &Path, look: Look) -> Result<Self> {
+    pub(super) fn new(path: &Path, look: ViewTransform) -> Result<Self> {
         let extension = path.extension().unwrap_or_default();
         if !extension.eq_ignore_ascii_case("png") {
             return Err(Error::input(format!(
@@ -28,15 +28,15 @@ impl Preview {
             ))
             .with_help("a preview is for the screen; -o chooses the format of the picture"));
         }
-        Target::new(path)?;
+        ImageWriter::new(path)?;
         Ok(Self { path: path.to_owned(), look, is_failing: false })
     }
 
     /// Replaces the file; `cropped_from` as in the finished picture, whose dither starts there. What goes wrong is a warning, once until it goes well again: the render
     /// matters more.
-    pub(super) fn write(&mut self, picture: &Picture, cropped_from: Option<Crop>) {
-        let notes = Notes { cropped_from, look: self.look, quickly: true, ..Notes::default() };
-        let written = Target::new(&self.path).and_then(|target| target.write_with(picture, &notes));
+    pub(super) fn write(&mut self, picture: &Picture, cropped_from: Option<CropWindow>) {
+        let notes = WriteOptions { crop_window: cropped_from, view_transform: self.look, fast: true, ..WriteOptions::default() };
+        let written = ImageWriter::new(&self.path).and_then(|target| target.write_with(picture, &notes));
         if let (Err(e), false) = (&written, self.is_failing) {
             print::warning(format_args!("no preview for now: {e}"));
         }

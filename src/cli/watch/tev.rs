@@ -30,7 +30,7 @@ impl Tev {
     ///
     /// # Errors
     /// When there is no such place, or nobody answers there.
-    pub(super) fn find(place: &str, name: String) -> Result<Self> {
+    pub(super) fn connect(place: &str, name: String) -> Result<Self> {
         let failed = |e: io::Error| {
             Error::input(format!("cannot reach tev at `{place}`: {e}"))
                 .with_help("start tev first; it listens at 127.0.0.1:14158 unless told otherwise")
@@ -54,7 +54,7 @@ impl Tev {
     }
 
     /// What ends the connection from elsewhere, in the middle of a picture that it does not take.
-    pub(super) fn hang_up(&self) -> Option<impl FnOnce() + use<>> {
+    pub(super) fn disconnector(&self) -> Option<impl FnOnce() + use<>> {
         let stream = self.stream.try_clone().ok()?;
         Some(move || drop(stream.shutdown(Shutdown::Both)))
     }

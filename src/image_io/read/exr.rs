@@ -7,19 +7,19 @@ use exr::prelude::{AnyChannel, FlatSamples, read_all_flat_layers_from_file};
 
 use crate::color::Rgb;
 
-use super::layered::{BEAUTY, Layer, Layered, check_samples};
+use super::layered::{BEAUTY, ImageLayer, LayeredImage, check_samples};
 
 /// ZIP packs at most 1032 bytes into one, and no other method of the format that is read here more.
-const TIGHTEST: u64 = 1032;
+const MAX_ZIP_RATIO: u64 = 1032;
 
 /// What a channel is to its layer.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Role {
+enum ChannelRole {
     Color(usize),
     Grey,
 }
 
-pub(super) fn read(path: &Path, length: u64) -> Result<Layered, String> {
+pub(super) fn read(path: &Path, length: u64) -> Result<LayeredImage, String> {
     check_header(path, length)?;
     let image = read_all_flat_layers_from_file(path).map_err(|e| e.to_string())?;
     let size = image.layer_data.first().ok_or("it has no parts")?.size;
@@ -40,7 +40,7 @@ pub(super) fn read(path: &Path, length: u64) -> Result<Layered, String> {
         return Err("it has no channels".to_owned());
     }
     layers.sort_by_key(|layer| layer.name != BEAUTY);
-    Ok(Layered { width: size.0, height: size.1, layers, for_screen: false })
+    Ok(LayeredImage { width: size.0, height: size.1, layers, is_display_referred: false })
 }
 
 /// Refuses what the reading crate would take memory for in vain.
@@ -53,7 +53,7 @@ fn check_header(path: &Path, length: u64) -> Result<(), String> {
         if channels.iter().any(|channel| channel.sampling.0 != 1 || channel.sampling.1 != 1) {
             return Err("it has channels of fewer pixels (chroma), which are not read".to_owned());
         }
-        if header.total_pixel_bytes() as u64 / TIGHTEST > length {
+        if header.total_pixel_bytes() as u64 / MAX_ZIP_RATIO > length {
             return Err("it is shorter than its header promises".to_owned());
         }
     }
@@ -67,32 +67,32 @@ fn add(
     has: &dyn Fn(&str) -> bool,
     part: &str,
     count: usize,
-    layers: &mut Vec<Layer>,
+    layers: &mut Vec<ImageLayer>,
 ) {
     let full = channel.name.to_string();
     let (prefix, last) = full.rsplit_once('.').unwrap_or(("", &full));
     // A `Y` alone is a grey picture, and a `Z` alone a depth.
     let is_vector = ["X", "Y", "Z"].iter().all(|axis| has(&format!("{prefix}.{axis}")));
     let (suffix, role) = match last.to_ascii_uppercase().as_str() {
-        "X" if is_vector => ("", Role::Color(0)),
-        "Y" if is_vector => ("", Role::Color(1)),
-        "Z" if is_vector => ("", Role::Color(2)),
-        "R" | "RED" => ("", Role::Color(0)),
-        "G" | "GREEN" => ("", Role::Color(1)),
-        "B" | "BLUE" => ("", Role::Color(2)),
-        "Y" => ("", Role::Grey),
-        "A" => ("alpha", Role::Grey),
-        _ => (last, Role::Grey),
+        "X" if is_vector => ("", ChannelRole::Color(0)),
+        "Y" if is_vector => ("", ChannelRole::Color(1)),
+        "Z" if is_vector => ("", ChannelRole::Color(2)),
+        "R" | "RED" => ("", ChannelRole::Color(0)),
+        "G" | "GREEN" => ("", ChannelRole::Color(1)),
+        "B" | "BLUE" => ("", ChannelRole::Color(2)),
+        "Y" => ("", ChannelRole::Grey),
+        "A" => ("alpha", ChannelRole::Grey),
+        _ => (last, ChannelRole::Grey),
     };
     let name = layer_name([part, prefix, suffix]);
     let at = layers.iter().position(|layer| layer.name == name).unwrap_or_else(|| {
-        layers.push(Layer { name, pixels: vec![Rgb::ZERO; count] });
+        layers.push(ImageLayer { name, pixels: vec![Rgb::ZERO; count] });
         layers.len() - 1
     });
     for (pixel, value) in layers[at].pixels.iter_mut().zip(channel.sample_data.values_as_f32()) {
         match role {
-            Role::Color(axis) => pixel[axis] = value,
-            Role::Grey => *pixel = Rgb::splat(value),
+            ChannelRole::Color(axis) => pixel[axis] = value,
+            ChannelRole::Grey => *pixel = Rgb::splat(value),
         }
     }
 }
@@ -124,11 +124,11 @@ mod tests {
         Part::new((2, 1), attributes, Encoding::UNCOMPRESSED, AnyChannels::sort(channels))
     }
 
-    fn read_back(image: &Image<SmallVec<[Part<AnyChannels<FlatSamples>>; 2]>>) -> Layered {
+    fn read_back(image: &Image<SmallVec<[Part<AnyChannels<FlatSamples>>; 2]>>) -> LayeredImage {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         image.write().to_file(&path).unwrap();
-        super::super::read(&path).unwrap()
+        super::super::read_image(&path).unwrap()
     }
 
     #[test]

@@ -20,19 +20,19 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
-use super::format::Format;
+use super::format::FileFormat;
 
-pub use layered::{BEAUTY, Layer, Layered};
+pub use layered::{BEAUTY, ImageLayer, LayeredImage};
 pub use light::{Image, read_light};
-pub use raw::{RawChannel, raw_channels};
+pub use raw::{RawChannel, read_raw_channels};
 
 /// Reads a picture; its extension says the format.
 ///
 /// # Errors
 /// When the extension is none of `.png`, `.exr`, `.hdr` and `.pfm`, or when the file cannot be read as
 /// what it claims to be.
-pub fn read(path: &Path) -> Result<Layered> {
-    let format = Format::of(path)?;
+pub fn read_image(path: &Path) -> Result<LayeredImage> {
+    let format = FileFormat::from_path(path)?;
     let trouble = |reason: String| Error::file("read", path, reason);
     let length = fs::metadata(path).map_err(|e| trouble(e.to_string()))?;
     if length.is_dir() {
@@ -40,10 +40,10 @@ pub fn read(path: &Path) -> Result<Layered> {
     }
     let length = length.len();
     let layered = match format {
-        Format::Exr => exr::read(path, length),
-        Format::Pfm => pfm::read(path, length),
-        Format::Png => pixels::read_png(path),
-        Format::Hdr => pixels::read_hdr(path),
+        FileFormat::Exr => exr::read(path, length),
+        FileFormat::Pfm => pfm::read(path, length),
+        FileFormat::Png => pixels::read_png(path),
+        FileFormat::Hdr => pixels::read_hdr(path),
     };
     let layered = layered.map_err(|reason| {
         trouble(reason).with_help("is it whole, and what its name says? Another program may tell")
@@ -64,9 +64,9 @@ mod tests {
         let picture = picture();
         for (name, steps) in [("a.exr", 0.0), ("a.pfm", 0.0), ("a.hdr", 1.0 / 128.0)] {
             let (_folder, path) = written(&picture, name);
-            let read = read(&path).unwrap();
-            assert_eq!((read.width, read.height, read.for_screen), (13, 5, false));
-            let beauty = &read.layer(BEAUTY).unwrap().pixels;
+            let read = read_image(&path).unwrap();
+            assert_eq!((read.width, read.height, read.is_display_referred), (13, 5, false));
+            let beauty = &read_image.layer(BEAUTY).unwrap().pixels;
             for (pixel, &value) in beauty.iter().enumerate() {
                 let exact = picture.beauty(pixel);
                 let allowed = steps * exact.max_element();
@@ -79,11 +79,11 @@ mod tests {
     fn a_png_is_decoded_to_linear_light_and_cut_off_at_one() {
         let picture = picture();
         let (_folder, path) = written(&picture, "a.png");
-        let read = read(&path).unwrap();
-        assert!(read.for_screen);
+        let read = read_image(&path).unwrap();
+        assert!(read.is_display_referred);
         // Half a step of 1/255 where the curve is steepest, 2.4 / 1.055.
         let allowed = 0.5 / 255.0 * 2.4 / 1.055 + 1e-6;
-        for (pixel, &value) in read.layers[0].pixels.iter().enumerate() {
+        for (pixel, &value) in read_image.layers[0].pixels.iter().enumerate() {
             let exact = picture.beauty(pixel).min(Rgb::ONE);
             assert!((value - exact).abs().max_element() <= allowed, "{pixel}");
         }
@@ -93,7 +93,7 @@ mod tests {
     fn our_layers_come_back_by_name() {
         let picture = picture();
         let (_folder, path) = written(&picture, "a.exr");
-        let read = read(&path).unwrap();
+        let read = read_image(&path).unwrap();
         assert_eq!(read.layers[0].name, BEAUTY);
         assert_eq!(read.layer("direct").unwrap().pixels, picture.direct);
         assert_eq!(read.layer("indirect").unwrap().pixels, picture.indirect);
@@ -108,11 +108,11 @@ mod tests {
             let whole = fs::read(&path).unwrap();
             for keep in [0, 5, 20, whole.len() / 2, whole.len() - 20] {
                 fs::write(&path, &whole[..keep]).unwrap();
-                let error = read(&path).unwrap_err();
+                let error = read_image(&path).unwrap_err();
                 assert!(error.to_string().starts_with("cannot read `"), "{name} {keep}: {error}");
             }
             fs::write(&path, "format = 1\n".repeat(40)).unwrap();
-            assert!(read(&path).is_err(), "{name}");
+            assert!(read_image(&path).is_err(), "{name}");
         }
     }
 
@@ -121,10 +121,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.pfm");
         fs::write(&path, "PF\n4000000000 4000000000\n-1.0\n").unwrap();
-        assert!(read(&path).unwrap_err().to_string().contains("more than can be held"));
+        assert!(read_image(&path).unwrap_err().to_string().contains("more than can be held"));
         let path = folder.path().join("a.hdr");
         let header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4000000 +X 4000000\n";
         fs::write(&path, header).unwrap();
-        assert!(read(&path).unwrap_err().to_string().contains("more than can be held"));
+        assert!(read_image(&path).unwrap_err().to_string().contains("more than can be held"));
     }
 }

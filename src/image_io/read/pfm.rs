@@ -5,9 +5,9 @@ use std::path::Path;
 
 use crate::color::Rgb;
 
-use super::layered::{BEAUTY, Layer, Layered, MOST_SAMPLES, check_samples};
+use super::layered::{BEAUTY, ImageLayer, LayeredImage, MAX_SAMPLES, check_samples};
 
-struct Header {
+struct PfmHeader {
     width: usize,
     height: usize,
     channels: usize,
@@ -16,13 +16,13 @@ struct Header {
     length: usize,
 }
 
-pub(super) fn read(path: &Path, length: u64) -> Result<Layered, String> {
+pub(super) fn read(path: &Path, length: u64) -> Result<LayeredImage, String> {
     // Three channels of f32 for each pixel that can be held, and a header.
-    if length > 4 * MOST_SAMPLES + 4096 {
+    if length > 4 * MAX_SAMPLES + 4096 {
         return Err("it is larger than any picture that can be held".to_owned());
     }
     let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
-    let Header { width, height, channels, is_little_endian, length } = header(&bytes)?;
+    let PfmHeader { width, height, channels, is_little_endian, length } = header(&bytes)?;
     let expected = 4 * width * height * channels;
     let found = bytes.len() - length;
     if found < expected {
@@ -36,11 +36,11 @@ pub(super) fn read(path: &Path, length: u64) -> Result<Layered, String> {
     let pixel = |v: &[f32]| if channels == 1 { Rgb::splat(v[0]) } else { Rgb::from_slice(v) };
     let row = |y: usize| values.chunks_exact(channels).skip(y * width).take(width).map(pixel);
     let pixels = (0..height).rev().flat_map(row).collect();
-    let layers = vec![Layer { name: BEAUTY.to_owned(), pixels }];
-    Ok(Layered { width, height, layers, for_screen: false })
+    let layers = vec![ImageLayer { name: BEAUTY.to_owned(), pixels }];
+    Ok(LayeredImage { width, height, layers, is_display_referred: false })
 }
 
-fn header(bytes: &[u8]) -> Result<Header, String> {
+fn header(bytes: &[u8]) -> Result<PfmHeader, String> {
     let mut at = 0;
     let mut word = || -> Option<&str> {
         let rest = bytes.get(at..)?;
@@ -67,7 +67,7 @@ fn header(bytes: &[u8]) -> Result<Header, String> {
     if scale == 0.0 || !scale.is_finite() {
         return Err(format!("its scale is {scale}"));
     }
-    Ok(Header {
+    Ok(PfmHeader {
         width: width as usize,
         height: height as usize,
         channels,
@@ -80,7 +80,7 @@ fn header(bytes: &[u8]) -> Result<Header, String> {
 mod tests {
     use super::*;
 
-    fn read_bytes(bytes: &[u8]) -> Result<Layered, String> {
+    fn read_bytes(bytes: &[u8]) -> Result<LayeredImage, String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.pfm");
         std::fs::write(&path, bytes).unwrap();

@@ -6,7 +6,7 @@ use exr::prelude::{FlatSamples, read_all_flat_layers_from_file};
 
 use crate::error::{Error, Result};
 
-use crate::image_io::format::Format;
+use crate::image_io::format::FileFormat;
 
 /// A channel as it is stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,12 +21,12 @@ pub struct RawChannel {
 ///
 /// # Errors
 /// When it cannot be read, or is of another format.
-pub fn raw_channels(path: &Path) -> Result<Vec<RawChannel>> {
+pub fn read_raw_channels(path: &Path) -> Result<Vec<RawChannel>> {
     let trouble = |reason: String| Error::file("read", path, reason);
-    match Format::of(path)? {
-        Format::Exr => exr(path).map_err(trouble),
-        Format::Png => png(path).map_err(trouble),
-        Format::Hdr | Format::Pfm => Err(trouble("it is neither .exr nor .png".to_owned())),
+    match FileFormat::from_path(path)? {
+        FileFormat::Exr => exr(path).map_err(trouble),
+        FileFormat::Png => png(path).map_err(trouble),
+        FileFormat::Hdr | FileFormat::Pfm => Err(trouble("it is neither .exr nor .png".to_owned())),
     }
 }
 

@@ -9,70 +9,70 @@
 //! closest hits ([`batch`]), surfaces and their emission ([`shade`]), light samples ([`aim`]), the
 //! next directions and who goes on ([`scatter`]), occlusion ([`batch`]).
 
-mod aim;
+mod next_event;
 mod batch;
 mod choices;
-mod matt;
+mod diffuse;
 mod opacity;
 mod paths;
 mod scatter;
-mod see;
+mod visible_surface;
 mod shade;
-mod start;
+mod camera_paths;
 mod weight;
 
 use std::mem::take;
 
-use crate::color::Radiance;
+use crate::color::PathRadiance;
 
 use super::estimate::Integrator;
-use super::sample::{SampleAddress, Tally};
-use super::trace::{Silent, Step, Trace};
+use super::sample::{SampleAddress, RenderStats};
+use super::trace::{NullRecorder, PathEvent, PathTrace};
 use super::workspace::Workspace;
-use super::world::World;
+use super::world::RenderContext;
 
-use batch::Batch;
+use batch::PathBatch;
 
-pub(super) use choices::Transport;
-pub(super) use matt::Block;
-pub(super) use paths::{Drawn, Paths, Shadows};
-pub(super) use start::StartBlock;
+pub(super) use choices::PathTracer;
+pub(super) use diffuse::DiffuseBatch;
+pub(super) use paths::{PrevVertex, PathQueue, ShadowRays};
+pub(super) use camera_paths::CameraRayBatch;
 
-impl Integrator for Transport {
+impl Integrator for PathTracer {
     fn estimate(
         &self,
-        world: World<'_>,
+        world: RenderContext<'_>,
         samples: &[SampleAddress],
-        radiance: &mut [Radiance],
+        radiance: &mut [PathRadiance],
         workspace: &mut Workspace,
-    ) -> Tally {
-        let tally = Tally::default();
-        let recorder = &mut Silent;
-        workspace.begin_seen(samples.len());
-        let Workspace { media, seen, samplers, drawn, .. } = workspace;
+    ) -> RenderStats {
+        let tally = RenderStats::default();
+        let recorder = &mut NullRecorder;
+        workspace.reset_visible_surfaces(samples.len());
+        let Workspace { media, visible_surfaces: seen, samplers, prev_vertices: drawn, .. } = workspace;
         let (media, seen, samplers, drawn) = (take(media), take(seen), take(samplers), take(drawn));
         let transport = self;
-        Batch { transport, world, samples, radiance, media, seen, samplers, drawn, tally, recorder }
+        PathBatch { integrator: transport, context: world, samples, radiance, media, visible_surfaces: seen, samplers, prev_vertices: drawn, stats: tally, recorder }
             .run(workspace)
     }
 
-    fn trace(&self, world: World<'_>, address: SampleAddress) -> Option<Trace> {
-        let mut steps: Vec<Step> = Vec::new();
-        let mut radiance = [Radiance::default()];
-        let batch = Batch {
-            transport: self,
-            world,
+    fn trace_path(&self, world: RenderContext<'_>, address: SampleAddress) -> Option<PathTrace> {
+        let mut steps: Vec<PathEvent> = Vec::new();
+        let mut radiance = [PathRadiance::default()];
+        let batch = PathBatch {
+            integrator: self,
+            context: world,
             samples: &[address],
             radiance: &mut radiance,
             media: Vec::new(),
-            seen: Vec::new(),
+            visible_surfaces: Vec::new(),
             samplers: Vec::new(),
-            drawn: Vec::new(),
-            tally: Tally::default(),
+            prev_vertices: Vec::new(),
+            stats: RenderStats::default(),
             recorder: &mut steps,
         };
         let tally = batch.run(&mut Workspace::default());
         let [radiance] = radiance;
-        Some(Trace { address, steps, radiance, tally })
+        Some(PathTrace { address, events: steps, radiance, stats: tally })
     }
 }

@@ -3,46 +3,46 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::SurfaceHit;
-use crate::light::Receiver;
-use crate::material::{BsdfSample, Lobe, Media};
-use crate::math::{DVec3, nearly_unit};
-use crate::scene::settings::Stop;
+use crate::light::LightSampleContext;
+use crate::material::{BsdfSample, Lobe, MediumStack};
+use crate::math::{DVec3, renormalize};
+use crate::scene::settings::PathTermination;
 
-use super::super::dimension::Vertex;
-use super::super::trace::{End, Recorder, Step};
-use super::batch::Batch;
-use super::paths::{Drawn, LONGEST, Path, State};
+use super::super::dimension::VertexDimensions;
+use super::super::trace::{Termination, PathRecorder, PathEvent};
+use super::batch::PathBatch;
+use super::paths::{PrevVertex, MAX_PATH_EDGES, Path, PathState};
 
 /// Paths shorter than this many edges are never ended by roulette.
-const ROULETTE_FROM: u32 = 4;
+const ROULETTE_MIN_DEPTH: u32 = 4;
 
-impl<R: Recorder> Batch<'_, R> {
+impl<R: PathRecorder> PathBatch<'_, R> {
     /// Goes on behind a boundary that lies hidden in another medium.
-    pub(super) fn pass_through(
+    pub(super) fn pass_hidden_boundary(
         &mut self,
         path: &mut Path,
         hit: &SurfaceHit,
-        beyond: Option<&Media>,
+        transmitted_media: Option<&MediumStack>,
     ) -> bool {
-        self.recorder.note(|| Step::Hidden);
-        self.enter(path, beyond);
-        path.state.is_drawn = false;
-        self.go_straight_on(path, hit)
+        self.recorder.record(|| PathEvent::HiddenBoundary);
+        self.set_media(path, transmitted_media);
+        path.state.has_prev_vertex = false;
+        self.continue_straight(path, hit)
     }
 
     /// Goes on behind a surface that is not there.
-    pub(super) fn pass_unhindered(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
-        self.recorder.note(|| Step::Absent);
-        self.go_straight_on(path, hit)
+    pub(super) fn pass_transparent(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
+        self.recorder.record(|| PathEvent::Transparent);
+        self.continue_straight(path, hit)
     }
 
     /// Goes on in the same direction on the other side of a surface.
-    fn go_straight_on(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
-        path.state.passes += 1;
-        if path.state.passes >= LONGEST {
-            return self.cut_off();
+    fn continue_straight(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
+        path.state.passthroughs += 1;
+        if path.state.passthroughs >= MAX_PATH_EDGES {
+            return self.terminate_at_length_limit();
         }
-        let Some(ray) = hit.leave(path.ray.direction) else { return self.end(End::Grazing) };
+        let Some(ray) = hit.spawn_ray(path.ray.direction) else { return self.terminate(Termination::Grazing) };
         path.ray = ray;
         true
     }
@@ -51,44 +51,44 @@ impl<R: Recorder> Batch<'_, R> {
     pub(super) fn scatter(
         &mut self,
         path: &mut Path,
-        from: &Receiver,
+        from: &LightSampleContext,
         sample: &BsdfSample,
         direction: DVec3,
-        beyond: Option<&Media>,
+        transmitted_media: Option<&MediumStack>,
     ) -> bool {
         let BsdfSample { lobe, pdf, weight, eta, .. } = *sample;
-        let wi = nearly_unit(direction);
+        let wi = renormalize(direction);
         path.state.throughput *= weight;
         let throughput = path.state.throughput;
-        self.recorder.note(|| Step::Scatter { lobe, wi, pdf, weight, eta, throughput });
-        let Some(ray) = from.hit.leave(wi) else { return self.end(End::Grazing) };
+        self.recorder.record(|| PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput });
+        let Some(ray) = from.hit.spawn_ray(wi) else { return self.terminate(Termination::Grazing) };
         path.ray = ray;
-        path.state.index_squared *= (eta * eta) as f32;
-        path.state.is_drawn = lobe != Lobe::Delta;
-        if path.state.is_drawn {
-            self.drawn[path.state.sample as usize] = Drawn::new(from, pdf);
-            path.state.scatterings += 1;
+        path.state.eta_scale *= (eta * eta) as f32;
+        path.state.has_prev_vertex = lobe != Lobe::Delta;
+        if path.state.has_prev_vertex {
+            self.prev_vertices[path.state.batch_index as usize] = PrevVertex::new(from, pdf);
+            path.state.scatter_count += 1;
         }
         if sample.wi.z < 0.0 {
-            self.enter(path, beyond);
+            self.set_media(path, transmitted_media);
         }
         self.survives(&mut path.state)
     }
 
     /// Whether a path that has just scattered goes on, with its throughput made up for that.
     #[inline(always)]
-    pub(super) fn survives(&mut self, state: &mut State) -> bool {
+    pub(super) fn survives(&mut self, state: &mut PathState) -> bool {
         let largest = state.throughput.max_element();
-        let goes_on = match self.transport.stop {
-            Stop::Roulette if state.depth >= ROULETTE_FROM => {
-                let survivor = self.roulette(*state);
+        let continues = match self.integrator.stop {
+            PathTermination::Roulette if state.depth >= ROULETTE_MIN_DEPTH => {
+                let survivor = self.russian_roulette(*state);
                 state.throughput = survivor.unwrap_or(Rgb::ZERO);
                 survivor.is_some()
             }
-            Stop::Roulette | Stop::Depth => largest > 0.0,
-            Stop::Threshold(threshold) => f64::from(largest) >= threshold,
+            PathTermination::Roulette | PathTermination::Depth => largest > 0.0,
+            PathTermination::Threshold(threshold) => f64::from(largest) >= threshold,
         };
-        goes_on || self.end(End::Stopped)
+        continues || self.terminate(Termination::LowThroughput)
     }
 
     /// Russian roulette. The throughput of a path that goes on; `None` for one that does not.
@@ -100,22 +100,22 @@ impl<R: Recorder> Batch<'_, R> {
     /// what a path gathers grows by at most the factor `1 / w`, from `w^2` to `w`: the variance stays
     /// bounded. Ending long paths with a fixed share whatever they weigh, as is often done, breaks
     /// that: weights would grow without limit in a room of albedo near 1.
-    fn roulette(&mut self, state: State) -> Option<Rgb> {
-        let weight = state.throughput.max_element() * state.index_squared;
+    fn russian_roulette(&mut self, state: PathState) -> Option<Rgb> {
+        let weight = state.throughput.max_element() * state.eta_scale;
         let survival = weight.min(1.0);
-        let paid = if fault!(RouletteUnpaid) { 1.0 } else { survival };
-        let throughput = state.throughput / paid.max(f32::MIN_POSITIVE);
-        let u = || self.samplers[state.sample as usize].get(Vertex::at(state.depth).roulette());
+        let survival_pdf = if fault!(RouletteUnpaid) { 1.0 } else { survival };
+        let throughput = state.throughput / survival_pdf.max(f32::MIN_POSITIVE);
+        let u = || self.samplers[state.batch_index as usize].get(VertexDimensions::at(state.depth).roulette());
         let survives = survival >= 1.0 || u() < f64::from(survival);
-        self.recorder.note(|| Step::Roulette { survival, survives, throughput });
+        self.recorder.record(|| PathEvent::Roulette { survival, survives, throughput });
         survives.then_some(throughput)
     }
 
     /// Goes over to the media beyond a boundary, if they are others.
-    fn enter(&mut self, path: &Path, beyond: Option<&Media>) {
-        let Some(media) = beyond else { return };
-        if let Some(here) = self.media.get_mut(path.state.sample as usize) {
-            self.tally.media_overflows += u64::from(media.overflowed() && !here.overflowed());
+    fn set_media(&mut self, path: &Path, transmitted_media: Option<&MediumStack>) {
+        let Some(media) = transmitted_media else { return };
+        if let Some(here) = self.media.get_mut(path.state.batch_index as usize) {
+            self.stats.media_overflows += u64::from(media.overflowed() && !here.overflowed());
             *here = *media;
         }
     }

@@ -3,56 +3,56 @@
 use crate::color::Rgb;
 use crate::fault::fault;
 use crate::geometry::{Side, SurfaceHit};
-use crate::light::{Receiver, Source};
-use crate::material::{Lobe, Media};
+use crate::light::{LightSampleContext, LightSource};
+use crate::material::{Lobe, MediumStack};
 use crate::math::Frame;
 use crate::sampling::power_heuristic;
-use crate::scene::Surface;
-use crate::scene::settings::{Estimator, Miss};
+use crate::scene::SphereMaterial;
+use crate::scene::settings::{Estimator, MissPolicy};
 
-use super::super::dimension::{Vertex, direction_again};
-use super::super::trace::{End, Recorder, Step};
-use super::batch::Batch;
+use super::super::dimension::{VertexDimensions, bsdf_extra};
+use super::super::trace::{Termination, PathRecorder, PathEvent};
+use super::batch::PathBatch;
 use super::opacity;
-use super::paths::{Aims, Drawn, LONGEST, Path, State};
+use super::paths::{ShadowQueue, PrevVertex, MAX_PATH_EDGES, Path, PathState};
 
-impl<R: Recorder> Batch<'_, R> {
+impl<R: PathRecorder> PathBatch<'_, R> {
     /// A path that meets nothing: it sees the background. Returns whether it goes on.
-    pub(super) fn miss(&mut self, path: &mut Path) -> bool {
-        self.tell_miss(path);
-        if self.redraw(path) {
+    pub(super) fn shade_miss(&mut self, path: &mut Path) -> bool {
+        self.record_miss(path);
+        if self.retry_camera_ray(path) {
             return true;
         }
-        let (scene, direction) = (self.world.scene, path.ray.direction);
+        let (scene, direction) = (self.context.scene, path.ray.direction);
         let radiance = if path.state.depth == 1 {
             // Nothing has turned this path yet: it looks straight from the camera.
-            let radiance = scene.seen_by_camera(direction);
-            self.radiance[path.state.sample as usize].alpha = radiance.alpha;
-            self.see_nothing(path, radiance.direct);
+            let radiance = scene.camera_background(direction);
+            self.radiance[path.state.batch_index as usize].alpha = radiance.alpha;
+            self.record_background(path, radiance.direct);
             radiance.direct
         } else {
-            scene.background(direction)
+            scene.background_radiance(direction)
         };
         let is_lost = path.state.depth > 1 && fault!(BackgroundOnlySeen);
         let radiance = if is_lost { Rgb::ZERO } else { radiance };
-        self.gather(path, Source::Background, radiance, true);
-        self.end(End::Missed)
+        self.add_emission(path, LightSource::Environment, radiance, true);
+        self.terminate(Termination::Escaped)
     }
 
     /// The radiance of a background that is the same from everywhere, where meeting it takes no more
     /// than [`Self::miss_evenly`].
-    pub(super) fn even_background(&self) -> Option<Rgb> {
-        let is_plain = !R::LISTENS && self.seen.is_empty() && self.transport.miss != Miss::Redraw;
-        self.world.shot.lights().background().even().filter(|_| is_plain)
+    pub(super) fn constant_environment(&self) -> Option<Rgb> {
+        let is_plain = !R::ENABLED && self.visible_surfaces.is_empty() && self.integrator.miss != MissPolicy::Redraw;
+        self.context.shot.lights().environment().constant_radiance().filter(|_| is_plain)
     }
 
     /// Ends a path that meets nothing but a background of this radiance, as [`Self::miss`] does:
     /// nobody aims at such a background.
     #[inline(always)]
-    pub(super) fn miss_evenly(&mut self, state: &State, mut radiance: Rgb) {
+    pub(super) fn shade_constant_miss(&mut self, state: &PathState, mut radiance: Rgb) {
         if state.depth == 1 {
-            self.radiance[state.sample as usize].alpha = 0.0;
-            if !self.world.scene.shows_background() {
+            self.radiance[state.batch_index as usize].alpha = 0.0;
+            if !self.context.scene.camera_sees_background() {
                 radiance = Rgb::ZERO;
             }
         }
@@ -60,103 +60,103 @@ impl<R: Recorder> Batch<'_, R> {
             radiance = Rgb::ZERO;
         }
         if radiance != Rgb::ZERO {
-            let added = self.arriving(state.throughput * radiance, state.is_direct());
-            self.add(state.sample, added);
+            let added = self.clamp_contribution(state.throughput * radiance, state.is_direct());
+            self.add_contribution(state.batch_index, added);
         }
     }
 
     /// A path that meets a surface. Returns whether it goes on.
-    pub(super) fn shade(&mut self, path: &mut Path, hit: SurfaceHit, aims: &mut Aims<'_>) -> bool {
-        let scene = self.world.scene;
+    pub(super) fn shade_hit(&mut self, path: &mut Path, hit: SurfaceHit, aims: &mut ShadowQueue<'_>) -> bool {
+        let scene = self.context.scene;
         let transmittance = match scene.has_media() {
             true => self.media_of(path).transmittance(hit.t - path.ray.t_min),
             false => Rgb::ONE,
         };
         path.state.throughput *= transmittance;
-        let State { depth, throughput, .. } = path.state;
-        let surface = scene.surface(hit.id);
-        let presence = surface.presence(hit.id, hit.side, self.media_of(path));
+        let PathState { depth, throughput, .. } = path.state;
+        let surface = scene.sphere_material(hit.id);
+        let presence = surface.opacity(hit.id, hit.side, self.media_of(path));
         let wo = -path.ray.direction;
-        let meet = || Step::Meet { depth, hit, wo, presence, transmittance, throughput };
-        self.recorder.note(meet);
+        let meet = || PathEvent::Hit { depth, hit, wo, opacity: presence, transmittance, throughput };
+        self.recorder.record(meet);
         if surface.material.is_emissive() {
-            let is_aimed_at = !opacity::is_behind_a_lamp(scene, self.drawn(path), &hit);
+            let is_aimed_at = !opacity::is_back_wall_of_emitter(scene, self.prev_vertex(path), &hit);
             let radiance = surface.material.emission * presence;
-            self.gather(path, Source::Lamp(hit.id), radiance, is_aimed_at);
+            self.add_emission(path, LightSource::Emitter(hit.id), radiance, is_aimed_at);
         }
-        if presence < 1.0 && !opacity::is_there(path, self.sampler(path), presence) {
-            return self.pass_unhindered(path, &hit);
+        if presence < 1.0 && !opacity::passes_opacity_test(path, self.sampler(path), presence) {
+            return self.pass_transparent(path, &hit);
         }
 
         // Straight through where a dielectric's boundary lies hidden in another one.
         let entering = hit.side == Side::Outside;
-        let boundary = surface.medium(hit.id).map(|m| self.media_of(path).meet(m, entering));
-        let beyond = boundary.as_ref().map(|boundary| &boundary.beyond);
+        let boundary = surface.medium(hit.id).map(|m| self.media_of(path).boundary(m, entering));
+        let beyond = boundary.as_ref().map(|boundary| &boundary.transmitted_media);
         let eta = boundary.as_ref().map_or(Some(1.0), |boundary| boundary.eta);
-        let Some(eta) = eta else { return self.pass_through(path, &hit, beyond) };
+        let Some(eta) = eta else { return self.pass_hidden_boundary(path, &hit, beyond) };
 
         // Is another edge allowed?
-        if self.is_at_its_end(&path.state) {
-            return self.end(End::Depth);
+        if self.is_at_max_depth(&path.state) {
+            return self.terminate(Termination::MaxDepth);
         }
-        if depth >= LONGEST {
-            return self.cut_off();
+        if depth >= MAX_PATH_EDGES {
+            return self.terminate_at_length_limit();
         }
-        self.turn(path, &hit, &surface, eta, beyond, aims)
+        self.sample_light_and_bsdf(path, &hit, &surface, eta, beyond, aims)
     }
 
     /// Whether a path has as many edges as it may.
-    pub(super) fn is_at_its_end(&self, state: &State) -> bool {
-        state.depth - u32::from(fault!(DepthOffByOne)) >= self.transport.max_depth
+    pub(super) fn is_at_max_depth(&self, state: &PathState) -> bool {
+        state.depth - u32::from(fault!(DepthOffByOne)) >= self.integrator.max_depth
     }
 
     /// Aims at a light, then scatters. Returns whether the path goes on.
-    pub(super) fn turn(
+    pub(super) fn sample_light_and_bsdf(
         &mut self,
         path: &mut Path,
         hit: &SurfaceHit,
-        surface: &Surface<'_>,
+        surface: &SphereMaterial<'_>,
         eta: f64,
-        beyond: Option<&Media>,
-        aims: &mut Aims<'_>,
+        transmitted_media: Option<&MediumStack>,
+        aims: &mut ShadowQueue<'_>,
     ) -> bool {
-        let scene = self.world.scene;
-        let bsdf = surface.material.bsdf(surface.albedo, eta, self.transport.hemisphere);
-        let receiver = Receiver { hit: *hit, is_two_sided: bsdf.transmits() };
-        let frame = Frame::around(hit.facing_normal());
+        let scene = self.context.scene;
+        let bsdf = surface.material.bsdf(surface.albedo, eta, self.integrator.hemisphere);
+        let receiver = LightSampleContext { hit: *hit, is_two_sided: bsdf.is_rough_transmissive() };
+        let frame = Frame::from_z(hit.facing_normal());
         let wo = frame.to_local(-path.ray.direction);
-        let may_scatter = path.state.scatterings < self.transport.most_scatterings;
-        if self.transport.estimator != Estimator::Bsdf && may_scatter && !bsdf.is_delta() {
-            let aimed = self.aim_at_light(path, &receiver, &bsdf, &frame, wo, beyond);
-            aims.extend(scene, aimed);
+        let may_scatter = path.state.scatter_count < self.integrator.max_scatterings;
+        if self.integrator.estimator != Estimator::Bsdf && may_scatter && !bsdf.is_delta() {
+            let aimed = self.sample_light(path, &receiver, &bsdf, &frame, wo, transmitted_media);
+            aims.push(scene, aimed);
         }
-        let vertex = Vertex::at(path.state.depth);
+        let vertex = VertexDimensions::at(path.state.depth);
         let sampler = self.sampler(path);
-        let u = sampler.get_2d(vertex.direction());
+        let u = sampler.get_2d(vertex.bsdf_direction());
         let u = if fault!(NumberReused) { [u[0]; 2] } else { u };
-        let lobe = if bsdf.has_lobes() { sampler.get(vertex.lobe()) } else { 0.0 };
-        let again = || sampler.get_2d(direction_again(path.state.depth));
+        let lobe = if bsdf.needs_lobe_sample() { sampler.get(vertex.lobe()) } else { 0.0 };
+        let again = || sampler.get_2d(bsdf_extra(path.state.depth));
         let Some(sample) = bsdf.sample(wo, lobe, u, &again) else {
-            return self.end(End::Absorbed);
+            return self.terminate(Termination::Absorbed);
         };
         if sample.lobe != Lobe::Delta && !may_scatter {
-            return self.end(End::DirectOnly);
+            return self.terminate(Termination::DirectOnly);
         }
-        let goes_on = self.scatter(path, &receiver, &sample, frame.to_world(sample.wi), beyond);
+        let goes_on = self.scatter(path, &receiver, &sample, frame.to_world(sample.wi), transmitted_media);
         path.state.depth += 1;
         goes_on
     }
 
     /// Adds light that a path came across, and might have aimed at.
-    pub(super) fn gather(&mut self, path: &Path, source: Source, radiance: Rgb, is_aimed_at: bool) {
-        if radiance == Rgb::ZERO && !R::LISTENS {
+    pub(super) fn add_emission(&mut self, path: &Path, source: LightSource, radiance: Rgb, is_light_sampled: bool) {
+        if radiance == Rgb::ZERO && !R::ENABLED {
             return;
         }
-        let drawn = self.drawn(path);
-        let aimed = drawn.filter(|_| is_aimed_at);
+        let drawn = self.prev_vertex(path);
+        let aimed = drawn.filter(|_| is_light_sampled);
         let pdf_light = aimed.map_or(0.0, |drawn| self.pdf_light(path, drawn, source));
         let pdf = drawn.map(|drawn| drawn.pdf);
-        let weight = match (self.transport.estimator, pdf) {
+        let weight = match (self.integrator.estimator, pdf) {
             (Estimator::Mis, Some(_)) if fault!(DoubleCounting) => 1.0,
             (Estimator::Mis, Some(p)) if fault!(HeuristicSwapped) => {
                 power_heuristic(pdf_light, p) as f32
@@ -166,20 +166,20 @@ impl<R: Recorder> Batch<'_, R> {
             _ => 1.0,
         };
         let added =
-            self.arriving(path.state.throughput * radiance * weight, path.state.is_direct());
-        self.add(path.state.sample, added);
-        self.recorder.note(|| Step::Light { source, radiance, pdf, pdf_light, weight, added });
+            self.clamp_contribution(path.state.throughput * radiance * weight, path.state.is_direct());
+        self.add_contribution(path.state.batch_index, added);
+        self.recorder.record(|| PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution: added });
     }
 
     /// The density with which the direction of a path's ray would have been drawn towards a light.
-    fn pdf_light(&self, path: &Path, drawn: &Drawn, source: Source) -> f64 {
-        if self.transport.estimator == Estimator::Bsdf {
+    fn pdf_light(&self, path: &Path, drawn: &PrevVertex, source: LightSource) -> f64 {
+        if self.integrator.estimator == Estimator::Bsdf {
             return 0.0;
         }
-        let scene = self.world.scene;
-        self.world.shot.lights().pdf(
+        let scene = self.context.scene;
+        self.context.shot.lights().pdf(
             scene.spheres(),
-            &drawn.at(scene.spheres()),
+            &drawn.light_sample_context(scene.spheres()),
             source,
             path.ray.direction,
         )

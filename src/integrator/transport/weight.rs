@@ -5,7 +5,7 @@ use crate::scene::settings::Estimator;
 
 /// The weight of a light sample against what the BSDF might have drawn.
 #[inline(always)]
-pub(super) fn weight(estimator: Estimator, pdf: f64, pdf_bsdf: f64) -> f64 {
+pub(super) fn mis_weight(estimator: Estimator, pdf: f64, pdf_bsdf: f64) -> f64 {
     match estimator {
         Estimator::Light => 1.0,
         _ => power_heuristic(pdf, pdf_bsdf),

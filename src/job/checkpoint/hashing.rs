@@ -4,24 +4,24 @@ use std::io::{self, Read, Write};
 
 use blake3::Hasher;
 
-use super::bad::Bad;
+use super::read_error::ReadError;
 
 /// A stream whose bytes are hashed as they go by.
 #[derive(Debug)]
-pub(super) struct Hashing<S> {
+pub(super) struct HashingStream<S> {
     pub(super) inner: S,
     hasher: Hasher,
     /// How many have been read.
-    bytes: u64,
+    bytes_read: u64,
 }
 
-impl<S> Hashing<S> {
+impl<S> HashingStream<S> {
     pub(super) fn new(inner: S) -> Self {
-        Self { inner, hasher: Hasher::new(), bytes: 0 }
+        Self { inner, hasher: Hasher::new(), bytes_read: 0 }
     }
 }
 
-impl<S: Write> Hashing<S> {
+impl<S: Write> HashingStream<S> {
     pub(super) fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.hasher.update(bytes);
         self.inner.write_all(bytes)
@@ -33,33 +33,33 @@ impl<S: Write> Hashing<S> {
     }
 }
 
-impl<S: Read> Hashing<S> {
-    pub(super) fn fill(&mut self, bytes: &mut [u8]) -> std::result::Result<(), Bad> {
+impl<S: Read> HashingStream<S> {
+    pub(super) fn read_exact(&mut self, bytes: &mut [u8]) -> std::result::Result<(), ReadError> {
         let mut filled = 0;
         while filled < bytes.len() {
             match self.inner.read(&mut bytes[filled..]) {
-                Ok(0) => return Err(Bad::CutOff(self.bytes + filled as u64)),
+                Ok(0) => return Err(ReadError::Truncated(self.bytes_read + filled as u64)),
                 Ok(count) => filled += count,
                 Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
-                Err(e) => return Err(Bad::Unreadable(e)),
+                Err(e) => return Err(ReadError::Io(e)),
             }
         }
-        self.bytes += filled as u64;
+        self.bytes_read += filled as u64;
         self.hasher.update(bytes);
         Ok(())
     }
 
-    pub(super) fn u32(&mut self) -> std::result::Result<u32, Bad> {
+    pub(super) fn read_u32(&mut self) -> std::result::Result<u32, ReadError> {
         let mut bytes = [0; 4];
-        self.fill(&mut bytes)?;
+        self.read_exact(&mut bytes)?;
         Ok(u32::from_le_bytes(bytes))
     }
 
-    pub(super) fn check_hash(&mut self) -> std::result::Result<(), Bad> {
+    pub(super) fn verify_hash(&mut self) -> std::result::Result<(), ReadError> {
         let expected = self.hasher.finalize();
         let mut hash = [0; 32];
-        self.fill(&mut hash)?;
+        self.read_exact(&mut hash)?;
         let is_same = expected == hash;
-        is_same.then_some(()).ok_or(Bad::Damaged("its checksum is wrong"))
+        is_same.then_some(()).ok_or(ReadError::Corrupt("its checksum is wrong"))
     }
 }

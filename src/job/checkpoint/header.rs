@@ -8,30 +8,30 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::color::Look;
-use crate::film::{BLOCK, Format, Layer};
+use crate::color::ViewTransform;
+use crate::film::{BLOCK_SIZE, FilmFormat, Layer};
 use crate::math::Rect;
-use crate::scene::Source;
+use crate::scene::SceneSource;
 
 use super::super::metadata::Metadata;
 use super::super::outcome::NoiseStatus;
 use super::super::spec::Job;
-use super::bad::Bad;
-use super::hashing::Hashing;
-use super::version::{FIRST_VERSION, MAGIC, VERSION};
+use super::read_error::ReadError;
+use super::hashing::HashingStream;
+use super::version::{MIN_VERSION, MAGIC, VERSION};
 
 /// The longest header: a scene's description and text, and some.
-const LONGEST: u32 = 16 << 20;
+const MAX_HEADER_BYTES: u32 = 16 << 20;
 
 /// The most pixels along a picture.
-const WIDEST: u32 = 1 << 24;
+const MAX_SIDE: u32 = 1 << 24;
 
 /// What a checkpoint says of itself.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Header {
+pub struct CheckpointHeader {
     /// What the film holds.
-    pub film: Format,
+    pub film: FilmFormat,
     /// The indices of the samples that every pixel is to have in the end.
     pub samples: Range<u32>,
     /// The render.
@@ -39,21 +39,21 @@ pub struct Header {
     /// The picture of the samples so far.
     pub metadata: Metadata,
     /// Whether it is over.
-    pub status: Status,
+    pub status: RenderStatus,
     /// What it took.
-    pub statistics: Statistics,
+    pub statistics: CumulativeStats,
     /// Whether the scene leaves the background out of its pictures.
     pub transparent: bool,
     /// The scene file, without its text.
-    pub source: Option<Source>,
+    pub source: Option<SceneSource>,
     /// Where the picture goes; `None` in a checkpoint that was merged.
-    pub delivery: Option<Delivery>,
+    pub delivery: Option<OutputSpec>,
 }
 
 /// Whether a render is over.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Status {
+pub enum RenderStatus {
     /// It lacks samples that it is to have.
     #[default]
     Unfinished,
@@ -68,7 +68,7 @@ pub enum Status {
 /// What a render took, in all its runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Statistics {
+pub struct CumulativeStats {
     /// Rays traced.
     pub rays: u64,
     /// Seconds of rendering.
@@ -82,11 +82,11 @@ pub struct Statistics {
 /// Where the picture of a render goes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Delivery {
+pub struct OutputSpec {
     /// The files, from the root on.
     pub files: Vec<FilePath>,
     /// How files for the screen show light.
-    pub look: Look,
+    pub look: ViewTransform,
     /// Whether files say what the run was like.
     pub with_run: bool,
     /// How often the checkpoint is written.
@@ -99,12 +99,12 @@ pub struct Delivery {
     pub tev: Option<String>,
 }
 
-impl Default for Delivery {
+impl Default for OutputSpec {
     /// No file, and a checkpoint every minute.
     fn default() -> Self {
         Self {
             files: Vec::new(),
-            look: Look::default(),
+            look: ViewTransform::default(),
             with_run: true,
             save_every: Duration::from_secs(60),
             preview: None,
@@ -119,18 +119,18 @@ impl Default for Delivery {
 #[serde(transparent)]
 pub struct FilePath(#[serde(with = "crate::scene::paths")] pub PathBuf);
 
-impl Header {
+impl CheckpointHeader {
     /// Whether the numbers can be those of a film.
-    fn is_possible(&self) -> bool {
-        let Format { frame, first_sample, ref layers, .. } = self.film;
+    fn is_valid(&self) -> bool {
+        let FilmFormat { frame, first_sample, ref layers, .. } = self.film;
         let Rect { x, y, width, height } = frame.window;
         let fits = |first: u32, length: u32, full: u32| {
-            length > 0 && u64::from(first) + u64::from(length) <= u64::from(full) && full <= WIDEST
+            length > 0 && u64::from(first) + u64::from(length) <= u64::from(full) && full <= MAX_SIDE
         };
         let is_twice = |(at, layer): (usize, &Layer)| layers[..at].contains(layer);
         fits(x, width, frame.full_size[0])
             && fits(y, height, frame.full_size[1])
-            && first_sample % BLOCK == 0
+            && first_sample % BLOCK_SIZE == 0
             && first_sample == self.samples.start
             && self.samples.start <= self.samples.end
             && !layers.iter().enumerate().any(is_twice)
@@ -138,36 +138,36 @@ impl Header {
 }
 
 pub(super) fn read(
-    from: &mut Hashing<BufReader<File>>,
+    from: &mut HashingStream<BufReader<File>>,
     bytes: u64,
-) -> std::result::Result<Header, Bad> {
+) -> std::result::Result<CheckpointHeader, ReadError> {
     let mut magic = [0; 8];
-    match from.fill(&mut magic) {
+    match from.read_exact(&mut magic) {
         Ok(()) if magic == MAGIC => {}
-        Ok(()) | Err(Bad::CutOff(_)) => return Err(Bad::NoPart),
+        Ok(()) | Err(ReadError::Truncated(_)) => return Err(ReadError::NotACheckpoint),
         Err(other) => return Err(other),
     }
-    let version = from.u32()?;
+    let version = from.read_u32()?;
     if version > VERSION {
-        return Err(Bad::Newer(version));
+        return Err(ReadError::TooNew(version));
     }
-    if version < FIRST_VERSION {
-        return Err(Bad::Older(version));
+    if version < MIN_VERSION {
+        return Err(ReadError::TooOld(version));
     }
-    let length = from.u32()?;
-    if length > LONGEST {
-        return Err(Bad::Damaged("its header is too long"));
+    let length = from.read_u32()?;
+    if length > MAX_HEADER_BYTES {
+        return Err(ReadError::Corrupt("its header is too long"));
     }
     if u64::from(length) > bytes {
-        return Err(Bad::CutOff(bytes));
+        return Err(ReadError::Truncated(bytes));
     }
     let mut text = vec![0; length as usize];
-    from.fill(&mut text)?;
-    from.check_hash()?;
-    let header: Header = serde_json::from_slice(&text).map_err(|e| match e.classify() {
-        serde_json::error::Category::Data => Bad::Unknown(format!("its header says: {e}")),
-        _ => Bad::Damaged("its header is no JSON"),
+    from.read_exact(&mut text)?;
+    from.verify_hash()?;
+    let header: CheckpointHeader = serde_json::from_slice(&text).map_err(|e| match e.classify() {
+        serde_json::error::Category::Data => ReadError::UnsupportedHeader(format!("its header says: {e}")),
+        _ => ReadError::Corrupt("its header is no JSON"),
     })?;
-    let is_possible = header.is_possible();
-    is_possible.then_some(header).ok_or(Bad::Damaged("its header says something impossible"))
+    let is_possible = header.is_valid();
+    is_possible.then_some(header).ok_or(ReadError::Corrupt("its header says something impossible"))
 }

@@ -11,7 +11,7 @@
 //! So no file that was cut off or changed is taken for a good one, and what it says of itself is
 //! checked before it is believed.
 
-mod bad;
+mod read_error;
 mod hashing;
 mod header;
 #[cfg(test)]
@@ -25,27 +25,27 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::film::Film;
-use crate::image_io::WholeFile;
-use crate::task::hands;
+use crate::image_io::AtomicFile;
+use crate::task::parallel;
 
-pub use header::{Delivery, FilePath, Header, Statistics, Status};
+pub use header::{OutputSpec, FilePath, CheckpointHeader, CumulativeStats, RenderStatus};
 
-use bad::Bad;
-use hashing::Hashing;
+use read_error::ReadError;
+use hashing::HashingStream;
 use version::{MAGIC, VERSION};
 
 /// The longest tile: its 64 pixels of some 30 numbers take a tenth of it.
-const LONGEST_TILE: u32 = 1 << 20;
+const MAX_TILE_BYTES: u32 = 1 << 20;
 
 /// Tiles that are made bytes of at once.
-const PIECE: usize = 64;
+const TILES_PER_CHUNK: usize = 64;
 
 /// A checkpoint that is being read: its header is good.
 #[derive(Debug)]
 pub struct Checkpoint {
     path: PathBuf,
-    header: Header,
-    from: Hashing<BufReader<File>>,
+    header: CheckpointHeader,
+    stream: HashingStream<BufReader<File>>,
     bytes: u64,
 }
 
@@ -61,15 +61,15 @@ pub fn is_checkpoint(path: &Path) -> bool {
 ///
 /// # Errors
 /// When the disk refuses; a file that was there before is then unchanged.
-pub fn write_checkpoint(file: &WholeFile, film: &Film, header: &Header) -> Result<()> {
+pub fn write_checkpoint(file: &AtomicFile, film: &Film, header: &CheckpointHeader) -> Result<()> {
     let head = serde_json::to_string(header);
     let head =
         head.map_err(|e| Error::input(format!("a checkpoint cannot say what it is: {e}")))?;
     file.write(|sink| {
-        let mut to = Hashing::new(sink);
+        let mut to = HashingStream::new(sink);
         to.write_all(&MAGIC)?;
         to.write_all(&VERSION.to_le_bytes())?;
-        to.write_all(&length(&head)?.to_le_bytes())?;
+        to.write_all(&length_prefix(&head)?.to_le_bytes())?;
         to.write_all(head.as_bytes())?;
         to.write_hash()?;
         write_tiles(film, &mut to)?;
@@ -78,19 +78,19 @@ pub fn write_checkpoint(file: &WholeFile, film: &Film, header: &Header) -> Resul
 }
 
 /// Writes every tile: while some are on their way to the disk, hands that are free make bytes of the next.
-fn write_tiles<S: Write + Send>(film: &Film, to: &mut Hashing<S>) -> io::Result<()> {
-    let tiles = film.frame().tiles();
-    let at_once = 4 * PIECE * hands::count();
+fn write_tiles<S: Write + Send>(film: &Film, to: &mut HashingStream<S>) -> io::Result<()> {
+    let tiles = film.frame().tile_count();
+    let at_once = 4 * TILES_PER_CHUNK * parallel::thread_count();
     let bytes_from = |first: usize| -> io::Result<Vec<Vec<u8>>> {
         let end = (first + at_once).min(tiles);
-        let pieces = (first..end).step_by(PIECE).map(|begin| begin..(begin + PIECE).min(end));
-        hands::map(pieces.collect(), |tiles| bytes_of(film, tiles)).into_iter().collect()
+        let pieces = (first..end).step_by(TILES_PER_CHUNK).map(|begin| begin..(begin + TILES_PER_CHUNK).min(end));
+        parallel::map(pieces.collect(), |tiles| encode_tiles(film, tiles)).into_iter().collect()
     };
     let mut bytes = bytes_from(0)?;
     let mut next = at_once;
     while !bytes.is_empty() {
         let write = || bytes.iter().try_for_each(|piece| to.write_all(piece));
-        let (written, following) = hands::join(write, || bytes_from(next));
+        let (written, following) = parallel::join(write, || bytes_from(next));
         written?;
         bytes = following?;
         next += at_once;
@@ -99,19 +99,19 @@ fn write_tiles<S: Write + Send>(film: &Film, to: &mut Hashing<S>) -> io::Result<
 }
 
 /// Each tile with its length before it.
-fn bytes_of(film: &Film, tiles: Range<usize>) -> io::Result<Vec<u8>> {
+fn encode_tiles(film: &Film, tiles: Range<usize>) -> io::Result<Vec<u8>> {
     let mut all = Vec::new();
     for tile in tiles {
         let begin = all.len();
         all.extend([0; 4]);
         film.write_tile(tile, &mut all);
-        let length = length(&all[begin + 4..])?;
+        let length = length_prefix(&all[begin + 4..])?;
         all[begin..begin + 4].copy_from_slice(&length.to_le_bytes());
     }
     Ok(all)
 }
 
-fn length(of: impl AsRef<[u8]>) -> io::Result<u32> {
+fn length_prefix(of: impl AsRef<[u8]>) -> io::Result<u32> {
     of.as_ref().len().try_into().map_err(io::Error::other)
 }
 
@@ -129,13 +129,13 @@ impl Checkpoint {
         }
         let bytes = metadata.len();
         let inner = BufReader::with_capacity(1 << 16, file);
-        let mut from = Hashing::new(inner);
-        let header = header::read(&mut from, bytes).map_err(|bad| bad.told(path))?;
-        Ok(Self { path: path.to_path_buf(), header, from, bytes })
+        let mut from = HashingStream::new(inner);
+        let header = header::read(&mut from, bytes).map_err(|bad| bad.into_error(path))?;
+        Ok(Self { path: path.to_path_buf(), header, stream: from, bytes })
     }
 
     /// What it says of itself.
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &CheckpointHeader {
         &self.header
     }
 
@@ -148,35 +148,35 @@ impl Checkpoint {
     ///
     /// # Errors
     /// When it cannot be read, or is damaged.
-    pub fn film(mut self) -> Result<Film> {
-        self.read_film().map_err(|bad| bad.told(&self.path))
+    pub fn into_film(mut self) -> Result<Film> {
+        self.read_film().map_err(|bad| bad.into_error(&self.path))
     }
 
-    fn read_film(&mut self) -> std::result::Result<Film, Bad> {
+    fn read_film(&mut self) -> std::result::Result<Film, ReadError> {
         let format = &self.header.film;
-        let tiles = format.frame.tiles();
+        let tiles = format.frame.tile_count();
         // A tile takes five bytes at least.
         if tiles as u64 > self.bytes / 5 {
-            return Err(Bad::CutOff(self.bytes));
+            return Err(ReadError::Truncated(self.bytes));
         }
-        let mut film = Film::without_memory(format);
+        let mut film = Film::new_lazy(format);
         let mut bytes = Vec::new();
         for tile in 0..tiles {
-            let length = self.from.u32()?;
-            if length > LONGEST_TILE {
-                return Err(Bad::Damaged("a length makes no sense"));
+            let length = self.stream.read_u32()?;
+            if length > MAX_TILE_BYTES {
+                return Err(ReadError::Corrupt("a length makes no sense"));
             }
             bytes.resize(length as usize, 0);
-            self.from.fill(&mut bytes)?;
+            self.stream.read_exact(&mut bytes)?;
             if !film.read_tile(tile, &bytes) {
-                return Err(Bad::Damaged("some sums make no sense"));
+                return Err(ReadError::Corrupt("some sums make no sense"));
             }
         }
-        self.from.check_hash()?;
-        match self.from.inner.read(&mut [0]) {
+        self.stream.verify_hash()?;
+        match self.stream.inner.read(&mut [0]) {
             Ok(0) => Ok(film),
-            Ok(_) => Err(Bad::Damaged("something follows its end")),
-            Err(e) => Err(Bad::Unreadable(e)),
+            Ok(_) => Err(ReadError::Corrupt("something follows its end")),
+            Err(e) => Err(ReadError::Io(e)),
         }
     }
 }

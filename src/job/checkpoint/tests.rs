@@ -2,38 +2,38 @@
 
 use serde_json::{Value, json};
 
-use super::version::FIRST_VERSION;
+use super::version::MIN_VERSION;
 use super::*;
 use std::time::Duration;
 
 use crate::accel::Backend;
-use crate::color::{Look, Radiance, Rgb, Seen};
-use crate::film::{Format, Frame, Layer, Run, Scale};
+use crate::color::{ViewTransform, PathRadiance, Rgb, VisibleSurface};
+use crate::film::{FilmFormat, FilmFrame, Layer, SampleRun, RadianceScale};
 use crate::job::{Job, Metadata};
 use crate::math::Rect;
-use crate::scene::description::{NamedMaterial, SphereRow};
-use crate::scene::{Description, Scene, Shot, Source};
+use crate::scene::description::{MaterialDescription, SphereDescription};
+use crate::scene::{SceneDescription, Scene, PreparedScene, SceneSource};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 /// A part with finished and unfinished blocks and an empty tile, and its bytes.
-fn part() -> (Film, Header, Vec<u8>) {
+fn part() -> (Film, CheckpointHeader, Vec<u8>) {
     let window = Rect { x: 3, y: 2, width: 20, height: 7 };
-    let format = Format {
-        frame: Frame { full_size: [31, 17], window },
+    let format = FilmFormat {
+        frame: FilmFrame { full_size: [31, 17], window },
         first_sample: 32,
-        scale: Scale::of_brightest(5.0),
+        scale: RadianceScale::from_max_radiance(5.0),
         layers: Layer::ALL.to_vec(),
         squares: true,
     };
     let film = Film::new(&format).unwrap();
-    for tile in 1..film.frame().tiles() {
+    for tile in 1..film.frame().tile_count() {
         let count = 9 * tile as u32;
-        let counts = vec![count; film.frame().tile(tile).pixels()];
-        let samples: Vec<Radiance> = (0..counts.len() as u32 * count)
-            .map(|i| Radiance { direct: Rgb::splat((i % 97) as f32 * 0.013), ..Default::default() })
+        let counts = vec![count; film.frame().tile(tile).pixel_count()];
+        let samples: Vec<PathRadiance> = (0..counts.len() as u32 * count)
+            .map(|i| PathRadiance { direct: Rgb::splat((i % 97) as f32 * 0.013), ..Default::default() })
             .collect();
-        let seen = vec![Seen { row: 7, ..Seen::NOTHING }; samples.len()];
-        film.add(tile, &counts, Run { light: &samples, seen: &seen }).unwrap();
+        let seen = vec![VisibleSurface { row: 7, ..VisibleSurface::NONE }; samples.len()];
+        film.add(tile, &counts, SampleRun { radiance: &samples, visible_surfaces: &seen }).unwrap();
     }
     let header = header(&format);
     let (_folder, path) = written(&film, &header);
@@ -42,50 +42,50 @@ fn part() -> (Film, Header, Vec<u8>) {
 }
 
 /// What the part says of itself, with something in every field.
-fn header(film: &Format) -> Header {
-    let ball = SphereRow { name: Some("\"x\"\n".to_owned()), radius: 1.0, ..SphereRow::default() };
-    let materials = vec![NamedMaterial::default()];
-    let description = Description { materials, spheres: vec![ball], ..Description::default() };
+fn header(film: &FilmFormat) -> CheckpointHeader {
+    let ball = SphereDescription { name: Some("\"x\"\n".to_owned()), radius: 1.0, ..SphereDescription::default() };
+    let materials = vec![MaterialDescription::default()];
+    let description = SceneDescription { materials, spheres: vec![ball], ..SceneDescription::default() };
     let scene = Scene::build(description).unwrap();
-    let job = Job::sized(31, 17).noise(0.02);
-    let shot = Shot::new(&scene, job.settings).unwrap();
+    let job = Job::with_size(31, 17).noise_target(0.02);
+    let shot = PreparedScene::new(&scene, job.settings).unwrap();
     let path = || FilePath(PathBuf::from("/pictures/a.exr"));
-    let delivery = Delivery {
+    let delivery = OutputSpec {
         files: vec![path()],
-        look: Look::default(),
+        look: ViewTransform::default(),
         with_run: true,
         save_every: Duration::from_secs(60),
         preview: Some(path()),
         preview_every: Duration::from_millis(1500),
         tev: Some("localhost:14158".to_owned()),
     };
-    Header {
+    CheckpointHeader {
         film: film.clone(),
         samples: 32..64,
-        metadata: Metadata::of(&shot, Backend::BruteForce),
+        metadata: Metadata::new(&shot, Backend::BruteForce),
         job,
-        status: Status::Ended { missed: Vec::new() },
-        statistics: Statistics { rays: 1 << 60, seconds: 0.1, media_overflows: 1, cut_off: 2 },
+        status: RenderStatus::Ended { missed: Vec::new() },
+        statistics: CumulativeStats { rays: 1 << 60, seconds: 0.1, media_overflows: 1, cut_off: 2 },
         transparent: true,
-        source: Some(Source { name: "a.toml".to_owned(), ..Source::default() }),
+        source: Some(SceneSource { name: "a.toml".to_owned(), ..SceneSource::default() }),
         delivery: Some(delivery),
     }
 }
 
-fn written(film: &Film, header: &Header) -> (tempfile::TempDir, PathBuf) {
+fn written(film: &Film, header: &CheckpointHeader) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.part");
-    write_checkpoint(&WholeFile::new(&path).unwrap(), film, header).unwrap();
+    write_checkpoint(&AtomicFile::new(&path).unwrap(), film, header).unwrap();
     (folder, path)
 }
 
-fn read(path: &Path) -> Result<(Header, Film)> {
+fn read(path: &Path) -> Result<(CheckpointHeader, Film)> {
     let checkpoint = Checkpoint::open(path)?;
-    Ok((checkpoint.header().clone(), checkpoint.film()?))
+    Ok((checkpoint.header().clone(), checkpoint.into_film()?))
 }
 
 /// What reading such bytes gives.
-fn read_bytes(bytes: &[u8]) -> Result<(Header, Film)> {
+fn read_bytes(bytes: &[u8]) -> Result<(CheckpointHeader, Film)> {
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), bytes).unwrap();
     read(file.path())
@@ -185,7 +185,7 @@ fn a_part_with_good_checksums_and_impossible_numbers_is_refused() {
         let bytes = [&bytes[..8], &version.to_le_bytes(), &bytes[12..]].concat();
         read_bytes(&bytes).unwrap_err()
     };
-    for (version, word) in [(VERSION + 1, "newer"), (FIRST_VERSION - 1, "anew")] {
+    for (version, word) in [(VERSION + 1, "newer"), (MIN_VERSION - 1, "anew")] {
         let error = of_version(version);
         let words = format!("version {version} of the format");
         assert!(error.to_string().contains(&words), "{error}");

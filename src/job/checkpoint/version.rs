@@ -7,4 +7,4 @@ pub(super) const MAGIC: [u8; 8] = *b"PHSPPART";
 pub(super) const VERSION: u32 = 2;
 
 /// The oldest version that is read.
-pub(super) const FIRST_VERSION: u32 = 2;
+pub(super) const MIN_VERSION: u32 = 2;

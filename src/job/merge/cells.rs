@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::super::samples::Share;
+use super::super::samples::WindowSamples;
 use crate::math::Rect;
 
 /// Rectangles that make up `within`, each of which every window holds whole or not at all.
@@ -44,10 +44,10 @@ pub(super) fn first_missing(mut ranges: Vec<Range<u32>>, all: &Range<u32>) -> Op
 
 /// Whether the samples of every pixel are those from `first` on, without a gap: how many there are then
 /// tells which.
-pub(super) fn are_from_first_on(shares: &[Share], within: Rect, first: u32) -> bool {
+pub(super) fn is_contiguous_from(shares: &[WindowSamples], within: Rect, first: u32) -> bool {
     let windows: Vec<Rect> = shares.iter().map(|share| share.window).collect();
     cells(&windows, within).iter().all(|cell| {
-        let here = shares.iter().zip(&windows).filter(|(_, window)| window.common(cell).is_some());
+        let here = shares.iter().zip(&windows).filter(|(_, window)| window.intersection(cell).is_some());
         let mut samples: Vec<_> = here.map(|(share, _)| share.samples).collect();
         samples.retain(|samples| samples.most > 0);
         samples.sort_by_key(|samples| samples.first);
@@ -64,14 +64,14 @@ pub(super) fn are_from_first_on(shares: &[Share], within: Rect, first: u32) -> b
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::samples::{Samples, TileCounts};
+    use super::super::super::samples::{SampleRange, TileSampleCounts};
     use super::*;
 
     const WHOLE: Rect = Rect { x: 0, y: 0, width: 16, height: 12 };
 
-    fn share(x: u32, width: u32, first: u32, fewest: u32, most: u32) -> Share {
+    fn share(x: u32, width: u32, first: u32, fewest: u32, most: u32) -> WindowSamples {
         let window = Rect { x, y: 0, width, height: 12 };
-        Share { window, samples: Samples { first, fewest, most }, counts: TileCounts::default() }
+        WindowSamples { window, samples: SampleRange { first, fewest, most }, counts: TileSampleCounts::default() }
     }
 
     #[test]
@@ -79,9 +79,9 @@ mod tests {
         let windows =
             [Rect { x: 0, y: 0, width: 9, height: 5 }, Rect { x: 4, y: 3, width: 40, height: 40 }];
         let cells = cells(&windows, WHOLE);
-        assert_eq!(cells.iter().map(Rect::pixels).sum::<usize>(), WHOLE.pixels());
+        assert_eq!(cells.iter().map(Rect::pixel_count).sum::<usize>(), WHOLE.pixel_count());
         for (cell, window) in cells.iter().flat_map(|cell| windows.map(|window| (cell, window))) {
-            assert!(window.common(cell).is_none_or(|common| common == *cell), "{cell:?}");
+            assert!(window.intersection(cell).is_none_or(|common| common == *cell), "{cell:?}");
         }
     }
 
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn gaps_and_early_ends_are_told_from_a_plain_range() {
-        let plain = |shares: &[Share]| are_from_first_on(shares, WHOLE, 0);
+        let plain = |shares: &[WindowSamples]| is_contiguous_from(shares, WHOLE, 0);
         assert!(plain(&[share(0, 16, 16, 16, 16), share(0, 16, 0, 16, 16)]));
         assert!(plain(&[share(0, 9, 0, 16, 16), share(9, 7, 0, 32, 48)]));
         assert!(plain(&[share(0, 9, 0, 16, 16)]));

@@ -2,108 +2,108 @@
 
 mod cells;
 mod piece;
-mod whole;
+mod extent;
 
 use std::path::PathBuf;
 
 use crate::accel::BuildOptions;
-use crate::error::{Error, Result, Setting};
-use crate::film::{BLOCK, Film, Kind, summed_for};
+use crate::error::{Error, Result, Suggestion};
+use crate::film::{BLOCK_SIZE, Film, Aov, required_layers};
 use crate::image_io::Picture;
-use crate::image_io::WholeFile;
+use crate::image_io::AtomicFile;
 use crate::math::Rect;
-use crate::scene::Shot;
+use crate::scene::PreparedScene;
 
-use super::aovs::{needs_scene, picture, picture_of_sums};
-use super::checkpoint::{Checkpoint, Header, write_checkpoint};
+use super::aovs::{needs_scene, develop, develop_without_scene};
+use super::checkpoint::{Checkpoint, CheckpointHeader, write_checkpoint};
 use super::metadata::Metadata;
 use super::outcome::NoiseStatus;
 
-use piece::Piece;
-use whole::Whole;
+use piece::MergeInput;
+use extent::MergedExtent;
 
 /// What parts are to become.
 #[derive(Clone, Debug, Default)]
-pub struct Plan {
+pub struct MergeOptions {
     /// The layers of the picture; `None`: those of the parts.
-    pub layers: Option<Vec<Kind>>,
+    pub layers: Option<Vec<Aov>>,
     /// The window that parts of several windows make together, where that is not the whole picture.
     pub crop: Option<Rect>,
     /// Whether pixels or samples may be missing in a picture.
     pub allow_gaps: bool,
     /// Whether a picture is made.
-    pub makes_picture: bool,
+    pub writes_picture: bool,
     /// Whether a checkpoint is made, which can have no gaps.
-    pub makes_part: bool,
+    pub writes_checkpoint: bool,
     /// The command, quoted for a shell, for files to tell.
     pub command: Option<String>,
 }
 
 /// Parts added up.
 #[derive(Debug)]
-pub struct Merged {
+pub struct MergedRender {
     /// The sums.
     pub film: Film,
     /// How the picture was made.
     pub metadata: Metadata,
     /// The layers of the picture.
-    pub layers: Vec<Kind>,
+    pub layers: Vec<Aov>,
     /// The parts that did not meet their noise targets.
-    pub missed: Vec<(PathBuf, Vec<NoiseStatus>)>,
-    header: Header,
-    first: Piece,
+    pub missed_targets: Vec<(PathBuf, Vec<NoiseStatus>)>,
+    header: CheckpointHeader,
+    first: MergeInput,
 }
 
 /// Adds up parts.
 ///
 /// # Errors
 /// When a part is damaged or foreign, when parts overlap, or when something is missing.
-pub fn merge(paths: &[PathBuf], plan: &Plan) -> Result<Merged> {
-    let mut pieces: Vec<Piece> =
-        paths.iter().map(|path| Piece::open(path)).collect::<Result<_>>()?;
+pub fn merge(paths: &[PathBuf], options: &MergeOptions) -> Result<MergedRender> {
+    let mut pieces: Vec<MergeInput> =
+        paths.iter().map(|path| MergeInput::open(path)).collect::<Result<_>>()?;
     let Some(first) = pieces.first() else { return Err(Error::input("there is no part to merge")) };
-    pieces.iter().try_for_each(|piece| piece.check_kin(first))?;
+    pieces.iter().try_for_each(|piece| piece.check_compatible(first))?;
     check_overlaps(&pieces)?;
     let own = || first.header.metadata.layers.clone().unwrap_or_default();
-    let layers = plan.layers.clone().unwrap_or_else(own);
-    check_layers(&layers, first)?;
-    let whole = Whole::of(&pieces, plan.crop)?;
-    whole.check_squares(&pieces)?;
-    let must_be_whole = !plan.allow_gaps || plan.makes_part;
+    let layers = options.layers.clone().unwrap_or_else(own);
+    check_aovs(&layers, first)?;
+    let whole = MergedExtent::new(&pieces, options.crop)?;
+    whole.check_tile_alignment(&pieces)?;
+    let must_be_whole = !options.allow_gaps || options.writes_checkpoint;
     if must_be_whole {
         // With gaps allowed, it is the part alone that cannot have them.
-        whole.check_gaps(&pieces, !plan.allow_gaps, plan.makes_picture, plan.crop)?;
+        whole.check_gaps(&pieces, !options.allow_gaps, options.writes_picture, options.crop)?;
     }
-    let mut film = Film::without_memory(&whole.format);
+    let mut film = Film::new_lazy(&whole.format);
     let mut shares = Vec::new();
     for piece in &pieces {
-        let part = Checkpoint::open(&piece.path)?.film()?;
+        let part = Checkpoint::open(&piece.path)?.into_film()?;
         if must_be_whole {
-            piece.check_followed(&part, &pieces)?;
+            piece.check_continuation(&part, &pieces)?;
         }
-        if !plan.allow_gaps {
+        if !options.allow_gaps {
             piece.check_finished(&part)?;
         }
-        shares.extend(piece.shares(&part));
-        film.add_film(&part)?;
+        shares.extend(piece.window_samples(&part));
+        film.merge(&part)?;
     }
-    let metadata = whole.metadata(&pieces, shares, &film, plan.command.clone());
+    let metadata = whole.metadata(&pieces, shares, &film, options.command.clone());
     let missed: Vec<(PathBuf, Vec<NoiseStatus>)> = pieces
         .iter()
-        .map(|piece| (piece.path.clone(), piece.missed().to_vec()))
+        .map(|piece| (piece.path.clone(), piece.missed_targets().to_vec()))
         .filter(|(_, missed)| !missed.is_empty())
         .collect();
-    let header = whole.header(&pieces, &metadata, &layers, !plan.allow_gaps);
+    let header = whole.header(&pieces, &metadata, &layers, !options.allow_gaps);
     let first = pieces.swap_remove(0);
-    Ok(Merged { film, metadata, layers, missed, header, first })
+    Ok(MergedRender { film, metadata, layers, missed_targets: missed, header, first })
 }
 
-impl Merged {
+impl MergedRender {
     /// Writes the sums, to be merged further or resumed.
     ///
     /// # Errors
     /// When the disk refuses.
-    pub fn write_part(&self, file: &WholeFile) -> Result<()> {
+    pub fn write_checkpoint(&self, file: &AtomicFile) -> Result<()> {
         write_checkpoint(file, &self.film, &self.header)
     }
 
@@ -113,33 +113,33 @@ impl Merged {
     /// When they are asked for and the scene is gone or has changed.
     pub fn picture(&self) -> Result<Picture> {
         if !self.layers.iter().any(|kind| needs_scene(*kind)) {
-            return Ok(picture_of_sums(&self.film, &self.layers, self.first.header.transparent));
+            return Ok(develop_without_scene(&self.film, &self.layers, self.first.header.transparent));
         }
         let (scene, mut settings) = self.first.scene()?;
         settings.image.crop = self.metadata.settings.image.crop;
-        let shot = Shot::new(&scene, settings)?;
+        let shot = PreparedScene::new(&scene, settings)?;
         let accel =
             self.metadata.intersector.backend.build(scene.spheres(), &BuildOptions::default())?;
-        Ok(picture(&shot, accel.as_ref(), &self.film, &self.layers))
+        Ok(develop(&shot, accel.as_ref(), &self.film, &self.layers))
     }
 }
 
 /// Refuses layers that the parts do not hold.
-fn check_layers(kinds: &[Kind], first: &Piece) -> Result<()> {
+fn check_aovs(kinds: &[Aov], first: &MergeInput) -> Result<()> {
     let held = &first.header.film.layers;
-    let lacks = |kind: &&Kind| summed_for(&[**kind]).iter().any(|layer| !held.contains(layer));
+    let lacks = |kind: &&Aov| required_layers(&[**kind]).iter().any(|layer| !held.contains(layer));
     let Some(kind) = kinds.iter().find(lacks) else { return Ok(()) };
-    let (layer, path) = (kind.row().name, first.path.display());
+    let (layer, path) = (kind.info().name, first.path.display());
     Err(Error::input(format!("`{path}` does not hold the layer `{layer}`"))
         .with_help("render all parts with this layer")
-        .with_setting(Setting::Layers, layer))
+        .with_suggestion(Suggestion::Layers, layer))
 }
 
 /// Refuses samples that two parts hold, and blocks that end in one part and go on in another.
-fn check_overlaps(pieces: &[Piece]) -> Result<()> {
+fn check_overlaps(pieces: &[MergeInput]) -> Result<()> {
     for (at, a) in pieces.iter().enumerate() {
         for b in &pieces[..at] {
-            let Some(common) = a.window().common(&b.window()) else { continue };
+            let Some(common) = a.window().intersection(&b.window()) else { continue };
             let (first, second) =
                 if a.samples().start < b.samples().start { (a, b) } else { (b, a) };
             let (early, late) = (first.samples(), second.samples());
@@ -155,16 +155,16 @@ fn check_overlaps(pieces: &[Piece]) -> Result<()> {
                 );
                 return Err(Error::input(what).with_help("leave one of them out"));
             }
-            if early.end % BLOCK != 0 {
+            if early.end % BLOCK_SIZE != 0 {
                 let what = format!(
                     "`{x}` ends within a block, at sample {}, so that `{y}` cannot follow it",
                     early.end
                 );
                 let help =
-                    format!("render it again up to a multiple of {BLOCK}, or resume and extend it");
+                    format!("render it again up to a multiple of {BLOCK_SIZE}, or resume and extend it");
                 return Err(Error::input(what)
                     .with_help(help)
-                    .with_setting(Setting::Resume, x.to_string()));
+                    .with_suggestion(Suggestion::Resume, x.to_string()));
             }
         }
     }

@@ -3,24 +3,24 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result, Setting};
-use crate::film::{Film, Format};
+use crate::error::{Error, Result, Suggestion};
+use crate::film::{Film, FilmFormat};
 use crate::math::Rect;
 use crate::scene::Scene;
 
-use super::super::checkpoint::{Checkpoint, Header, Status};
+use super::super::checkpoint::{Checkpoint, CheckpointHeader, RenderStatus};
 use super::super::metadata::Metadata;
 use super::super::outcome::NoiseStatus;
-use super::super::samples::{Samples, Share, TileCounts};
+use super::super::samples::{SampleRange, WindowSamples, TileSampleCounts};
 
 /// One of the parts.
 #[derive(Debug)]
-pub(super) struct Piece {
+pub(super) struct MergeInput {
     pub(super) path: PathBuf,
-    pub(super) header: Header,
+    pub(super) header: CheckpointHeader,
 }
 
-impl Piece {
+impl MergeInput {
     pub(super) fn open(path: &Path) -> Result<Self> {
         let header = Checkpoint::open(path)?.header().clone();
         Ok(Self { path: path.to_path_buf(), header })
@@ -34,15 +34,15 @@ impl Piece {
         &self.header.samples
     }
 
-    pub(super) fn missed(&self) -> &[NoiseStatus] {
+    pub(super) fn missed_targets(&self) -> &[NoiseStatus] {
         match &self.header.status {
-            Status::Unfinished => &[],
-            Status::Ended { missed } => missed,
+            RenderStatus::Unfinished => &[],
+            RenderStatus::Ended { missed } => missed,
         }
     }
 
     /// How many samples per pixel the job asks for.
-    pub(super) fn last_sample(&self) -> u32 {
+    pub(super) fn samples_per_pixel(&self) -> u32 {
         self.header.job.settings.render.samples_per_pixel
     }
 
@@ -55,9 +55,9 @@ impl Piece {
             ));
         };
         let overrides = self.header.source.iter().flat_map(|source| &source.overrides);
-        let overrides: Vec<_> = overrides.map(crate::scene::Override::of).collect();
+        let overrides: Vec<_> = overrides.map(crate::scene::Override::from_pair).collect();
         let (scene, _) = crate::scene::read_file(&path, &overrides)?.build()?;
-        if scene.identity() != self.header.metadata.scene_identity {
+        if scene.content_hash() != self.header.metadata.scene_identity {
             let message = format!("`{}` has changed since its parts were rendered", path.display());
             return Err(Error::input(message).with_help(
                 "leave out the layers sphere_id and material_id, which need the scene",
@@ -67,17 +67,17 @@ impl Piece {
     }
 
     /// Which samples it holds of which pixels.
-    pub(super) fn shares(&self, film: &Film) -> Vec<Share> {
+    pub(super) fn window_samples(&self, film: &Film) -> Vec<WindowSamples> {
         if !self.header.metadata.parts.is_empty() {
             return self.header.metadata.parts.0.clone();
         }
-        let samples = Samples::of(film, self.samples().start);
-        let counts = TileCounts::of(film).unwrap_or_default();
-        vec![Share { window: self.window(), samples, counts }]
+        let samples = SampleRange::from_film(film, self.samples().start);
+        let counts = TileSampleCounts::from_film(film).unwrap_or_default();
+        vec![WindowSamples { window: self.window(), samples, counts }]
     }
 
     /// Refuses what is of another picture.
-    pub(super) fn check_kin(&self, first: &Self) -> Result<()> {
+    pub(super) fn check_compatible(&self, first: &Self) -> Result<()> {
         let (ours, theirs) = (self.path.display(), first.path.display());
         let refused = |what: &str| {
             Err(Error::input(format!(
@@ -88,10 +88,10 @@ impl Piece {
         let (own, other) = (&self.header.metadata, &first.header.metadata);
         let identity = |metadata: &Metadata| (metadata.scene_identity, metadata.job_identity);
         if identity(own) != identity(other) {
-            return refused(&format!("in the first, {}", own.difference(other)));
+            return refused(&format!("in the first, {}", own.describe_difference(other)));
         }
         let kind = |piece: &Self| {
-            let Format { frame, scale, layers, squares, .. } = piece.header.film.clone();
+            let FilmFormat { frame, scale, layers, squares, .. } = piece.header.film.clone();
             (frame.full_size, scale, layers, squares)
         };
         if kind(self) != kind(first) {
@@ -108,12 +108,12 @@ impl Piece {
 
     /// Refuses what ended before the samples that another part goes on with: there would be a hole, which
     /// a film cannot tell from the samples behind it.
-    pub(super) fn check_followed(&self, film: &Film, pieces: &[Self]) -> Result<()> {
-        let end = self.samples().start + film.fewest_and_most().0;
+    pub(super) fn check_continuation(&self, film: &Film, pieces: &[Self]) -> Result<()> {
+        let end = self.samples().start + film.sample_count_range().0;
         let follows = |other: &&Self| {
             other.samples().start >= self.samples().end
                 && !other.samples().is_empty()
-                && other.window().common(&self.window()).is_some()
+                && other.window().intersection(&self.window()).is_some()
         };
         let Some(other) = pieces.iter().find(follows).filter(|_| end < self.samples().end) else {
             return Ok(());
@@ -129,15 +129,15 @@ impl Piece {
 
     /// Refuses what has not all of its samples.
     pub(super) fn check_finished(&self, film: &Film) -> Result<()> {
-        let (fewest, all) = (film.fewest_and_most().0, self.samples().len());
+        let (fewest, all) = (film.sample_count_range().0, self.samples().len());
         // One that ends at a noise target or at a time has as many as that took.
-        if fewest as usize == all || self.header.status != Status::Unfinished {
+        if fewest as usize == all || self.header.status != RenderStatus::Unfinished {
             return Ok(());
         }
         let path = self.path.display();
         Err(Error::input(format!("`{path}` is not finished: it has {fewest} of {all} samples"))
             .with_help("resume it, or allow gaps")
-            .with_setting(Setting::Resume, path.to_string())
-            .with_setting(Setting::AllowGaps, ""))
+            .with_suggestion(Suggestion::Resume, path.to_string())
+            .with_suggestion(Suggestion::AllowGaps, ""))
     }
 }

@@ -5,33 +5,33 @@ mod page;
 use serde_json::{Map, Value, json};
 
 use crate::draw::text::{count, row};
-use crate::verify::check::{Check, FAMILY_SIGNIFICANCE, Group, Outcome};
+use crate::verify::check::{Check, FAMILY_SIGNIFICANCE, CheckGroup, CheckResult};
 
 pub use page::page;
 
 /// A check and what came of it.
-pub type Judged<'a> = (&'a Check, &'a Outcome);
+pub type CheckEntry<'a> = (&'a Check, &'a CheckResult);
 
 /// The columns of the table: name, checks, failed, largest statistic.
 const COLUMNS: [i32; 5] = [-34, 8, 8, 3, -1];
 
 /// One line for each group and each closed form, and after them what failed.
-pub fn table(judged: &[Judged<'_>], seconds: f64) -> String {
+pub fn table(judged: &[CheckEntry<'_>], seconds: f64) -> String {
     let mut text = row(COLUMNS, ["", "checks", "failed", "", "largest statistic"]);
-    for group in Group::ALL {
-        let of_group: Vec<Judged<'_>> =
+    for group in CheckGroup::ALL {
+        let of_group: Vec<CheckEntry<'_>> =
             judged.iter().copied().filter(|(check, _)| check.group == group).collect();
         if of_group.is_empty() {
             continue;
         }
         text += &line(group.name(), &of_group);
-        if group == Group::ClosedForms {
+        if group == CheckGroup::ClosedForms {
             for of_form in of_group.chunk_by(|a, b| family(a.0) == family(b.0)) {
                 text += &line(&format!("  {}", family(of_form[0].0)), of_form);
             }
         }
     }
-    let mut remarks = judged.iter().filter_map(|(_, outcome)| outcome.remark.as_deref()).peekable();
+    let mut remarks = judged.iter().filter_map(|(_, outcome)| outcome.note.as_deref()).peekable();
     if remarks.peek().is_some() {
         text += "not scaled to conserve energy, and there to show it:\n";
     }
@@ -44,7 +44,7 @@ fn family(check: &Check) -> &str {
     check.name.split(": ").next().unwrap_or_default()
 }
 
-fn line(name: &str, judged: &[Judged<'_>]) -> String {
+fn line(name: &str, judged: &[CheckEntry<'_>]) -> String {
     let failed = judged.iter().filter(|(_, outcome)| !outcome.passed).count();
     let outcomes = judged.iter().map(|(_, outcome)| *outcome);
     let largest = outcomes.max_by(|a, b| a.statistic.total_cmp(&b.statistic)).map(statistic);
@@ -52,7 +52,7 @@ fn line(name: &str, judged: &[Judged<'_>]) -> String {
     row(COLUMNS, [name, &checks, &failed, "", &largest.unwrap_or_default()])
 }
 
-fn statistic(Outcome { statistic, limit, is_random, .. }: &Outcome) -> String {
+fn statistic(CheckResult { statistic, limit, is_random, .. }: &CheckResult) -> String {
     if *is_random {
         format!("{statistic:.2} of {limit:.2} sigma")
     } else {
@@ -60,7 +60,7 @@ fn statistic(Outcome { statistic, limit, is_random, .. }: &Outcome) -> String {
     }
 }
 
-fn conclusion(judged: &[Judged<'_>], seconds: f64) -> String {
+fn conclusion(judged: &[CheckEntry<'_>], seconds: f64) -> String {
     let mut text = String::new();
     let mut failed = 0;
     for (check, outcome) in judged.iter().filter(|(_, outcome)| !outcome.passed) {
@@ -80,8 +80,8 @@ fn conclusion(judged: &[Judged<'_>], seconds: f64) -> String {
 }
 
 /// All checks for programs, with what was checked, where and how.
-pub fn json(judged: &[Judged<'_>], about: &[(&str, String)], seconds: f64) -> Value {
-    let check = |(check, outcome): &Judged<'_>| {
+pub fn json(judged: &[CheckEntry<'_>], about: &[(&str, String)], seconds: f64) -> Value {
+    let check = |(check, outcome): &CheckEntry<'_>| {
         json!({
             "group": check.group.name(),
             "name": check.name,
@@ -90,7 +90,7 @@ pub fn json(judged: &[Judged<'_>], about: &[(&str, String)], seconds: f64) -> Va
             "limit": outcome.limit,
             "unit": if outcome.is_random { "sigma" } else { "wrong answers" },
             "detail": outcome.detail,
-            "remark": outcome.remark,
+            "remark": outcome.note,
         })
     };
     let fact = |(name, value): &(&str, String)| ((*name).to_owned(), value.as_str().into());

@@ -3,14 +3,14 @@
 use crate::draw::Cells;
 use crate::draw::page::{details, element, escape, facts, page_of, table};
 
-use crate::verify::check::{FAMILY_SIGNIFICANCE, Group, Outcome};
-use crate::verify::closed_forms::{FORMS, Form};
+use crate::verify::check::{FAMILY_SIGNIFICANCE, CheckGroup, CheckResult};
+use crate::verify::closed_forms::{CLOSED_FORMS, ClosedForm};
 
-use super::Judged;
+use super::CheckEntry;
 
 /// The page. `about` stands first: what was checked, where and how.
-pub fn page(about: &[(&str, String)], judged: &[Judged<'_>]) -> String {
-    let failed: Vec<Judged<'_>> =
+pub fn page(about: &[(&str, String)], judged: &[CheckEntry<'_>]) -> String {
+    let failed: Vec<CheckEntry<'_>> =
         judged.iter().copied().filter(|(_, outcome)| !outcome.passed).collect();
     let mut body = element("h1", "", "photosphere: verification report");
     body += &verdict(judged.len(), failed.len());
@@ -21,8 +21,8 @@ pub fn page(about: &[(&str, String)], judged: &[Judged<'_>]) -> String {
         body += &element("h2", "", "What failed");
         body += &failed.iter().map(with_pictures).collect::<String>();
     }
-    for group in Group::ALL {
-        let of_group: Vec<Judged<'_>> =
+    for group in CheckGroup::ALL {
+        let of_group: Vec<CheckEntry<'_>> =
             judged.iter().copied().filter(|(check, _)| check.group == group).collect();
         if !of_group.is_empty() {
             body += &section(group, &of_group);
@@ -41,8 +41,8 @@ fn verdict(total: usize, failed: usize) -> String {
 }
 
 /// One row for each group.
-fn summary(judged: &[Judged<'_>]) -> String {
-    let row = |group: Group| {
+fn summary(judged: &[CheckEntry<'_>]) -> String {
+    let row = |group: CheckGroup| {
         let of_group: Vec<_> = judged.iter().filter(|(check, _)| check.group == group).collect();
         let passed = of_group.iter().filter(|(_, outcome)| outcome.passed).count();
         let largest = of_group.iter().map(|(_, outcome)| outcome).max_by(|a, b| {
@@ -52,10 +52,10 @@ fn summary(judged: &[Judged<'_>]) -> String {
         let count = format!("{passed} of {}", of_group.len());
         Some(vec![link, mark(passed == of_group.len(), &count), statistic(largest)])
     };
-    table(&["group", "passed", "largest statistic"], Group::ALL.into_iter().filter_map(row))
+    table(&["group", "passed", "largest statistic"], CheckGroup::ALL.into_iter().filter_map(row))
 }
 
-fn how_to_read(judged: &[Judged<'_>]) -> String {
+fn how_to_read(judged: &[CheckEntry<'_>]) -> String {
     let limit = judged.iter().find(|(_, outcome)| outcome.is_random);
     let limit = limit.map_or(0.0, |(_, outcome)| outcome.limit);
     let words = format!(
@@ -71,42 +71,42 @@ fn how_to_read(judged: &[Judged<'_>]) -> String {
     element("p", "class=soft", &words)
 }
 
-fn section(group: Group, judged: &[Judged<'_>]) -> String {
+fn section(group: CheckGroup, judged: &[CheckEntry<'_>]) -> String {
     let heading = element("h2", &format!("id={}", anchor(group)), about(group));
     heading
         + &match group {
-            Group::ClosedForms => {
-                FORMS.iter().map(|form| closed_form(form, judged)).collect::<String>()
+            CheckGroup::ClosedForms => {
+                CLOSED_FORMS.iter().map(|form| closed_form(form, judged)).collect::<String>()
             }
             _ => listing(judged) + &all_pictures(judged),
         }
 }
 
-fn anchor(group: Group) -> String {
+fn anchor(group: CheckGroup) -> String {
     group.name().replace(' ', "-")
 }
 
-fn about(group: Group) -> &'static str {
+fn about(group: CheckGroup) -> &'static str {
     match group {
-        Group::Crosscheck => "Intersectors against arithmetic of twice the digits",
-        Group::ChiSquare => "Sampling routines against their densities",
-        Group::Materials => "Energy and reciprocity of the materials",
-        Group::ClosedForms => "Renders against answers known on paper",
+        CheckGroup::Crosscheck => "Intersectors against arithmetic of twice the digits",
+        CheckGroup::ChiSquare => "Sampling routines against their densities",
+        CheckGroup::Materials => "Energy and reciprocity of the materials",
+        CheckGroup::ClosedForms => "Renders against answers known on paper",
     }
 }
 
 /// A table of checks.
-fn listing(judged: &[Judged<'_>]) -> String {
-    let row = |(check, outcome): &Judged<'_>| {
+fn listing(judged: &[CheckEntry<'_>]) -> String {
+    let row = |(check, outcome): &CheckEntry<'_>| {
         vec![mark(outcome.passed, &check.name), statistic(outcome), escape(&outcome.detail)]
     };
     table(&["check", "statistic", "figures"], judged.iter().map(row))
 }
 
 /// A form with its pictures, its derivation, and the ways in which it was rendered.
-fn closed_form(form: &Form, judged: &[Judged<'_>]) -> String {
+fn closed_form(form: &ClosedForm, judged: &[CheckEntry<'_>]) -> String {
     let prefix = format!("{}: ", form.name);
-    let of_form: Vec<Judged<'_>> =
+    let of_form: Vec<CheckEntry<'_>> =
         judged.iter().copied().filter(|(check, _)| check.name.starts_with(&prefix)).collect();
     let Some((first, outcome)) = of_form.first() else { return String::new() };
     let passed = of_form.iter().filter(|(_, outcome)| outcome.passed).count();
@@ -122,7 +122,7 @@ fn closed_form(form: &Form, judged: &[Judged<'_>]) -> String {
             escape(&format!("scenes/verify/{}.toml", form.name)),
         ),
     );
-    let figures: String = outcome.pictures.iter().map(Cells::figure).collect();
+    let figures: String = outcome.images.iter().map(Cells::figure).collect();
     let shown = format!(
         "The pictures are those of {}: {}<br>{}",
         escape(&first.name),
@@ -136,8 +136,8 @@ fn closed_form(form: &Form, judged: &[Judged<'_>]) -> String {
 }
 
 /// The comments at the head of a scene file.
-fn derivation(form: &Form) -> String {
-    let lines = form.text.lines().take_while(|line| line.starts_with('#'));
+fn derivation(form: &ClosedForm) -> String {
+    let lines = form.scene_toml.lines().take_while(|line| line.starts_with('#'));
     lines
         .map(|line| line.trim_start_matches("# ").trim_start_matches('#'))
         .collect::<Vec<_>>()
@@ -145,14 +145,14 @@ fn derivation(form: &Form) -> String {
 }
 
 /// The pictures of every check that has some, folded away.
-fn all_pictures(judged: &[Judged<'_>]) -> String {
-    let seen = judged.iter().filter(|(_, outcome)| !outcome.pictures.is_empty());
+fn all_pictures(judged: &[CheckEntry<'_>]) -> String {
+    let seen = judged.iter().filter(|(_, outcome)| !outcome.images.is_empty());
     let each: String = seen.map(with_pictures).collect();
     if each.is_empty() { each } else { details("pictures", &each) }
 }
 
-fn with_pictures((check, outcome): &Judged<'_>) -> String {
-    let figures: String = outcome.pictures.iter().map(Cells::figure).collect();
+fn with_pictures((check, outcome): &CheckEntry<'_>) -> String {
+    let figures: String = outcome.images.iter().map(Cells::figure).collect();
     let words = format!(
         "{}<br>{} <span class=soft>{}</span>",
         mark(outcome.passed, &check.name),
@@ -169,8 +169,8 @@ fn mark(passed: bool, text: &str) -> String {
 }
 
 /// The statistic with a bar up to its limit.
-fn statistic(outcome: &Outcome) -> String {
-    let Outcome { statistic, limit, is_random, .. } = outcome;
+fn statistic(outcome: &CheckResult) -> String {
+    let CheckResult { statistic, limit, is_random, .. } = outcome;
     if !is_random {
         return format!("<span class=nobr>{statistic:.0} wrong</span>");
     }

@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 
 use crate::draw::text::row;
 use crate::error::Result;
-use crate::scene::settings::Image;
-use crate::verify::converge::{Axis, Metric, Point, Reference, Series};
+use crate::scene::settings::ImageSettings;
+use crate::verify::converge::{Axis, ErrorMetric, ChartPoint, Reference, Series};
 use crate::verify::statistics;
 
 /// How sure the intervals are.
@@ -24,9 +24,9 @@ struct Estimate {
     half_interval_95: f64,
 }
 
-impl From<statistics::Estimate> for Estimate {
-    fn from(of: statistics::Estimate) -> Self {
-        Self { mean: of.mean, half_interval_95: of.margin(CONFIDENCE) }
+impl From<statistics::MeanEstimate> for Estimate {
+    fn from(of: statistics::MeanEstimate) -> Self {
+        Self { mean: of.mean, half_interval_95: of.confidence_half_width(CONFIDENCE) }
     }
 }
 
@@ -43,11 +43,11 @@ pub struct ConvergenceReport<'a> {
     /// The scene file.
     pub scene: &'a Path,
     /// The size of the pictures.
-    pub image: Image,
+    pub image: ImageSettings,
     /// The pictures behind every point.
     pub seeds: u32,
     /// Which error is told of.
-    pub metric: Metric,
+    pub metric: ErrorMetric,
     /// What the pictures were held against.
     pub reference: &'a Reference,
     /// Where that came from.
@@ -76,7 +76,7 @@ impl ConvergenceReport<'_> {
 
     fn title(&self) -> String {
         let name = self.scene.file_name().unwrap_or(self.scene.as_os_str()).to_string_lossy();
-        let Image { width, height, .. } = self.image;
+        let ImageSettings { width, height, .. } = self.image;
         format!("{name}, {width} x {height} pixels, {} seeds", self.seeds)
     }
 
@@ -98,10 +98,10 @@ impl ConvergenceReport<'_> {
 
     /// What was found, for programs, with the file that has the plot.
     pub fn json(&self, output: &Path) -> Value {
-        let estimate = |of: statistics::Estimate| json!(Estimate::from(of));
+        let estimate = |of: statistics::MeanEstimate| json!(Estimate::from(of));
         let one = |one: &Series| {
             let slope = |axis| one.fit(self.metric, axis).map(|fit| estimate(fit.slope));
-            let point = |point: &Point| {
+            let point = |point: &ChartPoint| {
                 json!({
                     "samples_per_pixel": point.samples,
                     "error": estimate(point.error(self.metric)),
@@ -152,7 +152,7 @@ impl fmt::Display for ConvergenceReport<'_> {
             }
             let [samples, seconds] = [Axis::Samples, Axis::Seconds].map(|axis| {
                 one.fit(self.metric, axis).map_or("none".to_owned(), |fit| {
-                    format!("{:.3} +- {:.3}", fit.slope.mean, fit.slope.margin(CONFIDENCE))
+                    format!("{:.3} +- {:.3}", fit.slope.mean, fit.slope.confidence_half_width(CONFIDENCE))
                 })
             });
             writeln!(f, "slope against samples {samples}, against seconds {seconds}")?;

@@ -4,8 +4,8 @@
 use crate::draw::{Axes, Course, Line, Mark, Panel, Panels, Value, panels};
 use crate::error::{Error, Result};
 
-use crate::verify::converge::{Axis, Fit, Metric, Point, Series};
-use crate::verify::statistics::Estimate;
+use crate::verify::converge::{Axis, LogLogFit, ErrorMetric, ChartPoint, Series};
+use crate::verify::statistics::MeanEstimate;
 
 /// Draws the series, with a title and what is to be known of them.
 ///
@@ -13,7 +13,7 @@ use crate::verify::statistics::Estimate;
 /// When nothing can be drawn: no error is positive and finite.
 pub(super) fn svg(
     series: &[Series],
-    metric: Metric,
+    metric: ErrorMetric,
     title: &str,
     subtitle: &str,
 ) -> Result<String> {
@@ -23,7 +23,7 @@ pub(super) fn svg(
     };
     let slopes = |one: &Series| {
         [Axis::Samples, Axis::Seconds].map(|axis| match one.fit(metric, axis) {
-            Some(Fit { slope, .. }) => format!("{:.3} ± {:.3}", slope.mean, slope.margin(0.95)),
+            Some(LogLogFit { slope, .. }) => format!("{:.3} ± {:.3}", slope.mean, slope.confidence_half_width(0.95)),
             None => "—".to_owned(),
         })
     };
@@ -37,7 +37,7 @@ pub(super) fn svg(
 }
 
 /// One of the two plots; `None` where there is nothing to draw.
-fn panel(series: &[Series], metric: Metric, axis: Axis) -> Option<Panel> {
+fn panel(series: &[Series], metric: ErrorMetric, axis: Axis) -> Option<Panel> {
     let line = |(color, one): (usize, &Series)| Line {
         name: one.name.clone(),
         marks: marks(one, metric, axis),
@@ -58,12 +58,12 @@ fn panel(series: &[Series], metric: Metric, axis: Axis) -> Option<Panel> {
     Some(Panel { axes, lines })
 }
 
-fn marks(series: &Series, metric: Metric, axis: Axis) -> Vec<Mark> {
-    let with_interval = |estimate: Estimate| {
-        let (middle, margin) = (estimate.mean, estimate.margin(0.95));
+fn marks(series: &Series, metric: ErrorMetric, axis: Axis) -> Vec<Mark> {
+    let with_interval = |estimate: MeanEstimate| {
+        let (middle, margin) = (estimate.mean, estimate.confidence_half_width(0.95));
         Value { middle, low: middle - margin, high: middle + margin }
     };
-    let mark = |point: &Point| Mark {
+    let mark = |point: &ChartPoint| Mark {
         x: match axis {
             Axis::Samples => Value::exact(place(point, axis)),
             Axis::Seconds => with_interval(point.seconds()),
@@ -74,7 +74,7 @@ fn marks(series: &Series, metric: Metric, axis: Axis) -> Vec<Mark> {
     series.points.iter().map(mark).filter(is_shown).collect()
 }
 
-fn place(point: &Point, axis: Axis) -> f64 {
+fn place(point: &ChartPoint, axis: Axis) -> f64 {
     match axis {
         Axis::Samples => f64::from(point.samples),
         Axis::Seconds => point.seconds().mean,
@@ -82,8 +82,8 @@ fn place(point: &Point, axis: Axis) -> f64 {
 }
 
 /// The ends of the fitted line.
-fn fitted(series: &Series, metric: Metric, axis: Axis) -> Option<[(f64, f64); 2]> {
-    let Fit { slope, intercept } = series.fit(metric, axis)?;
+fn fitted(series: &Series, metric: ErrorMetric, axis: Axis) -> Option<[(f64, f64); 2]> {
+    let LogLogFit { slope, intercept } = series.fit(metric, axis)?;
     let y = |x: f64| libm::exp10(intercept + slope.mean * libm::log10(x));
     let xs = series.points.iter().map(|point| place(point, axis));
     let (low, high) = (xs.clone().fold(f64::INFINITY, f64::min), xs.fold(0.0, f64::max));
@@ -93,15 +93,15 @@ fn fitted(series: &Series, metric: Metric, axis: Axis) -> Option<[(f64, f64); 2]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::converge::Run;
+    use crate::verify::converge::RunErrors;
 
     fn series(name: &str, factor: f64) -> Series {
         let point = |samples: u32| {
             let run = |seed: u32| {
                 let mse = factor * (1.0 + 0.1 * f64::from(seed)) / f64::from(samples);
-                Run { mse, relmse: mse, seconds: 1e-3 * f64::from(samples) }
+                RunErrors { mse, relmse: mse, seconds: 1e-3 * f64::from(samples) }
             };
-            Point { samples, runs: (0..4).map(run).collect() }
+            ChartPoint { samples, runs: (0..4).map(run).collect() }
         };
         Series { name: name.into(), points: [1, 10, 100].map(point).into() }
     }
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn the_plot_names_every_series_and_its_slope_and_escapes_names() {
         let all = [series("path", 1.0), series("a < b", 10.0)];
-        let svg = svg(&all, Metric::Rmse, "a title", "against \"that\"").unwrap();
+        let svg = svg(&all, ErrorMetric::Rmse, "a title", "against \"that\"").unwrap();
         assert!(svg.starts_with("<svg width=\"1120\""), "{}", &svg[..80]);
         for text in ["path", "a &lt; b", "-0.500 ± 0.000", "samples per pixel", "seconds"] {
             assert!(svg.contains(text), "{text}");
@@ -119,6 +119,6 @@ mod tests {
 
     #[test]
     fn nothing_to_draw_is_an_error() {
-        assert!(svg(&[series("path", -1.0)], Metric::Rmse, "", "").is_err());
+        assert!(svg(&[series("path", -1.0)], ErrorMetric::Rmse, "", "").is_err());
     }
 }

@@ -4,10 +4,10 @@
 //! path is widest. Spheres are their outlines.
 
 use crate::draw::{Canvas, SideView};
-use crate::integrator::{Step, Trace};
-use crate::light::Source;
+use crate::integrator::{PathEvent, PathTrace};
+use crate::light::LightSource;
 use crate::math::{DVec2, DVec3};
-use crate::scene::{Scene, Shot};
+use crate::scene::{Scene, PreparedScene};
 
 use super::spheres::{answer, name, place};
 use super::words::number;
@@ -54,7 +54,7 @@ struct Sketch {
 }
 
 /// The drawing, as SVG.
-pub fn svg(shot: &Shot, trace: &Trace) -> String {
+pub fn svg(shot: &PreparedScene, trace: &PathTrace) -> String {
     let scene = shot.scene();
     let sketch = Sketch::of(scene, trace);
     let ends = sketch.lines.iter().filter_map(|line| line.to);
@@ -75,23 +75,23 @@ pub fn svg(shot: &Shot, trace: &Trace) -> String {
 }
 
 impl Sketch {
-    fn of(scene: &Scene, trace: &Trace) -> Self {
+    fn of(scene: &Scene, trace: &PathTrace) -> Self {
         let mut sketch = Self::default();
-        for (at, step) in trace.steps.iter().enumerate() {
+        for (at, step) in trace.events.iter().enumerate() {
             match step {
-                Step::Camera { ray, .. } => {
+                PathEvent::CameraRay { ray, .. } => {
                     sketch.camera = place(scene, ray.origin);
                     sketch.vertices.push(sketch.camera);
                 }
-                Step::Meet { hit, .. } => {
+                PathEvent::Hit { hit, .. } => {
                     let point = place(scene, hit.point);
                     sketch.reach(point);
                     sketch.met.push(hit.id);
-                    if scene.surface(hit.id).material.is_emissive() {
+                    if scene.sphere_material(hit.id).material.is_emissive() {
                         sketch.lamps.push(hit.id);
                     }
                 }
-                Step::Miss { wo, .. } => {
+                PathEvent::Miss { wo, .. } => {
                     sketch.lines.extend(sketch.vertices.last().map(|&from| Line {
                         class: "path",
                         from,
@@ -99,11 +99,11 @@ impl Sketch {
                         direction: -*wo,
                     }))
                 }
-                Step::Aim { sample, .. } => {
-                    if let Source::Lamp(id) = sample.source {
+                PathEvent::LightSample { sample, .. } => {
+                    if let LightSource::Emitter(id) = sample.source {
                         sketch.lamps.push(id);
                     }
-                    let Some((passed, _)) = answer(&trace.steps, at) else { continue };
+                    let Some((passed, _)) = answer(&trace.events, at) else { continue };
                     let Some(&from) = sketch.vertices.last() else { continue };
                     let is_near = sample.distance.is_finite();
                     sketch.lines.push(Line {
@@ -213,7 +213,7 @@ fn draw_vertices(canvas: &mut Canvas, sketch: &Sketch, view: &SideView) {
 }
 
 /// What the lines mean, which sample it is, and a bar of a round length.
-fn draw_legend(canvas: &mut Canvas, shot: &Shot, trace: &Trace, view: &SideView) {
+fn draw_legend(canvas: &mut Canvas, shot: &PreparedScene, trace: &PathTrace, view: &SideView) {
     let mut at = DVec2::new(16.0, view.window.y + 24.0);
     let end = DVec2::new(view.window.x - 16.0, at.y);
     let unit = view.round_length();
@@ -227,7 +227,7 @@ fn draw_legend(canvas: &mut Canvas, shot: &Shot, trace: &Trace, view: &SideView)
         address.x,
         address.y,
         address.sample,
-        shot.render().seed
+        shot.render_settings().seed
     );
     canvas.text("small", "start", at + DVec2::Y * 27.0, &sample);
     let entries =

@@ -2,18 +2,18 @@
 
 use serde_json::{Value, json};
 
-use crate::integrator::{Step, Trace};
-use crate::scene::{Scene, Shot};
+use crate::integrator::{PathEvent, PathTrace};
+use crate::scene::{Scene, PreparedScene};
 
 use super::spheres::{place, source_name};
 use super::words::why;
 
 /// The whole path, for programs.
-pub fn json(shot: &Shot, trace: &Trace) -> Value {
+pub fn json(shot: &PreparedScene, trace: &PathTrace) -> Value {
     let scene = shot.scene();
     let address = trace.address;
-    let steps: Vec<Value> = trace.steps.iter().map(|step| step_json(scene, step)).collect();
-    let render = shot.render();
+    let steps: Vec<Value> = trace.events.iter().map(|step| step_json(scene, step)).collect();
+    let render = shot.render_settings();
     json!({
         "pixel": [address.x, address.y],
         "sample": address.sample,
@@ -23,19 +23,19 @@ pub fn json(shot: &Shot, trace: &Trace) -> Value {
         "direct": trace.radiance.direct,
         "indirect": trace.radiance.indirect,
         "radiance": (trace.radiance.direct + trace.radiance.indirect),
-        "rays": trace.tally.rays,
+        "rays": trace.stats.rays,
     })
 }
 
-fn step_json(scene: &Scene, step: &Step) -> Value {
+fn step_json(scene: &Scene, step: &PathEvent) -> Value {
     match step {
-        Step::Camera { ray, redraws } => json!({
+        PathEvent::CameraRay { ray, redraws } => json!({
             "step": "camera",
             "origin": place(scene, ray.origin),
             "direction": ray.direction,
             "redraws": redraws,
         }),
-        Step::Meet { depth, hit, wo, presence, transmittance, throughput } => json!({
+        PathEvent::Hit { depth, hit, wo, opacity: presence, transmittance, throughput } => json!({
             "step": "meet",
             "depth": depth,
             "sphere": scene.spheres().row(hit.id),
@@ -49,13 +49,13 @@ fn step_json(scene: &Scene, step: &Step) -> Value {
             "transmittance": transmittance,
             "throughput": throughput,
         }),
-        Step::Miss { depth, wo, throughput } => json!({
+        PathEvent::Miss { depth, wo, throughput } => json!({
             "step": "miss",
             "depth": depth,
             "wo": wo,
             "throughput": throughput,
         }),
-        Step::Light { source, radiance, pdf, pdf_light, weight, added } => json!({
+        PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution: added } => json!({
             "step": "light",
             "source": source_name(scene, *source),
             "L_e": radiance,
@@ -63,12 +63,12 @@ fn step_json(scene: &Scene, step: &Step) -> Value {
             "p_light": pdf_light,
             "weight": weight,
             "clamp": added.clamp,
-            "added": added.light,
+            "added": added.radiance,
             "is_direct": added.is_direct,
         }),
-        Step::Hidden => json!({ "step": "hidden" }),
-        Step::Absent => json!({ "step": "absent" }),
-        Step::Aim { sample, transmittance, f, cos, pdf_bsdf, weight } => json!({
+        PathEvent::HiddenBoundary => json!({ "step": "hidden" }),
+        PathEvent::Transparent => json!({ "step": "absent" }),
+        PathEvent::LightSample { sample, transmittance, f, cos, pdf_bsdf, weight } => json!({
             "step": "aim",
             "source": source_name(scene, sample.source),
             "wi": sample.direction,
@@ -81,15 +81,15 @@ fn step_json(scene: &Scene, step: &Step) -> Value {
             "p_bsdf": pdf_bsdf,
             "weight": weight,
         }),
-        Step::Shadow { passed, added } => json!({
+        PathEvent::ShadowRay { visibility: passed, contribution: added } => json!({
             "step": "shadow",
             "is_blocked": *passed == 0.0,
             "V": passed,
             "clamp": added.clamp,
-            "added": added.light,
+            "added": added.radiance,
             "is_direct": added.is_direct,
         }),
-        Step::Scatter { lobe, wi, pdf, weight, eta, throughput } => json!({
+        PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput } => json!({
             "step": "scatter",
             "lobe": format!("{lobe:?}").to_lowercase(),
             "wi": wi,
@@ -98,12 +98,12 @@ fn step_json(scene: &Scene, step: &Step) -> Value {
             "eta": eta,
             "throughput": throughput,
         }),
-        Step::Roulette { survival, survives, throughput } => json!({
+        PathEvent::Roulette { survival, survives, throughput } => json!({
             "step": "roulette",
             "survival": survival,
             "survives": survives,
             "throughput": throughput,
         }),
-        Step::End(end) => json!({ "step": "end", "why": why(*end) }),
+        PathEvent::End(end) => json!({ "step": "end", "why": why(*end) }),
     }
 }

@@ -1,7 +1,7 @@
 //! What a path's steps refer to, in the user's terms.
 
-use crate::integrator::{Added, Step};
-use crate::light::Source;
+use crate::integrator::{Contribution, PathEvent};
+use crate::light::LightSource;
 use crate::math::DVec3;
 use crate::scene::Scene;
 
@@ -13,10 +13,10 @@ pub(super) fn name(scene: &Scene, id: u32) -> String {
     }
 }
 
-pub(super) fn source_name(scene: &Scene, source: Source) -> String {
+pub(super) fn source_name(scene: &Scene, source: LightSource) -> String {
     match source {
-        Source::Lamp(id) => name(scene, id),
-        Source::Background => "the background".to_owned(),
+        LightSource::Emitter(id) => name(scene, id),
+        LightSource::Environment => "the background".to_owned(),
     }
 }
 
@@ -27,11 +27,11 @@ pub(super) fn place(scene: &Scene, point: DVec3) -> DVec3 {
 
 /// The answer to the light sample that is step number `aim`: the share that passes, and the light.
 /// `None` where no ray could be sent.
-pub(super) fn answer(steps: &[Step], aim: usize) -> Option<(f32, Added)> {
+pub(super) fn answer(steps: &[PathEvent], aim: usize) -> Option<(f32, Contribution)> {
     let after = &steps[aim + 1..];
-    let until_next = after.iter().take_while(|step| !matches!(step, Step::Aim { .. }));
+    let until_next = after.iter().take_while(|step| !matches!(step, PathEvent::LightSample { .. }));
     until_next.into_iter().find_map(|step| match step {
-        Step::Shadow { passed, added } => Some((*passed, *added)),
+        PathEvent::ShadowRay { visibility: passed, contribution: added } => Some((*passed, *added)),
         _ => None,
     })
 }

@@ -3,19 +3,19 @@
 use crate::color::Rgb;
 use crate::draw::text::count;
 use crate::geometry::Side;
-use crate::integrator::{Added, End, Step, Trace};
+use crate::integrator::{Contribution, Termination, PathEvent, PathTrace};
 use crate::light::LightSample;
 use crate::material::Lobe;
 use crate::math::DVec3;
-use crate::scene::{Scene, Shot};
+use crate::scene::{Scene, PreparedScene};
 
 use super::spheres::{answer, name, place, source_name};
 
 /// The whole story.
-pub fn words(shot: &Shot, trace: &Trace) -> String {
+pub fn words(shot: &PreparedScene, trace: &PathTrace) -> String {
     let scene = shot.scene();
     let address = trace.address;
-    let render = shot.render();
+    let render = shot.render_settings();
     let mut text = format!(
         "pixel {}, {}, sample {} of {}, seed {}, integrator {}\n\n",
         address.x,
@@ -26,8 +26,8 @@ pub fn words(shot: &Shot, trace: &Trace) -> String {
         render.integrator.kind().name()
     );
     let mut vertex = 0;
-    for (at, step) in trace.steps.iter().enumerate() {
-        if let Step::Meet { .. } = step {
+    for (at, step) in trace.events.iter().enumerate() {
+        if let PathEvent::Hit { .. } = step {
             vertex += 1;
         }
         text += &one(scene, trace, at, vertex);
@@ -38,13 +38,13 @@ pub fn words(shot: &Shot, trace: &Trace) -> String {
         color(radiance.direct),
         color(radiance.indirect),
         color(radiance.direct + radiance.indirect),
-        count(trace.tally.rays as usize, "ray"),
+        count(trace.stats.rays as usize, "ray"),
     )
 }
 
-fn one(scene: &Scene, trace: &Trace, at: usize, vertex: usize) -> String {
-    match &trace.steps[at] {
-        Step::Camera { ray, redraws } => {
+fn one(scene: &Scene, trace: &PathTrace, at: usize, vertex: usize) -> String {
+    match &trace.events[at] {
+        PathEvent::CameraRay { ray, redraws } => {
             let again = match redraws {
                 0 => String::new(),
                 n => format!(", drawn again {n} times because it met nothing"),
@@ -52,7 +52,7 @@ fn one(scene: &Scene, trace: &Trace, at: usize, vertex: usize) -> String {
             let origin = vector(place(scene, ray.origin));
             format!("x_0  the camera at {origin} looks along {}{again}\n", vector(ray.direction))
         }
-        Step::Meet { hit, wo, presence, transmittance, throughput, .. } => {
+        PathEvent::Hit { hit, wo, opacity: presence, transmittance, throughput, .. } => {
             let side = match hit.side {
                 Side::Outside => "outside",
                 Side::Inside => "inside",
@@ -73,10 +73,10 @@ fn one(scene: &Scene, trace: &Trace, at: usize, vertex: usize) -> String {
                 color(*throughput),
             )
         }
-        Step::Miss { throughput, .. } => {
+        PathEvent::Miss { throughput, .. } => {
             format!("\n     nothing is met; T = {}\n", color(*throughput))
         }
-        Step::Light { source, radiance, pdf, pdf_light, weight, added } => {
+        PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution: added } => {
             let of = source_name(scene, *source);
             let weighed = match pdf {
                 None => "no light sample could have found it: w = 1".to_owned(),
@@ -90,20 +90,20 @@ fn one(scene: &Scene, trace: &Trace, at: usize, vertex: usize) -> String {
             let light = color(*radiance);
             format!("     {of} shines: L_e = {light}; {weighed}\n{}", plus("T L_e w", *added))
         }
-        Step::Hidden => {
+        PathEvent::HiddenBoundary => {
             "     a boundary inside a medium of higher priority: straight through\n".to_owned()
         }
-        Step::Absent => "     it is not there for this path: straight through\n".to_owned(),
-        Step::Aim { sample, transmittance, f, cos, pdf_bsdf, weight } => {
+        PathEvent::Transparent => "     it is not there for this path: straight through\n".to_owned(),
+        PathEvent::LightSample { sample, transmittance, f, cos, pdf_bsdf, weight } => {
             let told = aim(scene, sample, *transmittance, *f, *cos, *pdf_bsdf, *weight);
             let tau = if *transmittance == Rgb::ONE { "" } else { " tau" };
-            told + &arrival(tau, answer(&trace.steps, at))
+            told + &arrival(tau, answer(&trace.events, at))
         }
-        Step::Shadow { .. } => String::new(), // told where it was aimed
-        Step::Scatter { lobe, wi, pdf, weight, eta, throughput } => {
+        PathEvent::ShadowRay { .. } => String::new(), // told where it was aimed
+        PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput } => {
             scatter(*lobe, *wi, *pdf, *weight, *eta) + &format!(", T = {}\n", color(*throughput))
         }
-        Step::Roulette { survival, survives, throughput } => {
+        PathEvent::Roulette { survival, survives, throughput } => {
             let survival = number(f64::from(*survival));
             if *survives {
                 format!(
@@ -114,12 +114,12 @@ fn one(scene: &Scene, trace: &Trace, at: usize, vertex: usize) -> String {
                 format!("     roulette: stops; the probability to go on was {survival}\n")
             }
         }
-        Step::End(end) => format!("     the path ends: {}\n", why(*end)),
+        PathEvent::End(end) => format!("     the path ends: {}\n", why(*end)),
     }
 }
 
 /// What becomes of light that was aimed at, `tau` being the letter of what a medium lets through.
-fn arrival(tau: &str, answer: Option<(f32, Added)>) -> String {
+fn arrival(tau: &str, answer: Option<(f32, Contribution)>) -> String {
     match answer {
         None => "     no ray leaves the surface so flat\n".to_owned(),
         Some((0.0, _)) => "     something is in the way\n".to_owned(),
@@ -186,25 +186,25 @@ fn scatter(lobe: Lobe, wi: DVec3, pdf: f64, weight: Rgb, eta: f64) -> String {
     )
 }
 
-fn plus(formula: &str, added: Added) -> String {
+fn plus(formula: &str, added: Contribution) -> String {
     let layer = if added.is_direct { "direct" } else { "indirect" };
     let clamped = match added.clamp {
         1.0 => String::new(),
         share => format!(", of which clamp_indirect left {}", number(f64::from(share))),
     };
-    format!("   + {formula} = {} ({layer}{clamped})\n", color(added.light))
+    format!("   + {formula} = {} ({layer}{clamped})\n", color(added.radiance))
 }
 
 /// Why a path ends, in words.
-pub(super) fn why(end: End) -> &'static str {
+pub(super) fn why(end: Termination) -> &'static str {
     match end {
-        End::Missed => "it met nothing",
-        End::Depth => "max_depth is reached",
-        End::CutOff => "it is longer than any path may be",
-        End::Absorbed => "the surface sends no light this way",
-        End::Grazing => "it leaves the surface too flat to go anywhere",
-        End::Stopped => "its weight has become too small, or roulette ended it",
-        End::DirectOnly => "this integrator follows light through one scattering only",
+        Termination::Escaped => "it met nothing",
+        Termination::MaxDepth => "max_depth is reached",
+        Termination::LengthLimit => "it is longer than any path may be",
+        Termination::Absorbed => "the surface sends no light this way",
+        Termination::Grazing => "it leaves the surface too flat to go anywhere",
+        Termination::LowThroughput => "its weight has become too small, or roulette ended it",
+        Termination::DirectOnly => "this integrator follows light through one scattering only",
     }
 }
 

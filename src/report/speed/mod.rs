@@ -8,10 +8,10 @@ pub use page::page;
 
 use serde_json::{Map, Value, json};
 
-use crate::accel::{Choice, Chosen};
+use crate::accel::{BackendChoice, SelectedBackend};
 use crate::draw::text::{count, percent, row, si};
 use crate::verify::bench::{
-    BackendBench, Entry, Figure, Measured, Rates, Rounds, SECOND_BOUNCE, Swept, WholeBench,
+    BackendBench, SuiteEntry, ReportImage, SceneBench, Rates, BenchOptions, SECOND_BOUNCE, SweepResult, RenderBench,
 };
 
 /// What was measured on one scene.
@@ -20,9 +20,9 @@ pub struct SpeedReport<'a> {
     /// Spheres of the scene.
     pub spheres: usize,
     /// How it was measured.
-    pub rounds: Rounds,
+    pub rounds: BenchOptions,
     /// The figures.
-    pub measured: &'a Measured,
+    pub measured: &'a SceneBench,
 }
 
 /// The columns of a table of rates.
@@ -30,8 +30,8 @@ const RATES: [i32; 8] = [-14, 10, 8, 8, 12, 8, 8, 12];
 
 impl fmt::Display for SpeedReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Rounds { count: rounds, batch } = self.rounds;
-        let Chosen { backend, reason } = self.choice();
+        let BenchOptions { rounds, batch } = self.rounds;
+        let SelectedBackend { backend, reason } = self.choice();
         writeln!(
             f,
             "{}, {}, {} a call; --accel auto takes {} ({reason})\n",
@@ -53,7 +53,7 @@ impl fmt::Display for SpeedReport<'_> {
             f,
             "\nrays per second of all threads: median of {rounds}, and the spread of half of them"
         )?;
-        for (kind, name) in self.measured.kinds.iter().enumerate() {
+        for (kind, name) in self.measured.ray_sets.iter().enumerate() {
             f.write_str(&head(name, "other ids"))?;
             for result in self.results() {
                 f.write_str(&self.of_kind(result, kind))?;
@@ -66,8 +66,8 @@ impl fmt::Display for SpeedReport<'_> {
 }
 
 impl SpeedReport<'_> {
-    fn choice(&self) -> Chosen {
-        Choice::Auto.choose_for(self.spheres)
+    fn choice(&self) -> SelectedBackend {
+        BackendChoice::Auto.select_for_count(self.spheres)
     }
 
     fn results(&self) -> &[BackendBench] {
@@ -82,12 +82,12 @@ impl SpeedReport<'_> {
         };
         let first = self.results()[0].rates[kind].unwrap_or(rates);
         let both = [(rates.closest, first.closest), (rates.occluded, first.occluded)];
-        rates_row(name, both, &rates.other_ids.to_string())
+        rates_row(name, both, &rates.differing_ids.to_string())
     }
 
     fn batches(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for swept in &self.measured.batches {
-            let rays = count(swept.setting.batch, "ray");
+        for swept in &self.measured.batch_sweep {
+            let rays = count(swept.point.batch, "ray");
             write!(f, "\n{SECOND_BOUNCE} rays, {rays} a call{}", head("", ""))?;
             f.write_str(&self.rows_of(swept, |_| swept.rates[0]))?;
         }
@@ -95,9 +95,9 @@ impl SpeedReport<'_> {
     }
 
     fn scaling(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(one) = self.measured.scaling.first() else { return Ok(()) };
-        for swept in &self.measured.scaling {
-            let threads = count(swept.setting.threads, "thread");
+        let Some(one) = self.measured.thread_sweep.first() else { return Ok(()) };
+        for swept in &self.measured.thread_sweep {
+            let threads = count(swept.point.threads, "thread");
             let gain = swept.arithmetic.median / one.arithmetic.median;
             write!(
                 f,
@@ -111,7 +111,7 @@ impl SpeedReport<'_> {
     }
 
     /// Rates under a setting, and for each backend what they are compared with.
-    fn rows_of(&self, swept: &Swept, with: impl Fn(usize) -> [Figure; 2]) -> String {
+    fn rows_of(&self, swept: &SweepResult, with: impl Fn(usize) -> [ReportImage; 2]) -> String {
         let backends = self.results().iter().zip(&swept.rates).enumerate();
         let rows = backends.map(|(i, (result, [closest, occluded]))| {
             let with = with(i);
@@ -126,15 +126,15 @@ impl SpeedReport<'_> {
         let names = ["render", "seconds", "+-", "ratio", "intersector", "rays/s", "other pixels"];
         write!(f, "\n{}", row(columns, names))?;
         for render in &self.measured.renders {
-            let Figure { median, .. } = render.seconds;
+            let ReportImage { median, .. } = render.seconds;
             let cells = [
                 render.backend.name(),
                 &format!("{median:.3}"),
                 &spread(render.seconds),
                 &format!("{:.2}", median / first.seconds.median),
-                &percent(render.inside.median),
+                &percent(render.intersector_share.median),
                 &si(render.rays as f64 / median),
-                &render.other_pixels.to_string(),
+                &render.differing_pixels.to_string(),
             ];
             f.write_str(&row(columns, cells))?;
         }
@@ -143,12 +143,12 @@ impl SpeedReport<'_> {
 
     /// The figures for programs.
     pub fn json(&self) -> Value {
-        let Chosen { backend: auto, reason } = self.choice();
-        let Measured { results, batches, scaling, renders, .. } = self.measured;
+        let SelectedBackend { backend: auto, reason } = self.choice();
+        let SceneBench { results, batch_sweep: batches, thread_sweep: scaling, renders, .. } = self.measured;
         json!({
             "spheres": self.spheres,
             "threads": rayon::current_num_threads(),
-            "rounds": self.rounds.count,
+            "rounds": self.rounds.rounds,
             "batch": self.rounds.batch,
             "auto": { "accel": auto.name(), "reason": reason },
             "backends": results.iter().map(|result| self.backend(result)).collect::<Vec<_>>(),
@@ -160,25 +160,25 @@ impl SpeedReport<'_> {
 
     fn backend(&self, result: &BackendBench) -> Value {
         let rates = |kind: usize| {
-            result.rates[kind].map(|Rates { closest, occluded, other_ids }| {
+            result.rates[kind].map(|Rates { closest, occluded, differing_ids: other_ids }| {
                 let (closest, occluded) = (rate(closest), rate(occluded));
                 json!({ "closest": closest, "occluded": occluded, "other_ids": other_ids })
             })
         };
-        let kinds = self.measured.kinds.iter().enumerate();
+        let kinds = self.measured.ray_sets.iter().enumerate();
         let rays: Map<String, Value> =
             kinds.map(|(kind, name)| (name.replace(' ', "_"), json!(rates(kind)))).collect();
         json!({
             "accel": result.backend.name(),
             "details": result.details,
             "build_s": result.build_s.median,
-            "build_spread": result.build_s.spread(),
+            "build_spread": result.build_s.relative_spread(),
             "bytes_per_sphere": result.bytes_per_sphere,
             "rays": rays,
         })
     }
 
-    fn swept(&self, swept: &Swept) -> Value {
+    fn swept(&self, swept: &SweepResult) -> Value {
         let named = self.measured.results.iter().zip(&swept.rates);
         let rates: Map<String, Value> = named
             .map(|(result, [closest, occluded])| {
@@ -187,8 +187,8 @@ impl SpeedReport<'_> {
             })
             .collect();
         json!({
-            "threads": swept.setting.threads,
-            "batch": swept.setting.batch,
+            "threads": swept.point.threads,
+            "batch": swept.point.batch,
             "second_bounce": rates,
             "arithmetic_passes_per_s": swept.arithmetic.median,
         })
@@ -196,10 +196,10 @@ impl SpeedReport<'_> {
 }
 
 /// What a standard scene gave: the rates of the second bounce, which no cache helps.
-impl fmt::Display for Entry {
+impl fmt::Display for SuiteEntry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { arrangement, spheres, measured } = self;
-        let kind = measured.kind(SECOND_BOUNCE).unwrap_or(0);
+        let Self { arrangement, spheres, bench: measured } = self;
+        let kind = measured.ray_set_index(SECOND_BOUNCE).unwrap_or(0);
         let rates = measured.results.iter().filter_map(|result| {
             let rate = si(result.rates[kind]?.closest.median);
             Some(format!("{} {rate}rays/s", result.backend.name()))
@@ -211,8 +211,8 @@ impl fmt::Display for Entry {
 }
 
 /// What was measured on standard scenes, for programs.
-pub fn entries_json(entries: &[Entry], rounds: Rounds) -> Value {
-    let one = |Entry { arrangement, spheres, measured }: &Entry| {
+pub fn entries_json(entries: &[SuiteEntry], rounds: BenchOptions) -> Value {
+    let one = |SuiteEntry { arrangement, spheres, bench: measured }: &SuiteEntry| {
         let report = SpeedReport { spheres: *spheres as usize, rounds, measured };
         json!({ "arrangement": arrangement.name(), "measured": report.json() })
     };
@@ -225,7 +225,7 @@ fn head(name: &str, last: &str) -> String {
 }
 
 /// Two rates, each with what it is compared with.
-fn rates_row(name: &str, rates: [(Figure, Figure); 2], last: &str) -> String {
+fn rates_row(name: &str, rates: [(ReportImage, ReportImage); 2], last: &str) -> String {
     let [closest, occluded] = rates.map(|(rate, with)| {
         [si(rate.median), spread(rate), format!("{:.2}", rate.median / with.median)]
     });
@@ -233,22 +233,22 @@ fn rates_row(name: &str, rates: [(Figure, Figure); 2], last: &str) -> String {
     row(RATES, [name, a, b, c, d, e, f, last])
 }
 
-fn spread(figure: Figure) -> String {
-    format!("{:.0} %", 100.0 * figure.spread())
+fn spread(figure: ReportImage) -> String {
+    format!("{:.0} %", 100.0 * figure.relative_spread())
 }
 
-fn rate(rate: Figure) -> Value {
-    json!({ "rays_per_s": rate.median, "spread": rate.spread() })
+fn rate(rate: ReportImage) -> Value {
+    json!({ "rays_per_s": rate.median, "spread": rate.relative_spread() })
 }
 
-fn whole(render: &WholeBench) -> Value {
+fn whole(render: &RenderBench) -> Value {
     json!({
         "accel": render.backend.name(),
         "seconds": render.seconds.median,
-        "spread": render.seconds.spread(),
-        "intersector_share": render.inside.median,
+        "spread": render.seconds.relative_spread(),
+        "intersector_share": render.intersector_share.median,
         "rays": render.rays,
         "samples": render.samples,
-        "other_pixels": render.other_pixels,
+        "other_pixels": render.differing_pixels,
     })
 }

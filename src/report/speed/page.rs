@@ -9,10 +9,10 @@ use crate::error::Result;
 use crate::generate::Arrangement;
 
 use crate::verify::bench::{
-    BackendBench, Entry, Figure, Measured, Question, SECOND_BOUNCE, Swept, WholeBench,
+    BackendBench, SuiteEntry, ReportImage, SceneBench, QueryKind, SECOND_BOUNCE, SweepResult, RenderBench,
 };
 
-impl fmt::Display for Question {
+impl fmt::Display for QueryKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Closest => "closest hit",
@@ -22,27 +22,27 @@ impl fmt::Display for Question {
 }
 
 /// A figure as it is drawn.
-impl From<Figure> for Value {
-    fn from(Figure { median, low, high }: Figure) -> Self {
+impl From<ReportImage> for Value {
+    fn from(ReportImage { median, low, high }: ReportImage) -> Self {
         Self { middle: median, low, high }
     }
 }
 
-impl Measured {
+impl SceneBench {
     /// Draws everything as bars.
     ///
     /// # Errors
     /// When the drawing fails.
-    pub fn drawing(&self, title: &str, subtitle: &str) -> Result<String> {
+    pub fn to_svg(&self, title: &str, subtitle: &str) -> Result<String> {
         let mut groups = self.groups_of_kinds();
-        for swept in &self.batches {
-            let rays = count(swept.setting.batch, "ray");
+        for swept in &self.batch_sweep {
+            let rays = count(swept.point.batch, "ray");
             groups.extend(self.groups_of(swept, &format!("{rays} a call")));
         }
-        for swept in &self.scaling {
-            groups.extend(self.groups_of(swept, &count(swept.setting.threads, "thread")));
+        for swept in &self.thread_sweep {
+            groups.extend(self.groups_of(swept, &count(swept.point.threads, "thread")));
         }
-        let whole = |render: &WholeBench| Bar {
+        let whole = |render: &RenderBench| Bar {
             name: render.backend.name().to_owned(),
             value: render.seconds.into(),
             words: format!("{} s", significant(render.seconds.median)),
@@ -55,26 +55,26 @@ impl Measured {
     }
 
     fn groups_of_kinds(&self) -> Vec<BarGroup> {
-        let group = |(kind, question): (usize, Question)| {
-            let rate = |result: &BackendBench| Some(result.rates[kind]?.of(question));
-            let name = format!("{} rays, {question}", self.kinds[kind]);
+        let group = |(kind, question): (usize, QueryKind)| {
+            let rate = |result: &BackendBench| Some(result.rates[kind]?.get(question));
+            let name = format!("{} rays, {question}", self.ray_sets[kind]);
             self.group(name, &self.results.iter().map(rate).collect::<Vec<_>>())
         };
-        let kinds = 0..self.kinds.len();
-        kinds.flat_map(|kind| Question::ALL.map(|question| group((kind, question)))).collect()
+        let kinds = 0..self.ray_sets.len();
+        kinds.flat_map(|kind| QueryKind::ALL.map(|question| group((kind, question)))).collect()
     }
 
-    fn groups_of(&self, swept: &Swept, setting: &str) -> [BarGroup; 2] {
-        Question::ALL.map(|question| {
-            let rate = |rates: &[Figure; 2]| Some(rates[question as usize]);
+    fn groups_of(&self, swept: &SweepResult, setting: &str) -> [BarGroup; 2] {
+        QueryKind::ALL.map(|question| {
+            let rate = |rates: &[ReportImage; 2]| Some(rates[question as usize]);
             let name = format!("{SECOND_BOUNCE} rays, {question}, {setting}");
             self.group(name, &swept.rates.iter().map(rate).collect::<Vec<_>>())
         })
     }
 
     /// Rates of the intersectors, as far as they are known.
-    fn group(&self, name: String, rates: &[Option<Figure>]) -> BarGroup {
-        let bar = |(result, rate): (&BackendBench, &Option<Figure>)| {
+    fn group(&self, name: String, rates: &[Option<ReportImage>]) -> BarGroup {
+        let bar = |(result, rate): (&BackendBench, &Option<ReportImage>)| {
             let value = (*rate)?;
             let words = format!("{} M rays/s", significant(value.median / 1e6));
             let name = result.backend.name().to_owned();
@@ -94,14 +94,14 @@ const HOW_TO_READ: &str = "Rays per second of all threads together, against the 
 ///
 /// # Errors
 /// When a drawing fails.
-pub fn page(about: &[(&str, String)], entries: &[Entry]) -> Result<String> {
+pub fn page(about: &[(&str, String)], entries: &[SuiteEntry]) -> Result<String> {
     let title = "photosphere: speed of the intersectors";
     let mut body = element("h1", "", title);
     body += &facts(about);
     body += &element("p", "class=soft", HOW_TO_READ);
     let charts = Charts::of(entries);
     for &(name, arrangement) in Arrangement::NAMES {
-        let of_scene: Vec<&Entry> =
+        let of_scene: Vec<&SuiteEntry> =
             entries.iter().filter(|entry| entry.arrangement == arrangement).collect();
         if !of_scene.is_empty() {
             body += &element("h2", "", name);
@@ -113,13 +113,13 @@ pub fn page(about: &[(&str, String)], entries: &[Entry]) -> Result<String> {
 }
 
 /// A figure of an intersector on a scene, where there is one.
-type FigureOf<'a> = &'a dyn Fn(&Entry, &BackendBench) -> Option<Figure>;
+type FigureOf<'a> = &'a dyn Fn(&SuiteEntry, &BackendBench) -> Option<ReportImage>;
 
 /// The lines of a value against the number of spheres, one for each intersector.
-fn lines_of(entries: &[&Entry], value: FigureOf<'_>) -> Vec<Line> {
+fn lines_of(entries: &[&SuiteEntry], value: FigureOf<'_>) -> Vec<Line> {
     let mut drawn: Vec<Line> = Vec::new();
     for entry in entries {
-        for result in &entry.measured.results {
+        for result in &entry.bench.results {
             let Some(y) = value(entry, result) else { continue };
             // What there is none of, such as the oracle's tree, cannot stand on a logarithmic axis.
             if y.median <= 0.0 {
@@ -140,16 +140,16 @@ fn lines_of(entries: &[&Entry], value: FigureOf<'_>) -> Vec<Line> {
     drawn
 }
 
-fn millions(kind: &str, question: Question) -> impl Fn(&Entry, &BackendBench) -> Option<Figure> {
-    move |entry, result| Some(result.rates[entry.measured.kind(kind)?]?.of(question).times(1e-6))
+fn millions(kind: &str, question: QueryKind) -> impl Fn(&SuiteEntry, &BackendBench) -> Option<ReportImage> {
+    move |entry, result| Some(result.rates[entry.bench.ray_set_index(kind)?]?.get(question).scaled(1e-6))
 }
 
-fn build_seconds(_: &Entry, result: &BackendBench) -> Option<Figure> {
+fn build_seconds(_: &SuiteEntry, result: &BackendBench) -> Option<ReportImage> {
     (result.bytes_per_sphere > 0.0).then_some(result.build_s)
 }
 
-fn bytes(_: &Entry, result: &BackendBench) -> Option<Figure> {
-    Some(Figure::once(result.bytes_per_sphere))
+fn bytes(_: &SuiteEntry, result: &BackendBench) -> Option<ReportImage> {
+    Some(ReportImage::from_single(result.bytes_per_sphere))
 }
 
 /// The axes that charts of all scenes share.
@@ -161,12 +161,12 @@ struct Charts {
 }
 
 impl Charts {
-    fn of(entries: &[Entry]) -> Self {
-        let all: Vec<&Entry> = entries.iter().collect();
-        let kinds = entries.first().map_or(Vec::new(), |entry| entry.measured.kinds.clone());
+    fn of(entries: &[SuiteEntry]) -> Self {
+        let all: Vec<&SuiteEntry> = entries.iter().collect();
+        let kinds = entries.first().map_or(Vec::new(), |entry| entry.bench.ray_sets.clone());
         let mut rates = Vec::new();
         for kind in &kinds {
-            rates.extend(Question::ALL.map(|q| lines_of(&all, &millions(kind, q))));
+            rates.extend(QueryKind::ALL.map(|q| lines_of(&all, &millions(kind, q))));
         }
         let axes = |name, lines: &[Vec<Line>]| {
             let marks = lines.iter().flatten().flat_map(|line| &line.marks);
@@ -182,12 +182,12 @@ impl Charts {
     }
 
     /// All charts of a scene: two kinds of figures at once, the others to be unfolded.
-    fn section(&self, entries: &[&Entry]) -> Result<String> {
+    fn section(&self, entries: &[&SuiteEntry]) -> Result<String> {
         let mut shown = String::new();
         let mut folded = String::new();
         for &kind in &self.kinds {
             let text = if kind == SECOND_BOUNCE { &mut shown } else { &mut folded };
-            for question in Question::ALL {
+            for question in QueryKind::ALL {
                 let title = format!("{kind} rays, {question}");
                 *text += &chart(&title, &self.rates, entries, &millions(kind, question))?;
             }
@@ -203,7 +203,7 @@ impl Charts {
 fn chart(
     title: &str,
     axes: &Option<Axes>,
-    entries: &[&Entry],
+    entries: &[&SuiteEntry],
     value: FigureOf<'_>,
 ) -> Result<String> {
     let drawn = lines_of(entries, value);
@@ -219,13 +219,13 @@ fn chart(
 const NOTHING: &str = "–";
 
 /// Everything in figures.
-fn figures(entries: &[&Entry]) -> String {
-    let kinds = entries.first().map_or(&[][..], |entry| &entry.measured.kinds);
+fn figures(entries: &[&SuiteEntry]) -> String {
+    let kinds = entries.first().map_or(&[][..], |entry| &entry.bench.ray_sets);
     let mut head = vec!["spheres", "intersector", "build (s)", "bytes per sphere"];
     head.extend(kinds);
     head.extend(["other ids", "how it works"]);
     let rows = entries.iter().flat_map(|entry| {
-        entry.measured.results.iter().map(|result| {
+        entry.bench.results.iter().map(|result| {
             let mut row = vec![
                 entry.spheres.to_string(),
                 escape(result.backend.name()),
@@ -235,7 +235,7 @@ fn figures(entries: &[&Entry]) -> String {
             row.extend(result.rates.iter().map(|rates| {
                 rates.map_or(NOTHING.to_owned(), |rates| {
                     let [closest, occluded] =
-                        Question::ALL.map(|question| significant(1e-6 * rates.of(question).median));
+                        QueryKind::ALL.map(|question| significant(1e-6 * rates.get(question).median));
                     format!("{closest} / {occluded}")
                 })
             }));
@@ -249,7 +249,7 @@ fn figures(entries: &[&Entry]) -> String {
 
 /// How many of the rays that were compared have another id than with the first intersector.
 fn other_ids(result: &BackendBench) -> String {
-    result.rates.iter().flatten().map(|rates| rates.other_ids).sum::<usize>().to_string()
+    result.rates.iter().flatten().map(|rates| rates.differing_ids).sum::<usize>().to_string()
 }
 
 /// Three significant digits.
@@ -262,10 +262,10 @@ fn significant(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::accel::Backend;
-    use crate::verify::bench::{Rates, Setting};
+    use crate::verify::bench::{Rates, SweepPoint};
 
-    fn figure(median: f64) -> Figure {
-        Figure::once(median)
+    fn figure(median: f64) -> ReportImage {
+        ReportImage::from_single(median)
     }
 
     fn result(backend: Backend, median: f64) -> BackendBench {
@@ -275,36 +275,36 @@ mod tests {
             details: "a <tree>".into(),
             build_s: figure(0.01234),
             bytes_per_sphere: 34.56,
-            rates: vec![Some(Rates { closest, occluded, other_ids: 3 }), None],
+            rates: vec![Some(Rates { closest, occluded, differing_ids: 3 }), None],
         }
     }
 
-    fn measured(median: f64) -> Measured {
+    fn measured(median: f64) -> SceneBench {
         let results =
             vec![result(Backend::Native, median), result(Backend::BruteForce, median / 10.0)];
-        Measured { kinds: vec![SECOND_BOUNCE, "shadow"], results, ..Default::default() }
+        SceneBench { ray_sets: vec![SECOND_BOUNCE, "shadow"], results, ..Default::default() }
     }
 
     #[test]
     fn a_scene_is_drawn_with_every_figure_that_there_is() {
         let rates = vec![[figure(4e6), figure(5e6)]; 2];
-        let setting = Setting { threads: 2, batch: 1 };
-        let swept = vec![Swept { setting, rates, arithmetic: figure(1.0) }];
-        let render = WholeBench {
+        let setting = SweepPoint { threads: 2, batch: 1 };
+        let swept = vec![SweepResult { point, rates, arithmetic: figure(1.0) }];
+        let render = RenderBench {
             backend: Backend::Native,
             seconds: figure(12.34),
-            inside: figure(0.9),
+            intersector_share: figure(0.9),
             rays: 1,
             samples: 1,
-            other_pixels: 0,
+            differing_pixels: 0,
         };
-        let measured = Measured {
-            batches: swept.clone(),
-            scaling: swept,
+        let measured = SceneBench {
+            batch_sweep: swept.clone(),
+            thread_sweep: swept,
             renders: vec![render],
             ..measured(1.5e6)
         };
-        let svg = measured.drawing("a scene", "3 spheres").unwrap();
+        let svg = measured.to_svg("a scene", "3 spheres").unwrap();
         for text in [
             "second bounce rays, closest hit",
             "native",
@@ -322,10 +322,10 @@ mod tests {
 
     #[test]
     fn the_page_has_a_chart_for_each_figure_and_stands_alone() {
-        let entry = |spheres: u64| Entry {
+        let entry = |spheres: u64| SuiteEntry {
             arrangement: Arrangement::Gas,
             spheres,
-            measured: measured(1e9 / spheres as f64),
+            bench: measured(1e9 / spheres as f64),
         };
         let facts = [("processor", "a & b".to_owned())];
         let page = page(&facts, &[entry(3), entry(100), entry(1000)]).unwrap();

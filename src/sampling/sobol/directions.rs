@@ -17,7 +17,7 @@ const INITIAL: [Initial; DIMENSIONS - 1] =
 
 /// What each group of four index bits adds to the point, all dimensions; the first group is that of
 /// the lowest four bits, the lowest of them first.
-static TABLES: [[[u32; 16]; 8]; DIMENSIONS] = tables();
+static TABLES: [[[u32; 16]; 8]; DIMENSIONS] = direction_tables();
 
 /// A coordinate of a point of the sequence. The index and the coordinate have their bits reversed: bit
 /// 31 of the index is worth 1, bit 0 of the coordinate is worth 1/2.
@@ -37,15 +37,15 @@ pub(super) fn reversed_point(mut reversed_index: u32, dimension: usize) -> u32 {
 }
 
 /// What a bit of the reversed index adds to a coordinate of its point.
-pub(super) fn direction(dimension: u32, bit: u32) -> u32 {
+pub(super) fn direction_number(dimension: u32, bit: u32) -> u32 {
     reversed_point(1 << bit, dimension as usize)
 }
 
-const fn tables() -> [[[u32; 16]; 8]; DIMENSIONS] {
+const fn direction_tables() -> [[[u32; 16]; 8]; DIMENSIONS] {
     let mut tables = [[[0; 16]; 8]; DIMENSIONS];
     let mut dimension = 1;
     while dimension < DIMENSIONS {
-        let directions = directions(INITIAL[dimension - 1]);
+        let directions = direction_numbers(INITIAL[dimension - 1]);
         let mut entry = 0;
         while entry < 8 * 16 * 4 {
             let (group, bits, bit) = (entry / 64, entry / 4 % 16, entry % 4);
@@ -60,7 +60,7 @@ const fn tables() -> [[[u32; 16]; 8]; DIMENSIONS] {
 }
 
 /// The direction numbers, binary fractions in 32 bits: what each bit of the index adds to the point.
-const fn directions((degree, coefficients, initial): Initial) -> [u32; 32] {
+const fn direction_numbers((degree, coefficients, initial): Initial) -> [u32; 32] {
     let mut v = [0; 32];
     let mut k = 0;
     while k < 32 {
@@ -113,7 +113,7 @@ mod tests {
     fn direction_numbers_follow_from_the_ones_before() {
         // m_k = 2 a_1 m_(k-1) ^ 4 a_2 m_(k-2) ^ ... ^ 2^s m_(k-s) ^ m_(k-s), by hand.
         let numbers = |initial| -> [u32; 6] {
-            let v = directions(initial);
+            let v = direction_numbers(initial);
             std::array::from_fn(|k| v[k] >> (31 - k))
         };
         let expected = [[1, 3, 5, 15, 17, 51], [1, 3, 3, 9, 29, 23], [1, 3, 1, 5, 31, 29]];

@@ -1,7 +1,7 @@
 //! The same numbers for many samples at a time, as loops that become vector instructions.
 
-use super::directions::direction;
-use super::{SET, Sobol, coordinate_of, index_of};
+use super::directions::direction_number;
+use super::{SET_SIZE, Sobol, scrambled_coordinate, point_index};
 use crate::math::{LANES, Lanes};
 
 /// Sobol numbers of many samples.
@@ -17,11 +17,11 @@ pub struct SobolLanes {
 
 impl SobolLanes {
     /// Dimensions of a set.
-    pub const SET: u32 = SET;
+    pub const SET_SIZE: u32 = SET_SIZE;
 
     /// Turns to samples of pixels, given for every lane.
     #[inline(always)]
-    pub fn begin(
+    pub fn start_pixel_samples(
         &mut self,
         seed: u64,
         pixel: impl Fn(usize) -> u64,
@@ -36,23 +36,23 @@ impl SobolLanes {
 
     /// The numbers of a lane's sample.
     #[inline(always)]
-    pub(in crate::sampling) fn take(&self, lane: usize) -> Sobol {
+    pub(in crate::sampling) fn lane(&self, lane: usize) -> Sobol {
         Sobol { key: self.key.0[lane], sample: self.sample.0[lane] }
     }
 
     /// Puts the numbers of a sample into a lane.
     #[inline(always)]
-    pub(in crate::sampling) fn put(&mut self, lane: usize, Sobol { key, sample }: Sobol) {
+    pub(in crate::sampling) fn set_lane(&mut self, lane: usize, Sobol { key, sample }: Sobol) {
         self.key.0[lane] = key;
         self.sample.0[lane] = sample;
     }
 
     /// Turns to a set of four dimensions in every lane: dimension `4 set` is its first.
     #[inline(always)]
-    pub fn turn_to(&mut self, set: impl Fn(usize) -> u32) {
+    pub fn select_set(&mut self, set: impl Fn(usize) -> u32) {
         for lane in 0..LANES {
             self.set.0[lane] = set(lane);
-            self.index.0[lane] = index_of(self.key.0[lane], self.sample.0[lane], self.set.0[lane]);
+            self.index.0[lane] = point_index(self.key.0[lane], self.sample.0[lane], self.set.0[lane]);
         }
     }
 
@@ -62,7 +62,7 @@ impl SobolLanes {
         let points = self.points(dimension);
         for lane in 0..LANES {
             let dimension = 4 * self.set.0[lane] + dimension;
-            numbers.0[lane] = coordinate_of(points.0[lane], self.key.0[lane], dimension);
+            numbers.0[lane] = scrambled_coordinate(points.0[lane], self.key.0[lane], dimension);
         }
     }
 
@@ -75,7 +75,7 @@ impl SobolLanes {
         while used != 0 {
             let bit = 31 - used.leading_zeros();
             used ^= 1 << bit;
-            let adds = direction(dimension, bit);
+            let adds = direction_number(dimension, bit);
             for lane in 0..LANES {
                 points.0[lane] ^= adds & 0u32.wrapping_sub(self.index.0[lane] >> bit & 1);
             }
@@ -94,20 +94,20 @@ mod tests {
         // Indices of few bits and of many.
         for samples in [[0u32; LANES], std::array::from_fn(|lane| 1 << (4 * lane as u32 % 32))] {
             let mut lanes = SobolLanes::default();
-            lanes.begin(5, pixel, |lane| samples[lane] + lane as u32);
+            lanes.start_pixel_samples(5, pixel, |lane| samples[lane] + lane as u32);
             let one = |lane: usize| Sobol::new(5, pixel(lane), samples[lane] + lane as u32);
             let set = |lane: usize| 3 * (lane as u32 % 3);
-            lanes.turn_to(set);
-            for dimension in 0..SET {
+            lanes.select_set(set);
+            for dimension in 0..SET_SIZE {
                 let mut numbers = Lanes::default();
                 lanes.get(dimension, &mut numbers);
                 for (lane, number) in numbers.0.into_iter().enumerate() {
-                    assert_eq!(number, one(lane).get(SET * set(lane) + dimension), "lane {lane}");
-                    assert_eq!(lanes.take(lane), one(lane));
+                    assert_eq!(number, one(lane).get(SET_SIZE * set(lane) + dimension), "lane {lane}");
+                    assert_eq!(lanes.lane(lane), one(lane));
                 }
             }
-            lanes.put(1, one(2));
-            assert_eq!([0, 1, 2].map(|lane| lanes.take(lane)), [0, 2, 2].map(one));
+            lanes.set_lane(1, one(2));
+            assert_eq!([0, 1, 2].map(|lane| lanes.lane(lane)), [0, 2, 2].map(one));
         }
     }
 }

@@ -12,12 +12,12 @@ mod scramble;
 
 pub use lanes::SobolLanes;
 
-use super::independent::{output, pixel_key};
+use super::independent::{split_mix, pixel_key};
 use directions::reversed_point;
-use scramble::{scramble_reversed, shuffle_reversed};
+use scramble::{owen_scramble_reversed, shuffle_reversed};
 
 /// Dimensions that are spread evenly together.
-const SET: u32 = 4;
+const SET_SIZE: u32 = 4;
 
 /// The numbers of one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,24 +45,24 @@ impl Sobol {
 
     /// Which point of the sequence serves the set of a dimension, with its bits reversed.
     fn index(self, dimension: u32) -> u32 {
-        index_of(self.key, self.sample, dimension / SET)
+        point_index(self.key, self.sample, dimension / SET_SIZE)
     }
 
     fn coordinate(self, index: u32, dimension: u32) -> f64 {
-        let point = reversed_point(index, (dimension % SET) as usize);
-        coordinate_of(point, self.key, dimension)
+        let point = reversed_point(index, (dimension % SET_SIZE) as usize);
+        scrambled_coordinate(point, self.key, dimension)
     }
 }
 
 /// Which point of the sequence serves a set, with its bits reversed.
 #[inline(always)]
-fn index_of(key: u64, reversed_sample: u32, set: u32) -> u32 {
-    shuffle_reversed(reversed_sample, output(!key, set))
+fn point_index(key: u64, reversed_sample: u32, set: u32) -> u32 {
+    shuffle_reversed(reversed_sample, split_mix(!key, set))
 }
 
 /// A coordinate of a point, scrambled: the middle of a cell of 2^-32, so never 0 and never 1.
 #[inline(always)]
-fn coordinate_of(reversed_point: u32, key: u64, dimension: u32) -> f64 {
-    let scrambled = scramble_reversed(reversed_point, output(key, dimension)).reverse_bits();
+fn scrambled_coordinate(reversed_point: u32, key: u64, dimension: u32) -> f64 {
+    let scrambled = owen_scramble_reversed(reversed_point, split_mix(key, dimension)).reverse_bits();
     (f64::from(scrambled) + 0.5) * (1.0 / (1u64 << 32) as f64)
 }

@@ -16,7 +16,7 @@
 
 /// Scrambles a number whose bits are reversed.
 #[inline(always)]
-pub(super) fn scramble_reversed(mut x: u32, key: u64) -> u32 {
+pub(super) fn owen_scramble_reversed(mut x: u32, key: u64) -> u32 {
     let [added, factor, flipped, even] = [0, 16, 32, 48].map(|bits| key.rotate_right(bits) as u32);
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(added);
@@ -34,23 +34,23 @@ pub(super) fn scramble_reversed(mut x: u32, key: u64) -> u32 {
 /// distributed alike, and a small index stays small.
 #[inline(always)]
 pub(super) fn shuffle_reversed(index: u32, key: u64) -> u32 {
-    scramble_reversed(index, key) ^ scramble_reversed(0, key)
+    owen_scramble_reversed(index, key) ^ owen_scramble_reversed(0, key)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::output;
+    use super::super::split_mix;
     use super::*;
 
     /// The fraction of 2^32 that a number stands for, scrambled.
     fn scrambled(x: u32, key: u64) -> u32 {
-        scramble_reversed(x.reverse_bits(), key).reverse_bits()
+        owen_scramble_reversed(x.reverse_bits(), key).reverse_bits()
     }
 
     #[test]
     fn digits_depend_on_the_digits_before_only() {
         for i in 0..1000 {
-            let (x, key) = (output(1, i) as u32, output(2, i));
+            let (x, key) = (split_mix(1, i) as u32, split_mix(2, i));
             for digit in 0..32 {
                 let other = x ^ (1 << (31 - digit));
                 let differ = scrambled(x, key) ^ scrambled(other, key);
@@ -74,7 +74,7 @@ mod tests {
         // Chi-square with 127 degrees of freedom over 2^17 keys: 210 is exceeded with a probability
         // of 5e-6.
         let mut counts = [0u32; 128];
-        (0..1 << 17).for_each(|i| counts[swaps(output(3, i))] += 1);
+        (0..1 << 17).for_each(|i| counts[swaps(split_mix(3, i))] += 1);
         let chi2: f64 = counts.iter().map(|&c| (f64::from(c) - 1024.0).powi(2) / 1024.0).sum();
         assert!(chi2 < 210.0, "{chi2}: {counts:?}");
     }
@@ -88,11 +88,11 @@ mod tests {
         for level in 1..32 {
             for pair in 0..5 {
                 let (x, y) =
-                    (output(4, level * 10 + pair) as u32, output(5, level * 10 + pair) as u32);
+                    (split_mix(4, level * 10 + pair) as u32, split_mix(5, level * 10 + pair) as u32);
                 for (y, other) in [(y, level), (x, level - 1)] {
                     let mut counts = [0u32; 4];
                     for i in 0..keys {
-                        let key = output(6, i);
+                        let key = split_mix(6, i);
                         counts[(2 * swap(x, level, key) + swap(y, other, key)) as usize] += 1;
                     }
                     let expected = f64::from(keys) / 4.0;

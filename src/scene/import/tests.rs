@@ -4,22 +4,22 @@ use tempfile::NamedTempFile;
 
 use super::*;
 use crate::scene::data::{Column, SphereArrays};
-use crate::scene::description::{ColorStorage, NamedMaterial, SphereRow};
+use crate::scene::description::{ColorStorage, MaterialDescription, SphereDescription};
 
 /// The rows and groups of a description without mistakes.
-fn imported(mut description: Description) -> (SphereRows, Vec<RowGroup>) {
-    let mut problems = Problems::default();
-    let survey = Survey::of(&description, &mut problems);
-    let read = import(&mut description, &survey, &mut problems).expect("few spheres");
+fn imported(mut description: SceneDescription) -> (SphereRows, Vec<RowGroup>) {
+    let mut problems = ValidationErrors::default();
+    let survey = ImportPlan::scan(&description, &mut problems);
+    let read = load_tables(&mut description, &survey, &mut problems).expect("few spheres");
     assert!(problems.0.is_empty(), "{problems:?}");
     read
 }
 
 /// One sphere by itself, and these tables.
-fn described(tables: Vec<SphereTable>) -> Description {
-    let spheres = vec![SphereRow { radius: 1.0, ..SphereRow::default() }];
-    let materials = vec![NamedMaterial::default()];
-    Description { materials, spheres, tables, ..Description::default() }
+fn described(tables: Vec<SphereTable>) -> SceneDescription {
+    let spheres = vec![SphereDescription { radius: 1.0, ..SphereDescription::default() }];
+    let materials = vec![MaterialDescription::default()];
+    SceneDescription { materials, spheres, tables, ..SceneDescription::default() }
 }
 
 fn file_of(values: &[f32]) -> NamedTempFile {
@@ -57,10 +57,10 @@ fn packed_colours_take_a_third_of_the_memory() {
     let packed = SphereTable { colors: ColorStorage::Packed, ..colored.clone() };
     let (_, groups) = imported(described(vec![colored, packed]));
     let bytes = |group: &RowGroup| match group.colors.as_ref().expect("colours") {
-        Colors::Exact(colors) => size_of_val(&colors[..]),
-        Colors::Packed(colors) => size_of_val(&colors[..]),
+        SphereColors::Exact(colors) => size_of_val(&colors[..]),
+        SphereColors::Packed(colors) => size_of_val(&colors[..]),
     };
-    let planned = [ColorStorage::Exact, ColorStorage::Packed].map(ColorStorage::bytes_each);
+    let planned = [ColorStorage::Exact, ColorStorage::Packed].map(ColorStorage::bytes_per_color);
     assert_eq!([&groups[0], &groups[1]].map(bytes), planned);
     assert_eq!(planned, [12, 4]);
 }
@@ -69,9 +69,9 @@ fn packed_colours_take_a_third_of_the_memory() {
 #[test]
 fn tables_of_both_precisions_keep_their_order() {
     let file = file_of(&[1.0, 0.0, 0.0, 1.0]);
-    let narrow = |x: f32| SphereArrays::of_rows(vec![[x, 0.0, 0.0, 1.0]]);
+    let narrow = |x: f32| SphereArrays::from_rows(vec![[x, 0.0, 0.0, 1.0]]);
     let memory = |arrays| SphereTable { data: SphereData::Memory(arrays), ..Default::default() };
-    let wide = SphereArrays::of_centers(vec![[0.1, 0.0, 0.0]], vec![1.0]);
+    let wide = SphereArrays::from_centers(vec![[0.1, 0.0, 0.0]], vec![1.0]);
     let tables = vec![table(&file, &PLAIN), memory(wide), memory(narrow(3.0))];
     let (rows, groups) = imported(described(tables));
     let exact: Vec<f64> = rows.exact.iter().map(|sphere| sphere.center.x).collect();

@@ -9,10 +9,10 @@ mod sections;
 
 use serde_json::{Value, json};
 
-use super::kinds::Kind;
+use super::value_types::ValueType;
 
 pub(super) use entries::{
-    SMALLEST_RADIUS, background, camera, image, material, render, root, sphere, table,
+    MIN_RADIUS, background, camera, image, material, render, root, sphere, table,
 };
 pub use schema::schema;
 
@@ -21,26 +21,26 @@ pub(super) struct Key<K> {
     pub(super) name: &'static str,
     pub(super) kind: K,
     /// As a scene file would write it; or in words, in brackets.
-    pub(super) default: Fallback,
+    pub(super) default: DefaultValue,
     /// One sentence without a full stop.
     pub(super) help: &'static str,
-    pub(super) option: Option<SceneOption>,
+    pub(super) option: Option<CliOption>,
 }
 
 /// What a key is where it is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fallback {
+pub enum DefaultValue {
     /// It may not be left out.
     Required,
     /// This, in TOML.
-    Is(&'static str),
+    Toml(&'static str),
     /// This, in words: it depends on other keys.
-    Depends(&'static str),
+    Derived(&'static str),
 }
 
 /// The option of the command line that sets a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SceneOption {
+pub struct CliOption {
     /// Its name.
     pub name: &'static str,
     /// What stands for its value in a description.
@@ -63,20 +63,20 @@ pub struct KeyInfo {
     /// The same as a JSON schema.
     pub schema: Value,
     /// What it is where it is left out.
-    pub default: Fallback,
+    pub default: DefaultValue,
     /// What it means.
     pub help: &'static str,
     /// The option that sets it.
-    pub option: Option<SceneOption>,
+    pub option: Option<CliOption>,
 }
 
 /// A key whose kind does not matter.
-pub(in crate::scene) trait AnyKey: Sync {
+pub(in crate::scene) trait DynKey: Sync {
     fn info(&self, table: &'static str, of_type: Option<&'static str>) -> KeyInfo;
     fn schema(&self) -> Value;
 }
 
-impl<K: Kind + Sync> AnyKey for Key<K> {
+impl<K: ValueType + Sync> DynKey for Key<K> {
     fn info(&self, table: &'static str, of_type: Option<&'static str>) -> KeyInfo {
         let Self { name, ref kind, default, help, option } = *self;
         let (expects, schema) = (kind.expects(), kind.schema());
@@ -87,7 +87,7 @@ impl<K: Kind + Sync> AnyKey for Key<K> {
         let mut schema = self.kind.schema();
         schema["description"] = json!(self.help);
         let default = match self.default {
-            Fallback::Is(text) => value_of(text),
+            DefaultValue::Toml(text) => json_from_toml(text),
             _ => None,
         };
         if let Some(value) = default {
@@ -98,41 +98,41 @@ impl<K: Kind + Sync> AnyKey for Key<K> {
 }
 
 /// A TOML value as JSON.
-fn value_of(text: &str) -> Option<Value> {
+fn json_from_toml(text: &str) -> Option<Value> {
     // Every default in the table is written alike in both.
     serde_json::from_str(text).ok()
 }
 
 /// A table of a scene file.
-struct Section {
+struct TableSchema {
     path: &'static str,
     help: &'static str,
-    keys: &'static [&'static dyn AnyKey],
+    keys: &'static [&'static dyn DynKey],
     /// Its types, each with the keys that only it has; the first is the one where none is named.
-    types: &'static [(&'static str, &'static [&'static dyn AnyKey])],
+    types: &'static [(&'static str, &'static [&'static dyn DynKey])],
 }
 
-const fn key<K>(name: &'static str, kind: K, default: Fallback, help: &'static str) -> Key<K> {
+const fn key<K>(name: &'static str, kind: K, default: DefaultValue, help: &'static str) -> Key<K> {
     Key { name, kind, default, help, option: None }
 }
 
-const fn optional<K>(
+const fn key_with_option<K>(
     name: &'static str,
     kind: K,
-    default: Fallback,
+    default: DefaultValue,
     help: &'static str,
-    option: SceneOption,
+    option: CliOption,
 ) -> Key<K> {
     Key { name, kind, default, help, option: Some(option) }
 }
 
-const fn option(name: &'static str, value: &'static str) -> SceneOption {
-    SceneOption { name, value, help: None }
+const fn option(name: &'static str, value: &'static str) -> CliOption {
+    CliOption { name, value, help: None }
 }
 
 /// Every key of a scene file, table by table.
 pub fn all() -> Vec<KeyInfo> {
-    let of_section = |section: &'static Section| {
+    let of_section = |section: &'static TableSchema| {
         let common = section.keys.iter().map(|key| key.info(section.path, None));
         let typed = section
             .types
@@ -140,5 +140,5 @@ pub fn all() -> Vec<KeyInfo> {
             .flat_map(|(name, keys)| keys.iter().map(|key| key.info(section.path, Some(name))));
         common.chain(typed)
     };
-    sections::SECTIONS.iter().flat_map(of_section).collect()
+    sections::TABLES.iter().flat_map(of_section).collect()
 }

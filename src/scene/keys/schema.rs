@@ -2,14 +2,14 @@
 
 use serde_json::{Map, Value, json};
 
-use super::Fallback::Required;
-use super::sections::SECTIONS;
-use super::{AnyKey, Section};
+use super::DefaultValue::Required;
+use super::sections::TABLES;
+use super::{DynKey, TableSchema};
 
 /// The JSON schema of scene files, for editors.
 pub fn schema() -> Value {
-    let mut root = Node::default();
-    for section in SECTIONS {
+    let mut root = SchemaNode::default();
+    for section in TABLES {
         let mut node = &mut root;
         for step in section.path.split('.').filter(|step| !step.is_empty()) {
             node = node.tables.entry(step).or_default();
@@ -24,12 +24,12 @@ pub fn schema() -> Value {
 
 /// A table with the tables in it.
 #[derive(Default)]
-struct Node {
-    section: Option<&'static Section>,
-    tables: std::collections::BTreeMap<&'static str, Node>,
+struct SchemaNode {
+    section: Option<&'static TableSchema>,
+    tables: std::collections::BTreeMap<&'static str, SchemaNode>,
 }
 
-impl Node {
+impl SchemaNode {
     fn schema(&self) -> Value {
         let Some(section) = self.section else {
             // A table of tables: `materials`.
@@ -38,7 +38,7 @@ impl Node {
         };
         let mut shared: Map<String, Value> = Map::new();
         let mut required = Vec::new();
-        let add = |keys: &[&dyn AnyKey], to: &mut Map<String, Value>, required: &mut Vec<_>| {
+        let add = |keys: &[&dyn DynKey], to: &mut Map<String, Value>, required: &mut Vec<_>| {
             for key in keys {
                 let info = key.info(section.path, None);
                 to.insert(info.name.to_owned(), key.schema());
@@ -56,23 +56,23 @@ impl Node {
             shared.insert((*name).to_owned(), schema);
         }
         if section.types.is_empty() {
-            return object(section.help, shared, &required);
+            return object_schema(section.help, shared, &required);
         }
         let is_first = |index: usize| index == 0 && !required.contains(&"type");
-        let of_type = |(index, (name, keys)): (usize, &(&str, &[&dyn AnyKey]))| {
+        let of_type = |(index, (name, keys)): (usize, &(&str, &[&dyn DynKey]))| {
             let (mut properties, mut required) = (shared.clone(), required.clone());
             add(keys, &mut properties, &mut required);
             properties.insert("type".to_owned(), json!({ "const": name }));
             if !is_first(index) && !required.contains(&"type") {
                 required.push("type");
             }
-            object(section.help, properties, &required)
+            object_schema(section.help, properties, &required)
         };
         json!({ "oneOf": section.types.iter().enumerate().map(of_type).collect::<Vec<_>>() })
     }
 }
 
-fn object(help: &str, properties: Map<String, Value>, required: &[&str]) -> Value {
+fn object_schema(help: &str, properties: Map<String, Value>, required: &[&str]) -> Value {
     json!({
         "type": "object",
         "description": help,

@@ -3,21 +3,21 @@
 use crate::scene::description::{ProjectionKind, SurfaceKind};
 
 use super::entries::{background, camera, image, material, render, root, sphere, table};
-use super::{AnyKey, Section};
+use super::{DynKey, TableSchema};
 
-const fn plain(
+const fn untyped_table(
     path: &'static str,
     help: &'static str,
-    keys: &'static [&'static dyn AnyKey],
-) -> Section {
-    Section { path, help, keys, types: &[] }
+    keys: &'static [&'static dyn DynKey],
+) -> TableSchema {
+    TableSchema { path, help, keys, types: &[] }
 }
 
 /// Every table of a scene file.
-pub(super) const SECTIONS: &[Section] = &[
-    plain("", "a scene", root::ALL),
-    plain("image", "the picture", image::ALL),
-    Section {
+pub(super) const TABLES: &[TableSchema] = &[
+    untyped_table("", "a scene", root::ALL),
+    untyped_table("image", "the picture", image::ALL),
+    TableSchema {
         path: "camera",
         help: "where the picture is seen from",
         keys: camera::ALL,
@@ -27,12 +27,12 @@ pub(super) const SECTIONS: &[Section] = &[
             (ProjectionKind::Panoramic.name(), camera::panoramic::ALL),
         ],
     },
-    plain("background", "what a ray sees that hits nothing", background::ALL),
-    plain("background.gradient", "from above to below", background::gradient::ALL),
-    plain("background.image", "a picture of the surroundings", background::image::ALL),
-    plain("background.sky", "a clear sky", background::sky::ALL),
-    plain("background.sun", "the sun's disc", background::sun::ALL),
-    Section {
+    untyped_table("background", "what a ray sees that hits nothing", background::ALL),
+    untyped_table("background.gradient", "from above to below", background::gradient::ALL),
+    untyped_table("background.image", "a picture of the surroundings", background::image::ALL),
+    untyped_table("background.sky", "a clear sky", background::sky::ALL),
+    untyped_table("background.sun", "the sun's disc", background::sun::ALL),
+    TableSchema {
         path: "materials.NAME",
         help: "a surface",
         keys: material::ALL,
@@ -46,14 +46,14 @@ pub(super) const SECTIONS: &[Section] = &[
             (SurfaceKind::Phong.name(), material::phong::ALL),
         ],
     },
-    plain("spheres", "a sphere", sphere::ALL),
-    plain("sphere_tables", "many spheres from a file", table::ALL),
-    plain("render", "how the light is computed", render::ALL),
-    plain(
+    untyped_table("spheres", "a sphere", sphere::ALL),
+    untyped_table("sphere_tables", "many spheres from a file", table::ALL),
+    untyped_table("render", "how the light is computed", render::ALL),
+    untyped_table(
         "render.ambient_occlusion",
         "used only by ambient-occlusion",
         render::ambient_occlusion::ALL,
     ),
-    plain("render.paper", "used only by paper", render::paper::ALL),
-    plain("render.raycast", "used only by raycast", render::raycast::ALL),
+    untyped_table("render.paper", "used only by paper", render::paper::ALL),
+    untyped_table("render.raycast", "used only by raycast", render::raycast::ALL),
 ];

@@ -8,22 +8,22 @@ use std::cell::{Cell, RefCell};
 
 use toml::de::{DeArray, DeTable, DeValue};
 
-use crate::scene::keys::{Fallback, Key};
-use crate::scene::kinds::{Node, Read, Span, Unfit, kind_of};
-use crate::scene::problem::{Path, Step, quoted_where_needed};
+use crate::scene::keys::{DefaultValue, Key};
+use crate::scene::value_types::{SpannedValue, ParseValue, Span, InvalidValue, type_name};
+use crate::scene::validation_errors::{KeyPath, PathSegment, quote_if_needed};
 use crate::scene::suggest::did_you_mean;
 
-use super::report::{Report, Wrong};
+use super::diagnostics::{Diagnostics, SpannedError};
 
 /// The number of known keys up to which a message lists them.
-const FEW: usize = 12;
+const MAX_LISTED_KEYS: usize = 12;
 
 /// Reads the syntax; mistakes go to the report, and the rest of the text is kept.
-pub(super) fn parse<'t>(text: &'t str, report: &Report) -> DeTable<'t> {
+pub(super) fn parse<'t>(text: &'t str, report: &Diagnostics) -> DeTable<'t> {
     let (root, errors) = DeTable::parse_recoverable(text);
     for error in errors {
         let span = error.span().unwrap_or_else(|| report.end_of_file());
-        report.add(Wrong::syntax(span, format!("this is not TOML: {}", error.message())));
+        report.add(SpannedError::syntax(span, format!("this is not TOML: {}", error.message())));
     }
     root.into_inner()
 }
@@ -34,52 +34,52 @@ pub(super) struct Table<'d> {
     path: String,
     entries: Option<&'d DeTable<'d>>,
     span: Span,
-    report: &'d Report,
+    diagnostics: &'d Diagnostics,
     known: RefCell<Vec<&'static str>>,
-    knows_all: Cell<bool>,
+    allows_unknown: Cell<bool>,
 }
 
 impl<'d> Table<'d> {
     /// Reads the whole document with `read`.
     pub(super) fn root<T>(
         entries: &'d DeTable<'d>,
-        report: &'d Report,
+        report: &'d Diagnostics,
         read: impl FnOnce(&Self) -> T,
     ) -> T {
         Self::new(String::new(), Some(entries), report.end_of_file(), report).read_with(read)
     }
 
     /// The value of a key, or `None` where it has its default: a mistake, where it has none.
-    pub(super) fn get<K: Read>(&self, key: &'static Key<K>) -> Option<K::Output> {
+    pub(super) fn get<K: ParseValue>(&self, key: &'static Key<K>) -> Option<K::Output> {
         match key.default {
-            Fallback::Required => self.required(key.name, &key.kind),
-            Fallback::Is(_) | Fallback::Depends(_) => self.optional(key.name, &key.kind),
+            DefaultValue::Required => self.required(key.name, &key.kind),
+            DefaultValue::Toml(_) | DefaultValue::Derived(_) => self.optional(key.name, &key.kind),
         }
     }
 
     /// The value of a key that must be there.
-    pub(super) fn required<R: Read>(&self, key: &'static str, reader: &R) -> Option<R::Output> {
+    pub(super) fn required<R: ParseValue>(&self, key: &'static str, reader: &R) -> Option<R::Output> {
         if self.node(key).is_none() {
             let message = format!("`{}` is missing", self.path_to(key));
             let help = format!("add `{key} = ...`, {}", reader.expects());
-            self.report.add(Wrong::absence(self.span.clone(), message).help(help));
-            self.mark_broken(key);
+            self.diagnostics.add(SpannedError::absence(self.span.clone(), message).help(help));
+            self.mark_invalid(key);
         }
         self.optional(key, reader)
     }
 
     /// The value of a key that may be there.
-    pub(super) fn optional<R: Read>(&self, key: &'static str, reader: &R) -> Option<R::Output> {
+    pub(super) fn optional<R: ParseValue>(&self, key: &'static str, reader: &R) -> Option<R::Output> {
         let node = self.node(key)?;
-        let unfit = match reader.read(node) {
+        let unfit = match reader.parse(node) {
             Ok(value) => return Some(value),
             Err(unfit) => unfit,
         };
-        let Unfit { span, found, help, names_nothing } = unfit;
+        let InvalidValue { span, found, help, is_unknown_name: names_nothing } = unfit;
         let message = format!("`{}` must be {}, not {found}", self.path_to(key), reader.expects());
-        let make = if names_nothing { Wrong::absence } else { Wrong::value };
-        self.report.add(make(span, message).help(help));
-        self.mark_broken(key);
+        let make = if names_nothing { SpannedError::absence } else { SpannedError::value };
+        self.diagnostics.add(make(span, message).help(help));
+        self.mark_invalid(key);
         None
     }
 
@@ -91,8 +91,8 @@ impl<'d> Table<'d> {
     ) -> T {
         if self.node(key).is_none() {
             let message = format!("`[{}]` is missing", self.path_to(key));
-            self.report.add(Wrong::absence(self.span.clone(), message));
-            self.mark_broken(key);
+            self.diagnostics.add(SpannedError::absence(self.span.clone(), message));
+            self.mark_invalid(key);
             return T::default();
         }
         self.optional_section(key, read)
@@ -109,12 +109,12 @@ impl<'d> Table<'d> {
             Some(node) => {
                 self.table_at(path, node).map_or_else(T::default, |table| table.read_with(read))
             }
-            None => Table::new(path, None, self.span.clone(), self.report).read_with(read),
+            None => Table::new(path, None, self.span.clone(), self.diagnostics).read_with(read),
         }
     }
 
     /// A table that is either left out or has its keys.
-    pub(super) fn present_section<T>(
+    pub(super) fn section_if_present<T>(
         &self,
         key: &'static str,
         read: impl FnOnce(&Table<'d>) -> T,
@@ -135,7 +135,7 @@ impl<'d> Table<'d> {
         };
         let mut entries: Vec<_> = sections.entries.into_iter().flat_map(DeTable::iter).collect();
         entries.sort_by_key(|(name, _)| name.span().start);
-        let read_one = |name: &'d str, node: &'d Node<'d>| {
+        let read_one = |name: &'d str, node: &'d SpannedValue<'d>| {
             let table = self.table_at(sections.path_to(name), node);
             table.map_or_else(T::default, |table| table.read_with(|table| read(name, table)))
         };
@@ -153,14 +153,14 @@ impl<'d> Table<'d> {
             return Vec::new();
         };
         let Some(entries) = node.get_ref().as_array() else {
-            let message = format!("`{key}` must be a list of tables, not {}", kind_of(node));
+            let message = format!("`{key}` must be a list of tables, not {}", type_name(node));
             let help = format!("write `[[{key}]]` above each");
-            self.report.add(Wrong::value(node.span(), message).help(help));
-            self.mark_broken(key);
+            self.diagnostics.add(SpannedError::value(node.span(), message).help(help));
+            self.mark_invalid(key);
             return Vec::new();
         };
-        let read_one = |(i, node): (usize, &'d Node<'d>)| {
-            let name = name_of(node).map_or_else(|| i.to_string(), quoted_where_needed);
+        let read_one = |(i, node): (usize, &'d SpannedValue<'d>)| {
+            let name = name_of(node).map_or_else(|| i.to_string(), quote_if_needed);
             let table = self.table_at(format!("{key}.{name}"), node);
             table.map_or_else(T::default, |table| table.read_with(&mut read))
         };
@@ -168,29 +168,29 @@ impl<'d> Table<'d> {
     }
 
     /// The report for what no reader can see.
-    pub(super) fn report(&self) -> &'d Report {
-        self.report
+    pub(super) fn diagnostics(&self) -> &'d Diagnostics {
+        self.diagnostics
     }
 
     /// Notes a mistake at a key's value, or at the table's heading where it has none.
-    pub(super) fn complain(
+    pub(super) fn error_at(
         &self,
         key: &str,
         message: impl Into<String>,
         help: impl Into<Option<String>>,
     ) {
-        self.report.add(Wrong::value(self.place_of(key), message).help(help));
-        self.mark_broken(key);
+        self.diagnostics.add(SpannedError::value(self.span_or_heading(key), message).help(help));
+        self.mark_invalid(key);
     }
 
     /// Says that a key has not the value that the file gives it.
-    pub(super) fn mark_broken(&self, key: &str) {
-        self.report.mark_broken(self.path_to(key));
+    pub(super) fn mark_invalid(&self, key: &str) {
+        self.diagnostics.mark_invalid(self.path_to(key));
     }
 
     /// Says that nothing in this table is what the file says.
-    pub(super) fn mark_all_broken(&self) {
-        self.report.mark_broken(&*self.path);
+    pub(super) fn mark_all_invalid(&self) {
+        self.diagnostics.mark_invalid(&*self.path);
     }
 
     /// Where a key's value stands, if it does.
@@ -211,34 +211,34 @@ impl<'d> Table<'d> {
 
     /// The table's or a key's name, as `--set` writes it.
     pub(super) fn path_to(&self, key: &str) -> String {
-        let key = quoted_where_needed(key);
+        let key = quote_if_needed(key);
         if self.path.is_empty() { key } else { format!("{}.{key}", self.path) }
     }
 
     /// Where a key's value stands, or the table's heading.
-    fn place_of(&self, key: &str) -> Span {
+    fn span_or_heading(&self, key: &str) -> Span {
         self.span_of(key).unwrap_or_else(|| self.span())
     }
 
     /// Takes any key from here on, where nobody can say which belong here.
     pub(super) fn allow_unknown_keys(&self) {
-        self.knows_all.set(true);
+        self.allows_unknown.set(true);
     }
 
-    fn new(path: String, entries: Option<&'d DeTable<'d>>, span: Span, report: &'d Report) -> Self {
-        Self { path, entries, span, report, known: RefCell::default(), knows_all: Cell::new(false) }
+    fn new(path: String, entries: Option<&'d DeTable<'d>>, span: Span, report: &'d Diagnostics) -> Self {
+        Self { path, entries, span, diagnostics: report, known: RefCell::default(), allows_unknown: Cell::new(false) }
     }
 
     /// Reads, then complains of the keys that `read` did not ask for.
     fn read_with<T>(self, read: impl FnOnce(&Self) -> T) -> T {
         let result = read(&self);
-        if !self.knows_all.get() {
-            self.refuse_unknown_keys();
+        if !self.allows_unknown.get() {
+            self.report_unknown_keys();
         }
         result
     }
 
-    fn refuse_unknown_keys(&self) {
+    fn report_unknown_keys(&self) {
         let known = self.known.borrow();
         for key in self.entries.into_iter().flat_map(DeTable::keys) {
             let name = &**key.get_ref();
@@ -248,12 +248,12 @@ impl<'d> Table<'d> {
             let message = format!("`{}` is not a key of a scene", self.path_to(name));
             let all = || format!("known here: {}", known.join(", "));
             let help = did_you_mean(name, known.iter().copied())
-                .or_else(|| (known.len() <= FEW).then(all));
-            self.report.add(Wrong::value(key.span(), message).label("unknown key").help(help));
+                .or_else(|| (known.len() <= MAX_LISTED_KEYS).then(all));
+            self.diagnostics.add(SpannedError::value(key.span(), message).label("unknown key").help(help));
         }
     }
 
-    fn node(&self, key: &'static str) -> Option<&'d Node<'d>> {
+    fn node(&self, key: &'static str) -> Option<&'d SpannedValue<'d>> {
         let mut known = self.known.borrow_mut();
         if !known.contains(&key) {
             known.push(key);
@@ -261,26 +261,26 @@ impl<'d> Table<'d> {
         self.entries?.get(key)
     }
 
-    fn table_at(&self, path: String, node: &'d Node<'d>) -> Option<Table<'d>> {
+    fn table_at(&self, path: String, node: &'d SpannedValue<'d>) -> Option<Table<'d>> {
         if let DeValue::Table(entries) = node.get_ref() {
-            return Some(Table::new(path, Some(entries), node.span(), self.report));
+            return Some(Table::new(path, Some(entries), node.span(), self.diagnostics));
         }
-        let message = format!("`{path}` must be a table, not {}", kind_of(node));
-        self.report.add(Wrong::value(node.span(), message));
-        self.report.mark_broken(path);
+        let message = format!("`{path}` must be a table, not {}", type_name(node));
+        self.diagnostics.add(SpannedError::value(node.span(), message));
+        self.diagnostics.mark_invalid(path);
         None
     }
 }
 
 /// Where the value at the end of a path stands, or as far along it as the document goes.
-pub(super) fn span_at(root: &DeTable<'_>, path: &Path, end_of_file: Span) -> Span {
+pub(super) fn span_at(root: &DeTable<'_>, path: &KeyPath, end_of_file: Span) -> Span {
     let mut span = end_of_file;
     let mut table = Some(root);
     let mut list: Option<&DeArray<'_>> = None;
-    for step in path.steps() {
+    for step in path.segments() {
         let node = match step {
-            Step::Key(name) => table.and_then(|table| table.get(name.as_str())),
-            Step::Entry(index, _) => list.and_then(|list| list.get(*index)),
+            PathSegment::Key(name) => table.and_then(|table| table.get(name.as_str())),
+            PathSegment::Entry(index, _) => list.and_then(|list| list.get(*index)),
         };
         let Some(node) = node else { break };
         span = node.span();
@@ -290,12 +290,12 @@ pub(super) fn span_at(root: &DeTable<'_>, path: &Path, end_of_file: Span) -> Spa
 }
 
 /// The string at the end of a path, where there is one.
-pub(super) fn text_at(root: &DeTable<'_>, [section, key]: [&str; 2]) -> Option<String> {
+pub(super) fn string_at(root: &DeTable<'_>, [section, key]: [&str; 2]) -> Option<String> {
     let section = root.get(section)?.get_ref().as_table()?;
     section.get(key)?.get_ref().as_str().map(str::to_owned)
 }
 
 /// The `name` of a table in a list.
-pub(super) fn name_of<'n>(node: &'n Node<'_>) -> Option<&'n str> {
+pub(super) fn name_of<'n>(node: &'n SpannedValue<'_>) -> Option<&'n str> {
     node.get_ref().as_table()?.get("name")?.get_ref().as_str()
 }

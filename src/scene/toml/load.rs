@@ -7,42 +7,42 @@ use std::path::Path;
 use toml::de::DeTable;
 
 use crate::error::{Error, Result};
-use crate::scene::description::Description;
-use crate::scene::import::{Survey, check_count};
-use crate::scene::problem::{self, Problems};
+use crate::scene::description::SceneDescription;
+use crate::scene::import::{ImportPlan, check_count};
+use crate::scene::validation_errors::{self, ValidationErrors};
 use crate::scene::settings::Settings;
-use crate::scene::source::{Identity, Source};
+use crate::scene::source::{ContentHash, SceneSource};
 use crate::scene::{Override, Scene};
 
 use super::document::{self, span_at};
-use super::overrides::LaidOut;
+use super::overrides::ParsedOverride;
 use super::read::read;
-use super::report::Report;
+use super::diagnostics::Diagnostics;
 
 /// The longest scene file in bytes; more spheres than fit belong in a table.
-const LONGEST_FILE: u64 = 256 << 20;
+const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// The longest scene text, in bytes, that goes along with a scene.
-const LONGEST_TEXT: usize = 1 << 20;
+const MAX_EMBEDDED_TEXT: usize = 1 << 20;
 
 /// A scene file that was read and checked: a description and the settings beside it. Its tables were
 /// only looked at from outside, so nothing large is in memory yet.
 #[derive(Debug)]
 pub struct SceneFile {
     /// What the file and the options say of the scene.
-    pub description: Description,
+    pub description: SceneDescription,
     /// What they say of its rendering.
     pub settings: Settings,
-    source: Source,
-    survey: Survey,
-    places: Places,
+    source: SceneSource,
+    import_plan: ImportPlan,
+    locator: ErrorLocator,
 }
 
 /// What is needed to find the place of a key again.
 #[derive(Debug)]
-struct Places {
-    report: Report,
-    options: Vec<LaidOut>,
+struct ErrorLocator {
+    diagnostics: Diagnostics,
+    overrides: Vec<ParsedOverride>,
 }
 
 /// Reads a scene file, with `overrides` in place of what it says.
@@ -68,56 +68,56 @@ pub fn read_text(
     folder: &Path,
     overrides: &[Override],
 ) -> Result<SceneFile> {
-    let mut report = Report::new(name, text);
-    let options = overrides.iter().map(|given| LaidOut::new(given, &mut report)).collect();
-    let places = Places { report, options };
+    let mut report = Diagnostics::new(name, text);
+    let options = overrides.iter().map(|given| ParsedOverride::new(given, &mut report)).collect();
+    let places = ErrorLocator { diagnostics: report, overrides: options };
     let (description, settings, survey) = {
-        let Places { report, .. } = &places;
+        let ErrorLocator { diagnostics: report, .. } = &places;
         let mut table = document::parse(text, report);
-        let integrator_of_file = document::text_at(&table, ["render", "integrator"]);
-        places.apply_options(&mut table);
+        let integrator_of_file = document::string_at(&table, ["render", "integrator"]);
+        places.apply_overrides(&mut table);
         let (description, settings) = read(&table, integrator_of_file.as_deref(), folder, report);
-        let mut problems = description.problems();
-        problems.0.extend(settings.problems().0);
-        places.add(problems, &table);
+        let mut problems = description.validate();
+        problems.0.extend(settings.validate().0);
+        places.add_errors(problems, &table);
         // Files are looked at whatever else is wrong, but not those that nobody names.
-        let mut problems = Problems::default();
-        let survey = Survey::of(&description, &mut problems);
-        places.add(problems, &table);
-        report.verdict()?;
+        let mut problems = ValidationErrors::default();
+        let survey = ImportPlan::scan(&description, &mut problems);
+        places.add_errors(problems, &table);
+        report.finish()?;
         (description, settings, survey)
     };
     check_count(survey.sphere_count(&description))?;
-    let source = Source {
+    let source = SceneSource {
         name: name.to_owned(),
         file: None,
         folder: folder.to_path_buf(),
-        text: (text.len() <= LONGEST_TEXT).then(|| text.to_owned()),
-        text_hash: Identity::of_bytes(text.as_bytes()),
+        text: (text.len() <= MAX_EMBEDDED_TEXT).then(|| text.to_owned()),
+        text_hash: ContentHash::of_bytes(text.as_bytes()),
         overrides: overrides.iter().map(|o| (o.key.clone(), o.value.clone())).collect(),
     };
-    Ok(SceneFile { description, settings, source, survey, places })
+    Ok(SceneFile { description, settings, source, import_plan: survey, locator: places })
 }
 
 impl SceneFile {
     /// Where it was read from.
-    pub fn source(&self) -> &Source {
+    pub fn source(&self) -> &SceneSource {
         &self.source
     }
 
     /// How many rows each table has.
     pub fn table_rows(&self) -> impl Iterator<Item = u64> {
-        self.survey.rows.iter().copied()
+        self.import_plan.rows.iter().copied()
     }
 
     /// How many spheres there are, those that are there twice included.
     pub fn sphere_count(&self) -> u64 {
-        self.survey.sphere_count(&self.description)
+        self.import_plan.sphere_count(&self.description)
     }
 
     /// How many pixels the image of the background has.
     pub fn environment_pixels(&self) -> u64 {
-        self.survey.environment.as_ref().map_or(0, |pixels| pixels.len() as u64)
+        self.import_plan.environment.as_ref().map_or(0, |pixels| pixels.len() as u64)
     }
 
     /// Reads the tables and builds the scene.
@@ -125,33 +125,33 @@ impl SceneFile {
     /// # Errors
     /// Every mistake in the tables; or that there is no memory for them.
     pub fn build(self) -> Result<(Scene, Settings)> {
-        let Self { description, settings, source, survey, places } = self;
+        let Self { description, settings, source, import_plan: survey, locator: places } = self;
         let text = source.text.clone();
-        let refuse = |problems: Problems| match text {
+        let refuse = |problems: ValidationErrors| match text {
             // Its document is gone, and made again only for the places of mistakes.
-            Some(text) => places.refuse(&text, problems),
-            None => problems.verdict(),
+            Some(text) => places.report(&text, problems),
+            None => problems.into_result(),
         };
         let scene = Scene::assemble(description, survey, Some(source), refuse)?;
         Ok((scene, settings))
     }
 }
 
-impl Places {
-    fn apply_options<'t>(&'t self, table: &mut DeTable<'t>) {
-        self.options.iter().for_each(|option| option.apply(table, &self.report));
+impl ErrorLocator {
+    fn apply_overrides<'t>(&'t self, table: &mut DeTable<'t>) {
+        self.overrides.iter().for_each(|option| option.apply(table, &self.diagnostics));
     }
 
-    fn add(&self, problems: Problems, table: &DeTable<'_>) {
-        let span_of = |path: &problem::Path| span_at(table, path, self.report.end_of_file());
-        self.report.add_problems(problems, span_of);
+    fn add_errors(&self, problems: ValidationErrors, table: &DeTable<'_>) {
+        let span_of = |path: &validation_errors::KeyPath| span_at(table, path, self.diagnostics.end_of_file());
+        self.diagnostics.add_validation_errors(problems, span_of);
     }
 
-    fn refuse(&self, text: &str, problems: Problems) -> Result<()> {
-        let mut table = document::parse(text, &self.report);
-        self.apply_options(&mut table);
-        self.add(problems, &table);
-        self.report.verdict()
+    fn report(&self, text: &str, problems: ValidationErrors) -> Result<()> {
+        let mut table = document::parse(text, &self.diagnostics);
+        self.apply_overrides(&mut table);
+        self.add_errors(problems, &table);
+        self.diagnostics.finish()
     }
 }
 
@@ -162,8 +162,8 @@ fn read_to_string(path: &Path) -> Result<String> {
         return Err(Error::file("read the scene", path, "it is a folder"));
     }
     let mut bytes = Vec::new();
-    file.take(LONGEST_FILE + 1).read_to_end(&mut bytes).map_err(trouble)?;
-    if bytes.len() as u64 > LONGEST_FILE {
+    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(trouble)?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(Error::file("read the scene", path, "it is longer than 256 MiB")
             .with_help("put the spheres into a sphere table"));
     }

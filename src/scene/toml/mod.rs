@@ -5,7 +5,7 @@ mod document;
 mod load;
 mod overrides;
 mod read;
-mod report;
+mod diagnostics;
 
 pub use load::{SceneFile, read_file, read_text};
 pub use overrides::Override;

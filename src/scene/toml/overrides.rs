@@ -5,11 +5,11 @@
 
 use toml::de::{DeArray, DeTable, DeValue};
 
-use crate::scene::kinds::{Node, Span, kind_of};
+use crate::scene::value_types::{SpannedValue, Span, type_name};
 use crate::scene::suggest::did_you_mean;
 
 use super::document::name_of;
-use super::report::{Report, Wrong};
+use super::diagnostics::{Diagnostics, SpannedError};
 
 /// One key of the scene with the value that replaces what the file says.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,14 +25,14 @@ pub struct Override {
 
 impl Override {
     /// A key and its value, shown as `key=value`.
-    pub fn of((key, value): &(String, String)) -> Self {
+    pub fn from_pair((key, value): &(String, String)) -> Self {
         Self { option: format!("{key}={value}"), key: key.clone(), value: value.clone() }
     }
 }
 
 /// An [`Override`] laid out so that the spans of its parts point into the option's text.
 #[derive(Debug)]
-pub(super) struct LaidOut {
+pub(super) struct ParsedOverride {
     key: String,
     key_span: Span,
     value: String,
@@ -41,21 +41,21 @@ pub(super) struct LaidOut {
 }
 
 /// What the document's key is called while a value is parsed.
-const KEY: &str = "v";
+const PLACEHOLDER_KEY: &str = "v";
 
-impl LaidOut {
+impl ParsedOverride {
     /// Adds the option to the report's texts.
-    pub(super) fn new(given: &Override, report: &mut Report) -> Self {
+    pub(super) fn new(given: &Override, report: &mut Diagnostics) -> Self {
         let Override { option, key, value } = given;
-        let begins = report.add_text("command line", option);
+        let begins = report.add_source("command line", option);
         let whole = begins..begins + option.len();
         let behind = |at: usize, length: usize| begins + at..begins + at + length;
         let key_span = option.find(&**key).map(|at| behind(at, key.len()));
         let value_span = option.rfind(&**value).map(|at| behind(at, value.len()));
         let value_span = value_span.unwrap_or_else(|| whole.clone());
         // Blanks in front move the spans to where the value stands.
-        let blanks = value_span.start - KEY.len() - 1;
-        let value_text = " ".repeat(blanks) + &format!("{KEY}={value}");
+        let blanks = value_span.start - PLACEHOLDER_KEY.len() - 1;
+        let value_text = " ".repeat(blanks) + &format!("{PLACEHOLDER_KEY}={value}");
         Self {
             key: format!("{key}=0"),
             key_span: key_span.unwrap_or(whole),
@@ -66,104 +66,104 @@ impl LaidOut {
     }
 
     /// Writes the value into the document.
-    pub(super) fn apply<'t>(&'t self, root: &mut DeTable<'t>, report: &Report) {
+    pub(super) fn apply<'t>(&'t self, root: &mut DeTable<'t>, report: &Diagnostics) {
         if let Err(wrong) = self.try_apply(root) {
             report.add(wrong);
         }
     }
 
-    fn try_apply<'t>(&'t self, root: &mut DeTable<'t>) -> Result<(), Wrong> {
+    fn try_apply<'t>(&'t self, root: &mut DeTable<'t>) -> Result<(), SpannedError> {
         let path = self.path()?;
         let value = self.value()?;
-        let (last, way) = path.split_last().ok_or_else(|| self.wrong("no key is named".into()))?;
-        let mut place = Place::Table(root);
+        let (last, way) = path.split_last().ok_or_else(|| self.error("no key is named".into()))?;
+        let mut place = Container::Table(root);
         for (depth, step) in way.iter().enumerate() {
             place = self.descend(place, &path[..depth], step)?;
         }
         match place {
-            Place::Table(table) => {
+            Container::Table(table) => {
                 table.remove(&*last.name);
                 let key = toml::Spanned::new(self.key_span.clone(), last.name.clone().into());
                 table.insert(key, value);
             }
-            Place::List(list) => *self.entry(list, way, last)? = value,
+            Container::List(list) => *self.entry(list, way, last)? = value,
         }
         Ok(())
     }
 
     fn descend<'p, 't>(
         &'t self,
-        place: Place<'p, 't>,
-        way: &[Step],
-        step: &Step,
-    ) -> Result<Place<'p, 't>, Wrong> {
+        place: Container<'p, 't>,
+        parents: &[KeySegment],
+        step: &KeySegment,
+    ) -> Result<Container<'p, 't>, SpannedError> {
         let node = match place {
-            Place::List(list) => self.entry(list, way, step)?,
-            Place::Table(table) => {
+            Container::List(list) => self.entry(list, parents, step)?,
+            Container::Table(table) => {
                 // A material that is only half there would be blamed for its missing keys.
-                if matches!(way, [only] if only.name == "materials") {
-                    self.demand_material(table, step)?;
+                if matches!(parents, [only] if only.name == "materials") {
+                    self.require_material(table, step)?;
                 }
                 let key = toml::Spanned::new(self.key_span.clone(), step.name.clone().into());
-                let empty = || Node::new(self.key_span.clone(), DeValue::Table(DeTable::default()));
+                let empty = || SpannedValue::new(self.key_span.clone(), DeValue::Table(DeTable::default()));
                 table.entry(key).or_insert_with(empty)
             }
         };
-        let kind = kind_of(node);
+        let kind = type_name(node);
         match node.get_mut() {
-            DeValue::Table(table) => Ok(Place::Table(table)),
-            DeValue::Array(list) => Ok(Place::List(list)),
+            DeValue::Table(table) => Ok(Container::Table(table)),
+            DeValue::Array(list) => Ok(Container::List(list)),
             _ => {
-                let path = written(&[way, std::slice::from_ref(step)].concat());
-                Err(self.wrong(format!("`{path}` is {kind} and has no keys")))
+                let path = dotted(&[parents, std::slice::from_ref(step)].concat());
+                Err(self.error(format!("`{path}` is {kind} and has no keys")))
             }
         }
     }
 
-    fn demand_material(&self, materials: &DeTable<'_>, step: &Step) -> Result<(), Wrong> {
+    fn require_material(&self, materials: &DeTable<'_>, step: &KeySegment) -> Result<(), SpannedError> {
         if materials.contains_key(&*step.name) {
             return Ok(());
         }
         let names = materials.keys().map(|key| &**key.get_ref());
         let help = did_you_mean(&step.name, names);
-        Err(self.wrong(format!("there is no material {:?}", step.name)).help(help))
+        Err(self.error(format!("there is no material {:?}", step.name)).help(help))
     }
 
     /// The entry of a list that a step names, by its number or its name.
     fn entry<'p, 't>(
         &self,
         list: &'p mut DeArray<'t>,
-        way: &[Step],
-        step: &Step,
-    ) -> Result<&'p mut Node<'t>, Wrong> {
-        let (path, count) = (written(way), list.len());
+        parents: &[KeySegment],
+        step: &KeySegment,
+    ) -> Result<&'p mut SpannedValue<'t>, SpannedError> {
+        let (path, count) = (dotted(parents), list.len());
         let index = match step.name.parse() {
             Ok(index) if !step.is_quoted => index,
             _ => self.index_of(&step.name, list, &path)?,
         };
         let outside = format!("`{path}` has {count} entries, counted from 0");
-        list.get_mut(index).ok_or_else(|| self.wrong(outside))
+        list.get_mut(index).ok_or_else(|| self.error(outside))
     }
 
-    fn index_of(&self, name: &str, list: &DeArray<'_>, path: &str) -> Result<usize, Wrong> {
+    fn index_of(&self, name: &str, list: &DeArray<'_>, path: &str) -> Result<usize, SpannedError> {
         let is_named = |&i: &usize| name_of(&list[i]) == Some(name);
         let named: Vec<usize> = (0..list.len()).filter(is_named).collect();
         match *named {
             [index] => Ok(index),
             [] => {
                 let help = did_you_mean(name, list.iter().filter_map(name_of));
-                Err(self.wrong(format!("no entry of `{path}` is named {name:?}")).help(help))
+                Err(self.error(format!("no entry of `{path}` is named {name:?}")).help(help))
             }
             [first, ..] => {
                 let message = format!("{} entries of `{path}` are named {name:?}", named.len());
                 let help = format!("say which by its number, as in `{path}.{first}`");
-                Err(self.wrong(message).help(help))
+                Err(self.error(message).help(help))
             }
         }
     }
 
-    fn path(&self) -> Result<Vec<Step>, Wrong> {
-        let faulty = |message: &str| self.wrong(format!("the key cannot be read: {message}"));
+    fn path(&self) -> Result<Vec<KeySegment>, SpannedError> {
+        let faulty = |message: &str| self.error(format!("the key cannot be read: {message}"));
         let parsed = DeTable::parse(&self.key).map_err(|error| faulty(error.message()))?;
         let mut steps = Vec::new();
         let mut table = parsed.get_ref();
@@ -173,7 +173,7 @@ impl LaidOut {
                 return Err(faulty("it must be one dotted name"));
             };
             let is_quoted = self.key[key.span()].starts_with(['"', '\'']);
-            steps.push(Step { name: key.get_ref().to_string(), is_quoted });
+            steps.push(KeySegment { name: key.get_ref().to_string(), is_quoted });
             match node.get_ref() {
                 DeValue::Table(inner) => table = inner,
                 _ => return Ok(steps),
@@ -181,43 +181,43 @@ impl LaidOut {
         }
     }
 
-    fn value(&self) -> Result<Node<'_>, Wrong> {
+    fn value(&self) -> Result<SpannedValue<'_>, SpannedError> {
         let (mut table, errors) = DeTable::parse_recoverable(&self.value);
         let Some(error) = errors.first() else {
-            let value = table.get_mut().remove(KEY).filter(|_| table.get_ref().is_empty());
+            let value = table.get_mut().remove(PLACEHOLDER_KEY).filter(|_| table.get_ref().is_empty());
             let message = "the value must be a single one";
-            return value.ok_or_else(|| Wrong::value(self.value_span.clone(), message));
+            return value.ok_or_else(|| SpannedError::value(self.value_span.clone(), message));
         };
         let word = self.bare_word.trim();
         let at = error.span().unwrap_or_else(|| self.value_span.clone());
         if word.is_empty() {
-            return Err(Wrong::value(self.value_span.clone(), "the value is missing"));
+            return Err(SpannedError::value(self.value_span.clone(), "the value is missing"));
         }
         if word.starts_with(['"', '\'', '[', '{']) || word.contains('\n') {
             let message = format!("the value is not TOML: {}", error.message());
-            return Err(Wrong::syntax(at, message));
+            return Err(SpannedError::syntax(at, message));
         }
-        Ok(Node::new(self.value_span.clone(), DeValue::String(word.into())))
+        Ok(SpannedValue::new(self.value_span.clone(), DeValue::String(word.into())))
     }
 
-    fn wrong(&self, message: String) -> Wrong {
-        Wrong::value(self.key_span.clone(), message)
+    fn error(&self, message: String) -> SpannedError {
+        SpannedError::value(self.key_span.clone(), message)
     }
 }
 
 /// Where the next step of a path is looked up.
-enum Place<'p, 't> {
+enum Container<'p, 't> {
     Table(&'p mut DeTable<'t>),
     List(&'p mut DeArray<'t>),
 }
 
 /// One part of a dotted key.
 #[derive(Clone)]
-struct Step {
+struct KeySegment {
     name: String,
     is_quoted: bool,
 }
 
-fn written(path: &[Step]) -> String {
+fn dotted(path: &[KeySegment]) -> String {
     path.iter().map(|step| &*step.name).collect::<Vec<_>>().join(".")
 }

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use crate::accel::{Backend, BuildOptions, Quality};
+use crate::accel::{Backend, BuildOptions, BuildQuality};
 use crate::error::Result;
 use crate::generate::Arrangement;
 use crate::geometry::{PathRay, SphereSet};
 use crate::job::MemoryPlan;
-use crate::task::Cancel;
+use crate::task::CancelToken;
 
 use super::{
-    BackendBench, Field, MOST_FOR_BRUTE_FORCE, Rounds, SECOND_BOUNCE, Setting, StandardScene,
-    Swept, WholeBench, bench, sweep,
+    BackendBench, BackendSet, MAX_BRUTE_FORCE_SPHERES, BenchOptions, SECOND_BOUNCE, SweepPoint, StandardScene,
+    SweepResult, RenderBench, bench, sweep,
 };
 
 /// All the rays of a standard scene, and their copies for each intersector, in bytes.
@@ -25,40 +25,40 @@ pub struct Measuring {
     /// Builds of each intersector, in turns.
     pub builds: usize,
     /// How much care is taken in building.
-    pub quality: Quality,
+    pub quality: BuildQuality,
     /// Rays in one call. The first is used for everything; where there are more, they are compared on
     /// rays of the second bounce.
     pub batches: Vec<usize>,
     /// Whether 1, 2, 4 and so on up to all threads are compared on rays of the second bounce.
     pub scaling: bool,
     /// Set from elsewhere to stop.
-    pub cancel: Cancel,
+    pub cancel: CancelToken,
 }
 
 /// What was measured on one scene.
 #[derive(Clone, Debug, Default)]
-pub struct Measured {
+pub struct SceneBench {
     /// What the kinds of rays are called.
-    pub kinds: Vec<&'static str>,
+    pub ray_sets: Vec<&'static str>,
     /// One for each intersector.
     pub results: Vec<BackendBench>,
     /// Rates on rays of the second bounce for several lengths of calls.
-    pub batches: Vec<Swept>,
+    pub batch_sweep: Vec<SweepResult>,
     /// The same for several numbers of threads.
-    pub scaling: Vec<Swept>,
+    pub thread_sweep: Vec<SweepResult>,
     /// Whole renders.
-    pub renders: Vec<WholeBench>,
+    pub renders: Vec<RenderBench>,
 }
 
 /// One standard scene, and what was measured on it.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub struct SuiteEntry {
     /// How its spheres are arranged.
     pub arrangement: Arrangement,
     /// How many there are.
     pub spheres: u64,
     /// What was measured.
-    pub measured: Measured,
+    pub bench: SceneBench,
 }
 
 /// The standard scenes to measure on.
@@ -80,55 +80,55 @@ pub enum Event<'a> {
     /// From so many spheres on, an intersector does not fit into memory.
     LeftOut(Backend, u64),
     /// A scene is finished.
-    Finished(&'a Entry),
+    Finished(&'a SuiteEntry),
 }
 
 impl Measuring {
     /// The rounds of all but the comparison of several batches.
-    pub fn rounds(&self) -> Rounds {
-        Rounds { count: self.rounds, batch: self.batches.first().copied().unwrap_or(1) }
+    pub fn rounds(&self) -> BenchOptions {
+        BenchOptions { rounds: self.rounds, batch: self.batches.first().copied().unwrap_or(1) }
     }
 
     /// Builds the intersectors.
     ///
     /// # Errors
     /// As [`Field::build`].
-    pub fn field(&self, spheres: &Arc<SphereSet>, backends: &[Backend]) -> Result<Field> {
+    pub fn field(&self, spheres: &Arc<SphereSet>, backends: &[Backend]) -> Result<BackendSet> {
         let threads = rayon::current_num_threads();
         let (quality, cancel) = (self.quality, self.cancel.clone());
         let options = BuildOptions { threads, quality, cancel, ..Default::default() };
-        Field::build(spheres, backends, &options, self.builds)
+        BackendSet::build(spheres, backends, &options, self.builds)
     }
 
     /// Measures everything but whole renders, with these rays of a camera and what becomes of them.
     ///
     /// # Errors
     /// On cancellation, and when threads cannot be started.
-    pub fn measure(&self, field: &Field, camera: Vec<PathRay>) -> Result<Measured> {
-        let kinds = field.kinds_of_rays(camera);
+    pub fn measure(&self, field: &BackendSet, camera: Vec<PathRay>) -> Result<SceneBench> {
+        let kinds = field.ray_sets(camera);
         let rounds = self.rounds();
         let results = bench(field, &kinds, rounds, &self.cancel)?;
         let bounced = kinds.iter().find(|kind| kind.name == SECOND_BOUNCE);
         let bounced = bounced.map_or(&[][..], |kind| &kind.rays);
-        let swept = |settings: Vec<Setting>| match &settings[..] {
+        let swept = |settings: Vec<SweepPoint>| match &settings[..] {
             [] | [_] => Ok(Vec::new()),
-            settings => sweep(field, bounced, settings, rounds.count, &self.cancel),
+            settings => sweep(field, bounced, settings, rounds.rounds, &self.cancel),
         };
         let threads = rayon::current_num_threads();
-        let of_batch = |&batch: &usize| Setting { threads, batch };
+        let of_batch = |&batch: &usize| SweepPoint { threads, batch };
         let batches = swept(self.batches.iter().map(of_batch).collect())?;
-        let of_threads = |threads| Setting { threads, batch: rounds.batch };
+        let of_threads = |threads| SweepPoint { threads, batch: rounds.batch };
         let most = if self.scaling { threads } else { 1 };
         let scaling = swept(doubling(most).map(of_threads).collect())?;
         let kinds = kinds.iter().map(|kind| kind.name).collect();
-        Ok(Measured { kinds, results, batches, scaling, renders: Vec::new() })
+        Ok(SceneBench { ray_sets: kinds, results, batch_sweep: batches, thread_sweep: scaling, renders: Vec::new() })
     }
 }
 
-impl Measured {
+impl SceneBench {
     /// The place of a kind of rays.
-    pub fn kind(&self, name: &str) -> Option<usize> {
-        self.kinds.iter().position(|&kind| kind == name)
+    pub fn ray_set_index(&self, name: &str) -> Option<usize> {
+        self.ray_sets.iter().position(|&kind| kind == name)
     }
 }
 
@@ -138,7 +138,7 @@ impl Suite {
     ///
     /// # Errors
     /// When an intersector cannot be built.
-    pub fn measure(&self, told: &mut dyn FnMut(Event<'_>)) -> Result<Vec<Entry>> {
+    pub fn measure(&self, told: &mut dyn FnMut(Event<'_>)) -> Result<Vec<SuiteEntry>> {
         let mut entries = Vec::new();
         for count in sizes(self.largest) {
             let wanted = backends_for(&self.backends, count);
@@ -161,15 +161,15 @@ impl Suite {
     }
 
     fn fits(&self, spheres: u64, backends: &[Backend]) -> bool {
-        let plan = MemoryPlan::of_spheres(spheres, backends, rayon::current_num_threads());
+        let plan = MemoryPlan::for_spheres(spheres, backends, rayon::current_num_threads());
         self.memory.is_none_or(|memory| plan.peak() + RAYS <= memory)
     }
 
-    fn entry(&self, arrangement: Arrangement, spheres: u64, backends: &[Backend]) -> Result<Entry> {
+    fn entry(&self, arrangement: Arrangement, spheres: u64, backends: &[Backend]) -> Result<SuiteEntry> {
         let scene = StandardScene::new(arrangement, spheres)?;
         let field = self.measuring.field(&scene.spheres, backends)?;
-        let measured = self.measuring.measure(&field, scene.camera)?;
-        Ok(Entry { arrangement, spheres, measured })
+        let measured = self.measuring.measure(&field, scene.camera_rays)?;
+        Ok(SuiteEntry { arrangement, spheres, bench: measured })
     }
 }
 
@@ -188,13 +188,13 @@ fn sizes(largest: u64) -> impl Iterator<Item = u64> {
 /// Those that are not hopeless.
 fn backends_for(backends: &[Backend], spheres: u64) -> Vec<Backend> {
     let can =
-        |backend: &Backend| *backend != Backend::BruteForce || spheres <= MOST_FOR_BRUTE_FORCE;
+        |backend: &Backend| *backend != Backend::BruteForce || spheres <= MAX_BRUTE_FORCE_SPHERES;
     backends.iter().copied().filter(can).collect()
 }
 
 /// Leaves out one after the other, the largest first, until the others fit.
 fn those_that_fit(mut backends: Vec<Backend>, fit: impl Fn(&[Backend]) -> bool) -> Vec<Backend> {
-    let size = |backend: &Backend| MemoryPlan::of_spheres(1 << 20, &[*backend], 1).tree;
+    let size = |backend: &Backend| MemoryPlan::for_spheres(1 << 20, &[*backend], 1).accel;
     while !backends.is_empty() && !fit(&backends) {
         let largest = (0..backends.len()).max_by_key(|&i| size(&backends[i]));
         largest.map(|i| backends.remove(i));

@@ -11,13 +11,13 @@ use crate::math::{Hit, Ray};
 /// Rays of the camera through one pixel.
 pub(super) const SAMPLES_PER_PIXEL: usize = 16;
 /// Rays of one run of neighbouring rays.
-const RUN: usize = 512;
+const RUN_LENGTH: usize = 512;
 /// What one measurement of one round should take at most, in seconds.
 const ROUND_SECONDS: f64 = 0.2;
 
 /// What was measured in several rounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Figure {
+pub struct ReportImage {
     /// The median over the rounds.
     pub median: f64,
     /// The middle half of the rounds is not below this,
@@ -26,9 +26,9 @@ pub struct Figure {
     pub high: f64,
 }
 
-impl Figure {
+impl ReportImage {
     /// Of one value for each round; `None` without any.
-    pub fn of(mut values: Vec<f64>) -> Option<Self> {
+    pub fn from_samples(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
         let last = values.len().checked_sub(1)?;
         let median = 0.5 * (values[last / 2] + values[last.div_ceil(2)]);
@@ -37,32 +37,32 @@ impl Figure {
     }
 
     /// Of one value alone.
-    pub fn once(value: f64) -> Self {
+    pub fn from_single(value: f64) -> Self {
         Self { median: value, low: value, high: value }
     }
 
     /// The same in another unit.
-    pub fn times(self, factor: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         let Self { median, low, high } = self;
         Self { median: factor * median, low: factor * low, high: factor * high }
     }
 
     /// Half the width of the middle half, as a share of the median.
-    pub fn spread(&self) -> f64 {
+    pub fn relative_spread(&self) -> f64 {
         0.5 * (self.high - self.low) / self.median.max(f64::MIN_POSITIVE)
     }
 }
 
 /// What rays ask.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Question {
+pub enum QueryKind {
     /// The first sphere along each ray.
     Closest,
     /// Whether each ray hits anything.
     Occluded,
 }
 
-impl Question {
+impl QueryKind {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Closest, Self::Occluded];
 
@@ -71,11 +71,11 @@ impl Question {
         match self {
             Self::Closest => {
                 let mut hits = vec![Hit::MISS; rays.len()];
-                timed(rays, &mut hits, batch, |rays, hits| accel.closest(rays, hits))
+                time_batches(rays, &mut hits, batch, |rays, hits| accel.closest(rays, hits))
             }
             Self::Occluded => {
                 let mut blocked = vec![false; rays.len()];
-                timed(rays, &mut blocked, batch, |rays, blocked| accel.occluded(rays, blocked))
+                time_batches(rays, &mut blocked, batch, |rays, blocked| accel.occluded(rays, blocked))
             }
         }
     }
@@ -83,7 +83,7 @@ impl Question {
 
 /// One kind of question, put again and again.
 pub(super) struct Measurement<'a> {
-    question: Question,
+    query: QueryKind,
     rays: Cow<'a, [Ray]>,
     batch: usize,
     /// Rays per second of each round.
@@ -93,17 +93,17 @@ pub(super) struct Measurement<'a> {
 impl<'a> Measurement<'a> {
     /// With as many rays as fit into a round, found by trying more and more.
     pub(super) fn calibrated(
-        question: Question,
+        question: QueryKind,
         rays: &'a [Ray],
         batch: usize,
         accel: &dyn Accel,
     ) -> Self {
         let mut count = rays.len().min(1);
         loop {
-            let chosen = spread(rays, count);
+            let chosen = sample_evenly(rays, count);
             let seconds = question.seconds_for(&chosen, batch, accel);
             if count >= rays.len() || seconds > ROUND_SECONDS / 4.0 {
-                return Self { question, rays: chosen, batch, rates: Vec::new() };
+                return Self { query: question, rays: chosen, batch, rates: Vec::new() };
             }
             count = (4 * count).min(rays.len());
         }
@@ -112,18 +112,18 @@ impl<'a> Measurement<'a> {
     /// One more round, on the current pool.
     pub(super) fn repeat(&mut self, accel: &dyn Accel) {
         if !self.rays.is_empty() {
-            let seconds = self.question.seconds_for(&self.rays, self.batch, accel);
+            let seconds = self.query.seconds_for(&self.rays, self.batch, accel);
             self.rates.push(self.rays.len() as f64 / seconds.max(1e-9));
         }
     }
 
     /// Rays per second; `None` without rays.
-    pub(super) fn rate(&self) -> Option<Figure> {
-        Figure::of(self.rates.clone())
+    pub(super) fn rate(&self) -> Option<ReportImage> {
+        ReportImage::from_samples(self.rates.clone())
     }
 }
 
-fn timed<T: Send>(
+fn time_batches<T: Send>(
     rays: &[Ray],
     answers: &mut [T],
     batch: usize,
@@ -137,11 +137,11 @@ fn timed<T: Send>(
 
 /// `count` of the rays, in runs of neighbours that are spread evenly. Runs do not begin in the middle
 /// of a pixel.
-pub(super) fn spread(rays: &[Ray], count: usize) -> Cow<'_, [Ray]> {
+pub(super) fn sample_evenly(rays: &[Ray], count: usize) -> Cow<'_, [Ray]> {
     if count >= rays.len() {
         return Cow::Borrowed(rays);
     }
-    let run = count.clamp(1, RUN);
+    let run = count.clamp(1, RUN_LENGTH);
     let runs = count / run;
     let starts = (0..runs).map(|i| i * (rays.len() - run) / runs);
     let starts = starts.map(|start| start - start % SAMPLES_PER_PIXEL);
@@ -160,24 +160,24 @@ mod tests {
     #[test]
     fn fewer_rays_come_from_everywhere() {
         let rays: Vec<_> = (0..10_000).map(|i| ray(f64::from(i))).collect();
-        let chosen = spread(&rays, 2048);
+        let chosen = sample_evenly(&rays, 2048);
         assert_eq!(chosen.len(), 2048);
         assert_eq!(chosen[0], rays[0]);
         assert_eq!(chosen[511], rays[511]);
         assert!(chosen[2047].origin[0] > 7000.0);
-        assert_eq!(spread(&rays, 1).len(), 1);
-        assert_eq!(*spread(&rays, 20_000), rays);
+        assert_eq!(sample_evenly(&rays, 1).len(), 1);
+        assert_eq!(*sample_evenly(&rays, 20_000), rays);
     }
 
     #[test]
     fn a_figure_is_the_median_and_the_middle_half() {
-        let figure = Figure::of(vec![1.0, 50.0, 100.0, 25.0, 40.0]);
-        assert_eq!(figure, Some(Figure { median: 40.0, low: 25.0, high: 50.0 }));
-        assert_eq!(figure.map(|figure| figure.spread()), Some(0.5 * (50.0 - 25.0) / 40.0));
-        let two = Figure { median: 2.0, low: 1.0, high: 3.0 };
-        assert_eq!(Figure::of(vec![3.0, 1.0]), Some(two));
-        assert_eq!(Figure::of(vec![7.0]), Some(Figure::once(7.0)));
-        assert_eq!(two.times(0.5), Figure { median: 1.0, low: 0.5, high: 1.5 });
-        assert_eq!(Figure::of(Vec::new()), None);
+        let figure = ReportImage::from_samples(vec![1.0, 50.0, 100.0, 25.0, 40.0]);
+        assert_eq!(figure, Some(ReportImage { median: 40.0, low: 25.0, high: 50.0 }));
+        assert_eq!(figure.map(|figure| figure.relative_spread()), Some(0.5 * (50.0 - 25.0) / 40.0));
+        let two = ReportImage { median: 2.0, low: 1.0, high: 3.0 };
+        assert_eq!(ReportImage::from_samples(vec![3.0, 1.0]), Some(two));
+        assert_eq!(ReportImage::from_samples(vec![7.0]), Some(ReportImage::from_single(7.0)));
+        assert_eq!(two.scaled(0.5), ReportImage { median: 1.0, low: 0.5, high: 1.5 });
+        assert_eq!(ReportImage::from_samples(Vec::new()), None);
     }
 }

@@ -7,9 +7,9 @@
 mod measure;
 mod measurement;
 mod record;
-mod standard;
+mod standard_scene;
 mod sweep;
-mod whole;
+mod render_bench;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -19,24 +19,24 @@ use crate::camera::Camera;
 use crate::error::Result;
 use crate::geometry::{PathRay, SphereSet};
 use crate::math::{Hit, Ray};
-use crate::task::Cancel;
+use crate::task::CancelToken;
 
 use super::rays;
-use measurement::{Measurement, SAMPLES_PER_PIXEL, spread};
+use measurement::{Measurement, SAMPLES_PER_PIXEL, sample_evenly};
 
-pub use measure::{Entry, Event, Measured, Measuring, Suite};
-pub use measurement::{Figure, Question};
+pub use measure::{SuiteEntry, Event, SceneBench, Measuring, Suite};
+pub use measurement::{ReportImage, QueryKind};
 pub use record::Record;
-pub use standard::StandardScene;
-pub use sweep::{Setting, Swept, sweep};
-pub use whole::{WholeBench, renders};
+pub use standard_scene::StandardScene;
+pub use sweep::{SweepPoint, SweepResult, sweep};
+pub use render_bench::{RenderBench, bench_renders};
 
 /// Rays of each kind whose ids are compared.
-const COMPARED: usize = 4096;
+const COMPARED_RAYS: usize = 4096;
 
 /// Rays of one kind to measure with.
 #[derive(Clone, Debug)]
-pub struct RayKind {
+pub struct RaySet {
     /// What they are called.
     pub name: &'static str,
     /// The rays, in the order in which an integrator would ask.
@@ -45,9 +45,9 @@ pub struct RayKind {
 
 /// How to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Rounds {
+pub struct BenchOptions {
     /// In each, every backend has its turn; at least one.
-    pub count: usize,
+    pub rounds: usize,
     /// Rays in one call.
     pub batch: usize,
 }
@@ -60,7 +60,7 @@ pub struct BackendBench {
     /// How it was built and works, as [`Accel::details`] says.
     pub details: String,
     /// Seconds that the build took.
-    pub build_s: Figure,
+    pub build_s: ReportImage,
     /// Bytes of the structure per sphere, without the spheres themselves.
     pub bytes_per_sphere: f64,
     /// Rates for each kind of rays, in their order; `None` where there are no such rays.
@@ -71,37 +71,37 @@ pub struct BackendBench {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
     /// For the first sphere along each ray.
-    pub closest: Figure,
+    pub closest: ReportImage,
     /// For whether each ray hits anything.
-    pub occluded: Figure,
+    pub occluded: ReportImage,
     /// How many of the rays that were compared have another id than with the first backend.
-    pub other_ids: usize,
+    pub differing_ids: usize,
 }
 
 impl Rates {
     /// The rate for one question.
-    pub fn of(&self, question: Question) -> Figure {
+    pub fn get(&self, question: QueryKind) -> ReportImage {
         match question {
-            Question::Closest => self.closest,
-            Question::Occluded => self.occluded,
+            QueryKind::Closest => self.closest,
+            QueryKind::Occluded => self.occluded,
         }
     }
 }
 
 /// The backends that are held against each other, over the same spheres.
-pub struct Field {
+pub struct BackendSet {
     spheres: Arc<SphereSet>,
-    built: Vec<Built>,
+    built: Vec<BuiltBackend>,
 }
 
-struct Built {
+struct BuiltBackend {
     backend: Backend,
     accel: Box<dyn Accel>,
     /// Of each build.
-    seconds: Figure,
+    seconds: ReportImage,
 }
 
-impl Field {
+impl BackendSet {
     /// Builds each backend so many times, at least once, in turns, and keeps the last of each.
     ///
     /// # Errors
@@ -127,8 +127,8 @@ impl Field {
         for (&backend, mut all) in backends.iter().zip(seconds) {
             let (accel, seconds) = timed(backend)?;
             all.push(seconds);
-            let seconds = Figure::of(all).unwrap_or(Figure::once(seconds));
-            built.push(Built { backend, accel, seconds });
+            let seconds = ReportImage::from_samples(all).unwrap_or(ReportImage::from_single(seconds));
+            built.push(BuiltBackend { backend, accel, seconds });
         }
         Ok(Self { spheres: spheres.clone(), built })
     }
@@ -139,31 +139,31 @@ impl Field {
     }
 
     /// Each backend with its structure, in the order asked for.
-    pub fn contenders(&self) -> impl Iterator<Item = (Backend, &dyn Accel)> {
+    pub fn backends(&self) -> impl Iterator<Item = (Backend, &dyn Accel)> {
         self.built.iter().map(|built| (built.backend, &*built.accel))
     }
 
     fn accels(&self) -> impl Iterator<Item = &dyn Accel> {
-        self.contenders().map(|(_, accel)| accel)
+        self.backends().map(|(_, accel)| accel)
     }
 
     /// Rays of a camera, what becomes of them at diffuse surfaces, and shadow rays. What they hit is
     /// what the first backend says.
-    pub fn kinds_of_rays(&self, camera: Vec<PathRay>) -> Vec<RayKind> {
+    pub fn ray_sets(&self, camera: Vec<PathRay>) -> Vec<RaySet> {
         let (spheres, accel) = (&*self.spheres, self.accels().next());
         let Some(accel) = accel else { return Vec::new() };
-        let first = rays::bounces(spheres, accel, &camera, SEED);
-        let second = rays::bounces(spheres, accel, &first, SEED + 1);
-        let shadow = rays::shadows(spheres, accel, &camera, SEED + 2);
-        let kinds: [_; KINDS] = [
+        let first = rays::secondary(spheres, accel, &camera, SEED);
+        let second = rays::secondary(spheres, accel, &first, SEED + 1);
+        let shadow = rays::shadow(spheres, accel, &camera, SEED + 2);
+        let kinds: [_; RAY_SETS] = [
             (CAMERA, camera),
             ("first bounce", first),
             (SECOND_BOUNCE, second),
             ("shadow", shadow),
         ];
-        let ask = |(name, rays): (_, Vec<PathRay>)| RayKind {
+        let ask = |(name, rays): (_, Vec<PathRay>)| RaySet {
             name,
-            rays: rays.iter().map(|ray| spheres.ask(ray)).collect(),
+            rays: rays.iter().map(|ray| spheres.to_query(ray)).collect(),
         };
         kinds.into_iter().map(ask).collect()
     }
@@ -182,18 +182,18 @@ pub fn camera_rays(camera: &Camera, [width, height]: [u32; 2], most: usize) -> V
     let columns = || (0..width).step_by(step as usize);
     let pixels = (0..height).step_by(step as usize).flat_map(|y| columns().map(move |x| (x, y)));
     let cells = || (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
-    let ray = |(x, y), (column, row)| camera.ray(place(x, column), place(y, row), MIDDLE_OF_LENS);
+    let ray = |(x, y), (column, row)| camera.generate_ray(place(x, column), place(y, row), LENS_CENTER);
     pixels.flat_map(|pixel| cells().map(move |cell| ray(pixel, cell))).collect()
 }
 
 /// Which two numbers give the middle of a lens, or nearly so where it has blades.
-const MIDDLE_OF_LENS: [f64; 2] = [0.5; 2];
+const LENS_CENTER: [f64; 2] = [0.5; 2];
 
 /// With more spheres than this, brute force is not worth the wait.
-pub const MOST_FOR_BRUTE_FORCE: u64 = 10_000;
+pub const MAX_BRUTE_FORCE_SPHERES: u64 = 10_000;
 
 /// Kinds of rays that [`Field::kinds_of_rays`] makes.
-pub const KINDS: usize = 4;
+pub const RAY_SETS: usize = 4;
 
 /// What rays of the camera are called.
 pub const CAMERA: &str = "camera";
@@ -209,19 +209,19 @@ const SEED: u64 = 0;
 /// # Errors
 /// On cancellation.
 pub fn bench(
-    field: &Field,
-    kinds: &[RayKind],
-    rounds: Rounds,
-    cancel: &Cancel,
+    field: &BackendSet,
+    kinds: &[RaySet],
+    rounds: BenchOptions,
+    cancel: &CancelToken,
 ) -> Result<Vec<BackendBench>> {
-    let set_up = |built| Stand::set_up(built, kinds, rounds.batch);
-    let mut stands: Vec<Stand<'_>> = field.built.iter().map(set_up).collect();
-    for _ in 0..rounds.count.max(1) {
+    let set_up = |built| BackendRun::new(built, kinds, rounds.batch);
+    let mut stands: Vec<BackendRun<'_>> = field.built.iter().map(set_up).collect();
+    for _ in 0..rounds.rounds.max(1) {
         for kind in 0..kinds.len() {
-            for question in Question::ALL {
+            for question in QueryKind::ALL {
                 for stand in &mut stands {
                     cancel.check()?;
-                    stand.measurements[kind][question as usize].repeat(&*stand.built.accel);
+                    stand.measurements[kind][question as usize].repeat(&*stand.backend.accel);
                 }
             }
         }
@@ -231,32 +231,32 @@ pub fn bench(
 }
 
 /// A backend with its measurements, for each kind of rays.
-struct Stand<'a> {
-    built: &'a Built,
+struct BackendRun<'a> {
+    backend: &'a BuiltBackend,
     measurements: Vec<[Measurement<'a>; 2]>,
     /// The ids of some rays of each kind.
     ids: Vec<Vec<u32>>,
 }
 
-impl<'a> Stand<'a> {
-    fn set_up(built: &'a Built, kinds: &'a [RayKind], batch: usize) -> Self {
+impl<'a> BackendRun<'a> {
+    fn new(built: &'a BuiltBackend, kinds: &'a [RaySet], batch: usize) -> Self {
         let accel = &*built.accel;
-        let calibrated = |kind: &'a RayKind| {
-            Question::ALL
+        let calibrated = |kind: &'a RaySet| {
+            QueryKind::ALL
                 .map(|question| Measurement::calibrated(question, &kind.rays, batch, accel))
         };
         let measurements = kinds.iter().map(calibrated).collect();
-        let ids = kinds.iter().map(|kind| ids(&spread(&kind.rays, COMPARED), accel)).collect();
-        Self { built, measurements, ids }
+        let ids = kinds.iter().map(|kind| ids(&sample_evenly(&kind.rays, COMPARED_RAYS), accel)).collect();
+        Self { backend: built, measurements, ids }
     }
 
     fn result(&self, first: &Self, spheres: usize) -> BackendBench {
         let rates = |(kind, [closest, occluded]): (usize, &[Measurement<'_>; 2])| {
             let both = self.ids[kind].iter().zip(&first.ids[kind]);
             let other_ids = both.filter(|(own, first)| own != first).count();
-            Some(Rates { closest: closest.rate()?, occluded: occluded.rate()?, other_ids })
+            Some(Rates { closest: closest.rate()?, occluded: occluded.rate()?, differing_ids: other_ids })
         };
-        let Built { backend, accel, seconds } = self.built;
+        let BuiltBackend { backend, accel, seconds } = self.backend;
         BackendBench {
             backend: *backend,
             details: accel.details(),
@@ -279,7 +279,7 @@ mod tests {
     use crate::geometry::{Sphere, SphereRows};
     use crate::math::{DVec3, NO_SPHERE};
 
-    const ROUNDS: Rounds = Rounds { count: 3, batch: 100 };
+    const ROUNDS: BenchOptions = BenchOptions { rounds: 3, batch: 100 };
 
     /// Rays that meet some of the spheres of [`field`].
     pub(super) fn rays() -> Vec<Ray> {
@@ -290,28 +290,28 @@ mod tests {
         (0..3000).map(ray).collect()
     }
 
-    pub(super) fn field(backends: &[Backend]) -> Field {
+    pub(super) fn field(backends: &[Backend]) -> BackendSet {
         let ball = |i: i32| Sphere { center: DVec3::X * f64::from(i), radius: 0.4 };
         let rows = SphereRows { exact: (0..20).map(ball).collect(), ..SphereRows::default() };
         let spheres = Arc::new(SphereSet::new(rows).expect("few spheres"));
-        Field::build(&spheres, backends, &BuildOptions::default(), 2).expect("builds")
+        BackendSet::build(&spheres, backends, &BuildOptions::default(), 2).expect("builds")
     }
 
     #[test]
     fn every_backend_gets_rates_for_the_rays_there_are() {
-        let kind = |name, rays| RayKind { name, rays };
+        let kind = |name, rays| RaySet { name, rays };
         let kinds = [kind("camera", rays()), kind("none", Vec::new())];
         let backends = [Backend::Native, Backend::BruteForce];
-        let results = bench(&field(&backends), &kinds, ROUNDS, &Cancel::default());
+        let results = bench(&field(&backends), &kinds, ROUNDS, &CancelToken::default());
         let results = results.expect("nobody cancels");
         assert_eq!(results.iter().map(|result| result.backend).collect::<Vec<_>>(), backends);
         for result in results {
             let [Some(rates), None] = result.rates[..] else { panic!("one kind has rays") };
-            for rate in Question::ALL.map(|question| rates.of(question)) {
+            for rate in QueryKind::ALL.map(|question| rates.get(question)) {
                 assert!(rate.median > 1.0 && rate.median.is_finite());
                 assert!(rate.low <= rate.median && rate.median <= rate.high);
             }
-            assert_eq!(rates.other_ids, 0);
+            assert_eq!(rates.differing_ids, 0);
             assert!(result.build_s.median >= 0.0);
             assert_eq!(result.bytes_per_sphere > 0.0, result.backend == Backend::Native);
         }
@@ -319,8 +319,8 @@ mod tests {
 
     #[test]
     fn it_can_be_cancelled() {
-        let kinds = [RayKind { name: CAMERA, rays: rays() }];
-        let cancel = Cancel::default();
+        let kinds = [RaySet { name: CAMERA, rays: rays() }];
+        let cancel = CancelToken::default();
         cancel.cancel();
         assert!(bench(&field(&[Backend::Native]), &kinds, ROUNDS, &cancel).is_err());
     }

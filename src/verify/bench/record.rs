@@ -11,20 +11,20 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::time::Instant;
 
-use crate::accel::{Accel, Backend, BuildOptions, Choice};
+use crate::accel::{Accel, Backend, BuildOptions, BackendChoice};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::generate::{Arrangement, Recipe, scene_text, write_rows};
 use crate::geometry::{PathRay, Sphere, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
-use crate::scene::description::{Background, Description, Dome, Surface};
-use crate::scene::{Scene, Settings, Shot, read_text};
-use crate::task::Cancel;
+use crate::scene::description::{BackgroundDescription, SceneDescription, EnvironmentDescription, SurfaceModel};
+use crate::scene::{Scene, Settings, PreparedScene, read_text};
+use crate::task::CancelToken;
 use crate::verify::rays;
 
 use super::{
-    CAMERA, Field, Figure, Question, RayKind, Rounds, SECOND_BOUNCE, Setting, StandardScene, bench,
-    renders, sweep,
+    CAMERA, BackendSet, ReportImage, QueryKind, RaySet, BenchOptions, SECOND_BOUNCE, SweepPoint, StandardScene, bench,
+    bench_renders, sweep,
 };
 
 const GAS: Arrangement = Arrangement::Gas;
@@ -54,7 +54,7 @@ const PAIR: [Backend; 2] = [Backend::Native, Backend::Embree];
 
 /// Rays of one call.
 const BATCH: usize = 512;
-const ROUND: Rounds = Rounds { count: 1, batch: BATCH };
+const ROUND: BenchOptions = BenchOptions { rounds: 1, batch: BATCH };
 
 /// What is to be measured.
 #[derive(Clone, Debug)]
@@ -64,7 +64,7 @@ pub struct Record {
     /// Interleaved rounds behind each figure, at least one.
     pub rounds: usize,
     /// Set from elsewhere to stop.
-    pub cancel: Cancel,
+    pub cancel: CancelToken,
 }
 
 impl Record {
@@ -85,8 +85,8 @@ impl Record {
         Ok(())
     }
 
-    fn field(&self, spheres: &StandardScene, backends: &[Backend], times: usize) -> Result<Field> {
-        Field::build(&spheres.spheres, backends, &self.options(), times)
+    fn field(&self, spheres: &StandardScene, backends: &[Backend], times: usize) -> Result<BackendSet> {
+        BackendSet::build(&spheres.spheres, backends, &self.options(), times)
     }
 
     fn options(&self) -> BuildOptions {
@@ -113,39 +113,39 @@ impl Record {
             let name = name(arrangement, spheres);
             let scene = StandardScene::new(arrangement, spheres)?;
             let field = self.field(&scene, &PAIR, 1)?;
-            let (accel, bounced) = second_bounce(&field, &scene.camera)?;
-            let ask = |rays: &[PathRay]| rays.iter().map(|ray| scene.spheres.ask(ray)).collect();
+            let (accel, bounced) = second_bounce(&field, &scene.camera_rays)?;
+            let ask = |rays: &[PathRay]| rays.iter().map(|ray| scene.spheres.to_query(ray)).collect();
             let free: Vec<PathRay> = bounced.iter().map(|ray| freed(&scene.spheres, ray)).collect();
             let kinds = [
-                RayKind { name: SECOND_BOUNCE, rays: ask(&bounced) },
-                RayKind { name: "free", rays: ask(&free) },
-                RayKind { name: CAMERA, rays: ask(&scene.camera) },
+                RaySet { name: SECOND_BOUNCE, rays: ask(&bounced) },
+                RaySet { name: "free", rays: ask(&free) },
+                RaySet { name: CAMERA, rays: ask(&scene.camera_rays) },
             ];
-            let rounds = Rounds { count: self.rounds, batch: BATCH };
+            let rounds = BenchOptions { rounds: self.rounds, batch: BATCH };
             let measured = bench(&field, &kinds, rounds, &self.cancel)?;
             let rates = |kind: usize| {
                 let [native, embree] = [0, 1].map(|backend: usize| measured[backend].rates[kind]);
                 native.zip(embree).ok_or_else(no_ray)
             };
             let (ours, theirs) = rates(0)?;
-            for (question, asked) in Question::ALL.into_iter().zip(asked) {
+            for (question, asked) in QueryKind::ALL.into_iter().zip(asked) {
                 let asked = format!(" ({asked})");
-                let (ours, theirs) = (ours.of(question), theirs.of(question));
+                let (ours, theirs) = (ours.get(question), theirs.get(question));
                 text +=
                     &rate_row(&name, &format!("{question:?}").to_lowercase(), ours, theirs, &asked);
             }
             let (camera, their_camera) = rates(2)?;
             text += &rate_row(&name, "camera", camera.closest, their_camera.closest, "");
-            if theirs.other_ids > 0 {
+            if theirs.differing_ids > 0 {
                 let _ = writeln!(
                     text,
                     "{name:<13}{} of 4096 ids differ, as f32 allows",
-                    theirs.other_ids
+                    theirs.differing_ids
                 );
             }
             let (free, _) = rates(1)?;
             let [closest, occluded] =
-                Question::ALL.map(|question| ours.of(question).median / free.of(question).median);
+                QueryKind::ALL.map(|question| ours.get(question).median / free.get(question).median);
             let _ = writeln!(
                 costs,
                 "{name:<13}{closest:10.2}{occluded:10.2}{:14.0} ns of {:.0}",
@@ -167,21 +167,21 @@ impl Record {
         let giant = Sphere { center: DVec3::NEG_Y * (1e7 + 0.55), radius: 1e7 };
         for arrangement in [GAS, PACKED] {
             let set_up = |giants: Vec<Sphere>| {
-                let scene = StandardScene::beside(giants, arrangement, spheres)?;
+                let scene = StandardScene::with_extra_spheres(giants, arrangement, spheres)?;
                 let field = self.field(&scene, &PAIR[..1], 1)?;
-                let (_, bounced) = second_bounce(&field, &scene.camera)?;
-                let rays = bounced.iter().map(|ray| scene.spheres.ask(ray)).collect();
-                Ok((field, [RayKind { name: SECOND_BOUNCE, rays }]))
+                let (_, bounced) = second_bounce(&field, &scene.camera_rays)?;
+                let rays = bounced.iter().map(|ray| scene.spheres.to_query(ray)).collect();
+                Ok((field, [RaySet { name: SECOND_BOUNCE, rays }]))
             };
             let (with, without) = (set_up(vec![giant])?, set_up(Vec::new())?);
             let mut ratios = [Vec::new(), Vec::new()];
             for _ in 0..self.rounds {
-                let rates = |(field, kinds): &(Field, [RayKind; 1])| {
+                let rates = |(field, kinds): &(BackendSet, [RaySet; 1])| {
                     bench(field, kinds, ROUND, &self.cancel)?[0].rates[0].ok_or_else(no_ray)
                 };
                 let (with, without) = (rates(&with)?, rates(&without)?);
-                for (ratios, question) in ratios.iter_mut().zip(Question::ALL) {
-                    ratios.push(with.of(question).median / without.of(question).median);
+                for (ratios, question) in ratios.iter_mut().zip(QueryKind::ALL) {
+                    ratios.push(with.get(question).median / without.get(question).median);
                 }
             }
             let [closest, occluded] = ratios.map(median);
@@ -233,9 +233,9 @@ impl Record {
         for arrangement in [GAS, PACKED] {
             let scene = StandardScene::new(arrangement, spheres)?;
             let field = self.field(&scene, &PAIR[..1], 1)?;
-            let (_, bounced) = second_bounce(&field, &scene.camera)?;
-            let asked: Vec<Ray> = bounced.iter().map(|ray| scene.spheres.ask(ray)).collect();
-            let settings = [1, threads].map(|threads| Setting { threads, batch: BATCH });
+            let (_, bounced) = second_bounce(&field, &scene.camera_rays)?;
+            let asked: Vec<Ray> = bounced.iter().map(|ray| scene.spheres.to_query(ray)).collect();
+            let settings = [1, threads].map(|threads| SweepPoint { threads, batch: BATCH });
             let swept = sweep(&field, &asked, &settings, self.rounds, &self.cancel)?;
             let [one, all] = &swept[..] else { return Err(no_ray()) };
             let [closest, occluded] = [0, 1]
@@ -273,10 +273,10 @@ impl Record {
         let rendered = RENDERED.into_iter().filter(|(_, spheres, _)| *spheres <= self.largest);
         for (arrangement, spheres, asked) in rendered {
             let (mut description, _) = generated(folder.path(), arrangement, spheres)?;
-            let dome = Dome::Constant { radiance: Rgb::ONE };
-            description.background = Background { dome, ..Background::default() };
+            let dome = EnvironmentDescription::Constant { radiance: Rgb::ONE };
+            description.background = BackgroundDescription { dome, ..BackgroundDescription::default() };
             let albedo = Rgb::splat(0.7);
-            description.materials[0].surface = Surface::Diffuse { albedo, roughness: 0.0 };
+            description.materials[0].surface = SurfaceModel::Diffuse { albedo, roughness: 0.0 };
             let mut settings = Settings::default();
             settings.render.max_depth = Some(6);
             let scene = Scene::build(description)?;
@@ -302,10 +302,10 @@ impl Record {
     ) -> Result<String> {
         [settings.image.width, settings.image.height] = SIZE;
         settings.render.samples_per_pixel = samples;
-        let shot = Shot::new(scene, settings)?;
-        let backends = [Choice::Auto.choose(scene.spheres()).backend, Backend::Embree];
-        let field = Field::build(scene.spheres(), &backends, &self.options(), 1)?;
-        let measured = renders(&shot, &field, self.rounds, &self.cancel)?;
+        let shot = PreparedScene::new(scene, settings)?;
+        let backends = [BackendChoice::Auto.select(scene.spheres()).backend, Backend::Embree];
+        let field = BackendSet::build(scene.spheres(), &backends, &self.options(), 1)?;
+        let measured = bench_renders(&shot, &field, self.rounds, &self.cancel)?;
         let (ours, embree) = (&measured[0], &measured[1]);
         Ok(format!(
             "{name:<18}{samples:8}{:>16}{:>16}{:10.2} {:<6}{:>16}{:14.1} %{:>14}\n",
@@ -314,8 +314,8 @@ impl Record {
             embree.seconds.median / ours.seconds.median,
             asked.map_or(String::new(), |asked| format!("({asked:.2})")),
             ours.backend.name(),
-            100.0 * (1.0 - ours.inside.median),
-            embree.other_pixels
+            100.0 * (1.0 - ours.intersector_share.median),
+            embree.differing_pixels
         ))
     }
 }
@@ -328,46 +328,46 @@ fn no_ray() -> Error {
     Error::input("no ray of a standard scene gets as far as a second bounce")
 }
 
-fn with_spread(figure: Figure) -> String {
-    format!("{:8.3} +-{:2.0} %", figure.median, 100.0 * figure.spread())
+fn with_spread(figure: ReportImage) -> String {
+    format!("{:8.3} +-{:2.0} %", figure.median, 100.0 * figure.relative_spread())
 }
 
 fn median(values: Vec<f64>) -> f64 {
-    Figure::of(values).map_or(f64::NAN, |figure| figure.median)
+    ReportImage::from_samples(values).map_or(f64::NAN, |figure| figure.median)
 }
 
 /// Rates in millions, how many times as fast ours is, and what is asked for.
-fn rate_row(name: &str, question: &str, ours: Figure, theirs: Figure, asked: &str) -> String {
+fn rate_row(name: &str, question: &str, ours: ReportImage, theirs: ReportImage, asked: &str) -> String {
     let ratio = ours.median / theirs.median;
-    let [ours, theirs] = [ours, theirs].map(|rate| with_spread(rate.times(1e-6)));
+    let [ours, theirs] = [ours, theirs].map(|rate| with_spread(rate.scaled(1e-6)));
     format!("{name:<13}{question:<10}{ours}  {theirs}   {ratio:5.2}{asked}\n")
 }
 
 /// Rays of the second bounce, and the intersector that found them.
 fn second_bounce<'a>(
-    field: &'a Field,
+    field: &'a BackendSet,
     camera: &[PathRay],
 ) -> Result<(&'a dyn Accel, Vec<PathRay>)> {
-    let (_, accel) = field.contenders().next().ok_or_else(no_ray)?;
-    let first = rays::bounces(field.spheres(), accel, camera, 0);
-    Ok((accel, rays::bounces(field.spheres(), accel, &first, 1)))
+    let (_, accel) = field.backends().next().ok_or_else(no_ray)?;
+    let first = rays::secondary(field.spheres(), accel, camera, 0);
+    Ok((accel, rays::secondary(field.spheres(), accel, &first, 1)))
 }
 
 /// The same ray from a little further on, where it has no sphere to overlook.
 fn freed(spheres: &SphereSet, ray: &PathRay) -> PathRay {
-    let step = if ray.leaves == NO_SPHERE { 0.0 } else { 1e-3 * spheres.sphere(ray.leaves).radius };
-    PathRay::free(ray.at(step), ray.direction)
+    let step = if ray.origin_sphere == NO_SPHERE { 0.0 } else { 1e-3 * spheres.sphere(ray.origin_sphere).radius };
+    PathRay::new(ray.at(step), ray.direction)
 }
 
 /// Seconds that it takes to solve the hit of a ray exactly: the median of some passes.
 fn seconds_of_answers(spheres: &SphereSet, accel: &dyn Accel, bounced: &[PathRay]) -> f64 {
-    let asked: Vec<Ray> = bounced.iter().map(|ray| spheres.ask(ray)).collect();
+    let asked: Vec<Ray> = bounced.iter().map(|ray| spheres.to_query(ray)).collect();
     let mut hits = vec![Hit::MISS; asked.len()];
     accel.closest(&asked, &mut hits);
     let pass = |_| {
         let start = Instant::now();
         for (ray, hit) in bounced.iter().zip(&hits) {
-            black_box(spheres.answer(ray, *hit));
+            black_box(spheres.resolve_hit(ray, *hit));
         }
         start.elapsed().as_secs_f64() / bounced.len() as f64
     };
@@ -379,7 +379,7 @@ fn generated(
     folder: &Path,
     arrangement: Arrangement,
     spheres: u64,
-) -> Result<(Description, Settings)> {
+) -> Result<(SceneDescription, Settings)> {
     let recipe = Recipe::new(arrangement, spheres, 0, false)?;
     let table = folder.join(format!("{}-{spheres}.f32", arrangement.name()));
     let write = || {

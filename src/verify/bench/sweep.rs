@@ -12,17 +12,17 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::error::{self, Error, Result};
 use crate::math::Ray;
-use crate::task::Cancel;
+use crate::task::CancelToken;
 
-use super::measurement::spread;
-use super::{Field, Figure, Measurement, Question};
+use super::measurement::sample_evenly;
+use super::{BackendSet, ReportImage, Measurement, QueryKind};
 
 /// The most rays that are asked with.
-pub(super) const MOST_RAYS: usize = 1 << 18;
+pub(super) const MAX_RAYS: usize = 1 << 18;
 
 /// Under what circumstances is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Setting {
+pub struct SweepPoint {
     /// Threads that share the work; at least one.
     pub threads: usize,
     /// Rays in one call; at least one.
@@ -31,14 +31,14 @@ pub struct Setting {
 
 /// What was measured under one setting.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Swept {
+pub struct SweepResult {
     /// Which one.
-    pub setting: Setting,
+    pub point: SweepPoint,
     /// Rays per second of all threads, closest hit and occlusion, for each backend of the field in
     /// its order.
-    pub rates: Vec<[Figure; 2]>,
+    pub rates: Vec<[ReportImage; 2]>,
     /// Passes per second of the loop of arithmetic on as many threads.
-    pub arithmetic: Figure,
+    pub arithmetic: ReportImage,
 }
 
 /// Measures every backend under every setting on rays of one kind, all in turns. Nothing comes of it
@@ -47,19 +47,19 @@ pub struct Swept {
 /// # Errors
 /// When threads cannot be started, or on cancellation.
 pub fn sweep(
-    field: &Field,
+    field: &BackendSet,
     rays: &[Ray],
-    settings: &[Setting],
+    settings: &[SweepPoint],
     rounds: usize,
-    cancel: &Cancel,
-) -> Result<Vec<Swept>> {
-    let rays = spread(rays, MOST_RAYS);
+    cancel: &CancelToken,
+) -> Result<Vec<SweepResult>> {
+    let rays = sample_evenly(rays, MAX_RAYS);
     if rays.is_empty() {
         return Ok(Vec::new());
     }
     let mut stands = Vec::new();
     for &setting in settings {
-        stands.push(Stand::set_up(setting, field, &rays)?);
+        stands.push(SweepRun::new(setting, field, &rays)?);
     }
     for _ in 0..rounds.max(1) {
         for stand in &mut stands {
@@ -67,34 +67,34 @@ pub fn sweep(
             stand.repeat(field);
         }
     }
-    Ok(stands.iter().filter_map(Stand::result).collect())
+    Ok(stands.iter().filter_map(SweepRun::result).collect())
 }
 
 /// A setting with its measurements, for each backend.
-struct Stand<'a> {
-    setting: Setting,
+struct SweepRun<'a> {
+    setting: SweepPoint,
     pool: ThreadPool,
     measurements: Vec<[Measurement<'a>; 2]>,
     /// Passes per second of each round.
     arithmetic: Vec<f64>,
 }
 
-impl<'a> Stand<'a> {
-    fn set_up(setting: Setting, field: &Field, rays: &'a [Ray]) -> Result<Self> {
-        let Setting { threads, batch } = setting;
+impl<'a> SweepRun<'a> {
+    fn new(setting: SweepPoint, field: &BackendSet, rays: &'a [Ray]) -> Result<Self> {
+        let SweepPoint { threads, batch } = setting;
         let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build().map_err(|e| {
             Error::input(format!("cannot start {threads} threads: {e}"))
                 .with_help("ask for fewer")
-                .with_setting(error::Setting::Threads, "")
+                .with_suggestion(error::Suggestion::Threads, "")
         })?;
         let measurements = pool.install(|| {
-            let of = |accel| Question::ALL.map(|q| Measurement::calibrated(q, rays, batch, accel));
+            let of = |accel| QueryKind::ALL.map(|q| Measurement::calibrated(q, rays, batch, accel));
             field.accels().map(of).collect()
         });
         Ok(Self { setting, pool, measurements, arithmetic: Vec::new() })
     }
 
-    fn repeat(&mut self, field: &Field) {
+    fn repeat(&mut self, field: &BackendSet) {
         let Self { pool, measurements, arithmetic, .. } = self;
         pool.install(|| {
             for (accel, both) in field.accels().zip(measurements) {
@@ -104,13 +104,13 @@ impl<'a> Stand<'a> {
         });
     }
 
-    fn result(&self) -> Option<Swept> {
+    fn result(&self) -> Option<SweepResult> {
         let rates =
             |[closest, occluded]: &[Measurement<'_>; 2]| Some([closest.rate()?, occluded.rate()?]);
-        Some(Swept {
-            setting: self.setting,
+        Some(SweepResult {
+            point: self.setting,
             rates: self.measurements.iter().map(rates).collect::<Option<_>>()?,
-            arithmetic: Figure::of(self.arithmetic.clone())?,
+            arithmetic: ReportImage::from_samples(self.arithmetic.clone())?,
         })
     }
 }
@@ -141,14 +141,14 @@ mod tests {
     fn every_setting_is_measured_for_every_backend() {
         let field = field(&[Backend::Native, Backend::BruteForce]);
         let settings = [(1, 1), (1, 64), (2, 64)];
-        let settings = settings.map(|(threads, batch)| Setting { threads, batch });
-        let swept = sweep(&field, &rays(), &settings, 1, &Cancel::default()).unwrap();
-        assert_eq!(swept.iter().map(|one| one.setting).collect::<Vec<_>>(), settings);
+        let settings = settings.map(|(threads, batch)| SweepPoint { threads, batch });
+        let swept = sweep(&field, &rays(), &settings, 1, &CancelToken::default()).unwrap();
+        assert_eq!(swept.iter().map(|one| one.point).collect::<Vec<_>>(), settings);
         for one in &swept {
             assert_eq!(one.rates.len(), 2);
             let figures = one.rates.iter().flatten().chain([&one.arithmetic]);
             assert!(figures.into_iter().all(|figure| figure.median > 1.0), "{one:?}");
         }
-        assert_eq!(sweep(&field, &[], &settings, 1, &Cancel::default()).unwrap(), []);
+        assert_eq!(sweep(&field, &[], &settings, 1, &CancelToken::default()).unwrap(), []);
     }
 }

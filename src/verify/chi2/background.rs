@@ -4,21 +4,21 @@ use std::sync::Arc;
 
 use crate::color::Rgb;
 use crate::geometry::{Cone, Side, Sphere, SphereRows, SphereSet, SurfaceHit};
-use crate::light::{Background, Dome, Lamp, Lights, Orientation, Receiver, Sky, Source, Sun};
+use crate::light::{Environment, EnvironmentMap, Emitter, Lights, Orientation, LightSampleContext, Sky, LightSource, SunLight};
 use crate::math::{DVec3, Frame};
 use crate::sampling::{Sampler, sin_cos};
 
-use super::Pair;
+use super::SamplingTest;
 
-pub(super) fn pairs() -> Vec<Pair> {
+pub(super) fn tests() -> Vec<SamplingTest> {
     let mut pairs = vec![
-        of_dome("gradient", Dome::gradient(grey(4.0), grey(1.0), grey(0.0))),
-        of_dome("image", image()),
-        of_dome("sky", sky().dome()),
-        of_sun("sun", 0.533),
-        of_sun("wide sun", 120.0),
-        of_background("sky and sun beside lamps", false),
-        of_background("sky and sun beside lamps, both sides", true),
+        environment_test("gradient", EnvironmentMap::gradient(grey(4.0), grey(1.0), grey(0.0))),
+        environment_test("image", image()),
+        environment_test("sky", sky().environment_map()),
+        sun_test("sun", 0.533),
+        sun_test("wide sun", 120.0),
+        background_test("sky and sun beside lamps", false),
+        background_test("sky and sun beside lamps, both sides", true),
     ];
     for (name, place, is_two_sided) in [
         ("among them", DVec3::splat(0.4), false),
@@ -26,8 +26,8 @@ pub(super) fn pairs() -> Vec<Pair> {
         ("far from them", DVec3::new(3.0, -8.0, 1.0), false),
     ] {
         let receiver = receiver(place, is_two_sided);
-        pairs.push(choice(&format!("choice of 40 lamps, {name}"), Background::default(), receiver));
-        pairs.push(choice(
+        pairs.push(light_choice(&format!("choice of 40 lamps, {name}"), Environment::default(), receiver));
+        pairs.push(light_choice(
             &format!("choice of 40 lamps and a sky, {name}"),
             sky_and_sun(),
             receiver,
@@ -41,13 +41,13 @@ fn grey(radiance: f32) -> Rgb {
 }
 
 /// Radiance without order, with dark parts and one pixel that outshines the rest.
-fn image() -> Dome {
+fn image() -> EnvironmentMap {
     let (width, height) = (14, 7);
     let pixel = |i: usize| match i {
         40 => Rgb::new(300.0, 200.0, 100.0),
         _ => grey(((i * 31) % 19).saturating_sub(6) as f32),
     };
-    Dome::image(width, height, &(0..width * height).map(pixel).collect::<Vec<_>>())
+    EnvironmentMap::from_image(width, height, &(0..width * height).map(pixel).collect::<Vec<_>>())
 }
 
 fn sky() -> Sky {
@@ -57,33 +57,33 @@ fn sky() -> Sky {
 }
 
 /// Lifted off the vertical, so that nothing is aligned with anything.
-fn sky_and_sun() -> Background {
+fn sky_and_sun() -> Environment {
     let orientation = Orientation::new(DVec3::new(0.0, 0.8, 0.6), 0.3);
     let sun = orientation.direction(0.5, 1.0);
-    Background::new(
-        Dome::gradient(grey(5.0), grey(1.0), grey(0.5)),
+    Environment::new(
+        EnvironmentMap::gradient(grey(5.0), grey(1.0), grey(0.5)),
         orientation,
-        Some(Sun::new(sun, 0.8, grey(4.0))),
+        Some(SunLight::new(sun, 0.8, grey(4.0))),
     )
 }
 
 /// The dome's zenith is the cells' pole.
-fn of_dome(name: &str, dome: Dome) -> Pair {
+fn environment_test(name: &str, dome: EnvironmentMap) -> SamplingTest {
     let dome = Arc::new(dome);
     let of_pdf = dome.clone();
-    Pair::over_sphere(
+    SamplingTest::over_sphere(
         format!("background: {name}"),
         move |u| dome.sample([u[0], u[1]]).map(|w| DVec3::new(w.x, -w.z, w.y)),
         move |w| of_pdf.pdf(DVec3::new(w.x, w.z, -w.y)),
     )
 }
 
-fn of_sun(name: &str, diameter_degrees: f64) -> Pair {
+fn sun_test(name: &str, diameter_degrees: f64) -> SamplingTest {
     let diameter = diameter_degrees.to_radians();
     let direction = DVec3::new(0.48, 0.6, -0.64);
-    let sun = Sun::new(direction, diameter, Rgb::ONE);
-    let frame = Frame::around(direction);
-    Pair::over_cap(
+    let sun = SunLight::new(direction, diameter, Rgb::ONE);
+    let frame = Frame::from_z(direction);
+    SamplingTest::over_cap(
         format!("background: {name}"),
         0.5 * diameter,
         move |u| Some(frame.to_local(sun.sample([u[0], u[1]]))),
@@ -91,63 +91,63 @@ fn of_sun(name: &str, diameter_degrees: f64) -> Pair {
     )
 }
 
-fn receiver(point: DVec3, is_two_sided: bool) -> Receiver {
+fn receiver(point: DVec3, is_two_sided: bool) -> LightSampleContext {
     let normal = DVec3::new(0.36, 0.8, 0.48);
     let hit = SurfaceHit { id: u32::MAX, t: 1.0, point, normal, radius: 1.0, side: Side::Outside };
-    Receiver { hit, is_two_sided }
+    LightSampleContext { hit, is_two_sided }
 }
 
 /// Lamps of many sizes and distances, which do not touch the receivers.
-fn lamps(background: Background) -> (SphereSet, Lights) {
+fn lamps(background: Environment) -> (SphereSet, Lights) {
     let sphere = |i: u64| {
-        let u: [f64; 4] = std::array::from_fn(|d| Sampler::new(7, i, 0).get(d as u32));
+        let u: [f64; 4] = std::array::from_fn(|d| Sampler::independent(7, i, 0).get(d as u32));
         let center = DVec3::new(u[0], u[1], u[2]) * 2.0 - 0.5;
         Sphere { center, radius: 1e-3 + 0.05 * u[3] * u[3] }
     };
     let exact = (0..40).map(sphere).collect();
     let spheres = SphereSet::new(SphereRows { exact, table: Vec::new() }).expect("few spheres");
-    let lamp = |id: u32| Lamp { id, emission: grey(1.0 + spheres.row(id) as f32) };
+    let lamp = |id: u32| Emitter { id, emission: grey(1.0 + spheres.row(id) as f32) };
     let lights = Lights::new((0..40).map(lamp).collect(), &spheres, background);
     (spheres, lights)
 }
 
 /// What is drawn of a whole background, where lamps take their share and give nothing.
-fn of_background(name: &str, is_two_sided: bool) -> Pair {
+fn background_test(name: &str, is_two_sided: bool) -> SamplingTest {
     let stage = Arc::new(lamps(sky_and_sun()));
     let of_pdf = stage.clone();
     let receiver = receiver(DVec3::splat(0.4), is_two_sided);
-    let frame = Frame::around(receiver.hit.normal);
-    Pair::over_sphere(
+    let frame = Frame::from_z(receiver.hit.normal);
+    SamplingTest::over_sphere(
         format!("background: {name}"),
         move |u| {
             let sample = stage.1.sample(&stage.0, &receiver, u[2], [u[0], u[1]])?;
-            (sample.source == Source::Background).then(|| frame.to_local(sample.direction))
+            (sample.source == LightSource::Environment).then(|| frame.to_local(sample.direction))
         },
         move |w| {
             let direction = frame.to_world(w).normalize();
-            of_pdf.1.pdf(&of_pdf.0, &receiver, Source::Background, direction)
+            of_pdf.1.pdf(&of_pdf.0, &receiver, LightSource::Environment, direction)
         },
     )
 }
 
 /// How often each lamp is chosen, from `pdf` divided by the density of its cone; and, in the last
 /// place, the background.
-fn choice(name: &str, background: Background, receiver: Receiver) -> Pair {
+fn light_choice(name: &str, background: Environment, receiver: LightSampleContext) -> SamplingTest {
     let (spheres, lights) = lamps(background);
     // The set has moved its origin.
     let mut receiver = receiver;
     receiver.hit.point -= spheres.origin();
     let of_lamp = |id: u32| {
-        let cone = Cone::seen_from(receiver.hit.point, &spheres.sphere(id)).expect("from outside");
-        lights.pdf(&spheres, &receiver, Source::Lamp(id), DVec3::X) / cone.pdf()
+        let cone = Cone::subtending(receiver.hit.point, &spheres.sphere(id)).expect("from outside");
+        lights.pdf(&spheres, &receiver, LightSource::Emitter(id), DVec3::X) / cone.pdf()
     };
     let mut probabilities: Vec<f64> = (0..40).map(of_lamp).collect();
-    probabilities.push(lights.share_of_background(&receiver));
-    Pair::over_indices(name, probabilities, move |u| {
+    probabilities.push(lights.environment_probability(&receiver));
+    SamplingTest::over_indices(name, probabilities, move |u| {
         let sample = lights.sample(&spheres, &receiver, u[2], [u[0], u[1]])?;
         Some(match sample.source {
-            Source::Lamp(id) => id as usize,
-            Source::Background => 40,
+            LightSource::Emitter(id) => id as usize,
+            LightSource::Environment => 40,
         })
     })
 }

@@ -4,39 +4,39 @@ use std::sync::Arc;
 
 use crate::color::Rgb;
 use crate::geometry::{Cone, PathRay, Sphere, SphereRows, SphereSet};
-use crate::light::{Background, Lamp, Lights, Receiver, Source};
+use crate::light::{Environment, Emitter, Lights, LightSampleContext, LightSource};
 use crate::math::{DVec3, Frame, Hit};
 
-use super::Pair;
+use super::SamplingTest;
 
-pub(super) fn pairs() -> Vec<Pair> {
+pub(super) fn tests() -> Vec<SamplingTest> {
     vec![inside_a_lamp(), choice_of_a_lamp()]
 }
 
 /// Spheres of which the first is lit by the others, the lamps.
-struct Stage {
+struct LitScene {
     spheres: SphereSet,
     lights: Lights,
     /// On the first sphere.
-    receiver: Receiver,
+    receiver: LightSampleContext,
 }
 
-impl Stage {
+impl LitScene {
     /// The receiver is where a ray in direction `towards` first meets the first sphere. Lamp number
     /// i, counted from 1, has the radiance i.
     fn new(spheres: Vec<Sphere>, towards: DVec3) -> Arc<Self> {
         let lamps = 1..spheres.len() as u32;
         let rows = SphereRows { exact: spheres, table: Vec::new() };
         let spheres = SphereSet::new(rows).expect("few spheres");
-        let lamp = |row| Lamp { id: id_of(&spheres, row), emission: Rgb::splat(row as f32) };
-        let lights = Lights::new(lamps.map(lamp).collect(), &spheres, Background::default());
+        let lamp = |row| Emitter { id: id_of(&spheres, row), emission: Rgb::splat(row as f32) };
+        let lights = Lights::new(lamps.map(lamp).collect(), &spheres, Environment::default());
         let id = id_of(&spheres, 0);
-        let ray = PathRay::free(spheres.sphere(id).center - towards * 3.0, towards);
-        let hit = spheres.answer(&ray, Hit { t: 0.0, id }).expect("the ray aims at its centre");
-        Arc::new(Self { spheres, lights, receiver: Receiver { hit, is_two_sided: false } })
+        let ray = PathRay::new(spheres.sphere(id).center - towards * 3.0, towards);
+        let hit = spheres.resolve_hit(&ray, Hit { t: 0.0, id }).expect("the ray aims at its centre");
+        Arc::new(Self { spheres, lights, receiver: LightSampleContext { hit, is_two_sided: false } })
     }
 
-    fn pdf(&self, source: Source, direction: DVec3) -> f64 {
+    fn pdf(&self, source: LightSource, direction: DVec3) -> f64 {
         self.lights.pdf(&self.spheres, &self.receiver, source, direction)
     }
 }
@@ -50,15 +50,15 @@ fn ball(x: f64, radius: f64) -> Sphere {
 }
 
 /// From a ball inside a glowing sphere, every direction above the surface meets the lamp.
-fn inside_a_lamp() -> Pair {
-    let stage = Stage::new(vec![ball(0.5, 1.0), ball(0.0, 10.0)], DVec3::new(0.0, 0.6, -0.8));
-    let lamp = Source::Lamp(id_of(&stage.spheres, 1));
-    let frame = Frame::around(stage.receiver.hit.facing_normal());
+fn inside_a_lamp() -> SamplingTest {
+    let stage = LitScene::new(vec![ball(0.5, 1.0), ball(0.0, 10.0)], DVec3::new(0.0, 0.6, -0.8));
+    let lamp = LightSource::Emitter(id_of(&stage.spheres, 1));
+    let frame = Frame::from_z(stage.receiver.hit.facing_normal());
     let of_pdf = stage.clone();
-    Pair::over_hemisphere(
+    SamplingTest::over_hemisphere(
         "light from inside a lamp",
         move |u| {
-            let Stage { spheres, lights, receiver } = &*stage;
+            let LitScene { spheres, lights, receiver } = &*stage;
             let sample = lights.sample(spheres, receiver, u[2], [u[0], u[1]])?;
             Some(frame.to_local(sample.direction))
         },
@@ -68,19 +68,19 @@ fn inside_a_lamp() -> Pair {
 
 /// Three lamps of different power and distance: how often each is chosen, from `pdf` divided by the
 /// density of its cone.
-fn choice_of_a_lamp() -> Pair {
+fn choice_of_a_lamp() -> SamplingTest {
     let spheres = vec![ball(0.0, 1.0), ball(5.0, 1.0), ball(9.0, 0.5), ball(-30.0, 8.0)];
-    let stage = Stage::new(spheres, DVec3::new(0.0, 0.0, -1.0));
+    let stage = LitScene::new(spheres, DVec3::new(0.0, 0.0, -1.0));
     let probability = |row: u32| {
         let id = id_of(&stage.spheres, row);
         let sphere = stage.spheres.sphere(id);
-        let cone = Cone::seen_from(stage.receiver.hit.point, &sphere).expect("from outside");
-        stage.pdf(Source::Lamp(id), DVec3::X) / cone.pdf()
+        let cone = Cone::subtending(stage.receiver.hit.point, &sphere).expect("from outside");
+        stage.pdf(LightSource::Emitter(id), DVec3::X) / cone.pdf()
     };
     let probabilities = (1..4).map(probability).collect();
-    Pair::over_indices("choice among three lamps", probabilities, move |u| {
-        let Stage { spheres, lights, receiver } = &*stage;
+    SamplingTest::over_indices("choice among three lamps", probabilities, move |u| {
+        let LitScene { spheres, lights, receiver } = &*stage;
         let sample = lights.sample(spheres, receiver, u[2], [u[0], u[1]])?;
-        Some(spheres.row(sample.source.sphere()) as usize - 1)
+        Some(spheres.row(sample.source.sphere_id()) as usize - 1)
     })
 }

@@ -2,20 +2,20 @@
 
 use std::sync::Arc;
 
-use crate::material::{Bsdf, Dielectric, Ggx, Lobe, MissingEnergy};
+use crate::material::{Bsdf, Dielectric, Ggx, Lobe, EnergyCompensation};
 use crate::math::{DVec3, Frame};
 use crate::sampling::{Sampler, sin_cos};
 
 use super::super::check::Effort;
-use super::super::materials::{Sample, samples};
-use super::Pair;
+use super::super::materials::{MaterialCase, material_cases};
+use super::SamplingTest;
 
 /// Angles of `wo` from the normal, in degrees.
 const DEGREES: [f64; 3] = [0.0, 45.0, 85.0];
 
-pub(super) fn pairs() -> Vec<Pair> {
-    let spread = samples(Effort::Quick).into_iter().filter(|s| s.is_tabled && !s.bsdf().is_delta());
-    let rows = |sample: Arc<Sample>| DEGREES.map(|degrees| bsdf(sample.clone(), degrees));
+pub(super) fn tests() -> Vec<SamplingTest> {
+    let spread = material_cases(Effort::Quick).into_iter().filter(|s| s.in_chi2_suite && !s.bsdf().is_delta());
+    let rows = |sample: Arc<MaterialCase>| DEGREES.map(|degrees| bsdf(sample.clone(), degrees));
     let microfacets =
         [(0.4, 0.0), (0.4, 60.0), (0.4, 88.0), (1.0, 30.0), (1.0, 89.9)].map(|(r, at)| ggx(r, at));
     spread
@@ -34,16 +34,16 @@ fn direction(degrees: f64) -> DVec3 {
 
 /// Two more numbers, which follow from the last one.
 fn again(u: [f64; 4]) -> impl Fn() -> [f64; 2] {
-    move || Sampler::new(u[3].to_bits(), 0, 0).get_2d(0)
+    move || Sampler::independent(u[3].to_bits(), 0, 0).get_2d(0)
 }
 
 /// The directions of a BSDF, but for those of its delta lobes, seen from an angle in degrees: over
 /// the hemisphere, or over the sphere where light can come through.
-fn bsdf(surface: Arc<Sample>, degrees: f64) -> Pair {
+fn bsdf(surface: Arc<MaterialCase>, degrees: f64) -> SamplingTest {
     let wo = direction(degrees);
     let name = format!("bsdf {}, wo at {degrees} degrees", surface.name);
     let (transmits, is_glass) =
-        (surface.bsdf().transmits(), matches!(surface.bsdf(), Bsdf::Dielectric(_)));
+        (surface.bsdf().is_rough_transmissive(), matches!(surface.bsdf(), Bsdf::Dielectric(_)));
     let drawn = surface.clone();
     let sample = move |u: [f64; 4]| {
         let sample = drawn.bsdf().sample(wo, u[2], [u[0], u[1]], &again(u))?;
@@ -51,44 +51,44 @@ fn bsdf(surface: Arc<Sample>, degrees: f64) -> Pair {
     };
     let pdf = move |wi| surface.bsdf().pdf(wo, wi);
     if !transmits {
-        return Pair::over_hemisphere(name, sample, pdf);
+        return SamplingTest::over_hemisphere(name, sample, pdf);
     }
-    let pair = Pair::over_sphere(name, sample, pdf);
+    let pair = SamplingTest::over_sphere(name, sample, pdf);
     // Where facets would have to face away, what they refract ends at an edge.
-    if is_glass && degrees > 80.0 { pair.with_edges() } else { pair }
+    if is_glass && degrees > 80.0 { pair.with_discontinuities() } else { pair }
 }
 
 /// Rough glass in a medium of nearly its index bends light so little that the cells lie close around
 /// the way straight on.
-fn nearly_matched(roughness: f64, degrees: f64, up_to: f64) -> Pair {
+fn nearly_matched(roughness: f64, degrees: f64, up_to: f64) -> SamplingTest {
     let eta = 1.05;
     let glass = Arc::new(Dielectric::new(eta, 0, roughness, &[1.0]));
     let drawn = glass.clone();
     let wo = direction(degrees);
-    let frame = Frame::around(-wo);
-    Pair::over_cap(
+    let frame = Frame::from_z(-wo);
+    SamplingTest::over_cap(
         format!("bsdf glass, eta {eta}, roughness {roughness}, wo at {degrees} degrees"),
         up_to,
         move |u| {
-            let interface = Bsdf::Dielectric(drawn.interface(eta));
+            let interface = Bsdf::Dielectric(drawn.bsdf(eta));
             Some(frame.to_local(interface.sample(wo, u[2], [u[0], u[1]], &again(u))?.wi))
         },
-        move |w| Bsdf::Dielectric(glass.interface(eta)).pdf(wo, frame.to_world(w)),
+        move |w| Bsdf::Dielectric(glass.bsdf(eta)).pdf(wo, frame.to_world(w)),
     )
-    .with_edges()
+    .with_discontinuities()
 }
 
 /// Visible normals, and the directions that they reflect to.
-fn ggx(roughness: f64, degrees: f64) -> [Pair; 2] {
+fn ggx(roughness: f64, degrees: f64) -> [SamplingTest; 2] {
     let ggx = Ggx::new(roughness).expect("rough");
     let wo = direction(degrees);
     let of = format!("roughness {roughness}, wo at {degrees} degrees");
-    let normals = Pair::over_hemisphere(
+    let normals = SamplingTest::over_hemisphere(
         format!("ggx normals, {of}"),
-        move |u| Some(ggx.sample_normal(wo, [u[0], u[1]])),
-        move |m| ggx.normal_pdf(wo, m),
+        move |u| Some(ggx.sample_visible_normal(wo, [u[0], u[1]])),
+        move |m| ggx.visible_normal_pdf(wo, m),
     );
-    let reflections = Pair::over_hemisphere(
+    let reflections = SamplingTest::over_hemisphere(
         format!("ggx reflection, {of}"),
         move |u| ggx.sample_reflection(wo, [u[0], u[1]]).map(|(wi, _)| wi),
         move |wi| ggx.reflection_pdf(wo, wi),
@@ -97,24 +97,24 @@ fn ggx(roughness: f64, degrees: f64) -> [Pair; 2] {
 }
 
 /// Light that bounced between facets.
-fn broad_lobe(roughness: f64) -> Pair {
-    let missing = Arc::new(MissingEnergy::of_reflection(Ggx::new(roughness).expect("rough")));
+fn broad_lobe(roughness: f64) -> SamplingTest {
+    let missing = Arc::new(EnergyCompensation::for_reflection(Ggx::new(roughness).expect("rough")));
     let drawn = missing.clone();
-    Pair::over_hemisphere(
+    SamplingTest::over_hemisphere(
         format!("light between facets, roughness {roughness}"),
-        move |u| Some(drawn.sample_lobe([u[0], u[1]])),
-        move |w| missing.lobe_pdf(w.z),
+        move |u| Some(drawn.sample([u[0], u[1]])),
+        move |w| missing.pdf(w.z),
     )
-    .with_edges()
+    .with_discontinuities()
 }
 
 /// Normals seen from straight above, against `D(m) cos` written out, which says what a roughness is.
-fn ggx_formula(roughness: f64) -> Pair {
+fn ggx_formula(roughness: f64) -> SamplingTest {
     let ggx = Ggx::new(roughness).expect("rough");
     let square = roughness * roughness * roughness * roughness;
-    Pair::over_hemisphere(
+    SamplingTest::over_hemisphere(
         format!("ggx normals, roughness {roughness}, against the formula"),
-        move |u| Some(ggx.sample_normal(DVec3::Z, [u[0], u[1]])),
+        move |u| Some(ggx.sample_visible_normal(DVec3::Z, [u[0], u[1]])),
         move |m| {
             let below = m.z * m.z * (square - 1.0) + 1.0;
             square * m.z / (std::f64::consts::PI * below * below)

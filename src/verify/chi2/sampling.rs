@@ -1,13 +1,13 @@
 //! Warps of the unit square, filters, and choices.
 
-use crate::sampling::{Discrete, Filter, FilterKind, Hemisphere, hemisphere};
+use crate::sampling::{DiscreteDistribution, Filter, FilterKind, Hemisphere, hemisphere};
 
-use super::Pair;
+use super::SamplingTest;
 
-pub(super) fn pairs() -> Vec<Pair> {
+pub(super) fn tests() -> Vec<SamplingTest> {
     let mut pairs = Vec::new();
     for drawn in [Hemisphere::Cosine, Hemisphere::UniformSolidAngle, Hemisphere::UniformAngle] {
-        pairs.push(Pair::over_hemisphere(
+        pairs.push(SamplingTest::over_hemisphere(
             format!("hemisphere {drawn:?}"),
             move |u| Some(drawn.sample([u[0], u[1]])),
             move |w| drawn.pdf(w.z),
@@ -28,8 +28,8 @@ pub(super) fn pairs() -> Vec<Pair> {
     pairs
 }
 
-fn power_cosine(exponent: f64, up_to: f64) -> Pair {
-    Pair::over_cap(
+fn power_cosine(exponent: f64, up_to: f64) -> SamplingTest {
+    SamplingTest::over_cap(
         format!("power cosine, exponent {exponent}"),
         up_to.min(std::f64::consts::FRAC_PI_2),
         move |u| Some(hemisphere::sample_power_cosine(exponent, [u[0], u[1]])),
@@ -37,10 +37,10 @@ fn power_cosine(exponent: f64, up_to: f64) -> Pair {
     )
 }
 
-fn filter(name: &str, kind: FilterKind, radius: f64) -> Pair {
+fn filter(name: &str, kind: FilterKind, radius: f64) -> SamplingTest {
     let filter = Filter::new(kind, radius);
     let density = filter.clone();
-    Pair::over_rectangle(
+    SamplingTest::over_rectangle(
         format!("filter {name}"),
         [[-radius; 2], [radius; 2]],
         move |u| Some(filter.sample([u[0], u[1]])),
@@ -48,8 +48,8 @@ fn filter(name: &str, kind: FilterKind, radius: f64) -> Pair {
     )
 }
 
-fn discrete() -> Pair {
-    let choice = Discrete::new([0.1, 3.0, 0.0, 0.7, 1e-3]).expect("valid weights");
+fn discrete() -> SamplingTest {
+    let choice = DiscreteDistribution::new([0.1, 3.0, 0.0, 0.7, 1e-3]).expect("valid weights");
     let probabilities = (0..5).map(|i| choice.pmf(i)).collect();
-    Pair::over_indices("discrete choice", probabilities, move |u| Some(choice.sample(u[0])))
+    SamplingTest::over_indices("discrete choice", probabilities, move |u| Some(choice.sample(u[0])))
 }

@@ -6,33 +6,33 @@
 //! for each pixel; pixels that hold an edge between two surfaces have none. How a
 //! picture is judged says `judge.rs`.
 
-mod field;
+mod reference_image;
 mod forms;
-mod judge;
-mod lamp;
-mod ways;
+mod comparison;
+mod sphere_light;
+mod variants;
 
-pub use forms::{FORMS, Form, Shows};
-pub use ways::Way;
+pub use forms::{CLOSED_FORMS, ClosedForm, LightTransport};
+pub use variants::RenderVariant;
 
 use crate::accel::Backend;
 
-use super::check::{Check, Effort, Group};
+use super::check::{Check, Effort, CheckGroup};
 
 /// A check for every form, and every combination of the others that the effort allows.
 pub fn checks(effort: Effort, backends: &[Backend]) -> Vec<Check> {
-    let of_form = |form: &'static Form| {
-        let ways = ways::combinations(form, effort, backends);
+    let of_form = |form: &'static ClosedForm| {
+        let ways = variants::combinations(form, effort, backends);
         ways.into_iter().map(move |(way, backend)| check(form, &way, backend, effort))
     };
-    FORMS.iter().flat_map(of_form).collect()
+    CLOSED_FORMS.iter().flat_map(of_form).collect()
 }
 
 /// The check of one form in one way.
-pub fn check(form: &'static Form, way: &Way, backend: Backend, effort: Effort) -> Check {
+pub fn check(form: &'static ClosedForm, way: &RenderVariant, backend: Backend, effort: Effort) -> Check {
     let name = format!("{}: {}, {}", form.name, way.name(), backend.name());
     let (seed_of, way) = (name.clone(), way.clone());
-    Check::new(Group::ClosedForms, name, move |cancel| {
-        judge::measure(form, &way, backend, effort, &seed_of, cancel)
+    Check::new(CheckGroup::ClosedForms, name, move |cancel| {
+        comparison::measure(form, &way, backend, effort, &seed_of, cancel)
     })
 }

@@ -14,13 +14,13 @@ mod study;
 use crate::color::Rgb;
 
 use super::metrics::{mean_error, relative_squared, squared};
-use super::statistics::Estimate;
+use super::statistics::MeanEstimate;
 
 pub use study::{ReferenceFrom, Study, Variant};
 
 /// Which error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Metric {
+pub enum ErrorMetric {
     /// The root of the mean squared error. Independent samples give a slope of -1/2.
     Rmse,
     /// The mean relative squared error of [`relative_squared`]. Independent samples give -1.
@@ -46,7 +46,7 @@ pub struct Reference {
 
 /// One picture's figures.
 #[derive(Clone, Copy, Debug)]
-pub struct Run {
+pub struct RunErrors {
     /// Mean squared error, the reference's own taken away.
     pub mse: f64,
     /// Mean relative squared error, the reference's own taken away.
@@ -57,11 +57,11 @@ pub struct Run {
 
 /// All seeds of one number of samples.
 #[derive(Clone, Debug)]
-pub struct Point {
+pub struct ChartPoint {
     /// Samples per pixel.
     pub samples: u32,
     /// One run for each seed.
-    pub runs: Vec<Run>,
+    pub runs: Vec<RunErrors>,
 }
 
 /// One way to render, at several numbers of samples.
@@ -70,19 +70,19 @@ pub struct Series {
     /// What sets it apart.
     pub name: String,
     /// At least one, by rising samples, all of equally many seeds, of which there are two or more.
-    pub points: Vec<Point>,
+    pub points: Vec<ChartPoint>,
 }
 
 /// A straight line in log-log.
 #[derive(Clone, Copy, Debug)]
-pub struct Fit {
+pub struct LogLogFit {
     /// The slope, over the seeds.
-    pub slope: Estimate,
+    pub slope: MeanEstimate,
     /// log10 of the error where log10 of the axis is 0.
     pub intercept: f64,
 }
 
-impl Metric {
+impl ErrorMetric {
     /// What it is called in options and plots.
     pub fn name(self) -> &'static str {
         match self {
@@ -101,7 +101,7 @@ impl Metric {
 
 impl Reference {
     /// The mean of two pictures with independent seeds.
-    pub fn of_halves(a: &[Rgb], b: &[Rgb]) -> Self {
+    pub fn from_halves(a: &[Rgb], b: &[Rgb]) -> Self {
         let pixels: Vec<Rgb> = a.iter().zip(b).map(|(&a, &b)| 0.5 * (a + b)).collect();
         // a - mean is half of a - b, and the variance of the mean is estimated by its square.
         let noise = [mean_error(a, &pixels, squared), mean_error(a, &pixels, relative_squared)];
@@ -109,7 +109,7 @@ impl Reference {
     }
 
     /// A picture from elsewhere, with the variance of its pixels where that is known.
-    pub fn of_picture(pixels: Vec<Rgb>, variance: Option<&[Rgb]>) -> Self {
+    pub fn from_picture(pixels: Vec<Rgb>, variance: Option<&[Rgb]>) -> Self {
         let noise = variance.map(|variance| {
             let off: Vec<Rgb> = pixels
                 .iter()
@@ -122,14 +122,14 @@ impl Reference {
     }
 
     /// Its own error in this metric; `None` where nobody knows.
-    pub fn noise(&self, metric: Metric) -> Option<f64> {
+    pub fn noise(&self, metric: ErrorMetric) -> Option<f64> {
         self.noise.map(|[mse, relmse]| metric.of(mse, relmse))
     }
 
     /// The figures of a picture of the same size that took so many seconds.
-    pub fn judge(&self, picture: &[Rgb], seconds: f64) -> Run {
+    pub fn measure(&self, picture: &[Rgb], seconds: f64) -> RunErrors {
         let [own, own_relative] = self.noise.unwrap_or_default();
-        Run {
+        RunErrors {
             mse: mean_error(picture, &self.pixels, squared) - own,
             relmse: mean_error(picture, &self.pixels, relative_squared) - own_relative,
             seconds,
@@ -137,65 +137,65 @@ impl Reference {
     }
 }
 
-impl Run {
+impl RunErrors {
     /// The error; not a number where the reference is noisier than the picture.
-    pub fn error(&self, metric: Metric) -> f64 {
+    pub fn error(&self, metric: ErrorMetric) -> f64 {
         metric.of(self.mse, self.relmse)
     }
 }
 
-impl Point {
+impl ChartPoint {
     /// The error over the seeds.
-    pub fn error(&self, metric: Metric) -> Estimate {
+    pub fn error(&self, metric: ErrorMetric) -> MeanEstimate {
         self.estimate(|run| run.error(metric))
     }
 
     /// Seconds over the seeds.
-    pub fn seconds(&self) -> Estimate {
+    pub fn seconds(&self) -> MeanEstimate {
         self.estimate(|run| run.seconds)
     }
 
     /// Squared error times seconds: what a method costs, the same at every number of independent
     /// samples. For [`Metric::Relmse`] the relative squared error.
-    pub fn cost(&self, metric: Metric) -> Estimate {
+    pub fn cost(&self, metric: ErrorMetric) -> MeanEstimate {
         self.estimate(|run| match metric {
-            Metric::Rmse => run.mse * run.seconds,
-            Metric::Relmse => run.relmse * run.seconds,
+            ErrorMetric::Rmse => run.mse * run.seconds,
+            ErrorMetric::Relmse => run.relmse * run.seconds,
         })
     }
 
-    fn estimate(&self, of: impl Fn(&Run) -> f64) -> Estimate {
-        Estimate::of(&self.runs.iter().map(of).collect::<Vec<_>>())
+    fn estimate(&self, of: impl Fn(&RunErrors) -> f64) -> MeanEstimate {
+        MeanEstimate::from_values(&self.runs.iter().map(of).collect::<Vec<_>>())
     }
 }
 
 impl Series {
     /// Whether any of its points is off from the reference by more than the reference itself.
-    pub fn has_error(&self, metric: Metric) -> bool {
+    pub fn has_error(&self, metric: ErrorMetric) -> bool {
         self.points.iter().any(|point| point.error(metric).mean > 0.0)
     }
 
     /// The line through all points; `None` for a single point, or where an error is not positive
     /// because the reference is too noisy.
-    pub fn fit(&self, metric: Metric, axis: Axis) -> Option<Fit> {
+    pub fn fit(&self, metric: ErrorMetric, axis: Axis) -> Option<LogLogFit> {
         if self.points.len() < 2 {
             return None;
         }
         // Each seed by its own seconds, so that what they waver by enters the interval.
         let line_of = |seed: usize| {
-            let x = |point: &Point| match axis {
+            let x = |point: &ChartPoint| match axis {
                 Axis::Samples => f64::from(point.samples),
                 Axis::Seconds => point.runs[seed].seconds,
             };
             let xs: Vec<f64> = self.points.iter().map(|point| libm::log10(x(point))).collect();
-            let y = |point: &Point| libm::log10(point.runs[seed].error(metric));
+            let y = |point: &ChartPoint| libm::log10(point.runs[seed].error(metric));
             line(&xs, &self.points.iter().map(y).collect::<Vec<_>>())
         };
         let lines: Vec<(f64, f64)> = (0..self.points[0].runs.len()).map(line_of).collect();
-        let slope = Estimate::of(&lines.iter().map(|line| line.0).collect::<Vec<_>>());
-        let intercept = Estimate::of(&lines.iter().map(|line| line.1).collect::<Vec<_>>()).mean;
+        let slope = MeanEstimate::from_values(&lines.iter().map(|line| line.0).collect::<Vec<_>>());
+        let intercept = MeanEstimate::from_values(&lines.iter().map(|line| line.1).collect::<Vec<_>>()).mean;
         let is_real = slope.mean.is_finite() && intercept.is_finite();
-        is_real.then_some(Fit { slope, intercept })
+        is_real.then_some(LogLogFit { slope, intercept })
     }
 }
 
@@ -223,11 +223,11 @@ mod tests {
     }
 
     fn series(reference: &Reference, random: &mut StdRng) -> Series {
-        let runs = |n, random: &mut StdRng| -> Vec<Run> {
-            (0..16).map(|_| reference.judge(&noisy(n, random), f64::from(n) * 1e-3)).collect()
+        let runs = |n, random: &mut StdRng| -> Vec<RunErrors> {
+            (0..16).map(|_| reference.measure(&noisy(n, random), f64::from(n) * 1e-3)).collect()
         };
         let points = [4, 8, 16, 32];
-        let points = points.map(|samples| Point { samples, runs: runs(samples, random) });
+        let points = points.map(|samples| ChartPoint { samples, runs: runs(samples, random) });
         Series { name: "uniform".into(), points: points.into() }
     }
 
@@ -238,11 +238,11 @@ mod tests {
     fn independent_samples_have_a_slope_of_one_half_whatever_the_reference() {
         let mut random = StdRng::seed_from_u64(5);
         let halves = [64, 64].map(|n| noisy(n, &mut random));
-        let reference = Reference::of_halves(&halves[0], &halves[1]);
-        let own = reference.noise(Metric::Rmse).unwrap();
+        let reference = Reference::from_halves(&halves[0], &halves[1]);
+        let own = reference.noise(ErrorMetric::Rmse).unwrap();
         assert!((own / (1.0f64 / 12.0 / 128.0).sqrt() - 1.0).abs() < 0.05, "{own}");
         let series = series(&reference, &mut random);
-        for (metric, expected) in [(Metric::Rmse, -0.5), (Metric::Relmse, -1.0)] {
+        for (metric, expected) in [(ErrorMetric::Rmse, -0.5), (ErrorMetric::Relmse, -1.0)] {
             for axis in [Axis::Samples, Axis::Seconds] {
                 let slope = series.fit(metric, axis).unwrap().slope;
                 let allowed = 5.0 * slope.standard_error;
@@ -250,10 +250,10 @@ mod tests {
                 assert!(allowed < 0.05);
             }
         }
-        let last = series.points[3].error(Metric::Rmse);
+        let last = series.points[3].error(ErrorMetric::Rmse);
         let expected = (1.0f64 / 12.0 / 32.0).sqrt();
         assert!((last.mean - expected).abs() < 5.0 * last.standard_error, "{last:?}");
-        let cost = series.points[0].cost(Metric::Rmse);
+        let cost = series.points[0].cost(ErrorMetric::Rmse);
         assert!((cost.mean - 1e-3 / 12.0).abs() < 5.0 * cost.standard_error, "{cost:?}");
     }
 
@@ -261,18 +261,18 @@ mod tests {
     fn a_line_goes_through_its_points_and_bad_errors_give_none() {
         let (slope, intercept) = line(&[0.0, 1.0, 2.0], &[1.0, 0.5, 0.0]);
         assert!((slope + 0.5).abs() < 1e-15 && (intercept - 1.0).abs() < 1e-15);
-        let run = Run { mse: -1.0, relmse: 1.0, seconds: 1.0 };
-        let point = |samples| Point { samples, runs: vec![run; 3] };
+        let run = RunErrors { mse: -1.0, relmse: 1.0, seconds: 1.0 };
+        let point = |samples| ChartPoint { samples, runs: vec![run; 3] };
         let series = Series { name: String::new(), points: vec![point(1), point(2)] };
-        assert!(series.fit(Metric::Rmse, Axis::Samples).is_none());
-        assert!(series.fit(Metric::Relmse, Axis::Samples).is_some());
+        assert!(series.fit(ErrorMetric::Rmse, Axis::Samples).is_none());
+        assert!(series.fit(ErrorMetric::Relmse, Axis::Samples).is_some());
     }
 
     #[test]
     fn a_variance_layer_tells_the_noise_of_a_reference() {
         let pixels = vec![Rgb::splat(1.0); 4];
-        let reference = Reference::of_picture(pixels.clone(), Some(&[Rgb::splat(0.04); 4]));
-        assert!((reference.noise(Metric::Rmse).unwrap() - 0.2).abs() < 1e-7);
-        assert_eq!(Reference::of_picture(pixels, None).noise(Metric::Rmse), None);
+        let reference = Reference::from_picture(pixels.clone(), Some(&[Rgb::splat(0.04); 4]));
+        assert!((reference.noise(ErrorMetric::Rmse).unwrap() - 0.2).abs() < 1e-7);
+        assert_eq!(Reference::from_picture(pixels, None).noise(ErrorMetric::Rmse), None);
     }
 }

@@ -7,11 +7,11 @@ use std::time::Instant;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::color::Rgb;
 use crate::error::Result;
-use crate::job::{self, Rendered};
-use crate::scene::{Scene, Settings, Shot};
-use crate::task::Cancel;
+use crate::job::{self, RenderedImage};
+use crate::scene::{Scene, Settings, PreparedScene};
+use crate::task::CancelToken;
 
-use super::{Point, Reference, Series};
+use super::{ChartPoint, Reference, Series};
 
 /// The seeds of the reference's halves are far from any that a user takes.
 const REFERENCE_SEED: u64 = 1 << 40;
@@ -72,7 +72,7 @@ impl Study {
     ///
     /// # Errors
     /// When an intersector cannot be built, or a render fails.
-    pub fn measure(&self, done: &dyn Fn(&Rendered)) -> Result<(Reference, Vec<Series>)> {
+    pub fn measure(&self, done: &dyn Fn(&RenderedImage)) -> Result<(Reference, Vec<Series>)> {
         let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
         let built = |variant: &Variant| variant.accel.build(self.scene.spheres(), &build);
         let accels: Vec<Box<dyn Accel>> = self.variants.iter().map(built).collect::<Result<_>>()?;
@@ -80,43 +80,43 @@ impl Study {
         let empty = |variant: &Variant| Series { name: variant.name.clone(), points: Vec::new() };
         let mut series: Vec<Series> = self.variants.iter().map(empty).collect();
         for (at, &samples) in self.samples.iter().enumerate() {
-            let shot = |variant: &Variant| Shot::new(&self.scene, variant.settings[at]);
-            let mut shots: Vec<Shot> = self.variants.iter().map(shot).collect::<Result<_>>()?;
+            let shot = |variant: &Variant| PreparedScene::new(&self.scene, variant.settings[at]);
+            let mut shots: Vec<PreparedScene> = self.variants.iter().map(shot).collect::<Result<_>>()?;
             let mut runs = vec![Vec::new(); shots.len()];
             // The variants take turns, so that what else the machine does troubles all alike.
             for seed in self.seeds.clone() {
                 for ((shot, accel), runs) in shots.iter_mut().zip(&accels).zip(&mut runs) {
                     shot.set_seed(seed);
                     let (pixels, seconds) = render(shot, &**accel, done)?;
-                    runs.push(reference.judge(&pixels, seconds));
+                    runs.push(reference.measure(&pixels, seconds));
                 }
             }
             for (series, runs) in series.iter_mut().zip(runs) {
-                series.points.push(Point { samples, runs });
+                series.points.push(ChartPoint { samples, runs });
             }
         }
         Ok((reference, series))
     }
 
-    fn reference(&self, accel: &dyn Accel, done: &dyn Fn(&Rendered)) -> Result<Reference> {
+    fn reference(&self, accel: &dyn Accel, done: &dyn Fn(&RenderedImage)) -> Result<Reference> {
         let settings = match &self.reference {
             ReferenceFrom::Picture(reference) => return Ok(reference.clone()),
             ReferenceFrom::Halves(settings) => *settings,
         };
-        let mut shot = Shot::new(&self.scene, settings)?;
+        let mut shot = PreparedScene::new(&self.scene, settings)?;
         let mut half = |seed| {
             shot.set_seed(seed);
             render(&shot, accel, done).map(|(pixels, _)| pixels)
         };
         let (a, b) = (half(REFERENCE_SEED)?, half(REFERENCE_SEED + 1)?);
-        Ok(Reference::of_halves(&a, &b))
+        Ok(Reference::from_halves(&a, &b))
     }
 }
 
 /// The beauty, and the seconds it took.
-fn render(shot: &Shot, accel: &dyn Accel, done: &dyn Fn(&Rendered)) -> Result<(Vec<Rgb>, f64)> {
+fn render(shot: &PreparedScene, accel: &dyn Accel, done: &dyn Fn(&RenderedImage)) -> Result<(Vec<Rgb>, f64)> {
     let began = Instant::now();
-    let rendered = job::render(shot, accel, &[], &Cancel::default())?;
+    let rendered = job::render_with_accel(shot, accel, &[], &CancelToken::default())?;
     let seconds = began.elapsed().as_secs_f64();
     done(&rendered);
     let picture = &rendered.picture;

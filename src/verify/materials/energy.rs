@@ -16,54 +16,54 @@ use crate::math::DVec3;
 use crate::sampling::{Hemisphere, Sampler, SamplerKind, sin_cos};
 
 use super::super::check::seed;
-use super::super::statistics::Estimate;
-use super::samples::Sample;
+use super::super::statistics::MeanEstimate;
+use super::cases::MaterialCase;
 
 /// Independent means behind each energy.
 const SEEDS: u64 = 32;
 /// Cosines that are drawn evenly in their logarithm begin here.
-const LOWEST: f64 = 1e-4;
+const MIN_COS: f64 = 1e-4;
 
 /// The share of light that is sent on, of each channel.
 pub(super) struct Energy {
-    pub(super) drawn: [Estimate; 3],
-    pub(super) evaluated: [Estimate; 3],
+    pub(super) sampled: [MeanEstimate; 3],
+    pub(super) evaluated: [MeanEstimate; 3],
 }
 
 /// Measured at a cosine from the normal, by so many directions for each mean, a power of 2.
-pub(super) fn energy(sample: &Sample, wo: DVec3, directions: u32) -> Energy {
+pub(super) fn energy(sample: &MaterialCase, wo: DVec3, directions: u32) -> Energy {
     let bsdf = sample.bsdf();
-    let proposals = Proposals::of(sample, &bsdf);
+    let proposals = Proposals::new(sample, &bsdf);
     let mut means = Vec::new();
     for index in 0..SEEDS {
         let seed = seed(&sample.name, index);
         let mut sums = [DVec3::ZERO; 2];
         for i in 0..directions {
-            let u = Sampler::of_kind(SamplerKind::Sobol, seed, 0, i, directions);
+            let u = Sampler::with_kind(SamplerKind::Sobol, seed, 0, i, directions);
             let drawn = bsdf.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(8));
             let weight = |s: &BsdfSample| s.weight.as_dvec3() * (s.eta * s.eta);
             sums[0] += drawn.as_ref().map_or(DVec3::ZERO, weight);
             sums[1] += drawn.filter(|s| s.lobe == Lobe::Delta).as_ref().map_or(DVec3::ZERO, weight);
-            sums[1] += proposals.value(&bsdf, wo, u.get(6), u.get_2d(4));
+            sums[1] += proposals.estimate(&bsdf, wo, u.get(6), u.get_2d(4));
         }
         means.push(sums.map(|sum| (sum / f64::from(directions)).to_array()));
     }
     let of = |way: usize| {
         std::array::from_fn(|channel| {
             let values: Vec<f64> = means.iter().map(|mean| mean[way][channel]).collect();
-            Estimate::of(&values)
+            MeanEstimate::from_values(&values)
         })
     };
-    Energy { drawn: of(0), evaluated: of(1) }
+    Energy { sampled: of(0), evaluated: of(1) }
 }
 
 /// The ways in which directions are drawn, each as often.
 struct Proposals {
-    ways: Vec<Way>,
+    proposals: Vec<Proposal>,
     eta: f64,
 }
 
-enum Way {
+enum Proposal {
     Reflect(Ggx),
     Refract(Ggx),
     /// By the cosine, above (1) or below (-1).
@@ -74,41 +74,41 @@ enum Way {
 
 impl Proposals {
     /// None for a surface of single directions.
-    fn of(sample: &Sample, bsdf: &Bsdf<'_>) -> Self {
+    fn new(sample: &MaterialCase, bsdf: &Bsdf<'_>) -> Self {
         let mut ways = Vec::new();
         if !bsdf.is_delta() {
-            ways.extend([Way::Cosine(1.0), Way::Horizon(1.0)]);
-            for ggx in sample.facets.iter().filter_map(|&roughness| Ggx::new(roughness)) {
-                ways.push(Way::Reflect(ggx));
-                if bsdf.transmits() {
-                    ways.push(Way::Refract(ggx));
+            ways.extend([Proposal::Cosine(1.0), Proposal::Horizon(1.0)]);
+            for ggx in sample.facet_roughnesses.iter().filter_map(|&roughness| Ggx::new(roughness)) {
+                ways.push(Proposal::Reflect(ggx));
+                if bsdf.is_rough_transmissive() {
+                    ways.push(Proposal::Refract(ggx));
                 }
             }
-            if bsdf.transmits() {
-                ways.extend([Way::Cosine(-1.0), Way::Horizon(-1.0)]);
+            if bsdf.is_rough_transmissive() {
+                ways.extend([Proposal::Cosine(-1.0), Proposal::Horizon(-1.0)]);
             }
         }
-        Self { ways, eta: sample.eta }
+        Self { proposals: ways, eta: sample.eta }
     }
 
     /// `f cos` over the density of a direction.
-    fn value(&self, bsdf: &Bsdf<'_>, wo: DVec3, choice: f64, u: [f64; 2]) -> DVec3 {
-        let way = (choice * self.ways.len() as f64) as usize;
-        let wi = self.ways.get(way).and_then(|way| way.sample(self.eta, wo, u));
+    fn estimate(&self, bsdf: &Bsdf<'_>, wo: DVec3, choice: f64, u: [f64; 2]) -> DVec3 {
+        let way = (choice * self.proposals.len() as f64) as usize;
+        let wi = self.proposals.get(way).and_then(|way| way.sample(self.eta, wo, u));
         let Some(wi) = wi.filter(|wi| wi.z != 0.0) else { return DVec3::ZERO };
-        let density: f64 = self.ways.iter().map(|way| way.pdf(self.eta, wo, wi)).sum();
-        let density = density / self.ways.len() as f64;
+        let density: f64 = self.proposals.iter().map(|way| way.pdf(self.eta, wo, wi)).sum();
+        let density = density / self.proposals.len() as f64;
         let squared = if wi.z < 0.0 { self.eta * self.eta } else { 1.0 };
         bsdf.eval(wo, wi).as_dvec3() * (squared * wi.z.abs() / density)
     }
 }
 
-impl Way {
+impl Proposal {
     fn sample(&self, eta: f64, wo: DVec3, u: [f64; 2]) -> Option<DVec3> {
         match self {
             Self::Reflect(ggx) => ggx.sample_reflection(wo, u).map(|(wi, _)| wi),
             Self::Refract(ggx) => {
-                let m = ggx.sample_normal(wo, u);
+                let m = ggx.sample_visible_normal(wo, u);
                 let cos = wo.dot(m);
                 // Snell's law; no root where all is reflected.
                 let beyond = (1.0 - (1.0 - cos * cos) / (eta * eta)).sqrt();
@@ -117,7 +117,7 @@ impl Way {
             }
             Self::Cosine(side) => Some(Hemisphere::Cosine.sample(u) * DVec3::new(1.0, 1.0, *side)),
             Self::Horizon(side) => {
-                let cos = libm::pow(LOWEST, u[0]);
+                let cos = libm::pow(MIN_COS, u[0]);
                 let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
                 let (sin_phi, cos_phi) = sin_cos(TAU * u[1]);
                 Some(DVec3::new(sin * cos_phi, sin * sin_phi, cos * side))
@@ -135,13 +135,13 @@ impl Way {
                 if cos_o <= 0.0 || cos_i >= 0.0 {
                     return 0.0;
                 }
-                ggx.normal_pdf(wo, normal) * eta * eta * -cos_i / sum.length_squared()
+                ggx.visible_normal_pdf(wo, normal) * eta * eta * -cos_i / sum.length_squared()
             }
             Self::Refract(_) => 0.0,
             Self::Cosine(side) => (wi.z * side).max(0.0) * FRAC_1_PI,
             Self::Horizon(side) => {
                 let cos = wi.z * side;
-                if cos < LOWEST { 0.0 } else { 1.0 / (cos * -libm::log(LOWEST) * TAU) }
+                if cos < MIN_COS { 0.0 } else { 1.0 / (cos * -libm::log(MIN_COS) * TAU) }
             }
         }
     }

@@ -7,7 +7,7 @@
 //! (`samples.rs`).
 
 mod energy;
-mod samples;
+mod cases;
 
 use std::sync::Arc;
 
@@ -16,13 +16,13 @@ use crate::error::Result;
 use crate::material::Lobe;
 use crate::math::DVec3;
 use crate::sampling::{Hemisphere, Sampler, sin_cos};
-use crate::task::Cancel;
+use crate::task::CancelToken;
 
-use super::check::{Check, Effort, Finding, Group, Measured, seed};
-use super::statistics::Estimate;
+use super::check::{Check, Effort, TestStatistic, CheckGroup, CheckMeasurement, seed};
+use super::statistics::MeanEstimate;
 
-use samples::{Promise, Tolerance};
-pub(super) use samples::{Sample, samples};
+use cases::{EnergyBound, Tolerance};
+pub(super) use cases::{MaterialCase, material_cases};
 
 /// Angles of `wo` from the normal, in degrees, at which the energy is measured.
 const DEGREES: [f64; 6] = [0.0, 30.0, 60.0, 75.0, 85.0, 89.0];
@@ -40,104 +40,104 @@ const ROUNDING: f32 = 1e-4;
 
 /// Two checks for each material: energy, and reciprocity together with the weights.
 pub(super) fn checks(effort: Effort) -> Vec<Check> {
-    let (directions, pairs) = (effort.choose(DIRECTIONS), effort.choose(PAIRS));
+    let (directions, pairs) = (effort.select(DIRECTIONS), effort.select(PAIRS));
     let degrees: &[f64] = if effort == Effort::Full { &MORE_DEGREES } else { &DEGREES };
-    let of_sample = |sample: Sample| {
+    let of_sample = |sample: MaterialCase| {
         let sample = Arc::new(sample);
-        let is_fair = sample.promise != Promise::Neither;
+        let is_fair = sample.energy_bound != EnergyBound::NonPhysical;
         let (name, of_energy) = (sample.name.clone(), sample.clone());
-        let energy = Check::new(Group::Materials, format!("energy of {name}"), move |cancel| {
-            keeps_its_promise(&of_energy, degrees, directions, cancel)
+        let energy = Check::new(CheckGroup::Materials, format!("energy of {name}"), move |cancel| {
+            check_energy(&of_energy, degrees, directions, cancel)
         });
         let both_ways = is_fair.then(|| {
             let name = format!("both ways through {name}");
-            Check::new(Group::Materials, name, move |_| Ok(both_ways_alike(&sample, pairs)))
+            Check::new(CheckGroup::Materials, name, move |_| Ok(check_reciprocity(&sample, pairs)))
         });
         [Some(energy), both_ways]
     };
-    samples(effort).into_iter().flat_map(of_sample).flatten().collect()
+    material_cases(effort).into_iter().flat_map(of_sample).flatten().collect()
 }
 
-fn keeps_its_promise(
-    sample: &Sample,
+fn check_energy(
+    sample: &MaterialCase,
     degrees: &[f64],
     directions: u32,
-    cancel: &Cancel,
-) -> Result<Measured> {
+    cancel: &CancelToken,
+) -> Result<CheckMeasurement> {
     let mut worst = 1.0f64;
-    let (mut drawn, mut evaluated) = (Range::NOTHING, Range::NOTHING);
+    let (mut drawn, mut evaluated) = (MinMax::NOTHING, MinMax::NOTHING);
     for &degrees in degrees {
         cancel.check()?;
         let energy = energy::energy(sample, direction(degrees), directions);
-        energy.drawn.iter().for_each(|energy| drawn.include(energy.mean));
+        energy.sampled.iter().for_each(|energy| drawn.include(energy.mean));
         energy.evaluated.iter().for_each(|energy| evaluated.include(energy.mean));
-        let Tolerance { drawn: of_drawn, evaluated: of_evaluated } = sample.tolerance;
-        for (energies, tolerance) in [(energy.drawn, of_drawn), (energy.evaluated, of_evaluated)] {
+        let Tolerance { sampled: of_drawn, evaluated: of_evaluated } = sample.tolerance;
+        for (energies, tolerance) in [(energy.sampled, of_drawn), (energy.evaluated, of_evaluated)] {
             let each =
-                energies.into_iter().map(|energy| p_value(energy, sample.promise, tolerance));
+                energies.into_iter().map(|energy| p_value(energy, sample.energy_bound, tolerance));
             worst = each.fold(worst, f64::min);
         }
     }
     let angles = degrees.len();
-    if sample.promise == Promise::Neither {
-        let Range { least, most } = evaluated;
+    if sample.energy_bound == EnergyBound::NonPhysical {
+        let MinMax { min: least, max: most } = evaluated;
         let told = format!("{}: sends back {least:.2} to {most:.2} of the light", sample.name);
         // What the formula says, which holds straight from above and is the most.
-        let expected = sample.material.most_energy();
+        let expected = sample.material.max_albedo();
         let wrong = usize::from((most - f64::from(expected.max_element())).abs() > 0.01);
         let detail = format!("{told} over {angles} angles, as it is known to");
-        return Ok(Measured::new(Finding::Wrong(wrong), detail).with_remark(told));
+        return Ok(CheckMeasurement::new(TestStatistic::ErrorCount(wrong), detail).with_note(told));
     }
     let detail = format!(
         "drawn {drawn} (beside {:.0e}), evaluated {evaluated} (beside {:.0e}) of the light over \
          {angles} angles",
-        sample.tolerance.drawn, sample.tolerance.evaluated
+        sample.tolerance.sampled, sample.tolerance.evaluated
     );
     // Each of the comparisons has its share of the significance (Bonferroni).
     let comparisons = 6.0 * angles as f64;
-    Ok(Measured::new(Finding::PValue((worst * comparisons).min(1.0)), detail))
+    Ok(CheckMeasurement::new(TestStatistic::PValue((worst * comparisons).min(1.0)), detail))
 }
 
 /// From the least to the most that was measured.
-struct Range {
-    least: f64,
-    most: f64,
+struct MinMax {
+    min: f64,
+    max: f64,
 }
 
-impl Range {
-    const NOTHING: Self = Self { least: f64::INFINITY, most: f64::NEG_INFINITY };
+impl MinMax {
+    const NOTHING: Self = Self { min: f64::INFINITY, max: f64::NEG_INFINITY };
 
     fn include(&mut self, value: f64) {
-        *self = Self { least: self.least.min(value), most: self.most.max(value) };
+        *self = Self { min: self.min.min(value), max: self.max.max(value) };
     }
 }
 
-impl std::fmt::Display for Range {
+impl std::fmt::Display for MinMax {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:.5} to {:.5}", self.least, self.most)
+        write!(f, "{:.5} to {:.5}", self.min, self.max)
     }
 }
 
 /// The probability of this energy if the promise is kept but for a tolerance.
-fn p_value(energy: Estimate, promise: Promise, tolerance: f64) -> f64 {
+fn p_value(energy: MeanEstimate, promise: EnergyBound, tolerance: f64) -> f64 {
     let nearest = match promise {
-        Promise::All => energy.mean.clamp(1.0 - tolerance, 1.0 + tolerance),
+        EnergyBound::Lossless => energy.mean.clamp(1.0 - tolerance, 1.0 + tolerance),
         _ => energy.mean.min(1.0 + tolerance),
     };
     energy.p_value(nearest)
 }
 
 /// Random pairs of directions both ways, and sampled directions with their weights.
-fn both_ways_alike(sample: &Sample, pairs: u32) -> Measured {
-    let (bsdf, behind) = (sample.bsdf(), sample.behind());
+fn check_reciprocity(sample: &MaterialCase, pairs: u32) -> CheckMeasurement {
+    let (bsdf, behind) = (sample.bsdf(), sample.reversed_bsdf());
     let seed = seed(&sample.name, 0);
     let mut wrong = 0;
     for i in 0..pairs {
-        let u = Sampler::new(seed, 1, i);
+        let u = Sampler::independent(seed, 1, i);
         let wo = Hemisphere::Cosine.sample(u.get_2d(0));
         let wi = Hemisphere::UniformAngle.sample(u.get_2d(4));
         wrong += usize::from(!is_near(bsdf.eval(wo, wi), bsdf.eval(wi, wo)));
-        if bsdf.transmits() {
+        if bsdf.is_rough_transmissive() {
             // From behind both directions are seen upside down, and radiance is compressed.
             let flip = |w: DVec3| DVec3::new(w.x, w.y, -w.z);
             let there = bsdf.eval(wo, flip(wi)) * (sample.eta * sample.eta) as f32;
@@ -151,7 +151,7 @@ fn both_ways_alike(sample: &Sample, pairs: u32) -> Measured {
             wrong += usize::from(!is_near(weight, drawn.weight));
         }
     }
-    Measured::new(Finding::Wrong(wrong), format!("{wrong} of {pairs} pairs differ"))
+    CheckMeasurement::new(TestStatistic::ErrorCount(wrong), format!("{wrong} of {pairs} pairs differ"))
 }
 
 fn is_near(a: Rgb, b: Rgb) -> bool {
@@ -169,13 +169,13 @@ fn direction(degrees: f64) -> DVec3 {
 mod tests {
     use super::*;
     use crate::material::{Diffuse, Model};
-    use crate::verify::check::{run_all, share_significance};
+    use crate::verify::check::{run_all, split_significance};
 
     #[test]
     fn every_material_keeps_its_promise() {
         let mut checks = checks(Effort::Quick);
-        share_significance(&mut checks);
-        let outcomes = run_all(&checks, &Cancel::default(), &|_| ()).expect("nobody cancels");
+        split_significance(&mut checks);
+        let outcomes = run_all(&checks, &CancelToken::default(), &|_| ()).expect("nobody cancels");
         let failed: Vec<String> = checks
             .iter()
             .zip(&outcomes)
@@ -189,12 +189,12 @@ mod tests {
     #[test]
     fn a_broken_promise_is_found() {
         let bright = Model::Diffuse(Diffuse { albedo: Rgb::splat(1.0001) });
-        let bright = Sample::opaque("too bright", bright, Promise::AtMostAll);
-        let found = keeps_its_promise(&bright, &DEGREES, 512, &Cancel::default());
-        let found = found.expect("nobody cancels").finding;
-        assert!(matches!(found, Finding::PValue(p) if p < 1e-9));
-        let classic = samples(Effort::Quick).into_iter().find(|s| s.promise == Promise::Neither);
-        let found = both_ways_alike(&classic.expect("classic phong"), 100);
-        assert!(matches!(found.finding, Finding::Wrong(wrong) if wrong > 20));
+        let bright = MaterialCase::opaque("too bright", bright, EnergyBound::Passive);
+        let found = check_energy(&bright, &DEGREES, 512, &CancelToken::default());
+        let found = found.expect("nobody cancels").statistic;
+        assert!(matches!(found, TestStatistic::PValue(p) if p < 1e-9));
+        let classic = material_cases(Effort::Quick).into_iter().find(|s| s.energy_bound == EnergyBound::NonPhysical);
+        let found = check_reciprocity(&classic.expect("classic phong"), 100);
+        assert!(matches!(found.statistic, TestStatistic::ErrorCount(wrong) if wrong > 20));
     }
 }

@@ -41,14 +41,14 @@ pub fn psnr(mse: f64, peak: f64) -> f64 {
 
 /// The mean over all pixels, channel by channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mean {
+pub struct ImageMean {
     /// The mean.
     pub value: DVec3,
     /// Its standard error, where the variance of the pixels is known.
     pub standard_error: Option<DVec3>,
 }
 
-impl Mean {
+impl ImageMean {
     /// The mean of a picture of which nothing else is known.
     pub fn of(picture: &[Rgb]) -> Self {
         let sum: DVec3 = picture.iter().map(|color| color.as_dvec3()).sum();
@@ -72,7 +72,7 @@ impl Mean {
     }
 
     /// Half the width of the 95 % confidence interval of the mean (normal: there are many pixels).
-    pub fn half_interval(&self) -> Option<DVec3> {
+    pub fn half_width_95(&self) -> Option<DVec3> {
         self.standard_error.map(|error| error * NORMAL_95)
     }
 
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn a_ratio_of_means_has_the_interval_of_its_parts() {
-        let mean = |value, error| Mean {
+        let mean = |value, error| ImageMean {
             value: DVec3::splat(value),
             standard_error: Some(DVec3::splat(error)),
         };
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(ratio, DVec3::splat(2.0));
         let expected = NORMAL_95 * (0.02f64 * 0.02 + 0.06 * 0.06).sqrt();
         assert!((half.unwrap().x - expected).abs() < 1e-12);
-        let zero = Mean { value: DVec3::ZERO, standard_error: None };
+        let zero = ImageMean { value: DVec3::ZERO, standard_error: None };
         assert_eq!(zero.ratio(&zero), (DVec3::ONE, None));
         // Black over black, and light over black.
         let black = mean(0.0, 0.0);
@@ -150,16 +150,16 @@ mod tests {
         let mut random = StdRng::seed_from_u64(7);
         let mut draw =
             || -> Vec<Rgb> { (0..400).map(|_| Rgb::splat(random.random::<f32>())).collect() };
-        let holds = |mean: Mean| {
-            let half = mean.half_interval().unwrap().x;
+        let holds = |mean: ImageMean| {
+            let half = mean.half_width_95().unwrap().x;
             usize::from((mean.value.x - 0.5).abs() <= half)
         };
         let known = vec![Rgb::splat(1.0 / 12.0); 400];
         let (mut by_twin, mut by_variance) = (0, 0);
         for _ in 0..400 {
             let (a, b) = (draw(), draw());
-            by_twin += holds(Mean::with_twin(&a, &b));
-            by_variance += holds(Mean::with_variance(&a, &known));
+            by_twin += holds(ImageMean::with_twin(&a, &b));
+            by_variance += holds(ImageMean::with_variance(&a, &known));
         }
         assert!((358..=400).contains(&by_twin), "{by_twin}");
         assert!((358..=400).contains(&by_variance), "{by_variance}");

@@ -9,53 +9,53 @@
 //! Cells are built in waves, and the trees of a wave moved behind those of the one before: beside
 //! the tree itself, no more memory is needed than for one wave.
 
-mod binary;
-mod bounds;
-mod cells;
+mod binary_bvh;
+mod aabb;
+mod treelets;
 mod collapse;
-mod grown;
+mod emit;
 mod split;
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::accel::options::{BuildOptions, Quality};
+use crate::accel::options::{BuildOptions, BuildQuality};
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 
-use super::kernel::pages::Pages;
-use super::limits::LEVELS;
-use super::node::{Child, LEAF_SIZE, Leaf, LeafIds, Node};
-use super::tree::Tree;
+use super::kernel::huge_pages::HugePageVec;
+use super::limits::MAX_DEPTH;
+use super::node::{NodeRef, LEAF_SIZE, SphereLeaf, LeafIds, BvhNode};
+use super::bvh::Bvh;
 
-use binary::Binary;
-use cells::Cells;
-use collapse::{Collapse, Leaves};
-use grown::Grown;
+use binary_bvh::BinaryBvh;
+use treelets::Treelets;
+use collapse::{Collapse, LeafKind};
+use emit::EmittedTree;
 
-pub(super) use bounds::{Bounds, larger};
-pub(super) use split::Item;
+pub(super) use aabb::{Aabb, fast_max};
+pub(super) use split::PrimRef;
 
 /// Spheres of a wave.
-const WAVE: usize = 1 << 20;
+const SPHERES_PER_BATCH: usize = 1 << 20;
 
-const _: () = assert!(cells::LEVELS + binary::LEVELS <= LEVELS, "no tree outgrows the stack");
+const _: () = assert!(treelets::MAX_DEPTH + binary_bvh::MAX_DEPTH <= MAX_DEPTH, "no tree outgrows the stack");
 
 /// How the tree over some spheres came about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Shape {
+pub(super) struct BuildStats {
     /// Cells, whose trees were built apart.
-    pub(super) cells: usize,
+    pub(super) treelets: usize,
     /// Those of them whose nodes were chosen by dynamic programming, and not greedily.
-    pub(super) optimal: usize,
+    pub(super) optimal_treelets: usize,
 }
 
 /// A finished cell.
-struct Cell {
-    grown: Grown,
-    root: Child,
-    bounds: Bounds,
+struct Treelet {
+    emitted: EmittedTree,
+    root: NodeRef,
+    bounds: Aabb,
     is_optimal: bool,
 }
 
@@ -63,101 +63,101 @@ struct Cell {
 ///
 /// # Errors
 /// On cancellation, when memory does not suffice, and beyond 2^31 leaves.
-pub(super) fn build(set: &SphereSet, options: &BuildOptions) -> Result<(Tree, Shape)> {
+pub(super) fn build(set: &SphereSet, options: &BuildOptions) -> Result<(Bvh, BuildStats)> {
     let spheres = set.particles();
-    if spheres.len() <= LIST {
-        return Ok((list(set)?, Shape::default()));
+    if spheres.len() <= MAX_LIST_SIZE {
+        return Ok((build_list(set)?, BuildStats::default()));
     }
-    let cells = Cells::of(set);
-    let (nodes, leaves) = expected(spheres.len());
-    let mut forest = Forest {
-        nodes: Pages::with_capacity(nodes)?,
-        leaves: Pages::with_capacity(leaves)?,
-        ids: Pages::with_capacity(leaves)?,
+    let cells = Treelets::new(set);
+    let (nodes, leaves) = estimate_counts(spheres.len());
+    let mut forest = BvhStorage {
+        nodes: HugePageVec::with_capacity(nodes)?,
+        leaves: HugePageVec::with_capacity(leaves)?,
+        ids: HugePageVec::with_capacity(leaves)?,
     };
-    let mut shape = Shape { cells: cells.ranges.len(), optimal: 0 };
+    let mut shape = BuildStats { treelets: cells.ranges.len(), optimal_treelets: 0 };
     let mut roots = Vec::with_capacity(cells.ranges.len());
-    for wave in cells.waves(WAVE) {
-        let built: Result<Vec<Cell>> = wave
+    for wave in cells.batches(SPHERES_PER_BATCH) {
+        let built: Result<Vec<Treelet>> = wave
             .par_iter()
-            .map(|range| options.cancel.check().map(|()| cell(set, range.clone(), options.quality)))
+            .map(|range| options.cancel.check().map(|()| build_treelet(set, range.clone(), options.quality)))
             .collect();
         let built = built?;
-        shape.optimal += built.iter().filter(|cell| cell.is_optimal).count();
-        roots.extend(forest.take_in(built)?);
+        shape.optimal_treelets += built.iter().filter(|cell| cell.is_optimal).count();
+        roots.extend(forest.append_treelets(built)?);
         let done = wave.last().map_or(0, |range| range.end);
         options.progress.report(done as f64 / spheres.len().max(1) as f64);
     }
     let root = match roots[..] {
         [] => None,
-        _ => Some(forest.crown(&cells, &roots)?),
+        _ => Some(forest.append_top_levels(&cells, &roots)?),
     };
-    Ok((Tree::new(forest.nodes, forest.leaves, forest.ids, root), shape))
+    Ok((Bvh::new(forest.nodes, forest.leaves, forest.ids, root), shape))
 }
 
 /// As many spheres are tested one after the other: a tree over them would cost more than it saves.
-const LIST: usize = 32;
+const MAX_LIST_SIZE: usize = 32;
 
 /// The leaves of a few spheres, without a tree.
-fn list(set: &SphereSet) -> Result<Tree> {
-    let items: Vec<Item> = items(set, 0..set.particles().len()).collect();
+fn build_list(set: &SphereSet) -> Result<Bvh> {
+    let items: Vec<PrimRef> = prim_refs(set, 0..set.particles().len()).collect();
     let groups = || items.chunks(LEAF_SIZE);
-    let mut leaves = Pages::with_capacity(0)?;
-    let mut ids = Pages::with_capacity(0)?;
-    leaves.grow(groups().len())?.iter_mut().zip(groups()).for_each(|(to, of)| *to = Leaf::of(of));
-    ids.grow(groups().len())?.iter_mut().zip(groups()).for_each(|(to, of)| *to = Leaf::ids_of(of));
-    Ok(Tree::new(Pages::with_capacity(0)?, leaves, ids, None))
+    let mut leaves = HugePageVec::with_capacity(0)?;
+    let mut ids = HugePageVec::with_capacity(0)?;
+    leaves.grow(groups().len())?.iter_mut().zip(groups()).for_each(|(to, of)| *to = SphereLeaf::from_prims(of));
+    ids.grow(groups().len())?.iter_mut().zip(groups()).for_each(|(to, of)| *to = SphereLeaf::prim_ids(of));
+    Ok(Bvh::new(HugePageVec::with_capacity(0)?, leaves, ids, None))
 }
 
 /// Some of the set's spheres with their ids.
-fn items(set: &SphereSet, range: Range<usize>) -> impl Iterator<Item = Item> {
+fn prim_refs(set: &SphereSet, range: Range<usize>) -> impl Iterator<Item = PrimRef> {
     let start = range.start as u32;
     let spheres = set.particles()[range].iter();
-    spheres.zip(start..).map(|(&sphere, id)| Item { sphere, id })
+    spheres.zip(start..).map(|(&sphere, id)| PrimRef { sphere, id })
 }
 
 /// Builds one cell.
-fn cell(set: &SphereSet, range: Range<usize>, quality: Quality) -> Cell {
+fn build_treelet(set: &SphereSet, range: Range<usize>, quality: BuildQuality) -> Treelet {
     let spheres = &set.particles()[range.clone()];
-    let mut items: Vec<Item> = items(set, range).collect();
+    let mut items: Vec<PrimRef> = prim_refs(set, range).collect();
     let binary = match quality {
-        Quality::Best => Binary::shaped(&mut items),
-        Quality::Fast => {
-            let codes: Vec<u64> = spheres.iter().map(|sphere| set.place_on_curve(sphere)).collect();
-            Binary::along_the_curve(&items, &codes)
+        BuildQuality::Best => BinaryBvh::build_sah(&mut items),
+        BuildQuality::Fast => {
+            let codes: Vec<u64> = spheres.iter().map(|sphere| set.morton_code(sphere)).collect();
+            BinaryBvh::build_morton(&items, &codes)
         }
     };
-    let collapse = Collapse::best(&binary, Leaves::Spheres);
-    let mut grown = Grown::default();
-    let root = grown.subtree(&binary, &collapse, &items, binary.root());
+    let collapse = Collapse::best(&binary, LeafKind::Spheres);
+    let mut grown = EmittedTree::default();
+    let root = grown.emit_subtree(&binary, &collapse, &items, binary.root());
     let bounds = binary.nodes[binary.root() as usize].bounds;
-    Cell { grown, root, bounds, is_optimal: collapse.is_optimal() }
+    Treelet { emitted: grown, root, bounds, is_optimal: collapse.is_optimal() }
 }
 
 /// How many nodes and leaves there will be, or somewhat more: room that is not used costs nothing.
-fn expected(spheres: usize) -> (usize, usize) {
+fn estimate_counts(spheres: usize) -> (usize, usize) {
     (spheres.div_ceil(12) + 1, spheres.div_ceil(3) + 1)
 }
 
 /// What has grown so far.
-struct Forest {
-    nodes: Pages<Node>,
-    leaves: Pages<Leaf>,
-    ids: Pages<LeafIds>,
+struct BvhStorage {
+    nodes: HugePageVec<BvhNode>,
+    leaves: HugePageVec<SphereLeaf>,
+    ids: HugePageVec<LeafIds>,
 }
 
-impl Forest {
+impl BvhStorage {
     /// Moves the trees of a wave behind what is here; returns their roots and boxes.
-    fn take_in(&mut self, cells: Vec<Cell>) -> Result<Vec<(Child, Bounds)>> {
+    fn append_treelets(&mut self, cells: Vec<Treelet>) -> Result<Vec<(NodeRef, Aabb)>> {
         let (mut node, mut leaf) = (self.nodes.len(), self.leaves.len());
-        let sum = |of: fn(&Grown) -> usize| cells.iter().map(|cell| of(&cell.grown)).sum::<usize>();
+        let sum = |of: fn(&EmittedTree) -> usize| cells.iter().map(|cell| of(&cell.emitted)).sum::<usize>();
         let mut nodes = self.nodes.grow(sum(|grown| grown.nodes.len()))?;
         let mut leaves = self.leaves.grow(sum(|grown| grown.leaves.len()))?;
         let mut ids = self.ids.grow(sum(|grown| grown.leaves.len()))?;
         let mut moves = Vec::with_capacity(cells.len());
         let mut roots = Vec::with_capacity(cells.len());
-        for Cell { grown, root, bounds, .. } in cells {
-            roots.push((root.moved_by(node, leaf), bounds));
+        for Treelet { emitted: grown, root, bounds, .. } in cells {
+            roots.push((root.offset_by(node, leaf), bounds));
             let (own_nodes, own_leaves, own_ids);
             (own_nodes, nodes) = nodes.split_at_mut(grown.nodes.len());
             (own_leaves, leaves) = leaves.split_at_mut(grown.leaves.len());
@@ -167,26 +167,26 @@ impl Forest {
             leaf += grown.leaves.len();
             moves.push((grown, moved_by, own_nodes, own_leaves, own_ids));
         }
-        if leaf > Child::LIMIT || node > Child::LIMIT {
+        if leaf > NodeRef::MAX_INDEX || node > NodeRef::MAX_INDEX {
             return Err(Error::backend("there are more spheres than the native intersector takes"));
         }
         moves.into_par_iter().for_each(|(grown, (node, leaf), nodes, leaves, ids)| {
             leaves.copy_from_slice(&grown.leaves);
             ids.copy_from_slice(&grown.ids);
             for (to, from) in nodes.iter_mut().zip(&grown.nodes) {
-                *to = Node { children: from.children.map(|c| c.moved_by(node, leaf)), ..*from };
+                *to = BvhNode { children: from.children.map(|c| c.offset_by(node, leaf)), ..*from };
             }
         });
         Ok(roots)
     }
 
     /// Adds the nodes above the cells; returns the root.
-    fn crown(&mut self, cells: &Cells, roots: &[(Child, Bounds)]) -> Result<Child> {
-        let boxes: Vec<Bounds> = roots.iter().map(|(_, bounds)| *bounds).collect();
-        let binary = cells.tree_over(&boxes);
-        let collapse = Collapse::best(&binary, Leaves::Trees);
+    fn append_top_levels(&mut self, cells: &Treelets, roots: &[(NodeRef, Aabb)]) -> Result<NodeRef> {
+        let boxes: Vec<Aabb> = roots.iter().map(|(_, bounds)| *bounds).collect();
+        let binary = cells.build_top_tree(&boxes);
+        let collapse = Collapse::best(&binary, LeafKind::Treelets);
         let mut nodes = Vec::new();
-        let root = grown::crown(&binary, &collapse, roots, self.nodes.len(), &mut nodes);
+        let root = emit::emit_top_levels(&binary, &collapse, roots, self.nodes.len(), &mut nodes);
         self.nodes.grow(nodes.len())?.copy_from_slice(&nodes);
         Ok(root)
     }

@@ -3,55 +3,55 @@
 //! Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies": the centres fall
 //! into equal bins along each axis, and the cheapest of the planes between bins is taken.
 
-use super::bounds::Bounds;
+use super::aabb::Aabb;
 
 /// A sphere on its way into a leaf.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::accel::native) struct Item {
+pub(in crate::accel::native) struct PrimRef {
     /// `[x, y, z, radius]`.
     pub(in crate::accel::native) sphere: [f32; 4],
     pub(in crate::accel::native) id: u32,
 }
 
 /// The two sides of a cut: the first `at` items, and the rest.
-pub(super) struct Cut {
-    pub(super) at: usize,
-    pub(super) bounds: [Bounds; 2],
+pub(super) struct Split {
+    pub(super) index: usize,
+    pub(super) bounds: [Aabb; 2],
 }
 
 /// As many spheres are not cut any more, and the heuristic counts spheres in groups of this.
-pub(super) const GROUP: usize = 4;
+pub(super) const SAH_BLOCK_SIZE: usize = 4;
 /// Most bins along an axis; fewer for few items.
-const BINS: usize = 16;
+const MAX_BINS: usize = 16;
 
 /// The box around the items.
-pub(super) fn bounds_of(items: &[Item]) -> Bounds {
-    let around = |sum: Bounds, item: &Item| sum.join(&Bounds::of_sphere(&item.sphere));
-    items.iter().fold(Bounds::EMPTY, around)
+pub(super) fn bounds_of(items: &[PrimRef]) -> Aabb {
+    let around = |sum: Aabb, item: &PrimRef| sum.union(&Aabb::from_sphere(&item.sphere));
+    items.iter().fold(Aabb::EMPTY, around)
 }
 
-fn centers_of(items: &[Item]) -> Bounds {
-    let around = |sum: Bounds, item: &Item| sum.join(&Bounds::of_point(&item.sphere));
-    items.iter().fold(Bounds::EMPTY, around)
+fn center_bounds(items: &[PrimRef]) -> Aabb {
+    let around = |sum: Aabb, item: &PrimRef| sum.union(&Aabb::from_point(&item.sphere));
+    items.iter().fold(Aabb::EMPTY, around)
 }
 
 /// Cuts two items or more where the heuristic says so, and reorders them.
-pub(super) fn cut(items: &mut [Item]) -> Cut {
-    let bins = if items.len() <= 2 * BINS { BINS / 2 } else { BINS };
-    let binning = Binning::new(&centers_of(items), bins);
-    match Bins::of(items, &binning).best_plane(bins) {
+pub(super) fn split_sah(items: &mut [PrimRef]) -> Split {
+    let bins = if items.len() <= 2 * MAX_BINS { MAX_BINS / 2 } else { MAX_BINS };
+    let binning = BinMapping::new(&center_bounds(items), bins);
+    match Bins::new(items, &binning).best_split(bins) {
         Some(plane) => {
             let at = partition(items, |item| binning.bin(item, plane.axis) < plane.bin);
-            Cut { at, bounds: plane.bounds }
+            Split { index: at, bounds: plane.bounds }
         }
-        None => halve(items),
+        None => split_median(items),
     }
 }
 
 /// Cuts the items into halves along the longest extent of their centres, or by radius where the
 /// centres coincide.
-pub(super) fn halve(items: &mut [Item]) -> Cut {
-    let centers = centers_of(items);
+pub(super) fn split_median(items: &mut [PrimRef]) -> Split {
+    let centers = center_bounds(items);
     let extent = |axis: usize| centers.high[axis] - centers.low[axis];
     let longest = (0..4).rev().filter(|&axis| axis < 3).fold(3, |best, axis| {
         if extent(axis) > 0.0 && (best == 3 || extent(axis) >= extent(best)) { axis } else { best }
@@ -61,12 +61,12 @@ pub(super) fn halve(items: &mut [Item]) -> Cut {
         a.sphere[longest].total_cmp(&b.sphere[longest]).then(a.id.cmp(&b.id))
     });
     let (left, right) = items.split_at(at);
-    Cut { at, bounds: [bounds_of(left), bounds_of(right)] }
+    Split { index: at, bounds: [bounds_of(left), bounds_of(right)] }
 }
 
 /// Where places along a curve, in order, first have the highest bit that they do not all have; in
 /// the middle where all are the same.
-pub(super) fn curve_cut(codes: &[u64]) -> usize {
+pub(super) fn morton_split(codes: &[u64]) -> usize {
     let (first, last) = (codes[0], codes[codes.len() - 1]);
     let differing = first ^ last;
     if differing == 0 {
@@ -77,19 +77,19 @@ pub(super) fn curve_cut(codes: &[u64]) -> usize {
 }
 
 /// The heuristic's cost of testing `count` spheres in a box, in units of area.
-fn cost(count: u32, bounds: &Bounds) -> f32 {
-    count.div_ceil(GROUP as u32) as f32 * bounds.half_area()
+fn sah_cost(count: u32, bounds: &Aabb) -> f32 {
+    count.div_ceil(SAH_BLOCK_SIZE as u32) as f32 * bounds.half_area()
 }
 
 /// Which bin a centre falls into.
-struct Binning {
+struct BinMapping {
     low: [f32; 4],
     scale: [f32; 4],
     last: u32,
 }
 
-impl Binning {
-    fn new(centers: &Bounds, bins: usize) -> Self {
+impl BinMapping {
+    fn new(centers: &Aabb, bins: usize) -> Self {
         let mut scale = [0.0; 4];
         for (axis, scale) in scale.iter_mut().enumerate() {
             *scale = bins as f32 / (centers.high[axis] - centers.low[axis]);
@@ -100,7 +100,7 @@ impl Binning {
     /// The bin along an axis. Without extent along it, the position is undefined, and the
     /// saturating cast puts NaN into bin 0.
     #[inline(always)]
-    fn bin(&self, item: &Item, axis: usize) -> usize {
+    fn bin(&self, item: &PrimRef, axis: usize) -> usize {
         let position = (item.sphere[axis] - self.low[axis]) * self.scale[axis];
         (position as u32).min(self.last) as usize
     }
@@ -108,55 +108,55 @@ impl Binning {
 
 /// Counts and boxes of the bins along the three axes.
 struct Bins {
-    count: [[u32; BINS]; 3],
-    bounds: [[Bounds; BINS]; 3],
+    count: [[u32; MAX_BINS]; 3],
+    bounds: [[Aabb; MAX_BINS]; 3],
 }
 
 /// A plane between two bins.
-struct Plane {
+struct SplitPlane {
     axis: usize,
     /// The first bin of the right side.
     bin: usize,
     cost: f32,
-    bounds: [Bounds; 2],
+    bounds: [Aabb; 2],
 }
 
 impl Bins {
-    fn of(items: &[Item], binning: &Binning) -> Self {
-        let mut filled = Self { count: [[0; BINS]; 3], bounds: [[Bounds::EMPTY; BINS]; 3] };
+    fn new(items: &[PrimRef], binning: &BinMapping) -> Self {
+        let mut filled = Self { count: [[0; MAX_BINS]; 3], bounds: [[Aabb::EMPTY; MAX_BINS]; 3] };
         for item in items {
-            let bounds = Bounds::of_sphere(&item.sphere);
+            let bounds = Aabb::from_sphere(&item.sphere);
             for axis in 0..3 {
                 let bin = binning.bin(item, axis);
                 filled.count[axis][bin] += 1;
-                filled.bounds[axis][bin] = filled.bounds[axis][bin].join(&bounds);
+                filled.bounds[axis][bin] = filled.bounds[axis][bin].union(&bounds);
             }
         }
         filled
     }
 
     /// The cheapest plane with something on both sides.
-    fn best_plane(&self, bins: usize) -> Option<Plane> {
-        let mut best: Option<Plane> = None;
+    fn best_split(&self, bins: usize) -> Option<SplitPlane> {
+        let mut best: Option<SplitPlane> = None;
         for axis in 0..3 {
             let (counts, boxes) = (&self.count[axis][..bins], &self.bounds[axis][..bins]);
-            let mut from_right = [(0, Bounds::EMPTY); BINS];
-            let mut sum = (0, Bounds::EMPTY);
+            let mut from_right = [(0, Aabb::EMPTY); MAX_BINS];
+            let mut sum = (0, Aabb::EMPTY);
             for bin in (1..bins).rev() {
-                sum = (sum.0 + counts[bin], sum.1.join(&boxes[bin]));
+                sum = (sum.0 + counts[bin], sum.1.union(&boxes[bin]));
                 from_right[bin] = sum;
             }
-            let mut left = (0, Bounds::EMPTY);
+            let mut left = (0, Aabb::EMPTY);
             for bin in 1..bins {
-                left = (left.0 + counts[bin - 1], left.1.join(&boxes[bin - 1]));
+                left = (left.0 + counts[bin - 1], left.1.union(&boxes[bin - 1]));
                 let right = &from_right[bin];
                 // Beside an empty bin the next plane cuts the same.
                 if left.0 == 0 || right.0 == 0 || counts[bin] == 0 {
                     continue;
                 }
-                let cost = cost(left.0, &left.1) + cost(right.0, &right.1);
+                let cost = sah_cost(left.0, &left.1) + sah_cost(right.0, &right.1);
                 if best.as_ref().is_none_or(|best| cost < best.cost) {
-                    best = Some(Plane { axis, bin, cost, bounds: [left.1, right.1] });
+                    best = Some(SplitPlane { axis, bin, cost, bounds: [left.1, right.1] });
                 }
             }
         }
@@ -165,7 +165,7 @@ impl Bins {
 }
 
 /// Moves the items of the left side to the front; returns how many there are.
-fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
+fn partition(items: &mut [PrimRef], is_left: impl Fn(&PrimRef) -> bool) -> usize {
     let (mut at, mut end) = (0, items.len());
     while at < end {
         if is_left(&items[at]) {
@@ -182,8 +182,8 @@ fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
 mod tests {
     use super::*;
 
-    fn item(x: f32, radius: f32, id: u32) -> Item {
-        Item { sphere: [x, 0.0, 0.0, radius], id }
+    fn item(x: f32, radius: f32, id: u32) -> PrimRef {
+        PrimRef { sphere: [x, 0.0, 0.0, radius], id }
     }
 
     #[test]
@@ -191,8 +191,8 @@ mod tests {
         let mut items: Vec<_> = (0..20)
             .map(|id| item(if id % 2 == 0 { 0.0 } else { 100.0 } + id as f32 * 0.1, 0.1, id))
             .collect();
-        let cut = cut(&mut items);
-        assert_eq!(cut.at, 10);
+        let cut = split_sah(&mut items);
+        assert_eq!(cut.index, 10);
         assert!(items[..10].iter().all(|item| item.id % 2 == 0));
         assert_eq!(cut.bounds, [bounds_of(&items[..10]), bounds_of(&items[10..])]);
     }
@@ -201,15 +201,15 @@ mod tests {
     fn equal_centres_are_halved_by_radius() {
         let mut items: Vec<_> =
             (0..12).map(|id| item(7.0, 1.0 + (id * 5 % 12) as f32, id)).collect();
-        let cut = cut(&mut items);
-        assert_eq!(cut.at, 6);
+        let cut = split_sah(&mut items);
+        assert_eq!(cut.index, 6);
         assert!(items[..6].iter().all(|item| item.sphere[3] <= 6.0));
     }
 
     #[test]
     fn a_curve_is_cut_where_its_highest_bit_changes() {
-        assert_eq!(curve_cut(&[0b0001, 0b0010, 0b0011, 0b1000]), 3);
-        assert_eq!(curve_cut(&[0b1001, 0b1010, 0b1011, 0b1011]), 1);
-        assert_eq!(curve_cut(&[5; 6]), 3);
+        assert_eq!(morton_split(&[0b0001, 0b0010, 0b0011, 0b1000]), 3);
+        assert_eq!(morton_split(&[0b1001, 0b1010, 0b1011, 0b1011]), 1);
+        assert_eq!(morton_split(&[5; 6]), 3);
     }
 }

@@ -2,14 +2,14 @@
 
 use std::arch::x86_64::*;
 
-use super::lanes::Lanes;
+use super::simd::Simd8;
 use super::x86::{shared_operations, smallest};
 
 /// AVX2 with FMA.
 pub(super) struct Avx2;
 
 /// For each set of lanes their numbers, in order, one a byte.
-static PLACES: [u64; 256] = {
+static COMPRESS_TABLE: [u64; 256] = {
     let mut places = [0; 256];
     let mut bits = 0;
     while bits < 256 {
@@ -48,7 +48,7 @@ macro_rules! compare_and_swap {
 /// # Safety
 /// Needs AVX2.
 #[inline(always)]
-pub(super) unsafe fn sorted(keys: __m256i) -> __m256i {
+pub(super) unsafe fn sort_descending(keys: __m256i) -> __m256i {
     // SAFETY: the caller's promise.
     unsafe {
         let keys = compare_and_swap!(keys, swapped!(keys, 0b10_11_00_01), 0b0101_0101);
@@ -61,7 +61,7 @@ pub(super) unsafe fn sorted(keys: __m256i) -> __m256i {
     }
 }
 
-impl Lanes for Avx2 {
+impl Simd8 for Avx2 {
     type F = __m256;
     type M = __m256;
 
@@ -92,13 +92,13 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn bits(m: Self::M) -> u32 {
+    unsafe fn mask_bits(m: Self::M) -> u32 {
         // SAFETY: as above.
         unsafe { _mm256_movemask_ps(m) as u32 }
     }
 
     #[inline(always)]
-    unsafe fn put_sorted(
+    unsafe fn compress_sorted(
         keys: *mut u32,
         children: *mut u32,
         t: Self::F,
@@ -110,7 +110,7 @@ impl Lanes for Avx2 {
             let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
             let rounded = _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(t));
             let key = _mm256_or_si256(rounded, lanes);
-            let sorted = sorted(_mm256_and_si256(key, _mm256_castps_si256(m)));
+            let sorted = sort_descending(_mm256_and_si256(key, _mm256_castps_si256(m)));
             let from = _mm256_load_si256(from.cast());
             _mm256_storeu_si256(keys.cast(), sorted);
             _mm256_storeu_si256(children.cast(), _mm256_permutevar8x32_epi32(from, sorted));
@@ -118,10 +118,10 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    unsafe fn put_any(children: *mut u32, m: Self::M, from: *const u32) {
+    unsafe fn compress(children: *mut u32, m: Self::M, from: *const u32) {
         // SAFETY: as above; eight bits are an index of `PLACES`.
         unsafe {
-            let places = PLACES.as_ptr().add(Self::bits(m) as usize);
+            let places = COMPRESS_TABLE.as_ptr().add(Self::mask_bits(m) as usize);
             let places = _mm256_cvtepu8_epi32(_mm_loadl_epi64(places.cast()));
             let from = _mm256_load_si256(from.cast());
             _mm256_storeu_si256(children.cast(), _mm256_permutevar8x32_epi32(from, places));

@@ -3,7 +3,7 @@
 
 use std::arch::x86_64::*;
 
-use super::lanes::Lanes;
+use super::simd::Simd8;
 use super::x86::{shared_operations, smallest};
 
 /// AVX-512VL.
@@ -29,7 +29,7 @@ macro_rules! swapped {
 /// # Safety
 /// Needs AVX-512VL.
 #[inline(always)]
-unsafe fn sorted(keys: __m256i) -> __m256i {
+unsafe fn sort_descending(keys: __m256i) -> __m256i {
     // SAFETY: the caller's promise.
     unsafe {
         let keys = compare_and_swap!(keys, swapped!(keys, 0b10_11_00_01), 0b0101_0101);
@@ -42,7 +42,7 @@ unsafe fn sorted(keys: __m256i) -> __m256i {
     }
 }
 
-impl Lanes for Avx512 {
+impl Simd8 for Avx512 {
     type F = __m256;
     type M = __mmask8;
 
@@ -72,12 +72,12 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn bits(m: Self::M) -> u32 {
+    unsafe fn mask_bits(m: Self::M) -> u32 {
         u32::from(m)
     }
 
     #[inline(always)]
-    unsafe fn put_sorted(
+    unsafe fn compress_sorted(
         keys: *mut u32,
         children: *mut u32,
         t: Self::F,
@@ -90,7 +90,7 @@ impl Lanes for Avx512 {
             // (t & ~7) | lanes, where m holds.
             let t = _mm256_castps_si256(t);
             let keys_at = _mm256_ternarylogic_epi32::<0xba>(t, _mm256_set1_epi32(7), lanes);
-            let sorted = sorted(_mm256_maskz_mov_epi32(m, keys_at));
+            let sorted = sort_descending(_mm256_maskz_mov_epi32(m, keys_at));
             let from = _mm256_load_si256(from.cast());
             _mm256_storeu_si256(keys.cast(), sorted);
             _mm256_storeu_si256(children.cast(), _mm256_permutevar8x32_epi32(from, sorted));
@@ -98,7 +98,7 @@ impl Lanes for Avx512 {
     }
 
     #[inline(always)]
-    unsafe fn put_any(children: *mut u32, m: Self::M, from: *const u32) {
+    unsafe fn compress(children: *mut u32, m: Self::M, from: *const u32) {
         // SAFETY: as above.
         unsafe {
             let from = _mm256_load_si256(from.cast());

@@ -1,47 +1,47 @@
 //! The rays of a batch, and how far it has come.
 
 use crate::accel::native::aggregate::Aggregate;
-use crate::accel::native::query::Best;
+use crate::accel::native::query::BestHit;
 use crate::math::Ray;
 
-use super::lanes::Lanes;
-use super::question::Question;
-use super::slot::Slot;
+use super::simd::Simd8;
+use super::question::QueryMode;
+use super::ray_state::RayState;
 
 /// The rays of a batch, and how far it has come.
-pub(super) struct Batch<'a, Q: Question> {
+pub(super) struct RayBatch<'a, Q: QueryMode> {
     pub(super) bvh: &'a Aggregate,
     pub(super) rays: &'a [Ray],
-    pub(super) answers: &'a mut [Q::Answer],
+    pub(super) outputs: &'a mut [Q::Output],
     /// The first ray that has not been on its way yet.
     pub(super) next: usize,
     /// Behind the last ray that is to go.
     pub(super) end: usize,
 }
 
-impl<Q: Question> Batch<'_, Q> {
+impl<Q: QueryMode> RayBatch<'_, Q> {
     /// Puts the next ray that needs the tree into the slot, and answers those before it that do not;
     /// `false` when there is none left.
     ///
     /// # Safety
     /// `slot` is valid for writing, the instructions of `L` are there, and as many answers as rays.
     #[inline(always)]
-    pub(super) unsafe fn board<L: Lanes>(&mut self, slot: *mut Slot) -> bool {
+    pub(super) unsafe fn load_next_ray<L: Simd8>(&mut self, slot: *mut RayState) -> bool {
         while let Some(ray) = self.rays[..self.end].get(self.next) {
             let number = self.next;
             self.next += 1;
-            let mut best = Best::none(ray);
+            let mut best = BestHit::none(ray);
             // SAFETY: the caller's promise.
             unsafe {
                 if is_valid::<L>(ray) {
-                    best = self.bvh.best_giant(ray, Q::ANY);
+                    best = self.bvh.closest_giant(ray, Q::ANY_HIT);
                     let root = self.bvh.tree.root;
-                    let is_open = !(Q::ANY && best.is_hit());
-                    if is_open && Slot::begin(slot, ray, best, number as u32, root) {
+                    let is_open = !(Q::ANY_HIT && best.is_hit());
+                    if is_open && RayState::init(slot, ray, best, number as u32, root) {
                         return true;
                     }
                 }
-                *self.answers.get_unchecked_mut(number) = Q::answer(best);
+                *self.outputs.get_unchecked_mut(number) = Q::output(best);
             }
         }
         false
@@ -53,19 +53,19 @@ impl<Q: Question> Batch<'_, Q> {
 /// # Safety
 /// The instructions of `L` are there.
 #[inline(always)]
-pub(super) unsafe fn is_valid<L: Lanes>(ray: &Ray) -> bool {
+pub(super) unsafe fn is_valid<L: Simd8>(ray: &Ray) -> bool {
     /// As [`Bounds`], lane by lane.
     #[repr(C, align(32))]
-    struct Bounds([f32; 8]);
+    struct ValidRange([f32; 8]);
     const MOST: f32 = 4.0 * crate::math::MAX_COORDINATE as f32;
     const INFINITE: f32 = f32::INFINITY;
-    static LOW: Bounds = Bounds([-MOST, -MOST, -MOST, 0.0, -MOST, -MOST, -MOST, 0.0]);
-    static HIGH: Bounds = Bounds([MOST, MOST, MOST, MOST, MOST, MOST, MOST, INFINITE]);
+    static LOW: ValidRange = ValidRange([-MOST, -MOST, -MOST, 0.0, -MOST, -MOST, -MOST, 0.0]);
+    static HIGH: ValidRange = ValidRange([MOST, MOST, MOST, MOST, MOST, MOST, MOST, INFINITE]);
     // SAFETY: a ray begins with its origin, t_min, direction and t_max, eight numbers, aligned.
     unsafe {
         let numbers = L::load(std::ptr::from_ref(ray).cast());
         let is_above = L::le(L::load(LOW.0.as_ptr()), numbers);
         let is_below = L::le(numbers, L::load(HIGH.0.as_ptr()));
-        L::bits(L::and(is_above, is_below)) == 0xff
+        L::mask_bits(L::and(is_above, is_below)) == 0xff
     }
 }

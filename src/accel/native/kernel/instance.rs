@@ -3,7 +3,7 @@
 /// The forms in which the kernel is compiled. All give the same answers, bit for bit, as each judges
 /// its candidates by the same f64 routine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Instance {
+pub enum KernelIsa {
     /// In the instructions of the whole program.
     Portable,
     /// AVX2 and FMA.
@@ -12,7 +12,7 @@ pub enum Instance {
     Avx512,
 }
 
-impl Instance {
+impl KernelIsa {
     /// Every form there is, the fastest last.
     pub const ALL: &[Self] = &[Self::Portable, Self::Avx2, Self::Avx512];
 

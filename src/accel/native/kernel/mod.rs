@@ -24,17 +24,17 @@
 
 mod alone;
 mod batch;
-mod beam;
-mod flight;
+mod cone;
+mod traverse;
 mod instance;
-mod lanes;
+mod simd;
 mod packet;
-pub(super) mod pages;
-mod pending;
+pub(super) mod huge_pages;
+mod candidates;
 mod question;
 mod single;
 mod slabs;
-mod slot;
+mod ray_state;
 mod spheres;
 
 #[cfg(target_arch = "x86_64")]
@@ -45,56 +45,56 @@ mod avx512;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use instance::Instance;
+pub use instance::KernelIsa;
 
 use crate::accel::native::aggregate::Aggregate;
 use crate::math::{Hit, Ray};
 
-use flight::Fly;
-use lanes::{Lanes, Portable};
-use question::{Any, Closest};
+use traverse::Fly;
+use simd::{Simd8, Portable};
+use question::{AnyHit, ClosestHit};
 
 /// # Panics
 /// When the slices differ in length.
-pub(super) fn closest(instance: Instance, bvh: &Aggregate, rays: &[Ray], hits: &mut [Hit]) {
-    trace::<Closest>(instance, bvh, rays, hits);
+pub(super) fn closest(instance: KernelIsa, bvh: &Aggregate, rays: &[Ray], hits: &mut [Hit]) {
+    dispatch::<ClosestHit>(instance, bvh, rays, hits);
 }
 
 /// # Panics
 /// When the slices differ in length.
-pub(super) fn occluded(instance: Instance, bvh: &Aggregate, rays: &[Ray], blocked: &mut [bool]) {
-    trace::<Any>(instance, bvh, rays, blocked);
+pub(super) fn occluded(instance: KernelIsa, bvh: &Aggregate, rays: &[Ray], blocked: &mut [bool]) {
+    dispatch::<AnyHit>(instance, bvh, rays, blocked);
 }
 
-fn trace<Q: Fly>(instance: Instance, bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Answer]) {
+fn dispatch<Q: Fly>(instance: KernelIsa, bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
     assert_eq!(rays.len(), answers.len(), "one answer for each ray");
     assert!(rays.len() <= u32::MAX as usize, "a batch has fewer than 2^32 rays");
     match instance {
         #[cfg(target_arch = "x86_64")]
-        Instance::Avx2 if Instance::Avx2.is_available() => {
+        KernelIsa::Avx2 if KernelIsa::Avx2.is_available() => {
             // SAFETY: the instructions are there.
-            unsafe { avx2_form::<Q>(bvh, rays, answers) }
+            unsafe { run_avx2::<Q>(bvh, rays, answers) }
         }
         #[cfg(all(target_arch = "x86_64", has_avx512))]
-        Instance::Avx512 if Instance::Avx512.is_available() => {
+        KernelIsa::Avx512 if KernelIsa::Avx512.is_available() => {
             // SAFETY: the instructions are there.
-            unsafe { avx512_form::<Q>(bvh, rays, answers) }
+            unsafe { run_avx512::<Q>(bvh, rays, answers) }
         }
         // SAFETY: this form needs no special instructions.
-        _ => unsafe { form::<Portable, Q>(bvh, rays, answers) },
+        _ => unsafe { run::<Portable, Q>(bvh, rays, answers) },
     }
 }
 
 /// # Safety
 /// Needs the instructions of `L`, and as many answers as rays.
 #[inline(always)]
-unsafe fn form<L: Lanes, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Answer]) {
+unsafe fn run<L: Simd8, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
     // SAFETY: the caller's promise.
     unsafe {
         if bvh.tree.root.is_some() {
-            flight::fly::<L, Q>(bvh, rays, answers);
+            traverse::traverse::<L, Q>(bvh, rays, answers);
         } else {
-            flight::walk::<L, Q>(bvh, rays, answers);
+            traverse::scan_leaves::<L, Q>(bvh, rays, answers);
         }
     }
 }
@@ -103,16 +103,16 @@ unsafe fn form<L: Lanes, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q
 /// Needs the features named, and as many answers as rays.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-unsafe fn avx2_form<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Answer]) {
+unsafe fn run_avx2<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
     // SAFETY: the caller's promise.
-    unsafe { form::<avx2::Avx2, Q>(bvh, rays, answers) }
+    unsafe { run::<avx2::Avx2, Q>(bvh, rays, answers) }
 }
 
 /// # Safety
 /// Needs the features named, and as many answers as rays.
 #[cfg(all(target_arch = "x86_64", has_avx512))]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl")]
-unsafe fn avx512_form<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Answer]) {
+unsafe fn run_avx512<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
     // SAFETY: the caller's promise.
-    unsafe { form::<avx512::Avx512, Q>(bvh, rays, answers) }
+    unsafe { run::<avx512::Avx512, Q>(bvh, rays, answers) }
 }

@@ -19,56 +19,56 @@
 
 use std::mem::MaybeUninit;
 
-use crate::accel::native::limits::KEPT;
-use crate::accel::native::node::{Child, Leaf, each_lane};
-use crate::accel::native::query::Best;
-use crate::accel::native::tree::Tree;
+use crate::accel::native::limits::MAX_CANDIDATE_LEAVES;
+use crate::accel::native::node::{NodeRef, SphereLeaf, mask_lanes};
+use crate::accel::native::query::BestHit;
+use crate::accel::native::bvh::Bvh;
 use crate::math::Ray;
 
-use super::alone::alone;
-use super::batch::{Batch, is_valid};
-use super::beam::{Beam, Each, Extremes, all_extremes, extremes, load, load_all};
-use super::lanes::Lanes;
-use super::pending::{Kept, Pending, Waiting};
-use super::question::Closest;
-use super::slabs::{Near, Slabs, slack};
-use super::slot::{Eight, Slot, begin_of, is_unit, limit_of};
-use super::spheres::{ERROR, LEAST_ERROR, Met, Rays};
+use super::alone::trace_scalar;
+use super::batch::{RayBatch, is_valid};
+use super::cone::{PacketCone, PacketFloats, AxisRanges, axis_ranges, min_max, load_half, load_vec3};
+use super::simd::Simd8;
+use super::candidates::{LeafCandidates, CandidateQueue, FinishedRay};
+use super::question::ClosestHit;
+use super::slabs::{NearPlanes, Slabs, slack};
+use super::ray_state::{F32x8, RayState, t_min_bounds, is_unit, limit_for};
+use super::spheres::{ERROR_SCALE, MIN_ERROR, SphereHits, SphereTest};
 
 /// Rays of a packet.
-pub(super) const RAYS: usize = 2 * 8;
+pub(super) const PACKET_SIZE: usize = 2 * 8;
 /// Steps, and spheres looked at, after which a packet is given up. Sixteen rays by themselves take some
 /// hundreds of steps together, and packets that pay far fewer than these.
-const MOST_STEPS: u32 = 384;
+const MAX_STEPS: u32 = 384;
 /// Spheres with candidates that a packet can hold, as many as a number has bits.
-const SPHERES: usize = 64;
+const MAX_CANDIDATES: usize = 64;
 
 /// Sixteen rays on their way together.
 #[repr(C, align(64))]
-pub(super) struct Packet {
+pub(super) struct RayPacket {
     /// For the stack: a ray that stands for all of them, with planes for one end of the directions.
-    lead: Slot,
+    interval: RayState,
     /// Planes for the other end.
-    other: Slabs,
-    beam: Beam,
-    origin: [Each; 3],
-    unit: [Each; 3],
-    error: Each,
-    t_min: [Each; 2],
-    limit: Each,
-    best: [Best; RAYS],
+    far_slabs: Slabs,
+    cone: PacketCone,
+    origin: [PacketFloats; 3],
+    unit: [PacketFloats; 3],
+    error: PacketFloats,
+    t_min: [PacketFloats; 2],
+    limit: PacketFloats,
+    best: [BestHit; PACKET_SIZE],
     /// The number of the first ray.
-    first: u32,
+    first_ray: u32,
     /// Spheres with candidates so far.
-    count: u32,
+    candidate_count: u32,
     steps: u32,
-    spheres: [MaybeUninit<Kept>; SPHERES],
-    from: [MaybeUninit<Each>; SPHERES],
+    candidates: [MaybeUninit<LeafCandidates>; MAX_CANDIDATES],
+    t_lower: [MaybeUninit<PacketFloats>; MAX_CANDIDATES],
 }
 
 /// How far a packet has come.
-pub(super) enum Step {
-    OnTheWay,
+pub(super) enum PacketStatus {
+    Active,
     Done,
     /// The rays go better by themselves: there is no room for another sphere, or where they go the tree
     /// is much finer than the beam.
@@ -78,26 +78,26 @@ pub(super) enum Step {
 /// Whether rays may be a packet, judged by two of them. Never leaves out rays that pass all of
 /// [`Packet::begin`]'s tests.
 #[inline(always)]
-fn may_be_alike(rays: &[Ray; RAYS]) -> bool {
+fn may_be_coherent(rays: &[Ray; PACKET_SIZE]) -> bool {
     let [first, .., last] = rays;
     let apart = |axis: usize| (first.direction[axis] - last.direction[axis]).abs();
     apart(0) + apart(1) + apart(2) < 0.5
 }
 
-impl Packet {
+impl RayPacket {
     /// Makes a packet of the sixteen rays of a batch from this one on; `false` if they are not alike, or
     /// too few.
     ///
     /// # Safety
     /// `packet` is valid for writing, the tree has a root, and the instructions of `L` are there.
     #[inline(always)]
-    pub(super) unsafe fn board<L: Lanes>(
+    pub(super) unsafe fn load_packet<L: Simd8>(
         packet: *mut Self,
-        batch: &Batch<'_, Closest>,
+        batch: &RayBatch<'_, ClosestHit>,
         first: usize,
     ) -> bool {
-        let rays = batch.rays.get(first..).and_then(|rays| rays.first_chunk::<RAYS>());
-        let Some(rays) = rays.filter(|rays| may_be_alike(rays)) else { return false };
+        let rays = batch.rays.get(first..).and_then(|rays| rays.first_chunk::<PACKET_SIZE>());
+        let Some(rays) = rays.filter(|rays| may_be_coherent(rays)) else { return false };
         // SAFETY: the caller's promise.
         unsafe {
             for ray in rays {
@@ -105,8 +105,8 @@ impl Packet {
                     return false;
                 }
             }
-            let best = rays.each_ref().map(|ray| batch.bvh.best_giant(ray, false));
-            Self::begin::<L>(packet, &batch.bvh.tree, rays, &best, first as u32)
+            let best = rays.each_ref().map(|ray| batch.bvh.closest_giant(ray, false));
+            Self::init::<L>(packet, &batch.bvh.tree, rays, &best, first as u32)
         }
     }
 
@@ -117,11 +117,11 @@ impl Packet {
     /// `packet` is valid for writing, and after `true` for reading. There are as many rays as a packet
     /// has, the tree has a root, and the instructions of `L` are there.
     #[inline(always)]
-    unsafe fn begin<L: Lanes>(
+    unsafe fn init<L: Simd8>(
         packet: *mut Self,
-        tree: &Tree,
-        rays: &[Ray; RAYS],
-        best: &[Best; RAYS],
+        tree: &Bvh,
+        rays: &[Ray; PACKET_SIZE],
+        best: &[BestHit; PACKET_SIZE],
         first: u32,
     ) -> bool {
         // SAFETY: all fields that are read before they are written are set here; the arrays at the end
@@ -137,36 +137,36 @@ impl Packet {
                 packet.unit[axis][half].0[lane] = ray.direction[axis];
             }
             let [x, y, z] = ray.origin;
-            packet.error[half].0[lane] = ERROR * (x.abs() + y.abs() + z.abs()) + LEAST_ERROR;
-            let [earliest, latest] = begin_of(ray, 1.0);
+            packet.error[half].0[lane] = ERROR_SCALE * (x.abs() + y.abs() + z.abs()) + MIN_ERROR;
+            let [earliest, latest] = t_min_bounds(ray, 1.0);
             packet.t_min[0][half].0[lane] = earliest;
             packet.t_min[1][half].0[lane] = latest;
-            packet.limit[half].0[lane] = limit_of(best.t);
+            packet.limit[half].0[lane] = limit_for(best.t);
         }
         if !is_unit_length {
             return false;
         }
         // SAFETY: the instructions are there.
         unsafe {
-            let origin = all_extremes::<L>(&packet.origin);
-            let unit = all_extremes::<L>(&packet.unit);
-            if !unit.iter().all(is_of_one_sign) {
+            let origin = axis_ranges::<L>(&packet.origin);
+            let unit = axis_ranges::<L>(&packet.unit);
+            if !unit.iter().all(has_constant_sign) {
                 return false;
             }
-            let beam = Beam::around::<L>((&packet.origin, &origin), (&packet.unit, &unit));
-            if !beam.is_thin(tree) {
+            let beam = PacketCone::from_rays::<L>((&packet.origin, &origin), (&packet.unit, &unit));
+            if !beam.is_coherent(tree) {
                 return false;
             }
-            packet.beam = beam;
-            let [t_min, _] = extremes::<L>(&packet.t_min[0]);
-            let [_, limit] = extremes::<L>(&packet.limit);
-            let near = Near::of(&end(&unit, 0, 1.0));
-            let slabs = packet.lead.lead(root, near, [t_min, limit]);
-            set_planes([slabs, &mut packet.other], &origin, &unit, beam.sum);
+            packet.cone = beam;
+            let [t_min, _] = min_max::<L>(&packet.t_min[0]);
+            let [_, limit] = min_max::<L>(&packet.limit);
+            let near = NearPlanes::from_direction(&interval_end(&unit, 0, 1.0));
+            let slabs = packet.interval.init_interval(root, near, [t_min, limit]);
+            set_interval_slabs([slabs, &mut packet.far_slabs], &origin, &unit, beam.max_origin_sum);
         }
         packet.best = *best;
-        packet.first = first;
-        packet.count = 0;
+        packet.first_ray = first;
+        packet.candidate_count = 0;
         packet.steps = 0;
         true
     }
@@ -176,42 +176,42 @@ impl Packet {
     /// # Safety
     /// The packet has begun in this tree and is on the way; the instructions of `L` are there.
     #[inline(always)]
-    pub(super) unsafe fn step<L: Lanes>(&mut self, tree: &Tree) -> Step {
+    pub(super) unsafe fn step<L: Simd8>(&mut self, tree: &Bvh) -> PacketStatus {
         // SAFETY: the lead is at a node or a leaf of this tree, and its stack has room by the builder's
         // bound.
         unsafe {
-            let next = self.lead.next;
+            let next = self.interval.next;
             if next.is_leaf() {
                 let leaf = tree.leaves().as_ptr().add(next.index());
-                if !self.through_leaf::<L>(leaf, next.index() as u32) {
-                    return Step::Split;
+                if !self.intersect_leaf::<L>(leaf, next.index() as u32) {
+                    return PacketStatus::Split;
                 }
             } else {
                 let node = tree.nodes().as_ptr().add(next.index());
-                self.lead.through_node_with::<L>(&self.other, node);
+                self.interval.intersect_node_interval::<L>(&self.far_slabs, node);
             }
-            self.lead.pop::<false>();
+            self.interval.pop::<false>();
             self.steps += 1;
-            if self.lead.next == Child::NONE {
-                Step::Done
-            } else if self.steps < MOST_STEPS {
-                Step::OnTheWay
+            if self.interval.next == NodeRef::NONE {
+                PacketStatus::Done
+            } else if self.steps < MAX_STEPS {
+                PacketStatus::Active
             } else {
-                Step::Split
+                PacketStatus::Split
             }
         }
     }
 
     /// What it does next.
     #[inline(always)]
-    pub(super) fn next(&self) -> Child {
-        self.lead.next
+    pub(super) fn next(&self) -> NodeRef {
+        self.interval.next
     }
 
     /// The number of the first of its rays.
     #[inline(always)]
-    pub(super) fn first(&self) -> usize {
-        self.first as usize
+    pub(super) fn first_ray(&self) -> usize {
+        self.first_ray as usize
     }
 
     /// Looks at the spheres of a leaf that the beam may touch; `false` if there is no room for them.
@@ -219,19 +219,19 @@ impl Packet {
     /// # Safety
     /// The packet has begun, `leaf` is valid, and the instructions of `L` are there.
     #[inline(always)]
-    unsafe fn through_leaf<L: Lanes>(&mut self, leaf: *const Leaf, index: u32) -> bool {
+    unsafe fn intersect_leaf<L: Simd8>(&mut self, leaf: *const SphereLeaf, index: u32) -> bool {
         // SAFETY: a leaf is four times eight numbers, aligned, of which a lane is one of each.
         unsafe {
-            let touched = self.beam.touched::<L>(leaf, self.lead.limit);
+            let touched = self.cone.overlapping::<L>(leaf, self.interval.limit);
             self.steps += touched.count_ones();
-            for lane in each_lane(touched) {
-                if self.count as usize == SPHERES {
+            for lane in mask_lanes(touched) {
+                if self.candidate_count as usize == MAX_CANDIDATES {
                     return false;
                 }
                 let lanes = leaf.cast::<f32>().add(lane);
                 let center = [*lanes, *lanes.add(8), *lanes.add(16)];
-                let kept = Kept { leaf: index, lanes: 1 << lane };
-                self.look_at::<L>(center, *lanes.add(24), kept);
+                let kept = LeafCandidates { leaf: index, mask: 1 << lane };
+                self.test_sphere::<L>(center, *lanes.add(24), kept);
             }
         }
         true
@@ -242,39 +242,39 @@ impl Packet {
     /// # Safety
     /// The packet has begun and has room for a sphere; the instructions of `L` are there.
     #[inline(always)]
-    unsafe fn look_at<L: Lanes>(&mut self, center: [f32; 3], radius: f32, kept: Kept) {
+    unsafe fn test_sphere<L: Simd8>(&mut self, center: [f32; 3], radius: f32, kept: LeafCandidates) {
         // SAFETY: `count` is a place of the arrays.
         unsafe {
-            let place = self.count as usize;
-            let from = self.from.as_mut_ptr().add(place).cast::<Eight>();
+            let place = self.candidate_count as usize;
+            let from = self.t_lower.as_mut_ptr().add(place).cast::<F32x8>();
             let (mut candidates, mut sure) = (0, 0);
             for half in 0..2 {
-                let origin = load_all::<L>(&self.origin, half);
-                let limit = load::<L>(&self.limit[half]);
-                let rays = Rays::<L> {
+                let origin = load_vec3::<L>(&self.origin, half);
+                let limit = load_half::<L>(&self.limit[half]);
+                let rays = SphereTest::<L> {
                     to_center: [
                         L::sub(L::splat(center[0]), origin[0]),
                         L::sub(L::splat(center[1]), origin[1]),
                         L::sub(L::splat(center[2]), origin[2]),
                     ],
-                    unit: load_all::<L>(&self.unit, half),
-                    error: load::<L>(&self.error[half]),
-                    t_min: [load::<L>(&self.t_min[0][half]), load::<L>(&self.t_min[1][half])],
+                    unit: load_vec3::<L>(&self.unit, half),
+                    error: load_half::<L>(&self.error[half]),
+                    t_min: [load_half::<L>(&self.t_min[0][half]), load_half::<L>(&self.t_min[1][half])],
                     limit,
                 };
-                let Met { candidate, sure: is_sure, t, t_above } = rays.meet(L::splat(radius));
+                let SphereHits { candidate, certain: is_sure, t_lower: t, t_upper: t_above } = rays.intersect(L::splat(radius));
                 let nearer = L::min(limit, L::select(is_sure, t_above, limit));
                 L::store(self.limit[half].0.as_mut_ptr(), nearer);
                 let t = L::select(candidate, t, L::splat(f32::NAN));
                 L::store(from.add(half).cast(), t);
-                candidates |= L::bits(candidate);
-                sure |= L::bits(is_sure);
+                candidates |= L::mask_bits(candidate);
+                sure |= L::mask_bits(is_sure);
             }
-            self.spheres.as_mut_ptr().add(place).cast::<Kept>().write(kept);
-            self.count += u32::from(candidates != 0);
+            self.candidates.as_mut_ptr().add(place).cast::<LeafCandidates>().write(kept);
+            self.candidate_count += u32::from(candidates != 0);
             if sure != 0 {
-                let [_, limit] = extremes::<L>(&self.limit);
-                self.lead.limit = limit;
+                let [_, limit] = min_max::<L>(&self.limit);
+                self.interval.limit = limit;
             }
         }
     }
@@ -284,41 +284,41 @@ impl Packet {
     /// # Safety
     /// The packet is done and of this batch, `to` is not full, and the instructions of `L` are there.
     #[inline(always)]
-    pub(super) unsafe fn land<L: Lanes>(&self, batch: &mut Batch<'_, Closest>, to: &mut Pending) {
+    pub(super) unsafe fn finish<L: Simd8>(&self, batch: &mut RayBatch<'_, ClosestHit>, to: &mut CandidateQueue) {
         // The spheres of each ray, as bits.
-        let mut spheres_of = [0u64; RAYS];
-        for place in 0..self.count as usize {
+        let mut spheres_of = [0u64; PACKET_SIZE];
+        for place in 0..self.candidate_count as usize {
             // SAFETY: what is below the count was written; the instructions are there.
             let rays = unsafe {
-                let from = self.from.get_unchecked(place).assume_init_ref();
-                let one = L::le(load::<L>(&from[0]), load::<L>(&self.limit[0]));
-                let two = L::le(load::<L>(&from[1]), load::<L>(&self.limit[1]));
-                L::bits(one) | L::bits(two) << 8
+                let from = self.t_lower.get_unchecked(place).assume_init_ref();
+                let one = L::le(load_half::<L>(&from[0]), load_half::<L>(&self.limit[0]));
+                let two = L::le(load_half::<L>(&from[1]), load_half::<L>(&self.limit[1]));
+                L::mask_bits(one) | L::mask_bits(two) << 8
             };
-            for ray in each_lane(rays) {
+            for ray in mask_lanes(rays) {
                 spheres_of[ray] |= 1 << place;
             }
         }
         for (number, (spheres, &best)) in spheres_of.into_iter().zip(&self.best).enumerate() {
-            let ray = self.first + number as u32;
+            let ray = self.first_ray + number as u32;
             // SAFETY: a bit is the place of a sphere that was written; there is room for one ray and
             // as many leaves as it can have kept.
             unsafe {
-                if spheres.count_ones() as usize > KEPT {
-                    batch.answers[ray as usize] =
-                        alone::<Closest>(batch.bvh, &batch.rays[ray as usize]);
+                if spheres.count_ones() as usize > MAX_CANDIDATE_LEAVES {
+                    batch.outputs[ray as usize] =
+                        trace_scalar::<ClosestHit>(batch.bvh, &batch.rays[ray as usize]);
                     continue;
                 }
                 let mut left = spheres;
                 while left != 0 {
                     let place = left.trailing_zeros() as usize;
-                    to.keep(self.spheres.get_unchecked(place).assume_init());
+                    to.push_candidates(self.candidates.get_unchecked(place).assume_init());
                     left &= left - 1;
                 }
                 let limit = self.limit[number / 8].0[number % 8];
-                to.finish(Waiting { ray, end: 0, limit, is_sure: false, best, length: 1.0 });
+                to.push_finished(FinishedRay { ray, leaf_end: 0, limit, is_certain: false, best, length: 1.0 });
                 if to.is_full() {
-                    to.settle::<L, Closest>(batch);
+                    to.resolve::<L, ClosestHit>(batch);
                 }
             }
         }
@@ -327,9 +327,9 @@ impl Packet {
 
 /// Sets the planes for both ends of the directions between these extremes.
 #[inline(always)]
-fn set_planes(slabs: [&mut Slabs; 2], origin: &Extremes, unit: &Extremes, sum: f32) {
-    let (low, high) = (end(origin, 0, 0.0), end(origin, 1, 0.0));
-    let ends = [0, 1].map(|which| end(unit, which, 1.0));
+fn set_interval_slabs(slabs: [&mut Slabs; 2], origin: &AxisRanges, unit: &AxisRanges, sum: f32) {
+    let (low, high) = (interval_end(origin, 0, 0.0), interval_end(origin, 1, 0.0));
+    let ends = [0, 1].map(|which| interval_end(unit, which, 1.0));
     let of = |is_first: bool| -> [f32; 4] {
         std::array::from_fn(|axis| {
             if ends[0][axis].is_sign_positive() == is_first { low[axis] } else { high[axis] }
@@ -342,13 +342,13 @@ fn set_planes(slabs: [&mut Slabs; 2], origin: &Extremes, unit: &Extremes, sum: f
 /// The smallest numbers of all axes, or the largest, and a fourth. Of the two zeros there are, they are
 /// never the negative one.
 #[inline(always)]
-fn end(pairs: &Extremes, which: usize, fourth: f32) -> [f32; 4] {
+fn interval_end(pairs: &AxisRanges, which: usize, fourth: f32) -> [f32; 4] {
     [pairs[0][which] + 0.0, pairs[1][which] + 0.0, pairs[2][which] + 0.0, fourth]
 }
 
 /// Whether numbers between these are all above 0, all below, or all 0.
 #[inline(always)]
-fn is_of_one_sign([low, high]: &[f32; 2]) -> bool {
+fn has_constant_sign([low, high]: &[f32; 2]) -> bool {
     *low > 0.0 || *high < 0.0 || (*low == 0.0 && *high == 0.0)
 }
 
@@ -356,19 +356,19 @@ fn is_of_one_sign([low, high]: &[f32; 2]) -> bool {
 mod tests {
     use super::*;
     use crate::accel::BuildOptions;
-    use crate::accel::native::Native;
-    use crate::accel::native::kernel::lanes::Portable;
+    use crate::accel::native::NativeAccel;
+    use crate::accel::native::kernel::simd::Portable;
     use crate::geometry::{Sphere, SphereRows, SphereSet};
     use crate::math::{DVec3, Hit, NO_SPHERE};
     use std::sync::Arc;
 
     /// A cube of 16 x 16 x 16 balls, two apart.
-    fn cube() -> Native {
+    fn cube() -> NativeAccel {
         let place = |i: i32| DVec3::new((i % 16).into(), (i / 16 % 16).into(), (i / 256).into());
         let ball = |i| Sphere { center: 2.0 * place(i) - 15.0, radius: 0.5 };
         let rows = SphereRows { exact: (0..4096).map(ball).collect(), ..SphereRows::default() };
         let set = Arc::new(SphereSet::new(rows).expect("few spheres"));
-        Native::new(set, &BuildOptions::default()).expect("nobody cancels")
+        NativeAccel::new(set, &BuildOptions::default()).expect("nobody cancels")
     }
 
     /// Sixteen rays from one place whose directions differ by up to this.
@@ -381,12 +381,12 @@ mod tests {
             .collect()
     }
 
-    fn is_packet(native: &Native, rays: &[Ray]) -> bool {
+    fn is_packet(native: &NativeAccel, rays: &[Ray]) -> bool {
         let answers = &mut vec![Hit::MISS; rays.len()];
-        let batch = Batch::<Closest> { bvh: &native.bvh, rays, answers, next: 0, end: rays.len() };
+        let batch = RayBatch::<ClosestHit> { bvh: &native.bvh, rays, outputs: answers, next: 0, end: rays.len() };
         let mut packet = MaybeUninit::uninit();
         // SAFETY: the tree has a root, and the portable form needs no special instructions.
-        unsafe { Packet::board::<Portable>(packet.as_mut_ptr(), &batch, 0) }
+        unsafe { RayPacket::load_packet::<Portable>(packet.as_mut_ptr(), &batch, 0) }
     }
 
     #[test]

@@ -1,40 +1,40 @@
 //! What rays are asked.
 
-use crate::accel::native::query::Best;
+use crate::accel::native::query::BestHit;
 use crate::math::Hit;
 
 /// What a batch is asked.
-pub(super) trait Question {
+pub(super) trait QueryMode {
     /// Whether any hit will do.
-    const ANY: bool;
+    const ANY_HIT: bool;
     /// What each ray is told.
-    type Answer;
+    type Output;
 
-    fn answer(best: Best) -> Self::Answer;
+    fn output(best: BestHit) -> Self::Output;
 }
 
 /// Which sphere is hit first.
-pub(super) struct Closest;
+pub(super) struct ClosestHit;
 
 /// Whether any sphere is hit.
-pub(super) struct Any;
+pub(super) struct AnyHit;
 
-impl Question for Closest {
-    const ANY: bool = false;
-    type Answer = Hit;
+impl QueryMode for ClosestHit {
+    const ANY_HIT: bool = false;
+    type Output = Hit;
 
     #[inline(always)]
-    fn answer(best: Best) -> Hit {
-        best.hit()
+    fn output(best: BestHit) -> Hit {
+        best.to_hit()
     }
 }
 
-impl Question for Any {
-    const ANY: bool = true;
-    type Answer = bool;
+impl QueryMode for AnyHit {
+    const ANY_HIT: bool = true;
+    type Output = bool;
 
     #[inline(always)]
-    fn answer(best: Best) -> bool {
+    fn output(best: BestHit) -> bool {
         best.is_hit()
     }
 }

@@ -2,62 +2,62 @@
 
 use std::mem::MaybeUninit;
 
-use crate::accel::native::limits::KEPT;
-use crate::accel::native::node::Child;
-use crate::accel::native::tree::Tree;
+use crate::accel::native::limits::MAX_CANDIDATE_LEAVES;
+use crate::accel::native::node::NodeRef;
+use crate::accel::native::bvh::Bvh;
 
-use super::alone::judge;
-use super::batch::Batch;
-use super::lanes::Lanes;
-use super::pending::Pending;
-use super::question::Question;
-use super::slot::Slot;
+use super::alone::resolve_candidates;
+use super::batch::RayBatch;
+use super::simd::Simd8;
+use super::candidates::CandidateQueue;
+use super::question::QueryMode;
+use super::ray_state::RayState;
 
 /// Rays under way at once. Eight are 6 to 8 % slower where memory is, and 32 no faster.
-const SLOTS: usize = 16;
+const ACTIVE_RAYS: usize = 16;
 
 /// The rays from the batch's next to its end, each by itself.
 ///
 /// # Safety
 /// As for [`fly`](super::flight::fly).
 #[inline(always)]
-pub(super) unsafe fn one_by_one<L: Lanes, Q: Question>(
-    batch: &mut Batch<'_, Q>,
-    pending: &mut Pending,
+pub(super) unsafe fn trace_single_rays<L: Simd8, Q: QueryMode>(
+    batch: &mut RayBatch<'_, Q>,
+    pending: &mut CandidateQueue,
 ) {
-    let mut slots: [MaybeUninit<Slot>; SLOTS] = [const { MaybeUninit::uninit() }; SLOTS];
-    let mut under_way: [*mut Slot; SLOTS] = [std::ptr::null_mut(); SLOTS];
+    let mut slots: [MaybeUninit<RayState>; ACTIVE_RAYS] = [const { MaybeUninit::uninit() }; ACTIVE_RAYS];
+    let mut active: [*mut RayState; ACTIVE_RAYS] = [std::ptr::null_mut(); ACTIVE_RAYS];
     let mut count = 0;
     for slot in &mut slots {
         // SAFETY: there are as many answers as rays.
-        if !unsafe { batch.board::<L>(slot.as_mut_ptr()) } {
+        if !unsafe { batch.load_next_ray::<L>(slot.as_mut_ptr()) } {
             break;
         }
-        under_way[count] = slot.as_mut_ptr();
+        active[count] = slot.as_mut_ptr();
         count += 1;
     }
     while count > 0 {
-        let mut turn = 0;
-        while turn < count {
+        let mut index = 0;
+        while index < count {
             // SAFETY: `under_way` holds distinct slots that have been boarded, up to `count`; the
             // instructions are there by the caller's promise, and as many answers as rays.
             unsafe {
-                let slot = *under_way.get_unchecked(turn);
-                if step::<L, Q>(batch, &mut *slot) {
-                    pending.add::<L>(&*slot);
+                let slot = *active.get_unchecked(index);
+                if step_ray::<L, Q>(batch, &mut *slot) {
+                    pending.push_ray::<L>(&*slot);
                     if pending.is_full() {
-                        pending.settle::<L, Q>(batch);
+                        pending.resolve::<L, Q>(batch);
                     }
-                    if !batch.board::<L>(slot) {
+                    if !batch.load_next_ray::<L>(slot) {
                         count -= 1;
-                        *under_way.get_unchecked_mut(turn) = *under_way.get_unchecked(count);
+                        *active.get_unchecked_mut(index) = *active.get_unchecked(count);
                         continue;
                     }
                 } else {
                     prefetch::<L>(&batch.bvh.tree, (*slot).next);
                 }
             }
-            turn += 1;
+            index += 1;
         }
     }
 }
@@ -67,7 +67,7 @@ pub(super) unsafe fn one_by_one<L: Lanes, Q: Question>(
 /// # Safety
 /// The slot has been boarded and is not done; the instructions of `L` are there.
 #[inline(always)]
-unsafe fn step<L: Lanes, Q: Question>(batch: &Batch<'_, Q>, slot: &mut Slot) -> bool {
+unsafe fn step_ray<L: Simd8, Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut RayState) -> bool {
     let tree = &batch.bvh.tree;
     let next = slot.next;
     // SAFETY: `next` is a node or leaf of this tree. The stack has room by the builder's bound, and
@@ -75,32 +75,32 @@ unsafe fn step<L: Lanes, Q: Question>(batch: &Batch<'_, Q>, slot: &mut Slot) -> 
     unsafe {
         if next.is_leaf() {
             let leaf = tree.leaves().as_ptr().add(next.index());
-            let found = if Q::ANY {
-                slot.through_leaf::<L, true>(leaf, next.index() as u32)
+            let found = if Q::ANY_HIT {
+                slot.intersect_leaf::<L, true>(leaf, next.index() as u32)
             } else {
-                slot.through_leaf::<L, false>(leaf, next.index() as u32)
+                slot.intersect_leaf::<L, false>(leaf, next.index() as u32)
             };
             let place = if found.candidates != 0 { next.index() } else { 0 };
             L::prefetch(tree.ids().as_ptr().add(place).cast());
-            if Q::ANY && found.sure != 0 {
-                slot.sure = found.sure;
+            if Q::ANY_HIT && found.certain != 0 {
+                slot.certain = found.certain;
                 return true;
             }
-            if slot.kept as usize == KEPT && make_room(batch, slot) {
+            if slot.candidate_count as usize == MAX_CANDIDATE_LEAVES && flush_candidates(batch, slot) {
                 return true;
             }
-        } else if Q::ANY {
-            slot.through_node::<L, true>(tree.nodes().as_ptr().add(next.index()));
+        } else if Q::ANY_HIT {
+            slot.intersect_node::<L, true>(tree.nodes().as_ptr().add(next.index()));
         } else {
-            slot.through_node::<L, false>(tree.nodes().as_ptr().add(next.index()));
+            slot.intersect_node::<L, false>(tree.nodes().as_ptr().add(next.index()));
         }
-        if Q::ANY {
+        if Q::ANY_HIT {
             slot.pop::<true>();
         } else {
             slot.pop::<false>();
         }
     }
-    slot.next == Child::NONE
+    slot.next == NodeRef::NONE
 }
 
 /// Asks for all lines of what comes next: four for a node, two for a leaf.
@@ -108,7 +108,7 @@ unsafe fn step<L: Lanes, Q: Question>(batch: &Batch<'_, Q>, slot: &mut Slot) -> 
 /// # Safety
 /// `next` is a node or leaf of this tree.
 #[inline(always)]
-pub(super) unsafe fn prefetch<L: Lanes>(tree: &Tree, next: Child) {
+pub(super) unsafe fn prefetch<L: Simd8>(tree: &Bvh, next: NodeRef) {
     let index = next.index();
     let leaf = tree.leaves().as_ptr().wrapping_add(index).cast::<u8>();
     let node = tree.nodes().as_ptr().wrapping_add(index).cast::<u8>();
@@ -129,10 +129,10 @@ pub(super) unsafe fn prefetch<L: Lanes>(tree: &Tree, next: Child) {
 /// The slot holds a ray of the batch, and the leaves that it has kept are of its tree.
 #[cold]
 #[inline(never)]
-unsafe fn make_room<Q: Question>(batch: &Batch<'_, Q>, slot: &mut Slot) -> bool {
+unsafe fn flush_candidates<Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut RayState) -> bool {
     // SAFETY: the caller's promise.
-    unsafe { judge(&batch.bvh.tree, batch.rays.get_unchecked(slot.ray as usize), slot) };
-    let limit = slot.limit_of(slot.best.t);
-    slot.limit = if Q::ANY || limit > slot.limit { slot.limit } else { limit };
-    Q::ANY && slot.best.is_hit()
+    unsafe { resolve_candidates(&batch.bvh.tree, batch.rays.get_unchecked(slot.ray as usize), slot) };
+    let limit = slot.limit_for(slot.best.t);
+    slot.limit = if Q::ANY_HIT || limit > slot.limit { slot.limit } else { limit };
+    Q::ANY_HIT && slot.best.is_hit()
 }

@@ -9,14 +9,14 @@
 //! `t` by `2^-60 t`. There is no division by zero and no NaN: even the infinite planes of unused lanes
 //! only give infinities.
 
-use super::lanes::Lanes;
-use crate::accel::native::build::larger;
-use crate::accel::native::node::{F64_SLACK, Node, TINY};
+use super::simd::Simd8;
+use crate::accel::native::build::fast_max;
+use crate::accel::native::node::{F64_BOX_SLACK, BvhNode, ABSOLUTE_SLACK};
 
 /// What a box gives way to a ray from `o`, as a part of `|o|`.
 const BOX_SLACK: f32 = 1.0 / (1u32 << 21) as f32;
 /// The smallest component of a direction that is told from zero, 2^-60.
-const SMALLEST: f32 = f32::from_bits((127 - 60) << 23);
+const MIN_COMPONENT: f32 = f32::from_bits((127 - 60) << 23);
 
 /// What a ray needs to meet planes: of its direction and its origin.
 #[derive(Clone, Copy)]
@@ -29,11 +29,11 @@ pub(super) struct Slabs {
 
 /// Where the planes that rays of the same octant meet first are in a node, in numbers.
 #[derive(Clone, Copy)]
-pub(super) struct Near([u32; 4]);
+pub(super) struct NearPlanes([u32; 4]);
 
-impl Near {
+impl NearPlanes {
     #[inline(always)]
-    pub(super) fn of(unit: &[f32; 4]) -> Self {
+    pub(super) fn from_direction(unit: &[f32; 4]) -> Self {
         Self(std::array::from_fn(|axis| 8 * axis as u32 + 24 * (unit[axis].to_bits() >> 31)))
     }
 }
@@ -42,7 +42,7 @@ impl Near {
 /// what depends on the axis.
 #[inline(always)]
 pub(super) fn slack(sum: f32) -> f32 {
-    F64_SLACK as f32 * sum + TINY as f32
+    F64_BOX_SLACK as f32 * sum + ABSOLUTE_SLACK as f32
 }
 
 impl Slabs {
@@ -52,9 +52,9 @@ impl Slabs {
     pub(super) fn set(&mut self, first: &[f32; 4], last: &[f32; 4], unit: &[f32; 4], slack: f32) {
         for axis in 0..4 {
             let u = unit[axis];
-            let farthest = larger(first[axis].abs(), last[axis].abs());
+            let farthest = fast_max(first[axis].abs(), last[axis].abs());
             let slack = (BOX_SLACK * farthest + slack).copysign(u);
-            let inverse = 1.0 / larger(u.abs(), SMALLEST).copysign(u);
+            let inverse = 1.0 / fast_max(u.abs(), MIN_COMPONENT).copysign(u);
             self.inverse[axis] = inverse;
             self.enter[axis] = -inverse * (last[axis] + slack);
             self.leave[axis] = -inverse * (first[axis] - slack);
@@ -67,10 +67,10 @@ impl Slabs {
     /// # Safety
     /// `node` is valid, the axis is below 3, and the instructions of `L` are there.
     #[inline(always)]
-    pub(super) unsafe fn meet<L: Lanes>(
+    pub(super) unsafe fn intersect<L: Simd8>(
         &self,
-        node: *const Node,
-        Near(near): &Near,
+        node: *const BvhNode,
+        NearPlanes(near): &NearPlanes,
         axis: usize,
     ) -> [L::F; 2] {
         // SAFETY: a node's planes are its first 48 numbers, aligned, of which `near` selects one of
@@ -94,17 +94,17 @@ impl Slabs {
     /// # Safety
     /// As for [`Self::meet`].
     #[inline(always)]
-    pub(super) unsafe fn meet_with<L: Lanes>(
+    pub(super) unsafe fn intersect_interval<L: Simd8>(
         &self,
         other: &Self,
-        node: *const Node,
-        near: &Near,
+        node: *const BvhNode,
+        near: &NearPlanes,
         axis: usize,
     ) -> [L::F; 2] {
         // SAFETY: the caller's promise.
         unsafe {
-            let [enter, leave] = self.meet::<L>(node, near, axis);
-            let [other_enter, other_leave] = other.meet::<L>(node, near, axis);
+            let [enter, leave] = self.intersect::<L>(node, near, axis);
+            let [other_enter, other_leave] = other.intersect::<L>(node, near, axis);
             [L::min(enter, other_enter), L::max(leave, other_leave)]
         }
     }

@@ -29,17 +29,17 @@
 //! The smallest upper bound of a sure hit limits the search; every candidate whose lower bound is not
 //! beyond that is kept, and those that remain at the end are judged in f64.
 
-use crate::accel::native::node::Leaf;
+use crate::accel::native::node::SphereLeaf;
 
-use super::lanes::Lanes;
+use super::simd::Simd8;
 
 /// `32 e` of the module's head.
-pub(super) const ERROR: f32 = 1.0 / (1u32 << 19) as f32;
+pub(super) const ERROR_SCALE: f32 = 1.0 / (1u32 << 19) as f32;
 /// The smallest error that is reckoned with.
-pub(super) const LEAST_ERROR: f32 = f32::from_bits((127 - 60) << 23);
+pub(super) const MIN_ERROR: f32 = f32::from_bits((127 - 60) << 23);
 
 /// Rays lane by lane, or one ray in all lanes.
-pub(super) struct Rays<L: Lanes> {
+pub(super) struct SphereTest<L: Simd8> {
     /// From the rays' origins to the spheres' centres.
     pub(super) to_center: [L::F; 3],
     /// Directions of unit length.
@@ -53,34 +53,34 @@ pub(super) struct Rays<L: Lanes> {
 }
 
 /// Where rays meet spheres, lane by lane.
-pub(super) struct Met<L: Lanes> {
+pub(super) struct SphereHits<L: Simd8> {
     /// Whether there may be a hit.
     pub(super) candidate: L::M,
     /// Whether there is one for certain, beyond where the ray begins.
-    pub(super) sure: L::M,
+    pub(super) certain: L::M,
     /// The hit is no nearer than this.
-    pub(super) t: L::F,
+    pub(super) t_lower: L::F,
     /// A sure hit is no farther than this.
-    pub(super) t_above: L::F,
+    pub(super) t_upper: L::F,
 }
 
-impl<L: Lanes> Rays<L> {
+impl<L: Simd8> SphereTest<L> {
     /// Where the rays meet spheres of these radii.
     ///
     /// # Safety
     /// The instructions of `L` are there.
     #[inline(always)]
-    pub(super) unsafe fn meet(&self, radius: L::F) -> Met<L> {
+    pub(super) unsafe fn intersect(&self, radius: L::F) -> SphereHits<L> {
         // SAFETY: the caller's promise.
         unsafe {
             let (b, p) = project::<L>(self.to_center, self.unit);
-            let q = squared::<L>(p);
+            let q = length_squared::<L>(p);
 
             let zero = L::splat(0.0);
-            let error = L::mul_add(L::add(L::abs(b), radius), L::splat(ERROR), self.error);
+            let error = L::mul_add(L::add(L::abs(b), radius), L::splat(ERROR_SCALE), self.error);
             let reach = L::add(radius, error);
             let above = L::mul_sub(reach, reach, q);
-            let below = L::sub_mul(L::mul(error, L::splat(4.0)), reach, above);
+            let below = L::neg_mul_add(L::mul(error, L::splat(4.0)), reach, above);
             let longest = L::sqrt(L::max(above, zero));
             let shortest = L::sqrt(L::max(below, zero));
             let (b_below, b_above) = (L::sub(b, error), L::add(b, error));
@@ -94,7 +94,7 @@ impl<L: Lanes> Rays<L> {
             let hit = L::and(L::le(zero, above), L::lt(t_min, far.1));
             let candidate = L::and(hit, L::le(t, self.limit));
             let sure = L::and(L::lt(zero, below), L::lt(t_min_above, t));
-            Met { candidate, sure: L::and(candidate, sure), t, t_above }
+            SphereHits { candidate, certain: L::and(candidate, sure), t_lower: t, t_upper: t_above }
         }
     }
 }
@@ -104,7 +104,7 @@ impl<L: Lanes> Rays<L> {
 /// # Safety
 /// `leaf` is valid, and the instructions of `L` are there.
 #[inline(always)]
-pub(super) unsafe fn to_centers<L: Lanes>(leaf: *const Leaf, from: &[f32; 4]) -> [L::F; 3] {
+pub(super) unsafe fn to_centers<L: Simd8>(leaf: *const SphereLeaf, from: &[f32; 4]) -> [L::F; 3] {
     // SAFETY: a leaf is four times eight numbers, aligned.
     unsafe {
         let place = leaf.cast::<f32>();
@@ -121,7 +121,7 @@ pub(super) unsafe fn to_centers<L: Lanes>(leaf: *const Leaf, from: &[f32; 4]) ->
 /// # Safety
 /// `leaf` is valid, and the instructions of `L` are there.
 #[inline(always)]
-pub(super) unsafe fn radii<L: Lanes>(leaf: *const Leaf) -> L::F {
+pub(super) unsafe fn radii<L: Simd8>(leaf: *const SphereLeaf) -> L::F {
     // SAFETY: as above.
     unsafe { L::load(leaf.cast::<f32>().add(24)) }
 }
@@ -131,11 +131,11 @@ pub(super) unsafe fn radii<L: Lanes>(leaf: *const Leaf) -> L::F {
 /// # Safety
 /// The instructions of `L` are there.
 #[inline(always)]
-pub(super) unsafe fn project<L: Lanes>(v: [L::F; 3], u: [L::F; 3]) -> (L::F, [L::F; 3]) {
+pub(super) unsafe fn project<L: Simd8>(v: [L::F; 3], u: [L::F; 3]) -> (L::F, [L::F; 3]) {
     // SAFETY: the caller's promise.
     unsafe {
         let b = L::mul_add(v[0], u[0], L::mul_add(v[1], u[1], L::mul(v[2], u[2])));
-        (b, [L::sub_mul(b, u[0], v[0]), L::sub_mul(b, u[1], v[1]), L::sub_mul(b, u[2], v[2])])
+        (b, [L::neg_mul_add(b, u[0], v[0]), L::neg_mul_add(b, u[1], v[1]), L::neg_mul_add(b, u[2], v[2])])
     }
 }
 
@@ -144,7 +144,7 @@ pub(super) unsafe fn project<L: Lanes>(v: [L::F; 3], u: [L::F; 3]) -> (L::F, [L:
 /// # Safety
 /// The instructions of `L` are there.
 #[inline(always)]
-pub(super) unsafe fn squared<L: Lanes>([x, y, z]: [L::F; 3]) -> L::F {
+pub(super) unsafe fn length_squared<L: Simd8>([x, y, z]: [L::F; 3]) -> L::F {
     // SAFETY: the caller's promise.
     unsafe { L::mul_add(x, x, L::mul_add(y, y, L::mul(z, z))) }
 }

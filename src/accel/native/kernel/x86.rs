@@ -54,7 +54,7 @@ macro_rules! shared_operations {
         }
 
         #[inline(always)]
-        unsafe fn sub_mul(a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        unsafe fn neg_mul_add(a: Self::F, b: Self::F, c: Self::F) -> Self::F {
             // SAFETY: as above.
             unsafe { _mm256_fnmadd_ps(a, b, c) }
         }
@@ -84,7 +84,7 @@ macro_rules! shared_operations {
         }
 
         #[inline(always)]
-        unsafe fn smallest(a: Self::F) -> f32 {
+        unsafe fn reduce_min(a: Self::F) -> f32 {
             // SAFETY: as above.
             unsafe { smallest(a) }
         }

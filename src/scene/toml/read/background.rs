@@ -5,54 +5,54 @@ use std::path::Path;
 use crate::color::Rgb;
 use crate::light::Orientation;
 use crate::math::DVec3;
-use crate::scene::description::{Background, Dome, Sun, unit};
+use crate::scene::description::{BackgroundDescription, EnvironmentDescription, SunDescription, normalize_robust};
 use crate::scene::keys::background as keys;
 use crate::scene::toml::document::Table;
 
 /// The sun's angular diameter as seen from the Earth's mean distance.
-const USUAL_DIAMETER: f64 = 0.533;
+const DEFAULT_SUN_DIAMETER: f64 = 0.533;
 
-pub(super) fn read(table: &Table<'_>, folder: &Path) -> Background {
+pub(super) fn read(table: &Table<'_>, folder: &Path) -> BackgroundDescription {
     let up = table.get(&keys::UP).unwrap_or(DVec3::Y);
-    let up = unit(up).unwrap_or_else(|| {
-        table.complain("up", "`background.up` must not be [0, 0, 0]", None);
+    let up = normalize_robust(up).unwrap_or_else(|| {
+        table.error_at("up", "`background.up` must not be [0, 0, 0]", None);
         DVec3::Y
     });
     let radiance = table.get(&keys::RADIANCE_EVERYWHERE);
-    let gradient = table.present_section("gradient", read_gradient);
-    let image = table.present_section("image", |inner| read_image(inner, folder));
-    let sky = table.present_section("sky", read_sky);
-    let sun = table.present_section("sun", |inner| read_sun(inner, up));
+    let gradient = table.section_if_present("gradient", read_gradient);
+    let image = table.section_if_present("image", |inner| read_image(inner, folder));
+    let sky = table.section_if_present("sky", read_sky);
+    let sun = table.section_if_present("sun", |inner| read_sun(inner, up));
     let transparent = table.get(&keys::TRANSPARENT).unwrap_or(false);
     let camera_visible = table.get(&keys::CAMERA_VISIBLE).unwrap_or(!transparent);
-    demand_one_dome(table);
-    let constant = || Dome::Constant { radiance: radiance.unwrap_or(Rgb::ZERO) };
+    require_single_environment(table);
+    let constant = || EnvironmentDescription::Constant { radiance: radiance.unwrap_or(Rgb::ZERO) };
     let dome = gradient.or(image).or(sky).unwrap_or_else(constant);
-    Background { dome, up, sun, camera_visible, transparent }
+    BackgroundDescription { dome, up, sun, camera_visible, transparent }
 }
 
-fn read_gradient(table: &Table<'_>) -> Dome {
+fn read_gradient(table: &Table<'_>) -> EnvironmentDescription {
     let zenith = table.get(&keys::gradient::ZENITH).unwrap_or_default();
     let horizon = table.get(&keys::gradient::HORIZON).unwrap_or_default();
     let nadir = table.get(&keys::gradient::NADIR).unwrap_or(horizon);
-    Dome::Gradient { zenith, horizon, nadir }
+    EnvironmentDescription::Gradient { zenith, horizon, nadir }
 }
 
-fn read_image(table: &Table<'_>, folder: &Path) -> Dome {
+fn read_image(table: &Table<'_>, folder: &Path) -> EnvironmentDescription {
     let file = table.get(&keys::image::FILE);
     let rotation_degrees = table.get(&keys::image::ROTATION).unwrap_or(0.0);
     let scale = table.get(&keys::image::FACTOR).unwrap_or(1.0);
-    Dome::Image { file: folder.join(file.unwrap_or_default()), rotation_degrees, scale }
+    EnvironmentDescription::Image { file: folder.join(file.unwrap_or_default()), rotation_degrees, scale }
 }
 
-fn read_sky(table: &Table<'_>) -> Dome {
+fn read_sky(table: &Table<'_>) -> EnvironmentDescription {
     let turbidity = table.get(&keys::sky::TURBIDITY).unwrap_or(3.0);
     let ground_albedo = table.get(&keys::sky::GROUND_ALBEDO).unwrap_or(Rgb::splat(0.2));
     let scale = table.get(&keys::sky::FACTOR).unwrap_or(1.0);
-    Dome::Sky { turbidity, ground_albedo, scale }
+    EnvironmentDescription::Sky { turbidity, ground_albedo, scale }
 }
 
-fn read_sun(table: &Table<'_>, up: DVec3) -> Sun {
+fn read_sun(table: &Table<'_>, up: DVec3) -> SunDescription {
     let direction = table.get(&keys::sun::DIRECTION);
     let elevation = table.get(&keys::sun::ELEVATION);
     let azimuth = table.get(&keys::sun::AZIMUTH);
@@ -62,9 +62,9 @@ fn read_sun(table: &Table<'_>, up: DVec3) -> Sun {
     let by_angles = given("elevation_degrees") || given("azimuth_degrees");
     let direction = match (given("direction"), by_angles) {
         (true, false) => direction.map(|direction| {
-            unit(direction).unwrap_or_else(|| {
+            normalize_robust(direction).unwrap_or_else(|| {
                 let message = "`background.sun.direction` must not be [0, 0, 0]";
-                table.complain("direction", message, None);
+                table.error_at("direction", message, None);
                 up
             })
         }),
@@ -80,24 +80,24 @@ fn read_sun(table: &Table<'_>, up: DVec3) -> Sun {
             };
             let help = "give `direction` towards the sun, or `elevation_degrees` and \
                         `azimuth_degrees`";
-            table.complain("direction", message, help.to_owned());
+            table.error_at("direction", message, help.to_owned());
             None
         }
     };
-    Sun {
+    SunDescription {
         direction: direction.unwrap_or(up),
-        angular_diameter_degrees: diameter.unwrap_or(USUAL_DIAMETER),
+        angular_diameter_degrees: diameter.unwrap_or(DEFAULT_SUN_DIAMETER),
         irradiance: irradiance.unwrap_or_default(),
     }
 }
 
 /// Whether not two things want to be the dome.
-fn demand_one_dome(table: &Table<'_>) {
+fn require_single_environment(table: &Table<'_>) {
     let given = ["radiance", "gradient", "image", "sky"].map(|key| (key, table.span_of(key)));
     let given: Vec<&str> = given.iter().filter(|(_, span)| span.is_some()).map(|g| g.0).collect();
     if let [first, second, ..] = given[..] {
         let message = format!("`background` has both `{first}` and `{second}`");
         let help = "keep one of `radiance`, `gradient`, `image` and `sky`".to_owned();
-        table.complain(second, message, help);
+        table.error_at(second, message, help);
     }
 }

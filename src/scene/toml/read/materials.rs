@@ -2,44 +2,44 @@
 
 use crate::color::Rgb;
 use crate::material::{Metal, PrincipledParameters};
-use crate::scene::description::{NamedMaterial, Surface, SurfaceKind};
+use crate::scene::description::{MaterialDescription, SurfaceModel, SurfaceKind};
 use crate::scene::keys::material as keys;
-use crate::scene::kinds::{Node, Number, Read, Unfit};
+use crate::scene::value_types::{SpannedValue, Number, ParseValue, InvalidValue};
 use crate::scene::toml::document::Table;
 
 /// The names of all materials in the order of the text, with what stands there.
-pub(super) fn read<'d>(root: &Table<'d>) -> Vec<(&'d str, NamedMaterial)> {
+pub(super) fn read<'d>(root: &Table<'d>) -> Vec<(&'d str, MaterialDescription)> {
     root.named_sections("materials", |_, table| {
         let surface = read_surface(table);
         let emission = table.get(&keys::EMISSION).unwrap_or(Rgb::ZERO);
         let opacity = table.get(&keys::OPACITY).unwrap_or(1.0);
-        NamedMaterial { name: String::new(), surface, emission, opacity }
+        MaterialDescription { name: String::new(), surface, emission, opacity }
     })
 }
 
-fn read_surface(table: &Table<'_>) -> Surface {
+fn read_surface(table: &Table<'_>) -> SurfaceModel {
     let Some(kind) = table.get(&keys::TYPE) else {
         table.allow_unknown_keys();
-        table.mark_all_broken();
-        return Surface::default();
+        table.mark_all_invalid();
+        return SurfaceModel::default();
     };
     match kind {
-        SurfaceKind::Diffuse => Surface::Diffuse {
+        SurfaceKind::Diffuse => SurfaceModel::Diffuse {
             albedo: table.get(&keys::diffuse::ALBEDO).unwrap_or_default(),
             roughness: table.get(&keys::diffuse::ROUGHNESS).unwrap_or(0.0),
         },
-        SurfaceKind::Mirror => Surface::Mirror {
+        SurfaceKind::Mirror => SurfaceModel::Mirror {
             reflectance: table.get(&keys::mirror::REFLECTANCE).unwrap_or_default(),
         },
-        SurfaceKind::Conductor => conductor(table),
-        SurfaceKind::Dielectric => dielectric(table),
-        SurfaceKind::Plastic => Surface::Plastic {
+        SurfaceKind::Conductor => read_conductor(table),
+        SurfaceKind::Dielectric => read_dielectric(table),
+        SurfaceKind::Plastic => SurfaceModel::Plastic {
             albedo: table.get(&keys::plastic::ALBEDO).unwrap_or_default(),
             ior: table.get(&keys::plastic::IOR).unwrap_or(1.5),
             roughness: table.get(&keys::plastic::ROUGHNESS).unwrap_or(0.0),
         },
-        SurfaceKind::Principled => principled(table),
-        SurfaceKind::Phong => Surface::Phong {
+        SurfaceKind::Principled => read_principled(table),
+        SurfaceKind::Phong => SurfaceModel::Phong {
             albedo: table.get(&keys::phong::ALBEDO).unwrap_or_default(),
             specular: table.get(&keys::phong::SPECULAR).unwrap_or_default(),
             exponent: table.get(&keys::phong::EXPONENT).unwrap_or_default(),
@@ -48,10 +48,10 @@ fn read_surface(table: &Table<'_>) -> Surface {
     }
 }
 
-fn principled(table: &Table<'_>) -> Surface {
+fn read_principled(table: &Table<'_>) -> SurfaceModel {
     use keys::principled as keys;
     let usual = PrincipledParameters::default();
-    Surface::Principled(PrincipledParameters {
+    SurfaceModel::Principled(PrincipledParameters {
         base_color: table.get(&keys::BASE_COLOR).unwrap_or(usual.base_color),
         metallic: table.get(&keys::METALLIC).unwrap_or(usual.metallic),
         roughness: table.get(&keys::ROUGHNESS).unwrap_or(usual.roughness),
@@ -64,12 +64,12 @@ fn principled(table: &Table<'_>) -> Surface {
 }
 
 /// A metal by its name, or by the two parts of its index of refraction.
-fn conductor(table: &Table<'_>) -> Surface {
+fn read_conductor(table: &Table<'_>) -> SurfaceModel {
     use keys::conductor as keys;
     let roughness = table.get(&keys::ROUGHNESS).unwrap_or(0.0);
-    let is_told =
+    let has_index =
         [keys::IOR.name, keys::EXTINCTION.name].into_iter().any(|key| table.span_of(key).is_some());
-    let metal = if is_told && table.span_of("metal").is_none() {
+    let metal = if has_index && table.span_of("metal").is_none() {
         let ior = table.required(keys::IOR.name, &keys::IOR.kind);
         let extinction = table.required(keys::EXTINCTION.name, &keys::EXTINCTION.kind);
         Metal { ior: ior.unwrap_or_default(), extinction: extinction.unwrap_or_default() }
@@ -80,18 +80,18 @@ fn conductor(table: &Table<'_>) -> Surface {
                 let message =
                     format!("`{}` says again what `metal` says already", table.path_to(key.name));
                 let help = "remove `metal`, or both `ior` and `extinction`".to_owned();
-                table.complain(key.name, message, help);
+                table.error_at(key.name, message, help);
             }
         }
         metal.unwrap_or(Metal::NAMED[0].1)
     };
-    Surface::Conductor { metal, roughness }
+    SurfaceModel::Conductor { metal, roughness }
 }
 
-fn dielectric(table: &Table<'_>) -> Surface {
+fn read_dielectric(table: &Table<'_>) -> SurfaceModel {
     use keys::dielectric as keys;
-    let ior = index(table);
-    Surface::Dielectric {
+    let ior = read_ior(table);
+    SurfaceModel::Dielectric {
         ior: ior.unwrap_or(1.5),
         roughness: table.get(&keys::ROUGHNESS).unwrap_or(0.0),
         priority: table.get(&keys::PRIORITY).unwrap_or(0),
@@ -100,34 +100,34 @@ fn dielectric(table: &Table<'_>) -> Surface {
 }
 
 /// What is expected where there is neither a number nor a name.
-struct OrGlass<'a>(&'a Number);
+struct IorOrGlass<'a>(&'a Number);
 
-impl Read for OrGlass<'_> {
+impl ParseValue for IorOrGlass<'_> {
     type Output = f64;
 
     fn expects(&self) -> String {
         format!("{}, or `glass = ...`, the name of a glass", self.0.expects())
     }
 
-    fn read(&self, node: &Node<'_>) -> Result<f64, Unfit> {
-        self.0.read(node)
+    fn parse(&self, node: &SpannedValue<'_>) -> Result<f64, InvalidValue> {
+        self.0.parse(node)
     }
 }
 
 /// The index of refraction, as a number or by the name of a glass.
-fn index(table: &Table<'_>) -> Option<f64> {
+fn read_ior(table: &Table<'_>) -> Option<f64> {
     use keys::dielectric as keys;
     let ior = &keys::IOR;
     let [glass_span, ior_span] = [keys::GLASS.name, ior.name].map(|key| table.span_of(key));
     match (glass_span, ior_span) {
-        (None, None) => return table.required(ior.name, &OrGlass(&ior.kind)),
+        (None, None) => return table.required(ior.name, &IorOrGlass(&ior.kind)),
         (None, Some(_)) => return table.required(ior.name, &ior.kind),
         _ => (),
     }
     let glass = table.get(&keys::GLASS);
     if table.get(ior).is_some() {
         let message = format!("`{}` says again what `glass` says already", table.path_to("ior"));
-        table.complain("ior", message, "remove one of them".to_owned());
+        table.error_at("ior", message, "remove one of them".to_owned());
     }
     glass
 }

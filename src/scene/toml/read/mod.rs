@@ -14,14 +14,14 @@ use toml::de::DeTable;
 
 use crate::math::Rect;
 use crate::scene::data::{Column, SphereData};
-use crate::scene::description::{Description, NamedMaterial, SphereRow, SphereTable};
+use crate::scene::description::{SceneDescription, MaterialDescription, SphereDescription, SphereTable};
 use crate::scene::keys;
-use crate::scene::kinds::MaterialName;
-use crate::scene::settings::{Image, Settings};
-use crate::scene::validate::crop_must_be;
+use crate::scene::value_types::MaterialName;
+use crate::scene::settings::{ImageSettings, Settings};
+use crate::scene::validate::crop_error;
 
 use super::document::Table;
-use super::report::{Report, Wrong};
+use super::diagnostics::{Diagnostics, SpannedError};
 
 /// The version of the format that this program reads.
 const FORMAT: i64 = 1;
@@ -31,8 +31,8 @@ pub(super) fn read(
     document: &DeTable<'_>,
     integrator_of_file: Option<&str>,
     folder: &Path,
-    report: &Report,
-) -> (Description, Settings) {
+    report: &Diagnostics,
+) -> (SceneDescription, Settings) {
     Table::root(document, report, |root| {
         read_format(root);
         let image = root.optional_section("image", read_image);
@@ -44,15 +44,15 @@ pub(super) fn read(
         let spheres = root.sections("spheres", |table| read_sphere(table, &index_of));
         let camera = root.section("camera", |table| camera::read(table, &spheres));
         let tables = root.sections("sphere_tables", |table| read_table(table, &index_of, folder));
-        demand_spheres(root);
+        require_spheres(root);
         let render =
             root.optional_section("render", |table| render::read(table, integrator_of_file));
-        let named = |(name, material): (&str, NamedMaterial)| NamedMaterial {
+        let named = |(name, material): (&str, MaterialDescription)| MaterialDescription {
             name: name.to_owned(),
             ..material
         };
         let materials = materials.into_iter().map(named).collect();
-        let description = Description { camera, background, materials, spheres, tables };
+        let description = SceneDescription { camera, background, materials, spheres, tables };
         (description, Settings { image, render })
     })
 }
@@ -60,7 +60,7 @@ pub(super) fn read(
 fn read_format(root: &Table<'_>) {
     if root.span_of("format").is_none() {
         let help = format!("add `format = {FORMAT}` as the first line");
-        root.report().add(Wrong::absence(0..0, "`format` is missing").help(help));
+        root.diagnostics().add(SpannedError::absence(0..0, "`format` is missing").help(help));
     }
     let key = &keys::root::FORMAT;
     let Some(format) = root.optional(key.name, &key.kind) else {
@@ -68,19 +68,19 @@ fn read_format(root: &Table<'_>) {
     };
     if format != FORMAT {
         let message = format!("this is format {format}; this photosphere reads format {FORMAT}");
-        root.complain("format", message, None);
+        root.error_at("format", message, None);
     }
 }
 
-fn read_image(table: &Table<'_>) -> Image {
-    let usual = Image::default();
+fn read_image(table: &Table<'_>) -> ImageSettings {
+    let usual = ImageSettings::default();
     let width = table.get(&keys::image::WIDTH).unwrap_or(usual.width);
     let height = table.get(&keys::image::HEIGHT).unwrap_or(usual.height);
     let crop = read_crop(table, width, height);
     let filter = table.get(&keys::image::FILTER).unwrap_or_default();
     let radius = table.get(&keys::image::FILTER_RADIUS);
-    let filter_radius = radius.unwrap_or(Image::usual_radius(filter));
-    Image { width, height, crop, filter, filter_radius }
+    let filter_radius = radius.unwrap_or(ImageSettings::default_filter_radius(filter));
+    ImageSettings { width, height, crop, filter, filter_radius }
 }
 
 /// The part of the picture that is rendered.
@@ -89,22 +89,22 @@ fn read_crop(table: &Table<'_>, width: u32, height: u32) -> Option<Rect> {
     let Ok(corners) = <[u32; 4]>::try_from(edges.as_slice()) else {
         let found = edges.len();
         let message = format!("`image.crop` must be four numbers, [x0, y0, x1, y1], not {found}");
-        table.complain("crop", message, None);
+        table.error_at("crop", message, None);
         return None;
     };
-    let crop = Rect::of_corners(corners);
+    let crop = Rect::from_corners(corners);
     if crop.is_none() {
-        table.complain("crop", crop_must_be(width, height), None);
+        table.error_at("crop", crop_error(width, height), None);
     }
     crop
 }
 
-fn read_sphere(table: &Table<'_>, index_of: &BTreeMap<&str, usize>) -> SphereRow {
+fn read_sphere(table: &Table<'_>, index_of: &BTreeMap<&str, usize>) -> SphereDescription {
     let name = table.get(&keys::sphere::NAME);
     let center = table.get(&keys::sphere::CENTER);
     let radius = table.get(&keys::sphere::RADIUS);
     let material = table.required(keys::sphere::MATERIAL.name, &MaterialName(index_of));
-    SphereRow {
+    SphereDescription {
         name,
         center: center.unwrap_or_default(),
         radius: radius.unwrap_or_default(),
@@ -123,7 +123,7 @@ fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path
     if colors.is_some() && lacks_colors {
         let message = format!("`{}` is for tables with colours", table.path_to("colors"));
         let help = "drop it, or add r, g and b to `columns`".to_owned();
-        table.complain("colors", message, help);
+        table.error_at("colors", message, help);
     }
     let usual = vec![Column::X, Column::Y, Column::Z, Column::Radius];
     let data = SphereData::File {
@@ -134,11 +134,11 @@ fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path
     SphereTable { name, data, material, colors }
 }
 
-fn demand_spheres(root: &Table<'_>) {
+fn require_spheres(root: &Table<'_>) {
     if root.is_empty_list("spheres") && root.is_empty_list("sphere_tables") {
         let help = "add `[[spheres]]` with center, radius and material".to_owned();
-        root.report().add(Wrong::absence(root.span(), "the scene has no spheres").help(help));
+        root.diagnostics().add(SpannedError::absence(root.span(), "the scene has no spheres").help(help));
         // The values lack them, too, which is no second mistake.
-        root.mark_broken("spheres");
+        root.mark_invalid("spheres");
     }
 }

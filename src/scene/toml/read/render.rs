@@ -2,24 +2,24 @@
 
 use crate::scene::keys::render as keys;
 use crate::scene::settings::{
-    Integrator, IntegratorKind, Paper, Render, SamplerKind, Stop, StopKind,
+    IntegratorSettings, IntegratorKind, PaperSettings, RenderSettings, SamplerKind, PathTermination, PathTerminationKind,
 };
 use crate::scene::toml::document::Table;
 
-pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> Render {
-    let usual = Render::default();
+pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> RenderSettings {
+    let usual = RenderSettings::default();
     let kind = table.get(&keys::INTEGRATOR).unwrap_or_default();
     let estimator = table.get(&keys::ESTIMATOR).unwrap_or_default();
     let given = table.get(&keys::SAMPLES);
     let max_depth = table.get(&keys::MAX_DEPTH);
     let clamp_indirect = table.get(&keys::CLAMP_INDIRECT);
     let seed = table.get(&keys::SEED).map_or(usual.seed, i64::unsigned_abs);
-    let sampler = table.get(&keys::SAMPLER).unwrap_or(usual_sampler(kind));
+    let sampler = table.get(&keys::SAMPLER).unwrap_or(default_sampler(kind));
     let light_choice = table.get(&keys::LIGHT_CHOICE).unwrap_or_default();
     let paper = table.optional_section("paper", |inner| {
         let mut paper = read_paper(inner);
         if kind == IntegratorKind::Paper {
-            paper.samples = reconcile(table, inner, &paper, given, integrator_of_file);
+            paper.samples = reconcile_samples(table, inner, &paper, given, integrator_of_file);
         }
         paper
     });
@@ -31,14 +31,14 @@ pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> Rende
     });
     let many = given.unwrap_or(usual.samples_per_pixel);
     let (integrator, samples_per_pixel) = match kind {
-        IntegratorKind::Path => (Integrator::Path, many),
-        IntegratorKind::Direct => (Integrator::Direct, many),
-        IntegratorKind::AmbientOcclusion => (Integrator::AmbientOcclusion { distance }, many),
-        IntegratorKind::Normals => (Integrator::Normals, given.unwrap_or(1)),
-        IntegratorKind::Paper => (Integrator::Paper(paper), counted(table, &paper)),
-        IntegratorKind::Raycast => (Integrator::Raycast { shadows }, given.unwrap_or(1)),
+        IntegratorKind::Path => (IntegratorSettings::Path, many),
+        IntegratorKind::Direct => (IntegratorSettings::Direct, many),
+        IntegratorKind::AmbientOcclusion => (IntegratorSettings::AmbientOcclusion { distance }, many),
+        IntegratorKind::Normals => (IntegratorSettings::Normals, given.unwrap_or(1)),
+        IntegratorKind::Paper => (IntegratorSettings::Paper(paper), total_samples(table, &paper)),
+        IntegratorKind::Raycast => (IntegratorSettings::Raycast { shadows }, given.unwrap_or(1)),
     };
-    Render {
+    RenderSettings {
         integrator,
         estimator,
         samples_per_pixel,
@@ -51,47 +51,47 @@ pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> Rende
 }
 
 /// The paper's figures show independent numbers.
-fn usual_sampler(kind: IntegratorKind) -> SamplerKind {
+fn default_sampler(kind: IntegratorKind) -> SamplerKind {
     if kind == IntegratorKind::Paper { SamplerKind::Independent } else { SamplerKind::Sobol }
 }
 
-fn read_paper(table: &Table<'_>) -> Paper {
-    let usual = Paper::default();
+fn read_paper(table: &Table<'_>) -> PaperSettings {
+    let usual = PaperSettings::default();
     let subpixels = table.get(&keys::paper::SUBPIXELS).unwrap_or(usual.subpixels);
     let samples = table.get(&keys::paper::SAMPLES).unwrap_or(usual.samples);
     let hemisphere = table.get(&keys::paper::HEMISPHERE).unwrap_or_default();
     let stop = table.get(&keys::paper::STOP).unwrap_or_default();
     let threshold = table.get(&keys::paper::THRESHOLD);
-    if stop != StopKind::Threshold && table.span_of("threshold").is_some() {
+    if stop != PathTerminationKind::Threshold && table.span_of("threshold").is_some() {
         let path = table.path_to("threshold");
         let message = format!("`{path}` means nothing without `stop = \"threshold\"`");
-        table.complain("threshold", message, None);
+        table.error_at("threshold", message, None);
     }
     let stop = match stop {
-        StopKind::Roulette => Stop::Roulette,
-        StopKind::Depth => Stop::Depth,
-        StopKind::Threshold => Stop::Threshold(threshold.unwrap_or(0.01)),
+        PathTerminationKind::Roulette => PathTermination::Roulette,
+        PathTerminationKind::Depth => PathTermination::Depth,
+        PathTerminationKind::Threshold => PathTermination::Threshold(threshold.unwrap_or(0.01)),
     };
     let miss = table.get(&keys::paper::MISS).unwrap_or_default();
     let jitter = table.get(&keys::paper::JITTER).unwrap_or(usual.jitter);
-    Paper { subpixels, samples, hemisphere, stop, miss, jitter }
+    PaperSettings { subpixels, samples, hemisphere, stop, miss, jitter }
 }
 
 /// The paths of a sub-pixel, from all that is said of samples.
 ///
 /// `samples_per_pixel` binds where it was meant for this integrator: in an option, or in a file that
 /// asks for it. In a file that asks for another it is followed where it can be.
-fn reconcile(
+fn reconcile_samples(
     render: &Table<'_>,
     table: &Table<'_>,
-    paper: &Paper,
+    paper: &PaperSettings,
     given: Option<u32>,
     integrator_of_file: Option<&str>,
 ) -> u32 {
     let (Some(given), Some(span)) = (given, render.span_of("samples_per_pixel")) else {
         return paper.samples;
     };
-    let report = render.report();
+    let report = render.diagnostics();
     let binds = integrator_of_file == Some("paper") || !report.is_in_file(&span);
     let subpixels = paper.subpixels.pow(2);
     let is_multiple = given % subpixels == 0;
@@ -102,7 +102,7 @@ fn reconcile(
             "`render.samples_per_pixel` must be a multiple of the {k} x {k} sub-pixels, not {given}"
         );
         let near = (given / subpixels).max(1) * subpixels;
-        render.complain("samples_per_pixel", message, format!("try {near}"));
+        render.error_at("samples_per_pixel", message, format!("try {near}"));
         return paper.samples;
     }
     match samples_span {
@@ -116,9 +116,9 @@ fn reconcile(
             );
             let help = format!(
                 "`render.paper.samples` is set in {}; leave one of the two out",
-                report.words_for(&samples_span)
+                report.describe_span(&samples_span)
             );
-            render.complain("samples_per_pixel", message, help);
+            render.error_at("samples_per_pixel", message, help);
             paper.samples
         }
         _ => paper.samples,
@@ -126,13 +126,13 @@ fn reconcile(
 }
 
 /// Samples of a pixel as a u32, or a mistake.
-fn counted(table: &Table<'_>, paper: &Paper) -> u32 {
+fn total_samples(table: &Table<'_>, paper: &PaperSettings) -> u32 {
     let total = paper.samples_per_pixel();
     u32::try_from(total).unwrap_or_else(|_| {
         let message =
             format!("`render.paper` asks for {total} samples per pixel, more than 2^32 - 1");
-        table.complain("paper", message, None);
-        table.mark_broken("samples_per_pixel");
+        table.error_at("paper", message, None);
+        table.mark_invalid("samples_per_pixel");
         u32::MAX
     })
 }

@@ -1,21 +1,21 @@
 //! Glass that absorbs, in a uniform field.
 
-use crate::scene::Shot;
-use crate::scene::description::Surface;
-use crate::verify::closed_forms::field::{normal, over_pixels, rays, spheres};
+use crate::scene::PreparedScene;
+use crate::scene::description::SurfaceModel;
+use crate::verify::closed_forms::reference_image::{normal, pixel_means, rays, spheres};
 
-use super::{field_radiance, material};
+use super::{background_radiance, material};
 
 /// The series of reflections inside one ball, all of whose chords along a path are equal.
-pub(super) fn absorption(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+pub(super) fn absorption(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let ball = spheres(shot)[0];
-    let field = field_radiance(shot);
+    let field = background_radiance(shot);
     let (n, a) = match &material(shot, "glass").surface {
-        Surface::Dielectric { ior, absorption, .. } => (*ior, f64::from(absorption.y)),
+        SurfaceModel::Dielectric { ior, absorption, .. } => (*ior, f64::from(absorption.y)),
         _ => (1.0, 0.0),
     };
-    over_pixels(shot, nodes, rays(shot), |line| {
-        let Some(t) = line.distance(&ball) else { return Some((1, field)) };
+    pixel_means(shot, nodes, rays(shot), |line| {
+        let Some(t) = line.hit_distance(&ball) else { return Some((1, field)) };
         let cos = -line.direction.dot(normal(&ball, line.at(t)));
         let cos_inside = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
         let back = fresnel(cos, cos_inside, n);

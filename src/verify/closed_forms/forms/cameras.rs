@@ -2,19 +2,19 @@
 
 use std::f64::consts::PI;
 
-use crate::scene::Shot;
-use crate::scene::description::Projection;
-use crate::verify::closed_forms::field::spheres;
+use crate::scene::PreparedScene;
+use crate::scene::description::ProjectionDescription;
+use crate::verify::closed_forms::reference_image::spheres;
 use crate::verify::quadrature::integral;
 
-use super::{emission, everywhere};
+use super::{emission, uniform_answer};
 
 /// The mean over the lens of the share of the plane in focus that the lamp covers.
-pub(super) fn lens(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+pub(super) fn lens(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let camera = &shot.description().camera;
-    let Projection::Perspective { vertical_fov_degrees, lens: Some(lens) } = camera.projection
+    let ProjectionDescription::Perspective { vertical_fov_degrees, lens: Some(lens) } = camera.projection
     else {
-        return everywhere(shot, f64::NAN);
+        return uniform_answer(shot, f64::NAN);
     };
     let lamp = spheres(shot)[0];
     let f = lens.focus_distance;
@@ -25,5 +25,5 @@ pub(super) fn lens(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
     };
     let mean = integral(0.0, 1.0, nodes, |share| 2.0 * share * covered(share * lens.radius));
     let side = 2.0 * f * libm::tan(vertical_fov_degrees.to_radians() / 2.0);
-    everywhere(shot, emission(shot, "lamp") * mean / (side * side))
+    uniform_answer(shot, emission(shot, "lamp") * mean / (side * side))
 }

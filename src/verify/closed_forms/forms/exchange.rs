@@ -4,22 +4,22 @@ use std::f64::consts::PI;
 
 use crate::geometry::Sphere;
 use crate::math::DVec3;
-use crate::scene::Shot;
-use crate::verify::closed_forms::field::{Line, normal, spheres};
-use crate::verify::closed_forms::lamp::Disc;
+use crate::scene::PreparedScene;
+use crate::verify::closed_forms::reference_image::{ChartLine, normal, spheres};
+use crate::verify::closed_forms::sphere_light::SubtendedCap;
 use crate::verify::quadrature::integral;
 
-use super::{albedo, emission, everywhere};
+use super::{albedo, emission, uniform_answer};
 
 /// Nodes for each one asked for: the integrand is smooth but for the edge of ball B, where it
 /// begins as a square root.
 const FINER: usize = 16;
 
-pub(super) fn exchange(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+pub(super) fn exchange(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     let [a, b] = ["a", "b"].map(|name| albedo(shot, name));
     let back = share_that_returns(&spheres[0], &spheres[1], FINER * nodes);
-    everywhere(shot, emission(shot, "a") * (1.0 + a * b * back))
+    uniform_answer(shot, emission(shot, "a") * (1.0 + a * b * back))
 }
 
 /// Seen from the point of A that is nearest to B: the integral of B's form factor of A over the
@@ -33,10 +33,10 @@ fn share_that_returns(a: &Sphere, b: &Sphere, nodes: usize) -> f64 {
     let at = |v: f64| {
         let u = widest * libm::sin(v);
         let direction: DVec3 = side * u + axis * (1.0 - u * u).sqrt();
-        let line = Line { origin, direction };
-        let Some(t) = line.distance(b) else { return 0.0 };
+        let line = ChartLine { origin, direction };
+        let Some(t) = line.hit_distance(b) else { return 0.0 };
         let point = line.at(t);
-        let form_factor = Disc::of(a, point, normal(b, point)).irradiance() / PI;
+        let form_factor = SubtendedCap::new(a, point, normal(b, point)).irradiance() / PI;
         2.0 * u * form_factor * widest * libm::cos(v)
     };
     integral(0.0, PI / 2.0, nodes, at)

@@ -1,21 +1,21 @@
 //! Glass that bends light, and lets out less of it.
 
-use crate::scene::Shot;
-use crate::scene::description::Surface;
-use crate::verify::closed_forms::field::{over_pixels, rays, spheres};
+use crate::scene::PreparedScene;
+use crate::scene::description::SurfaceModel;
+use crate::verify::closed_forms::reference_image::{pixel_means, rays, spheres};
 
 use super::{emission, material};
 
 /// See `scenes/verify/lamp-in-glass.toml`, and the glass that absorbs, `lamp-in-dark-glass.toml`.
-pub(super) fn lamp_in_glass(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+pub(super) fn lamp_in_glass(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     let (glass, lamp) = (spheres[0], spheres[1]);
     let radiance = emission(shot, "lamp");
-    let Surface::Dielectric { ior, absorption, .. } = material(shot, "glass").surface else {
-        return vec![None; (shot.image().width * shot.image().height) as usize];
+    let SurfaceModel::Dielectric { ior, absorption, .. } = material(shot, "glass").surface else {
+        return vec![None; (shot.image_settings().width * shot.image_settings().height) as usize];
     };
-    over_pixels(shot, nodes, rays(shot), |line| {
-        let Some(t) = line.distance(&glass) else { return Some((0, 0.0)) };
+    pixel_means(shot, nodes, rays(shot), |line| {
+        let Some(t) = line.hit_distance(&glass) else { return Some((0, 0.0)) };
         let from_center = line.at(t) - glass.center;
         let cos = -from_center.dot(line.direction) / glass.radius;
         let sin = (1.0 - cos * cos).sqrt();

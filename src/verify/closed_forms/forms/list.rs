@@ -1,20 +1,20 @@
 //! The table of all closed forms.
 
-use super::Shows::{All, Direct, Named};
-use super::{Form, GREY, TOLD_APART};
-use super::{absorption, cameras, exchange, glass, lit, many, mirrors, seen, uniform};
+use super::LightTransport::{Global, Direct, Integrator};
+use super::{ClosedForm, GREY, DISTINCT_CHANNELS};
+use super::{absorption, cameras, exchange, glass, direct_light, many_lights, mirrors, first_hits, uniform};
 
 /// A grey form: its name, which is that of its scene, what it shows, its answer as a formula, which
 /// estimators it is for, the samples of each pixel in a quick check, and the answer.
 macro_rules! form {
     ($name:literal, $title:literal, $formula:literal, $shows:expr, $samples:literal, $answer:path) => {
-        Form {
+        ClosedForm {
             name: $name,
             title: $title,
             formula: $formula,
-            text: include_str!(concat!("../../../../scenes/verify/", $name, ".toml")),
+            scene_toml: include_str!(concat!("../../../../scenes/verify/", $name, ".toml")),
             tables: &[],
-            shows: $shows,
+            transport: $shows,
             channels: GREY,
             samples: $samples,
             answer: $answer,
@@ -23,13 +23,13 @@ macro_rules! form {
 }
 
 /// All closed forms.
-pub static FORMS: &[Form] = &[
-    form!("furnace", "a closed furnace", "L = Le / (1 - a)", All, 4, uniform::furnace),
+pub static CLOSED_FORMS: &[ClosedForm] = &[
+    form!("furnace", "a closed furnace", "L = Le / (1 - a)", Global, 4, uniform::furnace),
     form!(
         "furnace-cut-short",
         "a furnace whose paths have three edges",
         "L = Le (1 + a + a²)",
-        All,
+        Global,
         4,
         uniform::furnace_cut_short
     ),
@@ -37,7 +37,7 @@ pub static FORMS: &[Form] = &[
         "furnace-with-contents",
         "white, mirror and nested glass balls vanish in a furnace",
         "L = Le / (1 - a)",
-        All,
+        Global,
         4,
         uniform::furnace
     ),
@@ -45,7 +45,7 @@ pub static FORMS: &[Form] = &[
         "furnace-with-rough-contents",
         "rough balls of all materials vanish in a furnace",
         "L = Le / (1 - a)",
-        All,
+        Global,
         4,
         uniform::furnace
     ),
@@ -55,7 +55,7 @@ pub static FORMS: &[Form] = &[
         "L = a Le on the ball, Le beside it",
         Direct,
         4,
-        lit::inside_a_lamp
+        direct_light::inside_a_lamp
     ),
     form!(
         "sphere-light",
@@ -63,7 +63,7 @@ pub static FORMS: &[Form] = &[
         "L = a Le F, F the form factor of a sphere cut by the horizon",
         Direct,
         16,
-        lit::sphere_light
+        direct_light::sphere_light
     ),
     form!(
         "translucent-lamp",
@@ -71,7 +71,7 @@ pub static FORMS: &[Form] = &[
         "L = a Le F (1 - (1 - o)²)",
         Direct,
         16,
-        lit::sphere_light
+        direct_light::sphere_light
     ),
     form!(
         "occluder",
@@ -79,7 +79,7 @@ pub static FORMS: &[Form] = &[
         "L = a Le (sin²σ cosθ - sin²σ' cosθ') where the lamp's disc holds the other",
         Direct,
         16,
-        lit::occluder
+        direct_light::occluder
     ),
     form!(
         "thin-occluder",
@@ -87,13 +87,13 @@ pub static FORMS: &[Form] = &[
         "L = a Le (F - (1 - (1 - o)²) F')",
         Direct,
         16,
-        lit::occluder
+        direct_light::occluder
     ),
     form!(
         "exchange",
         "light exchanged between two balls",
         "L = Le + a b Le ∫ F(Q(α)) 2 sinα cosα dα",
-        All,
+        Global,
         64,
         exchange::exchange
     ),
@@ -103,7 +103,7 @@ pub static FORMS: &[Form] = &[
         "L = ρ a Le F at the point that the mirror shows",
         Direct,
         16,
-        mirrors::before_the_eye
+        mirrors::mirror_before_camera
     ),
     form!(
         "mirror-before-the-lamp",
@@ -111,7 +111,7 @@ pub static FORMS: &[Form] = &[
         "L = a Le (1 - sin²σ + ρ (sin²σ - sin²α'))",
         Direct,
         64,
-        mirrors::before_the_lamp
+        mirrors::mirror_before_light
     ),
     form!(
         "glass-in-a-field",
@@ -125,7 +125,7 @@ pub static FORMS: &[Form] = &[
         "rough-glass-in-a-field",
         "rough glass balls in a uniform field",
         "L = L0 in every pixel, for any roughness",
-        All,
+        Global,
         4,
         uniform::background
     ),
@@ -151,7 +151,7 @@ pub static FORMS: &[Form] = &[
         "L = a Le F",
         Direct,
         16,
-        lit::sphere_light
+        direct_light::sphere_light
     ),
     form!(
         "panorama",
@@ -159,7 +159,7 @@ pub static FORMS: &[Form] = &[
         "L = a Le F on the ball, Le on the lamp",
         Direct,
         16,
-        lit::sphere_light
+        direct_light::sphere_light
     ),
     form!(
         "lens",
@@ -183,29 +183,29 @@ pub static FORMS: &[Form] = &[
         "L = a (Lh + ⅔ g n_y + F E / (π sin² s))",
         Direct,
         16,
-        lit::sun_and_sky
+        direct_light::sun_and_sky
     ),
-    Form {
-        tables: &[("many-lamps.f32", many::LAMPS)],
+    ClosedForm {
+        tables: &[("many-lamps.f32", many_lights::LIGHT_TABLE)],
         ..form!(
             "many-lamps",
             "three thousand lamps",
             "L = a Le (F₀ + F₁ + ... + F₂₉₉₉)",
             Direct,
             16,
-            many::many_lamps
+            many_lights::many_lights
         )
     },
     form!(
         "openness",
         "how open the points of two balls are",
         "1 - F, F the form factor of the other ball",
-        Named("ambient-occlusion"),
+        Integrator("ambient-occlusion"),
         16,
-        seen::openness
+        first_hits::ambient_occlusion
     ),
-    Form {
-        channels: TOLD_APART,
-        ..form!("normals", "the normals of balls", "½ + ½ n", Named("normals"), 16, seen::normals)
+    ClosedForm {
+        channels: DISTINCT_CHANNELS,
+        ..form!("normals", "the normals of balls", "½ + ½ n", Integrator("normals"), 16, first_hits::normals)
     },
 ];

@@ -1,31 +1,31 @@
 //! Mirror balls before the eye and before the lamp.
 
 use crate::geometry::Sphere;
-use crate::scene::Shot;
-use crate::verify::closed_forms::field::{Line, normal, over_pixels, rays, spheres};
-use crate::verify::closed_forms::lamp::Disc;
+use crate::scene::PreparedScene;
+use crate::verify::closed_forms::reference_image::{ChartLine, normal, pixel_means, rays, spheres};
+use crate::verify::closed_forms::sphere_light::SubtendedCap;
 
-use super::{albedo, emission, everywhere};
+use super::{albedo, emission, uniform_answer};
 
 /// The spheres are ball, lamp, mirror. What the mirror shows of the ball is lit by the lamp, where
 /// the mirror is not in its way.
-pub(super) fn before_the_eye(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
+pub(super) fn mirror_before_camera(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp"));
     let rho = albedo(shot, "mirror");
-    over_pixels(shot, nodes, rays(shot), |line| {
-        let (first, t) = line.first(&spheres, None)?;
+    pixel_means(shot, nodes, rays(shot), |line| {
+        let (first, t) = line.nearest_hit(&spheres, None)?;
         if first != 2 {
             return None;
         }
         let at = line.at(t);
         let reflected = line.reflected(at, normal(&spheres[2], at));
-        match reflected.first(&spheres, Some(2)) {
+        match reflected.nearest_hit(&spheres, Some(2)) {
             Some((0, t)) => {
                 let point = reflected.at(t);
                 let n = normal(&spheres[0], point);
-                let [lamp, front] = [1, 2].map(|i: usize| Disc::of(&spheres[i], point, n));
-                let irradiance = lamp.irradiance_behind(&front)?;
+                let [lamp, front] = [1, 2].map(|i: usize| SubtendedCap::new(&spheres[i], point, n));
+                let irradiance = lamp.irradiance_occluded_by(&front)?;
                 Some((0, rho * a * le * irradiance / std::f64::consts::PI))
             }
             Some(_) => Some((1, rho * le)),
@@ -37,14 +37,14 @@ pub(super) fn before_the_eye(shot: &Shot, nodes: usize) -> Vec<Option<f64>> {
 /// The spheres are ball, mirror, and a lamp around both. The point of the ball under the mirror sees
 /// the lamp beside the mirror, and in the mirror from the angle on at which the ball's own
 /// reflection ends.
-pub(super) fn before_the_lamp(shot: &Shot, _: usize) -> Vec<Option<f64>> {
+pub(super) fn mirror_before_light(shot: &PreparedScene, _: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     let (ball, mirror) = (&spheres[0], &spheres[1]);
     let edge = mirror.radius / (mirror.center.distance(ball.center) - ball.radius);
     let own = own_reflection(ball, mirror, edge);
     let [beside, shown] = [1.0 - edge * edge, edge * edge - own * own];
     let light = beside + albedo(shot, "mirror") * shown;
-    everywhere(shot, albedo(shot, "ball") * emission(shot, "lamp") * light)
+    uniform_answer(shot, albedo(shot, "ball") * emission(shot, "lamp") * light)
 }
 
 /// The sine of the polar angle at which the reflected ray grazes the ball, by bisection between the
@@ -55,9 +55,9 @@ fn own_reflection(ball: &Sphere, mirror: &Sphere, edge: f64) -> f64 {
     let origin = ball.center + axis * ball.radius;
     let returns = |sin: f64| {
         let direction = side * sin + axis * (1.0 - sin * sin).sqrt();
-        let line = Line { origin, direction };
-        let at = line.at(line.distance(mirror).unwrap_or(f64::NAN));
-        line.reflected(at, normal(mirror, at)).distance(ball).is_some()
+        let line = ChartLine { origin, direction };
+        let at = line.at(line.hit_distance(mirror).unwrap_or(f64::NAN));
+        line.reflected(at, normal(mirror, at)).hit_distance(ball).is_some()
     };
     let (mut low, mut high) = (0.0, edge * (1.0 - 1e-12));
     for _ in 0..60 {

@@ -6,20 +6,20 @@ mod cameras;
 mod exchange;
 mod glass;
 mod list;
-mod lit;
-mod many;
+mod direct_light;
+mod many_lights;
 mod mirrors;
-mod seen;
+mod first_hits;
 mod uniform;
 
-pub use list::FORMS;
+pub use list::CLOSED_FORMS;
 
-use crate::scene::Shot;
-use crate::scene::description::{Dome, NamedMaterial, Surface};
+use crate::scene::PreparedScene;
+use crate::scene::description::{EnvironmentDescription, MaterialDescription, SurfaceModel};
 
 /// A scene whose picture is known.
 #[derive(Clone, Copy, Debug)]
-pub struct Form {
+pub struct ClosedForm {
     /// The scene's file name without its ending.
     pub name: &'static str,
     /// What it shows, in a few words.
@@ -27,58 +27,58 @@ pub struct Form {
     /// The answer as a formula.
     pub formula: &'static str,
     /// The scene file.
-    pub text: &'static str,
+    pub scene_toml: &'static str,
     /// The sphere tables beside it, by their names.
     pub tables: &'static [(&'static str, &'static [u8])],
     /// Which estimators it is for.
-    pub shows: Shows,
+    pub transport: LightTransport,
     /// The weights of red, green and blue in what is compared; they add up to 1.
     pub(super) channels: [f64; 3],
     /// Samples of each pixel in a quick check, from each seed: a multiple of 4.
     pub samples: u32,
     /// The answer for each pixel, `None` where there is none, by quadratures of so many nodes.
-    pub(super) answer: fn(&Shot, usize) -> Vec<Option<f64>>,
+    pub(super) answer: fn(&PreparedScene, usize) -> Vec<Option<f64>>,
 }
 
 /// What light a scene shows, and thus which estimators find all of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shows {
+pub enum LightTransport {
     /// Light that was scattered any number of times.
-    All,
+    Global,
     /// Light that was scattered once at most, not counting mirrors and glass.
     Direct,
     /// No light: what the integrator shows that the scene names.
-    Named(&'static str),
+    Integrator(&'static str),
 }
 
 /// All channels are the same.
 const GREY: [f64; 3] = [1.0 / 3.0; 3];
 /// A channel in the place of another is seen.
-const TOLD_APART: [f64; 3] = [1.0 / 7.0, 2.0 / 7.0, 4.0 / 7.0];
+const DISTINCT_CHANNELS: [f64; 3] = [1.0 / 7.0, 2.0 / 7.0, 4.0 / 7.0];
 
 /// A material by its name.
-fn material<'a>(shot: &'a Shot, name: &str) -> &'a NamedMaterial {
+fn material<'a>(shot: &'a PreparedScene, name: &str) -> &'a MaterialDescription {
     let found = shot.description().materials.iter().find(|material| material.name == name);
     found.expect("the scenes of this program have the materials that their answers are made of")
 }
 
 /// The radiance of an even background.
-fn field_radiance(shot: &Shot) -> f64 {
+fn background_radiance(shot: &PreparedScene) -> f64 {
     match shot.description().background.dome {
-        Dome::Constant { radiance } => f64::from(radiance.y),
+        EnvironmentDescription::Constant { radiance } => f64::from(radiance.y),
         _ => f64::NAN,
     }
 }
 
 /// The emission of a grey lamp.
-fn emission(shot: &Shot, name: &str) -> f64 {
+fn emission(shot: &PreparedScene, name: &str) -> f64 {
     f64::from(material(shot, name).emission.y)
 }
 
 /// The albedo or reflectance of a grey surface.
-fn albedo(shot: &Shot, name: &str) -> f64 {
+fn albedo(shot: &PreparedScene, name: &str) -> f64 {
     match &material(shot, name).surface {
-        Surface::Diffuse { albedo: share, .. } | Surface::Mirror { reflectance: share, .. } => {
+        SurfaceModel::Diffuse { albedo: share, .. } | SurfaceModel::Mirror { reflectance: share, .. } => {
             f64::from(share.y)
         }
         _ => 0.0,
@@ -86,6 +86,6 @@ fn albedo(shot: &Shot, name: &str) -> f64 {
 }
 
 /// The same answer for every pixel.
-fn everywhere(shot: &Shot, value: f64) -> Vec<Option<f64>> {
-    vec![Some(value); (shot.image().width * shot.image().height) as usize]
+fn uniform_answer(shot: &PreparedScene, value: f64) -> Vec<Option<f64>> {
+    vec![Some(value); (shot.image_settings().width * shot.image_settings().height) as usize]
 }

@@ -7,7 +7,7 @@ use crate::sampling::exp;
 
 /// One number per pixel; rows of `width`.
 #[derive(Clone)]
-pub(super) struct Plane {
+pub(super) struct ScalarImage {
     width: usize,
     pub(super) values: Vec<f64>,
 }
@@ -23,7 +23,7 @@ const WIDEST: f64 = 0.04;
 /// Two standard deviations of the edge detector in degrees.
 const EDGE_WIDTH: f64 = 0.082;
 
-impl Plane {
+impl ScalarImage {
     pub(super) fn new(width: usize, values: Vec<f64>) -> Self {
         Self { width, values }
     }
@@ -64,7 +64,7 @@ impl Plane {
 }
 
 /// Blurs each channel as far as the eye does.
-pub(super) fn contrast_sensitivity(planes: &[Plane; 3], pixels_per_degree: f64) -> [Plane; 3] {
+pub(super) fn contrast_sensitivity(planes: &[ScalarImage; 3], pixels_per_degree: f64) -> [ScalarImage; 3] {
     use std::f64::consts::PI;
     let radius = (3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
     std::array::from_fn(|channel| {
@@ -83,7 +83,7 @@ pub(super) fn contrast_sensitivity(planes: &[Plane; 3], pixels_per_degree: f64) 
 }
 
 /// How strong edges and points are, by the first and second derivative of a Gaussian.
-pub(super) fn features(lightness: &Plane, pixels_per_degree: f64) -> [Vec<f64>; 2] {
+pub(super) fn features(lightness: &ScalarImage, pixels_per_degree: f64) -> [Vec<f64>; 2] {
     let sigma = 0.5 * EDGE_WIDTH * pixels_per_degree;
     let radius = (3.0 * sigma).ceil() as i32;
     let gauss = |x: f64| exp(-(x * x) / (2.0 * sigma * sigma));

@@ -1,0 +1,126 @@
+//! Which backend suits a scene, for those who do not want to choose.
+
+use std::str::FromStr;
+
+use crate::error::{Error, Result};
+use crate::geometry::SphereSet;
+
+use super::{Backend, KernelIsa};
+
+/// What `--accel` asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BackendChoice {
+    /// Whatever is fastest for the scene, by what was measured.
+    #[default]
+    Auto,
+    /// This one.
+    Only(Backend),
+}
+
+/// The backend to use, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SelectedBackend {
+    /// The backend.
+    pub backend: Backend,
+    /// Why, in a few words.
+    pub reason: String,
+}
+
+impl BackendChoice {
+    /// Up to as many spheres, f64 arithmetic on each is fastest: with more, the eight-wide test of
+    /// the native backend pays.
+    pub const BRUTE_FORCE_MAX_SPHERES: usize = 4;
+
+    /// The name used on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Only(backend) => backend.name(),
+        }
+    }
+
+    /// The backend for a scene.
+    ///
+    /// `benches/record/` has the measurements: on x86-64 the native kernel is faster than Embree for
+    /// every kind of scene and ray that was tried, and on other processors, where it is only
+    /// portable code, slower.
+    pub fn select(self, spheres: &SphereSet) -> SelectedBackend {
+        self.select_for_count(spheres.len())
+    }
+
+    /// The backend for so many spheres.
+    pub fn select_for_count(self, spheres: usize) -> SelectedBackend {
+        match self {
+            Self::Only(backend) => SelectedBackend { backend, reason: "as asked for".to_owned() },
+            Self::Auto => select_for(spheres, KernelIsa::best()),
+        }
+    }
+}
+
+fn select_for(spheres: usize, instance: KernelIsa) -> SelectedBackend {
+    let chosen = |backend, reason: String| SelectedBackend { backend, reason };
+    if spheres <= BackendChoice::BRUTE_FORCE_MAX_SPHERES {
+        return chosen(
+            Backend::BruteForce,
+            format!("fastest for up to {} spheres", BackendChoice::BRUTE_FORCE_MAX_SPHERES),
+        );
+    }
+    match instance {
+        KernelIsa::Portable if Backend::AVAILABLE.contains(&Backend::Embree) => {
+            chosen(Backend::Embree, "faster than portable code on this processor".to_owned())
+        }
+        KernelIsa::Portable => chosen(Backend::Native, "this build has no Embree".to_owned()),
+        KernelIsa::Avx2 | KernelIsa::Avx512 => {
+            chosen(Backend::Native, format!("fastest on processors with {}", instance.name()))
+        }
+    }
+}
+
+impl serde::Serialize for BackendChoice {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        to.serialize_str(self.name())
+    }
+}
+
+impl<'de> serde::Deserialize<'de> for BackendChoice {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
+        let name = <std::borrow::Cow<'de, str>>::deserialize(from)?;
+        name.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+impl FromStr for BackendChoice {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        if name == Self::Auto.name() { Ok(Self::Auto) } else { name.parse().map(Self::Only) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_choice_follows_the_number_of_spheres_and_the_processor() {
+        let backend = |spheres, instance| select_for(spheres, instance).backend;
+        for instance in KernelIsa::ALL {
+            assert_eq!(backend(0, *instance), Backend::BruteForce);
+            assert_eq!(backend(BackendChoice::BRUTE_FORCE_MAX_SPHERES, *instance), Backend::BruteForce);
+        }
+        assert_eq!(backend(BackendChoice::BRUTE_FORCE_MAX_SPHERES + 1, KernelIsa::Avx2), Backend::Native);
+        assert_eq!(backend(1_000_000, KernelIsa::Avx512), Backend::Native);
+        let without_vectors =
+            if cfg!(feature = "embree") { Backend::Embree } else { Backend::Native };
+        assert_eq!(backend(1_000_000, KernelIsa::Portable), without_vectors);
+    }
+
+    #[test]
+    fn every_choice_can_be_named() {
+        let choices = Backend::ALL.iter().map(|&backend| BackendChoice::Only(backend));
+        for choice in choices.chain([BackendChoice::Auto]) {
+            assert_eq!(choice.name().parse::<BackendChoice>().expect("a name"), choice);
+        }
+        assert!("fast".parse::<BackendChoice>().is_err());
+    }
+}

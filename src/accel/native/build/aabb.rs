@@ -1,0 +1,63 @@
+//! Axis-aligned boxes in f32, as the builder grows them.
+
+/// A box; the fourth lane is unused, so that growing one is two vector instructions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::accel::native) struct Aabb {
+    pub(in crate::accel::native) low: [f32; 4],
+    pub(in crate::accel::native) high: [f32; 4],
+}
+
+impl Aabb {
+    /// Contains nothing, and adds nothing to a box that it is joined with.
+    pub(in crate::accel::native) const EMPTY: Self =
+        Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
+
+    /// The box of `[x, y, z, radius]`, with the f32 rounding of `x - radius`; see
+    /// [`crate::accel::native::node::Node::set`] for what makes up for it.
+    pub(in crate::accel::native) fn from_sphere(sphere: &[f32; 4]) -> Self {
+        let radius = sphere[3];
+        Self { low: sphere.map(|x| x - radius), high: sphere.map(|x| x + radius) }
+    }
+
+    /// The box of one point; the fourth coordinate is ignored.
+    pub(in crate::accel::native) fn from_point(point: &[f32; 4]) -> Self {
+        Self { low: *point, high: *point }
+    }
+
+    /// The smallest box around both.
+    #[must_use]
+    pub(in crate::accel::native) fn union(&self, other: &Self) -> Self {
+        let mut joined = *self;
+        for lane in 0..4 {
+            joined.low[lane] = fast_min(self.low[lane], other.low[lane]);
+            joined.high[lane] = fast_max(self.high[lane], other.high[lane]);
+        }
+        joined
+    }
+
+    /// Half the surface; 0 for the empty box. Coordinates within
+    /// [`crate::math::MAX_COORDINATE`] do not make it overflow.
+    #[inline(always)]
+    pub(in crate::accel::native) fn half_area(&self) -> f32 {
+        let extent = |axis: usize| fast_max(self.high[axis] - self.low[axis], 0.0);
+        let (x, y, z) = (extent(0), extent(1), extent(2));
+        x * y + y * z + z * x
+    }
+
+    /// The largest absolute value of any coordinate.
+    pub(in crate::accel::native) fn max_abs(&self) -> f32 {
+        (0..3).map(|i| self.low[i].abs().max(self.high[i].abs())).fold(0.0, f32::max)
+    }
+}
+
+/// The smaller number as one machine instruction; `b` where either is NaN.
+#[inline(always)]
+pub(in crate::accel::native) fn fast_min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The larger number as one machine instruction; `b` where either is NaN.
+#[inline(always)]
+pub(in crate::accel::native) fn fast_max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}

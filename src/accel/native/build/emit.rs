@@ -1,0 +1,73 @@
+//! Writes nodes and leaves as a collapse has chosen them.
+
+use super::binary_bvh::BinaryBvh;
+use super::aabb::Aabb;
+use super::collapse::Collapse;
+use super::split::PrimRef;
+use crate::accel::native::node::{NodeRef, SphereLeaf, LeafIds, BvhNode};
+
+/// Nodes and leaves that refer to each other by their place in here, parents before children.
+#[derive(Default)]
+pub(super) struct EmittedTree {
+    pub(super) nodes: Vec<BvhNode>,
+    pub(super) leaves: Vec<SphereLeaf>,
+    pub(super) ids: Vec<LeafIds>,
+}
+
+impl EmittedTree {
+    /// Adds the tree over a part of the binary tree, and returns its root.
+    pub(super) fn emit_subtree(
+        &mut self,
+        binary: &BinaryBvh,
+        collapse: &Collapse,
+        items: &[PrimRef],
+        part: u32,
+    ) -> NodeRef {
+        if collapse.is_leaf(part) {
+            let part = &binary.nodes[part as usize];
+            let items = &items[part.first as usize..][..part.count as usize];
+            self.leaves.push(SphereLeaf::from_prims(items));
+            self.ids.push(SphereLeaf::prim_ids(items));
+            return NodeRef::leaf(self.leaves.len() - 1);
+        }
+        let place = self.nodes.len();
+        self.nodes.push(BvhNode::EMPTY);
+        for (lane, &child) in collapse.children(part).as_slice().iter().enumerate() {
+            let root = self.emit_subtree(binary, collapse, items, child);
+            self.nodes[place].set_child(lane, &binary.nodes[child as usize].bounds, root);
+        }
+        NodeRef::node(place)
+    }
+}
+
+/// Adds the nodes over trees that are there already, which are the items of the binary tree, and
+/// returns the root. `before` nodes come before `nodes`.
+pub(super) fn emit_top_levels(
+    binary: &BinaryBvh,
+    collapse: &Collapse,
+    roots: &[(NodeRef, Aabb)],
+    before: usize,
+    nodes: &mut Vec<BvhNode>,
+) -> NodeRef {
+    emit_top_node(binary, collapse, roots, before, nodes, binary.root())
+}
+
+fn emit_top_node(
+    binary: &BinaryBvh,
+    collapse: &Collapse,
+    roots: &[(NodeRef, Aabb)],
+    before: usize,
+    nodes: &mut Vec<BvhNode>,
+    part: u32,
+) -> NodeRef {
+    if collapse.is_leaf(part) {
+        return roots[binary.nodes[part as usize].first as usize].0;
+    }
+    let place = nodes.len();
+    nodes.push(BvhNode::EMPTY);
+    for (lane, &child) in collapse.children(part).as_slice().iter().enumerate() {
+        let root = emit_top_node(binary, collapse, roots, before, nodes, child);
+        nodes[place].set_child(lane, &binary.nodes[child as usize].bounds, root);
+    }
+    NodeRef::node(before + place)
+}

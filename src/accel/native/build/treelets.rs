@@ -1,0 +1,88 @@
+//! The upper part of the tree: the curve that the spheres are sorted along, cut into cells.
+
+use std::ops::Range;
+
+use crate::geometry::SphereSet;
+
+use super::binary_bvh::BinaryBvh;
+use super::aabb::Aabb;
+
+/// Most spheres of a cell.
+pub(super) const MAX_TREELET_SIZE: usize = 4096;
+/// Levels that the curve may shape; below them, its spheres are halved.
+const MAX_MORTON_DEPTH: usize = 40;
+/// Most levels: 20 more halve 2^32 spheres down to a cell.
+pub(super) const MAX_DEPTH: usize = MAX_MORTON_DEPTH + 20;
+
+/// The cells of a set, in the order of the curve, and the binary tree over them.
+pub(super) struct Treelets {
+    /// The spheres of each cell. None is empty.
+    pub(super) ranges: Vec<Range<usize>>,
+    /// For each node of the tree, children first, its two children; `None` for the next cell.
+    top_tree: Vec<Option<[u32; 2]>>,
+}
+
+impl Treelets {
+    pub(super) fn new(set: &SphereSet) -> Self {
+        let mut cells = Self { ranges: Vec::new(), top_tree: Vec::new() };
+        if !set.particles().is_empty() {
+            cells.split(set, 0..set.particles().len(), 0);
+        }
+        cells
+    }
+
+    fn split(&mut self, set: &SphereSet, range: Range<usize>, level: usize) -> u32 {
+        debug_assert!(level <= MAX_DEPTH, "{level}");
+        if range.len() <= MAX_TREELET_SIZE {
+            self.ranges.push(range);
+            self.top_tree.push(None);
+        } else {
+            let at = range.start + morton_split(set, &range, level);
+            let left = self.split(set, range.start..at, level + 1);
+            let right = self.split(set, at..range.end, level + 1);
+            self.top_tree.push(Some([left, right]));
+        }
+        self.top_tree.len() as u32 - 1
+    }
+
+    /// The cells in order, as many at a time as have at least `spheres` spheres.
+    pub(super) fn batches(&self, spheres: usize) -> impl Iterator<Item = &[Range<usize>]> {
+        let mut ahead = &self.ranges[..];
+        std::iter::from_fn(move || {
+            let first = ahead.first()?.start;
+            let end = ahead.partition_point(|range| range.start < first + spheres);
+            let (wave, rest) = ahead.split_at(end);
+            ahead = rest;
+            Some(wave)
+        })
+    }
+
+    /// The binary tree over the cells, whose items are the cells.
+    pub(super) fn build_top_tree(&self, boxes: &[Aabb]) -> BinaryBvh {
+        let mut binary = BinaryBvh::default();
+        let mut cell = 0;
+        for node in &self.top_tree {
+            match *node {
+                Some([left, right]) => binary.push_inner(left, right),
+                None => {
+                    cell += 1;
+                    binary.push_leaf(1, cell as u32 - 1, boxes[cell - 1])
+                }
+            };
+        }
+        binary
+    }
+}
+
+/// Where the highest bit changes that the places along the curve do not all have; in the middle
+/// where all are the same.
+fn morton_split(set: &SphereSet, range: &Range<usize>, level: usize) -> usize {
+    let spheres = &set.particles()[range.clone()];
+    let code = |sphere: &[f32; 4]| set.morton_code(sphere);
+    let differing = code(&spheres[0]) ^ code(&spheres[spheres.len() - 1]);
+    if level >= MAX_MORTON_DEPTH || differing == 0 {
+        return spheres.len() / 2;
+    }
+    let bit = 1u64 << differing.ilog2();
+    spheres.partition_point(|sphere| code(sphere) & bit == 0)
+}

@@ -1,0 +1,300 @@
+//! One ray on its way through the tree, and the two steps that it takes: through a node, and through
+//! a leaf.
+
+use std::mem::MaybeUninit;
+
+use crate::accel::native::build::fast_max;
+use crate::accel::native::limits::{MAX_CANDIDATE_LEAVES, STACK_SIZE};
+use crate::accel::native::node::{NodeRef, SphereLeaf, BvhNode, ABSOLUTE_SLACK};
+use crate::accel::native::query::BestHit;
+use crate::fault::fault;
+use crate::math::Ray;
+
+use super::simd::Simd8;
+use super::slabs::{NearPlanes, Slabs, slack};
+use super::spheres::{ERROR_SCALE, MIN_ERROR, SphereHits, SphereTest, radii, to_centers};
+
+/// Relative slack that makes up for a few roundings to f32.
+const RAY_SLACK: f64 = 1.0 / (1u32 << 22) as f64;
+/// A direction whose squared length in f32 differs from 1 by less is unit for the bounds above.
+const UNIT_TOLERANCE: f32 = 1.0 / (1u32 << 21) as f32;
+
+/// A ray and its stack. What is read first comes first: two cache lines serve the steps.
+#[repr(C, align(64))]
+pub(super) struct RayState {
+    // For boxes.
+    slabs: Slabs,
+    near_planes: NearPlanes,
+    t_min: f32,
+    /// No hit beyond this distance is of interest.
+    pub(super) limit: f32,
+    /// Entries of the stack.
+    top: u32,
+    /// Leaves with candidates so far.
+    pub(super) candidate_count: u32,
+    /// What the ray does next.
+    pub(super) next: NodeRef,
+    /// Which of the batch's rays this is.
+    pub(super) ray: u32,
+    // For leaves.
+    t_min_upper: f32,
+    /// The part of `E` that does not depend on the sphere.
+    error: f32,
+    origin: [f32; 4],
+    unit: [f32; 4],
+    /// Lanes of the leaf kept last that settle the question, as bits.
+    pub(super) certain: u32,
+    /// The best hit that does not come from the leaves kept.
+    pub(super) best: BestHit,
+    /// Length of the ray's own direction; 1 where that is unit.
+    pub(super) length: f64,
+    candidate_leaves: [MaybeUninit<u32>; MAX_CANDIDATE_LEAVES],
+    candidate_t: [MaybeUninit<F32x8>; MAX_CANDIDATE_LEAVES],
+    keys: [MaybeUninit<u32>; STACK_SIZE],
+    children: [MaybeUninit<u32>; STACK_SIZE],
+}
+
+/// Eight numbers as [`Lanes::load`] wants them.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+pub(super) struct F32x8(pub(super) [f32; 8]);
+
+/// What a step through a leaf found.
+pub(super) struct LeafHits {
+    /// Lanes that may be hit, as bits.
+    pub(super) candidates: u32,
+    /// Those of them that are hit for certain.
+    pub(super) certain: u32,
+}
+
+impl RayState {
+    /// Puts a ray into the slot, at the root of the tree, or with no boxes to meet where there is
+    /// none; `false` if it has no direction.
+    ///
+    /// # Safety
+    /// `slot` is valid for writing, and after `true` for reading.
+    #[inline(always)]
+    pub(super) unsafe fn init(
+        slot: *mut Self,
+        ray: &Ray,
+        best: BestHit,
+        number: u32,
+        root: Option<NodeRef>,
+    ) -> bool {
+        // SAFETY: all fields that are read before they are written are set here; the arrays at the
+        // end need no value. All of them are plain numbers.
+        let slot = unsafe { &mut *slot };
+        let (unit, length) = if is_unit(ray) {
+            (ray.direction, 1.0)
+        } else {
+            let direction = ray.direction_f64();
+            let length = direction.length();
+            ((direction / length).as_vec3().to_array(), length)
+        };
+        let [x, y, z] = unit;
+        slot.unit = [x, y, z, 1.0];
+        let [x, y, z] = ray.origin;
+        slot.origin = [x, y, z, 0.0];
+        let sum = x.abs() + y.abs() + z.abs();
+        slot.error = ERROR_SCALE * sum + MIN_ERROR;
+        if let Some(root) = root {
+            slot.slabs.set(&slot.origin, &slot.origin, &slot.unit, slack(sum));
+            slot.near_planes = NearPlanes::from_direction(&slot.unit);
+            slot.push_root(root);
+        }
+        slot.length = length;
+        [slot.t_min, slot.t_min_upper] = t_min_bounds(ray, length);
+        slot.best = best;
+        slot.limit = slot.limit_for(best.t);
+        slot.candidate_count = 0;
+        slot.certain = 0;
+        slot.ray = number;
+        length > 0.0
+    }
+
+    /// Makes this the lead of a packet of rays, at the root of the tree: between these distances, with
+    /// planes that are still to be set.
+    #[inline(always)]
+    pub(super) fn init_interval(&mut self, root: NodeRef, near: NearPlanes, [t_min, limit]: [f32; 2]) -> &mut Slabs {
+        (self.near_planes, self.t_min, self.limit) = (near, t_min, limit);
+        self.push_root(root);
+        &mut self.slabs
+    }
+
+    /// Goes to the root of a tree.
+    #[inline(always)]
+    fn push_root(&mut self, root: NodeRef) {
+        self.next = root;
+        self.keys[0].write(0);
+        self.children[0].write(NodeRef::NONE.0);
+        self.top = 1;
+    }
+
+    /// The distance up to which boxes and spheres matter when hits matter up to `t`.
+    #[inline(always)]
+    pub(super) fn limit_for(&self, t: f64) -> f32 {
+        limit_for(t * self.length)
+    }
+
+    /// Puts the children of a node that are met onto the stack: for `ANY` in any order, else the
+    /// nearest on top.
+    ///
+    /// # Safety
+    /// [`Self::begin`] was called, `node` is valid, and the stack holds less than a tree of the
+    /// builder's depth can leave there ([`STACK_SIZE`]).
+    #[inline(always)]
+    pub(super) unsafe fn intersect_node<L: Simd8, const ANY_HIT: bool>(&mut self, node: *const BvhNode) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let x = self.slabs.intersect::<L>(node, &self.near_planes, 0);
+            let y = self.slabs.intersect::<L>(node, &self.near_planes, 1);
+            let z = self.slabs.intersect::<L>(node, &self.near_planes, 2);
+            self.push_children::<L, ANY_HIT>([x, y, z], node);
+        }
+    }
+
+    /// [`Self::through_node`] for all rays between this one and another with these planes.
+    ///
+    /// # Safety
+    /// As there, after [`Self::lead`].
+    #[inline(always)]
+    pub(super) unsafe fn intersect_node_interval<L: Simd8>(&mut self, other: &Slabs, node: *const BvhNode) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let x = self.slabs.intersect_interval::<L>(other, node, &self.near_planes, 0);
+            let y = self.slabs.intersect_interval::<L>(other, node, &self.near_planes, 1);
+            let z = self.slabs.intersect_interval::<L>(other, node, &self.near_planes, 2);
+            self.push_children::<L, false>([x, y, z], node);
+        }
+    }
+
+    /// Puts the children of a node onto the stack that are met between these distances, of each axis
+    /// where their boxes are entered and where they are left.
+    ///
+    /// # Safety
+    /// As for [`Self::through_node`].
+    #[inline(always)]
+    unsafe fn push_children<L: Simd8, const ANY_HIT: bool>(
+        &mut self,
+        [x, y, z]: [[L::F; 2]; 3],
+        node: *const BvhNode,
+    ) {
+        // SAFETY: a node's children follow its 48 planes. Eight entries fit behind `top` by the
+        // caller's promise.
+        unsafe {
+            let entered = L::max(L::max(x[0], y[0]), L::max(z[0], L::splat(self.t_min)));
+            let left = L::min(L::min(x[1], y[1]), L::min(z[1], L::splat(self.limit)));
+            let met = L::le(entered, left);
+            let from = node.cast::<u32>().add(48);
+            let top = self.top as usize;
+            let children = self.children.as_mut_ptr().add(top).cast::<u32>();
+            if ANY_HIT {
+                L::compress(children, met, from);
+            } else {
+                let keys = self.keys.as_mut_ptr().add(top).cast::<u32>();
+                L::compress_sorted(keys, children, entered, met, from);
+            }
+            self.top += L::mask_bits(met).count_ones();
+        }
+    }
+
+    /// Tests the spheres of a leaf. Where there are candidates, the leaf is kept and the limit
+    /// follows the nearest sure hit; for `ANY`, the limit stays.
+    ///
+    /// # Safety
+    /// [`Self::begin`] was called, `leaf` is valid, and [`Self::kept`] is below [`KEPT`].
+    #[inline(always)]
+    pub(super) unsafe fn intersect_leaf<L: Simd8, const ANY_HIT: bool>(
+        &mut self,
+        leaf: *const SphereLeaf,
+        index: u32,
+    ) -> LeafHits {
+        // SAFETY: a leaf is four times eight numbers, aligned; `kept` is a place of the arrays.
+        unsafe {
+            let rays = SphereTest::<L> {
+                to_center: to_centers::<L>(leaf, &self.origin),
+                unit: [L::splat(self.unit[0]), L::splat(self.unit[1]), L::splat(self.unit[2])],
+                error: L::splat(self.error),
+                t_min: [L::splat(self.t_min), L::splat(self.t_min_upper)],
+                limit: L::splat(self.limit),
+            };
+            let SphereHits { candidate, certain: sure, t_lower: t, t_upper: t_above } = rays.intersect(radii::<L>(leaf));
+            let (candidates, sure) = if ANY_HIT {
+                let t_max = L::splat(self.limit * (1.0 - 4.0 * RAY_SLACK as f32));
+                let sure = L::and(sure, L::lt(t_above, t_max));
+                (L::mask_bits(candidate), L::mask_bits(sure))
+            } else {
+                let nearest = L::reduce_min(L::select(sure, t_above, L::splat(f32::INFINITY)));
+                let is_nearer = nearest < self.limit && !fault!(NotTheNearest);
+                self.limit = if is_nearer { nearest } else { self.limit };
+                (L::mask_bits(L::and(candidate, L::le(t, L::splat(self.limit)))), L::mask_bits(sure))
+            };
+            let kept = self.candidate_count as usize;
+            let from = L::select(candidate, t, L::splat(f32::NAN));
+            L::store(self.candidate_t.as_mut_ptr().add(kept).cast(), from);
+            self.candidate_leaves.as_mut_ptr().add(kept).cast::<u32>().write(index);
+            self.candidate_count += u32::from(candidates != 0);
+            LeafHits { candidates, certain: sure }
+        }
+    }
+
+    /// Takes what is on top of the stack and not beyond the limit, [`Child::NONE`] at its end.
+    ///
+    /// # Safety
+    /// [`Self::begin`] was called, and the end of the stack was not taken yet.
+    #[inline(always)]
+    pub(super) unsafe fn pop<const ANY_HIT: bool>(&mut self) {
+        // Three bits of a key are the number of a lane.
+        let limit = if fault!(PrunedTooEarly) { 0.9 * self.limit } else { self.limit };
+        let limit = limit.to_bits() | 7;
+        loop {
+            self.top -= 1;
+            // SAFETY: entries below the top were written; the lowest has the key 0, which is below
+            // every limit.
+            unsafe {
+                let top = self.top as usize;
+                if ANY_HIT || self.keys.get_unchecked(top).assume_init() <= limit {
+                    self.next = NodeRef(self.children.get_unchecked(top).assume_init());
+                    return;
+                }
+            }
+        }
+    }
+
+    /// The kept leaf of this number, and its lanes that are not beyond the limit, as bits.
+    ///
+    /// # Safety
+    /// `number` is below [`Self::kept`].
+    #[inline(always)]
+    pub(super) unsafe fn candidate_leaf<L: Simd8>(&self, number: u32) -> (u32, u32) {
+        // SAFETY: what is below `kept` was written.
+        unsafe {
+            let number = number as usize;
+            let leaf = self.candidate_leaves.get_unchecked(number).assume_init();
+            let from = L::load(self.candidate_t.as_ptr().add(number).cast());
+            (leaf, L::mask_bits(L::le(from, L::splat(self.limit))))
+        }
+    }
+}
+
+/// Whether a ray's direction is of unit length, for the bounds of [`super::spheres`].
+#[inline(always)]
+pub(super) fn is_unit(ray: &Ray) -> bool {
+    let [x, y, z] = ray.direction;
+    (x * x + y * y + z * z - 1.0).abs() < UNIT_TOLERANCE
+}
+
+/// Where a ray with a direction of this length begins, in units of space, at the earliest and at the
+/// latest.
+#[inline(always)]
+pub(super) fn t_min_bounds(ray: &Ray, length: f64) -> [f32; 2] {
+    let t_min = f64::from(ray.t_min) * length;
+    let earliest = (t_min * (1.0 - RAY_SLACK) - ABSOLUTE_SLACK) as f32;
+    [fast_max(earliest, 0.0), (t_min * (1.0 + RAY_SLACK) + ABSOLUTE_SLACK) as f32]
+}
+
+/// The distance up to which boxes and spheres matter when hits matter up to another.
+#[inline(always)]
+pub(super) fn limit_for(distance: f64) -> f32 {
+    (distance * (1.0 + RAY_SLACK) + ABSOLUTE_SLACK) as f32
+}

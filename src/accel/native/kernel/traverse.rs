@@ -1,0 +1,154 @@
+//! A batch on its way: rays take turns until all have been answered.
+
+use std::mem::MaybeUninit;
+
+use crate::accel::native::aggregate::Aggregate;
+use crate::math::Ray;
+
+use super::batch::RayBatch;
+use super::simd::Simd8;
+use super::packet::{RayPacket, PACKET_SIZE, PacketStatus};
+use super::candidates::CandidateQueue;
+use super::question::{AnyHit, ClosestHit, QueryMode};
+use super::single::{trace_single_rays, prefetch};
+use super::ray_state::RayState;
+
+/// Packets under way at once.
+const ACTIVE_PACKETS: usize = 4;
+
+/// How a batch is answered that is asked this.
+pub(super) trait Fly: QueryMode + Sized {
+    /// Answers the rays of a batch; what is still to be judged stays pending.
+    ///
+    /// # Safety
+    /// As for [`fly`].
+    unsafe fn trace<L: Simd8>(batch: &mut RayBatch<'_, Self>, pending: &mut CandidateQueue);
+}
+
+impl Fly for ClosestHit {
+    #[inline(always)]
+    unsafe fn trace<L: Simd8>(batch: &mut RayBatch<'_, Self>, pending: &mut CandidateQueue) {
+        // SAFETY: the caller's promise.
+        unsafe { trace_packets::<L>(batch, pending) };
+    }
+}
+
+impl Fly for AnyHit {
+    #[inline(always)]
+    unsafe fn trace<L: Simd8>(batch: &mut RayBatch<'_, Self>, pending: &mut CandidateQueue) {
+        // SAFETY: the caller's promise.
+        unsafe { trace_single_rays::<L, Self>(batch, pending) };
+    }
+}
+
+/// Answers all rays of a batch: those that are alike in packets, the others by themselves.
+///
+/// # Safety
+/// Needs the instructions of `L`, and as many answers as rays; the tree has a root.
+#[inline(always)]
+pub(super) unsafe fn traverse<L: Simd8, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
+    let mut pending = CandidateQueue::new();
+    let mut batch = RayBatch::<Q> { bvh, rays, outputs: answers, next: 0, end: rays.len() };
+    // SAFETY: the caller's promise; all that is pending was added here.
+    unsafe {
+        Q::trace::<L>(&mut batch, &mut pending);
+        pending.resolve::<L, Q>(&mut batch);
+    }
+}
+
+/// Packets of rays, as long as there are any, and what is between them ray by ray.
+///
+/// # Safety
+/// As for [`fly`].
+#[inline(always)]
+unsafe fn trace_packets<L: Simd8>(batch: &mut RayBatch<'_, ClosestHit>, pending: &mut CandidateQueue) {
+    let mut packets = [const { MaybeUninit::<RayPacket>::uninit() }; ACTIVE_PACKETS];
+    let mut active = packets.each_mut().map(MaybeUninit::as_mut_ptr);
+    let tree = &batch.bvh.tree;
+    let mut next = 0;
+    // SAFETY: `under_way` holds distinct packets, those up to `count` have begun; the rest is the
+    // caller's promise.
+    unsafe {
+        loop {
+            // Rays that are not alike.
+            let first = next;
+            while next < batch.rays.len() && !RayPacket::load_packet::<L>(active[0], batch, next) {
+                next = batch.rays.len().min(next + PACKET_SIZE);
+            }
+            (batch.next, batch.end) = (first, next);
+            trace_single_rays::<L, ClosestHit>(batch, pending);
+            if next == batch.rays.len() {
+                return;
+            }
+            next += PACKET_SIZE;
+            let mut count = 1;
+            while count < ACTIVE_PACKETS && RayPacket::load_packet::<L>(active[count], batch, next) {
+                next += PACKET_SIZE;
+                count += 1;
+            }
+            // Rays that are.
+            while count > 0 {
+                let mut index = 0;
+                while index < count {
+                    let packet = active[index];
+                    match (*packet).step::<L>(tree) {
+                        PacketStatus::Active => {
+                            prefetch::<L>(tree, (*packet).next());
+                            index += 1;
+                            continue;
+                        }
+                        PacketStatus::Done => (*packet).finish::<L>(batch, pending),
+                        PacketStatus::Split => {
+                            batch.next = (*packet).first_ray();
+                            batch.end = batch.next + PACKET_SIZE;
+                            trace_single_rays::<L, ClosestHit>(batch, pending);
+                        }
+                    }
+                    if RayPacket::load_packet::<L>(packet, batch, next) {
+                        next += PACKET_SIZE;
+                    } else {
+                        count -= 1;
+                        active.swap(index, count);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// As [`fly`], but through a list of leaves that has no tree.
+///
+/// # Safety
+/// Needs the instructions of `L`, and as many answers as rays.
+#[inline(always)]
+pub(super) unsafe fn scan_leaves<L: Simd8, Q: QueryMode>(
+    bvh: &Aggregate,
+    rays: &[Ray],
+    answers: &mut [Q::Output],
+) {
+    let mut slot = MaybeUninit::<RayState>::uninit();
+    let mut batch = RayBatch::<Q> { bvh, rays, outputs: answers, next: 0, end: rays.len() };
+    let mut pending = CandidateQueue::new();
+    // SAFETY: the slot is boarded before it is read. There are no more leaves than a slot can keep.
+    unsafe {
+        while batch.load_next_ray::<L>(slot.as_mut_ptr()) {
+            let slot = slot.assume_init_mut();
+            for (index, leaf) in bvh.tree.leaves().iter().enumerate() {
+                if Q::ANY_HIT {
+                    let found = slot.intersect_leaf::<L, true>(leaf, index as u32);
+                    if found.certain != 0 {
+                        slot.certain = found.certain;
+                        break;
+                    }
+                } else {
+                    slot.intersect_leaf::<L, false>(leaf, index as u32);
+                }
+            }
+            pending.push_ray::<L>(slot);
+            if pending.is_full() {
+                pending.resolve::<L, Q>(&mut batch);
+            }
+        }
+        pending.resolve::<L, Q>(&mut batch);
+    }
+}

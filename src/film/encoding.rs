@@ -1,0 +1,257 @@
+//! A film as bytes, tile by tile, and back.
+//!
+//! Whole numbers are written without the zeros that most of them begin and end with. Reading trusts
+//! nothing: what cannot be the sums of a render is refused, and the memory taken is in proportion
+//! to the bytes that were read.
+
+use super::exact_sum::{ExactSum, U192};
+use super::tile::{FilmLayout, Tile};
+use super::{BLOCK_SIZE, Film, Layer};
+
+/// The bits of a byte before a number that tell how many bytes follow.
+const LENGTH: u8 = 0x3f;
+/// The bit of that byte that is set for a negative number.
+const NEGATIVE: u8 = 0x80;
+
+/// How the counts of a tile's pixels are written.
+const EMPTY: u8 = 0;
+const UNIFORM: u8 = 1;
+const PER_PIXEL: u8 = 2;
+
+impl Film {
+    /// Adds the bytes of a tile to `to`. The tile is then as it is now, however much is added to it
+    /// while the others are written.
+    pub fn write_tile(&self, tile: usize, to: &mut Vec<u8>) {
+        self.lock(tile).write(&self.plan, to);
+    }
+
+    /// Replaces a tile by what [`Self::write_tile`] wrote for a film of the same format. `false`, and
+    /// the tile stays as it is, where these bytes are none that it could have written.
+    pub fn read_tile(&mut self, tile: usize, bytes: &[u8]) -> bool {
+        let pixels = self.frame.tile(tile).pixel_count();
+        let most = u32::MAX - self.first_sample;
+        match Tile::read(&self.plan, pixels, most, bytes) {
+            Some(sums) => {
+                *self.lock(tile) = sums;
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+impl Tile {
+    fn write(&self, plan: &FilmLayout, to: &mut Vec<u8>) {
+        match self.counts.iter().max() {
+            None | Some(0) => return to.push(EMPTY),
+            Some(count) if self.counts.iter().all(|other| other == count) => {
+                to.push(UNIFORM);
+                to.extend(count.to_le_bytes());
+            }
+            _ => {
+                to.push(PER_PIXEL);
+                to.extend(self.counts.iter().flat_map(|count| count.to_le_bytes()));
+            }
+        }
+        to.push(u8::from(!self.non_finite_counts.is_empty()));
+        to.extend(self.non_finite_counts.iter().flat_map(|count| count.to_le_bytes()));
+        // A sum takes up to 16 bytes and two before them, and most take nearly all.
+        to.reserve(self.sums.len() * 18 + self.sums_of_squares.len() * 26);
+        for sum in &self.sums {
+            write_number(sum.is_negative(), sum.unsigned_abs(), 0, to);
+        }
+        for U192([low, middle, high]) in &self.sums_of_squares {
+            write_number(false, u128::from(*middle) << 64 | u128::from(*low), *high, to);
+        }
+        for rows in &self.coverage {
+            to.extend((rows.len() as u32).to_le_bytes());
+            to.extend(
+                rows.iter().flat_map(|(row, count)| [*row, *count]).flat_map(u32::to_le_bytes),
+            );
+        }
+        // An empty list stands for zeros; what finished pixels have is zero too.
+        for pixel in (0..self.counts.len()).filter(|&pixel| self.counts[pixel] % BLOCK_SIZE != 0) {
+            for plane in self.partial_blocks.chunks_exact(self.counts.len()).take(plan.sum_count()) {
+                to.extend(plane[pixel].to_bits().to_le_bytes());
+            }
+        }
+    }
+
+    fn read(plan: &FilmLayout, pixels: usize, most_samples: u32, bytes: &[u8]) -> Option<Self> {
+        let mut from = Reader(bytes);
+        let mut tile = Self { counts: vec![0; pixels], ..Self::default() };
+        match from.byte()? {
+            EMPTY => return from.0.is_empty().then_some(tile),
+            UNIFORM => tile.counts.fill(from.u32()?),
+            PER_PIXEL => tile.counts = from.u32s(pixels)?,
+            _ => return None,
+        }
+        match from.byte()? {
+            0 => {}
+            1 => tile.non_finite_counts = from.u32s(pixels)?,
+            _ => return None,
+        }
+        let counts = tile.counts.iter();
+        if counts.clone().any(|&count| count > most_samples)
+            || counts.zip(&tile.non_finite_counts).any(|(count, left_out)| left_out > count)
+        {
+            return None;
+        }
+        // Every number takes a byte at least.
+        if bytes.len() < pixels * (plan.sum_count() + plan.square_count()) {
+            return None;
+        }
+        let blocks = |at: usize| u128::from(tile.counts[at % pixels] / BLOCK_SIZE);
+        for at in 0..pixels * plan.sum_count() {
+            let (is_negative, bytes) = from.number::<16>()?;
+            let magnitude = u128::from_le_bytes(bytes);
+            // Blocks below the limit, so that what comes later cannot overflow either.
+            if magnitude > blocks(at) << <i128 as ExactSum>::BITS {
+                return None;
+            }
+            let magnitude = magnitude as i128;
+            tile.sums.push(if is_negative { -magnitude } else { magnitude });
+        }
+        for at in 0..pixels * plan.square_count() {
+            let (is_negative, bytes) = from.number::<24>()?;
+            let (low, high) = bytes.split_at(16);
+            let low = u128::from_le_bytes(low.try_into().ok()?);
+            let high = u64::from_le_bytes(high.try_into().ok()?);
+            let most = blocks(at) << (<U192 as ExactSum>::BITS - 128);
+            if is_negative || u128::from(high) >= most && (low, high) != (0, 0) {
+                return None;
+            }
+            tile.sums_of_squares.push(U192([low as u64, (low >> 64) as u64, high]));
+        }
+        if plan.layers.contains(&Layer::Coverage) {
+            for pixel in 0..pixels {
+                tile.coverage.push(from.coverage(tile.counts[pixel])?);
+            }
+        }
+        let unfinished: Vec<usize> =
+            (0..pixels).filter(|&pixel| tile.counts[pixel] % BLOCK_SIZE != 0).collect();
+        if !unfinished.is_empty() {
+            tile.partial_blocks = vec![0.0; pixels * plan.sum_count()];
+        }
+        for pixel in unfinished {
+            for plane in 0..plan.sum_count() {
+                tile.partial_blocks[plane * pixels + pixel] = from.f64()?;
+            }
+        }
+        (from.0.is_empty() && plan.fits(&tile.partial_blocks, pixels)).then_some(tile)
+    }
+}
+
+/// A number by its sign and its magnitude of up to 192 bits, the lowest byte first: a byte with the sign and
+/// how many bytes are kept, then, unless it is 0, how many zeros were dropped below them, and then those.
+fn write_number(is_negative: bool, low: u128, high: u64, to: &mut Vec<u8>) {
+    let (first, end) = match (low, high) {
+        (0, 0) => return to.push(0),
+        (0, high) => (16 + high.trailing_zeros() / 8, 24 - high.leading_zeros() / 8),
+        (low, 0) => (low.trailing_zeros() / 8, 16 - low.leading_zeros() / 8),
+        (low, high) => (low.trailing_zeros() / 8, 24 - high.leading_zeros() / 8),
+    };
+    let (first, kept) = (first as usize, (end - first) as usize);
+    to.extend([kept as u8 | if is_negative { NEGATIVE } else { 0 }, first as u8]);
+    let begin = to.len();
+    // All bytes at once, and then those that are not kept away: faster than as many as there are.
+    if first < 16 {
+        to.extend((low >> (8 * first)).to_le_bytes());
+    }
+    if end > 16 {
+        to.truncate(begin + 16usize.saturating_sub(first));
+        to.extend((high >> (8 * first.saturating_sub(16))).to_le_bytes());
+    }
+    to.truncate(begin + kept);
+}
+
+/// Takes bytes from the front; `None` where there are too few.
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk::<N>()?;
+        self.0 = rest;
+        Some(*first)
+    }
+
+    fn byte(&mut self) -> Option<u8> {
+        self.take::<1>().map(|[byte]| byte)
+    }
+
+    fn u32(&mut self) -> Option<u32> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    fn u32s(&mut self, count: usize) -> Option<Vec<u32>> {
+        (0..count).map(|_| self.u32()).collect()
+    }
+
+    fn f64(&mut self) -> Option<f64> {
+        self.take().map(|bytes| f64::from_bits(u64::from_le_bytes(bytes)))
+    }
+
+    /// Rows with the numbers of samples that see them, in the order of the rows; all `samples` see one.
+    fn coverage(&mut self, samples: u32) -> Option<Vec<(u32, u32)>> {
+        let mut rows: Vec<(u32, u32)> = Vec::new();
+        let mut left = samples;
+        for _ in 0..self.u32()? {
+            let (row, count) = (self.u32()?, self.u32()?);
+            if count == 0 || rows.last().is_some_and(|(last, _)| *last >= row) {
+                return None;
+            }
+            left = left.checked_sub(count)?;
+            rows.push((row, count));
+        }
+        (left == 0).then_some(rows)
+    }
+
+    /// What [`write_number`] wrote.
+    fn number<const N: usize>(&mut self) -> Option<(bool, [u8; N])> {
+        let mut magnitude = [0; N];
+        let head = self.byte()?;
+        let length = usize::from(head & LENGTH);
+        if length > 0 {
+            let first = usize::from(self.byte()?);
+            let place = magnitude.get_mut(first..first + length)?;
+            let (kept, rest) = self.0.split_at_checked(length)?;
+            place.copy_from_slice(kept);
+            self.0 = rest;
+        }
+        Some((head & NEGATIVE != 0, magnitude))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng, rngs::StdRng};
+
+    #[test]
+    fn numbers_of_any_length_come_back() {
+        let mut rng = StdRng::seed_from_u64(8);
+        for round in 0..200_000 {
+            let words: [u64; 3] = rng.random();
+            let (mut low, mut high) = (u128::from(words[0]) << 64 | u128::from(words[1]), words[2]);
+            // Zeros at both ends, of any number.
+            low = low >> rng.random_range(0..128) << rng.random_range(0..128);
+            high = high >> rng.random_range(0..64) << rng.random_range(0..64);
+            match round % 4 {
+                0 => low = 0,
+                1 => high = 0,
+                _ => {}
+            }
+            let (is_negative, mut bytes) = (rng.random(), Vec::new());
+            write_number(is_negative, low, high, &mut bytes);
+            let mut from = Reader(&bytes);
+            let (sign, magnitude) = from.number::<24>().unwrap();
+            assert_eq!(magnitude[..16], low.to_le_bytes(), "{low:x} {high:x}");
+            assert_eq!(magnitude[16..], high.to_le_bytes(), "{low:x} {high:x}");
+            assert!(from.0.is_empty() && (sign == is_negative || (low, high) == (0, 0)));
+            // Nothing but what is needed.
+            if (low, high) != (0, 0) {
+                assert!(bytes[2] != 0 && bytes[bytes.len() - 1] != 0, "{bytes:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! A file that appears whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use tempfile::NamedTempFile;
+
+use crate::error::{Error, Result};
+
+/// What a file's content is written to.
+pub type Sink<'a> = BufWriter<&'a mut File>;
+
+/// A place where a file can be written: the folder was there and let us in. The content goes into a
+/// temporary file beside it, which takes the name once every byte is on the disk. It can be written
+/// again and again.
+#[derive(Clone, Debug)]
+pub struct AtomicFile {
+    path: PathBuf,
+}
+
+/// The unfinished files of this process.
+static TEMP_FILES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// How the names of unfinished files end.
+const SUFFIX: &str = ".photosphere-tmp";
+
+/// An unfinished file that nobody wrote to for so long belongs to a process that died.
+const STALE_AFTER: Duration = Duration::from_secs(600);
+
+impl AtomicFile {
+    /// Prepares to write `path`, and removes what processes that died have left of it.
+    ///
+    /// # Errors
+    /// When `path` is a folder or no regular file, or when its folder is missing or cannot be written
+    /// to.
+    pub fn new(path: &Path) -> Result<Self> {
+        reject_folder(path, "file")?;
+        if path.exists() && !path.is_file() {
+            return Err(Error::file("write", path, "it is not a regular file"));
+        }
+        let path = resolve_symlink(path)?;
+        remove_stale(&path);
+        drop(TempFile::create(&path)?);
+        Ok(Self { path })
+    }
+
+    /// The same for content of one format only, whose extension the path must have, in any case.
+    ///
+    /// # Errors
+    /// When it has another one; else like [`Self::new`].
+    pub fn with_extension(path: &Path, extension: &str) -> Result<Self> {
+        if !path.extension().unwrap_or_default().eq_ignore_ascii_case(extension) {
+            let (path, upper) = (path.display(), extension.to_ascii_uppercase());
+            return Err(Error::input(format!("`{path}` does not end in .{extension}"))
+                .with_help(format!("what is written there is {upper}; name it so")));
+        }
+        Self::new(path)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes the content and gives the file its name.
+    ///
+    /// # Errors
+    /// When the disk refuses; a file that was there before is then unchanged, and nothing else is
+    /// left behind.
+    pub fn write(&self, content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>) -> Result<()> {
+        self.write_impl(content, true)
+    }
+
+    /// The same without waiting for the disk: the system brings it there in its own time. The file is
+    /// whole or the old one all the same, unless the power fails before that.
+    ///
+    /// # Errors
+    /// As [`Self::write`].
+    pub fn write_unsynced(
+        &self,
+        content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
+    ) -> Result<()> {
+        self.write_impl(content, false)
+    }
+
+    fn write_impl(
+        &self,
+        content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>,
+        is_synced: bool,
+    ) -> Result<()> {
+        let failed = |e: io::Error| Error::file("write", &self.path, os_message(&e));
+        let mut unfinished = TempFile::create(&self.path)?;
+        let mut sink = BufWriter::with_capacity(1 << 16, unfinished.file.as_file_mut());
+        content(&mut sink).map_err(failed)?;
+        let file = sink.into_inner().map_err(|e| failed(e.into_error()))?;
+        if is_synced {
+            file.sync_all().map_err(failed)?;
+        }
+        let TempFile { file, registration: known_as } = unfinished;
+        file.persist(&self.path).map_err(|e| failed(e.error))?;
+        drop(known_as);
+        if is_synced {
+            sync_folder(&self.path);
+        }
+        Ok(())
+    }
+}
+
+/// Removes the unfinished files of this process, which is about to die.
+pub fn remove_temp_files() {
+    let unfinished = TEMP_FILES.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in unfinished.iter() {
+        // It may be finished already, under its own name.
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// A temporary file that [`remove_unfinished`] knows of.
+struct TempFile {
+    file: NamedTempFile,
+    registration: Registration,
+}
+
+/// The entry of an unfinished file in the list.
+struct Registration(PathBuf);
+
+impl Drop for Registration {
+    fn drop(&mut self) {
+        let mut unfinished = TEMP_FILES.lock().unwrap_or_else(PoisonError::into_inner);
+        unfinished.retain(|path| *path != self.0);
+    }
+}
+
+impl TempFile {
+    fn create(path: &Path) -> Result<Self> {
+        // Locked until the file is in the list, so that none is overlooked.
+        let mut unfinished = TEMP_FILES.lock().unwrap_or_else(PoisonError::into_inner);
+        let file = create_temp_file(path)?;
+        unfinished.push(file.path().to_path_buf());
+        let known_as = Registration(file.path().to_path_buf());
+        Ok(Self { file, registration: known_as })
+    }
+}
+
+/// How the names of a file's unfinished versions begin; long names are cut, so that there is room for
+/// the rest.
+fn prefix(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    format!(".{}.", name.chars().take(48).collect::<String>())
+}
+
+/// Removes what processes that died have left of a file.
+fn remove_stale(path: &Path) {
+    let prefix = prefix(path);
+    let Ok(entries) = fs::read_dir(parent_folder(path)) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let is_unfinished = name.starts_with(&prefix) && name.ends_with(SUFFIX);
+        let modified = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
+        if is_unfinished && modified().is_some_and(|age| age > STALE_AFTER) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Brings a file's new name to the disk, where the system can.
+fn sync_folder(path: &Path) {
+    #[cfg(unix)]
+    let _ = File::open(parent_folder(path)).and_then(|folder| folder.sync_all());
+    #[cfg(not(unix))]
+    let _ = path;
+}
+
+fn parent_folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Refuses to write over a folder; `example` would be a file in it.
+pub(super) fn reject_folder(path: &Path, example: &str) -> Result<()> {
+    if !path.is_dir() {
+        return Ok(());
+    }
+    let example = path.join(example);
+    Err(Error::file("write", path, "it is a folder")
+        .with_help(format!("name a file in it, such as `{}`", example.display())))
+}
+
+/// The file that a symbolic link means, so that writing replaces that and keeps the link.
+fn resolve_symlink(path: &Path) -> Result<PathBuf> {
+    let Ok(link) = fs::read_link(path) else {
+        return Ok(path.to_path_buf());
+    };
+    fs::canonicalize(path).map_err(|e| {
+        let reason = format!("it is a link to `{}`, which cannot be reached ({e})", link.display());
+        Error::file("write", path, reason).with_help("remove the link, or name another file")
+    })
+}
+
+/// Creates the temporary file in the folder of `path`, with the permissions of any new file (by
+/// default the library makes it private).
+fn create_temp_file(path: &Path) -> Result<NamedTempFile> {
+    let refused = |reason: String| Error::file("write", path, reason);
+    let folder = parent_folder(path);
+    let shown = folder.display();
+    if !folder.exists() {
+        return Err(refused(format!("the folder `{shown}` does not exist"))
+            .with_help(format!("create it first: mkdir -p '{shown}'")));
+    }
+    let mut builder = tempfile::Builder::new();
+    let prefix = prefix(path);
+    builder.prefix(&prefix).suffix(SUFFIX);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder
+        .tempfile_in(folder)
+        .map_err(|e| refused(format!("nothing can be created in `{shown}` ({})", os_message(&e))))
+}
+
+/// The system's own words, without the name of the temporary file that tempfile adds behind them.
+fn os_message(error: &io::Error) -> String {
+    let words = error.to_string();
+    words.split(" at path ").next().unwrap_or_default().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn what_a_dead_process_left_is_removed_once_it_is_old() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.part");
+        let at = |name: &str| folder.path().join(name);
+        let old = File::create(at(".a.part.x1y2.photosphere-tmp")).unwrap();
+        old.set_modified(std::time::SystemTime::now() - 2 * STALE_AFTER).unwrap();
+        for name in [".a.part.new.photosphere-tmp", ".b.part.old.photosphere-tmp", "a.part.tmp"] {
+            let file = File::create(at(name)).unwrap();
+            if !name.contains("new") {
+                file.set_modified(std::time::SystemTime::now() - 2 * STALE_AFTER).unwrap();
+            }
+        }
+        let file = AtomicFile::new(&path).unwrap();
+        assert!(!at(".a.part.x1y2.photosphere-tmp").exists());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
+        for text in ["first", "second"] {
+            file.write(|to| to.write_all(text.as_bytes())).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
+    }
+
+    #[test]
+    fn a_failed_write_tells_why_and_leaves_the_old_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.part");
+        let file = AtomicFile::new(&path).unwrap();
+        file.write(|to| to.write_all(b"old")).unwrap();
+        let full = || io::Error::new(io::ErrorKind::StorageFull, "no space left");
+        let error = file.write(|_| Err(full())).unwrap_err().to_string();
+        assert!(error.ends_with("a.part`: no space left"), "{error}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        // The folder goes, and comes back.
+        fs::remove_dir_all(folder.path()).unwrap();
+        let error = file.write(|to| to.write_all(b"new")).unwrap_err().to_string();
+        assert!(error.ends_with("does not exist"), "{error}");
+        fs::create_dir(folder.path()).unwrap();
+        file.write(|to| to.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+}

@@ -1,0 +1,72 @@
+//! The [records](Record) of a file, read.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+use super::format::FileFormat;
+use super::record::MetadataEntry;
+use super::{exr, png};
+
+/// The records of a `.png` or `.exr` file, in no particular order; none in a file of another program.
+///
+/// # Errors
+/// When the file cannot be read, or its format has no place for records.
+pub fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>> {
+    let trouble = |reason: String| Error::file("read", path, reason);
+    let records = match FileFormat::from_path(path)? {
+        FileFormat::Png => png::read_metadata(path),
+        FileFormat::Exr => exr::read_metadata(path),
+        FileFormat::Hdr | FileFormat::Pfm => {
+            let format = path.extension().unwrap_or_default().to_string_lossy();
+            return Err(Error::input(format!(
+                "`{}` cannot say how it was made: .{format} files hold pixels only",
+                path.display()
+            ))
+            .with_help("ask a .png or .exr file"));
+        }
+    };
+    records.map_err(|reason| trouble(reason).with_help("is it whole, and what its name says?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::picture;
+    use super::super::{WriteOptions, ImageWriter};
+    use super::*;
+
+    #[test]
+    fn records_come_back_from_both_formats() {
+        let folder = tempfile::tempdir().unwrap();
+        let long = "κόσμος = [1, 2]\n".repeat(1000);
+        let records = vec![
+            MetadataEntry::new("version", "1.2.3"),
+            MetadataEntry::new("scene", long),
+            MetadataEntry::new("empty", ""),
+            MetadataEntry::new("word", "Bär \u{1F43B}"),
+        ];
+        let notes = WriteOptions { metadata: records.clone(), ..WriteOptions::default() };
+        for name in ["a.png", "a.exr"] {
+            let path = folder.path().join(name);
+            ImageWriter::new(&path).unwrap().write_with(&picture(), &notes).unwrap();
+            let mut found = super::read_metadata(&path).unwrap();
+            found.sort_by_key(|record| records.iter().position(|r| r.name == record.name));
+            assert_eq!(found, records, "{name}");
+            // Others read the file too.
+            if name == "a.png" {
+                assert_eq!(::image::open(&path).unwrap().into_rgb8().dimensions(), (13, 5));
+                assert!(std::fs::metadata(&path).unwrap().len() < 4000, "long texts are packed");
+            }
+            // Files do not depend on chance.
+            let again = folder.path().join(format!("again-{name}"));
+            ImageWriter::new(&again).unwrap().write_with(&picture(), &notes).unwrap();
+            assert_eq!(std::fs::read(&path).unwrap(), std::fs::read(&again).unwrap(), "{name}");
+        }
+    }
+
+    #[test]
+    fn formats_without_records_say_so() {
+        let error = super::read_metadata(Path::new("a.pfm")).unwrap_err().to_string();
+        assert_eq!(error, "`a.pfm` cannot say how it was made: .pfm files hold pixels only");
+    }
+}

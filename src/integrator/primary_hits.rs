@@ -1,0 +1,58 @@
+//! Camera rays and what they meet, for the integrators that look no further by themselves.
+
+use crate::geometry::{PathRay, SurfaceHit};
+use crate::math::Hit;
+
+use super::camera_rays::{Strata, generate_camera_ray, sampler_for};
+use super::sample::{SampleAddress, RenderStats};
+use super::workspace::Workspace;
+use super::world::RenderContext;
+use super::{dimension, aov};
+
+/// The camera ray of a sample, and where it ends if it meets anything.
+pub(super) struct PrimaryHit {
+    pub(super) ray: PathRay,
+    pub(super) hit: Option<SurfaceHit>,
+}
+
+/// Where the samples of a picture without noise go: one of them through the middle of its pixel,
+/// more of them all over it.
+pub(super) fn noise_free_strata(samples_per_pixel: u32) -> Strata {
+    let jitter = if samples_per_pixel == 1 { 0.0 } else { 1.0 };
+    Strata { jitter, ..Strata::UNSTRATIFIED }
+}
+
+/// The first hits of all samples.
+pub(super) fn trace_primary_rays(
+    world: RenderContext<'_>,
+    strata: Strata,
+    samples: &[SampleAddress],
+    workspace: &mut Workspace,
+    tally: &mut RenderStats,
+) -> Vec<PrimaryHit> {
+    let RenderContext { shot, scene, accel, .. } = world;
+    let spheres = scene.spheres();
+    let ray_of = |&address: &SampleAddress| {
+        let sampler = sampler_for(shot, strata, address);
+        generate_camera_ray(shot, strata, address, sampler, [dimension::PIXEL, dimension::LENS])
+    };
+    let mut found: Vec<PrimaryHit> =
+        samples.iter().map(|at| PrimaryHit { ray: ray_of(at), hit: None }).collect();
+    let Workspace { rays, hits, .. } = workspace;
+    rays.clear();
+    rays.extend(found.iter().map(|first| spheres.to_query(&first.ray)));
+    hits.clear();
+    hits.resize(rays.len(), Hit::MISS);
+    accel.closest(rays, hits);
+    tally.count_rays(rays);
+    for (first, hit) in found.iter_mut().zip(&*hits) {
+        first.hit = spheres.resolve_hit(&first.ray, *hit);
+    }
+    workspace.reset_visible_surfaces(samples.len());
+    for (record, first) in workspace.visible_surfaces.iter_mut().zip(&found) {
+        if let Some(hit) = &first.hit {
+            aov::record_surface(record, scene, hit);
+        }
+    }
+    found
+}

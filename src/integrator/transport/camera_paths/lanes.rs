@@ -1,0 +1,112 @@
+//! Camera rays, many at a time: loops over lanes whose bodies are the functions that serve one ray.
+
+use crate::fault::fault;
+use crate::geometry::RayBlock;
+use crate::math::{Isa, LANES, Lanes, SimdKernel};
+use crate::sampling::{Sampler, SamplerKind, SobolLanes, sample_box};
+use crate::scene::PreparedScene;
+
+use super::super::super::dimension;
+use super::super::super::sample::SampleAddress;
+use super::super::choices::PathTracer;
+
+/// Whether the camera rays of a scene can be drawn many at a time.
+pub(super) fn supports_lanes(shot: &PreparedScene, transport: &PathTracer) -> bool {
+    shot.camera().is_pinhole()
+        && transport.strata.is_unstratified()
+        && shot.render_settings().sampler == SamplerKind::Sobol
+}
+
+/// Samples that leave the camera together.
+#[derive(Default)]
+pub(in super::super::super) struct CameraRayBatch {
+    pixel: [Lanes<u32>; 2],
+    sample: Lanes<u32>,
+    sobol: SobolLanes,
+    u: [Lanes<f64>; 2],
+    /// From the middle of the pixel.
+    offset: [Lanes<f64>; 2],
+}
+
+impl CameraRayBatch {
+    /// The camera rays of at most `LANES` samples.
+    pub(super) fn run(
+        &mut self,
+        isa: Isa,
+        shot: &PreparedScene,
+        samples: &[SampleAddress],
+        rays: &mut RayBlock,
+    ) {
+        for (lane, address) in samples.iter().enumerate().take(LANES) {
+            self.pixel[0].0[lane] = address.x;
+            self.pixel[1].0[lane] = address.y;
+            self.sample.0[lane] = address.sample;
+        }
+        isa.run(SamplePixel { batch: self, shot });
+        if shot.filter().box_radius().is_none() {
+            for lane in 0..LANES {
+                let u = [0, 1].map(|axis| self.u[axis].0[lane]);
+                let offset = shot.filter().sample(u);
+                (0..2).for_each(|axis| self.offset[axis].0[lane] = offset[axis]);
+            }
+        }
+        isa.run(GenerateRays { batch: self, shot, rays });
+    }
+
+    /// The random numbers of a sample.
+    pub(super) fn sampler(&self, lane: usize) -> Sampler {
+        Sampler::from_lane(&self.sobol, lane)
+    }
+}
+
+/// Draws places in the pixels.
+struct SamplePixel<'a> {
+    batch: &'a mut CameraRayBatch,
+    shot: &'a PreparedScene,
+}
+
+impl SimdKernel for SamplePixel<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let CameraRayBatch { pixel: [x, y], sample, sobol: numbers, u, offset, .. } = self.batch;
+        let width = u64::from(self.shot.image_settings().width);
+        let pixel = |lane: usize| u64::from(y.0[lane]) * width + u64::from(x.0[lane]);
+        numbers.start_pixel_samples(self.shot.render_settings().seed, pixel, |lane| sample.0[lane]);
+        numbers.select_set(|_| dimension::PIXEL / SobolLanes::SET_SIZE);
+        for (dimension, u) in (dimension::PIXEL % SobolLanes::SET_SIZE..).zip(&mut *u) {
+            numbers.get(dimension, u);
+        }
+        if let Some(radius) = self.shot.filter().box_radius() {
+            for (u, offset) in u.iter().zip(offset) {
+                for lane in 0..LANES {
+                    offset.0[lane] = sample_box(u.0[lane]) * radius;
+                }
+            }
+        }
+    }
+}
+
+/// Sends the rays off.
+struct GenerateRays<'a> {
+    batch: &'a CameraRayBatch,
+    shot: &'a PreparedScene,
+    rays: &'a mut RayBlock,
+}
+
+impl SimdKernel for GenerateRays<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let CameraRayBatch { pixel, offset, .. } = self.batch;
+        let RayBlock { origin, direction, t_min, .. } = self.rays;
+        let camera = *self.shot.camera();
+        let half = if fault!(CornerForCentre) { 0.0 } else { 0.5 };
+        for lane in 0..LANES {
+            let [x, y] =
+                [0, 1].map(|axis| f64::from(pixel[axis].0[lane]) + half + offset[axis].0[lane]);
+            let ray = camera.generate_pinhole_ray(x, y);
+            origin.set(lane, ray.origin);
+            direction.set(lane, ray.direction);
+            t_min.0[lane] = ray.t_min;
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! Vertices side by side, and what is computed for all of them at once.
+
+use crate::color::Rgb;
+use crate::fault::fault;
+use crate::geometry::{Cone, PathRay, Sphere};
+use crate::light::{Emitter, LightSample};
+use crate::material::Diffuse;
+use crate::math::{DVec3, Frame, LANES, Lanes, Lanes3, NO_SPHERE, SimdKernel, renormalize};
+use crate::sampling::{Sampler, SobolLanes};
+use crate::scene::settings::Estimator;
+
+use super::super::super::dimension::VertexDimensions;
+use super::super::weight::mis_weight;
+
+/// Vertices that wait to be worked on together.
+#[derive(Default)]
+pub(in super::super::super) struct DiffuseBatch {
+    /// How many; the lanes behind them hold what was there before.
+    pub(super) count: usize,
+    /// What is not computed with: which path of the batch, on which sphere, of which colour.
+    pub(super) vertices: [DiffuseVertex; LANES],
+    sobol: SobolLanes,
+    depth: Lanes<u32>,
+    origin: Lanes3,
+    direction: Lanes3,
+    t_min: Lanes<f64>,
+    center: Lanes3,
+    radius: Lanes<f64>,
+    pub(super) hit: HitLanes,
+    pub(super) light: LightSampleLanes,
+    pub(super) bsdf: BsdfSampleLanes,
+}
+
+/// Which path of the batch, on which sphere, of which colour.
+#[derive(Clone, Copy, Default)]
+pub(super) struct DiffuseVertex {
+    pub(super) path_index: u32,
+    pub(super) id: u32,
+    pub(super) albedo: Rgb,
+}
+
+/// Where the rays meet their spheres.
+#[derive(Default)]
+pub(super) struct HitLanes {
+    pub(super) point: Lanes3,
+    pub(super) normal: Lanes3,
+    /// Of the ray and the outward normal: positive from inside.
+    pub(super) cos: Lanes<f64>,
+}
+
+/// Light samples.
+#[derive(Default)]
+pub(super) struct LightSampleLanes {
+    pub(super) u_select: Lanes<f64>,
+    pub(super) u: [Lanes<f64>; 2],
+    pub(super) direction: Lanes3,
+    pub(super) distance: Lanes<f64>,
+    /// 0 where nothing can be seen; negative within a lamp.
+    pub(super) pdf: Lanes<f64>,
+    /// `weight cos / pdf`.
+    pub(super) mis_factor: Lanes<f32>,
+    pub(super) sampled: [SampledLight; LANES],
+}
+
+/// What a light sample brings, and the sphere that it aims at.
+#[derive(Clone, Copy)]
+pub(super) struct SampledLight {
+    pub(super) radiance: Rgb,
+    pub(super) sphere_id: u32,
+}
+
+/// The directions in which paths go on.
+#[derive(Default)]
+pub(super) struct BsdfSampleLanes {
+    u: [Lanes<f64>; 2],
+    pub(super) direction: Lanes3,
+    pub(super) pdf: Lanes<f64>,
+    /// Of the direction and the outward normal.
+    pub(super) cos: Lanes<f64>,
+}
+
+impl Default for SampledLight {
+    fn default() -> Self {
+        Self { radiance: Rgb::ZERO, sphere_id: NO_SPHERE }
+    }
+}
+
+impl DiffuseBatch {
+    /// Whether there is no room left.
+    pub(in super::super) fn is_full(&self) -> bool {
+        self.count == LANES
+    }
+
+    /// Adds a vertex, where this ray meets a sphere at the end of edge number `depth`.
+    #[inline(always)]
+    pub(super) fn push(
+        &mut self,
+        waiting: DiffuseVertex,
+        ray: &PathRay,
+        sphere: &Sphere,
+        sampler: Sampler,
+        depth: u32,
+    ) {
+        let lane = self.count;
+        if lane >= LANES {
+            return;
+        }
+        self.vertices[lane] = waiting;
+        self.origin.set(lane, ray.origin);
+        self.direction.set(lane, ray.direction);
+        self.t_min.0[lane] = ray.t_min;
+        self.center.set(lane, sphere.center);
+        self.radius.0[lane] = sphere.radius;
+        sampler.store_in_lane(&mut self.sobol, lane);
+        self.depth.0[lane] = depth;
+        self.count += 1;
+    }
+}
+
+impl LightSampleLanes {
+    /// Takes note of a light sample that was drawn by itself.
+    pub(super) fn set(&mut self, lane: usize, sample: Option<LightSample>) {
+        self.pdf.0[lane] = sample.map_or(0.0, |sample| sample.pdf);
+        let Some(sample) = sample else { return };
+        self.direction.set(lane, sample.direction);
+        self.distance.0[lane] = sample.distance;
+        self.sampled[lane] = SampledLight { radiance: sample.radiance, sphere_id: sample.source.sphere_id() };
+    }
+}
+
+/// Finds out where the vertices are, and draws the numbers to aim with.
+pub(super) struct IntersectLanes<'a> {
+    pub(super) block: &'a mut DiffuseBatch,
+    pub(super) needs_selection: bool,
+}
+
+impl SimdKernel for IntersectLanes<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let DiffuseBatch { sobol: numbers, depth, origin, direction, t_min, center, radius, hit: met, light: aim, .. } =
+            self.block;
+        for lane in 0..LANES {
+            let sphere = Sphere { center: center.get(lane), radius: radius.0[lane] };
+            let (origin, direction) = (origin.get(lane), direction.get(lane));
+            let t = sphere.hit_distance(origin, direction, t_min.0[lane]);
+            let (point, normal) = sphere.reproject(origin, direction, t);
+            met.point.set(lane, point);
+            met.normal.set(lane, normal);
+            met.cos.0[lane] = direction.dot(normal);
+        }
+        draw_2d(numbers, depth, &mut aim.u, |vertex| vertex.light_direction());
+        if self.needs_selection {
+            numbers.select_set(|lane| VertexDimensions::at(depth.0[lane]).light_selection() / SobolLanes::SET_SIZE);
+            numbers.get(VertexDimensions::at(1).light_selection() % SobolLanes::SET_SIZE, &mut aim.u_select);
+        }
+    }
+}
+
+/// The numbers of two dimensions in a row; of which set depends on a path's depth.
+#[inline(always)]
+fn draw_2d(
+    numbers: &mut SobolLanes,
+    depth: &Lanes<u32>,
+    [first, second]: &mut [Lanes<f64>; 2],
+    dimension: impl Fn(VertexDimensions) -> u32,
+) {
+    let in_set = dimension(VertexDimensions::at(1)) % SobolLanes::SET_SIZE;
+    numbers.select_set(|lane| dimension(VertexDimensions::at(depth.0[lane])) / SobolLanes::SET_SIZE);
+    numbers.get(in_set, first);
+    numbers.get(in_set + 1, second);
+}
+
+/// Aims at the only lamp.
+pub(super) struct SampleSingleEmitter<'a> {
+    pub(super) block: &'a mut DiffuseBatch,
+    pub(super) emitter: Emitter,
+    pub(super) sphere: Sphere,
+}
+
+impl SimdKernel for SampleSingleEmitter<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let DiffuseBatch { hit: met, light: aim, .. } = self.block;
+        aim.sampled = [SampledLight { radiance: self.emitter.emission, sphere_id: self.emitter.id }; LANES];
+        let Sphere { center, radius } = self.sphere;
+        for lane in 0..LANES {
+            let to_center = center - met.point.get(lane);
+            let distance = to_center.length();
+            let cone = Cone::from_axis(to_center, distance, radius);
+            let sample = cone.sample([aim.u[0].0[lane], aim.u[1].0[lane]]);
+            aim.direction.set(lane, sample.direction);
+            aim.distance.0[lane] = sample.distance;
+            aim.pdf.0[lane] = if radius < distance { sample.pdf } else { -1.0 };
+        }
+    }
+}
+
+/// Weighs the light samples, and draws the directions in which the paths go on.
+pub(super) struct SampleBsdfLanes<'a> {
+    pub(super) block: &'a mut DiffuseBatch,
+    pub(super) estimator: Estimator,
+}
+
+impl SimdKernel for SampleBsdfLanes<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let DiffuseBatch { sobol: numbers, depth, hit: met, light: aim, bsdf: next, .. } = self.block;
+        draw_2d(numbers, depth, &mut next.u, |vertex| vertex.bsdf_direction());
+        for lane in 0..LANES {
+            let normal = met.normal.get(lane);
+            let wi = DVec3::new(0.0, 0.0, normal.dot(aim.direction.get(lane)));
+            let (pdf, pdf_bsdf) = (aim.pdf.0[lane], Diffuse::pdf_cosine(wi));
+            let weight = mis_weight(self.estimator, pdf, pdf_bsdf);
+            let cos = if fault!(CosineMissing) { 1.0 } else { wi.z };
+            let factor = (weight * cos / pdf) as f32;
+            aim.mis_factor.0[lane] = if wi.z > 0.0 { factor } else { 0.0 };
+        }
+        for lane in 0..LANES {
+            let normal = met.normal.get(lane);
+            let u = [next.u[0].0[lane], next.u[1].0[lane]];
+            let u = if fault!(NumberReused) { [u[0]; 2] } else { u };
+            let (wi, pdf) = Diffuse::sample_cosine(u);
+            let direction = renormalize(Frame::from_z(normal).to_world(wi));
+            next.direction.set(lane, direction);
+            next.pdf.0[lane] = pdf;
+            next.cos.0[lane] = direction.dot(normal);
+        }
+    }
+}

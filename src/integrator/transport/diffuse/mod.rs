@@ -1,0 +1,198 @@
+//! Vertices on matt surfaces, many at a time.
+//!
+//! Most vertices of most pictures are alike: an opaque matt surface, met from outside, lit by lamps
+//! that are seen from outside. They gather in a [`Block`], field by field, and go through its stages,
+//! whose loops over the lanes become vector instructions (see [`crate::math::Isa`]). The bodies of the
+//! loops are the functions that [`Batch::turn`] calls for one path, so both give the same bits. A
+//! vertex that turns out to be unlike the others goes to [`Batch::turn`].
+
+mod diffuse_batch;
+
+use crate::color::Rgb;
+use crate::fault::fault;
+use crate::geometry::{PathRay, Side, SurfaceHit};
+use crate::light::{LightSampleContext, LightSource};
+use crate::material::{Diffuse, Model};
+use crate::math::{DVec3, Hit, Isa};
+use crate::sampling::{Hemisphere, SamplerKind};
+use crate::scene::settings::Estimator;
+
+use super::super::trace::PathRecorder;
+use super::batch::PathBatch;
+use super::paths::{ShadowQueue, PrevVertex, PendingDirect, MAX_PATH_EDGES, Path, PathQueue};
+
+pub(in super::super) use diffuse_batch::DiffuseBatch;
+use diffuse_batch::{SampleSingleEmitter, SampledLight, IntersectLanes, SampleBsdfLanes, DiffuseVertex};
+
+/// A matt surface. What a stage passes on for every path is kept small, and not written and read again
+/// in pieces of other sizes, for which processors wait.
+#[derive(Clone, Copy)]
+pub(super) struct DiffuseSurface<'a> {
+    albedo: Rgb,
+    emission: &'a Rgb,
+}
+
+impl<'a, R: PathRecorder> PathBatch<'a, R> {
+    /// Whether matt surfaces are worked on many at a time: not where somebody listens, and not where
+    /// the scene or the integrator makes their vertices unlike each other.
+    pub(super) fn uses_diffuse_batch(&self) -> bool {
+        let (scene, transport) = (self.context.scene, self.integrator);
+        !R::ENABLED
+            && !scene.has_opacity()
+            && transport.hemisphere == Hemisphere::Cosine
+            && transport.max_scatterings == u32::MAX
+            && self.context.shot.render_settings().sampler == SamplerKind::Sobol
+    }
+
+    /// The surface that a path meets, if it is one of those that a block takes.
+    #[inline(always)]
+    pub(super) fn diffuse_surface(&self, paths: &PathQueue, index: usize, hit: Hit) -> Option<DiffuseSurface<'a>> {
+        let sample = paths.states[index].batch_index as usize;
+        let is_in_medium = || self.media.get(sample).is_some_and(|media| !media.is_vacuum());
+        if hit.is_miss() || paths.rays.is_inward(index) || is_in_medium() {
+            return None;
+        }
+        let (material, color) = self.context.scene.material_and_color(hit.id);
+        match &material.model {
+            Model::Diffuse(matt) => {
+                Some(DiffuseSurface { albedo: matt.with_color(color).albedo, emission: &material.emission })
+            }
+            _ => None,
+        }
+    }
+
+    /// Adds the light that shines at a vertex, and puts the vertex into the block unless the path
+    /// ends there.
+    #[inline(always)]
+    pub(super) fn enqueue_diffuse(
+        &mut self,
+        block: &mut DiffuseBatch,
+        paths: &PathQueue,
+        index: usize,
+        id: u32,
+        DiffuseSurface { albedo, emission }: DiffuseSurface<'_>,
+    ) {
+        let state = &paths.states[index];
+        if emission.max_element() > 0.0 {
+            self.add_emission(&paths.get(index), LightSource::Emitter(id), *emission, true);
+        }
+        if self.is_at_max_depth(state) {
+            return;
+        }
+        if state.depth >= MAX_PATH_EDGES {
+            self.terminate_at_length_limit();
+            return;
+        }
+        let waiting = DiffuseVertex { path_index: index as u32, id, albedo };
+        let sphere = self.context.scene.spheres().sphere(id);
+        let sampler = self.samplers[state.batch_index as usize];
+        block.push(waiting, &paths.rays.get(index), &sphere, sampler, state.depth);
+    }
+
+    /// Works on the vertices of a block and empties it. What goes on is put behind `next`.
+    pub(super) fn flush_diffuse(
+        &mut self,
+        isa: Isa,
+        block: &mut DiffuseBatch,
+        paths: &PathQueue,
+        next: &mut PathQueue,
+        aims: &mut ShadowQueue<'_>,
+    ) {
+        if block.count == 0 {
+            return;
+        }
+        let scene = self.context.scene;
+        let lights = self.context.shot.lights();
+        let estimator = self.integrator.estimator;
+        isa.run(IntersectLanes { block, needs_selection: lights.needs_selection() });
+        if estimator == Estimator::Bsdf {
+            block.light.pdf.0.fill(0.0);
+        } else if let Some(&lamp) = lights.single_emitter() {
+            let sphere = scene.spheres().sphere(lamp.id);
+            isa.run(SampleSingleEmitter { block, emitter: lamp, sphere });
+        } else {
+            for lane in 0..block.count {
+                let receiver = LightSampleContext { hit: lane_hit(block, lane), is_two_sided: false };
+                let u = [block.light.u[0].0[lane], block.light.u[1].0[lane]];
+                let choose = block.light.u_select.0[lane];
+                let sample = lights.sample(scene.spheres(), &receiver, choose, u);
+                block.light.set(lane, sample);
+            }
+        }
+        isa.run(SampleBsdfLanes { block, estimator });
+        for lane in 0..block.count {
+            self.continue_lane(block, lane, paths, next, aims);
+        }
+        block.count = 0;
+    }
+
+    /// Takes the outcome of a lane.
+    #[inline(always)]
+    fn continue_lane(
+        &mut self,
+        block: &DiffuseBatch,
+        lane: usize,
+        paths: &PathQueue,
+        next: &mut PathQueue,
+        aims: &mut ShadowQueue<'_>,
+    ) {
+        let DiffuseVertex { path_index: path, id, albedo } = block.vertices[lane];
+        let SampledLight { radiance, sphere_id: lamp } = block.light.sampled[lane];
+        let (pdf_aim, pdf) = (block.light.pdf.0[lane], block.bsdf.pdf.0[lane]);
+        let is_own_lamp = lamp == id;
+        let is_within_lamp = pdf_aim < 0.0 && !is_own_lamp;
+        if block.hit.cos.0[lane] > 0.0 || is_within_lamp || block.bsdf.cos.0[lane] < 0.0 {
+            return self.continue_scalar(id, paths.get(path as usize), next, aims);
+        }
+        let mut state = paths.states[path as usize];
+        let (point, normal) = (block.hit.point.get(lane), block.hit.normal.get(lane));
+        if pdf_aim > 0.0 && !is_own_lamp {
+            let f = Diffuse { albedo }.eval(DVec3::Z);
+            let light = state.throughput * f * radiance * block.light.mis_factor.0[lane];
+            if light != Rgb::ZERO {
+                let (direction, t_max) =
+                    (block.light.direction.get(lane), block.light.distance.0[lane]);
+                let free = PathRay::new(point, direction);
+                let ray = PathRay { origin_sphere: id, target_sphere: lamp, t_max, ..free };
+                let is_direct = state.is_light_sample_direct();
+                aims.shadow_rays.push(&ray, PendingDirect { batch_index: state.batch_index, radiance: light, is_direct });
+            }
+        }
+        let cos = if fault!(CosineTwice) { block.bsdf.cos.0[lane] as f32 } else { 1.0 };
+        state.throughput *= albedo * cos;
+        state.scatter_count += 1;
+        state.has_prev_vertex = true;
+        if pdf > 0.0 && self.survives(&mut state) {
+            state.depth += 1;
+            let free = PathRay::new(point, block.bsdf.direction.get(lane));
+            next.rays.push(&PathRay { origin_sphere: id, ..free });
+            next.states.push(state);
+            let (side, is_two_sided) = (Side::Outside, false);
+            self.prev_vertices[state.batch_index as usize] =
+                PrevVertex { pdf, point, normal, id, side, is_two_sided };
+        }
+    }
+
+    /// A vertex that is unlike the others of its block.
+    #[inline(never)]
+    fn continue_scalar(&mut self, id: u32, mut path: Path, next: &mut PathQueue, aims: &mut ShadowQueue<'_>) {
+        let scene = self.context.scene;
+        let Some(hit) = scene.spheres().resolve_hit(&path.ray, Hit { t: 0.0, id }) else { return };
+        if self.sample_light_and_bsdf(&mut path, &hit, &scene.sphere_material(id), 1.0, None, aims) {
+            next.push(&path);
+        }
+    }
+}
+
+/// Where a lane's ray met its sphere, from outside.
+fn lane_hit(block: &DiffuseBatch, lane: usize) -> SurfaceHit {
+    let DiffuseVertex { id, .. } = block.vertices[lane];
+    SurfaceHit {
+        id,
+        t: 0.0,
+        point: block.hit.point.get(lane),
+        normal: block.hit.normal.get(lane),
+        radius: 0.0,
+        side: Side::Outside,
+    }
+}

@@ -1,0 +1,79 @@
+//! Light samples: from a vertex towards something that shines.
+
+use crate::color::Rgb;
+use crate::fault::fault;
+use crate::geometry::{PathRay, SurfaceHit};
+use crate::light::LightSampleContext;
+use crate::material::{Bsdf, MediumStack};
+use crate::math::{DVec3, Frame};
+use crate::scene::Scene;
+
+use super::super::dimension::VertexDimensions;
+use super::super::trace::{PathRecorder, PathEvent};
+use super::batch::PathBatch;
+use super::opacity;
+use super::paths::{ShadowQueue, PendingDirect, Path};
+use super::weight::mis_weight;
+
+impl ShadowQueue<'_> {
+    /// One more shadow ray, and the media it starts in.
+    pub(super) fn push(&mut self, scene: &Scene, aimed: Option<(PathRay, PendingDirect, &MediumStack)>) {
+        let Some((ray, gain, media)) = aimed else { return };
+        self.shadow_rays.push(&ray, gain);
+        if scene.has_opacity() {
+            self.media.push(*media);
+        }
+    }
+}
+
+impl<R: PathRecorder> PathBatch<'_, R> {
+    /// The shadow ray from a vertex to a sampled light, if it can bring any, and the media it starts
+    /// in; `beyond` are those on the other side of the surface, where they are others.
+    pub(super) fn sample_light<'p>(
+        &'p mut self,
+        path: &Path,
+        receiver: &LightSampleContext,
+        bsdf: &Bsdf<'_>,
+        frame: &Frame,
+        wo: DVec3,
+        transmitted_media: Option<&'p MediumStack>,
+    ) -> Option<(PathRay, PendingDirect, &'p MediumStack)> {
+        let vertex = VertexDimensions::at(path.state.depth);
+        let sampler = self.sampler(path);
+        let u = sampler.get_2d(vertex.light_direction());
+        let scene = self.context.scene;
+        let lights = self.context.shot.lights();
+        let has_choice = lights.needs_selection();
+        let choose = if has_choice { sampler.get(vertex.light_selection()) } else { 0.0 };
+        let mut aim = lights.sample(scene.spheres(), receiver, choose, u)?;
+        let wi = frame.to_local(aim.direction);
+        let f = bsdf.eval(wo, wi);
+        if f.max_element() <= 0.0 {
+            return None;
+        }
+        let is_beyond = transmitted_media.filter(|_| wi.z < 0.0);
+        let media = is_beyond.unwrap_or_else(|| self.media_of(path));
+        let leave = match scene.has_opacity() {
+            true => SurfaceHit::spawn_ray_to,
+            false => SurfaceHit::spawn_shadow_ray,
+        };
+        let ray = leave(&receiver.hit, aim.direction, aim.distance, aim.source.sphere_id())?;
+        aim.radiance = opacity::emitter_radiance(scene, &aim, receiver, media);
+        let transmittance = match scene.has_media() {
+            true => media.transmittance(aim.distance),
+            false => Rgb::ONE,
+        };
+        let cos = if fault!(CosineMissing) { 1.0 } else { wi.z.abs() };
+        let pdf_bsdf = bsdf.pdf(wo, wi);
+        let weight = mis_weight(self.integrator.estimator, aim.pdf, pdf_bsdf);
+        self.recorder.record(|| PathEvent::LightSample { sample: aim, transmittance, f, cos, pdf_bsdf, weight });
+        let radiance = aim.radiance * transmittance;
+        let light = path.state.throughput * f * radiance * (weight * cos / aim.pdf) as f32;
+        if light == Rgb::ZERO {
+            return None;
+        }
+        let is_direct = path.state.is_light_sample_direct();
+        let media = is_beyond.unwrap_or_else(|| self.media_of(path));
+        Some((ray, PendingDirect { batch_index: path.state.batch_index, radiance: light, is_direct }, media))
+    }
+}

@@ -1,0 +1,54 @@
+//! What a path sees before anything has turned it, for the layers that show that.
+//!
+//! It asks the same questions as [`super::shade`] and changes nothing of a path.
+
+use crate::color::Rgb;
+use crate::geometry::{Side, SurfaceHit};
+use crate::math::Hit;
+
+use super::super::aov;
+use super::super::trace::PathRecorder;
+use super::batch::PathBatch;
+use super::opacity;
+use super::paths::Path;
+
+impl<R: PathRecorder> PathBatch<'_, R> {
+    /// Notes what the edge of a path meets, where that is wanted and the path looks straight from the
+    /// camera.
+    pub(super) fn record_visible_surface(&mut self, path: &Path, hit: Hit) {
+        if self.visible_surfaces.is_empty() || path.state.depth > 1 {
+            return;
+        }
+        let scene = self.context.scene;
+        let Some(hit) = scene.spheres().resolve_hit(&path.ray, hit) else { return };
+        let surface = scene.sphere_material(hit.id);
+        let media = self.media_of(path);
+        let presence = surface.opacity(hit.id, hit.side, media);
+        let throughput = path.state.throughput * media.transmittance(hit.t - path.ray.t_min);
+        let emission = throughput * (surface.material.emission * presence);
+        let is_seen =
+            opacity::passes_opacity_test(path, self.sampler(path), presence) && !self.is_hidden_boundary(path, &hit);
+        let record = &mut self.visible_surfaces[path.state.batch_index as usize];
+        aov::add_emission(record, emission);
+        if is_seen {
+            aov::record_surface(record, scene, &hit);
+        } else {
+            record.distance += hit.t as f32;
+        }
+    }
+
+    /// Notes that a path meets nothing but the background.
+    pub(super) fn record_background(&mut self, path: &Path, radiance: Rgb) {
+        if let Some(record) = self.visible_surfaces.get_mut(path.state.batch_index as usize) {
+            aov::add_emission(record, path.state.throughput * radiance);
+            record.distance = 0.0;
+        }
+    }
+
+    /// Whether a dielectric's boundary lies hidden in another dielectric.
+    fn is_hidden_boundary(&self, path: &Path, hit: &SurfaceHit) -> bool {
+        let medium = self.context.scene.sphere_material(hit.id).medium(hit.id);
+        let entering = hit.side == Side::Outside;
+        medium.is_some_and(|medium| self.media_of(path).boundary(medium, entering).eta.is_none())
+    }
+}

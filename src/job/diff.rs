@@ -1,0 +1,162 @@
+//! What differs between two renders, key by key.
+
+use serde_json::Value;
+
+use crate::scene::SceneDescription;
+
+use super::metadata::Metadata;
+
+impl Metadata {
+    /// What differs of all that decides a sample's worth, first as it is here and then as it is there.
+    pub fn describe_difference(&self, other: &Self) -> String {
+        let mut found = Vec::new();
+        if self.version != other.version {
+            let (ours, theirs) = (&self.version, &other.version);
+            found.push(format!("the program's version is {ours}, not {theirs}"));
+        }
+        if self.intersector != other.intersector {
+            let (ours, theirs) = (&self.intersector, &other.intersector);
+            found.push(format!("the intersector is {ours}, not {theirs}"));
+        }
+        if self.job_identity != other.job_identity {
+            let of = |metadata: &Self| {
+                let mut settings = metadata.settings;
+                settings.image.crop = None;
+                // Which does not say why it matters.
+                super::metadata::set_sample_count(&mut settings, 1);
+                settings.to_keys()
+            };
+            found.extend(differing_keys(Some(of(self)), Some(of(other))));
+        }
+        if self.scene_identity != other.scene_identity {
+            let before = found.len();
+            let of = |metadata: &Self| metadata.scene.as_ref().map(SceneDescription::to_keys);
+            found.extend(differing_keys(of(self), of(other)));
+            let hashes = |metadata: &Self| -> Vec<_> {
+                metadata.files.iter().map(|file| file.hash).collect()
+            };
+            if hashes(self) != hashes(other) {
+                found.push("a table or an image of the scene has other values".to_owned());
+            } else if found.len() == before {
+                found.push("the scene is another".to_owned());
+            }
+        }
+        if found.is_empty() {
+            // All else that is hashed is how many samples a pixel is to have.
+            found.push(
+                "the number of samples per pixel changes each of them, as it does with \
+                 `sampler = \"stratified\"`"
+                    .to_owned(),
+            );
+        }
+        found.join("; ")
+    }
+
+    /// What differs in the programs and intersectors that made two pictures; nothing where they must be
+    /// equal.
+    pub fn program_differences(&self, other: &Self) -> Vec<String> {
+        let facts = |metadata: &Self| {
+            let Self { version, commit, intersector, .. } = metadata;
+            [version.clone(), commit.clone(), intersector.to_string()]
+        };
+        let names = ["version", "commit", "intersector"];
+        let pairs = names.into_iter().zip(facts(self).into_iter().zip(facts(other)));
+        let differ = pairs.filter(|(_, (a, b))| a != b);
+        differ.map(|(what, (a, b))| format!("{what}: {a} then, {b} now")).collect()
+    }
+}
+
+/// More keys than these tell nobody anything.
+const MAX_KEYS: usize = 5;
+
+/// The keys of two trees of values that differ, as in "`render.seed` is 1, not 2".
+fn differing_keys(ours: Option<Value>, theirs: Option<Value>) -> Vec<String> {
+    let mut found = Vec::new();
+    if let (Some(ours), Some(theirs)) = (ours, theirs) {
+        diff_values("", &ours, &theirs, &mut found);
+    }
+    if found.len() > MAX_KEYS {
+        let more = found.split_off(MAX_KEYS).len();
+        found.push(format!("and {more} more keys differ"));
+    }
+    found
+}
+
+fn diff_values(path: &str, ours: &Value, theirs: &Value, found: &mut Vec<String>) {
+    let inner =
+        |step: &str| if path.is_empty() { step.to_owned() } else { format!("{path}.{step}") };
+    match (ours, theirs) {
+        (Value::Object(a), Value::Object(b)) => {
+            let keys: std::collections::BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+            for key in keys {
+                let of = |map: &serde_json::Map<String, Value>| {
+                    map.get(key).cloned().unwrap_or(Value::Null)
+                };
+                diff_values(&inner(key), &of(a), &of(b), found);
+            }
+        }
+        (Value::Array(a), Value::Array(b))
+            if a.len() == b.len() && a.iter().any(Value::is_object) =>
+        {
+            for (index, (a, b)) in a.iter().zip(b).enumerate() {
+                diff_values(&inner(&index.to_string()), a, b, found);
+            }
+        }
+        (a, b) if a != b => found.push(format!("`{path}` is {}, not {}", abbreviate(a), abbreviate(b))),
+        _ => {}
+    }
+}
+
+/// A value, or what it is where it is long.
+fn abbreviate(value: &Value) -> String {
+    match value {
+        Value::Null => "left out".to_owned(),
+        Value::Array(list) if list.len() > 4 => format!("a list of {}", list.len()),
+        other => {
+            let text = format_json(other);
+            if text.len() <= 80 { text } else { "another".to_owned() }
+        }
+    }
+}
+
+/// A value as JSON, but with numbers that are f32 in their few digits.
+pub fn format_json(value: &Value) -> String {
+    let narrow = |number: f64| (f64::from(number as f32) == number).then_some(number as f32);
+    match value {
+        Value::Number(number) if number.is_f64() => match number.as_f64().and_then(narrow) {
+            Some(number) => format!("{number:?}"),
+            None => number.to_string(),
+        },
+        Value::Array(list) => {
+            format!("[{}]", list.iter().map(format_json).collect::<Vec<_>>().join(", "))
+        }
+        other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{SceneBuilder, Settings};
+
+    #[test]
+    fn the_keys_that_differ_are_named() {
+        let mut other = Settings::default();
+        other.render.seed = 7;
+        other.image.width = 320;
+        let found = differing_keys(Some(Settings::default().to_keys()), Some(other.to_keys()));
+        assert_eq!(found, ["`image.width` is 640, not 320", "`render.seed` is 0, not 7"]);
+        assert!(differing_keys(Some(other.to_keys()), Some(other.to_keys())).is_empty());
+        let scene = |ior: f64| {
+            let mut scene = SceneBuilder::new();
+            scene.field_of_view(10.0 * ior).glass(ior);
+            Some(scene.description.to_keys())
+        };
+        let found = differing_keys(scene(1.5), scene(2.0));
+        let expected = [
+            "`camera.vertical_fov_degrees` is 15.0, not 20.0",
+            "`materials.material-0.ior` is 1.5, not 2.0",
+        ];
+        assert_eq!(found, expected);
+    }
+}

@@ -1,0 +1,235 @@
+//! A film that is being filled: pass by pass, on all threads of the current pool.
+//!
+//! A pass brings the pixels that it is asked for to the end of a block of samples, in jobs of some
+//! tiles. The film is exact, so the bits of the picture do not depend on which pixels are asked for
+//! when, nor on who did what.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use crate::accel::Accel;
+use crate::color::PathRadiance;
+use crate::error::Result;
+use crate::film::{BLOCK_SIZE, Film, SampleRun, TILE_SIZE};
+use crate::integrator::{self, Integrator, SampleAddress, RenderStats, Workspace, RenderContext};
+use crate::scene::PreparedScene;
+use crate::task::CancelToken;
+
+/// Samples that a job aims to have in flight at once.
+const BATCH_SAMPLES: usize = 1024;
+
+/// The work on one film.
+pub struct ProgressiveRenderer<'a> {
+    context: RenderContext<'a>,
+    integrator: Box<dyn Integrator>,
+    film: &'a Film,
+    counters: &'a Counters,
+}
+
+/// What the work on a film has come to, to be looked at from any thread.
+#[derive(Debug, Default)]
+pub struct Counters {
+    samples_done: AtomicU64,
+    samples_total: AtomicU64,
+    stats: Mutex<RenderStats>,
+}
+
+impl Counters {
+    /// Before the work on a film that is to have so many samples.
+    pub fn new(film: &Film, samples_total: u64) -> Self {
+        let counts = Self::default();
+        counts.samples_done.store(film.sample_count(), Ordering::Relaxed);
+        counts.set_samples_total(samples_total);
+        counts
+    }
+
+    /// Tells how many samples the film is going to have.
+    pub fn set_samples_total(&self, total: u64) {
+        self.samples_total.store(total, Ordering::Relaxed);
+    }
+
+    /// What happened so far.
+    pub fn stats(&self) -> RenderStats {
+        *self.stats.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Samples of the film so far.
+    pub fn samples_done(&self) -> u64 {
+        self.samples_done.load(Ordering::Relaxed)
+    }
+
+    /// Samples that the film is going to have.
+    pub fn samples_total(&self) -> u64 {
+        self.samples_total.load(Ordering::Relaxed)
+    }
+
+    fn add(&self, samples: u64, tally: RenderStats) {
+        {
+            let mut total = self.stats.lock().unwrap_or_else(PoisonError::into_inner);
+            *total = *total + tally;
+        }
+        self.samples_done.fetch_add(samples, Ordering::Relaxed);
+    }
+}
+
+/// What a thread keeps between jobs.
+#[derive(Default)]
+struct ThreadScratch {
+    workspace: Workspace,
+    samples: Vec<SampleAddress>,
+    radiance: Vec<PathRadiance>,
+    /// Samples that each pixel has, and then those that it gets.
+    counts: Vec<u32>,
+}
+
+impl<'a> ProgressiveRenderer<'a> {
+    /// Work on a film of a shot: an empty one, or one that holds some samples of this very shot.
+    pub fn new(
+        shot: &'a PreparedScene,
+        accel: &'a dyn Accel,
+        film: &'a Film,
+        counts: &'a Counters,
+        cancel: &'a CancelToken,
+    ) -> Self {
+        let world = RenderContext::new(shot, accel, cancel);
+        Self { context: world, integrator: integrator::create(shot), film, counters: counts }
+    }
+
+    /// The film.
+    pub fn film(&self) -> &'a Film {
+        self.film
+    }
+
+    /// What the work has come to.
+    pub fn counters(&self) -> &'a Counters {
+        self.counters
+    }
+
+    /// Brings the tiles that `wants` chooses to sample number `end` (its index not included), however
+    /// far each of them is. Returns whether it got there: cancelled, it leaves every tile of the film at
+    /// some whole block.
+    ///
+    /// # Errors
+    /// When a pixel is too bright for the film.
+    pub fn render_to_sample(&self, end: u32, include: &(dyn Fn(usize) -> bool + Sync)) -> Result<bool> {
+        let chosen = (0..self.film.frame().tile_count()).filter(|&tile| include(tile)).collect();
+        let chosen = golden_ratio_order(chosen);
+        // The first sample that some pixel lacks.
+        while let Some(next) = chosen.iter().map(|&tile| self.next_sample(tile)).min() {
+            if next >= end {
+                return Ok(true);
+            }
+            self.render_pass(&chosen, end.min((next / BLOCK_SIZE + 1).saturating_mul(BLOCK_SIZE)))?;
+            if self.cancel_token().is_cancelled() {
+                return Ok(chosen.iter().all(|&tile| self.next_sample(tile) >= end));
+            }
+        }
+        Ok(true)
+    }
+
+    /// Whoever wants the work to stop holds this.
+    pub fn cancel_token(&self) -> &'a CancelToken {
+        self.context.cancel
+    }
+
+    /// The first sample that some pixel of a tile lacks.
+    fn next_sample(&self, tile: usize) -> u32 {
+        self.film.first_sample() + self.film.min_tile_samples(tile)
+    }
+
+    /// Brings tiles to sample `end`; none is more than a block behind.
+    fn render_pass(&self, tiles: &[usize], end: u32) -> Result<()> {
+        let pending: Vec<usize> =
+            tiles.iter().copied().filter(|&tile| self.next_sample(tile) < end).collect();
+        let block = (end - 1) % BLOCK_SIZE + 1;
+        let tiles_per_job = BATCH_SAMPLES / (TILE_SIZE[0] * TILE_SIZE[1] * block) as usize;
+        pending
+            .par_chunks(tiles_per_job.max(1))
+            .try_for_each_init(ThreadScratch::default, |desk, tiles| self.render_tiles(desk, tiles, end))
+    }
+
+    fn render_tiles(&self, desk: &mut ThreadScratch, tiles: &[usize], end: u32) -> Result<()> {
+        if self.cancel_token().is_cancelled() {
+            return Ok(());
+        }
+        let ThreadScratch { workspace, samples, radiance, counts } = desk;
+        samples.clear();
+        counts.clear();
+        let first = self.film.first_sample();
+        for &tile in tiles {
+            let begin = counts.len();
+            self.film.tile_counts(tile, counts);
+            for (count, [x, y]) in
+                counts[begin..].iter_mut().zip(self.film.frame().tile(tile).pixel_coords())
+            {
+                let lacks = first + *count..end;
+                *count = lacks.len() as u32;
+                samples.extend(lacks.map(|sample| SampleAddress { x, y, sample }));
+            }
+        }
+        radiance.clear();
+        radiance.resize(samples.len(), PathRadiance::default());
+        workspace.record_visible_surfaces(self.film.format().layers.iter().any(|layer| layer.uses_visible_surface()));
+        let tally = self.integrator.estimate(self.context, samples, radiance, workspace);
+        if self.cancel_token().is_cancelled() {
+            return Ok(()); // stopped half-way: what there is of these samples is not used
+        }
+        self.add_to_film(tiles, counts, SampleRun { radiance, visible_surfaces: workspace.visible_surfaces() })?;
+        self.counters.add(samples.len() as u64, tally);
+        Ok(())
+    }
+
+    /// Adds the samples of some tiles to the film.
+    fn add_to_film(&self, tiles: &[usize], counts: &[u32], samples: SampleRun<'_>) -> Result<()> {
+        let (mut counts, mut samples) = (counts, samples);
+        for &tile in tiles {
+            let (own, others) = counts.split_at(self.film.frame().tile(tile).pixel_count());
+            let many: u32 = own.iter().sum();
+            let (values, rest) = samples.split_at(many as usize);
+            self.film.add(tile, own, values)?;
+            (counts, samples) = (others, rest);
+        }
+        Ok(())
+    }
+}
+
+/// The tiles in steps of about the golden section of their number, so that any stretch of them is
+/// spread over the picture: what a part of a pass took then tells what the rest will take, however
+/// unlike the parts of the picture are.
+fn golden_ratio_order(tiles: Vec<usize>) -> Vec<usize> {
+    let count = tiles.len();
+    let has_common_factor = |step: usize| {
+        let (mut a, mut b) = (step, count);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a > 1
+    };
+    let mut step = (count as f64 * 0.618_034) as usize;
+    while step > 1 && has_common_factor(step) {
+        step -= 1;
+    }
+    (0..count).map(|i| tiles[i * step.max(1) % count]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scattered_tiles_are_the_same_tiles_and_any_tenth_is_spread_over_all() {
+        for count in [0, 1, 2, 3, 4, 12, 100, 1200, 4801] {
+            let tiles = golden_ratio_order((0..count).collect());
+            let mut sorted = tiles.clone();
+            sorted.sort_unstable();
+            assert!(sorted.into_iter().eq(0..count), "{count}");
+        }
+        let tiles = golden_ratio_order((0..4800).collect());
+        for stretch in tiles.chunks(480) {
+            let mean = stretch.iter().sum::<usize>() as f64 / 480.0;
+            assert!((mean / 2400.0 - 1.0).abs() < 0.02, "{mean}");
+        }
+    }
+}

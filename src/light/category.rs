@@ -1,0 +1,72 @@
+//! How often lamps, dome and sun are aimed at from a point: by the irradiance to be expected of each.
+//! What may be in the way is not known, so a share goes to each alike.
+
+use super::environment::Environment;
+use super::light_sampler::LightSampler;
+use super::receiver::LightSampleContext;
+
+/// The share of choices that treats alike all that may shine on a point.
+const UNIFORM_FRACTION: f64 = 0.2;
+
+/// What there is to aim at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LightCategory {
+    Emitters,
+    EnvironmentMap,
+    Sun,
+}
+
+/// The probability of each kind, in the order of the enum.
+pub(super) struct CategoryPmf {
+    probabilities: [f64; 3],
+}
+
+impl CategoryPmf {
+    /// `None` where nothing can be aimed at.
+    pub(super) fn new(
+        choice: &LightSampler,
+        has_lamps: bool,
+        background: &Environment,
+        from: &LightSampleContext,
+    ) -> Option<Self> {
+        if !background.is_sampled() {
+            return has_lamps.then_some(Self { probabilities: [1.0, 0.0, 0.0] });
+        }
+        let sun = background.sun().map_or(0.0, |sun| sun.importance(from));
+        let dome = background.importance(from);
+        // A scene with lamps alone is the common case, and they need not be weighed there.
+        let lamps = match sun > 0.0 || dome > 0.0 {
+            true => choice.importance(from),
+            false => f64::from(u8::from(has_lamps)),
+        };
+        let importance = [lamps, dome, sun];
+        let total: f64 = importance.iter().sum();
+        let count = importance.iter().filter(|&&importance| importance > 0.0).count() as f64;
+        let share = |importance| match importance > 0.0 {
+            true => UNIFORM_FRACTION / count + (1.0 - UNIFORM_FRACTION) * importance / total,
+            false => 0.0,
+        };
+        (total > 0.0).then(|| Self { probabilities: importance.map(share) })
+    }
+
+    /// The probability of a kind.
+    pub(super) fn pmf(&self, kind: LightCategory) -> f64 {
+        self.probabilities[kind as usize]
+    }
+
+    /// The kind chosen by `u` in `[0, 1)`, its probability, and what is left of `u`: again uniform.
+    pub(super) fn sample(&self, mut u: f64) -> (LightCategory, f64, f64) {
+        let mut last = (LightCategory::Emitters, self.probabilities[0], u);
+        for kind in [LightCategory::Emitters, LightCategory::EnvironmentMap, LightCategory::Sun] {
+            let share = self.pmf(kind);
+            if share > 0.0 {
+                last = (kind, share, (u / share).min(1.0 - f64::EPSILON));
+                if u < share {
+                    break;
+                }
+                u -= share;
+            }
+        }
+        last
+    }
+}

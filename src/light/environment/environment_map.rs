@@ -1,0 +1,210 @@
+//! Radiance from all directions, interpolated between nodes, and drawn exactly by what it shines.
+//!
+//! Nodes stand in rows, each at a height (the sine of its elevation), and in columns around. Between
+//! four of them radiance is linear in the height and linear in the azimuth, which are the coordinates
+//! in which solid angle is uniform. So the light of a cell is the mean of its corners times its solid
+//! angle, a direction can be drawn by inverting two linear densities, and the density that comes out
+//! is exactly the function that was aimed at.
+//!
+//! That function is not luminance itself but what of it lies above its mean: the even part is best
+//! found by the BSDF's own samples, with which these are combined (Karlik, Sik, Vevoda, Skrivan and
+//! Krivanek 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance
+//! Sampling"). A tenth of the luminance is kept everywhere, so that no light is far from being aimed
+//! at.
+
+use std::f64::consts::{PI, TAU};
+
+use rayon::prelude::*;
+
+use crate::color::{Rgb, luminance};
+use crate::math::DVec3;
+use crate::sampling::{DiscreteDistribution, atan2, cos, sin_cos};
+
+/// The share of its luminance with which a node is aimed at in any case.
+const MIN_WEIGHT_FRACTION: f64 = 0.1;
+
+/// Radiance over the sphere of directions, y up.
+#[derive(Clone, Debug)]
+pub struct EnvironmentMap {
+    columns: usize,
+    /// Of each row of nodes, falling from 1 to -1. Two rows may share a height: a sharp edge.
+    heights: Vec<f64>,
+    radiance: Vec<Rgb>,
+    mean_luminance: f64,
+    /// Between which rows.
+    band_distribution: Option<DiscreteDistribution>,
+    /// Between which columns, for every band that shines.
+    cell_distributions: Vec<Option<DiscreteDistribution>>,
+    /// What is aimed at, summed over all directions.
+    total_weight: f64,
+}
+
+/// Where a direction lies between nodes.
+struct GridPosition {
+    band: usize,
+    column: usize,
+    /// From the column to the next.
+    across: f64,
+    /// From the upper row to the lower.
+    down: f64,
+}
+
+impl EnvironmentMap {
+    /// The same from everywhere.
+    pub fn constant(radiance: Rgb) -> Self {
+        Self::from_rows(1, vec![1.0, -1.0], vec![radiance; 2])
+    }
+
+    /// Linear in the height: from straight above to the horizon to straight below.
+    pub fn gradient(zenith: Rgb, horizon: Rgb, nadir: Rgb) -> Self {
+        Self::from_rows(1, vec![1.0, 0.0, -1.0], vec![zenith, horizon, nadir])
+    }
+
+    /// A picture in latitude and longitude, its rows from the top. Its middle lies towards -z, and
+    /// its right side to the right of that (+x). Nodes are the middles of its pixels; the poles are
+    /// the means of the first and the last row.
+    ///
+    /// # Panics
+    /// Unless there are `width` times `height` pixels, and some.
+    pub fn from_image(width: usize, height: usize, pixels: &[Rgb]) -> Self {
+        assert!(width > 0 && height > 0 && pixels.len() == width * height);
+        let mean = |row: &[Rgb]| {
+            let sum: DVec3 = row.iter().map(|pixel| pixel.as_dvec3()).sum();
+            vec![(sum / width as f64).as_vec3(); width]
+        };
+        let (first, last) = (mean(&pixels[..width]), mean(&pixels[pixels.len() - width..]));
+        let angle = |row: usize| (row as f64 + 0.5) / height as f64 * PI;
+        let heights = (0..height).map(|row| cos(angle(row)));
+        let heights = std::iter::once(1.0).chain(heights).chain([-1.0]).collect();
+        Self::from_rows(width, heights, [&first, pixels, &last].concat())
+    }
+
+    /// From rows of nodes, whose first column lies half a column to the right of +z.
+    pub(super) fn from_rows(columns: usize, heights: Vec<f64>, radiance: Vec<Rgb>) -> Self {
+        let bands = heights.len() - 1;
+        let nothing = vec![None; bands];
+        let mut dome =
+            Self { columns, heights, radiance, mean_luminance: 0.0, band_distribution: None, cell_distributions: nothing, total_weight: 0.0 };
+        let all: f64 = (0..bands).map(|band| dome.band_weights(band).iter().sum::<f64>()).sum();
+        if !dome.is_constant() {
+            dome.mean_luminance = all / (2.0 * TAU);
+            let light: Vec<Vec<f64>> =
+                (0..bands).into_par_iter().map(|band| dome.band_weights(band)).collect();
+            let of_bands: Vec<f64> = light.iter().map(|cells| cells.iter().sum()).collect();
+            dome.total_weight = of_bands.iter().sum();
+            dome.band_distribution = DiscreteDistribution::new(of_bands);
+            dome.cell_distributions = light.into_par_iter().map(DiscreteDistribution::new).collect();
+        }
+        dome
+    }
+
+    /// Whether the radiance is the same from everywhere, so that there is nothing to aim at.
+    pub fn is_constant(&self) -> bool {
+        self.radiance.iter().all(|radiance| *radiance == self.radiance[0])
+    }
+
+    /// The largest radiance in any channel.
+    pub(super) fn max_radiance(&self) -> f32 {
+        self.radiance.iter().map(|radiance| radiance.max_element()).fold(0.0, f32::max)
+    }
+
+    /// The radiance from a unit direction.
+    pub fn radiance(&self, direction: DVec3) -> Rgb {
+        let place = self.locate(direction);
+        let mut sum = DVec3::ZERO;
+        for (node, weight) in self.bilinear_weights(&place) {
+            sum += self.radiance[node].as_dvec3() * weight;
+        }
+        sum.as_vec3()
+    }
+
+    /// A unit direction, from `u` in `[0, 1)^2`; `None` where there is nothing to aim at.
+    pub fn sample(&self, u: [f64; 2]) -> Option<DVec3> {
+        let bands = self.band_distribution.as_ref()?;
+        let band = bands.sample(u[0]);
+        let cells = self.cell_distributions[band].as_ref()?;
+        let column = cells.sample(u[1]);
+        let [a, b, c, d] = self.corner_nodes(band, column).map(|node| self.sampling_weight(node));
+        let down = sample_linear(a + b, c + d, bands.remap(band, u[0]));
+        let [left, right] = [a + (c - a) * down, b + (d - b) * down];
+        let across = sample_linear(left, right, cells.remap(column, u[1]));
+        let height = self.heights[band] - down * (self.heights[band] - self.heights[band + 1]);
+        let (sin, cos) = sin_cos((column as f64 + 0.5 + across) / self.columns as f64 * TAU);
+        let flat = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
+        Some(DVec3::new(-flat * sin, height, flat * cos))
+    }
+
+    /// The density of [`Self::sample`] per solid angle.
+    pub fn pdf(&self, direction: DVec3) -> f64 {
+        if self.band_distribution.is_none() {
+            return 0.0;
+        }
+        let place = self.locate(direction);
+        let aimed: f64 =
+            self.bilinear_weights(&place).map(|(node, weight)| self.sampling_weight(node) * weight).into_iter().sum();
+        aimed / self.total_weight
+    }
+
+    /// What is aimed at, summed over all directions, in W/m^2 of luminance; 0 where all is left to
+    /// chance.
+    pub(super) fn total_weight(&self) -> f64 {
+        self.total_weight
+    }
+
+    /// How much a node is aimed at.
+    fn sampling_weight(&self, node: usize) -> f64 {
+        let luminance = f64::from(luminance(self.radiance[node]));
+        (luminance - self.mean_luminance).max(MIN_WEIGHT_FRACTION * luminance)
+    }
+
+    /// The light of every cell between two rows.
+    fn band_weights(&self, band: usize) -> Vec<f64> {
+        let height = self.heights[band] - self.heights[band + 1];
+        let solid_angle = TAU / self.columns as f64 * height;
+        let light = |column| {
+            let corners = self.corner_nodes(band, column).map(|node| self.sampling_weight(node));
+            0.25 * solid_angle * corners.iter().sum::<f64>()
+        };
+        (0..self.columns).map(light).collect()
+    }
+
+    fn locate(&self, direction: DVec3) -> GridPosition {
+        let height = direction.y;
+        let below = self.heights.partition_point(|&row| row > height);
+        let band = below.clamp(1, self.heights.len() - 1) - 1;
+        let [above, below] = [self.heights[band], self.heights[band + 1]];
+        let down = ((above - height) / (above - below)).clamp(0.0, 1.0);
+        // From +z, which is behind, around to the left: the picture's left edge is behind.
+        let turns = atan2(-direction.x, direction.z) / TAU;
+        let at = (turns - turns.floor()) * self.columns as f64 - 0.5;
+        let column = at.floor();
+        let across = at - column;
+        let column = (column + self.columns as f64) as usize % self.columns;
+        GridPosition { band, column, across, down }
+    }
+
+    /// The four nodes around a place with their weights.
+    fn bilinear_weights(&self, place: &GridPosition) -> [(usize, f64); 4] {
+        let GridPosition { band, column, across, down } = *place;
+        let [a, b, c, d] = self.corner_nodes(band, column);
+        let (up, back) = (1.0 - down, 1.0 - across);
+        [(a, up * back), (b, up * across), (c, down * back), (d, down * across)]
+    }
+
+    /// Upper left, upper right, lower left, lower right.
+    fn corner_nodes(&self, band: usize, column: usize) -> [usize; 4] {
+        let next = (column + 1) % self.columns;
+        let row = band * self.columns;
+        [row + column, row + next, row + self.columns + column, row + self.columns + next]
+    }
+}
+
+/// A number in `[0, 1]` with a density that goes linearly from `a` to `b`.
+fn sample_linear(a: f64, b: f64, u: f64) -> f64 {
+    if a + b <= 0.0 {
+        return u;
+    }
+    // The root of the cumulative, written so that it does not cancel where a is close to b.
+    let t = u * (a + b) / (a + (a * a + u * (b * b - a * a)).max(0.0).sqrt());
+    t.clamp(0.0, 1.0)
+}

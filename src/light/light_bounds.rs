@@ -1,0 +1,79 @@
+//! One lamp or many, seen from a point: about how much light arrives from there.
+//!
+//! Importance after Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive
+//! Tree Splitting", and Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section
+//! 12.6.3: power over squared distance, where the distance is at least the radius of a sphere around
+//! all of them, times a cosine at the receiver. Glowing spheres shine alike in all directions, so
+//! there are no cones of emission to bound.
+//!
+//! Of a single lamp above the horizon this is the irradiance itself.
+
+use crate::geometry::Sphere;
+use crate::math::DVec3;
+
+use super::receiver::LightSampleContext;
+
+/// Makes up for rounding a radius to f32.
+const ROUND_OUTWARD: f64 = 1.0 + 1e-6;
+
+/// A sphere around lamps, and how much they shine. 20 bytes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LightBounds {
+    center: [f32; 3],
+    radius: f32,
+    power: f32,
+}
+
+/// A lamp on its way into a cluster.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LightItem {
+    pub(super) sphere: Sphere,
+    /// `pi r^2` times its luminance, as a share of what all lamps have.
+    pub(super) power: f64,
+    /// Its place among the lamps.
+    pub(super) emitter_index: u32,
+}
+
+impl LightBounds {
+    /// Around a middle, all of some lamps.
+    pub(super) fn enclosing(middle: DVec3, items: &[LightItem]) -> Self {
+        let center = middle.as_vec3();
+        let reach =
+            |item: &LightItem| item.sphere.center.distance(center.as_dvec3()) + item.sphere.radius;
+        let radius = items.iter().map(reach).fold(0.0, f64::max);
+        let power: f64 = items.iter().map(|item| item.power).sum();
+        Self {
+            center: center.to_array(),
+            radius: (radius * ROUND_OUTWARD) as f32,
+            // A lamp must not be lost for being faint beside the others.
+            power: (power as f32).max(f32::MIN_POSITIVE),
+        }
+    }
+
+    /// The irradiance to be expected, in units of the power. 0 only where nothing of the cluster is
+    /// above the receiver's horizon.
+    pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
+        let center = DVec3::from_array(self.center.map(f64::from));
+        let (radius, power) = (f64::from(self.radius), f64::from(self.power));
+        let to_center = center - from.hit.point;
+        let squared = to_center.length_squared();
+        if squared <= radius * radius {
+            return power / (radius * radius);
+        }
+        let distance = squared.sqrt();
+        let cos = to_center.dot(from.hit.facing_normal()) / distance;
+        let cos = if from.is_two_sided { cos.abs() } else { cos };
+        power / squared * clipped_cosine(cos, radius / distance)
+    }
+}
+
+/// The mean cosine over a ball whose centre is seen at a cosine and whose rim at a sine from there:
+/// that of the centre, where the horizon does not cut the ball; from there it falls smoothly, to 0
+/// where the ball has set.
+pub(super) fn clipped_cosine(cos: f64, sin_rim: f64) -> f64 {
+    if cos >= sin_rim {
+        return cos;
+    }
+    let above_horizon = (cos + sin_rim).max(0.0);
+    above_horizon * above_horizon / (4.0 * sin_rim)
+}

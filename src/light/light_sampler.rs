@@ -1,0 +1,177 @@
+//! Which of the lamps to aim at.
+
+use std::f64::consts::PI;
+
+use crate::color::luminance;
+use crate::fault::fault;
+use crate::geometry::SphereSet;
+use crate::names::named_enum;
+use crate::sampling::DiscreteDistribution;
+
+use super::light_bounds::{LightBounds, LightItem};
+use super::emitter::Emitter;
+use super::receiver::LightSampleContext;
+use super::light_tree::{MAX_LIGHTS, LightTree};
+
+/// So many lamps are looked at one by one.
+const MAX_EXHAUSTIVE: usize = 8;
+/// Of few lamps, the share of choices that treats those above the horizon alike: what looks
+/// important may be hidden.
+const UNIFORM_FRACTION: f64 = 0.1;
+
+/// How lamps are chosen. All ways give the same picture in the mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightSamplerKind {
+    /// By the light that they may send to the point in question, through a hierarchy.
+    #[default]
+    Hierarchy,
+    /// By their power, the same for all points.
+    Power,
+    /// All alike.
+    Uniform,
+}
+
+named_enum! { LightSamplerKind { Hierarchy = "hierarchy", Power = "power", Uniform = "uniform" } }
+
+/// The lamps with their probabilities.
+#[derive(Debug, Default)]
+pub(super) struct LightSampler {
+    strategy: Strategy,
+    /// What the importance of a cluster is a share of.
+    total_power: f64,
+}
+
+#[derive(Debug, Default)]
+enum Strategy {
+    #[default]
+    Empty,
+    /// There is none.
+    Single(LightBounds),
+    /// The same for all receivers.
+    Fixed(DiscreteDistribution, LightBounds),
+    /// At most `FEW`.
+    Exhaustive(Vec<LightBounds>),
+    Tree(LightTree),
+}
+
+impl LightSampler {
+    pub(super) fn new(lamps: &[Emitter], spheres: &SphereSet, by: LightSamplerKind) -> Self {
+        let power = |lamp: &Emitter| {
+            let radius = spheres.sphere(lamp.id).radius;
+            PI * radius * radius * f64::from(luminance(lamp.emission))
+        };
+        let total_power: f64 = lamps.iter().map(power).sum();
+        let item = |(lamp, i): (&Emitter, u32)| LightItem {
+            sphere: spheres.sphere(lamp.id),
+            power: power(lamp) / total_power,
+            emitter_index: i,
+        };
+        let items: Vec<LightItem> = lamps.iter().zip(0..).map(item).collect();
+        let by = if items.len() > MAX_LIGHTS { LightSamplerKind::Power } else { by };
+        let chooser = match by {
+            _ if items.is_empty() => Strategy::Empty,
+            _ if items.len() == 1 => Strategy::Single(total_bounds(&items)),
+            LightSamplerKind::Hierarchy if items.len() <= MAX_EXHAUSTIVE => {
+                let alone = |item: &LightItem| LightBounds::enclosing(item.sphere.center, &[*item]);
+                Strategy::Exhaustive(items.iter().map(alone).collect())
+            }
+            LightSamplerKind::Hierarchy => Strategy::Tree(LightTree::new(items)),
+            LightSamplerKind::Power => fixed_strategy(&items, |item| item.power),
+            LightSamplerKind::Uniform => fixed_strategy(&items, |_| 1.0),
+        };
+        Self { strategy: chooser, total_power }
+    }
+
+    /// The irradiance to be expected from all lamps.
+    pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
+        self.total_power
+            * match &self.strategy {
+                Strategy::Empty => 0.0,
+                Strategy::Single(lamp) => lamp.importance(from),
+                Strategy::Fixed(_, all) => all.importance(from),
+                Strategy::Exhaustive(lamps) => lamps.iter().map(|lamp| lamp.importance(from)).sum(),
+                Strategy::Tree(tree) => tree.importance(from),
+            }
+    }
+
+    /// A lamp's place in the list and its probability, by `u` in `[0, 1)`; `None` where the choice
+    /// fell on lamps that have set.
+    pub(super) fn sample(&self, from: &LightSampleContext, u: f64) -> Option<(usize, f64)> {
+        match &self.strategy {
+            Strategy::Empty => None,
+            Strategy::Single(_) => Some((0, 1.0)),
+            Strategy::Fixed(choice, _) => {
+                let lamp = choice.sample(u);
+                Some((lamp, choice.pmf(lamp)))
+            }
+            Strategy::Exhaustive(lamps) => ExhaustiveSampler::new(lamps, from)?.sample(u),
+            Strategy::Tree(tree) => tree.sample(from, u).map(|(lamp, pmf)| (lamp as usize, pmf)),
+        }
+    }
+
+    /// The probability with which [`Self::sample`] chooses a lamp.
+    pub(super) fn pmf(&self, from: &LightSampleContext, lamp: usize) -> f64 {
+        match &self.strategy {
+            Strategy::Empty => 0.0,
+            Strategy::Single(_) => 1.0,
+            Strategy::Fixed(choice, _) => choice.pmf(lamp),
+            Strategy::Exhaustive(lamps) if fault!(LampsChosenAlike) => 1.0 / lamps.len() as f64,
+            Strategy::Exhaustive(lamps) => ExhaustiveSampler::new(lamps, from).map_or(0.0, |few| few.pmf(lamp)),
+            Strategy::Tree(tree) => tree.pmf(from, lamp as u32),
+        }
+    }
+}
+
+fn fixed_strategy(items: &[LightItem], weight: impl Fn(&LightItem) -> f64) -> Strategy {
+    let choice = DiscreteDistribution::new(items.iter().map(weight));
+    choice.map_or(Strategy::Empty, |choice| Strategy::Fixed(choice, total_bounds(items)))
+}
+
+/// All lamps as one cluster.
+fn total_bounds(items: &[LightItem]) -> LightBounds {
+    let middle = items.iter().map(|item| item.sphere.center / items.len() as f64).sum();
+    LightBounds::enclosing(middle, items)
+}
+
+/// A few lamps with their importance at a receiver.
+struct ExhaustiveSampler {
+    importance: [f64; MAX_EXHAUSTIVE],
+    total: f64,
+    /// Added to the probability of each that has not set.
+    uniform_probability: f64,
+}
+
+impl ExhaustiveSampler {
+    fn new(lamps: &[LightBounds], from: &LightSampleContext) -> Option<Self> {
+        let mut importance = [0.0; MAX_EXHAUSTIVE];
+        for (importance, lamp) in importance.iter_mut().zip(lamps) {
+            *importance = lamp.importance(from);
+        }
+        let total = importance.iter().sum();
+        let above_horizon = importance.iter().filter(|&&importance| importance > 0.0).count();
+        (total > 0.0).then(|| Self { importance, total, uniform_probability: UNIFORM_FRACTION / above_horizon as f64 })
+    }
+
+    fn sample(&self, mut u: f64) -> Option<(usize, f64)> {
+        let mut last = None;
+        for lamp in 0..MAX_EXHAUSTIVE {
+            let pmf = self.pmf(lamp);
+            if pmf > 0.0 {
+                last = Some((lamp, pmf));
+                if u < pmf {
+                    break;
+                }
+                u -= pmf;
+            }
+        }
+        last
+    }
+
+    fn pmf(&self, lamp: usize) -> f64 {
+        let importance = self.importance[lamp];
+        if importance <= 0.0 {
+            return 0.0;
+        }
+        self.uniform_probability + (1.0 - UNIFORM_FRACTION) * importance / self.total
+    }
+}

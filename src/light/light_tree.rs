@@ -1,0 +1,324 @@
+//! The hierarchy of lamps: which of very many lamps to aim at, in a time that grows with the
+//! logarithm of their number.
+//!
+//! A binary tree of clusters. From the root down, each step goes to one of two children with
+//! probabilities in proportion to their importance at the receiver, and one random number serves all
+//! steps: what is left of it after a step is again uniform. The probability of a lamp is the product
+//! along its way, which is walked again for a lamp that was found by chance.
+//!
+//! The build cuts along the axis and the plane with the least `power x surface area` of the two
+//! boxes, weighted by how flat the box is (Conty Estevez and Kulla 2018, section 4.4, without the
+//! orientation term, which is the same for all spheres). The result does not depend on the threads.
+
+use crate::fault::fault;
+use crate::math::DVec3;
+
+use super::light_bounds::{LightBounds, LightItem};
+use super::receiver::LightSampleContext;
+
+/// Planes tried along each axis, and one.
+const BINS: usize = 16;
+/// Fewer lamps than these are not worth a task of their own.
+const PARALLEL_MIN_LIGHTS: usize = 4096;
+/// Marks a node without children.
+const LEAF: u32 = 1 << 31;
+/// The most lamps that a tree can hold.
+pub(super) const MAX_LIGHTS: usize = 1 << 29;
+
+/// A cluster and what it is made of.
+#[derive(Clone, Copy, Debug, Default)]
+struct LightNode {
+    bounds: LightBounds,
+    /// The first of two children side by side, or a lamp and `LEAF`.
+    child_or_emitter: u32,
+}
+
+/// The hierarchy.
+#[derive(Debug)]
+pub(super) struct LightTree {
+    /// The root; then, for every inner node, its two children, all below the first of them and all
+    /// below the second.
+    nodes: Vec<LightNode>,
+    /// The node of every lamp.
+    leaves: Vec<u32>,
+}
+
+impl LightTree {
+    /// Over at least one lamp; their numbers are those from 0 on.
+    pub(super) fn new(mut items: Vec<LightItem>) -> Self {
+        let mut nodes = vec![LightNode::default(); 2 * items.len() - 1];
+        let (root, below) = nodes.split_at_mut(1);
+        root[0] = build_node(&mut items, 1, below);
+        let mut leaves = vec![0; items.len()];
+        for (place, node) in nodes.iter().enumerate() {
+            if node.child_or_emitter & LEAF != 0 {
+                leaves[(node.child_or_emitter ^ LEAF) as usize] = place as u32;
+            }
+        }
+        Self { nodes, leaves }
+    }
+
+    /// The irradiance to be expected from all lamps.
+    pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
+        self.nodes[0].bounds.importance(from)
+    }
+
+    /// A lamp chosen by `u` in `[0, 1)`, with its probability.
+    pub(super) fn sample(&self, from: &LightSampleContext, mut u: f64) -> Option<(u32, f64)> {
+        let mut next = self.nodes[0].child_or_emitter;
+        let mut pmf = 1.0;
+        while next & LEAF == 0 {
+            let first = self.first_child_probability(from, next)?;
+            if u < first {
+                u /= first;
+                pmf *= first;
+                next = self.nodes[next as usize].child_or_emitter;
+            } else {
+                u = ((u - first) / (1.0 - first)).min(1.0 - f64::EPSILON);
+                pmf *= 1.0 - first;
+                next = self.nodes[next as usize + 1].child_or_emitter;
+            }
+        }
+        Some((next ^ LEAF, pmf))
+    }
+
+    /// The probability with which [`Self::sample`] chooses a lamp.
+    pub(super) fn pmf(&self, from: &LightSampleContext, lamp: u32) -> f64 {
+        let leaf = self.leaves[lamp as usize];
+        let mut next = self.nodes[0].child_or_emitter;
+        let mut pmf = 1.0;
+        while next & LEAF == 0 {
+            let Some(first) = self.first_child_probability(from, next) else { return 0.0 };
+            let first = if fault!(HalfATree) { 0.5 } else { first };
+            let second = self.nodes[next as usize + 1];
+            let is_below_second = second.child_or_emitter & LEAF == 0 && leaf >= second.child_or_emitter;
+            if leaf == next + 1 || is_below_second {
+                pmf *= 1.0 - first;
+                next = second.child_or_emitter;
+            } else {
+                pmf *= first;
+                next = self.nodes[next as usize].child_or_emitter;
+            }
+        }
+        pmf
+    }
+
+    /// The probability of the first of two children; `None` where neither can shine on the receiver.
+    fn first_child_probability(&self, from: &LightSampleContext, children: u32) -> Option<f64> {
+        let [first, second] = [0, 1].map(|i| self.nodes[children as usize + i].bounds);
+        let (first, second) = (first.importance(from), second.importance(from));
+        let both = first + second;
+        (both > 0.0).then(|| first / both)
+    }
+}
+
+/// The node over some lamps. The nodes below it go into `below`, which begins at place `start`.
+fn build_node(items: &mut [LightItem], start: u32, below: &mut [LightNode]) -> LightNode {
+    let cluster = LightBounds::enclosing(LightAabb::of_spheres(items).center(), items);
+    if let [item] = items {
+        return LightNode { bounds: cluster, child_or_emitter: item.emitter_index | LEAF };
+    }
+    let middle = partition(items);
+    let (first, second) = items.split_at_mut(middle);
+    let (children, below) = below.split_at_mut(2);
+    let start_of_second = start + 2 * first.len() as u32;
+    let (below_first, below_second) = below.split_at_mut(2 * first.len() - 2);
+    let is_large = first.len() + second.len() > PARALLEL_MIN_LIGHTS;
+    let mut fill_first = || build_node(first, start + 2, below_first);
+    let mut fill_second = || build_node(second, start_of_second, below_second);
+    let nodes = match is_large {
+        true => rayon::join(fill_first, fill_second),
+        false => (fill_first(), fill_second()),
+    };
+    children.copy_from_slice(&[nodes.0, nodes.1]);
+    LightNode { bounds: cluster, child_or_emitter: start }
+}
+
+/// Puts the lamps of the first child in front and counts them: at least one, and not all.
+fn partition(items: &mut [LightItem]) -> usize {
+    let centers = LightAabb::of_centers(items);
+    let plane = (0..3).filter_map(|axis| best_split(items, axis, &centers));
+    let Some(LightSplit { axis, bin, .. }) = plane.min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
+        return items.len() / 2; // all in the same place
+    };
+    let mut count = 0;
+    for i in 0..items.len() {
+        if centers.bin(axis, &items[i]) <= bin {
+            items.swap(i, count);
+            count += 1;
+        }
+    }
+    count
+}
+
+/// A place to cut, behind one of the bins.
+struct LightSplit {
+    axis: usize,
+    bin: usize,
+    cost: f64,
+}
+
+/// The best plane across an axis; `None` where the lamps do not differ along it.
+fn best_split(items: &[LightItem], axis: usize, centers: &LightAabb) -> Option<LightSplit> {
+    let extent = centers.extent();
+    if extent[axis] <= 0.0 {
+        return None;
+    }
+    let mut bins = [Bin::EMPTY; BINS];
+    for item in items {
+        bins[centers.bin(axis, item)].add(item);
+    }
+    // From the right, what lies behind each plane; then from the left, what lies before it.
+    let mut behind = [0.0; BINS];
+    let mut sum = Bin::EMPTY;
+    for bin in (1..BINS).rev() {
+        sum.merge(&bins[bin]);
+        behind[bin - 1] = sum.cost();
+    }
+    let flatness = extent.max_element() / extent[axis];
+    let mut sum = Bin::EMPTY;
+    let costs = (0..BINS - 1).map(|bin| {
+        sum.merge(&bins[bin]);
+        LightSplit { axis, bin, cost: flatness * (sum.cost() + behind[bin]) }
+    });
+    costs.min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+/// A box.
+#[derive(Clone, Copy)]
+struct LightAabb {
+    min: DVec3,
+    max: DVec3,
+}
+
+impl LightAabb {
+    const EMPTY: Self =
+        Self { min: DVec3::splat(f64::INFINITY), max: DVec3::splat(f64::NEG_INFINITY) };
+
+    fn of_spheres(items: &[LightItem]) -> Self {
+        items.iter().fold(Self::EMPTY, |bounds, item| bounds.extended(item, item.sphere.radius))
+    }
+
+    fn of_centers(items: &[LightItem]) -> Self {
+        items.iter().fold(Self::EMPTY, |bounds, item| bounds.extended(item, 0.0))
+    }
+
+    fn extended(self, item: &LightItem, radius: f64) -> Self {
+        let center = item.sphere.center;
+        Self { min: self.min.min(center - radius), max: self.max.max(center + radius) }
+    }
+
+    fn center(&self) -> DVec3 {
+        0.5 * (self.min + self.max)
+    }
+
+    fn extent(&self) -> DVec3 {
+        self.max - self.min
+    }
+
+    /// Which bin along an axis a lamp's centre lies in.
+    fn bin(&self, axis: usize, item: &LightItem) -> usize {
+        let place = (item.sphere.center[axis] - self.min[axis]) / self.extent()[axis];
+        ((place * BINS as f64) as usize).min(BINS - 1)
+    }
+
+    fn area(&self) -> f64 {
+        let DVec3 { x, y, z } = self.extent();
+        2.0 * (x * y + y * z + z * x)
+    }
+}
+
+/// The lamps between two planes.
+#[derive(Clone, Copy)]
+struct Bin {
+    bounds: LightAabb,
+    power: f64,
+}
+
+impl Bin {
+    const EMPTY: Self = Self { bounds: LightAabb::EMPTY, power: 0.0 };
+
+    fn add(&mut self, item: &LightItem) {
+        self.bounds = self.bounds.extended(item, item.sphere.radius);
+        self.power += item.power;
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.bounds.min = self.bounds.min.min(other.bounds.min);
+        self.bounds.max = self.bounds.max.max(other.bounds.max);
+        self.power += other.power;
+    }
+
+    /// The first and the last bin are never empty, so a plane's two sides are not.
+    fn cost(&self) -> f64 {
+        self.power * self.bounds.area()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{items, receivers};
+    use super::*;
+
+    #[test]
+    fn the_probabilities_of_all_lamps_add_up_to_one() {
+        for count in [1, 2, 3, 17, 1000] {
+            let tree = LightTree::new(items(count));
+            for from in receivers() {
+                let sum: f64 = (0..count as u32).map(|lamp| tree.pmf(&from, lamp)).sum();
+                // Where everything below a node has set, the choice ends there.
+                assert!(sum <= 1.0 + 1e-12);
+                if from.is_two_sided {
+                    assert!((sum - 1.0).abs() < 1e-12, "{count} lamps: {sum}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_sample_says_the_probability_that_pmf_says() {
+        let tree = LightTree::new(items(1000));
+        for from in receivers() {
+            for i in 0..1000 {
+                let Some((lamp, pmf)) = tree.sample(&from, f64::from(i) / 1000.0) else { continue };
+                assert_eq!(pmf, tree.pmf(&from, lamp));
+                assert!(pmf > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_lamp_above_the_horizon_can_always_be_chosen() {
+        let lamps = items(1000);
+        let tree = LightTree::new(lamps.clone());
+        for from in receivers() {
+            for item in &lamps {
+                let to_center = item.sphere.center - from.hit.point;
+                let height = to_center.dot(from.hit.facing_normal()) + item.sphere.radius;
+                if from.is_two_sided || height > 1e-9 {
+                    assert!(tree.pmf(&from, item.emitter_index) > 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_tree_is_the_same_for_any_threads() {
+        let build = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| format!("{:?}", LightTree::new(items(20_000))))
+        };
+        assert!(build(1) == build(3));
+    }
+
+    #[test]
+    fn lamps_in_one_place_are_told_apart_by_number_alone() {
+        let mut lamps = items(50);
+        for item in &mut lamps {
+            item.sphere.center = DVec3::ONE;
+        }
+        let tree = LightTree::new(lamps);
+        let from = receivers().next().expect("some");
+        assert!((0..50).all(|lamp| tree.pmf(&from, lamp) > 0.0));
+    }
+}

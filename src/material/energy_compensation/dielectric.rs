@@ -1,0 +1,189 @@
+//! The energy of a rough interface between two transparent media.
+//!
+//! Seen from either side, facets that scatter light once lose a share of it, M(cos). As for metals,
+//! Kulla and Conty (2017) give it back by broad lobes, on both sides of the interface:
+//!
+//! ```text
+//! r M(o) M(i) / (pi m)          back to the side of wo,
+//! t M(o) M'(i) / (pi m')        through to the other side (times cos: the share of light),
+//! ```
+//!
+//! m being the mean of M over the cosine, M' and m' those of the other side, and `r + t = 1`, so that
+//! all light is sent on. Light may go both ways where `t m = eta^2 t' m'`; with the mean share T that
+//! a smooth interface lets through, `T = eta^2 T'`, that is what `t = T m' / (m + m')` does.
+
+use crate::fault::fault;
+use crate::math::DVec3;
+
+use super::super::fresnel::{fresnel, refract};
+use super::super::ggx::Ggx;
+use super::{EnergyCompensation, hemispherical_mean};
+
+/// Two neighbours in Fibonacci's sequence: the second is the number of facets.
+const FIBONACCI: [usize; 2] = [6765, 10946];
+
+/// What a rough interface loses on both sides, and where it goes.
+#[derive(Clone, Copy, Debug)]
+pub struct DielectricCompensation {
+    /// What is lost on the side that the index of refraction is told from, and beyond.
+    missing: [EnergyCompensation; 2],
+    /// The part of it that goes through to the other side.
+    transmitted_fraction: [f64; 2],
+}
+
+/// The same as seen from one of the sides.
+#[derive(Clone, Copy, Debug)]
+pub struct DielectricCompensationSide<'a> {
+    both_sides: &'a DielectricCompensation,
+    side: usize,
+}
+
+impl DielectricCompensation {
+    /// Of a microsurface with the index of refraction beyond over the one before, `eta`.
+    pub fn new(ggx: Ggx, eta: f64) -> Self {
+        let missing = [eta, 1.0 / eta].map(|eta| missing_energy(ggx, eta));
+        // From the side of the lower index Fresnel's equations are smooth.
+        let dense = eta.max(1.0 / eta);
+        let into = hemispherical_mean(|cos| 1.0 - fresnel(cos, dense).reflectance);
+        let out_of = into / (dense * dense);
+        let smooth = if eta > 1.0 { [into, out_of] } else { [out_of, into] };
+        let [here, beyond] = missing.map(|missing| missing.mean_missing());
+        let sum = (here + beyond).max(f64::MIN_POSITIVE);
+        Self { missing, transmitted_fraction: [smooth[0] * beyond / sum, smooth[1] * here / sum] }
+    }
+
+    /// Seen from the side that the index was told from.
+    pub fn near_side(&self) -> DielectricCompensationSide<'_> {
+        DielectricCompensationSide { both_sides: self, side: 0 }
+    }
+
+    /// Seen from the other side.
+    pub fn far_side(&self) -> DielectricCompensationSide<'_> {
+        DielectricCompensationSide { both_sides: self, side: 1 }
+    }
+}
+
+impl DielectricCompensationSide<'_> {
+    /// The share of light from `wo` that is sent into the broad lobes.
+    pub fn missing(&self, wo: DVec3) -> f64 {
+        self.both_sides.missing[self.side].missing(wo.z)
+    }
+
+    /// The part of [`Self::missing`] that goes through.
+    pub fn transmitted_fraction(&self) -> f64 {
+        self.both_sides.transmitted_fraction[self.side]
+    }
+
+    /// The broad lobes, without the change of radiance between media: `wi.z` tells the side.
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let here = &self.both_sides.missing[self.side];
+        let beyond = &self.both_sides.missing[1 - self.side];
+        if wi.z > 0.0 {
+            (1.0 - self.transmitted_fraction()) * here.eval(wo.z, wi.z)
+        } else {
+            let of = if fault!(LostLightOfWrongSide) { here } else { beyond };
+            self.transmitted_fraction() * of.eval_scaled(here.missing(wo.z), -wi.z)
+        }
+    }
+
+    /// A direction of the broad lobes, by three random numbers in `[0, 1)`.
+    pub fn sample(&self, side: f64, u: [f64; 2]) -> DVec3 {
+        if side < self.transmitted_fraction() {
+            self.both_sides.missing[1 - self.side].sample(u) * DVec3::new(1.0, 1.0, -1.0)
+        } else {
+            self.both_sides.missing[self.side].sample(u)
+        }
+    }
+
+    /// The density of [`Self::sample_lobe`], per solid angle.
+    pub fn pdf(&self, wi: DVec3) -> f64 {
+        if wi.z > 0.0 {
+            (1.0 - self.transmitted_fraction()) * self.both_sides.missing[self.side].pdf(wi.z)
+        } else {
+            self.transmitted_fraction() * self.both_sides.missing[1 - self.side].pdf(-wi.z)
+        }
+    }
+}
+
+/// What facets lose of light from one side. Total reflection makes it bend where no other loss does:
+/// half of the nodes are there for that, and a lattice in place of a grid.
+fn missing_energy(ggx: Ggx, eta: f64) -> EnergyCompensation {
+    EnergyCompensation::new([2.0 * ggx.alpha(), 4.0], |wo| {
+        mean_over_lattice(|u| {
+            let m = ggx.sample_visible_normal(wo, u);
+            let (reflected, through) = (m * (2.0 * wo.dot(m)) - wo, refract(wo, m, eta));
+            let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), eta).reflectance;
+            let back = if reflected.z > 0.0 { ggx.shadowing(wo, reflected) } else { 0.0 };
+            let through = through.filter(|w| w.z < 0.0).map_or(0.0, |w| ggx.shadowing(wo, w));
+            reflectance * back + (1.0 - reflectance) * through
+        })
+    })
+}
+
+/// The mean over the unit square by a Fibonacci lattice, denser towards 1 in the second coordinate,
+/// where the few steep facets are.
+fn mean_over_lattice(f: impl Fn([f64; 2]) -> f64) -> f64 {
+    let [before, count] = FIBONACCI;
+    let place = |i: usize| {
+        let t = (i as f64 + 0.5) / count as f64;
+        3.0 * t * t * f([(i * before % count) as f64 / count as f64, 1.0 - t.powi(3)])
+    };
+    (0..count).map(place).sum::<f64>() / count as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::{assert_abs_diff_eq, assert_relative_eq};
+
+    /// What the documentation of dielectrics states.
+    const BOUND: f64 = 2e-3;
+
+    fn direction(cos: f64) -> DVec3 {
+        DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos)
+    }
+
+    #[test]
+    fn the_table_agrees_with_a_finer_integration() {
+        for (roughness, eta) in [(0.01, 1.5), (0.1, 1.1), (0.2, 2.4), (0.5, 1.5), (1.0, 1.5)] {
+            let ggx = Ggx::new(roughness).expect("rough");
+            let energy = DielectricCompensation::new(ggx, eta);
+            let sides = [(energy.near_side(), eta), (energy.far_side(), 1.0 / eta)];
+            for (energy, eta) in sides {
+                for cos in [1e-3, 0.02, 0.2, 0.45, 0.72, 0.76, 0.93, 0.97] {
+                    let (wo, n) = (direction(cos), 300);
+                    let place = |i: usize| {
+                        let (t, u) = (((i / n) as f64 + 0.5) / n as f64, (i % n) as f64 / n as f64);
+                        let m = ggx.sample_visible_normal(wo, [u, 1.0 - t.powi(3)]);
+                        let f = fresnel(wo.dot(m), eta).reflectance;
+                        let wi = (m * (2.0 * wo.dot(m)) - wo, refract(wo, m, eta));
+                        let back = if wi.0.z > 0.0 { f * ggx.shadowing(wo, wi.0) } else { 0.0 };
+                        let on = wi.1.filter(|wi| wi.z < 0.0);
+                        let on = on.map_or(0.0, |wi| (1.0 - f) * ggx.shadowing(wo, wi));
+                        3.0 * t * t * (back + on)
+                    };
+                    let albedo = (0..n * n).map(place).sum::<f64>() / (n * n) as f64;
+                    assert_abs_diff_eq!(energy.missing(wo), 1.0 - albedo, epsilon = BOUND);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_lobes_give_back_just_what_is_missing_and_go_both_ways() {
+        let eta = 1.5;
+        let both = DielectricCompensation::new(Ggx::new(0.8).expect("rough"), eta);
+        let energy = both.near_side();
+        for cos in [0.01, 0.3, 1.0] {
+            let wo = direction(cos);
+            let share = |sign: f64| {
+                let lobe = |cos: f64| energy.eval(wo, direction(cos) * DVec3::new(1.0, 1.0, sign));
+                std::f64::consts::PI * hemispherical_mean(lobe)
+            };
+            assert_abs_diff_eq!(share(1.0) + share(-1.0), energy.missing(wo), epsilon = 1e-5);
+            let wi = direction(0.6);
+            let back = both.far_side().eval(wi, -wo);
+            assert_relative_eq!(energy.eval(wo, -wi), eta * eta * back, max_relative = 1e-4);
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Which transparent medium a path is in, where glass spheres nest and overlap.
+//!
+//! A path carries the dielectric spheres that it is inside of. Of these the one with the highest
+//! priority fills the space; among equals the one entered last. A boundary that lies within a medium
+//! of higher priority is not there for light (Schmidt and Budge 2002, "Simple Nested Dielectrics in
+//! Ray Traced Images"). The medium that fills the space is also the one that absorbs: the part
+//! `1 - exp(-absorption x distance)` of what passes (Beer and Lambert).
+
+use crate::color::Rgb;
+use crate::sampling::exp;
+
+use crate::fault::fault;
+
+/// How many dielectric spheres a path can be inside of at once.
+const CAPACITY: usize = 8;
+
+/// A transparent medium: the inside of one dielectric sphere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium {
+    /// The sphere's id.
+    pub sphere: u32,
+    /// The higher fills the common part of two spheres.
+    pub priority: i32,
+    /// Index of refraction relative to vacuum.
+    pub ior: f64,
+    /// What it absorbs, per unit length.
+    pub absorption: Rgb,
+}
+
+/// The media that a path is inside of, in the order in which they were entered.
+#[derive(Clone, Copy, Debug)]
+pub struct MediumStack {
+    entered: [Medium; CAPACITY],
+    count: u8,
+    overflowed: bool,
+}
+
+/// What a path finds where it meets a dielectric sphere.
+#[derive(Clone, Copy, Debug)]
+pub struct Boundary {
+    /// The index of refraction beyond over the one before; `None` where the boundary lies hidden in
+    /// a medium of higher priority, so that light goes straight on.
+    pub eta: Option<f64>,
+    /// The media beyond it.
+    pub transmitted_media: MediumStack,
+}
+
+impl MediumStack {
+    /// Outside of everything: vacuum.
+    pub const VACUUM: Self = Self {
+        entered: [Medium { sphere: u32::MAX, priority: 0, ior: 1.0, absorption: Rgb::ZERO };
+            CAPACITY],
+        count: 0,
+        overflowed: false,
+    };
+
+    /// The boundary of `medium`, met from outside (`entering`) or from inside.
+    pub fn boundary(&self, medium: Medium, entering: bool) -> Boundary {
+        let (outside, inside) = if entering {
+            (*self, self.with(medium))
+        } else {
+            // A path that never noticed entering, at a tangent, is taken to be inside.
+            let inside = if self.contains(medium.sphere) { *self } else { self.with(medium) };
+            (self.without(medium.sphere), inside)
+        };
+        let fills = inside.current().is_some_and(|filling| filling.sphere == medium.sphere);
+        let ior = outside.current().map_or(1.0, |filling| filling.ior);
+        let eta = if entering { medium.ior / ior } else { ior / medium.ior };
+        let eta = if fault!(IorSwapped) { 1.0 / eta } else { eta };
+        let beyond = if entering || fault!(StackNotPopped) { inside } else { outside };
+        Boundary { eta: fills.then_some(eta), transmitted_media: beyond }
+    }
+
+    /// These media and one more, entered last. Where there is no room left it is forgotten, and
+    /// [`Self::overflowed`] says so.
+    pub fn with(mut self, medium: Medium) -> Self {
+        match self.entered.get_mut(usize::from(self.count)) {
+            Some(free) => {
+                *free = medium;
+                self.count += 1;
+            }
+            None => self.overflowed = true,
+        }
+        self
+    }
+
+    /// Whether a medium was ever forgotten for want of room.
+    pub fn overflowed(&self) -> bool {
+        self.overflowed
+    }
+
+    /// The share of light that is left after a distance in here. An infinite one does not count: only
+    /// rounding lets a ray out of a sphere unnoticed.
+    pub fn transmittance(&self, distance: f64) -> Rgb {
+        match self.current() {
+            Some(medium) if medium.absorption != Rgb::ZERO && distance.is_finite() => {
+                let distance = if fault!(AbsorbedTwice) { 2.0 * distance } else { distance };
+                let share = |absorption: f32| exp(-f64::from(absorption) * distance) as f32;
+                Rgb::from_array(medium.absorption.to_array().map(share))
+            }
+            _ => Rgb::ONE,
+        }
+    }
+
+    /// Whether a path here is in no dielectric, and was never in too many.
+    pub fn is_vacuum(&self) -> bool {
+        self.count == 0 && !self.overflowed
+    }
+
+    fn without(mut self, sphere: u32) -> Self {
+        let count = usize::from(self.count);
+        if let Some(at) = self.entered[..count].iter().rposition(|m| m.sphere == sphere) {
+            self.entered.copy_within(at + 1..count, at);
+            self.count -= 1;
+        }
+        self
+    }
+
+    /// Whether a path here is inside this sphere.
+    pub fn contains(&self, sphere: u32) -> bool {
+        self.entered[..usize::from(self.count)].iter().any(|medium| medium.sphere == sphere)
+    }
+
+    /// The medium that fills the space; `None` is vacuum. `max_by_key` keeps the last of equals.
+    fn current(&self) -> Option<&Medium> {
+        self.entered[..usize::from(self.count)].iter().max_by_key(|medium| medium.priority)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ABSORPTION: Rgb = Rgb::new(0.0, 0.5, 2.0);
+    const WATER: Medium = Medium { sphere: 1, priority: 0, ior: 1.33, absorption: ABSORPTION };
+    const GLASS: Medium = Medium { sphere: 2, priority: 1, ior: 1.5, absorption: Rgb::ZERO };
+
+    #[test]
+    fn a_bubble_entered_last_wins_among_equals() {
+        let bubble = Medium { sphere: 7, ior: 1.0, ..GLASS };
+        let in_glass = MediumStack::VACUUM.with(GLASS);
+        let boundary = in_glass.boundary(bubble, true);
+        assert_eq!(boundary.eta, Some(1.0 / 1.5));
+        assert_eq!(boundary.transmitted_media.boundary(bubble, false).eta, Some(1.5));
+    }
+
+    #[test]
+    fn glass_reaching_into_water_hides_the_waters_boundary() {
+        // Through glass, out into the water that overlaps it, and on into the air.
+        let in_glass = MediumStack::VACUUM.boundary(GLASS, true).transmitted_media;
+        let hidden = in_glass.boundary(WATER, true);
+        assert_eq!(hidden.eta, None);
+        let leaving_glass = hidden.transmitted_media.boundary(GLASS, false);
+        assert_eq!(leaving_glass.eta, Some(1.33 / 1.5));
+        assert_eq!(leaving_glass.transmitted_media.boundary(WATER, false).eta, Some(1.0 / 1.33));
+    }
+
+    #[test]
+    fn what_fills_the_space_absorbs() {
+        let in_water = MediumStack::VACUUM.with(WATER);
+        let left = in_water.transmittance(2.0);
+        assert_eq!(left.x, 1.0);
+        assert!((left.y - f32::exp(-1.0)).abs() < 1e-6 && (left.z - f32::exp(-4.0)).abs() < 1e-6);
+        assert_eq!(in_water.with(GLASS).transmittance(2.0), Rgb::ONE, "glass displaces water");
+        assert_eq!(MediumStack::VACUUM.with(GLASS).with(WATER).transmittance(2.0), Rgb::ONE);
+        assert_eq!(MediumStack::VACUUM.transmittance(f64::INFINITY), Rgb::ONE);
+    }
+
+    #[test]
+    fn leaving_what_was_never_entered_refracts_as_from_inside() {
+        assert_eq!(MediumStack::VACUUM.boundary(GLASS, false).eta, Some(1.0 / 1.5));
+    }
+
+    #[test]
+    fn overflow_is_remembered() {
+        let full = (0..8).fold(MediumStack::VACUUM, |m, i| m.with(Medium { sphere: i, ..WATER }));
+        assert!(!full.overflowed());
+        assert!(full.with(GLASS).overflowed());
+    }
+}

@@ -1,0 +1,162 @@
+//! A scene as one job sees it: with the camera for the picture's size, the pixel's filter, and the
+//! lights as they are chosen. The spheres and materials are the scene's own, so that many shots of one
+//! scene cost little more than one.
+
+use rayon::prelude::*;
+
+use crate::camera::{Aperture, Camera, ThinLens, CameraPose, CameraModel};
+use crate::error::{Error, Result};
+use crate::geometry::Sphere;
+use crate::light::Lights;
+use crate::material::{MediumStack, Medium};
+use crate::math::{DVec3, MAX_COORDINATE};
+use crate::sampling::Filter;
+
+use super::description;
+use super::scene::Scene;
+use super::settings::{ImageSettings, IntegratorSettings, RenderSettings, Settings};
+
+/// A scene, ready to be rendered with some settings.
+#[derive(Debug)]
+pub struct PreparedScene {
+    scene: Scene,
+    settings: Settings,
+    lights: Lights,
+    camera: Camera,
+    filter: Filter,
+    /// The dielectric spheres that a camera ray can start in, the largest first.
+    camera_media: Vec<(Sphere, Medium)>,
+}
+
+impl PreparedScene {
+    /// Prepares a scene for these settings.
+    ///
+    /// # Errors
+    /// When the settings make no sense, or camera rays start out of reach.
+    pub fn new(scene: &Scene, settings: Settings) -> Result<Self> {
+        settings.validate().into_result()?;
+        let ImageSettings { filter, filter_radius, .. } = settings.image;
+        let camera = build_camera(&scene.description().camera, &settings.image, scene.spheres().origin());
+        check_reach(&camera, filter_radius)?;
+        let lights = scene.lights(settings.render.light_choice);
+        let around_camera = find_camera_media(scene, &camera, filter_radius);
+        let filter = Filter::new(filter, filter_radius);
+        Ok(Self { scene: scene.clone(), settings, lights, camera, filter, camera_media: around_camera })
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The values that the scene was built of.
+    pub fn description(&self) -> &description::SceneDescription {
+        self.scene.description()
+    }
+
+    /// The picture's settings.
+    pub fn image_settings(&self) -> &ImageSettings {
+        &self.settings.image
+    }
+
+    /// The integrator's settings.
+    pub fn render_settings(&self) -> &RenderSettings {
+        &self.settings.render
+    }
+
+    /// All settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Chooses other random numbers; nothing else depends on the seed.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.settings.render.seed = seed;
+    }
+
+    /// All emitters.
+    pub fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The pixel's weight function.
+    pub fn filter(&self) -> &Filter {
+        &self.filter
+    }
+
+    /// The largest radiance that anything in the scene sends out, in any channel; 1 for integrators
+    /// whose pictures are no light.
+    pub fn max_radiance(&self) -> f32 {
+        match self.settings.render.integrator {
+            IntegratorSettings::AmbientOcclusion { .. } | IntegratorSettings::Normals => 1.0,
+            _ => self.scene.max_radiance(),
+        }
+    }
+
+    /// The media at a point where a camera ray starts.
+    pub fn media_at(&self, point: DVec3) -> MediumStack {
+        let containing = self.camera_media.iter().filter(|(sphere, _)| sphere.contains(point));
+        containing.fold(MediumStack::VACUUM, |media, (_, medium)| media.with(*medium))
+    }
+}
+
+/// Backends take coordinates of up to four times [`MAX_COORDINATE`]; moving the origin may have used
+/// up two of them.
+fn check_reach(camera: &Camera, margin: f64) -> Result<()> {
+    let is_near = camera.max_origin_distance(margin) <= 2.0 * MAX_COORDINATE
+        && camera.max_start_distance(margin) <= 4.0 * MAX_COORDINATE;
+    let message = "`camera.near` puts the start of some camera rays out of reach";
+    let help = "lower `near`, or narrow the view";
+    if is_near { Ok(()) } else { Err(Error::input(message).with_help(help)) }
+}
+
+fn find_camera_media(scene: &Scene, camera: &Camera, margin: f64) -> Vec<(Sphere, Medium)> {
+    if !scene.has_media() {
+        return Vec::new();
+    }
+    let around = |id| {
+        let medium = scene.sphere_material(id).medium(id)?;
+        let sphere = scene.spheres().sphere(id);
+        camera.may_start_inside(&sphere, margin).then_some((sphere, medium))
+    };
+    let mut found: Vec<_> =
+        (0..scene.spheres().len() as u32).into_par_iter().filter_map(around).collect();
+    found.sort_by(|(a, _), (b, _)| b.radius.total_cmp(&a.radius));
+    found
+}
+
+fn build_camera(of: &description::CameraDescription, image: &ImageSettings, origin: DVec3) -> Camera {
+    let description::CameraDescription { position, look_at, up, near, projection } = *of;
+    let mount = CameraPose {
+        position: position - origin,
+        view_direction: look_at - position,
+        up,
+        near,
+        resolution: [image.width, image.height],
+    };
+    let thin = |lens: description::LensDescription| {
+        let rotation = lens.rotation_degrees.to_radians();
+        let aperture = Aperture { radius: lens.radius, blades: lens.blades, rotation };
+        ThinLens { aperture, focus_distance: lens.focus_distance }
+    };
+    let projection = match projection {
+        description::ProjectionDescription::Perspective { vertical_fov_degrees, lens } => {
+            let vertical_fov = vertical_fov_degrees.to_radians();
+            // A lens without an opening is a pinhole.
+            let lens = lens.filter(|lens| lens.radius > 0.0).map(thin);
+            CameraModel::Perspective { vertical_fov, lens }
+        }
+        description::ProjectionDescription::Orthographic { height } => CameraModel::Orthographic { height },
+        description::ProjectionDescription::Panoramic { horizontal_degrees, vertical_degrees } => {
+            let [horizontal, vertical] =
+                [horizontal_degrees, vertical_degrees].map(f64::to_radians);
+            CameraModel::Panoramic { horizontal, vertical }
+        }
+    };
+    Camera::new(&mount, projection)
+}

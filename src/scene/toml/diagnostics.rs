@@ -1,0 +1,227 @@
+//! The mistakes of a scene, gathered with their places.
+//!
+//! A scene is read from several texts: its file, and the options that override it. Positions in all
+//! of them are numbers on one line: the file begins at 0, and each option lies behind the text
+//! before it. So one range of numbers, the only thing that a TOML value carries, says where in which
+//! text it stands, and sorting by position sorts by text.
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use crate::error::{Error, Diagnostic, SourceLocation, Result, SourceText};
+use crate::scene::value_types::Span;
+use crate::scene::validation_errors::{KeyPath, ValidationError, ValidationErrors};
+
+/// How many mistakes are told one by one.
+const MAX_REPORTED: usize = 100;
+
+/// The gap between two texts on the line.
+const GAP: usize = 2;
+
+/// Something wrong at a place; [`Report::add`] makes it a [`Mistake`].
+#[derive(Debug)]
+pub(super) struct SpannedError {
+    span: Span,
+    kind: ErrorKind,
+    message: String,
+    label: String,
+    help: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum ErrorKind {
+    /// The text is not TOML.
+    Syntax,
+    /// What stands there is wrong.
+    Value,
+    /// Something does not stand anywhere; a syntax error may have hidden it.
+    Absence,
+}
+
+impl SpannedError {
+    pub(super) fn value(span: Span, message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Value, span, message.into())
+    }
+
+    pub(super) fn absence(span: Span, message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Absence, span, message.into())
+    }
+
+    pub(super) fn syntax(span: Span, message: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Syntax, span, message.into())
+    }
+
+    pub(super) fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
+    }
+
+    pub(super) fn help(mut self, help: impl Into<Option<String>>) -> Self {
+        self.help = help.into();
+        self
+    }
+
+    fn new(kind: ErrorKind, span: Span, message: String) -> Self {
+        Self { span, kind, message, label: String::new(), help: None }
+    }
+}
+
+/// The texts of a scene and the mistakes found in them so far.
+#[derive(Debug)]
+pub(super) struct Diagnostics {
+    sources: Vec<MappedSource>,
+    errors: RefCell<Vec<SpannedError>>,
+    /// The tables and keys of which something wrong is told, as [`Path`] shows them.
+    invalid_keys: RefCell<BTreeSet<String>>,
+}
+
+#[derive(Debug)]
+struct MappedSource {
+    start: usize,
+    source: Arc<SourceText>,
+}
+
+impl Diagnostics {
+    /// A report on a scene file.
+    pub(super) fn new(name: &str, text: &str) -> Self {
+        let (found, broken) = (RefCell::default(), RefCell::default());
+        let mut report = Self { sources: Vec::new(), errors: found, invalid_keys: broken };
+        report.add_source(name, text);
+        report
+    }
+
+    /// Puts one more text behind the others; returns where it begins.
+    pub(super) fn add_source(&mut self, name: &str, text: &str) -> usize {
+        let begins = self.sources.last().map_or(0, |last| last.start + last.source.text.len() + GAP);
+        let source = Arc::new(SourceText { name: name.to_owned(), text: text.to_owned() });
+        self.sources.push(MappedSource { start: begins, source });
+        begins
+    }
+
+    /// Notes a mistake and goes on.
+    pub(super) fn add(&self, wrong: SpannedError) {
+        self.errors.borrow_mut().push(wrong);
+    }
+
+    /// Notes that the value of a key, or a whole table, is not what the file says.
+    pub(super) fn mark_invalid(&self, path: impl Into<String>) {
+        self.invalid_keys.borrow_mut().insert(path.into());
+    }
+
+    /// Notes the problems of values, at the places that `span_of` finds, but for those that follow from
+    /// what was told already.
+    pub(super) fn add_validation_errors(&self, problems: ValidationErrors, span_of: impl Fn(&KeyPath) -> Span) {
+        for ValidationError { path: at, related: involves, message, help } in problems.0 {
+            if ![&at].into_iter().chain(&involves).any(|path| self.is_invalid(path)) {
+                self.add(SpannedError::value(span_of(&at), message).help(help));
+            }
+        }
+    }
+
+    /// Whether a key, or a table that it is in, is told to be wrong.
+    fn is_invalid(&self, path: &KeyPath) -> bool {
+        let (path, broken) = (path.to_string(), self.invalid_keys.borrow());
+        let mut ends = path.match_indices('.').map(|(at, _)| at).chain([path.len()]);
+        ends.any(|end| broken.contains(&path[..end]))
+    }
+
+    /// The end of the scene file, where what is missing from it could be added.
+    pub(super) fn end_of_file(&self) -> Span {
+        let end = self.sources[0].source.text.trim_end().len();
+        end..end
+    }
+
+    /// Whether the place is in the scene file and not in an option.
+    pub(super) fn is_in_file(&self, span: &Span) -> bool {
+        self.source_at(span.start).start == 0
+    }
+
+    /// A place in words: `name:line:column`, or for an option its own text.
+    pub(super) fn describe_span(&self, span: &Span) -> String {
+        let MappedSource { start: begins, source } = self.source_at(span.start);
+        if *begins > 0 {
+            return format!("`{}`", source.text);
+        }
+        let (line, column) = source.line_and_column(span.start);
+        format!("{}:{line}:{column}", source.name)
+    }
+
+    /// All that was found, in the order of the texts.
+    ///
+    /// Where the file is not TOML, what could merely follow from that is left out: everything from
+    /// the first such line on, and everything that is missed.
+    ///
+    /// # Errors
+    /// When anything was found.
+    pub(super) fn finish(&self) -> Result<()> {
+        let mut found = self.errors.take();
+        let is_fault_of_file = |w: &&SpannedError| w.kind == ErrorKind::Syntax && self.is_in_file(&w.span);
+        if let Some(first) = found.iter().filter(is_fault_of_file).map(|w| w.span.start).min() {
+            let text = &self.sources[0].source.text.as_bytes()[..first];
+            let line = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+            let stands = |w: &SpannedError| w.kind == ErrorKind::Value && w.span.start < line;
+            found.retain(|w| w.kind == ErrorKind::Syntax || stands(w));
+        }
+        if found.is_empty() {
+            return Ok(());
+        }
+        found.sort_by_key(|w| w.span.start);
+        let untold = found.split_off(found.len().min(MAX_REPORTED)).len();
+        let mut mistakes: Vec<_> = found.into_iter().map(|w| self.to_diagnostic(w)).collect();
+        if untold > 0 {
+            let message = format!("there are {untold} more mistakes");
+            mistakes.push(Diagnostic { message, location: None, help: None });
+        }
+        Err(Error::from_diagnostics(mistakes))
+    }
+
+    fn to_diagnostic(&self, wrong: SpannedError) -> Diagnostic {
+        let SpannedError { span, message, label, help, .. } = wrong;
+        let MappedSource { start: begins, source } = self.source_at(span.start);
+        let within = |at: usize| (at - begins).min(source.text.len());
+        let span = within(span.start)..within(span.end.max(span.start));
+        Diagnostic { message, location: Some(SourceLocation { source: source.clone(), span, label }), help }
+    }
+
+    fn source_at(&self, position: usize) -> &MappedSource {
+        let after = self.sources.partition_point(|text| text.start <= position);
+        &self.sources[after - 1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_find_their_text() {
+        let mut report = Diagnostics::new("a.toml", "one\ntwo\n");
+        let option = report.add_source("command line", "spp = 0");
+        report.add(SpannedError::value(option + 6..option + 7, "second"));
+        report.add(SpannedError::value(4..7, "first"));
+        let error = report.finish().expect_err("mistakes");
+        assert_eq!(error.to_string(), "a.toml:2:1: first\ncommand line:1:7: second");
+        assert_eq!(error.diagnostics()[1].location.as_ref().expect("a place").span, 6..7);
+    }
+
+    #[test]
+    fn what_may_follow_from_a_syntax_error_is_left_out() {
+        let report = Diagnostics::new("a.toml", "one\ntwo = \nthree\n");
+        report.add(SpannedError::syntax(10..10, "syntax"));
+        report.add(SpannedError::value(0..3, "before"));
+        report.add(SpannedError::value(11..13, "after"));
+        report.add(SpannedError::absence(0..0, "missing"));
+        let error = report.finish().expect_err("mistakes");
+        assert_eq!(error.to_string(), "a.toml:1:1: before\na.toml:2:7: syntax");
+    }
+
+    #[test]
+    fn a_flood_of_mistakes_is_cut_short() {
+        let report = Diagnostics::new("a.toml", "x");
+        (0..250).for_each(|_| report.add(SpannedError::value(0..1, "again")));
+        let error = report.finish().expect_err("mistakes");
+        assert_eq!(error.diagnostics().len(), 101);
+        assert_eq!(error.diagnostics()[100].message, "there are 150 more mistakes");
+    }
+}

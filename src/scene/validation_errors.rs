@@ -1,0 +1,129 @@
+//! What keeps values from being a scene. The values may come from a program or from a scene file: a
+//! problem names its key, and whoever read a file finds the place of that key in it.
+
+use std::fmt;
+
+use crate::error::{Error, Diagnostic, Result};
+
+use super::keys::Key;
+use super::value_types::ValueType;
+
+/// The way to a key, as `--set` writes it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct KeyPath(Vec<PathSegment>);
+
+/// One step of the way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum PathSegment {
+    /// A key of a table.
+    Key(String),
+    /// An entry of a list, by its number, with the name that it is told by.
+    Entry(usize, Option<String>),
+}
+
+/// Something wrong with a value.
+#[derive(Clone, Debug)]
+pub(super) struct ValidationError {
+    pub(super) path: KeyPath,
+    /// Other values that are part of it: where one of them is wrong itself, nothing is said of this.
+    pub(super) related: Vec<KeyPath>,
+    pub(super) message: String,
+    pub(super) help: Option<String>,
+}
+
+/// All that was found.
+#[derive(Debug, Default)]
+pub(super) struct ValidationErrors(pub(super) Vec<ValidationError>);
+
+impl KeyPath {
+    /// The table or key of that name in the document.
+    pub(super) fn root(name: &str) -> Self {
+        Self(vec![PathSegment::Key(name.to_owned())])
+    }
+
+    /// A key in this table.
+    pub(super) fn key(&self, name: &str) -> Self {
+        self.join(PathSegment::Key(name.to_owned()))
+    }
+
+    /// An entry of this list.
+    pub(super) fn entry(&self, index: usize, name: Option<&str>) -> Self {
+        self.join(PathSegment::Entry(index, name.map(str::to_owned)))
+    }
+
+    pub(super) fn segments(&self) -> &[PathSegment] {
+        &self.0
+    }
+
+    fn join(&self, step: PathSegment) -> Self {
+        let mut steps = self.0.clone();
+        steps.push(step);
+        Self(steps)
+    }
+}
+
+/// As in `materials.grass.albedo` and `spheres.0.radius`.
+impl fmt::Display for KeyPath {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (at, step) in self.0.iter().enumerate() {
+            let dot = if at > 0 { "." } else { "" };
+            match step {
+                PathSegment::Key(name) | PathSegment::Entry(_, Some(name)) => {
+                    write!(f, "{dot}{}", quote_if_needed(name))?;
+                }
+                PathSegment::Entry(index, None) => write!(f, "{dot}{index}")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A name as it must stand in a dotted key: bare, or in quotes.
+pub(super) fn quote_if_needed(name: &str) -> String {
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    let may_be_index = name.bytes().all(|byte| byte.is_ascii_digit());
+    if name.chars().all(is_bare) && !may_be_index { name.to_owned() } else { format!("{name:?}") }
+}
+
+impl ValidationErrors {
+    /// Checks the value of a key.
+    pub(super) fn check<K: ValueType>(&mut self, table: &KeyPath, key: &Key<K>, value: &K::Output) {
+        if let Err(found) = key.kind.check(value) {
+            let at = table.key(key.name);
+            let message = format!("`{at}` must be {}, not {found}", key.kind.expects());
+            self.add(at, message);
+        }
+    }
+
+    /// Notes a problem; more may be said of it.
+    pub(super) fn add(&mut self, at: KeyPath, message: impl Into<String>) -> &mut ValidationError {
+        self.0.push(ValidationError { path: at, related: Vec::new(), message: message.into(), help: None });
+        self.0.last_mut().expect("it was just added")
+    }
+
+    /// Refuses values with problems.
+    ///
+    /// # Errors
+    /// With all of them.
+    pub(super) fn into_result(self) -> Result<()> {
+        if self.0.is_empty() {
+            return Ok(());
+        }
+        let mistake = |ValidationError { message, help, .. }| Diagnostic { message, location: None, help };
+        Err(Error::from_diagnostics(self.0.into_iter().map(mistake).collect()))
+    }
+}
+
+impl ValidationError {
+    /// Says what to do about it.
+    pub(super) fn with_help(&mut self, help: impl Into<Option<String>>) -> &mut Self {
+        self.help = help.into();
+        self
+    }
+
+    /// Says what else is part of it.
+    pub(super) fn with_related(&mut self, path: KeyPath) -> &mut Self {
+        self.related.push(path);
+        self
+    }
+}

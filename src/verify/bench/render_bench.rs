@@ -1,0 +1,221 @@
+//! Whole renders with every intersector, and how much of them the intersector takes.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use crate::accel::{Accel, Backend, ErrorBound};
+use crate::error::{Error, Result};
+use crate::film::Aov;
+use crate::geometry::{PathRays, SphereSet};
+use crate::image_io::Picture;
+use crate::job::render_with_accel;
+use crate::math::{Hit, Ray};
+use crate::scene::PreparedScene;
+use crate::task::CancelToken;
+
+use super::{BackendSet, ReportImage, MAX_BRUTE_FORCE_SPHERES};
+
+/// What renders with one intersector took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderBench {
+    /// Which one.
+    pub backend: Backend,
+    /// Seconds of a render, without loading and building.
+    pub seconds: ReportImage,
+    /// The share of its threads' time that was spent in the intersector; all else is camera, shading,
+    /// sampling and film.
+    pub intersector_share: ReportImage,
+    /// Rays of one render, shadow rays included.
+    pub rays: u64,
+    /// Samples of one render.
+    pub samples: u64,
+    /// Pixels that have other bits than with the first intersector.
+    pub differing_pixels: usize,
+}
+
+/// Renders the scene with every intersector of the field, which are over its spheres, in turns on the
+/// current pool; with brute force only where that comes to an end.
+///
+/// # Errors
+/// When a render fails, or on cancellation.
+pub fn bench_renders(
+    shot: &PreparedScene,
+    field: &BackendSet,
+    rounds: usize,
+    cancel: &CancelToken,
+) -> Result<Vec<RenderBench>> {
+    let few = field.spheres().len() as u64 <= MAX_BRUTE_FORCE_SPHERES;
+    let can = |(backend, _): &(Backend, &dyn Accel)| few || *backend != Backend::BruteForce;
+    let mut stands: Vec<RenderRun<'_>> = field.backends().filter(can).map(RenderRun::new).collect();
+    for _ in 0..rounds.max(1) {
+        for stand in &mut stands {
+            stand.repeat(shot, cancel)?;
+        }
+    }
+    let first = stands.first().and_then(|stand| stand.picture.clone()).unwrap_or_default();
+    Ok(stands.iter().filter_map(|stand| stand.result(&first)).collect())
+}
+
+struct RenderRun<'a> {
+    backend: Backend,
+    accel: &'a dyn Accel,
+    seconds: Vec<f64>,
+    inside: Vec<f64>,
+    picture: Option<Picture>,
+    rays: u64,
+    samples: u64,
+}
+
+impl<'a> RenderRun<'a> {
+    fn new((backend, accel): (Backend, &'a dyn Accel)) -> Self {
+        let (seconds, inside) = (Vec::new(), Vec::new());
+        Self { backend, accel, seconds, inside, picture: None, rays: 0, samples: 0 }
+    }
+
+    fn repeat(&mut self, shot: &PreparedScene, cancel: &CancelToken) -> Result<()> {
+        let in_f64 = self.backend == Backend::BruteForce;
+        let clocked = TimedAccel { accel: self.accel, in_f64, nanoseconds: AtomicU64::new(0) };
+        let start = Instant::now();
+        let outcome = render_with_accel(shot, &clocked, &Aov::DEFAULT, cancel)?;
+        let seconds = start.elapsed().as_secs_f64().max(1e-9);
+        if !outcome.complete {
+            return Err(Error::cancelled());
+        }
+        let inside = 1e-9 * clocked.nanoseconds.into_inner() as f64;
+        self.inside.push(inside / (seconds * rayon::current_num_threads() as f64));
+        self.seconds.push(seconds);
+        (self.rays, self.samples) = (outcome.rays, outcome.samples);
+        self.picture.get_or_insert(outcome.picture);
+        Ok(())
+    }
+
+    fn result(&self, first: &Picture) -> Option<RenderBench> {
+        let own = self.picture.as_ref()?;
+        let is_other = |&pixel: &usize| {
+            let bits = |picture: &Picture| picture.beauty(pixel).to_array().map(f32::to_bits);
+            bits(own) != bits(first)
+        };
+        Some(RenderBench {
+            backend: self.backend,
+            seconds: ReportImage::from_samples(self.seconds.clone())?,
+            intersector_share: ReportImage::from_samples(self.inside.clone())?,
+            rays: self.rays,
+            samples: self.samples,
+            differing_pixels: (0..own.len()).filter(is_other).count(),
+        })
+    }
+}
+
+/// An intersector with a clock that runs while it works.
+struct TimedAccel<'a> {
+    accel: &'a dyn Accel,
+    /// Whether it takes the rays of paths as they are. For others they are rounded to f32 first, which
+    /// is not the intersector's work.
+    in_f64: bool,
+    nanoseconds: AtomicU64,
+}
+
+impl TimedAccel<'_> {
+    fn time(&self, work: impl FnOnce()) {
+        let start = Instant::now();
+        work();
+        self.nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
+}
+
+impl Accel for TimedAccel<'_> {
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.time(|| self.accel.closest(rays, hits));
+    }
+
+    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
+        self.time(|| self.accel.occluded(rays, blocked));
+    }
+
+    fn closest_path_rays(
+        &self,
+        spheres: &SphereSet,
+        rays: &PathRays,
+        asked: &mut Vec<Ray>,
+        hits: &mut [Hit],
+    ) {
+        if self.in_f64 {
+            return self.time(|| self.accel.closest_path_rays(spheres, rays, asked, hits));
+        }
+        ask(spheres, rays, asked);
+        self.closest(asked, hits);
+    }
+
+    fn occluded_path_rays(
+        &self,
+        spheres: &SphereSet,
+        rays: &PathRays,
+        asked: &mut Vec<Ray>,
+        blocked: &mut [bool],
+    ) {
+        if self.in_f64 {
+            return self.time(|| self.accel.occluded_path_rays(spheres, rays, asked, blocked));
+        }
+        ask(spheres, rays, asked);
+        self.occluded(asked, blocked);
+    }
+
+    fn error_bound(&self) -> ErrorBound {
+        self.accel.error_bound()
+    }
+
+    fn bytes(&self) -> usize {
+        self.accel.bytes()
+    }
+
+    fn details(&self) -> String {
+        self.accel.details()
+    }
+}
+
+fn ask(spheres: &SphereSet, rays: &PathRays, asked: &mut Vec<Ray>) {
+    asked.clear();
+    asked.extend(rays.iter().map(|ray| spheres.to_query(&ray)));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::accel::BuildOptions;
+    use crate::scene::read_text;
+
+    const SCENE: &str = r#"format = 1
+image = { width = 12, height = 8 }
+render = { samples_per_pixel = 4 }
+camera = { position = [0, 0, 5], look_at = [0, 0, 0], vertical_fov_degrees = 40 }
+background = { radiance = [1, 1, 1] }
+materials.matt = { type = "diffuse", albedo = [0.5, 0.5, 0.5] }
+spheres = [
+  { center = [-0.8, 0, 0], radius = 0.9, material = "matt" },
+  { center = [0.8, 0, 0], radius = 0.6, material = "matt" },
+]
+"#;
+
+    #[test]
+    fn renders_take_their_time_and_part_of_it_in_the_intersector() {
+        let file = read_text("scene", SCENE, Path::new("."), &[]).unwrap();
+        let (scene, settings) = file.build().unwrap();
+        let shot = PreparedScene::new(&scene, settings).unwrap();
+        let backends = [Backend::Native, Backend::BruteForce];
+        let options = BuildOptions::default();
+        let field = BackendSet::build(scene.spheres(), &backends, &options, 1).unwrap();
+        let results = bench_renders(&shot, &field, 2, &options.cancel).unwrap();
+        assert_eq!(results.iter().map(|result| result.backend).collect::<Vec<_>>(), backends);
+        for result in &results {
+            assert_eq!(result.samples, 12 * 8 * 4);
+            assert!(result.rays >= result.samples, "{result:?}");
+            assert!(result.seconds.median > 0.0);
+            assert!(result.intersector_share.median > 0.0 && result.intersector_share.median < 1.0, "{result:?}");
+            assert_eq!(result.differing_pixels, 0);
+        }
+        options.cancel.cancel();
+        assert!(bench_renders(&shot, &field, 1, &options.cancel).is_err());
+    }
+}

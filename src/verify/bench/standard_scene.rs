@@ -1,0 +1,84 @@
+//! The standard scenes of `photosphere bench --suite`: the same for everyone, of any size, made in
+//! memory.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::camera::{Camera, CameraPose, CameraModel};
+use crate::error::Result;
+use crate::generate::{Arrangement, Recipe};
+use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
+use crate::math::DVec3;
+
+use super::camera_rays;
+
+/// Pixels along each side of the picture that camera rays go through; there are as many rays.
+const SIDE: u32 = 512;
+/// Chooses the spheres.
+const SEED: u64 = 0;
+
+/// Spheres, and the rays of a camera that looks at them.
+#[derive(Debug)]
+pub struct StandardScene {
+    /// The spheres.
+    pub spheres: Arc<SphereSet>,
+    /// Rays of the camera, as [`camera_rays`] gives them.
+    pub camera_rays: Vec<PathRay>,
+}
+
+impl StandardScene {
+    /// So many spheres of `photosphere generate`, seen as by the scene that it writes.
+    ///
+    /// # Errors
+    /// When the number of spheres is impossible.
+    pub fn new(arrangement: Arrangement, count: u64) -> Result<Self> {
+        Self::with_extra_spheres(Vec::new(), arrangement, count)
+    }
+
+    /// The same with further spheres.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn with_extra_spheres(exact: Vec<Sphere>, arrangement: Arrangement, count: u64) -> Result<Self> {
+        let recipe = Recipe::new(arrangement, count, SEED, false)?;
+        let table = (0..count).into_par_iter().map(|index| recipe.sphere(index).sphere).collect();
+        let spheres = SphereSet::new(SphereRows { exact, table })?;
+        let (position, look_at, fov) = recipe.viewpoint();
+        let mount = CameraPose {
+            position: DVec3::from_array(position) - spheres.origin(),
+            view_direction: DVec3::from_array(look_at) - DVec3::from_array(position),
+            up: DVec3::Y,
+            near: 0.0,
+            resolution: [SIDE; 2],
+        };
+        let projection = CameraModel::Perspective { vertical_fov: fov.to_radians(), lens: None };
+        let camera = Camera::new(&mount, projection);
+        let camera = camera_rays(&camera, [SIDE; 2], (SIDE * SIDE) as usize);
+        Ok(Self { spheres: Arc::new(spheres), camera_rays: camera })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Backend, BuildOptions};
+    use crate::math::{Hit, Ray};
+
+    #[test]
+    fn the_camera_sees_the_spheres_however_many_there_are() {
+        for &(name, arrangement) in Arrangement::NAMES {
+            for count in [3, 1000] {
+                let scene = StandardScene::new(arrangement, count).unwrap();
+                let options = BuildOptions::default();
+                let accel = Backend::Native.build(&scene.spheres, &options).unwrap();
+                let rays: Vec<Ray> =
+                    scene.camera_rays.iter().map(|ray| scene.spheres.to_query(ray)).collect();
+                let mut hits = vec![Hit::MISS; rays.len()];
+                accel.closest(&rays, &mut hits);
+                let met = hits.iter().filter(|hit| !hit.is_miss()).count();
+                assert!(met > 100, "{name} {count}: {met} of {}", rays.len());
+            }
+        }
+    }
+}

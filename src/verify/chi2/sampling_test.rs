@@ -1,0 +1,108 @@
+//! A row of the table: a sampling routine, its density, and the domain that both are over.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use crate::math::DVec3;
+use crate::sampling::{atan2, sin_cos};
+
+/// Cells along each coordinate.
+const CELLS: [usize; 2] = [41, 61];
+/// A cell is integrated with so many midpoints along a side, then twice as many, and so on.
+const MIN_MIDPOINTS: usize = 4;
+/// Up to this many.
+pub(super) const MAX_MIDPOINTS: usize = 64;
+
+type Sample = Box<dyn Fn([f64; 4]) -> Option<[f64; 2]> + Send + Sync>;
+type Density = Box<dyn Fn([f64; 2]) -> f64 + Send + Sync>;
+
+/// A sampling routine and its density over a rectangle of two coordinates.
+///
+/// Routines take four random numbers in `[0, 1)`, of which they use what they need, and may give
+/// nothing; the share that they give up on must be what the density leaves to one.
+pub struct SamplingTest {
+    /// What is drawn, by which the row is known.
+    pub name: String,
+    /// A point from four random numbers.
+    pub(super) sample: Sample,
+    /// Density over the coordinates, the measure's Jacobian included.
+    pub(super) pdf: Density,
+    pub(super) low: [f64; 2],
+    pub(super) high: [f64; 2],
+    pub(super) cells: [usize; 2],
+    /// Midpoints along a side of a cell that its integral begins with.
+    pub(super) min_midpoints: usize,
+}
+
+impl SamplingTest {
+    /// Over a planar rectangle, with the density per area.
+    pub fn over_rectangle(
+        name: impl Into<String>,
+        [low, high]: [[f64; 2]; 2],
+        sample: impl Fn([f64; 4]) -> Option<[f64; 2]> + Send + Sync + 'static,
+        pdf: impl Fn([f64; 2]) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        let (sample, density) = (Box::new(sample), Box::new(pdf));
+        let (cells, fewest_midpoints) = (CELLS, MIN_MIDPOINTS);
+        Self { name: name.into(), sample, pdf: density, low, high, cells, min_midpoints: fewest_midpoints }
+    }
+
+    /// The density jumps within cells, where few midpoints may agree with one another by chance: every
+    /// cell is integrated with as many as there may be.
+    #[must_use]
+    pub fn with_discontinuities(self) -> Self {
+        Self { min_midpoints: MAX_MIDPOINTS / 2, ..self }
+    }
+
+    /// Over the unit directions at most `up_to` (radians) away from +z, with the density per solid
+    /// angle. The cells are in polar angle and azimuth.
+    pub fn over_cap(
+        name: impl Into<String>,
+        max_theta: f64,
+        sample: impl Fn([f64; 4]) -> Option<DVec3> + Send + Sync + 'static,
+        pdf: impl Fn(DVec3) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        let density = move |[theta, phi]: [f64; 2]| {
+            let ((sin, cos), (sin_phi, cos_phi)) = (sin_cos(theta), sin_cos(phi));
+            pdf(DVec3::new(sin * cos_phi, sin * sin_phi, cos)) * sin
+        };
+        let range = [[0.0, 0.0], [max_theta, TAU]];
+        Self::over_rectangle(name, range, move |u| sample(u).map(polar), density)
+    }
+
+    /// Over the hemisphere around +z, with the density per solid angle.
+    pub fn over_hemisphere(
+        name: impl Into<String>,
+        sample: impl Fn([f64; 4]) -> Option<DVec3> + Send + Sync + 'static,
+        pdf: impl Fn(DVec3) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        Self::over_cap(name, FRAC_PI_2, sample, pdf)
+    }
+
+    /// Over all directions, with the density per solid angle.
+    pub fn over_sphere(
+        name: impl Into<String>,
+        sample: impl Fn([f64; 4]) -> Option<DVec3> + Send + Sync + 'static,
+        pdf: impl Fn(DVec3) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        Self::over_cap(name, PI, sample, pdf)
+    }
+
+    /// Over the indices below the number of probabilities.
+    pub fn over_indices(
+        name: impl Into<String>,
+        probabilities: Vec<f64>,
+        sample: impl Fn([f64; 4]) -> Option<usize> + Send + Sync + 'static,
+    ) -> Self {
+        let count = probabilities.len();
+        let middle = move |u| Some([sample(u)? as f64 + 0.5, 0.5]);
+        let range = [[0.0, 0.0], [count as f64, 1.0]];
+        let pmf = move |[x, _]: [f64; 2]| probabilities[(x as usize).min(count - 1)];
+        Self { cells: [count, 1], ..Self::over_rectangle(name, range, middle, pmf) }
+    }
+}
+
+/// Polar angle, accurate near both poles, and azimuth in `[0, 2 pi)`.
+pub(super) fn polar(w: DVec3) -> [f64; 2] {
+    let theta = atan2((w.x * w.x + w.y * w.y).sqrt(), w.z);
+    [theta, atan2(w.y, w.x).rem_euclid(TAU)]
+}

@@ -1,0 +1,53 @@
+//! The chi-square table as checks: a row is one check, its histograms are its pictures.
+
+use crate::draw::{CellColors, Cells};
+
+use super::check::{Check, Effort, TestStatistic, CheckGroup, CheckMeasurement};
+use super::chi2::{Histogram, SamplingTest, ChiSquareResult, chi_square_test, sampling_tests};
+
+/// Points drawn for each row.
+const SAMPLES: [u32; 3] = [200_000, 1_000_000, 4_000_000];
+/// Standard deviations of a count at which a cell has its full colour.
+const FULL_COLOR: f64 = 4.0;
+
+/// A check for each row.
+pub(super) fn checks(effort: Effort) -> Vec<Check> {
+    let points = effort.select(SAMPLES);
+    sampling_tests().into_iter().map(|pair| check(pair, points)).collect()
+}
+
+fn check(pair: SamplingTest, points: u32) -> Check {
+    Check::new(CheckGroup::ChiSquare, pair.name.clone(), move |_| {
+        let verdict = chi_square_test(&pair, points, 0);
+        let ChiSquareResult { p_value, statistic, degrees_of_freedom: freedom, histogram } = &verdict;
+        let detail =
+            format!("chi-square {statistic:.1} of {freedom} degrees of freedom, {points} points");
+        Ok(CheckMeasurement::new(TestStatistic::PValue(*p_value), detail).with_images(figures(histogram)))
+    })
+}
+
+fn figures(histogram: &Histogram) -> Vec<Cells> {
+    let Histogram { cells, expected, observed } = histogram;
+    let observed: Vec<f64> = observed.iter().map(|&count| count as f64).collect();
+    let most = expected.iter().chain(&observed).copied().fold(1.0, f64::max);
+    let off = |(&expected, &observed): (&f64, &f64)| {
+        if expected >= 1.0 { (observed - expected) / expected.sqrt() } else { f64::NAN }
+    };
+    let difference = expected.iter().zip(&observed).map(off).collect();
+    let figure = |caption: &str, values, colors| Cells {
+        caption: caption.to_owned(),
+        width: cells[1],
+        values,
+        colors,
+    };
+    let light = CellColors::Light(most);
+    vec![
+        figure("drawn", observed, light),
+        figure("density", expected.clone(), light),
+        figure(
+            "difference: red too many, blue too few, full colour at 4 standard deviations",
+            difference,
+            CellColors::Signed(FULL_COLOR),
+        ),
+    ]
+}

@@ -1,0 +1,256 @@
+//! Renders a closed form with independent seeds and compares the pictures with its answer.
+//!
+//! Pixels are put together in groups that have equal shares of the light, for pixels alone, and dark
+//! ones above all, have so few samples that meet light that their means are far from normal. The
+//! mean of each group over the seeds is compared with the mean of the answer over the same pixels by
+//! Student's t-test, and so is that of the whole picture; the smallest p-value, times the number of
+//! tests, is that of the check. Pixels without any light are one more group: they must be black.
+//!
+//! A sampler that spreads its numbers evenly makes some pictures all alike: the same number of
+//! samples meets the lamp in each, but for a rare event that no seed has shown. Their standard error
+//! says too little then. So a deviation is also excused with the probability that none of the pixels
+//! of any seed shows the event, one sample that is otherwise, which would explain it.
+
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use crate::accel::{Accel, Backend, BuildOptions};
+use crate::draw::{CellColors, Cells};
+use crate::error::{Error, Result};
+use crate::film::Aov;
+use crate::image_io::Picture;
+use crate::job::render_with_accel;
+use crate::scene::{Override, PreparedScene, read_text};
+use crate::task::CancelToken;
+use crate::verify::check::{Effort, TestStatistic, CheckMeasurement, seed};
+use crate::verify::statistics::{MeanEstimate, ROUNDING};
+
+use super::{ClosedForm, RenderVariant};
+
+/// Independent renders behind every standard error.
+const SEEDS: u64 = 32;
+/// Groups that share the light of a picture.
+const GROUPS: usize = 12;
+/// Nodes of the quadrature over a pixel, along each side.
+const NODES: usize = 4;
+/// Standard errors at which the difference is drawn in full colour.
+const FULL_COLOR: f64 = 4.0;
+
+pub(super) fn measure(
+    form: &ClosedForm,
+    way: &RenderVariant,
+    backend: Backend,
+    effort: Effort,
+    name: &str,
+    cancel: &CancelToken,
+) -> Result<CheckMeasurement> {
+    let folder = table_folder(form)?;
+    let mut shot = shot(form, way, effort, folder.as_ref())?;
+    let build = BuildOptions { threads: 1, cancel: cancel.clone(), ..Default::default() };
+    let accel = backend.build(shot.scene().spheres(), &build)?;
+    let answer = (form.answer)(&shot, NODES);
+    let one = |index: u64| {
+        shot.set_seed(seed(name, index));
+        picture(&shot, accel.as_ref(), cancel)
+    };
+    let pictures: Vec<Picture> = (0..SEEDS).map(one).collect::<Result<_>>()?;
+    let samples = shot.render_settings().samples_per_pixel;
+    let values: Vec<PixelValues> = pictures.iter().map(|picture| PixelValues::of(picture, form)).collect();
+    Ok(compare(&values, &answer, samples))
+}
+
+/// The tables of the scene are part of the program, and scenes read theirs from a folder.
+fn table_folder(form: &ClosedForm) -> Result<Option<TempDir>> {
+    if form.tables.is_empty() {
+        return Ok(None);
+    }
+    let trouble = |error| Error::file("write in", &std::env::temp_dir(), error);
+    let folder = tempfile::tempdir().map_err(trouble)?;
+    for (name, bytes) in form.tables {
+        std::fs::write(folder.path().join(name), bytes).map_err(trouble)?;
+    }
+    Ok(Some(folder))
+}
+
+fn shot(form: &ClosedForm, way: &RenderVariant, effort: Effort, folder: Option<&TempDir>) -> Result<PreparedScene> {
+    let samples = form.samples * effort.select([2, 8, 32]);
+    let own = format!("render.samples_per_pixel={samples}");
+    let overrides: Vec<Override> = way.overrides().chain([&*own]).filter_map(set).collect();
+    let file = format!("scenes/verify/{}.toml", form.name);
+    let folder = folder.map_or(Path::new(""), TempDir::path);
+    let (scene, settings) = read_text(&file, form.scene_toml, folder, &overrides)?.build()?;
+    PreparedScene::new(&scene, settings)
+}
+
+fn set(pair: &str) -> Option<Override> {
+    let (key, value) = pair.split_once('=')?;
+    Some(Override { option: pair.to_owned(), key: key.into(), value: value.into() })
+}
+
+fn picture(shot: &PreparedScene, accel: &dyn Accel, cancel: &CancelToken) -> Result<Picture> {
+    let rendered = render_with_accel(shot, accel, &Aov::DEFAULT, cancel)?;
+    cancel.check()?;
+    Ok(rendered.picture)
+}
+
+/// A picture as one number for each pixel: the weighted mean of its channels.
+struct PixelValues {
+    width: usize,
+    pixels: Vec<f64>,
+}
+
+impl PixelValues {
+    fn of(picture: &Picture, form: &ClosedForm) -> Self {
+        let value = |pixel| picture.beauty(pixel).as_dvec3().dot(form.channels.into());
+        Self { width: picture.width, pixels: (0..picture.len()).map(value).collect() }
+    }
+}
+
+fn compare(pictures: &[PixelValues], answer: &[Option<f64>], samples: u32) -> CheckMeasurement {
+    let groups = groups(answer);
+    let all: Vec<usize> = groups.iter().flatten().copied().collect();
+    let tests = groups.iter().chain([&all]);
+    let smallest = tests.map(|group| p_value(group, pictures, answer, samples)).fold(1.0, f64::min);
+    let p = (smallest * (groups.len() + 1) as f64).min(1.0);
+    let (found, expected) = (seed_mean(&all, pictures), mean_answer(&all, answer));
+    let detail = format!(
+        "{:.6} ± {:.6}, exact {expected:.6}; {} groups, {:.1e} samples",
+        found.mean,
+        found.standard_error,
+        groups.len(),
+        (pictures.len() * answer.len()) as f64 * f64::from(samples)
+    );
+    CheckMeasurement::new(TestStatistic::PValue(p), detail).with_images(figures(pictures, answer))
+}
+
+/// The judged pixels: those that are black, and the others row by row, cut where another share of the
+/// light is full.
+fn groups(answer: &[Option<f64>]) -> Vec<Vec<usize>> {
+    let lit = |pixel: &usize| answer[*pixel].is_some_and(|light| light > 0.0);
+    let judged = (0..answer.len()).filter(|&pixel| answer[pixel].is_some());
+    let (bright, black): (Vec<usize>, Vec<usize>) = judged.partition(lit);
+    let total: f64 = bright.iter().filter_map(|&pixel| answer[pixel]).sum();
+    let mut groups = vec![Vec::new(); GROUPS];
+    let mut before = 0.0;
+    for pixel in bright {
+        let share = (GROUPS as f64 * before / total) as usize;
+        groups[share.min(GROUPS - 1)].push(pixel);
+        before += answer[pixel].unwrap_or_default();
+    }
+    groups.push(black);
+    groups.retain(|group| !group.is_empty());
+    groups
+}
+
+/// The p-value of a group: by Student's t-test, or by the event that no seed has shown.
+fn p_value(group: &[usize], pictures: &[PixelValues], answer: &[Option<f64>], samples: u32) -> f64 {
+    let (found, expected) = (seed_mean(group, pictures), mean_answer(group, answer));
+    let by_t = found.p_value(expected);
+    if !(found.mean.is_finite() && expected > 0.0) {
+        return by_t;
+    }
+    // What one sample can change in the mean of its pixel, and how often it must to explain the rest.
+    let change = 2.0 * brightest(answer) / f64::from(samples);
+    let share = ((found.mean - expected).abs() / change).min(1.0);
+    let looks = (group.len() * pictures.len()) as f64;
+    by_t.max(libm::exp(looks * libm::log1p(-share)))
+}
+
+/// The largest value of an answer.
+fn brightest(answer: &[Option<f64>]) -> f64 {
+    answer.iter().flatten().copied().fold(0.0, f64::max)
+}
+
+fn seed_mean(group: &[usize], pictures: &[PixelValues]) -> MeanEstimate {
+    let mean = |picture: &PixelValues| {
+        group.iter().map(|&pixel| picture.pixels[pixel]).sum::<f64>() / group.len() as f64
+    };
+    MeanEstimate::from_values(&pictures.iter().map(mean).collect::<Vec<_>>())
+}
+
+fn mean_answer(group: &[usize], answer: &[Option<f64>]) -> f64 {
+    group.iter().filter_map(|&pixel| answer[pixel]).sum::<f64>() / group.len() as f64
+}
+
+/// The picture, its answer, and their difference.
+fn figures(pictures: &[PixelValues], answer: &[Option<f64>]) -> Vec<Cells> {
+    let width = pictures[0].width;
+    let pixels: Vec<MeanEstimate> =
+        (0..answer.len()).map(|pixel| seed_mean(&[pixel], pictures)).collect();
+    let exact: Vec<f64> = answer.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+    let rendered: Vec<f64> = pixels.iter().map(|pixel| pixel.mean).collect();
+    let brightest = brightest(answer);
+    let light = CellColors::Light(if brightest > 0.0 { brightest } else { 1.0 });
+    // A pixel that met no light seems to know its value: it has at least a quarter of the usual error.
+    let squares: f64 = pixels.iter().map(|pixel| pixel.standard_error.powi(2)).sum();
+    let usual = (squares / pixels.len() as f64).sqrt();
+    let off = |(pixel, &exact): (&MeanEstimate, &f64)| {
+        let error = pixel.standard_error.max(0.25 * usual).max(ROUNDING * exact.abs());
+        if pixel.mean == exact { 0.0 } else { (pixel.mean - exact) / error }
+    };
+    let difference = pixels.iter().zip(&exact).map(off).collect();
+    let figure = |caption: &str, values, colors| Cells {
+        caption: caption.to_owned(),
+        width,
+        values,
+        colors,
+    };
+    vec![
+        figure("rendered", rendered, light),
+        figure("exact", exact, light),
+        figure(
+            "difference: red too bright, blue too dark, full colour at 4 standard errors",
+            difference,
+            CellColors::Signed(FULL_COLOR),
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::check::Effort;
+    use crate::verify::closed_forms::variants::combinations;
+    use crate::verify::closed_forms::{CLOSED_FORMS, check};
+
+    #[test]
+    fn the_answers_do_not_depend_on_the_nodes_of_their_quadratures() {
+        for form in CLOSED_FORMS {
+            let (way, _) = combinations(form, Effort::Quick, &[Backend::Native]).remove(0);
+            let folder = table_folder(form).expect("a folder");
+            let shot = shot(form, &way, Effort::Quick, folder.as_ref());
+            let shot = shot.unwrap_or_else(|e| panic!("{}: {e}", form.name));
+            let [coarse, fine] = [NODES, 2 * NODES].map(|nodes| (form.answer)(&shot, nodes));
+            let brightest = fine.iter().flatten().copied().fold(0.0, f64::max);
+            let judged = fine.iter().flatten().count();
+            assert!(judged >= fine.len() / 3, "{}: {judged} of {}", form.name, fine.len());
+            for (coarse, fine) in coarse.iter().flatten().zip(fine.iter().flatten()) {
+                let off = (coarse - fine).abs();
+                assert!(off <= 2e-5 * brightest, "{}: {coarse} {fine}", form.name);
+            }
+        }
+    }
+
+    #[test]
+    fn an_answer_that_is_wrong_by_two_percent_fails() {
+        static WRONG: std::sync::OnceLock<ClosedForm> = std::sync::OnceLock::new();
+        let right = CLOSED_FORMS.iter().find(|form| form.name == "sphere-light").expect("is there");
+        let wrong = WRONG.get_or_init(|| ClosedForm {
+            answer: |scene, nodes| {
+                let right = CLOSED_FORMS.iter().find(|form| form.name == "sphere-light");
+                let answer = (right.expect("is there").answer)(scene, nodes);
+                answer.into_iter().map(|value| Some(1.02 * value?)).collect()
+            },
+            ..*right
+        });
+        let backend = Backend::Native;
+        let (way, _) = combinations(right, Effort::Quick, &[backend]).remove(0);
+        let passed = |form: &'static ClosedForm| {
+            let outcome = check(form, &way, backend, Effort::Quick).run(&CancelToken::default());
+            outcome.expect("runs").passed
+        };
+        assert!(passed(right));
+        assert!(!passed(wrong));
+    }
+}

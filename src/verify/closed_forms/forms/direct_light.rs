@@ -1,0 +1,83 @@
+//! Matt balls under spherical lamps. In all of these scenes the ball comes first, the lamp second.
+
+use std::f64::consts::PI;
+
+use crate::geometry::Sphere;
+use crate::scene::PreparedScene;
+use crate::scene::description::EnvironmentDescription;
+use crate::verify::closed_forms::reference_image::{normal, pixel_means, rays, spheres};
+use crate::verify::closed_forms::sphere_light::SubtendedCap;
+
+use super::{albedo, emission, material};
+
+/// Every direction above the ball meets the lamp, so its irradiance is `pi Le`.
+pub(super) fn inside_a_lamp(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
+    let [ball, lamp] = [albedo(shot, "ball"), 1.0].map(|a| a * emission(shot, "lamp"));
+    pixel_means(shot, nodes, rays(shot), |line| {
+        let (piece, _) = line.nearest_hit(&spheres, None)?;
+        Some((piece, [ball, lamp][piece]))
+    })
+}
+
+/// The radiance of a ball at a point of its surface, lit by a lamp alone.
+pub(super) fn radiance_under_light(lamp: &Sphere, ball: &Sphere, point: glam::DVec3, a: f64, le: f64) -> f64 {
+    a * le * SubtendedCap::new(lamp, point, normal(ball, point)).irradiance() / PI
+}
+
+/// A ball that scatters, and before it nothing. Both walls of the lamp shine, each to the share of its
+/// opacity, and the far one through the near one.
+pub(super) fn sphere_light(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
+    let through = 1.0 - material(shot, "lamp").opacity;
+    let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp") * (1.0 - through * through));
+    pixel_means(shot, nodes, rays(shot), |line| match line.nearest_hit(&spheres, None) {
+        Some((0, t)) => Some((0, radiance_under_light(&spheres[1], &spheres[0], line.at(t), a, le))),
+        Some((_, _)) => Some((1, le)),
+        None => Some((2, 0.0)),
+    })
+}
+
+/// A third sphere is black and in the way of some of the lamp. Where its disc lies within the lamp's,
+/// its form factor is what is missing, or a share of it where it has some opacity; where the edges
+/// cross, there is no answer.
+pub(super) fn occluder(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
+    let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp"));
+    let opacity = material(shot, "black").opacity;
+    let through = (1.0 - opacity) * (1.0 - opacity); // two walls
+    pixel_means(shot, nodes, rays(shot), |line| match line.nearest_hit(&spheres, None) {
+        Some((0, t)) => {
+            let point = line.at(t);
+            let n = normal(&spheres[0], point);
+            let [lamp, front] = [1, 2].map(|i: usize| SubtendedCap::new(&spheres[i], point, n));
+            let behind = lamp.irradiance_occluded_by(&front)?;
+            let all = behind + through * (lamp.irradiance() - behind);
+            Some((0, a * le * all / PI))
+        }
+        Some((1, _)) => Some((1, le)),
+        Some(_) if opacity < 1.0 => None,
+        _ => Some((2, 0.0)),
+    })
+}
+
+/// The sky's radiance is linear in the height of a direction, and before it is the sun, a disc that the
+/// horizon may cut.
+pub(super) fn sun_and_sky(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let ball = spheres(shot)[0];
+    let a = albedo(shot, "ball");
+    let EnvironmentDescription::Gradient { zenith, horizon, .. } = shot.description().background.dome else {
+        return Vec::new();
+    };
+    let [zenith, horizon] = [zenith, horizon].map(|radiance| f64::from(radiance.y));
+    let Some(sun) = shot.description().background.sun else { return Vec::new() };
+    let sin_radius = libm::sin(sun.angular_diameter_degrees.to_radians() / 2.0);
+    let radiance = f64::from(sun.irradiance.y) / (PI * sin_radius * sin_radius);
+    pixel_means(shot, nodes, rays(shot), |line| {
+        let n = normal(&ball, line.at(line.hit_distance(&ball)?));
+        let direction = sun.direction;
+        let disc = SubtendedCap { direction, cos: direction.dot(n), sin_radius };
+        let sky = horizon + 2.0 / 3.0 * (zenith - horizon) * n.y;
+        Some((0, a * (sky + radiance * disc.irradiance() / PI)))
+    })
+}

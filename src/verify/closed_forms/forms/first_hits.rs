@@ -1,0 +1,28 @@
+//! What integrators show that follow no light.
+
+use crate::scene::PreparedScene;
+use crate::verify::closed_forms::reference_image::{normal, pixel_means, rays, spheres};
+use crate::verify::closed_forms::sphere_light::SubtendedCap;
+
+use super::DISTINCT_CHANNELS;
+
+/// One less the form factor of the other ball, which the horizon may cut.
+pub(super) fn ambient_occlusion(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
+    pixel_means(shot, nodes, rays(shot), |line| {
+        let Some((ball, t)) = line.nearest_hit(&spheres, None) else { return Some((2, 1.0)) };
+        let (point, other) = (line.at(t), &spheres[1 - ball]);
+        let covered = SubtendedCap::new(other, point, normal(&spheres[ball], point)).irradiance();
+        Some((ball, 1.0 - covered / std::f64::consts::PI))
+    })
+}
+
+/// The weighted mean of the three colours that a normal is drawn in.
+pub(super) fn normals(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(shot);
+    pixel_means(shot, nodes, rays(shot), |line| {
+        let Some((ball, t)) = line.nearest_hit(&spheres, None) else { return Some((spheres.len(), 0.0)) };
+        let n = normal(&spheres[ball], line.at(t));
+        Some((ball, 0.5 + 0.5 * n.dot(DISTINCT_CHANNELS.into())))
+    })
+}

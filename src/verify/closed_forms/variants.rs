@@ -1,0 +1,106 @@
+//! The ways in which a closed form is rendered: estimator, sampler and intersector.
+
+use crate::accel::Backend;
+use crate::verify::check::Effort;
+
+use super::{ClosedForm, LightTransport};
+
+/// An estimator and a sampler, as keys of the scene.
+#[derive(Clone, Debug)]
+pub struct RenderVariant {
+    estimator: &'static NamedOverrides,
+    sampler: &'static NamedOverrides,
+}
+
+/// A choice by its name, and the keys that make it.
+#[derive(Debug)]
+struct NamedOverrides {
+    name: &'static str,
+    overrides: &'static [&'static str],
+}
+
+const fn named_overrides(name: &'static str, overrides: &'static [&'static str]) -> NamedOverrides {
+    NamedOverrides { name, overrides }
+}
+
+/// Every estimator. The default comes first.
+static ESTIMATORS: [NamedOverrides; 9] = [
+    named_overrides("path", &["render.integrator=path", "render.estimator=mis"]),
+    named_overrides("path, aimed", &["render.integrator=path", "render.estimator=light"]),
+    named_overrides("path, by chance", &["render.integrator=path", "render.estimator=bsdf"]),
+    named_overrides("direct", &["render.integrator=direct", "render.estimator=mis"]),
+    named_overrides("direct, aimed", &["render.integrator=direct", "render.estimator=light"]),
+    named_overrides("direct, by chance", &["render.integrator=direct", "render.estimator=bsdf"]),
+    named_overrides("paper", &["render.integrator=paper"]),
+    named_overrides(
+        "paper, uniform solid angle",
+        &["render.integrator=paper", "render.paper.hemisphere=uniform-solid-angle"],
+    ),
+    named_overrides(
+        "paper, uniform angle",
+        &["render.integrator=paper", "render.paper.hemisphere=uniform-angle"],
+    ),
+];
+
+/// Those among them that leave indirect light out.
+const DIRECT: std::ops::Range<usize> = 3..6;
+
+/// Integrators that a scene names itself.
+static SCENE_INTEGRATORS: [NamedOverrides; 2] = [named_overrides("ambient-occlusion", &[]), named_overrides("normals", &[])];
+
+/// The default comes first.
+static SAMPLERS: [NamedOverrides; 3] = [
+    named_overrides("sobol", &["render.sampler=sobol"]),
+    named_overrides("independent", &["render.sampler=independent"]),
+    named_overrides("stratified", &["render.sampler=stratified"]),
+];
+
+impl RenderVariant {
+    /// What people call it.
+    pub fn name(&self) -> String {
+        format!("{}, {}", self.estimator.name, self.sampler.name)
+    }
+
+    /// `key=value` for the scene.
+    pub(super) fn overrides(&self) -> impl Iterator<Item = &str> {
+        self.estimator.overrides.iter().chain(self.sampler.overrides).copied()
+    }
+}
+
+/// The ways of a form. Full: every combination. Normal: every estimator with every sampler on one
+/// intersector, and with one sampler on every intersector. Quick: one thing at a time.
+pub(super) fn combinations(
+    form: &ClosedForm,
+    effort: Effort,
+    backends: &[Backend],
+) -> Vec<(RenderVariant, Backend)> {
+    let mut all = Vec::new();
+    for (b, &backend) in backends.iter().enumerate() {
+        for (s, sampler) in SAMPLERS.iter().enumerate() {
+            for (e, estimator) in estimators(form).enumerate() {
+                let others = [b, s, e].iter().filter(|&&index| index > 0).count();
+                let is_wanted = match effort {
+                    Effort::Quick => others <= 1,
+                    Effort::Normal => b == 0 || s == 0,
+                    Effort::Full => true,
+                };
+                if is_wanted {
+                    all.push((RenderVariant { estimator, sampler }, backend));
+                }
+            }
+        }
+    }
+    all
+}
+
+fn estimators(form: &ClosedForm) -> impl Iterator<Item = &'static NamedOverrides> {
+    let shows = form.transport;
+    let finds_all = move |(index, _): &(usize, &NamedOverrides)| match shows {
+        LightTransport::Global => !DIRECT.contains(index),
+        LightTransport::Direct => true,
+        LightTransport::Integrator(_) => false,
+    };
+    let named = SCENE_INTEGRATORS.iter().filter(move |choice| shows == LightTransport::Integrator(choice.name));
+    let others = ESTIMATORS.iter().enumerate().filter(finds_all).map(|(_, estimator)| estimator);
+    named.chain(others)
+}

@@ -1,0 +1,400 @@
+//! The judge: which sphere does a ray hit first, decided in more than f64 and by another formula
+//! than any backend's, and whether a backend's other answer is within its stated error.
+//!
+//! # The rule
+//! A backend states its error as a *backward* error ([`Precision`]): its answer is exact for
+//! spheres whose radius was changed by at most
+//!
+//! `e = k 2^-24 (|o - c| + R) + |o - o'|`,
+//!
+//! `o'` being the origin that it traces from. A backend that traces from an origin rounded to f32
+//! walks boxes rounded to f32 too, at the scale of `|c|`, which is at most `|o| + |o - c|`: for it
+//! `2^-24 |o|` more is allowed. So each sphere has, beside its exact first hit, a set
+//! of *possible* first hits, one for each radius in `[R - e, R + e]`, and its hit is *sure* if every
+//! such radius gives one. An answer B is accepted if B has a possible hit and no other sphere has a
+//! sure hit that lies before B's earliest possible one whatever the radius; a miss is accepted if
+//! no sphere has a sure hit. The far wall of the sphere that a ray leaves is part of the ray and
+//! exact. An accepted answer that is not the exact one is *ambiguous*: a silhouette or another
+//! sphere lies within the band.
+//!
+//! The judge knows no tree: a linear, conservative f64 pass over all spheres finds those worth
+//! double-double arithmetic.
+
+use twofloat::TwoFloat;
+
+use crate::accel::ErrorBound;
+use crate::geometry::{PathRay, Roots, Side, Sphere, SphereSet};
+use crate::math::{DVec3, F32_UNIT_ROUNDOFF};
+
+use super::double_double::ClosestApproach;
+
+/// A ray's ends are rounded outwards to f32 for a backend, by at most this share.
+const INTERVAL_ROUNDING: f64 = 2.0 * F32_UNIT_ROUNDOFF;
+
+/// What the judge says of a backend's answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is the exact answer.
+    Equal,
+    /// It is another one, within the backend's stated error.
+    Ambiguous,
+    /// It is beyond it.
+    Wrong,
+}
+
+/// The exact first hit.
+#[derive(Clone, Copy, Debug)]
+pub struct ExactHit {
+    /// Which sphere; the one that the ray leaves where its far wall is hit.
+    pub id: u32,
+    /// Distance along the ray, rounded to f64.
+    pub t: f64,
+}
+
+/// All that the judge knows of one ray.
+#[derive(Debug)]
+pub struct RayCase<'a> {
+    spheres: &'a SphereSet,
+    ray: &'a PathRay,
+    candidates: Vec<Candidate>,
+    first_hit: Option<ExactHit>,
+    occluded: bool,
+    origin_errors: [f64; 2],
+}
+
+/// A sphere that some stated error allows to be hit.
+#[derive(Debug)]
+struct Candidate {
+    id: u32,
+    sphere: Sphere,
+    approach: ClosestApproach,
+}
+
+/// First hits of one sphere for all the radii of its band.
+struct HitInterval {
+    /// The earliest of them.
+    earliest_possible: Option<TwoFloat>,
+    /// The latest of them, if every radius gives one.
+    latest_certain: Option<TwoFloat>,
+}
+
+/// Both roots of a line and a sphere, exact and then rounded to f64; `None` where it passes by.
+pub fn roots(origin: DVec3, direction: DVec3, sphere: &Sphere) -> Option<Roots> {
+    let approach = ClosestApproach::new(origin, direction, sphere);
+    let h = approach.half_chord(TwoFloat::from(sphere.radius))?;
+    Some(Roots { near: (approach.t - h).hi(), far: (approach.t + h).hi() })
+}
+
+/// The precision that covers all of those given.
+pub fn covering_precision(precisions: impl IntoIterator<Item = ErrorBound>) -> ErrorBound {
+    precisions.into_iter().fold(ErrorBound::default(), |a, b| ErrorBound {
+        particles: a.particles.max(b.particles),
+        giants: a.giants.max(b.giants),
+        rounds_origin: a.rounds_origin || b.rounds_origin,
+    })
+}
+
+impl<'a> RayCase<'a> {
+    /// Looks along a ray. `widest` covers the precision of every backend to be judged.
+    pub fn new(spheres: &'a SphereSet, ray: &'a PathRay, widest: &ErrorBound) -> Self {
+        let mut case = Self {
+            spheres,
+            ray,
+            candidates: Vec::new(),
+            first_hit: None,
+            occluded: false,
+            origin_errors: origin_errors(ray.origin),
+        };
+        case.find_candidates(widest);
+        case.find_first_hit();
+        case
+    }
+
+    /// The ray in question.
+    pub fn ray(&self) -> &'a PathRay {
+        self.ray
+    }
+
+    /// The exact first hit.
+    pub fn first_hit(&self) -> Option<ExactHit> {
+        self.first_hit
+    }
+
+    /// Whether anything lies between the ray's ends; the far wall is such an end.
+    pub fn occluded(&self) -> bool {
+        self.occluded
+    }
+
+    /// Judges the sphere that a backend found first, `None` for a miss, and what
+    /// [`SphereSet::answer`] made of it, which may be the far wall instead.
+    pub fn judge_closest(
+        &self,
+        found: Option<u32>,
+        answer: Option<u32>,
+        precision: &ErrorBound,
+    ) -> Verdict {
+        if answer == self.first_hit.map(|first| first.id) {
+            return Verdict::Equal;
+        }
+        let far_wall = (self.ray.t_exit < self.ray.t_max).then_some(self.ray.t_exit.into());
+        let earliest = match found {
+            None => far_wall,
+            Some(id) => match self.earliest_possible_hit(id, precision) {
+                Some(t) => Some(t),
+                None => return Verdict::Wrong,
+            },
+        };
+        let is_wrong = match earliest {
+            Some(earliest) => {
+                self.is_behind_other(found, earliest, precision)
+                    || far_wall.is_some_and(|far_wall| far_wall < earliest)
+            }
+            None => self.has_certain_hit(precision),
+        };
+        if is_wrong { Verdict::Wrong } else { Verdict::Ambiguous }
+    }
+
+    /// Whether a point on sphere `id` at distance `t` lies behind another sphere whatever the
+    /// radii. An ambiguous answer may: a sphere that the ray starts just inside of, and that an f32
+    /// backend meets from outside at once, resolves to its far root.
+    pub fn is_hidden(&self, id: u32, t: f64, precision: &ErrorBound) -> bool {
+        self.is_behind_other(Some(id), t.into(), precision)
+    }
+
+    /// Judges whether a backend found the way blocked.
+    pub fn judge_occluded(&self, blocked: bool, precision: &ErrorBound) -> Verdict {
+        let mut bands = self.candidates.iter().map(|candidate| self.hit_interval(candidate, precision));
+        let accepted = match blocked {
+            _ if blocked == self.occluded => return Verdict::Equal,
+            true => bands.any(|band| band.earliest_possible.is_some()),
+            false => !self.has_certain_hit(precision),
+        };
+        if accepted { Verdict::Ambiguous } else { Verdict::Wrong }
+    }
+
+    /// The error of a resolved distance, in units of what f64 is allowed: at most 1 if right.
+    ///
+    /// With `s = |o - c| + R` and `h` half the chord, allowed is `8 eps s (1 + |o - c| / h)`. At a
+    /// tangent `h` is itself the root of a rounding error, and allowed is `d + sqrt(2 (R + d) d)`
+    /// with `d = 8 eps s`: what a change of the radius by `d` does to a chord of length 0. The far
+    /// wall is part of the ray and must come back as it is.
+    pub fn distance_error(&self, id: u32, t: f64) -> f64 {
+        if id == self.ray.origin_sphere {
+            return if t == self.ray.t_exit { 0.0 } else { f64::INFINITY };
+        }
+        let sphere = self.spheres.sphere(id);
+        let approach = ClosestApproach::new(self.ray.origin, self.ray.direction, &sphere);
+        let half_chord = approach.half_chord(TwoFloat::from(sphere.radius));
+        let allowed = distance_tolerance(self.ray.origin, &sphere, half_chord.map(|h| h.hi()));
+        let h = half_chord.unwrap_or(TwoFloat::from(0.0));
+        let error = |root: TwoFloat| {
+            let expected = if root < self.ray.t_min { self.ray.t_min.into() } else { root };
+            ((expected - t).abs().hi()) / allowed
+        };
+        let (near, far) = (approach.t - h, approach.t + h);
+        // Where the near root lies at t_min within rounding, either root is right.
+        let gap = (near - self.ray.t_min).hi();
+        match () {
+            () if gap.abs() <= allowed => error(near).min(error(far)),
+            () if gap > 0.0 => error(near),
+            () => error(far),
+        }
+    }
+
+    /// The side on which the ray arrives at a sphere at distance `t`, as resolved; `None` where the
+    /// chord is too short for f64 to tell. A far wall is always reached from inside.
+    pub fn side(&self, id: u32, t: f64) -> Option<Side> {
+        if id == self.ray.origin_sphere {
+            return Some(Side::Inside);
+        }
+        let sphere = self.spheres.sphere(id);
+        let approach = ClosestApproach::new(self.ray.origin, self.ray.direction, &sphere);
+        let h = approach.half_chord(TwoFloat::from(sphere.radius))?.hi();
+        let can_tell = h > 2.0 * distance_tolerance(self.ray.origin, &sphere, Some(h));
+        can_tell.then(|| if approach.t < t { Side::Inside } else { Side::Outside })
+    }
+
+    fn find_candidates(&mut self, widest: &ErrorBound) {
+        let prefilter = Prefilter::new(self.ray);
+        let mut until = self.t_end() * (1.0 + 2.0 * INTERVAL_ROUNDING);
+        for id in 0..self.spheres.len() as u32 {
+            let sphere = self.spheres.sphere(id);
+            let error = self.radius_error(id, &sphere, widest);
+            if id == self.ray.origin_sphere
+                || id == self.ray.target_sphere
+                || !prefilter.may_hit(&sphere, error, until)
+            {
+                continue;
+            }
+            let approach = ClosestApproach::new(self.ray.origin, self.ray.direction, &sphere);
+            let candidate = Candidate { id, sphere, approach };
+            if let Some(t) = self.hit_interval(&candidate, widest).latest_certain {
+                until = until.min(t.hi() * (1.0 + f64::EPSILON));
+            }
+            self.candidates.push(candidate);
+        }
+    }
+
+    fn find_first_hit(&mut self) {
+        let mut first: Option<(u32, TwoFloat)> = None;
+        for candidate in &self.candidates {
+            let nearest = |&t: &TwoFloat| first.is_none_or(|(_, nearest)| t < nearest);
+            if let Some(t) = self.exact_hit(candidate).filter(nearest) {
+                first = Some((candidate.id, t));
+            }
+        }
+        self.occluded = first.is_some();
+        self.first_hit = match first {
+            Some((id, t)) => Some(ExactHit { id, t: t.hi() }),
+            None if self.ray.t_exit < self.ray.t_max => {
+                Some(ExactHit { id: self.ray.origin_sphere, t: self.ray.t_exit })
+            }
+            None => None,
+        };
+    }
+
+    /// Where the ray ends if it meets no other sphere.
+    fn t_end(&self) -> f64 {
+        self.ray.t_max.min(self.ray.t_exit)
+    }
+
+    fn exact_hit(&self, Candidate { sphere, approach, .. }: &Candidate) -> Option<TwoFloat> {
+        let h = approach.half_chord(TwoFloat::from(sphere.radius))?;
+        let near = approach.t - h;
+        let root = if near > self.ray.t_min { near } else { approach.t + h };
+        (root > self.ray.t_min && root < self.t_end()).then_some(root)
+    }
+
+    fn is_behind_other(&self, id: Option<u32>, t: TwoFloat, precision: &ErrorBound) -> bool {
+        let others = self.candidates.iter().filter(|candidate| Some(candidate.id) != id);
+        others.filter_map(|other| self.hit_interval(other, precision).latest_certain).any(|until| until < t)
+    }
+
+    fn has_certain_hit(&self, precision: &ErrorBound) -> bool {
+        self.candidates.iter().any(|candidate| self.hit_interval(candidate, precision).latest_certain.is_some())
+    }
+
+    fn earliest_possible_hit(&self, id: u32, precision: &ErrorBound) -> Option<TwoFloat> {
+        let candidate = self.candidates.iter().find(|candidate| candidate.id == id)?;
+        self.hit_interval(candidate, precision).earliest_possible
+    }
+
+    /// By how much the backend may be wrong about the sphere's radius.
+    fn radius_error(&self, id: u32, sphere: &Sphere, precision: &ErrorBound) -> f64 {
+        let is_particle = (id as usize) < self.spheres.particles().len();
+        let k = if is_particle { precision.particles } else { precision.giants };
+        let scale = self.ray.origin.distance(sphere.center) + sphere.radius;
+        let [split, rounded] = self.origin_errors;
+        k * F32_UNIT_ROUNDOFF * scale + if precision.rounds_origin { rounded } else { split }
+    }
+
+    fn hit_interval(&self, candidate: &Candidate, precision: &ErrorBound) -> HitInterval {
+        let error = self.radius_error(candidate.id, &candidate.sphere, precision);
+        HitInterval {
+            earliest_possible: self.earliest_in_band(candidate, error),
+            latest_certain: self.latest_in_band(candidate, error),
+        }
+    }
+
+    /// The earliest hit over all radii in the band. The near root moves towards the origin as the
+    /// radius grows, the far root away from it; a far root is first for those radii alone whose
+    /// near root lies at or before `t_min`.
+    fn earliest_in_band(&self, candidate: &Candidate, error: f64) -> Option<TwoFloat> {
+        let Candidate { sphere, approach, .. } = candidate;
+        let t_min = self.ray.t_min * (1.0 - INTERVAL_ROUNDING);
+        let t_max = self.t_end() * (1.0 + INTERVAL_ROUNDING);
+        let widest = approach.half_chord(TwoFloat::new_add(sphere.radius, error))?;
+        let narrowest = narrowest_half_chord(candidate, error).unwrap_or(TwoFloat::from(0.0));
+        let first_near = approach.t - widest;
+        if first_near > t_min {
+            return (first_near < t_max).then_some(first_near);
+        }
+        if approach.t - narrowest > t_min {
+            return Some(TwoFloat::from(t_min));
+        }
+        let first_far = approach.t + narrowest;
+        let last_far = approach.t + widest;
+        let first_far = if first_far > t_min { first_far } else { TwoFloat::from(t_min) };
+        (last_far > t_min && first_far < t_max).then_some(first_far)
+    }
+
+    /// The latest hit over all radii in the band, if each of them gives one.
+    fn latest_in_band(&self, candidate: &Candidate, error: f64) -> Option<TwoFloat> {
+        let approach = &candidate.approach;
+        let radius = TwoFloat::new_add(candidate.sphere.radius, error);
+        let (narrowest, widest) =
+            (narrowest_half_chord(candidate, error)?, approach.half_chord(radius)?);
+        let every_near_counts = approach.t - widest > self.ray.t_min;
+        let some_near_counts = approach.t - narrowest > self.ray.t_min;
+        let every_far_counts = approach.t + narrowest > self.ray.t_min;
+        let latest = match () {
+            () if every_near_counts => approach.t - narrowest,
+            () if some_near_counts || every_far_counts => approach.t + widest,
+            () => return None,
+        };
+        (latest < self.t_end()).then_some(latest)
+    }
+}
+
+/// Half the chord at the smallest radius of the band, if that is positive and the line meets it.
+fn narrowest_half_chord(candidate: &Candidate, error: f64) -> Option<TwoFloat> {
+    let radius = TwoFloat::new_sub(candidate.sphere.radius, error);
+    (radius > 0.0).then_some(radius).and_then(|radius| candidate.approach.half_chord(radius))
+}
+
+/// What the size of a ray's coordinates costs: where the origin is split in two f32, which keep 48
+/// bits of each coordinate; and where origin and boxes are rounded to one.
+fn origin_errors(origin: DVec3) -> [f64; 2] {
+    let unit = F32_UNIT_ROUNDOFF * origin.length();
+    let moved = origin.distance(origin.as_vec3().as_dvec3());
+    [2.0 * F32_UNIT_ROUNDOFF * unit, moved + unit]
+}
+
+/// What a resolved distance may be wrong by; `half_chord` is `None` where the line passes by.
+fn distance_tolerance(origin: DVec3, sphere: &Sphere, half_chord: Option<f64>) -> f64 {
+    let distance = origin.distance(sphere.center);
+    let moved = 8.0 * f64::EPSILON * (distance + sphere.radius);
+    let tangent = (2.0 * (sphere.radius + moved) * moved).sqrt();
+    match half_chord {
+        Some(h) if h > tangent => moved * (1.0 + distance / h),
+        Some(h) if h > 0.0 => (moved * (1.0 + distance / h)).max(moved + tangent),
+        _ => moved + tangent,
+    }
+}
+
+/// A conservative test in f64, for all spheres of a scene.
+struct Prefilter {
+    origin: DVec3,
+    direction: DVec3,
+    length: f64,
+    t_min: f64,
+}
+
+impl Prefilter {
+    /// What f64 may lose, as a share of the distance: 2^-40 where 2^-49 would do.
+    const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
+
+    fn new(ray: &PathRay) -> Self {
+        let PathRay { origin, direction, t_min, .. } = *ray;
+        Self {
+            origin,
+            direction,
+            length: direction.length(),
+            t_min: t_min * (1.0 - INTERVAL_ROUNDING),
+        }
+    }
+
+    /// Whether a hit before `until` is possible at all for radii that are off by at most `error`.
+    fn may_hit(&self, sphere: &Sphere, error: f64, until: f64) -> bool {
+        let to_center = sphere.center - self.origin;
+        let t = to_center.dot(self.direction) / (self.length * self.length);
+        let miss = (to_center - self.direction * t).length();
+        let margin = Self::MARGIN * (to_center.length() + sphere.radius);
+        let reach = sphere.radius + error + margin;
+        let half_chord = reach / self.length + Self::MARGIN * t.abs();
+        miss <= reach && t + half_chord >= self.t_min && t - half_chord <= until
+    }
+}
+
+#[cfg(test)]
+mod tests;

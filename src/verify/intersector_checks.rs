@@ -1,0 +1,119 @@
+//! Every intersector against the judge, on families of spheres that are hard in different ways.
+
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+use std::sync::Arc;
+
+use crate::accel::{Backend, BuildOptions};
+use crate::error::Result;
+use crate::geometry::{Sphere, SphereRows, SphereSet};
+use crate::math::DVec3;
+use crate::task::CancelToken;
+
+use super::check::{Check, Effort, TestStatistic, CheckGroup, CheckMeasurement};
+use super::crosscheck::{TestedBackend, CrosscheckResult, compare};
+use super::rays;
+
+/// Rays for each check: each is compared with every sphere by arithmetic of twice the digits.
+const RAYS: [usize; 3] = [2_000, 20_000, 200_000];
+
+/// Spheres by their number and the generator.
+type Family = fn(usize, &mut StdRng) -> Vec<Sphere>;
+
+/// The families with their names and numbers of spheres.
+const FAMILIES: [(&str, usize, Family); 5] = [
+    ("a gas of balls", 500, gas),
+    ("clusters inside clusters, over six decades", 300, clusters),
+    ("balls that overlap", 200, overlapping),
+    ("balls around one centre", 60, concentric),
+    ("giants among small balls", 103, giants),
+];
+
+/// A check for each family and intersector.
+pub fn checks(effort: Effort, backends: &[Backend]) -> Vec<Check> {
+    let rays = effort.select(RAYS);
+    let families = FAMILIES.iter().flat_map(|family| backends.iter().map(move |b| (family, *b)));
+    families
+        .map(|(&(title, count, family), backend)| {
+            let name = format!("{title}, {}", backend.name());
+            Check::new(CheckGroup::Crosscheck, name, move |cancel| {
+                measure(count, family, backend, rays, cancel)
+            })
+        })
+        .collect()
+}
+
+fn measure(
+    count: usize,
+    family: Family,
+    backend: Backend,
+    rays: usize,
+    cancel: &CancelToken,
+) -> Result<CheckMeasurement> {
+    let exact = family(count, &mut StdRng::seed_from_u64(count as u64));
+    let spheres = Arc::new(SphereSet::new(SphereRows { exact, table: Vec::new() })?);
+    let build = BuildOptions { threads: 1, cancel: cancel.clone(), ..Default::default() };
+    let accel = backend.build(&spheres, &build)?;
+    let contender = TestedBackend { name: backend.name(), accel: accel.as_ref() };
+    // Beams first: a backend finds them where the batches are cut.
+    let mut asked = rays::coherent(&spheres, rays / 2, 3);
+    let random = rays::random(&spheres, rays, 1);
+    asked.extend(rays::secondary(&spheres, accel.as_ref(), &random[..rays / 4], 2));
+    asked.extend(random);
+    asked.retain(|ray| rays::is_traceable(&spheres, ray));
+    let tally = compare(&spheres, &[contender], &asked, cancel)?.remove(0);
+    Ok(CheckMeasurement::new(TestStatistic::ErrorCount(tally.failures()), detail(&tally)))
+}
+
+fn detail(tally: &CrosscheckResult) -> String {
+    let first = tally.disagreements.first();
+    let first = first.map_or(String::new(), |ray| format!("; the first: {ray}"));
+    format!(
+        "{} rays: {} equal, {} within the stated rounding; largest error of a distance {:.2} of \
+         what is allowed{first}",
+        tally.rays, tally.exact, tally.ambiguous, tally.max_distance_error
+    )
+}
+
+fn random_point(rng: &mut StdRng) -> DVec3 {
+    DVec3::new(rng.random(), rng.random(), rng.random())
+}
+
+/// Random balls in the unit box, about eight mean free paths deep.
+fn gas(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
+    let radius = (8.0 / (std::f64::consts::PI * count as f64)).sqrt();
+    let ball = |_| Sphere { center: random_point(rng), radius: radius * rng.random_range(0.75..1.25) };
+    (0..count).map(ball).collect()
+}
+
+fn clusters(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
+    let ball = |_| {
+        let size = libm::pow(10.0, rng.random_range(-6.0..0.0));
+        let center = rays::uniform_direction(rng) * size + (random_point(rng) - 0.5) * (0.5 * size);
+        Sphere { center, radius: size * rng.random_range(0.01..0.1) }
+    };
+    (0..count).map(ball).collect()
+}
+
+fn overlapping(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
+    let ball = |_| Sphere { center: random_point(rng), radius: rng.random_range(0.2..0.8) };
+    (0..count).map(ball).collect()
+}
+
+fn concentric(count: usize, _: &mut StdRng) -> Vec<Sphere> {
+    let ball = |i| Sphere { center: DVec3::splat(0.5), radius: 0.1 + 0.01 * i as f64 };
+    (0..count).map(ball).collect()
+}
+
+/// Three spheres so large that f32 would move their surfaces by more than the small ones near them
+/// can bear, and those.
+fn giants(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
+    let giant = |_| {
+        let radius = libm::pow(10.0, rng.random_range(5.0..7.0));
+        Sphere { center: random_point(rng) + rays::uniform_direction(rng) * radius, radius }
+    };
+    let mut spheres: Vec<_> = (0..3).map(giant).collect();
+    let small = |_| Sphere { center: random_point(rng), radius: rng.random_range(0.002..0.01) };
+    spheres.extend((3..count).map(small));
+    spheres
+}

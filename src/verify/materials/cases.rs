@@ -1,0 +1,313 @@
+//! The materials that are checked, and what each of them promises.
+
+use crate::color::Rgb;
+use crate::material::{
+    Bsdf, Coat, Conductor, Dielectric, Diffuse, NAMED_IORS, Material, Metal, Mirror, Model, OrenNayar,
+    Phong, Plastic, Principled, PrincipledParameters,
+};
+use crate::sampling::Hemisphere;
+
+use super::super::check::Effort;
+
+/// A material to be checked.
+#[derive(Clone)]
+pub(in crate::verify) struct MaterialCase {
+    /// Its name and parameters.
+    pub(in crate::verify) name: String,
+    pub(super) material: Material,
+    /// The index of refraction beyond the surface over the one before.
+    pub(super) eta: f64,
+    pub(super) energy_bound: EnergyBound,
+    /// How far what it does with light may be off its promise, as its documentation says: as it is
+    /// drawn, and as it is evaluated.
+    pub(super) tolerance: Tolerance,
+    /// The roughness of its microfacets: those of its base, and of its coat.
+    pub(super) facet_roughnesses: Vec<f64>,
+    /// Whether the chi-square table has rows of it.
+    pub(in crate::verify) in_chi2_suite: bool,
+}
+
+/// How far an energy may be off what is promised.
+#[derive(Clone, Copy)]
+pub(super) struct Tolerance {
+    pub(super) sampled: f64,
+    pub(super) evaluated: f64,
+}
+
+/// What a model says of its energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum EnergyBound {
+    /// All light is sent on.
+    Lossless,
+    /// No more than all.
+    Passive,
+    /// It creates light and is not reciprocal, and is there to show that.
+    NonPhysical,
+}
+
+use EnergyBound::{Lossless, Passive, NonPhysical};
+
+/// Formulas without tables, or tables of smooth functions that rounding hides: what is off is rounding.
+const EXACT: Tolerance = Tolerance { sampled: 0.0, evaluated: 0.0 };
+/// Coats tell by a table over the cosine what they let through. What is interpolated, and the rule that
+/// integrates the nodes, may be off by this.
+const COATED: Tolerance = Tolerance { sampled: 5e-4, evaluated: 5e-4 };
+/// Metals give back the light between their facets by such a table. Drawn is what facets do, without
+/// it, but for how it changes within a part of the broad lobe.
+const METAL: Tolerance = Tolerance { sampled: 2e-4, ..COATED };
+/// Rough glass has two tables, and total reflection bends them between their nodes.
+const GLASS: Tolerance = Tolerance { sampled: 2e-4, evaluated: 2e-3 };
+/// What is drawn by a mixture is what is evaluated.
+const WITH_GLASS: Tolerance = Tolerance { sampled: 2e-3, ..GLASS };
+
+impl MaterialCase {
+    /// A material that light does not come through.
+    pub(super) fn opaque(name: impl Into<String>, model: Model, promise: EnergyBound) -> Self {
+        Self {
+            name: name.into(),
+            material: model.into(),
+            eta: 1.0,
+            energy_bound: promise,
+            tolerance: EXACT,
+            facet_roughnesses: Vec::new(),
+            in_chi2_suite: true,
+        }
+    }
+
+    /// With microfacets of a roughness, which have tables where they are not smooth.
+    fn with_roughness(self, roughness: f64, tolerance: Tolerance) -> Self {
+        if roughness == 0.0 {
+            return self;
+        }
+        Self { facet_roughnesses: [self.facet_roughnesses, vec![roughness]].concat(), tolerance, ..self }
+    }
+
+    fn without_chi2(self) -> Self {
+        Self { in_chi2_suite: false, ..self }
+    }
+
+    /// The material as it is met.
+    pub(in crate::verify) fn bsdf(&self) -> Bsdf<'_> {
+        self.material.bsdf(None, self.eta, Hemisphere::Cosine)
+    }
+
+    /// The material met from its other side.
+    pub(super) fn reversed_bsdf(&self) -> Bsdf<'_> {
+        self.material.bsdf(None, 1.0 / self.eta, Hemisphere::Cosine)
+    }
+}
+
+/// One material of every model, over their roughness; with full effort over many more of them, and
+/// of indices of refraction. Their names differ.
+pub(in crate::verify) fn material_cases(effort: Effort) -> Vec<MaterialCase> {
+    let mut all: Vec<MaterialCase> = [
+        diffuse(),
+        metals(&BASIC_ROUGHNESSES),
+        glass(),
+        plastic(1.5, &BASIC_ROUGHNESSES),
+        plastic_of_many_indices(),
+        principled(),
+        phong(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    if effort == Effort::Full {
+        all.extend([metals(&EXTRA_ROUGHNESSES), named_glasses(), plastics(), glass_of_many_indices(&EXTRA_ROUGHNESSES)].concat());
+    }
+    all
+}
+
+const BASIC_ROUGHNESSES: [f64; 5] = [0.0, 0.1, 0.4, 0.7, 1.0];
+/// Between and beyond [`FEW`].
+const EXTRA_ROUGHNESSES: [f64; 10] = [0.01, 0.02, 0.03, 0.05, 0.2, 0.3, 0.5, 0.6, 0.8, 0.9];
+
+/// A colour that tells its channels apart.
+const RED: Rgb = Rgb::new(0.9, 0.5, 0.1);
+
+fn diffuse() -> Vec<MaterialCase> {
+    let white = Model::Diffuse(Diffuse { albedo: Rgb::ONE });
+    let mut samples = vec![MaterialCase::opaque("white diffuse", white, Lossless)];
+    for roughness in [0.3, 1.0] {
+        for (color, albedo, promise) in [("white ", Rgb::ONE, Lossless), ("", RED, Passive)] {
+            let name = format!("{color}rough diffuse {roughness}");
+            let model = Model::OrenNayar(OrenNayar { albedo, roughness });
+            samples.push(MaterialCase::opaque(name, model, promise));
+        }
+    }
+    let mirror = Model::Mirror(Mirror { reflectance: Rgb::ONE });
+    samples.push(MaterialCase::opaque("mirror", mirror, Lossless));
+    samples
+}
+
+/// All of those that have names, and others.
+fn metals(roughness: &[f64]) -> Vec<MaterialCase> {
+    let lossless = Metal { ior: Rgb::ZERO, extinction: Rgb::ONE };
+    let mut samples = Vec::new();
+    for &roughness in roughness {
+        let metal = |name: &str, metal, promise| {
+            let name = format!("{name}, roughness {roughness}");
+            MaterialCase::opaque(name, Model::Conductor(metal), promise).with_roughness(roughness, METAL)
+        };
+        let is_tabled = roughness == 0.4 || roughness == 1.0;
+        for sample in [
+            metal("lossless metal", Conductor::new(lossless, roughness), Lossless),
+            metal("white metal", Conductor::from_color(Rgb::ONE, roughness), Lossless),
+            metal("red metal", Conductor::from_color(RED, roughness), Passive),
+        ] {
+            samples.push(MaterialCase { in_chi2_suite: is_tabled, ..sample });
+        }
+        // The other spelling of a name is the same metal.
+        for (name, constants) in Metal::NAMED.into_iter().filter(|(name, _)| *name != "aluminum") {
+            let named = metal(name, Conductor::new(constants, roughness), Passive);
+            samples.push(MaterialCase { in_chi2_suite: is_tabled && name == "gold", ..named });
+        }
+    }
+    samples
+}
+
+/// From both sides of a boundary between indices of the ratio `eta`; both share their tables.
+fn both_sides(eta: f64, roughness: f64) -> [MaterialCase; 2] {
+    let model = Model::Dielectric(Dielectric::new(eta, 0, roughness, &[1.0]));
+    [eta, 1.0 / eta].map(|eta| {
+        // Three digits where two would give two indices the same name.
+        let told = if eta < 0.2 { format!("{eta:.3}") } else { format!("{eta:.2}") };
+        let name = format!("glass, eta {told}, roughness {roughness}");
+        let tolerance = GLASS;
+        MaterialCase { eta, ..MaterialCase::opaque(name, model.clone(), Lossless) }.with_roughness(roughness, tolerance)
+    })
+}
+
+/// Lobes of little roughness are narrower than the cells of the chi-square table; that has rows of
+/// its own for indices that are nearly the same.
+fn glass() -> Vec<MaterialCase> {
+    let mut samples = Vec::new();
+    for roughness in [0.0, 0.01, 0.1, 0.3, 0.6, 1.0] {
+        for eta in [1.5, 2.4, 1.05] {
+            let is_tabled = roughness > 0.1 && eta != 1.05 && (eta < 2.0 || roughness == 0.6);
+            samples.extend(both_sides(eta, roughness).map(|s| MaterialCase { in_chi2_suite: is_tabled, ..s }));
+        }
+    }
+    for (eta, roughness) in
+        [(1.1, 0.4), (1.1, 1.0), (2.5, 0.2), (2.5, 1.0), (3.0, 1.0), (10.0, 1.0)]
+    {
+        let is_tabled = eta == 3.0;
+        samples.extend(both_sides(eta, roughness).map(|s| MaterialCase { in_chi2_suite: is_tabled, ..s }));
+    }
+    samples
+}
+
+fn glass_of_many_indices(roughness: &[f64]) -> Vec<MaterialCase> {
+    let each = |&roughness: &f64| {
+        [1.02, 1.1, 1.2, 1.33, 1.8, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0]
+            .into_iter()
+            .filter(move |&eta| (eta, roughness) != (2.5, 0.2))
+            .flat_map(move |eta| both_sides(eta, roughness).map(MaterialCase::without_chi2))
+    };
+    roughness.iter().flat_map(each).collect()
+}
+
+fn named_glasses() -> Vec<MaterialCase> {
+    let of = |(name, ior): (&str, f64)| {
+        [0.0, 0.25, 0.75].map(|roughness| {
+            let model = Model::Dielectric(Dielectric::new(ior, 0, roughness, &[1.0]));
+            let sample = MaterialCase::opaque(format!("{name}, roughness {roughness}"), model, Lossless);
+            // Air is too near to vacuum to have a rough boundary.
+            let facets = if ior < 1.01 { 0.0 } else { roughness };
+            MaterialCase { eta: ior, ..sample }.with_roughness(facets, GLASS).without_chi2()
+        })
+    };
+    NAMED_IORS.into_iter().flat_map(of).collect()
+}
+
+fn plastic(ior: f64, roughness: &[f64]) -> Vec<MaterialCase> {
+    let mut samples = Vec::new();
+    for &roughness in roughness {
+        for (color, albedo, promise) in [("white", Rgb::ONE, Lossless), ("red", RED, Passive)] {
+            let model = Model::Plastic(Plastic { albedo, coat: Coat::new(ior, roughness) });
+            let of_index = if ior == 1.5 { String::new() } else { format!("of index {ior}, ") };
+            let name = format!("{color} plastic, {of_index}roughness {roughness}");
+            let sample = MaterialCase::opaque(name, model, promise).with_roughness(roughness, COATED);
+            let is_tabled = ior == 1.5 && roughness != 0.1;
+            samples.push(MaterialCase { in_chi2_suite: is_tabled, ..sample });
+        }
+    }
+    samples
+}
+
+fn plastic_of_many_indices() -> Vec<MaterialCase> {
+    [1.1, 2.5].into_iter().flat_map(|ior| plastic(ior, &[0.0, 0.4])).collect()
+}
+
+fn plastics() -> Vec<MaterialCase> {
+    [1.02, 1.1, 1.33, 1.5, 2.0, 2.5, 4.0, 10.0]
+        .into_iter()
+        .flat_map(|ior| plastic(ior, &EXTRA_ROUGHNESSES))
+        .map(MaterialCase::without_chi2)
+        .collect()
+}
+
+/// Mixtures, white and coloured, of all their parts, from both sides.
+fn principled() -> Vec<MaterialCase> {
+    let plain = PrincipledParameters {
+        base_color: Rgb::ONE,
+        metallic: 0.0,
+        roughness: 0.5,
+        specular: 0.5,
+        ior: 1.5,
+        coat: 0.0,
+        coat_roughness: 0.3,
+        transmission: 0.0,
+    };
+    let mixed = PrincipledParameters { metallic: 0.3, transmission: 0.4, ..plain };
+    let dense = PrincipledParameters { roughness: 1.0, ior: 10.0, transmission: 0.5, ..plain };
+    let coated = PrincipledParameters { coat: 0.5, roughness: 0.9, specular: 1.0, ..mixed };
+    let mut samples = Vec::new();
+    for (name, eta, parameters) in [
+        ("matt", 1.0, plain),
+        ("mixture", 1.5, mixed),
+        ("mixture from inside", 1.0 / 1.5, mixed),
+        ("dense mixture", 10.0, dense),
+        ("dense mixture from inside", 0.1, dense),
+        ("smooth mixture", 1.5, PrincipledParameters { roughness: 0.0, ..mixed }),
+        ("matt, coated", 1.0, PrincipledParameters { coat: 1.0, ..plain }),
+        ("metal, coated", 1.0, PrincipledParameters { coat: 1.0, metallic: 1.0, ..plain }),
+        ("mixture, coated", 1.5, coated),
+        ("mixture, coated, from inside", 1.0 / 1.5, coated),
+    ] {
+        for (color, base_color) in [("white", Rgb::ONE), ("red", RED)] {
+            let is_lossless = color == "white" && parameters.coat == 0.0;
+            let promise = if is_lossless { Lossless } else { Passive };
+            let parameters = PrincipledParameters { base_color, ..parameters };
+            let model = Model::Principled(Principled::new(parameters, &[1.0]));
+            let sample = MaterialCase::opaque(format!("principled {color} {name}"), model, promise);
+            let sample = MaterialCase { eta, in_chi2_suite: color == "red", ..sample };
+            let is_coated = parameters.coat > 0.0;
+            let coat = if is_coated { parameters.coat_roughness } else { 0.0 };
+            let is_glassy = parameters.transmission > 0.0;
+            let tables = if is_glassy { WITH_GLASS } else { COATED };
+            samples.push(sample.with_roughness(coat, tables).with_roughness(parameters.roughness, tables));
+        }
+    }
+    samples
+}
+
+fn phong() -> Vec<MaterialCase> {
+    let phong = |exponent, normalized| {
+        let (albedo, specular) = (Rgb::splat(0.3), Rgb::splat(0.7));
+        Model::Phong(Phong { albedo, specular, exponent, normalized })
+    };
+    let of = |exponent: f64| {
+        MaterialCase::opaque(format!("phong, exponent {exponent}"), phong(exponent, true), Passive)
+    };
+    let classic = |exponent: f64| {
+        MaterialCase::opaque(
+            format!("classic phong, exponent {exponent}"),
+            phong(exponent, false),
+            NonPhysical,
+        )
+    };
+    let untabled = |sample: MaterialCase| sample.without_chi2();
+    let others = [classic(1.0), classic(30.0)].map(untabled);
+    [vec![of(3.0), of(30.0), of(300.0), classic(3.0)], others.into()].concat()
+}
