@@ -1,7 +1,7 @@
 //! The one error type of the library.
 //!
 //! An [`Error`] is opaque so that it can grow; callers ask it questions ([`Error::category`],
-//! [`Error::mistakes`]) and print it. Mistakes in a scene keep their place in the source text, so
+//! [`Error::diagnostics`]) and print it. Mistakes in a scene keep their place in the source text, so
 //! that the command line can draw an excerpt with a caret under the culprit.
 
 use std::fmt;

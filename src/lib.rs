@@ -1,16 +1,15 @@
 //! photosphere: a physically based Monte Carlo path tracer for scenes made of spheres.
 //!
-//! A scene walks in at one end, as values or as a file, pictures walk out at the other, and nothing
-//! walks back:
+//! Data flows in one direction: a scene enters as values or as a file, pictures leave at the other
+//! end.
 //!
 //! ```text
-//! Description -> Scene -> accel -> integrator -> film -> job -> output
+//! SceneDescription -> Scene -> accel -> integrator -> film -> job -> image_io
 //! ```
 //!
-//! [`scene::Builder`] makes a scene, [`job::run`] renders it; README.md has an example.
+//! [`scene::SceneBuilder`] makes a scene, [`job::run`] renders it; README.md has an example.
 //!
-//! Each module is one room of that street; ARCHITECTURE.md says what lives where and which room may
-//! use which. `docs/conventions.md` defines every symbol and unit once.
+//! ARCHITECTURE.md says what each module holds and which module may use which. `docs/conventions.md` defines every symbol and unit once.
 
 pub mod accel;
 pub mod camera;

@@ -3,7 +3,9 @@
 use criterion::{Criterion, Throughput};
 
 use photosphere::color::{PathRadiance, Rgb};
-use photosphere::film::{BLOCK_SIZE, Film, FilmFormat, FilmFrame, Aov, SampleRun, RadianceScale, required_layers};
+use photosphere::film::{
+    Aov, BLOCK_SIZE, Film, FilmFormat, FilmFrame, RadianceScale, SampleRun, required_layers,
+};
 
 const SIDE: u32 = 128;
 
@@ -46,7 +48,8 @@ fn add_block(light: &[PathRadiance], film: &Film) {
     let counts = vec![BLOCK_SIZE; light.len() / BLOCK_SIZE as usize];
     for tile in 0..film.frame().tile_count() {
         let pixels = film.frame().tile(tile).pixel_count();
-        let run = SampleRun { radiance: &light[..pixels * BLOCK_SIZE as usize], visible_surfaces: &[] };
+        let run =
+            SampleRun { radiance: &light[..pixels * BLOCK_SIZE as usize], visible_surfaces: &[] };
         film.add(tile, &counts[..pixels], run).expect("nothing is too bright");
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use criterion::{Criterion, Throughput};
 
-use photosphere::accel::{BuildOptions, BackendChoice};
+use photosphere::accel::{BackendChoice, BuildOptions};
 use photosphere::generate::{Arrangement, Recipe, scene_text, write_rows};
 use photosphere::job::render_with_accel;
 use photosphere::scene::{Override, PreparedScene, read_file};

@@ -7,7 +7,7 @@ use criterion::{BenchmarkId, Criterion, Throughput};
 
 use photosphere::accel::{Backend, BuildOptions};
 use photosphere::color::PathRadiance;
-use photosphere::integrator::{SampleAddress, Workspace, RenderContext, create};
+use photosphere::integrator::{RenderContext, SampleAddress, Workspace, create};
 use photosphere::math::Isa;
 use photosphere::scene::{PreparedScene, read_file};
 use photosphere::task::CancelToken;

@@ -61,19 +61,23 @@ impl Backend {
         match self {
             Self::Native => Ok(Box::new(native::NativeAccel::new(Arc::clone(spheres), options)?)),
             #[cfg(feature = "embree")]
-            Self::Embree => {
-                Ok(Box::new(embree::Embree::build(spheres, embree::ParticleGeometry::Points, options)?))
-            }
+            Self::Embree => Ok(Box::new(embree::Embree::build(
+                spheres,
+                embree::ParticleGeometry::Points,
+                options,
+            )?)),
             #[cfg(feature = "embree")]
-            Self::EmbreeUser => {
-                Ok(Box::new(embree::Embree::build(spheres, embree::ParticleGeometry::User, options)?))
-            }
+            Self::EmbreeUser => Ok(Box::new(embree::Embree::build(
+                spheres,
+                embree::ParticleGeometry::User,
+                options,
+            )?)),
             Self::BruteForce => Ok(Box::new(brute_force::BruteForce::new(spheres.clone()))),
             #[cfg(not(feature = "embree"))]
             Self::Embree | Self::EmbreeUser => {
                 Err(Error::backend(format!("this build has no `{}` intersector", self.name()))
                     .with_help("build with the default features, or choose another intersector")
-                    .with_setting(crate::error::Suggestion::Intersector, "native"))
+                    .with_suggestion(crate::error::Suggestion::Intersector, "native"))
             }
         }
     }

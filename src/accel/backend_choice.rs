@@ -106,9 +106,15 @@ mod tests {
         let backend = |spheres, instance| select_for(spheres, instance).backend;
         for instance in KernelIsa::ALL {
             assert_eq!(backend(0, *instance), Backend::BruteForce);
-            assert_eq!(backend(BackendChoice::BRUTE_FORCE_MAX_SPHERES, *instance), Backend::BruteForce);
+            assert_eq!(
+                backend(BackendChoice::BRUTE_FORCE_MAX_SPHERES, *instance),
+                Backend::BruteForce
+            );
         }
-        assert_eq!(backend(BackendChoice::BRUTE_FORCE_MAX_SPHERES + 1, KernelIsa::Avx2), Backend::Native);
+        assert_eq!(
+            backend(BackendChoice::BRUTE_FORCE_MAX_SPHERES + 1, KernelIsa::Avx2),
+            Backend::Native
+        );
         assert_eq!(backend(1_000_000, KernelIsa::Avx512), Backend::Native);
         let without_vectors =
             if cfg!(feature = "embree") { Backend::Embree } else { Backend::Native };

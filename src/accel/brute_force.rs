@@ -46,7 +46,12 @@ impl BruteForce {
             self.isa.run(InitHits { rays, found: &mut found });
             for first in (0..self.sphere_count()).step_by(EARLY_OUT_INTERVAL) {
                 let ids = first..self.sphere_count().min(first + EARLY_OUT_INTERVAL as u32);
-                self.isa.run(IntersectSpheres { rays, spheres: &self.spheres, ids, found: &mut found });
+                self.isa.run(IntersectSpheres {
+                    rays,
+                    spheres: &self.spheres,
+                    ids,
+                    found: &mut found,
+                });
                 if found.id.0[..blocked.len()].iter().all(|&id| id != NO_SPHERE) {
                     break;
                 }
@@ -67,11 +72,23 @@ impl Accel for BruteForce {
         self.occluded_blocks(&to_path_rays(rays), blocked);
     }
 
-    fn closest_path_rays(&self, _: &SphereSet, rays: &PathRays, _: &mut Vec<Ray>, hits: &mut [Hit]) {
+    fn closest_path_rays(
+        &self,
+        _: &SphereSet,
+        rays: &PathRays,
+        _: &mut Vec<Ray>,
+        hits: &mut [Hit],
+    ) {
         self.closest_blocks(rays, hits);
     }
 
-    fn occluded_path_rays(&self, _: &SphereSet, rays: &PathRays, _: &mut Vec<Ray>, blocked: &mut [bool]) {
+    fn occluded_path_rays(
+        &self,
+        _: &SphereSet,
+        rays: &PathRays,
+        _: &mut Vec<Ray>,
+        blocked: &mut [bool],
+    ) {
         self.occluded_blocks(rays, blocked);
     }
 
@@ -151,7 +168,8 @@ impl SimdKernel for IntersectSpheres<'_> {
                 let per_length_squared = found.inv_length_squared.0[lane];
                 let t = sphere.nearer_root(origin, direction, per_length_squared, t_min);
                 // Without branches, which would keep the loop from becoming vector instructions.
-                let is_excluded = (rays.origin_sphere.0[lane] == id) | (rays.target_sphere.0[lane] == id);
+                let is_excluded =
+                    (rays.origin_sphere.0[lane] == id) | (rays.target_sphere.0[lane] == id);
                 let is_nearer = (t > t_min) & (t < nearest) & !is_excluded;
                 found.t.0[lane] = if is_nearer { t } else { nearest };
                 found.id.0[lane] = if is_nearer { id } else { id_before };

@@ -17,8 +17,8 @@ pub trait Accel: Send + Sync {
     /// Whether each ray hits anything. The slices have equal lengths.
     fn occluded(&self, rays: &[Ray], blocked: &mut [bool]);
 
-    /// [`Self::closest`] for the f64 rays of paths. Most backends are asked with [`SphereSet::ask`] of
-    /// each, for which `asked` is room; one that computes in f64 may take them as they are.
+    /// [`Self::closest`] for the f64 rays of paths. Most backends are asked with [`SphereSet::to_query`] of
+    /// each, for which `queries` is room; one that computes in f64 may take them as they are.
     fn closest_path_rays(
         &self,
         spheres: &SphereSet,

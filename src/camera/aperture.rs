@@ -20,7 +20,8 @@ pub struct Aperture {
 impl Aperture {
     /// A point of the opening, from `u` in `[0, 1)^2`.
     pub fn sample(&self, u: [f64; 2]) -> [f64; 2] {
-        let unit = if self.blades == 0 { sample_concentric_disk(u) } else { self.sample_polygon(u) };
+        let unit =
+            if self.blades == 0 { sample_concentric_disk(u) } else { self.sample_polygon(u) };
         unit.map(|x| x * self.radius)
     }
 

@@ -125,7 +125,10 @@ impl Camera {
                 let direction = self.forward + self.right_edge * across + self.top_edge * upwards;
                 let [lens_x, lens_y] = thin.aperture.sample(lens);
                 let offset = self.right * lens_x + self.up * lens_y;
-                self.spawn_from_lens(self.position + offset, direction - offset / thin.focus_distance)
+                self.spawn_from_lens(
+                    self.position + offset,
+                    direction - offset / thin.focus_distance,
+                )
             }
             CameraModel::Orthographic { .. } => {
                 let origin = self.position + self.right_edge * across + self.top_edge * upwards;
@@ -142,7 +145,7 @@ impl Camera {
         }
     }
 
-    /// [`Self::ray`] of a pinhole camera.
+    /// [`Self::generate_ray`] of a pinhole camera.
     #[inline(always)]
     pub fn generate_pinhole_ray(&self, x: f64, y: f64) -> PathRay {
         let [across, upwards] = self.to_ndc(x, y);
@@ -161,7 +164,7 @@ impl Camera {
         matches!(self.model, CameraModel::Perspective { lens: None, .. })
     }
 
-    /// Whether [`Self::ray`] heeds the place on the lens.
+    /// Whether [`Self::generate_ray`] heeds the place on the lens.
     pub fn has_lens(&self) -> bool {
         matches!(self.model, CameraModel::Perspective { lens: Some(_), .. })
     }
@@ -222,7 +225,8 @@ impl Camera {
 
     /// From the middle of the picture to a corner that lies `margin` pixels outside.
     fn half_diagonal(&self, margin: f64) -> f64 {
-        let axis = |axis: usize| self.half_extent[axis] * (1.0 + 2.0 * margin / self.resolution[axis]);
+        let axis =
+            |axis: usize| self.half_extent[axis] * (1.0 + 2.0 * margin / self.resolution[axis]);
         let (across, upwards) = (axis(0), axis(1));
         (across * across + upwards * upwards).sqrt()
     }

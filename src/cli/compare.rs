@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::color::Rgb;
 use crate::error::{Error, Result};
-use crate::image_io::{self, BEAUTY, LayeredImage, ImageWriter};
+use crate::image_io::{self, BEAUTY, ImageWriter, LayeredImage};
 use crate::report::compare::{Comparison, Pair, VARIANCE};
 
 use super::args::CompareArgs;
@@ -50,7 +50,8 @@ fn check_heatmap(args: &CompareArgs) -> Result<()> {
 
 /// Reads the pictures, and refuses those that cannot be compared.
 fn read(args: &CompareArgs) -> Result<Pair> {
-    let (mut a, mut b) = (image_io::read_image(&args.picture)?, image_io::read_image(&args.reference)?);
+    let (mut a, mut b) =
+        (image_io::read_image(&args.picture)?, image_io::read_image(&args.reference)?);
     forget_equal_infinities(&mut a, &mut b);
     let is_compared =
         |name: &str| args.layers.is_empty() || args.layers.iter().any(|layer| layer == name);

@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use crate::accel::Backend;
 use crate::error::{Error, Result};
-use crate::image_io::{self, BEAUTY, AtomicFile};
+use crate::image_io::{self, AtomicFile, BEAUTY};
 use crate::report::convergence::{ConvergenceReport, ReferenceOrigin};
-use crate::scene::settings::{ImageSettings, IntegratorSettings, IntegratorKind};
+use crate::scene::settings::{ImageSettings, IntegratorKind, IntegratorSettings};
 use crate::scene::{Override, Settings, read_file};
 use crate::verify::converge::{ErrorMetric, Reference, ReferenceFrom, Series, Study, Variant};
 

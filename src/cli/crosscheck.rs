@@ -10,8 +10,8 @@ use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, SphereSet};
 use crate::math::{DVec3, NO_SPHERE};
-use crate::scene::{Scene, PreparedScene, read_file};
-use crate::verify::crosscheck::{self, TestedBackend, Disagreement, CrosscheckResult};
+use crate::scene::{PreparedScene, Scene, read_file};
+use crate::verify::crosscheck::{self, CrosscheckResult, Disagreement, TestedBackend};
 use crate::verify::rays;
 
 use super::args::CrosscheckArgs;
@@ -46,8 +46,10 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
         .iter()
         .map(|backend| Ok((backend.name(), backend.build(spheres, &build)?)))
         .collect::<Result<_>>()?;
-    let contenders: Vec<TestedBackend<'_>> =
-        backends.iter().map(|(name, accel)| TestedBackend { name, accel: accel.as_ref() }).collect();
+    let contenders: Vec<TestedBackend<'_>> = backends
+        .iter()
+        .map(|(name, accel)| TestedBackend { name, accel: accel.as_ref() })
+        .collect();
 
     let of_scene = rays_of_shot(&shot, bouncer(spheres).build(spheres, &build)?.as_ref(), args);
     let left = args.rays as usize - of_scene.len();

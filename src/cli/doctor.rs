@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::accel::{self, Accel, Backend, BuildOptions, BackendChoice, SelectedBackend, EmbreeInfo};
+use crate::accel::{
+    self, Accel, Backend, BackendChoice, BuildOptions, EmbreeInfo, SelectedBackend,
+};
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use crate::math::{DVec3, Hit};

@@ -11,7 +11,7 @@ use miette::{
     Report, ReportHandler,
 };
 
-use crate::error::{Error, Diagnostic, SourceLocation, Suggestion};
+use crate::error::{Diagnostic, Error, SourceLocation, Suggestion};
 
 use super::print;
 

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::accel::Backend;
 use crate::error::{Error, Result};
 use crate::film::Aov;
-use crate::job::{MemoryPlan, MemoryPhase};
+use crate::job::{MemoryPhase, MemoryPlan};
 use crate::scene::SceneFile;
 use crate::scene::description::ColorStorage;
 
@@ -123,8 +123,17 @@ pub(super) fn table(file: &SceneFile) -> String {
 /// The plan for programs.
 pub(super) fn json(file: &SceneFile) -> Value {
     let backend = |(name, plan): (&str, MemoryPlan)| {
-        let MemoryPlan { spheres, rows, colors, emitters: lamps, background, accel: tree, accel_build: build, film, program } =
-            plan;
+        let MemoryPlan {
+            spheres,
+            rows,
+            colors,
+            emitters: lamps,
+            background,
+            accel: tree,
+            accel_build: build,
+            film,
+            program,
+        } = plan;
         json!({
             "accel": name,
             "sphere_bytes": spheres,

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::image_io::AtomicFile;
-use crate::job::merge::{MergedRender, MergeOptions, merge};
+use crate::job::merge::{MergeOptions, MergedRender, merge};
 
 use super::args::MergeArgs;
 use super::exit::Exit;

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
-use crate::film::{FilmFrame, Aov, Layer};
+use crate::film::{Aov, FilmFrame, Layer};
 use crate::image_io::Picture;
-use crate::image_io::{WriteOptions, ImageWriter};
-use crate::job::{OutputSpec, FilePath, Metadata, frame_crop};
+use crate::image_io::{ImageWriter, WriteOptions};
+use crate::job::{FilePath, Metadata, OutputSpec, frame_crop};
 
 /// The files that a picture goes to.
 pub(super) struct Outputs {
@@ -82,11 +82,21 @@ impl Outputs {
     }
 
     /// What they say of a picture; `quickly` where somebody waits for the end of writing it.
-    pub(super) fn notes(&self, frame: &FilmFrame, metadata: &Metadata, quickly: bool) -> PictureNotes {
+    pub(super) fn notes(
+        &self,
+        frame: &FilmFrame,
+        metadata: &Metadata,
+        quickly: bool,
+    ) -> PictureNotes {
         let mut metadata = metadata.clone();
         metadata.run = metadata.run.filter(|_| self.with_run);
         let cropped_from = frame_crop(frame);
-        let notes = WriteOptions { crop_window: cropped_from, view_transform: self.look, metadata: Vec::new(), fast: quickly };
+        let notes = WriteOptions {
+            crop_window: cropped_from,
+            view_transform: self.look,
+            metadata: Vec::new(),
+            fast: quickly,
+        };
         PictureNotes { notes, metadata, layers: self.layers.clone() }
     }
 }

@@ -36,7 +36,8 @@ impl ProgressState {
     /// The state of work that began at some time, and takes so many samples.
     pub(super) fn since(began: Instant, samples_done: u64, samples_total: u64) -> Self {
         let left = samples_total.saturating_sub(samples_done);
-        let estimate = Eta { elapsed: began.elapsed(), samples: samples_done, samples_left: left..left };
+        let estimate =
+            Eta { elapsed: began.elapsed(), samples: samples_done, samples_left: left..left };
         Self {
             samples_done,
             samples_total,

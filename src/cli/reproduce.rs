@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::error::{Error, Result};
-use crate::image_io::{self, WriteOptions, RawChannel, ImageWriter};
+use crate::image_io::{self, ImageWriter, RawChannel, WriteOptions};
 use crate::job::reproduce::{ReproduceOptions, Reproduction, read_metadata, reproduce};
 use crate::job::{Metadata, frame_crop, is_checkpoint};
 use crate::report::{in_standard_errors, in_steps};
@@ -59,8 +59,11 @@ fn refuse_part(path: &Path) -> Result<()> {
 fn render(args: &ReproduceArgs, said: &Metadata) -> Result<Reproduction> {
     let interrupt = interrupt::listen();
     let (progress, began) = (ProgressDisplay::new(args.quiet), Instant::now());
-    let again =
-        ReproduceOptions { folder: folder(args, said), backend: args.accel, cancel: interrupt.cancel() };
+    let again = ReproduceOptions {
+        folder: folder(args, said),
+        backend: args.accel,
+        cancel: interrupt.cancel(),
+    };
     let result = reproduce(said, &again, &|done, total| {
         progress.show(&ProgressState::since(began, done, total));
     });

@@ -1,7 +1,7 @@
 //! `photosphere resume`: a render goes on from its checkpoint.
 
 use crate::error::{Error, Result};
-use crate::job::{Checkpoint, OutputSpec, FilePath, StopCriteria};
+use crate::job::{Checkpoint, FilePath, OutputSpec, StopCriteria};
 
 use super::args::ResumeArgs;
 use super::exit::Exit;

@@ -3,7 +3,7 @@
 use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
 use crate::image_io::AtomicFile;
-use crate::integrator::{self, SampleAddress, RenderContext};
+use crate::integrator::{self, RenderContext, SampleAddress};
 use crate::report::path;
 use crate::scene::{PreparedScene, read_file};
 use crate::task::CancelToken;

@@ -9,8 +9,8 @@ use crate::image_io::AtomicFile;
 use crate::job::Observer;
 use crate::report::checks::{self, CheckEntry};
 use crate::task::CancelToken;
-use crate::verify::check::{self, Check, Effort, run_all, split_significance};
 use crate::verify::all_checks_on;
+use crate::verify::check::{self, Check, Effort, run_all, split_significance};
 
 use super::args::VerifyArgs;
 use super::exit::Exit;

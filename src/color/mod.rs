@@ -1,12 +1,12 @@
 //! Colours: linear Rec. 709 radiance and reflectance, and the ways to the screen.
 
-mod visible_surface;
 mod view_transform;
+mod visible_surface;
 
 use std::sync::LazyLock;
 
+pub use view_transform::{ToneCurve, ViewTransform};
 pub use visible_surface::{NO_ROW, VisibleSurface};
-pub use view_transform::{ViewTransform, ToneCurve};
 
 /// Red, green, blue in linear Rec. 709. Radiance is in W/(sr m^2) per channel.
 pub type Rgb = glam::Vec3;
@@ -76,7 +76,8 @@ mod tests {
         let by_curve = |light: f32| (srgb_from_linear(light) * 255.0).round() as u8;
         // Every 997th float from 0 to beyond 1, and around each place where the step changes.
         let all = (0..1.5f32.to_bits()).step_by(997);
-        let edges = SRGB8_THRESHOLDS.iter().flat_map(|edge| edge.to_bits() - 1..=edge.to_bits() + 1);
+        let edges =
+            SRGB8_THRESHOLDS.iter().flat_map(|edge| edge.to_bits() - 1..=edge.to_bits() + 1);
         for light in all.chain(edges).map(f32::from_bits) {
             assert_eq!(srgb8_from_linear(light), by_curve(light), "{light:e}");
         }

@@ -19,7 +19,7 @@ pub struct VisibleSurface {
     pub distance: f32,
     /// In the scene's coordinates; 0 for nothing.
     pub position: Vec3,
-    /// The sphere, by its row in the scene; [`NOTHING`] for nothing.
+    /// The sphere, by its row in the scene; [`NO_ROW`] for nothing.
     pub row: u32,
 }
 

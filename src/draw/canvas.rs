@@ -46,7 +46,7 @@ impl Canvas {
         );
     }
 
-    /// Writes words; `anchor` is `start`, `middle` or `end`, which lies at the place.
+    /// Writes words; `anchor` is `start`, `center` or `end`, which lies at the place.
     pub fn text(&mut self, class: &str, anchor: &str, at: DVec2, text: &str) {
         self.svg += &format!(
             "<text class=\"{class}\" text-anchor=\"{anchor}\" x=\"{:.1}\" y=\"{:.1}\">{}</text>\n",

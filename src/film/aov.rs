@@ -93,12 +93,23 @@ pub const AOVS: [AovInfo; 16] = [
     aov_info(Aov::Variance, "variance", RGB, MergeRule::SumsOfSquares),
     aov_info(Aov::Mean(Layer::Alpha), "alpha", ONE, MergeRule::Sums),
     aov_info(Aov::Cryptomatte(CryptomatteKind::Sphere), "crypto_sphere", ONE, MergeRule::Coverage),
-    aov_info(Aov::Cryptomatte(CryptomatteKind::Material), "crypto_material", ONE, MergeRule::Coverage),
+    aov_info(
+        Aov::Cryptomatte(CryptomatteKind::Material),
+        "crypto_material",
+        ONE,
+        MergeRule::Coverage,
+    ),
     aov_info(Aov::Cryptomatte(CryptomatteKind::Table), "crypto_table", ONE, MergeRule::Coverage),
 ];
 
 impl Aov {
-    /// Those of a picture where nothing else is said.
+    /// The albedo of the first surface.
+    pub const ALBEDO: Self = Self::Mean(Layer::Albedo);
+
+    /// The normal of the first surface.
+    pub const NORMAL: Self = Self::Mean(Layer::Normal);
+
+    /// The layers of a picture unless others are asked for.
     pub const DEFAULT: [Self; 2] = [Self::Mean(Layer::Direct), Self::Mean(Layer::Indirect)];
 
     /// Its row in the table.

@@ -71,7 +71,8 @@ impl Tile {
         }
         // An empty list stands for zeros; what finished pixels have is zero too.
         for pixel in (0..self.counts.len()).filter(|&pixel| self.counts[pixel] % BLOCK_SIZE != 0) {
-            for plane in self.partial_blocks.chunks_exact(self.counts.len()).take(plan.sum_count()) {
+            for plane in self.partial_blocks.chunks_exact(self.counts.len()).take(plan.sum_count())
+            {
                 to.extend(plane[pixel].to_bits().to_le_bytes());
             }
         }

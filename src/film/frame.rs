@@ -95,7 +95,9 @@ mod tests {
             assert_eq!(places, window.pixel_coords().collect::<Vec<_>>());
             for tile in 0..frame.tile_count() {
                 let place = frame.tile(tile);
-                assert!(place.pixel_coords().all(|pixel| frame.tile_containing(pixel) == Some(tile)));
+                assert!(
+                    place.pixel_coords().all(|pixel| frame.tile_containing(pixel) == Some(tile))
+                );
                 let wholes = |of: &usize| whole.tile(*of).intersection(&place).is_some();
                 assert_eq!((0..whole.tile_count()).filter(wholes).count(), 1, "{place:?}");
             }

@@ -7,7 +7,7 @@ use super::exact_sum::{U192, step_for_exponent};
 
 /// A layer whose pixels are means over their samples.
 ///
-/// To add one, add a variant, let the compiler find its places below, and give [`Radiance`] or [`Seen`]
+/// To add one, add a variant, let the compiler find its places below, and give [`PathRadiance`] or [`VisibleSurface`]
 /// the value that an integrator fills in. A film without the layer spends nothing on it. What is not a mean, such
 /// as the id at a pixel's centre, is no layer of the film: it does not depend on the samples and can
 /// be computed when the picture is written.
@@ -169,8 +169,12 @@ impl<'a> SampleRun<'a> {
     /// The first `count` samples, and the others.
     pub fn split_at(&self, count: usize) -> (Self, Self) {
         let (light, other_light) = self.radiance.split_at(count);
-        let (seen, other_seen) = self.visible_surfaces.split_at(count.min(self.visible_surfaces.len()));
-        (Self { radiance: light, visible_surfaces: seen }, Self { radiance: other_light, visible_surfaces: other_seen })
+        let (seen, other_seen) =
+            self.visible_surfaces.split_at(count.min(self.visible_surfaces.len()));
+        (
+            Self { radiance: light, visible_surfaces: seen },
+            Self { radiance: other_light, visible_surfaces: other_seen },
+        )
     }
 }
 
@@ -273,7 +277,10 @@ mod tests {
         assert_eq!(exponent(f32::MAX), 128);
         assert_eq!(exponent(f32::from_bits(1)), -149);
         for exponent in [-149, 0, 128] {
-            assert_eq!(RadianceScale::from_exponent(exponent).map(RadianceScale::exponent), Some(exponent));
+            assert_eq!(
+                RadianceScale::from_exponent(exponent).map(RadianceScale::exponent),
+                Some(exponent)
+            );
         }
         assert_eq!(RadianceScale::from_exponent(129), None);
     }

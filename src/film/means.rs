@@ -13,7 +13,8 @@ impl Film {
     /// The mean of every pixel. A pixel without samples is black; one whose samples were all left out
     /// is not a number.
     pub fn picture(&self) -> Picture {
-        let color = |layer| self.mean(layer).unwrap_or_else(|| vec![[0.0; 3]; self.frame.pixel_count()]);
+        let color =
+            |layer| self.mean(layer).unwrap_or_else(|| vec![[0.0; 3]; self.frame.pixel_count()]);
         let colors = |layer| color(layer).into_iter().map(Rgb::from_array).collect();
         Picture {
             width: self.frame.window.width as usize,
@@ -131,6 +132,6 @@ impl Film {
 
 /// What the sum of so many samples is divided by.
 fn divisor(samples: u32) -> u32 {
-    let samples = if fault!(DividedByN) { samples / 4 } else { samples };
+    let samples = if fault!(DividedByWrongCount) { samples / 4 } else { samples };
     samples.max(1)
 }

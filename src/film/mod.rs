@@ -1,7 +1,7 @@
 //! Sums of samples per pixel, exact, so that no order and no split can change a bit of a picture.
 //!
 //! Sixteen consecutive samples of a pixel are a block and are added in index order, in f64. Finished
-//! blocks are rounded once, to steps that the scene fixes ([`Scale`]), and added as whole numbers: so
+//! blocks are rounded once, to steps that the scene fixes ([`RadianceScale`]), and added as whole numbers: so
 //! threads, passes, stops, ranges of samples and windows of the picture may come in any order. The last
 //! and unfinished block of a pixel is kept as the running sum that it is, and the next sample goes on
 //! with that.
@@ -13,28 +13,28 @@
 //! can be made of it while others are adding. Of a tile's pixels, every one is then at a whole call of
 //! [`Film::add`].
 
+mod aov;
 mod encoding;
 mod estimate;
 mod exact_sum;
 mod frame;
-mod aov;
 mod layer;
 mod means;
 #[cfg(test)]
 mod tests;
 mod tile;
 
+pub use aov::{AOVS, Aov, CryptomatteKind, MergeRule, required_layers};
 pub use estimate::PixelEstimate;
 pub use frame::{FilmFrame, TILE_SIZE};
-pub use aov::{CryptomatteKind, AOVS, Aov, MergeRule, required_layers};
-pub use layer::{Layer, SampleRun, RadianceScale};
+pub use layer::{Layer, RadianceScale, SampleRun};
 pub use tile::BLOCK_SIZE;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::error::{Error, Result, Suggestion};
 
-use tile::{FilmLayout, Tile, BlockOverflow};
+use tile::{BlockOverflow, FilmLayout, Tile};
 
 /// What a film is to hold.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -42,7 +42,7 @@ use tile::{FilmLayout, Tile, BlockOverflow};
 pub struct FilmFormat {
     /// Its pixels.
     pub frame: FilmFrame,
-    /// The index of the first sample of every pixel, a multiple of [`BLOCK`].
+    /// The index of the first sample of every pixel, a multiple of [`BLOCK_SIZE`].
     pub first_sample: u32,
     /// How large values are.
     pub scale: RadianceScale,
@@ -96,7 +96,8 @@ impl Film {
     /// Bytes that such a film holds, but for unfinished blocks.
     pub fn bytes(format: &FilmFormat) -> usize {
         let plan = FilmLayout::new(format.scale, &format.layers, format.squares);
-        format.frame.pixel_count() * plan.bytes_per_pixel() + format.frame.tile_count() * size_of::<Tile>()
+        format.frame.pixel_count() * plan.bytes_per_pixel()
+            + format.frame.tile_count() * size_of::<Tile>()
     }
 
     /// A copy as it is now, with every tile at a whole call of [`Self::add`].
@@ -172,14 +173,17 @@ impl Film {
     /// any more.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         let window = self.frame.window;
-        if other.plan != self.plan || other.frame.window.intersection(&window) != Some(other.frame.window)
+        if other.plan != self.plan
+            || other.frame.window.intersection(&window) != Some(other.frame.window)
         {
             return Err(Error::input("films of different kinds cannot be added"));
         }
         for theirs in 0..other.tiles.len() {
             let their_place = other.frame.tile(theirs);
             // Tiles are aligned, so no tile of theirs has pixels of two of ours.
-            let Some(ours) = self.frame.tile_containing([their_place.x, their_place.y]) else { continue };
+            let Some(ours) = self.frame.tile_containing([their_place.x, their_place.y]) else {
+                continue;
+            };
             let place = self.frame.tile(ours);
             let (mut sums, theirs) = (self.lock(ours), other.lock(theirs));
             for (their_pixel, [x, y]) in their_place.pixel_coords().enumerate() {
@@ -201,7 +205,9 @@ impl Film {
         let mut found = None;
         for tile in 0..self.tiles.len() {
             let sums = self.lock(tile);
-            for (&count, place) in sums.non_finite_counts.iter().zip(self.frame.tile(tile).pixel_coords()) {
+            for (&count, place) in
+                sums.non_finite_counts.iter().zip(self.frame.tile(tile).pixel_coords())
+            {
                 if count > 0 {
                     let (total, first) = found.unwrap_or((0, place));
                     found = Some((total + u64::from(count), first));

@@ -154,7 +154,8 @@ fn samples_that_are_not_finite_are_left_out_and_counted() {
 fn what_is_too_bright_is_an_error_and_never_wraps() {
     let frame = FilmFrame::full(40, 9);
     let film = Film::new(&FilmFormat { frame, ..format(frame.window, 0) }).unwrap();
-    let bright = |value: f32| PathRadiance { direct: Rgb::new(0.0, value, 0.0), ..PathRadiance::default() };
+    let bright =
+        |value: f32| PathRadiance { direct: Rgb::new(0.0, value, 0.0), ..PathRadiance::default() };
     // The scale is 4, so that a block holds less than 2^36.
     let tile = 5;
     let mut counts = vec![0; film.frame().tile(tile).pixel_count()];

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::fault::fault;
 
 use super::exact_sum::{ExactSum, U192, limit};
-use super::layer::{Layer, SampleRun, RadianceScale};
+use super::layer::{Layer, RadianceScale, SampleRun};
 
 /// Samples are summed in blocks of this many consecutive ones, in index order.
 pub const BLOCK_SIZE: u32 = 16;
@@ -173,7 +173,11 @@ impl Tile {
     }
 
     /// Adds samples to every pixel, all in one block of it.
-    fn add_runs(&mut self, plan: &FilmLayout, runs: &[SampleRun<'_>]) -> std::result::Result<(), BlockOverflow> {
+    fn add_runs(
+        &mut self,
+        plan: &FilmLayout,
+        runs: &[SampleRun<'_>],
+    ) -> std::result::Result<(), BlockOverflow> {
         let pixels = self.counts.len();
         let mut running = self.partial_blocks.clone();
         running.resize(pixels * plan.sum_count(), 0.0);
@@ -182,7 +186,10 @@ impl Tile {
             let left_out = self.resum_finite(plan, &mut running, runs);
             self.check_limits(plan, &running)?;
             self.non_finite_counts.resize(pixels, 0);
-            self.non_finite_counts.iter_mut().zip(left_out).for_each(|(total, more)| *total += more);
+            self.non_finite_counts
+                .iter_mut()
+                .zip(left_out)
+                .for_each(|(total, more)| *total += more);
         }
         if fault!(FirstBlockDropped) {
             let is_first = |pixel: usize| self.counts[pixel % pixels] == 0;
@@ -233,7 +240,12 @@ impl Tile {
 
     /// Does the running sums again without the samples that are not finite; returns how many those are
     /// of each pixel.
-    fn resum_finite(&self, plan: &FilmLayout, running: &mut [f64], runs: &[SampleRun<'_>]) -> Vec<u32> {
+    fn resum_finite(
+        &self,
+        plan: &FilmLayout,
+        running: &mut [f64],
+        runs: &[SampleRun<'_>],
+    ) -> Vec<u32> {
         running.fill(0.0);
         running[..self.partial_blocks.len()].copy_from_slice(&self.partial_blocks);
         let good = |run: &SampleRun<'_>| -> (Vec<PathRadiance>, Vec<VisibleSurface>) {
@@ -244,12 +256,19 @@ impl Tile {
             (good.iter().map(|&at| light[at]).collect(), seen.collect())
         };
         let good: Vec<_> = runs.iter().map(good).collect();
-        let good: Vec<SampleRun<'_>> = good.iter().map(|(light, seen)| SampleRun { radiance: light, visible_surfaces: seen }).collect();
+        let good: Vec<SampleRun<'_>> = good
+            .iter()
+            .map(|(light, seen)| SampleRun { radiance: light, visible_surfaces: seen })
+            .collect();
         plan.accumulate(running, &good);
         runs.iter().zip(good).map(|(run, good)| (run.len() - good.len()) as u32).collect()
     }
 
-    fn check_limits(&self, plan: &FilmLayout, running: &[f64]) -> std::result::Result<(), BlockOverflow> {
+    fn check_limits(
+        &self,
+        plan: &FilmLayout,
+        running: &[f64],
+    ) -> std::result::Result<(), BlockOverflow> {
         let pixels = self.counts.len();
         for (plane, &limit) in running.chunks_exact(pixels).zip(&plan.limits) {
             if let Some(pixel) = plane.iter().position(|sum| sum.abs() >= limit) {

@@ -4,11 +4,15 @@
 use crate::math::DVec3;
 
 use super::arrangement::Arrangement;
-use super::rng::IndexedRng;
 use super::placement::PlacedSphere;
+use super::rng::IndexedRng;
 
 /// Linear albedo in `[0.02, 0.87]`.
-pub(super) fn albedo(arrangement: Arrangement, placed: &PlacedSphere, numbers: &mut IndexedRng) -> [f32; 3] {
+pub(super) fn albedo(
+    arrangement: Arrangement,
+    placed: &PlacedSphere,
+    numbers: &mut IndexedRng,
+) -> [f32; 3] {
     let jitter = numbers.uniform_in(-0.5, 0.5);
     let color = match arrangement {
         Arrangement::Gas => {

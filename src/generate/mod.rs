@@ -8,8 +8,8 @@
 
 mod arrangement;
 mod color;
-mod rng;
 mod placement;
+mod rng;
 mod scene;
 mod table;
 

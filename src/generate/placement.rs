@@ -62,7 +62,9 @@ impl Placement {
     pub(super) fn new(arrangement: Arrangement, count: u64, seed: u64) -> Self {
         let n = count as f64;
         match arrangement {
-            Arrangement::Gas => Self::Gas { radius: (GAS_MEAN_HITS / (PI * n)).sqrt().min(MAX_GAS_RADIUS) },
+            Arrangement::Gas => {
+                Self::Gas { radius: (GAS_MEAN_HITS / (PI * n)).sqrt().min(MAX_GAS_RADIUS) }
+            }
             Arrangement::Packed => {
                 let variance = 1.0 + PACKED_RADIUS_SPREAD * PACKED_RADIUS_SPREAD;
                 let radius = libm::cbrt(PACKING_FRACTION / variance * 3.0 / (4.0 * PI * n));
@@ -70,8 +72,10 @@ impl Placement {
             }
             Arrangement::Clusters => {
                 // The mean of r^2, where ln r is uniform, is (b^2 - a^2) / (2 ln(b / a)).
-                let mean = (1.0 - CLUSTER_RADIUS_RATIO.powi(-2)) / (2.0 * libm::log(CLUSTER_RADIUS_RATIO));
-                let largest = (CLUSTER_CROSS_SECTION / (PI * n * mean)).sqrt().min(MAX_CLUSTER_RADIUS);
+                let mean =
+                    (1.0 - CLUSTER_RADIUS_RATIO.powi(-2)) / (2.0 * libm::log(CLUSTER_RADIUS_RATIO));
+                let largest =
+                    (CLUSTER_CROSS_SECTION / (PI * n * mean)).sqrt().min(MAX_CLUSTER_RADIUS);
                 let clusters = (0..CLUSTERS).map(|cluster| Cluster::new(seed, cluster)).collect();
                 Self::Clusters { clusters, largest }
             }
@@ -106,7 +110,8 @@ fn packed(grid: &Grid, radius: f64, index: u64, numbers: &mut IndexedRng) -> Pla
     const SITES: [[f64; 3]; 4] =
         [[0.25; 3], [0.25, 0.75, 0.75], [0.75, 0.25, 0.75], [0.75, 0.75, 0.25]];
     let site = grid.corner_of(index / 4) + grid.cell * DVec3::from_array(SITES[index as usize % 4]);
-    let radius = radius * numbers.uniform_in(1.0 - PACKED_RADIUS_SPREAD, 1.0 + PACKED_RADIUS_SPREAD);
+    let radius =
+        radius * numbers.uniform_in(1.0 - PACKED_RADIUS_SPREAD, 1.0 + PACKED_RADIUS_SPREAD);
     // A little less than what fits, so that rounding to f32 lets none touch.
     let room = grid.cell / 8f64.sqrt() * (1.0 - 1e-4) - radius;
     PlacedSphere { center: site + room * numbers.in_ball(), radius, hue: 0.0 }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use rayon::prelude::*;
 
-use super::{Recipe, GeneratedSphere};
+use super::{GeneratedSphere, Recipe};
 
 /// Rows made at a time; their bytes are all that is held in memory.
 const ROWS_PER_CHUNK: u64 = 1 << 18;
@@ -21,7 +21,9 @@ pub fn write_rows(recipe: &Recipe, to: &mut dyn Write, progress: &dyn Fn(u64)) -
         let rows = ROWS_PER_CHUNK.min(recipe.count() - first) as usize;
         bytes.resize(rows * columns * size_of::<f32>(), 0);
         let slots = bytes.par_chunks_exact_mut(columns * size_of::<f32>()).enumerate();
-        slots.with_min_len(256).for_each(|(i, slot)| encode_row(recipe.sphere(first + i as u64), slot));
+        slots
+            .with_min_len(256)
+            .for_each(|(i, slot)| encode_row(recipe.sphere(first + i as u64), slot));
         to.write_all(&bytes)?;
         progress(first + rows as u64);
     }

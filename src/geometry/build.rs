@@ -96,14 +96,17 @@ impl Unsorted {
     }
 
     /// Moves and rounds every sphere; returns how many but giants that moved by more than
-    /// [`COARSE`].
+    /// [`MAX_RELATIVE_DISPLACEMENT`].
     fn round_except(&mut self, giants: &[Giant]) -> usize {
         let Self { exact, table, from_table, origin } = self;
         let round = |(index, slot): (usize, &mut [f32; 4])| {
             let given = relative_to_origin(*origin, exact, *from_table, index, slot);
             *slot = to_f32(&given);
             let is_giant = || contains_index(giants, index as u32);
-            usize::from(displacement(&given, slot) > MAX_RELATIVE_DISPLACEMENT * given.radius && !is_giant())
+            usize::from(
+                displacement(&given, slot) > MAX_RELATIVE_DISPLACEMENT * given.radius
+                    && !is_giant(),
+            )
         };
         table.par_iter_mut().enumerate().map(round).sum()
     }
@@ -111,8 +114,11 @@ impl Unsorted {
     /// Sorts the spheres, without the giants and without repetitions; returns their rows, how many
     /// were repetitions, and the curve.
     fn sort_except(&mut self, giants: &[Giant]) -> (Vec<u32>, usize, MortonCurve) {
-        let (mut rows, curve) =
-            morton::morton_order(&self.table, |i| self.row_of(i), |index| contains_index(giants, index));
+        let (mut rows, curve) = morton::morton_order(
+            &self.table,
+            |i| self.row_of(i),
+            |index| contains_index(giants, index),
+        );
         rows.truncate(self.table.len() - giants.len());
         // Out of place, because cycles in place follow one cache miss after another on one thread.
         self.table = rows.par_iter().map(|&row| self.table[self.index_of(row)]).collect();

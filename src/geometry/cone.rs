@@ -48,7 +48,7 @@ impl Cone {
         // 1 - cos = sin^2 / (1 + cos), which does not cancel for a small angle; and
         // 1 - sin^2 = (d - R)(d + R) / d^2, which does not cancel near the surface.
         let cos_max = ((distance - radius) * (distance + radius)).sqrt() * per_distance;
-        let cos_max = if fault!(NarrowCone) { 1.0 } else { cos_max };
+        let cos_max = if fault!(ConeSmallAngle) { 1.0 } else { cos_max };
         Self {
             frame: Frame::from_z(to_center * per_distance),
             distance,

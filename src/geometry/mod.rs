@@ -6,13 +6,13 @@ mod giants;
 mod median;
 mod morton;
 mod origin;
+mod path_ray;
 mod rays;
 mod set;
 mod sphere;
-mod path_ray;
 
 pub use cone::{Cone, ConeSample};
+pub use path_ray::{PathRay, Side, SurfaceHit};
 pub use rays::{PathRays, RayBlock};
 pub use set::{SphereRows, SphereSet};
 pub use sphere::{Roots, Sphere};
-pub use path_ray::{PathRay, Side, SurfaceHit};

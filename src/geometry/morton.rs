@@ -123,8 +123,11 @@ mod tests {
         let mut spheres: Vec<_> =
             (0..100u32).map(|i| [(i * 37 % 100) as f32, 0.0, 0.0, 1.0]).collect();
         spheres.push([1e6, 0.0, 0.0, 1.0]);
-        let xs: Vec<_> =
-            morton_order(&spheres, |i| i, |_| false).0.iter().map(|&i| spheres[i as usize][0]).collect();
+        let xs: Vec<_> = morton_order(&spheres, |i| i, |_| false)
+            .0
+            .iter()
+            .map(|&i| spheres[i as usize][0])
+            .collect();
         assert!(xs.is_sorted());
     }
 

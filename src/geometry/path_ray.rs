@@ -16,7 +16,7 @@ pub struct PathRay {
     pub t_min: f64,
     /// Hits at or beyond this distance do not count.
     pub t_max: f64,
-    /// The sphere whose surface it starts on, which it cannot hit except at `far_wall`.
+    /// The sphere whose surface it starts on, which it cannot hit except at `t_exit`.
     pub origin_sphere: u32,
     /// The sphere that a shadow ray aims at, which cannot block it.
     pub target_sphere: u32,
@@ -33,7 +33,7 @@ pub enum Side {
     Inside,
 }
 
-/// A point on a sphere, found by [`super::SphereSet::answer`].
+/// A point on a sphere, found by [`super::SphereSet::resolve_hit`].
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceHit {
     /// Which sphere.
@@ -98,7 +98,7 @@ impl SurfaceHit {
     pub fn spawn_ray(&self, direction: DVec3) -> Option<PathRay> {
         let mut ray = PathRay { origin_sphere: self.id, ..PathRay::new(self.point, direction) };
         let cosine = direction.dot(self.normal);
-        if cosine < 0.0 && !fault!(FarWallIgnored) {
+        if cosine < 0.0 && !fault!(ExitDistanceIgnored) {
             ray.t_exit = -2.0 * self.radius * cosine / direction.length_squared();
             if ray.t_exit <= 0.0 {
                 return None;
@@ -116,7 +116,7 @@ impl SurfaceHit {
         (!own_wall_blocks).then_some(ray)
     }
 
-    /// Like [`Self::leave_towards`], but for light that may pass through the sphere's far wall.
+    /// Like [`Self::spawn_shadow_ray`], but for light that may pass through the sphere's far wall.
     pub fn spawn_ray_to(&self, direction: DVec3, distance: f64, lamp: u32) -> Option<PathRay> {
         self.spawn_ray(direction).map(|ray| PathRay { t_max: distance, target_sphere: lamp, ..ray })
     }

@@ -196,7 +196,8 @@ mod tests {
             rays.clear();
             for i in 0..100u32 {
                 let x = f64::from(i + round);
-                let ray = PathRay { origin_sphere: i, ..PathRay::new(DVec3::new(x, 1.0, 2.0), DVec3::Z) };
+                let ray =
+                    PathRay { origin_sphere: i, ..PathRay::new(DVec3::new(x, 1.0, 2.0), DVec3::Z) };
                 rays.push(&match i % 4 {
                     0 => ray,
                     1 => PathRay { t_exit: 0.0, ..ray },
@@ -233,7 +234,8 @@ mod tests {
     #[test]
     fn a_block_of_rays_stands_behind_the_others_and_aims_at_nothing() {
         let mut rays = PathRays::default();
-        let shadow = PathRay { t_max: 1.0, origin_sphere: 3, target_sphere: 4, t_exit: 0.5, ..from(0.0) };
+        let shadow =
+            PathRay { t_max: 1.0, origin_sphere: 3, target_sphere: 4, t_exit: 0.5, ..from(0.0) };
         (0..3).for_each(|_| _ = rays.push_block(LANES));
         assert!((0..3 * LANES).all(|index| !rays.is_inward(index)));
         rays.set(LANES + 1, &shadow);
@@ -243,7 +245,14 @@ mod tests {
         (0..LANES).for_each(|_| rays.push(&shadow));
         rays.push_block(3).origin.set(2, DVec3::X);
         assert_eq!(rays.len(), LANES + 3);
-        let PathRay { origin, t_max, origin_sphere: leaves, target_sphere: aims_at, t_exit: far_wall, .. } = rays.get(LANES + 2);
+        let PathRay {
+            origin,
+            t_max,
+            origin_sphere: leaves,
+            target_sphere: aims_at,
+            t_exit: far_wall,
+            ..
+        } = rays.get(LANES + 2);
         assert_eq!((origin, t_max, far_wall), (DVec3::X, f64::INFINITY, f64::INFINITY));
         assert_eq!((leaves, aims_at), (NO_SPHERE, NO_SPHERE));
         assert!(rays.is_inward(LANES - 1) && !rays.is_inward(LANES));

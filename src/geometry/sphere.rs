@@ -98,7 +98,12 @@ impl Sphere {
     }
 
     #[inline(always)]
-    fn closest_approach(&self, origin: DVec3, direction: DVec3, per_length_squared: f64) -> LineApproach {
+    fn closest_approach(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        per_length_squared: f64,
+    ) -> LineApproach {
         let to_center = self.center - origin;
         let t = to_center.dot(direction) * per_length_squared;
         let perpendicular = to_center - direction * t;
@@ -173,7 +178,10 @@ mod tests {
         assert_eq!(first(2.0, 5.0), Some(4.0));
         assert_eq!(first(2.0, 4.0), None);
         assert_eq!(first(4.0, 5.0), None);
-        assert_eq!([1.9, 2.0, 4.5].map(|t| UNIT.hit_distance(origin, DVec3::Z, t)), [2.0, 4.0, 4.5]);
+        assert_eq!(
+            [1.9, 2.0, 4.5].map(|t| UNIT.hit_distance(origin, DVec3::Z, t)),
+            [2.0, 4.0, 4.5]
+        );
         assert_eq!(UNIT.hit_distance(DVec3::Z * 0.5, DVec3::Z, 0.0), 0.5, "from inside");
     }
 

@@ -118,7 +118,7 @@ pub fn remove_temp_files() {
     }
 }
 
-/// A temporary file that [`remove_unfinished`] knows of.
+/// A temporary file that [`remove_temp_files`] knows of.
 struct TempFile {
     file: NamedTempFile,
     registration: Registration,

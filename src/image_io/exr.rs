@@ -3,7 +3,7 @@
 //! has that as the channel `A`, with which the colours are multiplied, as OpenEXR has it. ZIP loses nothing, and
 //! nothing but the picture and its records enters the file: equal ones have equal bytes.
 //!
-//! Blocks of rows are made and compressed by all hands that are free ([`hands`]), and written in their
+//! Blocks of rows are made and compressed by all hands that are free ([`parallel`]), and written in their
 //! order.
 
 use std::fs::File;
@@ -22,10 +22,10 @@ use exr::prelude::{AttributeValue, IntegerBounds, Text, Vec2};
 use crate::color::Rgb;
 use crate::task::parallel;
 
-use super::notes::{CropWindow, WriteOptions};
-use super::picture::{Picture, ImageChannel, ChannelValues};
-use super::record::MetadataEntry;
 use super::atomic_file::Sink;
+use super::notes::{CropWindow, WriteOptions};
+use super::picture::{ChannelValues, ImageChannel, Picture};
+use super::record::MetadataEntry;
 
 /// Files with more bytes of pixels than this are written quickly where they are wanted quickly.
 const LARGE_IMAGE: usize = 32 << 20;

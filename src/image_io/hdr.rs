@@ -8,8 +8,8 @@ use image::codecs::hdr::HdrEncoder;
 
 use crate::color::Rgb;
 
-use super::picture::Picture;
 use super::atomic_file::Sink;
+use super::picture::Picture;
 
 /// The brightest value of RGBE.
 const MAX_RGBE: f32 = 255.0 / 256.0 * 1.701_411_8e38;

@@ -1,4 +1,4 @@
-//! The [records](Record) of a file, read.
+//! The [records](MetadataEntry) of a file, read.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ pub fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>> {
 #[cfg(test)]
 mod tests {
     use super::super::tests::picture;
-    use super::super::{WriteOptions, ImageWriter};
+    use super::super::{ImageWriter, WriteOptions};
     use super::*;
 
     #[test]

@@ -3,8 +3,8 @@
 
 use std::io::{self, Write};
 
-use super::picture::Picture;
 use super::atomic_file::Sink;
+use super::picture::Picture;
 
 /// Writes linear beauty; a scale of -1 says that the numbers are little-endian.
 pub(super) fn write(picture: &Picture, to: &mut Sink) -> io::Result<()> {

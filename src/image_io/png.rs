@@ -1,4 +1,4 @@
-//! PNG: 8 bit for the screen, through the picture's [`Look`](crate::color::Look); without one that
+//! PNG: 8 bit for the screen, through the picture's [`ViewTransform`](crate::color::ViewTransform); without one that
 //! is the sRGB curve, and brighter than 1 is white.
 //!
 //! A picture with alpha becomes RGBA whose colours are not multiplied with it, as the specification
@@ -16,10 +16,10 @@ use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter};
 
 use crate::task::parallel;
 
+use super::atomic_file::Sink;
 use super::notes::{CropWindow, WriteOptions};
 use super::picture::Picture;
 use super::record::MetadataEntry;
-use super::atomic_file::Sink;
 
 /// Texts of more bytes than this are compressed.
 const COMPRESS_TEXT_ABOVE: usize = 512;
@@ -53,7 +53,9 @@ pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> i
 
 /// The pixels, row by row.
 fn encode_pixels(picture: &Picture, notes: &WriteOptions) -> Vec<u8> {
-    let rows = (0..picture.height).step_by(ROWS_PER_TASK).map(|row| row..(row + ROWS_PER_TASK).min(picture.height));
+    let rows = (0..picture.height)
+        .step_by(ROWS_PER_TASK)
+        .map(|row| row..(row + ROWS_PER_TASK).min(picture.height));
     parallel::map(rows.collect(), |rows| encode_rows(picture, notes, rows)).concat()
 }
 
@@ -96,7 +98,10 @@ pub(super) fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>, String> {
     for chunk in &info.utf8_text {
         let mut chunk = chunk.clone();
         chunk.decompress_text_with_limit(MAX_TEXT_BYTES).map_err(|e| e.to_string())?;
-        found.extend(MetadataEntry::from_key(&chunk.keyword, chunk.get_text().map_err(|e| e.to_string())?));
+        found.extend(MetadataEntry::from_key(
+            &chunk.keyword,
+            chunk.get_text().map_err(|e| e.to_string())?,
+        ));
     }
     Ok(found)
 }
@@ -104,8 +109,8 @@ pub(super) fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>, String> {
 #[cfg(test)]
 mod tests {
     use super::super::tests::{picture, written};
-    use super::super::{CropWindow, WriteOptions, ImageWriter};
-    use crate::color::{ViewTransform, Rgb, ToneCurve, srgb_from_linear};
+    use super::super::{CropWindow, ImageWriter, WriteOptions};
+    use crate::color::{Rgb, ToneCurve, ViewTransform, srgb_from_linear};
 
     #[test]
     fn pixels_come_back_in_place_and_rounded() {
@@ -145,7 +150,11 @@ mod tests {
         let path = folder.path().join("a.png");
         let look = ViewTransform { exposure: -2.5, tone: ToneCurve::AgX, dither: true };
         let cropped_from = Some(CropWindow { full_size: [640, 480], offset: [31, 17] });
-        let notes = WriteOptions { view_transform: look, crop_window: cropped_from, ..WriteOptions::default() };
+        let notes = WriteOptions {
+            view_transform: look,
+            crop_window: cropped_from,
+            ..WriteOptions::default()
+        };
         let picture = picture();
         ImageWriter::new(&path).unwrap().write_with(&picture, &notes).unwrap();
         let image = image::open(&path).unwrap().into_rgb8();

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use crate::error::Result;
 
+use super::atomic_file::{self, AtomicFile, Sink};
 use super::format::FileFormat;
 use super::notes::WriteOptions;
 use super::picture::Picture;
-use super::atomic_file::{self, Sink, AtomicFile};
 use super::{exr, hdr, pfm, png};
 
 /// A place where a picture can be written: the folder is there and lets us in.
@@ -36,7 +36,7 @@ impl ImageWriter {
         self.format == FileFormat::Exr
     }
 
-    /// Whether the file is for the screen, and so has a [`Look`](crate::color::Look).
+    /// Whether the file is for the screen, and so has a [`ViewTransform`](crate::color::ViewTransform).
     pub fn is_display_referred(&self) -> bool {
         self.format == FileFormat::Png
     }

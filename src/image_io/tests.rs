@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use crate::color::Rgb;
 
 use super::format::FileFormat;
-use super::{Picture, ImageWriter};
+use super::{ImageWriter, Picture};
 
 /// A picture with every kind of value that a render can give.
 pub(super) fn picture() -> Picture {

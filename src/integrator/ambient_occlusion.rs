@@ -16,7 +16,7 @@ use super::camera_rays::{Strata, sampler_for};
 use super::dimension::VertexDimensions;
 use super::estimate::Integrator;
 use super::primary_hits::trace_primary_rays;
-use super::sample::{SampleAddress, RenderStats};
+use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
 use super::world::RenderContext;
 
@@ -67,8 +67,14 @@ impl Integrator for AmbientOcclusion {
 
 impl AmbientOcclusion {
     /// A ray into the hemisphere above a point; `None` where its own sphere blocks it.
-    fn occlusion_ray(&self, shot: &PreparedScene, address: SampleAddress, hit: &SurfaceHit) -> Option<PathRay> {
-        let u = sampler_for(shot, Strata::UNSTRATIFIED, address).get_2d(VertexDimensions::at(1).light_direction());
+    fn occlusion_ray(
+        &self,
+        shot: &PreparedScene,
+        address: SampleAddress,
+        hit: &SurfaceHit,
+    ) -> Option<PathRay> {
+        let u = sampler_for(shot, Strata::UNSTRATIFIED, address)
+            .get_2d(VertexDimensions::at(1).light_direction());
         let direction = Frame::from_z(hit.facing_normal()).to_world(Hemisphere::Cosine.sample(u));
         hit.spawn_shadow_ray(direction.normalize(), self.distance, NO_SPHERE)
     }

@@ -63,7 +63,7 @@ pub(super) fn generate_camera_ray(
 ) -> PathRay {
     let place = strata.warp(address.sample, sampler.get_2d(pixel));
     let [dx, dy] = shot.filter().sample(place);
-    let half = if fault!(CornerForCentre) { 0.0 } else { 0.5 };
+    let half = if fault!(PixelCornerForCenter) { 0.0 } else { 0.5 };
     let (x, y) = (f64::from(address.x) + half + dx, f64::from(address.y) + half + dy);
     let camera = shot.camera();
     let lens = if camera.has_lens() { sampler.get_2d(lens) } else { [0.5; 2] };

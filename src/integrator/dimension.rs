@@ -24,7 +24,7 @@ pub(super) fn bsdf_extra(depth: u32) -> u32 {
 }
 
 /// Whether a surface is there that a path meets at the end of edge number `depth`, after it went
-/// straight through `passes` others in all.
+/// straight through `passthroughs` others in all.
 pub(super) fn opacity(depth: u32, passthroughs: u32) -> u32 {
     if passthroughs == 0 {
         return VertexDimensions::at(depth).opacity();

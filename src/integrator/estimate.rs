@@ -2,7 +2,7 @@
 
 use crate::color::PathRadiance;
 
-use super::sample::{SampleAddress, RenderStats};
+use super::sample::{RenderStats, SampleAddress};
 use super::trace::PathTrace;
 use super::workspace::Workspace;
 use super::world::RenderContext;

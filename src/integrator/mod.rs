@@ -5,25 +5,25 @@
 //! is a plain loop. What comes back for a sample depends on its address alone, never on its batch.
 
 mod ambient_occlusion;
+mod aov;
 mod camera_rays;
 mod dimension;
 mod direct;
 mod estimate;
-mod primary_hits;
 mod normals;
 mod paper;
 mod path;
+mod primary_hits;
 mod raycast;
 mod sample;
-mod aov;
 mod trace;
 mod transport;
 mod workspace;
 mod world;
 
 pub use estimate::Integrator;
-pub use sample::{SampleAddress, RenderStats};
-pub use trace::{Contribution, Termination, PathEvent, PathTrace};
+pub use sample::{RenderStats, SampleAddress};
+pub use trace::{Contribution, PathEvent, PathTrace, Termination};
 pub use workspace::Workspace;
 pub use world::RenderContext;
 

@@ -6,8 +6,8 @@ use crate::math::DVec3;
 
 use super::camera_rays::Strata;
 use super::estimate::Integrator;
-use super::primary_hits::{trace_primary_rays, noise_free_strata};
-use super::sample::{SampleAddress, RenderStats};
+use super::primary_hits::{noise_free_strata, trace_primary_rays};
+use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
 use super::world::RenderContext;
 

@@ -3,7 +3,7 @@
 //! had alone for comparison: `estimator`.
 
 use crate::sampling::Hemisphere;
-use crate::scene::settings::{MissPolicy, RenderSettings, PathTermination};
+use crate::scene::settings::{MissPolicy, PathTermination, RenderSettings};
 
 use super::camera_rays::Strata;
 use super::transport::PathTracer;

@@ -4,10 +4,10 @@ use crate::geometry::{PathRay, SurfaceHit};
 use crate::math::Hit;
 
 use super::camera_rays::{Strata, generate_camera_ray, sampler_for};
-use super::sample::{SampleAddress, RenderStats};
+use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
 use super::world::RenderContext;
-use super::{dimension, aov};
+use super::{aov, dimension};
 
 /// The camera ray of a sample, and where it ends if it meets anything.
 pub(super) struct PrimaryHit {

@@ -15,11 +15,11 @@ use crate::math::{DVec3, Frame};
 use crate::sampling::Hemisphere;
 use crate::scene::Scene;
 
+use super::aov;
 use super::camera_rays::Strata;
 use super::estimate::Integrator;
-use super::primary_hits::{PrimaryHit, trace_primary_rays, noise_free_strata};
-use super::sample::{SampleAddress, RenderStats};
-use super::aov;
+use super::primary_hits::{PrimaryHit, noise_free_strata, trace_primary_rays};
+use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
 use super::world::RenderContext;
 
@@ -68,12 +68,15 @@ impl Integrator for Raycast {
             let mut light = scene.sphere_material(surface.id).material.emission;
             see(light);
             let lamps = shot.lights().emitters().iter();
-            let mut lit: Vec<DirectLight> =
-                lamps.filter_map(|lamp| shade_light(scene, &surface, ray.direction, lamp)).collect();
+            let mut lit: Vec<DirectLight> = lamps
+                .filter_map(|lamp| shade_light(scene, &surface, ray.direction, lamp))
+                .collect();
             if self.shadows {
                 lit.retain(|from| from.shadow_ray.is_some());
                 rays.clear();
-                rays.extend(lit.iter().filter_map(|from| from.shadow_ray).map(|ray| spheres.to_query(&ray)));
+                rays.extend(
+                    lit.iter().filter_map(|from| from.shadow_ray).map(|ray| spheres.to_query(&ray)),
+                );
                 blocked.clear();
                 blocked.resize(rays.len(), false);
                 accel.occluded(rays, blocked);
@@ -89,7 +92,12 @@ impl Integrator for Raycast {
 }
 
 /// The light that a surface sends towards the camera because of one lamp.
-fn shade_light(scene: &Scene, hit: &SurfaceHit, direction: DVec3, lamp: &Emitter) -> Option<DirectLight> {
+fn shade_light(
+    scene: &Scene,
+    hit: &SurfaceHit,
+    direction: DVec3,
+    lamp: &Emitter,
+) -> Option<DirectLight> {
     let sphere = scene.spheres().sphere(lamp.id);
     let to_center = sphere.center - hit.point;
     let distance = to_center.length();

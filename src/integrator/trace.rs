@@ -1,7 +1,7 @@
 //! One path told step by step.
 //!
-//! The stages of [`super::transport`] tell a [`Recorder`] what they do. The one that renders are
-//! made with, [`Silent`], listens to nothing and costs nothing: what would be told is not even
+//! The stages of [`super::integrator`] tell a [`PathRecorder`] what they do. The one that renders are
+//! made with, [`NullRecorder`], listens to nothing and costs nothing: what would be told is not even
 //! computed. The other keeps a list, so that a trace is not a retelling but the very path that the
 //! picture was made from.
 
@@ -11,14 +11,14 @@ use crate::light::{LightSample, LightSource};
 use crate::material::Lobe;
 use crate::math::DVec3;
 
-use super::sample::{SampleAddress, RenderStats};
+use super::sample::{RenderStats, SampleAddress};
 
 /// The path of one sample.
 #[derive(Clone, Debug)]
 pub struct PathTrace {
     /// Which sample.
     pub address: SampleAddress,
-    /// What happened, in order. Adding up the light of all [`Step::Light`] and [`Step::Shadow`] in
+    /// What happened, in order. Adding up the light of all [`PathEvent::Emission`] and [`PathEvent::ShadowRay`] in
     /// this order, layer by layer in f32, gives `radiance` to the bit.
     pub events: Vec<PathEvent>,
     /// What the sample brings to its pixel.
@@ -93,7 +93,7 @@ pub enum PathEvent {
     /// The surface just met is not there this time, since it is not opaque: the path goes straight
     /// through.
     Transparent,
-    /// A light sample. It brings light if a later [`Step::Shadow`] says so.
+    /// A light sample. It brings light if a later [`PathEvent::ShadowRay`] says so.
     LightSample {
         /// The light, the direction `wi`, its density and the radiance `Le`, times the lamp's opacity.
         sample: LightSample,
@@ -195,7 +195,9 @@ impl PathTrace {
     pub fn sum(&self) -> PathRadiance {
         let mut sum = PathRadiance::default();
         for step in &self.events {
-            if let PathEvent::Emission { contribution: added, .. } | PathEvent::ShadowRay { contribution: added, .. } = step {
+            if let PathEvent::Emission { contribution: added, .. }
+            | PathEvent::ShadowRay { contribution: added, .. } = step
+            {
                 let layer = if added.is_direct { &mut sum.direct } else { &mut sum.indirect };
                 *layer += added.radiance;
             }

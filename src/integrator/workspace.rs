@@ -5,7 +5,7 @@ use crate::material::MediumStack;
 use crate::math::{Hit, Isa, Ray};
 use crate::sampling::Sampler;
 
-use super::transport::{DiffuseBatch, PrevVertex, PathQueue, ShadowRays, CameraRayBatch};
+use super::transport::{CameraRayBatch, DiffuseBatch, PathQueue, PrevVertex, ShadowRays};
 
 /// Memory that one thread uses again for every batch.
 #[derive(Default)]
@@ -51,6 +51,7 @@ impl Workspace {
     /// Forgets the records of the last estimate, and makes room for so many where they are wanted.
     pub(super) fn reset_visible_surfaces(&mut self, samples: usize) {
         self.visible_surfaces.clear();
-        self.visible_surfaces.resize(if self.records_visible_surfaces { samples } else { 0 }, VisibleSurface::NONE);
+        self.visible_surfaces
+            .resize(if self.records_visible_surfaces { samples } else { 0 }, VisibleSurface::NONE);
     }
 }

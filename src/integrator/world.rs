@@ -1,7 +1,7 @@
 //! What there is to be seen.
 
 use crate::accel::Accel;
-use crate::scene::{Scene, PreparedScene};
+use crate::scene::{PreparedScene, Scene};
 use crate::task::CancelToken;
 
 /// What there is to be seen.

@@ -11,9 +11,9 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::film::Film;
 
+use super::adaptive_tiles::AdaptiveTiles;
 use super::noise::{self, NoiseTarget, TileNoise, error_quantile};
 use super::progressive::ProgressiveRenderer;
-use super::adaptive_tiles::AdaptiveTiles;
 
 /// Samples per pixel at the first decision: four blocks, the fewest that say anything of their spread.
 pub const MIN_ADAPTIVE_SAMPLES: u32 = 64;
@@ -44,7 +44,7 @@ pub struct NoiseProgress {
     pub expected_samples: Range<u64>,
 }
 
-/// Renders until every square meets the target, or has `most` samples per pixel. `tell` is called
+/// Renders until every square meets the target, or has `most` samples per pixel. `on_progress` is called
 /// at once and after each round of decisions. Returns how far it got, and whether it got to the end: otherwise it
 /// was cancelled.
 ///
@@ -122,7 +122,8 @@ pub fn estimate_error(film: &Film, confidence: f64) -> Option<f64> {
     let pixels: usize = probed.iter().map(Vec::len).sum();
     // Odd, so that they do not lie in one column of each square.
     let every = (pixels / PROBED_PIXELS).max(1) | 1;
-    let probed: Vec<TileNoise> = probed.iter().map(|pixels| TileNoise::with_stride(pixels, every)).collect();
+    let probed: Vec<TileNoise> =
+        probed.iter().map(|pixels| TileNoise::with_stride(pixels, every)).collect();
     error_quantile(&probed, confidence)
 }
 

@@ -1,6 +1,6 @@
 //! The squares of 16 x 16 pixels, on the grid of the full picture, that decide when they are done.
 
-use crate::film::{PixelEstimate, Film, FilmFrame, TILE_SIZE};
+use crate::film::{Film, FilmFrame, PixelEstimate, TILE_SIZE};
 
 use super::noise::TileNoise;
 
@@ -10,7 +10,8 @@ const TILE_SIDE: u32 = 16;
 /// Tiles of a square, one below the other.
 const FILM_TILES: usize = (TILE_SIDE / TILE_SIZE[1]) as usize;
 
-const _: () = assert!(TILE_SIZE[0] == TILE_SIDE && TILE_SIDE % TILE_SIZE[1] == 0, "tiles make up squares");
+const _: () =
+    assert!(TILE_SIZE[0] == TILE_SIDE && TILE_SIDE % TILE_SIZE[1] == 0, "tiles make up squares");
 
 /// Which tiles make up which square of a film. At the edges squares may be smaller.
 #[derive(Debug)]

@@ -4,11 +4,11 @@ use rayon::prelude::*;
 
 use crate::accel::Accel;
 use crate::color::NO_ROW;
-use crate::film::{Film, FilmFrame, Aov, Layer};
+use crate::film::{Aov, Film, FilmFrame, Layer};
 use crate::geometry::PathRay;
-use crate::image_io::{Picture, ImageChannel, ChannelValues};
+use crate::image_io::{ChannelValues, ImageChannel, Picture};
 use crate::math::Hit;
-use crate::scene::{Scene, PreparedScene};
+use crate::scene::{PreparedScene, Scene};
 
 use super::cryptomatte;
 
@@ -75,7 +75,8 @@ fn assemble(
 
 /// The channels of a layer, but for those that a picture has by itself.
 fn aov_planes(film: &Film, kind: Aov, of_scene: &dyn Fn(Aov) -> Vec<u32>) -> Vec<ImageChannel> {
-    let whole = |values: Vec<u32>| vec![ImageChannel::new(kind.info().name, ChannelValues::Uint(values))];
+    let whole =
+        |values: Vec<u32>| vec![ImageChannel::new(kind.info().name, ChannelValues::Uint(values))];
     match kind {
         Aov::Beauty
         | Aov::Mean(Layer::Direct | Layer::Indirect | Layer::Alpha | Layer::Coverage)
@@ -106,8 +107,13 @@ fn split_channels(kind: Aov, values: Option<Vec<[f32; 3]>>) -> Vec<ImageChannel>
 fn primary_hit_rows(shot: &PreparedScene, accel: &dyn Accel, frame: &FilmFrame) -> Vec<u32> {
     let window = frame.window;
     let line = |y: u32| {
-        let center = |x: u32| shot.camera().generate_ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.5; 2]);
-        trace_primary_rows(shot.scene(), accel, (window.x..window.x + window.width).map(center).collect())
+        let center =
+            |x: u32| shot.camera().generate_ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.5; 2]);
+        trace_primary_rows(
+            shot.scene(),
+            accel,
+            (window.x..window.x + window.width).map(center).collect(),
+        )
     };
     (window.y..window.y + window.height).into_par_iter().flat_map_iter(line).collect()
 }

@@ -21,7 +21,8 @@ impl BudgetedTimer {
     pub fn new(every: Duration, share: f64, threads: usize, guess: Duration) -> Self {
         let began = Instant::now();
         let (cost, spent) = (guess, Duration::ZERO);
-        let mut turns = Self { start: began, interval: every, budget: share, threads, cost, spent, due: began };
+        let mut turns =
+            Self { start: began, interval: every, budget: share, threads, cost, spent, due: began };
         turns.due = turns.next_due(began);
         turns
     }

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use crate::color::NO_ROW;
 use crate::film::{CryptomatteKind, Film};
-use crate::image_io::{Picture, ImageChannel, ChannelValues};
+use crate::image_io::{ChannelValues, ImageChannel, Picture};
 use crate::scene::Scene;
 
 /// Ids of a pixel that are written, those with the largest shares; two for each layer.

@@ -102,7 +102,9 @@ fn diff_values(path: &str, ours: &Value, theirs: &Value, found: &mut Vec<String>
                 diff_values(&inner(&index.to_string()), a, b, found);
             }
         }
-        (a, b) if a != b => found.push(format!("`{path}` is {}, not {}", abbreviate(a), abbreviate(b))),
+        (a, b) if a != b => {
+            found.push(format!("`{path}` is {}, not {}", abbreviate(a), abbreviate(b)))
+        }
         _ => {}
     }
 }

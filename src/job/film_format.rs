@@ -1,13 +1,18 @@
 //! Which film a job needs.
 
-use crate::film::{FilmFormat, FilmFrame, Aov, Layer, RadianceScale, required_layers};
+use crate::film::{Aov, FilmFormat, FilmFrame, Layer, RadianceScale, required_layers};
 use crate::math::Rect;
-use crate::scene::{Settings, PreparedScene};
+use crate::scene::{PreparedScene, Settings};
 
 /// The film of a shot's picture with these layers, from the first sample on.
 pub fn format_for_scene(shot: &PreparedScene, layers: &[Aov]) -> FilmFormat {
     let transparent = shot.scene().description().background.transparent;
-    format_for_settings(shot.settings(), transparent, RadianceScale::from_max_radiance(shot.max_radiance()), layers)
+    format_for_settings(
+        shot.settings(),
+        transparent,
+        RadianceScale::from_max_radiance(shot.max_radiance()),
+        layers,
+    )
 }
 
 /// The same, before the scene's emitters are known.

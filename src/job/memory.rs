@@ -5,7 +5,7 @@
 //! built, the picture rendered. The peak is the largest of them.
 
 use crate::accel::Backend;
-use crate::film::{Film, Aov, RadianceScale};
+use crate::film::{Aov, Film, RadianceScale};
 use crate::scene::SceneFile;
 use crate::scene::description::{ColorStorage, SceneDescription};
 
@@ -85,7 +85,8 @@ impl MemoryPlan {
             colors: color_bytes(file, colors),
             emitters: emitter_count(file) * EMITTER_BYTES,
             background: file.environment_pixels() * ENVIRONMENT_PIXEL_BYTES,
-            film: Film::bytes(&format) as u64 + format.frame.pixel_count() as u64 * PICTURE_PIXEL_BYTES,
+            film: Film::bytes(&format) as u64
+                + format.frame.pixel_count() as u64 * PICTURE_PIXEL_BYTES,
             ..bare
         }
     }
@@ -149,8 +150,8 @@ impl AccelMemory {
 fn color_bytes(file: &SceneFile, storage: Option<ColorStorage>) -> u64 {
     let tables = file.description.tables.iter().zip(file.table_rows());
     let colored = tables.filter(|(table, _)| table.data.has_colors());
-    let bytes =
-        colored.map(|(table, rows)| rows * storage.unwrap_or(table.colors).bytes_per_color() as u64);
+    let bytes = colored
+        .map(|(table, rows)| rows * storage.unwrap_or(table.colors).bytes_per_color() as u64);
     bytes.sum()
 }
 

@@ -19,10 +19,10 @@ use crate::image_io::MetadataEntry;
 use crate::scene::data::SphereData;
 use crate::scene::description::EnvironmentDescription;
 use crate::scene::settings::IntegratorSettings;
-use crate::scene::{SceneDescription, FileHash, ContentHash, Scene, Settings, PreparedScene};
+use crate::scene::{ContentHash, FileHash, PreparedScene, Scene, SceneDescription, Settings};
 
 use super::noise::NoiseTarget;
-use super::samples::{SampleRange, MergedSamples, TileSampleCounts};
+use super::samples::{MergedSamples, SampleRange, TileSampleCounts};
 
 /// The version of this program.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -42,7 +42,7 @@ pub struct Metadata {
     pub version: String,
     /// The commit that it was built from.
     pub commit: String,
-    /// What the scene is: [`Scene::identity`].
+    /// What the scene is: [`Scene::content_hash`].
     pub scene_identity: ContentHash,
     /// What was computed of it, and what with: samples of equal identities may be added up.
     pub job_identity: ContentHash,
@@ -149,7 +149,12 @@ impl Metadata {
     }
 
     /// With the samples that the picture holds, by which equal pictures have equal settings.
-    pub(super) fn with_samples(self, samples: SampleRange, counts: TileSampleCounts, parts: MergedSamples) -> Self {
+    pub(super) fn with_samples(
+        self,
+        samples: SampleRange,
+        counts: TileSampleCounts,
+        parts: MergedSamples,
+    ) -> Self {
         let mut settings = self.settings;
         if !settings.render.sampler.depends_on_sample_count() {
             set_sample_count(&mut settings, samples.first + samples.most);
@@ -178,7 +183,10 @@ impl Metadata {
         let value = serde_json::to_value(self);
         let value = value.map_err(|e| Error::input(format!("cannot say how it was made: {e}")))?;
         let Value::Object(fields) = value else { return Ok(Vec::new()) };
-        Ok(fields.into_iter().map(|(name, value)| MetadataEntry::new(&name, record_text(value))).collect())
+        Ok(fields
+            .into_iter()
+            .map(|(name, value)| MetadataEntry::new(&name, record_text(value)))
+            .collect())
     }
 
     /// From the records of a file.
@@ -275,7 +283,10 @@ pub(super) fn embedded_description(scene: &Scene) -> Option<SceneDescription> {
 }
 
 /// Changes the path of every file of a scene.
-pub(super) fn for_each_file(description: &mut SceneDescription, mut change: impl FnMut(&mut PathBuf)) {
+pub(super) fn for_each_file(
+    description: &mut SceneDescription,
+    mut change: impl FnMut(&mut PathBuf),
+) {
     for table in &mut description.tables {
         if let SphereData::File { path, .. } = &mut table.data {
             change(path);

@@ -6,10 +6,13 @@
 //! says of how it was made is [`Metadata`], of which [`reproduce`] renders it again.
 
 mod adaptive;
+mod adaptive_tiles;
 mod aovs;
+mod budgeted_timer;
 mod checkpoint;
 mod cryptomatte;
 pub mod diff;
+pub mod eta;
 mod film_format;
 mod memory;
 pub mod merge;
@@ -18,42 +21,42 @@ mod monitor;
 mod noise;
 mod observer;
 mod outcome;
-pub mod eta;
 mod progressive;
 mod render_state;
 pub mod reproduce;
+mod resume;
 mod samples;
 pub mod save;
 mod save_request;
 mod session;
 mod spec;
-mod adaptive_tiles;
-mod resume;
-mod budgeted_timer;
 
-pub use adaptive::{MIN_ADAPTIVE_SAMPLES, NoiseProgress, estimate_error, confidence_half_widths, render_adaptive};
-pub use aovs::{needs_scene, develop, develop_without_scene};
+pub use adaptive::{
+    MIN_ADAPTIVE_SAMPLES, NoiseProgress, confidence_half_widths, estimate_error, render_adaptive,
+};
+pub use aovs::{develop, develop_without_scene, needs_scene};
+pub use budgeted_timer::BudgetedTimer;
 pub use checkpoint::{
-    Checkpoint, OutputSpec, FilePath, CheckpointHeader, CumulativeStats, RenderStatus, is_checkpoint, write_checkpoint,
+    Checkpoint, CheckpointHeader, CumulativeStats, FilePath, OutputSpec, RenderStatus,
+    is_checkpoint, write_checkpoint,
 };
 pub use film_format::format_for_scene;
-pub use memory::{MemoryPlan, MemoryPhase};
+pub use memory::{MemoryPhase, MemoryPlan};
 pub use metadata::{COMMIT, Metadata, RunRecord, VERSION};
 pub use noise::NoiseTarget;
 pub use observer::{Observer, RenderProgress};
-pub use outcome::{StopReason, NoiseStatus, RenderResult, RunOutcome, frame_crop, render_warnings};
+pub use outcome::{NoiseStatus, RenderResult, RunOutcome, StopReason, frame_crop, render_warnings};
 pub use progressive::{Counters, ProgressiveRenderer};
-pub use samples::{SampleRange, WindowSamples, MergedSamples, TileSampleCounts};
+pub use samples::{MergedSamples, SampleRange, TileSampleCounts, WindowSamples};
 pub use save_request::SaveRequest;
-pub use session::{SessionOptions, Session};
-pub use spec::{UNLIMITED_SAMPLES, Job, StopCriteria};
-pub use budgeted_timer::BudgetedTimer;
+pub use session::{Session, SessionOptions};
+pub use spec::{Job, StopCriteria, UNLIMITED_SAMPLES};
 
 use crate::accel::Accel;
 use crate::error::Result;
-use crate::film::{Film, Aov};
+use crate::film::{Aov, Film};
 use crate::image_io::Picture;
-use crate::scene::{Scene, PreparedScene};
+use crate::scene::{PreparedScene, Scene};
 use crate::task::CancelToken;
 
 /// Renders a job, and tells `observer` on this thread how far it is; `&()` does not look on.

@@ -13,10 +13,10 @@ use rayon::ThreadPool;
 use crate::error::Result;
 use crate::image_io::AtomicFile;
 
-use super::observer::Observer;
-use super::outcome::{StopReason, RunOutcome};
-use super::render_state::RenderState;
 use super::budgeted_timer::BudgetedTimer;
+use super::observer::Observer;
+use super::outcome::{RunOutcome, StopReason};
+use super::render_state::RenderState;
 
 /// How long the threads that render may take to follow a request to stop: most of the two seconds in
 /// which a program should be gone are for saving. Nothing is lost with them but what is in flight.
@@ -145,9 +145,7 @@ impl AutosaveThread {
         let (wake, woken) = mpsc::channel();
         let (state, Autosave { file, interval: every }) = (Arc::clone(state), autosave.clone());
         let save = move || {
-            autosave_loop(every, &woken, &warn, &file, &|| {
-                state.write_checkpoint(&file, None)
-            })
+            autosave_loop(every, &woken, &warn, &file, &|| state.write_checkpoint(&file, None))
         };
         let thread = std::thread::Builder::new().name("autosave".to_owned()).spawn(save);
         Self { wake, thread }

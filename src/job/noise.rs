@@ -98,7 +98,9 @@ struct ChannelNoise {
 
 impl PooledVariance {
     fn new(pixels: &[&PixelEstimate]) -> Self {
-        Self(std::array::from_fn(|axis| SHARED_VARIANCE_WEIGHT * mean(pixels, |pixel| pixel.variance[axis])))
+        Self(std::array::from_fn(|axis| {
+            SHARED_VARIANCE_WEIGHT * mean(pixels, |pixel| pixel.variance[axis])
+        }))
     }
 
     /// Those of a pixel's channels.
@@ -142,7 +144,9 @@ impl TileNoise {
         let shared = PooledVariance::new(&known);
         let of_pixel = |pixel: &&PixelEstimate| {
             let brightness = brightness(pixel).max(darkest);
-            shared.standard_errors(pixel).map(|spread| ChannelNoise { brightness, standard_error: spread })
+            shared
+                .standard_errors(pixel)
+                .map(|spread| ChannelNoise { brightness, standard_error: spread })
         };
         Self { channels: known.iter().step_by(stride).flat_map(of_pixel).collect() }
     }
@@ -234,7 +238,7 @@ fn normal_from_student_t(t: f64, freedom: f64) -> f64 {
     wallace_factor(freedom) * (freedom * libm::log1p(t * t / freedom)).sqrt()
 }
 
-/// The inverse of [`normal_of_t`].
+/// The inverse of [`normal_from_student_t`].
 fn student_t_from_normal(sigmas: f64, freedom: f64) -> f64 {
     if freedom.is_infinite() {
         return sigmas;
@@ -266,7 +270,11 @@ mod tests {
                 let sigmas = Normal::standard().inverse_cdf(p);
                 let t = student_t_from_normal(sigmas, freedom);
                 assert_relative_eq!(t, student.inverse_cdf(p), max_relative = off);
-                assert_relative_eq!(normal_from_student_t(t, freedom), sigmas, max_relative = 1e-12);
+                assert_relative_eq!(
+                    normal_from_student_t(t, freedom),
+                    sigmas,
+                    max_relative = 1e-12
+                );
             }
         }
         assert_eq!(normal_from_student_t(1.5, f64::INFINITY), 1.5);

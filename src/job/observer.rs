@@ -5,7 +5,7 @@ use std::time::Duration;
 
 /// Told of a render while it runs, always on the thread that runs it. `()` does not look on.
 pub trait Observer {
-    /// Whether [`Self::progress`] is wanted: estimating the error takes a little time.
+    /// Whether [`Self::on_progress`] is wanted: estimating the error takes a little time.
     fn wants_progress(&self) -> bool {
         false
     }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::Result;
 use crate::film::{Film, FilmFrame};
 use crate::image_io::Picture;
-use crate::image_io::{CropWindow, WriteOptions, ImageWriter};
+use crate::image_io::{CropWindow, ImageWriter, WriteOptions};
 use crate::integrator::RenderStats;
 use crate::scene::PreparedScene;
 
@@ -100,7 +100,14 @@ impl RenderResult {
             offset: [crop.x, crop.y].map(|pixels| pixels as usize),
         });
         let records = metadata.to_records()?;
-        target.write_with(&self.picture, &WriteOptions { crop_window: cropped_from, metadata: records, ..WriteOptions::default() })
+        target.write_with(
+            &self.picture,
+            &WriteOptions {
+                crop_window: cropped_from,
+                metadata: records,
+                ..WriteOptions::default()
+            },
+        )
     }
 }
 
@@ -113,7 +120,9 @@ impl NoiseStatus {
 
 impl From<&NoiseProgress> for NoiseStatus {
     fn from(standing: &NoiseProgress) -> Self {
-        let NoiseProgress { target, tiles: squares, tiles_converged: done, worst_error: worst, .. } = *standing;
+        let NoiseProgress {
+            target, tiles: squares, tiles_converged: done, worst_error: worst, ..
+        } = *standing;
         Self { target, squares, done, worst: worst.is_finite().then_some(worst) }
     }
 }

@@ -13,7 +13,7 @@ use crate::accel::Accel;
 use crate::color::PathRadiance;
 use crate::error::Result;
 use crate::film::{BLOCK_SIZE, Film, SampleRun, TILE_SIZE};
-use crate::integrator::{self, Integrator, SampleAddress, RenderStats, Workspace, RenderContext};
+use crate::integrator::{self, Integrator, RenderContext, RenderStats, SampleAddress, Workspace};
 use crate::scene::PreparedScene;
 use crate::task::CancelToken;
 
@@ -107,13 +107,17 @@ impl<'a> ProgressiveRenderer<'a> {
         self.counters
     }
 
-    /// Brings the tiles that `wants` chooses to sample number `end` (its index not included), however
+    /// Brings the tiles that `include` chooses to sample number `end` (its index not included), however
     /// far each of them is. Returns whether it got there: cancelled, it leaves every tile of the film at
     /// some whole block.
     ///
     /// # Errors
     /// When a pixel is too bright for the film.
-    pub fn render_to_sample(&self, end: u32, include: &(dyn Fn(usize) -> bool + Sync)) -> Result<bool> {
+    pub fn render_to_sample(
+        &self,
+        end: u32,
+        include: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Result<bool> {
         let chosen = (0..self.film.frame().tile_count()).filter(|&tile| include(tile)).collect();
         let chosen = golden_ratio_order(chosen);
         // The first sample that some pixel lacks.
@@ -147,7 +151,9 @@ impl<'a> ProgressiveRenderer<'a> {
         let tiles_per_job = BATCH_SAMPLES / (TILE_SIZE[0] * TILE_SIZE[1] * block) as usize;
         pending
             .par_chunks(tiles_per_job.max(1))
-            .try_for_each_init(ThreadScratch::default, |desk, tiles| self.render_tiles(desk, tiles, end))
+            .try_for_each_init(ThreadScratch::default, |desk, tiles| {
+                self.render_tiles(desk, tiles, end)
+            })
     }
 
     fn render_tiles(&self, desk: &mut ThreadScratch, tiles: &[usize], end: u32) -> Result<()> {
@@ -171,12 +177,18 @@ impl<'a> ProgressiveRenderer<'a> {
         }
         radiance.clear();
         radiance.resize(samples.len(), PathRadiance::default());
-        workspace.record_visible_surfaces(self.film.format().layers.iter().any(|layer| layer.uses_visible_surface()));
+        workspace.record_visible_surfaces(
+            self.film.format().layers.iter().any(|layer| layer.uses_visible_surface()),
+        );
         let tally = self.integrator.estimate(self.context, samples, radiance, workspace);
         if self.cancel_token().is_cancelled() {
             return Ok(()); // stopped half-way: what there is of these samples is not used
         }
-        self.add_to_film(tiles, counts, SampleRun { radiance, visible_surfaces: workspace.visible_surfaces() })?;
+        self.add_to_film(
+            tiles,
+            counts,
+            SampleRun { radiance, visible_surfaces: workspace.visible_surfaces() },
+        )?;
         self.counters.add(samples.len() as u64, tally);
         Ok(())
     }

@@ -14,13 +14,15 @@ use crate::scene::PreparedScene;
 use crate::task::CancelToken;
 
 use super::adaptive::{NoiseProgress, estimate_error, render_adaptive};
-use super::checkpoint::{OutputSpec, CheckpointHeader, CumulativeStats, RenderStatus, write_checkpoint};
+use super::checkpoint::{
+    CheckpointHeader, CumulativeStats, OutputSpec, RenderStatus, write_checkpoint,
+};
+use super::eta::{self, Eta};
 use super::metadata::{Metadata, RunRecord, embree_summary};
 use super::observer::RenderProgress;
-use super::outcome::{StopReason, NoiseStatus, RunOutcome};
-use super::eta::{self, Eta};
+use super::outcome::{NoiseStatus, RunOutcome, StopReason};
 use super::progressive::{Counters, ProgressiveRenderer};
-use super::samples::{SampleRange, MergedSamples, TileSampleCounts};
+use super::samples::{MergedSamples, SampleRange, TileSampleCounts};
 use super::save_request::SaveRequest;
 use super::spec::Job;
 
@@ -88,7 +90,8 @@ impl RenderState {
     /// Renders until the job is done or cancelled. Returns whether it is done.
     pub(super) fn render(&self) -> Result<bool> {
         let stop = self.stop_token();
-        let passes = ProgressiveRenderer::new(&self.shot, &*self.accel, &self.film, &self.counters, &stop);
+        let passes =
+            ProgressiveRenderer::new(&self.shot, &*self.accel, &self.film, &self.counters, &stop);
         match self.job.until.noise {
             None => passes.render_to_sample(self.samples.end, &|_| true),
             Some(target) => {
@@ -207,9 +210,13 @@ impl RenderState {
     ) -> Result<()> {
         let mut metadata = self.metadata(&self.film);
         metadata.layers = Some(self.job.layers.clone());
-        let is_ended = |reached: &&RunOutcome| !matches!(reached.stop_reason, StopReason::Stopped | StopReason::Failed);
-        let status = reached.filter(is_ended).map_or(RenderStatus::Unfinished, |reached| RenderStatus::Ended {
-            missed: reached.noise.filter(|noise| !noise.is_met()).into_iter().collect(),
+        let is_ended = |reached: &&RunOutcome| {
+            !matches!(reached.stop_reason, StopReason::Stopped | StopReason::Failed)
+        };
+        let status = reached.filter(is_ended).map_or(RenderStatus::Unfinished, |reached| {
+            RenderStatus::Ended {
+                missed: reached.noise.filter(|noise| !noise.is_met()).into_iter().collect(),
+            }
         });
         let RenderStats { rays, media_overflows, truncated_paths: cut_off } = self.stats();
         let scene = self.shot.scene();
@@ -225,7 +232,12 @@ impl RenderState {
             job: self.job.clone(),
             metadata,
             status,
-            statistics: CumulativeStats { rays, seconds: self.total_seconds(), media_overflows, cut_off },
+            statistics: CumulativeStats {
+                rays,
+                seconds: self.total_seconds(),
+                media_overflows,
+                cut_off,
+            },
             transparent: scene.description().background.transparent,
             source,
             delivery: self.output.clone(),

@@ -5,17 +5,17 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result, Suggestion};
-use crate::film::{Film, FilmFormat, FilmFrame, Aov, Layer};
+use crate::film::{Aov, Film, FilmFormat, FilmFrame, Layer};
 use crate::image_io;
 use crate::image_io::Picture;
-use crate::scene::{Scene, PreparedScene};
+use crate::scene::{PreparedScene, Scene};
 use crate::task::CancelToken;
 
 use super::aovs::develop;
 use super::film_format::format_for_scene;
 use super::metadata::{Metadata, for_each_file};
 use super::progressive::{Counters, ProgressiveRenderer};
-use super::samples::{SampleRange, WindowSamples, TileSampleCounts};
+use super::samples::{SampleRange, TileSampleCounts, WindowSamples};
 
 /// How to render a picture again.
 #[derive(Clone, Debug, Default)]
@@ -47,7 +47,8 @@ pub fn read_metadata(path: &Path) -> Result<Metadata> {
     let mut metadata = Metadata::from_records(path, &image_io::read_metadata(path)?)?;
     if metadata.layers.is_none() {
         // An alpha channel may be asked for by the scene or by the job.
-        let has_alpha = image_io::read_raw_channels(path)?.iter().any(|channel| channel.name == "A");
+        let has_alpha =
+            image_io::read_raw_channels(path)?.iter().any(|channel| channel.name == "A");
         metadata.layers = has_alpha.then(|| vec![Aov::Mean(Layer::Alpha)]);
     }
     Ok(metadata)

@@ -39,7 +39,7 @@ pub struct WindowSamples {
     pub counts: TileSampleCounts,
 }
 
-/// What a picture was merged from; no two have a sample in common. None where [`Samples`] and [`TileCounts`]
+/// What a picture was merged from; no two have a sample in common. None where [`SampleRange`] and [`TileSampleCounts`]
 /// of the whole tell all.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]

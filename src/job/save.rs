@@ -47,7 +47,11 @@ struct FailedTask<'a> {
 ///
 /// # Errors
 /// When something could not be written in its place, with where it is and what was written.
-pub fn save_all(first: &[SaveTask<'_>], others: &[SaveTask<'_>], policy: &RetryPolicy<'_>) -> Result<()> {
+pub fn save_all(
+    first: &[SaveTask<'_>],
+    others: &[SaveTask<'_>],
+    policy: &RetryPolicy<'_>,
+) -> Result<()> {
     let (mut failed, more) = parallel::join(|| run_tasks(first), || run_tasks(others));
     failed.extend(more);
     retry(&mut failed, policy);
@@ -66,8 +70,9 @@ pub fn save_all(first: &[SaveTask<'_>], others: &[SaveTask<'_>], policy: &RetryP
 }
 
 fn run_tasks<'a>(errands: &'a [SaveTask<'a>]) -> Vec<FailedTask<'a>> {
-    let failed =
-        |errand: &'a SaveTask<'a>| (errand.write)(None).err().map(|error| FailedTask { task: errand, error });
+    let failed = |errand: &'a SaveTask<'a>| {
+        (errand.write)(None).err().map(|error| FailedTask { task: errand, error })
+    };
     errands.iter().filter_map(failed).collect()
 }
 
@@ -162,7 +167,8 @@ mod tests {
             0..2 => full(),
             _ => Ok(()),
         };
-        let manner = RetryPolicy { skip_retries: &|| false, warn: &|text| told.lock().unwrap().push(text) };
+        let manner =
+            RetryPolicy { skip_retries: &|| false, warn: &|text| told.lock().unwrap().push(text) };
         save_all(&[errand("a.part", true, write)], &[], &manner).unwrap();
         let expected = [
             "cannot write `a.part`: no space left; it is tried again for 60 s",

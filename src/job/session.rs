@@ -11,12 +11,12 @@ use rayon::ThreadPool;
 use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result, Suggestion};
 use crate::film::{Film, FilmFormat};
-use crate::image_io::{Picture, AtomicFile};
-use crate::scene::{Scene, PreparedScene};
+use crate::image_io::{AtomicFile, Picture};
+use crate::scene::{PreparedScene, Scene};
 use crate::task::CancelToken;
 
 use super::aovs::develop;
-use super::checkpoint::{Checkpoint, OutputSpec, CumulativeStats};
+use super::checkpoint::{Checkpoint, CumulativeStats, OutputSpec};
 use super::film_format::format_for_scene;
 use super::metadata::Metadata;
 use super::monitor::{self, Autosave};
@@ -24,9 +24,9 @@ use super::observer::{Observer, RenderProgress};
 use super::outcome::{RenderResult, RunOutcome, render_warnings};
 use super::progressive::Counters;
 use super::render_state::RenderState;
+use super::resume;
 use super::save_request::SaveRequest;
 use super::spec::Job;
-use super::resume;
 
 /// A render that owns all it needs.
 pub struct Session {
@@ -82,13 +82,15 @@ impl Session {
     ) -> Result<Self> {
         job.validate()?;
         let job = job.without_repeated_layers();
-        let SessionOptions { cancel, save_request, build_progress, output: delivery, command } = opening;
+        let SessionOptions { cancel, save_request, build_progress, output: delivery, command } =
+            opening;
         let pool = thread_pool(job.threads)?;
         let shot = pool.install(|| PreparedScene::new(scene, job.settings))?;
         let samples = job.sample_range()?;
         let chosen = job.accel.select(scene.spheres());
         let metadata = Metadata::new(&shot, chosen.backend);
-        let format = FilmFormat { first_sample: samples.start, ..format_for_scene(&shot, &job.layers) };
+        let format =
+            FilmFormat { first_sample: samples.start, ..format_for_scene(&shot, &job.layers) };
         let (film, before) = match checkpoint {
             None => (Film::new(&format)?, CumulativeStats::default()),
             Some(checkpoint) => resume::load_film(checkpoint, &metadata, &format, &samples, &job)?,
@@ -169,12 +171,15 @@ impl Session {
         let samples = job.sample_range()?;
         let shot = self.pool.install(|| PreparedScene::new(state.shot.scene(), job.settings))?;
         let metadata = Metadata::new(&shot, state.metadata.intersector.backend);
-        let format = FilmFormat { first_sample: samples.start, ..format_for_scene(&shot, &job.layers) };
+        let format =
+            FilmFormat { first_sample: samples.start, ..format_for_scene(&shot, &job.layers) };
         let then = state.film.format();
         resume::check_matches((&state.metadata, &then), (&metadata, &format)).map_err(refused)?;
         resume::check_can_continue(&state.film, state.job.until.noise, &samples, &job)
             .map_err(refused)?;
-        state.counters.set_samples_total(state.film.frame().pixel_count() as u64 * samples.len() as u64);
+        state
+            .counters
+            .set_samples_total(state.film.frame().pixel_count() as u64 * samples.len() as u64);
         (state.shot, state.metadata, state.samples, state.job) = (shot, metadata, samples, job);
         Ok(())
     }
@@ -370,7 +375,10 @@ mod tests {
         Arc::get_mut(&mut session.state).unwrap().accel = Box::new(Failing(AtomicUsize::new(0)));
         let reached = session.run(&()).unwrap();
         let samples = session.film().sample_count();
-        assert!(reached.stop_reason == super::super::StopReason::Failed && samples > 0, "{reached:?}");
+        assert!(
+            reached.stop_reason == super::super::StopReason::Failed && samples > 0,
+            "{reached:?}"
+        );
         assert_eq!(session.result(reached).samples, samples);
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::accel::{BackendChoice, BuildQuality};
 use crate::error::{Error, Result, Suggestion};
-use crate::film::{BLOCK_SIZE, Aov, Layer};
+use crate::film::{Aov, BLOCK_SIZE, Layer};
 use crate::sampling::SamplerKind;
 use crate::scene::Settings;
 use crate::scene::settings::{ImageSettings, IntegratorSettings, PaperSettings, RenderSettings};
@@ -163,8 +163,9 @@ impl Job {
                 format!("end behind the last sample, of {last} per pixel"),
                 "ask for so many samples per pixel".to_owned(),
             );
-            return refusal
-                .map_err(|error| error.with_suggestion(Suggestion::SamplesPerPixel, end.to_string()));
+            return refusal.map_err(|error| {
+                error.with_suggestion(Suggestion::SamplesPerPixel, end.to_string())
+            });
         }
         if end % BLOCK_SIZE != 0 && end != last {
             let near = end.next_multiple_of(BLOCK_SIZE).min(last);
@@ -225,9 +226,12 @@ impl StopCriteria {
         // Settings may still hold any number.
         let fit = |cells: u32| cells > 0 && BLOCK_SIZE % cells == 0;
         match render.integrator {
-            IntegratorSettings::Paper(PaperSettings { subpixels: k, .. }) if !k.checked_pow(2).is_some_and(fit) => {
-                let why =
-                    format!("{k} x {k} sub-pixels do not fit into its blocks of {BLOCK_SIZE} samples");
+            IntegratorSettings::Paper(PaperSettings { subpixels: k, .. })
+                if !k.checked_pow(2).is_some_and(fit) =>
+            {
+                let why = format!(
+                    "{k} x {k} sub-pixels do not fit into its blocks of {BLOCK_SIZE} samples"
+                );
                 refuse(&why, "use 1, 2 or 4 sub-pixels along each side")
             }
             _ => Ok(()),

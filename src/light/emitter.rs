@@ -71,7 +71,7 @@ impl VisibleEmitter {
             Self::Inside { frame, is_two_sided: true, .. } => {
                 0.5 * FRAC_1_PI * direction.dot(frame.z).abs()
             }
-            Self::Inside { .. } if fault!(InsideLampWithoutCosine) => 0.5 * FRAC_1_PI,
+            Self::Inside { .. } if fault!(InsideEmitterPdfWithoutCosine) => 0.5 * FRAC_1_PI,
             Self::Inside { frame, .. } => FRAC_1_PI * direction.dot(frame.z).max(0.0),
         }
     }

@@ -8,10 +8,10 @@ use crate::geometry::SphereSet;
 use crate::names::named_enum;
 use crate::sampling::DiscreteDistribution;
 
-use super::light_bounds::{LightBounds, LightItem};
 use super::emitter::Emitter;
+use super::light_bounds::{LightBounds, LightItem};
+use super::light_tree::{LightTree, MAX_LIGHTS};
 use super::receiver::LightSampleContext;
-use super::light_tree::{MAX_LIGHTS, LightTree};
 
 /// So many lamps are looked at one by one.
 const MAX_EXHAUSTIVE: usize = 8;
@@ -49,7 +49,7 @@ enum Strategy {
     Single(LightBounds),
     /// The same for all receivers.
     Fixed(DiscreteDistribution, LightBounds),
-    /// At most `FEW`.
+    /// At most `MAX_EXHAUSTIVE`.
     Exhaustive(Vec<LightBounds>),
     Tree(LightTree),
 }
@@ -115,8 +115,10 @@ impl LightSampler {
             Strategy::Empty => 0.0,
             Strategy::Single(_) => 1.0,
             Strategy::Fixed(choice, _) => choice.pmf(lamp),
-            Strategy::Exhaustive(lamps) if fault!(LampsChosenAlike) => 1.0 / lamps.len() as f64,
-            Strategy::Exhaustive(lamps) => ExhaustiveSampler::new(lamps, from).map_or(0.0, |few| few.pmf(lamp)),
+            Strategy::Exhaustive(lamps) if fault!(LightPmfUniform) => 1.0 / lamps.len() as f64,
+            Strategy::Exhaustive(lamps) => {
+                ExhaustiveSampler::new(lamps, from).map_or(0.0, |few| few.pmf(lamp))
+            }
             Strategy::Tree(tree) => tree.pmf(from, lamp as u32),
         }
     }
@@ -149,7 +151,11 @@ impl ExhaustiveSampler {
         }
         let total = importance.iter().sum();
         let above_horizon = importance.iter().filter(|&&importance| importance > 0.0).count();
-        (total > 0.0).then(|| Self { importance, total, uniform_probability: UNIFORM_FRACTION / above_horizon as f64 })
+        (total > 0.0).then(|| Self {
+            importance,
+            total,
+            uniform_probability: UNIFORM_FRACTION / above_horizon as f64,
+        })
     }
 
     fn sample(&self, mut u: f64) -> Option<(usize, f64)> {

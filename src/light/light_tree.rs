@@ -89,9 +89,10 @@ impl LightTree {
         let mut pmf = 1.0;
         while next & LEAF == 0 {
             let Some(first) = self.first_child_probability(from, next) else { return 0.0 };
-            let first = if fault!(HalfATree) { 0.5 } else { first };
+            let first = if fault!(LightTreePmfHalf) { 0.5 } else { first };
             let second = self.nodes[next as usize + 1];
-            let is_below_second = second.child_or_emitter & LEAF == 0 && leaf >= second.child_or_emitter;
+            let is_below_second =
+                second.child_or_emitter & LEAF == 0 && leaf >= second.child_or_emitter;
             if leaf == next + 1 || is_below_second {
                 pmf *= 1.0 - first;
                 next = second.child_or_emitter;

@@ -1,21 +1,21 @@
 //! What shines: emissive spheres and the background, and the choice among them.
 //!
-//! Whoever gathers light at a point ([`Receiver`]) asks for a direction that light may come from
+//! Whoever gathers light at a point ([`LightSampleContext`]) asks for a direction that light may come from
 //! ([`Lights::sample`]), or, for a direction that it found otherwise, for the density with which it
 //! would have been given ([`Lights::pdf`]). That density may be 0 for light that is best left to
 //! chance, such as a background of one colour; by chance it must then be found.
 
-mod environment;
-mod light_sampler;
-mod light_bounds;
-mod emitter;
-mod receiver;
 mod category;
+mod emitter;
+mod environment;
+mod light_bounds;
+mod light_sampler;
 mod light_tree;
+mod receiver;
 
+pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentMap, Orientation, Sky, SunLight};
 pub use light_sampler::LightSamplerKind;
-pub use emitter::Emitter;
 pub use receiver::LightSampleContext;
 
 use std::sync::Arc;
@@ -24,9 +24,9 @@ use crate::color::Rgb;
 use crate::geometry::SphereSet;
 use crate::math::{DVec3, NO_SPHERE};
 
-use light_sampler::LightSampler;
+use category::{CategoryPmf, LightCategory};
 use emitter::VisibleEmitter;
-use category::{LightCategory, CategoryPmf};
+use light_sampler::LightSampler;
 
 /// All lights of a scene.
 #[derive(Debug, Default)]
@@ -181,7 +181,9 @@ impl Lights {
 
     /// The probability that [`Self::sample`] aims at the background and not at a lamp.
     pub fn environment_probability(&self, from: &LightSampleContext) -> f64 {
-        let share = |shares: CategoryPmf| shares.pmf(LightCategory::EnvironmentMap) + shares.pmf(LightCategory::Sun);
+        let share = |shares: CategoryPmf| {
+            shares.pmf(LightCategory::EnvironmentMap) + shares.pmf(LightCategory::Sun)
+        };
         self.shares(from).map_or(0.0, share)
     }
 
@@ -211,7 +213,11 @@ mod tests {
             let u: [f64; 5] =
                 std::array::from_fn(|d| Sampler::independent(0, lamp.into(), 0).get(d as u32));
             let center = DVec3::new(u[0], u[1], u[2]);
-            LightItem { sphere: Sphere { center, radius: 0.1 * u[3].powi(4) + 1e-9 }, power: u[4], emitter_index: lamp }
+            LightItem {
+                sphere: Sphere { center, radius: 0.1 * u[3].powi(4) + 1e-9 },
+                power: u[4],
+                emitter_index: lamp,
+            }
         };
         (0..count as u32).map(item).collect()
     }
@@ -219,7 +225,8 @@ mod tests {
     /// Points among the lamps and far from them, facing anywhere, one-sided and two-sided.
     pub(super) fn receivers() -> impl Iterator<Item = LightSampleContext> {
         (0..40u32).map(|i| {
-            let u: [f64; 6] = std::array::from_fn(|d| Sampler::independent(1, i.into(), 0).get(d as u32));
+            let u: [f64; 6] =
+                std::array::from_fn(|d| Sampler::independent(1, i.into(), 0).get(d as u32));
             let normal = (DVec3::new(u[0], u[1], u[2]) - 0.5).normalize();
             let scale = if i < 20 { 1.0 } else { 50.0 };
             let point = (DVec3::new(u[3], u[4], u[5]) - 0.5) * scale + 0.5;

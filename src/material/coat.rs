@@ -17,7 +17,7 @@ use crate::math::DVec3;
 use super::energy_compensation::{hemispherical_mean, mean_over_visible_normals};
 use super::ggx::half_vector;
 use super::mirror::reflect;
-use super::{BsdfSample, Ggx, Lobe, EnergyCompensation, fresnel};
+use super::{BsdfSample, EnergyCompensation, Ggx, Lobe, fresnel};
 
 /// A clear coat.
 #[derive(Clone, Debug)]
@@ -155,7 +155,11 @@ mod tests {
     fn the_mean_of_a_smooth_coat_is_known_in_closed_form() {
         for ior in [1.1, 1.5, 2.4] {
             let coat = Coat::new(ior, 0.0);
-            assert_relative_eq!(coat.mean_transmittance, 1.0 - mean_reflectance(ior), epsilon = 1e-5);
+            assert_relative_eq!(
+                coat.mean_transmittance,
+                1.0 - mean_reflectance(ior),
+                epsilon = 1e-5
+            );
             // From inside, the mean over directions with total reflection among them is the same
             // number by reciprocity.
             let inside = hemispherical_mean(|cos| fresnel(cos, 1.0 / ior).reflectance);
@@ -167,7 +171,11 @@ mod tests {
     fn a_narrow_lobe_lets_through_what_a_smooth_coat_does() {
         let [smooth, narrow] = [0.0, 0.02].map(|roughness| Coat::new(1.5, roughness));
         for cos in [1.0, 0.6, 0.2, 0.1] {
-            assert_abs_diff_eq!(smooth.transmittance(cos), narrow.transmittance(cos), epsilon = 1e-3);
+            assert_abs_diff_eq!(
+                smooth.transmittance(cos),
+                narrow.transmittance(cos),
+                epsilon = 1e-3
+            );
         }
     }
 }

@@ -12,10 +12,10 @@
 use crate::color::Rgb;
 use crate::math::DVec3;
 
-use super::energy_compensation::{multiscatter_tint, hemispherical_mean};
+use super::energy_compensation::{hemispherical_mean, multiscatter_tint};
 use super::ggx::half_vector;
 use super::mirror::reflect;
-use super::{ExtraUniforms, BsdfSample, Ggx, Lobe, Metal, EnergyCompensation};
+use super::{BsdfSample, EnergyCompensation, ExtraUniforms, Ggx, Lobe, Metal};
 
 /// A metal surface.
 #[derive(Clone, Debug)]
@@ -124,7 +124,9 @@ impl Conductor {
     }
 
     fn from_fresnel(facets: ConductorFresnel, roughness: f64) -> Self {
-        let rough = |ggx| Box::new(RoughConductor { ggx, compensation: EnergyCompensation::for_reflection(ggx) });
+        let rough = |ggx| {
+            Box::new(RoughConductor { ggx, compensation: EnergyCompensation::for_reflection(ggx) })
+        };
         let rough = Ggx::new(roughness).map(rough);
         let tint = rough.as_ref().map_or(Rgb::ZERO, |rough| rough.multiscatter_tint(&facets));
         Self { fresnel: facets, multiscatter_tint: tint, rough }
@@ -165,7 +167,8 @@ impl ConductorBsdf<'_> {
         }
         let single = rough.ggx.eval_reflection(wo, wi) as f32;
         let multiple = rough.compensation.eval(wo.z, wi.z) as f32;
-        self.fresnel.reflectance(wo.dot(half_vector(wo, wi))) * single + self.multiscatter_tint * multiple
+        self.fresnel.reflectance(wo.dot(half_vector(wo, wi))) * single
+            + self.multiscatter_tint * multiple
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {

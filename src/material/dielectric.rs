@@ -22,7 +22,9 @@ use crate::math::DVec3;
 use super::fresnel::{Fresnel, fresnel, refract};
 use super::ggx::half_vector;
 use super::mirror::reflect;
-use super::{ExtraUniforms, BsdfSample, DielectricCompensationSide, Ggx, DielectricCompensation, Lobe};
+use super::{
+    BsdfSample, DielectricCompensation, DielectricCompensationSide, ExtraUniforms, Ggx, Lobe,
+};
 
 /// Media whose indices differ by less than this part have no rough boundary: facets would bend light
 /// by less than a degree, which broad lobes do not resemble.
@@ -55,19 +57,24 @@ pub struct DielectricBsdf<'a> {
 }
 
 impl Dielectric {
-    /// Glass of a roughness in `[0, 1]`. `others` are the indices of all media that it may border on:
+    /// Glass of a roughness in `[0, 1]`. `adjacent_iors` are the indices of all media that it may border on:
     /// what is costly is prepared once for each.
     pub fn new(ior: f64, priority: i32, roughness: f64, adjacent_iors: &[f64]) -> Self {
-        let energies = || adjacent_iors.iter().map(|other| (ior / other, OnceLock::new())).collect();
-        let rough = Ggx::new(roughness).map(|ggx| Arc::new(RoughDielectric { ggx, compensations: energies() }));
+        let energies =
+            || adjacent_iors.iter().map(|other| (ior / other, OnceLock::new())).collect();
+        let rough = Ggx::new(roughness)
+            .map(|ggx| Arc::new(RoughDielectric { ggx, compensations: energies() }));
         Self { ior, priority, rough }
     }
 
     /// This glass where the index of refraction beyond over the one on this side is `eta`: its own
-    /// over one of the `others`, or the inverse.
+    /// over one of the `adjacent_iors`, or the inverse.
     pub fn bsdf(&self, eta: f64) -> DielectricBsdf<'_> {
         let rough = self.rough.as_ref().filter(|_| (eta - 1.0).abs() >= INDEX_MATCHED);
-        DielectricBsdf { eta, rough: rough.and_then(|rough| Some((rough.ggx, rough.compensation(eta)?))) }
+        DielectricBsdf {
+            eta,
+            rough: rough.and_then(|rough| Some((rough.ggx, rough.compensation(eta)?))),
+        }
     }
 }
 
@@ -75,7 +82,8 @@ impl RoughDielectric {
     /// The energy for the ratio that is told, which rounding may have moved a little.
     fn compensation(&self, eta: f64) -> Option<DielectricCompensationSide<'_>> {
         let off = |ratio: f64| f64::min((ratio - eta).abs(), (1.0 / ratio - eta).abs());
-        let nearest = self.compensations.iter().min_by(|(a, _), (b, _)| off(*a).total_cmp(&off(*b)));
+        let nearest =
+            self.compensations.iter().min_by(|(a, _), (b, _)| off(*a).total_cmp(&off(*b)));
         let (ratio, energy) = nearest?;
         let energy = energy.get_or_init(|| DielectricCompensation::new(self.ggx, *ratio));
         let is_told_from_here = (*ratio > 1.0) == (eta > 1.0);
@@ -104,7 +112,7 @@ impl DielectricBsdf<'_> {
         let eta = self.eta;
         // By Snell's law what `wo + eta wi` has beside the normal cancels. It points to the side of
         // the lower index.
-        let half = if fault!(HalfVectorOfWrongSide) { wo * eta + wi } else { wo + wi * eta };
+        let half = if fault!(HalfVectorEtaSwapped) { wo * eta + wi } else { wo + wi * eta };
         let length = half.length();
         let normal = half / if eta > 1.0 { -length } else { length };
         let (cos_o, cos_i) = (wo.dot(normal), -wi.dot(normal));
@@ -165,7 +173,13 @@ impl DielectricBsdf<'_> {
 
     /// A direction by a single facet. Where its light meets another one, what is left of `lobe`: a
     /// number in `[0, 1)` that is as random as it was, whatever the facet.
-    fn sample_single_scattering(&self, ggx: &Ggx, wo: DVec3, u_lobe: f64, u: [f64; 2]) -> Result<DVec3, f64> {
+    fn sample_single_scattering(
+        &self,
+        ggx: &Ggx,
+        wo: DVec3,
+        u_lobe: f64,
+        u: [f64; 2],
+    ) -> Result<DVec3, f64> {
         let m = ggx.sample_visible_normal(wo, u);
         let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.eta).reflectance;
         let (wi, rest) = if u_lobe < reflectance {
@@ -233,8 +247,7 @@ mod tests {
         for roughness in [0.0, 0.01] {
             let glass = glass(roughness);
             let wo = DVec3::new(0.6, 0.0, 0.8);
-            let sample =
-                |eta: f64, wo| glass.bsdf(eta).sample(wo, 0.999, [0.5, 0.0], &|| [0.5; 2]);
+            let sample = |eta: f64, wo| glass.bsdf(eta).sample(wo, 0.999, [0.5, 0.0], &|| [0.5; 2]);
             let into = sample(1.5, wo).expect("a direction").wi;
             assert_relative_eq!(into.x, -0.4, max_relative = 1e-3);
             let back = DVec3::new(into.x, into.y, -into.z);

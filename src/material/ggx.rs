@@ -92,13 +92,13 @@ impl Ggx {
         DVec3::new(self.alpha * half.x, self.alpha * half.y, half.z).normalize_or(DVec3::Z)
     }
 
-    /// The density of [`Self::sample_normal`], per solid angle of `m`:
+    /// The density of [`Self::sample_visible_normal`], per solid angle of `m`:
     /// `G1(wo) (wo.m) D(m) / wo.z`.
     pub fn visible_normal_pdf(self, wo: DVec3, m: DVec3) -> f64 {
         2.0 * wo.dot(m).max(0.0) * self.d(m) / (wo.z.abs() + self.stretch(wo))
     }
 
-    /// A direction reflected by a facet drawn with [`Self::sample_normal`], and the facet's normal.
+    /// A direction reflected by a facet drawn with [`Self::sample_visible_normal`], and the facet's normal.
     /// `None` where it leads into the surface. The weight of a lossless facet is
     /// [`Self::shadowing`].
     pub fn sample_reflection(self, wo: DVec3, u: [f64; 2]) -> Option<(DVec3, DVec3)> {

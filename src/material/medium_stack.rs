@@ -67,7 +67,7 @@ impl MediumStack {
         let ior = outside.current().map_or(1.0, |filling| filling.ior);
         let eta = if entering { medium.ior / ior } else { ior / medium.ior };
         let eta = if fault!(IorSwapped) { 1.0 / eta } else { eta };
-        let beyond = if entering || fault!(StackNotPopped) { inside } else { outside };
+        let beyond = if entering || fault!(MediumStackNotPopped) { inside } else { outside };
         Boundary { eta: fills.then_some(eta), transmitted_media: beyond }
     }
 

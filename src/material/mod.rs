@@ -12,10 +12,10 @@ mod diffuse;
 mod energy_compensation;
 mod fresnel;
 mod ggx;
-mod named_iors;
 mod medium_stack;
 mod metals;
 mod mirror;
+mod named_iors;
 mod oren_nayar;
 mod phong;
 mod plastic;
@@ -26,18 +26,20 @@ pub use coat::Coat;
 pub use conductor::{Conductor, ConductorBsdf, fresnel_conductor};
 pub use dielectric::{Dielectric, DielectricBsdf};
 pub use diffuse::Diffuse;
-pub use energy_compensation::{DielectricCompensationSide, DielectricCompensation, EnergyCompensation};
+pub use energy_compensation::{
+    DielectricCompensation, DielectricCompensationSide, EnergyCompensation,
+};
 pub use fresnel::fresnel;
 pub use ggx::{Ggx, half_vector};
-pub use named_iors::NAMED_IORS;
-pub use medium_stack::{Boundary, MediumStack, Medium};
+pub use medium_stack::{Boundary, Medium, MediumStack};
 pub use metals::Metal;
 pub use mirror::Mirror;
+pub use named_iors::NAMED_IORS;
 pub use oren_nayar::OrenNayar;
 pub use phong::Phong;
 pub use plastic::{Plastic, PlasticBsdf};
 pub use principled::{Principled, PrincipledBsdf, PrincipledParameters};
-pub use sample::{ExtraUniforms, BsdfSample, Lobe};
+pub use sample::{BsdfSample, ExtraUniforms, Lobe};
 
 use crate::color::Rgb;
 use crate::math::DVec3;
@@ -195,7 +197,7 @@ impl Bsdf<'_> {
         }
     }
 
-    /// A direction, from `lobe` and `u` in `[0, 1)`; `None` where no light can come from. `again`
+    /// A direction, from `lobe` and `u` in `[0, 1)`; `None` where no light can come from. `extra`
     /// gives a second pair of numbers in `[0, 1)`, always the same, to those surfaces whose first pair
     /// may be used up by a facet that sends no light out.
     pub fn sample(

@@ -52,7 +52,7 @@ impl Phong {
             return 0.0;
         }
         let glossy = self.glossy_probability();
-        let glossy = if fault!(SharesSwapped) { 1.0 - glossy } else { glossy };
+        let glossy = if fault!(LobePdfsSwapped) { 1.0 - glossy } else { glossy };
         let cos_alpha = wi.dot(reflect(wo)).clamp(0.0, 1.0);
         (1.0 - glossy) * Hemisphere::Cosine.pdf(wi.z)
             + glossy * hemisphere::power_cosine_pdf(self.exponent, cos_alpha)

@@ -15,7 +15,7 @@
 //! - diffuse: matt, seen through the gloss and the coat as [`Coat::lobe`] is, and of `base_color`
 //!   itself: the deeper colour of [`super::Plastic`] is not asked for;
 //! - coat: a [`Coat`] of index 1.5 and `coat_roughness`, there to the share `c = coat`. It reflects
-//!   the share C, so that `1 - c C` comes to what lies beneath; `t`, the smaller of this in both
+//!   the share C, so that `1 - c C` comes to what lies beneath; `t_lower`, the smaller of this in both
 //!   directions, makes sure that no light is made, and that it may go both ways.
 //!
 //! No light is made; with a `base_color` of 1 and no coat all of it is sent on.
@@ -30,7 +30,7 @@ use crate::math::DVec3;
 
 use super::dielectric::DielectricBsdf;
 use super::energy_compensation::hemispherical_mean;
-use super::{ExtraUniforms, BsdfSample, Coat, Conductor, ConductorBsdf, Dielectric, Lobe};
+use super::{BsdfSample, Coat, Conductor, ConductorBsdf, Dielectric, ExtraUniforms, Lobe};
 
 /// The index of refraction of the coat.
 const COAT_IOR: f64 = 1.5;
@@ -121,7 +121,13 @@ enum Component {
     Dielectric,
 }
 
-const COMPONENTS: [Component; 5] = [Component::Coat, Component::Conductor, Component::Gloss, Component::Diffuse, Component::Dielectric];
+const COMPONENTS: [Component; 5] = [
+    Component::Coat,
+    Component::Conductor,
+    Component::Gloss,
+    Component::Diffuse,
+    Component::Dielectric,
+];
 
 impl Principled {
     /// The surface of these parameters; `others` are the indices of the media that it may border on,
@@ -140,7 +146,12 @@ impl Principled {
         });
         let metal = weighted(metallic, || Conductor::from_color(base_color, roughness));
         let glass = weighted(glass, || Dielectric::new(ior, 0, roughness, others));
-        Self { base_color, conductor: metal, dielectric: glass, layers: Box::new(PrincipledLayers { coat, diffuse: matt }) }
+        Self {
+            base_color,
+            conductor: metal,
+            dielectric: glass,
+            layers: Box::new(PrincipledLayers { coat, diffuse: matt }),
+        }
     }
 
     /// Its base colour.
@@ -179,7 +190,7 @@ fn gloss_ior(ior: f64, specular: f64) -> f64 {
 
 /// The share of light that comes through a coat from a direction of this cosine.
 fn coat_transmittance(coat: Option<&(f64, Coat)>, cos: f64) -> f64 {
-    if fault!(CoatNotPaidFor) {
+    if fault!(CoatWithoutBaseAttenuation) {
         return 1.0;
     }
     coat.map_or(1.0, |(share, coat)| 1.0 - share * (1.0 - coat.transmittance(cos)))
@@ -212,7 +223,8 @@ impl PrincipledBsdf<'_> {
 
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         let beneath = self.base_attenuation(wo.z, wi.z.abs());
-        let glass = self.dielectric.map_or(0.0, |(share, glass)| share * beneath * glass.eval(wo, wi));
+        let glass =
+            self.dielectric.map_or(0.0, |(share, glass)| share * beneath * glass.eval(wo, wi));
         if wi.z <= 0.0 {
             return self.transmission_tint() * glass as f32;
         }
@@ -234,7 +246,7 @@ impl PrincipledBsdf<'_> {
         f + Rgb::splat(white as f32)
     }
 
-    /// With which probability each of [`PARTS`] is drawn from; about in proportion to its light.
+    /// With which probability each of [`COMPONENTS`] is drawn from; about in proportion to its light.
     ///
     /// Without a coat the parts of a white surface are drawn in the very shares of their light, so that
     /// every weight is 1: a path is reflected hundreds of times within a ball of a high index, and the
@@ -243,7 +255,8 @@ impl PrincipledBsdf<'_> {
     fn component_probabilities(&self, wo: DVec3) -> [f64; 5] {
         let PrincipledLayers { coat, diffuse: matt } = self.layers;
         let beneath = coat_transmittance(coat.as_ref(), wo.z);
-        let of_coat = coat.as_ref().map_or(0.0, |(share, coat)| share * (1.0 - coat.transmittance(wo.z)));
+        let of_coat =
+            coat.as_ref().map_or(0.0, |(share, coat)| share * (1.0 - coat.transmittance(wo.z)));
         let of_metal = self.conductor.map_or(0.0, |(share, metal)| {
             share * beneath * f64::from(luminance(metal.mean_reflectance()))
         });
@@ -275,7 +288,9 @@ impl PrincipledBsdf<'_> {
     fn component_pdf(&self, part: Component, wo: DVec3, wi: DVec3) -> f64 {
         let PrincipledLayers { coat, diffuse: matt } = self.layers;
         let pdf = match part {
-            Component::Dielectric => return self.dielectric.map_or(0.0, |(_, glass)| glass.pdf(wo, wi)),
+            Component::Dielectric => {
+                return self.dielectric.map_or(0.0, |(_, glass)| glass.pdf(wo, wi));
+            }
             _ if wi.z <= 0.0 => return 0.0,
             Component::Coat => coat.as_ref().map(|(_, coat)| coat.pdf(wo, wi)),
             Component::Conductor => self.conductor.map(|(_, metal)| metal.pdf(wo, wi)),

@@ -1,6 +1,6 @@
 //! Which vector instructions a stage over many lanes is run with: chosen once, at run time.
 //!
-//! A [`Stage`] is plain code: loops over arrays, whose bodies are the same functions that serve one
+//! A [`SimdKernel`] is plain code: loops over arrays, whose bodies are the same functions that serve one
 //! path. It is compiled once for every instruction set, and the compiler turns its loops into vector
 //! instructions. Arithmetic is the same in all of them, operation by operation: nothing is fused,
 //! reordered or approximated. So the results have the same bits, and `tests/transport/lanes.rs`
@@ -58,7 +58,8 @@ impl Isa {
 
     /// The widest of them.
     pub fn best() -> Self {
-        static BEST: LazyLock<Isa> = LazyLock::new(|| Isa::available().pop().unwrap_or(Isa::PORTABLE));
+        static BEST: LazyLock<Isa> =
+            LazyLock::new(|| Isa::available().pop().unwrap_or(Isa::PORTABLE));
         *BEST
     }
 

@@ -101,7 +101,7 @@ impl Ray {
 
 fn split(v: DVec3) -> ([f32; 3], [f32; 3]) {
     let high = v.as_vec3();
-    let low = if fault!(LowPartsDropped) { DVec3::ZERO } else { v - high.as_dvec3() };
+    let low = if fault!(RayRoundedToF32) { DVec3::ZERO } else { v - high.as_dvec3() };
     (high.to_array(), low.as_vec3().to_array())
 }
 

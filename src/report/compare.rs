@@ -12,7 +12,9 @@ use crate::image_io::Picture;
 use crate::image_io::{BEAUTY, LayeredImage};
 use crate::math::DVec3;
 use crate::names::named_enum;
-use crate::verify::metrics::{ImageMean, flip, heatmap, mean_error, psnr, relative_squared, squared};
+use crate::verify::metrics::{
+    ImageMean, flip, heatmap, mean_error, psnr, relative_squared, squared,
+};
 
 /// The layer that holds the variance of the beauty's pixels.
 pub const VARIANCE: &str = "variance";
@@ -46,8 +48,13 @@ named_enum! {
 }
 
 /// The metrics that are one number, in the order of a table.
-const NUMBERS: [CompareMetric; 5] =
-    [CompareMetric::Mse, CompareMetric::Rmse, CompareMetric::Relmse, CompareMetric::Psnr, CompareMetric::Flip];
+const NUMBERS: [CompareMetric; 5] = [
+    CompareMetric::Mse,
+    CompareMetric::Rmse,
+    CompareMetric::Relmse,
+    CompareMetric::Psnr,
+    CompareMetric::Flip,
+];
 
 /// Pictures of one size: A, the reference B, and A once more with other random numbers.
 #[derive(Clone, Debug)]
@@ -180,7 +187,8 @@ impl<'a> Comparison<'a> {
     pub fn exceeded(&self) -> Vec<Exceeded> {
         let judge = |of: &Difference, metric, limit| {
             let value = of.value(metric);
-            let is_good = if metric == CompareMetric::Psnr { value >= limit } else { value <= limit };
+            let is_good =
+                if metric == CompareMetric::Psnr { value >= limit } else { value <= limit };
             (!is_good).then(|| Exceeded { layer: of.layer.clone(), metric, value, limit })
         };
         let of_layer =

@@ -130,7 +130,7 @@ fn compared(then: &[RawChannel], now: &[RawChannel], film: &Film) -> Option<Diff
 mod tests {
     use super::*;
     use crate::color::{PathRadiance, Rgb};
-    use crate::film::{FilmFormat, FilmFrame, Layer, SampleRun, RadianceScale};
+    use crate::film::{FilmFormat, FilmFrame, Layer, RadianceScale, SampleRun};
 
     /// Two pixels, of which the second has samples that are all alike, and their picture.
     fn film(samples: u32) -> (Film, Vec<RawChannel>) {
@@ -148,7 +148,8 @@ mod tests {
         };
         let all: Vec<PathRadiance> =
             (0..2 * samples).map(|at| light(at / samples, at % samples)).collect();
-        film.add(0, &[samples; 2], SampleRun { radiance: &all, visible_surfaces: &[] }).expect("not too bright");
+        film.add(0, &[samples; 2], SampleRun { radiance: &all, visible_surfaces: &[] })
+            .expect("not too bright");
         let picture = film.picture();
         let channel = |axis: usize| RawChannel {
             name: ["R", "G", "B"][axis].to_owned(),

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::image_io::{self, MetadataEntry};
 use crate::job::diff::format_json;
 use crate::job::metadata::record_value;
-use crate::job::{Checkpoint, FilePath, CheckpointHeader, Metadata, RenderStatus, is_checkpoint};
+use crate::job::{Checkpoint, CheckpointHeader, FilePath, Metadata, RenderStatus, is_checkpoint};
 
 /// The name of where a part's picture goes.
 const RESUME: &str = "resume";

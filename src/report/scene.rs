@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
-use crate::scene::settings::{IntegratorSettings, IntegratorKind, PathTermination};
+use crate::scene::settings::{IntegratorKind, IntegratorSettings, PathTermination};
 use crate::scene::{Scene, Settings};
 
 /// What is in a scene, and how it is to be rendered: as words, and as the fields of a JSON object.
@@ -156,7 +156,9 @@ fn extent(spheres: &SphereSet) -> (Bounds, Radii) {
 fn integrator(integrator: &IntegratorSettings) -> String {
     let name = integrator.kind().name();
     match integrator {
-        IntegratorSettings::Path | IntegratorSettings::Direct | IntegratorSettings::Normals => name.to_owned(),
+        IntegratorSettings::Path | IntegratorSettings::Direct | IntegratorSettings::Normals => {
+            name.to_owned()
+        }
         IntegratorSettings::AmbientOcclusion { distance: None } => name.to_owned(),
         IntegratorSettings::AmbientOcclusion { distance: Some(distance) } => {
             format!("{name}, nearer than {distance}")
@@ -166,8 +168,12 @@ fn integrator(integrator: &IntegratorSettings) -> String {
         IntegratorSettings::Paper(paper) => {
             let hemisphere = paper.hemisphere.name();
             let stop = match paper.stop {
-                PathTermination::Roulette | PathTermination::Depth => paper.stop.kind().name().to_owned(),
-                PathTermination::Threshold(threshold) => format!("{} {threshold}", paper.stop.kind().name()),
+                PathTermination::Roulette | PathTermination::Depth => {
+                    paper.stop.kind().name().to_owned()
+                }
+                PathTermination::Threshold(threshold) => {
+                    format!("{} {threshold}", paper.stop.kind().name())
+                }
             };
             let (k, n) = (paper.subpixels, paper.samples);
             format!("{name}, {k} x {k} sub-pixels of {n} samples, {hemisphere}, stop at {stop}")

@@ -57,7 +57,8 @@ impl Filter {
     pub fn new(kind: FilterKind, radius: f64) -> Self {
         let bins = |shape: fn(f64) -> f64| {
             let centers = (0..BINS).map(|i| (i as f64 + 0.5) / BINS as f64 * 2.0 - 1.0);
-            DiscreteDistribution::new(centers.map(shape)).expect("a window function is positive inside")
+            DiscreteDistribution::new(centers.map(shape))
+                .expect("a window function is positive inside")
         };
         let profile = match kind {
             FilterKind::Box => Profile::Box,
@@ -73,7 +74,7 @@ impl Filter {
         u.map(|u| self.profile.sample(u) * self.radius)
     }
 
-    /// The radius of a box; `None` for other filters. [`Self::sample`] is then [`box_sample`] of either
+    /// The radius of a box; `None` for other filters. [`Self::sample`] is then [`sample_box`] of either
     /// number, times the radius.
     pub fn box_radius(&self) -> Option<f64> {
         matches!(self.profile, Profile::Box).then_some(self.radius)

@@ -9,7 +9,7 @@ use crate::fault::fault;
 use crate::math::DVec3;
 use crate::names::named_enum;
 
-use super::{safe_acos, atan2, powf, sin_cos, sin_cos_2pi};
+use super::{atan2, powf, safe_acos, sin_cos, sin_cos_2pi};
 
 /// How directions over the hemisphere are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,10 +53,10 @@ impl Hemisphere {
     #[inline(always)]
     pub fn pdf(self, cos: f64) -> f64 {
         match self {
-            Self::Cosine if fault!(CosineClaimedUniform) => 1.0 / TAU,
+            Self::Cosine if fault!(CosinePdfUniform) => 1.0 / TAU,
             Self::Cosine => cos * FRAC_1_PI,
             Self::UniformSolidAngle => 1.0 / TAU,
-            Self::UniformAngle if fault!(AngleJacobianLost) => 1.0 / (PI * PI),
+            Self::UniformAngle if fault!(AngleJacobianMissing) => 1.0 / (PI * PI),
             // The elevation's cosine is the sine of the angle from the normal.
             Self::UniformAngle => 1.0 / (PI * PI * sin_from_cos(cos)),
         }

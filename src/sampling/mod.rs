@@ -1,6 +1,6 @@
 //! Random numbers with addresses, and the warps that turn them into directions and positions.
 //!
-//! Every warp is a family of three that stand side by side: `sample` maps the unit square to the
+//! Every warp is a family of three that stand side by side: `batch_index` maps the unit square to the
 //! domain, `pdf` is the density that this map produces, `invert` undoes it. `verify::chi2` checks each
 //! pair against the other.
 
@@ -20,4 +20,4 @@ pub use hemisphere::Hemisphere;
 pub use mis::power_heuristic;
 pub use sampler::{Sampler, SamplerKind};
 pub use sobol::SobolLanes;
-pub use transcendental::{safe_acos, atan2, cos, exp, ln, powf, sin_cos, sin_cos_2pi, tan};
+pub use transcendental::{atan2, cos, exp, ln, powf, safe_acos, sin_cos, sin_cos_2pi, tan};

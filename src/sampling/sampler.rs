@@ -122,7 +122,8 @@ mod tests {
     #[test]
     fn the_kinds_whose_numbers_depend_on_their_count_say_so() {
         for kind in KINDS {
-            let differ = Sampler::with_kind(kind, 1, 2, 3, 16) != Sampler::with_kind(kind, 1, 2, 3, 40);
+            let differ =
+                Sampler::with_kind(kind, 1, 2, 3, 16) != Sampler::with_kind(kind, 1, 2, 3, 40);
             assert_eq!(kind.depends_on_sample_count(), differ, "{kind:?}");
         }
     }

@@ -9,7 +9,7 @@
 //! the second has it, the error of a smooth integral falls less fast than that of plain jitter. Which
 //! sample has which cell is permuted for every pair, so that pairs are independent of one another.
 
-use super::independent::{GAMMA, split_mix, pixel_key};
+use super::independent::{GAMMA, pixel_key, split_mix};
 
 /// The most cells of a pair; with more samples they are filled again.
 const MAX_CELLS: u32 = 1 << 30;

@@ -8,8 +8,8 @@ use super::colors::SphereColors;
 use super::complaint::TableDiagnostic;
 use super::data::{Column, SphereArrays, StridedArray};
 use super::description::ColorStorage;
-use super::table_reader::{Row, column_range, format_f32};
 use super::storage::{reserve_colors, try_with_capacity};
+use super::table_reader::{Row, column_range, format_f32};
 
 /// Appends every sphere, and returns the colours where the arrays have some; none may be brighter than
 /// `brightest`. Every number is read and checked in one pass.

@@ -5,7 +5,7 @@
 use crate::material::Phong;
 
 use super::description::{SceneDescription, SurfaceModel};
-use super::settings::{IntegratorSettings, MissPolicy, RenderSettings, PathTermination};
+use super::settings::{IntegratorSettings, MissPolicy, PathTermination, RenderSettings};
 
 impl SceneDescription {
     /// The materials that reflect more light than they receive, by name, with the largest share that
@@ -31,15 +31,19 @@ impl RenderSettings {
     /// show.
     pub fn biases(&self) -> Vec<String> {
         let mut biases = Vec::new();
-        let follows_paths =
-            matches!(self.integrator, IntegratorSettings::Path | IntegratorSettings::Direct | IntegratorSettings::Paper(_));
+        let follows_paths = matches!(
+            self.integrator,
+            IntegratorSettings::Path | IntegratorSettings::Direct | IntegratorSettings::Paper(_)
+        );
         if !follows_paths {
             return biases;
         }
         if let Some(depth) = self.max_depth {
             biases.push(format!("max_depth = {depth}"));
         }
-        if let Some(limit) = self.clamp_indirect.filter(|_| self.integrator != IntegratorSettings::Direct) {
+        if let Some(limit) =
+            self.clamp_indirect.filter(|_| self.integrator != IntegratorSettings::Direct)
+        {
             biases.push(format!("clamp_indirect = {limit}"));
         }
         if let IntegratorSettings::Paper(paper) = self.integrator {

@@ -1,4 +1,4 @@
-//! Building a scene in a few lines: what one would otherwise fill into a [`Description`] by hand.
+//! Building a scene in a few lines: what one would otherwise fill into a [`SceneDescription`] by hand.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -10,13 +10,14 @@ use crate::math::DVec3;
 use super::Scene;
 use super::data::{SphereArrays, SphereData};
 use super::description::{
-    BackgroundDescription, CameraDescription, SceneDescription, EnvironmentDescription, MaterialDescription, ProjectionDescription, SphereDescription, SphereTable, SunDescription,
+    BackgroundDescription, CameraDescription, EnvironmentDescription, MaterialDescription,
+    ProjectionDescription, SceneDescription, SphereDescription, SphereTable, SunDescription,
     SurfaceModel, normalize_robust,
 };
 use super::validate::FOREIGN_MATERIAL;
 
-/// A scene in the making. Whatever it has no word for is a field of its [`Description`], which is open
-/// to be changed; mistakes are told by [`Builder::build`], all at once.
+/// A scene in the making. Whatever it has no word for is a field of its [`SceneDescription`], which is open
+/// to be changed; mistakes are told by [`SceneBuilder::build`], all at once.
 ///
 /// ```
 /// use photosphere::scene::Builder;
@@ -36,7 +37,7 @@ pub struct SceneBuilder {
     id: u64,
 }
 
-/// A material of a [`Builder`], and of its clones. [`Builder::build`] refuses spheres with a material of
+/// A material of a [`SceneBuilder`], and of its clones. [`SceneBuilder::build`] refuses spheres with a material of
 /// another builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct MaterialHandle {
@@ -45,7 +46,7 @@ pub struct MaterialHandle {
 }
 
 impl MaterialHandle {
-    /// The index of the material in [`Description::materials`].
+    /// The index of the material in [`SceneDescription::materials`].
     pub fn index(self) -> usize {
         self.index
     }
@@ -81,7 +82,8 @@ impl SceneBuilder {
     /// Puts the camera somewhere, with a point in the middle of its picture; the rest stays.
     pub fn camera(&mut self, position: impl Into<DVec3>, look_at: impl Into<DVec3>) -> &mut Self {
         let camera = &mut self.description.camera;
-        *camera = CameraDescription { position: position.into(), look_at: look_at.into(), ..*camera };
+        *camera =
+            CameraDescription { position: position.into(), look_at: look_at.into(), ..*camera };
         self
     }
 
@@ -94,7 +96,8 @@ impl SceneBuilder {
 
     /// The same radiance from all directions, in W/(sr m^2).
     pub fn background(&mut self, radiance: impl Into<Rgb>) -> &mut Self {
-        self.description.background.dome = EnvironmentDescription::Constant { radiance: radiance.into() };
+        self.description.background.dome =
+            EnvironmentDescription::Constant { radiance: radiance.into() };
         self
     }
 
@@ -114,7 +117,8 @@ impl SceneBuilder {
         irradiance: impl Into<Rgb>,
     ) -> &mut Self {
         let direction = unit_or_unchanged(direction.into());
-        let sun = SunDescription { direction, angular_diameter_degrees, irradiance: irradiance.into() };
+        let sun =
+            SunDescription { direction, angular_diameter_degrees, irradiance: irradiance.into() };
         self.description.background =
             BackgroundDescription { sun: Some(sun), ..self.description.background.clone() };
         self
@@ -144,7 +148,11 @@ impl SceneBuilder {
     /// A black surface that sends out this radiance, in W/(sr m^2).
     pub fn emitter(&mut self, emission: impl Into<Rgb>) -> MaterialHandle {
         let surface = SurfaceModel::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
-        self.material(MaterialDescription { surface, emission: emission.into(), ..Default::default() })
+        self.material(MaterialDescription {
+            surface,
+            emission: emission.into(),
+            ..Default::default()
+        })
     }
 
     /// Any surface that sends out no light.
@@ -201,7 +209,7 @@ impl SceneBuilder {
         self.table(SphereTable { data, material, ..SphereTable::default() })
     }
 
-    /// Many spheres from anywhere; [`Material::index`] gives the material of the table.
+    /// Many spheres from anywhere; [`MaterialHandle::index`] gives the material of the table.
     pub fn table(&mut self, table: SphereTable) -> &mut Self {
         self.description.tables.push(table);
         self

@@ -145,8 +145,9 @@ impl SphereData {
         match self {
             Self::File { .. } => false,
             Self::Memory(SphereArrays { center: [x, y, z], radius, .. }) => {
-                let is_f64 =
-                    |values: &ArrayValues| matches!(values, ArrayValues::F64(_) | ArrayValues::F64Bytes(_));
+                let is_f64 = |values: &ArrayValues| {
+                    matches!(values, ArrayValues::F64(_) | ArrayValues::F64Bytes(_))
+                };
                 [x, y, z, radius].iter().any(|array| is_f64(&array.values))
             }
         }
@@ -165,13 +166,18 @@ impl SphereArrays {
     pub fn from_rows(rows: Vec<[f32; 4]>) -> Self {
         let len = rows.len();
         let values = ArrayValues::F32(SharedSlice::new(FlatRows(rows)));
-        let column = |first: usize| StridedArray { values: values.clone(), offset: first, stride: 4, len };
+        let column =
+            |first: usize| StridedArray { values: values.clone(), offset: first, stride: 4, len };
         Self { center: [0, 1, 2].map(column), radius: column(3), color: None, ids: None }
     }
 
     /// Centres with their radii, in f32 or in f64.
     pub fn from_centers<T: Scalar>(centers: Vec<[T; 3]>, radii: Vec<T>) -> Self {
-        Self { center: StridedArray::columns_from(centers), radius: StridedArray::from_vec(radii), ..Self::default() }
+        Self {
+            center: StridedArray::columns_from(centers),
+            radius: StridedArray::from_vec(radii),
+            ..Self::default()
+        }
     }
 
     /// Gives every sphere a linear colour of its own.
@@ -186,7 +192,7 @@ impl SphereArrays {
         Self { ids: Some(StridedArray::of_ids(ids)), ..self }
     }
 
-    /// Arrays whose numbers are gone: they [fit](Strided::fits) nothing, so that no scene is built of
+    /// Arrays whose numbers are gone: they [fit](StridedArray::fits) nothing, so that no scene is built of
     /// them.
     pub(super) fn placeholder(len: usize, has_colors: bool) -> Self {
         let gone = || StridedArray { len, ..StridedArray::default() };
@@ -225,7 +231,12 @@ impl StridedArray {
     pub fn columns_from<T: Scalar, const N: usize>(rows: Vec<[T; N]>) -> [Self; N] {
         let len = rows.len();
         let values = T::into_values(SharedSlice::new(FlatRows(rows)));
-        std::array::from_fn(|first| Self { values: values.clone(), offset: first, stride: N as isize, len })
+        std::array::from_fn(|first| Self {
+            values: values.clone(),
+            offset: first,
+            stride: N as isize,
+            len,
+        })
     }
 
     /// The same number for every sphere.
@@ -238,8 +249,12 @@ impl StridedArray {
         match &self.values {
             ArrayValues::F32(values) => self.is_within(values.as_slice().len(), 1),
             ArrayValues::F64(values) => self.is_within(values.as_slice().len(), 1),
-            ArrayValues::F32Bytes(bytes) => self.is_within(bytes.as_slice().len(), size_of::<f32>()),
-            ArrayValues::F64Bytes(bytes) => self.is_within(bytes.as_slice().len(), size_of::<f64>()),
+            ArrayValues::F32Bytes(bytes) => {
+                self.is_within(bytes.as_slice().len(), size_of::<f32>())
+            }
+            ArrayValues::F64Bytes(bytes) => {
+                self.is_within(bytes.as_slice().len(), size_of::<f64>())
+            }
         }
     }
 
@@ -293,7 +308,7 @@ impl<A> StridedArray<A> {
     }
 }
 
-/// The numbers of a [`Strided`], with the memory looked up once for all of them.
+/// The numbers of a [`StridedArray`], with the memory looked up once for all of them.
 pub(super) struct Reader<'a> {
     numbers: Numbers<'a>,
     first: usize,

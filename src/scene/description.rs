@@ -1,6 +1,6 @@
 //! A scene as plain values: what is to be seen, in the user's own units. Whoever builds a scene, a
-//! program or the reader of scene files, fills these in; [`Scene::build`](super::Scene::build) checks
-//! them and makes a scene of them. `docs/scene-format.md` explains the same keys to users.
+//! program or the reader of scene files, fills these in; [`Scene::build`](super::Scene::build) checks them and
+//! makes a scene of them. `docs/scene-format.md` explains the same keys to users.
 
 use std::path::PathBuf;
 
@@ -96,12 +96,12 @@ impl Default for ProjectionDescription {
 /// The projections without their numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProjectionKind {
-    /// [`Projection::Perspective`].
+    /// [`ProjectionDescription::Perspective`].
     #[default]
     Perspective,
-    /// [`Projection::Orthographic`].
+    /// [`ProjectionDescription::Orthographic`].
     Orthographic,
-    /// [`Projection::Panoramic`].
+    /// [`ProjectionDescription::Panoramic`].
     Panoramic,
 }
 
@@ -311,19 +311,19 @@ impl Default for SurfaceModel {
 /// The reflection models without their parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
-    /// [`Surface::Diffuse`].
+    /// [`SurfaceModel::Diffuse`].
     Diffuse,
-    /// [`Surface::Mirror`].
+    /// [`SurfaceModel::Mirror`].
     Mirror,
-    /// [`Surface::Conductor`].
+    /// [`SurfaceModel::Conductor`].
     Conductor,
-    /// [`Surface::Dielectric`].
+    /// [`SurfaceModel::Dielectric`].
     Dielectric,
-    /// [`Surface::Plastic`].
+    /// [`SurfaceModel::Plastic`].
     Plastic,
-    /// [`Surface::Principled`].
+    /// [`SurfaceModel::Principled`].
     Principled,
-    /// [`Surface::Phong`].
+    /// [`SurfaceModel::Phong`].
     Phong,
 }
 
@@ -364,7 +364,7 @@ pub struct SphereDescription {
     pub center: DVec3,
     /// Radius, positive.
     pub radius: f64,
-    /// Index into [`Description::materials`].
+    /// Index into [`SceneDescription::materials`].
     pub material: usize,
 }
 
@@ -372,11 +372,11 @@ pub struct SphereDescription {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereTable {
-    /// The name in the layers of Cryptomatte; see [`Description::name_of_table`] where there is none.
+    /// The name in the layers of Cryptomatte; see [`SceneDescription::name_of_table`] where there is none.
     pub name: Option<String>,
     /// Where the numbers are.
     pub data: SphereData,
-    /// Index into [`Description::materials`].
+    /// Index into [`SceneDescription::materials`].
     pub material: usize,
     /// `colors`: how the rows' colours are kept, where there are some.
     pub colors: ColorStorage,

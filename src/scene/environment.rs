@@ -75,18 +75,25 @@ pub(super) fn read(path: &Path) -> Result<EnvironmentPixels, String> {
 }
 
 /// The light of a described background.
-pub(super) fn build_background(of: &BackgroundDescription, pixels: Option<EnvironmentPixels>) -> light::Environment {
+pub(super) fn build_background(
+    of: &BackgroundDescription,
+    pixels: Option<EnvironmentPixels>,
+) -> light::Environment {
     let angle = match of.dome {
         EnvironmentDescription::Image { rotation_degrees, .. } => rotation_degrees.to_radians(),
         _ => 0.0,
     };
     let orientation = Orientation::new(of.up, angle);
     let dome = match (&of.dome, pixels) {
-        (EnvironmentDescription::Constant { radiance }, _) => light::EnvironmentMap::constant(*radiance),
+        (EnvironmentDescription::Constant { radiance }, _) => {
+            light::EnvironmentMap::constant(*radiance)
+        }
         (EnvironmentDescription::Gradient { zenith, horizon, nadir }, _) => {
             light::EnvironmentMap::gradient(*zenith, *horizon, *nadir)
         }
-        (EnvironmentDescription::Image { scale, .. }, Some(image)) => image.into_environment(*scale),
+        (EnvironmentDescription::Image { scale, .. }, Some(image)) => {
+            image.into_environment(*scale)
+        }
         (EnvironmentDescription::Image { .. }, None) => light::EnvironmentMap::constant(Rgb::ZERO),
         (EnvironmentDescription::Sky { turbidity, ground_albedo, scale }, _) => {
             let sun = of.sun.as_ref();

@@ -13,12 +13,12 @@ use super::arrays;
 use super::colors::SphereColors;
 use super::complaint::{TableDiagnostic, layout_help, read_error};
 use super::data::SphereData;
-use super::description::{SceneDescription, EnvironmentDescription, SphereTable, SurfaceModel};
+use super::description::{EnvironmentDescription, SceneDescription, SphereTable, SurfaceModel};
 use super::environment::{self, EnvironmentPixels};
-use super::validation_errors::{self, ValidationErrors};
-use super::table_reader::{RowLayout, Row, TableReader, VALUE_BYTES};
 use super::storage::try_with_capacity;
+use super::table_reader::{Row, RowLayout, TableReader, VALUE_BYTES};
 use super::validate::SHARE_ROUNDING;
+use super::validation_errors::{self, ValidationErrors};
 
 /// The most spheres of a scene, so that rows and ids fit in 32 bits.
 const MAX_SPHERES: u64 = NO_SPHERE as u64 - 2;
@@ -30,7 +30,7 @@ pub(super) struct RowGroup {
     pub(super) first_row: u32,
     /// How many rows there are.
     pub(super) count: u32,
-    /// Index into [`Description::materials`].
+    /// Index into [`SceneDescription::materials`].
     pub(super) material: usize,
     /// Each row's own linear colour, in `[0, 1]`, where the table has one.
     pub(super) colors: Option<SphereColors>,

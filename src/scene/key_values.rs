@@ -6,12 +6,15 @@ use serde_json::{Map, Value};
 
 use super::data::{Column, SphereData};
 use super::description::{
-    BackgroundDescription, CameraDescription, SceneDescription, EnvironmentDescription, LensDescription, MaterialDescription, ProjectionDescription, SphereDescription, SphereTable,
+    BackgroundDescription, CameraDescription, EnvironmentDescription, LensDescription,
+    MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
     SunDescription, SurfaceModel,
 };
 use super::keys::{self, Key};
+use super::settings::{
+    ImageSettings, IntegratorSettings, PaperSettings, PathTermination, RenderSettings, Settings,
+};
 use super::validation_errors::quote_if_needed;
-use super::settings::{ImageSettings, IntegratorSettings, PaperSettings, RenderSettings, Settings, PathTermination};
 
 /// One table of a scene file.
 #[derive(Default)]
@@ -50,18 +53,20 @@ impl SceneDescription {
         let mut root = Section::default();
         root.add("camera", of_camera(camera));
         root.add("background", of_background(background));
-        let of_material = |m: &MaterialDescription| (quote_if_needed(&m.name), of_material(m).into());
+        let of_material =
+            |m: &MaterialDescription| (quote_if_needed(&m.name), of_material(m).into());
         let surfaces: Map<String, Value> = materials.iter().map(of_material).collect();
         root.add("materials", surfaces);
-        let of_sphere = |SphereDescription { name, center, radius, material }: &SphereDescription| {
-            use keys::sphere as keys;
-            let mut section = Section::default();
-            section.set_if_given(&keys::NAME, name.as_ref());
-            section.set(&keys::CENTER, center);
-            section.set(&keys::RADIUS, radius);
-            section.set_if_given(&keys::MATERIAL, name_of(*material));
-            Value::from(section)
-        };
+        let of_sphere =
+            |SphereDescription { name, center, radius, material }: &SphereDescription| {
+                use keys::sphere as keys;
+                let mut section = Section::default();
+                section.set_if_given(&keys::NAME, name.as_ref());
+                section.set(&keys::CENTER, center);
+                section.set(&keys::RADIUS, radius);
+                section.set_if_given(&keys::MATERIAL, name_of(*material));
+                Value::from(section)
+            };
         root.add("spheres", spheres.iter().map(of_sphere).collect::<Vec<_>>());
         let of_table = |(index, SphereTable { name: _, data, material, colors }): (_, &_)| {
             use keys::table as keys;
@@ -102,14 +107,17 @@ fn of_camera(camera: &CameraDescription) -> Section {
     match projection {
         ProjectionDescription::Perspective { vertical_fov_degrees, lens } => {
             section.set(&keys::perspective::FOV, vertical_fov_degrees);
-            if let Some(LensDescription { radius, focus_distance, blades, rotation_degrees }) = lens {
+            if let Some(LensDescription { radius, focus_distance, blades, rotation_degrees }) = lens
+            {
                 section.set(&keys::perspective::APERTURE_RADIUS, radius);
                 section.set(&keys::perspective::FOCUS_DISTANCE, focus_distance);
                 section.set(&keys::perspective::BLADES, blades);
                 section.set(&keys::perspective::ROTATION, rotation_degrees);
             }
         }
-        ProjectionDescription::Orthographic { height } => section.set(&keys::orthographic::HEIGHT, height),
+        ProjectionDescription::Orthographic { height } => {
+            section.set(&keys::orthographic::HEIGHT, height)
+        }
         ProjectionDescription::Panoramic { horizontal_degrees, vertical_degrees } => {
             section.set(&keys::panoramic::HORIZONTAL, horizontal_degrees);
             section.set(&keys::panoramic::VERTICAL, vertical_degrees);
@@ -127,7 +135,9 @@ fn of_background(background: &BackgroundDescription) -> Section {
     section.set(&keys::TRANSPARENT, transparent);
     let mut inner = Section::default();
     match dome {
-        EnvironmentDescription::Constant { radiance } => section.set(&keys::RADIANCE_EVERYWHERE, radiance),
+        EnvironmentDescription::Constant { radiance } => {
+            section.set(&keys::RADIANCE_EVERYWHERE, radiance)
+        }
         EnvironmentDescription::Gradient { zenith, horizon, nadir } => {
             inner.set(&keys::gradient::ZENITH, zenith);
             inner.set(&keys::gradient::HORIZON, horizon);
@@ -167,7 +177,9 @@ fn of_material(material: &MaterialDescription) -> Section {
             section.set(&keys::diffuse::ALBEDO, albedo);
             section.set(&keys::diffuse::ROUGHNESS, roughness);
         }
-        SurfaceModel::Mirror { reflectance } => section.set(&keys::mirror::REFLECTANCE, reflectance),
+        SurfaceModel::Mirror { reflectance } => {
+            section.set(&keys::mirror::REFLECTANCE, reflectance)
+        }
         SurfaceModel::Conductor { metal, roughness } => {
             section.set(&keys::conductor::IOR, metal.ior);
             section.set(&keys::conductor::EXTINCTION, metal.extinction);

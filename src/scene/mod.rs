@@ -1,4 +1,4 @@
-//! What is to be seen: values ([`Description`], [`Settings`]) that a program fills in or a scene file
+//! What is to be seen: values ([`SceneDescription`], [`Settings`]) that a program fills in or a scene file
 //! holds, and the immutable [`Scene`] that is built of them.
 
 mod arrays;
@@ -12,28 +12,28 @@ mod environment;
 mod import;
 mod key_values;
 pub mod keys;
-mod value_types;
 pub(crate) mod paths;
-mod validation_errors;
-mod table_reader;
+mod prepared_scene;
 #[allow(clippy::module_inception, reason = "the room is called after what it makes")]
 mod scene;
 pub mod settings;
-mod prepared_scene;
 mod source;
+mod sphere_material;
 mod storage;
 mod suggest;
-mod sphere_material;
+mod table_reader;
 mod toml;
 mod validate;
+mod validation_errors;
+mod value_types;
 
-pub use builder::{SceneBuilder, MaterialHandle};
+pub use builder::{MaterialHandle, SceneBuilder};
 pub use data::{SphereArrays, SphereData};
 pub use description::SceneDescription;
+pub use prepared_scene::PreparedScene;
 pub use scene::Scene;
 pub use settings::Settings;
-pub use prepared_scene::PreparedScene;
-pub use source::{FileHash, ContentHash, SceneSource};
+pub use source::{ContentHash, FileHash, SceneSource};
 pub use sphere_material::SphereMaterial;
 
 pub use self::toml::{Override, SceneFile, read_file, read_text};

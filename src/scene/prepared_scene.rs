@@ -4,11 +4,11 @@
 
 use rayon::prelude::*;
 
-use crate::camera::{Aperture, Camera, ThinLens, CameraPose, CameraModel};
+use crate::camera::{Aperture, Camera, CameraModel, CameraPose, ThinLens};
 use crate::error::{Error, Result};
 use crate::geometry::Sphere;
 use crate::light::Lights;
-use crate::material::{MediumStack, Medium};
+use crate::material::{Medium, MediumStack};
 use crate::math::{DVec3, MAX_COORDINATE};
 use crate::sampling::Filter;
 
@@ -36,12 +36,20 @@ impl PreparedScene {
     pub fn new(scene: &Scene, settings: Settings) -> Result<Self> {
         settings.validate().into_result()?;
         let ImageSettings { filter, filter_radius, .. } = settings.image;
-        let camera = build_camera(&scene.description().camera, &settings.image, scene.spheres().origin());
+        let camera =
+            build_camera(&scene.description().camera, &settings.image, scene.spheres().origin());
         check_reach(&camera, filter_radius)?;
         let lights = scene.lights(settings.render.light_choice);
         let around_camera = find_camera_media(scene, &camera, filter_radius);
         let filter = Filter::new(filter, filter_radius);
-        Ok(Self { scene: scene.clone(), settings, lights, camera, filter, camera_media: around_camera })
+        Ok(Self {
+            scene: scene.clone(),
+            settings,
+            lights,
+            camera,
+            filter,
+            camera_media: around_camera,
+        })
     }
 
     /// The scene.
@@ -130,7 +138,11 @@ fn find_camera_media(scene: &Scene, camera: &Camera, margin: f64) -> Vec<(Sphere
     found
 }
 
-fn build_camera(of: &description::CameraDescription, image: &ImageSettings, origin: DVec3) -> Camera {
+fn build_camera(
+    of: &description::CameraDescription,
+    image: &ImageSettings,
+    origin: DVec3,
+) -> Camera {
     let description::CameraDescription { position, look_at, up, near, projection } = *of;
     let mount = CameraPose {
         position: position - origin,
@@ -151,7 +163,9 @@ fn build_camera(of: &description::CameraDescription, image: &ImageSettings, orig
             let lens = lens.filter(|lens| lens.radius > 0.0).map(thin);
             CameraModel::Perspective { vertical_fov, lens }
         }
-        description::ProjectionDescription::Orthographic { height } => CameraModel::Orthographic { height },
+        description::ProjectionDescription::Orthographic { height } => {
+            CameraModel::Orthographic { height }
+        }
         description::ProjectionDescription::Panoramic { horizontal_degrees, vertical_degrees } => {
             let [horizontal, vertical] =
                 [horizontal_degrees, vertical_degrees].map(f64::to_radians);

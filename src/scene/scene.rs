@@ -8,16 +8,16 @@ use rayon::prelude::*;
 use crate::color::{PathRadiance, Rgb};
 use crate::error::Result;
 use crate::geometry::SphereSet;
-use crate::light::{Environment, Emitter, LightSamplerKind, Lights};
+use crate::light::{Emitter, Environment, LightSamplerKind, Lights};
 use crate::material::Material;
 use crate::math::{DVec3, Hit};
 
 use super::description::SceneDescription;
 use super::environment;
-use super::import::{RowGroup, ImportPlan, load_tables};
-use super::validation_errors::ValidationErrors;
-use super::source::{FileHash, SceneHashes, ContentHash, SceneSource};
+use super::import::{ImportPlan, RowGroup, load_tables};
+use super::source::{ContentHash, FileHash, SceneHashes, SceneSource};
 use super::sphere_material::{SphereMaterial, build_materials};
+use super::validation_errors::ValidationErrors;
 
 /// So many spheres stay in a processor's near memory by themselves.
 const PREFETCH_MIN_SPHERES: usize = 1000;
@@ -127,7 +127,12 @@ impl Scene {
 
     /// All emitters, and the choice among them.
     pub fn lights(&self, by: LightSamplerKind) -> Lights {
-        Lights::with_sampler(by, Arc::clone(&self.emitters), &self.spheres, Arc::clone(&self.background))
+        Lights::with_sampler(
+            by,
+            Arc::clone(&self.emitters),
+            &self.spheres,
+            Arc::clone(&self.background),
+        )
     }
 
     /// How many spheres are emitters.
@@ -156,7 +161,11 @@ impl Scene {
     /// What a camera ray in this direction brings that meets nothing: the background, unless it is
     /// hidden from the camera.
     pub fn camera_background(&self, direction: DVec3) -> PathRadiance {
-        let direct = if self.camera_sees_background() { self.background_radiance(direction) } else { Rgb::ZERO };
+        let direct = if self.camera_sees_background() {
+            self.background_radiance(direction)
+        } else {
+            Rgb::ZERO
+        };
         PathRadiance { direct, indirect: Rgb::ZERO, alpha: 0.0 }
     }
 
@@ -180,7 +189,7 @@ impl Scene {
     }
 
     /// Reads what is known of the spheres that were hit, unless there are so few that all of them are
-    /// near at hand; see [`SphereSet::warm`].
+    /// near at hand; see [`SphereSet::prefetch`].
     pub fn prefetch(&self, hits: &[Hit]) {
         if self.spheres.len() <= PREFETCH_MIN_SPHERES {
             return;
@@ -239,7 +248,7 @@ impl Scene {
         }
     }
 
-    /// The [name](Description::name_of_table) of the table that a row of the scene comes from; `spheres`
+    /// The [name](SceneDescription::name_of_table) of the table that a row of the scene comes from; `spheres`
     /// for the spheres that are described one by one.
     ///
     /// # Panics

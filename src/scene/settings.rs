@@ -194,12 +194,12 @@ pub enum PathTermination {
 /// The ways to end a path, without their thresholds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PathTerminationKind {
-    /// [`Stop::Roulette`].
+    /// [`PathTermination::Roulette`].
     #[default]
     Roulette,
-    /// [`Stop::Depth`].
+    /// [`PathTermination::Depth`].
     Depth,
-    /// [`Stop::Threshold`].
+    /// [`PathTermination::Threshold`].
     Threshold,
 }
 
@@ -231,18 +231,18 @@ named_enum! { MissPolicy { Background = "background", Redraw = "redraw" } }
 /// The integrators without their options.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IntegratorKind {
-    /// [`Integrator::Path`].
+    /// [`IntegratorSettings::Path`].
     #[default]
     Path,
-    /// [`Integrator::Direct`].
+    /// [`IntegratorSettings::Direct`].
     Direct,
-    /// [`Integrator::AmbientOcclusion`].
+    /// [`IntegratorSettings::AmbientOcclusion`].
     AmbientOcclusion,
-    /// [`Integrator::Normals`].
+    /// [`IntegratorSettings::Normals`].
     Normals,
-    /// [`Integrator::Paper`].
+    /// [`IntegratorSettings::Paper`].
     Paper,
-    /// [`Integrator::Raycast`].
+    /// [`IntegratorSettings::Raycast`].
     Raycast,
 }
 

@@ -1,4 +1,4 @@
-//! What a scene was read from, and what it is: scenes of one [`Identity`] show the same thing to the
+//! What a scene was read from, and what it is: scenes of one [`ContentHash`] show the same thing to the
 //! bit, whether they come from a file or from a program.
 //!
 //! The identity is the hash of a canonical encoding of the description: JSON with the fields in the
@@ -23,8 +23,8 @@ use crate::math::DVec3;
 
 use super::data::SphereData;
 use super::description::{
-    BackgroundDescription, CameraDescription, ColorStorage, SceneDescription, EnvironmentDescription, MaterialDescription, ProjectionDescription, SphereDescription,
-    SphereTable,
+    BackgroundDescription, CameraDescription, ColorStorage, EnvironmentDescription,
+    MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
 };
 use super::environment::EnvironmentPixels;
 use super::import::RowGroup;
@@ -186,7 +186,8 @@ impl SceneHashes {
         };
         let mut files: Vec<FileHash> =
             description.tables.iter().zip(&tables).filter_map(of_table).collect();
-        if let (EnvironmentDescription::Image { file, .. }, Some(hash)) = (&description.background.dome, environment)
+        if let (EnvironmentDescription::Image { file, .. }, Some(hash)) =
+            (&description.background.dome, environment)
         {
             files.push(FileHash { file: file.clone(), hash });
         }

@@ -4,8 +4,8 @@
 use crate::color::Rgb;
 use crate::geometry::Side;
 use crate::material::{
-    Coat, Conductor, Dielectric, Diffuse, Material, MediumStack, Medium, Mirror, Model, OrenNayar, Phong,
-    Plastic, Principled,
+    Coat, Conductor, Dielectric, Diffuse, Material, Medium, MediumStack, Mirror, Model, OrenNayar,
+    Phong, Plastic, Principled,
 };
 use crate::sampling::ln;
 
@@ -36,7 +36,8 @@ impl<'a> SphereMaterial<'a> {
         let absorption = match (&material.model, color) {
             (Model::Dielectric(_), Some(color)) => {
                 let per_length = 0.5 / radius();
-                let of = |left: f32| (-ln(f64::from(left).max(MIN_TRANSMITTANCE)) * per_length) as f32;
+                let of =
+                    |left: f32| (-ln(f64::from(left).max(MIN_TRANSMITTANCE)) * per_length) as f32;
                 Rgb::from_array(color.to_array().map(of))
             }
             _ => material.absorption,

@@ -133,7 +133,8 @@ impl<'r, T: Row> TableReader<'r, T> {
             let next = rows_per_chunk.min(left);
             upcoming.resize(next * row, 0);
             // The next rows come from the disk while these are looked through.
-            let (came, found) = rayon::join(|| file.read_exact(&mut upcoming), || self.append_chunk(&current));
+            let (came, found) =
+                rayon::join(|| file.read_exact(&mut upcoming), || self.append_chunk(&current));
             came.map_err(trouble)?;
             if let (None, Some(at)) = (flaws.first, found.first) {
                 first_flaw = Some(self.describe_invalid_row(&current[at * row..], done + at));
@@ -157,8 +158,10 @@ impl<'r, T: Row> TableReader<'r, T> {
     /// Appends the rows; says which of them are wrong.
     fn append_chunk(&mut self, chunk: &[u8]) -> InvalidRows {
         let rows = chunk.par_chunks_exact(self.layout.row_bytes()).with_min_len(1024);
-        let flaw = |(number, row)| InvalidRows::from_row(number, self.invalid_column(row).is_some());
-        let flaws = rows.clone().enumerate().map(flaw).reduce(InvalidRows::default, InvalidRows::merge);
+        let flaw =
+            |(number, row)| InvalidRows::from_row(number, self.invalid_column(row).is_some());
+        let flaws =
+            rows.clone().enumerate().map(flaw).reduce(InvalidRows::default, InvalidRows::merge);
         let sphere = self.layout.sphere;
         // Adding 0 turns -0 into 0: they are one place.
         let numbers = |row| sphere.map(|column| f64::from(read_value(row, column) + 0.0));

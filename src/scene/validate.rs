@@ -5,12 +5,15 @@ use crate::math::{DVec3, MAX_COORDINATE, NO_SPHERE, Rect};
 
 use super::data::{Column, SphereArrays, SphereData, StridedArray};
 use super::description::{
-    BackgroundDescription, CameraDescription, SceneDescription, EnvironmentDescription, LensDescription, MaterialDescription, ProjectionDescription, SphereDescription, SphereTable,
+    BackgroundDescription, CameraDescription, EnvironmentDescription, LensDescription,
+    MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
     SunDescription, SurfaceModel, normalize_robust,
 };
 use super::keys;
+use super::settings::{
+    ImageSettings, IntegratorSettings, PathTermination, RenderSettings, Settings,
+};
 use super::validation_errors::{KeyPath, ValidationErrors};
-use super::settings::{ImageSettings, IntegratorSettings, RenderSettings, Settings, PathTermination};
 
 /// The most pixels of a picture.
 const MAX_PIXELS: u64 = 1 << 31;
@@ -18,7 +21,7 @@ const MAX_PIXELS: u64 = 1 << 31;
 /// The sine of the angle between `up` and the view below which they count as parallel.
 const MIN_VIEW_UP_SINE: f64 = 1e-6;
 
-/// The index that stands for a material of another [`Builder`](super::Builder).
+/// The index that stands for a material of another [`SceneBuilder`](super::SceneBuilder).
 pub(super) const FOREIGN_MATERIAL: usize = usize::MAX;
 
 /// How far the sum of two shares may exceed 1 by rounding.
@@ -43,7 +46,9 @@ impl SceneDescription {
         }
         if spheres.is_empty() && tables.is_empty() {
             let problem = problems.add(KeyPath::root("spheres"), "the scene has no spheres");
-            problem.with_related(KeyPath::root("sphere_tables")).with_help("add one, or a table of them".to_owned());
+            problem
+                .with_related(KeyPath::root("sphere_tables"))
+                .with_help("add one, or a table of them".to_owned());
         }
         problems
     }
@@ -87,7 +92,8 @@ fn check_image(image: &ImageSettings, problems: &mut ValidationErrors) {
 }
 
 fn check_render(render: &RenderSettings, problems: &mut ValidationErrors) {
-    let RenderSettings { integrator, samples_per_pixel, max_depth, clamp_indirect, seed, .. } = render;
+    let RenderSettings { integrator, samples_per_pixel, max_depth, clamp_indirect, seed, .. } =
+        render;
     let at = KeyPath::root("render");
     problems.check(&at, &keys::render::SAMPLES, samples_per_pixel);
     if let Some(depth) = max_depth {
@@ -116,7 +122,8 @@ fn check_render(render: &RenderSettings, problems: &mut ValidationErrors) {
             }
             if paper.stop == PathTermination::Depth && max_depth.is_none() {
                 let message = "`render.paper.stop = \"depth\"` needs `render.max_depth`";
-                let problem = problems.add(of_paper.key("stop"), message).with_related(at.key("max_depth"));
+                let problem =
+                    problems.add(of_paper.key("stop"), message).with_related(at.key("max_depth"));
                 problem.with_help("add `max_depth = 6` to `[render]`".to_owned());
             }
             let total = paper.samples_per_pixel();
@@ -127,7 +134,9 @@ fn check_render(render: &RenderSettings, problems: &mut ValidationErrors) {
                      {n} samples make {total}"
                 );
                 let problem = problems.add(at.key("samples_per_pixel"), message);
-                problem.with_related(of_paper.key("samples")).with_related(of_paper.key("subpixels"));
+                problem
+                    .with_related(of_paper.key("samples"))
+                    .with_related(of_paper.key("subpixels"));
             }
         }
         _ => {}
@@ -167,7 +176,10 @@ fn check_lens(at: &KeyPath, lens: &LensDescription, problems: &mut ValidationErr
     problems.check(at, &keys::FOCUS_DISTANCE, focus_distance);
     let focus = problems.0.last_mut().filter(|last| last.path == at.key("focus_distance"));
     focus.map(|problem| {
-        problem.with_related(at.key("focus_on")).with_related(at.key("look_at")).with_related(at.key("position"))
+        problem
+            .with_related(at.key("focus_on"))
+            .with_related(at.key("look_at"))
+            .with_related(at.key("position"))
     });
     problems.check(at, &keys::BLADES, blades);
     problems.check(at, &keys::ROTATION, rotation_degrees);
@@ -208,7 +220,9 @@ fn check_background(background: &BackgroundDescription, problems: &mut Validatio
         problems.add(at.key("up"), format!("`background.up` must be a unit vector, not {up}"));
     }
     match dome {
-        EnvironmentDescription::Constant { radiance } => problems.check(&at, &keys::RADIANCE_EVERYWHERE, radiance),
+        EnvironmentDescription::Constant { radiance } => {
+            problems.check(&at, &keys::RADIANCE_EVERYWHERE, radiance)
+        }
         EnvironmentDescription::Gradient { zenith, horizon, nadir } => {
             let at = at.key("gradient");
             problems.check(&at, &keys::gradient::ZENITH, zenith);
@@ -246,7 +260,11 @@ fn check_background(background: &BackgroundDescription, problems: &mut Validatio
     }
 }
 
-fn check_sky_sun(at: &KeyPath, background: &BackgroundDescription, problems: &mut ValidationErrors) {
+fn check_sky_sun(
+    at: &KeyPath,
+    background: &BackgroundDescription,
+    problems: &mut ValidationErrors,
+) {
     match &background.sun {
         None => {
             let message = "`background.sky` needs `[background.sun]`, which says where the sun is";
@@ -348,7 +366,12 @@ fn check_energy(at: &KeyPath, sum: Rgb, problems: &mut ValidationErrors) {
     }
 }
 
-fn check_sphere(index: usize, sphere: &SphereDescription, materials: usize, problems: &mut ValidationErrors) {
+fn check_sphere(
+    index: usize,
+    sphere: &SphereDescription,
+    materials: usize,
+    problems: &mut ValidationErrors,
+) {
     let SphereDescription { name, center, radius, material } = sphere;
     // Most spheres are good, and a scene may have millions.
     let is_good = *material < materials
@@ -367,7 +390,12 @@ fn check_sphere(index: usize, sphere: &SphereDescription, materials: usize, prob
     check_index(&at, *material, materials, problems);
 }
 
-fn check_table(index: usize, table: &SphereTable, materials: usize, problems: &mut ValidationErrors) {
+fn check_table(
+    index: usize,
+    table: &SphereTable,
+    materials: usize,
+    problems: &mut ValidationErrors,
+) {
     let SphereTable { name, data, material, colors: _ } = table;
     let at = KeyPath::root("sphere_tables").entry(index, None);
     if let Some(name) = name {

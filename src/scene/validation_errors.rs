@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use crate::error::{Error, Diagnostic, Result};
+use crate::error::{Diagnostic, Error, Result};
 
 use super::keys::Key;
 use super::value_types::ValueType;
@@ -97,7 +97,12 @@ impl ValidationErrors {
 
     /// Notes a problem; more may be said of it.
     pub(super) fn add(&mut self, at: KeyPath, message: impl Into<String>) -> &mut ValidationError {
-        self.0.push(ValidationError { path: at, related: Vec::new(), message: message.into(), help: None });
+        self.0.push(ValidationError {
+            path: at,
+            related: Vec::new(),
+            message: message.into(),
+            help: None,
+        });
         self.0.last_mut().expect("it was just added")
     }
 
@@ -109,7 +114,8 @@ impl ValidationErrors {
         if self.0.is_empty() {
             return Ok(());
         }
-        let mistake = |ValidationError { message, help, .. }| Diagnostic { message, location: None, help };
+        let mistake =
+            |ValidationError { message, help, .. }| Diagnostic { message, location: None, help };
         Err(Error::from_diagnostics(self.0.into_iter().map(mistake).collect()))
     }
 }

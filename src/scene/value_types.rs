@@ -1,7 +1,7 @@
 //! What may stand behind a key: one small type for each kind of value, with its limits.
 //!
 //! A kind reads the value from a scene file, checks one that a program gives, and describes itself to
-//! editors. It can say what it expects, so that one sentence serves for every mistake: "`key` must be
+//! editors. It can say what it expects, so that one sentence serves for every mistake: "`to_key` must be
 //! *what is expected*, not *what was found*".
 
 use std::collections::BTreeMap;
@@ -41,7 +41,7 @@ pub(super) trait ParseValue {
 
 /// A reader that needs to know nothing but the value.
 pub(super) trait ValueType: ParseValue {
-    /// What keeps a value from being allowed, as [`Unfit::found`].
+    /// What keeps a value from being allowed, as [`InvalidValue::found`].
     fn check(&self, value: &Self::Output) -> Result<(), String>;
 
     /// The value's JSON schema.
@@ -147,9 +147,15 @@ impl NumberRange {
 
     fn describe(self) -> String {
         match self {
-            Self::Closed(low, high) => format!("from {} to {}", format_number(low), format_number(high)),
-            Self::LeftOpen(low, high) => format!("above {} and at most {}", format_number(low), format_number(high)),
-            Self::Open(low, high) => format!("above {} and below {}", format_number(low), format_number(high)),
+            Self::Closed(low, high) => {
+                format!("from {} to {}", format_number(low), format_number(high))
+            }
+            Self::LeftOpen(low, high) => {
+                format!("above {} and at most {}", format_number(low), format_number(high))
+            }
+            Self::Open(low, high) => {
+                format!("above {} and below {}", format_number(low), format_number(high))
+            }
         }
     }
 }
@@ -164,7 +170,9 @@ impl ParseValue for Number {
     fn parse(&self, node: &SpannedValue<'_>) -> Result<f64, InvalidValue> {
         let (value, shown) = match node.get_ref() {
             DeValue::Float(float) => (float.as_str().parse().ok(), float.as_str()),
-            DeValue::Integer(integer) => (parse_integer(integer).map(|i| i as f64), integer.as_str()),
+            DeValue::Integer(integer) => {
+                (parse_integer(integer).map(|i| i as f64), integer.as_str())
+            }
             _ => return Err(InvalidValue::wrong_type(node)),
         };
         match value {
@@ -257,7 +265,8 @@ impl<T: Copy + Into<i64> + TryFrom<i64> + PartialOrd> ParseValue for Integer<T> 
             DeValue::Float(float) => float.to_string(),
             _ => return Err(InvalidValue::wrong_type(node)),
         };
-        let value = node.get_ref().as_integer().and_then(parse_integer).and_then(|i| T::try_from(i).ok());
+        let value =
+            node.get_ref().as_integer().and_then(parse_integer).and_then(|i| T::try_from(i).ok());
         value.filter(|value| self.0.contains(value)).ok_or_else(|| InvalidValue::new(node, shown))
     }
 }

@@ -98,7 +98,7 @@ pub struct Check {
     pub group: CheckGroup,
     /// Measures; [`Self::run`] judges as well.
     pub measure: CheckFn,
-    /// The probability with which a right program may fail this check; [`share_significance`] sets
+    /// The probability with which a right program may fail this check; [`split_significance`] sets
     /// it. Exact checks do not heed it.
     pub significance: f64,
 }
@@ -228,7 +228,9 @@ mod tests {
     use super::*;
 
     fn check(finding: TestStatistic) -> Check {
-        Check::new(CheckGroup::ChiSquare, "a check", move |_| Ok(CheckMeasurement::new(finding.clone(), "")))
+        Check::new(CheckGroup::ChiSquare, "a check", move |_| {
+            Ok(CheckMeasurement::new(finding.clone(), ""))
+        })
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use crate::draw::{CellColors, Cells};
 
-use super::check::{Check, Effort, TestStatistic, CheckGroup, CheckMeasurement};
-use super::chi2::{Histogram, SamplingTest, ChiSquareResult, chi_square_test, sampling_tests};
+use super::check::{Check, CheckGroup, CheckMeasurement, Effort, TestStatistic};
+use super::chi2::{ChiSquareResult, Histogram, SamplingTest, chi_square_test, sampling_tests};
 
 /// Points drawn for each row.
 const SAMPLES: [u32; 3] = [200_000, 1_000_000, 4_000_000];
@@ -19,10 +19,12 @@ pub(super) fn checks(effort: Effort) -> Vec<Check> {
 fn check(pair: SamplingTest, points: u32) -> Check {
     Check::new(CheckGroup::ChiSquare, pair.name.clone(), move |_| {
         let verdict = chi_square_test(&pair, points, 0);
-        let ChiSquareResult { p_value, statistic, degrees_of_freedom: freedom, histogram } = &verdict;
+        let ChiSquareResult { p_value, statistic, degrees_of_freedom: freedom, histogram } =
+            &verdict;
         let detail =
             format!("chi-square {statistic:.1} of {freedom} degrees of freedom, {points} points");
-        Ok(CheckMeasurement::new(TestStatistic::PValue(*p_value), detail).with_images(figures(histogram)))
+        Ok(CheckMeasurement::new(TestStatistic::PValue(*p_value), detail)
+            .with_images(figures(histogram)))
     })
 }
 

@@ -10,7 +10,7 @@ use crate::geometry::{PathRay, Side, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 use crate::task::CancelToken;
 
-use super::ground_truth::{RayCase, ExactHit, Verdict, covering_precision};
+use super::ground_truth::{ExactHit, RayCase, Verdict, covering_precision};
 
 /// Rays asked in one batch, as many as an integrator has in flight.
 const BATCH_RAYS: usize = 256;
@@ -71,7 +71,7 @@ pub struct Disagreement {
     pub mismatch: Mismatch,
     /// The ray, relative to [`SphereSet::origin`].
     pub ray: PathRay,
-    /// The backend's answer after [`SphereSet::answer`]: id and distance.
+    /// The backend's answer after [`SphereSet::resolve_hit`]: id and distance.
     pub backend_hit: Option<(u32, f64)>,
     /// The judge's answer.
     pub exact_hit: Option<(u32, f64)>,
@@ -117,8 +117,10 @@ fn compare_batch(
     contenders: &[TestedBackend<'_>],
     rays: &[PathRay],
 ) -> Vec<CrosscheckResult> {
-    let precision = covering_precision(contenders.iter().map(|contender| contender.accel.error_bound()));
-    let cases: Vec<RayCase<'_>> = rays.iter().map(|ray| RayCase::new(spheres, ray, &precision)).collect();
+    let precision =
+        covering_precision(contenders.iter().map(|contender| contender.accel.error_bound()));
+    let cases: Vec<RayCase<'_>> =
+        rays.iter().map(|ray| RayCase::new(spheres, ray, &precision)).collect();
     let queries: Vec<Ray> = rays.iter().map(|ray| spheres.to_query(ray)).collect();
     let judged = |contender: &TestedBackend<'_>| {
         let mut hits = vec![Hit::MISS; rays.len()];
@@ -179,7 +181,13 @@ impl CrosscheckResult {
             if self.disagreements.len() < MAX_DISAGREEMENTS {
                 let (backend, ray) = (self.name.clone(), *case.ray());
                 let answered = answer.hit;
-                self.disagreements.push(Disagreement { backend, mismatch: about, ray, backend_hit: answered, exact_hit: judged });
+                self.disagreements.push(Disagreement {
+                    backend,
+                    mismatch: about,
+                    ray,
+                    backend_hit: answered,
+                    exact_hit: judged,
+                });
             }
         }
     }
@@ -339,7 +347,9 @@ mod tests {
         let broken = Broken { sound, break_ray, break_hit, break_occlusion };
         let contender = TestedBackend { name: "broken", accel: &broken };
         let rays = rays::random(&spheres, 3000, 7);
-        compare(&spheres, &[contender], &rays, &CancelToken::default()).expect("not cancelled").remove(0)
+        compare(&spheres, &[contender], &rays, &CancelToken::default())
+            .expect("not cancelled")
+            .remove(0)
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! than any backend's, and whether a backend's other answer is within its stated error.
 //!
 //! # The rule
-//! A backend states its error as a *backward* error ([`Precision`]): its answer is exact for
+//! A backend states its error as a *backward* error ([`ErrorBound`]): its answer is exact for
 //! spheres whose radius was changed by at most
 //!
 //! `e = k 2^-24 (|o - c| + R) + |o - o'|`,
@@ -126,7 +126,7 @@ impl<'a> RayCase<'a> {
     }
 
     /// Judges the sphere that a backend found first, `None` for a miss, and what
-    /// [`SphereSet::answer`] made of it, which may be the far wall instead.
+    /// [`SphereSet::resolve_hit`] made of it, which may be the far wall instead.
     pub fn judge_closest(
         &self,
         found: Option<u32>,
@@ -163,7 +163,8 @@ impl<'a> RayCase<'a> {
 
     /// Judges whether a backend found the way blocked.
     pub fn judge_occluded(&self, blocked: bool, precision: &ErrorBound) -> Verdict {
-        let mut bands = self.candidates.iter().map(|candidate| self.hit_interval(candidate, precision));
+        let mut bands =
+            self.candidates.iter().map(|candidate| self.hit_interval(candidate, precision));
         let accepted = match blocked {
             _ if blocked == self.occluded => return Verdict::Equal,
             true => bands.any(|band| band.earliest_possible.is_some()),
@@ -267,11 +268,15 @@ impl<'a> RayCase<'a> {
 
     fn is_behind_other(&self, id: Option<u32>, t: TwoFloat, precision: &ErrorBound) -> bool {
         let others = self.candidates.iter().filter(|candidate| Some(candidate.id) != id);
-        others.filter_map(|other| self.hit_interval(other, precision).latest_certain).any(|until| until < t)
+        others
+            .filter_map(|other| self.hit_interval(other, precision).latest_certain)
+            .any(|until| until < t)
     }
 
     fn has_certain_hit(&self, precision: &ErrorBound) -> bool {
-        self.candidates.iter().any(|candidate| self.hit_interval(candidate, precision).latest_certain.is_some())
+        self.candidates
+            .iter()
+            .any(|candidate| self.hit_interval(candidate, precision).latest_certain.is_some())
     }
 
     fn earliest_possible_hit(&self, id: u32, precision: &ErrorBound) -> Option<TwoFloat> {

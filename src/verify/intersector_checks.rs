@@ -10,8 +10,8 @@ use crate::geometry::{Sphere, SphereRows, SphereSet};
 use crate::math::DVec3;
 use crate::task::CancelToken;
 
-use super::check::{Check, Effort, TestStatistic, CheckGroup, CheckMeasurement};
-use super::crosscheck::{TestedBackend, CrosscheckResult, compare};
+use super::check::{Check, CheckGroup, CheckMeasurement, Effort, TestStatistic};
+use super::crosscheck::{CrosscheckResult, TestedBackend, compare};
 use super::rays;
 
 /// Rays for each check: each is compared with every sphere by arithmetic of twice the digits.
@@ -82,7 +82,8 @@ fn random_point(rng: &mut StdRng) -> DVec3 {
 /// Random balls in the unit box, about eight mean free paths deep.
 fn gas(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
     let radius = (8.0 / (std::f64::consts::PI * count as f64)).sqrt();
-    let ball = |_| Sphere { center: random_point(rng), radius: radius * rng.random_range(0.75..1.25) };
+    let ball =
+        |_| Sphere { center: random_point(rng), radius: radius * rng.random_range(0.75..1.25) };
     (0..count).map(ball).collect()
 }
 

@@ -4,13 +4,13 @@
 pub mod bench;
 pub mod check;
 pub mod chi2;
+mod chi2_checks;
 pub mod closed_forms;
 pub mod converge;
 pub mod crosscheck;
-mod chi2_checks;
 mod double_double;
-pub mod intersector_checks;
 pub mod ground_truth;
+pub mod intersector_checks;
 mod materials;
 pub mod metrics;
 mod quadrature;

@@ -16,7 +16,7 @@ const MAX_POSITION: f64 = 3.5 * MAX_COORDINATE;
 
 /// Random rays through a scene that has at least one sphere: at sphere centres and silhouettes,
 /// from inside, parallel to an axis, leaving surfaces to all sides, towards lamps, and clipped at
-/// both ends; none that [cannot be asked](can_be_asked). Reproducible from the seed.
+/// both ends; none that [cannot be asked](is_traceable). Reproducible from the seed.
 pub fn random(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
     let mut source = RayGenerator { spheres, rng: StdRng::seed_from_u64(seed) };
     let kinds = RayGenerator::GENERATORS.iter().cycle().take(count);
@@ -58,12 +58,7 @@ pub fn secondary(
 
 /// Shadow rays from where `rays` end towards a sphere of the scene each, as if it were a lamp; none
 /// where the sphere's own surface is in the way. Reproducible from the seed.
-pub fn shadow(
-    spheres: &SphereSet,
-    accel: &dyn Accel,
-    rays: &[PathRay],
-    seed: u64,
-) -> Vec<PathRay> {
+pub fn shadow(spheres: &SphereSet, accel: &dyn Accel, rays: &[PathRay], seed: u64) -> Vec<PathRay> {
     let mut rng = StdRng::seed_from_u64(seed);
     let mut shadow = |(ray, hit): (&PathRay, Hit)| {
         let hit = spheres.resolve_hit(ray, hit)?;

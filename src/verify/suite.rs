@@ -3,7 +3,7 @@
 use crate::accel::Backend;
 
 use super::check::{Check, Effort, split_significance};
-use super::{closed_forms, chi2_checks, intersector_checks, materials};
+use super::{chi2_checks, closed_forms, intersector_checks, materials};
 
 /// Every check on every intersector of this build.
 pub fn all_checks(effort: Effort) -> Vec<Check> {
@@ -27,7 +27,8 @@ mod tests {
     #[test]
     fn names_differ_and_more_effort_loses_no_check() {
         let names = |effort| {
-            let mut names: Vec<_> = all_checks(effort).into_iter().map(|check| check.name).collect();
+            let mut names: Vec<_> =
+                all_checks(effort).into_iter().map(|check| check.name).collect();
             let count = names.len();
             names.sort();
             names.dedup();

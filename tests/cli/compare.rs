@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use photosphere::color::Rgb;
-use photosphere::image_io::Picture;
 use photosphere::image_io::ImageWriter;
+use photosphere::image_io::Picture;
 use serde_json::Value;
 
 use crate::desk::{Desk, Outcome};

@@ -62,7 +62,10 @@ fn kept(folder: &Path) -> u64 {
     if !path.exists() {
         return 0;
     }
-    Checkpoint::open(&path).and_then(Checkpoint::into_film).unwrap_or_else(|e| panic!("{e}")).sample_count()
+    Checkpoint::open(&path)
+        .and_then(Checkpoint::into_film)
+        .unwrap_or_else(|e| panic!("{e}"))
+        .sample_count()
 }
 
 #[test]

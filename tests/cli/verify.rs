@@ -2,10 +2,10 @@
 
 use photosphere::report;
 use photosphere::task::CancelToken;
-use photosphere::verify::check::{
-    Check, Effort, TestStatistic, CheckGroup, CheckMeasurement, run_all, split_significance,
-};
 use photosphere::verify::all_checks;
+use photosphere::verify::check::{
+    Check, CheckGroup, CheckMeasurement, Effort, TestStatistic, run_all, split_significance,
+};
 
 use crate::desk::{Desk, Outcome, outcome};
 
@@ -22,7 +22,7 @@ fn the_quick_suite_passes_and_its_report_contains_every_check() {
     let checks = all_checks(Effort::Quick);
     assert!(table.contains(&format!("{} checks passed", checks.len())), "{table}");
     let report = String::from_utf8(desk.read("report.html")).expect("text");
-    for check in &all_checks {
+    for check in &checks {
         assert!(report.contains(&check.name), "{} is not in the report", check.name);
     }
     for sign in ["<!doctype html>", "</html>", "data:image/png;base64,", "All "] {
@@ -35,7 +35,7 @@ fn the_quick_suite_passes_and_its_report_contains_every_check() {
 #[test]
 fn a_check_is_called_alone_by_its_name_and_judges_alike_every_time() {
     let checks = all_checks(Effort::Quick);
-    let check = all_checks.iter().find(|check| check.name.starts_with("furnace: path"));
+    let check = checks.iter().find(|check| check.name.starts_with("furnace: path"));
     let check = check.expect("there is one");
     let [once, again] = [(); 2].map(|()| check.run(&CancelToken::default()).expect("runs"));
     assert!(once.passed && once.is_random);
@@ -47,13 +47,15 @@ fn a_check_is_called_alone_by_its_name_and_judges_alike_every_time() {
 fn a_failure_is_told_with_its_pictures_and_names() {
     let fails = |name: &str, p| {
         let name = name.to_owned();
-        Check::new(CheckGroup::ChiSquare, name, move |_| Ok(CheckMeasurement::new(TestStatistic::PValue(p), "<why>")))
+        Check::new(CheckGroup::ChiSquare, name, move |_| {
+            Ok(CheckMeasurement::new(TestStatistic::PValue(p), "<why>"))
+        })
     };
     let mut checks = vec![fails("good & right", 0.5), fails("bad <wrong>", 1e-9)];
-    split_significance(&mut all_checks);
-    let outcomes = run_all(&all_checks, &CancelToken::default(), &|_| ()).expect("runs");
+    split_significance(&mut checks);
+    let outcomes = run_all(&checks, &CancelToken::default(), &|_| ()).expect("runs");
     assert_eq!(outcomes.iter().map(|o| o.passed).collect::<Vec<_>>(), [true, false]);
-    let judged: Vec<_> = all_checks.iter().zip(&outcomes).collect();
+    let judged: Vec<_> = checks.iter().zip(&outcomes).collect();
     let page = report::checks::page(&[("machine", "a & b".to_owned())], &judged);
     for sign in
         ["1 of 2 checks FAILED", "What failed", "bad &lt;wrong&gt;", "a &amp; b", "&lt;why&gt;"]
@@ -96,7 +98,7 @@ fn json_has_every_check_that_was_asked_for() {
     let json = done.json();
     let checks = json["checks"].as_array().expect("a list");
     assert!(checks.len() >= 4);
-    for check in all_checks {
+    for check in checks {
         assert!(check["name"].as_str().is_some_and(|name| name.starts_with("furnace: ")));
         assert_eq!(check["passed"], true);
         assert!(check["limit"].as_f64().is_some_and(|limit| limit > 3.0));

@@ -10,7 +10,7 @@ use photosphere::image_io::Picture;
 use photosphere::job::{RenderedImage, render_with_accel};
 use photosphere::scene::description::{MaterialDescription, SurfaceModel};
 use photosphere::scene::settings::{IntegratorSettings, PaperSettings, SamplerKind};
-use photosphere::scene::{SceneBuilder, Override, Settings, PreparedScene, read_file};
+use photosphere::scene::{Override, PreparedScene, SceneBuilder, Settings, read_file};
 use photosphere::task::CancelToken;
 pub(crate) use photosphere::verify::statistics::MeanEstimate;
 
@@ -72,8 +72,8 @@ impl Kit {
     /// With so many samples of each pixel.
     pub(crate) fn samples(mut self, samples: u32) -> Self {
         let render = &mut self.settings.render;
-        render_with_accel.samples_per_pixel = samples;
-        if let IntegratorSettings::Paper(paper) = &mut render_with_accel.integrator {
+        render.samples_per_pixel = samples;
+        if let IntegratorSettings::Paper(paper) = &mut render.integrator {
             paper.samples = samples / paper.subpixels.pow(2);
         }
         self
@@ -91,7 +91,12 @@ impl Kit {
     }
 
     /// Adds a sphere with a material of its own.
-    pub(crate) fn ball(&mut self, center: [f64; 3], radius: f64, surface: SurfaceModel) -> &mut Self {
+    pub(crate) fn ball(
+        &mut self,
+        center: [f64; 3],
+        radius: f64,
+        surface: SurfaceModel,
+    ) -> &mut Self {
         self.glowing_ball(center, radius, surface, 0.0)
     }
 
@@ -104,8 +109,11 @@ impl Kit {
         emission: f32,
     ) -> &mut Self {
         let emission = Rgb::splat(emission);
-        let material =
-            self.scene.material(MaterialDescription { surface, emission, ..MaterialDescription::default() });
+        let material = self.scene.material(MaterialDescription {
+            surface,
+            emission,
+            ..MaterialDescription::default()
+        });
         self.scene.sphere(material, center, radius);
         self
     }

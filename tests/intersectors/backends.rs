@@ -6,7 +6,7 @@ use photosphere::accel::{Accel, Backend, BuildOptions, ErrorBound};
 use photosphere::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use photosphere::math::{Hit, Ray};
 use photosphere::task::CancelToken;
-use photosphere::verify::crosscheck::{TestedBackend, CrosscheckResult, compare};
+use photosphere::verify::crosscheck::{CrosscheckResult, TestedBackend, compare};
 
 /// The backends that a test runs over.
 pub(crate) fn backends() -> impl Iterator<Item = Backend> {

@@ -57,14 +57,16 @@ fn check(family: &str, recorded: Recorded, random: usize, trials: Vec<Trial>) {
         })
         .collect();
     for backend in 0..tallies[0].len() {
-        let of_backend: Vec<&CrosscheckResult> = tallies.iter().map(|trial| &trial[backend]).collect();
+        let of_backend: Vec<&CrosscheckResult> =
+            tallies.iter().map(|trial| &trial[backend]).collect();
         assert_share_is_within(family, &recorded, &of_backend);
     }
 }
 
 /// Holds one backend's share of ambiguous ids, over all trials of a family, against the record.
 fn assert_share_is_within(family: &str, recorded: &Recorded, tallies: &[&CrosscheckResult]) {
-    let sum = |of: fn(&CrosscheckResult) -> usize| tallies.iter().map(|tally| of(tally)).sum::<usize>();
+    let sum =
+        |of: fn(&CrosscheckResult) -> usize| tallies.iter().map(|tally| of(tally)).sum::<usize>();
     let rays = sum(|tally| tally.rays);
     let share = sum(|tally| tally.ambiguous) as f64 / rays as f64;
     let errors = tallies.iter().map(|tally| tally.max_distance_error);

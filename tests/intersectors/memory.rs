@@ -12,9 +12,10 @@ use photosphere::geometry::{Sphere, SphereRows, SphereSet};
 use photosphere::job::render_with_accel;
 use photosphere::math::{DVec3, Hit, NO_SPHERE, Ray};
 use photosphere::scene::description::{
-    BackgroundDescription, CameraDescription, SceneDescription, EnvironmentDescription, MaterialDescription, SphereDescription, SurfaceModel,
+    BackgroundDescription, CameraDescription, EnvironmentDescription, MaterialDescription,
+    SceneDescription, SphereDescription, SurfaceModel,
 };
-use photosphere::scene::{Scene, Settings, PreparedScene};
+use photosphere::scene::{PreparedScene, Scene, Settings};
 use photosphere::task::CancelToken;
 
 /// A hundred balls on a giant, as `table` and `exact` rows.
@@ -111,7 +112,7 @@ fn small_render() {
     let accel = Backend::Embree.build(shot.scene().spheres(), &options).expect("builds");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
     let render = || render_with_accel(&shot, accel.as_ref(), &[], &CancelToken::default());
-    let outcome = pool.install(render_with_accel).expect("a small film");
+    let outcome = pool.install(render).expect("a small film");
     assert_eq!((outcome.samples, outcome.complete), (8 * 8 * 4, true));
     assert!(outcome.picture.mean().min_element() > 0.0);
 }

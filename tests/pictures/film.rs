@@ -1,7 +1,7 @@
 //! One scene, one picture, to the bit: whatever the threads, the passes and the order.
 
 use photosphere::accel::{Accel, Backend, ErrorBound};
-use photosphere::film::{Film, Aov, Layer};
+use photosphere::film::{Aov, Film, Layer};
 use photosphere::job::{Counters, ProgressiveRenderer, format_for_scene};
 use photosphere::math::{Hit, Ray};
 use photosphere::scene::PreparedScene;
@@ -39,10 +39,16 @@ fn bits(film: &Film) -> Vec<u32> {
 }
 
 /// A film that `work` filled on so many threads.
-fn filled(shot: &PreparedScene, threads: usize, work: impl Fn(&ProgressiveRenderer<'_>) + Sync + Send) -> Film {
+fn filled(
+    shot: &PreparedScene,
+    threads: usize,
+    work: impl Fn(&ProgressiveRenderer<'_>) + Sync + Send,
+) -> Film {
     let (film, accel, cancel) = (empty_film(shot), accel(shot), CancelToken::default());
     let counters = Counters::new(&film, ALL);
-    on_threads(threads, || work(&ProgressiveRenderer::new(shot, &*accel, &film, &counters, &cancel)));
+    on_threads(threads, || {
+        work(&ProgressiveRenderer::new(shot, &*accel, &film, &counters, &cancel))
+    });
     film
 }
 
@@ -86,7 +92,8 @@ fn stopped(shot: &PreparedScene, threads: usize, after: u64) -> Film {
     let counters = Counters::new(&film, ALL);
     let accel = Stopping { inner: &*accel, counters: &counters, cancel: &cancel, after };
     let passes = ProgressiveRenderer::new(shot, &accel, &film, &counters, &cancel);
-    let ended = on_threads(threads, || passes.render_to_sample(41, &|_| true)).expect("not too bright");
+    let ended =
+        on_threads(threads, || passes.render_to_sample(41, &|_| true)).expect("not too bright");
     assert!(!ended && counters.samples_done() == film.sample_count());
     film
 }
@@ -141,7 +148,8 @@ fn a_stopped_film_is_finished_by_another_session() {
         let half = film.sample_count();
         assert!(half > 0 && half < ALL);
 
-        let (accel, cancel, counters) = (accel(&shot), CancelToken::default(), Counters::new(&film, ALL));
+        let (accel, cancel, counters) =
+            (accel(&shot), CancelToken::default(), Counters::new(&film, ALL));
         all_at_once(&ProgressiveRenderer::new(&shot, &*accel, &film, &counters, &cancel));
         assert!(bits(&film) == whole, "stopped after {half} samples");
     }

@@ -3,7 +3,7 @@
 use photosphere::accel::Backend;
 use photosphere::color::{NO_ROW, Rgb};
 use photosphere::film::{AOVS, Aov, Layer};
-use photosphere::image_io::{Picture, ChannelValues};
+use photosphere::image_io::{ChannelValues, Picture};
 use photosphere::job::render_with_accel;
 use photosphere::math::Rect;
 use photosphere::scene::description::{MaterialDescription, SurfaceModel};
@@ -24,8 +24,11 @@ fn kit() -> Kit {
     let glass = scene.glass(1.5);
     let lamp = scene.emitter([4.0, 3.0, 2.0]);
     let red = SurfaceModel::Diffuse { albedo: Rgb::X, roughness: 0.0 };
-    let half =
-        scene.material(MaterialDescription { surface: red, opacity: 0.5, ..MaterialDescription::default() });
+    let half = scene.material(MaterialDescription {
+        surface: red,
+        opacity: 0.5,
+        ..MaterialDescription::default()
+    });
     scene
         .sphere(ground, [0.0, -100.0, 0.0], 100.0)
         .sphere(matt, [0.0, 1.0, 0.0], 1.0)
@@ -238,13 +241,20 @@ fn integrators_that_follow_no_paths_have_layers_too() {
         IntegratorSettings::AmbientOcclusion { distance: None },
         IntegratorSettings::Normals,
         IntegratorSettings::Direct,
-        IntegratorSettings::Paper(PaperSettings { subpixels: 1, samples: 20, ..PaperSettings::default() }),
+        IntegratorSettings::Paper(PaperSettings {
+            subpixels: 1,
+            samples: 20,
+            ..PaperSettings::default()
+        }),
     ] {
         let other = everything(&solid_kit().integrator(integrator));
         for name in ["albedo.R", "normal.Y", "depth", "position.Z"] {
             assert_eq!(floats(&other, name), floats(&all, name), "{integrator:?} {name}");
         }
-        if !matches!(integrator, IntegratorSettings::AmbientOcclusion { .. } | IntegratorSettings::Normals) {
+        if !matches!(
+            integrator,
+            IntegratorSettings::AmbientOcclusion { .. } | IntegratorSettings::Normals
+        ) {
             assert_eq!(floats(&other, "emission.R"), floats(&all, "emission.R"), "{integrator:?}");
         }
     }

@@ -8,15 +8,17 @@ use photosphere::color::Rgb;
 use photosphere::film::Film;
 use photosphere::geometry::{PathRays, SphereSet};
 use photosphere::job::{
-    Counters, NoiseTarget, ProgressiveRenderer, NoiseProgress, format_for_scene, confidence_half_widths, render_adaptive,
+    Counters, NoiseProgress, NoiseTarget, ProgressiveRenderer, confidence_half_widths,
+    format_for_scene, render_adaptive,
 };
 use photosphere::math::{DVec3, Hit, Ray, Rect};
 use photosphere::sampling::SamplerKind;
 use photosphere::scene::description::{
-    BackgroundDescription, CameraDescription, EnvironmentDescription, MaterialDescription, ProjectionDescription, SphereDescription, SurfaceModel,
+    BackgroundDescription, CameraDescription, EnvironmentDescription, MaterialDescription,
+    ProjectionDescription, SphereDescription, SurfaceModel,
 };
 use photosphere::scene::settings::{ImageSettings, RenderSettings};
-use photosphere::scene::{SceneDescription, Scene, Settings, PreparedScene};
+use photosphere::scene::{PreparedScene, Scene, SceneDescription, Settings};
 use photosphere::task::CancelToken;
 use photosphere::verify::statistics::MeanEstimate;
 use rand::rngs::StdRng;
@@ -73,7 +75,8 @@ fn small_scene() -> Scene {
 
 fn settings() -> Settings {
     let image = ImageSettings { width: 32, height: 16, ..ImageSettings::default() };
-    let render = RenderSettings { samples_per_pixel: MOST, max_depth: Some(5), ..RenderSettings::default() };
+    let render =
+        RenderSettings { samples_per_pixel: MOST, max_depth: Some(5), ..RenderSettings::default() };
     Settings { image, render }
 }
 
@@ -108,7 +111,8 @@ fn fill_with(
 /// The same with nobody to cancel it.
 fn fill(shot: &PreparedScene, film: &Film, target: NoiseTarget, most: u32) -> NoiseProgress {
     let accel = accel(shot);
-    let (standing, complete) = fill_with(&*accel, shot, film, target, most, &CancelToken::default());
+    let (standing, complete) =
+        fill_with(&*accel, shot, film, target, most, &CancelToken::default());
     assert!(complete);
     standing
 }

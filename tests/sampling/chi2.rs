@@ -18,17 +18,17 @@ const POINTS: u32 = 1_000_000;
 
 #[test]
 fn every_routine_draws_from_its_density() {
-    let table = sampling_tests();
-    let each = sidak(SIGNIFICANCE, sampling_tests.len());
+    let tests = sampling_tests();
+    let each = sidak(SIGNIFICANCE, tests.len());
     let verdicts: Vec<_> =
-        sampling_tests.par_iter().with_max_len(1).map(|pair| chi_square_test(pair, POINTS, 0)).collect();
+        tests.par_iter().with_max_len(1).map(|test| chi_square_test(test, POINTS, 0)).collect();
     let mut failed = Vec::new();
-    for (pair, verdict) in sampling_tests.iter().zip(verdicts) {
+    for (test, verdict) in tests.iter().zip(verdicts) {
         let p = verdict.p_value;
-        println!("{:<60} p = {p:.4}", pair.name);
+        println!("{:<60} p = {p:.4}", test.name);
         if p < each {
-            write_histogram(&pair.name, &verdict.histogram);
-            failed.push(format!("{}: p = {p:.2e} < {each:.2e}", pair.name));
+            write_histogram(&test.name, &verdict.histogram);
+            failed.push(format!("{}: p = {p:.2e} < {each:.2e}", test.name));
         }
     }
     let histograms = env!("CARGO_TARGET_TMPDIR");
@@ -37,14 +37,19 @@ fn every_routine_draws_from_its_density() {
 
 #[test]
 fn every_row_has_its_own_name() {
-    let table = sampling_tests();
-    let names: HashSet<&str> = sampling_tests.iter().map(|pair| pair.name.as_str()).collect();
+    let tests = sampling_tests();
+    let names: HashSet<&str> = pairs.iter().map(|pair| test.name.as_str()).collect();
     assert_eq!(names.len(), table.len());
 }
 
 fn cosine_against(pdf: fn(DVec3) -> f64) -> f64 {
     let drawn = |u: [f64; 4]| Some(Hemisphere::Cosine.sample([u[0], u[1]]));
-    chi_square_test(&SamplingTest::over_hemisphere("cosine against something", drawn, pdf), POINTS, 0).p_value
+    chi_square_test(
+        &SamplingTest::over_hemisphere("cosine against something", drawn, pdf),
+        POINTS,
+        0,
+    )
+    .p_value
 }
 
 #[test]
@@ -63,14 +68,24 @@ fn a_wrong_density_is_found() {
 fn wrong_probabilities_and_wrong_areas_are_found() {
     let choice = |probabilities: [f64; 3]| {
         let thirds = |u: [f64; 4]| Some((u[0] * 3.0) as usize);
-        chi_square_test(&SamplingTest::over_indices("thirds", probabilities.into(), thirds), POINTS, 0).p_value
+        chi_square_test(
+            &SamplingTest::over_indices("thirds", probabilities.into(), thirds),
+            POINTS,
+            0,
+        )
+        .p_value
     };
     assert!(choice([1.0 / 3.0; 3]) > 1e-3);
     assert!(choice([0.34, 0.33, 0.33]) < 1e-9);
     let square = |side: f64, pdf: f64| {
         let uniform = move |u: [f64; 4]| Some([side * u[0], side * u[1]]);
         let range = [[0.0; 2], [2.0; 2]];
-        chi_square_test(&SamplingTest::over_rectangle("square", range, uniform, move |_| pdf), POINTS, 0).p_value
+        chi_square_test(
+            &SamplingTest::over_rectangle("square", range, uniform, move |_| pdf),
+            POINTS,
+            0,
+        )
+        .p_value
     };
     assert!(square(2.0, 0.25) > 1e-3);
     assert!(square(2.0, 0.24) < 1e-9, "too little");
@@ -85,7 +100,8 @@ fn directions_over_the_whole_sphere_are_judged() {
             let w = Hemisphere::UniformSolidAngle.sample([u[0], u[1]]);
             Some(if u[2] < below { DVec3::new(w.x, w.y, -w.z) } else { w })
         };
-        chi_square_test(&SamplingTest::over_sphere("both sides", sample, |_| 0.5 / TAU), POINTS, 0).p_value
+        chi_square_test(&SamplingTest::over_sphere("both sides", sample, |_| 0.5 / TAU), POINTS, 0)
+            .p_value
     };
     assert!(both(0.5) > 1e-3);
     assert!(both(0.52) < 1e-9);

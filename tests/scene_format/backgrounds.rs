@@ -1,8 +1,8 @@
 //! Backgrounds, their images and their mistakes.
 
 use photosphere::color::Rgb;
-use photosphere::image_io::Picture;
 use photosphere::image_io::ImageWriter;
+use photosphere::image_io::Picture;
 use photosphere::math::DVec3;
 use photosphere::scene::description::EnvironmentDescription;
 use photosphere::scene::{SceneFile, read_text};
@@ -14,7 +14,11 @@ fn backgrounds_are_read_with_their_defaults() {
     let background = |options: &[&str]| load(SCENE, options).expect("good").description.background;
     let gradient = background(&["background.gradient={zenith=[0,0,1],horizon=[1,1,1]}"]);
     let white = [1.0; 3].into();
-    let dome = EnvironmentDescription::Gradient { zenith: [0.0, 0.0, 1.0].into(), horizon: white, nadir: white };
+    let dome = EnvironmentDescription::Gradient {
+        zenith: [0.0, 0.0, 1.0].into(),
+        horizon: white,
+        nadir: white,
+    };
     assert_eq!(gradient.dome, dome);
 
     let sun = "background.sun={elevation_degrees=30,azimuth_degrees=90,irradiance=[1,1,1]}";

@@ -6,7 +6,8 @@ use photosphere::color::Rgb;
 use photosphere::math::DVec3;
 use photosphere::scene::data::{Column, SphereArrays, SphereData};
 use photosphere::scene::description::{
-    BackgroundDescription, CameraDescription, ColorStorage, SceneDescription, EnvironmentDescription, LensDescription, MaterialDescription, ProjectionDescription,
+    BackgroundDescription, CameraDescription, ColorStorage, EnvironmentDescription,
+    LensDescription, MaterialDescription, ProjectionDescription, SceneDescription,
     SphereDescription, SphereTable, SurfaceModel,
 };
 use photosphere::scene::{ContentHash, Scene, SceneFile, read_text};
@@ -88,7 +89,8 @@ fn table(arrays: SphereArrays) -> SphereTable {
 
 /// [`TEXT`] as values.
 fn values() -> SceneDescription {
-    let lens = LensDescription { radius: 0.125, focus_distance: 5.0, blades: 0, rotation_degrees: 0.0 };
+    let lens =
+        LensDescription { radius: 0.125, focus_distance: 5.0, blades: 0, rotation_degrees: 0.0 };
     let named = |name: &str, surface| MaterialDescription {
         name: name.to_owned(),
         surface,
@@ -101,7 +103,10 @@ fn values() -> SceneDescription {
         camera: CameraDescription {
             position: DVec3::new(0.5, 1.0, 5.0),
             look_at: DVec3::new(0.5, 1.0, 0.0),
-            projection: ProjectionDescription::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) },
+            projection: ProjectionDescription::Perspective {
+                vertical_fov_degrees: 40.0,
+                lens: Some(lens),
+            },
             ..CameraDescription::default()
         },
         background: BackgroundDescription {

@@ -8,7 +8,8 @@ use photosphere::color::Rgb;
 use photosphere::math::{DVec3, Rect};
 use photosphere::scene::data::{Column, SphereArrays, SphereData};
 use photosphere::scene::description::{
-    BackgroundDescription, CameraDescription, SceneDescription, EnvironmentDescription, MaterialDescription, SphereDescription, SphereTable, SunDescription,
+    BackgroundDescription, CameraDescription, EnvironmentDescription, MaterialDescription,
+    SceneDescription, SphereDescription, SphereTable, SunDescription,
 };
 use photosphere::scene::keys::all;
 use photosphere::scene::read_text;
@@ -31,13 +32,18 @@ fn domes(folder: &Path) -> [EnvironmentDescription; 4] {
 /// Descriptions in which every kind of thing occurs; the files are in this folder.
 fn descriptions(folder: &Path) -> Vec<SceneDescription> {
     let described = |(index, dome): (usize, EnvironmentDescription)| {
-        let materials = surfaces().into_iter().enumerate().map(|(at, surface)| MaterialDescription {
-            name: format!("material no. {at}"),
-            surface,
-            emission: Rgb::new(0.1, 0.2, 0.3),
-            opacity: 0.5,
-        });
-        let sun = SunDescription { direction: DVec3::Y, angular_diameter_degrees: 0.5, irradiance: Rgb::ONE };
+        let materials =
+            surfaces().into_iter().enumerate().map(|(at, surface)| MaterialDescription {
+                name: format!("material no. {at}"),
+                surface,
+                emission: Rgb::new(0.1, 0.2, 0.3),
+                opacity: 0.5,
+            });
+        let sun = SunDescription {
+            direction: DVec3::Y,
+            angular_diameter_degrees: 0.5,
+            irradiance: Rgb::ONE,
+        };
         use Column::{Blue, Green, Radius, Red, X, Y, Z};
         let data = SphereData::File {
             path: folder.join("grains.f32"),

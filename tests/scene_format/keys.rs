@@ -4,15 +4,16 @@
 use std::collections::BTreeSet;
 
 use photosphere::color::Rgb;
-use photosphere::image_io::{Picture, ImageWriter};
+use photosphere::image_io::{ImageWriter, Picture};
 use photosphere::material::{Metal, PrincipledParameters};
 use photosphere::scene::description::{
-    BackgroundDescription, CameraDescription, ColorStorage, LensDescription, MaterialDescription, ProjectionDescription, ProjectionKind, SurfaceModel,
-    SurfaceKind,
+    BackgroundDescription, CameraDescription, ColorStorage, LensDescription, MaterialDescription,
+    ProjectionDescription, ProjectionKind, SurfaceKind, SurfaceModel,
 };
 use photosphere::scene::keys::{DefaultValue, KeyInfo, all};
 use photosphere::scene::settings::{
-    ImageSettings, IntegratorSettings, IntegratorKind, PaperSettings, Settings, PathTermination, PathTerminationKind,
+    ImageSettings, IntegratorKind, IntegratorSettings, PaperSettings, PathTermination,
+    PathTerminationKind, Settings,
 };
 use photosphere::scene::{SceneFile, read_text};
 use serde_json::Value;
@@ -246,7 +247,8 @@ pub(crate) fn surfaces() -> [SurfaceModel; 7] {
 
 /// A projection of every kind.
 pub(crate) fn projections() -> [ProjectionDescription; 3] {
-    let lens = LensDescription { radius: 0.125, focus_distance: 5.0, blades: 6, rotation_degrees: 30.0 };
+    let lens =
+        LensDescription { radius: 0.125, focus_distance: 5.0, blades: 6, rotation_degrees: 30.0 };
     [
         ProjectionDescription::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) },
         ProjectionDescription::Orthographic { height: 4.0 },
@@ -261,7 +263,10 @@ pub(crate) fn integrators() -> [IntegratorSettings; 6] {
         IntegratorSettings::Direct,
         IntegratorSettings::AmbientOcclusion { distance: Some(2.0) },
         IntegratorSettings::Normals,
-        IntegratorSettings::Paper(PaperSettings { stop: PathTermination::Threshold(0.25), ..PaperSettings::default() }),
+        IntegratorSettings::Paper(PaperSettings {
+            stop: PathTermination::Threshold(0.25),
+            ..PaperSettings::default()
+        }),
         IntegratorSettings::Raycast { shadows: true },
     ]
 }
@@ -290,6 +295,7 @@ fn a_kind_has_the_same_name_in_scene_files_and_in_json() {
     must_have_names(&surfaces(), SurfaceModel::kind, SurfaceKind::NAMES);
     must_have_names(&projections(), ProjectionDescription::kind, ProjectionKind::NAMES);
     must_have_names(&integrators(), IntegratorSettings::kind, IntegratorKind::NAMES);
-    let stops = [PathTermination::Roulette, PathTermination::Depth, PathTermination::Threshold(0.25)];
+    let stops =
+        [PathTermination::Roulette, PathTermination::Depth, PathTermination::Threshold(0.25)];
     must_have_names(&stops, PathTermination::kind, PathTerminationKind::NAMES);
 }

@@ -17,8 +17,12 @@ fn surface(keys: &str) -> SurfaceModel {
 #[test]
 fn glass_is_named_or_given_by_its_index() {
     let of = |keys: &str| surface(&format!("type = \"dielectric\"\n{keys}"));
-    let glass =
-        |ior, roughness| SurfaceModel::Dielectric { ior, roughness, priority: 0, absorption: Rgb::ZERO };
+    let glass = |ior, roughness| SurfaceModel::Dielectric {
+        ior,
+        roughness,
+        priority: 0,
+        absorption: Rgb::ZERO,
+    };
     for (name, ior) in NAMED_IORS {
         assert_eq!(of(&format!("glass = \"{name}\"")), glass(ior, 0.0));
     }

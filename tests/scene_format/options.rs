@@ -27,7 +27,10 @@ fn options_replace_what_the_file_says() {
     assert_eq!(description.spheres[0].radius, 20.0);
     assert_eq!(description.spheres[0].center.y, -20.0);
     assert_eq!(description.spheres[1].name.as_deref(), Some("a \"b\""));
-    assert!(matches!(settings.render.integrator, IntegratorSettings::Paper(PaperSettings { samples: 9, .. })));
+    assert!(matches!(
+        settings.render.integrator,
+        IntegratorSettings::Paper(PaperSettings { samples: 9, .. })
+    ));
     assert_eq!(settings.render.samples_per_pixel, 36);
     assert_eq!(settings.image.filter, FilterKind::Tent);
     assert_eq!(settings.render.seed, 2, "the last one wins");

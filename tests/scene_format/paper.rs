@@ -1,6 +1,8 @@
 //! The paper's integrator, its samples and its options.
 
-use photosphere::scene::settings::{Hemisphere, IntegratorSettings, MissPolicy, PaperSettings, SamplerKind, PathTermination};
+use photosphere::scene::settings::{
+    Hemisphere, IntegratorSettings, MissPolicy, PaperSettings, PathTermination, SamplerKind,
+};
 
 use crate::scenes::{assert_told, load, with};
 

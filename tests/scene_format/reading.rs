@@ -5,7 +5,9 @@ use std::path::Path;
 use photosphere::color::Rgb;
 use photosphere::geometry::Sphere;
 use photosphere::math::DVec3;
-use photosphere::scene::description::{EnvironmentDescription, ProjectionDescription, SurfaceModel};
+use photosphere::scene::description::{
+    EnvironmentDescription, ProjectionDescription, SurfaceModel,
+};
 use photosphere::scene::settings::{FilterKind, IntegratorSettings};
 use photosphere::scene::{Scene, SceneFile, read_file};
 

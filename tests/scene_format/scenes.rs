@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use photosphere::error::{Category, Error, Diagnostic};
+use photosphere::error::{Category, Diagnostic, Error};
 use photosphere::scene::{Override, SceneFile, read_text};
 
 /// The smallest scene; each test changes something.

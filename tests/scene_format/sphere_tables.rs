@@ -69,7 +69,8 @@ impl Desk {
     fn told(&self) -> Vec<String> {
         let error = self.load().expect_err("a mistake");
         let folder = format!("{}/", self.folder.path().display());
-        let messages = error.diagnostics().iter().map(|mistake| mistake.message.replace(&folder, ""));
+        let messages =
+            error.diagnostics().iter().map(|mistake| mistake.message.replace(&folder, ""));
         messages.collect()
     }
 }
@@ -121,7 +122,8 @@ fn the_file_must_be_there_and_whole() {
     let missing = Desk::new().table("a.f32", COLUMNS, "matt");
     let told = missing.told();
     assert!(told[0].starts_with("cannot read `a.f32`: No such file"), "{told:?}");
-    let place = missing.load().expect_err("missing").diagnostics()[0].location.clone().expect("a place");
+    let place =
+        missing.load().expect_err("missing").diagnostics()[0].location.clone().expect("a place");
     assert_eq!(&place.source.text[place.span], "\"a.f32\"");
     let folder = Desk::new().table("a.f32", COLUMNS, "matt");
     fs::create_dir(folder.folder.path().join("a.f32")).expect("a folder");

@@ -9,7 +9,7 @@ use photosphere::image_io::Picture;
 use photosphere::scene::description::SurfaceModel;
 use photosphere::scene::settings::PaperSettings;
 
-use crate::kit::{MeanEstimate, Judged, Kit, diffuse, glass, mirror, phong, rendered};
+use crate::kit::{Judged, Kit, MeanEstimate, diffuse, glass, mirror, phong, rendered};
 
 /// What a ball is made of, and the radiance that it sends out.
 type Look = (SurfaceModel, f32);
@@ -22,8 +22,10 @@ const DIM: Look = (diffuse(0.0), 0.7);
 const MIRROR_LAMP: Look = (mirror(0.5), 2.0);
 const GLASS_LAMP: Look = (glass(1.5), 1.0);
 const GLASS: Look = (glass(1.5), 0.0);
-const WATER: Look =
-    (SurfaceModel::Dielectric { ior: 1.33, roughness: 0.0, priority: -1, absorption: Rgb::ZERO }, 0.0);
+const WATER: Look = (
+    SurfaceModel::Dielectric { ior: 1.33, roughness: 0.0, priority: -1, absorption: Rgb::ZERO },
+    0.0,
+);
 const PHONG: Look = (phong([0.3, 0.5], 20.0, true), 0.0);
 const CLASSIC_PHONG: Look = (phong([0.1, 0.2], 10.0, false), 0.0);
 

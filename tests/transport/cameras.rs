@@ -3,7 +3,9 @@
 use photosphere::color::Rgb;
 use photosphere::math::Rect;
 use photosphere::scene::MaterialHandle;
-use photosphere::scene::description::{LensDescription, MaterialDescription, ProjectionDescription, SurfaceModel};
+use photosphere::scene::description::{
+    LensDescription, MaterialDescription, ProjectionDescription, SurfaceModel,
+};
 use photosphere::scene::settings::{FilterKind, ImageSettings, IntegratorSettings, SamplerKind};
 
 use crate::kit::Kit;
@@ -32,7 +34,11 @@ fn cameras(distance: f64) -> [ProjectionDescription; 6] {
 
 fn filtered(kit: &mut Kit, filter: FilterKind) {
     let image = &mut kit.settings.image;
-    *image = ImageSettings { filter, filter_radius: ImageSettings::default_filter_radius(filter), ..*image };
+    *image = ImageSettings {
+        filter,
+        filter_radius: ImageSettings::default_filter_radius(filter),
+        ..*image
+    };
 }
 
 /// A black surface that glows.
@@ -89,7 +95,8 @@ fn every_camera_knows_the_glass_that_its_rays_start_in() {
     // A plane of parallel rays that reaches out of the glass on both sides: the rays of the middle
     // pixel start within it, near enough to its middle that none is trapped.
     (inside.settings.image.width, inside.settings.image.height) = (9, 1);
-    inside.scene.description.camera.projection = ProjectionDescription::Orthographic { height: 8.0 };
+    inside.scene.description.camera.projection =
+        ProjectionDescription::Orthographic { height: 8.0 };
     let shown = inside.picture();
     for (pixel, expected) in [(0, 0.5), (4, 0.5 * 2.25), (8, 0.5)] {
         assert!((shown.beauty(pixel).y - expected).abs() < 1e-5, "{pixel}");

@@ -4,11 +4,15 @@
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::integrator::{Termination, SampleAddress, PathEvent, PathTrace, RenderContext, create};
+use photosphere::integrator::{
+    PathEvent, PathTrace, RenderContext, SampleAddress, Termination, create,
+};
 use photosphere::math::DVec3;
 use photosphere::scene::PreparedScene;
 use photosphere::scene::description::MaterialDescription;
-use photosphere::scene::settings::{Estimator, IntegratorSettings, MissPolicy, PaperSettings, PathTermination};
+use photosphere::scene::settings::{
+    Estimator, IntegratorSettings, MissPolicy, PaperSettings, PathTermination,
+};
 use photosphere::task::CancelToken;
 
 use crate::kit::{Judged, Kit, built, diffuse, glass, mirror, phong};
@@ -108,7 +112,8 @@ fn normals_are_exact_and_have_no_noise() {
 
 /// Two balls, their centres 4 apart as seen at the point between them.
 fn two_balls() -> Kit {
-    let mut kit = Kit::new(1, 1, 256).integrator(IntegratorSettings::AmbientOcclusion { distance: None });
+    let mut kit =
+        Kit::new(1, 1, 256).integrator(IntegratorSettings::AmbientOcclusion { distance: None });
     kit.scene.camera([0.0, 6.0, 0.0], [0.0; 3]).up(DVec3::X).field_of_view(1e-6);
     kit.glowing_ball([0.0; 3], 1.0, diffuse(0.1), 3.0);
     kit.glowing_ball([4.0, 1.0, 0.0], 2.0, diffuse(0.1), 3.0);
@@ -176,7 +181,10 @@ fn a_trace_adds_up_to_its_sample_bit_by_bit() {
         clamped(still_life(), 0.5).depth(5),
         estimator(still_life(), Estimator::Light).integrator(IntegratorSettings::Direct),
         still_life().paper(PaperSettings { miss: MissPolicy::Redraw, ..PaperSettings::default() }),
-        still_life().paper(PaperSettings { stop: PathTermination::Threshold(0.01), ..PaperSettings::default() }),
+        still_life().paper(PaperSettings {
+            stop: PathTermination::Threshold(0.01),
+            ..PaperSettings::default()
+        }),
     ] {
         let how = kit.how();
         let shot = kit.shot();
@@ -187,8 +195,7 @@ fn a_trace_adds_up_to_its_sample_bit_by_bit() {
         // The renderer's own way: all samples in one batch.
         let samples: Vec<SampleAddress> = traces.iter().map(|trace| trace.address).collect();
         let mut radiance = vec![Default::default(); samples.len()];
-        let tally =
-            create(&shot).estimate(world, &samples, &mut radiance, &mut Default::default());
+        let tally = create(&shot).estimate(world, &samples, &mut radiance, &mut Default::default());
         assert_eq!(tally.rays, traces.iter().map(|trace| trace.stats.rays).sum::<u64>());
         let mut lit = 0;
         for (trace, radiance) in traces.iter().zip(radiance) {
@@ -272,7 +279,12 @@ fn a_path_of_heavy_weight_survives_and_a_light_one_comes_to_weigh_one() {
                 _ => {}
             }
         }
-        assert!(trace.events.iter().all(|step| !matches!(step, PathEvent::End(Termination::LengthLimit))));
+        assert!(
+            trace
+                .events
+                .iter()
+                .all(|step| !matches!(step, PathEvent::End(Termination::LengthLimit)))
+        );
     }
     assert!(seen[0] > 0, "{seen:?}");
 }
@@ -295,7 +307,11 @@ fn options_that_bias_are_named() {
     assert!(biases(still_life().paper(PaperSettings::default())).is_empty());
     assert!(biases(still_life().integrator(IntegratorSettings::Normals).depth(3)).is_empty());
     assert_eq!(biases(clamped(still_life(), 10.0)), ["clamp_indirect = 10"]);
-    let paper = PaperSettings { stop: PathTermination::Depth, miss: MissPolicy::Redraw, ..PaperSettings::default() };
+    let paper = PaperSettings {
+        stop: PathTermination::Depth,
+        miss: MissPolicy::Redraw,
+        ..PaperSettings::default()
+    };
     assert_eq!(
         biases(still_life().paper(paper).depth(5)),
         ["max_depth = 5", "paper.stop = \"depth\"", "paper.miss = \"redraw\""]

@@ -3,7 +3,7 @@
 
 use photosphere::accel::Backend;
 use photosphere::color::PathRadiance;
-use photosphere::integrator::{SampleAddress, RenderStats, Workspace, RenderContext, create};
+use photosphere::integrator::{RenderContext, RenderStats, SampleAddress, Workspace, create};
 use photosphere::math::Isa;
 use photosphere::scene::description::{MaterialDescription, SurfaceModel};
 use photosphere::scene::settings::{

@@ -7,14 +7,16 @@ use std::f64::consts::PI;
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::image_io::Picture;
 use photosphere::image_io::ImageWriter;
+use photosphere::image_io::Picture;
 use photosphere::light::Orientation;
 use photosphere::math::DVec3;
-use photosphere::scene::description::{BackgroundDescription, EnvironmentDescription, SunDescription};
+use photosphere::scene::description::{
+    BackgroundDescription, EnvironmentDescription, SunDescription,
+};
 use photosphere::scene::settings::LightSamplerKind;
 
-use crate::kit::{MeanEstimate, Judged, Kit, diffuse, glass, mirror};
+use crate::kit::{Judged, Kit, MeanEstimate, diffuse, glass, mirror};
 
 /// One point of a matt plane, looked at from above. The plane is a giant.
 fn point() -> Kit {
@@ -54,7 +56,9 @@ fn lamps(count: u32) -> (Kit, f64) {
 fn many_lamps_shine_like_their_sum_however_they_are_chosen() {
     for count in [5, 100, 3000] {
         let (mut kit, sum) = lamps(count);
-        for choice in [LightSamplerKind::Hierarchy, LightSamplerKind::Power, LightSamplerKind::Uniform] {
+        for choice in
+            [LightSamplerKind::Hierarchy, LightSamplerKind::Power, LightSamplerKind::Uniform]
+        {
             kit.settings.render.light_choice = choice;
             let what = format!("{count} lamps, {choice:?}");
             kit.estimate(Backend::Native).must_be(sum, &what);
@@ -63,7 +67,12 @@ fn many_lamps_shine_like_their_sum_however_they_are_chosen() {
 }
 
 /// A sun at an elevation and an azimuth in degrees, so many of them wide.
-fn sun(elevation: f64, azimuth: f64, angular_diameter_degrees: f64, irradiance: f32) -> SunDescription {
+fn sun(
+    elevation: f64,
+    azimuth: f64,
+    angular_diameter_degrees: f64,
+    irradiance: f32,
+) -> SunDescription {
     let sky = Orientation::new(DVec3::Y, 0.0);
     SunDescription {
         direction: sky.direction(elevation.to_radians(), azimuth.to_radians()),
@@ -141,8 +150,12 @@ fn an_image_shines_on_a_plane_like_its_interpolation() {
     let expected = 0.5 * 2.0 * nodes.windows(2).map(band).sum::<f64>();
 
     for rotation_degrees in [0.0, 200.0] {
-        for kit in
-            under(EnvironmentDescription::Image { file: file.clone(), rotation_degrees, scale: 1.0 }).both_ways()
+        for kit in under(EnvironmentDescription::Image {
+            file: file.clone(),
+            rotation_degrees,
+            scale: 1.0,
+        })
+        .both_ways()
         {
             let what = format!("image, {rotation_degrees} degrees, {}", kit.how());
             kit.mean().must_be(expected, &what);

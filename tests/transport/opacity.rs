@@ -6,7 +6,7 @@ use photosphere::scene::MaterialHandle;
 use photosphere::scene::description::{MaterialDescription, SurfaceModel};
 use photosphere::scene::settings::{FilterKind, ImageSettings};
 
-use crate::kit::{MeanEstimate, Judged, Kit, rendered};
+use crate::kit::{Judged, Kit, MeanEstimate, rendered};
 
 /// Looks along -z from z = 1/2 at a small grey ball, which fills the picture.
 fn ball() -> Kit {

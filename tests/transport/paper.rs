@@ -12,9 +12,9 @@ use photosphere::math::{DVec3, Frame, Hit};
 use photosphere::sampling::Hemisphere;
 use photosphere::scene::description::SphereDescription;
 use photosphere::scene::settings::IntegratorSettings;
-use photosphere::scene::{Scene, PreparedScene};
+use photosphere::scene::{PreparedScene, Scene};
 
-use crate::kit::{ALLOWED, MeanEstimate, Judged, Kit, SEEDS, built, rendered};
+use crate::kit::{ALLOWED, Judged, Kit, MeanEstimate, SEEDS, built, rendered};
 
 const SMALL: [&str; 3] = ["image.width=96", "image.height=72", "render.samples_per_pixel=16"];
 
@@ -105,7 +105,9 @@ fn figures_5_to_7_are_the_papers_own_estimator_with_1_10_and_100_samples() {
     for (figure, expected) in [(5, 1), (6, 10), (7, 100)] {
         let settings = Kit::of_file(&format!("paper/fig{figure}.toml"), &[]).settings;
         let render = settings.render;
-        let IntegratorSettings::Paper(paper) = render.integrator else { panic!("the paper's estimator") };
+        let IntegratorSettings::Paper(paper) = render.integrator else {
+            panic!("the paper's estimator")
+        };
         assert_eq!((paper.subpixels, paper.samples), (2, expected));
         assert_eq!(render.samples_per_pixel, 4 * expected);
         assert_eq!((settings.image.width, settings.image.height), (640, 480));

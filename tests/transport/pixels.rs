@@ -4,7 +4,7 @@ use photosphere::accel::Backend;
 use photosphere::math::DVec3;
 use photosphere::scene::settings::{FilterKind, ImageSettings, MissPolicy, PaperSettings};
 
-use crate::kit::{MeanEstimate, Kit};
+use crate::kit::{Kit, MeanEstimate};
 use crate::scenes::{WALL, furnace};
 
 #[test]
@@ -16,8 +16,12 @@ fn a_constant_scene_is_constant_under_every_filter_and_subpixel_count() {
         [FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian, FilterKind::BlackmanHarris]
     {
         let image = &mut away.settings.image;
-        (image.filter, image.filter_radius) = (filter, ImageSettings::default_filter_radius(filter));
-        let paper = away.clone().paper(PaperSettings { subpixels: 3, ..PaperSettings::default() }).samples(18);
+        (image.filter, image.filter_radius) =
+            (filter, ImageSettings::default_filter_radius(filter));
+        let paper = away
+            .clone()
+            .paper(PaperSettings { subpixels: 3, ..PaperSettings::default() })
+            .samples(18);
         for kit in [&away, &paper] {
             let picture = kit.picture();
             for i in 0..picture.len() {
@@ -53,8 +57,11 @@ fn subpixels_lower_the_variance_at_an_edge() {
 
 #[test]
 fn redrawing_after_a_miss_swells_silhouettes() {
-    let after =
-        |miss| glowing_ball(PaperSettings { subpixels: 1, miss, ..PaperSettings::default() }).samples(64).picture();
+    let after = |miss| {
+        glowing_ball(PaperSettings { subpixels: 1, miss, ..PaperSettings::default() })
+            .samples(64)
+            .picture()
+    };
     let (background, redrawn) = (after(MissPolicy::Background), after(MissPolicy::Redraw));
     let partly = |i: &usize| (0.001..0.999).contains(&background.beauty(*i).y);
     let edges: Vec<usize> = (0..background.len()).filter(partly).collect();

@@ -7,7 +7,7 @@
 use photosphere::accel::{Accel, Backend};
 use photosphere::color::{PathRadiance, Rgb};
 use photosphere::geometry::{PathRay, SurfaceHit};
-use photosphere::integrator::{SampleAddress, Workspace, RenderContext, create};
+use photosphere::integrator::{RenderContext, SampleAddress, Workspace, create};
 use photosphere::light::{LightSampleContext, LightSource};
 use photosphere::material::Lobe;
 use photosphere::math::{Frame, Hit};
@@ -45,8 +45,12 @@ impl Call<'_> {
 
         let mut radiance = material.emission;
         if let (true, Some((at, pdf))) = (self.samples_lamps, drawn) {
-            let aimed =
-                self.shot.lights().pdf(spheres, &receiver(at), LightSource::Emitter(hit.id), ray.direction);
+            let aimed = self.shot.lights().pdf(
+                spheres,
+                &receiver(at),
+                LightSource::Emitter(hit.id),
+                ray.direction,
+            );
             radiance *= power_heuristic(pdf, aimed) as f32;
         }
 
@@ -100,7 +104,8 @@ impl Call<'_> {
             return Rgb::ZERO;
         };
         let wi = frame.to_local(aim.direction);
-        let Some(ray) = hit.spawn_shadow_ray(aim.direction, aim.distance, aim.source.sphere_id()) else {
+        let Some(ray) = hit.spawn_shadow_ray(aim.direction, aim.distance, aim.source.sphere_id())
+        else {
             return Rgb::ZERO;
         };
         let mut blocked = [false];

@@ -24,7 +24,7 @@ fn the_picture_has_the_same_bits_for_any_number_of_threads() {
 #[test]
 fn a_sample_does_not_depend_on_its_batch_or_order() {
     use photosphere::color::PathRadiance;
-    use photosphere::integrator::{SampleAddress, Workspace, RenderContext, create};
+    use photosphere::integrator::{RenderContext, SampleAddress, Workspace, create};
     let kit = Kit::of_file("paper/fig4.toml", &["image.width=64", "image.height=48"]);
     for kit in kit.both_ways() {
         let shot = kit.shot();

@@ -4,11 +4,11 @@
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
-use photosphere::material::{NAMED_IORS, Metal, PrincipledParameters};
+use photosphere::material::{Metal, NAMED_IORS, PrincipledParameters};
 use photosphere::scene::description::{EnvironmentDescription, SurfaceModel};
 use photosphere::scene::settings::{PaperSettings, SamplerKind};
 
-use crate::kit::{MeanEstimate, Judged, Kit, diffuse, mirror, phong, rough_glass};
+use crate::kit::{Judged, Kit, MeanEstimate, diffuse, mirror, phong, rough_glass};
 
 /// What the tables of lost energy may be off.
 const TABLES: f64 = 5e-4;

@@ -7,9 +7,10 @@ use photosphere::scene::settings::{Hemisphere, PaperSettings};
 
 use crate::kit::{Judged, Kit, diffuse, glass, mirror};
 
-/// The estimators that solve the whole rendering equation: `path`, then the paper's.
+/// The estimators that solve the whole rendering equation: `path_index`, then the paper's.
 pub(crate) fn estimators(kit: &Kit) -> [Kit; 4] {
-    let paper = |hemisphere| kit.clone().paper(PaperSettings { hemisphere, ..PaperSettings::default() });
+    let paper =
+        |hemisphere| kit.clone().paper(PaperSettings { hemisphere, ..PaperSettings::default() });
     [
         kit.clone(),
         paper(Hemisphere::Cosine),

@@ -7,7 +7,7 @@ use photosphere::film::Aov;
 use photosphere::geometry::Sphere;
 use photosphere::image_io::Picture;
 use photosphere::job::run;
-use photosphere::scene::data::{Ids, SharedSlice, StridedArray, ArrayValues};
+use photosphere::scene::data::{ArrayValues, Ids, SharedSlice, StridedArray};
 use photosphere::scene::{Scene, Settings, SphereArrays};
 
 use super::{balls, color_of, job, narrow, of_arrays, rows, sphere_ids, view};
@@ -279,7 +279,12 @@ fn arrays_that_cannot_be_are_refused() {
         a.center[2] = strided(ArrayValues::F64Bytes(bytes.clone()), 0, 4, 4);
     });
     is_refused("the ids of", &|a| {
-        a.ids = Some(StridedArray { values: Ids::U32Bytes(bytes.clone()), offset: 1, stride: 5, len: 4 });
+        a.ids = Some(StridedArray {
+            values: Ids::U32Bytes(bytes.clone()),
+            offset: 1,
+            stride: 5,
+            len: 4,
+        });
     });
     is_refused("has no spheres", &|a| *a = SphereArrays::default());
     for (first, stride) in [(1, 1), (4, 0), (0, 2), (2, -1), (0, -1), (usize::MAX, 1)] {

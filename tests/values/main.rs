@@ -9,14 +9,15 @@ use photosphere::Error;
 use photosphere::accel::{Backend, BackendChoice};
 use photosphere::film::Aov;
 use photosphere::geometry::Sphere;
-use photosphere::image_io::{Picture, ChannelValues};
+use photosphere::image_io::{ChannelValues, Picture};
 use photosphere::job::Job;
 use photosphere::math::DVec3;
-use photosphere::scene::{SceneBuilder, Scene, Settings, SphereArrays};
+use photosphere::scene::{Scene, SceneBuilder, Settings, SphereArrays};
 
 /// A job for these settings on two threads.
 fn job(settings: Settings, kinds: &[Aov]) -> Job {
-    Job { threads: 2, accel: BackendChoice::Only(Backend::Native), ..Job::from_settings(settings) }.aovs(kinds)
+    Job { threads: 2, accel: BackendChoice::Only(Backend::Native), ..Job::from_settings(settings) }
+        .aovs(kinds)
 }
 
 /// Numbers that f32 can hold, or not.

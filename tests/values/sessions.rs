@@ -4,11 +4,12 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
 
-use photosphere::film::{CryptomatteKind, Aov};
-use photosphere::image_io::ChannelValues;
+use photosphere::film::{Aov, CryptomatteKind};
 use photosphere::image_io::AtomicFile;
+use photosphere::image_io::ChannelValues;
 use photosphere::job::{
-    Checkpoint, StopReason, Job, Observer, SessionOptions, RenderResult, RenderProgress, RunOutcome, Session,
+    Checkpoint, Job, Observer, RenderProgress, RenderResult, RunOutcome, Session, SessionOptions,
+    StopReason,
 };
 use photosphere::scene::settings::SamplerKind;
 use photosphere::scene::{Scene, Settings, SphereArrays};
@@ -113,7 +114,10 @@ fn a_stopped_session_is_resumed_to_the_same_bits_and_extended() {
         session.stop();
     });
     let done = session.progress().samples_done;
-    assert!(reached.stop_reason == StopReason::Stopped && done > 0 && done < expected.samples, "{reached:?}");
+    assert!(
+        reached.stop_reason == StopReason::Stopped && done > 0 && done < expected.samples,
+        "{reached:?}"
+    );
     write(&session, &at_the_end, Some(&reached));
     let stopped = session.result(reached);
     assert_eq!(stopped.samples, done);
@@ -125,7 +129,11 @@ fn a_stopped_session_is_resumed_to_the_same_bits_and_extended() {
         must_be_outcome("resumed", &outcome, &expected);
         // A checkpoint on the way may tell of fewer rays than were traced for its samples.
         assert!(outcome.rays == expected.rays || path == &on_the_way);
-        write(&session, &whole, Some(&RunOutcome { stop_reason: StopReason::Finished, noise: None, error: None }));
+        write(
+            &session,
+            &whole,
+            Some(&RunOutcome { stop_reason: StopReason::Finished, noise: None, error: None }),
+        );
     }
     // More samples than were asked for at first, from half-way and from the end.
     let more = finished(&opened(SAMPLES + 100));
@@ -135,7 +143,8 @@ fn a_stopped_session_is_resumed_to_the_same_bits_and_extended() {
     }
     // Fewer than there are.
     let checkpoint = Checkpoint::open(&whole).expect("a checkpoint");
-    let fewer = Session::resume(&session_scene(), session_job(16), checkpoint, SessionOptions::default());
+    let fewer =
+        Session::resume(&session_scene(), session_job(16), checkpoint, SessionOptions::default());
     let told = fewer.err().expect("it has more").to_string();
     assert!(told.contains("it has samples up to 800, more than the 16"), "{told}");
 }

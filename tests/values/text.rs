@@ -10,10 +10,11 @@ use photosphere::material::Metal;
 use photosphere::math::DVec3;
 use photosphere::scene::data::{Column, SphereData};
 use photosphere::scene::description::{
-    SceneDescription, EnvironmentDescription, LensDescription, MaterialDescription, ProjectionDescription, SphereDescription, SphereTable, SunDescription, SurfaceModel,
+    EnvironmentDescription, LensDescription, MaterialDescription, ProjectionDescription,
+    SceneDescription, SphereDescription, SphereTable, SunDescription, SurfaceModel,
 };
 use photosphere::scene::settings::{FilterKind, ImageSettings, RenderSettings};
-use photosphere::scene::{SceneBuilder, Scene, SceneFile, Settings, SphereArrays, read_text};
+use photosphere::scene::{Scene, SceneBuilder, SceneFile, Settings, SphereArrays, read_text};
 
 use super::{job, view};
 
@@ -109,9 +110,11 @@ fn grains() -> Vec<[f32; 7]> {
 fn scene_of_values() -> SceneBuilder {
     let mut scene = SceneBuilder::new();
     scene.camera([0.0, 1.5, 8.0], [0.0, 1.0, 0.0]).sun([1.0, 2.0, 1.0], 4.0, [2.0, 1.9, 1.7]);
-    let lens = LensDescription { radius: 0.05, focus_distance: 7.5, blades: 0, rotation_degrees: 0.0 };
+    let lens =
+        LensDescription { radius: 0.05, focus_distance: 7.5, blades: 0, rotation_degrees: 0.0 };
     let camera = &mut scene.description.camera;
-    camera.projection = ProjectionDescription::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) };
+    camera.projection =
+        ProjectionDescription::Perspective { vertical_fov_degrees: 40.0, lens: Some(lens) };
     camera.near = 0.5;
     let [zenith, horizon, nadir] = [[0.2, 0.3, 0.6], [0.7, 0.7, 0.8], [0.1; 3]].map(Into::into);
     scene.description.background.dome = EnvironmentDescription::Gradient { zenith, horizon, nadir };
@@ -145,8 +148,14 @@ fn scene_of_values() -> SceneBuilder {
 fn settings_of_values() -> Settings {
     let filter = FilterKind::Gaussian;
     let filter_radius = ImageSettings::default_filter_radius(filter);
-    let image = ImageSettings { width: 40, height: 30, filter, filter_radius, ..ImageSettings::default() };
-    let render = RenderSettings { samples_per_pixel: 20, max_depth: Some(8), seed: 7, ..RenderSettings::default() };
+    let image =
+        ImageSettings { width: 40, height: 30, filter, filter_radius, ..ImageSettings::default() };
+    let render = RenderSettings {
+        samples_per_pixel: 20,
+        max_depth: Some(8),
+        seed: 7,
+        ..RenderSettings::default()
+    };
     Settings { image, render }
 }
 
@@ -237,7 +246,12 @@ fn values_that_mean_the_same_are_one_scene() {
     let (read, _) = read.expect("a good scene");
     for radius in [None, Some(0.0), Some(-0.0)] {
         let mut values = scene_of_values();
-        let lens = |radius| LensDescription { radius, focus_distance: 7.5, blades: 5, rotation_degrees: 30.0 };
+        let lens = |radius| LensDescription {
+            radius,
+            focus_distance: 7.5,
+            blades: 5,
+            rotation_degrees: 30.0,
+        };
         let lens = radius.map(lens);
         let projection = ProjectionDescription::Perspective { vertical_fov_degrees: 40.0, lens };
         values.up(scale).description.camera.projection = projection;
@@ -325,9 +339,14 @@ fn mistakes_of_values_are_told_all_at_once() {
     let grey = scene.diffuse([0.5; 3]);
     scene.sphere(grey, [0.0; 3], -1.0).sphere(grey, [f64::NAN, 0.0, 0.0], 1.0);
     let material = 7;
-    scene.description.spheres.push(SphereDescription { radius: 1.0, material, ..SphereDescription::default() });
+    scene.description.spheres.push(SphereDescription {
+        radius: 1.0,
+        material,
+        ..SphereDescription::default()
+    });
     let direction = DVec3::ZERO;
-    let sun = SunDescription { direction, angular_diameter_degrees: 1.0, irradiance: [1.0; 3].into() };
+    let sun =
+        SunDescription { direction, angular_diameter_degrees: 1.0, irradiance: [1.0; 3].into() };
     scene.description.background.sun = Some(sun);
     let error = scene.build().expect_err("nothing is right");
     assert_eq!(error.diagnostics().len(), 4, "{error}");
@@ -342,14 +361,19 @@ fn values_that_are_no_numbers_are_refused() {
         |scene, x| scene.camera.near = x,
         |scene, x| scene.camera.projection = ProjectionDescription::Orthographic { height: x },
         |scene, x| scene.background.up.x = x,
-        |scene, x| scene.background.dome = EnvironmentDescription::Constant { radiance: Rgb::splat(x as f32) },
+        |scene, x| {
+            scene.background.dome =
+                EnvironmentDescription::Constant { radiance: Rgb::splat(x as f32) }
+        },
         |scene, x| scene.spheres[1].center.x = x,
         |scene, x| scene.spheres[1].center.y = x,
         |scene, x| scene.spheres[1].center.z = x,
         |scene, x| scene.spheres[1].radius = x,
         |scene, x| scene.materials[3].emission.y = x as f32,
         |scene, x| scene.materials[4].opacity = x,
-        |scene, x| scene.materials[0].surface = SurfaceModel::Mirror { reflectance: Rgb::X * x as f32 },
+        |scene, x| {
+            scene.materials[0].surface = SurfaceModel::Mirror { reflectance: Rgb::X * x as f32 }
+        },
     ];
     for (index, change) in places.into_iter().enumerate() {
         for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

@@ -29,7 +29,7 @@ use super::options::BuildOptions;
 pub(super) use scene::ParticleGeometry;
 
 use device::Device;
-use scene::{Geometry, EmbreeScene, EmbreeSceneBuilder, SphereBuffers};
+use scene::{EmbreeScene, EmbreeSceneBuilder, Geometry, SphereBuffers};
 
 /// Spheres in an Embree scene.
 pub(super) struct Embree {

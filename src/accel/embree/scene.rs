@@ -1,7 +1,7 @@
 //! Geometries, the scene that is being put together, and the committed scene.
 //!
 //! Each is the one owner of its handle. A [`Geometry`] is born committed, and only a
-//! [`SceneBuilder`] can be changed and only a [`Scene`] asked, so Embree never sees the calls in a
+//! [`EmbreeSceneBuilder`] can be changed and only a [`EmbreeScene`] asked, so Embree never sees the calls in a
 //! wrong order. Whatever Embree points to (device, spheres) is held by whoever holds the handle,
 //! so they may be dropped in any order.
 
@@ -130,9 +130,9 @@ struct SceneHandle {
     device: Arc<Device>,
 }
 
-// SAFETY: Embree's scenes may be used by any thread; `SceneBuilder` lets only one change a scene.
+// SAFETY: Embree's scenes may be used by any thread; `EmbreeSceneBuilder` lets only one change a scene.
 unsafe impl Send for SceneHandle {}
-// SAFETY: what takes `&self` (the queries of a committed `Scene`) may run on many threads at once,
+// SAFETY: what takes `&self` (the queries of a committed `EmbreeScene`) may run on many threads at once,
 // by Embree's contract.
 unsafe impl Sync for SceneHandle {}
 
@@ -170,7 +170,7 @@ impl EmbreeSceneBuilder {
     pub(super) fn commit(self, options: &BuildOptions) -> Result<EmbreeScene> {
         let raw = self.handle.raw.as_ptr();
         let listener = ptr::from_ref(options).cast_mut().cast::<c_void>();
-        // SAFETY: `self` is the only user of the scene. `go_on` reads `options` as shared, and is
+        // SAFETY: `self` is the only user of the scene. `on_progress` reads `options` as shared, and is
         // taken away again before the borrow ends.
         unsafe {
             sys::ps_scene_on_progress(raw, Some(on_progress), listener);

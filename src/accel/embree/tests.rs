@@ -9,8 +9,8 @@ use crate::geometry::{SphereRows, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
 use super::device::Device;
-use super::scene::{Geometry, EmbreeScene, EmbreeSceneBuilder, SphereBuffers};
-use super::{ParticleGeometry, describe, check_support, sys};
+use super::scene::{EmbreeScene, EmbreeSceneBuilder, Geometry, SphereBuffers};
+use super::{ParticleGeometry, check_support, describe, sys};
 
 /// A grid of spheres of radius 0.25, and a giant under it.
 fn grid(side: i32) -> Arc<SphereSet> {
@@ -74,7 +74,8 @@ fn threads_build_ask_and_drop_at_once() {
             scope.spawn(|| {
                 for _ in 0..25 {
                     let device = Device::new(1).expect("starts");
-                    let scene = commit(&device, &SphereBuffers::new(&set, ParticleGeometry::Points));
+                    let scene =
+                        commit(&device, &SphereBuffers::new(&set, ParticleGeometry::Points));
                     drop(device);
                     std::thread::scope(|inner| {
                         inner.spawn(|| ask(&scene));
@@ -132,7 +133,8 @@ fn a_commit_stops_when_asked_and_a_later_one_works() {
     let device = Device::new(1).expect("starts");
     let spheres = SphereBuffers::new(&set, ParticleGeometry::Points);
     let points = Geometry::points(&device, &spheres).expect("shares");
-    let builder = EmbreeSceneBuilder::new(&device).and_then(|b| b.attach(&points)).expect("attaches");
+    let builder =
+        EmbreeSceneBuilder::new(&device).and_then(|b| b.attach(&points)).expect("attaches");
     let options = BuildOptions::default();
     options.cancel.cancel();
     let error = builder.commit(&options).err().expect("stopped");

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use crate::geometry::SphereSet;
 use crate::math::Ray;
 
+use super::bvh::Bvh;
 use super::giants::Giants;
 use super::query::{BestHit, ExactQuery};
-use super::bvh::Bvh;
 
 /// The tree of the particles, and the giants beside it.
 pub(super) struct Aggregate {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::kernel::huge_pages::HugePageVec;
 use super::limits::MAX_CANDIDATE_LEAVES;
-use super::node::{NodeRef, SphereLeaf, LeafIds, BvhNode, WIDTH};
+use super::node::{BvhNode, LeafIds, NodeRef, SphereLeaf, WIDTH};
 
 /// Nodes, leaves and the ids of the leaves' spheres.
 pub(super) struct Bvh {
@@ -21,7 +21,7 @@ pub(super) struct Bvh {
 }
 
 impl Bvh {
-    /// A tree of at most [`LEVELS`](super::limits::LEVELS) levels of nodes.
+    /// A tree of at most [`MAX_DEPTH`](super::limits::MAX_DEPTH) levels of nodes.
     ///
     /// # Panics
     /// When a child is no node or leaf of the tree, or a leaf has no ids. The kernel relies on it.

@@ -2,7 +2,7 @@
 //!
 //! The tree is binary and implicit: the spheres are halved along the longest extent of their
 //! centres down to eight, and a node's children follow from its range. Boxes are f64 and need no
-//! more than the slack of [`super::node::Node::set`].
+//! more than the slack of [`super::node::BvhNode::set_child`].
 
 use crate::error::Result;
 use crate::geometry::Sphere;
@@ -110,7 +110,12 @@ fn consider_all(giants: &[Giant], query: &mut ExactQuery) {
     giants.iter().for_each(|giant| query.consider(giant.id, &giant.sphere));
 }
 
-fn build_node(giants: &mut [Giant], first: usize, nodes: &mut Vec<GiantNode>, cancel: &CancelToken) -> Result<()> {
+fn build_node(
+    giants: &mut [Giant],
+    first: usize,
+    nodes: &mut Vec<GiantNode>,
+    cancel: &CancelToken,
+) -> Result<()> {
     cancel.check()?;
     let index = nodes.len();
     nodes.push(GiantNode::new(giants, first));
@@ -126,7 +131,8 @@ fn build_node(giants: &mut [Giant], first: usize, nodes: &mut Vec<GiantNode>, ca
 
 /// Puts the half with the smaller centres first, along the axis where they differ most.
 fn split_median(giants: &mut [Giant]) -> usize {
-    let (low, high) = bounds_of(giants.iter().map(|giant| (giant.sphere.center, giant.sphere.center)));
+    let (low, high) =
+        bounds_of(giants.iter().map(|giant| (giant.sphere.center, giant.sphere.center)));
     let axis = (high - low).max_position();
     let at = giants.len() / 2;
     giants.select_nth_unstable_by(at, |a, b| {

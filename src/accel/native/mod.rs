@@ -6,15 +6,15 @@
 //! [`crate::geometry::Sphere::first_root`], as in the brute-force backend, so that the two give the
 //! same ids, and every form of the kernel too.
 
-mod build;
 mod aggregate;
+mod build;
+mod bvh;
 mod giants;
 #[allow(unsafe_code, reason = "the one measured kernel; its head says why it is sound")]
 mod kernel;
 mod limits;
 mod node;
 mod query;
-mod bvh;
 
 use std::sync::Arc;
 
@@ -26,8 +26,8 @@ use crate::math::{Hit, Ray};
 
 pub use kernel::KernelIsa;
 
-use build::BuildStats;
 use aggregate::Aggregate;
+use build::BuildStats;
 use giants::Giants;
 
 /// The hierarchy, and the form of the kernel that goes through it.
@@ -58,7 +58,7 @@ impl Accel for NativeAccel {
     }
 
     /// The ray is known to 48 bits, and spheres are tested with the arithmetic of the brute-force
-    /// backend; boxes leave nothing out (see `node` and `kernel::slot`). So the band is the same:
+    /// backend; boxes leave nothing out (see `node` and `kernel::ray_state`). So the band is the same:
     /// `k 2^-24 = 2^-44`.
     fn error_bound(&self) -> ErrorBound {
         let k = 2f64.powi(-20);

@@ -12,7 +12,7 @@ pub(super) const WIDTH: usize = 8;
 pub(super) const LEAF_SIZE: usize = 8;
 
 /// What f64 arithmetic may move a surface by, relative to the numbers it works with: 4 times the
-/// bound derived in [`Node::set`].
+/// bound derived in [`BvhNode::set_child`].
 pub(super) const F64_BOX_SLACK: f64 = 1.0 / (1u64 << 44) as f64;
 /// What a box is larger by, as a part of its coordinates: 8 roundings to f32.
 const F32_BOX_SLACK: f64 = 1.0 / (1u32 << 21) as f64;
@@ -88,13 +88,13 @@ impl BvhNode {
 
     /// Sets one child and its box, larger than the box of its spheres by what keeps every hit.
     ///
-    /// Let `t` be a root that [`Sphere::first_root`] returns for a sphere `(c, R)` of this child.
+    /// Let `t_lower` be a root that [`Sphere::first_root`] returns for a sphere `(c, R)` of this child.
     /// It rounds `o - c`, the closest approach and the squared distances, each to 2^-53 of its
     /// value, so `|o + t d - c|` exceeds `R` by at most `2^-48 (|o - c| + R)` (this holds at grazing
-    /// incidence too: there the error of `t` runs along the surface). With `|v|` for the largest
+    /// incidence too: there the error of `t_lower` runs along the surface). With `|v|` for the largest
     /// coordinate of `v`, and `B` for the largest of the box, `|c| + R <= B` and this is less than
     /// `2^-46 (|o| + B)`. The part with `B` is added here, 4 times over, and the part with `|o|` is
-    /// added to the ray's origin (`kernel::slot`). `bounds` itself was rounded to f32 once, and is
+    /// added to the ray's origin (`kernel::ray_state`). `bounds` itself was rounded to f32 once, and is
     /// rounded again here: of the 8 roundings that are added, the ray's arithmetic needs less than 4,
     /// see there.
     pub(super) fn set_child(&mut self, lane: usize, bounds: &Aabb, child: NodeRef) {

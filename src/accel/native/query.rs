@@ -56,8 +56,9 @@ impl<'a> ExactQuery<'a> {
         let root = sphere.first_root(self.origin, self.direction, self.t_min, f64::INFINITY);
         let Some(t) = root else { return };
         let BestHit { t: best, id: best_id } = self.best;
-        let is_better =
-            t < best || fault!(NotTheNearest) || (t == best && id < best_id && best_id != NO_SPHERE);
+        let is_better = t < best
+            || fault!(NotClosestHit)
+            || (t == best && id < best_id && best_id != NO_SPHERE);
         if is_better {
             self.best = BestHit { t, id };
         }

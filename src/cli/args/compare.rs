@@ -81,7 +81,8 @@ pub struct CompareArgs {
 }
 
 /// What a heat map can show.
-const MAPPED: [CompareMetric; 3] = [CompareMetric::Flip, CompareMetric::Rmse, CompareMetric::Relmse];
+const MAPPED: [CompareMetric; 3] =
+    [CompareMetric::Flip, CompareMetric::Rmse, CompareMetric::Relmse];
 
 /// What is still good enough.
 #[derive(Args, Debug)]
@@ -134,7 +135,8 @@ impl CompareArgs {
             let is_limited = limits.iter().any(|(limited, _)| limited == metric);
             self.metrics.is_empty() || self.metrics.contains(metric) || is_limited
         };
-        let metrics = CompareMetric::NAMES.iter().map(|(_, metric)| *metric).filter(is_wanted).collect();
+        let metrics =
+            CompareMetric::NAMES.iter().map(|(_, metric)| *metric).filter(is_wanted).collect();
         Wanted { metrics, limits, peak: self.peak }
     }
 }

@@ -37,7 +37,7 @@ pub use generate::GenerateArgs;
 pub use info::InfoArgs;
 pub use keep::{MergeArgs, ResumeArgs};
 pub use output::OutputArgs;
-pub use plan::{Division, PlanFormat, PlanArgs};
+pub use plan::{Division, PlanArgs, PlanFormat};
 pub use render::RenderArgs;
 pub use reproduce::ReproduceArgs;
 pub use stop::StopArgs;

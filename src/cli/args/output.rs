@@ -7,9 +7,9 @@ use std::time::Duration;
 use clap::Args;
 use clap::builder::TypedValueParser;
 
-use crate::color::{ViewTransform, ToneCurve};
+use crate::color::{ToneCurve, ViewTransform};
 use crate::film::{AOVS, Aov};
-use crate::job::{OutputSpec, FilePath};
+use crate::job::{FilePath, OutputSpec};
 
 use super::values::{exposure, named, one_of};
 

@@ -5,7 +5,7 @@ use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use serde_json::Value;
 
 use crate::scene::Override;
-use crate::scene::keys::{self, KeyInfo, CliOption};
+use crate::scene::keys::{self, CliOption, KeyInfo};
 
 use super::scene::SceneArgs;
 use super::values::{Size, size, whole};

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::Args;
 
-use crate::job::{UNLIMITED_SAMPLES, NoiseTarget, StopCriteria};
+use crate::job::{NoiseTarget, StopCriteria, UNLIMITED_SAMPLES};
 use crate::scene::Override;
 
 use super::values::{confidence, duration, noise};

@@ -14,8 +14,8 @@ use crate::image_io::AtomicFile;
 use crate::job::{COMMIT, VERSION};
 use crate::math::Ray;
 use crate::report::speed::SpeedReport;
-use crate::scene::{SceneFile, PreparedScene, read_file};
-use crate::verify::bench::{RAY_SETS, Measuring, Record, BenchOptions, camera_rays, bench_renders};
+use crate::scene::{PreparedScene, SceneFile, read_file};
+use crate::verify::bench::{BenchOptions, Measuring, RAY_SETS, Record, bench_renders, camera_rays};
 
 use super::args::BenchArgs;
 use super::exit::Exit;

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::image_io::AtomicFile;
 use crate::job::COMMIT;
 use crate::report::speed::{entries_json, page};
-use crate::verify::bench::{Event, BenchOptions, Suite};
+use crate::verify::bench::{BenchOptions, Event, Suite};
 
 use super::{circumstances, measuring};
 

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::scene::{Override, Settings, read_file};
 
-use super::args::{Division, PlanFormat, OutputArgs, PlanArgs, StopArgs};
+use super::args::{Division, OutputArgs, PlanArgs, PlanFormat, StopArgs};
 use super::exit::Exit;
 use super::outputs::{Outputs, is_part, refuse_duplicate_paths};
 use super::print;

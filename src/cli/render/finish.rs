@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
 use crate::image_io::AtomicFile;
-use crate::job::save::{self, SaveTask, RetryPolicy};
-use crate::job::{StopReason, RunOutcome, Session};
+use crate::job::save::{self, RetryPolicy, SaveTask};
+use crate::job::{RunOutcome, Session, StopReason};
 
 use super::super::exit::Exit;
 use super::super::interrupt::Interrupt;
@@ -95,7 +95,11 @@ impl RenderFinisher<'_> {
         saved
     }
 
-    fn errand_of<'a>(&'a self, keep: &'a CheckpointTarget, reached: &'a RunOutcome) -> SaveTask<'a> {
+    fn errand_of<'a>(
+        &'a self,
+        keep: &'a CheckpointTarget,
+        reached: &'a RunOutcome,
+    ) -> SaveTask<'a> {
         let write = move |place: Option<&Path>| match place {
             None => self.session.write_checkpoint(&keep.file, Some(reached)),
             Some(place) => self.session.write_checkpoint(&AtomicFile::new(place)?, Some(reached)),

@@ -10,7 +10,10 @@ use crate::accel::BackendChoice;
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 use crate::image_io::AtomicFile;
-use crate::job::{Checkpoint, OutputSpec, UNLIMITED_SAMPLES, FilePath, CheckpointHeader, Job, SessionOptions, Session};
+use crate::job::{
+    Checkpoint, CheckpointHeader, FilePath, Job, OutputSpec, Session, SessionOptions,
+    UNLIMITED_SAMPLES,
+};
 use crate::scene::{Override, Scene, Settings, read_file};
 
 use super::args::RenderArgs;

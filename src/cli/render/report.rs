@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::error::Result;
-use crate::job::{StopReason, NoiseStatus, RunOutcome, Session};
+use crate::job::{NoiseStatus, RunOutcome, Session, StopReason};
 
 use super::super::{outputs, print, system};
 use super::RenderRequest;

@@ -17,7 +17,7 @@ use std::time::Duration;
 use crate::error::Result;
 use crate::film::FilmFrame;
 use crate::image_io::Picture;
-use crate::job::{OutputSpec, FilePath, Session, BudgetedTimer, frame_crop};
+use crate::job::{BudgetedTimer, FilePath, OutputSpec, Session, frame_crop};
 
 use super::interrupt::Interrupt;
 use super::print;

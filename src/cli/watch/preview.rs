@@ -6,7 +6,7 @@ use crate::cli::print;
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::image_io::Picture;
-use crate::image_io::{CropWindow, WriteOptions, ImageWriter};
+use crate::image_io::{CropWindow, ImageWriter, WriteOptions};
 
 /// A file that is replaced whole, again and again.
 pub(super) struct Preview {
@@ -35,8 +35,14 @@ impl Preview {
     /// Replaces the file; `cropped_from` as in the finished picture, whose dither starts there. What goes wrong is a warning, once until it goes well again: the render
     /// matters more.
     pub(super) fn write(&mut self, picture: &Picture, cropped_from: Option<CropWindow>) {
-        let notes = WriteOptions { crop_window: cropped_from, view_transform: self.look, fast: true, ..WriteOptions::default() };
-        let written = ImageWriter::new(&self.path).and_then(|target| target.write_with(picture, &notes));
+        let notes = WriteOptions {
+            crop_window: cropped_from,
+            view_transform: self.look,
+            fast: true,
+            ..WriteOptions::default()
+        };
+        let written =
+            ImageWriter::new(&self.path).and_then(|target| target.write_with(picture, &notes));
         if let (Err(e), false) = (&written, self.is_failing) {
             print::warning(format_args!("no preview for now: {e}"));
         }

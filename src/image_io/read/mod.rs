@@ -66,7 +66,7 @@ mod tests {
             let (_folder, path) = written(&picture, name);
             let read = read_image(&path).unwrap();
             assert_eq!((read.width, read.height, read.is_display_referred), (13, 5, false));
-            let beauty = &read_image.layer(BEAUTY).unwrap().pixels;
+            let beauty = &read.layer(BEAUTY).unwrap().pixels;
             for (pixel, &value) in beauty.iter().enumerate() {
                 let exact = picture.beauty(pixel);
                 let allowed = steps * exact.max_element();
@@ -83,7 +83,7 @@ mod tests {
         assert!(read.is_display_referred);
         // Half a step of 1/255 where the curve is steepest, 2.4 / 1.055.
         let allowed = 0.5 / 255.0 * 2.4 / 1.055 + 1e-6;
-        for (pixel, &value) in read_image.layers[0].pixels.iter().enumerate() {
+        for (pixel, &value) in read.layers[0].pixels.iter().enumerate() {
             let exact = picture.beauty(pixel).min(Rgb::ONE);
             assert!((value - exact).abs().max_element() <= allowed, "{pixel}");
         }

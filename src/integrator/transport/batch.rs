@@ -6,13 +6,13 @@ use crate::material::MediumStack;
 use crate::math::Hit;
 use crate::sampling::Sampler;
 
-use super::super::sample::{SampleAddress, RenderStats};
-use super::super::trace::{Contribution, Termination, PathRecorder, PathEvent};
+use super::super::sample::{RenderStats, SampleAddress};
+use super::super::trace::{Contribution, PathEvent, PathRecorder, Termination};
 use super::super::workspace::Workspace;
 use super::super::world::RenderContext;
 use super::choices::PathTracer;
 use super::opacity;
-use super::paths::{ShadowQueue, PrevVertex, PendingDirect, Path};
+use super::paths::{Path, PendingDirect, PrevVertex, ShadowQueue};
 
 /// The samples that are estimated together.
 pub(super) struct PathBatch<'a, R> {
@@ -129,9 +129,14 @@ impl<R: PathRecorder> PathBatch<'_, R> {
 
         // Ask for the shadows.
         if self.context.scene.has_opacity() {
-            let walked = opacity::trace_visibility(self.context, shadows, shadow_media, rays, hits, passed);
+            let walked =
+                opacity::trace_visibility(self.context, shadows, shadow_media, rays, hits, passed);
             self.stats = self.stats + walked;
-            shadows.pending.iter().zip(&*passed).for_each(|(gain, &share)| self.add_direct(gain, share));
+            shadows
+                .pending
+                .iter()
+                .zip(&*passed)
+                .for_each(|(gain, &share)| self.add_direct(gain, share));
         } else {
             blocked.clear();
             blocked.resize(shadows.pending.len(), false);

@@ -2,23 +2,23 @@
 //!
 //! The recursion of the rendering equation, written as a loop: a path carries its `throughput`, the
 //! product of `f cos / pdf` so far, and adds `throughput x emission` to its sample wherever it meets
-//! light. [`super::path`], [`super::direct`] and [`super::paper`] are this loop with different choices.
-//! A [`super::trace::Recorder`] may listen to it.
+//! light. [`super::path_index`], [`super::direct`] and [`super::paper`] are this loop with different choices.
+//! A [`super::trace::PathRecorder`] may listen to it.
 //!
-//! The stages of one edge, a file each where they are more than a loop: camera rays ([`start`]),
-//! closest hits ([`batch`]), surfaces and their emission ([`shade`]), light samples ([`aim`]), the
+//! The stages of one edge, a file each where they are more than a loop: camera rays ([`camera_paths`]),
+//! closest hits ([`batch`]), surfaces and their emission ([`shade`]), light samples ([`next_event`]), the
 //! next directions and who goes on ([`scatter`]), occlusion ([`batch`]).
 
-mod next_event;
 mod batch;
+mod camera_paths;
 mod choices;
 mod diffuse;
+mod next_event;
 mod opacity;
 mod paths;
 mod scatter;
-mod visible_surface;
 mod shade;
-mod camera_paths;
+mod visible_surface;
 mod weight;
 
 use std::mem::take;
@@ -26,17 +26,17 @@ use std::mem::take;
 use crate::color::PathRadiance;
 
 use super::estimate::Integrator;
-use super::sample::{SampleAddress, RenderStats};
+use super::sample::{RenderStats, SampleAddress};
 use super::trace::{NullRecorder, PathEvent, PathTrace};
 use super::workspace::Workspace;
 use super::world::RenderContext;
 
 use batch::PathBatch;
 
+pub(super) use camera_paths::CameraRayBatch;
 pub(super) use choices::PathTracer;
 pub(super) use diffuse::DiffuseBatch;
-pub(super) use paths::{PrevVertex, PathQueue, ShadowRays};
-pub(super) use camera_paths::CameraRayBatch;
+pub(super) use paths::{PathQueue, PrevVertex, ShadowRays};
 
 impl Integrator for PathTracer {
     fn estimate(
@@ -49,11 +49,23 @@ impl Integrator for PathTracer {
         let tally = RenderStats::default();
         let recorder = &mut NullRecorder;
         workspace.reset_visible_surfaces(samples.len());
-        let Workspace { media, visible_surfaces: seen, samplers, prev_vertices: drawn, .. } = workspace;
+        let Workspace { media, visible_surfaces: seen, samplers, prev_vertices: drawn, .. } =
+            workspace;
         let (media, seen, samplers, drawn) = (take(media), take(seen), take(samplers), take(drawn));
         let transport = self;
-        PathBatch { integrator: transport, context: world, samples, radiance, media, visible_surfaces: seen, samplers, prev_vertices: drawn, stats: tally, recorder }
-            .run(workspace)
+        PathBatch {
+            integrator: transport,
+            context: world,
+            samples,
+            radiance,
+            media,
+            visible_surfaces: seen,
+            samplers,
+            prev_vertices: drawn,
+            stats: tally,
+            recorder,
+        }
+        .run(workspace)
     }
 
     fn trace_path(&self, world: RenderContext<'_>, address: SampleAddress) -> Option<PathTrace> {

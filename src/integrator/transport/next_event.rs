@@ -9,15 +9,19 @@ use crate::math::{DVec3, Frame};
 use crate::scene::Scene;
 
 use super::super::dimension::VertexDimensions;
-use super::super::trace::{PathRecorder, PathEvent};
+use super::super::trace::{PathEvent, PathRecorder};
 use super::batch::PathBatch;
 use super::opacity;
-use super::paths::{ShadowQueue, PendingDirect, Path};
+use super::paths::{Path, PendingDirect, ShadowQueue};
 use super::weight::mis_weight;
 
 impl ShadowQueue<'_> {
     /// One more shadow ray, and the media it starts in.
-    pub(super) fn push(&mut self, scene: &Scene, aimed: Option<(PathRay, PendingDirect, &MediumStack)>) {
+    pub(super) fn push(
+        &mut self,
+        scene: &Scene,
+        aimed: Option<(PathRay, PendingDirect, &MediumStack)>,
+    ) {
         let Some((ray, gain, media)) = aimed else { return };
         self.shadow_rays.push(&ray, gain);
         if scene.has_opacity() {
@@ -28,7 +32,7 @@ impl ShadowQueue<'_> {
 
 impl<R: PathRecorder> PathBatch<'_, R> {
     /// The shadow ray from a vertex to a sampled light, if it can bring any, and the media it starts
-    /// in; `beyond` are those on the other side of the surface, where they are others.
+    /// in; `transmitted_media` are those on the other side of the surface, where they are others.
     pub(super) fn sample_light<'p>(
         &'p mut self,
         path: &Path,
@@ -63,10 +67,17 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             true => media.transmittance(aim.distance),
             false => Rgb::ONE,
         };
-        let cos = if fault!(CosineMissing) { 1.0 } else { wi.z.abs() };
+        let cos = if fault!(DirectCosineMissing) { 1.0 } else { wi.z.abs() };
         let pdf_bsdf = bsdf.pdf(wo, wi);
         let weight = mis_weight(self.integrator.estimator, aim.pdf, pdf_bsdf);
-        self.recorder.record(|| PathEvent::LightSample { sample: aim, transmittance, f, cos, pdf_bsdf, weight });
+        self.recorder.record(|| PathEvent::LightSample {
+            sample: aim,
+            transmittance,
+            f,
+            cos,
+            pdf_bsdf,
+            weight,
+        });
         let radiance = aim.radiance * transmittance;
         let light = path.state.throughput * f * radiance * (weight * cos / aim.pdf) as f32;
         if light == Rgb::ZERO {
@@ -74,6 +85,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
         let is_direct = path.state.is_light_sample_direct();
         let media = is_beyond.unwrap_or_else(|| self.media_of(path));
-        Some((ray, PendingDirect { batch_index: path.state.batch_index, radiance: light, is_direct }, media))
+        Some((
+            ray,
+            PendingDirect { batch_index: path.state.batch_index, radiance: light, is_direct },
+            media,
+        ))
     }
 }

@@ -18,7 +18,7 @@ use crate::scene::Scene;
 use super::super::dimension;
 use super::super::sample::RenderStats;
 use super::super::world::RenderContext;
-use super::paths::{PrevVertex, MAX_PATH_EDGES, Path, ShadowRays};
+use super::paths::{MAX_PATH_EDGES, Path, PrevVertex, ShadowRays};
 
 /// Whether a path finds a surface there that is there with this probability.
 pub(super) fn passes_opacity_test(path: &Path, sampler: Sampler, presence: f32) -> bool {
@@ -27,7 +27,11 @@ pub(super) fn passes_opacity_test(path: &Path, sampler: Sampler, presence: f32) 
 
 /// Whether this is the far wall of a lamp whose near wall let the path in: light is aimed at the
 /// near one alone.
-pub(super) fn is_back_wall_of_emitter(scene: &Scene, drawn: Option<&PrevVertex>, hit: &SurfaceHit) -> bool {
+pub(super) fn is_back_wall_of_emitter(
+    scene: &Scene,
+    drawn: Option<&PrevVertex>,
+    hit: &SurfaceHit,
+) -> bool {
     let is_within = |at: &LightSampleContext| at.is_inside(hit.id, &scene.spheres().sphere(hit.id));
     scene.has_opacity()
         && hit.side == Side::Inside
@@ -66,7 +70,8 @@ pub(super) fn trace_visibility(
             let hit = answers.next().copied().unwrap_or(Hit::MISS);
             let hit = spheres.resolve_hit(&shadows.rays.get(i), hit);
             let Some(hit) = hit else { return false };
-            let (share, ray) = surface_visibility(world.scene, &shadows.rays.get(i), &media[i], &hit);
+            let (share, ray) =
+                surface_visibility(world.scene, &shadows.rays.get(i), &media[i], &hit);
             passed[i] *= share;
             let behind = ray.filter(|_| passed[i] > 0.0);
             behind.inspect(|ray| shadows.rays.set(i, ray)).is_some()
@@ -78,7 +83,12 @@ pub(super) fn trace_visibility(
 }
 
 /// The share of the light that a surface lets through, and the ray behind it, if there is more to ask.
-fn surface_visibility(scene: &Scene, ray: &PathRay, media: &MediumStack, hit: &SurfaceHit) -> (f32, Option<PathRay>) {
+fn surface_visibility(
+    scene: &Scene,
+    ray: &PathRay,
+    media: &MediumStack,
+    hit: &SurfaceHit,
+) -> (f32, Option<PathRay>) {
     let (lamp, left) = (ray.target_sphere, ray.t_max - hit.t);
     if hit.id == lamp || left <= 0.0 {
         return (1.0, None);
@@ -88,7 +98,7 @@ fn surface_visibility(scene: &Scene, ray: &PathRay, media: &MediumStack, hit: &S
     if presence >= 1.0 || behind.is_none() {
         return (0.0, None);
     }
-    (if fault!(ShadowsOfNothing) { presence } else { 1.0 - presence }, behind)
+    (if fault!(ShadowRayOpacityLost) { presence } else { 1.0 - presence }, behind)
 }
 
 /// The radiance that a light sends to a receiver in `media`, its own opacity included. Only a lamp of

@@ -29,7 +29,7 @@ pub(super) struct PathState {
     pub(super) redraws: u32,
     /// Hidden boundaries that it went straight through.
     pub(super) passthroughs: u32,
-    /// Whether the ray was drawn from a density, which [`Batch::drawn`](super::batch::Batch::drawn) tells.
+    /// Whether the ray was drawn from a density, which [`PathBatch::pdf`](super::batch::PathBatch::pdf) tells.
     pub(super) has_prev_vertex: bool,
     /// Squared index of refraction where the path is now: what refraction took from `throughput`
     /// and will give back.
@@ -145,7 +145,8 @@ impl PrevVertex {
     };
 
     pub(super) fn new(from: &LightSampleContext, pdf: f64) -> Self {
-        let LightSampleContext { hit: SurfaceHit { id, point, normal, side, .. }, is_two_sided } = *from;
+        let LightSampleContext { hit: SurfaceHit { id, point, normal, side, .. }, is_two_sided } =
+            *from;
         Self { pdf, point, normal, id, side, is_two_sided }
     }
 
@@ -153,6 +154,9 @@ impl PrevVertex {
     pub(super) fn light_sample_context(&self, spheres: &SphereSet) -> LightSampleContext {
         let Self { point, normal, id, side, is_two_sided, .. } = *self;
         let radius = spheres.sphere(id).radius;
-        LightSampleContext { hit: SurfaceHit { id, t: 0.0, point, normal, radius, side }, is_two_sided }
+        LightSampleContext {
+            hit: SurfaceHit { id, t: 0.0, point, normal, radius, side },
+            is_two_sided,
+        }
     }
 }

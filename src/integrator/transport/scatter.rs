@@ -9,9 +9,9 @@ use crate::math::{DVec3, renormalize};
 use crate::scene::settings::PathTermination;
 
 use super::super::dimension::VertexDimensions;
-use super::super::trace::{Termination, PathRecorder, PathEvent};
+use super::super::trace::{PathEvent, PathRecorder, Termination};
 use super::batch::PathBatch;
-use super::paths::{PrevVertex, MAX_PATH_EDGES, Path, PathState};
+use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex};
 
 /// Paths shorter than this many edges are never ended by roulette.
 const ROULETTE_MIN_DEPTH: u32 = 4;
@@ -42,7 +42,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if path.state.passthroughs >= MAX_PATH_EDGES {
             return self.terminate_at_length_limit();
         }
-        let Some(ray) = hit.spawn_ray(path.ray.direction) else { return self.terminate(Termination::Grazing) };
+        let Some(ray) = hit.spawn_ray(path.ray.direction) else {
+            return self.terminate(Termination::Grazing);
+        };
         path.ray = ray;
         true
     }
@@ -103,9 +105,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     fn russian_roulette(&mut self, state: PathState) -> Option<Rgb> {
         let weight = state.throughput.max_element() * state.eta_scale;
         let survival = weight.min(1.0);
-        let survival_pdf = if fault!(RouletteUnpaid) { 1.0 } else { survival };
+        let survival_pdf = if fault!(RouletteUncompensated) { 1.0 } else { survival };
         let throughput = state.throughput / survival_pdf.max(f32::MIN_POSITIVE);
-        let u = || self.samplers[state.batch_index as usize].get(VertexDimensions::at(state.depth).roulette());
+        let u = || {
+            self.samplers[state.batch_index as usize]
+                .get(VertexDimensions::at(state.depth).roulette())
+        };
         let survives = survival >= 1.0 || u() < f64::from(survival);
         self.recorder.record(|| PathEvent::Roulette { survival, survives, throughput });
         survives.then_some(throughput)

@@ -11,10 +11,10 @@ use crate::scene::SphereMaterial;
 use crate::scene::settings::{Estimator, MissPolicy};
 
 use super::super::dimension::{VertexDimensions, bsdf_extra};
-use super::super::trace::{Termination, PathRecorder, PathEvent};
+use super::super::trace::{PathEvent, PathRecorder, Termination};
 use super::batch::PathBatch;
 use super::opacity;
-use super::paths::{ShadowQueue, PrevVertex, MAX_PATH_EDGES, Path, PathState};
+use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex, ShadowQueue};
 
 impl<R: PathRecorder> PathBatch<'_, R> {
     /// A path that meets nothing: it sees the background. Returns whether it goes on.
@@ -33,16 +33,18 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         } else {
             scene.background_radiance(direction)
         };
-        let is_lost = path.state.depth > 1 && fault!(BackgroundOnlySeen);
+        let is_lost = path.state.depth > 1 && fault!(BackgroundCameraOnly);
         let radiance = if is_lost { Rgb::ZERO } else { radiance };
         self.add_emission(path, LightSource::Environment, radiance, true);
         self.terminate(Termination::Escaped)
     }
 
     /// The radiance of a background that is the same from everywhere, where meeting it takes no more
-    /// than [`Self::miss_evenly`].
+    /// than [`Self::shade_constant_miss`].
     pub(super) fn constant_environment(&self) -> Option<Rgb> {
-        let is_plain = !R::ENABLED && self.visible_surfaces.is_empty() && self.integrator.miss != MissPolicy::Redraw;
+        let is_plain = !R::ENABLED
+            && self.visible_surfaces.is_empty()
+            && self.integrator.miss != MissPolicy::Redraw;
         self.context.shot.lights().environment().constant_radiance().filter(|_| is_plain)
     }
 
@@ -56,7 +58,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
                 radiance = Rgb::ZERO;
             }
         }
-        if state.depth > 1 && fault!(BackgroundOnlySeen) {
+        if state.depth > 1 && fault!(BackgroundCameraOnly) {
             radiance = Rgb::ZERO;
         }
         if radiance != Rgb::ZERO {
@@ -66,7 +68,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     }
 
     /// A path that meets a surface. Returns whether it goes on.
-    pub(super) fn shade_hit(&mut self, path: &mut Path, hit: SurfaceHit, aims: &mut ShadowQueue<'_>) -> bool {
+    pub(super) fn shade_hit(
+        &mut self,
+        path: &mut Path,
+        hit: SurfaceHit,
+        aims: &mut ShadowQueue<'_>,
+    ) -> bool {
         let scene = self.context.scene;
         let transmittance = match scene.has_media() {
             true => self.media_of(path).transmittance(hit.t - path.ray.t_min),
@@ -77,10 +84,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let surface = scene.sphere_material(hit.id);
         let presence = surface.opacity(hit.id, hit.side, self.media_of(path));
         let wo = -path.ray.direction;
-        let meet = || PathEvent::Hit { depth, hit, wo, opacity: presence, transmittance, throughput };
+        let meet =
+            || PathEvent::Hit { depth, hit, wo, opacity: presence, transmittance, throughput };
         self.recorder.record(meet);
         if surface.material.is_emissive() {
-            let is_aimed_at = !opacity::is_back_wall_of_emitter(scene, self.prev_vertex(path), &hit);
+            let is_aimed_at =
+                !opacity::is_back_wall_of_emitter(scene, self.prev_vertex(path), &hit);
             let radiance = surface.material.emission * presence;
             self.add_emission(path, LightSource::Emitter(hit.id), radiance, is_aimed_at);
         }
@@ -133,7 +142,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let vertex = VertexDimensions::at(path.state.depth);
         let sampler = self.sampler(path);
         let u = sampler.get_2d(vertex.bsdf_direction());
-        let u = if fault!(NumberReused) { [u[0]; 2] } else { u };
+        let u = if fault!(RandomNumberReused) { [u[0]; 2] } else { u };
         let lobe = if bsdf.needs_lobe_sample() { sampler.get(vertex.lobe()) } else { 0.0 };
         let again = || sampler.get_2d(bsdf_extra(path.state.depth));
         let Some(sample) = bsdf.sample(wo, lobe, u, &again) else {
@@ -142,13 +151,20 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if sample.lobe != Lobe::Delta && !may_scatter {
             return self.terminate(Termination::DirectOnly);
         }
-        let goes_on = self.scatter(path, &receiver, &sample, frame.to_world(sample.wi), transmitted_media);
+        let goes_on =
+            self.scatter(path, &receiver, &sample, frame.to_world(sample.wi), transmitted_media);
         path.state.depth += 1;
         goes_on
     }
 
     /// Adds light that a path came across, and might have aimed at.
-    pub(super) fn add_emission(&mut self, path: &Path, source: LightSource, radiance: Rgb, is_light_sampled: bool) {
+    pub(super) fn add_emission(
+        &mut self,
+        path: &Path,
+        source: LightSource,
+        radiance: Rgb,
+        is_light_sampled: bool,
+    ) {
         if radiance == Rgb::ZERO && !R::ENABLED {
             return;
         }
@@ -157,18 +173,25 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let pdf_light = aimed.map_or(0.0, |drawn| self.pdf_light(path, drawn, source));
         let pdf = drawn.map(|drawn| drawn.pdf);
         let weight = match (self.integrator.estimator, pdf) {
-            (Estimator::Mis, Some(_)) if fault!(DoubleCounting) => 1.0,
-            (Estimator::Mis, Some(p)) if fault!(HeuristicSwapped) => {
+            (Estimator::Mis, Some(_)) if fault!(BsdfMisWeightMissing) => 1.0,
+            (Estimator::Mis, Some(p)) if fault!(MisWeightsSwapped) => {
                 power_heuristic(pdf_light, p) as f32
             }
             (Estimator::Mis, Some(pdf)) => power_heuristic(pdf, pdf_light) as f32,
             (Estimator::Light, Some(_)) if pdf_light > 0.0 => 0.0,
             _ => 1.0,
         };
-        let added =
-            self.clamp_contribution(path.state.throughput * radiance * weight, path.state.is_direct());
+        let added = self
+            .clamp_contribution(path.state.throughput * radiance * weight, path.state.is_direct());
         self.add_contribution(path.state.batch_index, added);
-        self.recorder.record(|| PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution: added });
+        self.recorder.record(|| PathEvent::Emission {
+            source,
+            radiance,
+            pdf,
+            pdf_light,
+            weight,
+            contribution: added,
+        });
     }
 
     /// The density with which the direction of a path's ray would have been drawn towards a light.

@@ -26,8 +26,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let presence = surface.opacity(hit.id, hit.side, media);
         let throughput = path.state.throughput * media.transmittance(hit.t - path.ray.t_min);
         let emission = throughput * (surface.material.emission * presence);
-        let is_seen =
-            opacity::passes_opacity_test(path, self.sampler(path), presence) && !self.is_hidden_boundary(path, &hit);
+        let is_seen = opacity::passes_opacity_test(path, self.sampler(path), presence)
+            && !self.is_hidden_boundary(path, &hit);
         let record = &mut self.visible_surfaces[path.state.batch_index as usize];
         aov::add_emission(record, emission);
         if is_seen {

@@ -16,9 +16,9 @@ use crate::scene::SceneSource;
 use super::super::metadata::Metadata;
 use super::super::outcome::NoiseStatus;
 use super::super::spec::Job;
-use super::read_error::ReadError;
 use super::hashing::HashingStream;
-use super::version::{MIN_VERSION, MAGIC, VERSION};
+use super::read_error::ReadError;
+use super::version::{MAGIC, MIN_VERSION, VERSION};
 
 /// The longest header: a scene's description and text, and some.
 const MAX_HEADER_BYTES: u32 = 16 << 20;
@@ -125,7 +125,9 @@ impl CheckpointHeader {
         let FilmFormat { frame, first_sample, ref layers, .. } = self.film;
         let Rect { x, y, width, height } = frame.window;
         let fits = |first: u32, length: u32, full: u32| {
-            length > 0 && u64::from(first) + u64::from(length) <= u64::from(full) && full <= MAX_SIDE
+            length > 0
+                && u64::from(first) + u64::from(length) <= u64::from(full)
+                && full <= MAX_SIDE
         };
         let is_twice = |(at, layer): (usize, &Layer)| layers[..at].contains(layer);
         fits(x, width, frame.full_size[0])
@@ -164,10 +166,13 @@ pub(super) fn read(
     let mut text = vec![0; length as usize];
     from.read_exact(&mut text)?;
     from.verify_hash()?;
-    let header: CheckpointHeader = serde_json::from_slice(&text).map_err(|e| match e.classify() {
-        serde_json::error::Category::Data => ReadError::UnsupportedHeader(format!("its header says: {e}")),
-        _ => ReadError::Corrupt("its header is no JSON"),
-    })?;
+    let header: CheckpointHeader =
+        serde_json::from_slice(&text).map_err(|e| match e.classify() {
+            serde_json::error::Category::Data => {
+                ReadError::UnsupportedHeader(format!("its header says: {e}"))
+            }
+            _ => ReadError::Corrupt("its header is no JSON"),
+        })?;
     let is_possible = header.is_valid();
     is_possible.then_some(header).ok_or(ReadError::Corrupt("its header says something impossible"))
 }

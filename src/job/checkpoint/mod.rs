@@ -3,7 +3,7 @@
 //! All numbers are little-endian. A checkpoint is
 //!
 //! - the eight bytes `PHSPPART` and the version of this format, a u32;
-//! - the length of the header, a u32, and the [`Header`] as JSON;
+//! - the length of the header, a u32, and the [`CheckpointHeader`] as JSON;
 //! - the BLAKE3 hash of all bytes so far;
 //! - every tile of the film, as its length, a u32, and its bytes (`film::bytes` says which);
 //! - the BLAKE3 hash of all bytes so far. Nothing follows.
@@ -11,9 +11,9 @@
 //! So no file that was cut off or changed is taken for a good one, and what it says of itself is
 //! checked before it is believed.
 
-mod read_error;
 mod hashing;
 mod header;
+mod read_error;
 #[cfg(test)]
 mod tests;
 mod version;
@@ -28,10 +28,10 @@ use crate::film::Film;
 use crate::image_io::AtomicFile;
 use crate::task::parallel;
 
-pub use header::{OutputSpec, FilePath, CheckpointHeader, CumulativeStats, RenderStatus};
+pub use header::{CheckpointHeader, CumulativeStats, FilePath, OutputSpec, RenderStatus};
 
-use read_error::ReadError;
 use hashing::HashingStream;
+use read_error::ReadError;
 use version::{MAGIC, VERSION};
 
 /// The longest tile: its 64 pixels of some 30 numbers take a tenth of it.
@@ -83,7 +83,9 @@ fn write_tiles<S: Write + Send>(film: &Film, to: &mut HashingStream<S>) -> io::R
     let at_once = 4 * TILES_PER_CHUNK * parallel::thread_count();
     let bytes_from = |first: usize| -> io::Result<Vec<Vec<u8>>> {
         let end = (first + at_once).min(tiles);
-        let pieces = (first..end).step_by(TILES_PER_CHUNK).map(|begin| begin..(begin + TILES_PER_CHUNK).min(end));
+        let pieces = (first..end)
+            .step_by(TILES_PER_CHUNK)
+            .map(|begin| begin..(begin + TILES_PER_CHUNK).min(end));
         parallel::map(pieces.collect(), |tiles| encode_tiles(film, tiles)).into_iter().collect()
     };
     let mut bytes = bytes_from(0)?;

@@ -7,12 +7,12 @@ use super::*;
 use std::time::Duration;
 
 use crate::accel::Backend;
-use crate::color::{ViewTransform, PathRadiance, Rgb, VisibleSurface};
-use crate::film::{FilmFormat, FilmFrame, Layer, SampleRun, RadianceScale};
+use crate::color::{PathRadiance, Rgb, ViewTransform, VisibleSurface};
+use crate::film::{FilmFormat, FilmFrame, Layer, RadianceScale, SampleRun};
 use crate::job::{Job, Metadata};
 use crate::math::Rect;
 use crate::scene::description::{MaterialDescription, SphereDescription};
-use crate::scene::{SceneDescription, Scene, PreparedScene, SceneSource};
+use crate::scene::{PreparedScene, Scene, SceneDescription, SceneSource};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 /// A part with finished and unfinished blocks and an empty tile, and its bytes.
@@ -30,7 +30,10 @@ fn part() -> (Film, CheckpointHeader, Vec<u8>) {
         let count = 9 * tile as u32;
         let counts = vec![count; film.frame().tile(tile).pixel_count()];
         let samples: Vec<PathRadiance> = (0..counts.len() as u32 * count)
-            .map(|i| PathRadiance { direct: Rgb::splat((i % 97) as f32 * 0.013), ..Default::default() })
+            .map(|i| PathRadiance {
+                direct: Rgb::splat((i % 97) as f32 * 0.013),
+                ..Default::default()
+            })
             .collect();
         let seen = vec![VisibleSurface { row: 7, ..VisibleSurface::NONE }; samples.len()];
         film.add(tile, &counts, SampleRun { radiance: &samples, visible_surfaces: &seen }).unwrap();
@@ -43,9 +46,14 @@ fn part() -> (Film, CheckpointHeader, Vec<u8>) {
 
 /// What the part says of itself, with something in every field.
 fn header(film: &FilmFormat) -> CheckpointHeader {
-    let ball = SphereDescription { name: Some("\"x\"\n".to_owned()), radius: 1.0, ..SphereDescription::default() };
+    let ball = SphereDescription {
+        name: Some("\"x\"\n".to_owned()),
+        radius: 1.0,
+        ..SphereDescription::default()
+    };
     let materials = vec![MaterialDescription::default()];
-    let description = SceneDescription { materials, spheres: vec![ball], ..SceneDescription::default() };
+    let description =
+        SceneDescription { materials, spheres: vec![ball], ..SceneDescription::default() };
     let scene = Scene::build(description).unwrap();
     let job = Job::with_size(31, 17).noise_target(0.02);
     let shot = PreparedScene::new(&scene, job.settings).unwrap();

@@ -47,7 +47,8 @@ pub(super) fn first_missing(mut ranges: Vec<Range<u32>>, all: &Range<u32>) -> Op
 pub(super) fn is_contiguous_from(shares: &[WindowSamples], within: Rect, first: u32) -> bool {
     let windows: Vec<Rect> = shares.iter().map(|share| share.window).collect();
     cells(&windows, within).iter().all(|cell| {
-        let here = shares.iter().zip(&windows).filter(|(_, window)| window.intersection(cell).is_some());
+        let here =
+            shares.iter().zip(&windows).filter(|(_, window)| window.intersection(cell).is_some());
         let mut samples: Vec<_> = here.map(|(share, _)| share.samples).collect();
         samples.retain(|samples| samples.most > 0);
         samples.sort_by_key(|samples| samples.first);
@@ -71,7 +72,11 @@ mod tests {
 
     fn share(x: u32, width: u32, first: u32, fewest: u32, most: u32) -> WindowSamples {
         let window = Rect { x, y: 0, width, height: 12 };
-        WindowSamples { window, samples: SampleRange { first, fewest, most }, counts: TileSampleCounts::default() }
+        WindowSamples {
+            window,
+            samples: SampleRange { first, fewest, most },
+            counts: TileSampleCounts::default(),
+        }
     }
 
     #[test]

@@ -4,15 +4,15 @@ use std::iter::Sum;
 use std::ops::Range;
 
 use crate::error::{Error, Result, Suggestion};
-use crate::film::{Film, FilmFormat, FilmFrame, Aov};
+use crate::film::{Aov, Film, FilmFormat, FilmFrame};
 use crate::math::Rect;
 
 use super::super::adaptive::estimate_error;
 use super::super::checkpoint::{CheckpointHeader, CumulativeStats, RenderStatus};
 use super::super::metadata::{Metadata, RunRecord};
 use super::super::noise::NoiseTarget;
-use super::super::samples::{SampleRange, WindowSamples, MergedSamples, TileSampleCounts};
-use super::cells::{is_contiguous_from, cells, first_missing};
+use super::super::samples::{MergedSamples, SampleRange, TileSampleCounts, WindowSamples};
+use super::cells::{cells, first_missing, is_contiguous_from};
 use super::piece::MergeInput;
 
 /// Pixels along the side of a square that a noise target decides about.
@@ -50,7 +50,11 @@ impl MergedExtent {
         Ok(Self {
             format: FilmFormat { frame, first_sample: start, ..format.clone() },
             samples: start..end,
-            samples_per_pixel: pieces.iter().map(MergeInput::samples_per_pixel).max().unwrap_or(end),
+            samples_per_pixel: pieces
+                .iter()
+                .map(MergeInput::samples_per_pixel)
+                .max()
+                .unwrap_or(end),
         })
     }
 
@@ -61,8 +65,9 @@ impl MergedExtent {
     /// With the first of them.
     pub(super) fn check_tile_alignment(&self, pieces: &[MergeInput]) -> Result<()> {
         let whole = self.format.frame.window;
-        let cuts =
-            |at: u32, from: u32, length: u32| at > from && at < from + length && at % ADAPTIVE_TILE != 0;
+        let cuts = |at: u32, from: u32, length: u32| {
+            at > from && at < from + length && at % ADAPTIVE_TILE != 0
+        };
         for piece in pieces.iter().filter(|piece| piece.header.job.until.noise.is_some()) {
             let Rect { x, y, width, height } = piece.window();
             if [x, x + width].iter().any(|at| cuts(*at, whole.x, whole.width))
@@ -143,10 +148,14 @@ impl MergedExtent {
             ..of_first
         });
         let start = self.samples.start;
-        match TileSampleCounts::from_film(sum).filter(|_| is_contiguous_from(&shares, window, start)) {
-            Some(counts) => {
-                metadata.with_samples(SampleRange::from_film(sum, start), counts, MergedSamples::default())
-            }
+        match TileSampleCounts::from_film(sum)
+            .filter(|_| is_contiguous_from(&shares, window, start))
+        {
+            Some(counts) => metadata.with_samples(
+                SampleRange::from_film(sum, start),
+                counts,
+                MergedSamples::default(),
+            ),
             None => {
                 let shares = MergedSamples::new(shares);
                 metadata.with_samples(shares.bounding_range(), TileSampleCounts::default(), shares)
@@ -178,7 +187,11 @@ impl MergedExtent {
             job,
             metadata: Metadata { layers: Some(layers.to_vec()), ..metadata.clone() },
             // As all its parts are.
-            status: if is_ended { RenderStatus::Ended { missed } } else { RenderStatus::Unfinished },
+            status: if is_ended {
+                RenderStatus::Ended { missed }
+            } else {
+                RenderStatus::Unfinished
+            },
             statistics: CumulativeStats {
                 rays: total(pieces, |header| header.statistics.rays),
                 seconds: total(pieces, |header| header.statistics.seconds),
@@ -198,7 +211,11 @@ fn total<N: Sum<N>>(pieces: &[MergeInput], of: impl Fn(&CheckpointHeader) -> N) 
 }
 
 /// The first pixels and samples of a box that no piece holds.
-fn first_gap(pieces: &[MergeInput], window: Rect, samples: &Range<u32>) -> Option<(Rect, Range<u32>)> {
+fn first_gap(
+    pieces: &[MergeInput],
+    window: Rect,
+    samples: &Range<u32>,
+) -> Option<(Rect, Range<u32>)> {
     let windows: Vec<Rect> = pieces.iter().map(MergeInput::window).collect();
     cells(&windows, window).into_iter().find_map(|cell| {
         let here = pieces.iter().filter(|piece| piece.window().intersection(&cell).is_some());

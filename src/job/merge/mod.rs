@@ -1,26 +1,26 @@
 //! Parts of a picture become one, to the bit of one render without a break.
 
 mod cells;
-mod piece;
 mod extent;
+mod piece;
 
 use std::path::PathBuf;
 
 use crate::accel::BuildOptions;
 use crate::error::{Error, Result, Suggestion};
-use crate::film::{BLOCK_SIZE, Film, Aov, required_layers};
-use crate::image_io::Picture;
+use crate::film::{Aov, BLOCK_SIZE, Film, required_layers};
 use crate::image_io::AtomicFile;
+use crate::image_io::Picture;
 use crate::math::Rect;
 use crate::scene::PreparedScene;
 
-use super::aovs::{needs_scene, develop, develop_without_scene};
+use super::aovs::{develop, develop_without_scene, needs_scene};
 use super::checkpoint::{Checkpoint, CheckpointHeader, write_checkpoint};
 use super::metadata::Metadata;
 use super::outcome::NoiseStatus;
 
-use piece::MergeInput;
 use extent::MergedExtent;
+use piece::MergeInput;
 
 /// What parts are to become.
 #[derive(Clone, Debug, Default)]
@@ -113,7 +113,11 @@ impl MergedRender {
     /// When they are asked for and the scene is gone or has changed.
     pub fn picture(&self) -> Result<Picture> {
         if !self.layers.iter().any(|kind| needs_scene(*kind)) {
-            return Ok(develop_without_scene(&self.film, &self.layers, self.first.header.transparent));
+            return Ok(develop_without_scene(
+                &self.film,
+                &self.layers,
+                self.first.header.transparent,
+            ));
         }
         let (scene, mut settings) = self.first.scene()?;
         settings.image.crop = self.metadata.settings.image.crop;
@@ -160,8 +164,9 @@ fn check_overlaps(pieces: &[MergeInput]) -> Result<()> {
                     "`{x}` ends within a block, at sample {}, so that `{y}` cannot follow it",
                     early.end
                 );
-                let help =
-                    format!("render it again up to a multiple of {BLOCK_SIZE}, or resume and extend it");
+                let help = format!(
+                    "render it again up to a multiple of {BLOCK_SIZE}, or resume and extend it"
+                );
                 return Err(Error::input(what)
                     .with_help(help)
                     .with_suggestion(Suggestion::Resume, x.to_string()));

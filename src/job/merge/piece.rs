@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use super::super::checkpoint::{Checkpoint, CheckpointHeader, RenderStatus};
 use super::super::metadata::Metadata;
 use super::super::outcome::NoiseStatus;
-use super::super::samples::{SampleRange, WindowSamples, TileSampleCounts};
+use super::super::samples::{SampleRange, TileSampleCounts, WindowSamples};
 
 /// One of the parts.
 #[derive(Debug)]

@@ -83,8 +83,15 @@ impl EnvironmentMap {
     pub(super) fn from_rows(columns: usize, heights: Vec<f64>, radiance: Vec<Rgb>) -> Self {
         let bands = heights.len() - 1;
         let nothing = vec![None; bands];
-        let mut dome =
-            Self { columns, heights, radiance, mean_luminance: 0.0, band_distribution: None, cell_distributions: nothing, total_weight: 0.0 };
+        let mut dome = Self {
+            columns,
+            heights,
+            radiance,
+            mean_luminance: 0.0,
+            band_distribution: None,
+            cell_distributions: nothing,
+            total_weight: 0.0,
+        };
         let all: f64 = (0..bands).map(|band| dome.band_weights(band).iter().sum::<f64>()).sum();
         if !dome.is_constant() {
             dome.mean_luminance = all / (2.0 * TAU);
@@ -93,7 +100,8 @@ impl EnvironmentMap {
             let of_bands: Vec<f64> = light.iter().map(|cells| cells.iter().sum()).collect();
             dome.total_weight = of_bands.iter().sum();
             dome.band_distribution = DiscreteDistribution::new(of_bands);
-            dome.cell_distributions = light.into_par_iter().map(DiscreteDistribution::new).collect();
+            dome.cell_distributions =
+                light.into_par_iter().map(DiscreteDistribution::new).collect();
         }
         dome
     }
@@ -140,8 +148,11 @@ impl EnvironmentMap {
             return 0.0;
         }
         let place = self.locate(direction);
-        let aimed: f64 =
-            self.bilinear_weights(&place).map(|(node, weight)| self.sampling_weight(node) * weight).into_iter().sum();
+        let aimed: f64 = self
+            .bilinear_weights(&place)
+            .map(|(node, weight)| self.sampling_weight(node) * weight)
+            .into_iter()
+            .sum();
         aimed / self.total_weight
     }
 

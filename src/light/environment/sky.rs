@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
 use crate::color::Rgb;
 use crate::math::DVec3;
-use crate::sampling::{safe_acos, exp, sin_cos, tan};
+use crate::sampling::{exp, safe_acos, sin_cos, tan};
 
 use super::EnvironmentMap;
 
@@ -118,7 +118,8 @@ impl Perez {
     fn radiance(&self, height: f64, from_sun: f64) -> DVec3 {
         let [luminance, x, y] =
             [0, 1, 2].map(|i| self.scales[i] * perez(&self.coefficients[i], height, from_sun));
-        let [x_, y_, z_] = [x / y, 1.0, (1.0 - x - y) / y].map(|v| v * luminance / LUMINOUS_EFFICACY);
+        let [x_, y_, z_] =
+            [x / y, 1.0, (1.0 - x - y) / y].map(|v| v * luminance / LUMINOUS_EFFICACY);
         // IEC 61966-2-1, from XYZ.
         let color = DVec3::new(
             3.240_454_2 * x_ - 1.537_138_5 * y_ - 0.498_531_4 * z_,
@@ -176,7 +177,9 @@ mod tests {
         assert!((0.24..0.28).contains(&x) && (0.24..0.28).contains(&y), "{x} {y}");
         let zenith = sky(3.0, 45.0).environment_map().radiance(DVec3::Y);
         assert!(
-            (f64::from(crate::color::luminance(zenith)) * LUMINOUS_EFFICACY / luminance - 1.0).abs() < 0.01
+            (f64::from(crate::color::luminance(zenith)) * LUMINOUS_EFFICACY / luminance - 1.0)
+                .abs()
+                < 0.01
         );
     }
 

@@ -81,7 +81,7 @@ impl DielectricCompensationSide<'_> {
         if wi.z > 0.0 {
             (1.0 - self.transmitted_fraction()) * here.eval(wo.z, wi.z)
         } else {
-            let of = if fault!(LostLightOfWrongSide) { here } else { beyond };
+            let of = if fault!(MultiscatterWrongSide) { here } else { beyond };
             self.transmitted_fraction() * of.eval_scaled(here.missing(wo.z), -wi.z)
         }
     }
@@ -95,7 +95,7 @@ impl DielectricCompensationSide<'_> {
         }
     }
 
-    /// The density of [`Self::sample_lobe`], per solid angle.
+    /// The density of [`Self::sample`], per solid angle.
     pub fn pdf(&self, wi: DVec3) -> f64 {
         if wi.z > 0.0 {
             (1.0 - self.transmitted_fraction()) * self.both_sides.missing[self.side].pdf(wi.z)

@@ -12,12 +12,12 @@
 //! the broad lobe. So as much goes there as is truly missing, and what is drawn weighs 1 but for the
 //! colour: a path may bounce among rough surfaces hundreds of times without its weight growing.
 //!
-//! [`InterfaceEnergy`] does the same for rough glass, on both of its sides.
+//! [`DielectricCompensation`] does the same for rough glass, on both of its sides.
 
 mod dielectric;
 mod table;
 
-pub use dielectric::{DielectricCompensationSide, DielectricCompensation};
+pub use dielectric::{DielectricCompensation, DielectricCompensationSide};
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -93,7 +93,7 @@ impl EnergyCompensation {
     }
 
     /// A lobe that is reciprocal and sends what is missing for each direction over the hemisphere:
-    /// times the cosine it integrates to [`Self::at`].
+    /// times the cosine it integrates to [`Self::missing`].
     pub fn eval(&self, cos_o: f64, cos_i: f64) -> f64 {
         self.eval_scaled(self.missing(cos_o), cos_i)
     }
@@ -105,13 +105,13 @@ impl EnergyCompensation {
         let part = (place as usize).min(LOBE_BINS - 1);
         let [low, high] = [part, part + 1].map(|i| f64::from(self.bin_edges[i]));
         let square = low + (high - low) * (place - part as f64);
-        let square = if fault!(LostLightByCosine) { u[0] } else { square };
+        let square = if fault!(MultiscatterSampledByCosine) { u[0] } else { square };
         let (sin_phi, cos_phi) = sin_cos(TAU * u[1]);
         let sin = (1.0 - square).max(0.0).sqrt();
         DVec3::new(sin * cos_phi, sin * sin_phi, square.sqrt())
     }
 
-    /// The density of [`Self::sample_lobe`] at a cosine, per solid angle.
+    /// The density of [`Self::sample`] at a cosine, per solid angle.
     pub fn pdf(&self, cos: f64) -> f64 {
         let square = (cos * cos) as f32;
         let part = self.bin_edges[1..LOBE_BINS].partition_point(|&edge| edge <= square);

@@ -38,7 +38,7 @@ fn table_coordinate(cos: f64, bends: [f64; 2]) -> f64 {
     0.5 * (a + b)
 }
 
-/// The inverse of [`place_of`].
+/// The inverse of [`table_coordinate`].
 fn table_cosine(place: f64, bends: [f64; 2]) -> f64 {
     let square = place * place;
     let [a, b] = bends.map(|bend| (bend * square / (1.0 + bend - square)).min(1.0));

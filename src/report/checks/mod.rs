@@ -5,7 +5,7 @@ mod page;
 use serde_json::{Map, Value, json};
 
 use crate::draw::text::{count, row};
-use crate::verify::check::{Check, FAMILY_SIGNIFICANCE, CheckGroup, CheckResult};
+use crate::verify::check::{Check, CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
 
 pub use page::page;
 

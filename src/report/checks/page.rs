@@ -3,7 +3,7 @@
 use crate::draw::Cells;
 use crate::draw::page::{details, element, escape, facts, page_of, table};
 
-use crate::verify::check::{FAMILY_SIGNIFICANCE, CheckGroup, CheckResult};
+use crate::verify::check::{CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
 use crate::verify::closed_forms::{CLOSED_FORMS, ClosedForm};
 
 use super::CheckEntry;

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::draw::text::row;
 use crate::error::Result;
 use crate::scene::settings::ImageSettings;
-use crate::verify::converge::{Axis, ErrorMetric, ChartPoint, Reference, Series};
+use crate::verify::converge::{Axis, ChartPoint, ErrorMetric, Reference, Series};
 use crate::verify::statistics;
 
 /// How sure the intervals are.
@@ -152,7 +152,11 @@ impl fmt::Display for ConvergenceReport<'_> {
             }
             let [samples, seconds] = [Axis::Samples, Axis::Seconds].map(|axis| {
                 one.fit(self.metric, axis).map_or("none".to_owned(), |fit| {
-                    format!("{:.3} +- {:.3}", fit.slope.mean, fit.slope.confidence_half_width(CONFIDENCE))
+                    format!(
+                        "{:.3} +- {:.3}",
+                        fit.slope.mean,
+                        fit.slope.confidence_half_width(CONFIDENCE)
+                    )
                 })
             });
             writeln!(f, "slope against samples {samples}, against seconds {seconds}")?;

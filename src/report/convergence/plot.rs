@@ -4,7 +4,7 @@
 use crate::draw::{Axes, Course, Line, Mark, Panel, Panels, Value, panels};
 use crate::error::{Error, Result};
 
-use crate::verify::converge::{Axis, LogLogFit, ErrorMetric, ChartPoint, Series};
+use crate::verify::converge::{Axis, ChartPoint, ErrorMetric, LogLogFit, Series};
 use crate::verify::statistics::MeanEstimate;
 
 /// Draws the series, with a title and what is to be known of them.
@@ -23,7 +23,9 @@ pub(super) fn svg(
     };
     let slopes = |one: &Series| {
         [Axis::Samples, Axis::Seconds].map(|axis| match one.fit(metric, axis) {
-            Some(LogLogFit { slope, .. }) => format!("{:.3} ± {:.3}", slope.mean, slope.confidence_half_width(0.95)),
+            Some(LogLogFit { slope, .. }) => {
+                format!("{:.3} ± {:.3}", slope.mean, slope.confidence_half_width(0.95))
+            }
             None => "—".to_owned(),
         })
     };

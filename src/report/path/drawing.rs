@@ -7,7 +7,7 @@ use crate::draw::{Canvas, SideView};
 use crate::integrator::{PathEvent, PathTrace};
 use crate::light::LightSource;
 use crate::math::{DVec2, DVec3};
-use crate::scene::{Scene, PreparedScene};
+use crate::scene::{PreparedScene, Scene};
 
 use super::spheres::{answer, name, place};
 use super::words::number;

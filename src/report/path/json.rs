@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::integrator::{PathEvent, PathTrace};
-use crate::scene::{Scene, PreparedScene};
+use crate::scene::{PreparedScene, Scene};
 
 use super::spheres::{place, source_name};
 use super::words::why;
@@ -55,17 +55,19 @@ fn step_json(scene: &Scene, step: &PathEvent) -> Value {
             "wo": wo,
             "throughput": throughput,
         }),
-        PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution: added } => json!({
-            "step": "light",
-            "source": source_name(scene, *source),
-            "L_e": radiance,
-            "p": pdf,
-            "p_light": pdf_light,
-            "weight": weight,
-            "clamp": added.clamp,
-            "added": added.radiance,
-            "is_direct": added.is_direct,
-        }),
+        PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution: added } => {
+            json!({
+                "step": "light",
+                "source": source_name(scene, *source),
+                "L_e": radiance,
+                "p": pdf,
+                "p_light": pdf_light,
+                "weight": weight,
+                "clamp": added.clamp,
+                "added": added.radiance,
+                "is_direct": added.is_direct,
+            })
+        }
         PathEvent::HiddenBoundary => json!({ "step": "hidden" }),
         PathEvent::Transparent => json!({ "step": "absent" }),
         PathEvent::LightSample { sample, transmittance, f, cos, pdf_bsdf, weight } => json!({

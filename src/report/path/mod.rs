@@ -1,5 +1,5 @@
 //! The path of one sample: in words and in the letters of the rendering equation, drawn from the side,
-//! and as JSON. What is told is a [`Trace`](crate::integrator::Trace), which the integrator keeps of the
+//! and as JSON. What is told is a [`PathTrace`](crate::integrator::PathTrace), which the integrator keeps of the
 //! path itself.
 
 mod drawing;

@@ -3,11 +3,11 @@
 use crate::color::Rgb;
 use crate::draw::text::count;
 use crate::geometry::Side;
-use crate::integrator::{Contribution, Termination, PathEvent, PathTrace};
+use crate::integrator::{Contribution, PathEvent, PathTrace, Termination};
 use crate::light::LightSample;
 use crate::material::Lobe;
 use crate::math::DVec3;
-use crate::scene::{Scene, PreparedScene};
+use crate::scene::{PreparedScene, Scene};
 
 use super::spheres::{answer, name, place, source_name};
 
@@ -93,7 +93,9 @@ fn one(scene: &Scene, trace: &PathTrace, at: usize, vertex: usize) -> String {
         PathEvent::HiddenBoundary => {
             "     a boundary inside a medium of higher priority: straight through\n".to_owned()
         }
-        PathEvent::Transparent => "     it is not there for this path: straight through\n".to_owned(),
+        PathEvent::Transparent => {
+            "     it is not there for this path: straight through\n".to_owned()
+        }
         PathEvent::LightSample { sample, transmittance, f, cos, pdf_bsdf, weight } => {
             let told = aim(scene, sample, *transmittance, *f, *cos, *pdf_bsdf, *weight);
             let tau = if *transmittance == Rgb::ONE { "" } else { " tau" };

@@ -11,7 +11,8 @@ use serde_json::{Map, Value, json};
 use crate::accel::{BackendChoice, SelectedBackend};
 use crate::draw::text::{count, percent, row, si};
 use crate::verify::bench::{
-    BackendBench, SuiteEntry, ReportImage, SceneBench, Rates, BenchOptions, SECOND_BOUNCE, SweepResult, RenderBench,
+    BackendBench, BenchOptions, Rates, RenderBench, ReportImage, SECOND_BOUNCE, SceneBench,
+    SuiteEntry, SweepResult,
 };
 
 /// What was measured on one scene.
@@ -144,7 +145,8 @@ impl SpeedReport<'_> {
     /// The figures for programs.
     pub fn json(&self) -> Value {
         let SelectedBackend { backend: auto, reason } = self.choice();
-        let SceneBench { results, batch_sweep: batches, thread_sweep: scaling, renders, .. } = self.measured;
+        let SceneBench { results, batch_sweep: batches, thread_sweep: scaling, renders, .. } =
+            self.measured;
         json!({
             "spheres": self.spheres,
             "threads": rayon::current_num_threads(),

@@ -9,7 +9,8 @@ use crate::error::Result;
 use crate::generate::Arrangement;
 
 use crate::verify::bench::{
-    BackendBench, SuiteEntry, ReportImage, SceneBench, QueryKind, SECOND_BOUNCE, SweepResult, RenderBench,
+    BackendBench, QueryKind, RenderBench, ReportImage, SECOND_BOUNCE, SceneBench, SuiteEntry,
+    SweepResult,
 };
 
 impl fmt::Display for QueryKind {
@@ -140,8 +141,13 @@ fn lines_of(entries: &[&SuiteEntry], value: FigureOf<'_>) -> Vec<Line> {
     drawn
 }
 
-fn millions(kind: &str, question: QueryKind) -> impl Fn(&SuiteEntry, &BackendBench) -> Option<ReportImage> {
-    move |entry, result| Some(result.rates[entry.bench.ray_set_index(kind)?]?.get(question).scaled(1e-6))
+fn millions(
+    kind: &str,
+    question: QueryKind,
+) -> impl Fn(&SuiteEntry, &BackendBench) -> Option<ReportImage> {
+    move |entry, result| {
+        Some(result.rates[entry.bench.ray_set_index(kind)?]?.get(question).scaled(1e-6))
+    }
 }
 
 fn build_seconds(_: &SuiteEntry, result: &BackendBench) -> Option<ReportImage> {
@@ -234,8 +240,8 @@ fn figures(entries: &[&SuiteEntry]) -> String {
             ];
             row.extend(result.rates.iter().map(|rates| {
                 rates.map_or(NOTHING.to_owned(), |rates| {
-                    let [closest, occluded] =
-                        QueryKind::ALL.map(|question| significant(1e-6 * rates.get(question).median));
+                    let [closest, occluded] = QueryKind::ALL
+                        .map(|question| significant(1e-6 * rates.get(question).median));
                     format!("{closest} / {occluded}")
                 })
             }));
@@ -289,7 +295,7 @@ mod tests {
     fn a_scene_is_drawn_with_every_figure_that_there_is() {
         let rates = vec![[figure(4e6), figure(5e6)]; 2];
         let setting = SweepPoint { threads: 2, batch: 1 };
-        let swept = vec![SweepResult { point, rates, arithmetic: figure(1.0) }];
+        let swept = vec![SweepResult { point: setting, rates, arithmetic: figure(1.0) }];
         let render = RenderBench {
             backend: Backend::Native,
             seconds: figure(12.34),

@@ -1,7 +1,7 @@
 //! The same numbers for many samples at a time, as loops that become vector instructions.
 
 use super::directions::direction_number;
-use super::{SET_SIZE, Sobol, scrambled_coordinate, point_index};
+use super::{SET_SIZE, Sobol, point_index, scrambled_coordinate};
 use crate::math::{LANES, Lanes};
 
 /// Sobol numbers of many samples.
@@ -52,7 +52,8 @@ impl SobolLanes {
     pub fn select_set(&mut self, set: impl Fn(usize) -> u32) {
         for lane in 0..LANES {
             self.set.0[lane] = set(lane);
-            self.index.0[lane] = point_index(self.key.0[lane], self.sample.0[lane], self.set.0[lane]);
+            self.index.0[lane] =
+                point_index(self.key.0[lane], self.sample.0[lane], self.set.0[lane]);
         }
     }
 
@@ -102,7 +103,11 @@ mod tests {
                 let mut numbers = Lanes::default();
                 lanes.get(dimension, &mut numbers);
                 for (lane, number) in numbers.0.into_iter().enumerate() {
-                    assert_eq!(number, one(lane).get(SET_SIZE * set(lane) + dimension), "lane {lane}");
+                    assert_eq!(
+                        number,
+                        one(lane).get(SET_SIZE * set(lane) + dimension),
+                        "lane {lane}"
+                    );
                     assert_eq!(lanes.lane(lane), one(lane));
                 }
             }

@@ -12,7 +12,7 @@ mod scramble;
 
 pub use lanes::SobolLanes;
 
-use super::independent::{split_mix, pixel_key};
+use super::independent::{pixel_key, split_mix};
 use directions::reversed_point;
 use scramble::{owen_scramble_reversed, shuffle_reversed};
 
@@ -63,6 +63,7 @@ fn point_index(key: u64, reversed_sample: u32, set: u32) -> u32 {
 /// A coordinate of a point, scrambled: the middle of a cell of 2^-32, so never 0 and never 1.
 #[inline(always)]
 fn scrambled_coordinate(reversed_point: u32, key: u64, dimension: u32) -> f64 {
-    let scrambled = owen_scramble_reversed(reversed_point, split_mix(key, dimension)).reverse_bits();
+    let scrambled =
+        owen_scramble_reversed(reversed_point, split_mix(key, dimension)).reverse_bits();
     (f64::from(scrambled) + 0.5) * (1.0 / (1u64 << 32) as f64)
 }

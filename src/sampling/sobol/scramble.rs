@@ -87,8 +87,10 @@ mod tests {
         let swap = |x: u32, level: u32, key| (scrambled(x, key) ^ x) >> (31 - level) & 1;
         for level in 1..32 {
             for pair in 0..5 {
-                let (x, y) =
-                    (split_mix(4, level * 10 + pair) as u32, split_mix(5, level * 10 + pair) as u32);
+                let (x, y) = (
+                    split_mix(4, level * 10 + pair) as u32,
+                    split_mix(5, level * 10 + pair) as u32,
+                );
                 for (y, other) in [(y, level), (x, level - 1)] {
                     let mut counts = [0u32; 4];
                     for i in 0..keys {

@@ -1,18 +1,20 @@
 //! The entries of the table of keys, section by section, in the order of the manual.
 
-use crate::material::{NAMED_IORS, Metal};
+use crate::material::{Metal, NAMED_IORS};
 use crate::math::MAX_COORDINATE;
 use crate::scene::data::Column;
 use crate::scene::description::{ColorStorage, ProjectionKind, SurfaceKind};
-use crate::scene::value_types::{
-    COORDINATES, EnumValue, Color, ListOf, Boolean, NumberRange, Number, NonEmptyString, Vector, Integer, NamedValue,
-};
 use crate::scene::settings::{
-    Estimator, FilterKind, Hemisphere, IntegratorKind, LightSamplerKind, MissPolicy, SamplerKind, PathTerminationKind,
+    Estimator, FilterKind, Hemisphere, IntegratorKind, LightSamplerKind, MissPolicy,
+    PathTerminationKind, SamplerKind,
+};
+use crate::scene::value_types::{
+    Boolean, COORDINATES, Color, EnumValue, Integer, ListOf, NamedValue, NonEmptyString, Number,
+    NumberRange, Vector,
 };
 
-use super::DefaultValue::{Derived, Toml, Required};
-use super::{DynKey, Key, CliOption, key, option, key_with_option};
+use super::DefaultValue::{Derived, Required, Toml};
+use super::{CliOption, DynKey, Key, key, key_with_option, option};
 
 /// The largest radiance.
 pub(in crate::scene) const MAX_RADIANCE: f64 = 1e15;

@@ -32,7 +32,7 @@ struct SchemaNode {
 impl SchemaNode {
     fn schema(&self) -> Value {
         let Some(section) = self.section else {
-            // A table of tables: `materials`.
+            // A table of tables: `build_materials`.
             let entry = self.tables.values().next().map(Self::schema);
             return json!({ "type": "object", "additionalProperties": entry });
         };

@@ -9,9 +9,9 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use crate::error::{Error, Diagnostic, SourceLocation, Result, SourceText};
-use crate::scene::value_types::Span;
+use crate::error::{Diagnostic, Error, Result, SourceLocation, SourceText};
 use crate::scene::validation_errors::{KeyPath, ValidationError, ValidationErrors};
+use crate::scene::value_types::Span;
 
 /// How many mistakes are told one by one.
 const MAX_REPORTED: usize = 100;
@@ -19,7 +19,7 @@ const MAX_REPORTED: usize = 100;
 /// The gap between two texts on the line.
 const GAP: usize = 2;
 
-/// Something wrong at a place; [`Report::add`] makes it a [`Mistake`].
+/// Something wrong at a place; [`Diagnostics::add`] makes it a [`Diagnostic`].
 #[derive(Debug)]
 pub(super) struct SpannedError {
     span: Span,
@@ -72,7 +72,7 @@ impl SpannedError {
 pub(super) struct Diagnostics {
     sources: Vec<MappedSource>,
     errors: RefCell<Vec<SpannedError>>,
-    /// The tables and keys of which something wrong is told, as [`Path`] shows them.
+    /// The tables and keys of which something wrong is told, as [`KeyPath`] shows them.
     invalid_keys: RefCell<BTreeSet<String>>,
 }
 
@@ -93,7 +93,8 @@ impl Diagnostics {
 
     /// Puts one more text behind the others; returns where it begins.
     pub(super) fn add_source(&mut self, name: &str, text: &str) -> usize {
-        let begins = self.sources.last().map_or(0, |last| last.start + last.source.text.len() + GAP);
+        let begins =
+            self.sources.last().map_or(0, |last| last.start + last.source.text.len() + GAP);
         let source = Arc::new(SourceText { name: name.to_owned(), text: text.to_owned() });
         self.sources.push(MappedSource { start: begins, source });
         begins
@@ -111,7 +112,11 @@ impl Diagnostics {
 
     /// Notes the problems of values, at the places that `span_of` finds, but for those that follow from
     /// what was told already.
-    pub(super) fn add_validation_errors(&self, problems: ValidationErrors, span_of: impl Fn(&KeyPath) -> Span) {
+    pub(super) fn add_validation_errors(
+        &self,
+        problems: ValidationErrors,
+        span_of: impl Fn(&KeyPath) -> Span,
+    ) {
         for ValidationError { path: at, related: involves, message, help } in problems.0 {
             if ![&at].into_iter().chain(&involves).any(|path| self.is_invalid(path)) {
                 self.add(SpannedError::value(span_of(&at), message).help(help));
@@ -156,7 +161,8 @@ impl Diagnostics {
     /// When anything was found.
     pub(super) fn finish(&self) -> Result<()> {
         let mut found = self.errors.take();
-        let is_fault_of_file = |w: &&SpannedError| w.kind == ErrorKind::Syntax && self.is_in_file(&w.span);
+        let is_fault_of_file =
+            |w: &&SpannedError| w.kind == ErrorKind::Syntax && self.is_in_file(&w.span);
         if let Some(first) = found.iter().filter(is_fault_of_file).map(|w| w.span.start).min() {
             let text = &self.sources[0].source.text.as_bytes()[..first];
             let line = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
@@ -181,7 +187,11 @@ impl Diagnostics {
         let MappedSource { start: begins, source } = self.source_at(span.start);
         let within = |at: usize| (at - begins).min(source.text.len());
         let span = within(span.start)..within(span.end.max(span.start));
-        Diagnostic { message, location: Some(SourceLocation { source: source.clone(), span, label }), help }
+        Diagnostic {
+            message,
+            location: Some(SourceLocation { source: source.clone(), span, label }),
+            help,
+        }
     }
 
     fn source_at(&self, position: usize) -> &MappedSource {

@@ -1,6 +1,6 @@
 //! A typed cursor over a TOML document.
 //!
-//! Every read is one line that names a key and a reader. A mistake is noted in the [`Report`] with
+//! Every read is one line that names a key and a reader. A mistake is noted in the [`Diagnostics`] with
 //! its place, and reading goes on, so that all mistakes of a scene are told at once. A [`Table`]
 //! remembers which keys were asked for; the others are unknown, and that is a mistake too.
 
@@ -9,9 +9,9 @@ use std::cell::{Cell, RefCell};
 use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::scene::keys::{DefaultValue, Key};
-use crate::scene::value_types::{SpannedValue, ParseValue, Span, InvalidValue, type_name};
-use crate::scene::validation_errors::{KeyPath, PathSegment, quote_if_needed};
 use crate::scene::suggest::did_you_mean;
+use crate::scene::validation_errors::{KeyPath, PathSegment, quote_if_needed};
+use crate::scene::value_types::{InvalidValue, ParseValue, Span, SpannedValue, type_name};
 
 use super::diagnostics::{Diagnostics, SpannedError};
 
@@ -58,7 +58,11 @@ impl<'d> Table<'d> {
     }
 
     /// The value of a key that must be there.
-    pub(super) fn required<R: ParseValue>(&self, key: &'static str, reader: &R) -> Option<R::Output> {
+    pub(super) fn required<R: ParseValue>(
+        &self,
+        key: &'static str,
+        reader: &R,
+    ) -> Option<R::Output> {
         if self.node(key).is_none() {
             let message = format!("`{}` is missing", self.path_to(key));
             let help = format!("add `{key} = ...`, {}", reader.expects());
@@ -69,7 +73,11 @@ impl<'d> Table<'d> {
     }
 
     /// The value of a key that may be there.
-    pub(super) fn optional<R: ParseValue>(&self, key: &'static str, reader: &R) -> Option<R::Output> {
+    pub(super) fn optional<R: ParseValue>(
+        &self,
+        key: &'static str,
+        reader: &R,
+    ) -> Option<R::Output> {
         let node = self.node(key)?;
         let unfit = match reader.parse(node) {
             Ok(value) => return Some(value),
@@ -225,8 +233,20 @@ impl<'d> Table<'d> {
         self.allows_unknown.set(true);
     }
 
-    fn new(path: String, entries: Option<&'d DeTable<'d>>, span: Span, report: &'d Diagnostics) -> Self {
-        Self { path, entries, span, diagnostics: report, known: RefCell::default(), allows_unknown: Cell::new(false) }
+    fn new(
+        path: String,
+        entries: Option<&'d DeTable<'d>>,
+        span: Span,
+        report: &'d Diagnostics,
+    ) -> Self {
+        Self {
+            path,
+            entries,
+            span,
+            diagnostics: report,
+            known: RefCell::default(),
+            allows_unknown: Cell::new(false),
+        }
     }
 
     /// Reads, then complains of the keys that `read` did not ask for.
@@ -249,7 +269,8 @@ impl<'d> Table<'d> {
             let all = || format!("known here: {}", known.join(", "));
             let help = did_you_mean(name, known.iter().copied())
                 .or_else(|| (known.len() <= MAX_LISTED_KEYS).then(all));
-            self.diagnostics.add(SpannedError::value(key.span(), message).label("unknown key").help(help));
+            self.diagnostics
+                .add(SpannedError::value(key.span(), message).label("unknown key").help(help));
         }
     }
 

@@ -9,15 +9,15 @@ use toml::de::DeTable;
 use crate::error::{Error, Result};
 use crate::scene::description::SceneDescription;
 use crate::scene::import::{ImportPlan, check_count};
-use crate::scene::validation_errors::{self, ValidationErrors};
 use crate::scene::settings::Settings;
 use crate::scene::source::{ContentHash, SceneSource};
+use crate::scene::validation_errors::{self, ValidationErrors};
 use crate::scene::{Override, Scene};
 
+use super::diagnostics::Diagnostics;
 use super::document::{self, span_at};
 use super::overrides::ParsedOverride;
 use super::read::read;
-use super::diagnostics::Diagnostics;
 
 /// The longest scene file in bytes; more spheres than fit belong in a table.
 const MAX_FILE_BYTES: u64 = 256 << 20;
@@ -143,7 +143,9 @@ impl ErrorLocator {
     }
 
     fn add_errors(&self, problems: ValidationErrors, table: &DeTable<'_>) {
-        let span_of = |path: &validation_errors::KeyPath| span_at(table, path, self.diagnostics.end_of_file());
+        let span_of = |path: &validation_errors::KeyPath| {
+            span_at(table, path, self.diagnostics.end_of_file())
+        };
         self.diagnostics.add_validation_errors(problems, span_of);
     }
 

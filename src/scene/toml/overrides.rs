@@ -5,11 +5,11 @@
 
 use toml::de::{DeArray, DeTable, DeValue};
 
-use crate::scene::value_types::{SpannedValue, Span, type_name};
 use crate::scene::suggest::did_you_mean;
+use crate::scene::value_types::{Span, SpannedValue, type_name};
 
-use super::document::name_of;
 use super::diagnostics::{Diagnostics, SpannedError};
+use super::document::name_of;
 
 /// One key of the scene with the value that replaces what the file says.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -105,7 +105,8 @@ impl ParsedOverride {
                     self.require_material(table, step)?;
                 }
                 let key = toml::Spanned::new(self.key_span.clone(), step.name.clone().into());
-                let empty = || SpannedValue::new(self.key_span.clone(), DeValue::Table(DeTable::default()));
+                let empty =
+                    || SpannedValue::new(self.key_span.clone(), DeValue::Table(DeTable::default()));
                 table.entry(key).or_insert_with(empty)
             }
         };
@@ -120,7 +121,11 @@ impl ParsedOverride {
         }
     }
 
-    fn require_material(&self, materials: &DeTable<'_>, step: &KeySegment) -> Result<(), SpannedError> {
+    fn require_material(
+        &self,
+        materials: &DeTable<'_>,
+        step: &KeySegment,
+    ) -> Result<(), SpannedError> {
         if materials.contains_key(&*step.name) {
             return Ok(());
         }
@@ -184,7 +189,8 @@ impl ParsedOverride {
     fn value(&self) -> Result<SpannedValue<'_>, SpannedError> {
         let (mut table, errors) = DeTable::parse_recoverable(&self.value);
         let Some(error) = errors.first() else {
-            let value = table.get_mut().remove(PLACEHOLDER_KEY).filter(|_| table.get_ref().is_empty());
+            let value =
+                table.get_mut().remove(PLACEHOLDER_KEY).filter(|_| table.get_ref().is_empty());
             let message = "the value must be a single one";
             return value.ok_or_else(|| SpannedError::value(self.value_span.clone(), message));
         };

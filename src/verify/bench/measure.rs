@@ -10,8 +10,8 @@ use crate::job::MemoryPlan;
 use crate::task::CancelToken;
 
 use super::{
-    BackendBench, BackendSet, MAX_BRUTE_FORCE_SPHERES, BenchOptions, SECOND_BOUNCE, SweepPoint, StandardScene,
-    SweepResult, RenderBench, bench, sweep,
+    BackendBench, BackendSet, BenchOptions, MAX_BRUTE_FORCE_SPHERES, RenderBench, SECOND_BOUNCE,
+    StandardScene, SweepPoint, SweepResult, bench, sweep,
 };
 
 /// All the rays of a standard scene, and their copies for each intersector, in bytes.
@@ -92,7 +92,7 @@ impl Measuring {
     /// Builds the intersectors.
     ///
     /// # Errors
-    /// As [`Field::build`].
+    /// As [`BackendSet::build`].
     pub fn field(&self, spheres: &Arc<SphereSet>, backends: &[Backend]) -> Result<BackendSet> {
         let threads = rayon::current_num_threads();
         let (quality, cancel) = (self.quality, self.cancel.clone());
@@ -121,7 +121,13 @@ impl Measuring {
         let most = if self.scaling { threads } else { 1 };
         let scaling = swept(doubling(most).map(of_threads).collect())?;
         let kinds = kinds.iter().map(|kind| kind.name).collect();
-        Ok(SceneBench { ray_sets: kinds, results, batch_sweep: batches, thread_sweep: scaling, renders: Vec::new() })
+        Ok(SceneBench {
+            ray_sets: kinds,
+            results,
+            batch_sweep: batches,
+            thread_sweep: scaling,
+            renders: Vec::new(),
+        })
     }
 }
 
@@ -165,7 +171,12 @@ impl Suite {
         self.memory.is_none_or(|memory| plan.peak() + RAYS <= memory)
     }
 
-    fn entry(&self, arrangement: Arrangement, spheres: u64, backends: &[Backend]) -> Result<SuiteEntry> {
+    fn entry(
+        &self,
+        arrangement: Arrangement,
+        spheres: u64,
+        backends: &[Backend],
+    ) -> Result<SuiteEntry> {
         let scene = StandardScene::new(arrangement, spheres)?;
         let field = self.measuring.field(&scene.spheres, backends)?;
         let measured = self.measuring.measure(&field, scene.camera_rays)?;

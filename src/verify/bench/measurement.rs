@@ -75,7 +75,9 @@ impl QueryKind {
             }
             Self::Occluded => {
                 let mut blocked = vec![false; rays.len()];
-                time_batches(rays, &mut blocked, batch, |rays, blocked| accel.occluded(rays, blocked))
+                time_batches(rays, &mut blocked, batch, |rays, blocked| {
+                    accel.occluded(rays, blocked)
+                })
             }
         }
     }

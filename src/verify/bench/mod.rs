@@ -7,9 +7,9 @@
 mod measure;
 mod measurement;
 mod record;
+mod render_bench;
 mod standard_scene;
 mod sweep;
-mod render_bench;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -24,12 +24,12 @@ use crate::task::CancelToken;
 use super::rays;
 use measurement::{Measurement, SAMPLES_PER_PIXEL, sample_evenly};
 
-pub use measure::{SuiteEntry, Event, SceneBench, Measuring, Suite};
-pub use measurement::{ReportImage, QueryKind};
+pub use measure::{Event, Measuring, SceneBench, Suite, SuiteEntry};
+pub use measurement::{QueryKind, ReportImage};
 pub use record::Record;
+pub use render_bench::{RenderBench, bench_renders};
 pub use standard_scene::StandardScene;
 pub use sweep::{SweepPoint, SweepResult, sweep};
-pub use render_bench::{RenderBench, bench_renders};
 
 /// Rays of each kind whose ids are compared.
 const COMPARED_RAYS: usize = 4096;
@@ -127,7 +127,8 @@ impl BackendSet {
         for (&backend, mut all) in backends.iter().zip(seconds) {
             let (accel, seconds) = timed(backend)?;
             all.push(seconds);
-            let seconds = ReportImage::from_samples(all).unwrap_or(ReportImage::from_single(seconds));
+            let seconds =
+                ReportImage::from_samples(all).unwrap_or(ReportImage::from_single(seconds));
             built.push(BuiltBackend { backend, accel, seconds });
         }
         Ok(Self { spheres: spheres.clone(), built })
@@ -182,7 +183,8 @@ pub fn camera_rays(camera: &Camera, [width, height]: [u32; 2], most: usize) -> V
     let columns = || (0..width).step_by(step as usize);
     let pixels = (0..height).step_by(step as usize).flat_map(|y| columns().map(move |x| (x, y)));
     let cells = || (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
-    let ray = |(x, y), (column, row)| camera.generate_ray(place(x, column), place(y, row), LENS_CENTER);
+    let ray =
+        |(x, y), (column, row)| camera.generate_ray(place(x, column), place(y, row), LENS_CENTER);
     pixels.flat_map(|pixel| cells().map(move |cell| ray(pixel, cell))).collect()
 }
 
@@ -192,7 +194,7 @@ const LENS_CENTER: [f64; 2] = [0.5; 2];
 /// With more spheres than this, brute force is not worth the wait.
 pub const MAX_BRUTE_FORCE_SPHERES: u64 = 10_000;
 
-/// Kinds of rays that [`Field::kinds_of_rays`] makes.
+/// Kinds of rays that [`BackendSet::ray_sets`] makes.
 pub const RAY_SETS: usize = 4;
 
 /// What rays of the camera are called.
@@ -246,7 +248,10 @@ impl<'a> BackendRun<'a> {
                 .map(|question| Measurement::calibrated(question, &kind.rays, batch, accel))
         };
         let measurements = kinds.iter().map(calibrated).collect();
-        let ids = kinds.iter().map(|kind| ids(&sample_evenly(&kind.rays, COMPARED_RAYS), accel)).collect();
+        let ids = kinds
+            .iter()
+            .map(|kind| ids(&sample_evenly(&kind.rays, COMPARED_RAYS), accel))
+            .collect();
         Self { backend: built, measurements, ids }
     }
 
@@ -254,7 +259,11 @@ impl<'a> BackendRun<'a> {
         let rates = |(kind, [closest, occluded]): (usize, &[Measurement<'_>; 2])| {
             let both = self.ids[kind].iter().zip(&first.ids[kind]);
             let other_ids = both.filter(|(own, first)| own != first).count();
-            Some(Rates { closest: closest.rate()?, occluded: occluded.rate()?, differing_ids: other_ids })
+            Some(Rates {
+                closest: closest.rate()?,
+                occluded: occluded.rate()?,
+                differing_ids: other_ids,
+            })
         };
         let BuiltBackend { backend, accel, seconds } = self.backend;
         BackendBench {

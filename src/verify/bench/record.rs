@@ -11,20 +11,22 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::time::Instant;
 
-use crate::accel::{Accel, Backend, BuildOptions, BackendChoice};
+use crate::accel::{Accel, Backend, BackendChoice, BuildOptions};
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::generate::{Arrangement, Recipe, scene_text, write_rows};
 use crate::geometry::{PathRay, Sphere, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
-use crate::scene::description::{BackgroundDescription, SceneDescription, EnvironmentDescription, SurfaceModel};
-use crate::scene::{Scene, Settings, PreparedScene, read_text};
+use crate::scene::description::{
+    BackgroundDescription, EnvironmentDescription, SceneDescription, SurfaceModel,
+};
+use crate::scene::{PreparedScene, Scene, Settings, read_text};
 use crate::task::CancelToken;
 use crate::verify::rays;
 
 use super::{
-    CAMERA, BackendSet, ReportImage, QueryKind, RaySet, BenchOptions, SECOND_BOUNCE, SweepPoint, StandardScene, bench,
-    bench_renders, sweep,
+    BackendSet, BenchOptions, CAMERA, QueryKind, RaySet, ReportImage, SECOND_BOUNCE, StandardScene,
+    SweepPoint, bench, bench_renders, sweep,
 };
 
 const GAS: Arrangement = Arrangement::Gas;
@@ -85,7 +87,12 @@ impl Record {
         Ok(())
     }
 
-    fn field(&self, spheres: &StandardScene, backends: &[Backend], times: usize) -> Result<BackendSet> {
+    fn field(
+        &self,
+        spheres: &StandardScene,
+        backends: &[Backend],
+        times: usize,
+    ) -> Result<BackendSet> {
         BackendSet::build(&spheres.spheres, backends, &self.options(), times)
     }
 
@@ -114,7 +121,8 @@ impl Record {
             let scene = StandardScene::new(arrangement, spheres)?;
             let field = self.field(&scene, &PAIR, 1)?;
             let (accel, bounced) = second_bounce(&field, &scene.camera_rays)?;
-            let ask = |rays: &[PathRay]| rays.iter().map(|ray| scene.spheres.to_query(ray)).collect();
+            let ask =
+                |rays: &[PathRay]| rays.iter().map(|ray| scene.spheres.to_query(ray)).collect();
             let free: Vec<PathRay> = bounced.iter().map(|ray| freed(&scene.spheres, ray)).collect();
             let kinds = [
                 RaySet { name: SECOND_BOUNCE, rays: ask(&bounced) },
@@ -144,8 +152,8 @@ impl Record {
                 );
             }
             let (free, _) = rates(1)?;
-            let [closest, occluded] =
-                QueryKind::ALL.map(|question| ours.get(question).median / free.get(question).median);
+            let [closest, occluded] = QueryKind::ALL
+                .map(|question| ours.get(question).median / free.get(question).median);
             let _ = writeln!(
                 costs,
                 "{name:<13}{closest:10.2}{occluded:10.2}{:14.0} ns of {:.0}",
@@ -274,7 +282,8 @@ impl Record {
         for (arrangement, spheres, asked) in rendered {
             let (mut description, _) = generated(folder.path(), arrangement, spheres)?;
             let dome = EnvironmentDescription::Constant { radiance: Rgb::ONE };
-            description.background = BackgroundDescription { dome, ..BackgroundDescription::default() };
+            description.background =
+                BackgroundDescription { dome, ..BackgroundDescription::default() };
             let albedo = Rgb::splat(0.7);
             description.materials[0].surface = SurfaceModel::Diffuse { albedo, roughness: 0.0 };
             let mut settings = Settings::default();
@@ -337,7 +346,13 @@ fn median(values: Vec<f64>) -> f64 {
 }
 
 /// Rates in millions, how many times as fast ours is, and what is asked for.
-fn rate_row(name: &str, question: &str, ours: ReportImage, theirs: ReportImage, asked: &str) -> String {
+fn rate_row(
+    name: &str,
+    question: &str,
+    ours: ReportImage,
+    theirs: ReportImage,
+    asked: &str,
+) -> String {
     let ratio = ours.median / theirs.median;
     let [ours, theirs] = [ours, theirs].map(|rate| with_spread(rate.scaled(1e-6)));
     format!("{name:<13}{question:<10}{ours}  {theirs}   {ratio:5.2}{asked}\n")
@@ -355,7 +370,11 @@ fn second_bounce<'a>(
 
 /// The same ray from a little further on, where it has no sphere to overlook.
 fn freed(spheres: &SphereSet, ray: &PathRay) -> PathRay {
-    let step = if ray.origin_sphere == NO_SPHERE { 0.0 } else { 1e-3 * spheres.sphere(ray.origin_sphere).radius };
+    let step = if ray.origin_sphere == NO_SPHERE {
+        0.0
+    } else {
+        1e-3 * spheres.sphere(ray.origin_sphere).radius
+    };
     PathRay::new(ray.at(step), ray.direction)
 }
 

@@ -13,7 +13,7 @@ use crate::math::{Hit, Ray};
 use crate::scene::PreparedScene;
 use crate::task::CancelToken;
 
-use super::{BackendSet, ReportImage, MAX_BRUTE_FORCE_SPHERES};
+use super::{BackendSet, MAX_BRUTE_FORCE_SPHERES, ReportImage};
 
 /// What renders with one intersector took.
 #[derive(Clone, Debug, PartialEq)]
@@ -212,7 +212,10 @@ spheres = [
             assert_eq!(result.samples, 12 * 8 * 4);
             assert!(result.rays >= result.samples, "{result:?}");
             assert!(result.seconds.median > 0.0);
-            assert!(result.intersector_share.median > 0.0 && result.intersector_share.median < 1.0, "{result:?}");
+            assert!(
+                result.intersector_share.median > 0.0 && result.intersector_share.median < 1.0,
+                "{result:?}"
+            );
             assert_eq!(result.differing_pixels, 0);
         }
         options.cancel.cancel();

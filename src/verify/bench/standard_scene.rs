@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::camera::{Camera, CameraPose, CameraModel};
+use crate::camera::{Camera, CameraModel, CameraPose};
 use crate::error::Result;
 use crate::generate::{Arrangement, Recipe};
 use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
@@ -40,7 +40,11 @@ impl StandardScene {
     ///
     /// # Errors
     /// As for [`Self::new`].
-    pub fn with_extra_spheres(exact: Vec<Sphere>, arrangement: Arrangement, count: u64) -> Result<Self> {
+    pub fn with_extra_spheres(
+        exact: Vec<Sphere>,
+        arrangement: Arrangement,
+        count: u64,
+    ) -> Result<Self> {
         let recipe = Recipe::new(arrangement, count, SEED, false)?;
         let table = (0..count).into_par_iter().map(|index| recipe.sphere(index).sphere).collect();
         let spheres = SphereSet::new(SphereRows { exact, table })?;

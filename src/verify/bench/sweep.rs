@@ -15,7 +15,7 @@ use crate::math::Ray;
 use crate::task::CancelToken;
 
 use super::measurement::sample_evenly;
-use super::{BackendSet, ReportImage, Measurement, QueryKind};
+use super::{BackendSet, Measurement, QueryKind, ReportImage};
 
 /// The most rays that are asked with.
 pub(super) const MAX_RAYS: usize = 1 << 18;

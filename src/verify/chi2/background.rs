@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use crate::color::Rgb;
 use crate::geometry::{Cone, Side, Sphere, SphereRows, SphereSet, SurfaceHit};
-use crate::light::{Environment, EnvironmentMap, Emitter, Lights, Orientation, LightSampleContext, Sky, LightSource, SunLight};
+use crate::light::{
+    Emitter, Environment, EnvironmentMap, LightSampleContext, LightSource, Lights, Orientation,
+    Sky, SunLight,
+};
 use crate::math::{DVec3, Frame};
 use crate::sampling::{Sampler, sin_cos};
 
@@ -26,7 +29,11 @@ pub(super) fn tests() -> Vec<SamplingTest> {
         ("far from them", DVec3::new(3.0, -8.0, 1.0), false),
     ] {
         let receiver = receiver(place, is_two_sided);
-        pairs.push(light_choice(&format!("choice of 40 lamps, {name}"), Environment::default(), receiver));
+        pairs.push(light_choice(
+            &format!("choice of 40 lamps, {name}"),
+            Environment::default(),
+            receiver,
+        ));
         pairs.push(light_choice(
             &format!("choice of 40 lamps and a sky, {name}"),
             sky_and_sun(),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::color::Rgb;
 use crate::geometry::{Cone, PathRay, Sphere, SphereRows, SphereSet};
-use crate::light::{Environment, Emitter, Lights, LightSampleContext, LightSource};
+use crate::light::{Emitter, Environment, LightSampleContext, LightSource, Lights};
 use crate::math::{DVec3, Frame, Hit};
 
 use super::SamplingTest;
@@ -32,8 +32,13 @@ impl LitScene {
         let lights = Lights::new(lamps.map(lamp).collect(), &spheres, Environment::default());
         let id = id_of(&spheres, 0);
         let ray = PathRay::new(spheres.sphere(id).center - towards * 3.0, towards);
-        let hit = spheres.resolve_hit(&ray, Hit { t: 0.0, id }).expect("the ray aims at its centre");
-        Arc::new(Self { spheres, lights, receiver: LightSampleContext { hit, is_two_sided: false } })
+        let hit =
+            spheres.resolve_hit(&ray, Hit { t: 0.0, id }).expect("the ray aims at its centre");
+        Arc::new(Self {
+            spheres,
+            lights,
+            receiver: LightSampleContext { hit, is_two_sided: false },
+        })
     }
 
     fn pdf(&self, source: LightSource, direction: DVec3) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::material::{Bsdf, Dielectric, Ggx, Lobe, EnergyCompensation};
+use crate::material::{Bsdf, Dielectric, EnergyCompensation, Ggx, Lobe};
 use crate::math::{DVec3, Frame};
 use crate::sampling::{Sampler, sin_cos};
 
@@ -14,7 +14,9 @@ use super::SamplingTest;
 const DEGREES: [f64; 3] = [0.0, 45.0, 85.0];
 
 pub(super) fn tests() -> Vec<SamplingTest> {
-    let spread = material_cases(Effort::Quick).into_iter().filter(|s| s.in_chi2_suite && !s.bsdf().is_delta());
+    let spread = material_cases(Effort::Quick)
+        .into_iter()
+        .filter(|s| s.in_chi2_suite && !s.bsdf().is_delta());
     let rows = |sample: Arc<MaterialCase>| DEGREES.map(|degrees| bsdf(sample.clone(), degrees));
     let microfacets =
         [(0.4, 0.0), (0.4, 60.0), (0.4, 88.0), (1.0, 30.0), (1.0, 89.9)].map(|(r, at)| ggx(r, at));

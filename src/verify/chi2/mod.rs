@@ -9,8 +9,8 @@ mod camera;
 mod geometry;
 mod lights;
 mod materials;
-mod sampling_test;
 mod sampling;
+mod sampling_test;
 
 pub use sampling_test::SamplingTest;
 

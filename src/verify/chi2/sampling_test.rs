@@ -43,7 +43,15 @@ impl SamplingTest {
     ) -> Self {
         let (sample, density) = (Box::new(sample), Box::new(pdf));
         let (cells, fewest_midpoints) = (CELLS, MIN_MIDPOINTS);
-        Self { name: name.into(), sample, pdf: density, low, high, cells, min_midpoints: fewest_midpoints }
+        Self {
+            name: name.into(),
+            sample,
+            pdf: density,
+            low,
+            high,
+            cells,
+            min_midpoints: fewest_midpoints,
+        }
     }
 
     /// The density jumps within cells, where few midpoints may agree with one another by chance: every
@@ -53,7 +61,7 @@ impl SamplingTest {
         Self { min_midpoints: MAX_MIDPOINTS / 2, ..self }
     }
 
-    /// Over the unit directions at most `up_to` (radians) away from +z, with the density per solid
+    /// Over the unit directions at most `max_theta` (radians) away from +z, with the density per solid
     /// angle. The cells are in polar angle and azimuth.
     pub fn over_cap(
         name: impl Into<String>,

@@ -23,7 +23,7 @@ use crate::image_io::Picture;
 use crate::job::render_with_accel;
 use crate::scene::{Override, PreparedScene, read_text};
 use crate::task::CancelToken;
-use crate::verify::check::{Effort, TestStatistic, CheckMeasurement, seed};
+use crate::verify::check::{CheckMeasurement, Effort, TestStatistic, seed};
 use crate::verify::statistics::{MeanEstimate, ROUNDING};
 
 use super::{ClosedForm, RenderVariant};
@@ -56,7 +56,8 @@ pub(super) fn measure(
     };
     let pictures: Vec<Picture> = (0..SEEDS).map(one).collect::<Result<_>>()?;
     let samples = shot.render_settings().samples_per_pixel;
-    let values: Vec<PixelValues> = pictures.iter().map(|picture| PixelValues::of(picture, form)).collect();
+    let values: Vec<PixelValues> =
+        pictures.iter().map(|picture| PixelValues::of(picture, form)).collect();
     Ok(compare(&values, &answer, samples))
 }
 
@@ -73,7 +74,12 @@ fn table_folder(form: &ClosedForm) -> Result<Option<TempDir>> {
     Ok(Some(folder))
 }
 
-fn shot(form: &ClosedForm, way: &RenderVariant, effort: Effort, folder: Option<&TempDir>) -> Result<PreparedScene> {
+fn shot(
+    form: &ClosedForm,
+    way: &RenderVariant,
+    effort: Effort,
+    folder: Option<&TempDir>,
+) -> Result<PreparedScene> {
     let samples = form.samples * effort.select([2, 8, 32]);
     let own = format!("render.samples_per_pixel={samples}");
     let overrides: Vec<Override> = way.overrides().chain([&*own]).filter_map(set).collect();

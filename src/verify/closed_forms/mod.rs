@@ -6,9 +6,9 @@
 //! for each pixel; pixels that hold an edge between two surfaces have none. How a
 //! picture is judged says `judge.rs`.
 
-mod reference_image;
-mod forms;
 mod comparison;
+mod forms;
+mod reference_image;
 mod sphere_light;
 mod variants;
 
@@ -17,7 +17,7 @@ pub use variants::RenderVariant;
 
 use crate::accel::Backend;
 
-use super::check::{Check, Effort, CheckGroup};
+use super::check::{Check, CheckGroup, Effort};
 
 /// A check for every form, and every combination of the others that the effort allows.
 pub fn checks(effort: Effort, backends: &[Backend]) -> Vec<Check> {
@@ -29,7 +29,12 @@ pub fn checks(effort: Effort, backends: &[Backend]) -> Vec<Check> {
 }
 
 /// The check of one form in one way.
-pub fn check(form: &'static ClosedForm, way: &RenderVariant, backend: Backend, effort: Effort) -> Check {
+pub fn check(
+    form: &'static ClosedForm,
+    way: &RenderVariant,
+    backend: Backend,
+    effort: Effort,
+) -> Check {
     let name = format!("{}: {}, {}", form.name, way.name(), backend.name());
     let (seed_of, way) = (name.clone(), way.clone());
     Check::new(CheckGroup::ClosedForms, name, move |cancel| {

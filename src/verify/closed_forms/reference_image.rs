@@ -49,7 +49,11 @@ impl ChartLine {
     }
 
     /// The first of the spheres, but for the one that the line leaves.
-    pub(super) fn nearest_hit(&self, spheres: &[Sphere], leaves: Option<usize>) -> Option<(usize, f64)> {
+    pub(super) fn nearest_hit(
+        &self,
+        spheres: &[Sphere],
+        leaves: Option<usize>,
+    ) -> Option<(usize, f64)> {
         let others = spheres.iter().enumerate().filter(|(i, _)| Some(*i) != leaves);
         let hits = others.filter_map(|(i, sphere)| Some((i, self.hit_distance(sphere)?)));
         hits.min_by(|a, b| a.1.total_cmp(&b.1))
@@ -74,7 +78,8 @@ pub(super) fn spheres(shot: &PreparedScene) -> Vec<Sphere> {
 /// corner; those of other cameras see nothing.
 pub(super) fn rays(shot: &PreparedScene) -> impl Fn(f64, f64) -> ChartLine {
     let camera = &shot.description().camera;
-    let [width, height] = [shot.image_settings().width, shot.image_settings().height].map(f64::from);
+    let [width, height] =
+        [shot.image_settings().width, shot.image_settings().height].map(f64::from);
     let forward = (camera.look_at - camera.position).normalize();
     let right = forward.cross(camera.up).normalize();
     let up = right.cross(forward);

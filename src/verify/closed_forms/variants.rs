@@ -46,7 +46,8 @@ static ESTIMATORS: [NamedOverrides; 9] = [
 const DIRECT: std::ops::Range<usize> = 3..6;
 
 /// Integrators that a scene names itself.
-static SCENE_INTEGRATORS: [NamedOverrides; 2] = [named_overrides("ambient-occlusion", &[]), named_overrides("normals", &[])];
+static SCENE_INTEGRATORS: [NamedOverrides; 2] =
+    [named_overrides("ambient-occlusion", &[]), named_overrides("normals", &[])];
 
 /// The default comes first.
 static SAMPLERS: [NamedOverrides; 3] = [
@@ -100,7 +101,9 @@ fn estimators(form: &ClosedForm) -> impl Iterator<Item = &'static NamedOverrides
         LightTransport::Direct => true,
         LightTransport::Integrator(_) => false,
     };
-    let named = SCENE_INTEGRATORS.iter().filter(move |choice| shows == LightTransport::Integrator(choice.name));
+    let named = SCENE_INTEGRATORS
+        .iter()
+        .filter(move |choice| shows == LightTransport::Integrator(choice.name));
     let others = ESTIMATORS.iter().enumerate().filter(finds_all).map(|(_, estimator)| estimator);
     named.chain(others)
 }

@@ -156,7 +156,7 @@ impl ChartPoint {
     }
 
     /// Squared error times seconds: what a method costs, the same at every number of independent
-    /// samples. For [`Metric::Relmse`] the relative squared error.
+    /// samples. For [`ErrorMetric::Relmse`] the relative squared error.
     pub fn cost(&self, metric: ErrorMetric) -> MeanEstimate {
         self.estimate(|run| match metric {
             ErrorMetric::Rmse => run.mse * run.seconds,
@@ -193,7 +193,8 @@ impl Series {
         };
         let lines: Vec<(f64, f64)> = (0..self.points[0].runs.len()).map(line_of).collect();
         let slope = MeanEstimate::from_values(&lines.iter().map(|line| line.0).collect::<Vec<_>>());
-        let intercept = MeanEstimate::from_values(&lines.iter().map(|line| line.1).collect::<Vec<_>>()).mean;
+        let intercept =
+            MeanEstimate::from_values(&lines.iter().map(|line| line.1).collect::<Vec<_>>()).mean;
         let is_real = slope.mean.is_finite() && intercept.is_finite();
         is_real.then_some(LogLogFit { slope, intercept })
     }

@@ -8,7 +8,7 @@ use crate::accel::{Accel, Backend, BuildOptions};
 use crate::color::Rgb;
 use crate::error::Result;
 use crate::job::{self, RenderedImage};
-use crate::scene::{Scene, Settings, PreparedScene};
+use crate::scene::{PreparedScene, Scene, Settings};
 use crate::task::CancelToken;
 
 use super::{ChartPoint, Reference, Series};
@@ -81,7 +81,8 @@ impl Study {
         let mut series: Vec<Series> = self.variants.iter().map(empty).collect();
         for (at, &samples) in self.samples.iter().enumerate() {
             let shot = |variant: &Variant| PreparedScene::new(&self.scene, variant.settings[at]);
-            let mut shots: Vec<PreparedScene> = self.variants.iter().map(shot).collect::<Result<_>>()?;
+            let mut shots: Vec<PreparedScene> =
+                self.variants.iter().map(shot).collect::<Result<_>>()?;
             let mut runs = vec![Vec::new(); shots.len()];
             // The variants take turns, so that what else the machine does troubles all alike.
             for seed in self.seeds.clone() {
@@ -114,7 +115,11 @@ impl Study {
 }
 
 /// The beauty, and the seconds it took.
-fn render(shot: &PreparedScene, accel: &dyn Accel, done: &dyn Fn(&RenderedImage)) -> Result<(Vec<Rgb>, f64)> {
+fn render(
+    shot: &PreparedScene,
+    accel: &dyn Accel,
+    done: &dyn Fn(&RenderedImage),
+) -> Result<(Vec<Rgb>, f64)> {
     let began = Instant::now();
     let rendered = job::render_with_accel(shot, accel, &[], &CancelToken::default())?;
     let seconds = began.elapsed().as_secs_f64();

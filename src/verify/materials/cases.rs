@@ -2,8 +2,8 @@
 
 use crate::color::Rgb;
 use crate::material::{
-    Bsdf, Coat, Conductor, Dielectric, Diffuse, NAMED_IORS, Material, Metal, Mirror, Model, OrenNayar,
-    Phong, Plastic, Principled, PrincipledParameters,
+    Bsdf, Coat, Conductor, Dielectric, Diffuse, Material, Metal, Mirror, Model, NAMED_IORS,
+    OrenNayar, Phong, Plastic, Principled, PrincipledParameters,
 };
 use crate::sampling::Hemisphere;
 
@@ -45,7 +45,7 @@ pub(super) enum EnergyBound {
     NonPhysical,
 }
 
-use EnergyBound::{Lossless, Passive, NonPhysical};
+use EnergyBound::{Lossless, NonPhysical, Passive};
 
 /// Formulas without tables, or tables of smooth functions that rounding hides: what is off is rounding.
 const EXACT: Tolerance = Tolerance { sampled: 0.0, evaluated: 0.0 };
@@ -79,7 +79,11 @@ impl MaterialCase {
         if roughness == 0.0 {
             return self;
         }
-        Self { facet_roughnesses: [self.facet_roughnesses, vec![roughness]].concat(), tolerance, ..self }
+        Self {
+            facet_roughnesses: [self.facet_roughnesses, vec![roughness]].concat(),
+            tolerance,
+            ..self
+        }
     }
 
     fn without_chi2(self) -> Self {
@@ -113,13 +117,21 @@ pub(in crate::verify) fn material_cases(effort: Effort) -> Vec<MaterialCase> {
     .flatten()
     .collect();
     if effort == Effort::Full {
-        all.extend([metals(&EXTRA_ROUGHNESSES), named_glasses(), plastics(), glass_of_many_indices(&EXTRA_ROUGHNESSES)].concat());
+        all.extend(
+            [
+                metals(&EXTRA_ROUGHNESSES),
+                named_glasses(),
+                plastics(),
+                glass_of_many_indices(&EXTRA_ROUGHNESSES),
+            ]
+            .concat(),
+        );
     }
     all
 }
 
 const BASIC_ROUGHNESSES: [f64; 5] = [0.0, 0.1, 0.4, 0.7, 1.0];
-/// Between and beyond [`FEW`].
+/// Between and beyond [`BASIC_ROUGHNESSES`].
 const EXTRA_ROUGHNESSES: [f64; 10] = [0.01, 0.02, 0.03, 0.05, 0.2, 0.3, 0.5, 0.6, 0.8, 0.9];
 
 /// A colour that tells its channels apart.
@@ -147,7 +159,8 @@ fn metals(roughness: &[f64]) -> Vec<MaterialCase> {
     for &roughness in roughness {
         let metal = |name: &str, metal, promise| {
             let name = format!("{name}, roughness {roughness}");
-            MaterialCase::opaque(name, Model::Conductor(metal), promise).with_roughness(roughness, METAL)
+            MaterialCase::opaque(name, Model::Conductor(metal), promise)
+                .with_roughness(roughness, METAL)
         };
         let is_tabled = roughness == 0.4 || roughness == 1.0;
         for sample in [
@@ -174,7 +187,8 @@ fn both_sides(eta: f64, roughness: f64) -> [MaterialCase; 2] {
         let told = if eta < 0.2 { format!("{eta:.3}") } else { format!("{eta:.2}") };
         let name = format!("glass, eta {told}, roughness {roughness}");
         let tolerance = GLASS;
-        MaterialCase { eta, ..MaterialCase::opaque(name, model.clone(), Lossless) }.with_roughness(roughness, tolerance)
+        MaterialCase { eta, ..MaterialCase::opaque(name, model.clone(), Lossless) }
+            .with_roughness(roughness, tolerance)
     })
 }
 
@@ -185,14 +199,18 @@ fn glass() -> Vec<MaterialCase> {
     for roughness in [0.0, 0.01, 0.1, 0.3, 0.6, 1.0] {
         for eta in [1.5, 2.4, 1.05] {
             let is_tabled = roughness > 0.1 && eta != 1.05 && (eta < 2.0 || roughness == 0.6);
-            samples.extend(both_sides(eta, roughness).map(|s| MaterialCase { in_chi2_suite: is_tabled, ..s }));
+            samples.extend(
+                both_sides(eta, roughness).map(|s| MaterialCase { in_chi2_suite: is_tabled, ..s }),
+            );
         }
     }
     for (eta, roughness) in
         [(1.1, 0.4), (1.1, 1.0), (2.5, 0.2), (2.5, 1.0), (3.0, 1.0), (10.0, 1.0)]
     {
         let is_tabled = eta == 3.0;
-        samples.extend(both_sides(eta, roughness).map(|s| MaterialCase { in_chi2_suite: is_tabled, ..s }));
+        samples.extend(
+            both_sides(eta, roughness).map(|s| MaterialCase { in_chi2_suite: is_tabled, ..s }),
+        );
     }
     samples
 }
@@ -211,7 +229,8 @@ fn named_glasses() -> Vec<MaterialCase> {
     let of = |(name, ior): (&str, f64)| {
         [0.0, 0.25, 0.75].map(|roughness| {
             let model = Model::Dielectric(Dielectric::new(ior, 0, roughness, &[1.0]));
-            let sample = MaterialCase::opaque(format!("{name}, roughness {roughness}"), model, Lossless);
+            let sample =
+                MaterialCase::opaque(format!("{name}, roughness {roughness}"), model, Lossless);
             // Air is too near to vacuum to have a rough boundary.
             let facets = if ior < 1.01 { 0.0 } else { roughness };
             MaterialCase { eta: ior, ..sample }.with_roughness(facets, GLASS).without_chi2()
@@ -227,7 +246,8 @@ fn plastic(ior: f64, roughness: &[f64]) -> Vec<MaterialCase> {
             let model = Model::Plastic(Plastic { albedo, coat: Coat::new(ior, roughness) });
             let of_index = if ior == 1.5 { String::new() } else { format!("of index {ior}, ") };
             let name = format!("{color} plastic, {of_index}roughness {roughness}");
-            let sample = MaterialCase::opaque(name, model, promise).with_roughness(roughness, COATED);
+            let sample =
+                MaterialCase::opaque(name, model, promise).with_roughness(roughness, COATED);
             let is_tabled = ior == 1.5 && roughness != 0.1;
             samples.push(MaterialCase { in_chi2_suite: is_tabled, ..sample });
         }
@@ -286,7 +306,9 @@ fn principled() -> Vec<MaterialCase> {
             let coat = if is_coated { parameters.coat_roughness } else { 0.0 };
             let is_glassy = parameters.transmission > 0.0;
             let tables = if is_glassy { WITH_GLASS } else { COATED };
-            samples.push(sample.with_roughness(coat, tables).with_roughness(parameters.roughness, tables));
+            samples.push(
+                sample.with_roughness(coat, tables).with_roughness(parameters.roughness, tables),
+            );
         }
     }
     samples

@@ -78,7 +78,8 @@ impl Proposals {
         let mut ways = Vec::new();
         if !bsdf.is_delta() {
             ways.extend([Proposal::Cosine(1.0), Proposal::Horizon(1.0)]);
-            for ggx in sample.facet_roughnesses.iter().filter_map(|&roughness| Ggx::new(roughness)) {
+            for ggx in sample.facet_roughnesses.iter().filter_map(|&roughness| Ggx::new(roughness))
+            {
                 ways.push(Proposal::Reflect(ggx));
                 if bsdf.is_rough_transmissive() {
                     ways.push(Proposal::Refract(ggx));

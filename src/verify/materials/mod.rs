@@ -6,8 +6,8 @@
 //! confidence: none where it has a formula, and what its documentation says where it reads tables
 //! (`samples.rs`).
 
-mod energy;
 mod cases;
+mod energy;
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use crate::math::DVec3;
 use crate::sampling::{Hemisphere, Sampler, sin_cos};
 use crate::task::CancelToken;
 
-use super::check::{Check, Effort, TestStatistic, CheckGroup, CheckMeasurement, seed};
+use super::check::{Check, CheckGroup, CheckMeasurement, Effort, TestStatistic, seed};
 use super::statistics::MeanEstimate;
 
 use cases::{EnergyBound, Tolerance};
@@ -46,9 +46,10 @@ pub(super) fn checks(effort: Effort) -> Vec<Check> {
         let sample = Arc::new(sample);
         let is_fair = sample.energy_bound != EnergyBound::NonPhysical;
         let (name, of_energy) = (sample.name.clone(), sample.clone());
-        let energy = Check::new(CheckGroup::Materials, format!("energy of {name}"), move |cancel| {
-            check_energy(&of_energy, degrees, directions, cancel)
-        });
+        let energy =
+            Check::new(CheckGroup::Materials, format!("energy of {name}"), move |cancel| {
+                check_energy(&of_energy, degrees, directions, cancel)
+            });
         let both_ways = is_fair.then(|| {
             let name = format!("both ways through {name}");
             Check::new(CheckGroup::Materials, name, move |_| Ok(check_reciprocity(&sample, pairs)))
@@ -72,7 +73,8 @@ fn check_energy(
         energy.sampled.iter().for_each(|energy| drawn.include(energy.mean));
         energy.evaluated.iter().for_each(|energy| evaluated.include(energy.mean));
         let Tolerance { sampled: of_drawn, evaluated: of_evaluated } = sample.tolerance;
-        for (energies, tolerance) in [(energy.sampled, of_drawn), (energy.evaluated, of_evaluated)] {
+        for (energies, tolerance) in [(energy.sampled, of_drawn), (energy.evaluated, of_evaluated)]
+        {
             let each =
                 energies.into_iter().map(|energy| p_value(energy, sample.energy_bound, tolerance));
             worst = each.fold(worst, f64::min);
@@ -151,7 +153,10 @@ fn check_reciprocity(sample: &MaterialCase, pairs: u32) -> CheckMeasurement {
             wrong += usize::from(!is_near(weight, drawn.weight));
         }
     }
-    CheckMeasurement::new(TestStatistic::ErrorCount(wrong), format!("{wrong} of {pairs} pairs differ"))
+    CheckMeasurement::new(
+        TestStatistic::ErrorCount(wrong),
+        format!("{wrong} of {pairs} pairs differ"),
+    )
 }
 
 fn is_near(a: Rgb, b: Rgb) -> bool {
@@ -193,7 +198,9 @@ mod tests {
         let found = check_energy(&bright, &DEGREES, 512, &CancelToken::default());
         let found = found.expect("nobody cancels").statistic;
         assert!(matches!(found, TestStatistic::PValue(p) if p < 1e-9));
-        let classic = material_cases(Effort::Quick).into_iter().find(|s| s.energy_bound == EnergyBound::NonPhysical);
+        let classic = material_cases(Effort::Quick)
+            .into_iter()
+            .find(|s| s.energy_bound == EnergyBound::NonPhysical);
         let found = check_reciprocity(&classic.expect("classic phong"), 100);
         assert!(matches!(found.statistic, TestStatistic::ErrorCount(wrong) if wrong > 20));
     }

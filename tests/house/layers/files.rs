@@ -110,7 +110,7 @@ impl Files {
     }
 }
 
-/// `src/film/tile.rs` is the module `film::tile`, and so would be `src/film/tile/mod.rs`.
+/// `src/film/tile.rs` is the module `into_film::tile`, and so would be `src/film/tile/mod.rs`.
 fn module_of(file: &str) -> Path {
     let path = file.trim_start_matches("src/").trim_end_matches(".rs");
     let path = path.trim_end_matches("/mod");

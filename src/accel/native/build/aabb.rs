@@ -13,7 +13,7 @@ impl Aabb {
         Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
 
     /// The box of `[x, y, z, radius]`, with the f32 rounding of `x - radius`; see
-    /// [`crate::accel::native::node::Node::set`] for what makes up for it.
+    /// [`crate::accel::native::node::Node::set_child`] for what makes up for it.
     pub(in crate::accel::native) fn from_sphere(sphere: &[f32; 4]) -> Self {
         let radius = sphere[3];
         Self { low: sphere.map(|x| x - radius), high: sphere.map(|x| x + radius) }

@@ -1,7 +1,7 @@
 //! The binary tree over one cell: what the wide tree is cut from.
 
 use super::aabb::Aabb;
-use super::split::{self, SAH_BLOCK_SIZE, PrimRef};
+use super::split::{self, PrimRef, SAH_BLOCK_SIZE};
 
 /// Levels that the heuristic may shape; below them, items are halved.
 const MAX_SAH_DEPTH: usize = 24;
@@ -29,19 +29,29 @@ pub(super) struct BinaryNode {
 
 impl BinaryBvh {
     /// Over items that it reorders, cut where the surface area heuristic says so, down to
-    /// [`GROUP`] items.
+    /// [`SAH_BLOCK_SIZE`] items.
     pub(super) fn build_sah(items: &mut [PrimRef]) -> Self {
         let mut binary = Self { nodes: Vec::with_capacity(items.len()) };
         binary.build_sah_node(items, 0, split::bounds_of(items), 0);
         binary
     }
 
-    fn build_sah_node(&mut self, items: &mut [PrimRef], first: u32, bounds: Aabb, level: usize) -> u32 {
+    fn build_sah_node(
+        &mut self,
+        items: &mut [PrimRef],
+        first: u32,
+        bounds: Aabb,
+        level: usize,
+    ) -> u32 {
         debug_assert!(level <= MAX_DEPTH, "{level}");
         if items.len() <= SAH_BLOCK_SIZE {
             return self.push_leaf(items.len(), first, bounds);
         }
-        let cut = if level < MAX_SAH_DEPTH { split::split_sah(items) } else { split::split_median(items) };
+        let cut = if level < MAX_SAH_DEPTH {
+            split::split_sah(items)
+        } else {
+            split::split_median(items)
+        };
         let (left, right) = items.split_at_mut(cut.index);
         let halves = [
             self.build_sah_node(left, first, cut.bounds[0], level + 1),
@@ -58,14 +68,21 @@ impl BinaryBvh {
         binary
     }
 
-    fn build_morton_node(&mut self, items: &[PrimRef], codes: &[u64], first: u32, level: usize) -> u32 {
+    fn build_morton_node(
+        &mut self,
+        items: &[PrimRef],
+        codes: &[u64],
+        first: u32,
+        level: usize,
+    ) -> u32 {
         debug_assert!(level <= MAX_DEPTH, "{level}");
         if items.len() <= SAH_BLOCK_SIZE {
             return self.push_leaf(items.len(), first, split::bounds_of(items));
         }
         let at = if level < MAX_SAH_DEPTH { split::morton_split(codes) } else { items.len() / 2 };
         let left = self.build_morton_node(&items[..at], &codes[..at], first, level + 1);
-        let right = self.build_morton_node(&items[at..], &codes[at..], first + at as u32, level + 1);
+        let right =
+            self.build_morton_node(&items[at..], &codes[at..], first + at as u32, level + 1);
         self.push_inner(left, right)
     }
 

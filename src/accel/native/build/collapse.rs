@@ -9,7 +9,7 @@
 //! `t / T + b / B`, which is a sum over nodes and leaves. Of the two, the tree with the smaller product is
 //! taken, so that the optimal way is never worse than the greedy one.
 
-use crate::accel::native::node::{LEAF_SIZE, SphereLeaf, LeafIds, BvhNode, WIDTH};
+use crate::accel::native::node::{BvhNode, LEAF_SIZE, LeafIds, SphereLeaf, WIDTH};
 
 use super::binary_bvh::{BinaryBvh, BinaryNode};
 
@@ -67,7 +67,8 @@ impl<'a> Collapse<'a> {
     }
 
     fn optimal(binary: &'a BinaryBvh, leaves: LeafKind, reference: TreeCost) -> Self {
-        let mut collapse = Self { bvh: binary, leaf_kind: leaves, cuts: Vec::with_capacity(binary.nodes.len()) };
+        let mut collapse =
+            Self { bvh: binary, leaf_kind: leaves, cuts: Vec::with_capacity(binary.nodes.len()) };
         for part in &binary.nodes {
             let choice = collapse.best_cuts(part, reference);
             collapse.cuts.push(choice);
@@ -161,7 +162,8 @@ impl<'a> Collapse<'a> {
                 }
             }
         }
-        let as_node = TreeCost { time: NODE_COST * area, bytes: NODE_BYTES }.relative_to(near) + cut[WIDTH].0;
+        let as_node =
+            TreeCost { time: NODE_COST * area, bytes: NODE_BYTES }.relative_to(near) + cut[WIDTH].0;
         let is_leaf = self.can_be_leaf(part) && as_leaf <= as_node;
         let mut choice = CutTable::default();
         choice.left[WIDTH - 1] = if is_leaf { 0 } else { cut[WIDTH].1 };
@@ -256,7 +258,9 @@ mod tests {
             assert!(best.cost().product() <= greedy.product(), "{count} spheres");
             assert_eq!(best.is_optimal(), best.cost().product() < greedy.product());
         }
-        assert!(Collapse::best(&BinaryBvh::build_sah(&mut row(1000)), LeafKind::Spheres).is_optimal());
+        assert!(
+            Collapse::best(&BinaryBvh::build_sah(&mut row(1000)), LeafKind::Spheres).is_optimal()
+        );
     }
 
     #[test]

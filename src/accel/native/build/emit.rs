@@ -1,10 +1,10 @@
 //! Writes nodes and leaves as a collapse has chosen them.
 
-use super::binary_bvh::BinaryBvh;
 use super::aabb::Aabb;
+use super::binary_bvh::BinaryBvh;
 use super::collapse::Collapse;
 use super::split::PrimRef;
-use crate::accel::native::node::{NodeRef, SphereLeaf, LeafIds, BvhNode};
+use crate::accel::native::node::{BvhNode, LeafIds, NodeRef, SphereLeaf};
 
 /// Nodes and leaves that refer to each other by their place in here, parents before children.
 #[derive(Default)]

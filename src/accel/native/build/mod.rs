@@ -9,12 +9,12 @@
 //! Cells are built in waves, and the trees of a wave moved behind those of the one before: beside
 //! the tree itself, no more memory is needed than for one wave.
 
-mod binary_bvh;
 mod aabb;
-mod treelets;
+mod binary_bvh;
 mod collapse;
 mod emit;
 mod split;
+mod treelets;
 
 use std::ops::Range;
 
@@ -24,15 +24,15 @@ use crate::accel::options::{BuildOptions, BuildQuality};
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 
+use super::bvh::Bvh;
 use super::kernel::huge_pages::HugePageVec;
 use super::limits::MAX_DEPTH;
-use super::node::{NodeRef, LEAF_SIZE, SphereLeaf, LeafIds, BvhNode};
-use super::bvh::Bvh;
+use super::node::{BvhNode, LEAF_SIZE, LeafIds, NodeRef, SphereLeaf};
 
 use binary_bvh::BinaryBvh;
-use treelets::Treelets;
 use collapse::{Collapse, LeafKind};
 use emit::EmittedTree;
+use treelets::Treelets;
 
 pub(super) use aabb::{Aabb, fast_max};
 pub(super) use split::PrimRef;
@@ -40,7 +40,8 @@ pub(super) use split::PrimRef;
 /// Spheres of a wave.
 const SPHERES_PER_BATCH: usize = 1 << 20;
 
-const _: () = assert!(treelets::MAX_DEPTH + binary_bvh::MAX_DEPTH <= MAX_DEPTH, "no tree outgrows the stack");
+const _: () =
+    assert!(treelets::MAX_DEPTH + binary_bvh::MAX_DEPTH <= MAX_DEPTH, "no tree outgrows the stack");
 
 /// How the tree over some spheres came about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -80,7 +81,9 @@ pub(super) fn build(set: &SphereSet, options: &BuildOptions) -> Result<(Bvh, Bui
     for wave in cells.batches(SPHERES_PER_BATCH) {
         let built: Result<Vec<Treelet>> = wave
             .par_iter()
-            .map(|range| options.cancel.check().map(|()| build_treelet(set, range.clone(), options.quality)))
+            .map(|range| {
+                options.cancel.check().map(|()| build_treelet(set, range.clone(), options.quality))
+            })
             .collect();
         let built = built?;
         shape.optimal_treelets += built.iter().filter(|cell| cell.is_optimal).count();
@@ -104,8 +107,15 @@ fn build_list(set: &SphereSet) -> Result<Bvh> {
     let groups = || items.chunks(LEAF_SIZE);
     let mut leaves = HugePageVec::with_capacity(0)?;
     let mut ids = HugePageVec::with_capacity(0)?;
-    leaves.grow(groups().len())?.iter_mut().zip(groups()).for_each(|(to, of)| *to = SphereLeaf::from_prims(of));
-    ids.grow(groups().len())?.iter_mut().zip(groups()).for_each(|(to, of)| *to = SphereLeaf::prim_ids(of));
+    leaves
+        .grow(groups().len())?
+        .iter_mut()
+        .zip(groups())
+        .for_each(|(to, of)| *to = SphereLeaf::from_prims(of));
+    ids.grow(groups().len())?
+        .iter_mut()
+        .zip(groups())
+        .for_each(|(to, of)| *to = SphereLeaf::prim_ids(of));
     Ok(Bvh::new(HugePageVec::with_capacity(0)?, leaves, ids, None))
 }
 
@@ -150,7 +160,9 @@ impl BvhStorage {
     /// Moves the trees of a wave behind what is here; returns their roots and boxes.
     fn append_treelets(&mut self, cells: Vec<Treelet>) -> Result<Vec<(NodeRef, Aabb)>> {
         let (mut node, mut leaf) = (self.nodes.len(), self.leaves.len());
-        let sum = |of: fn(&EmittedTree) -> usize| cells.iter().map(|cell| of(&cell.emitted)).sum::<usize>();
+        let sum = |of: fn(&EmittedTree) -> usize| {
+            cells.iter().map(|cell| of(&cell.emitted)).sum::<usize>()
+        };
         let mut nodes = self.nodes.grow(sum(|grown| grown.nodes.len()))?;
         let mut leaves = self.leaves.grow(sum(|grown| grown.leaves.len()))?;
         let mut ids = self.ids.grow(sum(|grown| grown.leaves.len()))?;
@@ -181,7 +193,11 @@ impl BvhStorage {
     }
 
     /// Adds the nodes above the cells; returns the root.
-    fn append_top_levels(&mut self, cells: &Treelets, roots: &[(NodeRef, Aabb)]) -> Result<NodeRef> {
+    fn append_top_levels(
+        &mut self,
+        cells: &Treelets,
+        roots: &[(NodeRef, Aabb)],
+    ) -> Result<NodeRef> {
         let boxes: Vec<Aabb> = roots.iter().map(|(_, bounds)| *bounds).collect();
         let binary = cells.build_top_tree(&boxes);
         let collapse = Collapse::best(&binary, LeafKind::Treelets);

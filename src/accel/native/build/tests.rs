@@ -106,12 +106,16 @@ fn the_stack_bound_holds_for_hostile_scenes() {
 
 #[test]
 fn a_few_spheres_are_a_list_without_a_tree() {
-    for (count, leaves) in [(0, 0), (1, 1), (8, 1), (9, 2), (MAX_LIST_SIZE as u32, MAX_LIST_SIZE / 8)] {
+    for (count, leaves) in
+        [(0, 0), (1, 1), (8, 1), (9, 2), (MAX_LIST_SIZE as u32, MAX_LIST_SIZE / 8)]
+    {
         let (tree, _) = tree_on(1, &set(scattered(count)), BuildQuality::Best);
         assert_eq!((tree.root, tree.leaves().len()), (None, leaves));
         assert_eq!(sorted_ids(&tree), (0..count).collect::<Vec<_>>());
     }
-    assert!(tree_on(1, &set(scattered(MAX_LIST_SIZE as u32 + 1)), BuildQuality::Best).0.root.is_some());
+    assert!(
+        tree_on(1, &set(scattered(MAX_LIST_SIZE as u32 + 1)), BuildQuality::Best).0.root.is_some()
+    );
 }
 
 #[test]

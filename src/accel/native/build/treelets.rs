@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::geometry::SphereSet;
 
-use super::binary_bvh::BinaryBvh;
 use super::aabb::Aabb;
+use super::binary_bvh::BinaryBvh;
 
 /// Most spheres of a cell.
 pub(super) const MAX_TREELET_SIZE: usize = 4096;

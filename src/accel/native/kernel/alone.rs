@@ -3,14 +3,14 @@
 use std::mem::MaybeUninit;
 
 use crate::accel::native::aggregate::Aggregate;
+use crate::accel::native::bvh::Bvh;
 use crate::accel::native::node::{NodeRef, mask_lanes};
 use crate::accel::native::query::ExactQuery;
-use crate::accel::native::bvh::Bvh;
 use crate::math::Ray;
 
-use super::simd::Portable;
 use super::question::QueryMode;
 use super::ray_state::RayState;
+use super::simd::Portable;
 
 /// Offers the ray what its slot has kept and is not beyond the limit, and keeps nothing of it.
 ///
@@ -39,7 +39,7 @@ pub(super) fn trace_scalar<Q: QueryMode>(bvh: &Aggregate, ray: &Ray) -> Q::Outpu
     }
     let tree = &bvh.tree;
     let mut slot = MaybeUninit::<RayState>::uninit();
-    // SAFETY: as in `single::step`; leaves are kept one at a time. With `ANY`, a leaf leaves the limit
+    // SAFETY: as in `single::step_ray`; leaves are kept one at a time. With `ANY_HIT`, a leaf leaves the limit
     // alone.
     unsafe {
         RayState::init(slot.as_mut_ptr(), ray, best, 0, tree.root);

@@ -119,7 +119,7 @@ impl Simd8 for Avx2 {
 
     #[inline(always)]
     unsafe fn compress(children: *mut u32, m: Self::M, from: *const u32) {
-        // SAFETY: as above; eight bits are an index of `PLACES`.
+        // SAFETY: as above; eight bits are an index of `COMPRESS_TABLE`.
         unsafe {
             let places = COMPRESS_TABLE.as_ptr().add(Self::mask_bits(m) as usize);
             let places = _mm256_cvtepu8_epi32(_mm_loadl_epi64(places.cast()));

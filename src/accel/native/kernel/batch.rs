@@ -4,9 +4,9 @@ use crate::accel::native::aggregate::Aggregate;
 use crate::accel::native::query::BestHit;
 use crate::math::Ray;
 
-use super::simd::Simd8;
 use super::question::QueryMode;
 use super::ray_state::RayState;
+use super::simd::Simd8;
 
 /// The rays of a batch, and how far it has come.
 pub(super) struct RayBatch<'a, Q: QueryMode> {
@@ -54,7 +54,7 @@ impl<Q: QueryMode> RayBatch<'_, Q> {
 /// The instructions of `L` are there.
 #[inline(always)]
 pub(super) unsafe fn is_valid<L: Simd8>(ray: &Ray) -> bool {
-    /// As [`Bounds`], lane by lane.
+    /// As [`Aabb`], lane by lane.
     #[repr(C, align(32))]
     struct ValidRange([f32; 8]);
     const MOST: f32 = 4.0 * crate::math::MAX_COORDINATE as f32;

@@ -12,9 +12,9 @@ use crate::accel::native::query::{BestHit, ExactQuery};
 
 use super::alone::trace_scalar;
 use super::batch::RayBatch;
-use super::simd::Simd8;
 use super::question::QueryMode;
 use super::ray_state::RayState;
+use super::simd::Simd8;
 
 /// Rays that wait at most.
 const MAX_RAYS: usize = 16;
@@ -53,8 +53,10 @@ pub(super) struct LeafCandidates {
 impl CandidateQueue {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        let (rays, leaves) =
-            ([const { MaybeUninit::uninit() }; MAX_RAYS], [const { MaybeUninit::uninit() }; MAX_LEAVES]);
+        let (rays, leaves) = (
+            [const { MaybeUninit::uninit() }; MAX_RAYS],
+            [const { MaybeUninit::uninit() }; MAX_LEAVES],
+        );
         Self { rays, count: 0, leaves, leaf_count: 0 }
     }
 
@@ -77,14 +79,21 @@ impl CandidateQueue {
                 }
             }
             let RayState { ray, limit, certain: sure, best, length, .. } = *slot;
-            self.push_finished(FinishedRay { ray, leaf_end: 0, limit, is_certain: sure != 0, best, length });
+            self.push_finished(FinishedRay {
+                ray,
+                leaf_end: 0,
+                limit,
+                is_certain: sure != 0,
+                best,
+                length,
+            });
         }
     }
 
     /// Adds what the next ray has kept, if any lane of it.
     ///
     /// # Safety
-    /// There is room for it: no ray has kept more than [`KEPT`], and this was not
+    /// There is room for it: no ray has kept more than [`MAX_CANDIDATE_LEAVES`], and this was not
     /// [full](Self::is_full) before the first of them.
     #[inline(always)]
     pub(super) unsafe fn push_candidates(&mut self, kept: LeafCandidates) {
@@ -96,7 +105,7 @@ impl CandidateQueue {
     /// Adds the ray to which belongs what was kept since the one before.
     ///
     /// # Safety
-    /// There is room for it, as for [`Self::keep`].
+    /// There is room for it, as for [`Self::push_candidates`].
     #[inline(always)]
     pub(super) unsafe fn push_finished(&mut self, ray: FinishedRay) {
         let ray = FinishedRay { leaf_end: self.leaf_count as u32, ..ray };
@@ -155,7 +164,8 @@ impl CandidateQueue {
                         }
                     }
                     best = query.best;
-                    needs_retrace = !Q::ANY_HIT && best.t * waiting.length > f64::from(waiting.limit);
+                    needs_retrace =
+                        !Q::ANY_HIT && best.t * waiting.length > f64::from(waiting.limit);
                 }
                 let answer =
                     if needs_retrace { trace_scalar::<Q>(batch.bvh, ray) } else { Q::output(best) };

@@ -11,13 +11,13 @@
 //! is wrong by at most `E = 32 e (|b| + reach + |o|)`, as in [`super::spheres`].
 
 use crate::accel::native::build::fast_max;
-use crate::accel::native::node::SphereLeaf;
 use crate::accel::native::bvh::Bvh;
+use crate::accel::native::node::SphereLeaf;
 use crate::fault::fault;
 
-use super::simd::Simd8;
 use super::ray_state::F32x8;
-use super::spheres::{ERROR_SCALE, MIN_ERROR, project, radii, length_squared, to_centers};
+use super::simd::Simd8;
+use super::spheres::{ERROR_SCALE, MIN_ERROR, length_squared, project, radii, to_centers};
 
 /// A beam is at most as wide, from its axis at the distance of the tree's middle, as so many leaves.
 /// Packets are 2.5 times as fast as single rays at 0.15, 1.2 times at 0.6, and slower beyond 1 in a
@@ -104,7 +104,8 @@ impl PacketCone {
             let error = L::splat(ERROR_SCALE * self.max_origin_sum + MIN_ERROR);
             let error = L::mul_add(L::add(away, reach), L::splat(ERROR_SCALE), error);
             let reach = L::add(reach, error);
-            let reach = if fault!(BeamTooThin) { L::mul(reach, L::splat(0.5)) } else { reach };
+            let reach =
+                if fault!(PacketConeTooNarrow) { L::mul(reach, L::splat(0.5)) } else { reach };
             let is_within = L::le(q, L::mul(reach, reach));
             let is_ahead = L::le(L::splat(0.0), L::add(b, reach));
             let is_near = L::le(L::sub(L::sub(b, near), error), L::splat(limit));
@@ -158,7 +159,10 @@ pub(super) unsafe fn min_max<L: Simd8>(each: &PacketFloats) -> [f32; 2] {
 /// # Safety
 /// The instructions of `L` are there.
 #[inline(always)]
-unsafe fn max_distance<L: Simd8>(places: &[PacketFloats; 3], [from_x, from_y, from_z]: [f32; 3]) -> f32 {
+unsafe fn max_distance<L: Simd8>(
+    places: &[PacketFloats; 3],
+    [from_x, from_y, from_z]: [f32; 3],
+) -> f32 {
     let mut most = 0.0;
     for half in 0..2 {
         // SAFETY: the caller's promise.

@@ -9,7 +9,7 @@ use memmap2::{MmapMut, MmapOptions};
 
 use crate::error::{Error, Result, Suggestion};
 
-/// What may lie in [`Pages`].
+/// What may lie in [`HugePageVec`].
 ///
 /// # Safety
 /// Every pattern of bits must be a value, there must be no padding, and the alignment must be at
@@ -91,7 +91,7 @@ impl<T: Pod> HugePageVec<T> {
     #[inline(always)]
     pub(in crate::accel::native) fn as_slice(&self) -> &[T] {
         match &self.map {
-            // SAFETY: the map is `skipped` and then room for `capacity >= len` elements, aligned to a
+            // SAFETY: the map is `offset` and then room for `capacity >= len` elements, aligned to a
             // page, and all its bits are set, at first to 0; `T` is plain.
             Some(map) => unsafe {
                 std::slice::from_raw_parts(map.as_ptr().add(self.offset).cast(), self.len)

@@ -7,35 +7,35 @@
 //!
 //! # Why the unsafe code is sound
 //!
-//! * **Instructions.** An [`Instance`] other than `Portable` exists only where the processor was
-//!   found to have its instructions ([`Instance::is_available`]), and only [`Instance`]'s own functions
+//! * **Instructions.** An [`KernelIsa`] other than `Portable` exists only where the processor was
+//!   found to have its instructions ([`KernelIsa::is_available`]), and only [`KernelIsa`]'s own functions
 //!   enter the code that is compiled for them.
-//! * **Places in the tree.** A `Tree` is made by the builder alone and never changes. Every
-//!   `Child` in it is the number of one of its own nodes or leaves, which is asserted
-//!   ([`Tree::new`](super::tree::Tree::new)); lanes beyond a node's children have boxes that no ray meets. There are as many
+//! * **Places in the tree.** A `Bvh` is made by the builder alone and never changes. Every
+//!   `NodeRef` in it is the number of one of its own nodes or leaves, which is asserted
+//!   ([`Bvh::new`](super::tree::Bvh::new)); lanes beyond a node's children have boxes that no ray meets. There are as many
 //!   ids as leaves.
 //! * **The stack.** A node takes one entry and leaves up to eight, and no tree is deeper than
-//!   `LEVELS`, which the builder sees to by halving what is left. [`STACK_SIZE`](super::limits::STACK_SIZE) has room for that,
+//!   `MAX_DEPTH`, which the builder sees to by halving what is left. [`STACK_SIZE`](super::limits::STACK_SIZE) has room for that,
 //!   and for the eight entries that a step always writes.
-//! * **Uninitialised memory.** A slot is only read after `begin` has set it. Of its arrays, only what
+//! * **Uninitialised memory.** A slot is only read after `init` has set it. Of its arrays, only what
 //!   lies below their counts is read.
 //! * **Batches.** Answers are written through the index of a ray, and there are as many as rays,
 //!   which is asserted.
 
 mod alone;
 mod batch;
-mod cone;
-mod traverse;
-mod instance;
-mod simd;
-mod packet;
-pub(super) mod huge_pages;
 mod candidates;
+mod cone;
+pub(super) mod huge_pages;
+mod instance;
+mod packet;
 mod question;
+mod ray_state;
+mod simd;
 mod single;
 mod slabs;
-mod ray_state;
 mod spheres;
+mod traverse;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -50,9 +50,9 @@ pub use instance::KernelIsa;
 use crate::accel::native::aggregate::Aggregate;
 use crate::math::{Hit, Ray};
 
-use traverse::Fly;
-use simd::{Simd8, Portable};
 use question::{AnyHit, ClosestHit};
+use simd::{Portable, Simd8};
+use traverse::Fly;
 
 /// # Panics
 /// When the slices differ in length.

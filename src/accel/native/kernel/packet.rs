@@ -5,7 +5,7 @@
 //! packet's origins and directions might (Reshetov, Soupikov and Hurley 2005, "Multi-level ray tracing
 //! algorithm"), and goes as far as the ray with the farthest limit. In a leaf, a sphere is looked at
 //! if the beam may touch it, and then by all rays, side by side; from there on each ray has its own
-//! limit and its own candidates, as in [`super::slot`].
+//! limit and its own candidates, as in [`super::ray_state`].
 //!
 //! # Boxes
 //!
@@ -19,20 +19,22 @@
 
 use std::mem::MaybeUninit;
 
+use crate::accel::native::bvh::Bvh;
 use crate::accel::native::limits::MAX_CANDIDATE_LEAVES;
 use crate::accel::native::node::{NodeRef, SphereLeaf, mask_lanes};
 use crate::accel::native::query::BestHit;
-use crate::accel::native::bvh::Bvh;
 use crate::math::Ray;
 
 use super::alone::trace_scalar;
 use super::batch::{RayBatch, is_valid};
-use super::cone::{PacketCone, PacketFloats, AxisRanges, axis_ranges, min_max, load_half, load_vec3};
-use super::simd::Simd8;
-use super::candidates::{LeafCandidates, CandidateQueue, FinishedRay};
+use super::candidates::{CandidateQueue, FinishedRay, LeafCandidates};
+use super::cone::{
+    AxisRanges, PacketCone, PacketFloats, axis_ranges, load_half, load_vec3, min_max,
+};
 use super::question::ClosestHit;
+use super::ray_state::{F32x8, RayState, is_unit, limit_for, t_min_bounds};
+use super::simd::Simd8;
 use super::slabs::{NearPlanes, Slabs, slack};
-use super::ray_state::{F32x8, RayState, t_min_bounds, is_unit, limit_for};
 use super::spheres::{ERROR_SCALE, MIN_ERROR, SphereHits, SphereTest};
 
 /// Rays of a packet.
@@ -76,7 +78,7 @@ pub(super) enum PacketStatus {
 }
 
 /// Whether rays may be a packet, judged by two of them. Never leaves out rays that pass all of
-/// [`Packet::begin`]'s tests.
+/// [`RayPacket::init`]'s tests.
 #[inline(always)]
 fn may_be_coherent(rays: &[Ray; PACKET_SIZE]) -> bool {
     let [first, .., last] = rays;
@@ -242,8 +244,13 @@ impl RayPacket {
     /// # Safety
     /// The packet has begun and has room for a sphere; the instructions of `L` are there.
     #[inline(always)]
-    unsafe fn test_sphere<L: Simd8>(&mut self, center: [f32; 3], radius: f32, kept: LeafCandidates) {
-        // SAFETY: `count` is a place of the arrays.
+    unsafe fn test_sphere<L: Simd8>(
+        &mut self,
+        center: [f32; 3],
+        radius: f32,
+        kept: LeafCandidates,
+    ) {
+        // SAFETY: `candidate_count` is a place of the arrays.
         unsafe {
             let place = self.candidate_count as usize;
             let from = self.t_lower.as_mut_ptr().add(place).cast::<F32x8>();
@@ -259,10 +266,14 @@ impl RayPacket {
                     ],
                     unit: load_vec3::<L>(&self.unit, half),
                     error: load_half::<L>(&self.error[half]),
-                    t_min: [load_half::<L>(&self.t_min[0][half]), load_half::<L>(&self.t_min[1][half])],
+                    t_min: [
+                        load_half::<L>(&self.t_min[0][half]),
+                        load_half::<L>(&self.t_min[1][half]),
+                    ],
                     limit,
                 };
-                let SphereHits { candidate, certain: is_sure, t_lower: t, t_upper: t_above } = rays.intersect(L::splat(radius));
+                let SphereHits { candidate, certain: is_sure, t_lower: t, t_upper: t_above } =
+                    rays.intersect(L::splat(radius));
                 let nearer = L::min(limit, L::select(is_sure, t_above, limit));
                 L::store(self.limit[half].0.as_mut_ptr(), nearer);
                 let t = L::select(candidate, t, L::splat(f32::NAN));
@@ -284,7 +295,11 @@ impl RayPacket {
     /// # Safety
     /// The packet is done and of this batch, `to` is not full, and the instructions of `L` are there.
     #[inline(always)]
-    pub(super) unsafe fn finish<L: Simd8>(&self, batch: &mut RayBatch<'_, ClosestHit>, to: &mut CandidateQueue) {
+    pub(super) unsafe fn finish<L: Simd8>(
+        &self,
+        batch: &mut RayBatch<'_, ClosestHit>,
+        to: &mut CandidateQueue,
+    ) {
         // The spheres of each ray, as bits.
         let mut spheres_of = [0u64; PACKET_SIZE];
         for place in 0..self.candidate_count as usize {
@@ -316,7 +331,14 @@ impl RayPacket {
                     left &= left - 1;
                 }
                 let limit = self.limit[number / 8].0[number % 8];
-                to.push_finished(FinishedRay { ray, leaf_end: 0, limit, is_certain: false, best, length: 1.0 });
+                to.push_finished(FinishedRay {
+                    ray,
+                    leaf_end: 0,
+                    limit,
+                    is_certain: false,
+                    best,
+                    length: 1.0,
+                });
                 if to.is_full() {
                     to.resolve::<L, ClosestHit>(batch);
                 }
@@ -383,7 +405,13 @@ mod tests {
 
     fn is_packet(native: &NativeAccel, rays: &[Ray]) -> bool {
         let answers = &mut vec![Hit::MISS; rays.len()];
-        let batch = RayBatch::<ClosestHit> { bvh: &native.bvh, rays, outputs: answers, next: 0, end: rays.len() };
+        let batch = RayBatch::<ClosestHit> {
+            bvh: &native.bvh,
+            rays,
+            outputs: answers,
+            next: 0,
+            end: rays.len(),
+        };
         let mut packet = MaybeUninit::uninit();
         // SAFETY: the tree has a root, and the portable form needs no special instructions.
         unsafe { RayPacket::load_packet::<Portable>(packet.as_mut_ptr(), &batch, 0) }

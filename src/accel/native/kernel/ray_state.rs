@@ -5,7 +5,7 @@ use std::mem::MaybeUninit;
 
 use crate::accel::native::build::fast_max;
 use crate::accel::native::limits::{MAX_CANDIDATE_LEAVES, STACK_SIZE};
-use crate::accel::native::node::{NodeRef, SphereLeaf, BvhNode, ABSOLUTE_SLACK};
+use crate::accel::native::node::{ABSOLUTE_SLACK, BvhNode, NodeRef, SphereLeaf};
 use crate::accel::native::query::BestHit;
 use crate::fault::fault;
 use crate::math::Ray;
@@ -54,7 +54,7 @@ pub(super) struct RayState {
     children: [MaybeUninit<u32>; STACK_SIZE],
 }
 
-/// Eight numbers as [`Lanes::load`] wants them.
+/// Eight numbers as [`Simd8::load`] wants them.
 #[derive(Clone, Copy)]
 #[repr(C, align(32))]
 pub(super) struct F32x8(pub(super) [f32; 8]);
@@ -115,7 +115,12 @@ impl RayState {
     /// Makes this the lead of a packet of rays, at the root of the tree: between these distances, with
     /// planes that are still to be set.
     #[inline(always)]
-    pub(super) fn init_interval(&mut self, root: NodeRef, near: NearPlanes, [t_min, limit]: [f32; 2]) -> &mut Slabs {
+    pub(super) fn init_interval(
+        &mut self,
+        root: NodeRef,
+        near: NearPlanes,
+        [t_min, limit]: [f32; 2],
+    ) -> &mut Slabs {
         (self.near_planes, self.t_min, self.limit) = (near, t_min, limit);
         self.push_root(root);
         &mut self.slabs
@@ -136,14 +141,17 @@ impl RayState {
         limit_for(t * self.length)
     }
 
-    /// Puts the children of a node that are met onto the stack: for `ANY` in any order, else the
+    /// Puts the children of a node that are met onto the stack: for `ANY_HIT` in any order, else the
     /// nearest on top.
     ///
     /// # Safety
-    /// [`Self::begin`] was called, `node` is valid, and the stack holds less than a tree of the
+    /// [`Self::init`] was called, `node` is valid, and the stack holds less than a tree of the
     /// builder's depth can leave there ([`STACK_SIZE`]).
     #[inline(always)]
-    pub(super) unsafe fn intersect_node<L: Simd8, const ANY_HIT: bool>(&mut self, node: *const BvhNode) {
+    pub(super) unsafe fn intersect_node<L: Simd8, const ANY_HIT: bool>(
+        &mut self,
+        node: *const BvhNode,
+    ) {
         // SAFETY: the caller's promise.
         unsafe {
             let x = self.slabs.intersect::<L>(node, &self.near_planes, 0);
@@ -153,12 +161,16 @@ impl RayState {
         }
     }
 
-    /// [`Self::through_node`] for all rays between this one and another with these planes.
+    /// [`Self::intersect_node`] for all rays between this one and another with these planes.
     ///
     /// # Safety
-    /// As there, after [`Self::lead`].
+    /// As there, after [`Self::init_interval`].
     #[inline(always)]
-    pub(super) unsafe fn intersect_node_interval<L: Simd8>(&mut self, other: &Slabs, node: *const BvhNode) {
+    pub(super) unsafe fn intersect_node_interval<L: Simd8>(
+        &mut self,
+        other: &Slabs,
+        node: *const BvhNode,
+    ) {
         // SAFETY: the caller's promise.
         unsafe {
             let x = self.slabs.intersect_interval::<L>(other, node, &self.near_planes, 0);
@@ -172,7 +184,7 @@ impl RayState {
     /// where their boxes are entered and where they are left.
     ///
     /// # Safety
-    /// As for [`Self::through_node`].
+    /// As for [`Self::intersect_node`].
     #[inline(always)]
     unsafe fn push_children<L: Simd8, const ANY_HIT: bool>(
         &mut self,
@@ -199,10 +211,10 @@ impl RayState {
     }
 
     /// Tests the spheres of a leaf. Where there are candidates, the leaf is kept and the limit
-    /// follows the nearest sure hit; for `ANY`, the limit stays.
+    /// follows the nearest sure hit; for `ANY_HIT`, the limit stays.
     ///
     /// # Safety
-    /// [`Self::begin`] was called, `leaf` is valid, and [`Self::kept`] is below [`KEPT`].
+    /// [`Self::init`] was called, `leaf` is valid, and [`Self::kept`] is below [`MAX_CANDIDATE_LEAVES`].
     #[inline(always)]
     pub(super) unsafe fn intersect_leaf<L: Simd8, const ANY_HIT: bool>(
         &mut self,
@@ -218,16 +230,20 @@ impl RayState {
                 t_min: [L::splat(self.t_min), L::splat(self.t_min_upper)],
                 limit: L::splat(self.limit),
             };
-            let SphereHits { candidate, certain: sure, t_lower: t, t_upper: t_above } = rays.intersect(radii::<L>(leaf));
+            let SphereHits { candidate, certain: sure, t_lower: t, t_upper: t_above } =
+                rays.intersect(radii::<L>(leaf));
             let (candidates, sure) = if ANY_HIT {
                 let t_max = L::splat(self.limit * (1.0 - 4.0 * RAY_SLACK as f32));
                 let sure = L::and(sure, L::lt(t_above, t_max));
                 (L::mask_bits(candidate), L::mask_bits(sure))
             } else {
                 let nearest = L::reduce_min(L::select(sure, t_above, L::splat(f32::INFINITY)));
-                let is_nearer = nearest < self.limit && !fault!(NotTheNearest);
+                let is_nearer = nearest < self.limit && !fault!(NotClosestHit);
                 self.limit = if is_nearer { nearest } else { self.limit };
-                (L::mask_bits(L::and(candidate, L::le(t, L::splat(self.limit)))), L::mask_bits(sure))
+                (
+                    L::mask_bits(L::and(candidate, L::le(t, L::splat(self.limit)))),
+                    L::mask_bits(sure),
+                )
             };
             let kept = self.candidate_count as usize;
             let from = L::select(candidate, t, L::splat(f32::NAN));
@@ -238,10 +254,10 @@ impl RayState {
         }
     }
 
-    /// Takes what is on top of the stack and not beyond the limit, [`Child::NONE`] at its end.
+    /// Takes what is on top of the stack and not beyond the limit, [`NodeRef::NONE`] at its end.
     ///
     /// # Safety
-    /// [`Self::begin`] was called, and the end of the stack was not taken yet.
+    /// [`Self::init`] was called, and the end of the stack was not taken yet.
     #[inline(always)]
     pub(super) unsafe fn pop<const ANY_HIT: bool>(&mut self) {
         // Three bits of a key are the number of a lane.

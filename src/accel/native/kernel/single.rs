@@ -2,16 +2,16 @@
 
 use std::mem::MaybeUninit;
 
+use crate::accel::native::bvh::Bvh;
 use crate::accel::native::limits::MAX_CANDIDATE_LEAVES;
 use crate::accel::native::node::NodeRef;
-use crate::accel::native::bvh::Bvh;
 
 use super::alone::resolve_candidates;
 use super::batch::RayBatch;
-use super::simd::Simd8;
 use super::candidates::CandidateQueue;
 use super::question::QueryMode;
 use super::ray_state::RayState;
+use super::simd::Simd8;
 
 /// Rays under way at once. Eight are 6 to 8 % slower where memory is, and 32 no faster.
 const ACTIVE_RAYS: usize = 16;
@@ -19,13 +19,14 @@ const ACTIVE_RAYS: usize = 16;
 /// The rays from the batch's next to its end, each by itself.
 ///
 /// # Safety
-/// As for [`fly`](super::flight::fly).
+/// As for [`traverse`](super::traverse::traverse).
 #[inline(always)]
 pub(super) unsafe fn trace_single_rays<L: Simd8, Q: QueryMode>(
     batch: &mut RayBatch<'_, Q>,
     pending: &mut CandidateQueue,
 ) {
-    let mut slots: [MaybeUninit<RayState>; ACTIVE_RAYS] = [const { MaybeUninit::uninit() }; ACTIVE_RAYS];
+    let mut slots: [MaybeUninit<RayState>; ACTIVE_RAYS] =
+        [const { MaybeUninit::uninit() }; ACTIVE_RAYS];
     let mut active: [*mut RayState; ACTIVE_RAYS] = [std::ptr::null_mut(); ACTIVE_RAYS];
     let mut count = 0;
     for slot in &mut slots {
@@ -39,7 +40,7 @@ pub(super) unsafe fn trace_single_rays<L: Simd8, Q: QueryMode>(
     while count > 0 {
         let mut index = 0;
         while index < count {
-            // SAFETY: `under_way` holds distinct slots that have been boarded, up to `count`; the
+            // SAFETY: `active` holds distinct slots that have been boarded, up to `count`; the
             // instructions are there by the caller's promise, and as many answers as rays.
             unsafe {
                 let slot = *active.get_unchecked(index);
@@ -71,7 +72,7 @@ unsafe fn step_ray<L: Simd8, Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut R
     let tree = &batch.bvh.tree;
     let next = slot.next;
     // SAFETY: `next` is a node or leaf of this tree. The stack has room by the builder's bound, and
-    // `kept` is below its end, as `make_room` sees to.
+    // `candidate_count` is below its end, as `flush_candidates` sees to.
     unsafe {
         if next.is_leaf() {
             let leaf = tree.leaves().as_ptr().add(next.index());
@@ -86,7 +87,9 @@ unsafe fn step_ray<L: Simd8, Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut R
                 slot.certain = found.certain;
                 return true;
             }
-            if slot.candidate_count as usize == MAX_CANDIDATE_LEAVES && flush_candidates(batch, slot) {
+            if slot.candidate_count as usize == MAX_CANDIDATE_LEAVES
+                && flush_candidates(batch, slot)
+            {
                 return true;
             }
         } else if Q::ANY_HIT {
@@ -131,7 +134,9 @@ pub(super) unsafe fn prefetch<L: Simd8>(tree: &Bvh, next: NodeRef) {
 #[inline(never)]
 unsafe fn flush_candidates<Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut RayState) -> bool {
     // SAFETY: the caller's promise.
-    unsafe { resolve_candidates(&batch.bvh.tree, batch.rays.get_unchecked(slot.ray as usize), slot) };
+    unsafe {
+        resolve_candidates(&batch.bvh.tree, batch.rays.get_unchecked(slot.ray as usize), slot)
+    };
     let limit = slot.limit_for(slot.best.t);
     slot.limit = if Q::ANY_HIT || limit > slot.limit { slot.limit } else { limit };
     Q::ANY_HIT && slot.best.is_hit()

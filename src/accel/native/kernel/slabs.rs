@@ -3,15 +3,15 @@
 //! A ray meets a plane at `(p - o) / u`, computed as `p i + a` with `i = 1 / u` and `a = -i (o +- s)`.
 //! `i` is wrong by `2 e`, `a` by `3 e |o|` in terms of the place, and the sum rounds once more. With
 //! `|p - o| <= |p| + |o|` the place of the plane is wrong by at most `3.1 e |p| + 6.2 e |o|`. The part
-//! with `|p|` is in the box ([`Node::set`]), the part with `|o|` is `s`: upwards for entering and
+//! with `|p|` is in the box ([`BvhNode::set`]), the part with `|o|` is `s`: upwards for entering and
 //! downwards for leaving, if `u > 0`. What lies behind the origin may be entered too late, but never
 //! after the origin. Components of `u` below 2^-60 are raised to that, which moves a point at distance
-//! `t` by `2^-60 t`. There is no division by zero and no NaN: even the infinite planes of unused lanes
+//! `t_lower` by `2^-60 t`. There is no division by zero and no NaN: even the infinite planes of unused lanes
 //! only give infinities.
 
 use super::simd::Simd8;
 use crate::accel::native::build::fast_max;
-use crate::accel::native::node::{F64_BOX_SLACK, BvhNode, ABSOLUTE_SLACK};
+use crate::accel::native::node::{ABSOLUTE_SLACK, BvhNode, F64_BOX_SLACK};
 
 /// What a box gives way to a ray from `o`, as a part of `|o|`.
 const BOX_SLACK: f32 = 1.0 / (1u32 << 21) as f32;
@@ -92,7 +92,7 @@ impl Slabs {
     /// enter and the last may leave.
     ///
     /// # Safety
-    /// As for [`Self::meet`].
+    /// As for [`Self::intersect`].
     #[inline(always)]
     pub(super) unsafe fn intersect_interval<L: Simd8>(
         &self,

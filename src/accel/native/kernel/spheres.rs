@@ -135,7 +135,14 @@ pub(super) unsafe fn project<L: Simd8>(v: [L::F; 3], u: [L::F; 3]) -> (L::F, [L:
     // SAFETY: the caller's promise.
     unsafe {
         let b = L::mul_add(v[0], u[0], L::mul_add(v[1], u[1], L::mul(v[2], u[2])));
-        (b, [L::neg_mul_add(b, u[0], v[0]), L::neg_mul_add(b, u[1], v[1]), L::neg_mul_add(b, u[2], v[2])])
+        (
+            b,
+            [
+                L::neg_mul_add(b, u[0], v[0]),
+                L::neg_mul_add(b, u[1], v[1]),
+                L::neg_mul_add(b, u[2], v[2]),
+            ],
+        )
     }
 }
 

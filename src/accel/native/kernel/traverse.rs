@@ -6,12 +6,12 @@ use crate::accel::native::aggregate::Aggregate;
 use crate::math::Ray;
 
 use super::batch::RayBatch;
-use super::simd::Simd8;
-use super::packet::{RayPacket, PACKET_SIZE, PacketStatus};
 use super::candidates::CandidateQueue;
+use super::packet::{PACKET_SIZE, PacketStatus, RayPacket};
 use super::question::{AnyHit, ClosestHit, QueryMode};
-use super::single::{trace_single_rays, prefetch};
 use super::ray_state::RayState;
+use super::simd::Simd8;
+use super::single::{prefetch, trace_single_rays};
 
 /// Packets under way at once.
 const ACTIVE_PACKETS: usize = 4;
@@ -21,7 +21,7 @@ pub(super) trait Fly: QueryMode + Sized {
     /// Answers the rays of a batch; what is still to be judged stays pending.
     ///
     /// # Safety
-    /// As for [`fly`].
+    /// As for [`traverse`].
     unsafe fn trace<L: Simd8>(batch: &mut RayBatch<'_, Self>, pending: &mut CandidateQueue);
 }
 
@@ -46,7 +46,11 @@ impl Fly for AnyHit {
 /// # Safety
 /// Needs the instructions of `L`, and as many answers as rays; the tree has a root.
 #[inline(always)]
-pub(super) unsafe fn traverse<L: Simd8, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
+pub(super) unsafe fn traverse<L: Simd8, Q: Fly>(
+    bvh: &Aggregate,
+    rays: &[Ray],
+    answers: &mut [Q::Output],
+) {
     let mut pending = CandidateQueue::new();
     let mut batch = RayBatch::<Q> { bvh, rays, outputs: answers, next: 0, end: rays.len() };
     // SAFETY: the caller's promise; all that is pending was added here.
@@ -59,14 +63,17 @@ pub(super) unsafe fn traverse<L: Simd8, Q: Fly>(bvh: &Aggregate, rays: &[Ray], a
 /// Packets of rays, as long as there are any, and what is between them ray by ray.
 ///
 /// # Safety
-/// As for [`fly`].
+/// As for [`traverse`].
 #[inline(always)]
-unsafe fn trace_packets<L: Simd8>(batch: &mut RayBatch<'_, ClosestHit>, pending: &mut CandidateQueue) {
+unsafe fn trace_packets<L: Simd8>(
+    batch: &mut RayBatch<'_, ClosestHit>,
+    pending: &mut CandidateQueue,
+) {
     let mut packets = [const { MaybeUninit::<RayPacket>::uninit() }; ACTIVE_PACKETS];
     let mut active = packets.each_mut().map(MaybeUninit::as_mut_ptr);
     let tree = &batch.bvh.tree;
     let mut next = 0;
-    // SAFETY: `under_way` holds distinct packets, those up to `count` have begun; the rest is the
+    // SAFETY: `active` holds distinct packets, those up to `count` have begun; the rest is the
     // caller's promise.
     unsafe {
         loop {
@@ -82,7 +89,8 @@ unsafe fn trace_packets<L: Simd8>(batch: &mut RayBatch<'_, ClosestHit>, pending:
             }
             next += PACKET_SIZE;
             let mut count = 1;
-            while count < ACTIVE_PACKETS && RayPacket::load_packet::<L>(active[count], batch, next) {
+            while count < ACTIVE_PACKETS && RayPacket::load_packet::<L>(active[count], batch, next)
+            {
                 next += PACKET_SIZE;
                 count += 1;
             }
@@ -116,7 +124,7 @@ unsafe fn trace_packets<L: Simd8>(batch: &mut RayBatch<'_, ClosestHit>, pending:
     }
 }
 
-/// As [`fly`], but through a list of leaves that has no tree.
+/// As [`traverse`], but through a list of leaves that has no tree.
 ///
 /// # Safety
 /// Needs the instructions of `L`, and as many answers as rays.

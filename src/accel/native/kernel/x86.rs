@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-/// The operations of [`super::lanes::Lanes`] that are the same for all.
+/// The operations of [`super::lanes::Simd8`] that are the same for all.
 macro_rules! shared_operations {
     () => {
         #[inline(always)]

@@ -99,7 +99,7 @@ impl SimdKernel for GenerateRays<'_> {
         let CameraRayBatch { pixel, offset, .. } = self.batch;
         let RayBlock { origin, direction, t_min, .. } = self.rays;
         let camera = *self.shot.camera();
-        let half = if fault!(CornerForCentre) { 0.0 } else { 0.5 };
+        let half = if fault!(PixelCornerForCenter) { 0.0 } else { 0.5 };
         for lane in 0..LANES {
             let [x, y] =
                 [0, 1].map(|axis| f64::from(pixel[axis].0[lane]) + half + offset[axis].0[lane]);

@@ -13,7 +13,7 @@ use crate::scene::settings::MissPolicy;
 use super::super::camera_rays::{generate_camera_ray, sampler_for};
 use super::super::dimension;
 use super::super::sample::SampleAddress;
-use super::super::trace::{PathRecorder, PathEvent};
+use super::super::trace::{PathEvent, PathRecorder};
 use super::super::workspace::Workspace;
 use super::batch::PathBatch;
 use super::paths::{Path, PathState};
@@ -48,7 +48,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
     }
 
-    fn camera_ray(&self, address: SampleAddress, sampler: Sampler, dimensions: [u32; 2]) -> PathRay {
+    fn camera_ray(
+        &self,
+        address: SampleAddress,
+        sampler: Sampler,
+        dimensions: [u32; 2],
+    ) -> PathRay {
         generate_camera_ray(self.context.shot, self.integrator.strata, address, sampler, dimensions)
     }
 

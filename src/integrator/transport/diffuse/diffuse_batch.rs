@@ -124,7 +124,8 @@ impl LightSampleLanes {
         let Some(sample) = sample else { return };
         self.direction.set(lane, sample.direction);
         self.distance.0[lane] = sample.distance;
-        self.sampled[lane] = SampledLight { radiance: sample.radiance, sphere_id: sample.source.sphere_id() };
+        self.sampled[lane] =
+            SampledLight { radiance: sample.radiance, sphere_id: sample.source.sphere_id() };
     }
 }
 
@@ -137,8 +138,18 @@ pub(super) struct IntersectLanes<'a> {
 impl SimdKernel for IntersectLanes<'_> {
     #[inline(always)]
     fn run(self) {
-        let DiffuseBatch { sobol: numbers, depth, origin, direction, t_min, center, radius, hit: met, light: aim, .. } =
-            self.block;
+        let DiffuseBatch {
+            sobol: numbers,
+            depth,
+            origin,
+            direction,
+            t_min,
+            center,
+            radius,
+            hit: met,
+            light: aim,
+            ..
+        } = self.block;
         for lane in 0..LANES {
             let sphere = Sphere { center: center.get(lane), radius: radius.0[lane] };
             let (origin, direction) = (origin.get(lane), direction.get(lane));
@@ -150,8 +161,13 @@ impl SimdKernel for IntersectLanes<'_> {
         }
         draw_2d(numbers, depth, &mut aim.u, |vertex| vertex.light_direction());
         if self.needs_selection {
-            numbers.select_set(|lane| VertexDimensions::at(depth.0[lane]).light_selection() / SobolLanes::SET_SIZE);
-            numbers.get(VertexDimensions::at(1).light_selection() % SobolLanes::SET_SIZE, &mut aim.u_select);
+            numbers.select_set(|lane| {
+                VertexDimensions::at(depth.0[lane]).light_selection() / SobolLanes::SET_SIZE
+            });
+            numbers.get(
+                VertexDimensions::at(1).light_selection() % SobolLanes::SET_SIZE,
+                &mut aim.u_select,
+            );
         }
     }
 }
@@ -165,7 +181,8 @@ fn draw_2d(
     dimension: impl Fn(VertexDimensions) -> u32,
 ) {
     let in_set = dimension(VertexDimensions::at(1)) % SobolLanes::SET_SIZE;
-    numbers.select_set(|lane| dimension(VertexDimensions::at(depth.0[lane])) / SobolLanes::SET_SIZE);
+    numbers
+        .select_set(|lane| dimension(VertexDimensions::at(depth.0[lane])) / SobolLanes::SET_SIZE);
     numbers.get(in_set, first);
     numbers.get(in_set + 1, second);
 }
@@ -181,7 +198,8 @@ impl SimdKernel for SampleSingleEmitter<'_> {
     #[inline(always)]
     fn run(self) {
         let DiffuseBatch { hit: met, light: aim, .. } = self.block;
-        aim.sampled = [SampledLight { radiance: self.emitter.emission, sphere_id: self.emitter.id }; LANES];
+        aim.sampled =
+            [SampledLight { radiance: self.emitter.emission, sphere_id: self.emitter.id }; LANES];
         let Sphere { center, radius } = self.sphere;
         for lane in 0..LANES {
             let to_center = center - met.point.get(lane);
@@ -204,21 +222,22 @@ pub(super) struct SampleBsdfLanes<'a> {
 impl SimdKernel for SampleBsdfLanes<'_> {
     #[inline(always)]
     fn run(self) {
-        let DiffuseBatch { sobol: numbers, depth, hit: met, light: aim, bsdf: next, .. } = self.block;
+        let DiffuseBatch { sobol: numbers, depth, hit: met, light: aim, bsdf: next, .. } =
+            self.block;
         draw_2d(numbers, depth, &mut next.u, |vertex| vertex.bsdf_direction());
         for lane in 0..LANES {
             let normal = met.normal.get(lane);
             let wi = DVec3::new(0.0, 0.0, normal.dot(aim.direction.get(lane)));
             let (pdf, pdf_bsdf) = (aim.pdf.0[lane], Diffuse::pdf_cosine(wi));
             let weight = mis_weight(self.estimator, pdf, pdf_bsdf);
-            let cos = if fault!(CosineMissing) { 1.0 } else { wi.z };
+            let cos = if fault!(DirectCosineMissing) { 1.0 } else { wi.z };
             let factor = (weight * cos / pdf) as f32;
             aim.mis_factor.0[lane] = if wi.z > 0.0 { factor } else { 0.0 };
         }
         for lane in 0..LANES {
             let normal = met.normal.get(lane);
             let u = [next.u[0].0[lane], next.u[1].0[lane]];
-            let u = if fault!(NumberReused) { [u[0]; 2] } else { u };
+            let u = if fault!(RandomNumberReused) { [u[0]; 2] } else { u };
             let (wi, pdf) = Diffuse::sample_cosine(u);
             let direction = renormalize(Frame::from_z(normal).to_world(wi));
             next.direction.set(lane, direction);

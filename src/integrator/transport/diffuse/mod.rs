@@ -1,10 +1,10 @@
 //! Vertices on matt surfaces, many at a time.
 //!
 //! Most vertices of most pictures are alike: an opaque matt surface, met from outside, lit by lamps
-//! that are seen from outside. They gather in a [`Block`], field by field, and go through its stages,
+//! that are seen from outside. They gather in a [`DiffuseBatch`], field by field, and go through its stages,
 //! whose loops over the lanes become vector instructions (see [`crate::math::Isa`]). The bodies of the
-//! loops are the functions that [`Batch::turn`] calls for one path, so both give the same bits. A
-//! vertex that turns out to be unlike the others goes to [`Batch::turn`].
+//! loops are the functions that [`PathBatch::sample_light_and_bsdf`] calls for one path, so both give the same bits. A
+//! vertex that turns out to be unlike the others goes to [`PathBatch::sample_light_and_bsdf`].
 
 mod diffuse_batch;
 
@@ -19,10 +19,12 @@ use crate::scene::settings::Estimator;
 
 use super::super::trace::PathRecorder;
 use super::batch::PathBatch;
-use super::paths::{ShadowQueue, PrevVertex, PendingDirect, MAX_PATH_EDGES, Path, PathQueue};
+use super::paths::{MAX_PATH_EDGES, Path, PathQueue, PendingDirect, PrevVertex, ShadowQueue};
 
 pub(in super::super) use diffuse_batch::DiffuseBatch;
-use diffuse_batch::{SampleSingleEmitter, SampledLight, IntersectLanes, SampleBsdfLanes, DiffuseVertex};
+use diffuse_batch::{
+    DiffuseVertex, IntersectLanes, SampleBsdfLanes, SampleSingleEmitter, SampledLight,
+};
 
 /// A matt surface. What a stage passes on for every path is kept small, and not written and read again
 /// in pieces of other sizes, for which processors wait.
@@ -46,7 +48,12 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
 
     /// The surface that a path meets, if it is one of those that a block takes.
     #[inline(always)]
-    pub(super) fn diffuse_surface(&self, paths: &PathQueue, index: usize, hit: Hit) -> Option<DiffuseSurface<'a>> {
+    pub(super) fn diffuse_surface(
+        &self,
+        paths: &PathQueue,
+        index: usize,
+        hit: Hit,
+    ) -> Option<DiffuseSurface<'a>> {
         let sample = paths.states[index].batch_index as usize;
         let is_in_medium = || self.media.get(sample).is_some_and(|media| !media.is_vacuum());
         if hit.is_miss() || paths.rays.is_inward(index) || is_in_medium() {
@@ -54,9 +61,10 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
         }
         let (material, color) = self.context.scene.material_and_color(hit.id);
         match &material.model {
-            Model::Diffuse(matt) => {
-                Some(DiffuseSurface { albedo: matt.with_color(color).albedo, emission: &material.emission })
-            }
+            Model::Diffuse(matt) => Some(DiffuseSurface {
+                albedo: matt.with_color(color).albedo,
+                emission: &material.emission,
+            }),
             _ => None,
         }
     }
@@ -112,7 +120,8 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
             isa.run(SampleSingleEmitter { block, emitter: lamp, sphere });
         } else {
             for lane in 0..block.count {
-                let receiver = LightSampleContext { hit: lane_hit(block, lane), is_two_sided: false };
+                let receiver =
+                    LightSampleContext { hit: lane_hit(block, lane), is_two_sided: false };
                 let u = [block.light.u[0].0[lane], block.light.u[1].0[lane]];
                 let choose = block.light.u_select.0[lane];
                 let sample = lights.sample(scene.spheres(), &receiver, choose, u);
@@ -155,7 +164,10 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
                 let free = PathRay::new(point, direction);
                 let ray = PathRay { origin_sphere: id, target_sphere: lamp, t_max, ..free };
                 let is_direct = state.is_light_sample_direct();
-                aims.shadow_rays.push(&ray, PendingDirect { batch_index: state.batch_index, radiance: light, is_direct });
+                aims.shadow_rays.push(
+                    &ray,
+                    PendingDirect { batch_index: state.batch_index, radiance: light, is_direct },
+                );
             }
         }
         let cos = if fault!(CosineTwice) { block.bsdf.cos.0[lane] as f32 } else { 1.0 };
@@ -175,10 +187,17 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
 
     /// A vertex that is unlike the others of its block.
     #[inline(never)]
-    fn continue_scalar(&mut self, id: u32, mut path: Path, next: &mut PathQueue, aims: &mut ShadowQueue<'_>) {
+    fn continue_scalar(
+        &mut self,
+        id: u32,
+        mut path: Path,
+        next: &mut PathQueue,
+        aims: &mut ShadowQueue<'_>,
+    ) {
         let scene = self.context.scene;
         let Some(hit) = scene.spheres().resolve_hit(&path.ray, Hit { t: 0.0, id }) else { return };
-        if self.sample_light_and_bsdf(&mut path, &hit, &scene.sphere_material(id), 1.0, None, aims) {
+        if self.sample_light_and_bsdf(&mut path, &hit, &scene.sphere_material(id), 1.0, None, aims)
+        {
             next.push(&path);
         }
     }

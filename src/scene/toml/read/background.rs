@@ -5,7 +5,9 @@ use std::path::Path;
 use crate::color::Rgb;
 use crate::light::Orientation;
 use crate::math::DVec3;
-use crate::scene::description::{BackgroundDescription, EnvironmentDescription, SunDescription, normalize_robust};
+use crate::scene::description::{
+    BackgroundDescription, EnvironmentDescription, SunDescription, normalize_robust,
+};
 use crate::scene::keys::background as keys;
 use crate::scene::toml::document::Table;
 
@@ -42,7 +44,11 @@ fn read_image(table: &Table<'_>, folder: &Path) -> EnvironmentDescription {
     let file = table.get(&keys::image::FILE);
     let rotation_degrees = table.get(&keys::image::ROTATION).unwrap_or(0.0);
     let scale = table.get(&keys::image::FACTOR).unwrap_or(1.0);
-    EnvironmentDescription::Image { file: folder.join(file.unwrap_or_default()), rotation_degrees, scale }
+    EnvironmentDescription::Image {
+        file: folder.join(file.unwrap_or_default()),
+        rotation_degrees,
+        scale,
+    }
 }
 
 fn read_sky(table: &Table<'_>) -> EnvironmentDescription {

@@ -1,11 +1,13 @@
 //! `[camera]`.
 
 use crate::math::DVec3;
-use crate::scene::description::{CameraDescription, LensDescription, ProjectionDescription, ProjectionKind, SphereDescription};
+use crate::scene::description::{
+    CameraDescription, LensDescription, ProjectionDescription, ProjectionKind, SphereDescription,
+};
 use crate::scene::keys::camera as keys;
-use crate::scene::value_types::{SpannedValue, ParseValue, NonEmptyString, InvalidValue};
 use crate::scene::suggest::did_you_mean;
 use crate::scene::toml::document::Table;
+use crate::scene::value_types::{InvalidValue, NonEmptyString, ParseValue, SpannedValue};
 
 /// The name of one sphere; becomes its index.
 struct SphereName<'s>(&'s [SphereDescription]);
@@ -46,7 +48,11 @@ struct ViewAxis {
 }
 
 /// The lens; `None` is a pinhole, to which what is said of a lens means nothing yet.
-fn read_lens(table: &Table<'_>, view: Option<&ViewAxis>, spheres: &[SphereDescription]) -> Option<LensDescription> {
+fn read_lens(
+    table: &Table<'_>,
+    view: Option<&ViewAxis>,
+    spheres: &[SphereDescription],
+) -> Option<LensDescription> {
     use keys::perspective as keys;
     let radius = table.get(&keys::APERTURE_RADIUS).unwrap_or(0.0);
     let distance = table.get(&keys::FOCUS_DISTANCE);
@@ -100,7 +106,8 @@ impl ParseValue for SphereName<'_> {
         let name = NonEmptyString.parse(node)?;
         let mut named =
             (0..self.0.len()).filter(|&i| self.0[i].name.as_deref() == Some(name.as_str()));
-        let unfit = |found, help| InvalidValue { span: node.span(), found, help, is_unknown_name: true };
+        let unfit =
+            |found, help| InvalidValue { span: node.span(), found, help, is_unknown_name: true };
         match (named.next(), named.next()) {
             (Some(index), None) => Ok(index),
             (Some(_), Some(_)) => {

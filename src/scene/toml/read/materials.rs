@@ -2,10 +2,10 @@
 
 use crate::color::Rgb;
 use crate::material::{Metal, PrincipledParameters};
-use crate::scene::description::{MaterialDescription, SurfaceModel, SurfaceKind};
+use crate::scene::description::{MaterialDescription, SurfaceKind, SurfaceModel};
 use crate::scene::keys::material as keys;
-use crate::scene::value_types::{SpannedValue, Number, ParseValue, InvalidValue};
 use crate::scene::toml::document::Table;
+use crate::scene::value_types::{InvalidValue, Number, ParseValue, SpannedValue};
 
 /// The names of all materials in the order of the text, with what stands there.
 pub(super) fn read<'d>(root: &Table<'d>) -> Vec<(&'d str, MaterialDescription)> {

@@ -1,4 +1,4 @@
-//! From a document to a [`Description`] and [`Settings`]: which keys there are, and what stands behind
+//! From a document to a [`SceneDescription`] and [`Settings`]: which keys there are, and what stands behind
 //! them. What is left out has its default, and so has what is wrong: the values are always complete,
 //! so that they can be checked as a whole, like those that a program gives.
 
@@ -14,14 +14,16 @@ use toml::de::DeTable;
 
 use crate::math::Rect;
 use crate::scene::data::{Column, SphereData};
-use crate::scene::description::{SceneDescription, MaterialDescription, SphereDescription, SphereTable};
+use crate::scene::description::{
+    MaterialDescription, SceneDescription, SphereDescription, SphereTable,
+};
 use crate::scene::keys;
-use crate::scene::value_types::MaterialName;
 use crate::scene::settings::{ImageSettings, Settings};
 use crate::scene::validate::crop_error;
+use crate::scene::value_types::MaterialName;
 
-use super::document::Table;
 use super::diagnostics::{Diagnostics, SpannedError};
+use super::document::Table;
 
 /// The version of the format that this program reads.
 const FORMAT: i64 = 1;
@@ -137,7 +139,8 @@ fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path
 fn require_spheres(root: &Table<'_>) {
     if root.is_empty_list("spheres") && root.is_empty_list("sphere_tables") {
         let help = "add `[[spheres]]` with center, radius and material".to_owned();
-        root.diagnostics().add(SpannedError::absence(root.span(), "the scene has no spheres").help(help));
+        root.diagnostics()
+            .add(SpannedError::absence(root.span(), "the scene has no spheres").help(help));
         // The values lack them, too, which is no second mistake.
         root.mark_invalid("spheres");
     }

@@ -2,7 +2,8 @@
 
 use crate::scene::keys::render as keys;
 use crate::scene::settings::{
-    IntegratorSettings, IntegratorKind, PaperSettings, RenderSettings, SamplerKind, PathTermination, PathTerminationKind,
+    IntegratorKind, IntegratorSettings, PaperSettings, PathTermination, PathTerminationKind,
+    RenderSettings, SamplerKind,
 };
 use crate::scene::toml::document::Table;
 
@@ -33,7 +34,9 @@ pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> Rende
     let (integrator, samples_per_pixel) = match kind {
         IntegratorKind::Path => (IntegratorSettings::Path, many),
         IntegratorKind::Direct => (IntegratorSettings::Direct, many),
-        IntegratorKind::AmbientOcclusion => (IntegratorSettings::AmbientOcclusion { distance }, many),
+        IntegratorKind::AmbientOcclusion => {
+            (IntegratorSettings::AmbientOcclusion { distance }, many)
+        }
         IntegratorKind::Normals => (IntegratorSettings::Normals, given.unwrap_or(1)),
         IntegratorKind::Paper => (IntegratorSettings::Paper(paper), total_samples(table, &paper)),
         IntegratorKind::Raycast => (IntegratorSettings::Raycast { shadows }, given.unwrap_or(1)),

@@ -12,7 +12,8 @@ use super::{emission, uniform_answer};
 /// The mean over the lens of the share of the plane in focus that the lamp covers.
 pub(super) fn lens(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let camera = &shot.description().camera;
-    let ProjectionDescription::Perspective { vertical_fov_degrees, lens: Some(lens) } = camera.projection
+    let ProjectionDescription::Perspective { vertical_fov_degrees, lens: Some(lens) } =
+        camera.projection
     else {
         return uniform_answer(shot, f64::NAN);
     };

@@ -21,7 +21,13 @@ pub(super) fn inside_a_lamp(shot: &PreparedScene, nodes: usize) -> Vec<Option<f6
 }
 
 /// The radiance of a ball at a point of its surface, lit by a lamp alone.
-pub(super) fn radiance_under_light(lamp: &Sphere, ball: &Sphere, point: glam::DVec3, a: f64, le: f64) -> f64 {
+pub(super) fn radiance_under_light(
+    lamp: &Sphere,
+    ball: &Sphere,
+    point: glam::DVec3,
+    a: f64,
+    le: f64,
+) -> f64 {
     a * le * SubtendedCap::new(lamp, point, normal(ball, point)).irradiance() / PI
 }
 
@@ -32,7 +38,9 @@ pub(super) fn sphere_light(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64
     let through = 1.0 - material(shot, "lamp").opacity;
     let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp") * (1.0 - through * through));
     pixel_means(shot, nodes, rays(shot), |line| match line.nearest_hit(&spheres, None) {
-        Some((0, t)) => Some((0, radiance_under_light(&spheres[1], &spheres[0], line.at(t), a, le))),
+        Some((0, t)) => {
+            Some((0, radiance_under_light(&spheres[1], &spheres[0], line.at(t), a, le)))
+        }
         Some((_, _)) => Some((1, le)),
         None => Some((2, 0.0)),
     })
@@ -66,7 +74,9 @@ pub(super) fn occluder(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
 pub(super) fn sun_and_sky(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let ball = spheres(shot)[0];
     let a = albedo(shot, "ball");
-    let EnvironmentDescription::Gradient { zenith, horizon, .. } = shot.description().background.dome else {
+    let EnvironmentDescription::Gradient { zenith, horizon, .. } =
+        shot.description().background.dome
+    else {
         return Vec::new();
     };
     let [zenith, horizon] = [zenith, horizon].map(|radiance| f64::from(radiance.y));

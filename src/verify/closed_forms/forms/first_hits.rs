@@ -21,7 +21,9 @@ pub(super) fn ambient_occlusion(shot: &PreparedScene, nodes: usize) -> Vec<Optio
 pub(super) fn normals(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     pixel_means(shot, nodes, rays(shot), |line| {
-        let Some((ball, t)) = line.nearest_hit(&spheres, None) else { return Some((spheres.len(), 0.0)) };
+        let Some((ball, t)) = line.nearest_hit(&spheres, None) else {
+            return Some((spheres.len(), 0.0));
+        };
         let n = normal(&spheres[ball], line.at(t));
         Some((ball, 0.5 + 0.5 * n.dot(DISTINCT_CHANNELS.into())))
     })

@@ -1,8 +1,10 @@
 //! The table of all closed forms.
 
-use super::LightTransport::{Global, Direct, Integrator};
-use super::{ClosedForm, GREY, DISTINCT_CHANNELS};
-use super::{absorption, cameras, exchange, glass, direct_light, many_lights, mirrors, first_hits, uniform};
+use super::LightTransport::{Direct, Global, Integrator};
+use super::{ClosedForm, DISTINCT_CHANNELS, GREY};
+use super::{
+    absorption, cameras, direct_light, exchange, first_hits, glass, many_lights, mirrors, uniform,
+};
 
 /// A grey form: its name, which is that of its scene, what it shows, its answer as a formula, which
 /// estimators it is for, the samples of each pixel in a quick check, and the answer.
@@ -206,6 +208,13 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
     ),
     ClosedForm {
         channels: DISTINCT_CHANNELS,
-        ..form!("normals", "the normals of balls", "½ + ½ n", Integrator("normals"), 16, first_hits::normals)
+        ..form!(
+            "normals",
+            "the normals of balls",
+            "½ + ½ n",
+            Integrator("normals"),
+            16,
+            first_hits::normals
+        )
     },
 ];

@@ -20,7 +20,8 @@ pub(super) fn many_lights(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>
     pixel_means(shot, nodes, rays(shot), |line| {
         let point = line.at(line.hit_distance(&ball)?);
         let n = normal(&ball, point);
-        let light: f64 = lamps.iter().map(|lamp| SubtendedCap::new(lamp, point, n).irradiance()).sum();
+        let light: f64 =
+            lamps.iter().map(|lamp| SubtendedCap::new(lamp, point, n).irradiance()).sum();
         Some((0, share * light))
     })
 }

@@ -3,13 +3,13 @@
 
 mod absorption;
 mod cameras;
+mod direct_light;
 mod exchange;
+mod first_hits;
 mod glass;
 mod list;
-mod direct_light;
 mod many_lights;
 mod mirrors;
-mod first_hits;
 mod uniform;
 
 pub use list::CLOSED_FORMS;
@@ -78,9 +78,8 @@ fn emission(shot: &PreparedScene, name: &str) -> f64 {
 /// The albedo or reflectance of a grey surface.
 fn albedo(shot: &PreparedScene, name: &str) -> f64 {
     match &material(shot, name).surface {
-        SurfaceModel::Diffuse { albedo: share, .. } | SurfaceModel::Mirror { reflectance: share, .. } => {
-            f64::from(share.y)
-        }
+        SurfaceModel::Diffuse { albedo: share, .. }
+        | SurfaceModel::Mirror { reflectance: share, .. } => f64::from(share.y),
         _ => 0.0,
     }
 }

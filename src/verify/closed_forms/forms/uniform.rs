@@ -2,7 +2,7 @@
 
 use crate::scene::PreparedScene;
 
-use super::{albedo, emission, uniform_answer, background_radiance};
+use super::{albedo, background_radiance, emission, uniform_answer};
 
 /// The sum of `Le a^k` over all numbers of bounces `k`.
 pub(super) fn furnace(shot: &PreparedScene, _: usize) -> Vec<Option<f64>> {

@@ -64,7 +64,10 @@ impl ScalarImage {
 }
 
 /// Blurs each channel as far as the eye does.
-pub(super) fn contrast_sensitivity(planes: &[ScalarImage; 3], pixels_per_degree: f64) -> [ScalarImage; 3] {
+pub(super) fn contrast_sensitivity(
+    planes: &[ScalarImage; 3],
+    pixels_per_degree: f64,
+) -> [ScalarImage; 3] {
     use std::f64::consts::PI;
     let radius = (3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
     std::array::from_fn(|channel| {

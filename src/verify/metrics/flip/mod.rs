@@ -32,7 +32,10 @@ const FEATURE_EXPONENT: f64 = 0.5;
 /// The difference at every pixel, from 0 (looks the same) to 1. Both pictures have `width` pixels
 /// across; the order of the two does not matter.
 pub fn map(a: &[Rgb], b: &[Rgb], width: usize, pixels_per_degree: f64) -> Vec<f64> {
-    let (a, b) = (PerceptualFeatures::new(a, width, pixels_per_degree), PerceptualFeatures::new(b, width, pixels_per_degree));
+    let (a, b) = (
+        PerceptualFeatures::new(a, width, pixels_per_degree),
+        PerceptualFeatures::new(b, width, pixels_per_degree),
+    );
     let largest = largest_difference();
     let pixel = |i: usize| {
         let color = color_difference(a.colors[i], b.colors[i], largest);
@@ -58,7 +61,8 @@ impl PerceptualFeatures {
         let on_screen = |color: &Rgb| color.as_dvec3().clamp(DVec3::ZERO, DVec3::ONE);
         let opponent: Vec<DVec3> =
             picture.iter().map(|color| color::opponent(on_screen(color))).collect();
-        let plane = |axis: usize| ScalarImage::new(width, opponent.iter().map(|c| c[axis]).collect());
+        let plane =
+            |axis: usize| ScalarImage::new(width, opponent.iter().map(|c| c[axis]).collect());
         let planes = [plane(0), plane(1), plane(2)];
         let blurred = filter::contrast_sensitivity(&planes, pixels_per_degree);
         let blurred = |i: usize| DVec3::from_array(std::array::from_fn(|c| blurred[c].values[i]));
