@@ -38,8 +38,8 @@ fn every_routine_draws_from_its_density() {
 #[test]
 fn every_row_has_its_own_name() {
     let tests = sampling_tests();
-    let names: HashSet<&str> = pairs.iter().map(|pair| test.name.as_str()).collect();
-    assert_eq!(names.len(), table.len());
+    let names: HashSet<&str> = tests.iter().map(|test| test.name.as_str()).collect();
+    assert_eq!(names.len(), tests.len());
 }
 
 fn cosine_against(pdf: fn(DVec3) -> f64) -> f64 {

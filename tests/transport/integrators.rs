@@ -66,7 +66,7 @@ fn each_way_to_find_light_does_what_its_name_says() {
     };
     let by_chance = |step: &PathEvent| {
         matches!(step, PathEvent::Emission { pdf: Some(_), pdf_light, contribution, .. }
-        if *pdf_light > 0.0 && added.radiance != Rgb::ZERO)
+        if *pdf_light > 0.0 && contribution.radiance != Rgb::ZERO)
     };
     let aimed = |step: &PathEvent| matches!(step, PathEvent::LightSample { .. });
     assert_eq!(count(Estimator::Light, &by_chance), 0);
