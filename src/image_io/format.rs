@@ -4,6 +4,10 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
+/// The formats and what they hold, for the help of options.
+pub const PICTURE_FORMATS: &str =
+    ".png (8 bit for the screen), .exr (linear, with layers), .hdr or .pfm (linear)";
+
 /// The file formats, by their extensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FileFormat {
