@@ -4,6 +4,10 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
+/// The formats and what they hold, for the help of options.
+pub const PICTURE_FORMATS: &str =
+    ".png (8 bit for the screen), .exr (linear, with layers), .hdr or .pfm (linear)";
+
 /// The file formats, by their extensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FileFormat {
@@ -16,20 +20,38 @@ pub(super) enum FileFormat {
 impl FileFormat {
     /// That of a file, by its extension.
     pub(super) fn from_path(path: &Path) -> Result<Self> {
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        match extension.to_str() {
-            Some("png") => Ok(Self::Png),
-            Some("exr") => Ok(Self::Exr),
-            Some("hdr") => Ok(Self::Hdr),
-            Some("pfm") => Ok(Self::Pfm),
-            _ => Err(Error::input(format!(
-                "`{}` does not end in .png, .exr, .hdr or .pfm",
-                path.display()
-            ))
-            .with_help(
+        Self::known(path).ok_or_else(|| {
+            let message = format!("`{}` does not end in .png, .exr, .hdr or .pfm", path.display());
+            Error::input(message).with_help(
                 "the ending chooses the format: .png for the screen (sRGB, 8 bit), .exr for linear \
                  light with its layers, .hdr or .pfm for linear light",
-            )),
+            )
+        })
+    }
+
+    fn known(path: &Path) -> Option<Self> {
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        match extension.to_str() {
+            Some("png") => Some(Self::Png),
+            Some("exr") => Some(Self::Exr),
+            Some("hdr") => Some(Self::Hdr),
+            Some("pfm") => Some(Self::Pfm),
+            _ => None,
         }
     }
+
+    /// Returns true if the file has layers.
+    pub(super) fn has_layers(self) -> bool {
+        self == Self::Exr
+    }
+
+    /// Returns true if the file is for the screen: 8 bit, after a view transform.
+    pub(super) fn is_display_referred(self) -> bool {
+        self == Self::Png
+    }
+}
+
+/// Returns true if a file has, by its extension, one of the formats of this room.
+pub fn has_picture_extension(path: &Path) -> bool {
+    FileFormat::known(path).is_some()
 }

@@ -17,7 +17,7 @@ pub fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>> {
     let records = match FileFormat::from_path(path)? {
         FileFormat::Png => png::read_metadata(path),
         FileFormat::Exr => exr::read_metadata(path),
-        FileFormat::Hdr | FileFormat::Pfm => {
+        _ => {
             let format = path.extension().unwrap_or_default().to_string_lossy();
             return Err(Error::input(format!(
                 "`{}` cannot say how it was made: .{format} files hold pixels only",

@@ -26,6 +26,7 @@ mod target;
 mod tests;
 
 pub use atomic_file::{AtomicFile, Sink, remove_temp_files};
+pub use format::{PICTURE_FORMATS, has_picture_extension};
 pub use metadata::read_metadata;
 pub use notes::{CropWindow, WriteOptions};
 pub use picture::{ChannelValues, ImageChannel, Picture};

@@ -33,12 +33,12 @@ impl ImageWriter {
 
     /// Whether the file has layers.
     pub fn has_layers(&self) -> bool {
-        self.format == FileFormat::Exr
+        self.format.has_layers()
     }
 
     /// Whether the file is for the screen, and so has a [`ViewTransform`](crate::color::ViewTransform).
     pub fn is_display_referred(&self) -> bool {
-        self.format == FileFormat::Png
+        self.format.is_display_referred()
     }
 
     /// Writes the picture, whole, as often as one likes, and gives the file its name.

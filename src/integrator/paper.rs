@@ -6,6 +6,7 @@
 use crate::scene::settings::{Estimator, PaperSettings, RenderSettings};
 
 use super::camera_rays::Strata;
+use super::path;
 use super::transport::PathTracer;
 
 /// The paper's estimator with its options.
@@ -16,8 +17,6 @@ pub(super) fn new(paper: &PaperSettings, render: &RenderSettings) -> PathTracer 
         stop: paper.stop,
         miss: paper.miss,
         strata: Strata { subpixels: paper.subpixels, jitter: paper.jitter },
-        max_depth: render.max_depth.unwrap_or(u32::MAX),
-        max_scatterings: u32::MAX,
-        clamp_indirect: render.clamp_indirect.map(|limit| limit as f32),
+        ..path::new(render)
     }
 }

@@ -238,6 +238,12 @@ impl StopCriteria {
         }
     }
 
+    /// Removes what ends each run of a render by itself, as its time does: that of one part says
+    /// nothing of all parts.
+    pub fn clear_limits(&mut self) {
+        self.time = None;
+    }
+
     /// The share of the values that an error is told for.
     pub fn confidence(&self) -> f64 {
         self.noise.map_or(NoiseTarget::CONFIDENCE, |target| target.confidence)

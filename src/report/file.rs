@@ -26,8 +26,7 @@ pub struct FileRecords {
 
 /// Returns true if a file says how it was made: by its name a picture or a part, or a checkpoint.
 pub fn is_picture(path: &Path) -> bool {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    ["png", "exr", "hdr", "pfm"].iter().any(|picture| extension == *picture) || is_part(path)
+    image_io::has_picture_extension(path) || is_part(path)
 }
 
 fn is_part(path: &Path) -> bool {

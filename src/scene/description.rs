@@ -2,16 +2,16 @@
 //! program or the reader of scene files, fills these in; [`Scene::build`](super::Scene::build) checks them and
 //! makes a scene of them. `docs/scene-format.md` explains the same keys to users.
 
-use std::path::PathBuf;
-
 use serde::{Deserialize, Serialize};
 
 use crate::color::Rgb;
-use crate::material::{Metal, PrincipledParameters};
 use crate::math::DVec3;
 use crate::names::named_enum;
 
 use super::data::SphereData;
+
+pub use super::environment::{BackgroundDescription, EnvironmentDescription, SunDescription};
+pub use super::surface::{SurfaceKind, SurfaceModel};
 
 /// A scene: camera, background, materials and spheres.
 ///
@@ -138,88 +138,6 @@ pub struct LensDescription {
     pub rotation_degrees: f64,
 }
 
-/// `[background]`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BackgroundDescription {
-    /// Light from all directions.
-    pub dome: EnvironmentDescription,
-    /// The unit direction of the zenith.
-    pub up: DVec3,
-    /// `[background.sun]`.
-    pub sun: Option<SunDescription>,
-    /// Whether camera rays that meet nothing see the background, or black.
-    pub camera_visible: bool,
-    /// Whether pictures have an alpha channel that is 0 where camera rays meet nothing.
-    pub transparent: bool,
-}
-
-impl Default for BackgroundDescription {
-    /// Darkness, with y as its zenith.
-    fn default() -> Self {
-        let dome = EnvironmentDescription::default();
-        Self { dome, up: DVec3::Y, sun: None, camera_visible: true, transparent: false }
-    }
-}
-
-/// The light of the background.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum EnvironmentDescription {
-    /// `radiance`: the same from everywhere.
-    Constant {
-        /// W/(sr m^2).
-        radiance: Rgb,
-    },
-    /// `[background.gradient]`: linear in the sine of the elevation.
-    Gradient {
-        /// From above.
-        zenith: Rgb,
-        /// From the sides.
-        horizon: Rgb,
-        /// From below.
-        nadir: Rgb,
-    },
-    /// `[background.image]`: a picture in latitude and longitude.
-    Image {
-        /// The file: `.exr` or `.hdr`.
-        #[serde(with = "super::paths")]
-        file: PathBuf,
-        /// Turns it about `up`, counterclockwise when seen from above.
-        rotation_degrees: f64,
-        /// A factor on its radiance.
-        scale: f64,
-    },
-    /// `[background.sky]`: a clear sky.
-    Sky {
-        /// The air's turbidity, from 2 to 10.
-        turbidity: f64,
-        /// The albedo of the ground below the horizon.
-        ground_albedo: Rgb,
-        /// A factor on its radiance.
-        scale: f64,
-    },
-}
-
-impl Default for EnvironmentDescription {
-    /// No light.
-    fn default() -> Self {
-        Self::Constant { radiance: Rgb::ZERO }
-    }
-}
-
-/// `[background.sun]`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SunDescription {
-    /// Unit direction towards it.
-    pub direction: DVec3,
-    /// How wide it is seen.
-    pub angular_diameter_degrees: f64,
-    /// W/m^2 on a surface that faces it.
-    pub irradiance: Rgb,
-}
-
 /// `[materials.NAME]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -239,118 +157,6 @@ impl Default for MaterialDescription {
     fn default() -> Self {
         let surface = SurfaceModel::default();
         Self { name: String::new(), surface, emission: Rgb::ZERO, opacity: 1.0 }
-    }
-}
-
-/// What a material does with light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum SurfaceModel {
-    /// `type = "diffuse"`: Lambert, or Oren and Nayar.
-    Diffuse {
-        /// The share of light that is scattered, in `[0, 1]`.
-        albedo: Rgb,
-        /// From 0, Lambert, to 1, the flattest look.
-        roughness: f64,
-    },
-    /// `type = "mirror"`.
-    Mirror {
-        /// The share of light that is reflected, in `[0, 1]`.
-        reflectance: Rgb,
-    },
-    /// `type = "conductor"`: metal.
-    Conductor {
-        /// Its complex index of refraction.
-        metal: Metal,
-        /// From 0, smooth, to 1; the square root of the microsurface's alpha.
-        roughness: f64,
-    },
-    /// `type = "dielectric"`: glass.
-    Dielectric {
-        /// Index of refraction relative to vacuum.
-        ior: f64,
-        /// From 0, smooth, to 1; the square root of the microsurface's alpha.
-        roughness: f64,
-        /// Where glass spheres overlap, the higher priority fills the common part.
-        priority: i32,
-        /// What the inside absorbs, per unit length.
-        absorption: Rgb,
-    },
-    /// `type = "plastic"`: a matt base under a clear coat.
-    Plastic {
-        /// The share of light that the base scatters.
-        albedo: Rgb,
-        /// Index of refraction of the coat, relative to what is around it.
-        ior: f64,
-        /// The coat's roughness, from 0, smooth, to 1.
-        roughness: f64,
-    },
-    /// `type = "principled"`: a mixture of the others.
-    Principled(PrincipledParameters),
-    /// `type = "phong"`: the shading model of the paper's section 1.1, for teaching.
-    Phong {
-        /// The diffuse share.
-        albedo: Rgb,
-        /// The glossy share.
-        specular: Rgb,
-        /// How narrow the highlight is.
-        exponent: f64,
-        /// Whether the lobe is scaled to conserve energy (Lafortune and Willems 1994) or left as
-        /// Phong wrote it.
-        normalized: bool,
-    },
-}
-
-impl Default for SurfaceModel {
-    /// Lambert's, scattering half of the light.
-    fn default() -> Self {
-        Self::Diffuse { albedo: Rgb::splat(0.5), roughness: 0.0 }
-    }
-}
-
-/// The reflection models without their parameters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SurfaceKind {
-    /// [`SurfaceModel::Diffuse`].
-    Diffuse,
-    /// [`SurfaceModel::Mirror`].
-    Mirror,
-    /// [`SurfaceModel::Conductor`].
-    Conductor,
-    /// [`SurfaceModel::Dielectric`].
-    Dielectric,
-    /// [`SurfaceModel::Plastic`].
-    Plastic,
-    /// [`SurfaceModel::Principled`].
-    Principled,
-    /// [`SurfaceModel::Phong`].
-    Phong,
-}
-
-named_enum! {
-    SurfaceKind {
-        Diffuse = "diffuse",
-        Mirror = "mirror",
-        Conductor = "conductor",
-        Dielectric = "dielectric",
-        Plastic = "plastic",
-        Principled = "principled",
-        Phong = "phong",
-    }
-}
-
-impl SurfaceModel {
-    /// The reflection model of this surface.
-    pub fn kind(&self) -> SurfaceKind {
-        match self {
-            Self::Diffuse { .. } => SurfaceKind::Diffuse,
-            Self::Mirror { .. } => SurfaceKind::Mirror,
-            Self::Conductor { .. } => SurfaceKind::Conductor,
-            Self::Dielectric { .. } => SurfaceKind::Dielectric,
-            Self::Plastic { .. } => SurfaceKind::Plastic,
-            Self::Principled(_) => SurfaceKind::Principled,
-            Self::Phong { .. } => SurfaceKind::Phong,
-        }
     }
 }
 

@@ -1,15 +1,110 @@
-//! The background: its image read from a file, and its light made from its description.
+//! The background: its description, its image read from a file, and the light made of them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
 
 use crate::color::Rgb;
 use crate::image_io::{Image, read_light};
 use crate::light::{self, Orientation};
-
-use super::description::{BackgroundDescription, EnvironmentDescription, SunDescription};
+use crate::math::DVec3;
 
 /// The most pixels along an image.
 const MAX_WIDTH: usize = 32_768;
+
+/// `[background]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BackgroundDescription {
+    /// Light from all directions.
+    pub dome: EnvironmentDescription,
+    /// The unit direction of the zenith.
+    pub up: DVec3,
+    /// `[background.sun]`.
+    pub sun: Option<SunDescription>,
+    /// Whether camera rays that meet nothing see the background, or black.
+    pub camera_visible: bool,
+    /// Whether pictures have an alpha channel that is 0 where camera rays meet nothing.
+    pub transparent: bool,
+}
+
+impl Default for BackgroundDescription {
+    /// Darkness, with y as its zenith.
+    fn default() -> Self {
+        let dome = EnvironmentDescription::default();
+        Self { dome, up: DVec3::Y, sun: None, camera_visible: true, transparent: false }
+    }
+}
+
+/// The light of the background.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum EnvironmentDescription {
+    /// `radiance`: the same from everywhere.
+    Constant {
+        /// W/(sr m^2).
+        radiance: Rgb,
+    },
+    /// `[background.gradient]`: linear in the sine of the elevation.
+    Gradient {
+        /// From above.
+        zenith: Rgb,
+        /// From the sides.
+        horizon: Rgb,
+        /// From below.
+        nadir: Rgb,
+    },
+    /// `[background.image]`: a picture in latitude and longitude.
+    Image {
+        /// The file: `.exr` or `.hdr`.
+        #[serde(with = "super::paths")]
+        file: PathBuf,
+        /// Turns it about `up`, counterclockwise when seen from above.
+        rotation_degrees: f64,
+        /// A factor on its radiance.
+        scale: f64,
+    },
+    /// `[background.sky]`: a clear sky.
+    Sky {
+        /// The air's turbidity, from 2 to 10.
+        turbidity: f64,
+        /// The albedo of the ground below the horizon.
+        ground_albedo: Rgb,
+        /// A factor on its radiance.
+        scale: f64,
+    },
+}
+
+impl Default for EnvironmentDescription {
+    /// No light.
+    fn default() -> Self {
+        Self::Constant { radiance: Rgb::ZERO }
+    }
+}
+
+/// `[background.sun]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SunDescription {
+    /// Unit direction towards it.
+    pub direction: DVec3,
+    /// How wide it is seen.
+    pub angular_diameter_degrees: f64,
+    /// W/m^2 on a surface that faces it.
+    pub irradiance: Rgb,
+}
+
+impl EnvironmentDescription {
+    /// The table in `[background]` that its keys stand in; `None` for `[background]` itself.
+    pub(super) fn table(&self) -> Option<&'static str> {
+        match self {
+            Self::Constant { .. } => None,
+            Self::Gradient { .. } => Some("gradient"),
+            Self::Image { .. } => Some("image"),
+            Self::Sky { .. } => Some("sky"),
+        }
+    }
+}
 
 /// The pixels of an image in latitude and longitude, rows from the top, checked to be radiance.
 #[derive(Clone, Debug)]

@@ -13,11 +13,10 @@ use super::arrays;
 use super::colors::SphereColors;
 use super::complaint::{TableDiagnostic, layout_help, read_error};
 use super::data::SphereData;
-use super::description::{EnvironmentDescription, SceneDescription, SphereTable, SurfaceModel};
+use super::description::{EnvironmentDescription, SceneDescription, SphereTable};
 use super::environment::{self, EnvironmentPixels};
 use super::storage::try_with_capacity;
 use super::table_reader::{Row, RowLayout, TableReader, VALUE_BYTES};
-use super::validate::SHARE_ROUNDING;
 use super::validation_errors::{self, ValidationErrors};
 
 /// The most spheres of a scene, so that rows and ids fit in 32 bits.
@@ -116,7 +115,7 @@ pub(super) fn load_tables(
     let mut groups = Vec::with_capacity(description.tables.len());
     for (index, (table, &rows)) in description.tables.iter_mut().zip(&survey.rows).enumerate() {
         let first_row = (exact.len() + all.len()) as u32;
-        let brightest = max_row_color(&description.materials[table.material].surface);
+        let brightest = description.materials[table.material].surface.max_row_color();
         let read = match index < wide {
             true => read_table(table, rows, brightest, &mut exact)?,
             false => read_table(table, rows, brightest, &mut all)?,
@@ -169,22 +168,6 @@ pub(super) fn check_count(spheres: u64) -> Result<()> {
         .with_help("leave some tables out, or thin them out"));
     }
     Ok(())
-}
-
-/// The largest colour that a row may have.
-fn max_row_color(surface: &SurfaceModel) -> [f32; 3] {
-    match surface {
-        SurfaceModel::Diffuse { .. }
-        | SurfaceModel::Plastic { .. }
-        | SurfaceModel::Principled(_)
-        | SurfaceModel::Mirror { .. }
-        | SurfaceModel::Conductor { .. }
-        | SurfaceModel::Dielectric { .. }
-        | SurfaceModel::Phong { normalized: false, .. } => [1.0; 3],
-        SurfaceModel::Phong { specular, .. } => {
-            specular.to_array().map(|share| 1.0 - share + SHARE_ROUNDING)
-        }
-    }
 }
 
 /// How many whole rows the file has, or what is wrong with it.

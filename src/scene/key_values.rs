@@ -8,13 +8,14 @@ use super::data::{Column, SphereData};
 use super::description::{
     BackgroundDescription, CameraDescription, EnvironmentDescription, LensDescription,
     MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
-    SunDescription, SurfaceModel,
+    SunDescription,
 };
-use super::keys::{self, Key};
+use super::keys::{self, Key, KeyVisitor};
 use super::settings::{
     ImageSettings, IntegratorSettings, PaperSettings, PathTermination, RenderSettings, Settings,
 };
 use super::validation_errors::quote_if_needed;
+use super::value_types::ValueType;
 
 /// One table of a scene file.
 #[derive(Default)]
@@ -34,6 +35,24 @@ impl Section {
 
     fn add(&mut self, name: &str, inner: impl Into<Value>) {
         self.0.insert(name.to_owned(), inner.into());
+    }
+}
+
+impl KeyVisitor for Section {
+    fn visit<K>(&mut self, key: &'static Key<K>, value: &mut K::Output)
+    where
+        K: ValueType,
+        K::Output: Serialize,
+    {
+        self.set(key, &*value);
+    }
+
+    fn visit_option<K>(&mut self, key: &'static Key<K>, value: &mut Option<K::Output>)
+    where
+        K: ValueType,
+        K::Output: Serialize,
+    {
+        self.set_if_given(key, value.as_ref());
     }
 }
 
@@ -134,27 +153,14 @@ fn of_background(background: &BackgroundDescription) -> Section {
     section.set(&keys::CAMERA_VISIBLE, camera_visible);
     section.set(&keys::TRANSPARENT, transparent);
     let mut inner = Section::default();
-    match dome {
-        EnvironmentDescription::Constant { radiance } => {
-            section.set(&keys::RADIANCE_EVERYWHERE, radiance)
-        }
-        EnvironmentDescription::Gradient { zenith, horizon, nadir } => {
-            inner.set(&keys::gradient::ZENITH, zenith);
-            inner.set(&keys::gradient::HORIZON, horizon);
-            inner.set(&keys::gradient::NADIR, nadir);
-            section.add("gradient", inner);
-        }
-        EnvironmentDescription::Image { file, rotation_degrees, scale } => {
-            inner.set(&keys::image::FILE, file.display().to_string());
-            inner.set(&keys::image::ROTATION, rotation_degrees);
-            inner.set(&keys::image::FACTOR, scale);
-            section.add("image", inner);
-        }
-        EnvironmentDescription::Sky { turbidity, ground_albedo, scale } => {
-            inner.set(&keys::sky::TURBIDITY, turbidity);
-            inner.set(&keys::sky::GROUND_ALBEDO, ground_albedo);
-            inner.set(&keys::sky::FACTOR, scale);
-            section.add("sky", inner);
+    if let EnvironmentDescription::Image { file, .. } = dome {
+        inner.set(&keys::image::FILE, file.display().to_string());
+    }
+    match dome.table() {
+        None => dome.clone().visit_keys(&mut section),
+        Some(name) => {
+            dome.clone().visit_keys(&mut inner);
+            section.add(name, inner);
         }
     }
     if let Some(SunDescription { direction, angular_diameter_degrees, irradiance }) = sun {
@@ -172,48 +178,7 @@ fn of_material(material: &MaterialDescription) -> Section {
     let MaterialDescription { name: _, surface, emission, opacity } = material;
     let mut section = Section::default();
     section.set(&keys::TYPE, surface.kind());
-    match surface {
-        SurfaceModel::Diffuse { albedo, roughness } => {
-            section.set(&keys::diffuse::ALBEDO, albedo);
-            section.set(&keys::diffuse::ROUGHNESS, roughness);
-        }
-        SurfaceModel::Mirror { reflectance } => {
-            section.set(&keys::mirror::REFLECTANCE, reflectance)
-        }
-        SurfaceModel::Conductor { metal, roughness } => {
-            section.set(&keys::conductor::IOR, metal.ior);
-            section.set(&keys::conductor::EXTINCTION, metal.extinction);
-            section.set(&keys::conductor::ROUGHNESS, roughness);
-        }
-        SurfaceModel::Dielectric { ior, roughness, priority, absorption } => {
-            section.set(&keys::dielectric::IOR, ior);
-            section.set(&keys::dielectric::ROUGHNESS, roughness);
-            section.set(&keys::dielectric::PRIORITY, priority);
-            section.set(&keys::dielectric::ABSORPTION, absorption);
-        }
-        SurfaceModel::Plastic { albedo, ior, roughness } => {
-            section.set(&keys::plastic::ALBEDO, albedo);
-            section.set(&keys::plastic::IOR, ior);
-            section.set(&keys::plastic::ROUGHNESS, roughness);
-        }
-        SurfaceModel::Principled(parameters) => {
-            use keys::principled as keys;
-            section.set(&keys::BASE_COLOR, parameters.base_color);
-            section.set(&keys::METALLIC, parameters.metallic);
-            section.set(&keys::ROUGHNESS, parameters.roughness);
-            section.set(&keys::SPECULAR, parameters.specular);
-            section.set(&keys::IOR, parameters.ior);
-            section.set(&keys::COAT, parameters.coat);
-            section.set(&keys::COAT_ROUGHNESS, parameters.coat_roughness);
-            section.set(&keys::TRANSMISSION, parameters.transmission);
-        }
-        SurfaceModel::Phong { albedo, specular, exponent, normalized } => {
-            section.set(&keys::phong::ALBEDO, albedo);
-            section.set(&keys::phong::SPECULAR, specular);
-            section.set(&keys::phong::EXPONENT, exponent);
-            section.set(&keys::phong::NORMALIZED, normalized);
-        }
-    }
+    { *surface }.visit_keys(&mut section);
     section.set(&keys::EMISSION, emission);
     section.set(&keys::OPACITY, opacity);
     section
@@ -244,25 +209,14 @@ fn of_image(image: &ImageSettings) -> Section {
 
 fn of_render(render: &RenderSettings) -> Section {
     use keys::render as keys;
-    let RenderSettings {
-        integrator,
-        estimator,
-        samples_per_pixel,
-        max_depth,
-        clamp_indirect,
-        seed,
-        sampler,
-        light_choice,
-    } = render;
+    let RenderSettings { integrator, estimator, samples_per_pixel, seed, sampler, .. } = render;
     let mut section = Section::default();
     section.set(&keys::INTEGRATOR, integrator.kind());
     section.set(&keys::ESTIMATOR, estimator);
     section.set(&keys::SAMPLER, sampler);
     section.set(&keys::SAMPLES, samples_per_pixel);
     section.set(&keys::SEED, seed);
-    section.set_if_given(&keys::MAX_DEPTH, *max_depth);
-    section.set_if_given(&keys::CLAMP_INDIRECT, *clamp_indirect);
-    section.set(&keys::LIGHT_CHOICE, light_choice);
+    { *render }.visit_keys(&mut section);
     let mut inner = Section::default();
     match integrator {
         IntegratorSettings::AmbientOcclusion { distance } => {

@@ -21,6 +21,7 @@ mod source;
 mod sphere_material;
 mod storage;
 mod suggest;
+mod surface;
 mod table_reader;
 mod toml;
 mod validate;

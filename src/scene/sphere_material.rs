@@ -1,15 +1,11 @@
-//! What spheres are made of: from the description of a material to its model, and from a sphere to
-//! what light finds there.
+//! What spheres are made of: the materials of a scene, and what light finds on a sphere.
 
 use crate::color::Rgb;
 use crate::geometry::Side;
-use crate::material::{
-    Coat, Conductor, Dielectric, Diffuse, Material, Medium, MediumStack, Mirror, Model, OrenNayar,
-    Phong, Plastic, Principled,
-};
+use crate::material::{Dielectric, Material, Medium, MediumStack, Model};
 use crate::sampling::ln;
 
-use super::description::{MaterialDescription, SurfaceModel as Described};
+use super::description::MaterialDescription;
 
 /// The least light that is left behind coloured glass.
 const MIN_TRANSMITTANCE: f64 = 1e-30;
@@ -78,12 +74,7 @@ pub(super) fn build_materials(described: &[MaterialDescription]) -> Vec<Material
 /// The indices of refraction of all media, vacuum first, each once.
 fn distinct_iors(described: &[MaterialDescription]) -> Vec<f64> {
     let mut indices = vec![1.0];
-    for named in described {
-        let ior = match named.surface {
-            Described::Dielectric { ior, .. } => ior,
-            Described::Principled(parameters) => parameters.ior,
-            _ => continue,
-        };
+    for ior in described.iter().filter_map(|named| named.surface.ior()) {
         if !indices.contains(&ior) {
             indices.push(ior);
         }
@@ -92,29 +83,11 @@ fn distinct_iors(described: &[MaterialDescription]) -> Vec<f64> {
 }
 
 fn build_material(named: &MaterialDescription, media: &[f64]) -> Material {
-    let model = match named.surface {
-        Described::Diffuse { albedo, roughness: 0.0 } => Model::Diffuse(Diffuse { albedo }),
-        Described::Diffuse { albedo, roughness } => {
-            Model::OrenNayar(OrenNayar { albedo, roughness })
-        }
-        Described::Mirror { reflectance } => Model::Mirror(Mirror { reflectance }),
-        Described::Conductor { metal, roughness } => {
-            Model::Conductor(Conductor::new(metal, roughness))
-        }
-        Described::Dielectric { ior, priority, roughness, .. } => {
-            Model::Dielectric(Dielectric::new(ior, priority, roughness, media))
-        }
-        Described::Plastic { albedo, ior, roughness } => {
-            Model::Plastic(Plastic { albedo, coat: Coat::new(ior, roughness) })
-        }
-        Described::Principled(parameters) => Model::Principled(Principled::new(parameters, media)),
-        Described::Phong { albedo, specular, exponent, normalized } => {
-            Model::Phong(Phong { albedo, specular, exponent, normalized })
-        }
-    };
-    let absorption = match named.surface {
-        Described::Dielectric { absorption, .. } => absorption,
-        _ => Rgb::ZERO,
-    };
-    Material { model, emission: named.emission, opacity: named.opacity as f32, absorption }
+    let MaterialDescription { name: _, surface, emission, opacity } = named;
+    Material {
+        model: surface.build(media),
+        emission: *emission,
+        opacity: *opacity as f32,
+        absorption: surface.absorption(),
+    }
 }

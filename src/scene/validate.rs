@@ -1,19 +1,20 @@
 //! Whether values can be a scene: each within its limits, and all of them together.
 
-use crate::color::Rgb;
 use crate::math::{DVec3, MAX_COORDINATE, NO_SPHERE, Rect};
 
 use super::data::{Column, SphereArrays, SphereData, StridedArray};
 use super::description::{
     BackgroundDescription, CameraDescription, EnvironmentDescription, LensDescription,
     MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
-    SunDescription, SurfaceModel, normalize_robust,
+    SunDescription, normalize_robust,
 };
-use super::keys;
+use super::keys::{self, Key, KeyVisitor};
 use super::settings::{
     ImageSettings, IntegratorSettings, PathTermination, RenderSettings, Settings,
 };
+use super::surface::{AddedShares, SHARE_ROUNDING};
 use super::validation_errors::{KeyPath, ValidationErrors};
+use super::value_types::ValueType;
 
 /// The most pixels of a picture.
 const MAX_PIXELS: u64 = 1 << 31;
@@ -24,8 +25,23 @@ const MIN_VIEW_UP_SINE: f64 = 1e-6;
 /// The index that stands for a material of another [`SceneBuilder`](super::SceneBuilder).
 pub(super) const FOREIGN_MATERIAL: usize = usize::MAX;
 
-/// How far the sum of two shares may exceed 1 by rounding.
-pub(super) const SHARE_ROUNDING: f32 = 1e-6;
+/// Checks the values of the keys of one table.
+struct Checker<'a> {
+    table: &'a KeyPath,
+    problems: &'a mut ValidationErrors,
+}
+
+impl KeyVisitor for Checker<'_> {
+    fn visit<K: ValueType>(&mut self, key: &'static Key<K>, value: &mut K::Output) {
+        self.problems.check(self.table, key, value);
+    }
+
+    fn visit_option<K: ValueType>(&mut self, key: &'static Key<K>, value: &mut Option<K::Output>) {
+        if let Some(value) = value {
+            self.problems.check(self.table, key, value);
+        }
+    }
+}
 
 impl SceneDescription {
     /// What keeps these values from being a scene; files are not looked at.
@@ -92,16 +108,10 @@ fn check_image(image: &ImageSettings, problems: &mut ValidationErrors) {
 }
 
 fn check_render(render: &RenderSettings, problems: &mut ValidationErrors) {
-    let RenderSettings { integrator, samples_per_pixel, max_depth, clamp_indirect, seed, .. } =
-        render;
+    let RenderSettings { integrator, samples_per_pixel, max_depth, seed, .. } = render;
     let at = KeyPath::root("render");
     problems.check(&at, &keys::render::SAMPLES, samples_per_pixel);
-    if let Some(depth) = max_depth {
-        problems.check(&at, &keys::render::MAX_DEPTH, depth);
-    }
-    if let Some(limit) = clamp_indirect {
-        problems.check(&at, &keys::render::CLAMP_INDIRECT, limit);
-    }
+    { *render }.visit_keys(&mut Checker { table: &at, problems });
     if i64::try_from(*seed).is_err() {
         let message =
             format!("`render.seed` must be a whole number from 0 to 2^63 - 1, not {seed}");
@@ -219,28 +229,10 @@ fn check_background(background: &BackgroundDescription, problems: &mut Validatio
     if !is_unit(*up) {
         problems.add(at.key("up"), format!("`background.up` must be a unit vector, not {up}"));
     }
-    match dome {
-        EnvironmentDescription::Constant { radiance } => {
-            problems.check(&at, &keys::RADIANCE_EVERYWHERE, radiance)
-        }
-        EnvironmentDescription::Gradient { zenith, horizon, nadir } => {
-            let at = at.key("gradient");
-            problems.check(&at, &keys::gradient::ZENITH, zenith);
-            problems.check(&at, &keys::gradient::HORIZON, horizon);
-            problems.check(&at, &keys::gradient::NADIR, nadir);
-        }
-        EnvironmentDescription::Image { file: _, rotation_degrees, scale } => {
-            let at = at.key("image");
-            problems.check(&at, &keys::image::ROTATION, rotation_degrees);
-            problems.check(&at, &keys::image::FACTOR, scale);
-        }
-        EnvironmentDescription::Sky { turbidity, ground_albedo, scale } => {
-            let inner = at.key("sky");
-            problems.check(&inner, &keys::sky::TURBIDITY, turbidity);
-            problems.check(&inner, &keys::sky::GROUND_ALBEDO, ground_albedo);
-            problems.check(&inner, &keys::sky::FACTOR, scale);
-            check_sky_sun(&at, background, problems);
-        }
+    let table = dome.table().map_or(at.clone(), |name| at.key(name));
+    dome.clone().visit_keys(&mut Checker { table: &table, problems });
+    if matches!(dome, EnvironmentDescription::Sky { .. }) {
+        check_sky_sun(&at, background, problems);
     }
     if let Some(SunDescription { direction, angular_diameter_degrees, irradiance }) = sun {
         let at = at.key("sun");
@@ -301,53 +293,9 @@ fn check_material(material: &MaterialDescription, problems: &mut ValidationError
     let at = KeyPath::root("materials").key(name);
     problems.check(&at, &keys::material::EMISSION, emission);
     problems.check(&at, &keys::material::OPACITY, opacity);
-    check_surface(&at, surface, problems);
-}
-
-fn check_surface(at: &KeyPath, surface: &SurfaceModel, problems: &mut ValidationErrors) {
-    use keys::material as keys;
-    match surface {
-        SurfaceModel::Diffuse { albedo, roughness } => {
-            problems.check(at, &keys::diffuse::ALBEDO, albedo);
-            problems.check(at, &keys::diffuse::ROUGHNESS, roughness);
-        }
-        SurfaceModel::Mirror { reflectance } => {
-            problems.check(at, &keys::mirror::REFLECTANCE, reflectance);
-        }
-        SurfaceModel::Conductor { metal, roughness } => {
-            problems.check(at, &keys::conductor::IOR, &metal.ior);
-            problems.check(at, &keys::conductor::EXTINCTION, &metal.extinction);
-            problems.check(at, &keys::conductor::ROUGHNESS, roughness);
-        }
-        SurfaceModel::Dielectric { ior, roughness, priority: _, absorption } => {
-            problems.check(at, &keys::dielectric::IOR, ior);
-            problems.check(at, &keys::dielectric::ROUGHNESS, roughness);
-            problems.check(at, &keys::dielectric::ABSORPTION, absorption);
-        }
-        SurfaceModel::Plastic { albedo, ior, roughness } => {
-            problems.check(at, &keys::plastic::ALBEDO, albedo);
-            problems.check(at, &keys::plastic::IOR, ior);
-            problems.check(at, &keys::plastic::ROUGHNESS, roughness);
-        }
-        SurfaceModel::Principled(p) => {
-            use keys::principled as keys;
-            problems.check(at, &keys::BASE_COLOR, &p.base_color);
-            problems.check(at, &keys::METALLIC, &p.metallic);
-            problems.check(at, &keys::ROUGHNESS, &p.roughness);
-            problems.check(at, &keys::SPECULAR, &p.specular);
-            problems.check(at, &keys::IOR, &p.ior);
-            problems.check(at, &keys::COAT, &p.coat);
-            problems.check(at, &keys::COAT_ROUGHNESS, &p.coat_roughness);
-            problems.check(at, &keys::TRANSMISSION, &p.transmission);
-        }
-        SurfaceModel::Phong { albedo, specular, exponent, normalized } => {
-            problems.check(at, &keys::phong::ALBEDO, albedo);
-            problems.check(at, &keys::phong::SPECULAR, specular);
-            problems.check(at, &keys::phong::EXPONENT, exponent);
-            if *normalized {
-                check_energy(at, *albedo + *specular, problems);
-            }
-        }
+    { *surface }.visit_keys(&mut Checker { table: &at, problems });
+    if let Some(shares) = surface.added_shares() {
+        check_energy(&at, &shares, problems);
     }
 }
 
@@ -355,14 +303,14 @@ fn is_unit(v: DVec3) -> bool {
     (v.length_squared() - 1.0).abs() < 1e-6
 }
 
-fn check_energy(at: &KeyPath, sum: Rgb, problems: &mut ValidationErrors) {
+fn check_energy(at: &KeyPath, shares: &AddedShares, problems: &mut ValidationErrors) {
+    let AddedShares { keys: [first, second], sum, help } = *shares;
     if sum.max_element() > 1.0 + SHARE_ROUNDING {
-        let key = at.key("specular");
+        let key = at.key(first);
         let message = format!(
-            "`{key}` and albedo add up to more than 1, so that the surface would create light"
+            "`{key}` and {second} add up to more than 1, so that the surface would create light"
         );
-        let help = "lower one of them; `normalized = false` is Phong's own form".to_owned();
-        problems.add(key, message).with_related(at.key("albedo")).with_help(help);
+        problems.add(key, message).with_related(at.key(second)).with_help(help.to_owned());
     }
 }
 

@@ -9,6 +9,7 @@ use clap::builder::TypedValueParser;
 
 use crate::color::{ToneCurve, ViewTransform};
 use crate::film::{AOVS, Aov};
+use crate::image_io::PICTURE_FORMATS;
 use crate::job::{FilePath, OutputSpec};
 
 use super::values::{exposure, named, one_of};
@@ -16,9 +17,8 @@ use super::values::{exposure, named, one_of};
 /// The files, and how those for the screen show the picture.
 #[derive(Args, Clone, Debug)]
 pub struct OutputArgs {
-    /// The picture; its extension chooses the format: .png (8 bit for the screen), .exr (linear, with
-    /// layers), .hdr or .pfm (linear); or .part, the sums themselves, to be merged. May be repeated
-    #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
+    /// The files to write.
+    #[arg(short = 'o', long = "output", value_name = "FILE", required = true, help = files_help())]
     pub files: Vec<PathBuf>,
 
     /// The layers of .exr files beside the beauty, as in --layers direct,albedo,normal
@@ -100,6 +100,13 @@ impl OutputArgs {
         of_pictures.extend(given.map(|(flag, _)| flag.to_owned()));
         [of_parts, of_pictures]
     }
+}
+
+fn files_help() -> String {
+    format!(
+        "The picture; its extension chooses the format: {PICTURE_FORMATS}; or .part, the sums \
+         themselves, to be merged. May be repeated"
+    )
 }
 
 fn kinds() -> impl TypedValueParser<Value = Aov> {

@@ -58,6 +58,11 @@ impl StopArgs {
         StopCriteria { noise, time: self.time }
     }
 
+    /// The option that ends each run by what its machine has done by then.
+    pub fn limit_option(&self) -> Option<&'static str> {
+        self.time.map(|_| "--time")
+    }
+
     /// What the options change in the scene: the most samples that there can be.
     pub fn overrides(&self, given_spp: bool) -> Option<Override> {
         let (option, most) = match (self.noise, self.time) {

@@ -80,10 +80,12 @@ fn outputs(args: &PlanArgs) -> OutputArgs {
 /// How the work can be divided.
 fn division(stop: &StopArgs, asked: Option<Division>) -> Result<Division> {
     let refused = |message: &str, help: &str| Err(Error::input(message).with_help(help));
-    match (stop.noise, stop.time, asked) {
-        (_, Some(_), _) => refused(
-            "--time ends each shard wherever its machine is by then, so that no two plans make the \
-             same picture",
+    match (stop.noise, stop.limit_option(), asked) {
+        (_, Some(limit), _) => refused(
+            &format!(
+                "{limit} ends each shard wherever its machine is by then, so that no two plans make \
+                 the same picture"
+            ),
             "use --spp N or --noise ERROR; sbatch and render farms have limits of time of their own",
         ),
         (Some(_), None, Some(Division::Samples)) => refused(

@@ -176,7 +176,7 @@ impl MergedExtent {
         // A part of the samples is one still; the time of one part says nothing of all.
         let is_all = self.samples == (0..self.samples_per_pixel);
         job.samples = (!is_all).then(|| self.samples.clone());
-        job.until.time = None;
+        job.until.clear_limits();
         job.settings.image.crop = metadata.settings.image.crop;
         job.settings.render.samples_per_pixel = self.samples_per_pixel;
         job.layers = layers.to_vec();

@@ -2,14 +2,14 @@
 
 use serde_json::{Map, Value, json};
 
-use super::DefaultValue::Required;
-use super::sections::TABLES;
-use super::{DynKey, TableSchema};
+use super::key::DefaultValue::Required;
+use super::key::{DynKey, TableSchema};
+use super::sections::tables;
 
 /// The JSON schema of scene files, for editors.
 pub fn schema() -> Value {
     let mut root = SchemaNode::default();
-    for section in TABLES {
+    for section in tables() {
         let mut node = &mut root;
         for step in section.path.split('.').filter(|step| !step.is_empty()) {
             node = node.tables.entry(step).or_default();

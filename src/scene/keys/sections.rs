@@ -1,20 +1,17 @@
 //! The sections of a scene file, each with its keys.
 
-use crate::scene::description::{ProjectionKind, SurfaceKind};
+use crate::scene::description::ProjectionKind;
 
-use super::entries::{background, camera, image, material, render, root, sphere, table};
-use super::{DynKey, TableSchema};
-
-const fn untyped_table(
-    path: &'static str,
-    help: &'static str,
-    keys: &'static [&'static dyn DynKey],
-) -> TableSchema {
-    TableSchema { path, help, keys, types: &[] }
-}
+use super::entries::{camera, image, root, sphere, table};
+use super::key::{TableSchema, untyped_table};
+use super::{background, material, render};
 
 /// Every table of a scene file.
-pub(super) const TABLES: &[TableSchema] = &[
+pub(super) fn tables() -> impl Iterator<Item = &'static TableSchema> {
+    BEFORE_BACKGROUND.iter().chain(background::TABLES).chain(AFTER_BACKGROUND)
+}
+
+const BEFORE_BACKGROUND: &[TableSchema] = &[
     untyped_table("", "a scene", root::ALL),
     untyped_table("image", "the picture", image::ALL),
     TableSchema {
@@ -27,24 +24,14 @@ pub(super) const TABLES: &[TableSchema] = &[
             (ProjectionKind::Panoramic.name(), camera::panoramic::ALL),
         ],
     },
-    untyped_table("background", "what a ray sees that hits nothing", background::ALL),
-    untyped_table("background.gradient", "from above to below", background::gradient::ALL),
-    untyped_table("background.image", "a picture of the surroundings", background::image::ALL),
-    untyped_table("background.sky", "a clear sky", background::sky::ALL),
-    untyped_table("background.sun", "the sun's disc", background::sun::ALL),
+];
+
+const AFTER_BACKGROUND: &[TableSchema] = &[
     TableSchema {
         path: "materials.NAME",
         help: "a surface",
         keys: material::ALL,
-        types: &[
-            (SurfaceKind::Diffuse.name(), material::diffuse::ALL),
-            (SurfaceKind::Mirror.name(), material::mirror::ALL),
-            (SurfaceKind::Conductor.name(), material::conductor::ALL),
-            (SurfaceKind::Dielectric.name(), material::dielectric::ALL),
-            (SurfaceKind::Plastic.name(), material::plastic::ALL),
-            (SurfaceKind::Principled.name(), material::principled::ALL),
-            (SurfaceKind::Phong.name(), material::phong::ALL),
-        ],
+        types: material::TYPES,
     },
     untyped_table("spheres", "a sphere", sphere::ALL),
     untyped_table("sphere_tables", "many spheres from a file", table::ALL),

@@ -8,10 +8,12 @@ use std::cell::{Cell, RefCell};
 
 use toml::de::{DeArray, DeTable, DeValue};
 
-use crate::scene::keys::{DefaultValue, Key};
+use crate::scene::keys::{DefaultValue, Key, KeyVisitor};
 use crate::scene::suggest::did_you_mean;
 use crate::scene::validation_errors::{KeyPath, PathSegment, quote_if_needed};
-use crate::scene::value_types::{InvalidValue, ParseValue, Span, SpannedValue, type_name};
+use crate::scene::value_types::{
+    InvalidValue, ParseValue, Span, SpannedValue, ValueType, type_name,
+};
 
 use super::diagnostics::{Diagnostics, SpannedError};
 
@@ -37,6 +39,23 @@ pub(super) struct Table<'d> {
     diagnostics: &'d Diagnostics,
     known: RefCell<Vec<&'static str>>,
     allows_unknown: Cell<bool>,
+}
+
+/// Reads the keys of a table that a scene file has; the other values stay.
+pub(super) struct TableValues<'a, 'd>(pub(super) &'a Table<'d>);
+
+impl KeyVisitor for TableValues<'_, '_> {
+    fn visit<K: ValueType>(&mut self, key: &'static Key<K>, value: &mut K::Output) {
+        if let Some(given) = self.0.get(key) {
+            *value = given;
+        }
+    }
+
+    fn visit_option<K: ValueType>(&mut self, key: &'static Key<K>, value: &mut Option<K::Output>) {
+        if let Some(given) = self.0.get(key) {
+            *value = Some(given);
+        }
+    }
 }
 
 impl<'d> Table<'d> {

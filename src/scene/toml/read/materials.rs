@@ -1,10 +1,10 @@
 //! `[materials.NAME]`.
 
 use crate::color::Rgb;
-use crate::material::{Metal, PrincipledParameters};
+use crate::material::Metal;
 use crate::scene::description::{MaterialDescription, SurfaceKind, SurfaceModel};
 use crate::scene::keys::material as keys;
-use crate::scene::toml::document::Table;
+use crate::scene::toml::document::{Table, TableValues};
 use crate::scene::value_types::{InvalidValue, Number, ParseValue, SpannedValue};
 
 /// The names of all materials in the order of the text, with what stands there.
@@ -24,43 +24,14 @@ fn read_surface(table: &Table<'_>) -> SurfaceModel {
         return SurfaceModel::default();
     };
     match kind {
-        SurfaceKind::Diffuse => SurfaceModel::Diffuse {
-            albedo: table.get(&keys::diffuse::ALBEDO).unwrap_or_default(),
-            roughness: table.get(&keys::diffuse::ROUGHNESS).unwrap_or(0.0),
-        },
-        SurfaceKind::Mirror => SurfaceModel::Mirror {
-            reflectance: table.get(&keys::mirror::REFLECTANCE).unwrap_or_default(),
-        },
         SurfaceKind::Conductor => read_conductor(table),
         SurfaceKind::Dielectric => read_dielectric(table),
-        SurfaceKind::Plastic => SurfaceModel::Plastic {
-            albedo: table.get(&keys::plastic::ALBEDO).unwrap_or_default(),
-            ior: table.get(&keys::plastic::IOR).unwrap_or(1.5),
-            roughness: table.get(&keys::plastic::ROUGHNESS).unwrap_or(0.0),
-        },
-        SurfaceKind::Principled => read_principled(table),
-        SurfaceKind::Phong => SurfaceModel::Phong {
-            albedo: table.get(&keys::phong::ALBEDO).unwrap_or_default(),
-            specular: table.get(&keys::phong::SPECULAR).unwrap_or_default(),
-            exponent: table.get(&keys::phong::EXPONENT).unwrap_or_default(),
-            normalized: table.get(&keys::phong::NORMALIZED).unwrap_or(true),
-        },
+        _ => {
+            let mut surface = SurfaceModel::with_defaults(kind);
+            surface.visit_keys(&mut TableValues(table));
+            surface
+        }
     }
-}
-
-fn read_principled(table: &Table<'_>) -> SurfaceModel {
-    use keys::principled as keys;
-    let usual = PrincipledParameters::default();
-    SurfaceModel::Principled(PrincipledParameters {
-        base_color: table.get(&keys::BASE_COLOR).unwrap_or(usual.base_color),
-        metallic: table.get(&keys::METALLIC).unwrap_or(usual.metallic),
-        roughness: table.get(&keys::ROUGHNESS).unwrap_or(usual.roughness),
-        specular: table.get(&keys::SPECULAR).unwrap_or(usual.specular),
-        ior: table.get(&keys::IOR).unwrap_or(usual.ior),
-        coat: table.get(&keys::COAT).unwrap_or(usual.coat),
-        coat_roughness: table.get(&keys::COAT_ROUGHNESS).unwrap_or(usual.coat_roughness),
-        transmission: table.get(&keys::TRANSMISSION).unwrap_or(usual.transmission),
-    })
 }
 
 /// A metal by its name, or by the two parts of its index of refraction.

@@ -5,18 +5,15 @@ use crate::scene::settings::{
     IntegratorKind, IntegratorSettings, PaperSettings, PathTermination, PathTerminationKind,
     RenderSettings, SamplerKind,
 };
-use crate::scene::toml::document::Table;
+use crate::scene::toml::document::{Table, TableValues};
 
 pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> RenderSettings {
     let usual = RenderSettings::default();
     let kind = table.get(&keys::INTEGRATOR).unwrap_or_default();
     let estimator = table.get(&keys::ESTIMATOR).unwrap_or_default();
     let given = table.get(&keys::SAMPLES);
-    let max_depth = table.get(&keys::MAX_DEPTH);
-    let clamp_indirect = table.get(&keys::CLAMP_INDIRECT);
     let seed = table.get(&keys::SEED).map_or(usual.seed, i64::unsigned_abs);
     let sampler = table.get(&keys::SAMPLER).unwrap_or(default_sampler(kind));
-    let light_choice = table.get(&keys::LIGHT_CHOICE).unwrap_or_default();
     let paper = table.optional_section("paper", |inner| {
         let mut paper = read_paper(inner);
         if kind == IntegratorKind::Paper {
@@ -41,16 +38,10 @@ pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> Rende
         IntegratorKind::Paper => (IntegratorSettings::Paper(paper), total_samples(table, &paper)),
         IntegratorKind::Raycast => (IntegratorSettings::Raycast { shadows }, given.unwrap_or(1)),
     };
-    RenderSettings {
-        integrator,
-        estimator,
-        samples_per_pixel,
-        max_depth,
-        clamp_indirect,
-        seed,
-        sampler,
-        light_choice,
-    }
+    let mut render =
+        RenderSettings { integrator, estimator, samples_per_pixel, seed, sampler, ..usual };
+    render.visit_keys(&mut TableValues(table));
+    render
 }
 
 /// The paper's figures show independent numbers.
