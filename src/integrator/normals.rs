@@ -1,5 +1,5 @@
-//! `integrator = "normals"`: the outward unit normal `n` at the first hit, shown as the colour `0.5
-//! + 0.5 n`; black on a miss. Only the pixel position is random.
+//! `integrator = "normals"`: the outward unit normal `n` at the first hit, shown as the colour
+//! `0.5 + 0.5 n`; black on a miss. Only the pixel position is random.
 
 use crate::color::{PathRadiance, Rgb};
 use crate::math::DVec3;

@@ -54,8 +54,8 @@ impl CategoryPmf {
         self.probabilities[kind as usize]
     }
 
-    /// Returns the category selected by `u` in `[0, 1)`, its probability, and `u` remapped to `[0,
-    /// 1)`.
+    /// Returns the category selected by `u` in `[0, 1)`, its probability, and `u` remapped to
+    /// `[0, 1)`.
     pub(super) fn sample(&self, mut u: f64) -> (LightCategory, f64, f64) {
         let mut last = (LightCategory::Emitters, self.probabilities[0], u);
         for kind in [LightCategory::Emitters, LightCategory::EnvironmentMap, LightCategory::Sun] {

@@ -5,8 +5,8 @@
 //! formulas are those of the paper's appendix A.2. Below the horizon is diffuse ground, uniformly
 //! lit by sky and sun.
 //!
-//! The model is tabulated once: a row every 0.7 degrees of elevation, and as many columns per
-//! degree.
+//! The model is tabulated once: a row every 0.7 degrees of elevation, and columns at the same
+//! spacing.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
