@@ -2,11 +2,11 @@
 //! share (Burley 2012 and 2015, "Physically Based Shading at Disney"). A mixture of the other
 //! models.
 //!
-//! With the fractions `metal = metallic`, `glass = (1 - metallic) transmission` and `matt`, the
+//! With the fractions `metal = metallic`, `glass = (1 - metallic) transmission` and `base`, the
 //! rest,
 //!
 //! ```text
-//! f = c coat + t (metal conductor + glass dielectric + matt gloss) + matt diffuse
+//! f = c coat + t (metal conductor + glass dielectric + base gloss) + base diffuse
 //! ```
 //!
 //! - conductor: GGX of `roughness`, with `base_color` as its reflectance at normal incidence;
