@@ -1,38 +1,39 @@
-//! The opening of a lens: a disk, or the polygon that its blades leave.
+//! The aperture of a lens: a disk, or the polygon formed by its blades.
 //!
-//! Points are drawn evenly over the area; sampling, density and inversion stand together.
+//! Points are sampled uniformly over the area; sampling, pdf and inversion are implemented
+//! together.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use crate::sampling::{atan2, sin_cos};
 
-/// The opening of a lens, in its own plane: x to the right of the picture, y up.
+/// The aperture of a lens, in its own plane: x to the right of the picture, y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aperture {
-    /// Of the disk, or of the circle through the polygon's corners.
+    /// Radius of the disk, or of the circle through the polygon's corners.
     pub radius: f64,
-    /// Corners of a regular polygon, from 3; 0 for a disk.
+    /// Number of corners of a regular polygon, at least 3; 0 for a disk.
     pub blades: u32,
-    /// The angle from x to the first corner, counter-clockwise, in radians.
+    /// Angle from x to the first corner, counterclockwise, in radians.
     pub rotation: f64,
 }
 
 impl Aperture {
-    /// A point of the opening, from `u` in `[0, 1)^2`.
+    /// Samples a point of the aperture, from `u` in `[0, 1)^2`.
     pub fn sample(&self, u: [f64; 2]) -> [f64; 2] {
         let unit =
             if self.blades == 0 { sample_concentric_disk(u) } else { self.sample_polygon(u) };
         unit.map(|x| x * self.radius)
     }
 
-    /// The density of [`Self::sample`] per area: 0 outside of the opening.
+    /// Returns the pdf of [`Self::sample`] per area: 0 outside of the aperture.
     pub fn pdf(&self, point: [f64; 2]) -> f64 {
         let [_, r] = self.sector_coordinates(point);
         let is_outside = if self.blades == 0 { length(point) > self.radius } else { r > 1.0 };
         if is_outside { 0.0 } else { 1.0 / self.area() }
     }
 
-    /// The `u` that gives a point.
+    /// Returns the `u` that maps to a point.
     pub fn invert(&self, point: [f64; 2]) -> [f64; 2] {
         if self.blades == 0 {
             return invert_concentric_disk(point.map(|x| x / self.radius));
@@ -41,7 +42,7 @@ impl Aperture {
         [sector / f64::from(self.blades), r * r]
     }
 
-    /// Area of the opening.
+    /// Returns the area of the aperture.
     pub fn area(&self) -> f64 {
         let square = self.radius * self.radius;
         if self.blades == 0 {
@@ -51,8 +52,8 @@ impl Aperture {
         0.5 * n * sin_cos(TAU / n).0 * square
     }
 
-    /// In the triangle from the centre to an edge, lines parallel to the edge have lengths that grow
-    /// with their distance, so the square root of a uniform number is the right distance.
+    /// In the triangle from the centre to an edge, lines parallel to the edge grow linearly with
+    /// their distance, so the square root of a uniform number is the right distance.
     fn sample_polygon(&self, u: [f64; 2]) -> [f64; 2] {
         let place = u[0] * f64::from(self.blades);
         let sector = place.floor().min(f64::from(self.blades - 1));
@@ -61,8 +62,8 @@ impl Aperture {
         [0, 1].map(|axis| r * ((1.0 - along) * a[axis] + along * b[axis]))
     }
 
-    /// Number of the sector plus the place along its edge, and the distance from the centre as a
-    /// share of the edge's.
+    /// Returns the sector number plus the position along its edge, and the distance from the centre
+    /// as a fraction of the edge's.
     fn sector_coordinates(&self, point: [f64; 2]) -> [f64; 2] {
         let n = f64::from(self.blades.max(3));
         let angle = atan2(point[1], point[0]) - self.rotation;
@@ -92,8 +93,8 @@ fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
 
-/// A point of the unit disk. Squares around the centre of `u` become circles (Shirley and Chiu 1997,
-/// "A Low Distortion Map Between Disk and Square"), so points that are spread well stay so.
+/// Samples a point of the unit disk. Squares around the centre of `u` map to circles (Shirley and
+/// Chiu 1997, "A Low Distortion Map Between Disk and Square"), which preserves stratification.
 fn sample_concentric_disk(u: [f64; 2]) -> [f64; 2] {
     let [a, b] = u.map(|u| 2.0 * u - 1.0);
     if a == 0.0 && b == 0.0 {
@@ -111,7 +112,7 @@ fn sample_concentric_disk(u: [f64; 2]) -> [f64; 2] {
 fn invert_concentric_disk(point: [f64; 2]) -> [f64; 2] {
     let r = length(point);
     let angle = atan2(point[1], point[0]);
-    // From -45 degrees on, so that each quarter belongs to one side of the square.
+    // Starts at -45 degrees, so that each quarter belongs to one side of the square.
     let angle = if angle < -FRAC_PI_4 { angle + TAU } else { angle };
     let share = |from: f64| (angle - from) / FRAC_PI_4 * r;
     let [a, b] = match (angle / FRAC_PI_2 + 0.5).floor() as u32 {
@@ -145,7 +146,7 @@ mod tests {
                 assert_eq!(aperture.pdf(point), 1.0 / aperture.area());
                 let r = length(point);
                 assert!(r <= aperture.radius * (1.0 + 1e-12));
-                // From the centre outwards beyond the circle there is nothing.
+                // Just outside of the circle, the pdf is 0.
                 assert_eq!(aperture.pdf(point.map(|x| x * 1.01 * aperture.radius / r)), 0.0);
             }
         }

@@ -1,7 +1,7 @@
-//! From a place in the picture, and one on the lens, to a ray.
+//! Cameras: map a picture position and a lens position to a ray.
 //!
-//! Places in the picture are counted in pixels from its upper left corner; pixels are square except
-//! in a panorama, whose pixels are steps of two angles.
+//! Picture positions are in pixels from the upper left corner. Pixels are square, except in a
+//! panorama, whose pixels are steps of two angles.
 
 mod aperture;
 
@@ -14,56 +14,57 @@ use crate::sampling::sin_cos;
 /// A camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
-    /// The middle of the lens, relative to the spheres' origin.
+    /// Centre of the lens, relative to the spheres' origin.
     position: DVec3,
-    /// Unit view axis, and the unit vectors to the right and up in the picture.
+    /// Unit view axis; the unit vectors to the right and up in the picture follow.
     forward: DVec3,
     right: DVec3,
     up: DVec3,
-    /// From the middle of the picture to its edge, as the projection measures it: at distance 1 along
+    /// From the centre of the picture to its edge, in the projection's units: at distance 1 along
     /// the axis, in scene units, or in radians.
     half_extent: [f64; 2],
-    /// From the middle of the picture to its right edge, and to its top, at distance 1 or in scene units.
+    /// From the centre of the picture to its right and top edges, at distance 1 or in scene units.
     right_edge: DVec3,
     top_edge: DVec3,
     model: CameraModel,
     resolution: [f64; 2],
-    /// Twice the share of the picture that a pixel takes, across and down.
+    /// Size of a pixel in normalised device coordinates, across and down.
     ndc_per_pixel: [f64; 2],
     near: f64,
 }
 
-/// Where a camera is and how it is held.
+/// Position and orientation of a camera.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraPose {
-    /// The middle of the lens, relative to the spheres' origin.
+    /// Centre of the lens, relative to the spheres' origin.
     pub position: DVec3,
     /// The direction of the view axis, any length.
     pub view_direction: DVec3,
-    /// The direction that is up in the picture; not parallel to the axis.
+    /// The direction that is up in the picture; not parallel to the view axis.
     pub up: DVec3,
-    /// Rays start where their depth along the view axis is this; in a panorama, their distance.
+    /// Near clipping: rays start at this depth along the view axis; in a panorama, at this
+    /// distance.
     pub near: f64,
-    /// Pixels across and down.
+    /// Resolution in pixels, across and down.
     pub resolution: [u32; 2],
 }
 
-/// How directions become places in the picture.
+/// The projection from directions to picture positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraModel {
-    /// Through one point, or through a thin lens around it.
+    /// Perspective, through a pinhole or a thin lens.
     Perspective {
         /// Angle from the bottom to the top of the picture, in radians, below pi.
         vertical_fov: f64,
-        /// `None` is a pinhole.
+        /// The thin lens; `None` is a pinhole.
         lens: Option<ThinLens>,
     },
-    /// Parallel to the axis.
+    /// Orthographic: rays parallel to the axis.
     Orthographic {
-        /// What fits between the bottom and the top of the picture, in scene units.
+        /// Height of the picture, in scene units.
         height: f64,
     },
-    /// All around: columns are longitudes, rows are latitudes.
+    /// Panoramic: columns are longitudes, rows are latitudes.
     Panoramic {
         /// Angle from the left to the right of the picture, in radians, up to 2 pi.
         horizontal: f64,
@@ -75,14 +76,14 @@ pub enum CameraModel {
 /// A thin lens: all rays from a point at the focus distance meet in one point of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
-    /// Its opening.
+    /// The lens aperture.
     pub aperture: Aperture,
-    /// From the lens to the plane in focus, along the axis; positive.
+    /// Distance from the lens to the plane in focus, along the axis; positive.
     pub focus_distance: f64,
 }
 
-/// The unit vectors to the right, up and along the view of a camera that looks in the direction
-/// `towards`, with `up` upwards in its picture. Neither needs to be a unit vector.
+/// Returns the unit vectors to the right, up and along the view of a camera that looks in the
+/// direction `towards`, with `up` upwards in its picture. Neither needs to be a unit vector.
 pub fn axes(towards: DVec3, up: DVec3) -> [DVec3; 3] {
     let forward = towards.normalize();
     let right = forward.cross(up).normalize();
@@ -90,7 +91,7 @@ pub fn axes(towards: DVec3, up: DVec3) -> [DVec3; 3] {
 }
 
 impl Camera {
-    /// A camera.
+    /// Creates a camera.
     pub fn new(mount: &CameraPose, projection: CameraModel) -> Self {
         let [width, height] = mount.resolution.map(f64::from);
         let [right, up, forward] = axes(mount.view_direction, mount.up);
@@ -115,8 +116,8 @@ impl Camera {
         }
     }
 
-    /// The ray through a place in the picture, in pixels from its upper left corner, and the place on
-    /// the lens that two numbers in `[0, 1)` give.
+    /// Generates the ray through a picture position, in pixels from the upper left corner, and the
+    /// lens position given by two numbers in `[0, 1)`.
     pub fn generate_ray(&self, x: f64, y: f64, lens: [f64; 2]) -> PathRay {
         let [across, upwards] = self.to_ndc(x, y);
         match self.model {
@@ -145,7 +146,7 @@ impl Camera {
         }
     }
 
-    /// [`Self::generate_ray`] of a pinhole camera.
+    /// Generates the ray of a pinhole camera, as [`Self::generate_ray`] does.
     #[inline(always)]
     pub fn generate_pinhole_ray(&self, x: f64, y: f64) -> PathRay {
         let [across, upwards] = self.to_ndc(x, y);
@@ -153,29 +154,29 @@ impl Camera {
         self.spawn_from_lens(self.position, direction)
     }
 
-    /// A place in the picture, from -1 to 1: to the right, and to the top.
+    /// Converts a picture position to `[-1, 1]`: to the right, and to the top.
     #[inline(always)]
     fn to_ndc(&self, x: f64, y: f64) -> [f64; 2] {
         [self.ndc_per_pixel[0] * x - 1.0, 1.0 - self.ndc_per_pixel[1] * y]
     }
 
-    /// Whether all rays come from one point, through a picture that is flat.
+    /// Returns true if all rays come from one point, through a flat picture.
     pub fn is_pinhole(&self) -> bool {
         matches!(self.model, CameraModel::Perspective { lens: None, .. })
     }
 
-    /// Whether [`Self::generate_ray`] heeds the place on the lens.
+    /// Returns true if [`Self::generate_ray`] uses the lens position.
     pub fn has_lens(&self) -> bool {
         matches!(self.model, CameraModel::Perspective { lens: Some(_), .. })
     }
 
-    /// Where the middle of the lens is, relative to the spheres' origin.
+    /// Returns the centre of the lens, relative to the spheres' origin.
     pub fn position(&self) -> DVec3 {
         self.position
     }
 
-    /// The farthest from [`Self::position`] that the origin of a ray can be which passes the picture
-    /// at most `margin` pixels outside.
+    /// Returns the maximum distance from [`Self::position`] to the origin of a ray that passes the
+    /// picture at most `margin` pixels outside.
     pub fn max_origin_distance(&self, margin: f64) -> f64 {
         match self.model {
             CameraModel::Perspective { lens, .. } => lens.map_or(0.0, |lens| lens.aperture.radius),
@@ -184,8 +185,8 @@ impl Camera {
         }
     }
 
-    /// A distance from [`Self::position`] beyond which no ray can start which passes the picture at
-    /// most `margin` pixels outside; no ray's `t_min` is larger.
+    /// Returns an upper bound on the distance from [`Self::position`] to the start of a ray that
+    /// passes the picture at most `margin` pixels outside; no ray's `t_min` is larger.
     pub fn max_start_distance(&self, margin: f64) -> f64 {
         let origin = self.max_origin_distance(margin);
         match self.model {
@@ -199,13 +200,13 @@ impl Camera {
         }
     }
 
-    /// Whether a ray may start inside a sphere, which passes the picture at most `margin` pixels
-    /// outside. Sometimes true where none can, never false where one does.
+    /// Returns true if a ray that passes the picture at most `margin` pixels outside may start
+    /// inside a sphere. Conservative: sometimes true where none can, never false where one does.
     pub fn may_start_inside(&self, sphere: &Sphere, margin: f64) -> bool {
         let reach = self.max_start_distance(margin);
         let from = sphere.center - self.position;
         let distance = from.length();
-        // All rays start at one depth, or in a panorama at one distance. The rest is for rounding.
+        // All rays start at one depth, or in a panorama at one distance. The slack is for rounding.
         let off = match self.model {
             CameraModel::Panoramic { .. } => distance - self.near,
             _ => from.dot(self.forward) - self.near,
@@ -214,16 +215,17 @@ impl Camera {
         off.abs() <= radius && distance <= radius + reach
     }
 
-    /// A ray that starts at the depth `near`, in a direction whose part along the view axis is 1.
+    /// Spawns a ray that starts at depth `near`, in a direction whose component along the view axis
+    /// is 1.
     #[inline(always)]
     fn spawn_from_lens(&self, origin: DVec3, direction: DVec3) -> PathRay {
-        // Along the axis the direction is 1 long.
+        // The direction's component along the axis is 1.
         let length = direction.length();
         let direction = direction * (1.0 / length);
         PathRay { t_min: self.near * length, ..PathRay::new(origin, direction) }
     }
 
-    /// From the middle of the picture to a corner that lies `margin` pixels outside.
+    /// Returns half the diagonal of a picture extended by `margin` pixels on each side.
     fn half_diagonal(&self, margin: f64) -> f64 {
         let axis =
             |axis: usize| self.half_extent[axis] * (1.0 + 2.0 * margin / self.resolution[axis]);

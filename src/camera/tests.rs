@@ -68,7 +68,7 @@ fn near_is_a_depth_along_the_axis_and_no_start_is_farther_than_stated() {
                 assert!(from.length() <= reach && ray.t_min <= reach);
                 let origin = (ray.origin - camera.position()).length();
                 assert!(origin <= camera.max_origin_distance(margin) * (1.0 + 1e-12));
-                // Small spheres around the start are among those that it may be in.
+                // Small spheres around the ray's start are among those that it may start inside.
                 let sphere = Sphere { center: ray.at(ray.t_min), radius: 1e-9 };
                 assert!(camera.may_start_inside(&sphere, margin));
             }
@@ -91,7 +91,7 @@ fn rays_through_a_lens_meet_where_it_is_focused() {
             assert_eq!(ray.origin.z, 5.0);
         }
     }
-    // The middle of the opening is the pinhole.
+    // The centre of the aperture is the pinhole.
     assert_eq!(
         sharp.generate_ray(13.0, 87.0, [0.5; 2]).direction,
         pinhole.generate_ray(13.0, 87.0, [0.0; 2]).direction
@@ -131,7 +131,7 @@ fn a_panorama_looks_everywhere() {
     ] {
         assert!((direction(x, y) - expected).length() < 1e-15, "{x} {y}");
     }
-    // Over the pole the picture goes on on the other side.
+    // Past the pole the picture continues on the other side.
     let over = direction(60.0, -7.0) - direction(160.0, 7.0);
     assert!(over.length() < 1e-14, "{over}");
 }

@@ -1,4 +1,4 @@
-//! Colours: linear Rec. 709 radiance and reflectance, and the ways to the screen.
+//! Colours: linear Rec. 709 radiance and reflectance, and display transforms.
 
 mod view_transform;
 mod visible_surface;
@@ -11,40 +11,41 @@ pub use visible_surface::{NO_ROW, VisibleSurface};
 /// Red, green, blue in linear Rec. 709. Radiance is in W/(sr m^2) per channel.
 pub type Rgb = glam::Vec3;
 
-/// What one sample brings to its pixel.
+/// The contribution of one sample to its pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PathRadiance {
-    /// Emission and background seen by the camera, and light scattered once on its way from a lamp
-    /// to the camera. Mirrors and glass in between do not count as scattering.
+    /// Emission and environment seen by the camera, and light scattered once on its way from an
+    /// emitter to the camera. Mirrors and glass in between do not count as scattering.
     pub direct: Rgb,
-    /// All the rest.
+    /// All other light.
     pub indirect: Rgb,
-    /// 0 where the camera ray met nothing and saw the background, else 1.
+    /// 0 if the camera ray missed and saw the environment, else 1.
     pub alpha: f32,
 }
 
-/// Luminance of a linear Rec. 709 colour (ITU-R BT.709-6, item 3.2).
+/// Returns the luminance of a linear Rec. 709 colour (ITU-R BT.709-6, item 3.2).
 pub fn luminance(color: Rgb) -> f32 {
     color.dot(Rgb::new(0.2126, 0.7152, 0.0722))
 }
 
-/// The sRGB transfer curve for one channel, clamped to `[0, 1]` (IEC 61966-2-1).
+/// Applies the sRGB transfer curve to one channel, clamped to `[0, 1]` (IEC 61966-2-1).
 pub fn srgb_from_linear(linear: f32) -> f32 {
     let x = linear.clamp(0.0, 1.0);
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * libm::powf(x, 1.0 / 2.4) - 0.055 }
 }
 
-/// The nearest of 256 steps of the same, without its power for each value.
+/// Applies the sRGB transfer curve and rounds to 8 bits, without computing a power for each value.
 pub fn srgb8_from_linear(linear: f32) -> u8 {
     SRGB8_THRESHOLDS.partition_point(|from| *from <= linear) as u8
 }
 
-/// From which light on each step but the first is the nearest: found once, to the last bit.
+/// The smallest linear value that rounds to each 8-bit value except 0: computed once, to the last
+/// bit.
 static SRGB8_THRESHOLDS: LazyLock<[f32; 255]> = LazyLock::new(|| {
     std::array::from_fn(|step| {
         let is_there =
             |bits: u32| (srgb_from_linear(f32::from_bits(bits)) * 255.0).round() > step as f32;
-        // Floats that are not negative have the order of their bits.
+        // Non-negative floats have the order of their bits.
         let (mut below, mut there) = (0, 1.0f32.to_bits());
         while there - below > 1 {
             let middle = below + (there - below) / 2;
@@ -54,7 +55,7 @@ static SRGB8_THRESHOLDS: LazyLock<[f32; 255]> = LazyLock::new(|| {
     })
 });
 
-/// The inverse of [`srgb_from_linear`] for one channel in `[0, 1]`.
+/// Inverts [`srgb_from_linear`] for one channel in `[0, 1]`.
 pub fn linear_from_srgb(value: f32) -> f32 {
     if value <= 0.040_45 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
 }
@@ -74,7 +75,7 @@ mod tests {
     #[test]
     fn steps_are_those_of_the_curve() {
         let by_curve = |light: f32| (srgb_from_linear(light) * 255.0).round() as u8;
-        // Every 997th float from 0 to beyond 1, and around each place where the step changes.
+        // Every 997th float from 0 to beyond 1, and around each threshold.
         let all = (0..1.5f32.to_bits()).step_by(997);
         let edges =
             SRGB8_THRESHOLDS.iter().flat_map(|edge| edge.to_bits() - 1..=edge.to_bits() + 1);

@@ -1,7 +1,7 @@
-//! From light to the screen: exposure, a curve for bright light, and steps of 8 bits.
+//! View transforms: exposure, tone curve, and rounding to 8 bits.
 //!
-//! Every curve takes linear Rec. 709 and gives values for the screen in `[0, 1]`. They are for eyes
-//! only; whoever measures takes a file of linear light.
+//! Every curve maps linear Rec. 709 to display values in `[0, 1]`. They are for viewing only;
+//! measure on linear image files.
 
 use std::fmt;
 
@@ -11,35 +11,35 @@ use crate::names::named_enum;
 
 use super::{Rgb, srgb_from_linear, srgb8_from_linear};
 
-/// How light becomes values for the screen.
+/// A transform from linear radiance to display values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ViewTransform {
-    /// In stops: light is multiplied by 2 to this power.
+    /// Exposure in stops: light is multiplied by 2 to this power.
     pub exposure: f32,
-    /// The curve.
+    /// The tone curve.
     pub tone: ToneCurve,
-    /// Whether rounding to 8 bits is spread over neighbours, which hides steps in smooth gradients.
+    /// True if rounding to 8 bits is dithered, which hides steps in smooth gradients.
     pub dither: bool,
 }
 
-/// The curves.
+/// A tone curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToneCurve {
-    /// The sRGB curve; what is brighter than 1 is white.
+    /// The sRGB curve; values above 1 are clipped to white.
     #[default]
     Srgb,
     /// Hable's curve: a toe, a long shoulder, white at 11.2.
     Filmic,
-    /// Sobotka's AgX: bright colours lose their colour on the way to white, as on film.
+    /// Sobotka's AgX: bright colours desaturate on the way to white, as on film.
     AgX,
 }
 
-/// A linear map of colours, row by row.
+/// A linear colour transform, row by row.
 type Matrix = [[f32; 3]; 3];
 
 named_enum! { ToneCurve { Srgb = "srgb", Filmic = "filmic", AgX = "agx" } }
 
-/// What is not as usual, as in "agx, exposure 1.5, dithered".
+/// Lists what differs from the defaults, as in "agx, exposure 1.5, dithered".
 impl fmt::Display for ViewTransform {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let usual = Self::default();
@@ -53,7 +53,7 @@ impl fmt::Display for ViewTransform {
 }
 
 impl ViewTransform {
-    /// The value for the screen of each channel, in `[0, 1]`; light must be finite.
+    /// Returns the display value of each channel, in `[0, 1]`; light must be finite.
     pub fn to_display(&self, light: Rgb) -> [f32; 3] {
         let light = self.apply_exposure(light);
         match self.tone {
@@ -70,7 +70,7 @@ impl ViewTransform {
         }
     }
 
-    /// The same in steps of 8 bits, for the pixel in this column and row of the full picture.
+    /// Returns 8-bit display values for the pixel in this column and row of the full picture.
     pub fn to_display_8bit(&self, light: Rgb, column: usize, row: usize) -> [u8; 3] {
         if self.tone == ToneCurve::Srgb && !self.dither {
             return self.apply_exposure(light).to_array().map(srgb8_from_linear);
@@ -93,14 +93,14 @@ fn filmic(value: f32) -> f32 {
         let (a, b, c, d, e, f) = (0.15, 0.5, 0.1, 0.2, 0.02, 0.3);
         (x * (a * x + c * b) + d * e) / (x * (a * x + b) + d * f) - e / f
     };
-    // Beyond white nothing changes, and squares stay finite.
+    // Clamped at white, which also keeps squares finite.
     let white = 11.2;
     curve((2.0 * value.max(0.0)).min(white)) / curve(white)
 }
 
-/// AgX (T. Sobotka 2022, the OpenColorIO configuration "AgX"; its numbers as in B. Wrensch, "Minimal
-/// AgX Implementation", 2023): mix the channels a little, take the logarithm from 10 stops below middle
-/// grey to 6.5 above, bend it, and unmix. The result is for the screen.
+/// AgX (T. Sobotka 2022, the OpenColorIO configuration "AgX"; its numbers as in B. Wrensch,
+/// "Minimal AgX Implementation", 2023): mix the channels slightly, take the logarithm from 10 stops
+/// below middle grey to 6.5 above, apply a contrast curve, and unmix. Returns display values.
 fn agx(light: Rgb) -> [f32; 3] {
     const INSET: Matrix = [
         [0.842_479_06, 0.078_433_6, 0.079_223_745],
@@ -120,18 +120,18 @@ fn agx(light: Rgb) -> [f32; 3] {
 }
 
 const MIDDLE_GREY: f32 = 0.18;
-/// Stops of AgX below middle grey, where black is.
+/// Stops below middle grey at which AgX reaches black.
 const STOPS_BELOW: f32 = 10.0;
-/// Stops of AgX above middle grey, where white is.
+/// Stops above middle grey at which AgX reaches white.
 const STOPS_ABOVE: f32 = 6.5;
 
-/// Sobotka's curve over the stops from middle grey, which becomes 0.5: the straight line of slope 2
-/// (over the whole interval), bent by `t / (1 + t^p)^(1/p)` so that it ends at 0 and 1; p is 3 below
-/// and 3.25 above.
+/// Sobotka's contrast curve over the stops from middle grey, which maps to 0.5: the straight line
+/// of slope 2 (over the whole interval), bent by `t / (1 + t^p)^(1/p)` so that it ends at 0 and 1;
+/// p is 3 below and 3.25 above.
 fn agx_contrast(stops: f32) -> f32 {
     const SLOPE: f32 = 2.0 / (STOPS_BELOW + STOPS_ABOVE);
     let (end, power) = if stops < 0.0 { (STOPS_BELOW, 3.0) } else { (STOPS_ABOVE, 3.25) };
-    // In units of the way from the middle to the end, on both axes.
+    // In units of the distance from the middle to the end, on both axes.
     let line = |stops: f32| SLOPE * stops / 0.5;
     let bend = libm::powf(line(end), power) - 1.0;
     let t = libm::powf(bend, 1.0 / power) * stops.abs() / end;
@@ -177,11 +177,11 @@ mod tests {
 
     #[test]
     fn known_points_lie_on_the_curves() {
-        // By hand: x = 0.36 gives (0.36 * 0.104 + 0.004) / (0.36 * 0.554 + 0.06) - 1/15 = 0.093062, and
-        // x = 11.2 gives 0.725128.
+        // By hand: x = 0.36 gives (0.36 * 0.104 + 0.004) / (0.36 * 0.554 + 0.06) - 1/15 = 0.093062,
+        // and x = 11.2 gives 0.725128.
         assert_abs_diff_eq!(filmic(0.18), 0.128_34, epsilon = 2e-5);
         assert_eq!(filmic(5.6), 1.0);
-        // What mixing the channels does to grey is below 2e-4.
+        // Mixing the channels changes grey by less than 2e-4.
         assert_abs_diff_eq!(grey(ToneCurve::AgX, 0.18), 0.5, epsilon = 5e-4);
         // Wrensch's polynomial over the interval of stops, fitted with a mean squared error of 3.7e-6.
         let fitted = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232];
@@ -230,7 +230,8 @@ mod tests {
             }
         }
         for (sum, exact) in sums.into_iter().zip(exact) {
-            // The pattern is spread more evenly than at random, where this would be 5 standard errors.
+            // The pattern is more uniform than random numbers, where this would be 5 standard
+            // errors.
             assert_abs_diff_eq!(sum / (side * side) as f64, exact, epsilon = 0.02);
         }
         assert_eq!(look.to_display_8bit(Rgb::splat(9.0), 5, 7), [255; 3]);

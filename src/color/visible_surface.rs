@@ -1,33 +1,33 @@
-//! What a camera ray meets first, for the layers that show that.
+//! The first visible surface of a camera ray, for AOVs.
 
 use glam::Vec3;
 
 use super::Rgb;
 
-/// The first thing that a sample sees: a surface that is there, be it a mirror or glass, whose own
-/// place and look this is, and not that of what is seen in it or through it.
+/// The first surface that a sample sees, after opacity tests. For a mirror or glass this is the
+/// surface itself, not what is seen in it or through it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisibleSurface {
-    /// Radiance that the camera sees straight, without any scattering, mirror or refraction: lamps and
-    /// the background.
+    /// Directly visible radiance, without any scattering, reflection or refraction: emitters and
+    /// the environment.
     pub emission: Rgb,
-    /// The colour of the surface's material, in `[0, 1]`; black for nothing.
+    /// Colour of the surface's material, in `[0, 1]`; black on a miss.
     pub albedo: Rgb,
-    /// The unit normal on the side that is seen; 0 for nothing.
+    /// Unit normal on the visible side; 0 on a miss.
     pub normal: Vec3,
-    /// Along the camera ray, in scene units; 0 for nothing.
+    /// Distance along the camera ray, in scene units; 0 on a miss.
     pub distance: f32,
-    /// In the scene's coordinates; 0 for nothing.
+    /// Position in the scene's coordinates; 0 on a miss.
     pub position: Vec3,
-    /// The sphere, by its row in the scene; [`NO_ROW`] for nothing.
+    /// Row of the sphere in the scene; [`NO_ROW`] on a miss.
     pub row: u32,
 }
 
-/// The row of what is not there.
+/// The row that means "no sphere".
 pub const NO_ROW: u32 = u32::MAX;
 
 impl VisibleSurface {
-    /// A ray that meets nothing.
+    /// The record of a ray that misses.
     pub const NONE: Self = Self {
         emission: Rgb::ZERO,
         albedo: Rgb::ZERO,
@@ -37,7 +37,7 @@ impl VisibleSurface {
         row: NO_ROW,
     };
 
-    /// Whether a surface is seen.
+    /// Returns true if a surface is visible.
     pub fn is_surface(&self) -> bool {
         self.row != NO_ROW
     }

@@ -1,28 +1,27 @@
-//! The layers that a picture may have, as users name them, and how the layers of parts become those
-//! of the whole.
+//! The AOVs (layers) of a picture, as users name them, and how the layers of partial renders merge.
 
 use super::Layer;
 
 /// A layer of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Aov {
-    /// All the light.
+    /// The full radiance.
     Beauty,
-    /// A layer that is summed.
+    /// A layer averaged over samples.
     Mean(Layer),
-    /// The sphere at the pixel's centre.
+    /// Sphere at the pixel's centre.
     SphereId,
-    /// The material at the pixel's centre.
+    /// Material at the pixel's centre.
     MaterialId,
-    /// How many samples each pixel has.
+    /// Number of samples of each pixel.
     SampleCount,
-    /// The variance of the mean of the beauty.
+    /// Variance of the beauty's mean.
     Variance,
-    /// Which things cover how much of the pixel.
+    /// Cryptomatte: coverage of the pixel by ids.
     Cryptomatte(CryptomatteKind),
 }
 
-/// The things that a Cryptomatte tells apart.
+/// The kind of ids in a Cryptomatte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CryptomatteKind {
     /// Spheres.
@@ -33,34 +32,35 @@ pub enum CryptomatteKind {
     Table,
 }
 
-/// How a layer of two parts that differ in their samples becomes that of both.
+/// How a layer merges from two partial renders with different samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MergeRule {
-    /// Sums of samples are added, exactly, and divided by the number of samples.
+    /// Sums of samples are added exactly and divided by the number of samples.
     Sums,
-    /// The same, divided by the number of samples that see something.
+    /// Sums of samples are added exactly and divided by the number of samples that hit a surface.
     HitSums,
     /// Sums of squares are added, exactly.
     SumsOfSquares,
     /// Numbers are added.
     Counts,
-    /// The numbers of samples that see each sphere are added, and divided by the number of samples.
+    /// Per sphere, the numbers of samples that see it are added and divided by the number of
+    /// samples.
     Coverage,
-    /// Both parts have the same: it does not depend on samples.
+    /// Equal in both partial renders: independent of samples.
     Invariant,
 }
 
-/// What there is to know of a layer.
+/// Properties of an AOV.
 #[derive(Clone, Copy, Debug)]
 pub struct AovInfo {
-    /// Which.
+    /// The AOV.
     pub aov: Aov,
-    /// Its name on the command line and in files.
+    /// Name on the command line and in files.
     pub name: &'static str,
-    /// Its channels in files, behind the name and a dot; none for one that is a channel by itself. Those
-    /// of a Cryptomatte have the names that its specification gives them.
+    /// Channels in files, after the name and a dot; none for an AOV that is a single channel. A
+    /// Cryptomatte's channels are named by its specification.
     pub channels: &'static [&'static str],
-    /// How parts are put together.
+    /// How partial renders merge.
     pub merge: MergeRule,
 }
 
@@ -77,7 +77,7 @@ const fn aov_info(
     AovInfo { aov: kind, name, channels, merge }
 }
 
-/// Every layer. docs/layers.md tells users the same.
+/// Every AOV. docs/layers.md documents them for users.
 pub const AOVS: [AovInfo; 16] = [
     aov_info(Aov::Beauty, "beauty", RGB, MergeRule::Sums),
     aov_info(Aov::Mean(Layer::Direct), "direct", RGB, MergeRule::Sums),
@@ -103,21 +103,21 @@ pub const AOVS: [AovInfo; 16] = [
 ];
 
 impl Aov {
-    /// The albedo of the first surface.
+    /// Albedo of the first surface.
     pub const ALBEDO: Self = Self::Mean(Layer::Albedo);
 
-    /// The normal of the first surface.
+    /// Normal of the first surface.
     pub const NORMAL: Self = Self::Mean(Layer::Normal);
 
-    /// The layers of a picture unless others are asked for.
+    /// The AOVs of a picture unless others are requested.
     pub const DEFAULT: [Self; 2] = [Self::Mean(Layer::Direct), Self::Mean(Layer::Indirect)];
 
-    /// Its row in the table.
+    /// Returns the entry in [`AOVS`].
     pub fn info(self) -> &'static AovInfo {
         AOVS.iter().find(|row| row.aov == self).unwrap_or(&AOVS[0])
     }
 
-    /// The layer of that name.
+    /// Returns the AOV with this name.
     pub fn named(name: &str) -> Option<Self> {
         AOVS.iter().find(|row| row.name == name).map(|row| row.aov)
     }
@@ -137,11 +137,12 @@ impl<'de> serde::Deserialize<'de> for Aov {
     }
 }
 
-/// The layers that a film has to sum for a picture: light always, because it is the picture.
+/// Returns the layers that a film must sum for the given AOVs: always light, because it is the
+/// picture.
 pub fn required_layers(kinds: &[Aov]) -> Vec<Layer> {
     let is_wanted = |layer: &Layer| match layer {
         Layer::Direct | Layer::Indirect => true,
-        // Depth and position are divided by it.
+        // Depth and position are divided by alpha.
         Layer::Alpha => kinds.iter().any(|kind| match kind {
             Aov::Mean(layer) => layer.is_hit_mean() || *layer == Layer::Alpha,
             _ => false,

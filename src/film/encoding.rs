@@ -1,32 +1,32 @@
-//! A film as bytes, tile by tile, and back.
+//! Serialisation of a film, tile by tile.
 //!
-//! Whole numbers are written without the zeros that most of them begin and end with. Reading trusts
-//! nothing: what cannot be the sums of a render is refused, and the memory taken is in proportion
-//! to the bytes that were read.
+//! Integers are written without leading and trailing zero bits, which most of them have. Reading
+//! trusts nothing: data that cannot be the sums of a render is rejected, and the memory allocated
+//! is proportional to the bytes read.
 
 use super::exact_sum::{ExactSum, U192};
 use super::tile::{FilmLayout, Tile};
 use super::{BLOCK_SIZE, Film, Layer};
 
-/// The bits of a byte before a number that tell how many bytes follow.
+/// Bits of a number's first byte that hold the number of bytes that follow.
 const LENGTH: u8 = 0x3f;
-/// The bit of that byte that is set for a negative number.
+/// Bit of that byte that is set for a negative number.
 const NEGATIVE: u8 = 0x80;
 
-/// How the counts of a tile's pixels are written.
+/// Encodings of the counts of a tile's pixels.
 const EMPTY: u8 = 0;
 const UNIFORM: u8 = 1;
 const PER_PIXEL: u8 = 2;
 
 impl Film {
-    /// Adds the bytes of a tile to `to`. The tile is then as it is now, however much is added to it
-    /// while the others are written.
+    /// Appends the bytes of a tile to `to`. The tile is written as it is now, even if samples are
+    /// added while other tiles are written.
     pub fn write_tile(&self, tile: usize, to: &mut Vec<u8>) {
         self.lock(tile).write(&self.plan, to);
     }
 
-    /// Replaces a tile by what [`Self::write_tile`] wrote for a film of the same format. `false`, and
-    /// the tile stays as it is, where these bytes are none that it could have written.
+    /// Replaces a tile by the output of [`Self::write_tile`] for a film of the same format. Returns
+    /// false and leaves the tile unchanged if the bytes are invalid.
     pub fn read_tile(&mut self, tile: usize, bytes: &[u8]) -> bool {
         let pixels = self.frame.tile(tile).pixel_count();
         let most = u32::MAX - self.first_sample;
@@ -55,7 +55,7 @@ impl Tile {
         }
         to.push(u8::from(!self.non_finite_counts.is_empty()));
         to.extend(self.non_finite_counts.iter().flat_map(|count| count.to_le_bytes()));
-        // A sum takes up to 16 bytes and two before them, and most take nearly all.
+        // A sum takes up to 16 bytes and a 2-byte header, and most take nearly all.
         to.reserve(self.sums.len() * 18 + self.sums_of_squares.len() * 26);
         for sum in &self.sums {
             write_number(sum.is_negative(), sum.unsigned_abs(), 0, to);
@@ -69,7 +69,7 @@ impl Tile {
                 rows.iter().flat_map(|(row, count)| [*row, *count]).flat_map(u32::to_le_bytes),
             );
         }
-        // An empty list stands for zeros; what finished pixels have is zero too.
+        // An empty list stands for zeros; partial blocks of finished pixels are zero too.
         for pixel in (0..self.counts.len()).filter(|&pixel| self.counts[pixel] % BLOCK_SIZE != 0) {
             for plane in self.partial_blocks.chunks_exact(self.counts.len()).take(plan.sum_count())
             {
@@ -98,7 +98,7 @@ impl Tile {
         {
             return None;
         }
-        // Every number takes a byte at least.
+        // Every number takes at least one byte.
         if bytes.len() < pixels * (plan.sum_count() + plan.square_count()) {
             return None;
         }
@@ -106,7 +106,7 @@ impl Tile {
         for at in 0..pixels * plan.sum_count() {
             let (is_negative, bytes) = from.number::<16>()?;
             let magnitude = u128::from_le_bytes(bytes);
-            // Blocks below the limit, so that what comes later cannot overflow either.
+            // Blocks below the limit, so that later additions cannot overflow either.
             if magnitude > blocks(at) << <i128 as ExactSum>::BITS {
                 return None;
             }
@@ -143,8 +143,9 @@ impl Tile {
     }
 }
 
-/// A number by its sign and its magnitude of up to 192 bits, the lowest byte first: a byte with the sign and
-/// how many bytes are kept, then, unless it is 0, how many zeros were dropped below them, and then those.
+/// Writes a number as its sign and its magnitude of up to 192 bits, lowest byte first: a byte with
+/// the sign and the number of bytes kept, then, unless it is 0, the number of zero bits dropped
+/// below them, then those bytes.
 fn write_number(is_negative: bool, low: u128, high: u64, to: &mut Vec<u8>) {
     let (first, end) = match (low, high) {
         (0, 0) => return to.push(0),
@@ -155,7 +156,7 @@ fn write_number(is_negative: bool, low: u128, high: u64, to: &mut Vec<u8>) {
     let (first, kept) = (first as usize, (end - first) as usize);
     to.extend([kept as u8 | if is_negative { NEGATIVE } else { 0 }, first as u8]);
     let begin = to.len();
-    // All bytes at once, and then those that are not kept away: faster than as many as there are.
+    // Write all bytes and truncate: faster than writing a variable number.
     if first < 16 {
         to.extend((low >> (8 * first)).to_le_bytes());
     }
@@ -166,7 +167,7 @@ fn write_number(is_negative: bool, low: u128, high: u64, to: &mut Vec<u8>) {
     to.truncate(begin + kept);
 }
 
-/// Takes bytes from the front; `None` where there are too few.
+/// Takes bytes from the front; `None` if there are too few.
 struct Reader<'a>(&'a [u8]);
 
 impl Reader<'_> {
@@ -192,7 +193,8 @@ impl Reader<'_> {
         self.take().map(|bytes| f64::from_bits(u64::from_le_bytes(bytes)))
     }
 
-    /// Rows with the numbers of samples that see them, in the order of the rows; all `samples` see one.
+    /// Reads pairs of a row and the number of samples that see it, ordered by row. The numbers must
+    /// add up to `samples`.
     fn coverage(&mut self, samples: u32) -> Option<Vec<(u32, u32)>> {
         let mut rows: Vec<(u32, u32)> = Vec::new();
         let mut left = samples;
@@ -207,7 +209,7 @@ impl Reader<'_> {
         (left == 0).then_some(rows)
     }
 
-    /// What [`write_number`] wrote.
+    /// Reads the output of [`write_number`].
     fn number<const N: usize>(&mut self) -> Option<(bool, [u8; N])> {
         let mut magnitude = [0; N];
         let head = self.byte()?;
@@ -234,7 +236,7 @@ mod tests {
         for round in 0..200_000 {
             let words: [u64; 3] = rng.random();
             let (mut low, mut high) = (u128::from(words[0]) << 64 | u128::from(words[1]), words[2]);
-            // Zeros at both ends, of any number.
+            // Any number of zeros at both ends.
             low = low >> rng.random_range(0..128) << rng.random_range(0..128);
             high = high >> rng.random_range(0..64) << rng.random_range(0..64);
             match round % 4 {
@@ -249,7 +251,7 @@ mod tests {
             assert_eq!(magnitude[..16], low.to_le_bytes(), "{low:x} {high:x}");
             assert_eq!(magnitude[16..], high.to_le_bytes(), "{low:x} {high:x}");
             assert!(from.0.is_empty() && (sign == is_negative || (low, high) == (0, 0)));
-            // Nothing but what is needed.
+            // Only the bytes needed.
             if (low, high) != (0, 0) {
                 assert!(bytes[2] != 0 && bytes[bytes.len() - 1] != 0, "{bytes:?}");
             }

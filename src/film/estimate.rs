@@ -1,28 +1,29 @@
-//! What a film knows of the error of its means.
+//! Error estimates of a film's means.
 
 use super::{BLOCK_SIZE, Film};
 
-/// What is known of one pixel from its finished blocks.
+/// Mean and variance of one pixel, from its finished blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelEstimate {
-    /// The mean of the beauty, per channel.
+    /// Mean of the beauty, per channel.
     pub mean: [f64; 3],
-    /// The variance of that mean, per channel, as the blocks differ: unbiased where blocks are
-    /// independent of one another, too large where they are spread evenly together.
+    /// Variance of that mean, per channel, from the differences between blocks: unbiased for
+    /// independent blocks, too large for jointly stratified ones.
     pub variance: [f64; 3],
-    /// Blocks behind both.
+    /// Number of blocks used.
     pub blocks: u32,
 }
 
 impl PixelEstimate {
-    /// Whether the error is known: there are blocks to compare, and numbers in them.
+    /// Returns true if the error is known: there are enough blocks to compare, and their values are
+    /// finite.
     pub fn is_known(&self) -> bool {
         self.blocks >= 2 && self.mean.iter().all(|mean| mean.is_finite())
     }
 }
 
 impl Film {
-    /// What is known of the pixels of a tile, along the rows; added to `estimates`. Nothing where
+    /// Appends the estimates of a tile's pixels, row by row, to `estimates`. Appends nothing if
     /// squares are not summed.
     pub fn tile_estimates(&self, tile: usize, estimates: &mut Vec<PixelEstimate>) {
         let Some([direct, indirect]) = self.plan.square_planes() else { return };
@@ -35,7 +36,7 @@ impl Film {
                 let plane = |first: usize| sums.finished_sum(&self.plan, first + axis, pixel);
                 let sum = plane(direct) + plane(indirect);
                 let squares = sums.sum_of_squares(&self.plan, axis, pixel);
-                // Of the sums of blocks; a mean over blocks has the mean over samples in it.
+                // Spread of the block sums; dividing by the block size turns sums into means.
                 let spread = (squares - sum * (sum / count)).max(0.0);
                 estimate.mean[axis] = sum / samples;
                 let block = f64::from(BLOCK_SIZE);

@@ -1,37 +1,37 @@
-//! Sums without rounding, so that their order and grouping cannot matter.
+//! Exact sums: rounding-free, so that order and grouping of the addends cannot matter.
 //!
-//! A number is rounded once, to a whole number of steps of `2^step`, and whole numbers are added. The
-//! largest allowed addend leaves room for the blocks of 2^32 samples, so that no sum of them can
-//! overflow: what does not fit is refused before it is added.
+//! A number is rounded once, to a whole number of steps of `2^step`, and integers are added. The
+//! largest allowed addend leaves room for the blocks of 2^32 samples, so no sum of them can
+//! overflow: a value that does not fit is rejected before it is added.
 
-/// The most blocks of a pixel are `2^MOST_BLOCKS`: the blocks of 2^32 samples.
+/// A pixel has at most `2^MAX_BLOCKS_LOG2` blocks: the blocks of 2^32 samples.
 const MAX_BLOCKS_LOG2: i32 = 28;
 
-/// Bits of a 53-bit mantissa.
+/// Bits of an f64 mantissa.
 const MANTISSA_BITS: i32 = 53;
 
-/// A sum that can be negative.
+/// A signed exact sum.
 pub(super) trait ExactSum: Copy + Default {
     /// Addends are smaller than `2^BITS` steps.
     const BITS: i32;
 
-    /// The nearest whole number of steps; ties away from 0. `x` must be finite and below
+    /// Rounds to the nearest whole number of steps; ties away from 0. `x` must be finite and below
     /// [`limit`].
     fn quantize(x: f64, step: i32) -> Self;
 
-    /// The sum, and whether it overflows.
+    /// Returns the sum and true if it overflows.
     fn add_overflowing(self, other: Self) -> (Self, bool);
 
-    /// The value, rounded to f64.
+    /// Returns the value, rounded to f64.
     fn to_f64(self, step: i32) -> f64;
 }
 
-/// What the size of an addend must stay below.
+/// Returns the exclusive upper bound on the magnitude of an addend.
 pub(super) fn limit<S: ExactSum>(step: i32) -> f64 {
     power_of_two(step + S::BITS)
 }
 
-/// The step with which addends below `2^exponent` can be added up.
+/// Returns the step with which addends below `2^exponent` can be summed.
 pub(super) fn step_for_exponent<S: ExactSum>(exponent: i32) -> i32 {
     exponent - S::BITS
 }
@@ -42,7 +42,7 @@ impl ExactSum for i128 {
     fn quantize(x: f64, step: i32) -> Self {
         let [low, high] = ScaledMantissa::of(x, step).words();
         let magnitude = i128::from(high) << 64 | i128::from(low);
-        // Negated where the sign bit is set: this is called for every block, and must not branch.
+        // Negated if the sign bit is set: called for every block, so it must not branch.
         let sign = i128::from(x.to_bits() as i64 >> 63);
         (magnitude ^ sign) - sign
     }
@@ -56,7 +56,7 @@ impl ExactSum for i128 {
     }
 }
 
-/// A sum of numbers that are not negative, in 192 bits, the lowest first.
+/// A sum of non-negative numbers, in 192 bits, lowest word first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct U192(pub(super) [u64; 3]);
 
@@ -111,14 +111,14 @@ impl ScaledMantissa {
         }
     }
 
-    /// The number's 128 bits, but for whole words of the shift; the lower ones first.
+    /// Returns the number's 128 bits, without the shift's whole words; lower word first.
     fn words(&self) -> [u64; 2] {
         let bit = self.shift % 64;
         [self.mantissa << bit, (self.mantissa >> 1) >> (63 - bit)]
     }
 }
 
-/// `2^exponent`, for a normal number.
+/// Returns `2^exponent`, for a normal number.
 fn power_of_two(exponent: i32) -> f64 {
     debug_assert!((-1022..=1023).contains(&exponent));
     f64::from_bits(((1023 + exponent) as u64) << 52)
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Rounding by the definition: scaled exactly, then to the nearest whole number.
+    /// Rounding by definition: scaled exactly, then to the nearest integer.
     fn by_definition(x: f64, step: i32) -> f64 {
         (x * power_of_two(-step)).round()
     }
@@ -160,7 +160,7 @@ mod tests {
         let addend = i128::quantize(most, -10);
         assert!(addend.checked_mul(1 << MAX_BLOCKS_LOG2).is_some());
         assert!(addend.checked_mul(1 << (MAX_BLOCKS_LOG2 + 2)).is_none());
-        // Doubling is adding: 2^28 of them.
+        // Doubling 28 times adds 2^28 of them.
         let mut sum = U192::quantize(f64::from_bits(limit::<U192>(7).to_bits() - 1), 7);
         for _ in 0..MAX_BLOCKS_LOG2 {
             let (double, over) = sum.add_overflowing(sum);

@@ -1,35 +1,35 @@
-//! Which pixels a film has, and how they are shared out.
+//! The pixels of a film, and their division into tiles.
 
 use serde::{Deserialize, Serialize};
 
 use crate::math::Rect;
 
-/// A part of a picture, and the whole that it is a part of.
+/// A window of a picture, and the size of the full picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct FilmFrame {
-    /// Pixels of the whole picture, across and down.
+    /// Width and height of the full picture, in pixels.
     pub full_size: [u32; 2],
-    /// The part that the film has.
+    /// The window of the full picture that the film covers.
     pub window: Rect,
 }
 
-/// Pixels across and down of a tile. Tiles are aligned in the whole picture, so that those of a part
-/// are those of the whole, and four of them make a square of 16 pixels.
+/// Width and height of a tile, in pixels. Tiles are aligned to the full picture, so the tiles of a
+/// window are those of the full picture, and four of them make a square of 16 pixels.
 pub const TILE_SIZE: [u32; 2] = [16, 4];
 
 impl FilmFrame {
-    /// The whole of a picture.
+    /// Creates the frame of a full picture.
     pub fn full(width: u32, height: u32) -> Self {
         let full_size = [width, height];
         Self { full_size, window: Rect { x: 0, y: 0, width, height } }
     }
 
-    /// Pixels of the part.
+    /// Number of pixels in the window.
     pub fn pixel_count(&self) -> usize {
         self.window.pixel_count()
     }
 
-    /// Tiles across and down.
+    /// Number of tiles across and down.
     fn tile_grid(&self) -> [usize; 2] {
         let Rect { x, y, width, height } = self.window;
         let count = |first: u32, length: u32, tile: u32| {
@@ -39,18 +39,18 @@ impl FilmFrame {
         [count(x, width, TILE_SIZE[0]), count(y, height, TILE_SIZE[1])]
     }
 
-    /// How many tiles the part has; they are counted along their rows.
+    /// Number of tiles in the window, counted row by row.
     pub fn tile_count(&self) -> usize {
         let [across, down] = self.tile_grid();
         across * down
     }
 
-    /// How many tiles a row of them has.
+    /// Number of tiles in a row.
     pub fn tiles_across(&self) -> usize {
         self.tile_grid()[0]
     }
 
-    /// The tile that has this pixel of the whole picture; `None` outside of the part.
+    /// Returns the tile that contains a pixel of the full picture; `None` outside of the window.
     pub fn tile_containing(&self, [column, row]: [u32; 2]) -> Option<usize> {
         let Rect { x, y, width, height } = self.window;
         let is_within = (x..x + width).contains(&column) && (y..y + height).contains(&row);
@@ -59,7 +59,7 @@ impl FilmFrame {
         is_within.then(|| at(row, y, TILE_SIZE[1]) * across + at(column, x, TILE_SIZE[0]))
     }
 
-    /// Where a tile lies. Tiles at the edges may be smaller.
+    /// Returns the rectangle of a tile. Tiles at the edges may be smaller.
     pub fn tile(&self, index: usize) -> Rect {
         let Rect { x, y, width, height } = self.window;
         let across = self.tile_grid()[0];

@@ -1,4 +1,4 @@
-//! What is summed for every pixel.
+//! The layers that a film sums for every pixel.
 
 use crate::color::{PathRadiance, Rgb, VisibleSurface};
 use crate::names::named_enum;
@@ -7,29 +7,30 @@ use super::exact_sum::{U192, step_for_exponent};
 
 /// A layer whose pixels are means over their samples.
 ///
-/// To add one, add a variant, let the compiler find its places below, and give [`PathRadiance`] or [`VisibleSurface`]
-/// the value that an integrator fills in. A film without the layer spends nothing on it. What is not a mean, such
-/// as the id at a pixel's centre, is no layer of the film: it does not depend on the samples and can
-/// be computed when the picture is written.
+/// To add one, add a variant, let the compiler find its places below, and give [`PathRadiance`] or
+/// [`VisibleSurface`] the value that an integrator fills in. A film without the layer spends
+/// nothing on it. A quantity that is not a mean, such as the id at a pixel's centre, is not a film
+/// layer: it does not depend on the samples and can be computed when the picture is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Layer {
-    /// Emission and background seen by the camera, and light scattered once.
+    /// Emission and environment seen by the camera, and light scattered once.
     Direct,
     /// All other light.
     Indirect,
-    /// The share of the pixel that something covers.
+    /// Fraction of the pixel covered by surfaces.
     Alpha,
-    /// The part of direct light that the camera sees straight.
+    /// The directly visible emission, a part of direct light.
     Emission,
-    /// The colour of what is seen first.
+    /// Colour of the first surface.
     Albedo,
-    /// The normal of what is seen first.
+    /// Normal of the first surface.
     Normal,
-    /// How far what is seen first is, along the camera ray: summed over the samples that see something.
+    /// Distance to the first surface along the camera ray, summed over the samples that hit one.
     Depth,
-    /// Where what is seen first is: summed over the samples that see something.
+    /// Position on the first surface, summed over the samples that hit one.
     Position,
-    /// How many samples see each sphere first. It has no channels: its numbers are counted apart.
+    /// Number of samples that see each sphere first. Has no channels: its counts are kept
+    /// separately.
     Coverage,
 }
 
@@ -48,7 +49,7 @@ named_enum! {
 }
 
 impl Layer {
-    /// Every layer there is.
+    /// Every layer.
     pub const ALL: &[Self] = &[
         Self::Direct,
         Self::Indirect,
@@ -61,7 +62,7 @@ impl Layer {
         Self::Coverage,
     ];
 
-    /// How many numbers a pixel has, up to three.
+    /// Number of channels, up to three.
     pub fn channels(self) -> usize {
         match self {
             Self::Coverage => 0,
@@ -75,7 +76,8 @@ impl Layer {
         }
     }
 
-    /// Whether it is about what samples see first, which integrators record only where it is wanted.
+    /// Returns true if the layer depends on the first visible surface, which integrators record
+    /// only on request.
     pub fn uses_visible_surface(self) -> bool {
         match self {
             Self::Direct | Self::Indirect | Self::Alpha => false,
@@ -88,24 +90,24 @@ impl Layer {
         }
     }
 
-    /// Whether a pixel's value is the mean over those samples alone that see something.
+    /// Returns true if a pixel's value is the mean over the samples that hit a surface.
     pub(super) fn is_hit_mean(self) -> bool {
         matches!(self, Self::Depth | Self::Position)
     }
 
-    /// The steps in which a block is summed.
+    /// Returns the exponent of the steps in which a block is summed.
     pub(super) fn step(self, scale: RadianceScale) -> i32 {
         step_for_exponent::<i128>(match self {
             Self::Direct | Self::Indirect | Self::Emission => scale.exponent + HEADROOM,
-            // Shares of 1, and coordinates of unit vectors.
+            // Fractions of 1, and coordinates of unit vectors.
             Self::Alpha | Self::Albedo | Self::Normal => HEADROOM,
-            // Sixteen times what coordinates can be; the steps are 2^-38.
+            // Sixteen times the largest coordinate; the steps are 2^-38.
             Self::Depth | Self::Position => 60,
             Self::Coverage => 0,
         })
     }
 
-    /// Whether a sample's value is finite.
+    /// Returns true if a sample's value is finite.
     pub(super) fn is_finite(self, light: &PathRadiance, seen: Option<&VisibleSurface>) -> bool {
         let seen = seen.unwrap_or(&VisibleSurface::NONE);
         match self {
@@ -121,11 +123,11 @@ impl Layer {
         }
     }
 
-    /// Goes on with the running sums of some pixels, each by its samples in their order; `sums` are the
-    /// planes of the layer's channels.
+    /// Adds each pixel's samples, in order, to its running sums; `sums` are the planes of the
+    /// layer's channels.
     pub(super) fn add(self, sums: &mut [f64], runs: &[SampleRun<'_>]) {
         let (light, seen) = (SampleRun::radiance, SampleRun::visible_surfaces);
-        // The choice of the layer stands outside of the loops.
+        // The layer is matched outside of the loops.
         match self {
             Self::Direct => add_all(sums, runs, light, |light| rgb_to_f64(light.direct)),
             Self::Indirect => add_all(sums, runs, light, |light| rgb_to_f64(light.indirect)),
@@ -143,9 +145,9 @@ impl Layer {
 /// Consecutive samples of a pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SampleRun<'a> {
-    /// The light of each.
+    /// Radiance of each sample.
     pub radiance: &'a [PathRadiance],
-    /// What each sees first; empty where no layer is about that.
+    /// First visible surface of each sample; empty if no layer needs it.
     pub visible_surfaces: &'a [VisibleSurface],
 }
 
@@ -166,7 +168,7 @@ impl<'a> SampleRun<'a> {
         self.radiance.is_empty()
     }
 
-    /// The first `count` samples, and the others.
+    /// Splits into the first `count` samples and the rest.
     pub fn split_at(&self, count: usize) -> (Self, Self) {
         let (light, other_light) = self.radiance.split_at(count);
         let (seen, other_seen) =
@@ -205,16 +207,16 @@ fn add_all<'a, S: 'a, const CHANNELS: usize>(
 }
 
 /// A block may be `2^HEADROOM` times as bright as the brightest light of the scene: each of its 16
-/// samples 2^30 or a thousand million times. (A sample exceeds the lights where a path has a weight
-/// above 1, because light was aimed at with a small probability.)
+/// samples 2^30 times. (A sample exceeds the lights where a path has a weight above 1, because a
+/// light was sampled with a small probability.)
 pub(super) const HEADROOM: i32 = 34;
 
-/// How large the values of a scene are: the power of two above its brightest light.
+/// The magnitude of a scene's radiance: the power of two above its brightest light.
 ///
-/// A block of light is rounded to steps of `2^(brightest + 34 - 98)`, that is of 2^-64 of the brightest
-/// light, once for 16 samples. So the mean of a pixel is off by at most 2^-69 of that light. In f32
-/// it has 24 bits; they are all right down to 2^-45 of the brightest light, which is the darkness of
-/// 3e-14 beside a lamp of 1, or of 1e-6 beside the sun's disc of 4e7 W/(sr m^2).
+/// A block of light is rounded to steps of `2^(brightest + 34 - 98)`, that is of 2^-64 of the
+/// brightest light, once for 16 samples. So the mean of a pixel is off by at most 2^-69 of that
+/// light. An f32 has 24 bits; all of them are right down to 2^-45 of the brightest light: 3e-14
+/// next to an emitter of radiance 1, or 1e-6 next to the sun's disc of 4e7 W/(sr m^2).
 ///
 /// The squares of blocks of the beauty, which is the sum of two layers, are summed in steps of
 /// `2^(2 brightest + 70 - 163)`.
@@ -239,28 +241,28 @@ impl TryFrom<i32> for RadianceScale {
 }
 
 impl RadianceScale {
-    /// The scale for lights up to this radiance in any channel; finite, not negative.
+    /// Creates the scale for lights up to this radiance in any channel; finite, not negative.
     pub fn from_max_radiance(radiance: f32) -> Self {
         debug_assert!(radiance >= 0.0 && radiance.is_finite());
         let bits = f64::from(radiance).to_bits();
         let exponent = (bits >> 52) as i32 - 1023;
         let is_power = bits & ((1 << 52) - 1) == 0;
-        // Nothing shines: there is nothing to be exact about.
+        // No lights: any scale is exact.
         let brightest = if radiance > 0.0 { exponent + i32::from(!is_power) } else { 0 };
         Self { exponent: brightest }
     }
 
-    /// From [`Self::exponent`], as files hold it; `None` where no radiance has it.
+    /// Creates the scale from [`Self::exponent`], as stored in files; `None` if no radiance has it.
     pub fn from_exponent(exponent: i32) -> Option<Self> {
         (-149..=128).contains(&exponent).then_some(Self { exponent })
     }
 
-    /// The brightest light is not above `2^exponent`.
+    /// Returns the exponent: the brightest light is at most `2^exponent`.
     pub fn exponent(self) -> i32 {
         self.exponent
     }
 
-    /// The steps in which squares are summed.
+    /// Returns the exponent of the steps in which squares are summed.
     pub(super) fn square_step(self) -> i32 {
         step_for_exponent::<U192>(2 * (self.exponent + HEADROOM + 1))
     }

@@ -1,4 +1,4 @@
-//! What a film's sums make: means, their variance, and counts, for every pixel of the window.
+//! Results of a film's sums: means, variances and counts for every pixel of the window.
 
 use crate::color::Rgb;
 use crate::fault::fault;
@@ -10,8 +10,8 @@ use super::tile::Tile;
 use super::{BLOCK_SIZE, Film, Layer};
 
 impl Film {
-    /// The mean of every pixel. A pixel without samples is black; one whose samples were all left out
-    /// is not a number.
+    /// Returns the mean of every pixel. A pixel without samples is black; one with only non-finite
+    /// samples is NaN.
     pub fn picture(&self) -> Picture {
         let color =
             |layer| self.mean(layer).unwrap_or_else(|| vec![[0.0; 3]; self.frame.pixel_count()]);
@@ -26,11 +26,11 @@ impl Film {
         }
     }
 
-    /// The mean of a layer over every pixel's samples, along the rows; `None` for a layer that is not
-    /// summed. Channels that the layer has not are 0.
+    /// Returns the mean of a layer for every pixel, row by row; `None` if the layer is not summed.
+    /// Missing channels are 0.
     ///
-    /// Of what is seen, depth and position are means over the samples that see something, for which
-    /// alpha must be summed too; where none does, depth is infinite and the position 0.
+    /// Depth and position are means over the samples that hit a surface, which requires alpha to be
+    /// summed too; if none does, depth is infinite and position is 0.
     pub fn mean(&self, layer: Layer) -> Option<Vec<[f32; 3]>> {
         let plane = self.plan.first_plane(layer)?;
         let hits = match layer.is_hit_mean() {
@@ -55,9 +55,10 @@ impl Film {
         }))
     }
 
-    /// The variance of the mean of the beauty, per channel, from what finished blocks differ by. It is
-    /// that of independent blocks; where those are spread evenly together, the error is smaller.
-    /// Infinite for fewer than two finished blocks; `None` where squares are not summed.
+    /// Returns the variance of the beauty's mean, per channel, from the differences between
+    /// finished blocks. This is the variance for independent blocks; for jointly stratified ones
+    /// the error is smaller. Infinite for fewer than two finished blocks; `None` if squares are not
+    /// summed.
     pub fn variance(&self) -> Option<Vec<[f32; 3]>> {
         let direct = self.plan.first_plane(Layer::Direct)?;
         let indirect = self.plan.first_plane(Layer::Indirect)?;
@@ -71,7 +72,7 @@ impl Film {
                 let plane = |first: usize| sums.finished_sum(&self.plan, first + axis, pixel);
                 let sum = plane(direct) + plane(indirect);
                 let squares = sums.sum_of_squares(&self.plan, axis, pixel);
-                // Of the sum of a block, 16 times the variance of a sample.
+                // Variance of a block's sum: 16 times the variance of a sample.
                 let of_block = (squares - sum * (sum / blocks)).max(0.0) / (blocks - 1.0);
                 (of_block / f64::from(BLOCK_SIZE) / samples) as f32
             })
@@ -79,20 +80,20 @@ impl Film {
         self.plan.squares.then(|| self.map_pixels(of_pixel))
     }
 
-    /// How many samples of every pixel, along the rows, see which row of the scene first, in the order of
-    /// the rows; `None` where that is not counted.
+    /// Returns, for every pixel, row by row, how many samples see each row of the scene first,
+    /// ordered by row; `None` if coverage is not counted.
     pub fn coverage(&self) -> Option<Vec<Vec<(u32, u32)>>> {
         let of_pixel = |sums: &Tile, pixel: usize| sums.coverage.get(pixel).cloned();
         let is_counted = self.plan.layers.contains(&Layer::Coverage);
         is_counted.then(|| self.map_pixels(|sums, pixel| of_pixel(sums, pixel).unwrap_or_default()))
     }
 
-    /// How many samples every pixel has, along the rows; those left out are among them.
+    /// Returns the number of samples of every pixel, row by row, including non-finite ones.
     pub fn counts(&self) -> Vec<u32> {
         self.map_pixels(|sums, pixel| sums.counts[pixel])
     }
 
-    /// Something of every pixel, along the rows of the window.
+    /// Maps every pixel of the window, row by row.
     fn map_pixels<T: Clone + Default + Send>(
         &self,
         of: impl Fn(&Tile, usize) -> T + Send + Sync,
@@ -100,7 +101,7 @@ impl Film {
         let mut all = vec![T::default(); self.frame.pixel_count()];
         let width = self.frame.window.width as usize;
         let across = self.frame.tiles_across();
-        // The pixels of each row of tiles lie together.
+        // The pixels of each row of tiles are contiguous.
         let mut rest = all.as_mut_slice();
         let mut rows = Vec::new();
         for first in (0..self.tiles.len()).step_by(across) {
@@ -130,7 +131,7 @@ impl Film {
     }
 }
 
-/// What the sum of so many samples is divided by.
+/// Returns the divisor for the sum of `samples` samples.
 fn divisor(samples: u32) -> u32 {
     let samples = if fault!(DividedByWrongCount) { samples / 4 } else { samples };
     samples.max(1)

@@ -1,16 +1,16 @@
-//! Sums of samples per pixel, exact, so that no order and no split can change a bit of a picture.
+//! Exact per-pixel sums of samples, so that order and grouping cannot change a bit of a picture.
 //!
-//! Sixteen consecutive samples of a pixel are a block and are added in index order, in f64. Finished
-//! blocks are rounded once, to steps that the scene fixes ([`RadianceScale`]), and added as whole numbers: so
-//! threads, passes, stops, ranges of samples and windows of the picture may come in any order. The last
-//! and unfinished block of a pixel is kept as the running sum that it is, and the next sample goes on
-//! with that.
+//! Sixteen consecutive samples of a pixel form a block and are added in index order, in f64.
+//! Finished blocks are rounded once, to steps that the scene fixes ([`RadianceScale`]), and added
+//! as integers: threads, passes, interruptions, sample ranges and windows of the picture may come
+//! in any order. The last, partial block of a pixel is kept as a running sum, which the next sample
+//! continues.
 //!
-//! A sample that is not finite is left out and counted; a mean is over the others. A block that is
-//! brighter than the sums can hold is an error, never a wrap.
+//! Non-finite samples are left out and counted; a mean is over the others. A block that is too
+//! bright for the sums is an error, never a wraparound.
 //!
-//! A film is shared by threads: every tile has a lock of its own, so that a picture or a checkpoint
-//! can be made of it while others are adding. Of a tile's pixels, every one is then at a whole call of
+//! A film is shared by threads: every tile has its own lock, so a picture or a checkpoint can be
+//! made while other threads add samples. Each pixel of a tile then reflects only complete calls of
 //! [`Film::add`].
 
 mod aov;
@@ -36,19 +36,19 @@ use crate::error::{Error, Result, Suggestion};
 
 use tile::{BlockOverflow, FilmLayout, Tile};
 
-/// What a film is to hold.
+/// The format of a film.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FilmFormat {
-    /// Its pixels.
+    /// The pixels.
     pub frame: FilmFrame,
-    /// The index of the first sample of every pixel, a multiple of [`BLOCK_SIZE`].
+    /// Index of the first sample of every pixel, a multiple of [`BLOCK_SIZE`].
     pub first_sample: u32,
-    /// How large values are.
+    /// Magnitude of the scene's radiance.
     pub scale: RadianceScale,
-    /// The layers that are summed.
+    /// The summed layers.
     pub layers: Vec<Layer>,
-    /// Whether squares are summed as well, so that the error of the means is known.
+    /// True if squares are summed as well, so that the error of the means is known.
     pub squares: bool,
 }
 
@@ -62,10 +62,10 @@ pub struct Film {
 }
 
 impl Film {
-    /// A film without samples.
+    /// Creates an empty film.
     ///
     /// # Errors
-    /// When there is no memory for it.
+    /// If there is not enough memory for it.
     pub fn new(format: &FilmFormat) -> Result<Self> {
         let FilmFormat { frame, first_sample, scale, ref layers, squares } = *format;
         debug_assert!(first_sample % BLOCK_SIZE == 0);
@@ -84,7 +84,7 @@ impl Film {
         Ok(Self { frame, first_sample, plan, tiles })
     }
 
-    /// A film without samples that takes memory for sums only as they come. Its frame must fit its full
+    /// Creates an empty film that allocates memory for sums on demand. Its frame must fit its full
     /// size.
     pub fn new_lazy(format: &FilmFormat) -> Self {
         let FilmFormat { frame, first_sample, scale, ref layers, squares } = *format;
@@ -93,14 +93,15 @@ impl Film {
         Self { frame, first_sample, plan, tiles: (0..frame.tile_count()).map(tile).collect() }
     }
 
-    /// Bytes that such a film holds, but for unfinished blocks.
+    /// Returns the bytes that such a film holds, except for partial blocks.
     pub fn bytes(format: &FilmFormat) -> usize {
         let plan = FilmLayout::new(format.scale, &format.layers, format.squares);
         format.frame.pixel_count() * plan.bytes_per_pixel()
             + format.frame.tile_count() * size_of::<Tile>()
     }
 
-    /// A copy as it is now, with every tile at a whole call of [`Self::add`].
+    /// Returns a copy of the current state, in which every tile reflects only complete calls of
+    /// [`Self::add`].
     #[must_use]
     pub fn snapshot(&self) -> Self {
         let tiles = (0..self.tiles.len()).map(|tile| Mutex::new(self.lock(tile).clone())).collect();
@@ -108,7 +109,7 @@ impl Film {
         Self { frame, first_sample, plan: plan.clone(), tiles }
     }
 
-    /// What it holds.
+    /// Returns the format.
     pub fn format(&self) -> FilmFormat {
         FilmFormat {
             frame: self.frame,
@@ -119,34 +120,34 @@ impl Film {
         }
     }
 
-    /// Its pixels, in tiles.
+    /// Returns the pixels, divided into tiles.
     pub fn frame(&self) -> &FilmFrame {
         &self.frame
     }
 
-    /// The index of the first sample of every pixel.
+    /// Returns the index of the first sample of every pixel.
     pub fn first_sample(&self) -> u32 {
         self.first_sample
     }
 
-    /// How many samples each pixel of a tile has, along the rows; added to `counts`.
+    /// Appends the sample counts of a tile's pixels, row by row, to `counts`.
     pub fn tile_counts(&self, tile: usize, counts: &mut Vec<u32>) {
         counts.extend_from_slice(&self.lock(tile).counts);
     }
 
-    /// How many samples the pixel of a tile has that has the fewest.
+    /// Returns the smallest sample count of a tile's pixels.
     pub fn min_tile_samples(&self, tile: usize) -> u32 {
         self.lock(tile).counts.iter().copied().min().unwrap_or(0)
     }
 
-    /// How many samples each pixel of a tile has, where all have the same.
+    /// Returns the sample count of a tile's pixels if all are equal.
     pub fn uniform_tile_samples(&self, tile: usize) -> Option<u32> {
         let counts = &self.lock(tile).counts;
         let first = counts.first().copied().unwrap_or(0);
         counts.iter().all(|count| *count == first).then_some(first)
     }
 
-    /// How many samples the pixel has that has the fewest, and the one that has the most.
+    /// Returns the smallest and the largest sample count of all pixels.
     pub fn sample_count_range(&self) -> (u32, u32) {
         (0..self.tiles.len()).fold((u32::MAX, 0), |(fewest, most), tile| {
             let counts = &self.lock(tile).counts;
@@ -155,22 +156,21 @@ impl Film {
         })
     }
 
-    /// Adds the next samples of the pixels of a tile: `counts` of each pixel, along the rows, and
-    /// `samples` in the same order.
+    /// Adds the next samples of a tile's pixels: `counts` of each pixel, row by row, and `samples`
+    /// in the same order.
     ///
     /// # Errors
-    /// When a block is too bright for the sums; neither it nor a later one is added then.
+    /// If a block is too bright for the sums; neither it nor a later one is added then.
     pub fn add(&self, tile: usize, counts: &[u32], samples: SampleRun<'_>) -> Result<()> {
         let added = self.lock(tile).add(&self.plan, counts, samples);
         added.map_err(|over| self.overflow_error(tile, over))
     }
 
-    /// Adds what another film of the same kind holds, which are other samples of some of these pixels.
+    /// Adds another film of the same format, with other samples of some of these pixels.
     ///
     /// # Errors
-    /// When the other has pixels that this one has not, when both hold an unfinished block of the same
-    /// pixel, or on overflow, which films of one scene cannot bring about. This film is then of no use
-    /// any more.
+    /// If the other has pixels that this one lacks, if both hold a partial block of the same pixel,
+    /// or on overflow, which films of one scene cannot cause. This film is unusable afterwards.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         let window = self.frame.window;
         if other.plan != self.plan
@@ -194,13 +194,13 @@ impl Film {
         Ok(())
     }
 
-    /// All samples so far.
+    /// Returns the total number of samples.
     pub fn sample_count(&self) -> u64 {
         let of_tile = |tile| self.lock(tile).counts.iter().map(|&count| u64::from(count)).sum();
         (0..self.tiles.len()).map(|tile| -> u64 { of_tile(tile) }).sum()
     }
 
-    /// How many samples were left out because they were not finite, and one of their pixels.
+    /// Returns the number of non-finite samples, which were left out, and one of their pixels.
     pub fn non_finite_samples(&self) -> Option<(u64, [u32; 2])> {
         let mut found = None;
         for tile in 0..self.tiles.len() {
@@ -217,7 +217,7 @@ impl Film {
         found
     }
 
-    /// A panic elsewhere leaves the sums of a tile between two blocks, which is a good state.
+    /// A panic elsewhere leaves the sums of a tile between two blocks, which is a valid state.
     fn lock(&self, tile: usize) -> MutexGuard<'_, Tile> {
         self.tiles[tile].lock().unwrap_or_else(PoisonError::into_inner)
     }

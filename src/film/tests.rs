@@ -1,4 +1,4 @@
-//! The same bits however samples come.
+//! Films are bit-identical for any order and grouping of samples.
 
 use proptest::prelude::*;
 
@@ -9,13 +9,13 @@ use crate::math::Rect;
 const WIDTH: u32 = 21;
 const HEIGHT: u32 = 9;
 
-/// Samples that see nothing but light.
+/// Samples without visible surfaces.
 fn light(samples: &[PathRadiance]) -> SampleRun<'_> {
     static SEEN: [VisibleSurface; 1024] = [VisibleSurface::NONE; 1024];
     SampleRun { radiance: samples, visible_surfaces: &SEEN[..samples.len()] }
 }
 
-/// A sample of any size and sign that the scale allows, from its address alone.
+/// A sample of any magnitude and sign that the scale allows, from its address alone.
 fn sample([x, y]: [u32; 2], index: u32) -> PathRadiance {
     let mut bits = u64::from(x) << 40 ^ u64::from(y) << 20 ^ u64::from(index);
     let mut next = || {
@@ -28,7 +28,7 @@ fn sample([x, y]: [u32; 2], index: u32) -> PathRadiance {
     PathRadiance { direct, indirect: Rgb::new(next(), next(), next()), alpha: (index % 3) as f32 }
 }
 
-/// What a sample sees, made of its light.
+/// A sample's visible surface, derived from its radiance.
 fn seen(place: [u32; 2], index: u32) -> VisibleSurface {
     let PathRadiance { direct, indirect, alpha } = sample(place, index);
     VisibleSurface {
@@ -55,7 +55,7 @@ fn whole() -> Rect {
     FilmFrame::full(WIDTH, HEIGHT).window
 }
 
-/// Adds samples to all pixels of a film up to an index, in steps of the given sizes, over and over.
+/// Adds samples to all pixels of a film up to an index, cycling through the given step sizes.
 fn fill(film: &Film, end: u32, steps: &[u32], tiles: &[usize]) {
     let mut steps = steps.iter().copied().cycle();
     while let Some(&tile) =
@@ -83,14 +83,14 @@ fn filled(window: Rect, samples: std::ops::Range<u32>, steps: &[u32]) -> Film {
     film
 }
 
-/// All that can be seen of a film, to the bit.
+/// Everything observable of a film, to the bit.
 fn bits(film: &Film) -> Vec<u32> {
     let layers = film.plan.layers.iter().map(|&layer| film.mean(layer).unwrap());
     let all = layers.chain(film.variance()).flatten().flatten().map(f32::to_bits);
     all.chain(film.counts()).collect()
 }
 
-/// And all that cannot: the sums themselves.
+/// Compares the internal state as well: the sums themselves.
 fn assert_same(a: &Film, b: &Film) {
     assert_eq!(bits(a), bits(b));
     for tile in 0..a.tiles.len() {
@@ -99,7 +99,7 @@ fn assert_same(a: &Film, b: &Film) {
         assert_eq!(a.coverage, b.coverage);
         let open = |open: Vec<f64>| open.iter().map(|sum| sum.to_bits()).collect::<Vec<_>>();
         let (a, b) = (open(a.partial_blocks), open(b.partial_blocks));
-        // Once there was an unfinished block, there is room for the next.
+        // Room allocated for a partial block stays for the next.
         let unused = |open: &[u64]| open.iter().all(|&bits| bits == 0);
         assert!(a == b || unused(&a) && unused(&b));
     }
@@ -118,7 +118,7 @@ fn means_and_variances_are_those_of_the_samples() {
             assert!((f64::from(direct[pixel][axis]) - mean).abs() <= 1e-7 * mean.abs() + 1e-15);
             let beauty =
                 || samples.iter().map(|s| f64::from(s.direct[axis]) + f64::from(s.indirect[axis]));
-            // Of the mean over 37 samples, from the two finished blocks among them.
+            // Variance of the mean over 37 samples, from the two finished blocks among them.
             let beauty: Vec<f64> = beauty().collect();
             let [a, b] = [0, 16].map(|at| beauty[at..at + 16].iter().sum::<f64>());
             let of_block = (a - b).powi(2) / 2.0;
@@ -170,7 +170,7 @@ fn what_is_too_bright_is_an_error_and_never_wraps() {
                     holds less than 6.9e10, 2^34 times the brightest light of the scene";
     assert_eq!(error.to_string(), expected);
     assert!(error.help().unwrap().contains("clamp_indirect"));
-    // As dark as bright: negative lobes do not exist, but wrapping would be as wrong.
+    // The same magnitude, negative: lights are never negative, but wrapping would be as wrong.
     assert!(film.add(tile, &counts, light(&[bright(-most); 16])).is_err());
 }
 
@@ -226,7 +226,7 @@ fn films_that_do_not_belong_together_are_not_added() {
     assert!(film.merge(&Film::new(&other).unwrap()).is_err(), "another scale");
 }
 
-/// A film that reads as this one was written.
+/// Writes a film and reads it back.
 fn copied(film: &Film) -> Film {
     let mut copy = Film::new(&film.format()).unwrap();
     for tile in 0..film.tiles.len() {

@@ -1,4 +1,4 @@
-//! The sums of a few neighbouring pixels.
+//! Sums of a tile: a few neighbouring pixels.
 
 use crate::color::{PathRadiance, VisibleSurface};
 use crate::error::{Error, Result};
@@ -10,11 +10,11 @@ use super::layer::{Layer, RadianceScale, SampleRun};
 /// Samples are summed in blocks of this many consecutive ones, in index order.
 pub const BLOCK_SIZE: u32 = 16;
 
-/// Channels of the squares.
+/// Number of colour channels whose squares are summed.
 const COLOR: usize = 3;
 
-/// Which numbers are summed, and how finely: one plane for every channel of every layer, and the
-/// squares of the finished blocks of the beauty.
+/// Layout of the sums: one plane for every channel of every layer, with its step, and the squares
+/// of the finished blocks of the beauty.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FilmLayout {
     pub(super) scale: RadianceScale,
@@ -34,32 +34,32 @@ impl FilmLayout {
         Self { scale, layers: layers.to_vec(), squares, steps, limits }
     }
 
-    /// Numbers summed for a pixel in 128 bits.
+    /// Number of 128-bit sums per pixel.
     pub(super) fn sum_count(&self) -> usize {
         self.steps.len()
     }
 
-    /// Numbers summed for a pixel in 192 bits.
+    /// Number of 192-bit sums per pixel.
     pub(super) fn square_count(&self) -> usize {
         if self.squares { COLOR } else { 0 }
     }
 
-    /// The plane of a layer's first channel.
+    /// Returns the plane of a layer's first channel.
     pub(super) fn first_plane(&self, layer: Layer) -> Option<usize> {
         let at = self.layers.iter().position(|kept| *kept == layer)?;
         Some(self.layers[..at].iter().map(|layer| layer.channels()).sum())
     }
 
-    /// Bytes for a pixel without unfinished blocks.
+    /// Returns the bytes per pixel without partial blocks.
     pub(super) fn bytes_per_pixel(&self) -> usize {
         let coverage = self.layers.contains(&Layer::Coverage);
-        // As for a pixel that sees one sphere.
+        // Assumes that each pixel sees one sphere.
         let coverage = if coverage { size_of::<Vec<(u32, u32)>>() + 4 * 8 } else { 0 };
         let sums = self.sum_count() * size_of::<i128>() + self.square_count() * size_of::<U192>();
         size_of::<u32>() + sums + coverage
     }
 
-    /// Goes on with the running sums of some pixels, each by its samples.
+    /// Adds each pixel's samples to its running sums.
     fn accumulate(&self, sums: &mut [f64], runs: &[SampleRun<'_>]) {
         let mut rest = sums;
         for layer in &self.layers {
@@ -69,13 +69,13 @@ impl FilmLayout {
         }
     }
 
-    /// The planes of direct and indirect light where their squares are summed.
+    /// Returns the planes of direct and indirect light if their squares are summed.
     pub(super) fn square_planes(&self) -> Option<[usize; 2]> {
         let planes = [self.first_plane(Layer::Direct)?, self.first_plane(Layer::Indirect)?];
         self.squares.then_some(planes)
     }
 
-    /// Whether all sums of a plane after the other are finite and below the limits.
+    /// Returns true if all sums, plane after plane, are finite and below the limits.
     pub(super) fn fits(&self, sums: &[f64], pixels: usize) -> bool {
         let planes = sums.chunks_exact(pixels).zip(&self.limits);
         planes.into_iter().all(|(plane, limit)| plane.iter().all(|sum| sum.abs() < *limit))
@@ -86,7 +86,7 @@ impl FilmLayout {
     }
 }
 
-/// A block that is brighter than the sums can hold.
+/// A block that is too bright for the sums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BlockOverflow {
     pub(super) pixel: usize,
@@ -95,27 +95,26 @@ pub(super) struct BlockOverflow {
     pub(super) limit: f64,
 }
 
-/// The sums of some pixels: plane after plane, the pixels of a plane in their order.
+/// The sums of a tile, plane by plane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tile {
-    /// Samples so far of each pixel, those left out included.
+    /// Number of samples of each pixel, including non-finite ones.
     pub(super) counts: Vec<u32>,
-    /// Finished blocks. Empty before the first sample.
+    /// Sums of finished blocks. Empty before the first sample.
     pub(super) sums: Vec<i128>,
-    /// Finished blocks of the squares.
+    /// Sums of squares of finished blocks.
     pub(super) sums_of_squares: Vec<U192>,
-    /// The running sums of unfinished blocks; empty where no pixel has one.
+    /// Running sums of partial blocks; empty if no pixel has one.
     pub(super) partial_blocks: Vec<f64>,
-    /// Samples of each pixel that were not finite; empty where there is none.
+    /// Number of non-finite samples of each pixel; empty if there are none.
     pub(super) non_finite_counts: Vec<u32>,
-    /// How many samples of each pixel see which row first, in the order of the rows; empty where that
-    /// is not counted.
+    /// How many samples of each pixel see each row first, ordered by row; empty if not counted.
     pub(super) coverage: Vec<Vec<(u32, u32)>>,
 }
 
 impl Tile {
-    /// A tile of so many pixels without samples, which holds all the memory that it will need for
-    /// finished blocks. `None` where there is not enough.
+    /// Creates an empty tile that reserves all memory needed for finished blocks. `None` if there
+    /// is not enough.
     pub(super) fn new(plan: &FilmLayout, pixels: usize) -> Option<Self> {
         let mut tile = Self::new_lazy(pixels);
         tile.sums.try_reserve_exact(pixels * plan.sum_count()).ok()?;
@@ -123,13 +122,13 @@ impl Tile {
         Some(tile)
     }
 
-    /// A tile of so many pixels without samples.
+    /// Creates an empty tile that allocates on demand.
     pub(super) fn new_lazy(pixels: usize) -> Self {
         Self { counts: vec![0; pixels], ..Self::default() }
     }
 
-    /// Adds the next samples of all pixels: `counts` of each, one pixel's after the other's. On failure
-    /// nothing is added from the block on that does not fit.
+    /// Adds the next samples of all pixels: `counts` of each, one pixel after the other. On failure
+    /// nothing is added from the block that does not fit onwards.
     pub(super) fn add(
         &mut self,
         plan: &FilmLayout,
@@ -146,7 +145,7 @@ impl Tile {
                 own
             })
             .collect();
-        // Up to the end of the block that each pixel is in, and on.
+        // Fill up the block that each pixel is in, then continue.
         while own.iter().any(|samples| !samples.is_empty()) {
             let runs: Vec<SampleRun<'_>> = own
                 .iter_mut()
@@ -172,7 +171,7 @@ impl Tile {
         }
     }
 
-    /// Adds samples to every pixel, all in one block of it.
+    /// Adds samples to every pixel, each within one block.
     fn add_runs(
         &mut self,
         plan: &FilmLayout,
@@ -202,7 +201,7 @@ impl Tile {
         for (rows, run) in self.coverage.iter_mut().zip(runs) {
             run.visible_surfaces.iter().for_each(|seen| add_coverage(rows, seen.row, 1));
         }
-        // Finished blocks move to the sums; the others stay open.
+        // Finished blocks move to the sums; the others stay partial.
         let finished: Vec<bool> = runs
             .iter()
             .zip(&self.counts)
@@ -238,8 +237,8 @@ impl Tile {
         }
     }
 
-    /// Does the running sums again without the samples that are not finite; returns how many those are
-    /// of each pixel.
+    /// Recomputes the running sums without the non-finite samples; returns their number for each
+    /// pixel.
     fn resum_finite(
         &self,
         plan: &FilmLayout,
@@ -282,7 +281,7 @@ impl Tile {
     /// Adds other samples of a pixel.
     ///
     /// # Errors
-    /// When both have an unfinished block, and on overflow.
+    /// If both have a partial block, and on overflow.
     pub(super) fn merge_pixel(
         &mut self,
         plan: &FilmLayout,
@@ -336,24 +335,24 @@ impl Tile {
         }
     }
 
-    /// How many samples of a pixel its sums hold.
+    /// Returns the number of samples of a pixel that its sums contain.
     pub(super) fn finite_samples(&self, pixel: usize) -> u32 {
         self.counts[pixel] - self.non_finite_counts.get(pixel).copied().unwrap_or(0)
     }
 
-    /// The sum of one channel of a layer over a pixel's samples.
+    /// Returns the sum of one channel of a layer over a pixel's samples.
     pub(super) fn sum(&self, plan: &FilmLayout, plane: usize, pixel: usize) -> f64 {
         let at = plane * self.counts.len() + pixel;
         self.finished_sum(plan, plane, pixel) + self.partial_blocks.get(at).copied().unwrap_or(0.0)
     }
 
-    /// The same over its finished blocks.
+    /// Returns the sum of one channel of a layer over a pixel's finished blocks.
     pub(super) fn finished_sum(&self, plan: &FilmLayout, plane: usize, pixel: usize) -> f64 {
         let at = plane * self.counts.len() + pixel;
         self.sums.get(at).map_or(0.0, |sum| sum.to_f64(plan.steps[plane]))
     }
 
-    /// The sum of the squares of the finished blocks of one channel of the beauty.
+    /// Returns the sum of squares of a pixel's finished blocks, for one channel of the beauty.
     pub(super) fn sum_of_squares(&self, plan: &FilmLayout, axis: usize, pixel: usize) -> f64 {
         let pixels = self.counts.len();
         let finished = self.sums_of_squares.get(axis * pixels + pixel);
@@ -374,7 +373,7 @@ fn add_all<S: ExactSum>(blocks: &[f64], totals: &mut [S], step: i32) {
     add_each(blocks.iter().copied(), totals, step);
 }
 
-/// Adds the finished blocks of one plane to its sums, and leaves zeros in their place.
+/// Moves the finished blocks of one plane to its sums, leaving zeros in their place.
 fn move_finished<S: ExactSum>(blocks: &mut [f64], totals: &mut [S], finished: &[bool], step: i32) {
     let taken = blocks
         .iter_mut()
@@ -390,6 +389,6 @@ fn add_each<S: ExactSum>(values: impl Iterator<Item = f64>, totals: &mut [S], st
         *total = sum;
         overflows |= over;
     }
-    // So many blocks below the limit cannot, and larger sums are not read from files.
+    // The limits exclude overflow, and larger sums are rejected when reading files.
     debug_assert!(!overflows, "the limits leave room for every block");
 }

@@ -1,8 +1,8 @@
-//! From the user's rows to a [`SphereSet`]: choose the origin, part the giants, round the rest, sort
-//! it along a Morton curve, and drop what is there twice.
+//! Builds a [`SphereSet`] from the user's rows: chooses the origin, separates the giants, rounds
+//! and sorts the rest along a Morton curve, and removes duplicates.
 //!
-//! Sorting takes 8 bytes a sphere for the keys, then 4 for the row of each id and 16 for the spheres in
-//! their new order: less than any tree that is built afterwards, so that this is never the peak. Only
+//! Sorting takes 8 bytes per sphere for the keys, then 4 for the row of each id and 16 for the
+//! reordered spheres: less than any tree that is built afterwards, so this is never the peak. Only
 //! two arrays are kept, the spheres and their rows.
 
 use std::collections::HashSet;
@@ -15,10 +15,11 @@ use crate::math::{DVec3, NO_SPHERE};
 use super::set::to_f64;
 use super::{Sphere, SphereRows, SphereSet, giants::Shells, morton, morton::MortonCurve, origin};
 
-/// The share of its radius beyond which a sphere that was moved by rounding is reported.
+/// Relative displacement by rounding, as a fraction of the radius, above which a sphere is
+/// reported.
 const MAX_RELATIVE_DISPLACEMENT: f64 = 0.01;
 
-/// The spheres on their way. Index `i` is a row of the table, or behind the table an exact sphere.
+/// The spheres during the build. Index `i` is a row of the table or, past its end, an exact sphere.
 struct Unsorted {
     exact: Vec<Sphere>,
     table: Vec<[f32; 4]>,
@@ -30,11 +31,11 @@ struct Unsorted {
 type Giant = (u32, Sphere);
 
 impl SphereSet {
-    /// Moves the origin, rounds, sorts and removes duplicates. Every sphere must be finite, with a
-    /// positive radius, and within [`crate::math::MAX_COORDINATE`].
+    /// Builds the set: moves the origin, rounds, sorts and removes duplicates. Every sphere must be
+    /// finite, with a positive radius, and within [`crate::math::MAX_COORDINATE`].
     ///
     /// # Errors
-    /// When there are more spheres than ids.
+    /// If there are more spheres than ids.
     pub fn new(rows: SphereRows) -> Result<Self> {
         let mut unsorted = Unsorted::new(rows)?;
         let mut giants = unsorted.find_giants();
@@ -65,7 +66,7 @@ impl Unsorted {
         Ok(Self { exact, table, from_table, origin })
     }
 
-    /// The sphere as given, relative to the origin; only before rounding.
+    /// Returns the sphere as given, relative to the origin; valid only before rounding.
     fn original(&self, index: usize) -> Sphere {
         relative_to_origin(self.origin, &self.exact, self.from_table, index, &self.table[index])
     }
@@ -77,7 +78,7 @@ impl Unsorted {
         }
     }
 
-    /// The index with this row.
+    /// Returns the index of a row.
     fn index_of(&self, row: u32) -> usize {
         match (row as usize).checked_sub(self.exact.len()) {
             Some(in_table) => in_table,
@@ -85,7 +86,7 @@ impl Unsorted {
         }
     }
 
-    /// The giants, by index, in the order of the indices.
+    /// Finds the giants; returns them in the order of their indices.
     fn find_giants(&self) -> Vec<Giant> {
         let shells = Shells::new(self.table.len(), |i| self.original(i));
         let giant = |index: u32| {
@@ -95,8 +96,8 @@ impl Unsorted {
         (0..self.table.len() as u32).into_par_iter().filter_map(giant).collect()
     }
 
-    /// Moves and rounds every sphere; returns how many but giants that moved by more than
-    /// [`MAX_RELATIVE_DISPLACEMENT`].
+    /// Translates and rounds every sphere; returns how many, not counting giants, moved by more
+    /// than [`MAX_RELATIVE_DISPLACEMENT`].
     fn round_except(&mut self, giants: &[Giant]) -> usize {
         let Self { exact, table, from_table, origin } = self;
         let round = |(index, slot): (usize, &mut [f32; 4])| {
@@ -111,8 +112,8 @@ impl Unsorted {
         table.par_iter_mut().enumerate().map(round).sum()
     }
 
-    /// Sorts the spheres, without the giants and without repetitions; returns their rows, how many
-    /// were repetitions, and the curve.
+    /// Sorts the spheres, without giants and duplicates; returns their rows, the number of
+    /// duplicates, and the curve.
     fn sort_except(&mut self, giants: &[Giant]) -> (Vec<u32>, usize, MortonCurve) {
         let (mut rows, curve) = morton::morton_order(
             &self.table,
@@ -120,7 +121,7 @@ impl Unsorted {
             |index| contains_index(giants, index),
         );
         rows.truncate(self.table.len() - giants.len());
-        // Out of place, because cycles in place follow one cache miss after another on one thread.
+        // Out of place, because in-place cycles incur one cache miss after another on one thread.
         self.table = rows.par_iter().map(|&row| self.table[self.index_of(row)]).collect();
         let repeated = remove_duplicates(&mut self.table, &mut rows);
         (rows, repeated, curve)
@@ -148,13 +149,13 @@ fn to_f32(sphere: &Sphere) -> [f32; 4] {
     [x + 0.0, y + 0.0, z + 0.0, sphere.radius as f32]
 }
 
-/// How far rounding moved the surface.
+/// Returns how far rounding moved the surface.
 fn displacement(exact: &Sphere, stored: &[f32; 4]) -> f64 {
     let stored = to_f64(stored);
     stored.center.distance(exact.center) + (stored.radius - exact.radius).abs()
 }
 
-/// Keeps the first of each run of equal spheres; returns how many went.
+/// Keeps the first of each run of equal spheres; returns the number removed.
 fn remove_duplicates(table: &mut Vec<[f32; 4]>, rows: &mut Vec<u32>) -> usize {
     let are_equal = |a: &[f32; 4], b: &[f32; 4]| a.map(f32::to_bits) == b.map(f32::to_bits);
     let Some(first) = table.par_windows(2).position_first(|pair| are_equal(&pair[0], &pair[1]))
@@ -176,7 +177,7 @@ fn remove_duplicates(table: &mut Vec<[f32; 4]>, rows: &mut Vec<u32>) -> usize {
     gone
 }
 
-/// Keeps the first row of equal giants; returns how many went.
+/// Keeps the first row of equal giants; returns the number removed.
 fn remove_duplicate_giants(giants: &mut Vec<Giant>) -> usize {
     let mut seen = HashSet::new();
     let before = giants.len();

@@ -1,7 +1,7 @@
-//! The cone of directions in which a sphere is seen from outside, with its density.
+//! The cone of directions that a sphere subtends from outside, and its pdf.
 //!
-//! Everything is written with the chord `1 - cos`, so that a lamp of any angular size, down to the
-//! smallest that f64 can tell, keeps full relative precision.
+//! Everything is written with the chord `1 - cos`, so that an emitter of any angular size, down to
+//! the smallest that f64 can represent, keeps full relative precision.
 
 use crate::fault::fault;
 use crate::math::{DVec3, Frame, renormalize};
@@ -9,7 +9,7 @@ use crate::sampling;
 
 use super::Sphere;
 
-/// The directions from a point in which a sphere is seen.
+/// The cone of directions in which a sphere is seen from a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Cone {
     frame: Frame,
@@ -19,19 +19,19 @@ pub struct Cone {
     one_minus_cos_max: f64,
 }
 
-/// A direction towards a sphere.
+/// A sampled direction towards a sphere.
 #[derive(Clone, Copy, Debug)]
 pub struct ConeSample {
     /// Unit direction from the point.
     pub direction: DVec3,
     /// Distance to the visible side of the sphere in that direction.
     pub distance: f64,
-    /// Density per solid angle.
+    /// Pdf per solid angle.
     pub pdf: f64,
 }
 
 impl Cone {
-    /// The cone under which `sphere` is seen from `point`; `None` from inside or on it.
+    /// Returns the cone that `sphere` subtends from `point`; `None` from inside or on it.
     #[inline(always)]
     pub fn subtending(point: DVec3, sphere: &Sphere) -> Option<Self> {
         let to_center = sphere.center - point;
@@ -40,7 +40,8 @@ impl Cone {
         (sphere.radius < distance).then_some(cone)
     }
 
-    /// The cone under which a sphere is seen whose centre is there, and farther than its radius.
+    /// Returns the cone of a sphere whose centre is at `to_center`, at a distance larger than its
+    /// radius.
     #[inline(always)]
     pub fn from_axis(to_center: DVec3, distance: f64, radius: f64) -> Self {
         let per_distance = 1.0 / distance;
@@ -57,17 +58,17 @@ impl Cone {
         }
     }
 
-    /// The solid angle in steradian, `2 pi (1 - cos)`.
+    /// Returns the solid angle in steradians, `2 pi (1 - cos)`.
     pub fn solid_angle(&self) -> f64 {
         std::f64::consts::TAU * self.one_minus_cos_max
     }
 
-    /// The density of [`Self::sample`] for a direction inside the cone.
+    /// Returns the pdf of [`Self::sample`] for a direction inside the cone.
     pub fn pdf(&self) -> f64 {
         1.0 / self.solid_angle()
     }
 
-    /// A direction uniform over the cone's solid angle, from `u` in `[0, 1)^2`.
+    /// Samples a direction uniformly over the cone's solid angle, from `u` in `[0, 1)^2`.
     #[inline(always)]
     pub fn sample(&self, u: [f64; 2]) -> ConeSample {
         let share = if fault!(ConeUniformInAngle) { u[0] * u[0] } else { u[0] };
@@ -84,8 +85,8 @@ impl Cone {
         }
     }
 
-    /// The nearer intersection with the sphere, at an angle from the axis:
-    /// `d cos - sqrt(R^2 - d^2 sin^2)`, which is `(d^2 - R^2) / (d cos + sqrt(..))` without the
+    /// Returns the distance to the nearer intersection with the sphere, at an angle from the axis:
+    /// `d cos - sqrt(R^2 - d^2 sin^2)`, written as `(d^2 - R^2) / (d cos + sqrt(..))` to avoid
     /// cancellation.
     #[inline(always)]
     fn distance_to_sphere(&self, sin_squared: f64, cos: f64) -> f64 {

@@ -1,15 +1,15 @@
-//! Which spheres are too large, beside what they touch, to be rounded to f32.
+//! Giants: spheres too large, relative to the spheres they touch, to be rounded to f32.
 //!
 //! A ground sphere of radius 1e5 under balls of radius 1 would sink or float by half a percent of a
 //! ball if its numbers were f32. Such a sphere is a *giant*: it keeps its f64 numbers.
 //!
-//! The written test. Rounding moves a surface by at most `2^-24 (|c| + r)`. A sphere is a giant if
+//! The criterion: rounding moves a surface by at most `2^-24 (|c| + r)`. A sphere is a giant if
 //! that is more than a thousandth of the smallest radius that it can touch. "Can touch" is decided
-//! by distance from the origin (the median of all centres): space is cut into shells
-//! `2^k <= |p| < 2^(k+1)`, and each shell knows the smallest radius of any sphere whose surface
-//! enters it. A shell counts only where the sphere's own numbers are more than eight times larger
-//! than the coordinates there: elsewhere its neighbours are rounded as much as it is, and keeping
-//! it alone in f64 would mend nothing.
+//! by distance from the origin (the median of all centres): space is divided into shells
+//! `2^k <= |p| < 2^(k+1)`, and each shell stores the smallest radius of any sphere whose surface
+//! enters it. A shell counts only if the sphere's own numbers are more than eight times larger than
+//! the coordinates there: elsewhere its neighbours are rounded as much as it is, and keeping it
+//! alone in f64 would not help.
 
 use rayon::prelude::*;
 
@@ -21,20 +21,20 @@ const MIN_EXPONENT: i32 = -60;
 const MAX_EXPONENT: i32 = 60;
 const SHELLS: usize = (MAX_EXPONENT - MIN_EXPONENT + 1) as usize;
 
-/// The share of the smallest touchable radius by which rounding may move a surface.
+/// Maximum displacement of a surface by rounding, as a fraction of the smallest touchable radius.
 const TOLERANCE: f64 = 1e-3;
-/// How much larger than the coordinates of a shell a giant's own numbers are.
+/// Minimum ratio of a giant's own numbers to the coordinates of a shell.
 const SCALE_RATIO: f64 = 8.0;
 
 /// The smallest radius whose surface enters each shell around the origin.
 pub(super) struct Shells {
     smallest_radius: [f64; SHELLS],
-    /// The smallest radius of all.
+    /// The smallest radius overall.
     smallest: f64,
 }
 
 impl Shells {
-    /// Surveys `count` spheres, given by index, relative to the origin.
+    /// Computes the shells of `count` spheres, given by index, relative to the origin.
     pub(super) fn new(count: usize, sphere: impl Fn(usize) -> Sphere + Sync) -> Self {
         let nothing = || [f64::INFINITY; SHELLS];
         let smallest_radius = (0..count)
@@ -55,7 +55,7 @@ impl Shells {
         Self { smallest_radius, smallest }
     }
 
-    /// Whether the sphere is a giant among those surveyed.
+    /// Returns true if the sphere is a giant among those spheres.
     pub(super) fn is_giant(&self, sphere: &Sphere) -> bool {
         let scale = sphere.center.length() + sphere.radius;
         let moved = F32_UNIT_ROUNDOFF * scale;
@@ -69,7 +69,7 @@ impl Shells {
     }
 }
 
-/// The shells that a sphere's surface enters.
+/// Returns the shells that a sphere's surface enters.
 fn shell_range(sphere: &Sphere) -> std::ops::Range<usize> {
     let distance = sphere.center.length();
     let nearest = (distance - sphere.radius).abs();
@@ -145,7 +145,7 @@ mod tests {
         let beside = ball(0.0, 1.0, 0.0, 1.0);
         assert_eq!(giants(&[ground(8300.0), beside]), [false, false]);
         assert_eq!(giants(&[ground(8500.0), beside]), [true, false]);
-        // What it is measured by is the smallest.
+        // The smallest sphere decides.
         let smaller = ball(5.0, 0.5, 0.0, 0.5);
         assert_eq!(giants(&[ground(4100.0), smaller, beside]), [false; 3]);
         assert_eq!(giants(&[ground(4300.0), beside, smaller]), [true, false, false]);

@@ -1,13 +1,13 @@
-//! The median of very many numbers, by all threads and without a copy of them.
+//! Median of very many numbers, computed in parallel without copying them.
 
 use rayon::prelude::*;
 
-/// Half of the bits of an f32 are told apart in each of two passes.
+/// Each of two passes distinguishes half of the bits of an f32.
 const DIGITS: usize = 1 << 16;
-/// Numbers that one thread counts at a time; each time costs a table of [`DIGITS`] counts.
+/// Numbers counted per task; each task costs a table of [`DIGITS`] counts.
 const CHUNK_SIZE: usize = 1 << 22;
 
-/// The lower median, by `f32::total_cmp`, of what `value` gives for `items`; 0 for none.
+/// Returns the lower median, by `f32::total_cmp`, of the values of `items`; 0 if there are none.
 pub(super) fn lower_median<T: Sync>(items: &[T], value: impl Fn(&T) -> Option<f32> + Sync) -> f32 {
     let high = |key: u32| Some((key >> 16) as usize);
     let counts = count(items, &value, high);
@@ -19,7 +19,7 @@ pub(super) fn lower_median<T: Sync>(items: &[T], value: impl Fn(&T) -> Option<f3
     from_key((first_half << 16 | second_half) as u32)
 }
 
-/// How many items have each digit.
+/// Counts the items with each digit.
 fn count<T: Sync>(
     items: &[T],
     value: &(impl Fn(&T) -> Option<f32> + Sync),
@@ -38,7 +38,7 @@ fn count<T: Sync>(
     items.par_chunks(CHUNK_SIZE).map(of_chunk).reduce_with(added).unwrap_or_else(|| vec![0; DIGITS])
 }
 
-/// The digit of the item with this rank, and its rank among those of the same digit.
+/// Returns the digit of the item with this rank, and its rank among those of the same digit.
 fn locate(counts: &[u64], mut rank: u64) -> (usize, u64) {
     for (digit, &count) in counts.iter().enumerate() {
         match rank.checked_sub(count) {
@@ -49,7 +49,7 @@ fn locate(counts: &[u64], mut rank: u64) -> (usize, u64) {
     (0, 0)
 }
 
-/// Numbers in the order of `f32::total_cmp`.
+/// Maps numbers to keys in the order of `f32::total_cmp`.
 fn to_key(value: f32) -> u32 {
     let bits = value.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn more_numbers_than_are_counted_at_once_are_counted_together() {
-        // A whole table of one number and half a table of a smaller one.
+        // A full table of one number and half a table of a smaller one.
         let items: Vec<bool> = (0..CHUNK_SIZE + CHUNK_SIZE / 2).map(|i| i < CHUNK_SIZE).collect();
         let value = |&is_large: &bool| Some(if is_large { 5.0 } else { -7.0 });
         assert_eq!(lower_median(&items, value), 5.0);

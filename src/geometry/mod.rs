@@ -1,4 +1,4 @@
-//! The heart: one sphere, and all the spheres of a scene as one array.
+//! Spheres and the rays that hit them: one sphere, and all spheres of a scene as one array.
 
 mod build;
 mod cone;

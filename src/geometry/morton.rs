@@ -1,12 +1,11 @@
-//! The order of spheres along a Morton curve, so that neighbours in space are neighbours in memory.
+//! Sorting spheres along a Morton curve, so that neighbours in space are neighbours in memory.
 
 use rayon::prelude::*;
 
 use crate::math::Vec3;
 
-/// The rows of `spheres` in their order along the curve; equal spheres end up next to each other, the
-/// one of the smaller row first. Those that `last` picks come at the end, in index order. Also the
-/// curve.
+/// Returns the rows of `spheres` in Morton order, and the curve. Equal spheres are adjacent, the
+/// one with the smaller row first. Spheres selected by `last` come at the end, in index order.
 ///
 /// Sorts 8-byte keys (a 30-bit code and the index) and breaks ties with a 63-bit code, so that a
 /// cluster far smaller than the bounding box is sorted too.
@@ -48,17 +47,18 @@ fn index_of(key: u64) -> u32 {
     (key & u64::from(u32::MAX)) as u32
 }
 
-/// The curve, by the box that it cuts into cells: nearly all centres, so that one lamp far away does not put the
-/// crowd into a few cells. What lies outside is sorted into the cells at the edge.
+/// A Morton curve over a box, which contains nearly all centres: a single distant emitter must not
+/// squeeze the rest into a few cells. Centres outside the box are sorted into the cells at its
+/// edge.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MortonCurve {
     low: Vec3,
     high: Vec3,
 }
 
-/// Centres that the box is measured on.
+/// Number of centres sampled to compute the box.
 const SAMPLE_SIZE: usize = 1 << 14;
-/// The share of them that may lie outside, at either end of an axis.
+/// One in this many samples may lie outside, at either end of an axis.
 const OUTLIER_DIVISOR: usize = 1000;
 
 impl MortonCurve {
@@ -79,7 +79,7 @@ impl MortonCurve {
         (self.fine_code(sphere) >> 33) as u32
     }
 
-    /// 21 bits an axis, interleaved, x highest.
+    /// Returns the code: 21 bits per axis, interleaved, x highest.
     pub(super) fn fine_code(self, &[x, y, z, _]: &[f32; 4]) -> u64 {
         const CELLS: f32 = (1u32 << 21) as f32;
         let extent = (self.high - self.low).max(Vec3::splat(f32::MIN_POSITIVE));
@@ -90,7 +90,7 @@ impl MortonCurve {
     }
 }
 
-/// Puts two zero bits between the low 21 bits.
+/// Inserts two zero bits between the low 21 bits.
 fn spread_bits(bits: u32) -> u64 {
     let mut v = u64::from(bits) & 0x1f_ffff;
     v = (v | v << 32) & 0x001f_0000_0000_ffff;
@@ -131,7 +131,7 @@ mod tests {
         assert!(xs.is_sorted());
     }
 
-    /// The order of the cells of a grid along the curve: their bits interleaved, x highest.
+    /// Checks the order of a grid's cells along the curve: their bits interleaved, x highest.
     fn along_the_curve(cells: u32, step: f32) {
         let place = |i: u32| [i % cells, i / cells % cells, i / cells / cells];
         let spheres: Vec<[f32; 4]> = (0..cells.pow(3))
@@ -180,7 +180,7 @@ mod tests {
         let curve = MortonCurve { low, high: Vec3::new(-1.0, 2.0, 14.0) };
         let code = |x: f32, y: f32, z: f32| curve.fine_code(&[x, y, z, 1.0]);
         assert_eq!(code(-3.0, 1.0, 10.0), 0);
-        // Halfway along an axis its highest bit is set, and a quarter of the way the next one.
+        // Halfway along an axis its highest bit is set, and at a quarter the next one.
         assert_eq!(code(-2.0, 1.0, 10.0), 1 << 62);
         assert_eq!(code(-3.0, 1.5, 10.0), 1 << 61);
         assert_eq!(code(-3.0, 1.0, 12.0), 1 << 60);

@@ -1,8 +1,8 @@
-//! Where the origin of a scene is put, so that f32 serves its spheres well.
+//! The choice of a scene's origin, such that f32 represents its spheres well.
 //!
-//! The place is the per-axis median of the centres: unlike the middle of the bounding box, one huge
-//! ground sphere cannot drag it away from the rest. Only where that leaves small spheres badly
-//! rounded, as with one ball on one ground sphere, whose median is a tie, other places are tried.
+//! The origin is the per-axis median of the centres: unlike the middle of the bounding box, one
+//! huge ground sphere cannot drag it away from the rest. Only if that leaves small spheres badly
+//! rounded, as for one ball on one ground sphere, whose median is a tie, are other origins tried.
 
 use rayon::prelude::*;
 
@@ -10,13 +10,13 @@ use crate::math::{DVec3, F32_UNIT_ROUNDOFF};
 
 use super::median::lower_median;
 
-/// The share of its radius by which rounding may move a sphere before another origin is tried.
+/// Displacement by rounding, as a fraction of the radius, above which another origin is tried.
 const TOLERANCE: f64 = 1e-3;
 /// Spheres larger than this many times the smallest may turn out to be giants, which f32 need not
-/// serve: `TOLERATED / F32_ROUNDING` is 16777.
+/// represent: `TOLERANCE / F32_UNIT_ROUNDOFF` is 16777.
 const SMALL: f32 = 1e4;
 
-/// The origin for `[x, y, z, radius]`, representable in f32.
+/// Returns the origin for `[x, y, z, radius]`, representable in f32.
 pub(super) fn choose_origin(spheres: &[[f32; 4]]) -> DVec3 {
     let all = median(spheres, f32::INFINITY);
     if count_badly_rounded(spheres, all) == 0 {
@@ -30,7 +30,7 @@ pub(super) fn choose_origin(spheres: &[[f32; 4]]) -> DVec3 {
     places.into_iter().min_by_key(|&place| count_badly_rounded(spheres, place)).unwrap_or(all)
 }
 
-/// The per-axis median of the centres of the spheres up to a radius.
+/// Returns the per-axis median of the centres of the spheres up to a radius.
 fn median(spheres: &[[f32; 4]], largest: f32) -> DVec3 {
     let of_axis = |axis: usize| {
         let chosen = |sphere: &[f32; 4]| (sphere[3] <= largest).then_some(sphere[axis]);
@@ -39,7 +39,7 @@ fn median(spheres: &[[f32; 4]], largest: f32) -> DVec3 {
     DVec3::new(of_axis(0), of_axis(1), of_axis(2))
 }
 
-/// How many spheres rounding relative to this place could move by too much of their radius.
+/// Counts the spheres that rounding relative to `place` could move by too much of their radius.
 fn count_badly_rounded(spheres: &[[f32; 4]], place: DVec3) -> usize {
     let is_bad = |&&[x, y, z, radius]: &&[f32; 4]| {
         let center = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn small_is_measured_by_the_smallest() {
-        // The grounds are larger than 1e4 times the balls, and smaller than 1e4.
+        // The ground spheres are larger than 1e4 times the balls, and smaller than 1e4.
         let mut spheres = vec![[0.0, -1000.0, 0.0, 1000.0]; 200];
         spheres.extend([[3.0, 1.0, 0.0, 0.01], [5.0, 1.0, 0.0, 0.01]]);
         assert_eq!(choose_origin(&spheres), DVec3::new(3.0, 1.0, 0.0));

@@ -1,4 +1,4 @@
-//! A path's own ray, and the point on a sphere where it ends.
+//! Path rays, their surface hits, and the rays spawned there.
 
 use crate::fault::fault;
 use crate::math::{DVec3, NO_SPHERE};
@@ -8,9 +8,9 @@ use crate::math::{DVec3, NO_SPHERE};
 /// Coordinates are relative to [`super::SphereSet::origin`].
 #[derive(Clone, Copy, Debug)]
 pub struct PathRay {
-    /// Where it starts.
+    /// Origin of the ray.
     pub origin: DVec3,
-    /// Where it goes: unit length within f64 rounding.
+    /// Direction: unit length within f64 rounding.
     pub direction: DVec3,
     /// Hits at or before this distance do not count; 0 except for camera rays.
     pub t_min: f64,
@@ -18,9 +18,10 @@ pub struct PathRay {
     pub t_max: f64,
     /// The sphere whose surface it starts on, which it cannot hit except at `t_exit`.
     pub origin_sphere: u32,
-    /// The sphere that a shadow ray aims at, which cannot block it.
+    /// The target sphere of a shadow ray, which cannot occlude it.
     pub target_sphere: u32,
-    /// Where a ray going into the sphere it leaves meets that sphere again; infinite otherwise.
+    /// For a ray into the sphere it leaves, the distance at which it hits that sphere again;
+    /// infinite otherwise.
     pub t_exit: f64,
 }
 
@@ -33,10 +34,10 @@ pub enum Side {
     Inside,
 }
 
-/// A point on a sphere, found by [`super::SphereSet::resolve_hit`].
+/// A point on a sphere, returned by [`super::SphereSet::resolve_hit`].
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceHit {
-    /// Which sphere.
+    /// Id of the sphere.
     pub id: u32,
     /// Distance along the ray, in scene units.
     pub t: f64,
@@ -51,7 +52,7 @@ pub struct SurfaceHit {
 }
 
 impl PathRay {
-    /// A ray from a point in space that belongs to no sphere, such as a camera's.
+    /// Creates a ray from a point that belongs to no sphere, such as a camera's.
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self {
             origin,
@@ -64,26 +65,26 @@ impl PathRay {
         }
     }
 
-    /// The point at distance `t`.
+    /// Returns the point at distance `t`.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t
     }
 }
 
 impl Side {
-    /// The side that a direction leads to.
+    /// Returns the side that a direction leads to.
     pub fn leaving(direction: DVec3, normal: DVec3) -> Self {
         if direction.dot(normal) < 0.0 { Self::Inside } else { Self::Outside }
     }
 
-    /// The side that a direction comes from.
+    /// Returns the side that a direction comes from.
     pub fn arriving(direction: DVec3, normal: DVec3) -> Self {
         if direction.dot(normal) > 0.0 { Self::Inside } else { Self::Outside }
     }
 }
 
 impl SurfaceHit {
-    /// The unit normal on the side that the ray arrived from.
+    /// Returns the unit normal on the side that the ray arrived from.
     pub fn facing_normal(&self) -> DVec3 {
         match self.side {
             Side::Outside => self.normal,
@@ -92,9 +93,9 @@ impl SurfaceHit {
         }
     }
 
-    /// The ray that leaves this point. Leaving outwards it cannot meet its own sphere again;
-    /// going inwards it meets the far wall at `-2 d.(p-c) / d.d`, in closed form. `None` where that
-    /// chord has no length, which ends a path.
+    /// Spawns a ray from this point. An outward ray cannot hit its own sphere again; an inward ray
+    /// hits the far wall at `-2 d.(p-c) / d.d`, in closed form. `None` if that chord has no length,
+    /// which ends a path.
     pub fn spawn_ray(&self, direction: DVec3) -> Option<PathRay> {
         let mut ray = PathRay { origin_sphere: self.id, ..PathRay::new(self.point, direction) };
         let cosine = direction.dot(self.normal);
@@ -107,8 +108,8 @@ impl SurfaceHit {
         Some(ray)
     }
 
-    /// The shadow ray from this point to a lamp `distance` away in this direction, or infinitely far
-    /// to no sphere; `None` where the sphere itself stands in the way.
+    /// Spawns a shadow ray from this point to an emitter `distance` away in this direction, or to
+    /// infinity and no sphere; `None` if the sphere itself blocks it.
     pub fn spawn_shadow_ray(&self, direction: DVec3, distance: f64, lamp: u32) -> Option<PathRay> {
         let ray = self.spawn_ray_to(direction, distance, lamp)?;
         let goes_in = ray.t_exit < f64::INFINITY;
@@ -116,7 +117,8 @@ impl SurfaceHit {
         (!own_wall_blocks).then_some(ray)
     }
 
-    /// Like [`Self::spawn_shadow_ray`], but for light that may pass through the sphere's far wall.
+    /// Spawns a shadow ray like [`Self::spawn_shadow_ray`], but one that may pass through the
+    /// sphere's far wall.
     pub fn spawn_ray_to(&self, direction: DVec3, distance: f64, lamp: u32) -> Option<PathRay> {
         self.spawn_ray(direction).map(|ray| PathRay { t_max: distance, target_sphere: lamp, ..ray })
     }
@@ -174,13 +176,13 @@ mod tests {
     #[test]
     fn a_sphere_stands_in_its_own_light_up_to_its_far_wall() {
         let [inwards, outwards] = [DVec3::X, DVec3::NEG_X];
-        // Another lamp: within the sphere, on its far wall, behind it, and on the other side.
+        // Another emitter: inside the sphere, on its far wall, behind it, and on the other side.
         let reaches = |direction, distance| LEFT.spawn_shadow_ray(direction, distance, 3).is_some();
         assert!(reaches(inwards, 3.9));
         assert!(!reaches(inwards, 4.0) && !reaches(inwards, 4.1));
         assert!(!reaches(inwards, f64::INFINITY));
         assert!(reaches(outwards, 4.1) && reaches(outwards, f64::INFINITY));
-        // The sphere itself as the lamp, and light that may pass through.
+        // The sphere itself as the emitter, and light that may pass through.
         let own = LEFT.spawn_shadow_ray(inwards, 4.0, 7).expect("its own light");
         let through = LEFT.spawn_ray_to(inwards, 9.0, 3).expect("a ray");
         assert_eq!((own.t_max, own.target_sphere, own.origin_sphere), (4.0, 7, 7));

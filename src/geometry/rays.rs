@@ -1,53 +1,54 @@
-//! Rays of many paths, side by side: field by field in blocks, for loops that become vector instructions.
+//! Path rays in lanes (structure of arrays), for loops that compile to vector instructions.
 
 use crate::math::{Isa, LANES, Lanes, Lanes3, MAX_COORDINATE, NO_SPHERE, SimdKernel};
 
 use super::PathRay;
 
-/// Rays in an order, in blocks of [`LANES`].
+/// An ordered list of rays, in blocks of [`LANES`].
 #[derive(Debug, Default)]
 pub struct PathRays {
-    /// As many as were ever needed; what lies behind `len` is old.
+    /// Blocks are kept for reuse; lanes at and beyond `len` hold stale data.
     blocks: Vec<RayBlock>,
     len: usize,
 }
 
-/// Some rays of [`PathRays`], whose fields are those of [`PathRay`].
+/// A block of [`PathRays`]; its fields are those of [`PathRay`].
 #[derive(Clone, Debug, Default)]
 pub struct RayBlock {
-    /// Where they start.
+    /// Origins.
     pub origin: Lanes3,
-    /// Where they go.
+    /// Directions.
     pub direction: Lanes3,
     /// Hits at or before this distance do not count.
     pub t_min: Lanes<f64>,
     /// Hits at or beyond this distance do not count.
     pub t_max: Lanes<f64>,
-    /// Where they meet the sphere that they leave again; infinite outwards.
+    /// Distances at which inward rays hit the sphere that they leave again; infinite for outward
+    /// rays.
     pub t_exit: Lanes<f64>,
     /// The sphere whose surface they start on.
     pub origin_sphere: Lanes<u32>,
-    /// The sphere that they aim at.
+    /// The target spheres of shadow rays.
     pub target_sphere: Lanes<u32>,
 }
 
 impl PathRays {
-    /// How many.
+    /// Number of rays.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no rays.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Forgets all.
+    /// Removes all rays.
     pub fn clear(&mut self) {
         self.len = 0;
     }
 
-    /// Adds one.
+    /// Appends a ray.
     #[inline(always)]
     pub fn push(&mut self, ray: &PathRay) {
         if self.len / LANES == self.blocks.len() {
@@ -57,11 +58,11 @@ impl PathRays {
         self.set(self.len - 1, ray);
     }
 
-    /// Adds as many as a block holds, or fewer, behind whole blocks. They leave points in space, in
-    /// directions that are still to be set.
+    /// Appends at most one block of rays after complete blocks. They start at points in space; the
+    /// caller sets their directions.
     ///
     /// # Panics
-    /// When the last block has lanes left.
+    /// If the last block is incomplete.
     pub fn push_block(&mut self, count: usize) -> &mut RayBlock {
         assert!(self.len % LANES == 0 && count <= LANES, "behind whole blocks");
         let index = self.len / LANES;
@@ -77,7 +78,7 @@ impl PathRays {
         block
     }
 
-    /// Changes one.
+    /// Replaces a ray.
     #[inline(always)]
     pub fn set(&mut self, index: usize, ray: &PathRay) {
         let (block, lane) = (&mut self.blocks[index / LANES], index % LANES);
@@ -90,7 +91,7 @@ impl PathRays {
         block.target_sphere.0[lane] = ray.target_sphere;
     }
 
-    /// One of them.
+    /// Returns a ray.
     #[inline(always)]
     pub fn get(&self, index: usize) -> PathRay {
         let (block, lane) = (&self.blocks[index / LANES], index % LANES);
@@ -105,24 +106,23 @@ impl PathRays {
         }
     }
 
-    /// Whether one goes into the sphere that it leaves.
+    /// Returns true if a ray goes into the sphere that it leaves.
     #[inline(always)]
     pub fn is_inward(&self, index: usize) -> bool {
         self.blocks[index / LANES].t_exit.0[index % LANES] < f64::INFINITY
     }
 
-    /// All, in order.
+    /// Iterates over all rays in order.
     pub fn iter(&self) -> impl Iterator<Item = PathRay> + '_ {
         (0..self.len).map(|index| self.get(index))
     }
 
-    /// All blocks in use; the lanes of the last one that lie behind the rays hold what was there
-    /// before.
+    /// Returns all blocks in use; the unused lanes of the last one hold stale data.
     pub fn blocks(&self) -> &[RayBlock] {
         &self.blocks[..self.len.div_ceil(LANES)]
     }
 
-    /// How many a backend traces: those that are valid and whose interval is not empty.
+    /// Counts the rays that a backend traces: those that are valid and whose interval is not empty.
     pub fn count_traced(&self, isa: Isa) -> usize {
         let mut count = 0;
         let mut left = self.len;
@@ -138,8 +138,8 @@ impl PathRays {
 }
 
 impl RayBlock {
-    /// The end of the interval in which the ray of a lane may hit anything but its own far wall;
-    /// minus infinity if it may not be asked: the same rule as [`crate::math::Ray::is_valid`].
+    /// Returns the end of the interval in which a lane's ray may hit anything but its own far wall;
+    /// minus infinity if the ray is invalid, by the rule of [`crate::math::Ray::is_valid`].
     #[inline(always)]
     pub fn t_end(&self, lane: usize) -> f64 {
         const LIMIT: f64 = 4.0 * MAX_COORDINATE;
@@ -148,7 +148,7 @@ impl RayBlock {
         let t_min = self.t_min.0[lane];
         let (t_max, far_wall) = (self.t_max.0[lane], self.t_exit.0[lane]);
         let t_max = if far_wall < t_max { far_wall } else { t_max };
-        // Without branches, which would keep loops from becoming vector instructions.
+        // Branch-free, because branches would prevent vectorisation.
         let is_valid = (origin.x <= LIMIT)
             & (origin.y <= LIMIT)
             & (origin.z <= LIMIT)
@@ -162,7 +162,7 @@ impl RayBlock {
     }
 }
 
-/// Finds out which rays of a block are traced.
+/// Finds the rays of a block that are traced.
 struct FindTraced<'a> {
     block: &'a RayBlock,
     /// 1 or 0.
@@ -259,7 +259,7 @@ mod tests {
         assert_eq!(rays.get(LANES - 1).t_exit, 0.5);
     }
 
-    /// Every number of a ray beyond its range, one at a time.
+    /// Sets each number of a ray out of range, one at a time.
     #[test]
     fn a_ray_of_a_block_ends_where_that_of_a_backend_does() {
         let limit = 4.0 * MAX_COORDINATE;

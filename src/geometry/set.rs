@@ -1,9 +1,10 @@
 //! All the spheres of a scene, as one array.
 //!
-//! Spheres arrive in f64 and leave as `[x, y, z, radius]` in f32, relative to the per-axis median of
-//! their centres (see [`super::origin`]), sorted along a Morton curve, without duplicates. That array is Embree's vertex
-//! buffer as it stands. Giants (see [`super::giants`]) stay in f64 behind it: ids below
-//! `particles().len()` are particles, the ids from there on are giants.
+//! Spheres arrive in f64 and are stored as `[x, y, z, radius]` in f32, relative to the per-axis
+//! median of their centres (see [`super::origin`]), sorted along a Morton curve, without
+//! duplicates. Embree uses that array as its vertex buffer without a copy. Giants (see
+//! [`super::giants`]) stay in f64 behind it: ids below `particles().len()` are particles, all
+//! further ids are giants.
 
 use std::hint::black_box;
 
@@ -12,7 +13,7 @@ use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
 use super::{PathRay, Side, Sphere, SurfaceHit, morton::MortonCurve};
 
-/// The spheres as the user gave them. Rows are numbered through: `exact` first, then `table`.
+/// The spheres as the user gave them. Rows are numbered consecutively: `exact` first, then `table`.
 #[derive(Clone, Debug, Default)]
 pub struct SphereRows {
     /// Spheres written out in the scene.
@@ -40,53 +41,53 @@ impl SphereSet {
         self.rows.len()
     }
 
-    /// Whether there is no sphere at all.
+    /// Returns true if there are no spheres.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// The point in the user's coordinates that is this set's origin.
+    /// Returns the origin of this set, in the user's coordinates.
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// The spheres stored in f32: `[x, y, z, radius]`, relative to the origin.
+    /// Returns the spheres stored in f32: `[x, y, z, radius]`, relative to the origin.
     pub fn particles(&self) -> &[[f32; 4]] {
         &self.particles
     }
 
-    /// Where a sphere lies along the curve that the particles are sorted by: they come in ascending
-    /// order. Three bits for each halving of space.
+    /// Returns a sphere's position along the Morton curve; particles are in ascending order. Three
+    /// bits per halving of space.
     pub(crate) fn morton_code(&self, sphere: &[f32; 4]) -> u64 {
         self.curve.fine_code(sphere)
     }
 
-    /// The spheres stored in f64, relative to the origin; their ids follow the particles'.
+    /// Returns the spheres stored in f64, relative to the origin; their ids follow the particles'.
     pub fn giants(&self) -> &[Sphere] {
         &self.giants
     }
 
-    /// The user's row of a sphere.
+    /// Returns the user's row of a sphere.
     pub fn row(&self, id: u32) -> u32 {
         self.rows[id as usize]
     }
 
-    /// The user's row of every id, in the order of the ids.
+    /// Returns the user's row of every id, in the order of the ids.
     pub fn rows(&self) -> &[u32] {
         &self.rows
     }
 
-    /// How many rows were left out because an earlier row is the same sphere after rounding.
+    /// Returns the number of rows removed because an earlier row is the same sphere after rounding.
     pub fn duplicates(&self) -> usize {
         self.duplicates
     }
 
-    /// How many spheres were moved by rounding by more than 1 % of their radius.
+    /// Returns the number of spheres that rounding moved by more than 1 % of their radius.
     pub fn displaced(&self) -> usize {
         self.displaced
     }
 
-    /// The sphere as stored, relative to the origin.
+    /// Returns the sphere as stored, relative to the origin.
     pub fn sphere(&self, id: u32) -> Sphere {
         match (id as usize).checked_sub(self.particles.len()) {
             Some(giant) => self.giants[giant],
@@ -94,8 +95,8 @@ impl SphereSet {
         }
     }
 
-    /// Reads spheres, so that they are in the processor's near memory when they are asked for one by
-    /// one: no read here waits for another.
+    /// Prefetches spheres into the cache before they are needed one by one: no read here waits for
+    /// another.
     pub fn prefetch(&self, ids: impl Iterator<Item = u32>) {
         let read = |id: u32| {
             let particle = self.particles.get(id as usize);
@@ -104,12 +105,12 @@ impl SphereSet {
         black_box(ids.fold(0, |all, id| all ^ read(id)));
     }
 
-    /// Bytes held.
+    /// Returns the bytes held.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.particles) + size_of_val(&*self.giants) + size_of_val(&*self.rows)
     }
 
-    /// The question for a backend: what does this ray hit before its own far wall?
+    /// Converts a path ray to a backend query: the first hit before its own far wall.
     pub fn to_query(&self, ray: &PathRay) -> Ray {
         let t_max = ray.t_max.min(ray.t_exit);
         let leaves = if fault!(ExclusionLost) { NO_SPHERE } else { ray.origin_sphere };
@@ -117,9 +118,9 @@ impl SphereSet {
         Ray::new(ray.origin, ray.direction, ray.t_min, t_max, [leaves, aims_at])
     }
 
-    /// Turns a backend's answer into a point on a sphere, the same for all backends: only the id is
-    /// taken from the backend, the rest is solved again in f64. The far wall of the sphere that the
-    /// ray leaves wins where it lies before the sphere that was found.
+    /// Resolves a backend's hit to a point on a sphere, identically for all backends: only the id
+    /// is taken from the backend, the rest is solved again in f64. The far wall of the sphere that
+    /// the ray leaves wins if it lies before the sphere that was found.
     pub fn resolve_hit(&self, ray: &PathRay, hit: Hit) -> Option<SurfaceHit> {
         let found = (!hit.is_miss()).then(|| {
             let sphere = self.sphere(hit.id);
@@ -133,7 +134,7 @@ impl SphereSet {
         let sphere = self.sphere(id);
         let (point, normal) = sphere.reproject(ray.origin, ray.direction, t);
         let side = match is_far_wall {
-            // Where the chord is short, rounding may leave d.n with either sign.
+            // On a short chord, rounding may give d.n either sign.
             true => Side::Inside,
             false => Side::arriving(ray.direction, normal),
         };

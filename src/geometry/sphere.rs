@@ -1,4 +1,4 @@
-//! One sphere and a line, in f64.
+//! Intersection of a line with a sphere, in f64.
 
 use crate::fault::fault;
 use crate::math::DVec3;
@@ -12,7 +12,7 @@ pub struct Sphere {
     pub radius: f64,
 }
 
-/// Where a line meets a sphere: `near <= far`, distances in units of the direction's length.
+/// Intersections of a line with a sphere: `near <= far`, in units of the direction's length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roots {
     /// The smaller root.
@@ -22,7 +22,7 @@ pub struct Roots {
 }
 
 impl Sphere {
-    /// The two roots of the line `origin + t * direction`, or `None` where it passes by.
+    /// Returns the two roots of the line `origin + t * direction`, or `None` if it misses.
     ///
     /// The discriminant comes from the centre's distance to the line and not from `b^2 - 4ac`,
     /// which cancels for small and for distant spheres (Haines et al. 2019, "Precision Improvements
@@ -38,7 +38,7 @@ impl Sphere {
         Some(Roots { near: t - h, far: t + h })
     }
 
-    /// The first root in the open interval `(t_min, t_max)`.
+    /// Returns the first root in the open interval `(t_min, t_max)`.
     pub fn first_root(
         &self,
         origin: DVec3,
@@ -51,9 +51,9 @@ impl Sphere {
         (t > t_min && t < t_max).then_some(t)
     }
 
-    /// The nearer root if it lies beyond `t_min`, else the farther one, which may lie anywhere; not a
-    /// number where the line passes by. For loops that meet many rays with a sphere: the reciprocal of
-    /// the direction's squared length is given.
+    /// Returns the nearer root if it lies beyond `t_min`, else the farther one, which may lie
+    /// anywhere; NaN if the line misses. For loops over many rays: the caller passes the reciprocal
+    /// of the direction's squared length.
     #[inline(always)]
     pub fn nearer_root(
         &self,
@@ -68,8 +68,8 @@ impl Sphere {
         if t - h > t_min || fault!(NearRootForFar) { t - h } else { t + h }
     }
 
-    /// The distance at which a line that is known to hit is taken to hit: the first root beyond
-    /// `t_min`; the tangent point where f64 sees the line pass by; and never before `t_min`.
+    /// Returns the hit distance of a line that is known to hit: the first root beyond `t_min`; the
+    /// tangent point if the line misses in f64; and never less than `t_min`.
     #[inline(always)]
     pub fn hit_distance(&self, origin: DVec3, direction: DVec3, t_min: f64) -> f64 {
         let per_length_squared = 1.0 / direction.length_squared();
@@ -80,11 +80,12 @@ impl Sphere {
         root.max(t_min)
     }
 
-    /// The point of the sphere that a ray meets at a distance `t`, and the outward normal there.
+    /// Returns the point on the sphere that a ray hits at distance `t`, and the outward normal
+    /// there.
     #[inline(always)]
     pub fn reproject(&self, origin: DVec3, direction: DVec3, t: f64) -> (DVec3, DVec3) {
-        // Seen from the centre: adding `origin + t * direction` first would round at the scale of
-        // the coordinates, which may be far larger than that of the ray.
+        // Computed from the centre: adding `origin + t * direction` first would round at the scale
+        // of the coordinates, which may be far larger than that of the ray.
         let from_center = (origin - self.center) + direction * t;
         let per_length = 1.0 / from_center.length();
         let has_length = per_length > 0.0 && per_length < f64::INFINITY;
@@ -92,7 +93,7 @@ impl Sphere {
         (self.center + normal * self.radius, normal)
     }
 
-    /// Whether the point lies inside.
+    /// Returns true if the point lies inside.
     pub fn contains(&self, point: DVec3) -> bool {
         point.distance_squared(self.center) < self.radius * self.radius
     }
@@ -112,11 +113,11 @@ impl Sphere {
     }
 }
 
-/// The line's closest approach to the centre.
+/// A line's closest approach to the centre.
 struct LineApproach {
     /// Distance along the line.
     t: f64,
-    /// Square of half the chord, in the same units; negative where the line passes by.
+    /// Square of half the chord, in the same units; negative if the line misses.
     half_chord_squared: f64,
 }
 

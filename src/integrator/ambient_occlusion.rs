@@ -1,10 +1,10 @@
-//! `integrator = "ambient-occlusion"`: how open each point is. The cosine-weighted share of the
-//! directions above it in which nothing is nearer than a distance (Landis 2002, "Production-Ready
-//! Global Illumination").
+//! `integrator = "ambient-occlusion"`: the cosine-weighted fraction of the hemisphere above each
+//! point that is unoccluded within a maximum distance (Landis 2002, "Production-Ready Global
+//! Illumination").
 //!
-//! It is the picture of white matt surfaces, whatever they are made of, under a sky of radiance 1
-//! that shines through all that is farther away, with light scattered once. So a camera ray that
-//! meets nothing is white as well.
+//! The picture equals single scattering from white diffuse surfaces, whatever their materials,
+//! under a sky of radiance 1 that is visible through everything beyond that distance. A camera ray
+//! that misses is therefore white as well.
 
 use crate::color::{PathRadiance, Rgb};
 use crate::geometry::{PathRay, SurfaceHit};
@@ -20,7 +20,7 @@ use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
 use super::world::RenderContext;
 
-/// Ambient occlusion by what is nearer than `distance`.
+/// Ambient occlusion by surfaces nearer than `distance`.
 pub(super) struct AmbientOcclusion {
     pub(super) distance: f64,
 }
@@ -37,7 +37,7 @@ impl Integrator for AmbientOcclusion {
         let mut tally = RenderStats::default();
         let found = trace_primary_rays(world, Strata::UNSTRATIFIED, samples, workspace, &mut tally);
 
-        // One ray for each sample whose own sphere does not stand in the way already.
+        // One ray per sample, except where the sphere itself blocks it.
         let Workspace { rays, occluded: blocked, .. } = workspace;
         rays.clear();
         let mut ray_samples = Vec::with_capacity(samples.len());
@@ -66,7 +66,7 @@ impl Integrator for AmbientOcclusion {
 }
 
 impl AmbientOcclusion {
-    /// A ray into the hemisphere above a point; `None` where its own sphere blocks it.
+    /// Samples an occlusion ray above a hit point; `None` where the sphere itself blocks it.
     fn occlusion_ray(
         &self,
         shot: &PreparedScene,

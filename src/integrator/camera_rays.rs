@@ -1,4 +1,4 @@
-//! From a sample's address to a place in its pixel and the ray through it.
+//! Maps a sample's address to a pixel position and a camera ray.
 
 use crate::fault::fault;
 use crate::geometry::PathRay;
@@ -7,21 +7,21 @@ use crate::scene::PreparedScene;
 
 use super::sample::SampleAddress;
 
-/// The cells of a pixel that its samples are spread over.
+/// Stratification of a pixel's samples.
 ///
-/// The pixel is cut into k x k sub-pixels, and sample s belongs to sub-pixel s mod k^2. Each of them
-/// has random numbers of its own. A number in the unit square is then warped by the pixel's filter,
-/// so the sub-pixels are equal shares of the filter's weight.
+/// A pixel is divided into k x k sub-pixels; sample s belongs to sub-pixel s mod k^2, and each
+/// sub-pixel has its own random sequence. The stratified point in the unit square is then warped by
+/// the pixel filter, so the sub-pixels receive equal shares of the filter's weight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strata {
-    /// Sub-pixels along each side, k.
+    /// Number of sub-pixels along each side, k.
     pub(super) subpixels: u32,
-    /// The size of the random shift in a sub-pixel: 1 covers it, 0 stays at its centre.
+    /// Jitter within a sub-pixel: 1 covers it, 0 stays at its centre.
     pub(super) jitter: f64,
 }
 
 impl Strata {
-    /// The whole pixel at once.
+    /// A single stratum: the whole pixel.
     pub(super) const UNSTRATIFIED: Self = Self { subpixels: 1, jitter: 1.0 };
 
     fn warp(&self, sample: u32, u: [f64; 2]) -> [f64; 2] {
@@ -36,13 +36,13 @@ impl Strata {
         })
     }
 
-    /// Whether samples may be anywhere in their pixel.
+    /// Returns true if samples may fall anywhere in their pixel.
     pub(super) fn is_unstratified(&self) -> bool {
         self.subpixels == 1 && self.jitter == 1.0
     }
 }
 
-/// The random numbers of a sample. Every sub-pixel has its own sequence of them.
+/// Returns the sampler of a sample. Every sub-pixel has its own random sequence.
 pub(super) fn sampler_for(shot: &PreparedScene, strata: Strata, address: SampleAddress) -> Sampler {
     let (image, render) = (shot.image_settings(), shot.render_settings());
     let pixel = u64::from(address.y) * u64::from(image.width) + u64::from(address.x);
@@ -52,8 +52,8 @@ pub(super) fn sampler_for(shot: &PreparedScene, strata: Strata, address: SampleA
     Sampler::with_kind(render.sampler, render.seed, cell, address.sample / cells, samples)
 }
 
-/// The camera ray of a sample, from two random numbers for its place in the pixel and two for that
-/// on the lens, whose first dimensions are given.
+/// Generates the camera ray of a sample. `pixel` and `lens` are the first of the two dimensions
+/// used for the pixel position and for the lens position.
 pub(super) fn generate_camera_ray(
     shot: &PreparedScene,
     strata: Strata,

@@ -1,30 +1,29 @@
-//! Which random number of a sample serves what.
+//! Allocation of a sample's random dimensions.
 //!
-//! Numbers come in sets of four that are spread evenly together, and what decides together how bright
-//! a sample is shares a set: the place in the pixel with the direction from there to a light, and
-//! the direction of a path's next edge with the direction to a light at its end.
-//! `docs/sampling.md` has the table, and the measurements behind it.
+//! Dimensions come in sets of four that are jointly stratified. Decisions that jointly affect a
+//! sample's brightness share a set: the pixel position with the light direction at the first hit,
+//! and the direction of a path's next edge with the light direction at its end. `docs/sampling.md`
+//! has the table and the measurements behind it.
 
-/// The place in the pixel: two dimensions.
+/// Pixel position: two dimensions.
 pub(super) const PIXEL: u32 = 0;
 
-/// The place on the lens: two dimensions.
+/// Lens position: two dimensions.
 pub(super) const LENS: u32 = 4;
 
-/// The place in the pixel, and then that on the lens, when a camera ray is drawn again for the n-th
-/// time: four dimensions.
+/// Pixel position, then lens position, of the n-th retry of a camera ray: four dimensions.
 pub(super) fn camera_retry(n: u32) -> u32 {
     (1 << 31) + 4 * n
 }
 
-/// The direction from the BSDF at the end of edge number `depth`, where the first numbers for it are
-/// used up: two dimensions. They lie far away, since most surfaces never ask for them.
+/// Extra dimensions for BSDF sampling at the end of edge `depth`, used when the first pair is
+/// consumed: two dimensions. Placed far away, since most surfaces never need them.
 pub(super) fn bsdf_extra(depth: u32) -> u32 {
     (3 << 30) + 4 * depth
 }
 
-/// Whether a surface is there that a path meets at the end of edge number `depth`, after it went
-/// straight through `passthroughs` others in all.
+/// The opacity test at the end of edge `depth`, after `passthroughs` surfaces were passed straight
+/// through.
 pub(super) fn opacity(depth: u32, passthroughs: u32) -> u32 {
     if passthroughs == 0 {
         return VertexDimensions::at(depth).opacity();
@@ -33,48 +32,49 @@ pub(super) fn opacity(depth: u32, passthroughs: u32) -> u32 {
     (1 << 30) + 10_000 * depth + passthroughs
 }
 
-/// The dimensions of the vertex at the end of a path's edge number `depth`, counted from 1.
+/// The dimensions of the vertex at the end of edge `depth`, counted from 1.
 #[derive(Clone, Copy)]
 pub(super) struct VertexDimensions {
     base: u32,
 }
 
 impl VertexDimensions {
-    /// Dimensions set aside for each vertex.
+    /// Dimensions reserved per vertex.
     const STRIDE: u32 = 8;
 
-    /// `depth` counts from 1. Lanes that nobody uses may have any; their numbers are of no account.
+    /// Returns the dimensions of the vertex at `depth`, counted from 1. Unused lanes may pass any
+    /// value; their numbers are ignored.
     pub(super) fn at(depth: u32) -> Self {
         Self { base: Self::STRIDE.wrapping_mul(depth) }
     }
 
-    /// The direction towards a light: two dimensions, in one set with the direction of the edge that
-    /// ends here, or with the place in the pixel.
+    /// Light direction: two dimensions, in one set with the direction of the edge that ends here,
+    /// or with the pixel position.
     pub(super) fn light_direction(self) -> u32 {
         self.base.wrapping_sub(Self::STRIDE - 2)
     }
 
-    /// The direction from the BSDF: two dimensions.
+    /// BSDF direction: two dimensions.
     pub(super) fn bsdf_direction(self) -> u32 {
         self.base
     }
 
-    /// Which lobe of the BSDF.
+    /// Selection of the BSDF lobe.
     pub(super) fn lobe(self) -> u32 {
         self.base + 4
     }
 
-    /// Whether the path goes on.
+    /// Russian roulette.
     pub(super) fn roulette(self) -> u32 {
         self.base + 5
     }
 
-    /// Which light.
+    /// Light selection.
     pub(super) fn light_selection(self) -> u32 {
         self.base + 6
     }
 
-    /// Whether the surface is there.
+    /// Opacity test.
     fn opacity(self) -> u32 {
         self.base + 7
     }

@@ -1,14 +1,14 @@
-//! `integrator = "direct"`: what the camera sees by itself, and light scattered once on its way from
-//! a light to the camera. Mirrors and smooth glass in between do not count as scattering.
+//! `integrator = "direct"`: directly visible emission, plus light scattered once between a light
+//! and the camera. Mirrors and smooth glass in between do not count as scattering.
 //!
-//! It is [`super::path`] without the rest: its picture is the layer `direct` of that one, bit by bit.
+//! The picture is bit-identical to the `direct` layer of [`super::path`].
 
 use crate::scene::settings::RenderSettings;
 
 use super::path;
 use super::transport::PathTracer;
 
-/// Direct light only, as `[render]` asks for it.
+/// Creates the direct-light integrator from the `[render]` settings.
 pub(super) fn new(render: &RenderSettings) -> PathTracer {
     PathTracer { max_scatterings: 1, ..path::new(render) }
 }

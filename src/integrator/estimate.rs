@@ -1,4 +1,4 @@
-//! What every integrator can do.
+//! The trait that every integrator implements.
 
 use crate::color::PathRadiance;
 
@@ -7,7 +7,7 @@ use super::trace::PathTrace;
 use super::workspace::Workspace;
 use super::world::RenderContext;
 
-/// An estimator of the light that arrives at a pixel.
+/// Estimates the radiance that arrives at a pixel.
 pub trait Integrator: Send + Sync {
     /// Estimates the radiance of each sample. The slices have equal lengths.
     fn estimate(
@@ -18,8 +18,8 @@ pub trait Integrator: Send + Sync {
         workspace: &mut Workspace,
     ) -> RenderStats;
 
-    /// Tells the path of one sample step by step: the very path that [`Self::estimate`] takes there.
-    /// `None` for an integrator that follows no paths.
+    /// Traces the path of one sample event by event: exactly the path that [`Self::estimate`]
+    /// takes. `None` for integrators that do not follow paths.
     fn trace_path(&self, _world: RenderContext<'_>, _address: SampleAddress) -> Option<PathTrace> {
         None
     }

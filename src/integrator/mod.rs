@@ -1,8 +1,8 @@
-//! How much light? Light transport over batches of paths, one file per estimator.
+//! Light transport over batches of paths, one file per integrator.
 //!
 //! A batch of samples goes through the stages together: camera rays, closest hits, surfaces, light
-//! samples, occlusion, scattering. So one call of the intersector serves many rays, and each stage
-//! is a plain loop. What comes back for a sample depends on its address alone, never on its batch.
+//! samples, occlusion, scattering. One intersector call serves many rays, and each stage is a plain
+//! loop. The result of a sample depends only on its address, never on its batch.
 
 mod ambient_occlusion;
 mod aov;
@@ -34,7 +34,7 @@ use ambient_occlusion::AmbientOcclusion;
 use normals::Normals;
 use raycast::Raycast;
 
-/// The estimator that a shot asks for.
+/// Creates the integrator that the render settings select.
 pub fn create(shot: &PreparedScene) -> Box<dyn Integrator> {
     let render = shot.render_settings();
     match render.integrator {

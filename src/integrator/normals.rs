@@ -1,5 +1,5 @@
-//! `integrator = "normals"`: the unit normal `n` of the first sphere, away from its centre, as the
-//! colour `0.5 + 0.5 n`; black where there is none. Nothing is random but the place in the pixel.
+//! `integrator = "normals"`: the outward unit normal `n` at the first hit, shown as the colour
+//! `0.5 + 0.5 n`; black on a miss. Only the pixel position is random.
 
 use crate::color::{PathRadiance, Rgb};
 use crate::math::DVec3;
@@ -11,13 +11,13 @@ use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
 use super::world::RenderContext;
 
-/// Normals as colours.
+/// The normals integrator.
 pub(super) struct Normals {
     strata: Strata,
 }
 
 impl Normals {
-    /// With one sample a pixel, the ray goes through the pixel's centre.
+    /// With one sample per pixel, the ray goes through the pixel's centre.
     pub(super) fn new(samples_per_pixel: u32) -> Self {
         Self { strata: noise_free_strata(samples_per_pixel) }
     }

@@ -1,7 +1,7 @@
 //! `integrator = "paper"`: the estimator of the seed paper (Awan and Ko, "Ray tracing engine",
-//! section 1.2). k x k sub-pixels, N paths each, lamps found by chance only.
+//! section 1.2). k x k sub-pixels, N paths each, and emitters hit only by BSDF sampling.
 //!
-//! Where the paper is silent or wrong, `docs/paper.md` says how it is read here.
+//! `docs/paper.md` documents how it is interpreted where the paper is silent or wrong.
 
 use crate::scene::settings::{Estimator, PaperSettings, RenderSettings};
 
@@ -9,7 +9,7 @@ use super::camera_rays::Strata;
 use super::path;
 use super::transport::PathTracer;
 
-/// The paper's estimator with its options.
+/// Creates the paper's estimator from its settings.
 pub(super) fn new(paper: &PaperSettings, render: &RenderSettings) -> PathTracer {
     PathTracer {
         estimator: Estimator::Bsdf,

@@ -1,6 +1,6 @@
-//! `integrator = "path"`: lights are aimed at and the hemisphere is sampled by the BSDF, and the two
-//! are combined by multiple importance sampling (Veach 1997, chapter 9; Kajiya 1986). Either can be
-//! had alone for comparison: `estimator`.
+//! `integrator = "path"`: light sampling and BSDF sampling, combined by multiple importance
+//! sampling (Veach 1997, chapter 9; Kajiya 1986). The `estimator` setting selects either technique
+//! alone for comparison.
 
 use crate::sampling::Hemisphere;
 use crate::scene::settings::{MissPolicy, PathTermination, RenderSettings};
@@ -8,7 +8,7 @@ use crate::scene::settings::{MissPolicy, PathTermination, RenderSettings};
 use super::camera_rays::Strata;
 use super::transport::PathTracer;
 
-/// The path tracer that `[render]` asks for.
+/// Creates the path tracer from the `[render]` settings.
 pub(super) fn new(render: &RenderSettings) -> PathTracer {
     PathTracer {
         estimator: render.estimator,

@@ -1,4 +1,4 @@
-//! Camera rays and what they meet, for the integrators that look no further by themselves.
+//! Camera rays and their first hits, for integrators that trace no further path vertices.
 
 use crate::geometry::{PathRay, SurfaceHit};
 use crate::math::Hit;
@@ -9,20 +9,20 @@ use super::workspace::Workspace;
 use super::world::RenderContext;
 use super::{aov, dimension};
 
-/// The camera ray of a sample, and where it ends if it meets anything.
+/// The camera ray of a sample and its hit, if any.
 pub(super) struct PrimaryHit {
     pub(super) ray: PathRay,
     pub(super) hit: Option<SurfaceHit>,
 }
 
-/// Where the samples of a picture without noise go: one of them through the middle of its pixel,
-/// more of them all over it.
+/// Returns the sample positions for a noise-free picture: the pixel's centre for one sample, the
+/// whole pixel for more.
 pub(super) fn noise_free_strata(samples_per_pixel: u32) -> Strata {
     let jitter = if samples_per_pixel == 1 { 0.0 } else { 1.0 };
     Strata { jitter, ..Strata::UNSTRATIFIED }
 }
 
-/// The first hits of all samples.
+/// Traces the camera rays of all samples to their first hits.
 pub(super) fn trace_primary_rays(
     world: RenderContext<'_>,
     strata: Strata,

@@ -1,9 +1,10 @@
-//! `integrator = "raycast"`: where the paper starts (its section 1.1). One ray to the closest
-//! object, shaded from its material and the lamps, with nothing traced from there; by default not
-//! even a shadow ray. Mirrors and glass, which need more rays, stay black.
+//! `integrator = "raycast"`: ray casting, the paper's starting point (its section 1.1). One ray
+//! finds the closest object, which is shaded from its material and the emitters without tracing
+//! further; by default not even shadow rays. Mirrors and glass, which need more rays, stay black.
 //!
-//! Each lamp is taken as a light at its centre that sends `L pi (R / d)^2` to a surface facing it,
-//! which for a matt surface that sees the whole lamp is exact. So the picture has no noise.
+//! Each emitter is treated as a light at its centre that delivers `L pi (R / d)^2` to a surface
+//! facing it. This is exact for a diffuse surface that sees the whole emitter, so the picture is
+//! free of noise.
 
 use std::f64::consts::PI;
 
@@ -23,23 +24,23 @@ use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
 use super::world::RenderContext;
 
-/// Ray casting.
+/// The ray casting integrator.
 pub(super) struct Raycast {
     shadows: bool,
     strata: Strata,
 }
 
 impl Raycast {
-    /// With one sample a pixel, the ray goes through the pixel's centre.
+    /// With one sample per pixel, the ray goes through the pixel's centre.
     pub(super) fn new(shadows: bool, samples_per_pixel: u32) -> Self {
         Self { shadows, strata: noise_free_strata(samples_per_pixel) }
     }
 }
 
-/// Light from one lamp, and the ray that it comes along.
+/// Light from one emitter, and its shadow ray.
 struct DirectLight {
     radiance: Rgb,
-    /// `None` where the surface itself stands in the way.
+    /// `None` where the surface itself blocks the light.
     shadow_ray: Option<PathRay>,
 }
 
@@ -91,7 +92,7 @@ impl Integrator for Raycast {
     }
 }
 
-/// The light that a surface sends towards the camera because of one lamp.
+/// Computes the light that a surface reflects towards the camera from one emitter.
 fn shade_light(
     scene: &Scene,
     hit: &SurfaceHit,

@@ -1,9 +1,9 @@
-//! One sample, and what is counted on its way.
+//! Sample addresses and render counters.
 
 use crate::geometry::PathRays;
 use crate::math::{Isa, Ray};
 
-/// One sample of one pixel.
+/// The address of one sample of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleAddress {
     /// Column in the full picture.
@@ -14,26 +14,27 @@ pub struct SampleAddress {
     pub sample: u32,
 }
 
-/// What happened on the way.
+/// Counters collected while rendering.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RenderStats {
     /// Rays traced, shadow rays included.
     pub rays: u64,
-    /// Paths that were inside more dielectric spheres than can be remembered.
+    /// Paths that were inside more dielectric spheres than a [`crate::material::MediumStack`]
+    /// holds.
     pub media_overflows: u64,
-    /// Paths cut off at the hard limit on their length.
+    /// Paths cut off at the hard path length limit.
     pub truncated_paths: u64,
 }
 
 impl RenderStats {
-    /// Counts the rays that a backend was asked with. A ray that is not valid, or whose interval is
-    /// empty, is not traced and does not count.
+    /// Counts the rays of a query. Rays that are invalid or have an empty interval are not traced
+    /// and do not count.
     pub(super) fn count_rays(&mut self, rays: &[Ray]) {
         let is_traced = |ray: &&Ray| ray.is_valid() && ray.t_min < ray.t_max;
         self.rays += rays.iter().filter(is_traced).count() as u64;
     }
 
-    /// The same for the rays of paths.
+    /// Counts the rays of a path stage; invalid or empty rays do not count.
     pub(super) fn count_path_rays(&mut self, rays: &PathRays, isa: Isa) {
         self.rays += rays.count_traced(isa) as u64;
     }

@@ -1,9 +1,9 @@
-//! One path told step by step.
+//! Event-by-event traces of single paths.
 //!
-//! The stages of [`super::integrator`] tell a [`PathRecorder`] what they do. The one that renders are
-//! made with, [`NullRecorder`], listens to nothing and costs nothing: what would be told is not even
-//! computed. The other keeps a list, so that a trace is not a retelling but the very path that the
-//! picture was made from.
+//! The stages of [`crate::integrator`] report their events to a [`PathRecorder`]. Renders use
+//! [`NullRecorder`], which ignores events at no cost: they are not even computed. The other
+//! recorder keeps a list, so a trace shows the very path that contributes to the picture, not a
+//! reconstruction.
 
 use crate::color::{PathRadiance, Rgb};
 use crate::geometry::{PathRay, SurfaceHit};
@@ -13,166 +13,167 @@ use crate::math::DVec3;
 
 use super::sample::{RenderStats, SampleAddress};
 
-/// The path of one sample.
+/// The traced path of one sample.
 #[derive(Clone, Debug)]
 pub struct PathTrace {
-    /// Which sample.
+    /// The address of the sample.
     pub address: SampleAddress,
-    /// What happened, in order. Adding up the light of all [`PathEvent::Emission`] and [`PathEvent::ShadowRay`] in
-    /// this order, layer by layer in f32, gives `radiance` to the bit.
+    /// The events in order. Summing the contributions of all [`PathEvent::Emission`] and
+    /// [`PathEvent::ShadowRay`] in this order, layer by layer in f32, gives `radiance` to the bit.
     pub events: Vec<PathEvent>,
-    /// What the sample brings to its pixel.
+    /// The sample's contribution to its pixel.
     pub radiance: PathRadiance,
-    /// Rays traced, and the like.
+    /// Counters: rays traced and the like.
     pub stats: RenderStats,
 }
 
-/// Light that a step brings to the sample: radiance times the path's throughput and all weights.
+/// Light that an event adds to the sample: radiance times path throughput and all weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contribution {
-    /// The light; black where something stands in the way.
+    /// The contribution; black where the light is occluded.
     pub radiance: Rgb,
-    /// What `clamp_indirect` left of it; 1 where that did not bite.
+    /// The factor applied by `clamp_indirect`; 1 if no clamping occurred.
     pub clamp: f32,
-    /// Which layer it goes to.
+    /// True if it goes to the direct layer, false for the indirect layer.
     pub is_direct: bool,
 }
 
-/// One event of a path. Directions are in world space, points relative to the spheres' origin.
+/// One event of a path. Directions are in world space; points are relative to the spheres' origin.
 #[derive(Clone, Copy, Debug)]
 pub enum PathEvent {
-    /// A ray leaves the camera.
+    /// A camera ray is generated.
     CameraRay {
         /// The ray.
         ray: PathRay,
-        /// How often it was drawn again before.
+        /// Number of earlier attempts that were redrawn.
         redraws: u32,
     },
-    /// A ray meets a sphere.
+    /// A ray hits a sphere.
     Hit {
-        /// Edges so far, counted from 1.
+        /// Number of edges so far, counted from 1.
         depth: u32,
         /// Sphere, point, normal, distance and side.
         hit: SurfaceHit,
         /// Unit direction to the previous vertex.
         wo: DVec3,
-        /// The probability with which the surface is there: its opacity.
+        /// The surface's opacity: the probability that the ray does not pass straight through.
         opacity: f32,
-        /// What the medium on the way let through.
+        /// Transmittance of the medium along the ray.
         transmittance: Rgb,
-        /// The product of `f cos / p` so far, and of what media let through.
+        /// Path throughput: the product of `f cos / p` and transmittances so far.
         throughput: Rgb,
     },
-    /// A ray meets nothing.
+    /// A ray misses.
     Miss {
-        /// Edges so far, counted from 1.
+        /// Number of edges so far, counted from 1.
         depth: u32,
         /// Unit direction to the previous vertex.
         wo: DVec3,
-        /// The product of `f cos / p` so far.
+        /// Path throughput: the product of `f cos / p` so far.
         throughput: Rgb,
     },
-    /// Light found by chance: emission of the sphere just met, or background.
+    /// Emission found by BSDF sampling: from the sphere just hit, or from the environment.
     Emission {
-        /// Where it comes from.
+        /// The light source.
         source: LightSource,
-        /// `Le`, times the lamp's opacity.
+        /// `Le`, times the emitter's opacity.
         radiance: Rgb,
-        /// The density with which chance drew the direction; `None` from the camera and after a
-        /// delta lobe, which no light sample can replace.
+        /// Pdf with which the direction was sampled; `None` from the camera and after a delta lobe,
+        /// which light sampling cannot replace.
         pdf: Option<f64>,
-        /// The density with which light sampling would have drawn it.
+        /// Pdf with which light sampling would have sampled the direction.
         pdf_light: f64,
-        /// The weight of chance against light sampling.
+        /// MIS weight of BSDF sampling against light sampling.
         weight: f32,
         /// Throughput times radiance times weight.
         contribution: Contribution,
     },
-    /// The boundary just met is hidden in a medium of higher priority: the path goes straight through.
-    HiddenBoundary,
-    /// The surface just met is not there this time, since it is not opaque: the path goes straight
+    /// The boundary just hit is hidden in a medium of higher priority; the path passes straight
     /// through.
+    HiddenBoundary,
+    /// The surface just hit failed the opacity test; the path passes straight through.
     Transparent,
-    /// A light sample. It brings light if a later [`PathEvent::ShadowRay`] says so.
+    /// A light sample. It contributes only if a later [`PathEvent::ShadowRay`] is unoccluded.
     LightSample {
-        /// The light, the direction `wi`, its density and the radiance `Le`, times the lamp's opacity.
+        /// The source, the direction `wi`, its pdf and the radiance `Le`, times the emitter's
+        /// opacity.
         sample: LightSample,
-        /// What the medium on the way would let through.
+        /// Transmittance of the medium towards the light.
         transmittance: Rgb,
-        /// The BSDF for it.
+        /// BSDF value for the light direction.
         f: Rgb,
         /// `|cos wi|`.
         cos: f64,
-        /// The density with which the BSDF would have drawn `wi`.
+        /// Pdf with which BSDF sampling would have sampled `wi`.
         pdf_bsdf: f64,
-        /// The weight of light sampling against chance.
+        /// MIS weight of light sampling against BSDF sampling.
         weight: f64,
     },
-    /// The answer to the shadow ray of the last light sample.
+    /// The result of the shadow ray of the last light sample.
     ShadowRay {
-        /// The share that what is in the way lets through: 0 for an opaque surface, 1 minus the opacity
-        /// for each other one, 1 if there is nothing.
+        /// Fraction of light that passes: 1 if unoccluded, 0 behind an opaque surface, otherwise
+        /// the product of 1 minus opacity over the surfaces in between.
         visibility: f32,
-        /// Throughput times `f cos Le weight / p`, times what passes.
+        /// Throughput times `f cos Le weight / p`, times visibility.
         contribution: Contribution,
     },
-    /// The BSDF draws a direction.
+    /// The BSDF samples a direction.
     BsdfSample {
-        /// Which kind of lobe it came from.
+        /// The kind of lobe sampled.
         lobe: Lobe,
-        /// The direction, leaving the surface.
+        /// Sampled direction, leaving the surface.
         wi: DVec3,
-        /// Its density, or for a delta lobe the probability of having chosen that.
+        /// Pdf of the direction; for a delta lobe, the probability of selecting it.
         pdf: f64,
         /// `f cos / p`.
         weight: Rgb,
-        /// Index of refraction beyond the interface over that before it; 1 without refraction.
+        /// Index of refraction beyond the interface over that in front of it; 1 without refraction.
         eta: f64,
-        /// The product of `f cos / p` so far, this one included.
+        /// Path throughput: the product of `f cos / p` so far, this one included.
         throughput: Rgb,
     },
     /// Russian roulette.
     Roulette {
-        /// The probability to go on.
+        /// Survival probability.
         survival: f32,
-        /// Whether the path goes on; its throughput is then divided by that probability.
+        /// True if the path survives; its throughput is then divided by the survival probability.
         survives: bool,
-        /// The throughput from here on.
+        /// Throughput after roulette.
         throughput: Rgb,
     },
     /// The path ends.
     End(Termination),
 }
 
-/// Why a path ends.
+/// The reason a path ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Termination {
-    /// It met nothing.
+    /// The ray missed every sphere.
     Escaped,
     /// `max_depth` is reached.
     MaxDepth,
-    /// It is longer than any path may be.
+    /// The path reached the hard length limit.
     LengthLimit,
-    /// The surface sends no light this way.
+    /// The surface scatters no light in the sampled direction.
     Absorbed,
     /// The direction grazes the surface so closely that no ray leaves it.
     Grazing,
-    /// It lost at roulette, or its weight fell below the threshold.
+    /// The path lost at Russian roulette, or its weight fell below the threshold.
     LowThroughput,
     /// The integrator follows light through one scattering only.
     DirectOnly,
 }
 
-/// Listens to the stages.
+/// Receives the events of a path from the stages.
 pub(super) trait PathRecorder {
-    /// Whether it is worth telling anything.
+    /// True if events are recorded.
     const ENABLED: bool;
 
-    /// Takes note of a step, which need not be computed where nobody listens.
+    /// Records an event. The closure is not evaluated where recording is disabled.
     fn record(&mut self, step: impl FnOnce() -> PathEvent);
 }
 
-/// Listens to nothing.
+/// A recorder that ignores all events.
 pub(super) struct NullRecorder;
 
 impl PathRecorder for NullRecorder {
@@ -191,7 +192,7 @@ impl PathRecorder for Vec<PathEvent> {
 }
 
 impl PathTrace {
-    /// The light that the steps bring, added up in their order.
+    /// Sums the contributions of the events in order.
     pub fn sum(&self) -> PathRadiance {
         let mut sum = PathRadiance::default();
         for step in &self.events {

@@ -1,4 +1,4 @@
-//! Memory that is used again.
+//! Reusable per-thread memory.
 
 use crate::color::VisibleSurface;
 use crate::material::MediumStack;
@@ -7,7 +7,7 @@ use crate::sampling::Sampler;
 
 use super::transport::{CameraRayBatch, DiffuseBatch, PathQueue, PrevVertex, ShadowRays};
 
-/// Memory that one thread uses again for every batch.
+/// Scratch memory that one thread reuses for every batch.
 #[derive(Default)]
 pub struct Workspace {
     pub(super) isa: Isa,
@@ -18,37 +18,39 @@ pub struct Workspace {
     pub(super) shadow_rays: ShadowRays,
     pub(super) samplers: Vec<Sampler>,
     pub(super) prev_vertices: Vec<PrevVertex>,
-    /// The media that each sample's path is in, where something is a dielectric.
+    /// The media that each sample's path is in; empty in scenes without dielectrics.
     pub(super) media: Vec<MediumStack>,
-    /// The media that shadow rays start in, where something is not opaque.
+    /// The media that shadow rays start in, in scenes with partly transparent surfaces.
     pub(super) shadow_media: Vec<MediumStack>,
     pub(super) rays: Vec<Ray>,
     pub(super) hits: Vec<Hit>,
     pub(super) occluded: Vec<bool>,
-    /// The share of the light of each shadow ray that arrives.
+    /// The unoccluded fraction of each shadow ray.
     pub(super) visibility: Vec<f32>,
     pub(super) records_visible_surfaces: bool,
-    /// What each sample sees first, where that is recorded.
+    /// Each sample's first visible surface, if recorded.
     pub(super) visible_surfaces: Vec<VisibleSurface>,
 }
 
 impl Workspace {
-    /// With a choice of the instructions that vectors are computed with, which changes no bit.
+    /// Creates a workspace that uses the given instruction set. Results are bit-identical for all
+    /// of them.
     pub fn with_isa(isa: Isa) -> Self {
         Self { isa, ..Self::default() }
     }
 
-    /// Whether estimates from here on record what each sample sees first.
+    /// Enables or disables recording of each sample's first visible surface.
     pub fn record_visible_surfaces(&mut self, wanted: bool) {
         self.records_visible_surfaces = wanted;
     }
 
-    /// What each sample of the last estimate sees first; empty where that is not recorded.
+    /// Returns the first visible surface of each sample of the last estimate; empty if not
+    /// recorded.
     pub fn visible_surfaces(&self) -> &[VisibleSurface] {
         &self.visible_surfaces
     }
 
-    /// Forgets the records of the last estimate, and makes room for so many where they are wanted.
+    /// Clears the records of the last estimate and makes room for `samples` new ones if enabled.
     pub(super) fn reset_visible_surfaces(&mut self, samples: usize) {
         self.visible_surfaces.clear();
         self.visible_surfaces

@@ -1,14 +1,14 @@
-//! How often lamps, dome and sun are aimed at from a point: by the irradiance to be expected of each.
-//! What may be in the way is not known, so a share goes to each alike.
+//! Probabilities of sampling emitters, the environment map or the sun from a shading point, based
+//! on the expected irradiance of each. Occlusion is unknown, so a fixed share is split evenly.
 
 use super::environment::Environment;
 use super::light_sampler::LightSampler;
 use super::receiver::LightSampleContext;
 
-/// The share of choices that treats alike all that may shine on a point.
+/// Fraction of samples split evenly among all categories that may illuminate the point.
 const UNIFORM_FRACTION: f64 = 0.2;
 
-/// What there is to aim at.
+/// A category of lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LightCategory {
     Emitters,
@@ -16,13 +16,13 @@ pub(super) enum LightCategory {
     Sun,
 }
 
-/// The probability of each kind, in the order of the enum.
+/// The probability of each category, in the order of the enum.
 pub(super) struct CategoryPmf {
     probabilities: [f64; 3],
 }
 
 impl CategoryPmf {
-    /// `None` where nothing can be aimed at.
+    /// `None` if no light can be sampled.
     pub(super) fn new(
         choice: &LightSampler,
         has_lamps: bool,
@@ -34,7 +34,7 @@ impl CategoryPmf {
         }
         let sun = background.sun().map_or(0.0, |sun| sun.importance(from));
         let dome = background.importance(from);
-        // A scene with lamps alone is the common case, and they need not be weighed there.
+        // Scenes with emitters only are the common case and need no importance there.
         let lamps = match sun > 0.0 || dome > 0.0 {
             true => choice.importance(from),
             false => f64::from(u8::from(has_lamps)),
@@ -49,12 +49,13 @@ impl CategoryPmf {
         (total > 0.0).then(|| Self { probabilities: importance.map(share) })
     }
 
-    /// The probability of a kind.
+    /// Returns the probability of a category.
     pub(super) fn pmf(&self, kind: LightCategory) -> f64 {
         self.probabilities[kind as usize]
     }
 
-    /// The kind chosen by `u` in `[0, 1)`, its probability, and what is left of `u`: again uniform.
+    /// Returns the category selected by `u` in `[0, 1)`, its probability, and `u` remapped to
+    /// `[0, 1)`.
     pub(super) fn sample(&self, mut u: f64) -> (LightCategory, f64, f64) {
         let mut last = (LightCategory::Emitters, self.probabilities[0], u);
         for kind in [LightCategory::Emitters, LightCategory::EnvironmentMap, LightCategory::Sun] {

@@ -1,4 +1,4 @@
-//! One lamp, seen from a point: the directions in which it is aimed at, with their density.
+//! Sampling a single emitter from a shading point: directions and their pdf.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -15,21 +15,21 @@ use super::receiver::LightSampleContext;
 pub struct Emitter {
     /// The sphere's id.
     pub id: u32,
-    /// The radiance it sends out.
+    /// Emitted radiance.
     pub emission: Rgb,
 }
 
-/// How a lamp is seen from a point on a surface.
+/// An emitter as seen from a point on a surface.
 pub(super) enum VisibleEmitter {
-    /// From outside: the cone that the lamp fills.
+    /// Seen from outside: the cone that the emitter subtends.
     Outside(Cone),
-    /// From inside the lamp, where every direction meets it: by the cosine, on one side of a surface
-    /// or on both.
+    /// Seen from inside the emitter, where every direction hits it: cosine-weighted, on one side of
+    /// a surface or on both.
     Inside { frame: Frame, is_two_sided: bool, point: DVec3, sphere: Sphere },
 }
 
 impl VisibleEmitter {
-    /// `None` where the lamp cannot be seen.
+    /// `None` if the emitter is not visible.
     pub(super) fn new(from: &LightSampleContext, id: u32, lamp: &Sphere) -> Option<Self> {
         let LightSampleContext { hit, is_two_sided } = *from;
         let inside = |normal, is_two_sided| {
@@ -37,7 +37,7 @@ impl VisibleEmitter {
             Some(Self::Inside { frame, is_two_sided, point: hit.point, sphere: *lamp })
         };
         if hit.id == id {
-            // A surface sees itself only across its inside.
+            // A surface can see itself only across the sphere's inside.
             let sees_itself = is_two_sided || hit.side == Side::Inside;
             return if sees_itself { inside(-hit.normal, false) } else { None };
         }
@@ -47,7 +47,7 @@ impl VisibleEmitter {
         Cone::subtending(hit.point, lamp).map(Self::Outside)
     }
 
-    /// Direction, distance and density.
+    /// Samples a direction; returns it with the distance and the pdf.
     pub(super) fn sample(&self, mut u: [f64; 2]) -> (DVec3, f64, f64) {
         match self {
             Self::Outside(cone) => {
@@ -64,7 +64,7 @@ impl VisibleEmitter {
         }
     }
 
-    /// The density of a direction that meets the lamp.
+    /// Returns the pdf of a direction that hits the emitter.
     pub(super) fn pdf(&self, direction: DVec3) -> f64 {
         match self {
             Self::Outside(cone) => cone.pdf(),
@@ -77,7 +77,7 @@ impl VisibleEmitter {
     }
 }
 
-/// Above (1) or below (-1), alike; what is left of `u` is again uniform.
+/// Returns 1 (above) or -1 (below) with equal probability, and remaps `u` to `[0, 1)`.
 fn sample_side(u: &mut f64) -> f64 {
     let is_below = *u >= 0.5;
     *u = 2.0 * *u - f64::from(u8::from(is_below));

@@ -1,22 +1,22 @@
-//! One lamp or many, seen from a point: about how much light arrives from there.
+//! Bounds of one or more emitters: the expected irradiance at a shading point.
 //!
 //! Importance after Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive
 //! Tree Splitting", and Pharr, Jakob and Humphreys 2023, "Physically Based Rendering", section
-//! 12.6.3: power over squared distance, where the distance is at least the radius of a sphere around
-//! all of them, times a cosine at the receiver. Glowing spheres shine alike in all directions, so
-//! there are no cones of emission to bound.
+//! 12.6.3: power over squared distance, where the distance is at least the radius of the bounding
+//! sphere, times a cosine at the shading point. Emissive spheres emit equally in all directions, so
+//! there are no emission cones to bound.
 //!
-//! Of a single lamp above the horizon this is the irradiance itself.
+//! For a single emitter above the horizon, importance is the irradiance itself.
 
 use crate::geometry::Sphere;
 use crate::math::DVec3;
 
 use super::receiver::LightSampleContext;
 
-/// Makes up for rounding a radius to f32.
+/// Compensates for rounding a radius to f32.
 const ROUND_OUTWARD: f64 = 1.0 + 1e-6;
 
-/// A sphere around lamps, and how much they shine. 20 bytes.
+/// A bounding sphere of emitters, and their power. 20 bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LightBounds {
     center: [f32; 3],
@@ -24,18 +24,18 @@ pub(super) struct LightBounds {
     power: f32,
 }
 
-/// A lamp on its way into a cluster.
+/// An emitter to be clustered.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightItem {
     pub(super) sphere: Sphere,
-    /// `pi r^2` times its luminance, as a share of what all lamps have.
+    /// `pi r^2` times its luminance, as a fraction of the total over all emitters.
     pub(super) power: f64,
-    /// Its place among the lamps.
+    /// Index in the list of emitters.
     pub(super) emitter_index: u32,
 }
 
 impl LightBounds {
-    /// Around a middle, all of some lamps.
+    /// Bounds all `items` with a sphere around `middle`.
     pub(super) fn enclosing(middle: DVec3, items: &[LightItem]) -> Self {
         let center = middle.as_vec3();
         let reach =
@@ -45,13 +45,13 @@ impl LightBounds {
         Self {
             center: center.to_array(),
             radius: (radius * ROUND_OUTWARD) as f32,
-            // A lamp must not be lost for being faint beside the others.
+            // An emitter must not vanish because it is faint relative to the others.
             power: (power as f32).max(f32::MIN_POSITIVE),
         }
     }
 
-    /// The irradiance to be expected, in units of the power. 0 only where nothing of the cluster is
-    /// above the receiver's horizon.
+    /// Expected irradiance, in units of the power. 0 only if nothing of the cluster is above the
+    /// shading point's horizon.
     pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
         let center = DVec3::from_array(self.center.map(f64::from));
         let (radius, power) = (f64::from(self.radius), f64::from(self.power));
@@ -67,9 +67,9 @@ impl LightBounds {
     }
 }
 
-/// The mean cosine over a ball whose centre is seen at a cosine and whose rim at a sine from there:
-/// that of the centre, where the horizon does not cut the ball; from there it falls smoothly, to 0
-/// where the ball has set.
+/// Mean cosine over a ball whose centre is seen at cosine `cos` and whose rim at sine `sin_rim`
+/// from there: the cosine of the centre while the horizon does not cut the ball, then falling
+/// smoothly to 0 where the ball is below the horizon.
 pub(super) fn clipped_cosine(cos: f64, sin_rim: f64) -> f64 {
     if cos >= sin_rim {
         return cos;

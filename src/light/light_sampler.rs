@@ -1,4 +1,4 @@
-//! Which of the lamps to aim at.
+//! Selects the emitter to sample.
 
 use std::f64::consts::PI;
 
@@ -13,31 +13,31 @@ use super::light_bounds::{LightBounds, LightItem};
 use super::light_tree::{LightTree, MAX_LIGHTS};
 use super::receiver::LightSampleContext;
 
-/// So many lamps are looked at one by one.
+/// Up to this many emitters are evaluated one by one.
 const MAX_EXHAUSTIVE: usize = 8;
-/// Of few lamps, the share of choices that treats those above the horizon alike: what looks
-/// important may be hidden.
+/// In the exhaustive strategy, the fraction of samples split evenly among the emitters above the
+/// horizon: an emitter that looks important may be occluded.
 const UNIFORM_FRACTION: f64 = 0.1;
 
-/// How lamps are chosen. All ways give the same picture in the mean.
+/// Strategy for selecting emitters. All strategies have the same expected picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightSamplerKind {
-    /// By the light that they may send to the point in question, through a hierarchy.
+    /// By estimated contribution to the shading point, using a light tree.
     #[default]
     Hierarchy,
-    /// By their power, the same for all points.
+    /// By power, independent of the shading point.
     Power,
-    /// All alike.
+    /// Uniformly.
     Uniform,
 }
 
 named_enum! { LightSamplerKind { Hierarchy = "hierarchy", Power = "power", Uniform = "uniform" } }
 
-/// The lamps with their probabilities.
+/// The emitters' selection probabilities.
 #[derive(Debug, Default)]
 pub(super) struct LightSampler {
     strategy: Strategy,
-    /// What the importance of a cluster is a share of.
+    /// Total power; cluster importances are relative to it.
     total_power: f64,
 }
 
@@ -45,11 +45,11 @@ pub(super) struct LightSampler {
 enum Strategy {
     #[default]
     Empty,
-    /// There is none.
+    /// Exactly one emitter.
     Single(LightBounds),
-    /// The same for all receivers.
+    /// Probabilities independent of the shading point.
     Fixed(DiscreteDistribution, LightBounds),
-    /// At most `MAX_EXHAUSTIVE`.
+    /// At most `MAX_EXHAUSTIVE` emitters.
     Exhaustive(Vec<LightBounds>),
     Tree(LightTree),
 }
@@ -82,7 +82,7 @@ impl LightSampler {
         Self { strategy: chooser, total_power }
     }
 
-    /// The irradiance to be expected from all lamps.
+    /// Expected irradiance from all emitters.
     pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
         self.total_power
             * match &self.strategy {
@@ -94,8 +94,8 @@ impl LightSampler {
             }
     }
 
-    /// A lamp's place in the list and its probability, by `u` in `[0, 1)`; `None` where the choice
-    /// fell on lamps that have set.
+    /// Selects an emitter by `u` in `[0, 1)`; returns its index and probability. `None` if the
+    /// selected emitters are below the horizon.
     pub(super) fn sample(&self, from: &LightSampleContext, u: f64) -> Option<(usize, f64)> {
         match &self.strategy {
             Strategy::Empty => None,
@@ -109,7 +109,7 @@ impl LightSampler {
         }
     }
 
-    /// The probability with which [`Self::sample`] chooses a lamp.
+    /// Returns the probability with which [`Self::sample`] selects an emitter.
     pub(super) fn pmf(&self, from: &LightSampleContext, lamp: usize) -> f64 {
         match &self.strategy {
             Strategy::Empty => 0.0,
@@ -129,17 +129,17 @@ fn fixed_strategy(items: &[LightItem], weight: impl Fn(&LightItem) -> f64) -> St
     choice.map_or(Strategy::Empty, |choice| Strategy::Fixed(choice, total_bounds(items)))
 }
 
-/// All lamps as one cluster.
+/// Bounds all emitters as one cluster.
 fn total_bounds(items: &[LightItem]) -> LightBounds {
     let middle = items.iter().map(|item| item.sphere.center / items.len() as f64).sum();
     LightBounds::enclosing(middle, items)
 }
 
-/// A few lamps with their importance at a receiver.
+/// A few emitters with their importance at a shading point.
 struct ExhaustiveSampler {
     importance: [f64; MAX_EXHAUSTIVE],
     total: f64,
-    /// Added to the probability of each that has not set.
+    /// Added to the probability of each emitter above the horizon.
     uniform_probability: f64,
 }
 

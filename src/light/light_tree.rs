@@ -1,14 +1,14 @@
-//! The hierarchy of lamps: which of very many lamps to aim at, in a time that grows with the
-//! logarithm of their number.
+//! The light tree: selects one of very many emitters in logarithmic time.
 //!
-//! A binary tree of clusters. From the root down, each step goes to one of two children with
-//! probabilities in proportion to their importance at the receiver, and one random number serves all
-//! steps: what is left of it after a step is again uniform. The probability of a lamp is the product
-//! along its way, which is walked again for a lamp that was found by chance.
+//! A binary tree of clusters. From the root down, each step picks one of two children with
+//! probabilities proportional to their importance at the shading point. A single random number
+//! serves all steps: it is remapped to a uniform number after each. The probability of an emitter
+//! is the product along its path, which is recomputed for an emitter found by BSDF sampling.
 //!
-//! The build cuts along the axis and the plane with the least `power x surface area` of the two
-//! boxes, weighted by how flat the box is (Conty Estevez and Kulla 2018, section 4.4, without the
-//! orientation term, which is the same for all spheres). The result does not depend on the threads.
+//! The build splits along the axis and plane with the least `power x surface area` of the two
+//! boxes, weighted by the flatness of the box (Conty Estevez and Kulla 2018, section 4.4, without
+//! the orientation term, which is equal for all spheres). The result does not depend on the thread
+//! count.
 
 use crate::fault::fault;
 use crate::math::DVec3;
@@ -16,35 +16,35 @@ use crate::math::DVec3;
 use super::light_bounds::{LightBounds, LightItem};
 use super::receiver::LightSampleContext;
 
-/// Planes tried along each axis, and one.
+/// Number of bins along each axis: one more than the planes tried.
 const BINS: usize = 16;
-/// Fewer lamps than these are not worth a task of their own.
+/// Ranges with fewer emitters are built without a task of their own.
 const PARALLEL_MIN_LIGHTS: usize = 4096;
-/// Marks a node without children.
+/// Marks a leaf node.
 const LEAF: u32 = 1 << 31;
-/// The most lamps that a tree can hold.
+/// Maximum number of emitters in a tree.
 pub(super) const MAX_LIGHTS: usize = 1 << 29;
 
-/// A cluster and what it is made of.
+/// A cluster, and its children or emitter.
 #[derive(Clone, Copy, Debug, Default)]
 struct LightNode {
     bounds: LightBounds,
-    /// The first of two children side by side, or a lamp and `LEAF`.
+    /// Index of the first of two adjacent children, or an emitter index and `LEAF`.
     child_or_emitter: u32,
 }
 
-/// The hierarchy.
+/// The light tree.
 #[derive(Debug)]
 pub(super) struct LightTree {
-    /// The root; then, for every inner node, its two children, all below the first of them and all
-    /// below the second.
+    /// The root; then, for every inner node, its two children, all nodes below the first of them
+    /// and all below the second.
     nodes: Vec<LightNode>,
-    /// The node of every lamp.
+    /// Leaf node of every emitter.
     leaves: Vec<u32>,
 }
 
 impl LightTree {
-    /// Over at least one lamp; their numbers are those from 0 on.
+    /// Builds a tree over at least one emitter; emitter indices count from 0.
     pub(super) fn new(mut items: Vec<LightItem>) -> Self {
         let mut nodes = vec![LightNode::default(); 2 * items.len() - 1];
         let (root, below) = nodes.split_at_mut(1);
@@ -58,12 +58,12 @@ impl LightTree {
         Self { nodes, leaves }
     }
 
-    /// The irradiance to be expected from all lamps.
+    /// Expected irradiance from all emitters.
     pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
         self.nodes[0].bounds.importance(from)
     }
 
-    /// A lamp chosen by `u` in `[0, 1)`, with its probability.
+    /// Selects an emitter by `u` in `[0, 1)`; returns its index and probability.
     pub(super) fn sample(&self, from: &LightSampleContext, mut u: f64) -> Option<(u32, f64)> {
         let mut next = self.nodes[0].child_or_emitter;
         let mut pmf = 1.0;
@@ -82,7 +82,7 @@ impl LightTree {
         Some((next ^ LEAF, pmf))
     }
 
-    /// The probability with which [`Self::sample`] chooses a lamp.
+    /// Returns the probability with which [`Self::sample`] selects an emitter.
     pub(super) fn pmf(&self, from: &LightSampleContext, lamp: u32) -> f64 {
         let leaf = self.leaves[lamp as usize];
         let mut next = self.nodes[0].child_or_emitter;
@@ -104,7 +104,8 @@ impl LightTree {
         pmf
     }
 
-    /// The probability of the first of two children; `None` where neither can shine on the receiver.
+    /// Returns the probability of the first of two children; `None` if neither can illuminate the
+    /// shading point.
     fn first_child_probability(&self, from: &LightSampleContext, children: u32) -> Option<f64> {
         let [first, second] = [0, 1].map(|i| self.nodes[children as usize + i].bounds);
         let (first, second) = (first.importance(from), second.importance(from));
@@ -113,7 +114,8 @@ impl LightTree {
     }
 }
 
-/// The node over some lamps. The nodes below it go into `below`, which begins at place `start`.
+/// Builds the node over some emitters. The nodes below it go into `below`, which begins at index
+/// `start`.
 fn build_node(items: &mut [LightItem], start: u32, below: &mut [LightNode]) -> LightNode {
     let cluster = LightBounds::enclosing(LightAabb::of_spheres(items).center(), items);
     if let [item] = items {
@@ -135,12 +137,13 @@ fn build_node(items: &mut [LightItem], start: u32, below: &mut [LightNode]) -> L
     LightNode { bounds: cluster, child_or_emitter: start }
 }
 
-/// Puts the lamps of the first child in front and counts them: at least one, and not all.
+/// Moves the emitters of the first child to the front and returns their number: at least one, and
+/// not all.
 fn partition(items: &mut [LightItem]) -> usize {
     let centers = LightAabb::of_centers(items);
     let plane = (0..3).filter_map(|axis| best_split(items, axis, &centers));
     let Some(LightSplit { axis, bin, .. }) = plane.min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
-        return items.len() / 2; // all in the same place
+        return items.len() / 2; // all at the same position
     };
     let mut count = 0;
     for i in 0..items.len() {
@@ -152,14 +155,14 @@ fn partition(items: &mut [LightItem]) -> usize {
     count
 }
 
-/// A place to cut, behind one of the bins.
+/// A split plane, behind one of the bins.
 struct LightSplit {
     axis: usize,
     bin: usize,
     cost: f64,
 }
 
-/// The best plane across an axis; `None` where the lamps do not differ along it.
+/// Finds the best split plane across an axis; `None` if all emitters are in one bin along it.
 fn best_split(items: &[LightItem], axis: usize, centers: &LightAabb) -> Option<LightSplit> {
     let extent = centers.extent();
     if extent[axis] <= 0.0 {
@@ -169,7 +172,7 @@ fn best_split(items: &[LightItem], axis: usize, centers: &LightAabb) -> Option<L
     for item in items {
         bins[centers.bin(axis, item)].add(item);
     }
-    // From the right, what lies behind each plane; then from the left, what lies before it.
+    // From the right, what lies behind each plane; then from the left, what lies in front of it.
     let mut behind = [0.0; BINS];
     let mut sum = Bin::EMPTY;
     for bin in (1..BINS).rev() {
@@ -185,7 +188,7 @@ fn best_split(items: &[LightItem], axis: usize, centers: &LightAabb) -> Option<L
     costs.min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// A box.
+/// An axis-aligned bounding box.
 #[derive(Clone, Copy)]
 struct LightAabb {
     min: DVec3,
@@ -217,7 +220,7 @@ impl LightAabb {
         self.max - self.min
     }
 
-    /// Which bin along an axis a lamp's centre lies in.
+    /// Returns the bin along an axis that contains an emitter's centre.
     fn bin(&self, axis: usize, item: &LightItem) -> usize {
         let place = (item.sphere.center[axis] - self.min[axis]) / self.extent()[axis];
         ((place * BINS as f64) as usize).min(BINS - 1)
@@ -229,7 +232,7 @@ impl LightAabb {
     }
 }
 
-/// The lamps between two planes.
+/// The emitters between two planes.
 #[derive(Clone, Copy)]
 struct Bin {
     bounds: LightAabb,
@@ -250,7 +253,7 @@ impl Bin {
         self.power += other.power;
     }
 
-    /// The first and the last bin are never empty, so a plane's two sides are not.
+    /// The first and the last bin are never empty, so neither side of a plane is.
     fn cost(&self) -> f64 {
         self.power * self.bounds.area()
     }
@@ -267,7 +270,7 @@ mod tests {
             let tree = LightTree::new(items(count));
             for from in receivers() {
                 let sum: f64 = (0..count as u32).map(|lamp| tree.pmf(&from, lamp)).sum();
-                // Where everything below a node has set, the choice ends there.
+                // The sampling may end at a node whose emitters are all below the horizon.
                 assert!(sum <= 1.0 + 1e-12);
                 if from.is_two_sided {
                     assert!((sum - 1.0).abs() < 1e-12, "{count} lamps: {sum}");

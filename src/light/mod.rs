@@ -1,9 +1,9 @@
-//! What shines: emissive spheres and the background, and the choice among them.
+//! Lights: emissive spheres and the environment, and how they are sampled.
 //!
-//! Whoever gathers light at a point ([`LightSampleContext`]) asks for a direction that light may come from
-//! ([`Lights::sample`]), or, for a direction that it found otherwise, for the density with which it
-//! would have been given ([`Lights::pdf`]). That density may be 0 for light that is best left to
-//! chance, such as a background of one colour; by chance it must then be found.
+//! A shading point ([`LightSampleContext`]) requests a direction towards a light
+//! ([`Lights::sample`]) or, for a direction that it obtained otherwise, the pdf with which light
+//! sampling would have returned it ([`Lights::pdf`]). That pdf may be 0 for light that is best left
+//! to BSDF sampling, such as a constant environment; BSDF sampling must then find it.
 
 mod category;
 mod emitter;
@@ -31,38 +31,38 @@ use light_sampler::LightSampler;
 /// All lights of a scene.
 #[derive(Debug, Default)]
 pub struct Lights {
-    /// Sorted by id.
+    /// Emitters sorted by id.
     emitters: Arc<[Emitter]>,
     sampler: LightSampler,
     environment: Arc<Environment>,
 }
 
-/// Where light comes from.
+/// A source of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightSource {
     /// An emissive sphere, by its id.
     Emitter(u32),
-    /// Nothing that can be met.
+    /// The environment.
     Environment,
 }
 
-/// A direction that light may come from.
+/// A sampled direction towards a light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
-    /// What shines there.
+    /// The sampled light.
     pub source: LightSource,
     /// Unit direction.
     pub direction: DVec3,
-    /// Distance to the lamp's surface in that direction; infinite for the background.
+    /// Distance to the emitter's surface in that direction; infinite for the environment.
     pub distance: f64,
-    /// The radiance that arrives if nothing is in the way.
+    /// The radiance that arrives if unoccluded.
     pub radiance: Rgb,
-    /// Probability of the source times the density of the direction per solid angle.
+    /// Probability of the source times the pdf of the direction per solid angle.
     pub pdf: f64,
 }
 
 impl LightSource {
-    /// The sphere that a shadow ray to this source aims at.
+    /// Returns the target sphere of a shadow ray to this source.
     pub fn sphere_id(self) -> u32 {
         match self {
             Self::Emitter(id) => id,
@@ -72,13 +72,14 @@ impl LightSource {
 }
 
 impl Lights {
-    /// The lamps among `spheres`, before a background, chosen by their hierarchy.
+    /// Creates the lights of a scene from the emitters among `spheres` and the environment, with
+    /// the default light sampler.
     pub fn new(mut lamps: Vec<Emitter>, spheres: &SphereSet, background: Environment) -> Self {
         lamps.sort_unstable_by_key(|lamp| lamp.id);
         Self::with_sampler(LightSamplerKind::Hierarchy, lamps.into(), spheres, Arc::new(background))
     }
 
-    /// Lamps sorted by their ids, with a way to choose among them.
+    /// Creates lights from emitters sorted by id, with the given light sampler.
     pub fn with_sampler(
         by: LightSamplerKind,
         lamps: Arc<[Emitter]>,
@@ -90,38 +91,38 @@ impl Lights {
         Self { emitters: lamps, sampler: choice, environment: background }
     }
 
-    /// Number of lamps.
+    /// Number of emitters.
     pub fn len(&self) -> usize {
         self.emitters.len()
     }
 
-    /// Whether [`Self::sample`] heeds the number that chooses.
+    /// Returns true if [`Self::sample`] uses `u_select`.
     pub fn needs_selection(&self) -> bool {
         self.emitters.len() > 1 || self.environment.is_sampled()
     }
 
-    /// The lamp, where there is one and nothing else to aim at.
+    /// Returns the emitter if it is the only light that can be sampled.
     pub fn single_emitter(&self) -> Option<&Emitter> {
         if self.needs_selection() { None } else { self.emitters.first() }
     }
 
-    /// Whether the scene has no lamp.
+    /// Returns true if the scene has no emitters.
     pub fn is_empty(&self) -> bool {
         self.emitters.is_empty()
     }
 
-    /// All lamps, sorted by id.
+    /// All emitters, sorted by id.
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters
     }
 
-    /// What a ray sees that meets nothing.
+    /// The environment that rays see on a miss.
     pub fn environment(&self) -> &Environment {
         &self.environment
     }
 
-    /// A direction that light may come from, from `choose` and `u` in `[0, 1)`; `None` where what
-    /// was chosen cannot be seen from there.
+    /// Samples a direction towards a light, from `u_select` and `u` in `[0, 1)`; `None` if the
+    /// selected light is not visible from there.
     pub fn sample(
         &self,
         spheres: &SphereSet,
@@ -160,8 +161,9 @@ impl Lights {
         (pdf > 0.0).then_some(LightSample { source, direction, distance, radiance: emission, pdf })
     }
 
-    /// The density with which [`Self::sample`] gives this direction for this source, which it must
-    /// meet; 0 for a sphere that is not a lamp and for what is left to chance.
+    /// Returns the pdf with which [`Self::sample`] returns this direction for this source, which
+    /// the direction must hit; 0 for a sphere that is not an emitter and for lights left to BSDF
+    /// sampling.
     pub fn pdf(
         &self,
         spheres: &SphereSet,
@@ -179,7 +181,8 @@ impl Lights {
         view.map_or(0.0, |view| view.pdf(direction) * pmf())
     }
 
-    /// The probability that [`Self::sample`] aims at the background and not at a lamp.
+    /// Returns the probability that [`Self::sample`] selects the environment rather than an
+    /// emitter.
     pub fn environment_probability(&self, from: &LightSampleContext) -> f64 {
         let share = |shares: CategoryPmf| {
             shares.pmf(LightCategory::EnvironmentMap) + shares.pmf(LightCategory::Sun)
@@ -191,7 +194,7 @@ impl Lights {
         CategoryPmf::new(&self.sampler, !self.is_empty(), &self.environment, from)
     }
 
-    /// A direction to the sun is also one to the dome, so their densities add up.
+    /// A direction to the sun is also one to the environment map, so their pdfs add up.
     fn environment_pdf(&self, shares: &CategoryPmf, direction: DVec3) -> f64 {
         let dome = shares.pmf(LightCategory::EnvironmentMap);
         let dome = if dome > 0.0 { dome * self.environment.pdf(direction) } else { 0.0 };
@@ -207,7 +210,7 @@ mod tests {
     use crate::sampling::Sampler;
     use light_bounds::LightItem;
 
-    /// Lamps of very different sizes and powers in a unit box.
+    /// Emitters of very different sizes and powers in a unit box.
     pub(super) fn items(count: usize) -> Vec<LightItem> {
         let item = |lamp: u32| {
             let u: [f64; 5] =
@@ -222,7 +225,8 @@ mod tests {
         (0..count as u32).map(item).collect()
     }
 
-    /// Points among the lamps and far from them, facing anywhere, one-sided and two-sided.
+    /// Shading points among the emitters and far from them, facing anywhere, one-sided and
+    /// two-sided.
     pub(super) fn receivers() -> impl Iterator<Item = LightSampleContext> {
         (0..40u32).map(|i| {
             let u: [f64; 6] =

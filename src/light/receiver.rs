@@ -1,20 +1,20 @@
-//! Who gathers light.
+//! The shading point of a light sample.
 
 use crate::geometry::{Sphere, SurfaceHit};
 
-/// A point that light is gathered at.
+/// A shading point that samples lights.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSampleContext {
-    /// The point.
+    /// The hit point.
     pub hit: SurfaceHit,
-    /// Whether light is gathered from both sides of the surface and not only from the side that
+    /// True if light is gathered from both sides of the surface and not only from the side that
     /// [`SurfaceHit::facing_normal`] points to.
     pub is_two_sided: bool,
 }
 
 impl LightSampleContext {
-    /// Whether a lamp is seen from its inside here, so that light is aimed at its far wall. A
-    /// receiver on the lamp itself sees nothing else of it.
+    /// Returns true if the emitter is seen from its inside here, so that its far wall is sampled. A
+    /// shading point on the emitter itself sees nothing else of it.
     pub fn is_inside(&self, id: u32, lamp: &Sphere) -> bool {
         self.hit.id == id || lamp.contains(self.hit.point)
     }

@@ -1,13 +1,14 @@
-//! A thin clear coat: a dielectric layer, smooth or rough, that reflects a part of the light by
-//! Fresnel's equations and lets the rest through to what is beneath.
+//! A thin clear coat: a dielectric layer, smooth or rough, that reflects light by Fresnel's
+//! equations and transmits the rest to the base.
 //!
-//! `E(cos)` is the share that the coat reflects of light from a direction, `1 - E(cos)` what it lets
-//! through; the light between the facets of a rough coat that single scattering loses counts as let
-//! through. Light goes both ways alike, so a matt base is seen through it with the lobe
-//! `(1 - E_o)(1 - E_i) / (pi mean(1 - E))`, which integrates to `1 - E_o` (Kelemen and Szirmay-Kalos
-//! 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance Sampling"). Inside, light that the
-//! base scatters evenly is thrown back by the share `1 - mean(1 - E) / ior^2`: what goes in and what
-//! comes out of the coat differ by the squared index, as radiance does.
+//! `E(cos)` is the fraction of light from a direction that the coat reflects, `1 - E(cos)` the
+//! fraction that it transmits; light lost between the facets of a rough coat by single scattering
+//! counts as transmitted. A diffuse base seen through the coat has the reciprocal lobe
+//! `(1 - E_o)(1 - E_i) / (pi mean(1 - E))`, which integrates to `1 - E_o` (Kelemen and
+//! Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte BRDF Model with Importance
+//! Sampling"). Of the light that the base scatters diffusely, the coat reflects the fraction
+//! `1 - mean(1 - E) / ior^2` back internally: transmittance into and out of the coat differ by the
+//! squared index, as radiance does.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -23,16 +24,17 @@ use super::{BsdfSample, EnergyCompensation, Ggx, Lobe, fresnel};
 #[derive(Clone, Debug)]
 pub struct Coat {
     ior: f64,
-    /// `None` where it is smooth.
+    /// `None` if smooth.
     ggx: Option<Ggx>,
-    /// The table of `1 - E`. A smooth coat has it for drawing alone: there Fresnel's equations tell.
+    /// The table of `1 - E`. A smooth coat uses it only for sampling; Fresnel's equations give its
+    /// value.
     compensation: Box<EnergyCompensation>,
     /// The cosine-weighted mean of `1 - E`.
     mean_transmittance: f64,
 }
 
 impl Coat {
-    /// A coat of an index of refraction, at least 1 and relative to what is around it, and of a
+    /// Creates a coat with an index of refraction relative to the surroundings, at least 1, and a
     /// roughness in `[0, 1]`.
     pub fn new(ior: f64, roughness: f64) -> Self {
         let reflectance = |cos: f64| fresnel(cos.min(1.0), ior).reflectance;
@@ -48,7 +50,7 @@ impl Coat {
         Self { ior, ggx, compensation: Box::new(table), mean_transmittance: mean_through }
     }
 
-    /// The share `1 - E` that comes through from a direction of this cosine.
+    /// Returns the transmitted fraction `1 - E` for a direction of this cosine.
     pub(super) fn transmittance(&self, cos: f64) -> f64 {
         match self.ggx {
             Some(_) => self.compensation.missing(cos),
@@ -56,24 +58,25 @@ impl Coat {
         }
     }
 
-    /// What a white matt base would send through the coat: `f` without the cosine.
+    /// Evaluates a white diffuse base seen through the coat: `f` without the cosine.
     pub(super) fn eval_base(&self, cos_o: f64, cos_i: f64) -> f64 {
         self.transmittance(cos_o) * self.transmittance(cos_i) * FRAC_1_PI / self.mean_transmittance
     }
 
-    /// The share of evenly scattered light beneath that comes out at once.
+    /// Returns the fraction of diffuse light from the base that escapes without internal
+    /// reflection.
     pub(super) fn internal_escape(&self) -> f64 {
         (self.mean_transmittance / (self.ior * self.ior)).min(1.0)
     }
 
-    /// The coat's own reflection, delta lobes left out.
+    /// Evaluates the coat's own reflection, without delta lobes.
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
         let Some(ggx) = self.ggx else { return 0.0 };
         let cos = wo.dot(half_vector(wo, wi)).clamp(0.0, 1.0);
         ggx.eval_reflection(wo, wi) * fresnel(cos, self.ior).reflectance
     }
 
-    /// The density of [`Self::sample`], delta lobes left out.
+    /// Returns the pdf of [`Self::sample`], without delta lobes.
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         self.ggx.map_or(0.0, |ggx| ggx.reflection_pdf(wo, wi))
     }
@@ -82,8 +85,7 @@ impl Coat {
         self.ggx.is_none()
     }
 
-    /// A reflected direction, as if this lobe alone were drawn from; `None` where a facet sends light
-    /// into the surface.
+    /// Samples the coat's reflection alone; `None` if a facet reflects light into the surface.
     pub(super) fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<BsdfSample> {
         let Some(ggx) = self.ggx else {
             let weight = Rgb::splat(fresnel(wo.z.min(1.0), self.ior).reflectance as f32);
@@ -97,9 +99,9 @@ impl Coat {
         Some(BsdfSample { wi, weight, pdf, lobe, eta: 1.0 })
     }
 
-    /// A direction of a rough coat and what a white matt base sends through it, each in its very
-    /// share: a facet by `facet`, and where its light does not come out reflected, the base by `base`.
-    /// Of a smooth coat, whose reflection is a delta lobe, the base alone.
+    /// Samples a rough coat over a white diffuse base, exactly in proportion to their light: a
+    /// facet by `facet` and, if its light is not reflected out, the base by `base`. For a smooth
+    /// coat, whose reflection is a delta lobe, samples the base alone.
     pub(super) fn sample_with_base(
         &self,
         wo: DVec3,
@@ -116,17 +118,17 @@ impl Coat {
         reflected.map_or_else(beneath, |wi| (wi, Lobe::Glossy))
     }
 
-    /// The density of [`Self::sample_with_base`].
+    /// Returns the pdf of [`Self::sample_with_base`].
     pub(super) fn pdf_with_base(&self, wo: DVec3, wi: DVec3) -> f64 {
         let of_base = if self.is_delta() { 1.0 } else { self.transmittance(wo.z) };
         self.eval(wo, wi) * wi.z + of_base * self.compensation.pdf(wi.z)
     }
 }
 
-/// What the facets of a rough coat let through: all that its facets do not reflect at once.
+/// Tabulates what a rough coat transmits: everything that its facets do not reflect directly.
 fn rough_transmittance(ggx: Ggx, ior: f64) -> EnergyCompensation {
-    // Facets hide one another below a cosine of about alpha, and Fresnel's equations bend below one
-    // of about 1/4, whatever the roughness.
+    // Facets mask one another below a cosine of about alpha, and Fresnel reflectance bends below
+    // one of about 1/4, whatever the roughness.
     EnergyCompensation::new([2.0 * ggx.alpha(), f64::max(0.5, 2.0 * ggx.alpha())], |wo| {
         mean_over_visible_normals(ggx, wo, |m| {
             let cos = wo.dot(m).clamp(0.0, 1.0);
@@ -142,7 +144,7 @@ mod tests {
     use super::*;
     use approx::{assert_abs_diff_eq, assert_relative_eq};
 
-    /// The mean reflectance from outside in closed form (Dunkle 1963; Egan and Hilgeman 1973).
+    /// Mean reflectance from outside in closed form (Dunkle 1963; Egan and Hilgeman 1973).
     fn mean_reflectance(n: f64) -> f64 {
         let (n2, n4) = (n * n, n.powi(4));
         0.5 + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0).powi(2))
@@ -160,8 +162,8 @@ mod tests {
                 1.0 - mean_reflectance(ior),
                 epsilon = 1e-5
             );
-            // From inside, the mean over directions with total reflection among them is the same
-            // number by reciprocity.
+            // The mean from inside, over directions that include total internal reflection, is the
+            // same number by reciprocity.
             let inside = hemispherical_mean(|cos| fresnel(cos, 1.0 / ior).reflectance);
             assert_abs_diff_eq!(1.0 - coat.internal_escape(), inside, epsilon = 1e-3);
         }

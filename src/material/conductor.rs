@@ -1,13 +1,13 @@
-//! Metal: what is not reflected is absorbed at once. Smooth, or rough as a GGX microsurface.
+//! Metal: light that is not reflected is absorbed. Smooth, or rough as a GGX microsurface.
 //!
 //! Fresnel's equations for a complex index of refraction give the reflectance of a facet (Born and
-//! Wolf, section 14.2). Light that bounces between facets is given back (see [`super::energy`]),
-//! coloured by the further bounces, so that metal does not darken where it is rough. The BRDF is
-//! reciprocal. Where the facets reflect everything it scatters all light: what is evaluated within 5e-4,
-//! what is drawn exactly.
+//! Wolf, section 14.2). Multiple scattering between facets is compensated (see
+//! [`super::energy_compensation`]) and coloured by the further bounces, so that rough metal does
+//! not darken. The BRDF is reciprocal. With lossless facets it scatters all light: within 5e-4 as
+//! evaluated, exactly as sampled.
 //!
-//! A metal may also be told by a colour, that of its reflectance straight from above; the rest
-//! follows from Schlick (1994, "An Inexpensive BRDF Model for Physically-based Rendering").
+//! A metal may also be given by a colour, its reflectance at normal incidence; the rest follows
+//! from Schlick (1994, "An Inexpensive BRDF Model for Physically-based Rendering").
 
 use crate::color::Rgb;
 use crate::math::DVec3;
@@ -21,9 +21,9 @@ use super::{BsdfSample, EnergyCompensation, ExtraUniforms, Ggx, Lobe, Metal};
 #[derive(Clone, Debug)]
 pub struct Conductor {
     fresnel: ConductorFresnel,
-    /// The colour of light after many bounces between facets.
+    /// Colour of multiply scattered light.
     multiscatter_tint: Rgb,
-    /// `None` where it is smooth.
+    /// `None` if smooth.
     rough: Option<Box<RoughConductor>>,
 }
 
@@ -35,12 +35,12 @@ pub struct ConductorBsdf<'a> {
     rough: Option<&'a RoughConductor>,
 }
 
-/// What a facet reflects.
+/// Fresnel reflectance of a facet.
 #[derive(Clone, Copy, Debug)]
 enum ConductorFresnel {
     /// By Fresnel's equations.
     Metal(Metal),
-    /// By Schlick's approximation, from the reflectance straight from above.
+    /// By Schlick's approximation, from the reflectance at normal incidence.
     Schlick(Rgb),
 }
 
@@ -50,8 +50,8 @@ struct RoughConductor {
     compensation: EnergyCompensation,
 }
 
-/// The share of unpolarised light that is reflected at the cosine `cos >= 0` from vacuum by a medium
-/// of complex index of refraction `n + ik`.
+/// Returns the fraction of unpolarised light that a medium of complex index of refraction `n + ik`
+/// reflects at the cosine `cos >= 0` from vacuum.
 pub fn fresnel_conductor(cos: f64, n: f64, k: f64) -> f64 {
     let cos_squared = cos * cos;
     let sin_squared = (1.0 - cos) * (1.0 + cos);
@@ -69,7 +69,7 @@ pub fn fresnel_conductor(cos: f64, n: f64, k: f64) -> f64 {
 }
 
 impl Metal {
-    /// The reflectance at the cosine `cos >= 0`.
+    /// Returns the reflectance at the cosine `cos >= 0`.
     pub fn reflectance(&self, cos: f64) -> Rgb {
         self.per_channel(|n, k| fresnel_conductor(cos.min(1.0), n, k))
     }
@@ -81,7 +81,7 @@ impl Metal {
 }
 
 impl ConductorFresnel {
-    /// The reflectance at the cosine `cos >= 0`.
+    /// Returns the reflectance at the cosine `cos >= 0`.
     fn reflectance(&self, cos: f64) -> Rgb {
         match self {
             Self::Metal(metal) => metal.reflectance(cos),
@@ -92,7 +92,7 @@ impl ConductorFresnel {
         }
     }
 
-    /// The mean over the hemisphere, weighted with the cosine.
+    /// Returns the cosine-weighted mean over the hemisphere.
     fn mean_reflectance(&self) -> Rgb {
         match self {
             Self::Metal(metal) => {
@@ -104,7 +104,7 @@ impl ConductorFresnel {
 }
 
 impl RoughConductor {
-    /// The colour of light after many bounces between such facets.
+    /// Returns the colour of light scattered multiply between such facets.
     fn multiscatter_tint(&self, facets: &ConductorFresnel) -> Rgb {
         let missing = self.compensation.mean_missing();
         let tint = |mean: f32| multiscatter_tint(f64::from(mean), missing) as f32;
@@ -113,12 +113,12 @@ impl RoughConductor {
 }
 
 impl Conductor {
-    /// A metal of a roughness in `[0, 1]`.
+    /// Creates a metal with a roughness in `[0, 1]`.
     pub fn new(metal: Metal, roughness: f64) -> Self {
         Self::from_fresnel(ConductorFresnel::Metal(metal), roughness)
     }
 
-    /// A metal that reflects the share `color` straight from above.
+    /// Creates a metal that reflects `color` at normal incidence.
     pub fn from_color(color: Rgb, roughness: f64) -> Self {
         Self::from_fresnel(ConductorFresnel::Schlick(color), roughness)
     }
@@ -132,7 +132,7 @@ impl Conductor {
         Self { fresnel: facets, multiscatter_tint: tint, rough }
     }
 
-    /// This metal at a point, in the colour of a sphere that has its own.
+    /// Returns the BSDF at a point; `color` is the sphere's own colour, if it has one.
     pub(super) fn bsdf(&self, color: Option<Rgb>) -> ConductorBsdf<'_> {
         let Self { fresnel: facets, multiscatter_tint: tint, rough } = self;
         let rough = rough.as_deref();
@@ -146,12 +146,12 @@ impl Conductor {
 }
 
 impl ConductorBsdf<'_> {
-    /// The mean reflectance of its facets.
+    /// Returns the mean reflectance of the facets.
     pub(super) fn mean_reflectance(&self) -> Rgb {
         self.fresnel.mean_reflectance()
     }
 
-    /// The reflectance of its facets at the cosine `cos >= 0`.
+    /// Returns the reflectance of the facets at the cosine `cos >= 0`.
     pub(super) fn reflectance(&self, cos: f64) -> Rgb {
         self.fresnel.reflectance(cos)
     }
@@ -180,8 +180,8 @@ impl ConductorBsdf<'_> {
         rough.ggx.eval_reflection(wo, wi) * wi.z + often
     }
 
-    /// A facet that is seen from `wo`; where its light meets another facet, a direction of the broad
-    /// lobe.
+    /// Samples a facet visible from `wo`; if its light hits another facet, samples the
+    /// multiple-scattering lobe.
     pub(super) fn sample(
         &self,
         wo: DVec3,
@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn the_named_metals_have_the_reflectance_of_their_spectra() {
-        // Gold's red is that of the measurement at 660 nm: 0.963.
+        // Gold's red is from the measurement at 660 nm: 0.963.
         for (name, expected) in [
             ("gold", [0.963, 0.7299, 0.3644]),
             ("silver", [0.9893, 0.9840, 0.9779]),
@@ -284,7 +284,7 @@ mod tests {
 
     #[test]
     fn a_lossless_metal_scatters_all_light_at_every_roughness_and_angle() {
-        // Five standard errors, significance 6e-7 each, beside the bound of the tables.
+        // Five standard errors, significance 6e-7 each, plus the error bound of the tables.
         for roughness in ROUGHNESS {
             let conductor = Conductor::new(LOSSLESS, roughness);
             for cos in COSINES {

@@ -1,17 +1,17 @@
 //! An interface between two transparent media, such as glass and air: smooth, or rough as a GGX
 //! microsurface.
 //!
-//! Each facet reflects by Fresnel's equations and refracts the rest (Walter et al. 2007, "Microfacet
-//! Models for Refraction through Rough Surfaces"). Light that bounces between facets is given back on
-//! both sides (see [`super::energy`]): all light is sent on, within 2e-3 at every angle as it is
-//! evaluated, and exactly as it is drawn. Inside dense glass that counts: a path is reflected about
-//! `ior^2` times before it leaves, and were the variance of a weight more than about `1 / ior^2`, that of
-//! their product would have no bound.
+//! Each facet reflects by Fresnel's equations and refracts the rest (Walter et al. 2007,
+//! "Microfacet Models for Refraction through Rough Surfaces"). Multiple scattering between facets
+//! is compensated on both sides (see [`super::energy_compensation`]): no light is lost, within 2e-3
+//! at every angle as evaluated, and exactly as sampled. This matters inside dense glass: a path is
+//! reflected about `ior^2` times before it leaves, and if the variance of a weight exceeded about
+//! `1 / ior^2`, the variance of their product would be unbounded.
 //!
 //! **Radiance between media.** An interface conserves radiance over the squared index (Veach 1997,
 //! section 5.2). Here `wo` leads to the camera and `eta` is the index beyond over the index on its
-//! side, so refraction divides by `eta^2`, and light may go both ways in the sense that
-//! `eta^2 f(wo, wi) = f(wi, wo)`, the right hand side seen from beyond.
+//! side, so refraction divides by `eta^2`, and reciprocity takes the form
+//! `eta^2 f(wo, wi) = f(wi, wo)`, with the right hand side seen from beyond.
 
 use std::sync::{Arc, OnceLock};
 
@@ -26,39 +26,39 @@ use super::{
     BsdfSample, DielectricCompensation, DielectricCompensationSide, ExtraUniforms, Ggx, Lobe,
 };
 
-/// Media whose indices differ by less than this part have no rough boundary: facets would bend light
-/// by less than a degree, which broad lobes do not resemble.
+/// Relative index difference below which media have no rough boundary: facets would bend light by
+/// less than a degree, which broad lobes do not resemble.
 const INDEX_MATCHED: f64 = 0.01;
 
-/// Glass.
+/// A dielectric such as glass.
 #[derive(Clone, Debug)]
 pub struct Dielectric {
     /// Index of refraction relative to vacuum.
     pub ior: f64,
-    /// Where dielectric spheres overlap, the higher priority fills the common part.
+    /// Where dielectric spheres overlap, the one with the higher priority fills the common part.
     pub priority: i32,
-    /// `None` where it is smooth.
+    /// `None` if smooth.
     rough: Option<Arc<RoughDielectric>>,
 }
 
 #[derive(Debug)]
 struct RoughDielectric {
     ggx: Ggx,
-    /// By the ratio of this index of refraction and another; prepared where light meets it.
+    /// By the ratio of this index of refraction to the adjacent one; computed on first use.
     compensations: Vec<(f64, OnceLock<DielectricCompensation>)>,
 }
 
-/// Glass where light meets it.
+/// A dielectric interface at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricBsdf<'a> {
-    /// The index of refraction beyond over the one on the side of `wo`.
+    /// Index of refraction beyond the interface over that on the side of `wo`.
     eta: f64,
     rough: Option<(Ggx, DielectricCompensationSide<'a>)>,
 }
 
 impl Dielectric {
-    /// Glass of a roughness in `[0, 1]`. `adjacent_iors` are the indices of all media that it may border on:
-    /// what is costly is prepared once for each.
+    /// Creates a dielectric with a roughness in `[0, 1]`. `adjacent_iors` are the indices of all
+    /// media that it may border on: its compensation tables are computed once for each.
     pub fn new(ior: f64, priority: i32, roughness: f64, adjacent_iors: &[f64]) -> Self {
         let energies =
             || adjacent_iors.iter().map(|other| (ior / other, OnceLock::new())).collect();
@@ -67,8 +67,8 @@ impl Dielectric {
         Self { ior, priority, rough }
     }
 
-    /// This glass where the index of refraction beyond over the one on this side is `eta`: its own
-    /// over one of the `adjacent_iors`, or the inverse.
+    /// Returns the BSDF for `eta`, the index of refraction beyond over that on this side: its own
+    /// index over one of the `adjacent_iors`, or the inverse.
     pub fn bsdf(&self, eta: f64) -> DielectricBsdf<'_> {
         let rough = self.rough.as_ref().filter(|_| (eta - 1.0).abs() >= INDEX_MATCHED);
         DielectricBsdf {
@@ -79,7 +79,7 @@ impl Dielectric {
 }
 
 impl RoughDielectric {
-    /// The energy for the ratio that is told, which rounding may have moved a little.
+    /// Returns the compensation for the ratio `eta`, tolerating rounding.
     fn compensation(&self, eta: f64) -> Option<DielectricCompensationSide<'_>> {
         let off = |ratio: f64| f64::min((ratio - eta).abs(), (1.0 / ratio - eta).abs());
         let nearest =
@@ -91,14 +91,14 @@ impl RoughDielectric {
     }
 }
 
-/// A facet that refracts `wi` to `wo`.
+/// The facet that refracts `wi` to `wo`.
 struct Facet {
     normal: DVec3,
-    /// The share that it reflects.
+    /// The fraction of light that it reflects.
     reflectance: f64,
     /// `wo.m`, positive.
     cos_o: f64,
-    /// The density of `wi` over that of its half vector, which is the facet's normal.
+    /// Density of `wi` over that of its half vector, the facet's normal.
     jacobian: f64,
 }
 
@@ -107,11 +107,11 @@ impl DielectricBsdf<'_> {
         self.rough.is_none()
     }
 
-    /// The facet between two directions on either side; `None` where no facet can be.
+    /// Returns the facet that connects two directions on opposite sides; `None` if there is none.
     fn facet(&self, wo: DVec3, wi: DVec3) -> Option<Facet> {
         let eta = self.eta;
-        // By Snell's law what `wo + eta wi` has beside the normal cancels. It points to the side of
-        // the lower index.
+        // By Snell's law the tangential part of `wo + eta wi` cancels. The sum points to the side
+        // of the lower index.
         let half = if fault!(HalfVectorEtaSwapped) { wo * eta + wi } else { wo + wi * eta };
         let length = half.length();
         let normal = half / if eta > 1.0 { -length } else { length };
@@ -131,7 +131,7 @@ impl DielectricBsdf<'_> {
         if wi.z > 0.0 { all } else { all / self.eta_squared() }
     }
 
-    /// What single facets send, without the change of radiance between media.
+    /// Evaluates single scattering, without the change of radiance between media.
     fn single_scattering(&self, ggx: &Ggx, wo: DVec3, wi: DVec3) -> f64 {
         if wi.z > 0.0 {
             let cos = wo.dot(half_vector(wo, wi)).clamp(0.0, 1.0);
@@ -143,7 +143,7 @@ impl DielectricBsdf<'_> {
         })
     }
 
-    /// What refraction divides radiance by.
+    /// Returns the factor by which refraction divides radiance.
     fn eta_squared(&self) -> f64 {
         if fault!(EtaSquaredDropped) { 1.0 } else { self.eta * self.eta }
     }
@@ -153,8 +153,8 @@ impl DielectricBsdf<'_> {
         self.single_scattering(ggx, wo, wi) * wi.z.abs() + energy.missing(wo) * energy.pdf(wi)
     }
 
-    /// Reflects with the Fresnel probability and refracts otherwise, at a facet that is seen from
-    /// `wo`; where that light meets another facet, a direction of the broad lobes.
+    /// Reflects with the Fresnel probability and refracts otherwise, at a facet visible from `wo`;
+    /// if that light hits another facet, samples the multiple-scattering lobes.
     pub(super) fn sample(
         &self,
         wo: DVec3,
@@ -171,8 +171,8 @@ impl DielectricBsdf<'_> {
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe: Lobe::Glossy, eta })
     }
 
-    /// A direction by a single facet. Where its light meets another one, what is left of `lobe`: a
-    /// number in `[0, 1)` that is as random as it was, whatever the facet.
+    /// Samples single scattering at a facet. If the light hits another facet, returns `u_lobe`
+    /// remapped to `[0, 1)`: still uniform and independent of the facet.
     fn sample_single_scattering(
         &self,
         ggx: &Ggx,
@@ -194,7 +194,7 @@ impl DielectricBsdf<'_> {
         if rest < seen { Ok(wi) } else { Err((rest - seen) / (1.0 - seen).max(f64::MIN_POSITIVE)) }
     }
 
-    /// The weight is 1 but for the change of radiance between media.
+    /// The weight is 1 except for the change of radiance between media.
     fn sample_smooth(&self, wo: DVec3, u_lobe: f64) -> BsdfSample {
         let eta = self.eta;
         let Fresnel { reflectance, cos_transmitted } = fresnel(wo.z.min(1.0), eta);
@@ -224,7 +224,7 @@ mod tests {
         assert_relative_eq!(fresnel(1.0, 1.0 / 1.5).reflectance, 0.04, max_relative = 1e-12);
         assert!(fresnel(0.3, 1.0).reflectance < 1e-30, "no interface, no reflection");
         assert_relative_eq!(fresnel(0.0, 1.5).reflectance, 1.0, max_relative = 1e-12);
-        // Beyond the critical angle, asin(1 / 1.5) = 41.8 degrees, all is reflected.
+        // Beyond the critical angle, asin(1 / 1.5) = 41.8 degrees, reflection is total.
         assert_eq!(fresnel(0.7, 1.0 / 1.5).reflectance, 1.0);
         assert!(fresnel(0.75, 1.0 / 1.5).reflectance < 1.0);
     }
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn refraction_obeys_snells_law_both_ways() {
-        // A narrow lobe goes where light goes through smooth glass, the facet being the surface.
+        // A narrow lobe follows smooth refraction, with the surface as the facet.
         for roughness in [0.0, 0.01] {
             let glass = glass(roughness);
             let wo = DVec3::new(0.6, 0.0, 0.8);
@@ -276,7 +276,7 @@ mod tests {
         }
     }
 
-    /// Were it otherwise, the product of the weights along a path in dense glass would run away.
+    /// Otherwise the product of the weights along a path in dense glass would diverge.
     #[test]
     fn what_is_drawn_weighs_about_one() {
         for (roughness, ior) in [(0.05, 1.5), (0.3, 10.0), (0.6, 1.1), (1.0, 1.5), (1.0, 10.0)] {

@@ -1,19 +1,20 @@
-//! What a smooth interface between transparent media reflects, and where it sends the rest.
+//! Reflection and refraction at a smooth interface between transparent media.
 
 use crate::fault::fault;
 use crate::math::DVec3;
 
-/// What a smooth interface does with unpolarised light.
+/// Fresnel reflection of unpolarised light at a smooth interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fresnel {
-    /// The share that is reflected.
+    /// The fraction of light that is reflected.
     pub reflectance: f64,
-    /// Cosine of the refracted direction; 0 where all is reflected.
+    /// Cosine of the refracted direction; 0 for total internal reflection.
     pub cos_transmitted: f64,
 }
 
-/// The Fresnel equations for light arriving at the cosine `cos >= 0`, where `eta` is the index of
-/// refraction beyond the interface over the index on this side (Born and Wolf, section 1.5.2).
+/// Solves the Fresnel equations for light arriving at the cosine `cos >= 0`, where `eta` is the
+/// index of refraction beyond the interface over the index on this side (Born and Wolf, section
+/// 1.5.2).
 pub fn fresnel(cos: f64, eta: f64) -> Fresnel {
     let sin_squared = (1.0 - cos) * (1.0 + cos) / (eta * eta);
     if sin_squared >= 1.0 {
@@ -27,8 +28,7 @@ pub fn fresnel(cos: f64, eta: f64) -> Fresnel {
     Fresnel { reflectance, cos_transmitted }
 }
 
-/// Where a facet of normal `m` sends the light that it does not reflect; `None` where it reflects
-/// all.
+/// Returns the refracted direction at a facet of normal `m`; `None` for total internal reflection.
 pub(super) fn refract(wo: DVec3, m: DVec3, eta: f64) -> Option<DVec3> {
     let cos = wo.dot(m).clamp(0.0, 1.0);
     let Fresnel { reflectance, cos_transmitted } = fresnel(cos, eta);

@@ -1,15 +1,14 @@
 //! The Trowbridge-Reitz (GGX) microsurface: tiny facets, each a smooth mirror or interface, whose
-//! normals scatter around the surface's own.
+//! normals scatter around the surface normal.
 //!
-//! Everything is in the local frame, z being the normal of the surface, and in f64. `m` is a facet's
-//! normal. The distribution is that of Trowbridge and Reitz (1975), as Walter et al. write it (2007,
-//! "Microfacet Models for Refraction through Rough Surfaces", section 5.2); masking is Smith's, with
-//! the correlation of heights (Heitz 2014, "Understanding the Masking-Shadowing Function in
-//! Microfacet-Based BRDFs", JCGT 3(2), sections 5 and 6). Normals are drawn as they are seen from
-//! `wo`, by spherical caps (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical
-//! Caps").
+//! Everything is in the local frame, z being the surface normal, and in f64. `m` is a facet's
+//! normal. The distribution is that of Trowbridge and Reitz (1975), as written by Walter et al.
+//! (2007, "Microfacet Models for Refraction through Rough Surfaces", section 5.2); masking is
+//! Smith's, with height correlation (Heitz 2014, "Understanding the Masking-Shadowing Function in
+//! Microfacet-Based BRDFs", JCGT 3(2), sections 5 and 6). Visible normals are sampled by spherical
+//! caps (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps").
 //!
-//! The formulas are arranged so that nothing is divided by a cosine: they hold at grazing angles.
+//! The formulas never divide by a cosine, so they hold at grazing angles.
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -24,12 +23,12 @@ pub struct Ggx {
 }
 
 impl Ggx {
-    /// Below this roughness a surface is taken as smooth, a delta lobe: its highlights would be
-    /// narrower than 0.02 degrees.
+    /// Roughness below which a surface is smooth, a delta lobe: its highlights would be narrower
+    /// than 0.02 degrees.
     pub const SMOOTH_BELOW: f64 = 0.01;
 
-    /// The microsurface of a roughness in `[0, 1]`, which the eye finds evenly spaced:
-    /// `alpha = roughness^2` (Burley 2012). `None` where the surface is smooth.
+    /// Creates the microsurface of a perceptually uniform roughness in `[0, 1]`:
+    /// `alpha = roughness^2` (Burley 2012). `None` if the surface is smooth.
     pub fn new(roughness: f64) -> Option<Self> {
         let alpha = if fault!(AlphaIsRoughness) { roughness } else { roughness * roughness };
         (roughness >= Self::SMOOTH_BELOW).then_some(Self { alpha })
@@ -40,8 +39,8 @@ impl Ggx {
         self.alpha
     }
 
-    /// The distribution of normals D(m): the area of facets facing `m`, per solid angle and per
-    /// area of the surface. It integrates to 1 with the cosine `m.z`.
+    /// Distribution of normals D(m): the area of facets facing `m`, per solid angle and per area of
+    /// the surface. Weighted with the cosine `m.z` it integrates to 1.
     pub fn d(self, m: DVec3) -> f64 {
         if m.z <= 0.0 {
             return 0.0;
@@ -52,14 +51,14 @@ impl Ggx {
         FRAC_1_PI * alpha_squared / (spread * spread)
     }
 
-    /// Masking G1(w): the share of facets turned to `w` that are not hidden by others.
+    /// Masking G1(w): the fraction of facets facing `w` that are not masked by others.
     pub fn g1(self, w: DVec3) -> f64 {
         2.0 * w.z.abs() / (w.z.abs() + self.stretch(w))
     }
 
-    /// Masking and shadowing G2: the share seen both from `wo` and from `wi`, heights correlated,
-    /// `1 / (1 + Lambda(wo) + Lambda(wi))`. For transmission, where `wi` is below, the same formula
-    /// is taken with the cosines' absolute values.
+    /// Masking-shadowing G2: the fraction of facets visible from both `wo` and `wi`, with height
+    /// correlation, `1 / (1 + Lambda(wo) + Lambda(wi))`. For transmission, where `wi` is below, the
+    /// same formula is used with the absolute cosines.
     pub fn g2(self, wo: DVec3, wi: DVec3) -> f64 {
         4.0 * wo.z.abs() * wi.z.abs() * self.g2_over_cosines(wo, wi)
     }
@@ -70,8 +69,8 @@ impl Ggx {
         0.5 / sum.max(f64::MIN_POSITIVE)
     }
 
-    /// `G2 / G1(wo)`: the share of light leaving towards `wi` from a facet that is seen from `wo`.
-    /// It is at most 1.
+    /// `G2 / G1(wo)`: the fraction of light leaving towards `wi` from a facet visible from `wo`. At
+    /// most 1.
     pub fn shadowing(self, wo: DVec3, wi: DVec3) -> f64 {
         let (cos_o, cos_i) = (wo.z.abs(), wi.z.abs());
         let (stretch_o, stretch_i) = (self.stretch(wo), self.stretch(wi));
@@ -79,10 +78,10 @@ impl Ggx {
         cos_i * (cos_o + stretch_o) / sum.max(f64::MIN_POSITIVE)
     }
 
-    /// A facet's normal, drawn among those that are seen from `wo` (`wo.z >= 0`).
+    /// Samples the normal of a facet visible from `wo` (`wo.z >= 0`).
     pub fn sample_visible_normal(self, wo: DVec3, u: [f64; 2]) -> DVec3 {
         // Stretched along z, the microsurface is a hemisphere; the directions in which it reflects
-        // `wo` fill a spherical cap evenly.
+        // `wo` fill a spherical cap uniformly.
         let standard =
             DVec3::new(self.alpha * wo.x, self.alpha * wo.y, wo.z).normalize_or(DVec3::Z);
         let (sin_phi, cos_phi) = sin_cos(TAU * u[0]);
@@ -92,22 +91,22 @@ impl Ggx {
         DVec3::new(self.alpha * half.x, self.alpha * half.y, half.z).normalize_or(DVec3::Z)
     }
 
-    /// The density of [`Self::sample_visible_normal`], per solid angle of `m`:
+    /// Returns the pdf of [`Self::sample_visible_normal`], per solid angle of `m`:
     /// `G1(wo) (wo.m) D(m) / wo.z`.
     pub fn visible_normal_pdf(self, wo: DVec3, m: DVec3) -> f64 {
         2.0 * wo.dot(m).max(0.0) * self.d(m) / (wo.z.abs() + self.stretch(wo))
     }
 
-    /// A direction reflected by a facet drawn with [`Self::sample_visible_normal`], and the facet's normal.
-    /// `None` where it leads into the surface. The weight of a lossless facet is
-    /// [`Self::shadowing`].
+    /// Samples a reflection at a facet from [`Self::sample_visible_normal`]; returns the direction
+    /// and the facet's normal. `None` if the direction leads into the surface. The weight of a
+    /// lossless facet is [`Self::shadowing`].
     pub fn sample_reflection(self, wo: DVec3, u: [f64; 2]) -> Option<(DVec3, DVec3)> {
         let m = self.sample_visible_normal(wo, u);
         let wi = (m * (2.0 * wo.dot(m)) - wo).normalize();
         (wi.z > 0.0).then_some((wi, m))
     }
 
-    /// The density of [`Self::sample_reflection`], per solid angle of `wi`.
+    /// Returns the pdf of [`Self::sample_reflection`], per solid angle of `wi`.
     pub fn reflection_pdf(self, wo: DVec3, wi: DVec3) -> f64 {
         if wi.z <= 0.0 {
             return 0.0;
@@ -117,8 +116,8 @@ impl Ggx {
         jacobian * self.d(half_vector(wo, wi)) / (wo.z.abs() + self.stretch(wo))
     }
 
-    /// The BRDF of lossless facets, `D G2 / (4 cos_o cos_i)`; times the Fresnel reflectance at
-    /// `wo.m` it is that of real ones.
+    /// Evaluates the BRDF of lossless facets, `D G2 / (4 cos_o cos_i)`. Multiply by the Fresnel
+    /// reflectance at `wo.m` for real ones.
     pub fn eval_reflection(self, wo: DVec3, wi: DVec3) -> f64 {
         if wi.z <= 0.0 || wo.z < 0.0 {
             return 0.0;
@@ -133,7 +132,7 @@ impl Ggx {
     }
 }
 
-/// The normal of the facet that reflects `wi` to `wo`, both above the surface.
+/// Returns the normal of the facet that reflects `wi` to `wo`, both above the surface.
 pub fn half_vector(wo: DVec3, wi: DVec3) -> DVec3 {
     (wo + wi).normalize_or(DVec3::Z)
 }
@@ -150,7 +149,7 @@ mod tests {
         DVec3::new(sin * cos_phi, sin * sin_phi, cos)
     }
 
-    /// The mean of `f` over the places of a fine grid in the unit square.
+    /// Mean of `f` over a fine grid in the unit square.
     fn mean(n: u32, f: impl Fn([f64; 2]) -> f64) -> f64 {
         let at = |i| (f64::from(i) + 0.5) / f64::from(n);
         let sum: f64 = (0..n * n).map(|i| f([at(i % n), at(i / n)])).sum();
@@ -177,7 +176,7 @@ mod tests {
     #[test]
     fn masking_keeps_the_projected_area() {
         // Heitz 2014, equation 14: the visible facets together have the area cos_o. Slopes are
-        // drawn by their own density here, P(slope) dslope = m.z D(m) dm.
+        // sampled with their own density here, P(slope) dslope = m.z D(m) dm.
         for (roughness, theta) in [(0.3, 0.2), (0.6, 1.0), (1.0, 1.3), (1.0, 1.55)] {
             let ggx = Ggx::new(roughness).expect("rough");
             let wo = direction(theta, 0.0);

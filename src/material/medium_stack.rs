@@ -1,17 +1,17 @@
-//! Which transparent medium a path is in, where glass spheres nest and overlap.
+//! The transparent media that a path is inside of, where glass spheres nest and overlap.
 //!
-//! A path carries the dielectric spheres that it is inside of. Of these the one with the highest
-//! priority fills the space; among equals the one entered last. A boundary that lies within a medium
-//! of higher priority is not there for light (Schmidt and Budge 2002, "Simple Nested Dielectrics in
-//! Ray Traced Images"). The medium that fills the space is also the one that absorbs: the part
-//! `1 - exp(-absorption x distance)` of what passes (Beer and Lambert).
+//! A path carries the dielectric spheres that it is inside of. The one with the highest priority
+//! fills the space; among equals, the one entered last. A boundary inside a medium of higher
+//! priority is ignored (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
+//! The medium that fills the space also absorbs: the fraction `1 - exp(-absorption x distance)` of
+//! the light (Beer-Lambert).
 
 use crate::color::Rgb;
 use crate::sampling::exp;
 
 use crate::fault::fault;
 
-/// How many dielectric spheres a path can be inside of at once.
+/// Maximum number of dielectric spheres that a path can be inside of at once.
 const CAPACITY: usize = 8;
 
 /// A transparent medium: the inside of one dielectric sphere.
@@ -19,11 +19,11 @@ const CAPACITY: usize = 8;
 pub struct Medium {
     /// The sphere's id.
     pub sphere: u32,
-    /// The higher fills the common part of two spheres.
+    /// The sphere with the higher priority fills the common part of two spheres.
     pub priority: i32,
     /// Index of refraction relative to vacuum.
     pub ior: f64,
-    /// What it absorbs, per unit length.
+    /// Absorption per unit length.
     pub absorption: Rgb,
 }
 
@@ -35,18 +35,18 @@ pub struct MediumStack {
     overflowed: bool,
 }
 
-/// What a path finds where it meets a dielectric sphere.
+/// The boundary that a path crosses at a dielectric sphere.
 #[derive(Clone, Copy, Debug)]
 pub struct Boundary {
-    /// The index of refraction beyond over the one before; `None` where the boundary lies hidden in
-    /// a medium of higher priority, so that light goes straight on.
+    /// Index of refraction beyond over that in front; `None` if the boundary is hidden in a medium
+    /// of higher priority, so that light passes straight through.
     pub eta: Option<f64>,
-    /// The media beyond it.
+    /// The media beyond the boundary.
     pub transmitted_media: MediumStack,
 }
 
 impl MediumStack {
-    /// Outside of everything: vacuum.
+    /// Vacuum: outside of every medium.
     pub const VACUUM: Self = Self {
         entered: [Medium { sphere: u32::MAX, priority: 0, ior: 1.0, absorption: Rgb::ZERO };
             CAPACITY],
@@ -54,12 +54,12 @@ impl MediumStack {
         overflowed: false,
     };
 
-    /// The boundary of `medium`, met from outside (`entering`) or from inside.
+    /// Returns the boundary of `medium`, hit from outside (`entering`) or from inside.
     pub fn boundary(&self, medium: Medium, entering: bool) -> Boundary {
         let (outside, inside) = if entering {
             (*self, self.with(medium))
         } else {
-            // A path that never noticed entering, at a tangent, is taken to be inside.
+            // A path that missed its entry, at a tangent, is assumed to be inside.
             let inside = if self.contains(medium.sphere) { *self } else { self.with(medium) };
             (self.without(medium.sphere), inside)
         };
@@ -71,8 +71,8 @@ impl MediumStack {
         Boundary { eta: fills.then_some(eta), transmitted_media: beyond }
     }
 
-    /// These media and one more, entered last. Where there is no room left it is forgotten, and
-    /// [`Self::overflowed`] says so.
+    /// Returns these media and one more, entered last. If there is no room left it is dropped, and
+    /// [`Self::overflowed`] returns true.
     pub fn with(mut self, medium: Medium) -> Self {
         match self.entered.get_mut(usize::from(self.count)) {
             Some(free) => {
@@ -84,13 +84,13 @@ impl MediumStack {
         self
     }
 
-    /// Whether a medium was ever forgotten for want of room.
+    /// Returns true if a medium was ever dropped for lack of room.
     pub fn overflowed(&self) -> bool {
         self.overflowed
     }
 
-    /// The share of light that is left after a distance in here. An infinite one does not count: only
-    /// rounding lets a ray out of a sphere unnoticed.
+    /// Returns the transmittance over a distance. An infinite distance gives 1: only rounding lets
+    /// a ray leave a sphere unnoticed.
     pub fn transmittance(&self, distance: f64) -> Rgb {
         match self.current() {
             Some(medium) if medium.absorption != Rgb::ZERO && distance.is_finite() => {
@@ -102,7 +102,7 @@ impl MediumStack {
         }
     }
 
-    /// Whether a path here is in no dielectric, and was never in too many.
+    /// Returns true if a path is in no dielectric, and never overflowed.
     pub fn is_vacuum(&self) -> bool {
         self.count == 0 && !self.overflowed
     }
@@ -116,12 +116,13 @@ impl MediumStack {
         self
     }
 
-    /// Whether a path here is inside this sphere.
+    /// Returns true if a path is inside this sphere.
     pub fn contains(&self, sphere: u32) -> bool {
         self.entered[..usize::from(self.count)].iter().any(|medium| medium.sphere == sphere)
     }
 
-    /// The medium that fills the space; `None` is vacuum. `max_by_key` keeps the last of equals.
+    /// Returns the medium that fills the space; `None` is vacuum. `max_by_key` keeps the last of
+    /// equals.
     fn current(&self) -> Option<&Medium> {
         self.entered[..usize::from(self.count)].iter().max_by_key(|medium| medium.priority)
     }

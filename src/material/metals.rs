@@ -1,18 +1,18 @@
-//! The optical constants of metals in linear Rec. 709.
+//! Optical constants of metals in linear Rec. 709.
 //!
-//! Measured constants (n + ik over the wavelength) are taken from the refractiveindex.info database
+//! Measured constants (n + ik over the wavelength) come from the refractiveindex.info database
 //! (public domain): gold, silver and copper from Johnson and Christy (1972); iron, chromium, nickel
 //! and titanium from Johnson and Christy (1974); aluminium from Rakic (1995); platinum and tungsten
 //! from the Lorentz-Drude fits of Rakic et al. (1998); brass (70 % copper, 30 % zinc) from Querry
 //! (1985).
 //!
-//! A metal has no n and k "of red". What a renderer in three channels can have is the right
+//! A metal has no n and k "of red". A renderer with three channels can only have the right
 //! reflectance: for each channel, n and k are the pair whose reflectance at normal incidence and
-//! whose mean reflectance over the hemisphere are those of the spectrum. Both are averaged over the
+//! whose mean reflectance over the hemisphere match the spectrum. Both are averaged over the
 //! spectrum from 380 to 780 nm under illuminant D65 with the CIE 1931 observer (the fit of Wyman,
-//! Sloan and Shirley 2013), converted to linear Rec. 709 and divided by the same of a perfect
-//! mirror. Gold's red would be 1.035, outside Rec. 709, and more than arrives; its n and k are those
-//! at 660 nm instead.
+//! Sloan and Shirley 2013), converted to linear Rec. 709 and divided by the result for a perfect
+//! mirror. Gold's red would be 1.035, outside Rec. 709 and more than the incoming light; its n and
+//! k are those at 660 nm instead.
 
 use serde::{Deserialize, Serialize};
 

@@ -5,20 +5,20 @@ use crate::math::DVec3;
 
 use super::{BsdfSample, Lobe};
 
-/// A surface that sends light on in the mirror direction only.
+/// A surface that reflects light in the mirror direction only.
 #[derive(Clone, Copy, Debug)]
 pub struct Mirror {
-    /// The share of light that is reflected, in `[0, 1]`.
+    /// The fraction of light that is reflected, in `[0, 1]`.
     pub reflectance: Rgb,
 }
 
 impl Mirror {
-    /// This mirror in a sphere's own colour.
+    /// Returns this mirror with a sphere's own colour, if it has one.
     pub(super) fn with_color(self, reflectance: Option<Rgb>) -> Self {
         Self { reflectance: reflectance.unwrap_or(self.reflectance) }
     }
 
-    /// The mirror direction; its weight is the reflectance, with no cosine over density.
+    /// Samples the mirror direction; its weight is the reflectance, without cosine or pdf.
     pub(super) fn sample(&self, wo: DVec3) -> BsdfSample {
         BsdfSample {
             wi: reflect(wo),
@@ -30,7 +30,7 @@ impl Mirror {
     }
 }
 
-/// The mirror direction of `wo` about the local z axis.
+/// Returns the mirror direction of `wo` about the local z axis.
 pub(super) fn reflect(wo: DVec3) -> DVec3 {
     DVec3::new(-wo.x, -wo.y, wo.z)
 }

@@ -1,9 +1,9 @@
-//! What a surface does with light: one file per model, each with eval, sample and pdf.
+//! Materials and BSDFs: one file per model, each with eval, sample and pdf.
 //!
-//! A [`Material`] is what the scene says of a surface. At a point it becomes a [`Bsdf`], a function
-//! of two directions in the local frame there: z is the normal on the side of `wo`; `wo` points to
-//! the previous vertex, `wi` is sampled, both are unit vectors leaving the surface. `eval` is the
-//! BSDF without the cosine; densities are per solid angle.
+//! A [`Material`] is a surface as the scene describes it. At a point it becomes a [`Bsdf`], a
+//! function of two directions in the local frame there: z is the normal on the side of `wo`; `wo`
+//! points to the previous vertex, `wi` is sampled, both are unit vectors leaving the surface.
+//! `eval` is the BSDF without the cosine; pdfs are per solid angle.
 
 mod coat;
 mod conductor;
@@ -45,46 +45,47 @@ use crate::color::Rgb;
 use crate::math::DVec3;
 use crate::sampling::Hemisphere;
 
-/// A surface as the scene describes it. Acts, and emits, on both sides of a sphere.
+/// A surface as the scene describes it. Scatters and emits on both sides of a sphere.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// The reflection model with its parameters.
     pub model: Model,
-    /// Radiance sent out, in W/(sr m^2) per channel.
+    /// Emitted radiance, in W/(sr m^2) per channel.
     pub emission: Rgb,
-    /// The probability that the surface is there for light, in `[0, 1]`.
+    /// The probability that light interacts with the surface rather than passing straight through,
+    /// in `[0, 1]`.
     pub opacity: f32,
-    /// What the inside of a dielectric absorbs per unit length: Beer and Lambert's coefficient.
+    /// Absorption inside a dielectric per unit length: the Beer-Lambert coefficient.
     pub absorption: Rgb,
 }
 
 /// The reflection models.
 #[derive(Clone, Debug)]
 pub enum Model {
-    /// Lambert.
+    /// Lambertian diffuse.
     Diffuse(Diffuse),
-    /// A rough matt surface.
+    /// A rough diffuse surface.
     OrenNayar(OrenNayar),
     /// A perfect mirror.
     Mirror(Mirror),
     /// Metal.
     Conductor(Conductor),
-    /// Glass.
+    /// A dielectric such as glass.
     Dielectric(Dielectric),
-    /// A matt base under a clear coat.
+    /// A diffuse base under a clear coat.
     Plastic(Plastic),
-    /// A mixture of the others.
+    /// A mixture of the other models.
     Principled(Principled),
     /// Phong's shading model.
     Phong(Phong),
 }
 
-/// A material at a point: light from `wi` to `wo`.
+/// A material at a point: scatters light from `wi` to `wo`.
 #[derive(Clone, Copy, Debug)]
 pub enum Bsdf<'a> {
-    /// Lambert, with the way its directions are drawn.
+    /// Lambertian diffuse, with its sampling method.
     Diffuse(Diffuse, Hemisphere),
-    /// A rough matt surface, with the way its directions are drawn.
+    /// A rough diffuse surface, with its sampling method.
     OrenNayar(OrenNayar, Hemisphere),
     /// A perfect mirror.
     Mirror(Mirror),
@@ -92,25 +93,25 @@ pub enum Bsdf<'a> {
     Conductor(ConductorBsdf<'a>),
     /// An interface between transparent media.
     Dielectric(DielectricBsdf<'a>),
-    /// A matt base under a clear coat.
+    /// A diffuse base under a clear coat.
     Plastic(PlasticBsdf<'a>),
-    /// A mixture of the others.
+    /// A mixture of the other models.
     Principled(PrincipledBsdf<'a>),
     /// Phong's shading model.
     Phong(Phong),
 }
 
 impl From<Model> for Material {
-    /// An opaque material that sends out no light.
+    /// Creates an opaque, non-emissive material.
     fn from(model: Model) -> Self {
         Self { model, emission: Rgb::ZERO, opacity: 1.0, absorption: Rgb::ZERO }
     }
 }
 
 impl Material {
-    /// The BSDF at a point. `albedo` is the sphere's own colour where it has one; `eta` is the
-    /// index of refraction beyond the surface over the index on this side; `hemisphere` says how
-    /// diffuse directions are drawn.
+    /// Returns the BSDF at a point. `albedo` is the sphere's own colour, if it has one; `eta` is
+    /// the index of refraction beyond the surface over the index on this side; `hemisphere` selects
+    /// how diffuse directions are sampled.
     pub fn bsdf(&self, albedo: Option<Rgb>, eta: f64, hemisphere: Hemisphere) -> Bsdf<'_> {
         match &self.model {
             Model::Diffuse(diffuse) => Bsdf::Diffuse(diffuse.with_color(albedo), hemisphere),
@@ -124,9 +125,9 @@ impl Material {
         }
     }
 
-    /// The colour that a surface has by itself, in `[0, 1]`, for layers and denoisers: what it
-    /// scatters or reflects, of metal what it reflects straight back, and white for glass. `albedo` is
-    /// the sphere's own colour where it has one.
+    /// Returns the surface's own colour, in `[0, 1]`, for AOVs and denoisers: the albedo or
+    /// reflectance, for metal the reflectance at normal incidence, and white for glass. `albedo` is
+    /// the sphere's own colour, if it has one.
     pub fn base_color(&self, albedo: Option<Rgb>) -> Rgb {
         match &self.model {
             Model::Diffuse(diffuse) => diffuse.with_color(albedo).albedo,
@@ -143,8 +144,8 @@ impl Material {
         }
     }
 
-    /// The largest share of the light from a direction that the surface sends on: 1 or less, but for
-    /// the classic form of Phong's model, which makes light.
+    /// Returns the maximum directional albedo: 1 or less, except for the classic form of Phong's
+    /// model, which does not conserve energy.
     pub fn max_albedo(&self) -> Rgb {
         match &self.model {
             Model::Phong(phong) => phong.max_albedo(),
@@ -152,7 +153,7 @@ impl Material {
         }
     }
 
-    /// The glass that fills a sphere of this material, where light may enter it.
+    /// Returns the dielectric that fills a sphere of this material, if light may enter it.
     pub fn dielectric(&self) -> Option<&Dielectric> {
         match &self.model {
             Model::Dielectric(glass) => Some(glass),
@@ -161,14 +162,14 @@ impl Material {
         }
     }
 
-    /// Whether the surface sends out light of its own.
+    /// Returns true if the surface emits light.
     pub fn is_emissive(&self) -> bool {
         self.emission.max_element() > 0.0
     }
 }
 
 impl Bsdf<'_> {
-    /// The BSDF without the cosine. Delta lobes are left out.
+    /// Evaluates the BSDF without the cosine. Delta lobes are left out.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         match self {
             Self::Diffuse(diffuse, _) => diffuse.eval(wi),
@@ -182,7 +183,7 @@ impl Bsdf<'_> {
         }
     }
 
-    /// The density with which [`Self::sample`] draws `wi`. Delta lobes are left out.
+    /// Returns the pdf with which [`Self::sample`] samples `wi`. Delta lobes are left out.
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         match self {
             Self::Diffuse(_, hemisphere) | Self::OrenNayar(_, hemisphere) => {
@@ -197,9 +198,9 @@ impl Bsdf<'_> {
         }
     }
 
-    /// A direction, from `lobe` and `u` in `[0, 1)`; `None` where no light can come from. `extra`
-    /// gives a second pair of numbers in `[0, 1)`, always the same, to those surfaces whose first pair
-    /// may be used up by a facet that sends no light out.
+    /// Samples a direction, from `u_lobe` and `u` in `[0, 1)`; `None` if no light can come from it.
+    /// `extra` returns a second pair of numbers in `[0, 1)`, always the same, for surfaces whose
+    /// first pair may be consumed by a facet that scatters no light out.
     pub fn sample(
         &self,
         wo: DVec3,
@@ -219,7 +220,7 @@ impl Bsdf<'_> {
         }
     }
 
-    /// Whether light may come through from behind the surface, in more than single directions.
+    /// Returns true if light may be transmitted from behind the surface in a non-delta lobe.
     pub fn is_rough_transmissive(&self) -> bool {
         match self {
             Self::Dielectric(interface) => !interface.is_delta(),
@@ -228,12 +229,12 @@ impl Bsdf<'_> {
         }
     }
 
-    /// Whether [`Self::sample`] heeds the number that chooses a lobe.
+    /// Returns true if [`Self::sample`] uses `u_lobe`.
     pub fn needs_lobe_sample(&self) -> bool {
         !matches!(self, Self::Diffuse(..) | Self::OrenNayar(..) | Self::Mirror(_))
     }
 
-    /// Whether there is nothing but delta lobes, so that lamps cannot be sampled from here.
+    /// Returns true if there are only delta lobes, so that light sampling does not apply.
     pub fn is_delta(&self) -> bool {
         match self {
             Self::Mirror(_) => true,

@@ -1,10 +1,10 @@
-//! The indices of refraction of glasses, crystals and liquids.
+//! Indices of refraction of glasses, crystals and liquids.
 //!
 //! One number each, at the sodium D line (589.3 nm), relative to vacuum or air, which differ by
-//! 0.0003. The dispersion formulas and tables that they are computed from stand in the
-//! refractiveindex.info database (public domain).
+//! 0.0003. The underlying dispersion formulas and tables are in the refractiveindex.info database
+//! (public domain).
 
-/// A glass, crystal or liquid by the name that it has in scene files, and its index of refraction.
+/// Every named glass, crystal and liquid: its name in scene files, and its index of refraction.
 pub const NAMED_IORS: [(&str, f64); 21] = [
     // Edlen (1966) and later: dry air at 15 degrees.
     ("air", 1.00028),
@@ -22,7 +22,7 @@ pub const NAMED_IORS: [(&str, f64); 21] = [
     ("fused-silica", 1.4584),
     // Sultanova, Kasarova and Nikolov (2009): PMMA.
     ("acrylic", 1.4905),
-    // The same.
+    // Sultanova, Kasarova and Nikolov (2009).
     ("polycarbonate", 1.5846),
     // Schott's catalogue: N-BK7, the usual optical crown glass.
     ("bk7", 1.5167),
@@ -40,7 +40,7 @@ pub const NAMED_IORS: [(&str, f64); 21] = [
     ("quartz", 1.5442),
     // Li (1976): sodium chloride.
     ("salt", 1.5441),
-    // Malitson and Dodge (1972), the ordinary ray; ruby is as high.
+    // Malitson and Dodge (1972), the ordinary ray; ruby has the same index.
     ("sapphire", 1.7681),
     // Wood and Nassau (1982).
     ("cubic-zirconia", 2.1585),
@@ -63,7 +63,7 @@ mod tests {
         (first + terms.iter().map(term).sum::<f64>()).sqrt()
     }
 
-    /// The same, where the wavelengths of resonance are told and not their squares.
+    /// Sellmeier's formula, given resonance wavelengths instead of their squares.
     fn resonances(first: f64, terms: &[(f64, f64)]) -> f64 {
         let squared: Vec<_> = terms.iter().map(|(b, l)| (*b, l * l)).collect();
         sellmeier(first, &squared)

@@ -1,8 +1,8 @@
-//! A rough matt surface: tiny facets, each a Lambert one, that shade and light each other. It looks
-//! flatter than Lambert's: the full moon has no dark rim.
+//! A rough diffuse surface: tiny Lambertian facets that shade and light each other. It looks
+//! flatter than a Lambertian surface: the full moon has no dark rim.
 //!
 //! The energy-preserving Oren-Nayar model (Portsmouth, Kutz and Hill 2024, "EON: A Practical
-//! Energy-Preserving Rough Diffuse BRDF"). Light scattered once has the form of Oren and Nayar (1994)
+//! Energy-Preserving Rough Diffuse BRDF"). Single scattering has the form of Oren and Nayar (1994)
 //! with Fujii's parameter `r` in `[0, 1]`,
 //!
 //! ```text
@@ -10,9 +10,9 @@
 //! t = max(cos_i, cos_o) where s > 0, else 1,
 //! ```
 //!
-//! which scatters the share `E(cos) = A (1 + r G(cos) / pi)`. What it leaves out is light scattered
-//! more than once; it is added as a product of what is missing in both directions, so that the model
-//! is reciprocal and a white surface sends back everything.
+//! which scatters the fraction `E(cos) = A (1 + r G(cos) / pi)`. Multiple scattering is added as a
+//! product of the missing energy in both directions, so that the model is reciprocal and a white
+//! surface reflects everything.
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -27,17 +27,17 @@ const C1: f64 = 0.5 - 2.0 / (3.0 * PI);
 /// The mean of `E`, weighted with the cosine, is `A (1 + c2 r)`.
 const C2: f64 = 2.0 / 3.0 - 28.0 / (15.0 * PI);
 
-/// A rough matt surface.
+/// A rough diffuse surface.
 #[derive(Clone, Copy, Debug)]
 pub struct OrenNayar {
-    /// The share of light that each facet scatters, in `[0, 1]`.
+    /// The fraction of light that each facet scatters, in `[0, 1]`.
     pub albedo: Rgb,
-    /// The roughness `r`, in `[0, 1]`; 0 is Lambert's surface.
+    /// The roughness `r`, in `[0, 1]`; 0 is Lambertian.
     pub roughness: f64,
 }
 
 impl OrenNayar {
-    /// This surface in a sphere's own colour.
+    /// Returns this surface with a sphere's own colour, if it has one.
     pub(super) fn with_color(self, albedo: Option<Rgb>) -> Self {
         Self { albedo: albedo.unwrap_or(self.albedo), ..self }
     }
@@ -56,14 +56,14 @@ impl OrenNayar {
         self.albedo * single as f32 + self.multiscatter_albedo() * multiple as f32
     }
 
-    /// The colour of light that was scattered more than once: the geometric series over the facets'
+    /// Returns the colour of multiply scattered light: the geometric series over the facets'
     /// albedo, of which the mean of `E` escapes each time.
     fn multiscatter_albedo(&self) -> Rgb {
         let escapes = ((1.0 + C2 * self.roughness) / (1.0 + C1 * self.roughness)) as f32;
         self.albedo * self.albedo * escapes / (Rgb::ONE - self.albedo * (1.0 - escapes))
     }
 
-    /// A direction over the hemisphere, as for Lambert's surface.
+    /// Samples a direction over the hemisphere, as for a Lambertian surface.
     pub(super) fn sample(
         &self,
         hemisphere: Hemisphere,
@@ -77,8 +77,8 @@ impl OrenNayar {
     }
 }
 
-/// `(1 - E(cos)) / (A r) = c1 - G(cos) / pi`, which is 0 at the horizon. `G` is written without its
-/// division by the cosine.
+/// Returns `(1 - E(cos)) / (A r) = c1 - G(cos) / pi`, which is 0 at the horizon. `G` is written
+/// without its division by the cosine.
 fn missing_energy(cos: f64) -> f64 {
     let cos = cos.min(1.0);
     let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The share of light scattered, by the midpoint rule over azimuth and sine squared.
+    /// The fraction of light scattered, by the midpoint rule over azimuth and squared sine.
     fn energy(surface: &OrenNayar, wo: DVec3) -> f64 {
         let n = 400;
         let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(n);

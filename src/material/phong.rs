@@ -3,10 +3,10 @@
 //! Two forms. `normalized` is the modified Phong BRDF of Lafortune and Willems (1994, "Using the
 //! Modified Phong Reflectance Model for Physically Based Rendering"):
 //! `albedo / pi + specular (n + 2) / (2 pi) cos^n(alpha)`, with `alpha` the angle between `wi` and
-//! the mirror direction; it is reciprocal and conserves energy where `albedo + specular <= 1`.
-//! The classic form is what Phong (1975) wrote, where the highlight is not multiplied with the
-//! cosine: `albedo / pi + specular cos^n(alpha) / cos(theta_i)`; it does neither, and a furnace
-//! shows it.
+//! the mirror direction; it is reciprocal, and conserves energy if `albedo + specular <= 1`. The
+//! classic form is Phong's (1975), where the highlight is not multiplied by the cosine:
+//! `albedo / pi + specular cos^n(alpha) / cos(theta_i)`; it is neither reciprocal nor
+//! energy-conserving, as a furnace test shows.
 
 use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::TAU;
@@ -19,21 +19,21 @@ use crate::sampling::{Hemisphere, hemisphere, powf};
 use super::mirror::reflect;
 use super::{BsdfSample, Lobe};
 
-/// A surface with a highlight.
+/// A Phong surface: diffuse with a highlight.
 #[derive(Clone, Copy, Debug)]
 pub struct Phong {
-    /// The diffuse share.
+    /// Diffuse reflectance.
     pub albedo: Rgb,
-    /// The glossy share.
+    /// Glossy reflectance.
     pub specular: Rgb,
-    /// How narrow the highlight is, n.
+    /// Phong exponent n: larger values give narrower highlights.
     pub exponent: f64,
-    /// Which form.
+    /// True for the normalized form, false for the classic form.
     pub normalized: bool,
 }
 
 impl Phong {
-    /// This surface with a sphere's own colour as its diffuse share.
+    /// Returns this surface with a sphere's own colour as its diffuse reflectance, if it has one.
     pub(super) fn with_color(self, albedo: Option<Rgb>) -> Self {
         Self { albedo: albedo.unwrap_or(self.albedo), ..self }
     }
@@ -58,7 +58,7 @@ impl Phong {
             + glossy * hemisphere::power_cosine_pdf(self.exponent, cos_alpha)
     }
 
-    /// The part of the glossy lobe that reaches below the surface is lost: `None`.
+    /// Samples a direction; `None` in the part of the glossy lobe that lies below the surface.
     pub(super) fn sample(&self, wo: DVec3, u_lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
         let is_glossy = u_lobe < self.glossy_probability();
         let wi = if is_glossy {
@@ -73,15 +73,15 @@ impl Phong {
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe, eta: 1.0 })
     }
 
-    /// The largest share of light that is sent on, over all directions: that from straight above,
-    /// where none of the highlight lies below the surface. Its integral of `cos^n` there is
-    /// `2 pi / (n + 1)`. More than 1 for most classic highlights.
+    /// Returns the maximum directional albedo: the one at normal incidence, where none of the
+    /// highlight lies below the surface. The integral of `cos^n` there is `2 pi / (n + 1)`. More
+    /// than 1 for most classic highlights.
     pub fn max_albedo(&self) -> Rgb {
         let lobe = if self.normalized { 1.0 } else { TAU / (self.exponent + 1.0) };
         self.albedo + self.specular * lobe as f32
     }
 
-    /// The probability of sampling the highlight.
+    /// Returns the probability of sampling the highlight.
     fn glossy_probability(&self) -> f64 {
         let (diffuse, glossy) = (luminance(self.albedo), luminance(self.specular));
         let sum = diffuse + glossy;

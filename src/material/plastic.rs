@@ -1,11 +1,11 @@
-//! Plastic, varnished wood, glazed clay: a matt base under a clear dielectric coat.
+//! Plastic, varnished wood, glazed clay: a diffuse base under a clear dielectric coat.
 //!
-//! The coat reflects by Fresnel's equations (see [`super::coat`]). What it lets through the base
-//! scatters evenly, and of that a part is thrown back by the coat from inside, scattered again, and
-//! so on: with the internal reflectance `r` the base of albedo `a` appears with
-//! `a (1 - r) (1 + a r + a^2 r^2 + ...) = a (1 - r) / (1 - a r)` (Saunderson 1942, "Calculation of the
-//! Color of Pigmented Plastics"). So colours are deeper than those of the bare base, a white base
-//! sends back all light, and light may go both ways.
+//! The coat reflects by Fresnel's equations (see [`super::coat`]). The base scatters the
+//! transmitted light diffusely; the coat reflects a part of that back internally, it is scattered
+//! again, and so on: with the internal reflectance `r` a base of albedo `a` appears with
+//! `a (1 - r) (1 + a r + a^2 r^2 + ...) = a (1 - r) / (1 - a r)` (Saunderson 1942, "Calculation of
+//! the Color of Pigmented Plastics"). So colours are deeper than those of the bare base, a white
+//! base reflects all light, and the BRDF is reciprocal.
 
 use crate::color::{Rgb, luminance};
 use crate::math::DVec3;
@@ -13,16 +13,16 @@ use crate::sampling::Hemisphere;
 
 use super::{BsdfSample, Coat, Lobe};
 
-/// A matt base under a coat.
+/// A diffuse base under a coat.
 #[derive(Clone, Debug)]
 pub struct Plastic {
-    /// The share of light that the base scatters, in `[0, 1]`.
+    /// The fraction of light that the base scatters, in `[0, 1]`.
     pub albedo: Rgb,
-    /// What covers it.
+    /// The coat on the base.
     pub coat: Coat,
 }
 
-/// A matt base under a coat at a point.
+/// A diffuse base under a coat at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct PlasticBsdf<'a> {
     albedo: Rgb,
@@ -30,7 +30,7 @@ pub struct PlasticBsdf<'a> {
 }
 
 impl Plastic {
-    /// This surface at a point, with a sphere's own colour as its base.
+    /// Returns the BSDF at a point; `albedo` is the sphere's own colour, if it has one.
     pub(super) fn bsdf(&self, albedo: Option<Rgb>) -> PlasticBsdf<'_> {
         PlasticBsdf { albedo: albedo.unwrap_or(self.albedo), coat: &self.coat }
     }
@@ -70,13 +70,13 @@ impl PlasticBsdf<'_> {
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe, eta: 1.0 })
     }
 
-    /// The colour of the base as seen through the coat.
+    /// Returns the colour of the base as seen through the coat.
     fn base_albedo(&self) -> Rgb {
         let escaping = self.coat.internal_escape() as f32;
         self.albedo * escaping / (Rgb::ONE - self.albedo * (1.0 - escaping))
     }
 
-    /// The probability of sampling the coat.
+    /// Returns the probability of sampling the coat.
     fn coat_probability(&self, wo: DVec3) -> f64 {
         let through = self.coat.transmittance(wo.z);
         let base = f64::from(luminance(self.base_albedo())) * through;

@@ -1,24 +1,26 @@
-//! One material for most things, by the parameters that other renderers share (Burley 2012 and 2015,
-//! "Physically Based Shading at Disney"): a mixture of the models beside this one.
+//! The principled material: one material for most things, with the parameters that other renderers
+//! share (Burley 2012 and 2015, "Physically Based Shading at Disney"). A mixture of the other
+//! models.
 //!
-//! With the shares `metal = metallic`, `glass = (1 - metallic) transmission` and `matt`, the rest,
+//! With the fractions `metal = metallic`, `glass = (1 - metallic) transmission` and `base`, the
+//! rest,
 //!
 //! ```text
-//! f = c coat + t (metal conductor + glass dielectric + matt gloss) + matt diffuse
+//! f = c coat + t (metal conductor + glass dielectric + base gloss) + base diffuse
 //! ```
 //!
-//! - conductor: GGX of `roughness`, with `base_color` as its reflectance straight from above;
-//! - dielectric: glass of `ior` and `roughness`; light that comes through is multiplied with the
-//!   square root of `base_color`, so that what crosses a body has its colour;
-//! - gloss: a [`Coat`] of `roughness` and of the index that reflects `2 specular` times as much as
-//!   `ior`; E is the share that it reflects;
-//! - diffuse: matt, seen through the gloss and the coat as [`Coat::lobe`] is, and of `base_color`
-//!   itself: the deeper colour of [`super::Plastic`] is not asked for;
-//! - coat: a [`Coat`] of index 1.5 and `coat_roughness`, there to the share `c = coat`. It reflects
-//!   the share C, so that `1 - c C` comes to what lies beneath; `t_lower`, the smaller of this in both
-//!   directions, makes sure that no light is made, and that it may go both ways.
+//! - conductor: GGX of `roughness`, with `base_color` as its reflectance at normal incidence;
+//! - dielectric: glass of `ior` and `roughness`; transmitted light is multiplied by the square root
+//!   of `base_color`, so that light that crosses a body has its colour;
+//! - gloss: a [`Coat`] of `roughness`, with the index that reflects `2 specular` times as much as
+//!   `ior`; E is the fraction that it reflects;
+//! - diffuse: seen through the gloss and the coat as by [`Coat::eval_base`], with the colour
+//!   `base_color` itself, not the deeper colour of [`super::Plastic`];
+//! - coat: a [`Coat`] of index 1.5 and `coat_roughness`, weighted by `c = coat`. It reflects the
+//!   fraction C, so that `1 - c C` reaches the layers below; `t`, the smaller of this in both
+//!   directions, keeps the model energy-conserving and reciprocal.
 //!
-//! No light is made; with a `base_color` of 1 and no coat all of it is sent on.
+//! Energy is conserved; with a `base_color` of 1 and no coat, all light is scattered.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -34,33 +36,34 @@ use super::{BsdfSample, Coat, Conductor, ConductorBsdf, Dielectric, ExtraUniform
 
 /// The index of refraction of the coat.
 const COAT_IOR: f64 = 1.5;
-/// The gloss reflects at most this share straight from above.
+/// Maximum reflectance of the gloss at normal incidence.
 const MAX_GLOSS: f64 = 0.65;
 
-/// What a principled surface is told by, named as in scene files. All but the colour and the index
-/// of refraction are from 0 to 1.
+/// The parameters of a principled material, named as in scene files. All but the colour and the
+/// index of refraction are in `[0, 1]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrincipledParameters {
-    /// The colour of what is matt, metal, or behind glass; each channel from 0 to 1.
+    /// The colour of the diffuse and metal parts and of light behind glass; each channel in
+    /// `[0, 1]`.
     pub base_color: Rgb,
-    /// The share that is metal.
+    /// The fraction that is metal.
     pub metallic: f64,
-    /// Of everything beneath the coat.
+    /// Roughness of everything below the coat.
     pub roughness: f64,
-    /// How strong the gloss of the matt part is; 0.5 is what `ior` says.
+    /// Strength of the gloss on the diffuse part; 0.5 matches `ior`.
     pub specular: f64,
     /// Index of refraction, at least 1.
     pub ior: f64,
-    /// How much coat there is.
+    /// Weight of the coat.
     pub coat: f64,
-    /// The roughness of the coat.
+    /// Roughness of the coat.
     pub coat_roughness: f64,
-    /// The share of what is not metal that is glass.
+    /// The fraction of the non-metal part that is glass.
     pub transmission: f64,
 }
 
 impl Default for PrincipledParameters {
-    /// Grey and satin, of index 1.5, without metal, glass and coat.
+    /// Returns grey satin of index 1.5, without metal, glass and coat.
     fn default() -> Self {
         Self {
             base_color: Rgb::splat(0.5),
@@ -75,7 +78,7 @@ impl Default for PrincipledParameters {
     }
 }
 
-/// A surface of metal, glass and matt parts under a coat. Parts whose share is 0 are `None`.
+/// A surface of metal, glass and diffuse parts under a coat. Parts with weight 0 are `None`.
 #[derive(Clone, Debug)]
 pub struct Principled {
     base_color: Rgb,
@@ -84,7 +87,7 @@ pub struct Principled {
     layers: Box<PrincipledLayers>,
 }
 
-/// What depends neither on a sphere's own colour nor on what is behind the surface.
+/// The layers that depend neither on a sphere's own colour nor on the medium behind the surface.
 #[derive(Clone, Debug)]
 struct PrincipledLayers {
     coat: Option<(f64, Coat)>,
@@ -100,23 +103,23 @@ pub struct PrincipledBsdf<'a> {
     layers: &'a PrincipledLayers,
 }
 
-/// Matt under a gloss.
+/// A diffuse base under a gloss.
 #[derive(Clone, Debug)]
 struct DiffuseBase {
     weight: f64,
     gloss: Coat,
-    /// The cosine-weighted mean of the share that comes through gloss and coat.
+    /// Cosine-weighted mean of the fraction that gloss and coat transmit.
     mean_transmittance: f64,
 }
 
-/// What is drawn from.
+/// A component to sample.
 #[derive(Clone, Copy, PartialEq)]
 enum Component {
     Coat,
     Conductor,
     /// The gloss alone.
     Gloss,
-    /// What is matt and, where that is rough, the gloss over it, as if the base were white.
+    /// The diffuse base and, if it is rough, the gloss over it, as if the base were white.
     Diffuse,
     Dielectric,
 }
@@ -130,8 +133,8 @@ const COMPONENTS: [Component; 5] = [
 ];
 
 impl Principled {
-    /// The surface of these parameters; `others` are the indices of the media that it may border on,
-    /// as for [`Dielectric::new`].
+    /// Creates the surface; `others` are the indices of the media that it may border on, as for
+    /// [`Dielectric::new`].
     pub fn new(parameters: PrincipledParameters, others: &[f64]) -> Self {
         let PrincipledParameters { base_color, metallic, roughness, ior, .. } = parameters;
         let transmission = parameters.transmission;
@@ -154,18 +157,18 @@ impl Principled {
         }
     }
 
-    /// Its base colour.
+    /// Returns the base colour.
     pub fn base_color(&self) -> Rgb {
         self.base_color
     }
 
-    /// The glass, where there is some.
+    /// Returns the glass part, if any.
     pub fn dielectric(&self) -> Option<&Dielectric> {
         self.dielectric.as_ref().map(|(_, glass)| glass)
     }
 
-    /// This surface at a point, with a sphere's own colour in place of the base colour; `eta` is the
-    /// index of refraction beyond over the one on this side.
+    /// Returns the BSDF at a point; `color` replaces the base colour with the sphere's own, if it
+    /// has one. `eta` is the index of refraction beyond over that on this side.
     pub(super) fn bsdf(&self, color: Option<Rgb>, eta: f64) -> PrincipledBsdf<'_> {
         PrincipledBsdf {
             base_color: color.unwrap_or(self.base_color),
@@ -176,19 +179,19 @@ impl Principled {
     }
 }
 
-/// A part with its share, if it has any.
+/// Returns a part with its weight, unless the weight is 0.
 fn weighted<T>(share: f64, make: impl FnOnce() -> T) -> Option<(f64, T)> {
     (share > 0.0).then(|| (share, make()))
 }
 
-/// The index that reflects `2 specular` times as much straight from above as `ior` does.
+/// Returns the index that reflects `2 specular` times as much at normal incidence as `ior` does.
 fn gloss_ior(ior: f64, specular: f64) -> f64 {
     let amplitude = (ior - 1.0) / (ior + 1.0);
     let amplitude = (2.0 * specular * amplitude * amplitude).min(MAX_GLOSS).sqrt();
     (1.0 + amplitude) / (1.0 - amplitude)
 }
 
-/// The share of light that comes through a coat from a direction of this cosine.
+/// Returns the fraction of light that a coat transmits for a direction of this cosine.
 fn coat_transmittance(coat: Option<&(f64, Coat)>, cos: f64) -> f64 {
     if fault!(CoatWithoutBaseAttenuation) {
         return 1.0;
@@ -205,18 +208,18 @@ impl PrincipledBsdf<'_> {
             && self.dielectric.is_none_or(|(_, glass)| glass.is_delta())
     }
 
-    /// Whether light comes through, and not in a single direction alone.
+    /// Returns true if light is transmitted in a non-delta lobe.
     pub(super) fn is_rough_transmissive(&self) -> bool {
         self.dielectric.is_some_and(|(_, glass)| !glass.is_delta())
     }
 
-    /// What comes through the coat in both directions.
+    /// Returns the attenuation of the base by the coat in both directions.
     fn base_attenuation(&self, cos_o: f64, cos_i: f64) -> f64 {
         let coat = self.layers.coat.as_ref();
         coat_transmittance(coat, cos_o).min(coat_transmittance(coat, cos_i))
     }
 
-    /// The colour of light that comes through glass.
+    /// Returns the colour of light transmitted through glass.
     fn transmission_tint(&self) -> Rgb {
         Rgb::from_array(self.base_color.to_array().map(f32::sqrt))
     }
@@ -246,12 +249,14 @@ impl PrincipledBsdf<'_> {
         f + Rgb::splat(white as f32)
     }
 
-    /// With which probability each of [`COMPONENTS`] is drawn from; about in proportion to its light.
+    /// Returns the probability of sampling each of [`COMPONENTS`], about in proportion to its
+    /// light.
     ///
-    /// Without a coat the parts of a white surface are drawn in the very shares of their light, so that
-    /// every weight is 1: a path is reflected hundreds of times within a ball of a high index, and the
-    /// product of weights that are right on average alone would have no bound (see
-    /// [`super::Dielectric`]). A darker base sends on less, and the gloss alone gets what it lacks.
+    /// Without a coat the parts of a white surface are sampled exactly in proportion to their
+    /// light, so that every weight is 1: a path is reflected hundreds of times inside a ball of a
+    /// high index, and the product of weights that are right only on average would be unbounded
+    /// (see [`super::Dielectric`]). A darker base reflects less, and the difference goes to the
+    /// gloss alone.
     fn component_probabilities(&self, wo: DVec3) -> [f64; 5] {
         let PrincipledLayers { coat, diffuse: matt } = self.layers;
         let beneath = coat_transmittance(coat.as_ref(), wo.z);
@@ -300,7 +305,7 @@ impl PrincipledBsdf<'_> {
         pdf.unwrap_or(0.0)
     }
 
-    /// A direction of one of the parts.
+    /// Samples a direction from one of the components.
     pub(super) fn sample(
         &self,
         wo: DVec3,
@@ -333,7 +338,7 @@ impl PrincipledBsdf<'_> {
         (pdf > 0.0).then_some(BsdfSample { weight, pdf, ..drawn })
     }
 
-    /// A direction of this part as if it were alone, and what the part is multiplied with.
+    /// Samples a component as if it were alone; also returns the component's factor.
     fn sample_component(
         &self,
         part: Component,
@@ -404,7 +409,7 @@ mod tests {
         assert_relative_eq!(through * through, base_color.x, max_relative = 1e-6);
     }
 
-    /// Were it otherwise, the product of the weights along a path within a dense ball would run away.
+    /// Otherwise the product of the weights along a path inside a dense ball would diverge.
     #[test]
     fn what_is_drawn_from_a_white_mixture_weighs_about_one() {
         for (roughness, ior) in [(0.0, 10.0), (0.3, 1.5), (0.5, 10.0), (1.0, 1.5), (1.0, 10.0)] {

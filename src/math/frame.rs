@@ -2,7 +2,7 @@
 
 use super::DVec3;
 
-/// A right-handed frame whose z axis is a given unit vector; BSDFs live in it.
+/// A right-handed frame whose z axis is a given unit vector; BSDFs are evaluated in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     /// First tangent.
@@ -14,7 +14,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame around the unit vector `z`, without a branch on its direction except its sign.
+    /// Creates a frame around the unit vector `z`, without a branch on its direction except its
+    /// sign.
     ///
     /// Duff et al. 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1).
     #[inline(always)]
@@ -29,21 +30,21 @@ impl Frame {
         }
     }
 
-    /// From the frame to the world.
+    /// Transforms a vector from the frame to the world.
     #[inline(always)]
     pub fn to_world(self, v: DVec3) -> DVec3 {
         self.x * v.x + self.y * v.y + self.z * v.z
     }
 
-    /// From the world to the frame.
+    /// Transforms a vector from the world to the frame.
     #[inline(always)]
     pub fn to_local(self, v: DVec3) -> DVec3 {
         DVec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
     }
 }
 
-/// A vector that is as long as a unit vector but for rounding, such as one turned into another frame,
-/// with the rounding of its length undone: one step of Newton's method for `1 / |v|`, from 1.
+/// Renormalises a vector of unit length up to rounding, such as a rotated unit vector: one step of
+/// Newton's method for `1 / |v|`, from 1.
 #[inline(always)]
 pub fn renormalize(v: DVec3) -> DVec3 {
     v * (1.5 - 0.5 * v.length_squared())

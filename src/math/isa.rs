@@ -1,18 +1,18 @@
-//! Which vector instructions a stage over many lanes is run with: chosen once, at run time.
+//! Run-time selection of the vector instructions for stages that work on lanes.
 //!
-//! A [`SimdKernel`] is plain code: loops over arrays, whose bodies are the same functions that serve one
-//! path. It is compiled once for every instruction set, and the compiler turns its loops into vector
-//! instructions. Arithmetic is the same in all of them, operation by operation: nothing is fused,
-//! reordered or approximated. So the results have the same bits, and `tests/transport/lanes.rs`
-//! holds them to that.
+//! A [`SimdKernel`] is plain code: loops over arrays, whose bodies are the same functions that
+//! handle a single path. It is compiled once for every instruction set, and the compiler vectorises
+//! its loops. Arithmetic is the same in all of them, operation by operation: nothing is fused,
+//! reordered or approximated. So the results are bit-identical, which `tests/transport/lanes.rs`
+//! checks.
 //!
-//! The `unsafe` here, and its argument: a function compiled for an instruction set may be called
-//! where the processor has it. An [`Isa`] other than the portable one is made only in [`Isa::all`],
-//! which asks the processor.
+//! The `unsafe` here, and its argument: a function compiled for an instruction set may be called on
+//! a processor that supports it. An [`Isa`] other than the portable one is created only in
+//! [`Isa::available`], which queries the processor.
 
 use std::sync::LazyLock;
 
-/// Instructions that this processor has.
+/// An instruction set that this processor supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Isa(Level);
 
@@ -25,18 +25,18 @@ enum Level {
     Avx512,
 }
 
-/// Work to be compiled for several instruction sets.
+/// A kernel to be compiled for several instruction sets.
 pub trait SimdKernel {
-    /// Does the work. To be inlined always, and so must be the functions whose loops are to become
-    /// vector instructions.
+    /// Runs the kernel. Must always be inlined, and so must the functions whose loops are to be
+    /// vectorised.
     fn run(self);
 }
 
 impl Isa {
-    /// What every processor of this kind has.
+    /// The baseline instruction set of the target architecture.
     pub const PORTABLE: Self = Self(Level::Portable);
 
-    /// All that this processor has and this build knows, the widest last.
+    /// Returns all instruction sets that this processor and this build support, the widest last.
     pub fn available() -> Vec<Self> {
         let mut found = vec![Self::PORTABLE];
         #[cfg(target_arch = "x86_64")]
@@ -56,14 +56,14 @@ impl Isa {
         found
     }
 
-    /// The widest of them.
+    /// Returns the widest available instruction set.
     pub fn best() -> Self {
         static BEST: LazyLock<Isa> =
             LazyLock::new(|| Isa::available().pop().unwrap_or(Isa::PORTABLE));
         *BEST
     }
 
-    /// The name that a reader knows.
+    /// Returns the display name.
     pub fn name(self) -> &'static str {
         match self.0 {
             Level::Portable => "portable",
@@ -74,12 +74,13 @@ impl Isa {
         }
     }
 
-    /// Runs a stage with these instructions.
+    /// Runs a kernel with this instruction set.
     #[inline(always)]
     pub fn run(self, stage: impl SimdKernel) {
         match self.0 {
             Level::Portable => stage.run(),
-            // SAFETY: only `all` makes this kind, where the processor has the instructions.
+            // SAFETY: only `available` creates this variant, on processors that have the
+            // instructions.
             #[cfg(target_arch = "x86_64")]
             Level::Avx2 => unsafe { avx2(stage) },
             // SAFETY: as above.

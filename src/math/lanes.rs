@@ -1,16 +1,16 @@
-//! Numbers of many paths side by side, field by field, for loops that become vector instructions.
+//! Lanes: data of many paths, stored field by field, for loops that compile to vector instructions.
 
 use super::DVec3;
 
-/// So many paths go through a stage together.
+/// Number of paths that go through a stage together.
 pub const LANES: usize = 32;
 
-/// A number of every lane.
+/// A scalar for every lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Lanes<T>(pub [T; LANES]);
 
-/// A vector of every lane.
+/// A vector for every lane.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Lanes3 {
     x: Lanes<f64>,
@@ -19,7 +19,7 @@ pub struct Lanes3 {
 }
 
 impl<T: Copy> Lanes<T> {
-    /// The same in all lanes.
+    /// Sets all lanes to the same value.
     pub fn splat(value: T) -> Self {
         Self([value; LANES])
     }
@@ -32,7 +32,7 @@ impl<T: Copy + Default> Default for Lanes<T> {
 }
 
 impl Lanes3 {
-    /// The vector of a lane.
+    /// Returns the vector of a lane.
     #[inline(always)]
     pub fn get(&self, lane: usize) -> DVec3 {
         DVec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])

@@ -14,5 +14,5 @@ pub use lanes::{LANES, Lanes, Lanes3};
 pub use ray::{Hit, MAX_COORDINATE, NO_SPHERE, Ray};
 pub use rect::Rect;
 
-/// The distance from 1 to the next larger f32, halved: the relative error of one f32 rounding.
+/// Half the distance from 1 to the next larger f32: the relative error of one f32 rounding.
 pub const F32_UNIT_ROUNDOFF: f64 = 1.0 / (1u32 << 24) as f64;

@@ -1,9 +1,9 @@
-//! The question put to an intersector, and its answer.
+//! Ray queries for an intersector, and their hits.
 //!
-//! A path's own ray is f64 ([`crate::geometry::PathRay`]). A [`Ray`] is derived from it and is only
-//! a question: which sphere is hit first? It travels in f32, the numbers that backends trace with,
-//! and carries what the rounding left over, so that a backend that computes in f64 sees the path's
-//! ray to 48 bits.
+//! A path's own ray is f64 ([`crate::geometry::PathRay`]). A [`Ray`] is derived from it and serves
+//! only as a query: which sphere is hit first? It is stored in f32, the precision that backends
+//! trace in, and carries the rounding residuals, so that a backend that computes in f64 sees the
+//! path's ray to 48 bits.
 
 use crate::fault::fault;
 
@@ -12,8 +12,8 @@ use super::DVec3;
 /// The id that means "no sphere".
 pub const NO_SPHERE: u32 = u32::MAX;
 
-/// The largest coordinate, radius or distance that a scene may contain, in scene units. Squares of
-/// it stay finite in f32, and Embree (which aborts above 1.8e18) never sees more than four times it:
+/// The largest coordinate, radius or distance that a scene may contain, in scene units. Its square
+/// stays finite in f32, and Embree (which aborts above 1.8e18) never sees more than four times it:
 /// moving the origin may double a coordinate, and a surface lies one radius further out.
 pub const MAX_COORDINATE: f64 = 1e15;
 
@@ -23,23 +23,23 @@ pub const MAX_COORDINATE: f64 = 1e15;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Ray {
-    /// Where the ray starts, rounded to f32.
+    /// Origin, rounded to f32.
     pub origin: [f32; 3],
     /// Hits at or before this distance do not count. Never negative.
     pub t_min: f32,
-    /// Where it goes, rounded to f32; unit length within rounding.
+    /// Direction, rounded to f32; unit length within rounding.
     pub direction: [f32; 3],
     /// Hits at or beyond this distance do not count. May be infinite.
     pub t_max: f32,
-    /// Ids of spheres that this ray cannot hit; [`NO_SPHERE`] where unused.
+    /// Ids of spheres that this ray cannot hit; [`NO_SPHERE`] if unused.
     pub exclude: [u32; 2],
-    /// What rounding `origin` to f32 left over.
+    /// Residual of rounding `origin` to f32.
     pub origin_low: [f32; 3],
-    /// What rounding `direction` to f32 left over.
+    /// Residual of rounding `direction` to f32.
     pub direction_low: [f32; 3],
 }
 
-/// A backend's answer: the id of the first sphere hit, and its own idea of the distance.
+/// A backend's hit: the id of the first sphere hit, and the backend's estimate of the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Hit {
@@ -50,17 +50,17 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Nothing was hit.
+    /// A miss.
     pub const MISS: Self = Self { t: f32::INFINITY, id: NO_SPHERE };
 
-    /// Whether nothing was hit.
+    /// Returns true for a miss.
     pub fn is_miss(self) -> bool {
         self.id == NO_SPHERE
     }
 }
 
 impl Ray {
-    /// The question for an f64 ray. The interval is rounded outwards, so that no hit is lost.
+    /// Creates the query for an f64 ray. The interval is rounded outwards, so that no hit is lost.
     pub fn new(origin: DVec3, direction: DVec3, t_min: f64, t_max: f64, exclude: [u32; 2]) -> Self {
         let (origin, origin_low) = split(origin);
         let (direction, direction_low) = split(direction);
@@ -68,27 +68,28 @@ impl Ray {
         Self { origin, t_min, direction, t_max, exclude, origin_low, direction_low }
     }
 
-    /// The origin to 48 bits.
+    /// Returns the origin to 48 bits.
     pub fn origin_f64(&self) -> DVec3 {
         join(self.origin, self.origin_low)
     }
 
-    /// The direction to 48 bits.
+    /// Returns the direction to 48 bits.
     pub fn direction_f64(&self) -> DVec3 {
         join(self.direction, self.direction_low)
     }
 
-    /// Whether this ray is told to overlook the sphere.
+    /// Returns true if this ray must ignore the sphere.
     pub fn excludes(&self, id: u32) -> bool {
         self.exclude.contains(&id)
     }
 
-    /// Whether a backend may be asked at all: all finite, within range, `0 <= t_min`, and no NaN.
+    /// Returns true if a backend may trace this ray: all finite, within range, `0 <= t_min`, and no
+    /// NaN.
     ///
     /// Debian's Embree aborts the process on anything else.
     pub fn is_valid(&self) -> bool {
         let limit = 4.0 * MAX_COORDINATE as f32;
-        // Without a branch: nearly all rays are valid.
+        // Branch-free: nearly all rays are valid.
         let bounded =
             |&[x, y, z]: &[f32; 3]| (x.abs() <= limit) & (y.abs() <= limit) & (z.abs() <= limit);
         bounded(&self.origin)
@@ -109,13 +110,13 @@ fn join(high: [f32; 3], low: [f32; 3]) -> DVec3 {
     DVec3::from_array(high.map(f64::from)) + DVec3::from_array(low.map(f64::from))
 }
 
-/// The smallest f32 that is not below a distance `x >= 0`.
+/// Returns the smallest f32 that is not below a distance `x >= 0`.
 fn round_up(x: f64) -> f32 {
     let nearest = x as f32;
     if f64::from(nearest) < x { f32::from_bits(nearest.to_bits() + 1) } else { nearest }
 }
 
-/// The largest f32 that is not above a distance `x >= 0`.
+/// Returns the largest f32 that is not above a distance `x >= 0`.
 fn round_down(x: f64) -> f32 {
     let nearest = x as f32;
     if f64::from(nearest) > x { f32::from_bits(nearest.to_bits() - 1) } else { nearest }

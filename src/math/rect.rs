@@ -4,32 +4,32 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// A rectangle of pixels of the whole picture.
+/// A rectangle of pixels of the full picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Rect {
-    /// Its first column.
+    /// First column.
     pub x: u32,
-    /// Its first row.
+    /// First row.
     pub y: u32,
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
 }
 
 impl Rect {
-    /// How many pixels it has.
+    /// Returns the number of pixels.
     pub fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize
     }
 
-    /// The columns and rows of its pixels, along the rows.
+    /// Iterates over the columns and rows of its pixels, row by row.
     pub fn pixel_coords(self) -> impl Iterator<Item = [u32; 2]> {
         let Self { x, y, width, height } = self;
         (y..y + height).flat_map(move |row| (x..x + width).map(move |column| [column, row]))
     }
 
-    /// What it has in common with another, if anything.
+    /// Returns the intersection with another rectangle, if not empty.
     pub fn intersection(&self, other: &Self) -> Option<Self> {
         let overlap = |a: u32, a_length: u32, b: u32, b_length: u32| {
             let begin = a.max(b);
@@ -41,20 +41,20 @@ impl Rect {
         Some(Self { x, y, width, height })
     }
 
-    /// From the first column and row and the ones behind the last, as `--crop` and `image.crop` have
-    /// them; `None` where nothing lies between.
+    /// Creates a rectangle from its first column and row and its end column and row (exclusive), as
+    /// in `--crop` and `image.crop`; `None` if it is empty.
     pub fn from_corners([left, top, right, bottom]: [u32; 4]) -> Option<Self> {
         let (width, height) = (right.checked_sub(left)?, bottom.checked_sub(top)?);
         (width > 0 && height > 0).then_some(Self { x: left, y: top, width, height })
     }
 
-    /// The first column and row, and the ones behind the last.
+    /// Returns the first column and row, and the end column and row (exclusive).
     pub fn corners(&self) -> [u32; 4] {
         [self.x, self.y, self.x + self.width, self.y + self.height]
     }
 }
 
-/// The corners, as in `0,0,640,480`.
+/// Formats the corners, as in `0,0,640,480`.
 impl fmt::Display for Rect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [left, top, right, bottom] = self.corners();

@@ -1,17 +1,17 @@
-//! A choice among finitely many things, with given probabilities.
+//! Sampling of discrete distributions.
 
 use crate::fault::fault;
 
 /// A discrete distribution over `0..n`.
 #[derive(Clone, Debug)]
 pub struct DiscreteDistribution {
-    /// `cumulative[i]` is the probability of an index up to and including `i`; the last is 1.
+    /// `cumulative[i]` is the probability of all indices up to and including `i`; the last is 1.
     cumulative: Vec<f64>,
 }
 
 impl DiscreteDistribution {
-    /// Probabilities proportional to `weights`, which are finite, not negative and not all 0;
-    /// `None` otherwise.
+    /// Creates a distribution proportional to `weights`; `None` unless they are finite, not
+    /// negative and not all 0.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut total = 0.0;
         let mut cumulative: Vec<f64> = weights
@@ -26,19 +26,19 @@ impl DiscreteDistribution {
         valid.then_some(Self { cumulative })
     }
 
-    /// The index chosen by `u` in `[0, 1)`.
+    /// Samples an index by `u` in `[0, 1)`.
     pub fn sample(&self, u: f64) -> usize {
         self.cumulative.partition_point(|&sum| sum <= u).min(self.cumulative.len() - 1)
     }
 
-    /// The probability of an index.
+    /// Returns the probability of an index.
     pub fn pmf(&self, index: usize) -> f64 {
         let index = if fault!(PmfOffByOne) { index.saturating_sub(1) } else { index };
         let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
         self.cumulative[index] - below
     }
 
-    /// Where `u` lies in the stretch of `[0, 1)` that chooses `index`: again uniform in `[0, 1)`.
+    /// Remaps `u` within the part of `[0, 1)` that selects `index`: uniform in `[0, 1)` again.
     pub fn remap(&self, index: usize, u: f64) -> f64 {
         let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
         ((u - below) / self.pmf(index)).clamp(0.0, 1.0 - f64::EPSILON)
@@ -58,7 +58,7 @@ mod tests {
         assert_relative_eq!(choice.pmf(2), 0.75);
         assert_eq!([0.0, 0.2499, 0.25, 0.999_999].map(|u| choice.sample(u)), [0, 0, 2, 2]);
         assert_relative_eq!(choice.remap(2, 0.625), 0.5);
-        // Rounding may bring a number to the end of its stretch, and no further.
+        // Rounding may bring a number to the end of its interval, and no further.
         assert_eq!(choice.sample(1.0), 2);
         assert_eq!([(0, 0.25), (2, 1.0)].map(|(i, u)| choice.remap(i, u) < 1.0), [true; 2]);
     }

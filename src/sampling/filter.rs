@@ -1,7 +1,7 @@
-//! The pixel's weight function h(p), importance-sampled.
+//! The pixel reconstruction filter h(p), importance-sampled.
 //!
-//! A sample's place in the pixel is drawn with density h, so every sample weighs the same and
-//! touches one pixel only, and a constant scene gives that constant under every filter.
+//! A sample's position in the pixel is drawn with density h, so every sample has the same weight
+//! and affects one pixel only, and a constant scene gives that constant under every filter.
 
 use std::f64::consts::PI;
 
@@ -11,7 +11,7 @@ use crate::names::named_enum;
 
 use super::{DiscreteDistribution, cos, exp};
 
-/// The shapes of a pixel's weight function.
+/// The kind of a pixel filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FilterKind {
     /// Constant up to the radius.
@@ -34,26 +34,26 @@ named_enum! {
     }
 }
 
-/// A separable filter of given radius, ready to be sampled.
+/// A separable filter of a given radius, prepared for sampling.
 #[derive(Clone, Debug)]
 pub struct Filter {
     profile: Profile,
     radius: f64,
 }
 
-/// The shape along one axis, over `[-1, 1]`.
+/// The filter's profile along one axis, over `[-1, 1]`.
 #[derive(Clone, Debug)]
 enum Profile {
     Box,
     Tent,
-    /// The shape averaged over equal bins; sampled exactly as that staircase.
+    /// The profile averaged over equal bins; sampled exactly as piecewise constant.
     Tabulated(DiscreteDistribution),
 }
 
 const BINS: usize = 1024;
 
 impl Filter {
-    /// A filter that is 0 beyond `radius` pixels from the pixel's centre, along each axis.
+    /// Creates a filter that is 0 beyond `radius` pixels from the pixel's centre, along each axis.
     pub fn new(kind: FilterKind, radius: f64) -> Self {
         let bins = |shape: fn(f64) -> f64| {
             let centers = (0..BINS).map(|i| (i as f64 + 0.5) / BINS as f64 * 2.0 - 1.0);
@@ -69,30 +69,30 @@ impl Filter {
         Self { profile, radius }
     }
 
-    /// An offset from the pixel's centre, in pixels.
+    /// Samples an offset from the pixel's centre, in pixels.
     pub fn sample(&self, u: [f64; 2]) -> [f64; 2] {
         u.map(|u| self.profile.sample(u) * self.radius)
     }
 
-    /// The radius of a box; `None` for other filters. [`Self::sample`] is then [`sample_box`] of either
-    /// number, times the radius.
+    /// Returns the radius of a box filter; `None` for other filters. [`Self::sample`] then equals
+    /// [`sample_box`] of either number, times the radius.
     pub fn box_radius(&self) -> Option<f64> {
         matches!(self.profile, Profile::Box).then_some(self.radius)
     }
 
-    /// The density of [`Self::sample`], per square pixel.
+    /// Returns the pdf of [`Self::sample`], per square pixel.
     pub fn pdf(&self, offset: [f64; 2]) -> f64 {
         let scale = if fault!(FilterNotNormalized) { 1.0 } else { self.radius };
         offset.into_iter().map(|x| self.profile.pdf(x / self.radius) / scale).product()
     }
 
-    /// The `u` that gives an offset.
+    /// Returns the `u` that maps to an offset.
     pub fn invert(&self, offset: [f64; 2]) -> [f64; 2] {
         offset.map(|x| self.profile.invert(x / self.radius))
     }
 }
 
-/// A place in a box from -1 to 1.
+/// Samples a position in a box from -1 to 1.
 #[inline(always)]
 pub fn sample_box(u: f64) -> f64 {
     2.0 * u - 1.0

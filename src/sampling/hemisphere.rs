@@ -1,7 +1,7 @@
-//! Directions over the hemisphere around +z, each way of drawing them beside its density.
+//! Sampling of directions over the hemisphere around +z, each method next to its pdf.
 //!
-//! All take `u` in `[0, 1)^2`; the second number becomes the azimuth. Densities are per solid angle
-//! and are given as functions of `cos`, the direction's z, which must not be negative.
+//! All take `u` in `[0, 1)^2`; the second number becomes the azimuth. Pdfs are per solid angle and
+//! are given as functions of `cos`, the direction's z, which must not be negative.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
@@ -11,7 +11,7 @@ use crate::names::named_enum;
 
 use super::{atan2, powf, safe_acos, sin_cos, sin_cos_2pi};
 
-/// How directions over the hemisphere are drawn.
+/// Method for sampling directions over the hemisphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hemisphere {
     /// Density `cos / pi`.
@@ -33,12 +33,12 @@ named_enum! {
 }
 
 impl Hemisphere {
-    /// A direction.
+    /// Samples a direction.
     #[inline(always)]
     pub fn sample(self, u: [f64; 2]) -> DVec3 {
         match self {
             Self::Cosine => {
-                // Malley's method: the height of a point drawn uniformly on the disc.
+                // Malley's method: the height of a point sampled uniformly on the disc.
                 spherical_direction(u[0].sqrt(), (1.0 - u[0]).sqrt(), u[1])
             }
             Self::UniformSolidAngle => spherical_direction(sin_from_cos(u[0]), u[0], u[1]),
@@ -49,7 +49,7 @@ impl Hemisphere {
         }
     }
 
-    /// The density of [`Self::sample`].
+    /// Returns the pdf of [`Self::sample`].
     #[inline(always)]
     pub fn pdf(self, cos: f64) -> f64 {
         match self {
@@ -62,7 +62,7 @@ impl Hemisphere {
         }
     }
 
-    /// The `u` that gives a direction.
+    /// Returns the `u` that maps to a direction.
     pub fn invert(self, direction: DVec3) -> [f64; 2] {
         let u = match self {
             Self::Cosine => 1.0 - direction.z * direction.z,
@@ -73,27 +73,27 @@ impl Hemisphere {
     }
 }
 
-/// A direction uniform over the solid angle of the cap around +z whose rim has this `1 - cos`, of any
-/// size. Its density is `1 / (2 pi (1 - cos))`.
+/// Samples a direction uniformly over the solid angle of the cap around +z whose rim has this
+/// `1 - cos`, of any size. The pdf is `1 / (2 pi (1 - cos))`.
 pub fn sample_uniform_cone(one_minus_cos_max: f64, u: [f64; 2]) -> DVec3 {
     let one_minus_cos = u[0] * one_minus_cos_max;
     let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
     spherical_direction(sin, 1.0 - one_minus_cos, u[1])
 }
 
-/// A direction with density `(n + 1) / (2 pi) cos^n`, the lobe of the Phong model.
+/// Samples a direction with density `(n + 1) / (2 pi) cos^n`, the lobe of the Phong model.
 pub fn sample_power_cosine(exponent: f64, u: [f64; 2]) -> DVec3 {
     let cos = powf(u[0], 1.0 / (exponent + 1.0));
     spherical_direction(sin_from_cos(cos), cos, u[1])
 }
 
-/// The density of [`sample_power_cosine`].
+/// Returns the pdf of [`sample_power_cosine`].
 pub fn power_cosine_pdf(exponent: f64, cos: f64) -> f64 {
     let one = if fault!(PowerCosineNorm) { 2.0 } else { 1.0 };
     (exponent + one) / TAU * powf(cos, exponent)
 }
 
-/// The `u` that gives a direction of [`sample_power_cosine`].
+/// Returns the `u` that [`sample_power_cosine`] maps to a direction.
 pub fn invert_power_cosine(exponent: f64, direction: DVec3) -> [f64; 2] {
     [powf(direction.z, exponent + 1.0), azimuth(direction)]
 }
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn points_of_a_cap_lie_at_their_share_of_its_height() {
-        // From a pin's head to the whole sphere.
+        // From a tiny cap to the whole sphere.
         for rim in [1e-12, 0.3, 1.0, 2.0] {
             for i in 0..50 {
                 let u = [f64::from(i) / 50.0, f64::from(i * 7 % 50) / 50.0];

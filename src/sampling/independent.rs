@@ -1,11 +1,11 @@
-//! Independent numbers: a sample's address is hashed to a 64-bit key, and the dimensions are the
-//! outputs of a SplitMix64 generator (Steele, Lea and Flood 2014, "Fast Splittable Pseudorandom
-//! Number Generators", OOPSLA) started at that key, which can be read at any place.
+//! Independent random numbers: a sample's address is hashed to a 64-bit key, and the dimensions are
+//! the outputs of a SplitMix64 generator (Steele, Lea and Flood 2014, "Fast Splittable Pseudorandom
+//! Number Generators", OOPSLA) started at that key, which allows random access.
 
 /// The increment of SplitMix64: 2^64 divided by the golden ratio, made odd.
 pub(super) const GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// Independent numbers of one sample.
+/// Independent random numbers of one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Independent {
     key: u64,
@@ -16,19 +16,19 @@ impl Independent {
         Self { key: mix_bits(pixel_key(seed, pixel) ^ u64::from(sample)) }
     }
 
-    /// In `[0, 1)`, a multiple of 2^-53.
+    /// Returns a number in `[0, 1)`, a multiple of 2^-53.
     pub(super) fn get(self, dimension: u32) -> f64 {
         (split_mix(self.key, dimension) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 }
 
-/// 64 bits that stand for a pixel under a seed.
+/// Hashes a seed and a pixel to a 64-bit key.
 #[inline(always)]
 pub(super) fn pixel_key(seed: u64, pixel: u64) -> u64 {
     mix_bits(mix_bits(seed.wrapping_add(GAMMA)) ^ pixel)
 }
 
-/// The output number `index` of the generator that starts at `key`.
+/// Returns output `index` of the generator that starts at `key`.
 #[inline(always)]
 pub(super) fn split_mix(key: u64, index: u32) -> u64 {
     mix_bits(key.wrapping_add(GAMMA.wrapping_mul(u64::from(index) + 1)))

@@ -3,7 +3,7 @@
 /// The power heuristic with exponent 2 for a sample drawn with density `pdf`, which the other
 /// strategy would have drawn with density `other_pdf` (Veach 1997, section 9.2.4).
 ///
-/// Written with the ratio of the densities: their squares overflow for a distant lamp.
+/// Written with the ratio of the densities: their squares overflow for a distant emitter.
 #[inline(always)]
 pub fn power_heuristic(pdf: f64, other_pdf: f64) -> f64 {
     let ratio = other_pdf / pdf;

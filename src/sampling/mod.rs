@@ -1,8 +1,8 @@
-//! Random numbers with addresses, and the warps that turn them into directions and positions.
+//! Addressable random numbers, and the warps that turn them into directions and positions.
 //!
-//! Every warp is a family of three that stand side by side: `batch_index` maps the unit square to the
-//! domain, `pdf` is the density that this map produces, `invert` undoes it. `verify::chi2` checks each
-//! pair against the other.
+//! Every warp is a group of three functions: `sample` maps the unit square to the domain, `pdf` is
+//! the density that this map produces, `invert` is its inverse. `verify::chi2` checks each pair
+//! against the other.
 
 mod discrete;
 mod filter;

@@ -1,4 +1,4 @@
-//! Random numbers with addresses.
+//! Addressable random numbers.
 //!
 //! Every number is a pure function of (seed, pixel, sample, dimension): threads, tiles, batches and
 //! restarts cannot change it. There are three kinds; `docs/sampling.md` compares them.
@@ -9,22 +9,22 @@ use super::independent::Independent;
 use super::sobol::{Sobol, SobolLanes};
 use super::stratified::Stratified;
 
-/// How the numbers of a pixel's samples are spread.
+/// The kind of random numbers for a pixel's samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplerKind {
-    /// Sobol's sequence, scrambled for every pixel: evenly spread after any number of samples.
+    /// Sobol sequence, scrambled per pixel: well distributed after any number of samples.
     #[default]
     Sobol,
-    /// Each number on its own.
+    /// Independent numbers.
     Independent,
-    /// One number in each of as many cells as there are samples.
+    /// Stratified: one number in each of as many cells as there are samples.
     Stratified,
 }
 
 named_enum! { SamplerKind { Sobol = "sobol", Independent = "independent", Stratified = "stratified" } }
 
 impl SamplerKind {
-    /// Whether all numbers change with how many samples a pixel is to have.
+    /// Returns true if all numbers depend on the pixel's total sample count.
     pub fn depends_on_sample_count(self) -> bool {
         match self {
             Self::Sobol | Self::Independent => false,
@@ -33,7 +33,7 @@ impl SamplerKind {
     }
 }
 
-/// All the random numbers of one sample of one pixel.
+/// The random numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler(SamplerState);
 
@@ -48,13 +48,13 @@ enum SamplerState {
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 impl Sampler {
-    /// Independent numbers at an address; `pixel` counts along the rows of the full picture.
+    /// Creates independent numbers at an address; `pixel` counts row by row in the full picture.
     pub fn independent(seed: u64, pixel: u64, sample: u32) -> Self {
         Self(SamplerState::Independent(Independent::new(seed, pixel, sample)))
     }
 
-    /// Numbers of any kind at an address. Only stratified ones depend on `samples`, how many
-    /// samples the pixel is to have: they are best when there are just as many.
+    /// Creates numbers of any kind at an address. Only stratified ones depend on `samples`, the
+    /// pixel's total sample count; they are best if exactly that many are taken.
     pub fn with_kind(kind: SamplerKind, seed: u64, pixel: u64, sample: u32, samples: u32) -> Self {
         match kind {
             SamplerKind::Sobol => Self(SamplerState::Sobol(Sobol::new(seed, pixel, sample))),
@@ -65,13 +65,13 @@ impl Sampler {
         }
     }
 
-    /// The numbers of a lane's sample.
+    /// Returns the sampler of a lane.
     #[inline(always)]
     pub fn from_lane(lanes: &SobolLanes, lane: usize) -> Self {
         Self(SamplerState::Sobol(lanes.lane(lane)))
     }
 
-    /// Puts these numbers into a lane; `false` if they are not Sobol's.
+    /// Stores this sampler in a lane; returns false if it is not a Sobol sampler.
     #[inline(always)]
     pub fn store_in_lane(self, lanes: &mut SobolLanes, lane: usize) -> bool {
         match self.0 {
@@ -83,7 +83,7 @@ impl Sampler {
         }
     }
 
-    /// The number of one dimension, in `[0, 1)`.
+    /// Returns the number of one dimension, in `[0, 1)`.
     pub fn get(self, dimension: u32) -> f64 {
         match self.0 {
             SamplerState::Independent(numbers) => numbers.get(dimension),
@@ -94,8 +94,8 @@ impl Sampler {
         }
     }
 
-    /// The numbers of two dimensions in a row. Where the first one is even, they are spread evenly
-    /// over the square together.
+    /// Returns the numbers of two consecutive dimensions. If the first one is even, they are
+    /// jointly stratified over the square.
     pub fn get_2d(self, dimension: u32) -> [f64; 2] {
         match self.0 {
             SamplerState::Sobol(numbers) if dimension % 2 == 0 => numbers.get_2d(dimension),

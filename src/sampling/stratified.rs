@@ -1,32 +1,33 @@
-//! Multi-jittered numbers: one sample in each of as many cells as the pixel has samples.
+//! Multi-jittered random numbers: one sample in each of as many cells as the pixel has samples.
 //!
-//! The square of two dimensions is cut into columns and rows, as the paper cuts a pixel, and every
-//! cell holds one sample at a random place. Within a row of cells the samples are spread over finer
-//! columns, and within a column over finer rows, so that each dimension by itself is evenly spread
-//! too (Chiu, Shirley and Wang 1994, "Multi-jittered Sampling"; Kensler 2013, "Correlated
-//! Multi-Jittered Sampling", whose way to permute without a table is followed). Every column and every
-//! row of cells is permuted on its own, as the first have it: with one permutation for all of them, as
-//! the second has it, the error of a smooth integral falls less fast than that of plain jitter. Which
-//! sample has which cell is permuted for every pair, so that pairs are independent of one another.
+//! The square of two dimensions is divided into columns and rows, as the paper divides a pixel, and
+//! every cell holds one sample at a random position. Within a row of cells the samples are spread
+//! over finer columns, and within a column over finer rows, so that each dimension by itself is
+//! stratified too (Chiu, Shirley and Wang 1994, "Multi-jittered Sampling"; Kensler 2013,
+//! "Correlated Multi-Jittered Sampling", whose table-free permutation is used). Every column and
+//! every row of cells has its own permutation, as in Chiu et al.: with a single permutation, as in
+//! Kensler, the error of a smooth integral falls more slowly than that of plain jitter. The
+//! assignment of samples to cells is permuted for every pair of dimensions, so that pairs are
+//! independent of one another.
 
 use super::independent::{GAMMA, pixel_key, split_mix};
 
-/// The most cells of a pair; with more samples they are filled again.
+/// Maximum number of cells of a pair; further samples fill them again.
 const MAX_CELLS: u32 = 1 << 30;
 
-/// The numbers of one sample.
+/// The random numbers of one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Stratified {
     key: u64,
-    /// Which cell before it is permuted.
+    /// Index of the cell before permutation.
     cell: u32,
     columns: u32,
     rows: u32,
 }
 
 impl Stratified {
-    /// `samples` is how many the pixel is to have. Where they make no full rectangle some cells stay
-    /// empty, chosen at random.
+    /// `samples` is the pixel's total sample count. If they do not fill a rectangle, some cells
+    /// stay empty, chosen at random.
     pub(super) fn new(seed: u64, pixel: u64, sample: u32, samples: u32) -> Self {
         let samples = samples.clamp(1, MAX_CELLS);
         let columns = samples.isqrt();
@@ -36,7 +37,7 @@ impl Stratified {
         Self { key: split_mix(pixel_key(seed, pixel), round), cell: place, columns, rows }
     }
 
-    /// The numbers of dimensions `2 pair` and `2 pair + 1`, in `[0, 1]`.
+    /// Returns the numbers of dimensions `2 pair` and `2 pair + 1`, in `[0, 1]`.
     pub(super) fn pair(self, pair: u32) -> [f64; 2] {
         let Self { columns, rows, .. } = self;
         let key = split_mix(self.key, pair);
@@ -59,10 +60,10 @@ fn to_unit_interval(bits: u32) -> f64 {
     (f64::from(bits) + 0.5) * (1.0 / (1u64 << 32) as f64)
 }
 
-/// Where `index` goes in a random permutation of `0..length` that `key` chooses: a keyed bijection
-/// of the next power of two, repeated until it ends below `length`, and then a turn by a random number
-/// of places. Only that makes all places as likely for each index: of a length that is no power of two
-/// the bijection alone prefers some.
+/// Returns the image of `index` under a random permutation of `0..length` selected by `key`: a
+/// keyed bijection of the next power of two, repeated until the result is below `length`, then a
+/// rotation by a random offset. Only the rotation makes all positions equally likely for each
+/// index: if `length` is not a power of two, the bijection alone is biased.
 fn permute(index: u32, length: u32, key: u64) -> u32 {
     let mask = length.next_power_of_two() - 1;
     let half = mask.count_ones().div_ceil(2);

@@ -1,21 +1,21 @@
-//! The one place that transcendental functions come from, so that pictures have the same bits on
-//! every machine: the `libm` crate, compiled with us, and not the system's; and our own sine and cosine
-//! of random azimuths, which are given in turns and need no general reduction of their range.
+//! The single source of transcendental functions, so that pictures are bit-identical on every
+//! machine: the `libm` crate, compiled in, instead of the system's; and our own sine and cosine of
+//! random azimuths, which are given in turns and need no general range reduction.
 
-/// Sine and cosine of an angle in radians.
+/// Returns the sine and cosine of an angle in radians.
 pub fn sin_cos(angle: f64) -> (f64, f64) {
     libm::sincos(angle)
 }
 
-/// Sine and cosine of an angle in turns, `sin 2 pi t` and `cos 2 pi t`, for `|t|` up to 2^49. Each is off by
-/// at most two units in its last place.
+/// Returns the sine and cosine of an angle in turns, `sin 2 pi t` and `cos 2 pi t`, for `|t|` up to
+/// 2^49. Each is off by at most 2 ulp.
 ///
-/// Taking off the nearest quarter turn is exact, also near the zeros of both. On the eighth of a turn
-/// that is left to either side, polynomials that interpolate at Chebyshev's nodes (relative errors
-/// 1.3e-17 and 1.8e-18) are summed without a branch.
+/// Subtracting the nearest quarter turn is exact, also near the zeros of both. On the remaining
+/// eighth of a turn to either side, polynomials that interpolate at Chebyshev nodes (relative
+/// errors 1.3e-17 and 1.8e-18) are evaluated without a branch.
 #[inline(always)]
 pub fn sin_cos_2pi(turns: f64) -> (f64, f64) {
-    /// Added and taken off again it rounds to whole numbers, which then stand in the lowest bits.
+    /// Adding and subtracting it rounds to integers, which then occupy the lowest bits.
     const WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
     let shifted = 4.0 * turns + WHOLE;
     let quarter = shifted.to_bits();
@@ -29,7 +29,7 @@ pub fn sin_cos_2pi(turns: f64) -> (f64, f64) {
     (negate(sin, quarter), negate(cos, quarter.wrapping_add(1)))
 }
 
-/// Of `(sin(2 pi r) / r - 2 pi) / r^2` by powers of `r^2`.
+/// Coefficients of `(sin(2 pi r) / r - 2 pi) / r^2` by powers of `r^2`.
 const SIN: [f64; 6] = [
     -41.341702240399755,
     81.6052492760517,
@@ -39,7 +39,7 @@ const SIN: [f64; 6] = [
     3.78643334956545,
 ];
 
-/// Of `(cos(2 pi r) - 1 + (2 pi r)^2 / 2) / r^4` by powers of `r^2`.
+/// Coefficients of `(cos(2 pi r) - 1 + (2 pi r)^2 / 2) / r^4` by powers of `r^2`.
 const COS: [f64; 6] = [
     64.9393940226683,
     -85.45681720668455,
@@ -49,43 +49,43 @@ const COS: [f64; 6] = [
     -1.7012215232036352,
 ];
 
-/// A polynomial from its lowest coefficient on, by Horner's rule.
+/// Evaluates a polynomial, given from its lowest coefficient, by Horner's rule.
 #[inline(always)]
 fn polynomial(x: f64, [a, b, c, d, e, f]: [f64; 6]) -> f64 {
     a + x * (b + x * (c + x * (d + x * (e + x * f))))
 }
 
-/// Tangent of an angle in radians.
+/// Returns the tangent of an angle in radians.
 pub fn tan(angle: f64) -> f64 {
     libm::tan(angle)
 }
 
-/// Cosine of an angle in radians.
+/// Returns the cosine of an angle in radians.
 pub fn cos(angle: f64) -> f64 {
     libm::cos(angle)
 }
 
-/// The angle in `[0, pi]` whose cosine is `x`, which is clamped to `[-1, 1]`.
+/// Returns the angle in `[0, pi]` whose cosine is `x`, which is clamped to `[-1, 1]`.
 pub fn safe_acos(x: f64) -> f64 {
     libm::acos(x.clamp(-1.0, 1.0))
 }
 
-/// The angle of the point `(x, y)` in `(-pi, pi]`.
+/// Returns the angle of the point `(x, y)` in `(-pi, pi]`.
 pub fn atan2(y: f64, x: f64) -> f64 {
     libm::atan2(y, x)
 }
 
-/// `e^x`.
+/// Returns `e^x`.
 pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
-/// The natural logarithm of `x > 0`.
+/// Returns the natural logarithm of `x > 0`.
 pub fn ln(x: f64) -> f64 {
     libm::log(x)
 }
 
-/// `base^exponent`.
+/// Returns `base^exponent`.
 pub fn powf(base: f64, exponent: f64) -> f64 {
     libm::pow(base, exponent)
 }
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use twofloat::TwoFloat;
 
-    /// Sine and cosine by the series, in twice the precision; `turns` within an eighth of 0.
+    /// Sine and cosine by their series, in twice the precision; `turns` within an eighth of 0.
     fn series(turns: f64) -> (TwoFloat, TwoFloat) {
         let angle = TwoFloat::from(turns) * twofloat::consts::TAU;
         let (mut sin, mut cos) = (TwoFloat::from(0.0), TwoFloat::from(0.0));
@@ -121,7 +121,7 @@ mod tests {
             let (sin, cos) = series(rest);
             let quarters = [(sin, cos), (cos, -sin), (-sin, -cos), (-cos, sin)];
             for (quarter, (sin, cos)) in quarters.into_iter().enumerate() {
-                // So that taking off the quarter gives the rest again.
+                // Subtracting the quarter must give `rest` again.
                 let turns = rest + 0.25 * quarter as f64;
                 if turns - 0.25 * quarter as f64 != rest || rest == 0.0 {
                     continue;

@@ -1,5 +1,4 @@
-//! The samples that are estimated together, and one edge of all their paths: the questions to the
-//! intersector.
+//! A batch of samples, and the intersector queries for one edge of all their paths.
 
 use crate::color::{PathRadiance, Rgb, VisibleSurface};
 use crate::material::MediumStack;
@@ -14,32 +13,32 @@ use super::choices::PathTracer;
 use super::opacity;
 use super::paths::{Path, PendingDirect, PrevVertex, ShadowQueue};
 
-/// The samples that are estimated together.
+/// A batch of samples that are estimated together.
 pub(super) struct PathBatch<'a, R> {
     pub(super) integrator: &'a PathTracer,
     pub(super) context: RenderContext<'a>,
     pub(super) samples: &'a [SampleAddress],
     pub(super) radiance: &'a mut [PathRadiance],
-    /// The media that each sample's path is in; none where nothing is a dielectric.
+    /// The media that each sample's path is in; empty in scenes without dielectrics.
     pub(super) media: Vec<MediumStack>,
-    /// What each sample sees first; none where nobody wants to know.
+    /// Each sample's first visible surface; empty unless recorded.
     pub(super) visible_surfaces: Vec<VisibleSurface>,
-    /// Each sample's random numbers.
+    /// Each sample's sampler.
     pub(super) samplers: Vec<Sampler>,
-    /// How the ray of each sample's path was drawn, where it was.
+    /// The MIS record of the previous vertex of each sample's path.
     pub(super) prev_vertices: Vec<PrevVertex>,
     pub(super) stats: RenderStats,
     pub(super) recorder: &'a mut R,
 }
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// All the paths from the camera to their ends.
+    /// Traces all paths from the camera to their ends.
     pub(super) fn run(mut self, workspace: &mut Workspace) -> RenderStats {
         self.radiance.fill(PathRadiance { alpha: 1.0, ..PathRadiance::default() });
         let with_media = if self.context.scene.has_media() { self.samples.len() } else { 0 };
         self.media.clear();
         self.media.resize(with_media, MediumStack::VACUUM);
-        // A path asks only for what it has drawn; so what is old may stay.
+        // A path reads only records that it has written, so stale entries are harmless.
         let room = self.samples.len().max(self.prev_vertices.len());
         self.prev_vertices.resize(room, PrevVertex::NONE);
         self.generate_camera_paths(workspace);
@@ -53,22 +52,23 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.stats
     }
 
-    /// The random numbers of a path.
+    /// Returns the sampler of a path.
     pub(super) fn sampler(&self, path: &Path) -> Sampler {
         self.samplers[path.state.batch_index as usize]
     }
 
-    /// How the ray of a path was drawn, if it was.
+    /// Returns the previous-vertex record of a path, if its ray was sampled from a density.
     pub(super) fn prev_vertex(&self, path: &Path) -> Option<&PrevVertex> {
         path.state.has_prev_vertex.then(|| &self.prev_vertices[path.state.batch_index as usize])
     }
 
-    /// The media that a path is in.
+    /// Returns the media that a path is in.
     pub(super) fn media_of(&self, path: &Path) -> &MediumStack {
         self.media.get(path.state.batch_index as usize).unwrap_or(&MediumStack::VACUUM)
     }
 
-    /// One edge for every path: closest hits, shading, shadow rays. Paths that end are dropped.
+    /// Advances every path by one edge: closest hits, shading, shadow rays. Paths that end are
+    /// dropped.
     fn advance(&mut self, workspace: &mut Workspace) {
         let (has_blocks, isa) = (self.uses_diffuse_batch(), workspace.isa);
         let even_background = self.constant_environment();
@@ -86,14 +86,14 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         } = workspace;
         let spheres = self.context.scene.spheres();
 
-        // Ask for the closest hits.
+        // Find the closest hits.
         hits.clear();
         hits.resize(paths.states.len(), Hit::MISS);
         self.context.accel.closest_path_rays(spheres, &paths.rays, rays, hits);
         self.stats.count_path_rays(&paths.rays, isa);
         self.context.scene.prefetch(hits);
 
-        // Shade: gather emission, aim at a light, scatter.
+        // Shade: add emission, sample a light, scatter.
         shadows.clear();
         shadow_media.clear();
         let mut aims = ShadowQueue { shadow_rays: shadows, media: shadow_media };
@@ -127,7 +127,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.flush_diffuse(isa, block, paths, next_paths, &mut aims);
         std::mem::swap(paths, next_paths);
 
-        // Ask for the shadows.
+        // Trace the shadow rays.
         if self.context.scene.has_opacity() {
             let walked =
                 opacity::trace_visibility(self.context, shadows, shadow_media, rays, hits, passed);
@@ -148,7 +148,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
     }
 
-    /// Adds what arrives of light that was aimed at.
+    /// Adds the unoccluded part of a pending direct contribution.
     #[inline(always)]
     fn add_direct(&mut self, gain: &PendingDirect, passed: f32) {
         if passed == 0.0 && !R::ENABLED {
@@ -159,26 +159,26 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.recorder.record(|| PathEvent::ShadowRay { visibility: passed, contribution: added });
     }
 
-    /// Adds light to a sample.
+    /// Adds a contribution to a sample.
     pub(super) fn add_contribution(&mut self, sample: u32, added: Contribution) {
         let radiance = &mut self.radiance[sample as usize];
         let layer = if added.is_direct { &mut radiance.direct } else { &mut radiance.indirect };
         *layer += added.radiance;
     }
 
-    /// Ends a path.
+    /// Terminates a path.
     pub(super) fn terminate(&mut self, why: Termination) -> bool {
         self.recorder.record(|| PathEvent::End(why));
         false
     }
 
-    /// Ends a path that is longer than any may be.
+    /// Terminates a path at the hard length limit.
     pub(super) fn terminate_at_length_limit(&mut self) -> bool {
         self.stats.truncated_paths += 1;
         self.terminate(Termination::LengthLimit)
     }
 
-    /// Light that reaches the camera; clamped where the scene asks for that.
+    /// Applies `clamp_indirect` to light that reaches the camera, if the scene sets it.
     pub(super) fn clamp_contribution(&self, light: Rgb, is_direct: bool) -> Contribution {
         let brightest = light.max_element();
         match self.integrator.clamp_indirect {
@@ -190,7 +190,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
     }
 
-    /// Tells what the ray of a path met.
+    /// Records that the ray of a path missed.
     pub(super) fn record_miss(&mut self, path: &Path) {
         self.recorder.record(|| PathEvent::Miss {
             depth: path.state.depth,

@@ -1,13 +1,14 @@
 //! Path tracing, stage by stage over a batch of paths.
 //!
 //! The recursion of the rendering equation, written as a loop: a path carries its `throughput`, the
-//! product of `f cos / pdf` so far, and adds `throughput x emission` to its sample wherever it meets
-//! light. [`super::path_index`], [`super::direct`] and [`super::paper`] are this loop with different choices.
-//! A [`super::trace::PathRecorder`] may listen to it.
+//! product of `f cos / pdf` so far, and adds `throughput x emission` to its sample at every emitter
+//! it hits. [`super::path`], [`super::direct`] and [`super::paper`] are this loop with different
+//! options. A [`super::trace::PathRecorder`] may record it.
 //!
-//! The stages of one edge, a file each where they are more than a loop: camera rays ([`camera_paths`]),
-//! closest hits ([`batch`]), surfaces and their emission ([`shade`]), light samples ([`next_event`]), the
-//! next directions and who goes on ([`scatter`]), occlusion ([`batch`]).
+//! The stages of one edge, in a file each where they are more than a loop: camera rays
+//! ([`camera_paths`]), closest hits ([`batch`]), surfaces and their emission ([`shade`]), light
+//! sampling ([`next_event`]), BSDF sampling and Russian roulette ([`scatter`]), occlusion
+//! ([`batch`]).
 
 mod batch;
 mod camera_paths;

@@ -1,4 +1,4 @@
-//! Light samples: from a vertex towards something that shines.
+//! Next-event estimation: light samples and their shadow rays.
 
 use crate::color::Rgb;
 use crate::fault::fault;
@@ -16,7 +16,7 @@ use super::paths::{Path, PendingDirect, ShadowQueue};
 use super::weight::mis_weight;
 
 impl ShadowQueue<'_> {
-    /// One more shadow ray, and the media it starts in.
+    /// Adds a shadow ray and the media it starts in.
     pub(super) fn push(
         &mut self,
         scene: &Scene,
@@ -31,8 +31,9 @@ impl ShadowQueue<'_> {
 }
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// The shadow ray from a vertex to a sampled light, if it can bring any, and the media it starts
-    /// in; `transmitted_media` are those on the other side of the surface, where they are others.
+    /// Samples a light and returns the shadow ray towards it, if it can contribute, and the media
+    /// that ray starts in. `transmitted_media` are those on the other side of the surface, if they
+    /// differ.
     pub(super) fn sample_light<'p>(
         &'p mut self,
         path: &Path,

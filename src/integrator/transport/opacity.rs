@@ -1,10 +1,9 @@
-//! Shadow rays through surfaces that are there only with a probability, their opacity.
+//! Shadow rays through surfaces that are partly transparent (opacity below 1).
 //!
-//! A path decides at every such surface whether it is there. A shadow ray need not: it is walked
-//! from surface to surface by repeated closest queries, and its light is multiplied with the
-//! probability that nothing was there, which has the same mean and less noise. Both are weighted
-//! against each other as ever: the probability is a factor of the light on its way, the same for a
-//! direction that was aimed and for one that was found by chance.
+//! A path makes a random opacity test at every such surface. A shadow ray does not: it passes from
+//! surface to surface by repeated closest-hit queries, and its light is multiplied by the
+//! transmitted fractions, which has the same mean and less noise. MIS weights are unaffected:
+//! visibility is a factor of the transported light, the same for light sampling and BSDF sampling.
 
 use crate::color::Rgb;
 use crate::fault::fault;
@@ -20,13 +19,13 @@ use super::super::sample::RenderStats;
 use super::super::world::RenderContext;
 use super::paths::{MAX_PATH_EDGES, Path, PrevVertex, ShadowRays};
 
-/// Whether a path finds a surface there that is there with this probability.
+/// Returns true if a path's opacity test finds the surface present, given its opacity.
 pub(super) fn passes_opacity_test(path: &Path, sampler: Sampler, presence: f32) -> bool {
     sampler.get(dimension::opacity(path.state.depth, path.state.passthroughs)) < f64::from(presence)
 }
 
-/// Whether this is the far wall of a lamp whose near wall let the path in: light is aimed at the
-/// near one alone.
+/// Returns true if this is the far wall of an emitter whose near wall let the path in. Light
+/// sampling targets only the near wall.
 pub(super) fn is_back_wall_of_emitter(
     scene: &Scene,
     drawn: Option<&PrevVertex>,
@@ -38,9 +37,9 @@ pub(super) fn is_back_wall_of_emitter(
         && drawn.is_some_and(|drawn| !is_within(&drawn.light_sample_context(scene.spheres())))
 }
 
-/// Walks all shadow rays to their ends; `passed` becomes the share of the light of each that arrives.
-/// `media` are those that each starts in: light aimed at a lamp enters none, since a surface that is
-/// there ends it.
+/// Traces all shadow rays to their ends and sets the visibility of each. `media` are those that
+/// each ray starts in. A ray towards an emitter enters none, since a surface that is present ends
+/// it.
 pub(super) fn trace_visibility(
     world: RenderContext<'_>,
     shadows: &mut ShadowRays,
@@ -55,7 +54,7 @@ pub(super) fn trace_visibility(
     passed.resize(shadows.pending.len(), 1.0);
     let mut active: Vec<usize> = (0..shadows.pending.len()).collect();
     for _ in 0..MAX_PATH_EDGES {
-        // What is estimated after a request to stop is not used.
+        // Estimates made after cancellation are discarded.
         if active.is_empty() || world.cancel.is_cancelled() {
             return tally;
         }
@@ -82,7 +81,7 @@ pub(super) fn trace_visibility(
     tally
 }
 
-/// The share of the light that a surface lets through, and the ray behind it, if there is more to ask.
+/// Returns the fraction of light that a surface transmits, and the ray behind it unless it ends.
 fn surface_visibility(
     scene: &Scene,
     ray: &PathRay,
@@ -101,8 +100,9 @@ fn surface_visibility(
     (if fault!(ShadowRayOpacityLost) { presence } else { 1.0 - presence }, behind)
 }
 
-/// The radiance that a light sends to a receiver in `media`, its own opacity included. Only a lamp of
-/// glass seen from inside needs care: it is there if the path has entered it.
+/// Returns the radiance that a light sends to a shading point in `media`, including its own
+/// opacity. Only an emitter made of glass and seen from inside is special: it is present if the
+/// path has entered it.
 pub(super) fn emitter_radiance(
     scene: &Scene,
     aim: &LightSample,

@@ -1,4 +1,4 @@
-//! Paths on their way, their rays side by side, and the shadow rays of a stage.
+//! Path queues, with rays stored side by side, and the shadow rays of a stage.
 
 use crate::color::Rgb;
 use crate::geometry::{PathRay, PathRays, Side, SphereSet, SurfaceHit};
@@ -6,38 +6,38 @@ use crate::light::LightSampleContext;
 use crate::material::MediumStack;
 use crate::math::{DVec3, NO_SPHERE};
 
-/// No path has more edges, nor passes more hidden boundaries; the ones that would are counted and
-/// reported.
+/// Hard limit on the edges of a path and on the hidden boundaries it passes. Paths that exceed it
+/// are counted and reported.
 pub(super) const MAX_PATH_EDGES: u32 = 10_000;
 
-/// A path on its way.
+/// A path in progress.
 pub(super) struct Path {
     pub(super) ray: PathRay,
     pub(super) state: PathState,
 }
 
-/// All but the ray of a path.
+/// The state of a path, except its ray.
 #[derive(Clone, Copy)]
 pub(super) struct PathState {
-    /// Which sample of the batch it belongs to.
+    /// Index of its sample in the batch.
     pub(super) batch_index: u32,
     pub(super) throughput: Rgb,
-    /// Edges, the ray's own included.
+    /// Number of edges, including the current ray.
     pub(super) depth: u32,
-    /// Vertices so far that scattered light in more than one direction.
+    /// Number of vertices so far that scattered light in more than one direction.
     pub(super) scatter_count: u32,
     pub(super) redraws: u32,
-    /// Hidden boundaries that it went straight through.
+    /// Number of hidden boundaries passed straight through.
     pub(super) passthroughs: u32,
-    /// Whether the ray was drawn from a density, which [`PathBatch::pdf`](super::batch::PathBatch::pdf) tells.
+    /// True if the ray was sampled from a density; see
+    /// [`PathBatch::pdf_light`](super::batch::PathBatch::pdf_light).
     pub(super) has_prev_vertex: bool,
-    /// Squared index of refraction where the path is now: what refraction took from `throughput`
-    /// and will give back.
+    /// Squared index of refraction at the path's current position: the factor that refraction took
+    /// from `throughput` and will give back.
     pub(super) eta_scale: f32,
 }
 
-/// A direction drawn from a density at a point: for weighting what the ray meets against light
-/// sampling.
+/// Previous-vertex record for MIS: where the ray's direction was sampled, and with which pdf.
 #[derive(Clone, Copy)]
 pub(in crate::integrator) struct PrevVertex {
     pub(super) pdf: f64,
@@ -55,29 +55,29 @@ pub(in crate::integrator) struct PathQueue {
     pub(super) states: Vec<PathState>,
 }
 
-/// What a sample gains if nothing is in the way of a shadow ray.
+/// A contribution to a sample that is added if its shadow ray is unoccluded.
 pub(super) struct PendingDirect {
     pub(super) batch_index: u32,
     pub(super) radiance: Rgb,
     pub(super) is_direct: bool,
 }
 
-/// The shadow rays of a stage, and what each is worth.
+/// The shadow rays of a stage and their pending contributions.
 #[derive(Default)]
 pub(in crate::integrator) struct ShadowRays {
     pub(super) rays: PathRays,
     pub(super) pending: Vec<PendingDirect>,
 }
 
-/// The shadow rays of a stage.
+/// The queue that a stage pushes shadow rays to.
 pub(super) struct ShadowQueue<'w> {
     pub(super) shadow_rays: &'w mut ShadowRays,
-    /// The media that each starts in, where something is not opaque.
+    /// The media that each ray starts in, in scenes with partly transparent surfaces.
     pub(super) media: &'w mut Vec<MediumStack>,
 }
 
 impl PathState {
-    /// At the camera.
+    /// A path that starts at the camera.
     pub(super) fn new(sample: u32) -> Self {
         Self {
             batch_index: sample,
@@ -91,12 +91,12 @@ impl PathState {
         }
     }
 
-    /// Whether light that the path comes across has been scattered once at most.
+    /// Returns true if emission found now has been scattered at most once.
     pub(super) fn is_direct(&self) -> bool {
         self.scatter_count <= 1
     }
 
-    /// The same of light that is aimed at, and scattered once more here.
+    /// Returns true if a light sample taken at this vertex counts as direct light.
     pub(super) fn is_light_sample_direct(&self) -> bool {
         self.scatter_count == 0
     }
@@ -134,7 +134,7 @@ impl ShadowRays {
 }
 
 impl PrevVertex {
-    /// None yet.
+    /// The empty record.
     pub(super) const NONE: Self = Self {
         pdf: 0.0,
         point: DVec3::ZERO,
@@ -150,7 +150,7 @@ impl PrevVertex {
         Self { pdf, point, normal, id, side, is_two_sided }
     }
 
-    /// Where it was drawn; how far the way there was is forgotten.
+    /// Returns the shading point of the record; its hit distance is not kept.
     pub(super) fn light_sample_context(&self, spheres: &SphereSet) -> LightSampleContext {
         let Self { point, normal, id, side, is_two_sided, .. } = *self;
         let radius = spheres.sphere(id).radius;

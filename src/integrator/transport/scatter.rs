@@ -1,4 +1,4 @@
-//! The next direction of a path, and whether it goes on.
+//! BSDF sampling and Russian roulette: the next edge of a path.
 
 use crate::color::Rgb;
 use crate::fault::fault;
@@ -13,11 +13,11 @@ use super::super::trace::{PathEvent, PathRecorder, Termination};
 use super::batch::PathBatch;
 use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex};
 
-/// Paths shorter than this many edges are never ended by roulette.
+/// Paths with fewer edges are never terminated by roulette.
 const ROULETTE_MIN_DEPTH: u32 = 4;
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// Goes on behind a boundary that lies hidden in another medium.
+    /// Continues behind a boundary that is hidden in another medium.
     pub(super) fn pass_hidden_boundary(
         &mut self,
         path: &mut Path,
@@ -30,13 +30,13 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.continue_straight(path, hit)
     }
 
-    /// Goes on behind a surface that is not there.
+    /// Continues behind a surface that failed the opacity test.
     pub(super) fn pass_transparent(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
         self.recorder.record(|| PathEvent::Transparent);
         self.continue_straight(path, hit)
     }
 
-    /// Goes on in the same direction on the other side of a surface.
+    /// Continues in the same direction on the other side of a surface.
     fn continue_straight(&mut self, path: &mut Path, hit: &SurfaceHit) -> bool {
         path.state.passthroughs += 1;
         if path.state.passthroughs >= MAX_PATH_EDGES {
@@ -49,7 +49,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         true
     }
 
-    /// Turns the path into the sampled direction. Returns whether it goes on.
+    /// Continues the path in the sampled direction. Returns true if the path continues.
     pub(super) fn scatter(
         &mut self,
         path: &mut Path,
@@ -77,7 +77,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.survives(&mut path.state)
     }
 
-    /// Whether a path that has just scattered goes on, with its throughput made up for that.
+    /// Applies Russian roulette and its throughput compensation. Returns true if the path
+    /// continues.
     #[inline(always)]
     pub(super) fn survives(&mut self, state: &mut PathState) -> bool {
         let largest = state.throughput.max_element();
@@ -93,15 +94,15 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         continues || self.terminate(Termination::LowThroughput)
     }
 
-    /// Russian roulette. The throughput of a path that goes on; `None` for one that does not.
+    /// Russian roulette. Returns the throughput of a surviving path, `None` if it is terminated.
     ///
-    /// What counts is the throughput times the squared index of refraction where the path is: light
-    /// that refraction compressed is going to be spread again. A path whose weight `w` is below 1
-    /// survives with that probability, and then weighs 1; one that weighs more always survives. So
-    /// no weight ever exceeds the larger of 1 and what it was without roulette, and the square of
-    /// what a path gathers grows by at most the factor `1 / w`, from `w^2` to `w`: the variance stays
-    /// bounded. Ending long paths with a fixed share whatever they weigh, as is often done, breaks
-    /// that: weights would grow without limit in a room of albedo near 1.
+    /// The survival weight `w` is the throughput times the squared index of refraction at the
+    /// path's position, because light compressed by refraction will be spread again. A path with
+    /// `w` below 1 survives with probability `w` and then weighs 1; a path with a larger weight
+    /// always survives. So no weight ever exceeds the larger of 1 and its value without roulette,
+    /// and the square of a path's contribution grows by at most the factor `1 / w`, from `w^2` to
+    /// `w`: the variance stays bounded. Terminating long paths with a fixed probability, as is
+    /// often done, breaks this: weights would grow without limit in a room of albedo near 1.
     fn russian_roulette(&mut self, state: PathState) -> Option<Rgb> {
         let weight = state.throughput.max_element() * state.eta_scale;
         let survival = weight.min(1.0);
@@ -116,7 +117,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         survives.then_some(throughput)
     }
 
-    /// Goes over to the media beyond a boundary, if they are others.
+    /// Switches to the media beyond a boundary, if they differ.
     fn set_media(&mut self, path: &Path, transmitted_media: Option<&MediumStack>) {
         let Some(media) = transmitted_media else { return };
         if let Some(here) = self.media.get_mut(path.state.batch_index as usize) {

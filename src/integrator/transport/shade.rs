@@ -1,4 +1,4 @@
-//! Surfaces: what a path meets, the light that is there, and what happens to the path.
+//! Surface shading: hits and misses, emission, and the continuation of the path.
 
 use crate::color::Rgb;
 use crate::fault::fault;
@@ -17,7 +17,8 @@ use super::opacity;
 use super::paths::{MAX_PATH_EDGES, Path, PathState, PrevVertex, ShadowQueue};
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// A path that meets nothing: it sees the background. Returns whether it goes on.
+    /// Shades a path that misses: adds the environment's radiance. Returns true if the path
+    /// continues.
     pub(super) fn shade_miss(&mut self, path: &mut Path) -> bool {
         self.record_miss(path);
         if self.retry_camera_ray(path) {
@@ -25,7 +26,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
         let (scene, direction) = (self.context.scene, path.ray.direction);
         let radiance = if path.state.depth == 1 {
-            // Nothing has turned this path yet: it looks straight from the camera.
+            // The path has not scattered yet: it comes straight from the camera.
             let radiance = scene.camera_background(direction);
             self.radiance[path.state.batch_index as usize].alpha = radiance.alpha;
             self.record_background(path, radiance.direct);
@@ -39,8 +40,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.terminate(Termination::Escaped)
     }
 
-    /// The radiance of a background that is the same from everywhere, where meeting it takes no more
-    /// than [`Self::shade_constant_miss`].
+    /// Returns the radiance of a constant environment, if [`Self::shade_constant_miss`] is
+    /// sufficient to shade a miss.
     pub(super) fn constant_environment(&self) -> Option<Rgb> {
         let is_plain = !R::ENABLED
             && self.visible_surfaces.is_empty()
@@ -48,8 +49,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.context.shot.lights().environment().constant_radiance().filter(|_| is_plain)
     }
 
-    /// Ends a path that meets nothing but a background of this radiance, as [`Self::miss`] does:
-    /// nobody aims at such a background.
+    /// Terminates a path that misses in a scene with a constant environment, as
+    /// [`Self::shade_miss`] does. Light sampling never targets such an environment.
     #[inline(always)]
     pub(super) fn shade_constant_miss(&mut self, state: &PathState, mut radiance: Rgb) {
         if state.depth == 1 {
@@ -67,7 +68,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
     }
 
-    /// A path that meets a surface. Returns whether it goes on.
+    /// Shades a path that hits a surface. Returns true if the path continues.
     pub(super) fn shade_hit(
         &mut self,
         path: &mut Path,
@@ -97,7 +98,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             return self.pass_transparent(path, &hit);
         }
 
-        // Straight through where a dielectric's boundary lies hidden in another one.
+        // Pass straight through a dielectric boundary that is hidden in another dielectric.
         let entering = hit.side == Side::Outside;
         let boundary = surface.medium(hit.id).map(|m| self.media_of(path).boundary(m, entering));
         let beyond = boundary.as_ref().map(|boundary| &boundary.transmitted_media);
@@ -114,12 +115,12 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.sample_light_and_bsdf(path, &hit, &surface, eta, beyond, aims)
     }
 
-    /// Whether a path has as many edges as it may.
+    /// Returns true if a path has reached `max_depth`.
     pub(super) fn is_at_max_depth(&self, state: &PathState) -> bool {
         state.depth - u32::from(fault!(DepthOffByOne)) >= self.integrator.max_depth
     }
 
-    /// Aims at a light, then scatters. Returns whether the path goes on.
+    /// Samples a light, then the BSDF. Returns true if the path continues.
     pub(super) fn sample_light_and_bsdf(
         &mut self,
         path: &mut Path,
@@ -157,7 +158,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         goes_on
     }
 
-    /// Adds light that a path came across, and might have aimed at.
+    /// Adds emission found by BSDF sampling, with its MIS weight if light sampling could have found
+    /// it.
     pub(super) fn add_emission(
         &mut self,
         path: &Path,
@@ -194,7 +196,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         });
     }
 
-    /// The density with which the direction of a path's ray would have been drawn towards a light.
+    /// Returns the pdf with which light sampling would have sampled the path's current direction.
     fn pdf_light(&self, path: &Path, drawn: &PrevVertex, source: LightSource) -> f64 {
         if self.integrator.estimator == Estimator::Bsdf {
             return 0.0;

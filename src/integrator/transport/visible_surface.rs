@@ -1,6 +1,6 @@
-//! What a path sees before anything has turned it, for the layers that show that.
+//! The first visible surface of a path, for AOVs.
 //!
-//! It asks the same questions as [`super::shade`] and changes nothing of a path.
+//! The tests mirror those of [`super::shade`] and do not affect the path.
 
 use crate::color::Rgb;
 use crate::geometry::{Side, SurfaceHit};
@@ -13,7 +13,7 @@ use super::opacity;
 use super::paths::Path;
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// Notes what the edge of a path meets, where that is wanted and the path looks straight from the
+    /// Records the hit of a path's edge, if requested and if the path comes straight from the
     /// camera.
     pub(super) fn record_visible_surface(&mut self, path: &Path, hit: Hit) {
         if self.visible_surfaces.is_empty() || path.state.depth > 1 {
@@ -37,7 +37,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
     }
 
-    /// Notes that a path meets nothing but the background.
+    /// Records that a camera path misses.
     pub(super) fn record_background(&mut self, path: &Path, radiance: Rgb) {
         if let Some(record) = self.visible_surfaces.get_mut(path.state.batch_index as usize) {
             aov::add_emission(record, path.state.throughput * radiance);
@@ -45,7 +45,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         }
     }
 
-    /// Whether a dielectric's boundary lies hidden in another dielectric.
+    /// Returns true if the hit is a dielectric boundary hidden in another dielectric.
     fn is_hidden_boundary(&self, path: &Path, hit: &SurfaceHit) -> bool {
         let medium = self.context.scene.sphere_material(hit.id).medium(hit.id);
         let entering = hit.side == Side::Outside;

@@ -3,7 +3,7 @@
 use crate::sampling::power_heuristic;
 use crate::scene::settings::Estimator;
 
-/// The weight of a light sample against what the BSDF might have drawn.
+/// MIS weight of a light sample against BSDF sampling.
 #[inline(always)]
 pub(super) fn mis_weight(estimator: Estimator, pdf: f64, pdf_bsdf: f64) -> f64 {
     match estimator {

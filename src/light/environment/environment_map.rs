@@ -1,16 +1,15 @@
-//! Radiance from all directions, interpolated between nodes, and drawn exactly by what it shines.
+//! An environment map: interpolated radiance over all directions, with exact importance sampling.
 //!
-//! Nodes stand in rows, each at a height (the sine of its elevation), and in columns around. Between
-//! four of them radiance is linear in the height and linear in the azimuth, which are the coordinates
-//! in which solid angle is uniform. So the light of a cell is the mean of its corners times its solid
-//! angle, a direction can be drawn by inverting two linear densities, and the density that comes out
-//! is exactly the function that was aimed at.
+//! Nodes form a grid of rows, each at a height (the sine of its elevation), and of columns around.
+//! Between four nodes radiance is linear in the height and in the azimuth, the coordinates in which
+//! solid angle is uniform. The light of a cell is therefore the mean of its corners times its solid
+//! angle, directions are sampled by inverting two linear densities, and the resulting pdf is
+//! exactly proportional to the sampling function.
 //!
-//! That function is not luminance itself but what of it lies above its mean: the even part is best
-//! found by the BSDF's own samples, with which these are combined (Karlik, Sik, Vevoda, Skrivan and
-//! Krivanek 2019, "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance
-//! Sampling"). A tenth of the luminance is kept everywhere, so that no light is far from being aimed
-//! at.
+//! That function is not luminance itself but its excess above the mean: BSDF sampling, with which
+//! it is combined, handles the constant part best (Karlik, Sik, Vevoda, Skrivan and Krivanek 2019,
+//! "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling"). A tenth of
+//! the luminance is kept everywhere, so that light sampling never neglects any light.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,52 +19,53 @@ use crate::color::{Rgb, luminance};
 use crate::math::DVec3;
 use crate::sampling::{DiscreteDistribution, atan2, cos, sin_cos};
 
-/// The share of its luminance with which a node is aimed at in any case.
+/// Minimum sampling weight of a node, as a fraction of its luminance.
 const MIN_WEIGHT_FRACTION: f64 = 0.1;
 
 /// Radiance over the sphere of directions, y up.
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {
     columns: usize,
-    /// Of each row of nodes, falling from 1 to -1. Two rows may share a height: a sharp edge.
+    /// Height of each row of nodes, decreasing from 1 to -1. Two rows may share a height: a sharp
+    /// edge.
     heights: Vec<f64>,
     radiance: Vec<Rgb>,
     mean_luminance: f64,
-    /// Between which rows.
+    /// Distribution over the bands between rows.
     band_distribution: Option<DiscreteDistribution>,
-    /// Between which columns, for every band that shines.
+    /// Distribution over the cells of each band, for bands that emit light.
     cell_distributions: Vec<Option<DiscreteDistribution>>,
-    /// What is aimed at, summed over all directions.
+    /// Integral of the sampling function over all directions.
     total_weight: f64,
 }
 
-/// Where a direction lies between nodes.
+/// A direction's position in the grid.
 struct GridPosition {
     band: usize,
     column: usize,
-    /// From the column to the next.
+    /// Fraction from the column to the next.
     across: f64,
-    /// From the upper row to the lower.
+    /// Fraction from the upper row to the lower.
     down: f64,
 }
 
 impl EnvironmentMap {
-    /// The same from everywhere.
+    /// Creates a map of constant radiance.
     pub fn constant(radiance: Rgb) -> Self {
         Self::from_rows(1, vec![1.0, -1.0], vec![radiance; 2])
     }
 
-    /// Linear in the height: from straight above to the horizon to straight below.
+    /// Creates a gradient that is linear in the height: from zenith to horizon to nadir.
     pub fn gradient(zenith: Rgb, horizon: Rgb, nadir: Rgb) -> Self {
         Self::from_rows(1, vec![1.0, 0.0, -1.0], vec![zenith, horizon, nadir])
     }
 
-    /// A picture in latitude and longitude, its rows from the top. Its middle lies towards -z, and
-    /// its right side to the right of that (+x). Nodes are the middles of its pixels; the poles are
-    /// the means of the first and the last row.
+    /// Creates a map from an image in latitude and longitude, rows from the top. The image's centre
+    /// faces -z, its right side +x. Nodes are the pixel centres; the poles are the means of the
+    /// first and the last row.
     ///
     /// # Panics
-    /// Unless there are `width` times `height` pixels, and some.
+    /// Unless there are `width` times `height` pixels, and at least one.
     pub fn from_image(width: usize, height: usize, pixels: &[Rgb]) -> Self {
         assert!(width > 0 && height > 0 && pixels.len() == width * height);
         let mean = |row: &[Rgb]| {
@@ -79,7 +79,7 @@ impl EnvironmentMap {
         Self::from_rows(width, heights, [&first, pixels, &last].concat())
     }
 
-    /// From rows of nodes, whose first column lies half a column to the right of +z.
+    /// Creates a map from rows of nodes, whose first column lies half a column to the right of +z.
     pub(super) fn from_rows(columns: usize, heights: Vec<f64>, radiance: Vec<Rgb>) -> Self {
         let bands = heights.len() - 1;
         let nothing = vec![None; bands];
@@ -106,17 +106,17 @@ impl EnvironmentMap {
         dome
     }
 
-    /// Whether the radiance is the same from everywhere, so that there is nothing to aim at.
+    /// Returns true if the radiance is constant, so that light sampling does not apply.
     pub fn is_constant(&self) -> bool {
         self.radiance.iter().all(|radiance| *radiance == self.radiance[0])
     }
 
-    /// The largest radiance in any channel.
+    /// Returns the maximum radiance in any channel.
     pub(super) fn max_radiance(&self) -> f32 {
         self.radiance.iter().map(|radiance| radiance.max_element()).fold(0.0, f32::max)
     }
 
-    /// The radiance from a unit direction.
+    /// Returns the radiance from a unit direction.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
         let place = self.locate(direction);
         let mut sum = DVec3::ZERO;
@@ -126,7 +126,7 @@ impl EnvironmentMap {
         sum.as_vec3()
     }
 
-    /// A unit direction, from `u` in `[0, 1)^2`; `None` where there is nothing to aim at.
+    /// Samples a unit direction, from `u` in `[0, 1)^2`; `None` for a constant map.
     pub fn sample(&self, u: [f64; 2]) -> Option<DVec3> {
         let bands = self.band_distribution.as_ref()?;
         let band = bands.sample(u[0]);
@@ -142,7 +142,7 @@ impl EnvironmentMap {
         Some(DVec3::new(-flat * sin, height, flat * cos))
     }
 
-    /// The density of [`Self::sample`] per solid angle.
+    /// Returns the pdf of [`Self::sample`] per solid angle.
     pub fn pdf(&self, direction: DVec3) -> f64 {
         if self.band_distribution.is_none() {
             return 0.0;
@@ -156,19 +156,19 @@ impl EnvironmentMap {
         aimed / self.total_weight
     }
 
-    /// What is aimed at, summed over all directions, in W/m^2 of luminance; 0 where all is left to
-    /// chance.
+    /// Returns the integral of the sampling function over all directions, in W/m^2 of luminance; 0
+    /// if everything is left to BSDF sampling.
     pub(super) fn total_weight(&self) -> f64 {
         self.total_weight
     }
 
-    /// How much a node is aimed at.
+    /// Returns the sampling weight of a node.
     fn sampling_weight(&self, node: usize) -> f64 {
         let luminance = f64::from(luminance(self.radiance[node]));
         (luminance - self.mean_luminance).max(MIN_WEIGHT_FRACTION * luminance)
     }
 
-    /// The light of every cell between two rows.
+    /// Returns the sampling weight of every cell between two rows.
     fn band_weights(&self, band: usize) -> Vec<f64> {
         let height = self.heights[band] - self.heights[band + 1];
         let solid_angle = TAU / self.columns as f64 * height;
@@ -185,7 +185,7 @@ impl EnvironmentMap {
         let band = below.clamp(1, self.heights.len() - 1) - 1;
         let [above, below] = [self.heights[band], self.heights[band + 1]];
         let down = ((above - height) / (above - below)).clamp(0.0, 1.0);
-        // From +z, which is behind, around to the left: the picture's left edge is behind.
+        // Counted from +z, behind the viewer, around to the left: the image's left edge is behind.
         let turns = atan2(-direction.x, direction.z) / TAU;
         let at = (turns - turns.floor()) * self.columns as f64 - 0.5;
         let column = at.floor();
@@ -194,7 +194,7 @@ impl EnvironmentMap {
         GridPosition { band, column, across, down }
     }
 
-    /// The four nodes around a place with their weights.
+    /// Returns the four nodes around a grid position with their bilinear weights.
     fn bilinear_weights(&self, place: &GridPosition) -> [(usize, f64); 4] {
         let GridPosition { band, column, across, down } = *place;
         let [a, b, c, d] = self.corner_nodes(band, column);
@@ -202,7 +202,7 @@ impl EnvironmentMap {
         [(a, up * back), (b, up * across), (c, down * back), (d, down * across)]
     }
 
-    /// Upper left, upper right, lower left, lower right.
+    /// Returns the nodes at the upper left, upper right, lower left and lower right.
     fn corner_nodes(&self, band: usize, column: usize) -> [usize; 4] {
         let next = (column + 1) % self.columns;
         let row = band * self.columns;
@@ -210,12 +210,12 @@ impl EnvironmentMap {
     }
 }
 
-/// A number in `[0, 1]` with a density that goes linearly from `a` to `b`.
+/// Samples a number in `[0, 1]` with a density that is linear from `a` to `b`.
 fn sample_linear(a: f64, b: f64, u: f64) -> f64 {
     if a + b <= 0.0 {
         return u;
     }
-    // The root of the cumulative, written so that it does not cancel where a is close to b.
+    // The root of the cumulative distribution, written to avoid cancellation where a is close to b.
     let t = u * (a + b) / (a + (a * a + u * (b * b - a * a)).max(0.0).sqrt());
     t.clamp(0.0, 1.0)
 }

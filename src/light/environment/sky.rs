@@ -1,10 +1,12 @@
 //! A clear sky, after Preetham, Shirley and Smits 1999, "A Practical Analytic Model for Daylight".
 //!
-//! Luminance and chromaticity over the upper hemisphere as functions of the sun's height and of the
-//! air's turbidity: 2 is very clear, 3 clear, 6 warm and moist, 10 hazy. Coefficients and formulas are
-//! those of the paper's appendix A.2. Below the horizon lies matt ground, evenly lit by sky and sun.
+//! Luminance and chromaticity over the upper hemisphere are functions of the sun's elevation and of
+//! the air's turbidity: 2 is very clear, 3 clear, 6 warm and moist, 10 hazy. Coefficients and
+//! formulas are those of the paper's appendix A.2. Below the horizon is diffuse ground, uniformly
+//! lit by sky and sun.
 //!
-//! The model is tabulated once: a row every 0.7 degrees of elevation, a column as often around.
+//! The model is tabulated once: a row every 0.7 degrees of elevation, and columns at the same
+//! spacing.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
@@ -17,27 +19,27 @@ use super::EnvironmentMap;
 const COLUMNS: usize = 512;
 /// Rows from the zenith to the horizon, both included.
 const ROWS: usize = 129;
-/// cd/m^2 of 1 W/(sr m^2) in every channel: Radiance's luminous efficacy of white light, in lm/W
+/// cd/m^2 per 1 W/(sr m^2) in every channel: Radiance's luminous efficacy of white light, in lm/W
 /// (Ward 1994, "The RADIANCE Lighting Simulation and Rendering System").
 const LUMINOUS_EFFICACY: f64 = 179.0;
 
-/// What the sky looks like.
+/// Parameters of the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
     /// The air's turbidity, from 2 to 10.
     pub turbidity: f64,
     /// Unit direction to the sun, y up; above the horizon.
     pub sun: DVec3,
-    /// The sun's irradiance on a surface facing it, for the ground only.
+    /// The sun's irradiance on a surface facing it; affects the ground only.
     pub sun_irradiance: Rgb,
     /// The ground's albedo.
     pub ground: Rgb,
-    /// A factor on the sky's radiance.
+    /// Scale factor on the sky's radiance.
     pub scale: f64,
 }
 
 impl Sky {
-    /// The sky and the ground around.
+    /// Tabulates the sky and the ground as an environment map.
     pub fn environment_map(&self) -> EnvironmentMap {
         let model = Perez::new(self.turbidity, safe_acos(self.sun.y));
         let mut heights = Vec::new();
@@ -62,8 +64,8 @@ impl Sky {
     }
 }
 
-/// What falls on level ground: radiance times height, summed over the hemisphere. Between two rows
-/// radiance is linear in the height, which makes a parabola.
+/// Irradiance on level ground: radiance times height, integrated over the hemisphere. Between two
+/// rows radiance is linear in the height, so the integrand is a parabola.
 fn irradiance(heights: &[f64], radiance: &[Rgb]) -> DVec3 {
     let mean =
         |row: &[Rgb]| row.iter().map(|color| color.as_dvec3()).sum::<DVec3>() / row.len() as f64;
@@ -79,7 +81,7 @@ fn irradiance(heights: &[f64], radiance: &[Rgb]) -> DVec3 {
 /// chromaticities x and y.
 struct Perez {
     coefficients: [[f64; 5]; 3],
-    /// Value at the zenith over the formula's value there.
+    /// Zenith values divided by the formula's value there.
     scales: [f64; 3],
 }
 
@@ -114,13 +116,13 @@ impl Perez {
         Self { coefficients, scales: [0, 1, 2].map(scale) }
     }
 
-    /// Linear Rec. 709 in W/(sr m^2), at a height and an angle from the sun.
+    /// Returns linear Rec. 709 radiance in W/(sr m^2), at a height and an angle from the sun.
     fn radiance(&self, height: f64, from_sun: f64) -> DVec3 {
         let [luminance, x, y] =
             [0, 1, 2].map(|i| self.scales[i] * perez(&self.coefficients[i], height, from_sun));
         let [x_, y_, z_] =
             [x / y, 1.0, (1.0 - x - y) / y].map(|v| v * luminance / LUMINOUS_EFFICACY);
-        // IEC 61966-2-1, from XYZ.
+        // XYZ to linear Rec. 709, IEC 61966-2-1.
         let color = DVec3::new(
             3.240_454_2 * x_ - 1.537_138_5 * y_ - 0.498_531_4 * z_,
             -0.969_266_0 * x_ + 1.876_010_8 * y_ + 0.041_556_0 * z_,
@@ -136,7 +138,7 @@ fn perez(&[a, b, c, d, e]: &[f64; 5], height: f64, from_sun: f64) -> f64 {
     (1.0 + a * exp(b / height)) * (1.0 + c * exp(d * from_sun) + e * cos * cos)
 }
 
-/// At the zenith: luminance in cd/m^2, and chromaticities.
+/// Zenith luminance in cd/m^2, and chromaticities.
 fn zenith(t: f64, sun: f64) -> [f64; 3] {
     let chi = (4.0 / 9.0 - t / 120.0) * (PI - 2.0 * sun);
     let luminance = (4.0453 * t - 4.9710) * tan(chi) - 0.2155 * t + 2.4192;
@@ -170,8 +172,8 @@ mod tests {
 
     #[test]
     fn the_zenith_has_the_value_that_the_paper_gives_it() {
-        // T = 3 and the sun at 45 degrees, worked out by hand: chi = (4/9 - 1/40) pi/2,
-        // Y = 7.1649 x 0.77423 + 1.7727 = 7.3200 kcd/m^2.
+        // T = 3 and the sun at 45 degrees, computed by hand: chi = (4/9 - 1/40) pi/2, Y = 7.1649 x
+        // 0.77423 + 1.7727 = 7.3200 kcd/m^2.
         let [luminance, x, y] = zenith(3.0, PI / 4.0);
         assert!((luminance - 7320.0).abs() < 1.0, "{luminance}");
         assert!((0.24..0.28).contains(&x) && (0.24..0.28).contains(&y), "{x} {y}");
@@ -204,7 +206,7 @@ mod tests {
 
     #[test]
     fn ground_is_lit_by_all_of_the_sky_and_the_sun() {
-        // A sky of even radiance brings pi times that.
+        // A sky of constant radiance gives pi times that irradiance.
         let heights = [1.0, 0.7, 0.2, 0.0];
         let even = irradiance(&heights, &vec![Rgb::ONE; 4 * COLUMNS]);
         assert!((even - PI).length() < 1e-12);

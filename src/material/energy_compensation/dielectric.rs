@@ -1,16 +1,16 @@
-//! The energy of a rough interface between two transparent media.
+//! Energy compensation for a rough interface between two transparent media.
 //!
-//! Seen from either side, facets that scatter light once lose a share of it, M(cos). As for metals,
-//! Kulla and Conty (2017) give it back by broad lobes, on both sides of the interface:
+//! Seen from either side, single scattering loses a fraction M(cos) of the light. As for metals,
+//! Kulla and Conty (2017) return it in broad lobes, on both sides of the interface:
 //!
 //! ```text
-//! r M(o) M(i) / (pi m)          back to the side of wo,
-//! t M(o) M'(i) / (pi m')        through to the other side (times cos: the share of light),
+//! r M(o) M(i) / (pi m)          reflected to the side of wo,
+//! t M(o) M'(i) / (pi m')        transmitted to the other side (times cos: the share of light),
 //! ```
 //!
-//! m being the mean of M over the cosine, M' and m' those of the other side, and `r + t = 1`, so that
-//! all light is sent on. Light may go both ways where `t m = eta^2 t' m'`; with the mean share T that
-//! a smooth interface lets through, `T = eta^2 T'`, that is what `t = T m' / (m + m')` does.
+//! where m is the cosine-weighted mean of M, M' and m' are those of the other side, and
+//! `r + t = 1`, so that no light is lost. Reciprocity requires `t m = eta^2 t' m'`; with the mean
+//! transmittance T of a smooth interface, `T = eta^2 T'`, it is satisfied by `t = T m' / (m + m')`.
 
 use crate::fault::fault;
 use crate::math::DVec3;
@@ -19,19 +19,19 @@ use super::super::fresnel::{fresnel, refract};
 use super::super::ggx::Ggx;
 use super::{EnergyCompensation, hemispherical_mean};
 
-/// Two neighbours in Fibonacci's sequence: the second is the number of facets.
+/// Two consecutive Fibonacci numbers; the second is the number of facets.
 const FIBONACCI: [usize; 2] = [6765, 10946];
 
-/// What a rough interface loses on both sides, and where it goes.
+/// Energy lost by a rough interface on both sides, and where compensation sends it.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricCompensation {
-    /// What is lost on the side that the index of refraction is told from, and beyond.
+    /// The energy lost on the side that `eta` refers to, and beyond.
     missing: [EnergyCompensation; 2],
-    /// The part of it that goes through to the other side.
+    /// The fraction of it that is transmitted to the other side.
     transmitted_fraction: [f64; 2],
 }
 
-/// The same as seen from one of the sides.
+/// Energy compensation as seen from one side of the interface.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricCompensationSide<'a> {
     both_sides: &'a DielectricCompensation,
@@ -39,7 +39,8 @@ pub struct DielectricCompensationSide<'a> {
 }
 
 impl DielectricCompensation {
-    /// Of a microsurface with the index of refraction beyond over the one before, `eta`.
+    /// Computes the compensation of a microsurface for `eta`, the index of refraction beyond over
+    /// that on the near side.
     pub fn new(ggx: Ggx, eta: f64) -> Self {
         let missing = [eta, 1.0 / eta].map(|eta| missing_energy(ggx, eta));
         // From the side of the lower index Fresnel's equations are smooth.
@@ -52,29 +53,30 @@ impl DielectricCompensation {
         Self { missing, transmitted_fraction: [smooth[0] * beyond / sum, smooth[1] * here / sum] }
     }
 
-    /// Seen from the side that the index was told from.
+    /// Returns the compensation seen from the side that `eta` refers to.
     pub fn near_side(&self) -> DielectricCompensationSide<'_> {
         DielectricCompensationSide { both_sides: self, side: 0 }
     }
 
-    /// Seen from the other side.
+    /// Returns the compensation seen from the other side.
     pub fn far_side(&self) -> DielectricCompensationSide<'_> {
         DielectricCompensationSide { both_sides: self, side: 1 }
     }
 }
 
 impl DielectricCompensationSide<'_> {
-    /// The share of light from `wo` that is sent into the broad lobes.
+    /// Returns the fraction of light from `wo` that goes into the compensation lobes.
     pub fn missing(&self, wo: DVec3) -> f64 {
         self.both_sides.missing[self.side].missing(wo.z)
     }
 
-    /// The part of [`Self::missing`] that goes through.
+    /// Returns the fraction of [`Self::missing`] that is transmitted.
     pub fn transmitted_fraction(&self) -> f64 {
         self.both_sides.transmitted_fraction[self.side]
     }
 
-    /// The broad lobes, without the change of radiance between media: `wi.z` tells the side.
+    /// Evaluates the compensation lobes, without the change of radiance between media. The sign of
+    /// `wi.z` gives the side.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
         let here = &self.both_sides.missing[self.side];
         let beyond = &self.both_sides.missing[1 - self.side];
@@ -86,7 +88,7 @@ impl DielectricCompensationSide<'_> {
         }
     }
 
-    /// A direction of the broad lobes, by three random numbers in `[0, 1)`.
+    /// Samples a direction of the compensation lobes, from three numbers in `[0, 1)`.
     pub fn sample(&self, side: f64, u: [f64; 2]) -> DVec3 {
         if side < self.transmitted_fraction() {
             self.both_sides.missing[1 - self.side].sample(u) * DVec3::new(1.0, 1.0, -1.0)
@@ -95,7 +97,7 @@ impl DielectricCompensationSide<'_> {
         }
     }
 
-    /// The density of [`Self::sample`], per solid angle.
+    /// Returns the pdf of [`Self::sample`], per solid angle.
     pub fn pdf(&self, wi: DVec3) -> f64 {
         if wi.z > 0.0 {
             (1.0 - self.transmitted_fraction()) * self.both_sides.missing[self.side].pdf(wi.z)
@@ -105,8 +107,8 @@ impl DielectricCompensationSide<'_> {
     }
 }
 
-/// What facets lose of light from one side. Total reflection makes it bend where no other loss does:
-/// half of the nodes are there for that, and a lattice in place of a grid.
+/// Tabulates the energy lost on one side. Total internal reflection bends the curve where no other
+/// loss does, so half of the nodes are placed there, and a lattice replaces the grid.
 fn missing_energy(ggx: Ggx, eta: f64) -> EnergyCompensation {
     EnergyCompensation::new([2.0 * ggx.alpha(), 4.0], |wo| {
         mean_over_lattice(|u| {
@@ -120,7 +122,7 @@ fn missing_energy(ggx: Ggx, eta: f64) -> EnergyCompensation {
     })
 }
 
-/// The mean over the unit square by a Fibonacci lattice, denser towards 1 in the second coordinate,
+/// Mean over the unit square by a Fibonacci lattice, denser towards 1 in the second coordinate,
 /// where the few steep facets are.
 fn mean_over_lattice(f: impl Fn([f64; 2]) -> f64) -> f64 {
     let [before, count] = FIBONACCI;
@@ -136,7 +138,7 @@ mod tests {
     use super::*;
     use approx::{assert_abs_diff_eq, assert_relative_eq};
 
-    /// What the documentation of dielectrics states.
+    /// The error bound stated in the documentation of dielectrics.
     const BOUND: f64 = 2e-3;
 
     fn direction(cos: f64) -> DVec3 {

@@ -1,18 +1,20 @@
-//! What a microsurface loses when its facets scatter light only once, and how it is given back.
+//! Multiscatter energy compensation (Kulla-Conty): what single scattering on a microsurface loses,
+//! and how it is returned.
 //!
-//! Light that one facet sends into another is lost to the single-scattering model: at roughness 1
-//! more than half of it. Kulla and Conty (2017, "Revisiting Physically Based Shading at Imageworks")
-//! give it back as a second, broad and reciprocal lobe, from the missing share of energy
+//! The single-scattering model drops light that one facet sends into another; at roughness 1 that
+//! is more than half of it. Kulla and Conty (2017, "Revisiting Physically Based Shading at
+//! Imageworks") return it in a second, broad and reciprocal lobe, from the missing energy
 //! `1 - E(cos)` of each direction, E being the directional albedo of lossless facets.
 //!
 //! Here E is integrated for each material when a scene is built, so that nothing is interpolated
 //! between materials; between the cosines of the table the error is below 5e-4, as a test shows.
 //!
-//! Directions are drawn without the table: a facet, and where its light does not come out at once,
-//! the broad lobe. So as much goes there as is truly missing, and what is drawn weighs 1 but for the
-//! colour: a path may bounce among rough surfaces hundreds of times without its weight growing.
+//! Sampling does not use the table: it samples a facet and, if the light does not escape directly,
+//! the broad lobe. So the broad lobe is sampled exactly as often as energy is missing, and sample
+//! weights are 1 except for colour: a path may bounce among rough surfaces hundreds of times
+//! without its weight growing.
 //!
-//! [`DielectricCompensation`] does the same for rough glass, on both of its sides.
+//! [`DielectricCompensation`] does this for rough glass, on both of its sides.
 
 mod dielectric;
 mod table;
@@ -28,29 +30,28 @@ use crate::sampling::sin_cos;
 use super::Ggx;
 use table::CosineTable;
 
-/// Cosines in a table.
+/// Number of cosines in a table.
 const NODES: usize = 64;
-/// Parts of the hemisphere into which a broad lobe sends equal shares of its light.
+/// Number of bins of a broad lobe; each receives an equal share of its light.
 const LOBE_BINS: usize = 64;
-/// The rule that integrates over facets: rings of steepness, and sectors of half a turn.
+/// Quadrature over facets: rings of steepness, and sectors of half a turn.
 const RINGS: usize = 96;
 const SECTORS: usize = 24;
-/// Steps of the rule that averages over cosines.
+/// Steps of the quadrature over cosines.
 const STEPS: usize = 1024;
 
-/// The share of light that single scattering loses, by the cosine of the direction that it comes
-/// from.
+/// Energy that single scattering loses, as a function of the cosine of the incoming direction.
 #[derive(Clone, Copy, Debug)]
 pub struct EnergyCompensation {
     table: CosineTable<NODES>,
-    /// The cosine-weighted mean over the hemisphere.
+    /// Cosine-weighted mean over the hemisphere.
     mean_missing: f32,
-    /// The squared cosines between which the lobe sends equal shares of its light.
+    /// Squared cosines that divide the lobe into bins of equal light.
     bin_edges: [f32; LOBE_BINS + 1],
 }
 
 impl EnergyCompensation {
-    /// What lossless reflection by a microsurface loses.
+    /// Computes the energy that lossless reflection by a microsurface loses.
     pub fn for_reflection(ggx: Ggx) -> Self {
         // The loss changes fast at cosines below about alpha.
         Self::new([2.0 * ggx.alpha(); 2], |wo| {
@@ -61,8 +62,8 @@ impl EnergyCompensation {
         })
     }
 
-    /// What is missing to 1 of a directional albedo. The nodes lie close at cosines below each of
-    /// `bends`.
+    /// Tabulates the complement to 1 of a directional albedo. The nodes are dense at cosines below
+    /// each of `bends`.
     pub(super) fn new(bends: [f64; 2], albedo: impl Fn(DVec3) -> f64) -> Self {
         let missing = |cos: f64| {
             let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
@@ -73,7 +74,8 @@ impl EnergyCompensation {
             mean_missing: 0.0,
             bin_edges: [0.0; LOBE_BINS + 1],
         };
-        // Over cos = t^4, whose square has the differential 8 t^7 dt, of the table as it is read.
+        // Integrates the interpolated table over cos = t^4; the square has the differential 8 t^7
+        // dt.
         let middle = |i: usize| (i as f64 + 0.5) / STEPS as f64;
         let term = |t: f64| 8.0 * t.powi(7) * table.missing(t.powi(4)) / STEPS as f64;
         let terms: Vec<f64> = (0..STEPS).map(middle).map(term).collect();
@@ -82,24 +84,25 @@ impl EnergyCompensation {
         table
     }
 
-    /// The share that is missing for a direction of cosine `cos` in `[0, 1]`; 0 where all is there.
+    /// Returns the missing fraction for a direction of cosine `cos` in `[0, 1]`; 0 if none is
+    /// missing.
     pub fn missing(&self, cos: f64) -> f64 {
         self.table.eval(cos).clamp(0.0, 1.0)
     }
 
-    /// The mean over the hemisphere, weighted with the cosine.
+    /// Returns the cosine-weighted mean over the hemisphere.
     pub fn mean_missing(&self) -> f64 {
         f64::from(self.mean_missing)
     }
 
-    /// A lobe that is reciprocal and sends what is missing for each direction over the hemisphere:
-    /// times the cosine it integrates to [`Self::missing`].
+    /// Evaluates a reciprocal lobe that scatters the missing energy of each direction over the
+    /// hemisphere: times the cosine it integrates to [`Self::missing`].
     pub fn eval(&self, cos_o: f64, cos_i: f64) -> f64 {
         self.eval_scaled(self.missing(cos_o), cos_i)
     }
 
-    /// A direction of the lobe, drawn in proportion to its light but for how that changes within
-    /// each of 64 parts.
+    /// Samples the lobe in proportion to its light, except for its variation within each of 64
+    /// bins.
     pub fn sample(&self, u: [f64; 2]) -> DVec3 {
         let place = u[0] * LOBE_BINS as f64;
         let part = (place as usize).min(LOBE_BINS - 1);
@@ -111,12 +114,12 @@ impl EnergyCompensation {
         DVec3::new(sin * cos_phi, sin * sin_phi, square.sqrt())
     }
 
-    /// The density of [`Self::sample`] at a cosine, per solid angle.
+    /// Returns the pdf of [`Self::sample`] at a cosine, per solid angle.
     pub fn pdf(&self, cos: f64) -> f64 {
         let square = (cos * cos) as f32;
         let part = self.bin_edges[1..LOBE_BINS].partition_point(|&edge| edge <= square);
         let [low, high] = [part, part + 1].map(|i| f64::from(self.bin_edges[i]));
-        // Where the cosine's square is spread evenly, the density is cos / pi.
+        // Where the squared cosine is uniform, the density is cos / pi.
         if f64::from(square) > high {
             0.0
         } else {
@@ -124,7 +127,7 @@ impl EnergyCompensation {
         }
     }
 
-    /// The lobe that sends the share `light` over the hemisphere in the same way.
+    /// Evaluates a lobe of the same shape that scatters the fraction `light` over the hemisphere.
     fn eval_scaled(&self, light: f64, cos_i: f64) -> f64 {
         if self.mean_missing <= 0.0 {
             return 0.0;
@@ -133,8 +136,8 @@ impl EnergyCompensation {
     }
 }
 
-/// The squared cosines between equal shares of the sum of `terms`, which belong to equal steps of
-/// the eighth root of the square.
+/// Returns the squared cosines between equal shares of the sum of `terms`, which belong to equal
+/// steps of the eighth root of the square.
 fn equal_energy_edges(terms: &[f64]) -> [f32; LOBE_BINS + 1] {
     let total: f64 = terms.iter().sum();
     let mut edges = std::array::from_fn(|i| i as f32 / LOBE_BINS as f32);
@@ -151,14 +154,14 @@ fn equal_energy_edges(terms: &[f64]) -> [f32; LOBE_BINS + 1] {
         }
         before += term;
     }
-    // The last part ends where the light does.
+    // The last bin ends where the light does.
     let end = terms.iter().rposition(|&term| term > 0.0).map_or(terms.len(), |last| last + 1);
     edges[LOBE_BINS] = (end as f64 / terms.len() as f64).powi(8) as f32;
     edges
 }
 
-/// The mean of `f` over the facets that are seen from `wo`, which lies in the x-z plane; `f` must
-/// not change when y changes its sign. By the midpoint rule, denser towards the few steep facets.
+/// Mean of `f` over the facets visible from `wo`, which lies in the x-z plane; `f` must be
+/// symmetric in y. Midpoint rule, denser towards the few steep facets.
 pub(super) fn mean_over_visible_normals(ggx: Ggx, wo: DVec3, f: impl Fn(DVec3) -> f64) -> f64 {
     let middle = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
     let ring = |i: usize| {
@@ -172,15 +175,16 @@ pub(super) fn mean_over_visible_normals(ggx: Ggx, wo: DVec3, f: impl Fn(DVec3) -
     (0..RINGS).map(ring).sum::<f64>() / (RINGS * SECTORS) as f64
 }
 
-/// The cosine-weighted mean over the hemisphere of a function of the cosine.
+/// Cosine-weighted mean over the hemisphere of a function of the cosine.
 pub(super) fn hemispherical_mean(f: impl Fn(f64) -> f64) -> f64 {
     let middle = |i: usize| (i as f64 + 0.5) / STEPS as f64;
     let mean: f64 = (0..STEPS).map(middle).map(|cos| 2.0 * cos * f(cos)).sum();
     mean / STEPS as f64
 }
 
-/// What lossy facets give back of light that bounced between them, given their mean reflectance
-/// and the mean albedo of lossless ones: the sum of all further bounces (Kulla and Conty 2017).
+/// Returns the fraction of multiply scattered light that lossy facets return, given their mean
+/// reflectance and the mean albedo of lossless ones: the sum of all further bounces (Kulla and
+/// Conty 2017).
 pub(super) fn multiscatter_tint(reflectance: f64, missing: f64) -> f64 {
     let escaping = 1.0 - missing;
     reflectance * reflectance * escaping / (1.0 - reflectance * missing).max(f64::MIN_POSITIVE)
@@ -191,13 +195,14 @@ mod tests {
     use super::*;
     use approx::assert_abs_diff_eq;
 
-    /// The bound that the documentation states.
+    /// The error bound stated in the documentation.
     const BOUND: f64 = 5e-4;
 
     #[test]
     fn straight_from_above_the_loss_is_known_in_closed_form() {
-        // There G2 = G1(wi) = 2 c / (c + s), with c = cos(2 theta_m); for alpha = 1, s = 1 and
-        // E = integral of 2 (1 - 2u) / (2 - 2u) over u = sin^2(theta_m) up to 1/2 = 1 - ln 2.
+        // At normal incidence G2 = G1(wi) = 2 c / (c + s), with c = cos(2 theta_m); for alpha = 1,
+        // s = 1 and E = integral of 2 (1 - 2u) / (2 - 2u) over u = sin^2(theta_m) up to 1/2 = 1 -
+        // ln 2.
         let missing = EnergyCompensation::for_reflection(Ggx::new(1.0).expect("rough"));
         assert_abs_diff_eq!(missing.missing(1.0), std::f64::consts::LN_2, epsilon = 1e-4);
     }

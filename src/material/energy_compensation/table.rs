@@ -1,21 +1,21 @@
-//! A function of a direction's cosine, kept at a few cosines and smooth in between.
+//! A tabulated function of a direction's cosine, with smooth interpolation.
 
-/// A function of the cosine in `[0, 1]`. Its nodes lie close together near the horizon.
+/// A tabulated function of the cosine in `[0, 1]`. Its nodes are dense near the horizon.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CosineTable<const NODES: usize> {
     values: [f32; NODES],
-    /// Half of the nodes lie close at cosines below the one, half at cosines below the other.
+    /// Half of the nodes are dense at cosines below the first, half below the second.
     knees: [f64; 2],
 }
 
 impl<const NODES: usize> CosineTable<NODES> {
-    /// The function `f`, with nodes close at cosines below each of `bends`.
+    /// Tabulates `f`, with nodes dense at cosines below each of `bends`.
     pub(super) fn new(bends: [f64; 2], f: impl Fn(f64) -> f64) -> Self {
         let node = |i: usize| f(table_cosine(i as f64 / (NODES - 1) as f64, bends)) as f32;
         Self { values: std::array::from_fn(node), knees: bends }
     }
 
-    /// The value at a cosine: Catmull and Rom's cubic, and beyond the first and the last node the
+    /// Interpolates at a cosine: Catmull-Rom cubic, and beyond the first and the last node the
     /// parabola through the nearest three.
     pub(super) fn eval(&self, cos: f64) -> f64 {
         let last = NODES - 1;
@@ -31,8 +31,7 @@ impl<const NODES: usize> CosineTable<NODES> {
     }
 }
 
-/// The place in the table, in `[0, 1]`, of a cosine: close together near 0, and closer yet for a
-/// narrow lobe.
+/// Maps a cosine to its table coordinate in `[0, 1]`: dense near 0, and denser for a narrow lobe.
 fn table_coordinate(cos: f64, bends: [f64; 2]) -> f64 {
     let [a, b] = bends.map(|bend| (cos * (1.0 + bend) / (bend + cos)).sqrt());
     0.5 * (a + b)
@@ -42,7 +41,7 @@ fn table_coordinate(cos: f64, bends: [f64; 2]) -> f64 {
 fn table_cosine(place: f64, bends: [f64; 2]) -> f64 {
     let square = place * place;
     let [a, b] = bends.map(|bend| (bend * square / (1.0 + bend - square)).min(1.0));
-    // It lies between those of either bend alone.
+    // The root lies between those of either bend alone.
     let (mut low, mut high) = (a.min(b), a.max(b));
     for _ in 0..64 {
         let middle = 0.5 * (low + high);

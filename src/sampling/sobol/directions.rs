@@ -1,29 +1,29 @@
-//! Sobol's sequence itself: a binary matrix for each dimension.
+//! The Sobol sequence: a binary matrix for each dimension.
 //!
-//! The matrices are grown from primitive polynomials over GF(2) and a few odd initial numbers, those
-//! of Joe and Kuo 2008, "Constructing Sobol sequences with better two-dimensional projections",
-//! SIAM J. Sci. Comput. 30(5), table `new-joe-kuo-6.21201`.
+//! The matrices are derived from primitive polynomials over GF(2) and a few odd initial numbers,
+//! those of Joe and Kuo 2008, "Constructing Sobol sequences with better two-dimensional
+//! projections", SIAM J. Sci. Comput. 30(5), table `new-joe-kuo-6.21201`.
 
-/// Dimensions of the table: those of a set. More of them serve nobody, see `docs/sampling.md`.
+/// Number of dimensions in the table: those of a set. More would not help, see `docs/sampling.md`.
 pub(super) const DIMENSIONS: usize = 4;
 
 /// One dimension: the degree `s` of its polynomial, the polynomial's inner coefficients `a` as
-/// bits, and the initial numbers `m_1 ... m_s`, the rest left 0.
+/// bits, and the initial numbers `m_1 ... m_s`, padded with 0.
 type Initial = (usize, u32, [u32; 3]);
 
 /// The dimensions after the first, which is van der Corput's and needs no table.
 const INITIAL: [Initial; DIMENSIONS - 1] =
     [(1, 0, [1, 0, 0]), (2, 1, [1, 3, 0]), (3, 1, [1, 3, 1])];
 
-/// What each group of four index bits adds to the point, all dimensions; the first group is that of
-/// the lowest four bits, the lowest of them first.
+/// Contribution of each group of four index bits to the point, in all dimensions. The first group
+/// is that of the lowest four bits, lowest bit first.
 static TABLES: [[[u32; 16]; 8]; DIMENSIONS] = direction_tables();
 
-/// A coordinate of a point of the sequence. The index and the coordinate have their bits reversed: bit
-/// 31 of the index is worth 1, bit 0 of the coordinate is worth 1/2.
+/// Returns a coordinate of a point of the sequence. The index and the coordinate are bit-reversed:
+/// bit 31 of the index is worth 1, bit 0 of the coordinate is worth 1/2.
 pub(super) fn reversed_point(mut reversed_index: u32, dimension: usize) -> u32 {
     if dimension == 0 {
-        return reversed_index.reverse_bits(); // van der Corput: the index reversed is the point
+        return reversed_index.reverse_bits(); // van der Corput: the reversed index is the point
     }
     let mut point = 0;
     for group in &TABLES[dimension] {
@@ -36,7 +36,7 @@ pub(super) fn reversed_point(mut reversed_index: u32, dimension: usize) -> u32 {
     point
 }
 
-/// What a bit of the reversed index adds to a coordinate of its point.
+/// Returns the contribution of a bit of the reversed index to a coordinate of its point.
 pub(super) fn direction_number(dimension: u32, bit: u32) -> u32 {
     reversed_point(1 << bit, dimension as usize)
 }
@@ -59,7 +59,8 @@ const fn direction_tables() -> [[[u32; 16]; 8]; DIMENSIONS] {
     tables
 }
 
-/// The direction numbers, binary fractions in 32 bits: what each bit of the index adds to the point.
+/// Computes the direction numbers, binary fractions in 32 bits: the contribution of each index bit
+/// to the point.
 const fn direction_numbers((degree, coefficients, initial): Initial) -> [u32; 32] {
     let mut v = [0; 32];
     let mut k = 0;
@@ -91,7 +92,7 @@ mod tests {
 
     #[test]
     fn the_first_points_are_sobols() {
-        // In the order of the index, without the Gray code: worked out by hand from the table.
+        // In index order, without the Gray code: computed by hand from the table.
         let expected = [
             [0.0, 0.0, 0.0, 0.0],
             [0.5, 0.5, 0.5, 0.5],
@@ -132,7 +133,7 @@ mod tests {
         }
     }
 
-    /// The smallest power of x that is 1 modulo the polynomial.
+    /// Returns the smallest power of x that is 1 modulo the polynomial.
     fn order_of_x(polynomial: u32, degree: usize) -> u32 {
         let (mut power, mut order) = (1u32, 0);
         loop {

@@ -1,25 +1,25 @@
-//! The same numbers for many samples at a time, as loops that become vector instructions.
+//! Sobol numbers of many samples in lanes, as loops that compile to vector instructions.
 
 use super::directions::direction_number;
 use super::{SET_SIZE, Sobol, point_index, scrambled_coordinate};
 use crate::math::{LANES, Lanes};
 
-/// Sobol numbers of many samples.
+/// Sobol samplers in lanes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SobolLanes {
     key: Lanes<u64>,
-    /// With its bits reversed.
+    /// Sample index, bit-reversed.
     sample: Lanes<u32>,
-    /// The set that is being read, and which point of the sequence serves it.
+    /// The selected set; the bit-reversed index of its point follows.
     set: Lanes<u32>,
     index: Lanes<u32>,
 }
 
 impl SobolLanes {
-    /// Dimensions of a set.
+    /// Number of dimensions in a set.
     pub const SET_SIZE: u32 = SET_SIZE;
 
-    /// Turns to samples of pixels, given for every lane.
+    /// Starts a sample of a pixel in every lane.
     #[inline(always)]
     pub fn start_pixel_samples(
         &mut self,
@@ -34,20 +34,20 @@ impl SobolLanes {
         }
     }
 
-    /// The numbers of a lane's sample.
+    /// Returns the sampler of a lane.
     #[inline(always)]
     pub(in crate::sampling) fn lane(&self, lane: usize) -> Sobol {
         Sobol { key: self.key.0[lane], sample: self.sample.0[lane] }
     }
 
-    /// Puts the numbers of a sample into a lane.
+    /// Stores a sampler in a lane.
     #[inline(always)]
     pub(in crate::sampling) fn set_lane(&mut self, lane: usize, Sobol { key, sample }: Sobol) {
         self.key.0[lane] = key;
         self.sample.0[lane] = sample;
     }
 
-    /// Turns to a set of four dimensions in every lane: dimension `4 set` is its first.
+    /// Selects a set of four dimensions in every lane, beginning with dimension `4 set`.
     #[inline(always)]
     pub fn select_set(&mut self, set: impl Fn(usize) -> u32) {
         for lane in 0..LANES {
@@ -57,7 +57,7 @@ impl SobolLanes {
         }
     }
 
-    /// The numbers of one dimension of the set, 0 to 3.
+    /// Writes the numbers of one dimension of the set, 0 to 3, to `numbers`.
     #[inline(always)]
     pub fn get(&self, dimension: u32, numbers: &mut Lanes<f64>) {
         let points = self.points(dimension);
@@ -67,8 +67,8 @@ impl SobolLanes {
         }
     }
 
-    /// A dimension of the points of the sequence: what each bit of the index that is set anywhere
-    /// adds to them.
+    /// Returns a dimension of the sequence's points: the contributions of each index bit that is
+    /// set in any lane.
     #[inline(always)]
     fn points(&self, dimension: u32) -> Lanes<u32> {
         let mut points = Lanes::default();

@@ -1,10 +1,10 @@
-//! Sobol's sequence with nested uniform scrambling, on its own for every pixel.
+//! The Sobol sequence with nested uniform scrambling, independent for every pixel.
 //!
-//! Sample `i` of a pixel is point `i` of the sequence, so any aligned block of 2^k samples is evenly
-//! spread, and more samples go on where the fewer ended, up to 2^32. Dimensions come in sets of
-//! four. Every set is the same four dimensions of the sequence, with the index shuffled and each
-//! dimension scrambled anew (Burley 2020, section 4): so dimensions of one set are spread evenly
-//! together, and those of two sets are independent of one another.
+//! Sample `i` of a pixel is point `i` of the sequence, so any aligned block of 2^k samples is well
+//! distributed, and further samples continue the sequence, up to 2^32. Dimensions come in sets of
+//! four. Every set uses the same four dimensions of the sequence, with the index shuffled and each
+//! dimension scrambled anew (Burley 2020, section 4): dimensions of one set are jointly stratified,
+//! and those of different sets are independent.
 
 mod directions;
 mod lanes;
@@ -16,14 +16,14 @@ use super::independent::{pixel_key, split_mix};
 use directions::reversed_point;
 use scramble::{owen_scramble_reversed, shuffle_reversed};
 
-/// Dimensions that are spread evenly together.
+/// Number of jointly stratified dimensions.
 const SET_SIZE: u32 = 4;
 
-/// The numbers of one sample.
+/// The random numbers of one sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sobol {
     key: u64,
-    /// With its bits reversed.
+    /// Sample index, bit-reversed.
     sample: u32,
 }
 
@@ -37,13 +37,13 @@ impl Sobol {
         self.coordinate(self.index(dimension), dimension)
     }
 
-    /// Two dimensions of one set.
+    /// Returns the numbers of two dimensions of one set.
     pub(super) fn get_2d(self, dimension: u32) -> [f64; 2] {
         let index = self.index(dimension);
         [self.coordinate(index, dimension), self.coordinate(index, dimension + 1)]
     }
 
-    /// Which point of the sequence serves the set of a dimension, with its bits reversed.
+    /// Returns the bit-reversed index of the point for the set of a dimension.
     fn index(self, dimension: u32) -> u32 {
         point_index(self.key, self.sample, dimension / SET_SIZE)
     }
@@ -54,13 +54,14 @@ impl Sobol {
     }
 }
 
-/// Which point of the sequence serves a set, with its bits reversed.
+/// Returns the bit-reversed index of the point for a set.
 #[inline(always)]
 fn point_index(key: u64, reversed_sample: u32, set: u32) -> u32 {
     shuffle_reversed(reversed_sample, split_mix(!key, set))
 }
 
-/// A coordinate of a point, scrambled: the middle of a cell of 2^-32, so never 0 and never 1.
+/// Returns a scrambled coordinate of a point: the middle of a cell of 2^-32, so never 0 and never
+/// 1.
 #[inline(always)]
 fn scrambled_coordinate(reversed_point: u32, key: u64, dimension: u32) -> f64 {
     let scrambled =

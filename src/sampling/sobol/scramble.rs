@@ -1,20 +1,20 @@
 //! Nested uniform scrambling (Owen 1995, "Randomly permuted (t,m,s)-nets and (t,s)-sequences") by a
 //! hash.
 //!
-//! The unit interval is cut in halves, the halves are swapped or not, at random; then each half is
-//! treated likewise, and so on for 32 levels. Whether two halves are swapped depends on where they
-//! are, that is, on the digits before. In a number with its bits reversed that means: whether a bit
-//! is flipped depends on the bits below it only. Addition, multiplication with an odd number, and
-//! `x ^= x * even` are all of that kind (Laine and Karras 2011, "Stratified Sampling for Stochastic
-//! Transparency", section 3.1), and a few of them make a good hash. The fixed multipliers are those
-//! of Vegdahl 2021, "Building a Better LK Hash"; the use with Sobol's sequence is Burley's (2020,
-//! "Practical Hash-based Owen Scrambling", JCGT 9(4)).
+//! The unit interval is halved and the halves are swapped at random; then each half is treated
+//! likewise, and so on for 32 levels. Each swap depends on the position of the two halves, that is,
+//! on the preceding digits. In a bit-reversed number, the flip of a bit depends only on the bits
+//! below it. Addition, multiplication by an odd number, and `x ^= x * even` all have this property
+//! (Laine and Karras 2011, "Stratified Sampling for Stochastic Transparency", section 3.1), and a
+//! few of them make a good hash. The fixed multipliers are those of Vegdahl 2021, "Building a
+//! Better LK Hash"; the use with the Sobol sequence is Burley's (2020, "Practical Hash-based Owen
+//! Scrambling", JCGT 9(4)).
 //!
-//! Both know one addition and one multiplication that depend on the key. Modulo 8 these make 32 of
-//! the 128 ways to swap the upper three levels; with one more exclusive or and one more
-//! `x ^= x * even` all 128 come up, equally often.
+//! Both have one addition and one multiplication that depend on the key. Modulo 8 these produce 32
+//! of the 128 ways to swap the upper three levels; with one more exclusive or and one more
+//! `x ^= x * even` all 128 occur, equally often.
 
-/// Scrambles a number whose bits are reversed.
+/// Scrambles a bit-reversed number.
 #[inline(always)]
 pub(super) fn owen_scramble_reversed(mut x: u32, key: u64) -> u32 {
     let [added, factor, flipped, even] = [0, 16, 32, 48].map(|bits| key.rotate_right(bits) as u32);
@@ -27,11 +27,11 @@ pub(super) fn owen_scramble_reversed(mut x: u32, key: u64) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// Shuffles an index, whose bits are reversed, within every aligned block of 2^k that begins at 0.
+/// Shuffles a bit-reversed index within every aligned block of 2^k that begins at 0.
 ///
-/// Scrambled alone it would go to another aligned block. Bringing 0 back to 0 adds a constant to the
-/// index, without carry, and so one to every coordinate, which scrambling those undoes: the points are
-/// distributed alike, and a small index stays small.
+/// Scrambling alone would move the index to another aligned block. Mapping 0 back to 0 adds a
+/// constant to the index, without carry, and so one to every coordinate, which scrambling the
+/// coordinates undoes: the points have the same distribution, and a small index stays small.
 #[inline(always)]
 pub(super) fn shuffle_reversed(index: u32, key: u64) -> u32 {
     owen_scramble_reversed(index, key) ^ owen_scramble_reversed(0, key)
@@ -42,7 +42,7 @@ mod tests {
     use super::super::split_mix;
     use super::*;
 
-    /// The fraction of 2^32 that a number stands for, scrambled.
+    /// Scrambles the fraction of 2^32 that a number represents.
     fn scrambled(x: u32, key: u64) -> u32 {
         owen_scramble_reversed(x.reverse_bits(), key).reverse_bits()
     }
@@ -59,7 +59,7 @@ mod tests {
         }
     }
 
-    /// Which halves are swapped in the upper three levels of the tree: 7 bits.
+    /// Returns the swaps in the upper three levels of the tree: 7 bits.
     fn swaps(key: u64) -> usize {
         let nodes = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), (2, 3)];
         let swap = |(level, node): (u32, u32)| {

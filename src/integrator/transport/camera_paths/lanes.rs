@@ -1,4 +1,4 @@
-//! Camera rays, many at a time: loops over lanes whose bodies are the functions that serve one ray.
+//! Camera ray generation in lanes. The loop bodies are the functions that generate a single ray.
 
 use crate::fault::fault;
 use crate::geometry::RayBlock;
@@ -10,26 +10,26 @@ use super::super::super::dimension;
 use super::super::super::sample::SampleAddress;
 use super::super::choices::PathTracer;
 
-/// Whether the camera rays of a scene can be drawn many at a time.
+/// Returns true if the camera rays of a scene can be generated in lanes.
 pub(super) fn supports_lanes(shot: &PreparedScene, transport: &PathTracer) -> bool {
     shot.camera().is_pinhole()
         && transport.strata.is_unstratified()
         && shot.render_settings().sampler == SamplerKind::Sobol
 }
 
-/// Samples that leave the camera together.
+/// A block of samples whose camera rays are generated together.
 #[derive(Default)]
 pub(in super::super::super) struct CameraRayBatch {
     pixel: [Lanes<u32>; 2],
     sample: Lanes<u32>,
     sobol: SobolLanes,
     u: [Lanes<f64>; 2],
-    /// From the middle of the pixel.
+    /// Offset from the pixel's centre.
     offset: [Lanes<f64>; 2],
 }
 
 impl CameraRayBatch {
-    /// The camera rays of at most `LANES` samples.
+    /// Generates the camera rays of at most `LANES` samples.
     pub(super) fn run(
         &mut self,
         isa: Isa,
@@ -53,13 +53,13 @@ impl CameraRayBatch {
         isa.run(GenerateRays { batch: self, shot, rays });
     }
 
-    /// The random numbers of a sample.
+    /// Returns the sampler of a lane.
     pub(super) fn sampler(&self, lane: usize) -> Sampler {
         Sampler::from_lane(&self.sobol, lane)
     }
 }
 
-/// Draws places in the pixels.
+/// Samples pixel positions.
 struct SamplePixel<'a> {
     batch: &'a mut CameraRayBatch,
     shot: &'a PreparedScene,
@@ -86,7 +86,7 @@ impl SimdKernel for SamplePixel<'_> {
     }
 }
 
-/// Sends the rays off.
+/// Generates the rays.
 struct GenerateRays<'a> {
     batch: &'a CameraRayBatch,
     shot: &'a PreparedScene,

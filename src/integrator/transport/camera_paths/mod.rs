@@ -1,4 +1,4 @@
-//! Camera rays: where paths begin.
+//! Camera paths: generation of the first rays.
 
 mod lanes;
 
@@ -18,11 +18,11 @@ use super::super::workspace::Workspace;
 use super::batch::PathBatch;
 use super::paths::{Path, PathState};
 
-/// How often a camera ray that met nothing is drawn again where the scene asks for that.
+/// Maximum number of times that a camera ray is redrawn after a miss, if the scene asks for it.
 const MAX_CAMERA_RETRIES: u32 = 1000;
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// The paths of all samples, at the camera.
+    /// Generates the camera rays of all samples.
     pub(super) fn generate_camera_paths(&mut self, workspace: &mut Workspace) {
         let Workspace { isa, camera_batch: start, path_queue: paths, .. } = workspace;
         self.samplers.clear();
@@ -57,8 +57,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         generate_camera_ray(self.context.shot, self.integrator.strata, address, sampler, dimensions)
     }
 
-    /// Draws a camera ray again that met nothing, where the scene asks for that. Returns whether it
-    /// did.
+    /// Redraws a camera ray that missed, if the scene asks for it. Returns true if it did.
     pub(super) fn retry_camera_ray(&mut self, path: &mut Path) -> bool {
         let redraws = self.integrator.miss == MissPolicy::Redraw && path.state.depth == 1;
         if !redraws || path.state.redraws >= MAX_CAMERA_RETRIES {

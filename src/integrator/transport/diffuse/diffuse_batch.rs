@@ -1,4 +1,4 @@
-//! Vertices side by side, and what is computed for all of them at once.
+//! Diffuse vertices in lanes (structure of arrays), and the stages that process them.
 
 use crate::color::Rgb;
 use crate::fault::fault;
@@ -12,12 +12,12 @@ use crate::scene::settings::Estimator;
 use super::super::super::dimension::VertexDimensions;
 use super::super::weight::mis_weight;
 
-/// Vertices that wait to be worked on together.
+/// A batch of diffuse vertices that are shaded together.
 #[derive(Default)]
 pub(in super::super::super) struct DiffuseBatch {
-    /// How many; the lanes behind them hold what was there before.
+    /// Number of lanes in use; the remaining lanes hold stale data.
     pub(super) count: usize,
-    /// What is not computed with: which path of the batch, on which sphere, of which colour.
+    /// Per-vertex data that no stage computes with.
     pub(super) vertices: [DiffuseVertex; LANES],
     sobol: SobolLanes,
     depth: Lanes<u32>,
@@ -31,7 +31,7 @@ pub(in super::super::super) struct DiffuseBatch {
     pub(super) bsdf: BsdfSampleLanes,
 }
 
-/// Which path of the batch, on which sphere, of which colour.
+/// Per-vertex data: path index in the batch, sphere and colour.
 #[derive(Clone, Copy, Default)]
 pub(super) struct DiffuseVertex {
     pub(super) path_index: u32,
@@ -39,12 +39,12 @@ pub(super) struct DiffuseVertex {
     pub(super) albedo: Rgb,
 }
 
-/// Where the rays meet their spheres.
+/// Hit points of the rays.
 #[derive(Default)]
 pub(super) struct HitLanes {
     pub(super) point: Lanes3,
     pub(super) normal: Lanes3,
-    /// Of the ray and the outward normal: positive from inside.
+    /// Cosine between the ray and the outward normal: positive from inside.
     pub(super) cos: Lanes<f64>,
 }
 
@@ -55,27 +55,27 @@ pub(super) struct LightSampleLanes {
     pub(super) u: [Lanes<f64>; 2],
     pub(super) direction: Lanes3,
     pub(super) distance: Lanes<f64>,
-    /// 0 where nothing can be seen; negative within a lamp.
+    /// 0 where the emitter is not visible; negative inside an emitter.
     pub(super) pdf: Lanes<f64>,
     /// `weight cos / pdf`.
     pub(super) mis_factor: Lanes<f32>,
     pub(super) sampled: [SampledLight; LANES],
 }
 
-/// What a light sample brings, and the sphere that it aims at.
+/// The contribution of a light sample and its target sphere.
 #[derive(Clone, Copy)]
 pub(super) struct SampledLight {
     pub(super) radiance: Rgb,
     pub(super) sphere_id: u32,
 }
 
-/// The directions in which paths go on.
+/// The sampled directions in which paths continue.
 #[derive(Default)]
 pub(super) struct BsdfSampleLanes {
     u: [Lanes<f64>; 2],
     pub(super) direction: Lanes3,
     pub(super) pdf: Lanes<f64>,
-    /// Of the direction and the outward normal.
+    /// Cosine between the direction and the outward normal.
     pub(super) cos: Lanes<f64>,
 }
 
@@ -86,12 +86,12 @@ impl Default for SampledLight {
 }
 
 impl DiffuseBatch {
-    /// Whether there is no room left.
+    /// Returns true if the batch is full.
     pub(in super::super) fn is_full(&self) -> bool {
         self.count == LANES
     }
 
-    /// Adds a vertex, where this ray meets a sphere at the end of edge number `depth`.
+    /// Adds a vertex where `ray` hits `sphere` at the end of edge `depth`.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
@@ -118,7 +118,7 @@ impl DiffuseBatch {
 }
 
 impl LightSampleLanes {
-    /// Takes note of a light sample that was drawn by itself.
+    /// Stores a light sample that was drawn by the scalar code.
     pub(super) fn set(&mut self, lane: usize, sample: Option<LightSample>) {
         self.pdf.0[lane] = sample.map_or(0.0, |sample| sample.pdf);
         let Some(sample) = sample else { return };
@@ -129,7 +129,7 @@ impl LightSampleLanes {
     }
 }
 
-/// Finds out where the vertices are, and draws the numbers to aim with.
+/// Computes the hit points and draws the random numbers for light sampling.
 pub(super) struct IntersectLanes<'a> {
     pub(super) block: &'a mut DiffuseBatch,
     pub(super) needs_selection: bool,
@@ -172,7 +172,7 @@ impl SimdKernel for IntersectLanes<'_> {
     }
 }
 
-/// The numbers of two dimensions in a row; of which set depends on a path's depth.
+/// Draws two consecutive dimensions; the set depends on a path's depth.
 #[inline(always)]
 fn draw_2d(
     numbers: &mut SobolLanes,
@@ -187,7 +187,7 @@ fn draw_2d(
     numbers.get(in_set + 1, second);
 }
 
-/// Aims at the only lamp.
+/// Samples the only emitter.
 pub(super) struct SampleSingleEmitter<'a> {
     pub(super) block: &'a mut DiffuseBatch,
     pub(super) emitter: Emitter,
@@ -213,7 +213,7 @@ impl SimdKernel for SampleSingleEmitter<'_> {
     }
 }
 
-/// Weighs the light samples, and draws the directions in which the paths go on.
+/// Weights the light samples and samples the BSDF directions.
 pub(super) struct SampleBsdfLanes<'a> {
     pub(super) block: &'a mut DiffuseBatch,
     pub(super) estimator: Estimator,

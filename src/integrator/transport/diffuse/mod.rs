@@ -1,10 +1,11 @@
-//! Vertices on matt surfaces, many at a time.
+//! Diffuse fast path: shades vertices on diffuse surfaces in lanes.
 //!
-//! Most vertices of most pictures are alike: an opaque matt surface, met from outside, lit by lamps
-//! that are seen from outside. They gather in a [`DiffuseBatch`], field by field, and go through its stages,
-//! whose loops over the lanes become vector instructions (see [`crate::math::Isa`]). The bodies of the
-//! loops are the functions that [`PathBatch::sample_light_and_bsdf`] calls for one path, so both give the same bits. A
-//! vertex that turns out to be unlike the others goes to [`PathBatch::sample_light_and_bsdf`].
+//! Most vertices of most pictures are alike: an opaque diffuse surface, hit from outside, lit by
+//! emitters seen from outside. They are collected field by field in a [`DiffuseBatch`] and go
+//! through its stages, whose loops over the lanes compile to vector instructions (see
+//! [`crate::math::Isa`]). The loop bodies are the functions that
+//! [`PathBatch::sample_light_and_bsdf`] calls for a single path, so both give the same bits.
+//! Vertices that turn out to be different fall back to [`PathBatch::sample_light_and_bsdf`].
 
 mod diffuse_batch;
 
@@ -26,8 +27,8 @@ use diffuse_batch::{
     DiffuseVertex, IntersectLanes, SampleBsdfLanes, SampleSingleEmitter, SampledLight,
 };
 
-/// A matt surface. What a stage passes on for every path is kept small, and not written and read again
-/// in pieces of other sizes, for which processors wait.
+/// A diffuse surface. Data passed between stages for every path is kept small, and is not written
+/// and read back in pieces of other sizes, which stalls store forwarding.
 #[derive(Clone, Copy)]
 pub(super) struct DiffuseSurface<'a> {
     albedo: Rgb,
@@ -35,8 +36,8 @@ pub(super) struct DiffuseSurface<'a> {
 }
 
 impl<'a, R: PathRecorder> PathBatch<'a, R> {
-    /// Whether matt surfaces are worked on many at a time: not where somebody listens, and not where
-    /// the scene or the integrator makes their vertices unlike each other.
+    /// Returns true if diffuse surfaces are shaded in lanes: not while recording, and not where the
+    /// scene or the integrator makes their vertices differ from each other.
     pub(super) fn uses_diffuse_batch(&self) -> bool {
         let (scene, transport) = (self.context.scene, self.integrator);
         !R::ENABLED
@@ -46,7 +47,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
             && self.context.shot.render_settings().sampler == SamplerKind::Sobol
     }
 
-    /// The surface that a path meets, if it is one of those that a block takes.
+    /// Returns the surface that a path hits, if the diffuse fast path supports it.
     #[inline(always)]
     pub(super) fn diffuse_surface(
         &self,
@@ -69,8 +70,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
         }
     }
 
-    /// Adds the light that shines at a vertex, and puts the vertex into the block unless the path
-    /// ends there.
+    /// Adds the emission at a vertex, and adds the vertex to the batch unless the path ends there.
     #[inline(always)]
     pub(super) fn enqueue_diffuse(
         &mut self,
@@ -97,7 +97,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
         block.push(waiting, &paths.rays.get(index), &sphere, sampler, state.depth);
     }
 
-    /// Works on the vertices of a block and empties it. What goes on is put behind `next`.
+    /// Shades the vertices of a batch and empties it. Continuing paths are appended to `next`.
     pub(super) fn flush_diffuse(
         &mut self,
         isa: Isa,
@@ -135,7 +135,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
         block.count = 0;
     }
 
-    /// Takes the outcome of a lane.
+    /// Applies the result of a lane to its path.
     #[inline(always)]
     fn continue_lane(
         &mut self,
@@ -185,7 +185,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
         }
     }
 
-    /// A vertex that is unlike the others of its block.
+    /// Scalar fallback for a vertex that the lanes do not support.
     #[inline(never)]
     fn continue_scalar(
         &mut self,
@@ -203,7 +203,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
     }
 }
 
-/// Where a lane's ray met its sphere, from outside.
+/// Returns the hit of a lane's ray on its sphere, from outside.
 fn lane_hit(block: &DiffuseBatch, lane: usize) -> SurfaceHit {
     let DiffuseVertex { id, .. } = block.vertices[lane];
     SurfaceHit {
