@@ -94,7 +94,7 @@ pub(super) struct Measurement<'a> {
 }
 
 impl<'a> Measurement<'a> {
-    /// Creates a measurement with as many rays as fit into a round, found by doubling.
+    /// Creates a measurement with as many rays as fit into a round, found by growing the count.
     pub(super) fn calibrated(
         question: QueryKind,
         rays: &'a [Ray],

@@ -118,8 +118,7 @@ fn lamps(background: Environment) -> (SphereSet, Lights) {
     (spheres, lights)
 }
 
-/// Sampling of a whole environment beside emitters, which take their share of the samples but emit
-/// nothing.
+/// Sampling of a whole environment among emitters. Samples of the emitters are discarded.
 fn background_test(name: &str, is_two_sided: bool) -> SamplingTest {
     let stage = Arc::new(lamps(sky_and_sun()));
     let of_pdf = stage.clone();
