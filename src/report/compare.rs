@@ -1,4 +1,4 @@
-//! How far a picture is from a reference: layer by layer, in words and as JSON, and where, as a heat map.
+//! Compares an image with a reference: layer by layer as text and JSON, and as a heat map.
 
 use std::fmt;
 use std::path::Path;
@@ -16,23 +16,23 @@ use crate::verify::metrics::{
     ImageMean, flip, heatmap, mean_error, psnr, relative_squared, squared,
 };
 
-/// The layer that holds the variance of the beauty's pixels.
+/// Name of the layer with the variance of the beauty.
 pub const VARIANCE: &str = "variance";
 
-/// A measure of how far two pictures are from each other.
+/// Metric for comparing two images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompareMetric {
     /// Mean squared error.
     Mse,
-    /// Its square root.
+    /// Root mean squared error.
     Rmse,
     /// Mean relative squared error.
     Relmse,
     /// Peak signal-to-noise ratio in decibels.
     Psnr,
-    /// LDR-FLIP, mean over pixels.
+    /// Mean LDR-FLIP over the pixels.
     Flip,
-    /// Means and their ratio, channel by channel.
+    /// Means and their ratio, per channel.
     Mean,
 }
 
@@ -47,7 +47,7 @@ named_enum! {
     }
 }
 
-/// The metrics that are one number, in the order of a table.
+/// Metrics with a single value, in table order.
 const NUMBERS: [CompareMetric; 5] = [
     CompareMetric::Mse,
     CompareMetric::Rmse,
@@ -56,29 +56,29 @@ const NUMBERS: [CompareMetric; 5] = [
     CompareMetric::Flip,
 ];
 
-/// Pictures of one size: A, the reference B, and A once more with other random numbers.
+/// Images of one size: A, the reference B, and an optional twin of A.
 #[derive(Clone, Debug)]
 pub struct Pair {
-    /// The picture.
+    /// The image.
     pub a: LayeredImage,
     /// The reference.
     pub b: LayeredImage,
-    /// The picture once more, which tells how noisy its mean is.
+    /// The image rendered with different random numbers, used to estimate the noise of its mean.
     pub twin: Option<LayeredImage>,
 }
 
-/// What is to be measured, and what is still good enough.
+/// Metrics to compute and limits to check.
 #[derive(Clone, Debug)]
 pub struct Wanted {
-    /// What to measure.
+    /// Metrics to compute.
     pub metrics: Vec<CompareMetric>,
-    /// The largest values that are allowed, or for PSNR the smallest.
+    /// Largest allowed value per metric; smallest for PSNR.
     pub limits: Vec<(CompareMetric, f64)>,
-    /// The brightest value, which PSNR refers to.
+    /// Peak value that PSNR refers to.
     pub peak: f64,
 }
 
-/// How the layers of two pictures differ.
+/// Differences between the layers of two images.
 #[derive(Clone, Debug)]
 pub struct Comparison<'a> {
     pair: &'a Pair,
@@ -86,20 +86,20 @@ pub struct Comparison<'a> {
     layers: Vec<Difference>,
 }
 
-/// How one layer differs.
+/// Differences in one layer.
 #[derive(Clone, Debug)]
 struct Difference {
     layer: String,
     mse: f64,
     relmse: f64,
     psnr: f64,
-    /// Computed only where it is wanted: it takes the longest.
+    /// Computed only on request, as it takes the longest.
     flip: Option<f64>,
     means: (ImageMean, ImageMean),
     ratio: (DVec3, Option<DVec3>),
 }
 
-/// A limit that was not kept.
+/// A limit that was exceeded.
 #[derive(Clone, Debug, Serialize)]
 pub struct Exceeded {
     layer: String,
@@ -109,13 +109,13 @@ pub struct Exceeded {
 }
 
 impl Pair {
-    /// The layers that both pictures have.
+    /// Names of the layers that both images have.
     pub fn common(&self) -> Vec<&str> {
         let names = self.a.layers.iter().map(|layer| layer.name.as_str());
         names.filter(|name| *name != VARIANCE && self.b.layer(name).is_some()).collect()
     }
 
-    /// What the reader of the figures should know about the files.
+    /// Remarks on the files that help interpret the figures.
     pub fn remarks(&self) -> Vec<String> {
         let png = "a PNG is decoded from sRGB to linear light; it has 8 bits and is cut off at 1";
         let any = self.a.is_display_referred || self.b.is_display_referred;
@@ -131,8 +131,8 @@ impl Pair {
         remarks
     }
 
-    /// Where a layer differs, as a picture, and in words what it shows; by FLIP on a scale from 0 to 1,
-    /// or by the root of each pixel's error on one from 0 to the largest.
+    /// Returns a heat map of one layer with its caption. FLIP uses a scale from 0 to 1, other
+    /// metrics the root of each pixel's error from 0 to the largest.
     pub fn heatmap(&self, layer: &str, of: CompareMetric) -> (Picture, String) {
         let (a, b) = (pixels(&self.a, layer), pixels(&self.b, layer));
         let root_of = |error: fn(Rgb, Rgb) -> f64| -> Vec<f64> {
@@ -154,7 +154,7 @@ impl Pair {
         (heatmap::draw(&values, self.a.width, most), words)
     }
 
-    /// The means of a layer in A and in B, with what is known of their noise.
+    /// Means of a layer in A and B, with their standard errors if known.
     fn means(&self, name: &str) -> (ImageMean, ImageMean) {
         let mean = |picture: &LayeredImage| {
             let pixels = pixels(picture, name);
@@ -177,13 +177,13 @@ fn pixels<'a>(picture: &'a LayeredImage, name: &str) -> &'a [Rgb] {
 }
 
 impl<'a> Comparison<'a> {
-    /// Compares layers that both pictures have.
+    /// Compares the given layers, which both images must have.
     pub fn of(pair: &'a Pair, wanted: &'a Wanted, layers: &[String]) -> Self {
         let layers = layers.iter().map(|layer| Difference::of(pair, wanted, layer)).collect();
         Self { pair, wanted, layers }
     }
 
-    /// The limits that are not kept.
+    /// Returns the limits that are exceeded.
     pub fn exceeded(&self) -> Vec<Exceeded> {
         let judge = |of: &Difference, metric, limit| {
             let value = of.value(metric);
@@ -196,7 +196,7 @@ impl<'a> Comparison<'a> {
         self.layers.iter().flat_map(of_layer).collect()
     }
 
-    /// All figures for programs; the paths are those of A and B.
+    /// Returns all figures as JSON; the paths are those of A and B.
     pub fn json(&self, picture: &Path, reference: &Path) -> Value {
         let layer = |result: &Difference| {
             let mut object = json!({ "layer": result.layer });
@@ -252,7 +252,7 @@ impl fmt::Display for Comparison<'_> {
     }
 }
 
-/// The columns of the table of means.
+/// Column widths of the table of means.
 const MEANS: [i32; 5] = [-12, -7, -24, -24, -1];
 
 impl Difference {
@@ -286,7 +286,7 @@ impl Difference {
         }
     }
 
-    /// A line for each channel.
+    /// One line per channel.
     fn means(&self) -> String {
         let (a, b) = &self.means;
         let line = |(axis, channel): (usize, &str)| {
@@ -322,7 +322,7 @@ impl fmt::Display for Exceeded {
     }
 }
 
-/// Five digits, with an exponent where the number is very small or large.
+/// Formats five digits, with an exponent for very small or large numbers.
 fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),

@@ -1,4 +1,4 @@
-//! By how much two pictures of one render differ, in words.
+//! Describes the difference between two images of one render.
 
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -7,17 +7,17 @@ use std::fmt::Write;
 use crate::film::Film;
 use crate::image_io::RawChannel;
 
-/// Fewer samples of a pixel make fewer than two blocks, which say nothing of their spread.
+/// Minimum samples per pixel. Fewer make fewer than two blocks, which have no spread.
 const FEWEST: u32 = 32;
 
-/// By how much two pictures for the screen differ, in steps of 8 bits.
+/// Describes the difference between two display images, in 8-bit steps.
 pub fn in_steps(then: &[RawChannel], now: &[RawChannel]) -> String {
     let (mut most, mut pixels) = (0, BTreeSet::new());
     for (then, now) in then.iter().zip(now) {
         for (pixel, (a, b)) in then.bits.iter().zip(&now.bits).enumerate() {
             if a != b {
                 pixels.insert(pixel);
-                // Values of 8 bits are stored as 257 times as much.
+                // 8-bit values are stored times 257.
                 most = most.max(a.abs_diff(*b) / 257);
             }
         }
@@ -25,21 +25,21 @@ pub fn in_steps(then: &[RawChannel], now: &[RawChannel]) -> String {
     format!("{} pixels differ, by up to {most} of 255 steps\n", pixels.len())
 }
 
-/// What differs in the beauty of two pictures of linear light.
+/// Differences in the beauty of two linear images.
 #[derive(Default)]
 struct Differences {
     values: usize,
     largest: Worst,
-    /// Sums over the values whose error is known: of differences, and of the variances of those.
+    /// Sums over the values with a known error: of differences, and of the variances of those.
     difference: f64,
     variance: f64,
-    /// In standard errors.
+    /// Largest difference, in standard errors.
     worst: Worst,
-    /// Values that differ though their error is not known.
+    /// Number of values that differ but have no known error.
     unjudged: usize,
 }
 
-/// The largest of some numbers, and its pixel.
+/// The largest of several numbers, with its pixel.
 #[derive(Clone, Copy, Default)]
 struct Worst {
     value: f64,
@@ -48,7 +48,7 @@ struct Worst {
 
 impl Worst {
     fn see(&mut self, value: f64, pixel: usize) {
-        // Also what is no number.
+        // NaN counts as larger.
         let is_more = value.partial_cmp(&self.value).is_none_or(Ordering::is_gt);
         if is_more && !self.value.is_nan() {
             *self = Self { value, pixel };
@@ -60,8 +60,8 @@ impl Worst {
     }
 }
 
-/// How far the beauty is off, measured by the standard error that both pictures have by chance; where
-/// that is not known, by how much.
+/// Describes the difference of the beauty, in units of the standard error of both images; in
+/// absolute terms where that is unknown.
 pub fn in_standard_errors(then: &[RawChannel], now: &[RawChannel], film: &Film) -> String {
     let Some(found) = compared(then, now, film) else {
         return "one of the two has no beauty\n".to_owned();
@@ -132,7 +132,7 @@ mod tests {
     use crate::color::{PathRadiance, Rgb};
     use crate::film::{FilmFormat, FilmFrame, Layer, RadianceScale, SampleRun};
 
-    /// Two pixels, of which the second has samples that are all alike, and their picture.
+    /// Two pixels, the second with identical samples, and their image.
     fn film(samples: u32) -> (Film, Vec<RawChannel>) {
         let film = Film::new(&FilmFormat {
             frame: FilmFrame::full(2, 1),

@@ -1,4 +1,4 @@
-//! What a picture's file, a part or a checkpoint says of how it was made.
+//! Describes how an image, a part or a checkpoint was made, from the metadata in its file.
 
 use std::path::Path;
 
@@ -10,21 +10,21 @@ use crate::job::diff::format_json;
 use crate::job::metadata::record_value;
 use crate::job::{Checkpoint, CheckpointHeader, FilePath, Metadata, RenderStatus, is_checkpoint};
 
-/// The name of where a part's picture goes.
+/// Name of the record that says how to resume a part.
 const RESUME: &str = "resume";
 
-/// Longer lists are not written out for people.
+/// Longer lists are not written out in text.
 const LONGEST_LIST: usize = 100;
 
-/// How a file says that it was made.
+/// Records of how a file was made.
 #[derive(Clone, Debug)]
 pub struct FileRecords {
     metadata: Metadata,
-    /// Of a part or a checkpoint.
+    /// Header of a part or a checkpoint.
     header: Option<CheckpointHeader>,
 }
 
-/// Returns true if a file says how it was made: by its name a picture or a part, or a checkpoint.
+/// Returns true if the file name is that of an image, a part or a checkpoint.
 pub fn is_picture(path: &Path) -> bool {
     image_io::has_picture_extension(path) || is_part(path)
 }
@@ -34,10 +34,10 @@ fn is_part(path: &Path) -> bool {
 }
 
 impl FileRecords {
-    /// Reads what the file says.
+    /// Reads the records of a file.
     ///
     /// # Errors
-    /// When it cannot be read, or says nothing, or a part's sums are damaged.
+    /// If the file cannot be read or has no records, or if a part's sums are damaged.
     pub fn read(path: &Path) -> Result<Self> {
         if !is_part(path) {
             let metadata = Metadata::from_records(path, &image_io::read_metadata(path)?)?;
@@ -45,24 +45,24 @@ impl FileRecords {
         }
         let part = Checkpoint::open(path)?;
         let header = part.header().clone();
-        // What is damaged behind the header is not kept quiet.
+        // Damage behind the header must not go unnoticed.
         part.into_film()?;
         Ok(Self { metadata: header.metadata.clone(), header: Some(header) })
     }
 
-    /// All of it for programs: texts as they are, and what is JSON in the file.
+    /// Returns all records as JSON: texts as strings, JSON records as values.
     ///
     /// # Errors
-    /// When it cannot be written as records.
+    /// If the records cannot be written.
     pub fn json(&self) -> Result<Value> {
         let entries = |record: &MetadataEntry| (record.name.clone(), record_value(record));
         Ok(Value::Object(Map::from_iter(self.records()?.iter().map(entries))))
     }
 
-    /// All of it for people: one row each, and texts of several lines last, under their names.
+    /// Formats all records as text: one row each, with multi-line texts last, under their names.
     ///
     /// # Errors
-    /// When it cannot be written as records.
+    /// If the records cannot be written.
     pub fn words(&self) -> Result<String> {
         let records = self.records()?;
         let (texts, rows): (Vec<MetadataEntry>, Vec<MetadataEntry>) = records
@@ -104,7 +104,7 @@ impl FileRecords {
         Ok(records)
     }
 
-    /// A record for people, who need no JSON; the settings begin with what is asked for most.
+    /// Formats a record as text instead of JSON. Settings start with the ones asked for most.
     fn words_of(&self, record: &MetadataEntry) -> Vec<MetadataEntry> {
         let metadata = &self.metadata;
         let text = match record.name.as_str() {
@@ -119,7 +119,7 @@ impl FileRecords {
             "noise" => {
                 metadata.run.as_ref().and_then(|run| run.noise).map(|noise| noise.to_string())
             }
-            // The user's own text says it already.
+            // The user's own text already says it.
             "scene" if metadata.run.as_ref().is_some_and(|run| run.scene_text.is_some()) => {
                 return Vec::new();
             }
@@ -136,7 +136,7 @@ fn name_of(FilePath(path): &FilePath) -> String {
     path.display().to_string()
 }
 
-/// What becomes of a part that is gone on with.
+/// Describes how to resume a part, and where its image goes.
 fn way_on(header: &CheckpointHeader) -> Option<String> {
     let (source, delivery) = (header.source.as_ref()?, header.delivery.as_ref()?);
     let files: Vec<String> = delivery.files.iter().map(name_of).collect();
@@ -160,7 +160,7 @@ fn listed(value: &Value) -> Option<String> {
     Some(texts?.join(","))
 }
 
-/// A line for each value: `image.width = 16`.
+/// One line per value: `image.width = 16`.
 fn line_by_line(value: &Value) -> String {
     let mut lines = String::new();
     add_lines("", value, &mut lines);

@@ -1,6 +1,6 @@
-//! Reports, in words, as JSON and as drawings: what is in a scene, how a picture was made and by how much
-//! it differs from another, what happened on the path of one sample, what checks and measurements came
-//! to. Nothing is found out here, and nothing printed.
+//! Reports as text, JSON and drawings: the contents of a scene, how an image was made and how it
+//! differs from another, the path of one sample, the results of checks and benchmarks. This module
+//! computes no results and prints nothing.
 
 pub mod checks;
 pub mod compare;

@@ -1,4 +1,4 @@
-//! What is in a scene, and what of it deserves attention.
+//! Summarizes a scene and points out likely mistakes.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use crate::math::DVec3;
 use crate::scene::settings::{IntegratorKind, IntegratorSettings, PathTermination};
 use crate::scene::{Scene, Settings};
 
-/// What is in a scene, and how it is to be rendered: as words, and as the fields of a JSON object.
+/// Contents of a scene and its render settings, as text and as the fields of a JSON object.
 #[derive(Debug, Serialize)]
 pub struct SceneSummary<'a> {
     spheres: usize,
@@ -42,7 +42,7 @@ struct Material<'a> {
     r#type: &'static str,
 }
 
-/// The box around all spheres, in the user's coordinates.
+/// Bounding box of all spheres, in the user's coordinates.
 #[derive(Debug, Serialize)]
 struct Bounds {
     low: DVec3,
@@ -55,7 +55,7 @@ struct Radii {
     largest: f64,
 }
 
-/// A material that reflects more than it receives.
+/// A material that reflects more light than it receives.
 #[derive(Debug, Serialize)]
 struct MakesLight<'a> {
     name: &'a str,
@@ -63,7 +63,7 @@ struct MakesLight<'a> {
 }
 
 impl<'a> SceneSummary<'a> {
-    /// Sums up a scene, with its settings.
+    /// Summarizes a scene with its settings.
     pub fn of(scene: &'a Scene, settings: &'a Settings) -> Self {
         let (description, spheres) = (scene.description(), scene.spheres());
         let Settings { image, render } = settings;
@@ -95,7 +95,7 @@ impl<'a> SceneSummary<'a> {
         }
     }
 
-    /// Adds how much memory a render will take, for programs.
+    /// Adds a memory plan to the JSON.
     #[must_use]
     pub fn with_memory_plan(self, memory_plan: Value) -> Self {
         Self { memory_plan, ..self }
@@ -185,7 +185,7 @@ fn triple(v: DVec3) -> String {
     format!("({}, {}, {})", rounded(v.x), rounded(v.y), rounded(v.z))
 }
 
-/// A number in at most seven significant digits, about those of f32.
+/// Formats at most seven significant digits, about the precision of f32.
 fn rounded(x: f64) -> String {
     // Adding 0 turns -0 into 0.
     let rounded = format!("{x:.6e}").parse().unwrap_or(x) + 0.0;

@@ -1,10 +1,10 @@
-//! What a check is, what comes of it, and how many of them are run as one suite.
+//! Checks, their results, and how a suite of them is run.
 //!
-//! Every check is called by its name and answers alone, so a test can ask for one of them; its random
-//! numbers are a function of that name. A check passes while its statistic stays within a limit: for
-//! what is random the statistic is a p-value told in standard deviations of a normal distribution
-//! ([`sigmas`]), and the limits of all such checks of a suite together keep one family-wise
-//! significance; for what is exact it counts wrong answers, and the limit is 0.
+//! A check is identified by its name and runs on its own, so a test can run a single one; its
+//! random numbers depend only on that name. A check passes if its statistic is within a limit. For
+//! random checks the statistic is a p-value expressed in standard deviations of a normal
+//! distribution ([`sigmas`]), and the limits of all random checks of a suite together keep one
+//! family-wise significance. For exact checks it counts wrong answers, and the limit is 0.
 
 use rayon::prelude::*;
 
@@ -14,47 +14,47 @@ use crate::task::CancelToken;
 
 use super::statistics::{bonferroni, sigmas};
 
-/// The probability that a right program fails any of the random checks of a suite.
+/// Probability that a correct program fails any random check of a suite.
 pub const FAMILY_SIGNIFICANCE: f64 = 1e-3;
 
 /// How much work a suite may do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Effort {
-    /// Well below a minute on two cores.
+    /// Well under a minute on two cores.
     Quick,
     /// A few minutes.
     #[default]
     Normal,
-    /// As long as it takes: every combination, and four times the samples.
+    /// No time limit: every combination, and four times the samples.
     Full,
 }
 
 impl Effort {
-    /// The choice among three values, in the order quick, normal, full.
+    /// Selects one of three values, ordered quick, normal, full.
     pub fn select<T: Copy>(self, values: [T; 3]) -> T {
         values[self as usize]
     }
 }
 
-/// What a check is about.
+/// Group that a check belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CheckGroup {
-    /// Intersectors against arithmetic of twice the digits.
+    /// Intersectors against arithmetic of twice the precision.
     Crosscheck,
-    /// Sampling routines against their densities.
+    /// Sampling routines against their pdfs.
     ChiSquare,
-    /// Energy and reciprocity of the materials.
+    /// Energy conservation and reciprocity of the materials.
     Materials,
-    /// Whole renders against answers known on paper.
+    /// Whole renders against closed-form solutions.
     ClosedForms,
 }
 
 impl CheckGroup {
-    /// Every group, in the order of a report.
+    /// All groups, in the order of a report.
     pub const ALL: [Self; 4] =
         [Self::Crosscheck, Self::ChiSquare, Self::Materials, Self::ClosedForms];
 
-    /// What people call it.
+    /// Returns the name shown to users.
     pub fn name(self) -> &'static str {
         match self {
             Self::Crosscheck => "crosscheck",
@@ -65,65 +65,65 @@ impl CheckGroup {
     }
 }
 
-/// How a check came by its result.
+/// Test statistic of a check.
 #[derive(Clone, Debug)]
 pub enum TestStatistic {
-    /// What happened would happen to a right program with this probability.
+    /// Probability that a correct program gives a result at least this far off.
     PValue(f64),
-    /// So many answers were wrong.
+    /// Number of wrong answers.
     ErrorCount(usize),
 }
 
-/// What a check found, before it is judged.
+/// Raw result of a check, before it is compared with a limit.
 #[derive(Clone, Debug)]
 pub struct CheckMeasurement {
-    /// By which it is judged.
+    /// The statistic that decides the check.
     pub statistic: TestStatistic,
-    /// The figures in one line.
+    /// Figures, in one line.
     pub detail: String,
-    /// What there is to see.
+    /// Images to show with the result.
     pub images: Vec<Cells>,
-    /// What the user ought to know though the check passed.
+    /// Remark for the user, even if the check passed.
     pub note: Option<String>,
 }
 
-/// The work of a check. It looks at the request to stop now and then.
+/// Body of a check. Polls the token to honour cancellation.
 pub type CheckFn = Box<dyn Fn(&CancelToken) -> Result<CheckMeasurement> + Send + Sync>;
 
-/// One check.
+/// A single check.
 pub struct Check {
-    /// Its name, which no other check has.
+    /// Unique name.
     pub name: String,
-    /// What it is about.
+    /// Group that the check belongs to.
     pub group: CheckGroup,
-    /// Measures; [`Self::run`] judges as well.
+    /// Measures without judging; [`Self::run`] does both.
     pub measure: CheckFn,
-    /// The probability with which a right program may fail this check; [`split_significance`] sets
-    /// it. Exact checks do not heed it.
+    /// Probability with which a correct program may fail this check, set by [`split_significance`].
+    /// Ignored by exact checks.
     pub significance: f64,
 }
 
-/// The judged result of a check.
+/// Result of a check, compared with its limit.
 #[derive(Clone, Debug)]
 pub struct CheckResult {
-    /// Whether the statistic is within the limit.
+    /// True if the statistic is within the limit.
     pub passed: bool,
-    /// Standard deviations for what is random, wrong answers for what is exact.
+    /// Standard deviations for a random check, number of wrong answers for an exact one.
     pub statistic: f64,
-    /// The largest statistic that passes.
+    /// Largest statistic that passes.
     pub limit: f64,
-    /// Whether chance has a part in it; then the statistic is in standard deviations.
+    /// True for a random check; the statistic is then in standard deviations.
     pub is_random: bool,
-    /// The figures in one line.
+    /// Figures, in one line.
     pub detail: String,
-    /// What there is to see.
+    /// Images to show with the result.
     pub images: Vec<Cells>,
-    /// What the user ought to know though the check passed.
+    /// Remark for the user, even if the check passed.
     pub note: Option<String>,
 }
 
 impl Check {
-    /// A check of this name, to be judged alone.
+    /// Creates a check with the full family significance, to be run on its own.
     pub fn new(
         group: CheckGroup,
         name: impl Into<String>,
@@ -133,10 +133,10 @@ impl Check {
         Self { name: name.into(), group, measure: Box::new(work), significance }
     }
 
-    /// Does the check.
+    /// Runs the check and compares its statistic with the limit.
     ///
     /// # Errors
-    /// On cancellation, and when the means to check are missing, as an intersector that cannot be
+    /// On cancellation, or if a prerequisite is missing, such as an intersector that cannot be
     /// built.
     pub fn run(&self, cancel: &CancelToken) -> Result<CheckResult> {
         cancel.check()?;
@@ -147,18 +147,18 @@ impl Check {
 }
 
 impl CheckMeasurement {
-    /// A result without pictures.
+    /// Creates a result without images.
     pub fn new(finding: TestStatistic, detail: impl Into<String>) -> Self {
         Self { statistic: finding, detail: detail.into(), images: Vec::new(), note: None }
     }
 
-    /// With something to see.
+    /// Adds images.
     #[must_use]
     pub fn with_images(self, pictures: Vec<Cells>) -> Self {
         Self { images: pictures, ..self }
     }
 
-    /// With a remark.
+    /// Adds a remark.
     #[must_use]
     pub fn with_note(self, remark: impl Into<String>) -> Self {
         Self { note: Some(remark.into()), ..self }
@@ -181,24 +181,24 @@ pub fn split_significance(checks: &mut [Check]) {
     checks.iter_mut().for_each(|check| check.significance = each);
 }
 
-/// How far a suite is.
+/// Progress of a running suite.
 #[derive(Clone, Copy)]
 pub struct SuiteProgress<'a> {
-    /// Checks finished, this one included.
+    /// Checks finished, including this one.
     pub done: usize,
-    /// Checks in all.
+    /// Total number of checks.
     pub total: usize,
-    /// The check that was just finished.
+    /// Check that just finished.
     pub check: &'a Check,
-    /// What came of it.
+    /// Result of that check.
     pub result: &'a CheckResult,
 }
 
-/// Runs all checks on the current rayon thread pool, several at once; the outcomes are in their
-/// order and do not depend on the number of threads. `progress` is called from any thread.
+/// Runs all checks concurrently on the current rayon pool. Results are in the order of the checks
+/// and do not depend on the number of threads. `progress` may be called from any thread.
 ///
 /// # Errors
-/// The first error of a check, and on cancellation.
+/// The first error of a check, or on cancellation.
 pub fn run_all(
     checks: &[Check],
     cancel: &CancelToken,
@@ -211,12 +211,12 @@ pub fn run_all(
         progress(SuiteProgress { done, total: checks.len(), check, result: &outcome });
         Ok(outcome)
     };
-    // One by one, so that a long check at the end of a thread's share is not waited for alone.
+    // No batching, so that a long check at the end of one thread's share does not delay the rest.
     checks.par_iter().with_max_len(1).map(run).collect()
 }
 
-/// A seed that depends on a check's name alone, and differs for each `index`: FNV-1a (Fowler, Noll,
-/// Vo 1991), within the range that a scene takes.
+/// Derives a seed from a check's name and `index`: FNV-1a (Fowler, Noll, Vo 1991), reduced to the
+/// range of scene seeds.
 pub fn seed(name: &str, index: u64) -> u64 {
     let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325, mix);

@@ -1,4 +1,4 @@
-//! The chi-square table as checks: a row is one check, its histograms are its pictures.
+//! Chi-square tests as checks: one check per row of the table, with its histograms as images.
 
 use crate::draw::{CellColors, Cells};
 
@@ -7,10 +7,10 @@ use super::chi2::{ChiSquareResult, Histogram, SamplingTest, chi_square_test, sam
 
 /// Points drawn for each row.
 const SAMPLES: [u32; 3] = [200_000, 1_000_000, 4_000_000];
-/// Standard deviations of a count at which a cell has its full colour.
+/// Deviation of a count, in standard deviations, drawn in full colour.
 const FULL_COLOR: f64 = 4.0;
 
-/// A check for each row.
+/// Returns one check per row of the table.
 pub(super) fn checks(effort: Effort) -> Vec<Check> {
     let points = effort.select(SAMPLES);
     sampling_tests().into_iter().map(|pair| check(pair, points)).collect()

@@ -1,4 +1,5 @@
-//! Every backend against the judge, ray by ray: the ids, the resolved distances and the occlusions.
+//! Checks every backend against the ground truth, ray by ray: ids, resolved distances and
+//! occlusion.
 
 use std::fmt;
 
@@ -12,86 +13,87 @@ use crate::task::CancelToken;
 
 use super::ground_truth::{ExactHit, RayCase, Verdict, covering_precision};
 
-/// Rays asked in one batch, as many as an integrator has in flight.
+/// Rays per batch, as many as an integrator has in flight.
 const BATCH_RAYS: usize = 256;
-/// Disagreeing rays kept for each backend; the rest are only counted.
+/// Disagreeing rays kept per backend; any more are only counted.
 const MAX_DISAGREEMENTS: usize = 1000;
 
-/// A backend to be checked.
+/// A backend to check.
 #[derive(Clone, Copy)]
 pub struct TestedBackend<'a> {
-    /// What the report calls it.
+    /// Name in the report.
     pub name: &'a str,
-    /// Built from the very spheres that are checked.
+    /// Acceleration structure, built over the spheres that are checked.
     pub accel: &'a dyn Accel,
 }
 
-/// How one backend fared.
+/// Result for one backend.
 #[derive(Clone, Debug, Default)]
 pub struct CrosscheckResult {
-    /// What the caller called the backend.
+    /// Name of the backend, as given by the caller.
     pub name: String,
-    /// What the backend states of its error.
+    /// Error bound that the backend states.
     pub precision: ErrorBound,
-    /// Rays asked, each for its first hit and for occlusion.
+    /// Rays traced, each for its closest hit and for occlusion.
     pub rays: usize,
-    /// Ids equal to the judge's, misses included.
+    /// Ids equal to the exact one, including misses.
     pub exact: usize,
-    /// Other ids, within the backend's stated error.
+    /// Different ids within the backend's error bound.
     pub ambiguous: usize,
-    /// Those among the ambiguous that resolve to a point behind another sphere, which the path then
-    /// never sees.
+    /// Ambiguous hits that resolve to a point behind another sphere, which the path then never
+    /// sees.
     pub hidden_hits: usize,
-    /// Ids of another sphere than the judge's, beyond the stated error.
+    /// Ids of the wrong sphere, beyond the error bound.
     pub wrong_ids: usize,
-    /// Misses, beyond the stated error, where the judge sees a sphere.
+    /// Misses, beyond the error bound, where there is an exact hit.
     pub false_misses: usize,
-    /// Hits, beyond the stated error, where the judge sees none.
+    /// Hits, beyond the error bound, where there is no exact hit.
     pub false_hits: usize,
-    /// Resolved distances that are off by more than f64 is allowed.
+    /// Resolved distances with an error above the f64 tolerance.
     pub wrong_distances: usize,
-    /// The largest error of a resolved distance, in units of what is allowed.
+    /// Largest error of a resolved distance, relative to the f64 tolerance.
     pub max_distance_error: f64,
-    /// Sides of a sphere arrived at other than the judge's, where its chord is long enough to tell.
+    /// Hits on the wrong side of a sphere, where its chord is long enough to tell.
     pub wrong_sides: usize,
-    /// Occlusions other than the judge's, within the stated error.
+    /// Occlusion results that differ from the exact one, within the error bound.
     pub ambiguous_occlusions: usize,
-    /// Occlusions beyond it.
+    /// Occlusion results that are wrong beyond the error bound.
     pub wrong_occlusions: usize,
-    /// The first rays of those that are wrong in any way, in the order of the rays.
+    /// The first wrong rays of any kind, in ray order.
     pub disagreements: Vec<Disagreement>,
 }
 
-/// A ray that a backend answered beyond its stated error, with all that is needed to ask it again.
+/// A ray for which a backend is wrong beyond its error bound, with everything needed to trace it
+/// again.
 #[derive(Clone, Debug)]
 pub struct Disagreement {
-    /// What the caller called the backend.
+    /// Name of the backend, as given by the caller.
     pub backend: String,
-    /// In what they disagree.
+    /// Kind of disagreement.
     pub mismatch: Mismatch,
     /// The ray, relative to [`SphereSet::origin`].
     pub ray: PathRay,
-    /// The backend's answer after [`SphereSet::resolve_hit`]: id and distance.
+    /// The backend's hit after [`SphereSet::resolve_hit`]: id and distance.
     pub backend_hit: Option<(u32, f64)>,
-    /// The judge's answer.
+    /// The exact hit: id and distance.
     pub exact_hit: Option<(u32, f64)>,
 }
 
-/// In what a backend and the judge disagree.
+/// Kind of disagreement between a backend and the ground truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mismatch {
-    /// Which sphere is hit first.
+    /// First sphere hit.
     Id,
-    /// How far away it is.
+    /// Distance of the hit.
     Distance,
-    /// Which side of the sphere it arrives at.
+    /// Side of the sphere on which the ray arrives.
     Side,
-    /// Whether anything is hit.
+    /// Occlusion.
     Occlusion,
 }
 
-/// Asks every contender about every ray and compares with the judge. One tally for each contender,
-/// in their order, independent of the number of threads.
+/// Traces every ray with every backend and compares with the ground truth. Returns one result per
+/// backend, in order, independent of the number of threads.
 ///
 /// # Errors
 /// On cancellation.
@@ -137,15 +139,15 @@ fn compare_batch(
     contenders.iter().map(judged).collect()
 }
 
-/// The answer as an integrator sees it.
+/// A hit as an integrator sees it.
 struct ResolvedHit {
-    /// The sphere that the backend found.
+    /// Sphere that the backend found.
     found: Option<u32>,
     hit: Option<(u32, f64)>,
     side: Option<Side>,
 }
 
-/// An id that does not exist stays visible.
+/// Resolves a hit. Keeps an invalid id, so that it is reported.
 fn resolve(spheres: &SphereSet, ray: &PathRay, hit: Hit) -> ResolvedHit {
     let found = (!hit.is_miss()).then_some(hit.id);
     if found.is_some_and(|id| id as usize >= spheres.len()) {
@@ -161,13 +163,13 @@ impl CrosscheckResult {
         Self { name: contender.name.to_owned(), precision, ..Self::default() }
     }
 
-    /// Everything that is beyond what was stated; 0 if the backend is right.
+    /// Number of answers beyond the error bound; 0 if the backend is correct.
     pub fn failures(&self) -> usize {
         let ids = self.wrong_ids + self.false_misses + self.false_hits;
         ids + self.wrong_distances + self.wrong_sides + self.wrong_occlusions
     }
 
-    /// The share of rays whose id differs from the judge's within the stated error.
+    /// Fraction of rays whose id differs from the exact one within the error bound.
     pub fn ambiguous_share(&self) -> f64 {
         self.ambiguous as f64 / self.rays.max(1) as f64
     }
@@ -212,7 +214,7 @@ impl CrosscheckResult {
         None
     }
 
-    /// Distance and side of a hit whose id is accepted.
+    /// Checks distance and side of a hit whose id is accepted.
     fn count_hit(&mut self, case: &RayCase<'_>, answer: &ResolvedHit) -> Option<Mismatch> {
         let ((id, t), side) = (answer.hit?, answer.side?);
         let error = case.distance_error(id, t);
@@ -233,7 +235,7 @@ impl CrosscheckResult {
         (verdict == Verdict::Wrong).then_some(Mismatch::Occlusion)
     }
 
-    /// Adds what the same backend did on other rays.
+    /// Adds the same backend's result on other rays.
     pub fn merge(&mut self, other: Self) {
         self.rays += other.rays;
         self.exact += other.exact;
@@ -252,7 +254,7 @@ impl CrosscheckResult {
     }
 }
 
-/// One line of a dump. Decimal numbers are the shortest that read back as the same f64.
+/// Formats one line of a dump. Decimal numbers are the shortest that read back as the same f64.
 impl fmt::Display for Disagreement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { backend, mismatch: about, ray, .. } = self;
@@ -292,7 +294,7 @@ mod tests {
     use crate::verify::rays;
     use std::sync::Arc;
 
-    /// A backend with a fault of choice.
+    /// A backend with an injected fault.
     struct Broken {
         sound: Box<dyn Accel>,
         break_ray: fn(&mut Ray),

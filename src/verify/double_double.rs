@@ -1,8 +1,9 @@
-//! One sphere and a line in double-double arithmetic: about 104 bits, twice f64's.
+//! Intersects one sphere and a line in double-double arithmetic: about 104 bits, twice those of
+//! f64.
 //!
-//! Nothing here is shared with [`crate::geometry`]: the formula is another one (the cross product
-//! gives the distance of line and centre), the numbers are wider, and where they are used an error
-//! of one does not hide the same error of the other.
+//! Nothing here is shared with [`crate::geometry`], so an error in one does not hide the same error
+//! in the other. The numbers are wider, and the formula is different: the cross product gives the
+//! distance between line and centre.
 //!
 //! Dekker 1971, "A floating-point technique for extending the available precision"; Joldes, Muller
 //! and Popescu 2017, "Tight and rigorous error bounds for basic building blocks of double-word
@@ -13,14 +14,14 @@ use twofloat::TwoFloat;
 use crate::geometry::Sphere;
 use crate::math::DVec3;
 
-/// How a line `origin + t * direction` passes a sphere's centre.
+/// Closest approach of a line `origin + t * direction` to a sphere's centre.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ClosestApproach {
-    /// Where the line is closest to the centre.
+    /// Parameter t of the closest approach.
     pub(super) t: TwoFloat,
-    /// Square of the closest distance.
+    /// Squared distance at the closest approach.
     pub(super) distance_squared: TwoFloat,
-    /// Square of the direction's length.
+    /// Squared length of the direction.
     pub(super) length_squared: TwoFloat,
 }
 
@@ -39,21 +40,20 @@ impl ClosestApproach {
         }
     }
 
-    /// Half the chord that a sphere of this radius cuts out, in units of t; `None` where the line
-    /// passes by.
+    /// Half the chord cut by a sphere of this radius, in units of t; `None` if the line misses.
     pub(super) fn half_chord(&self, radius: TwoFloat) -> Option<TwoFloat> {
         let squared = quotient(radius * radius - self.distance_squared, self.length_squared);
         (squared >= 0.0).then(|| squared.sqrt())
     }
 }
 
-/// The exact difference of two points.
+/// Exact difference of two points.
 fn difference(a: DVec3, b: DVec3) -> [TwoFloat; 3] {
     [TwoFloat::new_sub(a.x, b.x), TwoFloat::new_sub(a.y, b.y), TwoFloat::new_sub(a.z, b.z)]
 }
 
-/// `a / b` by long division with three digits of 53 bits. twofloat's own quotient of two
-/// double-doubles is not used: it leaves a product unfused and is right to f64 precision only.
+/// `a / b` by long division with three digits of 53 bits. Does not use twofloat's quotient of two
+/// double-doubles, which leaves a product unfused and is accurate to f64 precision only.
 fn quotient(a: TwoFloat, b: TwoFloat) -> TwoFloat {
     let first = a.hi() / b.hi();
     let rest = a - b * first;
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
-    /// What double-double promises here, with room for the few operations in a row.
+    /// Relative precision of double-double, with a margin for a few operations in a row.
     const RELATIVE: f64 = 1.0 / (1u128 << 98) as f64;
 
     #[test]
@@ -87,8 +87,8 @@ mod tests {
         }
     }
 
-    /// Integers alone: a Pythagorean triple gives a rational chord, an integer matrix `M` with
-    /// `M M^T = 9` turns it without rounding, and every input is an exact f64.
+    /// Uses integers only: a Pythagorean triple gives a rational chord, an integer matrix `M` with
+    /// `M M^T = 9` rotates it without rounding, and every input is an exact f64.
     #[test]
     fn rational_chords_come_out_exactly() {
         let mut rng = StdRng::seed_from_u64(2);
@@ -120,7 +120,8 @@ mod tests {
 
     #[test]
     fn a_line_passes_by_or_touches_by_one_part_in_2_to_the_90() {
-        // Radius 5 scaled, miss 5 to the last bit; then the radius one part in 2^90 smaller.
+        // Radius 5 and a line at distance 5, to the last bit; then a radius smaller by one part in
+        // 2^90.
         let sphere = Sphere { center: DVec3::new(3.0, 4.0, 1e6), radius: 5.0 };
         let approach = ClosestApproach::new(DVec3::ZERO, DVec3::Z, &sphere);
         assert_eq!(approach.half_chord(TwoFloat::from(5.0)), Some(TwoFloat::from(0.0)));
@@ -129,7 +130,7 @@ mod tests {
         assert_eq!(approach.t, 1e6);
     }
 
-    /// A tiny sphere far away, where `b^2 - 4ac` in f64 has lost everything.
+    /// A tiny sphere far away, where `b^2 - 4ac` in f64 has lost all its digits.
     #[test]
     fn a_distant_tiny_sphere_keeps_its_chord() {
         let unit = 2f64.powi(-20);

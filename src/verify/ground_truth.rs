@@ -1,23 +1,23 @@
-//! The judge: which sphere does a ray hit first, decided in more than f64 and by another formula
-//! than any backend's, and whether a backend's other answer is within its stated error.
+//! Ground truth for the backends: decides in higher precision than f64, and by a different formula,
+//! which sphere a ray hits first, and if a backend's different answer is within its error bound.
 //!
 //! # The rule
-//! A backend states its error as a *backward* error ([`ErrorBound`]): its answer is exact for
-//! spheres whose radius was changed by at most
+//! A backend states a *backward* error ([`ErrorBound`]): its answer is exact for spheres whose
+//! radius was changed by at most
 //!
 //! `e = k 2^-24 (|o - c| + R) + |o - o'|`,
 //!
-//! `o'` being the origin that it traces from. A backend that traces from an origin rounded to f32
-//! walks boxes rounded to f32 too, at the scale of `|c|`, which is at most `|o| + |o - c|`: for it
-//! `2^-24 |o|` more is allowed. So each sphere has, beside its exact first hit, a set
-//! of *possible* first hits, one for each radius in `[R - e, R + e]`, and its hit is *sure* if every
+//! where `o'` is the origin that it traces from. A backend that traces from an origin rounded to
+//! f32 also traverses boxes rounded to f32, at the scale of `|c|`, which is at most `|o| + |o -
+//! c|`; it is allowed another `2^-24 |o|`. So each sphere has, besides its exact first hit, a set
+//! of *possible* first hits, one for each radius in `[R - e, R + e]`. Its hit is *certain* if every
 //! such radius gives one. An answer B is accepted if B has a possible hit and no other sphere has a
-//! sure hit that lies before B's earliest possible one whatever the radius; a miss is accepted if
-//! no sphere has a sure hit. The far wall of the sphere that a ray leaves is part of the ray and
-//! exact. An accepted answer that is not the exact one is *ambiguous*: a silhouette or another
+//! certain hit that lies before B's earliest possible one whatever the radius. A miss is accepted
+//! if no sphere has a certain hit. The far wall of the sphere that a ray leaves is part of the ray
+//! and exact. An accepted answer that is not the exact one is *ambiguous*: a silhouette or another
 //! sphere lies within the band.
 //!
-//! The judge knows no tree: a linear, conservative f64 pass over all spheres finds those worth
+//! No tree is involved: a linear, conservative f64 pass over all spheres selects the candidates for
 //! double-double arithmetic.
 
 use twofloat::TwoFloat;
@@ -28,30 +28,31 @@ use crate::math::{DVec3, F32_UNIT_ROUNDOFF};
 
 use super::double_double::ClosestApproach;
 
-/// A ray's ends are rounded outwards to f32 for a backend, by at most this share.
+/// A ray's ends are rounded outwards to f32 for a backend, by at most this relative error.
 const INTERVAL_ROUNDING: f64 = 2.0 * F32_UNIT_ROUNDOFF;
 
-/// What the judge says of a backend's answer.
+/// Verdict on a backend's answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It is the exact answer.
+    /// The exact answer.
     Equal,
-    /// It is another one, within the backend's stated error.
+    /// A different answer within the backend's error bound.
     Ambiguous,
-    /// It is beyond it.
+    /// A wrong answer, beyond the error bound.
     Wrong,
 }
 
 /// The exact first hit.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactHit {
-    /// Which sphere; the one that the ray leaves where its far wall is hit.
+    /// Sphere index. If the ray hits the far wall of the sphere that it leaves, the index of that
+    /// sphere.
     pub id: u32,
     /// Distance along the ray, rounded to f64.
     pub t: f64,
 }
 
-/// All that the judge knows of one ray.
+/// The exact hits and the candidates of one ray.
 #[derive(Debug)]
 pub struct RayCase<'a> {
     spheres: &'a SphereSet,
@@ -62,7 +63,7 @@ pub struct RayCase<'a> {
     origin_errors: [f64; 2],
 }
 
-/// A sphere that some stated error allows to be hit.
+/// A sphere that some error bound allows to be hit.
 #[derive(Debug)]
 struct Candidate {
     id: u32,
@@ -70,22 +71,23 @@ struct Candidate {
     approach: ClosestApproach,
 }
 
-/// First hits of one sphere for all the radii of its band.
+/// First hits of one sphere over all radii of its band.
 struct HitInterval {
-    /// The earliest of them.
+    /// Earliest first hit over the radii.
     earliest_possible: Option<TwoFloat>,
-    /// The latest of them, if every radius gives one.
+    /// Latest first hit over the radii, if every radius gives one.
     latest_certain: Option<TwoFloat>,
 }
 
-/// Both roots of a line and a sphere, exact and then rounded to f64; `None` where it passes by.
+/// Both roots of a line and a sphere, computed in double-double and rounded to f64; `None` if the
+/// line misses.
 pub fn roots(origin: DVec3, direction: DVec3, sphere: &Sphere) -> Option<Roots> {
     let approach = ClosestApproach::new(origin, direction, sphere);
     let h = approach.half_chord(TwoFloat::from(sphere.radius))?;
     Some(Roots { near: (approach.t - h).hi(), far: (approach.t + h).hi() })
 }
 
-/// The precision that covers all of those given.
+/// Returns the error bound that covers all of those given.
 pub fn covering_precision(precisions: impl IntoIterator<Item = ErrorBound>) -> ErrorBound {
     precisions.into_iter().fold(ErrorBound::default(), |a, b| ErrorBound {
         particles: a.particles.max(b.particles),
@@ -95,7 +97,8 @@ pub fn covering_precision(precisions: impl IntoIterator<Item = ErrorBound>) -> E
 }
 
 impl<'a> RayCase<'a> {
-    /// Looks along a ray. `widest` covers the precision of every backend to be judged.
+    /// Finds the exact hits and the candidates of a ray. `widest` must cover the error bound of
+    /// every backend to be judged.
     pub fn new(spheres: &'a SphereSet, ray: &'a PathRay, widest: &ErrorBound) -> Self {
         let mut case = Self {
             spheres,
@@ -110,22 +113,23 @@ impl<'a> RayCase<'a> {
         case
     }
 
-    /// The ray in question.
+    /// The ray.
     pub fn ray(&self) -> &'a PathRay {
         self.ray
     }
 
-    /// The exact first hit.
+    /// The exact first hit; `None` for a miss.
     pub fn first_hit(&self) -> Option<ExactHit> {
         self.first_hit
     }
 
-    /// Whether anything lies between the ray's ends; the far wall is such an end.
+    /// Returns true if any sphere lies between the ray's ends. The far wall of the sphere that the
+    /// ray leaves is an end, not an occluder.
     pub fn occluded(&self) -> bool {
         self.occluded
     }
 
-    /// Judges the sphere that a backend found first, `None` for a miss, and what
+    /// Judges a backend's closest hit: the sphere `found` (`None` for a miss) and the `answer` that
     /// [`SphereSet::resolve_hit`] made of it, which may be the far wall instead.
     pub fn judge_closest(
         &self,
@@ -154,14 +158,14 @@ impl<'a> RayCase<'a> {
         if is_wrong { Verdict::Wrong } else { Verdict::Ambiguous }
     }
 
-    /// Whether a point on sphere `id` at distance `t` lies behind another sphere whatever the
-    /// radii. An ambiguous answer may: a sphere that the ray starts just inside of, and that an f32
-    /// backend meets from outside at once, resolves to its far root.
+    /// Returns true if a point on sphere `id` at distance `t` lies behind another sphere whatever
+    /// the radii. This happens for some ambiguous answers: a sphere that the ray starts just inside
+    /// of, and that an f32 backend hits from outside at once, resolves to its far root.
     pub fn is_hidden(&self, id: u32, t: f64, precision: &ErrorBound) -> bool {
         self.is_behind_other(Some(id), t.into(), precision)
     }
 
-    /// Judges whether a backend found the way blocked.
+    /// Judges a backend's occlusion result.
     pub fn judge_occluded(&self, blocked: bool, precision: &ErrorBound) -> Verdict {
         let mut bands =
             self.candidates.iter().map(|candidate| self.hit_interval(candidate, precision));
@@ -173,12 +177,12 @@ impl<'a> RayCase<'a> {
         if accepted { Verdict::Ambiguous } else { Verdict::Wrong }
     }
 
-    /// The error of a resolved distance, in units of what f64 is allowed: at most 1 if right.
+    /// Error of a resolved distance, relative to the f64 tolerance: at most 1 if correct.
     ///
-    /// With `s = |o - c| + R` and `h` half the chord, allowed is `8 eps s (1 + |o - c| / h)`. At a
-    /// tangent `h` is itself the root of a rounding error, and allowed is `d + sqrt(2 (R + d) d)`
-    /// with `d = 8 eps s`: what a change of the radius by `d` does to a chord of length 0. The far
-    /// wall is part of the ray and must come back as it is.
+    /// With `s = |o - c| + R` and `h` half the chord, the tolerance is `8 eps s (1 + |o - c| / h)`.
+    /// At a tangent `h` is itself the root of a rounding error, and the tolerance is `d + sqrt(2 (R
+    /// + d) d)` with `d = 8 eps s`: the effect of changing the radius by `d` on a chord of length
+    /// 0. The far wall is part of the ray and must come back unchanged.
     pub fn distance_error(&self, id: u32, t: f64) -> f64 {
         if id == self.ray.origin_sphere {
             return if t == self.ray.t_exit { 0.0 } else { f64::INFINITY };
@@ -193,7 +197,7 @@ impl<'a> RayCase<'a> {
             ((expected - t).abs().hi()) / allowed
         };
         let (near, far) = (approach.t - h, approach.t + h);
-        // Where the near root lies at t_min within rounding, either root is right.
+        // If the near root equals t_min within rounding, either root is correct.
         let gap = (near - self.ray.t_min).hi();
         match () {
             () if gap.abs() <= allowed => error(near).min(error(far)),
@@ -202,8 +206,8 @@ impl<'a> RayCase<'a> {
         }
     }
 
-    /// The side on which the ray arrives at a sphere at distance `t`, as resolved; `None` where the
-    /// chord is too short for f64 to tell. A far wall is always reached from inside.
+    /// Side on which the ray arrives at a sphere at the resolved distance `t`; `None` if the chord
+    /// is too short for f64 to tell. A far wall is always reached from inside.
     pub fn side(&self, id: u32, t: f64) -> Option<Side> {
         if id == self.ray.origin_sphere {
             return Some(Side::Inside);
@@ -254,7 +258,7 @@ impl<'a> RayCase<'a> {
         };
     }
 
-    /// Where the ray ends if it meets no other sphere.
+    /// Where the ray ends if it hits no other sphere.
     fn t_end(&self) -> f64 {
         self.ray.t_max.min(self.ray.t_exit)
     }
@@ -284,7 +288,7 @@ impl<'a> RayCase<'a> {
         self.hit_interval(candidate, precision).earliest_possible
     }
 
-    /// By how much the backend may be wrong about the sphere's radius.
+    /// Bound on the backend's error in the sphere's radius.
     fn radius_error(&self, id: u32, sphere: &Sphere, precision: &ErrorBound) -> f64 {
         let is_particle = (id as usize) < self.spheres.particles().len();
         let k = if is_particle { precision.particles } else { precision.giants };
@@ -302,8 +306,8 @@ impl<'a> RayCase<'a> {
     }
 
     /// The earliest hit over all radii in the band. The near root moves towards the origin as the
-    /// radius grows, the far root away from it; a far root is first for those radii alone whose
-    /// near root lies at or before `t_min`.
+    /// radius grows, the far root away from it. A far root is first only for the radii whose near
+    /// root lies at or before `t_min`.
     fn earliest_in_band(&self, candidate: &Candidate, error: f64) -> Option<TwoFloat> {
         let Candidate { sphere, approach, .. } = candidate;
         let t_min = self.ray.t_min * (1.0 - INTERVAL_ROUNDING);
@@ -341,21 +345,21 @@ impl<'a> RayCase<'a> {
     }
 }
 
-/// Half the chord at the smallest radius of the band, if that is positive and the line meets it.
+/// Half the chord at the smallest radius of the band, if that is positive and the line hits it.
 fn narrowest_half_chord(candidate: &Candidate, error: f64) -> Option<TwoFloat> {
     let radius = TwoFloat::new_sub(candidate.sphere.radius, error);
     (radius > 0.0).then_some(radius).and_then(|radius| candidate.approach.half_chord(radius))
 }
 
-/// What the size of a ray's coordinates costs: where the origin is split in two f32, which keep 48
-/// bits of each coordinate; and where origin and boxes are rounded to one.
+/// Errors due to the size of the ray's coordinates: first with the origin split in two f32, which
+/// keep 48 bits of each coordinate, then with origin and boxes rounded to one f32.
 fn origin_errors(origin: DVec3) -> [f64; 2] {
     let unit = F32_UNIT_ROUNDOFF * origin.length();
     let moved = origin.distance(origin.as_vec3().as_dvec3());
     [2.0 * F32_UNIT_ROUNDOFF * unit, moved + unit]
 }
 
-/// What a resolved distance may be wrong by; `half_chord` is `None` where the line passes by.
+/// Tolerance of a resolved distance; `half_chord` is `None` if the line misses.
 fn distance_tolerance(origin: DVec3, sphere: &Sphere, half_chord: Option<f64>) -> f64 {
     let distance = origin.distance(sphere.center);
     let moved = 8.0 * f64::EPSILON * (distance + sphere.radius);
@@ -367,7 +371,7 @@ fn distance_tolerance(origin: DVec3, sphere: &Sphere, half_chord: Option<f64>) -
     }
 }
 
-/// A conservative test in f64, for all spheres of a scene.
+/// A conservative f64 test, applied to all spheres of a scene.
 struct Prefilter {
     origin: DVec3,
     direction: DVec3,
@@ -376,7 +380,7 @@ struct Prefilter {
 }
 
 impl Prefilter {
-    /// What f64 may lose, as a share of the distance: 2^-40 where 2^-49 would do.
+    /// Bound on the f64 rounding error, relative to the distance: 2^-40, where 2^-49 would do.
     const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
 
     fn new(ray: &PathRay) -> Self {
@@ -389,7 +393,7 @@ impl Prefilter {
         }
     }
 
-    /// Whether a hit before `until` is possible at all for radii that are off by at most `error`.
+    /// Returns true if a hit before `until` is possible for any radius off by at most `error`.
     fn may_hit(&self, sphere: &Sphere, error: f64, until: f64) -> bool {
         let to_center = sphere.center - self.origin;
         let t = to_center.dot(self.direction) / (self.length * self.length);

@@ -1,4 +1,5 @@
-//! Every intersector against the judge, on families of spheres that are hard in different ways.
+//! Checks every intersector against the ground truth, on sphere families that are hard in different
+//! ways.
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -14,13 +15,13 @@ use super::check::{Check, CheckGroup, CheckMeasurement, Effort, TestStatistic};
 use super::crosscheck::{CrosscheckResult, TestedBackend, compare};
 use super::rays;
 
-/// Rays for each check: each is compared with every sphere by arithmetic of twice the digits.
+/// Rays per check. Each is tested against every sphere in arithmetic of twice the precision.
 const RAYS: [usize; 3] = [2_000, 20_000, 200_000];
 
-/// Spheres by their number and the generator.
+/// Generates this many spheres.
 type Family = fn(usize, &mut StdRng) -> Vec<Sphere>;
 
-/// The families with their names and numbers of spheres.
+/// Sphere families: name, number of spheres, generator.
 const FAMILIES: [(&str, usize, Family); 5] = [
     ("a gas of balls", 500, gas),
     ("clusters inside clusters, over six decades", 300, clusters),
@@ -29,7 +30,7 @@ const FAMILIES: [(&str, usize, Family); 5] = [
     ("giants among small balls", 103, giants),
 ];
 
-/// A check for each family and intersector.
+/// Returns a check for each family and intersector.
 pub fn checks(effort: Effort, backends: &[Backend]) -> Vec<Check> {
     let rays = effort.select(RAYS);
     let families = FAMILIES.iter().flat_map(|family| backends.iter().map(move |b| (family, *b)));
@@ -55,7 +56,7 @@ fn measure(
     let build = BuildOptions { threads: 1, cancel: cancel.clone(), ..Default::default() };
     let accel = backend.build(&spheres, &build)?;
     let contender = TestedBackend { name: backend.name(), accel: accel.as_ref() };
-    // Beams first: a backend finds them where the batches are cut.
+    // Coherent groups first: a backend detects them only where the batches are cut.
     let mut asked = rays::coherent(&spheres, rays / 2, 3);
     let random = rays::random(&spheres, rays, 1);
     asked.extend(rays::secondary(&spheres, accel.as_ref(), &random[..rays / 4], 2));
@@ -106,8 +107,8 @@ fn concentric(count: usize, _: &mut StdRng) -> Vec<Sphere> {
     (0..count).map(ball).collect()
 }
 
-/// Three spheres so large that f32 would move their surfaces by more than the small ones near them
-/// can bear, and those.
+/// Three spheres so large that rounding to f32 would displace their surfaces too far for the small
+/// spheres near them, and those small spheres.
 fn giants(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
     let giant = |_| {
         let radius = libm::pow(10.0, rng.random_range(5.0..7.0));

@@ -1,5 +1,5 @@
-//! Verification and measurement as a product: the means by which a user, and the tests, check every
-//! answer and compare every speed.
+//! Verification and benchmarks as part of the product: checks of every result and measurements of
+//! speed, for users and for the tests.
 
 pub mod bench;
 pub mod check;

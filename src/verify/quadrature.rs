@@ -1,14 +1,14 @@
-//! Integrals over an interval, exact but for a stated error.
+//! Gauss-Legendre quadrature over an interval.
 
 use std::f64::consts::PI;
 
-/// Places in (0, 1) and their weights: the rule of Gauss and Legendre with `n` nodes, exact for
-/// polynomials up to degree `2 n - 1` (Davis and Rabinowitz 1984, section 2.7).
+/// Nodes in (0, 1) and weights of the Gauss-Legendre rule with `n` nodes, exact for polynomials up
+/// to degree `2 n - 1` (Davis and Rabinowitz 1984, section 2.7).
 pub(super) fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n).map(|i| node(n, i)).collect()
 }
 
-/// The root of the Legendre polynomial by Newton's method, from Tricomi's approximation.
+/// Finds a root of the Legendre polynomial by Newton's method, from Tricomi's approximation.
 fn node(n: usize, i: usize) -> (f64, f64) {
     let mut x = libm::cos(PI * (i as f64 + 0.75) / (n as f64 + 0.5));
     let mut slope = 1.0;
@@ -36,7 +36,7 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
     (value, n as f64 * (x * value - before) / (x * x - 1.0))
 }
 
-/// The integral of `f` over `[low, high]` by `n` nodes.
+/// Integrates `f` over `[low, high]` with `n` nodes.
 pub(super) fn integral(low: f64, high: f64, n: usize, f: impl Fn(f64) -> f64) -> f64 {
     let width = high - low;
     gauss_legendre(n).iter().map(|(x, weight)| weight * width * f(low + width * x)).sum()

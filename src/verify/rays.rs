@@ -1,5 +1,5 @@
-//! Rays to ask every backend about: through and past the spheres of a scene, from outside, inside
-//! and on their surfaces, and the bounces of given rays.
+//! Test rays for the backends: through and past the spheres of a scene, from outside, inside and on
+//! their surfaces, and secondary rays of given rays.
 
 use rand::{Rng, RngExt, SeedableRng, rngs::StdRng};
 
@@ -8,15 +8,15 @@ use crate::geometry::{Cone, PathRay, Side, SphereSet, SurfaceHit};
 use crate::math::{DVec3, Frame, Hit, MAX_COORDINATE, Ray};
 use crate::sampling;
 
-/// Rays of a beam.
+/// Rays in a coherent group.
 const GROUP_SIZE: usize = 16;
 
-/// No coordinate of a place is larger: less than backends take, and beyond every surface.
+/// Bound on the coordinates of ray origins: less than backends accept, and beyond every surface.
 const MAX_POSITION: f64 = 3.5 * MAX_COORDINATE;
 
-/// Random rays through a scene that has at least one sphere: at sphere centres and silhouettes,
-/// from inside, parallel to an axis, leaving surfaces to all sides, towards lamps, and clipped at
-/// both ends; none that [cannot be asked](is_traceable). Reproducible from the seed.
+/// Generates random rays through a scene with at least one sphere: towards sphere centres and
+/// silhouettes, from inside, axis-parallel, leaving surfaces in all directions, towards emitters,
+/// and clipped at both ends. All rays are [traceable](is_traceable). Reproducible from the seed.
 pub fn random(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
     let mut source = RayGenerator { spheres, rng: StdRng::seed_from_u64(seed) };
     let kinds = RayGenerator::GENERATORS.iter().cycle().take(count);
@@ -27,21 +27,22 @@ pub fn random(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
     drawn.collect()
 }
 
-/// Beams of as many rays as the samples of a block, one after the other: from one place or from places
-/// nearby, in nearly the same direction. Their number is the largest of whole beams up to `count`.
+/// Generates groups of coherent rays, each as large as a block of samples: from one point or nearby
+/// points, in nearly the same direction. Returns as many whole groups as fit into `count`.
 /// Reproducible from the seed.
 pub fn coherent(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
     let mut source = RayGenerator { spheres, rng: StdRng::seed_from_u64(seed) };
     (0..count / GROUP_SIZE).flat_map(|number| source.coherent_group(number)).collect()
 }
 
-/// Whether a backend takes the ray at all: a scene as large as can be has places beyond its reach.
+/// Returns true if a backend accepts the ray. Scenes of the largest possible size contain points
+/// beyond a backend's range.
 pub fn is_traceable(spheres: &SphereSet, ray: &PathRay) -> bool {
     spheres.to_query(ray).is_valid()
 }
 
-/// The rays that a diffuse surface would send on from where `rays` end: one for each hit,
-/// cosine-distributed about the normal that faces the ray. Reproducible from the seed.
+/// Generates diffuse bounces: one ray per hit of `rays`, cosine-distributed about the normal that
+/// faces the ray. Reproducible from the seed.
 pub fn secondary(
     spheres: &SphereSet,
     accel: &dyn Accel,
@@ -56,8 +57,9 @@ pub fn secondary(
     rays.iter().zip(first_hits(spheres, accel, rays)).filter_map(&mut bounce).collect()
 }
 
-/// Shadow rays from where `rays` end towards a sphere of the scene each, as if it were a lamp; none
-/// where the sphere's own surface is in the way. Reproducible from the seed.
+/// Generates shadow rays from the hits of `rays`, each towards a random sphere of the scene as if
+/// that were an emitter. Skips rays blocked by the sphere that they leave. Reproducible from the
+/// seed.
 pub fn shadow(spheres: &SphereSet, accel: &dyn Accel, rays: &[PathRay], seed: u64) -> Vec<PathRay> {
     let mut rng = StdRng::seed_from_u64(seed);
     let mut shadow = |(ray, hit): (&PathRay, Hit)| {
@@ -77,7 +79,7 @@ fn first_hits(spheres: &SphereSet, accel: &dyn Accel, rays: &[PathRay]) -> Vec<H
     hits
 }
 
-/// A direction on the unit sphere.
+/// Draws a uniform direction on the unit sphere.
 pub fn uniform_direction(rng: &mut impl Rng) -> DVec3 {
     let z: f64 = rng.random_range(-1.0..1.0);
     let (sin, cos) = sampling::sin_cos(rng.random_range(0.0..std::f64::consts::TAU));
@@ -95,7 +97,7 @@ struct RayGenerator<'a> {
 }
 
 impl RayGenerator<'_> {
-    /// The kinds of random rays, which take turns.
+    /// Generators of random rays, used in turn.
     const GENERATORS: [fn(&mut Self) -> Option<PathRay>; 9] = [
         Self::towards_sphere,
         Self::silhouette,
@@ -112,7 +114,7 @@ impl RayGenerator<'_> {
         self.rng.random_range(0..self.spheres.len() as u32)
     }
 
-    /// A point on a random sphere, as if a ray had arrived there from the side given.
+    /// A point on a random sphere, as if a ray had arrived there from this side.
     fn random_hit(&mut self, side: Side) -> SurfaceHit {
         let id = self.random_id();
         let sphere = self.spheres.sphere(id);
@@ -121,12 +123,12 @@ impl RayGenerator<'_> {
         SurfaceHit { id, t: 0.0, point, normal, radius: sphere.radius, side }
     }
 
-    /// A number whose logarithm is uniform between those of the bounds.
+    /// Draws a number whose logarithm is uniform between those of the bounds.
     fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
         low * libm::pow(high / low, self.rng.random())
     }
 
-    /// A point among the spheres, near one or between two, at any of the scene's scales.
+    /// A point near a sphere or between two spheres, at any of the scene's scales.
     fn random_point(&mut self) -> DVec3 {
         let farthest = DVec3::splat(MAX_POSITION);
         self.unclamped_point().clamp(-farthest, farthest)
@@ -148,7 +150,7 @@ impl RayGenerator<'_> {
         PathRay::new(origin, (target - origin).try_normalize().unwrap_or(any))
     }
 
-    /// Always succeeds, for where another kind does not.
+    /// A ray that always exists, used where another generator fails.
     fn fallback(&mut self) -> PathRay {
         let (origin, towards) = (self.random_point(), uniform_direction(&mut self.rng));
         PathRay::new(origin, towards)
@@ -159,7 +161,7 @@ impl RayGenerator<'_> {
         Some(self.aimed(origin, target.point))
     }
 
-    /// Past a sphere at `R (1 +- 10^-u)`, down to what f64 can tell and below.
+    /// Passes a sphere at `R (1 +- 10^-u)`, down to f64 precision and below.
     fn silhouette(&mut self) -> Option<PathRay> {
         let origin = self.random_point();
         let sphere = self.spheres.sphere(self.random_id());
@@ -216,7 +218,7 @@ impl RayGenerator<'_> {
         from.spawn_shadow_ray(sample.direction, sample.distance, lamp)
     }
 
-    /// Rays around another, within an angle and a distance from it.
+    /// Rays around a central ray, within an angle and a distance from it.
     fn coherent_group(&mut self, number: usize) -> Vec<PathRay> {
         let leads = [Self::towards_sphere, Self::axis_parallel, Self::from_surface, Self::clipped];
         let lead = leads[number % leads.len()](self).filter(|ray| is_traceable(self.spheres, ray));
@@ -235,7 +237,7 @@ impl RayGenerator<'_> {
         (0..GROUP_SIZE).map(one).collect()
     }
 
-    /// An interval such as a camera's near plane or a limited reach leaves.
+    /// A ray with both ends clipped, as by a camera's near plane or a limited range.
     fn clipped(&mut self) -> Option<PathRay> {
         let (origin, target) = (self.random_point(), self.random_hit(Side::Outside));
         let reach = origin.distance(target.point);

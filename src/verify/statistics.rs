@@ -1,30 +1,29 @@
-//! How sure one can be: means over independent seeds with their standard errors, and the tests that
-//! they are put to.
+//! Means over independent seeds with their standard errors, and statistical tests on them.
 //!
-//! A mean over `n` seeds with standard error `s` is compared with a value by Student's t-test: were
-//! the program right, `(mean - value) / s` would follow the t distribution with `n - 1` degrees of
-//! freedom (Student 1908). Two means are compared by Welch's test (Welch 1947). Many tests at once
-//! share one significance, so that the whole family raises a false alarm no more often than that.
+//! A mean over `n` seeds with standard error `s` is compared with a value by Student's t-test: if
+//! the program is correct, `(mean - value) / s` follows the t distribution with `n - 1` degrees of
+//! freedom (Student 1908). Two means are compared by Welch's test (Welch 1947). Multiple tests
+//! share one significance, which bounds the false-alarm probability of the whole family.
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-/// What f32 radiance and its sums may be off from the exact value, as a share of it. A mean this
-/// near is equal, however small its standard error.
+/// Relative error allowed for f32 radiance and its sums. A mean this close to the exact value
+/// counts as equal, however small its standard error.
 pub const ROUNDING: f64 = 1e-5;
 
 /// A mean over independent seeds, with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeanEstimate {
-    /// The mean.
+    /// Mean over the seeds.
     pub mean: f64,
-    /// The standard deviation of that mean, itself estimated from the seeds.
+    /// Standard error of the mean, estimated from the seeds.
     pub standard_error: f64,
-    /// Independent values behind both, at least 2.
+    /// Number of independent values, at least 2.
     pub seeds: usize,
 }
 
 impl MeanEstimate {
-    /// From one value per independent seed, of which there must be at least two.
+    /// Estimates from one value per independent seed; at least two values are required.
     pub fn from_values(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
@@ -33,32 +32,33 @@ impl MeanEstimate {
         Self { mean, standard_error, seeds: values.len() }
     }
 
-    /// The probability that a right program misses `expected` by as much or more, beyond
-    /// [`ROUNDING`]; 0 for a mean that is no number.
+    /// Probability that a correct program misses `expected` by at least this much, beyond
+    /// [`ROUNDING`]; 0 if the mean is NaN.
     pub fn p_value(&self, expected: f64) -> f64 {
         let off = (self.mean - expected).abs() - ROUNDING * expected.abs();
         two_sided(off, self.standard_error, self.seeds as f64 - 1.0)
     }
 
-    /// The probability that two estimates of the same value differ by as much or more, beyond
+    /// Probability that two estimates of the same value differ by at least this much, beyond
     /// [`ROUNDING`].
     pub fn welch_p_value(&self, other: &Self) -> f64 {
         let largest = self.mean.abs().max(other.mean.abs());
         let off = (self.mean - other.mean).abs() - ROUNDING * largest;
         let [a, b] = [self, other].map(|e| e.standard_error * e.standard_error);
-        // Welch and Satterthwaite's degrees of freedom; any number will do where nothing varies.
+        // Welch-Satterthwaite degrees of freedom; any value will do if nothing varies.
         let [m, n] = [self, other].map(|e| e.seeds as f64 - 1.0);
         let freedom = (a + b) * (a + b) / (a * a / m + b * b / n);
         two_sided(off, (a + b).sqrt(), if freedom.is_finite() { freedom } else { m + n })
     }
 
-    /// Half the width of the interval that holds the true mean with this probability, in (0, 1).
+    /// Half-width of the interval that contains the true mean with probability `confidence`, in (0,
+    /// 1).
     pub fn confidence_half_width(&self, confidence: f64) -> f64 {
         student_t_quantile(0.5 + 0.5 * confidence, self.seeds as f64 - 1.0) * self.standard_error
     }
 }
 
-/// The probability of `|t| >= off / standard_error`.
+/// Probability of `|t| >= off / standard_error`.
 fn two_sided(off: f64, standard_error: f64, freedom: f64) -> f64 {
     if off.is_nan() || standard_error.is_nan() {
         return 0.0;
@@ -72,8 +72,7 @@ fn two_sided(off: f64, standard_error: f64, freedom: f64) -> f64 {
     (2.0 * student_t(freedom).sf(off / standard_error)).min(1.0)
 }
 
-/// The `t` that a variable of Student's distribution stays below with probability `p`, in (0, 1);
-/// `freedom` is positive.
+/// Quantile of Student's t distribution for a probability `p` in (0, 1); `freedom` is positive.
 pub fn student_t_quantile(p: f64, freedom: f64) -> f64 {
     student_t(freedom).inverse_cdf(p)
 }
@@ -82,20 +81,21 @@ fn student_t(freedom: f64) -> StudentsT {
     StudentsT::new(0.0, 1.0, freedom).expect("positive degrees of freedom")
 }
 
-/// A probability as the distance from the middle of a normal distribution, in standard deviations,
-/// that is exceeded to either side with it: 0.05 is 1.96, 1e-6 is 4.89. At most 38, where f64 ends.
+/// Converts a two-sided p-value to standard deviations of a normal distribution: 0.05 is 1.96, 1e-6
+/// is 4.89. At most 38, the limit of f64.
 pub fn sigmas(p: f64) -> f64 {
     let normal = Normal::standard();
     (-normal.inverse_cdf((p / 2.0).clamp(1e-315, 0.5))).max(0.0)
 }
 
-/// The significance of each of `tests` tests whose family has the significance `family`, in (0, 1),
-/// whatever they depend on (Bonferroni).
+/// Significance of each of `tests` tests so that the family has significance `family`, in (0, 1).
+/// Valid for dependent tests (Bonferroni).
 pub fn bonferroni(family: f64, tests: usize) -> f64 {
     family / tests.max(1) as f64
 }
 
-/// Like [`bonferroni`], exact for independent tests (Sidak 1967).
+/// Significance of each of `tests` tests, like [`bonferroni`] but exact for independent tests
+/// (Sidak 1967).
 pub fn sidak(family: f64, tests: usize) -> f64 {
     -libm::expm1(libm::log1p(-family) / tests.max(1) as f64)
 }
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn welchs_test_has_the_textbook_degrees_of_freedom() {
-        // Equal errors and numbers: the degrees of freedom add up.
+        // Equal errors and sample sizes: the degrees of freedom add up.
         let a = MeanEstimate { mean: 0.0, standard_error: 3.0, seeds: 11 };
         let b = MeanEstimate { mean: 10.0, standard_error: 3.0, seeds: 11 };
         let t = (10.0 - 10.0 * ROUNDING) / 18.0f64.sqrt();

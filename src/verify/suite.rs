@@ -1,16 +1,16 @@
-//! All checks of this program, in the order of a report.
+//! All checks, in the order of a report.
 
 use crate::accel::Backend;
 
 use super::check::{Check, Effort, split_significance};
 use super::{chi2_checks, closed_forms, intersector_checks, materials};
 
-/// Every check on every intersector of this build.
+/// Returns every check on every intersector of this build.
 pub fn all_checks(effort: Effort) -> Vec<Check> {
     all_checks_on(effort, Backend::AVAILABLE)
 }
 
-/// Every check, on these intersectors where one is used; the first of them is used most.
+/// Returns every check, on these intersectors where one is used. The first is used most.
 pub fn all_checks_on(effort: Effort, backends: &[Backend]) -> Vec<Check> {
     let mut checks = intersector_checks::checks(effort, backends);
     checks.extend(chi2_checks::checks(effort));

@@ -1,4 +1,4 @@
-//! What the checks of this program came to: a table, JSON, and a page with pictures.
+//! Reports check results as a table, as JSON, and as an HTML page with images.
 
 mod page;
 
@@ -9,13 +9,13 @@ use crate::verify::check::{Check, CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
 
 pub use page::page;
 
-/// A check and what came of it.
+/// A check and its result.
 pub type CheckEntry<'a> = (&'a Check, &'a CheckResult);
 
-/// The columns of the table: name, checks, failed, largest statistic.
+/// Column widths of the table: name, checks, failed, largest statistic.
 const COLUMNS: [i32; 5] = [-34, 8, 8, 3, -1];
 
-/// One line for each group and each closed form, and after them what failed.
+/// Formats one line per group and closed form, followed by the failed checks.
 pub fn table(judged: &[CheckEntry<'_>], seconds: f64) -> String {
     let mut text = row(COLUMNS, ["", "checks", "failed", "", "largest statistic"]);
     for group in CheckGroup::ALL {
@@ -39,7 +39,7 @@ pub fn table(judged: &[CheckEntry<'_>], seconds: f64) -> String {
     text + &conclusion(judged, seconds)
 }
 
-/// The words before the colon of a check's name.
+/// The part of a check's name before the colon.
 fn family(check: &Check) -> &str {
     check.name.split(": ").next().unwrap_or_default()
 }
@@ -79,7 +79,7 @@ fn conclusion(judged: &[CheckEntry<'_>], seconds: f64) -> String {
     }
 }
 
-/// All checks for programs, with what was checked, where and how.
+/// Reports all checks as JSON, with the facts in `about`.
 pub fn json(judged: &[CheckEntry<'_>], about: &[(&str, String)], seconds: f64) -> Value {
     let check = |(check, outcome): &CheckEntry<'_>| {
         json!({

@@ -1,4 +1,4 @@
-//! The report of a suite: one HTML page that needs nothing beside itself.
+//! Self-contained HTML report of a suite.
 
 use crate::draw::Cells;
 use crate::draw::page::{details, element, escape, facts, page_of, table};
@@ -8,7 +8,7 @@ use crate::verify::closed_forms::{CLOSED_FORMS, ClosedForm};
 
 use super::CheckEntry;
 
-/// The page. `about` stands first: what was checked, where and how.
+/// Renders the page. `about` comes first: what was checked, where and how.
 pub fn page(about: &[(&str, String)], judged: &[CheckEntry<'_>]) -> String {
     let failed: Vec<CheckEntry<'_>> =
         judged.iter().copied().filter(|(_, outcome)| !outcome.passed).collect();
@@ -40,7 +40,7 @@ fn verdict(total: usize, failed: usize) -> String {
     }
 }
 
-/// One row for each group.
+/// One row per group.
 fn summary(judged: &[CheckEntry<'_>]) -> String {
     let row = |group: CheckGroup| {
         let of_group: Vec<_> = judged.iter().filter(|(check, _)| check.group == group).collect();
@@ -103,7 +103,7 @@ fn listing(judged: &[CheckEntry<'_>]) -> String {
     table(&["check", "statistic", "figures"], judged.iter().map(row))
 }
 
-/// A form with its pictures, its derivation, and the ways in which it was rendered.
+/// A closed form with its images, its derivation, and the variants rendered.
 fn closed_form(form: &ClosedForm, judged: &[CheckEntry<'_>]) -> String {
     let prefix = format!("{}: ", form.name);
     let of_form: Vec<CheckEntry<'_>> =
@@ -135,7 +135,7 @@ fn closed_form(form: &ClosedForm, judged: &[CheckEntry<'_>]) -> String {
     text + &details("every way", &listing(&of_form))
 }
 
-/// The comments at the head of a scene file.
+/// The comments at the head of the scene file.
 fn derivation(form: &ClosedForm) -> String {
     let lines = form.scene_toml.lines().take_while(|line| line.starts_with('#'));
     lines
@@ -144,7 +144,7 @@ fn derivation(form: &ClosedForm) -> String {
         .join("\n")
 }
 
-/// The pictures of every check that has some, folded away.
+/// The images of all checks that have some, collapsed.
 fn all_pictures(judged: &[CheckEntry<'_>]) -> String {
     let seen = judged.iter().filter(|(_, outcome)| !outcome.images.is_empty());
     let each: String = seen.map(with_pictures).collect();
@@ -162,7 +162,7 @@ fn with_pictures((check, outcome): &CheckEntry<'_>) -> String {
     element("p", "", &words) + &element("div", "", &figures)
 }
 
-/// A word with a sign of success or failure, not told by colour alone.
+/// Marks a text as success or failure, with a sign besides the colour.
 fn mark(passed: bool, text: &str) -> String {
     let (class, sign) = if passed { ("good", "✓") } else { ("bad", "✗") };
     format!("<span class={class}>{sign}</span> {}", escape(text))

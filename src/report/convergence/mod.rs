@@ -1,4 +1,4 @@
-//! How error falls: in words, as JSON, and as a plot.
+//! Reports convergence as text, as JSON, and as a plot.
 
 mod plot;
 
@@ -14,10 +14,10 @@ use crate::scene::settings::ImageSettings;
 use crate::verify::converge::{Axis, ChartPoint, ErrorMetric, Reference, Series};
 use crate::verify::statistics;
 
-/// How sure the intervals are.
+/// Confidence level of the intervals.
 const CONFIDENCE: f64 = 0.95;
 
-/// A mean with its interval.
+/// A mean with its confidence interval.
 #[derive(Serialize)]
 struct Estimate {
     mean: f64,
@@ -30,46 +30,46 @@ impl From<statistics::MeanEstimate> for Estimate {
     }
 }
 
-/// `3.7200e-2 +- 1.2e-4`.
+/// Formatted as `3.7200e-2 +- 1.2e-4`.
 impl fmt::Display for Estimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:.4e} +- {:.1e}", self.mean, self.half_interval_95)
     }
 }
 
-/// What was found.
+/// Report of a convergence study.
 #[derive(Clone, Copy, Debug)]
 pub struct ConvergenceReport<'a> {
-    /// The scene file.
+    /// Scene file.
     pub scene: &'a Path,
-    /// The size of the pictures.
+    /// Image size.
     pub image: ImageSettings,
-    /// The pictures behind every point.
+    /// Images behind every point.
     pub seeds: u32,
-    /// Which error is told of.
+    /// Error metric reported.
     pub metric: ErrorMetric,
-    /// What the pictures were held against.
+    /// Reference that the images were compared with.
     pub reference: &'a Reference,
-    /// Where that came from.
+    /// Source of the reference.
     pub origin: ReferenceOrigin<'a>,
     /// The curves.
     pub series: &'a [Series],
 }
 
-/// Where a reference came from.
+/// Source of a reference.
 #[derive(Clone, Copy, Debug)]
 pub enum ReferenceOrigin<'a> {
-    /// A picture.
+    /// An image file.
     File(&'a Path),
-    /// Two renders with this integrator and so many samples per pixel each.
+    /// Two renders with this integrator and this many samples per pixel each.
     Halves(&'a str, u32),
 }
 
 impl ConvergenceReport<'_> {
-    /// The plot, as SVG.
+    /// Draws the plot as SVG.
     ///
     /// # Errors
-    /// When nothing can be drawn: no error is positive and finite.
+    /// If nothing can be drawn because no error is positive and finite.
     pub fn svg(&self) -> Result<String> {
         plot::svg(self.series, self.metric, &self.title(), &self.about_reference())
     }
@@ -96,7 +96,7 @@ impl ConvergenceReport<'_> {
         }
     }
 
-    /// What was found, for programs, with the file that has the plot.
+    /// Returns the report as JSON; `output` is the file that has the plot.
     pub fn json(&self, output: &Path) -> Value {
         let estimate = |of: statistics::MeanEstimate| json!(Estimate::from(of));
         let one = |one: &Series| {

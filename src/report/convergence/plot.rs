@@ -1,5 +1,5 @@
-//! The plot as SVG: error against samples on the left, against seconds on the right, both
-//! in log-log, with the interval of every point and the fitted lines.
+//! Draws the SVG plot: error against samples on the left and against seconds on the right, both in
+//! log-log, with the interval of every point and the fitted lines.
 
 use crate::draw::{Axes, Course, Line, Mark, Panel, Panels, Value, panels};
 use crate::error::{Error, Result};
@@ -7,10 +7,10 @@ use crate::error::{Error, Result};
 use crate::verify::converge::{Axis, ChartPoint, ErrorMetric, LogLogFit, Series};
 use crate::verify::statistics::MeanEstimate;
 
-/// Draws the series, with a title and what is to be known of them.
+/// Draws the series, with a title and a note.
 ///
 /// # Errors
-/// When nothing can be drawn: no error is positive and finite.
+/// If nothing can be drawn because no error is positive and finite.
 pub(super) fn svg(
     series: &[Series],
     metric: ErrorMetric,
@@ -38,7 +38,7 @@ pub(super) fn svg(
     })
 }
 
-/// One of the two plots; `None` where there is nothing to draw.
+/// One of the two plots; `None` if there is nothing to draw.
 fn panel(series: &[Series], metric: ErrorMetric, axis: Axis) -> Option<Panel> {
     let line = |(color, one): (usize, &Series)| Line {
         name: one.name.clone(),
@@ -48,7 +48,8 @@ fn panel(series: &[Series], metric: ErrorMetric, axis: Axis) -> Option<Panel> {
     };
     let lines: Vec<Line> = series.iter().enumerate().map(line).collect();
     let marks = lines.iter().flat_map(|line| &line.marks);
-    // Intervals are shown whole, but for those that come near 0, which no such axis has.
+    // Intervals are drawn in full, except where they approach 0, which a logarithmic axis cannot
+    // show.
     let shown = |value: Value| [value.low.max(value.middle / 4.0), value.middle, value.high];
     let x_name = match axis {
         Axis::Samples => "samples per pixel",
@@ -83,7 +84,7 @@ fn place(point: &ChartPoint, axis: Axis) -> f64 {
     }
 }
 
-/// The ends of the fitted line.
+/// End points of the fitted line.
 fn fitted(series: &Series, metric: ErrorMetric, axis: Axis) -> Option<[(f64, f64); 2]> {
     let LogLogFit { slope, intercept } = series.fit(metric, axis)?;
     let y = |x: f64| libm::exp10(intercept + slope.mean * libm::log10(x));

@@ -1,7 +1,7 @@
-//! A path drawn from the side, as SVG.
+//! Draws a path from the side, as SVG.
 //!
-//! Everything is projected, without perspective, on one upright plane: the vertical one in which the
-//! path is widest. Spheres are their outlines.
+//! Everything is projected orthographically on the vertical plane in which the path is widest.
+//! Spheres are drawn as outlines.
 
 use crate::draw::{Canvas, SideView};
 use crate::integrator::{PathEvent, PathTrace};
@@ -12,10 +12,10 @@ use crate::scene::{PreparedScene, Scene};
 use super::spheres::{answer, name, place};
 use super::words::number;
 
-/// More spheres than these only hide the path.
+/// More spheres than this only hide the path.
 const MOST_SPHERES: usize = 400;
 
-/// What the name of a sphere takes, about.
+/// Approximate size of a sphere label.
 const LABEL: DVec2 = DVec2::new(80.0, 16.0);
 
 const STYLE: &str = "\
@@ -37,23 +37,23 @@ struct Line {
     class: &'static str,
     from: DVec3,
     to: Option<DVec3>,
-    /// Where it goes if it ends nowhere.
+    /// Direction of a line that escapes.
     direction: DVec3,
 }
 
-/// What the drawing shows.
+/// Contents of the drawing.
 #[derive(Default)]
 struct Sketch {
     lines: Vec<Line>,
-    /// Where the path begins.
+    /// Start of the path.
     camera: DVec3,
-    /// The camera first.
+    /// Vertices of the path, starting at the camera.
     vertices: Vec<DVec3>,
     met: Vec<u32>,
     lamps: Vec<u32>,
 }
 
-/// The drawing, as SVG.
+/// Draws the path as SVG.
 pub fn svg(shot: &PreparedScene, trace: &PathTrace) -> String {
     let scene = shot.scene();
     let sketch = Sketch::of(scene, trace);
@@ -119,7 +119,7 @@ impl Sketch {
         sketch
     }
 
-    /// Goes on to the next vertex.
+    /// Extends the path to the next vertex.
     fn reach(&mut self, to: DVec3) {
         if let Some(&from) = self.vertices.last() {
             self.lines.push(Line { class: "path", from, to: Some(to), direction: DVec3::ZERO });
@@ -128,7 +128,7 @@ impl Sketch {
     }
 }
 
-/// Draws the spheres in view, the large ones first, and returns their labels, which belong on top.
+/// Draws the spheres in view, largest first, and returns their labels, which belong on top.
 fn draw_spheres(
     canvas: &mut Canvas,
     scene: &Scene,
@@ -157,7 +157,7 @@ fn draw_spheres(
             (_, true) => "met",
             _ => "sphere",
         };
-        // What the camera stands in would cover everything: its outline must do.
+        // A sphere around the camera would cover everything, so only its outline is drawn.
         let around = match spheres.sphere(id).contains(sketch.camera - spheres.origin()) {
             true => " around",
             false => "",
@@ -172,7 +172,7 @@ fn draw_spheres(
     labels
 }
 
-/// The place of a label, moved down until it covers none of the others, each of which moves it once.
+/// Moves a label down until it covers none of the others. Each of them moves it once.
 fn below_all(mut at: DVec2, others: &[DVec2]) -> DVec2 {
     for _ in others {
         let covered = others.iter().find(|other| (at - **other).abs().cmplt(LABEL).all());
@@ -191,7 +191,7 @@ fn draw_line(canvas: &mut Canvas, line: &Line, view: &SideView) {
     canvas.line(line.class, from, to);
 }
 
-/// Where the names of the vertices stand: away from where the path comes from, the camera's above it.
+/// Positions of the vertex labels: away from the incoming path, and above the camera.
 fn vertex_labels(sketch: &Sketch, view: &SideView) -> Vec<DVec2> {
     let places: Vec<DVec2> = sketch.vertices.iter().map(|&point| view.project(point)).collect();
     let label = |(k, at): (usize, &DVec2)| {
@@ -212,7 +212,7 @@ fn draw_vertices(canvas: &mut Canvas, sketch: &Sketch, view: &SideView) {
     }
 }
 
-/// What the lines mean, which sample it is, and a bar of a round length.
+/// Draws the line styles, the sample's position, and a scale bar of a round length.
 fn draw_legend(canvas: &mut Canvas, shot: &PreparedScene, trace: &PathTrace, view: &SideView) {
     let mut at = DVec2::new(16.0, view.window.y + 24.0);
     let end = DVec2::new(view.window.x - 16.0, at.y);

@@ -8,7 +8,7 @@ use crate::scene::{PreparedScene, Scene};
 use super::spheres::{place, source_name};
 use super::words::why;
 
-/// The whole path, for programs.
+/// Returns the whole path as JSON.
 pub fn json(shot: &PreparedScene, trace: &PathTrace) -> Value {
     let scene = shot.scene();
     let address = trace.address;

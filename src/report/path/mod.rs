@@ -1,6 +1,6 @@
-//! The path of one sample: in words and in the letters of the rendering equation, drawn from the side,
-//! and as JSON. What is told is a [`PathTrace`](crate::integrator::PathTrace), which the integrator keeps of the
-//! path itself.
+//! Reports the path of one sample: as text with the symbols of the rendering equation, as a drawing
+//! from the side, and as JSON. The input is a [`PathTrace`](crate::integrator::PathTrace), which
+//! the integrator records from the path itself.
 
 mod drawing;
 mod json;

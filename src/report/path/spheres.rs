@@ -1,11 +1,11 @@
-//! What a path's steps refer to, in the user's terms.
+//! Describes what a path's events refer to, in the user's terms.
 
 use crate::integrator::{Contribution, PathEvent};
 use crate::light::LightSource;
 use crate::math::DVec3;
 use crate::scene::Scene;
 
-/// What the scene calls a sphere, or its row.
+/// Name of a sphere in the scene, or its row.
 pub(super) fn name(scene: &Scene, id: u32) -> String {
     match scene.name(id) {
         Some(name) => format!("`{name}`"),
@@ -20,13 +20,13 @@ pub(super) fn source_name(scene: &Scene, source: LightSource) -> String {
     }
 }
 
-/// A point in the coordinates that the user wrote.
+/// Converts a point to the coordinates of the scene file.
 pub(super) fn place(scene: &Scene, point: DVec3) -> DVec3 {
     point + scene.spheres().origin()
 }
 
-/// The answer to the light sample that is step number `aim`: the share that passes, and the light.
-/// `None` where no ray could be sent.
+/// Result of the light sample at event `aim`: the unoccluded fraction and the contribution. `None`
+/// if no ray could be spawned.
 pub(super) fn answer(steps: &[PathEvent], aim: usize) -> Option<(f32, Contribution)> {
     let after = &steps[aim + 1..];
     let until_next = after.iter().take_while(|step| !matches!(step, PathEvent::LightSample { .. }));

@@ -1,4 +1,4 @@
-//! A path in words and in the letters of the rendering equation.
+//! A path as text, with the symbols of the rendering equation.
 
 use crate::color::Rgb;
 use crate::draw::text::count;
@@ -11,7 +11,7 @@ use crate::scene::{PreparedScene, Scene};
 
 use super::spheres::{answer, name, place, source_name};
 
-/// The whole story.
+/// Describes the whole path.
 pub fn words(shot: &PreparedScene, trace: &PathTrace) -> String {
     let scene = shot.scene();
     let address = trace.address;
@@ -101,7 +101,7 @@ fn one(scene: &Scene, trace: &PathTrace, at: usize, vertex: usize) -> String {
             let tau = if *transmittance == Rgb::ONE { "" } else { " tau" };
             told + &arrival(tau, answer(&trace.events, at))
         }
-        PathEvent::ShadowRay { .. } => String::new(), // told where it was aimed
+        PathEvent::ShadowRay { .. } => String::new(), // covered by the light sample
         PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput } => {
             scatter(*lobe, *wi, *pdf, *weight, *eta) + &format!(", T = {}\n", color(*throughput))
         }
@@ -120,7 +120,7 @@ fn one(scene: &Scene, trace: &PathTrace, at: usize, vertex: usize) -> String {
     }
 }
 
-/// What becomes of light that was aimed at, `tau` being the letter of what a medium lets through.
+/// Describes the result of a light sample; `tau` is the symbol of the medium's transmittance.
 fn arrival(tau: &str, answer: Option<(f32, Contribution)>) -> String {
     match answer {
         None => "     no ray leaves the surface so flat\n".to_owned(),
@@ -134,7 +134,7 @@ fn arrival(tau: &str, answer: Option<(f32, Contribution)>) -> String {
     }
 }
 
-/// What a medium lets through, where that is not all.
+/// Describes a transmittance below 1.
 fn absorbed(transmittance: Rgb) -> String {
     match transmittance {
         Rgb::ONE => String::new(),
@@ -197,7 +197,7 @@ fn plus(formula: &str, added: Contribution) -> String {
     format!("   + {formula} = {} ({layer}{clamped})\n", color(added.radiance))
 }
 
-/// Why a path ends, in words.
+/// Explains why a path ends.
 pub(super) fn why(end: Termination) -> &'static str {
     match end {
         Termination::Escaped => "it met nothing",
@@ -218,7 +218,7 @@ fn color(color: Rgb) -> String {
     vector(color.as_dvec3())
 }
 
-/// Four significant digits, as short as they can be written.
+/// Formats four significant digits, as short as possible.
 pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {

@@ -1,4 +1,4 @@
-//! How fast intersectors are: in words, as JSON, as bars, and as a page about the standard scenes.
+//! Reports intersector speed as text, JSON and bars, and as a page for the standard scenes.
 
 mod page;
 
@@ -15,18 +15,18 @@ use crate::verify::bench::{
     SuiteEntry, SweepResult,
 };
 
-/// What was measured on one scene.
+/// Measurements of one scene.
 #[derive(Clone, Copy, Debug)]
 pub struct SpeedReport<'a> {
-    /// Spheres of the scene.
+    /// Number of spheres in the scene.
     pub spheres: usize,
-    /// How it was measured.
+    /// Options of the measurement.
     pub rounds: BenchOptions,
-    /// The figures.
+    /// Measured figures.
     pub measured: &'a SceneBench,
 }
 
-/// The columns of a table of rates.
+/// Column widths of a table of rates.
 const RATES: [i32; 8] = [-14, 10, 8, 8, 12, 8, 8, 12];
 
 impl fmt::Display for SpeedReport<'_> {
@@ -75,7 +75,7 @@ impl SpeedReport<'_> {
         &self.measured.results
     }
 
-    /// One backend's rates for one kind of rays, and how they compare with the first backend's.
+    /// Formats one backend's rates on one ray set, compared with the first backend's.
     fn of_kind(&self, result: &BackendBench, kind: usize) -> String {
         let name = result.backend.name();
         let Some(rates) = result.rates[kind] else {
@@ -111,7 +111,7 @@ impl SpeedReport<'_> {
         Ok(())
     }
 
-    /// Rates under a setting, and for each backend what they are compared with.
+    /// Formats the rates at one setting; `with` gives the rates to compare each backend with.
     fn rows_of(&self, swept: &SweepResult, with: impl Fn(usize) -> [ReportImage; 2]) -> String {
         let backends = self.results().iter().zip(&swept.rates).enumerate();
         let rows = backends.map(|(i, (result, [closest, occluded]))| {
@@ -142,7 +142,7 @@ impl SpeedReport<'_> {
         Ok(())
     }
 
-    /// The figures for programs.
+    /// Returns the figures as JSON.
     pub fn json(&self) -> Value {
         let SelectedBackend { backend: auto, reason } = self.choice();
         let SceneBench { results, batch_sweep: batches, thread_sweep: scaling, renders, .. } =
@@ -197,7 +197,7 @@ impl SpeedReport<'_> {
     }
 }
 
-/// What a standard scene gave: the rates of the second bounce, which no cache helps.
+/// Formats the second-bounce rates on a standard scene; those rays are incoherent.
 impl fmt::Display for SuiteEntry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { arrangement, spheres, bench: measured } = self;
@@ -212,7 +212,7 @@ impl fmt::Display for SuiteEntry {
     }
 }
 
-/// What was measured on standard scenes, for programs.
+/// Returns the measurements of standard scenes as JSON.
 pub fn entries_json(entries: &[SuiteEntry], rounds: BenchOptions) -> Value {
     let one = |SuiteEntry { arrangement, spheres, bench: measured }: &SuiteEntry| {
         let report = SpeedReport { spheres: *spheres as usize, rounds, measured };
@@ -226,7 +226,7 @@ fn head(name: &str, last: &str) -> String {
     format!("\n{}", row(RATES, cells))
 }
 
-/// Two rates, each with what it is compared with.
+/// Formats two rates, each with the rate it is compared with.
 fn rates_row(name: &str, rates: [(ReportImage, ReportImage); 2], last: &str) -> String {
     let [closest, occluded] = rates.map(|(rate, with)| {
         [si(rate.median), spread(rate), format!("{:.2}", rate.median / with.median)]

@@ -1,4 +1,4 @@
-//! What was measured, drawn: one scene as bars, and the standard scenes as a page.
+//! Draws benchmark results: one scene as bars, the standard scenes as a page.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ impl fmt::Display for QueryKind {
     }
 }
 
-/// A figure as it is drawn.
+/// Converts a figure to a value of a drawing.
 impl From<ReportImage> for Value {
     fn from(ReportImage { median, low, high }: ReportImage) -> Self {
         Self { middle: median, low, high }
@@ -30,10 +30,10 @@ impl From<ReportImage> for Value {
 }
 
 impl SceneBench {
-    /// Draws everything as bars.
+    /// Draws all figures as bars.
     ///
     /// # Errors
-    /// When the drawing fails.
+    /// If the drawing fails.
     pub fn to_svg(&self, title: &str, subtitle: &str) -> Result<String> {
         let mut groups = self.groups_of_kinds();
         for swept in &self.batch_sweep {
@@ -73,7 +73,7 @@ impl SceneBench {
         })
     }
 
-    /// Rates of the intersectors, as far as they are known.
+    /// Rates of the intersectors, where known.
     fn group(&self, name: String, rates: &[Option<ReportImage>]) -> BarGroup {
         let bar = |(result, rate): (&BackendBench, &Option<ReportImage>)| {
             let value = (*rate)?;
@@ -91,10 +91,10 @@ const HOW_TO_READ: &str = "Rays per second of all threads together, against the 
     the rounds, and half of the rounds lie within the thin line. Rays of the second bounce come first: \
     they go everywhere, and no cache helps them. Compare figures of one page only.";
 
-/// One page of all that was measured; `about` stands first.
+/// Renders one page with all results; `about` comes first.
 ///
 /// # Errors
-/// When a drawing fails.
+/// If a drawing fails.
 pub fn page(about: &[(&str, String)], entries: &[SuiteEntry]) -> Result<String> {
     let title = "photosphere: speed of the intersectors";
     let mut body = element("h1", "", title);
@@ -113,16 +113,17 @@ pub fn page(about: &[(&str, String)], entries: &[SuiteEntry]) -> Result<String> 
     Ok(page_of(title, &body))
 }
 
-/// A figure of an intersector on a scene, where there is one.
+/// Returns a figure of an intersector on a scene, if there is one.
 type FigureOf<'a> = &'a dyn Fn(&SuiteEntry, &BackendBench) -> Option<ReportImage>;
 
-/// The lines of a value against the number of spheres, one for each intersector.
+/// Lines of a value against the number of spheres, one per intersector.
 fn lines_of(entries: &[&SuiteEntry], value: FigureOf<'_>) -> Vec<Line> {
     let mut drawn: Vec<Line> = Vec::new();
     for entry in entries {
         for result in &entry.bench.results {
             let Some(y) = value(entry, result) else { continue };
-            // What there is none of, such as the oracle's tree, cannot stand on a logarithmic axis.
+            // A value of zero, such as the size of the brute-force tree, has no place on a
+            // logarithmic axis.
             if y.median <= 0.0 {
                 continue;
             }
@@ -158,7 +159,7 @@ fn bytes(_: &SuiteEntry, result: &BackendBench) -> Option<ReportImage> {
     Some(ReportImage::from_single(result.bytes_per_sphere))
 }
 
-/// The axes that charts of all scenes share.
+/// Axes that the charts of all scenes share.
 struct Charts {
     kinds: Vec<&'static str>,
     rates: Option<Axes>,
@@ -187,7 +188,7 @@ impl Charts {
         }
     }
 
-    /// All charts of a scene: two kinds of figures at once, the others to be unfolded.
+    /// All charts of a scene: two kinds of figures visible, the rest collapsed.
     fn section(&self, entries: &[&SuiteEntry]) -> Result<String> {
         let mut shown = String::new();
         let mut folded = String::new();
@@ -205,7 +206,7 @@ impl Charts {
     }
 }
 
-/// Nothing where there is nothing to draw.
+/// Returns an empty string if there is nothing to draw.
 fn chart(
     title: &str,
     axes: &Option<Axes>,
@@ -221,10 +222,10 @@ fn chart(
     }
 }
 
-/// Stands where there is no figure.
+/// Placeholder for a missing figure.
 const NOTHING: &str = "–";
 
-/// Everything in figures.
+/// Table of all figures.
 fn figures(entries: &[&SuiteEntry]) -> String {
     let kinds = entries.first().map_or(&[][..], |entry| &entry.bench.ray_sets);
     let mut head = vec!["spheres", "intersector", "build (s)", "bytes per sphere"];
@@ -253,12 +254,12 @@ fn figures(entries: &[&SuiteEntry]) -> String {
     element("p", "class=soft", unit) + &table(&head, rows)
 }
 
-/// How many of the rays that were compared have another id than with the first intersector.
+/// Number of compared rays whose hit id differs from the first intersector's.
 fn other_ids(result: &BackendBench) -> String {
     result.rates.iter().flatten().map(|rates| rates.differing_ids).sum::<usize>().to_string()
 }
 
-/// Three significant digits.
+/// Formats three significant digits.
 fn significant(value: f64) -> String {
     let digits = if value > 0.0 { 2 - libm::log10(value).floor() as i32 } else { 0 };
     format!("{value:.*}", digits.clamp(0, 9) as usize)

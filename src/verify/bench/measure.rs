@@ -1,4 +1,4 @@
-//! What is measured of one scene, and of all standard scenes one after the other.
+//! Measures one scene, or all standard scenes in turn.
 
 use std::sync::Arc;
 
@@ -14,85 +14,86 @@ use super::{
     StandardScene, SweepPoint, SweepResult, bench, sweep,
 };
 
-/// All the rays of a standard scene, and their copies for each intersector, in bytes.
+/// Memory budget in bytes for the rays of a standard scene, per-intersector copies included.
 const RAYS: u64 = 1 << 30;
 
-/// What is to be measured, and how.
+/// What to measure, and how.
 #[derive(Clone, Debug)]
 pub struct Measuring {
-    /// Rounds in which all take turns.
+    /// Measurement rounds. Every intersector runs once in each.
     pub rounds: usize,
-    /// Builds of each intersector, in turns.
+    /// Builds of each intersector, interleaved between intersectors.
     pub builds: usize,
-    /// How much care is taken in building.
+    /// Build quality of the acceleration structures.
     pub quality: BuildQuality,
-    /// Rays in one call. The first is used for everything; where there are more, they are compared on
-    /// rays of the second bounce.
+    /// Batch sizes, in rays per call. The first is used for every measurement. If there are more,
+    /// they are compared on second-bounce rays.
     pub batches: Vec<usize>,
-    /// Whether 1, 2, 4 and so on up to all threads are compared on rays of the second bounce.
+    /// True if thread counts (1, 2, 4, ... up to all threads) are compared on second-bounce rays.
     pub scaling: bool,
-    /// Set from elsewhere to stop.
+    /// Set from another thread to cancel the measurement.
     pub cancel: CancelToken,
 }
 
-/// What was measured on one scene.
+/// Measurements of one scene.
 #[derive(Clone, Debug, Default)]
 pub struct SceneBench {
-    /// What the kinds of rays are called.
+    /// Names of the ray sets.
     pub ray_sets: Vec<&'static str>,
-    /// One for each intersector.
+    /// Results, one per intersector.
     pub results: Vec<BackendBench>,
-    /// Rates on rays of the second bounce for several lengths of calls.
+    /// Rates on second-bounce rays for each batch size.
     pub batch_sweep: Vec<SweepResult>,
-    /// The same for several numbers of threads.
+    /// Rates on second-bounce rays for each number of threads.
     pub thread_sweep: Vec<SweepResult>,
-    /// Whole renders.
+    /// Timings of whole renders.
     pub renders: Vec<RenderBench>,
 }
 
-/// One standard scene, and what was measured on it.
+/// A standard scene and its measurements.
 #[derive(Clone, Debug)]
 pub struct SuiteEntry {
-    /// How its spheres are arranged.
+    /// Arrangement of the spheres.
     pub arrangement: Arrangement,
-    /// How many there are.
+    /// Number of spheres.
     pub spheres: u64,
-    /// What was measured.
+    /// Measurements of this scene.
     pub bench: SceneBench,
 }
 
-/// The standard scenes to measure on.
+/// Benchmark over the standard scenes.
 #[derive(Clone, Debug)]
 pub struct Suite {
-    /// What is measured on each.
+    /// What to measure on each scene.
     pub measuring: Measuring,
-    /// Each is left out where it is hopeless, or where it would not fit into memory.
+    /// Intersectors to measure. One is left out of scenes for which it is far too slow or needs too
+    /// much memory.
     pub backends: Vec<Backend>,
-    /// The most spheres of a scene.
+    /// Largest number of spheres in a scene.
     pub largest: u64,
-    /// How much memory there is; `None` where nobody knows.
+    /// Available memory in bytes; `None` if unknown.
     pub memory: Option<u64>,
 }
 
-/// What happens while a suite is measured.
+/// Progress event of a running suite.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
-    /// From so many spheres on, an intersector does not fit into memory.
+    /// An intersector does not fit into memory for scenes of at least this many spheres.
     LeftOut(Backend, u64),
     /// A scene is finished.
     Finished(&'a SuiteEntry),
 }
 
 impl Measuring {
-    /// The rounds of all but the comparison of several batches.
+    /// Returns the options for every measurement except the batch size sweep.
     pub fn rounds(&self) -> BenchOptions {
         BenchOptions { rounds: self.rounds, batch: self.batches.first().copied().unwrap_or(1) }
     }
 
-    /// Builds the intersectors.
+    /// Builds the intersectors over `spheres`.
     ///
     /// # Errors
-    /// As [`BackendSet::build`].
+    /// Same as [`BackendSet::build`].
     pub fn field(&self, spheres: &Arc<SphereSet>, backends: &[Backend]) -> Result<BackendSet> {
         let threads = rayon::current_num_threads();
         let (quality, cancel) = (self.quality, self.cancel.clone());
@@ -100,10 +101,11 @@ impl Measuring {
         BackendSet::build(spheres, backends, &options, self.builds)
     }
 
-    /// Measures everything but whole renders, with these rays of a camera and what becomes of them.
+    /// Measures everything except whole renders, on the camera rays given and the secondary and
+    /// shadow rays derived from them.
     ///
     /// # Errors
-    /// On cancellation, and when threads cannot be started.
+    /// On cancellation, or if threads cannot be started.
     pub fn measure(&self, field: &BackendSet, camera: Vec<PathRay>) -> Result<SceneBench> {
         let kinds = field.ray_sets(camera);
         let rounds = self.rounds();
@@ -132,18 +134,18 @@ impl Measuring {
 }
 
 impl SceneBench {
-    /// The place of a kind of rays.
+    /// Returns the index of a ray set by its name.
     pub fn ray_set_index(&self, name: &str) -> Option<usize> {
         self.ray_sets.iter().position(|&kind| kind == name)
     }
 }
 
 impl Suite {
-    /// Measures all that fits, or, where that is cancelled, all that is finished by then. `told` is
-    /// told of what happens.
+    /// Measures every scene that fits into memory. On cancellation, returns the scenes finished so
+    /// far. `told` receives progress events.
     ///
     /// # Errors
-    /// When an intersector cannot be built.
+    /// If an intersector cannot be built.
     pub fn measure(&self, told: &mut dyn FnMut(Event<'_>)) -> Result<Vec<SuiteEntry>> {
         let mut entries = Vec::new();
         for count in sizes(self.largest) {
@@ -184,26 +186,26 @@ impl Suite {
     }
 }
 
-/// 1, 2, 4 and so on, and the most.
+/// Thread counts 1, 2, 4, ..., ending with `most`.
 fn doubling(most: usize) -> impl Iterator<Item = usize> {
     let powers = std::iter::successors(Some(1), |threads: &usize| Some(2 * threads));
     powers.take_while(move |&threads| threads < most).chain([most])
 }
 
-/// 3, then powers of ten from 100 on.
+/// Scene sizes: 3, then powers of ten from 100 up to `largest`.
 fn sizes(largest: u64) -> impl Iterator<Item = u64> {
     let powers = (2..10).map(|exponent| 10u64.pow(exponent));
     [3].into_iter().chain(powers).take_while(move |&count| count <= largest)
 }
 
-/// Those that are not hopeless.
+/// Returns the backends that finish in reasonable time with this many spheres.
 fn backends_for(backends: &[Backend], spheres: u64) -> Vec<Backend> {
     let can =
         |backend: &Backend| *backend != Backend::BruteForce || spheres <= MAX_BRUTE_FORCE_SPHERES;
     backends.iter().copied().filter(can).collect()
 }
 
-/// Leaves out one after the other, the largest first, until the others fit.
+/// Drops backends, largest first, until the rest fit into memory.
 fn those_that_fit(mut backends: Vec<Backend>, fit: impl Fn(&[Backend]) -> bool) -> Vec<Backend> {
     let size = |backend: &Backend| MemoryPlan::for_spheres(1 << 20, &[*backend], 1).accel;
     while !backends.is_empty() && !fit(&backends) {

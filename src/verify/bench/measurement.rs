@@ -1,4 +1,4 @@
-//! One question, put to one backend again and again, and what came of it.
+//! Times one query type on one backend, repeatedly, and summarizes the results.
 
 use std::borrow::Cow;
 use std::time::Instant;
@@ -8,26 +8,26 @@ use rayon::prelude::*;
 use crate::accel::Accel;
 use crate::math::{Hit, Ray};
 
-/// Rays of the camera through one pixel.
+/// Camera rays per pixel.
 pub(super) const SAMPLES_PER_PIXEL: usize = 16;
-/// Rays of one run of neighbouring rays.
+/// Rays in a run of neighbouring rays.
 const RUN_LENGTH: usize = 512;
-/// What one measurement of one round should take at most, in seconds.
+/// Time budget of one measurement in one round, in seconds.
 const ROUND_SECONDS: f64 = 0.2;
 
-/// What was measured in several rounds.
+/// Median of a figure over several rounds, with its interquartile range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReportImage {
-    /// The median over the rounds.
+    /// Median over the rounds.
     pub median: f64,
-    /// The middle half of the rounds is not below this,
+    /// Lower quartile of the rounds.
     pub low: f64,
-    /// and not above this.
+    /// Upper quartile of the rounds.
     pub high: f64,
 }
 
 impl ReportImage {
-    /// Of one value for each round; `None` without any.
+    /// Summarizes one value per round; `None` if there are no values.
     pub fn from_samples(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
         let last = values.len().checked_sub(1)?;
@@ -36,37 +36,38 @@ impl ReportImage {
         Some(Self { median, low: values[quarter], high: values[last - quarter] })
     }
 
-    /// Of one value alone.
+    /// Wraps a single value, with no spread.
     pub fn from_single(value: f64) -> Self {
         Self { median: value, low: value, high: value }
     }
 
-    /// The same in another unit.
+    /// Converts to another unit by multiplying by `factor`.
     pub fn scaled(self, factor: f64) -> Self {
         let Self { median, low, high } = self;
         Self { median: factor * median, low: factor * low, high: factor * high }
     }
 
-    /// Half the width of the middle half, as a share of the median.
+    /// Half the interquartile range, relative to the median.
     pub fn relative_spread(&self) -> f64 {
         0.5 * (self.high - self.low) / self.median.max(f64::MIN_POSITIVE)
     }
 }
 
-/// What rays ask.
+/// Type of ray query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QueryKind {
-    /// The first sphere along each ray.
+    /// Closest hit along each ray.
     Closest,
-    /// Whether each ray hits anything.
+    /// Occlusion: any hit along each ray.
     Occluded,
 }
 
 impl QueryKind {
-    /// Both.
+    /// All query types, in the order of reports.
     pub const ALL: [Self; 2] = [Self::Closest, Self::Occluded];
 
-    /// How long all the rays take, in batches shared among the threads of the current pool.
+    /// Returns the seconds taken to trace all rays, in batches distributed over the threads of the
+    /// current rayon pool.
     fn seconds_for(self, rays: &[Ray], batch: usize, accel: &dyn Accel) -> f64 {
         match self {
             Self::Closest => {
@@ -83,17 +84,17 @@ impl QueryKind {
     }
 }
 
-/// One kind of question, put again and again.
+/// Repeated measurement of one query type on one ray set.
 pub(super) struct Measurement<'a> {
     query: QueryKind,
     rays: Cow<'a, [Ray]>,
     batch: usize,
-    /// Rays per second of each round.
+    /// Rays per second in each round.
     rates: Vec<f64>,
 }
 
 impl<'a> Measurement<'a> {
-    /// With as many rays as fit into a round, found by trying more and more.
+    /// Creates a measurement with as many rays as fit into a round, found by growing the count.
     pub(super) fn calibrated(
         question: QueryKind,
         rays: &'a [Ray],
@@ -111,7 +112,7 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// One more round, on the current pool.
+    /// Runs one more round on the current rayon pool.
     pub(super) fn repeat(&mut self, accel: &dyn Accel) {
         if !self.rays.is_empty() {
             let seconds = self.query.seconds_for(&self.rays, self.batch, accel);
@@ -119,7 +120,7 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Rays per second; `None` without rays.
+    /// Rays per second; `None` if there are no rays.
     pub(super) fn rate(&self) -> Option<ReportImage> {
         ReportImage::from_samples(self.rates.clone())
     }
@@ -137,8 +138,8 @@ fn time_batches<T: Send>(
     start.elapsed().as_secs_f64()
 }
 
-/// `count` of the rays, in runs of neighbours that are spread evenly. Runs do not begin in the middle
-/// of a pixel.
+/// Picks `count` of the rays, as evenly spread runs of neighbouring rays. Runs start at pixel
+/// boundaries.
 pub(super) fn sample_evenly(rays: &[Ray], count: usize) -> Cow<'_, [Ray]> {
     if count >= rays.len() {
         return Cow::Borrowed(rays);

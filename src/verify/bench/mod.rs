@@ -1,8 +1,8 @@
-//! How fast each backend answers, builds and renders: what `photosphere bench` prints.
+//! Benchmarks of trace, build and render speed: what `photosphere bench` prints.
 //!
-//! Machines are never quiet, so backends take turns, round by round, and a figure is the median over
-//! the rounds. A round of one measurement takes a fixed share of a second: a slow backend is given
-//! fewer rays, in runs spread over all of them, so that each sees the same mixture.
+//! Machines are noisy, so backends are interleaved round by round, and each figure is the median
+//! over the rounds. In each round a measurement gets a fixed time budget: a slow backend traces
+//! fewer rays, in runs spread over all of them, so every backend sees the same mix.
 
 mod measure;
 mod measurement;
@@ -31,55 +31,55 @@ pub use render_bench::{RenderBench, bench_renders};
 pub use standard_scene::StandardScene;
 pub use sweep::{SweepPoint, SweepResult, sweep};
 
-/// Rays of each kind whose ids are compared.
+/// Rays per ray set whose hit ids are compared between backends.
 const COMPARED_RAYS: usize = 4096;
 
-/// Rays of one kind to measure with.
+/// A named set of rays to benchmark with.
 #[derive(Clone, Debug)]
 pub struct RaySet {
-    /// What they are called.
+    /// Name of the set.
     pub name: &'static str,
-    /// The rays, in the order in which an integrator would ask.
+    /// Rays in the order in which an integrator would trace them.
     pub rays: Vec<Ray>,
 }
 
-/// How to measure.
+/// Benchmark options.
 #[derive(Clone, Copy, Debug)]
 pub struct BenchOptions {
-    /// In each, every backend has its turn; at least one.
+    /// Rounds, at least one. Every backend runs once in each.
     pub rounds: usize,
-    /// Rays in one call.
+    /// Batch size: rays per call.
     pub batch: usize,
 }
 
-/// What was measured of one backend.
+/// Measurements of one backend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BackendBench {
-    /// Which one.
+    /// The backend.
     pub backend: Backend,
-    /// How it was built and works, as [`Accel::details`] says.
+    /// How the backend was built and works; see [`Accel::details`].
     pub details: String,
-    /// Seconds that the build took.
+    /// Build time in seconds.
     pub build_s: ReportImage,
-    /// Bytes of the structure per sphere, without the spheres themselves.
+    /// Memory of the acceleration structure in bytes per sphere, excluding the spheres themselves.
     pub bytes_per_sphere: f64,
-    /// Rates for each kind of rays, in their order; `None` where there are no such rays.
+    /// Rates for each ray set, in order; `None` for an empty set.
     pub rates: Vec<Option<Rates>>,
 }
 
-/// Rates for one kind of rays, in rays per second of all threads of the current rayon pool together.
+/// Rates on one ray set, in rays per second, summed over all threads of the current rayon pool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
-    /// For the first sphere along each ray.
+    /// Rate of closest-hit queries.
     pub closest: ReportImage,
-    /// For whether each ray hits anything.
+    /// Rate of occlusion queries.
     pub occluded: ReportImage,
-    /// How many of the rays that were compared have another id than with the first backend.
+    /// Number of compared rays whose hit id differs from the first backend's.
     pub differing_ids: usize,
 }
 
 impl Rates {
-    /// The rate for one question.
+    /// Returns the rate for one query type.
     pub fn get(&self, question: QueryKind) -> ReportImage {
         match question {
             QueryKind::Closest => self.closest,
@@ -88,7 +88,7 @@ impl Rates {
     }
 }
 
-/// The backends that are held against each other, over the same spheres.
+/// Backends under comparison, built over the same spheres.
 pub struct BackendSet {
     spheres: Arc<SphereSet>,
     built: Vec<BuiltBackend>,
@@ -97,15 +97,15 @@ pub struct BackendSet {
 struct BuiltBackend {
     backend: Backend,
     accel: Box<dyn Accel>,
-    /// Of each build.
+    /// Build time in seconds, over the repeated builds.
     seconds: ReportImage,
 }
 
 impl BackendSet {
-    /// Builds each backend so many times, at least once, in turns, and keeps the last of each.
+    /// Builds each backend `builds` times (at least once), interleaved, and keeps the last of each.
     ///
     /// # Errors
-    /// When one cannot be built, or on cancellation through `options`.
+    /// If a backend cannot be built, or on cancellation through `options`.
     pub fn build(
         spheres: &Arc<SphereSet>,
         backends: &[Backend],
@@ -134,12 +134,12 @@ impl BackendSet {
         Ok(Self { spheres: spheres.clone(), built })
     }
 
-    /// The spheres.
+    /// The spheres that all backends are built over.
     pub fn spheres(&self) -> &Arc<SphereSet> {
         &self.spheres
     }
 
-    /// Each backend with its structure, in the order asked for.
+    /// Each backend with its acceleration structure, in the order requested.
     pub fn backends(&self) -> impl Iterator<Item = (Backend, &dyn Accel)> {
         self.built.iter().map(|built| (built.backend, &*built.accel))
     }
@@ -148,8 +148,8 @@ impl BackendSet {
         self.backends().map(|(_, accel)| accel)
     }
 
-    /// Rays of a camera, what becomes of them at diffuse surfaces, and shadow rays. What they hit is
-    /// what the first backend says.
+    /// Builds the ray sets: the camera rays given, two diffuse bounces of them, and shadow rays.
+    /// Hits are found with the first backend.
     pub fn ray_sets(&self, camera: Vec<PathRay>) -> Vec<RaySet> {
         let (spheres, accel) = (&*self.spheres, self.accels().next());
         let Some(accel) = accel else { return Vec::new() };
@@ -170,8 +170,8 @@ impl BackendSet {
     }
 }
 
-/// Rays of a camera with so many pixels as a render sends them, sixteen through each pixel: of all
-/// pixels, or of as many in a grid over the picture as at most `most` rays allow.
+/// Generates camera rays as a render does, 16 per pixel. Uses all pixels, or a regular grid of
+/// pixels if that would exceed `most` rays.
 pub fn camera_rays(camera: &Camera, [width, height]: [u32; 2], most: usize) -> Vec<PathRay> {
     let side = (SAMPLES_PER_PIXEL as f64).sqrt() as u32;
     let rays = |step: u32| {
@@ -188,25 +188,25 @@ pub fn camera_rays(camera: &Camera, [width, height]: [u32; 2], most: usize) -> V
     pixels.flat_map(|pixel| cells().map(move |cell| ray(pixel, cell))).collect()
 }
 
-/// Which two numbers give the middle of a lens, or nearly so where it has blades.
+/// Sample that maps to the centre of a lens, or close to it for a lens with blades.
 const LENS_CENTER: [f64; 2] = [0.5; 2];
 
-/// With more spheres than this, brute force is not worth the wait.
+/// Largest number of spheres for which brute force is worth the wait.
 pub const MAX_BRUTE_FORCE_SPHERES: u64 = 10_000;
 
-/// Kinds of rays that [`BackendSet::ray_sets`] makes.
+/// Number of ray sets that [`BackendSet::ray_sets`] returns.
 pub const RAY_SETS: usize = 4;
 
-/// What rays of the camera are called.
+/// Name of the camera ray set.
 pub const CAMERA: &str = "camera";
 
-/// What rays after two diffuse bounces are called: those that no cache helps.
+/// Name of the ray set after two diffuse bounces. These rays are incoherent, so caches do not help.
 pub const SECOND_BOUNCE: &str = "second bounce";
 
-/// Chooses the directions of bounces and shadow rays.
+/// Seed for bounce and shadow-ray directions.
 const SEED: u64 = 0;
 
-/// Measures every backend against the others on the current rayon pool.
+/// Benchmarks every backend on the current rayon pool.
 ///
 /// # Errors
 /// On cancellation.
@@ -232,11 +232,11 @@ pub fn bench(
     Ok(stands.iter().map(|stand| stand.result(&stands[0], spheres)).collect())
 }
 
-/// A backend with its measurements, for each kind of rays.
+/// A backend with its measurements for each ray set.
 struct BackendRun<'a> {
     backend: &'a BuiltBackend,
     measurements: Vec<[Measurement<'a>; 2]>,
-    /// The ids of some rays of each kind.
+    /// Hit ids of some rays of each ray set.
     ids: Vec<Vec<u32>>,
 }
 
@@ -290,7 +290,7 @@ mod tests {
 
     const ROUNDS: BenchOptions = BenchOptions { rounds: 3, batch: 100 };
 
-    /// Rays that meet some of the spheres of [`field`].
+    /// Rays that hit some of the spheres of [`field`].
     pub(super) fn rays() -> Vec<Ray> {
         let ray = |i: u32| {
             let origin = DVec3::new(f64::from(i) * 1e-2, 0.0, -9.0);

@@ -1,7 +1,7 @@
-//! The figures that `benches/record/` keeps of the intersectors: native against Embree, ray by ray and
-//! picture by picture, in interleaved rounds of one run.
+//! Generates the tables that `benches/record/` keeps: native against Embree, ray by ray and render
+//! by render, in interleaved rounds of one run.
 //!
-//! Beside each ratio stands, in brackets, what we ask of it: a change that falls behind is no
+//! Each ratio is followed by our target in brackets: a change that falls short of it is no
 //! improvement.
 
 use std::fmt::Write as _;
@@ -32,7 +32,7 @@ use super::{
 const GAS: Arrangement = Arrangement::Gas;
 const PACKED: Arrangement = Arrangement::Packed;
 
-/// Scenes, and the ratios asked for: closest hit and occlusion.
+/// Traced scenes, with the target ratios for closest hit and occlusion.
 const TRACED: [(Arrangement, u64, [f64; 2]); 5] = [
     (GAS, 100_000, [1.8, 2.3]),
     (GAS, 1_000_000, [2.4, 4.0]),
@@ -41,41 +41,40 @@ const TRACED: [(Arrangement, u64, [f64; 2]); 5] = [
     (PACKED, 10_000_000, [1.9, 3.5]),
 ];
 
-/// Matt spheres under a sky that is equally bright everywhere, and the ratio asked for.
+/// Rendered scenes, diffuse spheres under a constant environment, with the target ratio.
 const RENDERED: [(Arrangement, u64, f64); 3] =
     [(GAS, 1_000_000, 2.6), (GAS, 10_000_000, 3.3), (PACKED, 1_000_000, 1.7)];
 
-/// Three spheres and a lamp.
+/// Three spheres and an emitter.
 const TINY: &str = include_str!("../../../scenes/paper/fig2.toml");
 const TINY_RATIO: f64 = 3.5;
 
-/// The pixels of the renders.
+/// Resolution of the renders in pixels.
 const SIZE: [u32; 2] = [320, 240];
 
 const PAIR: [Backend; 2] = [Backend::Native, Backend::Embree];
 
-/// Rays of one call.
+/// Rays per call.
 const BATCH: usize = 512;
 const ROUND: BenchOptions = BenchOptions { rounds: 1, batch: BATCH };
 
-/// What is to be measured.
+/// Options for the record.
 #[derive(Clone, Debug)]
 pub struct Record {
-    /// Scenes of more spheres than this are left out.
+    /// Largest number of spheres; larger scenes are skipped.
     pub largest: u64,
     /// Interleaved rounds behind each figure, at least one.
     pub rounds: usize,
-    /// Set from elsewhere to stop.
+    /// Set from another thread to cancel the measurement.
     pub cancel: CancelToken,
 }
 
 impl Record {
-    /// Measures one table after the other: what needs one thread on one, all else on the current
-    /// rayon pool. Each is given to `told` when it is finished.
+    /// Measures one table after another and passes each to `told` when it is finished.
+    /// Single-thread tables use a pool of one thread, all others the current rayon pool.
     ///
     /// # Errors
-    /// When this build has no Embree to compare with, when there is no room for the scenes, or on
-    /// cancellation.
+    /// If this build has no Embree, if there is no room for the scenes, or on cancellation.
     pub fn measure(&self, told: &mut dyn FnMut(&str)) -> Result<()> {
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
         let one = one.map_err(|e| Error::input(format!("cannot start a thread: {e}")))?;
@@ -101,7 +100,7 @@ impl Record {
         BuildOptions { threads, cancel: self.cancel.clone(), ..BuildOptions::default() }
     }
 
-    /// Rays of the second bounce on one thread, and what their exactness costs.
+    /// Second-bounce rays on one thread, and the cost of exact hits.
     fn trace(&self) -> Result<String> {
         let mut text = format!(
             "One thread, millions of rays per second: rays of the second bounce, closest hit and\n\
@@ -164,7 +163,7 @@ impl Record {
         Ok(text + &costs)
     }
 
-    /// What one giant beside the tree costs every ray.
+    /// The cost per ray of one giant sphere outside the tree.
     fn giants(&self) -> Result<String> {
         let mut text = format!(
             "The rate of rays of the second bounce where a giant lies below, against that without it\n\
@@ -199,7 +198,7 @@ impl Record {
         Ok(text)
     }
 
-    /// Building the largest scenes on all threads.
+    /// Build times of the largest scenes on all threads.
     fn build(&self) -> Result<String> {
         let mut text = format!(
             "Build on {} threads, seconds\n{:<13}{:>10}{:>16}{:>10}{:>18}\n",
@@ -229,7 +228,7 @@ impl Record {
         Ok(text)
     }
 
-    /// What further threads bring, beside what they bring to arithmetic alone.
+    /// Thread scaling, compared with that of pure arithmetic.
     fn scale(&self) -> Result<String> {
         let threads = rayon::current_num_threads();
         let mut text = format!(
@@ -293,7 +292,7 @@ impl Record {
             text += &self.one_render(&name, &scene, settings, 16, Some(asked))?;
         }
         if self.largest >= 1_000_000 {
-            // In the light that `photosphere generate` gives them.
+            // Uses the lighting that `photosphere generate` writes.
             let (description, settings) = generated(folder.path(), GAS, 1_000_000)?;
             let scene = Scene::build(description)?;
             text += &self.one_render("... sun and sky", &scene, settings, 16, None)?;
@@ -345,7 +344,7 @@ fn median(values: Vec<f64>) -> f64 {
     ReportImage::from_samples(values).map_or(f64::NAN, |figure| figure.median)
 }
 
-/// Rates in millions, how many times as fast ours is, and what is asked for.
+/// Formats rates in millions, their ratio and the target.
 fn rate_row(
     name: &str,
     question: &str,
@@ -358,7 +357,7 @@ fn rate_row(
     format!("{name:<13}{question:<10}{ours}  {theirs}   {ratio:5.2}{asked}\n")
 }
 
-/// Rays of the second bounce, and the intersector that found them.
+/// Second-bounce rays, and the intersector that found their origins.
 fn second_bounce<'a>(
     field: &'a BackendSet,
     camera: &[PathRay],
@@ -368,7 +367,7 @@ fn second_bounce<'a>(
     Ok((accel, rays::secondary(field.spheres(), accel, &first, 1)))
 }
 
-/// The same ray from a little further on, where it has no sphere to overlook.
+/// Moves a ray's origin a little forward, so that it has no origin sphere to skip.
 fn freed(spheres: &SphereSet, ray: &PathRay) -> PathRay {
     let step = if ray.origin_sphere == NO_SPHERE {
         0.0
@@ -378,7 +377,7 @@ fn freed(spheres: &SphereSet, ray: &PathRay) -> PathRay {
     PathRay::new(ray.at(step), ray.direction)
 }
 
-/// Seconds that it takes to solve the hit of a ray exactly: the median of some passes.
+/// Seconds taken to resolve all hits exactly: the median of several passes.
 fn seconds_of_answers(spheres: &SphereSet, accel: &dyn Accel, bounced: &[PathRay]) -> f64 {
     let asked: Vec<Ray> = bounced.iter().map(|ray| spheres.to_query(ray)).collect();
     let mut hits = vec![Hit::MISS; asked.len()];
@@ -393,7 +392,7 @@ fn seconds_of_answers(spheres: &SphereSet, accel: &dyn Accel, bounced: &[PathRay
     median((0..9).map(pass).collect())
 }
 
-/// What `photosphere generate` writes, its table in this folder.
+/// Builds the scene that `photosphere generate` writes, with its table in `folder`.
 fn generated(
     folder: &Path,
     arrangement: Arrangement,

@@ -1,4 +1,4 @@
-//! Whole renders with every intersector, and how much of them the intersector takes.
+//! Benchmarks whole renders with every intersector, and the share of time spent in it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
@@ -15,29 +15,30 @@ use crate::task::CancelToken;
 
 use super::{BackendSet, MAX_BRUTE_FORCE_SPHERES, ReportImage};
 
-/// What renders with one intersector took.
+/// Timings of renders with one intersector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderBench {
-    /// Which one.
+    /// The intersector.
     pub backend: Backend,
-    /// Seconds of a render, without loading and building.
+    /// Render time in seconds, excluding loading and building.
     pub seconds: ReportImage,
-    /// The share of its threads' time that was spent in the intersector; all else is camera, shading,
-    /// sampling and film.
+    /// Fraction of thread time spent in the intersector. The rest is camera, shading, sampling and
+    /// film.
     pub intersector_share: ReportImage,
-    /// Rays of one render, shadow rays included.
+    /// Rays per render, including shadow rays.
     pub rays: u64,
-    /// Samples of one render.
+    /// Samples per render.
     pub samples: u64,
-    /// Pixels that have other bits than with the first intersector.
+    /// Pixels that are not bit-identical to the first intersector's.
     pub differing_pixels: usize,
 }
 
-/// Renders the scene with every intersector of the field, which are over its spheres, in turns on the
-/// current pool; with brute force only where that comes to an end.
+/// Renders the scene with every intersector of `field`, interleaved, on the current rayon pool. The
+/// intersectors must be built over the scene's spheres. Brute force is skipped for scenes where it
+/// would take too long.
 ///
 /// # Errors
-/// When a render fails, or on cancellation.
+/// If a render fails, or on cancellation.
 pub fn bench_renders(
     shot: &PreparedScene,
     field: &BackendSet,
@@ -106,11 +107,11 @@ impl<'a> RenderRun<'a> {
     }
 }
 
-/// An intersector with a clock that runs while it works.
+/// Wraps an intersector and measures the time spent in it.
 struct TimedAccel<'a> {
     accel: &'a dyn Accel,
-    /// Whether it takes the rays of paths as they are. For others they are rounded to f32 first, which
-    /// is not the intersector's work.
+    /// True if the intersector takes path rays in f64. For others, rays are first rounded to f32,
+    /// which is not counted as the intersector's time.
     in_f64: bool,
     nanoseconds: AtomicU64,
 }

@@ -1,5 +1,5 @@
-//! The standard scenes of `photosphere bench --suite`: the same for everyone, of any size, made in
-//! memory.
+//! Standard scenes of `photosphere bench --suite`: identical on every machine, of any size, built
+//! in memory.
 
 use std::sync::Arc;
 
@@ -13,33 +13,34 @@ use crate::math::DVec3;
 
 use super::camera_rays;
 
-/// Pixels along each side of the picture that camera rays go through; there are as many rays.
+/// Image width and height in pixels for the camera rays; there is one ray per pixel.
 const SIDE: u32 = 512;
-/// Chooses the spheres.
+/// Seed of the sphere generator.
 const SEED: u64 = 0;
 
-/// Spheres, and the rays of a camera that looks at them.
+/// Spheres, with camera rays that look at them.
 #[derive(Debug)]
 pub struct StandardScene {
     /// The spheres.
     pub spheres: Arc<SphereSet>,
-    /// Rays of the camera, as [`camera_rays`] gives them.
+    /// Camera rays, as returned by [`camera_rays`].
     pub camera_rays: Vec<PathRay>,
 }
 
 impl StandardScene {
-    /// So many spheres of `photosphere generate`, seen as by the scene that it writes.
+    /// Generates `count` spheres as `photosphere generate` does, seen by the camera of the scene
+    /// that it writes.
     ///
     /// # Errors
-    /// When the number of spheres is impossible.
+    /// If the number of spheres is out of range.
     pub fn new(arrangement: Arrangement, count: u64) -> Result<Self> {
         Self::with_extra_spheres(Vec::new(), arrangement, count)
     }
 
-    /// The same with further spheres.
+    /// Generates a standard scene with the additional spheres `exact`.
     ///
     /// # Errors
-    /// As for [`Self::new`].
+    /// Same as [`Self::new`].
     pub fn with_extra_spheres(
         exact: Vec<Sphere>,
         arrangement: Arrangement,

@@ -1,8 +1,8 @@
-//! How a rate changes with the rays of a call and with the threads.
+//! Measures rates against batch size and thread count.
 //!
-//! Cores that share caches, power and a clock do not give twice the work of one, whatever the program;
-//! so threads are held against a loop of arithmetic that touches no memory, measured in the same
-//! rounds.
+//! Cores share caches, power and clock, so N threads are not N times as fast whatever the program.
+//! Thread scaling is therefore compared with an arithmetic loop that touches no memory, measured in
+//! the same rounds.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -17,35 +17,35 @@ use crate::task::CancelToken;
 use super::measurement::sample_evenly;
 use super::{BackendSet, Measurement, QueryKind, ReportImage};
 
-/// The most rays that are asked with.
+/// Largest number of rays used.
 pub(super) const MAX_RAYS: usize = 1 << 18;
 
-/// Under what circumstances is measured.
+/// One setting of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SweepPoint {
-    /// Threads that share the work; at least one.
+    /// Threads that share the work, at least one.
     pub threads: usize,
-    /// Rays in one call; at least one.
+    /// Batch size in rays per call, at least one.
     pub batch: usize,
 }
 
-/// What was measured under one setting.
+/// Measurements at one setting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepResult {
-    /// Which one.
+    /// The setting.
     pub point: SweepPoint,
-    /// Rays per second of all threads, closest hit and occlusion, for each backend of the field in
-    /// its order.
+    /// Rates of closest-hit and occlusion queries for each backend, in order. Rays per second,
+    /// summed over all threads.
     pub rates: Vec<[ReportImage; 2]>,
-    /// Passes per second of the loop of arithmetic on as many threads.
+    /// Passes per second of the arithmetic loop on the same number of threads.
     pub arithmetic: ReportImage,
 }
 
-/// Measures every backend under every setting on rays of one kind, all in turns. Nothing comes of it
-/// where there are no rays.
+/// Measures every backend at every setting on one ray set, interleaved. Returns nothing if there
+/// are no rays.
 ///
 /// # Errors
-/// When threads cannot be started, or on cancellation.
+/// If threads cannot be started, or on cancellation.
 pub fn sweep(
     field: &BackendSet,
     rays: &[Ray],
@@ -70,12 +70,12 @@ pub fn sweep(
     Ok(stands.iter().filter_map(SweepRun::result).collect())
 }
 
-/// A setting with its measurements, for each backend.
+/// A setting with its measurements for each backend.
 struct SweepRun<'a> {
     setting: SweepPoint,
     pool: ThreadPool,
     measurements: Vec<[Measurement<'a>; 2]>,
-    /// Passes per second of each round.
+    /// Passes per second in each round.
     arithmetic: Vec<f64>,
 }
 
@@ -115,7 +115,8 @@ impl<'a> SweepRun<'a> {
     }
 }
 
-/// How often the threads of the current pool get through a loop of arithmetic in a second.
+/// Returns how many passes of an arithmetic loop the threads of the current pool complete per
+/// second.
 fn passes_per_second() -> f64 {
     const PASSES: usize = 256;
     const STEPS: usize = 50_000;

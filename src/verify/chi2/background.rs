@@ -1,4 +1,4 @@
-//! Directions towards the background, and the choice between it and very many lamps.
+//! Sampling of the environment, and of the choice between it and many emitters.
 
 use std::sync::Arc;
 
@@ -47,7 +47,7 @@ fn grey(radiance: f32) -> Rgb {
     Rgb::splat(radiance)
 }
 
-/// Radiance without order, with dark parts and one pixel that outshines the rest.
+/// Irregular radiance, with dark areas and one pixel far brighter than the rest.
 fn image() -> EnvironmentMap {
     let (width, height) = (14, 7);
     let pixel = |i: usize| match i {
@@ -63,7 +63,7 @@ fn sky() -> Sky {
     Sky { turbidity: 3.0, sun, sun_irradiance: grey(300.0), ground: grey(0.3), scale: 1.0 }
 }
 
-/// Lifted off the vertical, so that nothing is aligned with anything.
+/// Tilted off the vertical, so that nothing is axis-aligned.
 fn sky_and_sun() -> Environment {
     let orientation = Orientation::new(DVec3::new(0.0, 0.8, 0.6), 0.3);
     let sun = orientation.direction(0.5, 1.0);
@@ -74,7 +74,7 @@ fn sky_and_sun() -> Environment {
     )
 }
 
-/// The dome's zenith is the cells' pole.
+/// The environment map's zenith is the pole of the cells.
 fn environment_test(name: &str, dome: EnvironmentMap) -> SamplingTest {
     let dome = Arc::new(dome);
     let of_pdf = dome.clone();
@@ -104,7 +104,7 @@ fn receiver(point: DVec3, is_two_sided: bool) -> LightSampleContext {
     LightSampleContext { hit, is_two_sided }
 }
 
-/// Lamps of many sizes and distances, which do not touch the receivers.
+/// Emitters of many sizes and distances, none touching a shading point.
 fn lamps(background: Environment) -> (SphereSet, Lights) {
     let sphere = |i: u64| {
         let u: [f64; 4] = std::array::from_fn(|d| Sampler::independent(7, i, 0).get(d as u32));
@@ -118,7 +118,7 @@ fn lamps(background: Environment) -> (SphereSet, Lights) {
     (spheres, lights)
 }
 
-/// What is drawn of a whole background, where lamps take their share and give nothing.
+/// Sampling of a whole environment among emitters. Samples of the emitters are discarded.
 fn background_test(name: &str, is_two_sided: bool) -> SamplingTest {
     let stage = Arc::new(lamps(sky_and_sun()));
     let of_pdf = stage.clone();
@@ -137,11 +137,11 @@ fn background_test(name: &str, is_two_sided: bool) -> SamplingTest {
     )
 }
 
-/// How often each lamp is chosen, from `pdf` divided by the density of its cone; and, in the last
-/// place, the background.
+/// Selection probability of each emitter, computed as `pdf` over the pdf of its cone. The last
+/// index is the environment.
 fn light_choice(name: &str, background: Environment, receiver: LightSampleContext) -> SamplingTest {
     let (spheres, lights) = lamps(background);
-    // The set has moved its origin.
+    // The sphere set has moved its origin.
     let mut receiver = receiver;
     receiver.hit.point -= spheres.origin();
     let of_lamp = |id: u32| {

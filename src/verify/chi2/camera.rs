@@ -1,4 +1,4 @@
-//! Places on lenses and films.
+//! Sampling of lenses and film positions.
 
 use crate::camera::Aperture;
 

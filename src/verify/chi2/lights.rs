@@ -1,4 +1,4 @@
-//! Directions towards lights, and the choice among them.
+//! Sampling of directions to emitters, and of the choice among them.
 
 use std::sync::Arc;
 
@@ -13,17 +13,17 @@ pub(super) fn tests() -> Vec<SamplingTest> {
     vec![inside_a_lamp(), choice_of_a_lamp()]
 }
 
-/// Spheres of which the first is lit by the others, the lamps.
+/// Spheres of which the first is lit by the others, which are emitters.
 struct LitScene {
     spheres: SphereSet,
     lights: Lights,
-    /// On the first sphere.
+    /// Shading point on the first sphere.
     receiver: LightSampleContext,
 }
 
 impl LitScene {
-    /// The receiver is where a ray in direction `towards` first meets the first sphere. Lamp number
-    /// i, counted from 1, has the radiance i.
+    /// Places the shading point where a ray in direction `towards` first hits the first sphere.
+    /// Emitter i, counted from 1, has radiance i.
     fn new(spheres: Vec<Sphere>, towards: DVec3) -> Arc<Self> {
         let lamps = 1..spheres.len() as u32;
         let rows = SphereRows { exact: spheres, table: Vec::new() };
@@ -54,7 +54,7 @@ fn ball(x: f64, radius: f64) -> Sphere {
     Sphere { center: DVec3::new(x, 0.0, 0.0), radius }
 }
 
-/// From a ball inside a glowing sphere, every direction above the surface meets the lamp.
+/// From a ball inside an emissive sphere, every direction above the surface hits the emitter.
 fn inside_a_lamp() -> SamplingTest {
     let stage = LitScene::new(vec![ball(0.5, 1.0), ball(0.0, 10.0)], DVec3::new(0.0, 0.6, -0.8));
     let lamp = LightSource::Emitter(id_of(&stage.spheres, 1));
@@ -71,8 +71,8 @@ fn inside_a_lamp() -> SamplingTest {
     )
 }
 
-/// Three lamps of different power and distance: how often each is chosen, from `pdf` divided by the
-/// density of its cone.
+/// Selection probability of three emitters of different power and distance, computed as `pdf` over
+/// the pdf of the cone.
 fn choice_of_a_lamp() -> SamplingTest {
     let spheres = vec![ball(0.0, 1.0), ball(5.0, 1.0), ball(9.0, 0.5), ball(-30.0, 8.0)];
     let stage = LitScene::new(spheres, DVec3::new(0.0, 0.0, -1.0));

@@ -1,4 +1,4 @@
-//! Directions that surfaces scatter into.
+//! Sampling of BSDFs and microfacet normals.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::super::check::Effort;
 use super::super::materials::{MaterialCase, material_cases};
 use super::SamplingTest;
 
-/// Angles of `wo` from the normal, in degrees.
+/// Angles of `wo` from the normal in degrees.
 const DEGREES: [f64; 3] = [0.0, 45.0, 85.0];
 
 pub(super) fn tests() -> Vec<SamplingTest> {
@@ -34,13 +34,13 @@ fn direction(degrees: f64) -> DVec3 {
     DVec3::new(sin, 0.0, cos)
 }
 
-/// Two more numbers, which follow from the last one.
+/// Returns two more random numbers, derived from the last one.
 fn again(u: [f64; 4]) -> impl Fn() -> [f64; 2] {
     move || Sampler::independent(u[3].to_bits(), 0, 0).get_2d(0)
 }
 
-/// The directions of a BSDF, but for those of its delta lobes, seen from an angle in degrees: over
-/// the hemisphere, or over the sphere where light can come through.
+/// Directions of a BSDF without its delta lobes, for `wo` at this angle in degrees. Covers the
+/// hemisphere, or the sphere for a transmissive material.
 fn bsdf(surface: Arc<MaterialCase>, degrees: f64) -> SamplingTest {
     let wo = direction(degrees);
     let name = format!("bsdf {}, wo at {degrees} degrees", surface.name);
@@ -56,12 +56,12 @@ fn bsdf(surface: Arc<MaterialCase>, degrees: f64) -> SamplingTest {
         return SamplingTest::over_hemisphere(name, sample, pdf);
     }
     let pair = SamplingTest::over_sphere(name, sample, pdf);
-    // Where facets would have to face away, what they refract ends at an edge.
+    // The refracted lobe ends at an edge, where facets would have to face away.
     if is_glass && degrees > 80.0 { pair.with_discontinuities() } else { pair }
 }
 
-/// Rough glass in a medium of nearly its index bends light so little that the cells lie close around
-/// the way straight on.
+/// Rough glass in a medium of nearly its index bends light so little that the cells lie close
+/// around the straight-through direction.
 fn nearly_matched(roughness: f64, degrees: f64, up_to: f64) -> SamplingTest {
     let eta = 1.05;
     let glass = Arc::new(Dielectric::new(eta, 0, roughness, &[1.0]));
@@ -80,7 +80,7 @@ fn nearly_matched(roughness: f64, degrees: f64, up_to: f64) -> SamplingTest {
     .with_discontinuities()
 }
 
-/// Visible normals, and the directions that they reflect to.
+/// Visible normals, and the directions reflected off them.
 fn ggx(roughness: f64, degrees: f64) -> [SamplingTest; 2] {
     let ggx = Ggx::new(roughness).expect("rough");
     let wo = direction(degrees);
@@ -98,7 +98,7 @@ fn ggx(roughness: f64, degrees: f64) -> [SamplingTest; 2] {
     [normals, reflections]
 }
 
-/// Light that bounced between facets.
+/// Multiple scattering between facets.
 fn broad_lobe(roughness: f64) -> SamplingTest {
     let missing = Arc::new(EnergyCompensation::for_reflection(Ggx::new(roughness).expect("rough")));
     let drawn = missing.clone();
@@ -110,7 +110,8 @@ fn broad_lobe(roughness: f64) -> SamplingTest {
     .with_discontinuities()
 }
 
-/// Normals seen from straight above, against `D(m) cos` written out, which says what a roughness is.
+/// Normals seen at normal incidence, against an explicit `D(m) cos`, which pins down the meaning of
+/// roughness.
 fn ggx_formula(roughness: f64) -> SamplingTest {
     let ggx = Ggx::new(roughness).expect("rough");
     let square = roughness * roughness * roughness * roughness;

@@ -1,7 +1,8 @@
-//! Every sampling routine against its own density: the table, and the test that each row is put to.
+//! Chi-square test of every sampling routine against its own pdf: the table, and the test applied
+//! to each row.
 //!
-//! A routine draws points from random numbers of a fixed seed; they are counted in cells, and the
-//! counts are compared with the density integrated over each cell (Pearson's chi-square). A new
+//! A routine draws points from random numbers of a fixed seed. The points are counted in cells, and
+//! the counts are compared with the pdf integrated over each cell (Pearson's chi-square). A new
 //! routine adds its row to the file of its area, in the same commit.
 
 mod background;
@@ -21,41 +22,43 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::check;
 use sampling_test::MAX_MIDPOINTS;
 
-/// Cells expected to hold fewer points than this are pooled, as the chi-square distribution wants.
+/// Minimum expected count of a cell. Smaller cells are pooled, as the chi-square distribution
+/// requires.
 const MIN_EXPECTED: f64 = 5.0;
-/// A density that adds up to one but for this share does so: what is integrated over cells with an edge
-/// in them is off by no more.
+/// Tolerance for the pdf's integral being 1. The error of integrating over cells with
+/// discontinuities is no larger.
 const SUM_ERROR: f64 = 1e-3;
-/// A cell is well enough integrated where the last step moved what is expected by at most this many of
-/// its standard deviations: over all cells that adds less to the statistic than chance does.
+/// A cell's integral has converged if the last refinement moved the expected count by at most this
+/// many of its standard deviations. Over all cells, that adds less to the statistic than chance
+/// does.
 const INTEGRATION_ERROR: f64 = 0.03;
 
-/// What the test says of a pair.
+/// Result of a chi-square test.
 #[derive(Clone, Debug)]
 pub struct ChiSquareResult {
-    /// The probability of counts at least as far from the density, were the pair right; 0 where
-    /// they cannot be.
+    /// Probability of counts at least this far from the pdf if sampling and pdf agree; 0 if such
+    /// counts are impossible.
     pub p_value: f64,
-    /// Pearson's statistic.
+    /// Pearson's chi-square statistic.
     pub statistic: f64,
-    /// Its degrees of freedom.
+    /// Degrees of freedom of the statistic.
     pub degrees_of_freedom: usize,
-    /// What was counted.
+    /// Observed and expected counts.
     pub histogram: Histogram,
 }
 
-/// Points counted in cells, row by row, beside what the density lets expect.
+/// Observed and expected counts per cell, in row-major order.
 #[derive(Clone, Debug)]
 pub struct Histogram {
-    /// Cells along the first coordinate (rows) and the second (columns).
+    /// Number of cells along the first coordinate (rows) and the second (columns).
     pub cells: [usize; 2],
-    /// Points that each cell should hold.
+    /// Expected number of points in each cell.
     pub expected: Vec<f64>,
-    /// Points that it holds.
+    /// Observed number of points in each cell.
     pub observed: Vec<u64>,
 }
 
-/// All pairs. Their names differ.
+/// All sampling tests. Their names are unique.
 pub fn sampling_tests() -> Vec<SamplingTest> {
     let areas = [
         sampling::tests,
@@ -68,8 +71,8 @@ pub fn sampling_tests() -> Vec<SamplingTest> {
     areas.into_iter().flat_map(|pairs| pairs()).collect()
 }
 
-/// Draws this many points and compares them with the density. The random numbers are a function of
-/// the pair's name and `index`. A million points see an error of one percent in a few cells.
+/// Draws `points` points and compares them with the pdf. Random numbers depend only on the test's
+/// name and `index`. A million points detect an error of one percent in a few cells.
 pub fn chi_square_test(pair: &SamplingTest, points: u32, index: u64) -> ChiSquareResult {
     let histogram = Histogram {
         cells: pair.cells,
@@ -81,13 +84,13 @@ pub fn chi_square_test(pair: &SamplingTest, points: u32, index: u64) -> ChiSquar
     ChiSquareResult { p_value, statistic, degrees_of_freedom: freedom, histogram }
 }
 
-/// The statistic, infinite where points lie where there is no density or the density adds up to
-/// more than one; and the degrees of freedom.
+/// Returns the statistic and the degrees of freedom. The statistic is infinite if points lie where
+/// the pdf is zero, or if the pdf integrates to more than one.
 fn pearson(histogram: &Histogram, points: f64) -> (f64, usize) {
     let Histogram { expected, observed, .. } = histogram;
     let total: f64 = expected.iter().sum();
     let inside: u64 = observed.iter().sum();
-    // What the routine gave up on, or put outside, is one more cell.
+    // Samples that the routine rejected or put outside form one more cell.
     let lost = (points - total, points - inside as f64);
     if total.is_nan() || lost.0 < -SUM_ERROR * points {
         return (f64::INFINITY, 1);
@@ -135,7 +138,7 @@ fn expected_counts(pair: &SamplingTest, points: u32) -> Vec<f64> {
     cells.map(|cell| expected_in_cell(pair, cell, f64::from(points))).collect()
 }
 
-/// Points expected in one cell.
+/// Expected number of points in one cell.
 fn expected_in_cell(pair: &SamplingTest, cell: [usize; 2], points: f64) -> f64 {
     let mut side = pair.min_midpoints;
     let mut coarse = points * integrate_midpoint(pair, cell, side);
@@ -150,7 +153,7 @@ fn expected_in_cell(pair: &SamplingTest, cell: [usize; 2], points: f64) -> f64 {
     }
 }
 
-/// The density integrated over a cell by the midpoint rule, `side` points along each side.
+/// Integrates the pdf over a cell by the midpoint rule, with `side` points along each side.
 fn integrate_midpoint(pair: &SamplingTest, cell: [usize; 2], side: usize) -> f64 {
     let step: [f64; 2] = std::array::from_fn(|axis| {
         (pair.high[axis] - pair.low[axis]) / (pair.cells[axis] * side) as f64

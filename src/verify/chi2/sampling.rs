@@ -1,4 +1,4 @@
-//! Warps of the unit square, filters, and choices.
+//! Sampling of unit-square warps, pixel filters and discrete distributions.
 
 use crate::sampling::{DiscreteDistribution, Filter, FilterKind, Hemisphere, hemisphere};
 

@@ -1,40 +1,40 @@
-//! A row of the table: a sampling routine, its density, and the domain that both are over.
+//! A row of the table: a sampling routine, its pdf, and their common domain.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::math::DVec3;
 use crate::sampling::{atan2, sin_cos};
 
-/// Cells along each coordinate.
+/// Number of cells along each coordinate.
 const CELLS: [usize; 2] = [41, 61];
-/// A cell is integrated with so many midpoints along a side, then twice as many, and so on.
+/// Midpoints along a cell's side in the first integration step. Each step doubles them.
 const MIN_MIDPOINTS: usize = 4;
-/// Up to this many.
+/// Largest number of midpoints along a cell's side.
 pub(super) const MAX_MIDPOINTS: usize = 64;
 
 type Sample = Box<dyn Fn([f64; 4]) -> Option<[f64; 2]> + Send + Sync>;
 type Density = Box<dyn Fn([f64; 2]) -> f64 + Send + Sync>;
 
-/// A sampling routine and its density over a rectangle of two coordinates.
+/// A sampling routine and its pdf over a rectangle in two coordinates.
 ///
-/// Routines take four random numbers in `[0, 1)`, of which they use what they need, and may give
-/// nothing; the share that they give up on must be what the density leaves to one.
+/// Routines take four random numbers in `[0, 1)`, use as many as they need, and may return nothing.
+/// The fraction of samples rejected must equal one minus the integral of the pdf.
 pub struct SamplingTest {
-    /// What is drawn, by which the row is known.
+    /// Unique name of what is sampled.
     pub name: String,
-    /// A point from four random numbers.
+    /// Draws a point from four random numbers.
     pub(super) sample: Sample,
-    /// Density over the coordinates, the measure's Jacobian included.
+    /// Pdf over the coordinates, including the Jacobian.
     pub(super) pdf: Density,
     pub(super) low: [f64; 2],
     pub(super) high: [f64; 2],
     pub(super) cells: [usize; 2],
-    /// Midpoints along a side of a cell that its integral begins with.
+    /// Midpoints along a cell's side in the first integration step.
     pub(super) min_midpoints: usize,
 }
 
 impl SamplingTest {
-    /// Over a planar rectangle, with the density per area.
+    /// Test over a planar rectangle, with the pdf per unit area.
     pub fn over_rectangle(
         name: impl Into<String>,
         [low, high]: [[f64; 2]; 2],
@@ -54,15 +54,15 @@ impl SamplingTest {
         }
     }
 
-    /// The density jumps within cells, where few midpoints may agree with one another by chance: every
-    /// cell is integrated with as many as there may be.
+    /// Integrates every cell with the maximum number of midpoints. For pdfs with jumps inside
+    /// cells, where coarse steps may agree by chance.
     #[must_use]
     pub fn with_discontinuities(self) -> Self {
         Self { min_midpoints: MAX_MIDPOINTS / 2, ..self }
     }
 
-    /// Over the unit directions at most `max_theta` (radians) away from +z, with the density per solid
-    /// angle. The cells are in polar angle and azimuth.
+    /// Test over unit directions at most `max_theta` radians from +z, with the pdf per unit solid
+    /// angle. Cells are in polar angle and azimuth.
     pub fn over_cap(
         name: impl Into<String>,
         max_theta: f64,
@@ -77,7 +77,7 @@ impl SamplingTest {
         Self::over_rectangle(name, range, move |u| sample(u).map(polar), density)
     }
 
-    /// Over the hemisphere around +z, with the density per solid angle.
+    /// Test over the hemisphere around +z, with the pdf per unit solid angle.
     pub fn over_hemisphere(
         name: impl Into<String>,
         sample: impl Fn([f64; 4]) -> Option<DVec3> + Send + Sync + 'static,
@@ -86,7 +86,7 @@ impl SamplingTest {
         Self::over_cap(name, FRAC_PI_2, sample, pdf)
     }
 
-    /// Over all directions, with the density per solid angle.
+    /// Test over all directions, with the pdf per unit solid angle.
     pub fn over_sphere(
         name: impl Into<String>,
         sample: impl Fn([f64; 4]) -> Option<DVec3> + Send + Sync + 'static,
@@ -95,7 +95,7 @@ impl SamplingTest {
         Self::over_cap(name, PI, sample, pdf)
     }
 
-    /// Over the indices below the number of probabilities.
+    /// Test over indices, with one probability for each.
     pub fn over_indices(
         name: impl Into<String>,
         probabilities: Vec<f64>,

@@ -1,15 +1,17 @@
-//! Renders a closed form with independent seeds and compares the pictures with its answer.
+//! Renders a closed-form scene with independent seeds and compares the images with the exact
+//! solution.
 //!
-//! Pixels are put together in groups that have equal shares of the light, for pixels alone, and dark
-//! ones above all, have so few samples that meet light that their means are far from normal. The
-//! mean of each group over the seeds is compared with the mean of the answer over the same pixels by
-//! Student's t-test, and so is that of the whole picture; the smallest p-value, times the number of
-//! tests, is that of the check. Pixels without any light are one more group: they must be black.
+//! Pixels are grouped so that each group receives an equal share of the light. A single pixel,
+//! above all a dark one, has so few samples that hit light that its mean is far from normally
+//! distributed. The mean of each group over the seeds is compared with the exact mean over the same
+//! pixels by Student's t-test, and so is the mean of the whole image. The p-value of the check is
+//! the smallest one times the number of tests. Pixels without any light form another group: they
+//! must be black.
 //!
-//! A sampler that spreads its numbers evenly makes some pictures all alike: the same number of
-//! samples meets the lamp in each, but for a rare event that no seed has shown. Their standard error
-//! says too little then. So a deviation is also excused with the probability that none of the pixels
-//! of any seed shows the event, one sample that is otherwise, which would explain it.
+//! A stratified or low-discrepancy sampler makes some images all alike: the same number of samples
+//! hits the emitter in each, except for a rare event that no seed has shown. The standard error is
+//! then too small. A deviation is therefore also excused with the probability that none of the
+//! pixels of any seed shows the event (one differing sample) that would explain it.
 
 use std::path::Path;
 
@@ -30,11 +32,11 @@ use super::{ClosedForm, RenderVariant};
 
 /// Independent renders behind every standard error.
 const SEEDS: u64 = 32;
-/// Groups that share the light of a picture.
+/// Pixel groups with equal shares of the image's light.
 const GROUPS: usize = 12;
-/// Nodes of the quadrature over a pixel, along each side.
+/// Quadrature nodes over a pixel, along each side.
 const NODES: usize = 4;
-/// Standard errors at which the difference is drawn in full colour.
+/// Difference, in standard errors, drawn in full colour.
 const FULL_COLOR: f64 = 4.0;
 
 pub(super) fn measure(
@@ -61,7 +63,8 @@ pub(super) fn measure(
     Ok(compare(&values, &answer, samples))
 }
 
-/// The tables of the scene are part of the program, and scenes read theirs from a folder.
+/// Writes the scene's tables, which are embedded in the program, to a folder, since scenes read
+/// theirs from one.
 fn table_folder(form: &ClosedForm) -> Result<Option<TempDir>> {
     if form.tables.is_empty() {
         return Ok(None);
@@ -100,7 +103,7 @@ fn picture(shot: &PreparedScene, accel: &dyn Accel, cancel: &CancelToken) -> Res
     Ok(rendered.picture)
 }
 
-/// A picture as one number for each pixel: the weighted mean of its channels.
+/// An image reduced to one value per pixel: the weighted mean of its channels.
 struct PixelValues {
     width: usize,
     pixels: Vec<f64>,
@@ -130,8 +133,8 @@ fn compare(pictures: &[PixelValues], answer: &[Option<f64>], samples: u32) -> Ch
     CheckMeasurement::new(TestStatistic::PValue(p), detail).with_images(figures(pictures, answer))
 }
 
-/// The judged pixels: those that are black, and the others row by row, cut where another share of the
-/// light is full.
+/// Groups the compared pixels: the black ones, and the others in row-major order, cut whenever
+/// another share of the light is full.
 fn groups(answer: &[Option<f64>]) -> Vec<Vec<usize>> {
     let lit = |pixel: &usize| answer[*pixel].is_some_and(|light| light > 0.0);
     let judged = (0..answer.len()).filter(|&pixel| answer[pixel].is_some());
@@ -156,14 +159,15 @@ fn p_value(group: &[usize], pictures: &[PixelValues], answer: &[Option<f64>], sa
     if !(found.mean.is_finite() && expected > 0.0) {
         return by_t;
     }
-    // What one sample can change in the mean of its pixel, and how often it must to explain the rest.
+    // The largest change one sample can make to its pixel's mean, and the fraction of pixels that
+    // must see it to explain the deviation.
     let change = 2.0 * brightest(answer) / f64::from(samples);
     let share = ((found.mean - expected).abs() / change).min(1.0);
     let looks = (group.len() * pictures.len()) as f64;
     by_t.max(libm::exp(looks * libm::log1p(-share)))
 }
 
-/// The largest value of an answer.
+/// Largest value of the exact solution.
 fn brightest(answer: &[Option<f64>]) -> f64 {
     answer.iter().flatten().copied().fold(0.0, f64::max)
 }
@@ -179,7 +183,7 @@ fn mean_answer(group: &[usize], answer: &[Option<f64>]) -> f64 {
     group.iter().filter_map(|&pixel| answer[pixel]).sum::<f64>() / group.len() as f64
 }
 
-/// The picture, its answer, and their difference.
+/// The rendered image, the exact solution, and their difference.
 fn figures(pictures: &[PixelValues], answer: &[Option<f64>]) -> Vec<Cells> {
     let width = pictures[0].width;
     let pixels: Vec<MeanEstimate> =
@@ -188,7 +192,8 @@ fn figures(pictures: &[PixelValues], answer: &[Option<f64>]) -> Vec<Cells> {
     let rendered: Vec<f64> = pixels.iter().map(|pixel| pixel.mean).collect();
     let brightest = brightest(answer);
     let light = CellColors::Light(if brightest > 0.0 { brightest } else { 1.0 });
-    // A pixel that met no light seems to know its value: it has at least a quarter of the usual error.
+    // A pixel that hit no light has a standard error of zero. Use at least a quarter of the typical
+    // error.
     let squares: f64 = pixels.iter().map(|pixel| pixel.standard_error.powi(2)).sum();
     let usual = (squares / pixels.len() as f64).sqrt();
     let off = |(pixel, &exact): (&MeanEstimate, &f64)| {

@@ -1,10 +1,10 @@
-//! Whole renders against answers known on paper: one scene file for each in `scenes/verify/`, its
-//! answer derived in the file's head and computed here, for every estimator, sampler and
-//! intersector that applies.
+//! Whole renders against closed-form solutions, for every applicable estimator, sampler and
+//! intersector. Each scene is a file in `scenes/verify/`; the solution is derived in the file's
+//! header and computed here.
 //!
-//! The scenes are part of the program, so that an installed one can be checked. An answer is a value
-//! for each pixel; pixels that hold an edge between two surfaces have none. How a
-//! picture is judged says `judge.rs`.
+//! The scenes are embedded in the program, so an installed copy can be checked. A solution is one
+//! value per pixel; pixels with an edge between two surfaces have none. `comparison.rs` explains
+//! how an image is judged.
 
 mod comparison;
 mod forms;
@@ -19,7 +19,7 @@ use crate::accel::Backend;
 
 use super::check::{Check, CheckGroup, Effort};
 
-/// A check for every form, and every combination of the others that the effort allows.
+/// Returns a check for every closed form and every combination of variants that the effort allows.
 pub fn checks(effort: Effort, backends: &[Backend]) -> Vec<Check> {
     let of_form = |form: &'static ClosedForm| {
         let ways = variants::combinations(form, effort, backends);
@@ -28,7 +28,7 @@ pub fn checks(effort: Effort, backends: &[Backend]) -> Vec<Check> {
     CLOSED_FORMS.iter().flat_map(of_form).collect()
 }
 
-/// The check of one form in one way.
+/// Returns the check of one closed form in one variant.
 pub fn check(
     form: &'static ClosedForm,
     way: &RenderVariant,

@@ -1,7 +1,7 @@
-//! Exact pictures: for each pixel the mean of a function of its rays.
+//! Exact images: for each pixel the mean of a function of its rays.
 //!
-//! Nothing of the renderer is used here but its vectors: the camera, the nearest sphere and the
-//! pixel's integral are worked out again, plainly.
+//! This module shares only vector types with the renderer. The camera, the nearest sphere and the
+//! pixel's integral are implemented again, as simply as possible.
 
 use crate::geometry::Sphere;
 use crate::math::DVec3;
@@ -9,21 +9,21 @@ use crate::scene::PreparedScene;
 use crate::scene::description::ProjectionDescription;
 use crate::verify::quadrature::gauss_legendre;
 
-/// A straight line from a point.
+/// A ray: an origin and a direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChartLine {
     pub(super) origin: DVec3,
-    /// Unit.
+    /// Unit vector.
     pub(super) direction: DVec3,
 }
 
-/// What a ray sees: which piece of the scene, and its radiance there. Within a piece the radiance
-/// changes smoothly.
+/// The piece of the scene that a ray sees, and the radiance there, which varies smoothly within a
+/// piece.
 pub(super) type SurfaceRadiance = Option<(usize, f64)>;
 
-/// How far beyond its edge a pixel is searched for other pieces, as a share of its side.
+/// Margin around a pixel that is searched for other pieces, as a fraction of its side.
 const MARGIN: f64 = 0.05;
-/// Places along each edge that are looked at for that.
+/// Points tested along each edge.
 const ALONG_EDGE: usize = 12;
 
 impl ChartLine {
@@ -31,13 +31,13 @@ impl ChartLine {
         self.origin + self.direction * t
     }
 
-    /// The line from here in another direction.
+    /// Returns the line from `at`, reflected about `normal`.
     pub(super) fn reflected(&self, at: DVec3, normal: DVec3) -> Self {
         let direction = self.direction - normal * (2.0 * self.direction.dot(normal));
         Self { origin: at, direction }
     }
 
-    /// Where the line meets a sphere, at the near wall from outside and the far wall from inside.
+    /// Distance to a sphere: the near wall from outside, the far wall from inside.
     pub(super) fn hit_distance(&self, sphere: &Sphere) -> Option<f64> {
         let to_center = sphere.center - self.origin;
         let along = to_center.dot(self.direction);
@@ -48,7 +48,7 @@ impl ChartLine {
         (t > 0.0).then_some(t) // not a number where the line misses
     }
 
-    /// The first of the spheres, but for the one that the line leaves.
+    /// Finds the nearest sphere, skipping the one that the line leaves.
     pub(super) fn nearest_hit(
         &self,
         spheres: &[Sphere],
@@ -60,12 +60,12 @@ impl ChartLine {
     }
 }
 
-/// The outward normal of a sphere at a point.
+/// Outward normal of a sphere at a point.
 pub(super) fn normal(sphere: &Sphere, at: DVec3) -> DVec3 {
     (at - sphere.center).normalize()
 }
 
-/// The spheres of a scene, in the order of the file.
+/// Spheres of a scene, in file order.
 pub(super) fn spheres(shot: &PreparedScene) -> Vec<Sphere> {
     let sphere = |row: &crate::scene::description::SphereDescription| Sphere {
         center: row.center,
@@ -74,8 +74,8 @@ pub(super) fn spheres(shot: &PreparedScene) -> Vec<Sphere> {
     shot.description().spheres.iter().map(sphere).collect()
 }
 
-/// The rays of a pinhole, parallel ones or those of a panorama, by places in the picture in pixels from its upper left
-/// corner; those of other cameras see nothing.
+/// Rays of a perspective (pinhole), orthographic or panoramic camera, by image position in pixels
+/// from the upper left corner. For other cameras the rays hit nothing.
 pub(super) fn rays(shot: &PreparedScene) -> impl Fn(f64, f64) -> ChartLine {
     let camera = &shot.description().camera;
     let [width, height] =
@@ -83,7 +83,7 @@ pub(super) fn rays(shot: &PreparedScene) -> impl Fn(f64, f64) -> ChartLine {
     let forward = (camera.look_at - camera.position).normalize();
     let right = forward.cross(camera.up).normalize();
     let up = right.cross(forward);
-    // Half the picture's height, at distance 1 or at any.
+    // Half the image height, at distance 1 (perspective) or at any (orthographic).
     let (half, is_parallel) = match camera.projection {
         ProjectionDescription::Perspective { vertical_fov_degrees, lens: None } => {
             (libm::tan(vertical_fov_degrees.to_radians() / 2.0), false)
@@ -100,7 +100,7 @@ pub(super) fn rays(shot: &PreparedScene) -> impl Fn(f64, f64) -> ChartLine {
     };
     move |x, y| {
         if let Some([around, upwards]) = extents {
-            // Equal steps of longitude and latitude from the middle.
+            // Longitude and latitude are linear in the image position, relative to the centre.
             let (longitude, latitude) = (around * (x / width - 0.5), upwards * (0.5 - y / height));
             let level = forward * libm::cos(longitude) + right * libm::sin(longitude);
             let direction = level * libm::cos(latitude) + up * libm::sin(latitude);
@@ -116,8 +116,8 @@ pub(super) fn rays(shot: &PreparedScene) -> impl Fn(f64, f64) -> ChartLine {
     }
 }
 
-/// The mean of what is seen over each pixel, by `nodes` squared places of a Gaussian rule; `None`
-/// for a pixel with more than one piece in it, or with what has no answer.
+/// Mean of `seen` over each pixel, by Gauss-Legendre quadrature with `nodes` squared points; `None`
+/// for a pixel with more than one piece or without a closed form.
 pub(super) fn pixel_means(
     shot: &PreparedScene,
     nodes: usize,
@@ -143,7 +143,7 @@ pub(super) fn pixel_means(
         .collect()
 }
 
-/// Places along the edges of a pixel that is a little larger than it is.
+/// Points along the edges of a slightly enlarged pixel.
 fn edge_points() -> impl Iterator<Item = (f64, f64)> {
     let (low, high) = (-MARGIN, 1.0 + MARGIN);
     (0..ALONG_EDGE).flat_map(move |i| {

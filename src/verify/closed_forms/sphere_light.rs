@@ -1,12 +1,12 @@
-//! How much light a spherical lamp sends to a point, the part of it below the horizon left out.
+//! Irradiance from a spherical emitter, excluding the part below the horizon.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::geometry::Sphere;
 use crate::math::DVec3;
 
-/// A spherical lamp as seen from a point: the cosine between the surface's normal and the direction
-/// to the lamp's centre, and the sine of the angle that its radius fills.
+/// A spherical emitter as seen from a point: the cosine between the surface normal and the
+/// direction to the emitter's centre, and the sine of its angular radius.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubtendedCap {
     pub(super) direction: DVec3,
@@ -15,7 +15,7 @@ pub(super) struct SubtendedCap {
 }
 
 impl SubtendedCap {
-    /// Of a sphere that does not contain the point.
+    /// Cap subtended by a sphere that does not contain the point.
     pub(super) fn new(lamp: &Sphere, point: DVec3, normal: DVec3) -> Self {
         let to_lamp = lamp.center - point;
         let distance = to_lamp.length();
@@ -23,15 +23,15 @@ impl SubtendedCap {
         Self { direction, cos: direction.dot(normal), sin_radius: lamp.radius / distance }
     }
 
-    /// The angle that its radius fills.
+    /// Angular radius in radians.
     pub(super) fn radius(&self) -> f64 {
         libm::asin(self.sin_radius)
     }
 
-    /// The integral of the cosine over the directions above the surface that meet the disc: the
-    /// irradiance per unit of radiance, `pi` times the form factor. Entirely above the horizon it is
-    /// `pi sin^2(radius) cos`; cut by the horizon it is the formula of Snyder 1996 (equation 15; as
-    /// in Lagarde and de Rousiers 2014, listing 7), for `cos` and `sin` of the inclination:
+    /// The integral of the cosine over the directions above the surface that hit the disc: the
+    /// irradiance per unit of radiance, `pi` times the form factor. Entirely above the horizon it
+    /// is `pi sin^2(radius) cos`. Cut by the horizon it is the formula of Snyder 1996 (equation 15;
+    /// as in Lagarde and de Rousiers 2014, listing 7), for `cos` and `sin` of the inclination:
     ///
     /// ```text
     /// sin^2(radius) (cos acos(y) - x sin sqrt(1 - y^2)) + atan(sin sqrt(1 - y^2) / x)
@@ -49,8 +49,8 @@ impl SubtendedCap {
         squared * (self.cos * libm::acos(y) - x * root) + libm::atan(root / x)
     }
 
-    /// The irradiance with another disc in front of it; `None` where the edge of one crosses the
-    /// edge of the other, or the horizon cuts the one in front.
+    /// The irradiance with another disc in front. `None` if the edges of the two cross, or if the
+    /// horizon cuts the one in front.
     pub(super) fn irradiance_occluded_by(&self, front: &Self) -> Option<f64> {
         let between = libm::acos(self.direction.dot(front.direction).clamp(-1.0, 1.0));
         let (far, near) = (self.radius(), front.radius());
@@ -68,8 +68,8 @@ mod tests {
     use crate::verify::quadrature::integral;
     use approx::assert_relative_eq;
 
-    /// The same by a quadrature over the disc: rings around its centre, and on each the arc that is
-    /// above the horizon in closed form.
+    /// Irradiance by quadrature over the disc: rings around its centre, with the arc above the
+    /// horizon of each in closed form.
     fn by_quadrature(disc: &SubtendedCap, nodes: usize) -> f64 {
         let (cos, sin) = (disc.cos, (1.0 - disc.cos * disc.cos).sqrt());
         let ring = |t: f64| {

@@ -1,4 +1,4 @@
-//! The ways in which a closed form is rendered: estimator, sampler and intersector.
+//! Variants in which a closed form is rendered: estimator, sampler and intersector.
 
 use crate::accel::Backend;
 use crate::verify::check::Effort;
@@ -12,7 +12,7 @@ pub struct RenderVariant {
     sampler: &'static NamedOverrides,
 }
 
-/// A choice by its name, and the keys that make it.
+/// A named option and the keys that select it.
 #[derive(Debug)]
 struct NamedOverrides {
     name: &'static str,
@@ -23,7 +23,7 @@ const fn named_overrides(name: &'static str, overrides: &'static [&'static str])
     NamedOverrides { name, overrides }
 }
 
-/// Every estimator. The default comes first.
+/// All estimators, the default first.
 static ESTIMATORS: [NamedOverrides; 9] = [
     named_overrides("path", &["render.integrator=path", "render.estimator=mis"]),
     named_overrides("path, aimed", &["render.integrator=path", "render.estimator=light"]),
@@ -42,14 +42,14 @@ static ESTIMATORS: [NamedOverrides; 9] = [
     ),
 ];
 
-/// Those among them that leave indirect light out.
+/// Estimators for direct light only, as a range of [`ESTIMATORS`].
 const DIRECT: std::ops::Range<usize> = 3..6;
 
-/// Integrators that a scene names itself.
+/// Integrators that a scene selects itself.
 static SCENE_INTEGRATORS: [NamedOverrides; 2] =
     [named_overrides("ambient-occlusion", &[]), named_overrides("normals", &[])];
 
-/// The default comes first.
+/// All samplers, the default first.
 static SAMPLERS: [NamedOverrides; 3] = [
     named_overrides("sobol", &["render.sampler=sobol"]),
     named_overrides("independent", &["render.sampler=independent"]),
@@ -57,19 +57,20 @@ static SAMPLERS: [NamedOverrides; 3] = [
 ];
 
 impl RenderVariant {
-    /// What people call it.
+    /// Returns the name shown to users.
     pub fn name(&self) -> String {
         format!("{}, {}", self.estimator.name, self.sampler.name)
     }
 
-    /// `key=value` for the scene.
+    /// Overrides of scene keys, as `key=value`.
     pub(super) fn overrides(&self) -> impl Iterator<Item = &str> {
         self.estimator.overrides.iter().chain(self.sampler.overrides).copied()
     }
 }
 
-/// The ways of a form. Full: every combination. Normal: every estimator with every sampler on one
-/// intersector, and with one sampler on every intersector. Quick: one thing at a time.
+/// Variants of a closed form. Full: every combination. Normal: every estimator with every sampler
+/// on the first intersector, and with the default sampler on every intersector. Quick: at most one
+/// option differs from the defaults.
 pub(super) fn combinations(
     form: &ClosedForm,
     effort: Effort,

@@ -1,13 +1,14 @@
-//! How fast a picture becomes right: its error against samples and against seconds, with the slope of
-//! the line through them in log-log.
+//! Convergence: error against samples and against seconds, with the slope of a line fitted in
+//! log-log space.
 //!
-//! Pictures of several independent seeds are held against one reference. What is found is the mean
-//! over the seeds with its interval (Student's t); the slope is fitted for each seed by least squares
-//! and judged in the same way, so that it needs no model of how errors scatter.
+//! Images of several independent seeds are compared with one reference. Results are means over the
+//! seeds with their confidence intervals (Student's t). The slope is fitted for each seed by least
+//! squares and treated the same way, so it needs no model of how errors scatter.
 //!
-//! A reference has noise of its own, which adds to every squared error. Made of two independent halves
-//! it tells how much: the variance of their mean is a quarter of their squared difference. That is
-//! taken away, so a curve does not flatten where it meets the reference's noise.
+//! A reference has noise of its own, which adds to every squared error. A reference made of two
+//! independent halves reveals how much: the variance of their mean is a quarter of their squared
+//! difference. That noise is subtracted, so a curve does not flatten out at the noise level of the
+//! reference.
 
 mod study;
 
@@ -18,72 +19,74 @@ use super::statistics::MeanEstimate;
 
 pub use study::{ReferenceFrom, Study, Variant};
 
-/// Which error.
+/// Error metric.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorMetric {
-    /// The root of the mean squared error. Independent samples give a slope of -1/2.
+    /// Root mean squared error. Independent samples give a slope of -1/2.
     Rmse,
-    /// The mean relative squared error of [`relative_squared`]. Independent samples give -1.
+    /// Mean relative squared error; see [`relative_squared`]. Independent samples give a slope of
+    /// -1.
     Relmse,
 }
 
-/// Against what.
+/// Horizontal axis of a convergence curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// Samples per pixel.
     Samples,
-    /// Seconds of rendering.
+    /// Render time in seconds.
     Seconds,
 }
 
-/// What the pictures are held against.
+/// Reference image.
 #[derive(Clone, Debug)]
 pub struct Reference {
     pixels: Vec<Rgb>,
-    /// Its own mean squared and mean relative squared error, where they are known.
+    /// Mean squared and mean relative squared error of the reference itself, if known.
     noise: Option<[f64; 2]>,
 }
 
-/// One picture's figures.
+/// Errors and time of one image.
 #[derive(Clone, Copy, Debug)]
 pub struct RunErrors {
-    /// Mean squared error, the reference's own taken away.
+    /// Mean squared error, with the reference's own subtracted.
     pub mse: f64,
-    /// Mean relative squared error, the reference's own taken away.
+    /// Mean relative squared error, with the reference's own subtracted.
     pub relmse: f64,
-    /// Seconds of rendering.
+    /// Render time in seconds.
     pub seconds: f64,
 }
 
-/// All seeds of one number of samples.
+/// All seeds at one sample count.
 #[derive(Clone, Debug)]
 pub struct ChartPoint {
     /// Samples per pixel.
     pub samples: u32,
-    /// One run for each seed.
+    /// Runs, one per seed.
     pub runs: Vec<RunErrors>,
 }
 
-/// One way to render, at several numbers of samples.
+/// Convergence of one variant over several sample counts.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// What sets it apart.
+    /// Name of the variant.
     pub name: String,
-    /// At least one, by rising samples, all of equally many seeds, of which there are two or more.
+    /// Points in order of increasing samples, at least one. All have the same number of seeds, at
+    /// least two.
     pub points: Vec<ChartPoint>,
 }
 
-/// A straight line in log-log.
+/// A straight line in log-log space.
 #[derive(Clone, Copy, Debug)]
 pub struct LogLogFit {
-    /// The slope, over the seeds.
+    /// Slope, estimated over the seeds.
     pub slope: MeanEstimate,
     /// log10 of the error where log10 of the axis is 0.
     pub intercept: f64,
 }
 
 impl ErrorMetric {
-    /// What it is called in options and plots.
+    /// Returns the name used in options and plots.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rmse => "RMSE",
@@ -100,15 +103,15 @@ impl ErrorMetric {
 }
 
 impl Reference {
-    /// The mean of two pictures with independent seeds.
+    /// Averages two images with independent seeds.
     pub fn from_halves(a: &[Rgb], b: &[Rgb]) -> Self {
         let pixels: Vec<Rgb> = a.iter().zip(b).map(|(&a, &b)| 0.5 * (a + b)).collect();
-        // a - mean is half of a - b, and the variance of the mean is estimated by its square.
+        // a - mean is half of a - b, and its square estimates the variance of the mean.
         let noise = [mean_error(a, &pixels, squared), mean_error(a, &pixels, relative_squared)];
         Self { pixels, noise: Some(noise) }
     }
 
-    /// A picture from elsewhere, with the variance of its pixels where that is known.
+    /// Uses an existing image, with the variance of its pixels if known.
     pub fn from_picture(pixels: Vec<Rgb>, variance: Option<&[Rgb]>) -> Self {
         let noise = variance.map(|variance| {
             let off: Vec<Rgb> = pixels
@@ -121,12 +124,12 @@ impl Reference {
         Self { pixels, noise }
     }
 
-    /// Its own error in this metric; `None` where nobody knows.
+    /// Error of the reference itself in this metric; `None` if unknown.
     pub fn noise(&self, metric: ErrorMetric) -> Option<f64> {
         self.noise.map(|[mse, relmse]| metric.of(mse, relmse))
     }
 
-    /// The figures of a picture of the same size that took so many seconds.
+    /// Measures an image of the same size that took this many seconds.
     pub fn measure(&self, picture: &[Rgb], seconds: f64) -> RunErrors {
         let [own, own_relative] = self.noise.unwrap_or_default();
         RunErrors {
@@ -138,24 +141,24 @@ impl Reference {
 }
 
 impl RunErrors {
-    /// The error; not a number where the reference is noisier than the picture.
+    /// Error in this metric; NaN if the reference is noisier than the image.
     pub fn error(&self, metric: ErrorMetric) -> f64 {
         metric.of(self.mse, self.relmse)
     }
 }
 
 impl ChartPoint {
-    /// The error over the seeds.
+    /// Error over the seeds.
     pub fn error(&self, metric: ErrorMetric) -> MeanEstimate {
         self.estimate(|run| run.error(metric))
     }
 
-    /// Seconds over the seeds.
+    /// Render time in seconds over the seeds.
     pub fn seconds(&self) -> MeanEstimate {
         self.estimate(|run| run.seconds)
     }
 
-    /// Squared error times seconds: what a method costs, the same at every number of independent
+    /// Squared error times seconds: the cost of a method, constant in the number of independent
     /// samples. For [`ErrorMetric::Relmse`] the relative squared error.
     pub fn cost(&self, metric: ErrorMetric) -> MeanEstimate {
         self.estimate(|run| match metric {
@@ -170,18 +173,18 @@ impl ChartPoint {
 }
 
 impl Series {
-    /// Whether any of its points is off from the reference by more than the reference itself.
+    /// Returns true if the error of any point exceeds the reference's own.
     pub fn has_error(&self, metric: ErrorMetric) -> bool {
         self.points.iter().any(|point| point.error(metric).mean > 0.0)
     }
 
-    /// The line through all points; `None` for a single point, or where an error is not positive
+    /// Fits a line through all points; `None` for a single point, or if an error is not positive
     /// because the reference is too noisy.
     pub fn fit(&self, metric: ErrorMetric, axis: Axis) -> Option<LogLogFit> {
         if self.points.len() < 2 {
             return None;
         }
-        // Each seed by its own seconds, so that what they waver by enters the interval.
+        // Use each seed's own seconds, so that timing noise enters the interval.
         let line_of = |seed: usize| {
             let x = |point: &ChartPoint| match axis {
                 Axis::Samples => f64::from(point.samples),
@@ -217,7 +220,7 @@ mod tests {
 
     use super::*;
 
-    /// 1000 pixels, the mean of `n` uniform numbers each.
+    /// 1000 pixels, each the mean of `n` uniform random numbers.
     fn noisy(n: u32, random: &mut StdRng) -> Vec<Rgb> {
         let mut mean = || (0..n).map(|_| random.random::<f32>()).sum::<f32>() / n as f32;
         (0..1000).map(|_| Rgb::new(mean(), mean(), mean())).collect()
@@ -232,8 +235,8 @@ mod tests {
         Series { name: "uniform".into(), points: points.into() }
     }
 
-    /// The reference has only four times the samples of the last point: without its noise taken away
-    /// the error there would be 12 % too large, and the slope -0.47. Five standard errors are
+    /// The reference has only four times the samples of the last point. Without subtracting its
+    /// noise the error there would be 12 % too large, and the slope -0.47. Five standard errors are
     /// allowed (Student's t with 15 degrees of freedom: significance 2e-4 each).
     #[test]
     fn independent_samples_have_a_slope_of_one_half_whatever_the_reference() {

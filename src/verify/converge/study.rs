@@ -1,5 +1,5 @@
-//! The renders behind the curves: every variant at every number of samples and with every seed, held
-//! against one reference.
+//! Renders for a convergence study: every variant at every sample count with every seed, compared
+//! with one reference.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -13,46 +13,46 @@ use crate::task::CancelToken;
 
 use super::{ChartPoint, Reference, Series};
 
-/// The seeds of the reference's halves are far from any that a user takes.
+/// Seed of the reference halves, far from any that a user is likely to choose.
 const REFERENCE_SEED: u64 = 1 << 40;
 
-/// What is to be rendered.
+/// Plan of a convergence study.
 #[derive(Debug)]
 pub struct Study {
-    /// What all pictures show.
+    /// Scene to render.
     pub scene: Scene,
-    /// One for each curve.
+    /// Variants, one curve each.
     pub variants: Vec<Variant>,
-    /// Samples per pixel, rising.
+    /// Samples per pixel, in increasing order.
     pub samples: Vec<u32>,
-    /// One picture for each, for every variant and number of samples.
+    /// Seeds, one image each per variant and sample count.
     pub seeds: Range<u64>,
-    /// What the pictures are held against.
+    /// Reference to compare with.
     pub reference: ReferenceFrom,
 }
 
 /// One curve.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// What sets it apart.
+    /// Name of the variant.
     pub name: String,
-    /// The intersector.
+    /// Intersector.
     pub accel: Backend,
-    /// The settings for each number of samples of the study.
+    /// Settings for each sample count of the study.
     pub settings: Vec<Settings>,
 }
 
-/// Where the reference comes from.
+/// Source of the reference.
 #[derive(Clone, Debug)]
 pub enum ReferenceFrom {
-    /// It is there.
+    /// An existing image.
     Picture(Reference),
-    /// It is rendered in two halves with these settings, by the first variant's intersector.
+    /// Two halves rendered with these settings, by the first variant's intersector.
     Halves(Settings),
 }
 
 impl Study {
-    /// The samples of all its pictures.
+    /// Total samples of all images, reference included.
     pub fn samples_in_all(&self) -> u64 {
         let of = |settings: &Settings| {
             let image = settings.image;
@@ -68,10 +68,10 @@ impl Study {
         curves + reference
     }
 
-    /// Renders all of it on the current rayon pool; `done` is told of each picture.
+    /// Renders the study on the current rayon pool; `done` is called after each image.
     ///
     /// # Errors
-    /// When an intersector cannot be built, or a render fails.
+    /// If an intersector cannot be built, or a render fails.
     pub fn measure(&self, done: &dyn Fn(&RenderedImage)) -> Result<(Reference, Vec<Series>)> {
         let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
         let built = |variant: &Variant| variant.accel.build(self.scene.spheres(), &build);
@@ -84,7 +84,8 @@ impl Study {
             let mut shots: Vec<PreparedScene> =
                 self.variants.iter().map(shot).collect::<Result<_>>()?;
             let mut runs = vec![Vec::new(); shots.len()];
-            // The variants take turns, so that what else the machine does troubles all alike.
+            // Variants are interleaved, so that other load on the machine affects all of them
+            // equally.
             for seed in self.seeds.clone() {
                 for ((shot, accel), runs) in shots.iter_mut().zip(&accels).zip(&mut runs) {
                     shot.set_seed(seed);
@@ -114,7 +115,7 @@ impl Study {
     }
 }
 
-/// The beauty, and the seconds it took.
+/// Renders the beauty; also returns the seconds it took.
 fn render(
     shot: &PreparedScene,
     accel: &dyn Accel,

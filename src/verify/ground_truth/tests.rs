@@ -1,4 +1,4 @@
-//! Cases small enough to be judged by hand.
+//! Cases small enough to verify by hand.
 
 use super::*;
 use crate::geometry::SphereRows;
@@ -8,7 +8,7 @@ const EXACT: ErrorBound = ErrorBound { particles: 0.0, giants: 0.0, rounds_origi
 const COARSE: ErrorBound = ErrorBound { particles: 16.0, giants: 16.0, rounds_origin: false };
 const GAP: f32 = 1.0 / (1 << 22) as f32;
 
-/// Unit spheres on the x axis; the origin stays at the one at 0.
+/// Unit spheres on the x axis; the origin stays at the sphere at 0.
 fn row_of(centers: &[[f32; 3]]) -> SphereSet {
     let table = centers.iter().map(|&[x, y, z]| [x, y, z, 1.0]).collect();
     SphereSet::new(SphereRows { table, exact: Vec::new() }).expect("few spheres")
@@ -22,7 +22,7 @@ fn free(origin: [f64; 3], spheres: &SphereSet) -> PathRay {
     PathRay::new(DVec3::from(origin) - spheres.origin(), DVec3::X)
 }
 
-/// What [`SphereSet::answer`] makes of a hit that lies before the far wall.
+/// Judges the answer that [`SphereSet::resolve_hit`] makes of a hit before the far wall.
 fn judged(case: &RayCase<'_>, found: Option<u32>, precision: &ErrorBound) -> Verdict {
     let own = (case.ray.t_exit < case.ray.t_max).then_some(case.ray.origin_sphere);
     case.judge_closest(found, found.or(own), precision)
@@ -43,7 +43,7 @@ fn the_first_of_two_is_the_answer_and_the_other_is_wrong() {
     assert_eq!(case.judge_occluded(false, &COARSE), Verdict::Wrong);
 }
 
-/// Two walls as far apart as the stated error: either may be first, for a backend that says so.
+/// Two walls as far apart as the error bound: a backend may report either as first.
 #[test]
 fn a_neighbour_within_the_band_is_ambiguous_and_beyond_it_is_wrong() {
     let spheres = row_of(&[[1.0, 0.0, 0.0], [1.0 + GAP, 0.0, 0.0]]);

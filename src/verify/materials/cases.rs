@@ -1,4 +1,4 @@
-//! The materials that are checked, and what each of them promises.
+//! Materials under test, with the energy bound of each.
 
 use crate::color::Rgb;
 use crate::material::{
@@ -9,59 +9,58 @@ use crate::sampling::Hemisphere;
 
 use super::super::check::Effort;
 
-/// A material to be checked.
+/// A material under test.
 #[derive(Clone)]
 pub(in crate::verify) struct MaterialCase {
-    /// Its name and parameters.
+    /// Name and parameters.
     pub(in crate::verify) name: String,
     pub(super) material: Material,
-    /// The index of refraction beyond the surface over the one before.
+    /// Index of refraction beyond the surface over the one before it.
     pub(super) eta: f64,
     pub(super) energy_bound: EnergyBound,
-    /// How far what it does with light may be off its promise, as its documentation says: as it is
-    /// drawn, and as it is evaluated.
+    /// Documented tolerance of the energy, as sampled and as evaluated.
     pub(super) tolerance: Tolerance,
-    /// The roughness of its microfacets: those of its base, and of its coat.
+    /// Roughness of the microfacets, of the base and of the coat.
     pub(super) facet_roughnesses: Vec<f64>,
-    /// Whether the chi-square table has rows of it.
+    /// True if the chi-square table has rows for this material.
     pub(in crate::verify) in_chi2_suite: bool,
 }
 
-/// How far an energy may be off what is promised.
+/// Allowed deviation of an energy from its bound.
 #[derive(Clone, Copy)]
 pub(super) struct Tolerance {
     pub(super) sampled: f64,
     pub(super) evaluated: f64,
 }
 
-/// What a model says of its energy.
+/// Energy bound stated by a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum EnergyBound {
-    /// All light is sent on.
+    /// Scatters all light.
     Lossless,
-    /// No more than all.
+    /// Scatters at most all light.
     Passive,
-    /// It creates light and is not reciprocal, and is there to show that.
+    /// Creates light and is not reciprocal; a model kept to demonstrate that.
     NonPhysical,
 }
 
 use EnergyBound::{Lossless, NonPhysical, Passive};
 
-/// Formulas without tables, or tables of smooth functions that rounding hides: what is off is rounding.
+/// For formulas, or tables of functions so smooth that interpolation errors vanish in rounding.
 const EXACT: Tolerance = Tolerance { sampled: 0.0, evaluated: 0.0 };
-/// Coats tell by a table over the cosine what they let through. What is interpolated, and the rule that
-/// integrates the nodes, may be off by this.
+/// Coats read their transmittance from a table over the cosine. Interpolation, and the quadrature
+/// behind the nodes, may be off by this.
 const COATED: Tolerance = Tolerance { sampled: 5e-4, evaluated: 5e-4 };
-/// Metals give back the light between their facets by such a table. Drawn is what facets do, without
-/// it, but for how it changes within a part of the broad lobe.
+/// Metals add the light scattered between facets from such a table. Sampling follows the facets and
+/// does not use the table, except for its variation within a part of the broad lobe.
 const METAL: Tolerance = Tolerance { sampled: 2e-4, ..COATED };
-/// Rough glass has two tables, and total reflection bends them between their nodes.
+/// Rough glass has two tables, and total reflection bends the tabulated functions between nodes.
 const GLASS: Tolerance = Tolerance { sampled: 2e-4, evaluated: 2e-3 };
-/// What is drawn by a mixture is what is evaluated.
+/// A mixture samples with the energy that it evaluates.
 const WITH_GLASS: Tolerance = Tolerance { sampled: 2e-3, ..GLASS };
 
 impl MaterialCase {
-    /// A material that light does not come through.
+    /// An opaque material.
     pub(super) fn opaque(name: impl Into<String>, model: Model, promise: EnergyBound) -> Self {
         Self {
             name: name.into(),
@@ -74,7 +73,7 @@ impl MaterialCase {
         }
     }
 
-    /// With microfacets of a roughness, which have tables where they are not smooth.
+    /// Adds microfacets of this roughness, which use tables unless they are smooth.
     fn with_roughness(self, roughness: f64, tolerance: Tolerance) -> Self {
         if roughness == 0.0 {
             return self;
@@ -90,19 +89,19 @@ impl MaterialCase {
         Self { in_chi2_suite: false, ..self }
     }
 
-    /// The material as it is met.
+    /// Returns the BSDF seen from outside.
     pub(in crate::verify) fn bsdf(&self) -> Bsdf<'_> {
         self.material.bsdf(None, self.eta, Hemisphere::Cosine)
     }
 
-    /// The material met from its other side.
+    /// Returns the BSDF seen from the other side.
     pub(super) fn reversed_bsdf(&self) -> Bsdf<'_> {
         self.material.bsdf(None, 1.0 / self.eta, Hemisphere::Cosine)
     }
 }
 
-/// One material of every model, over their roughness; with full effort over many more of them, and
-/// of indices of refraction. Their names differ.
+/// Returns materials of every model over their roughness. Full effort adds many more values of
+/// roughness and index of refraction. Names are unique.
 pub(in crate::verify) fn material_cases(effort: Effort) -> Vec<MaterialCase> {
     let mut all: Vec<MaterialCase> = [
         diffuse(),
@@ -131,10 +130,10 @@ pub(in crate::verify) fn material_cases(effort: Effort) -> Vec<MaterialCase> {
 }
 
 const BASIC_ROUGHNESSES: [f64; 5] = [0.0, 0.1, 0.4, 0.7, 1.0];
-/// Between and beyond [`BASIC_ROUGHNESSES`].
+/// Values between and beyond [`BASIC_ROUGHNESSES`].
 const EXTRA_ROUGHNESSES: [f64; 10] = [0.01, 0.02, 0.03, 0.05, 0.2, 0.3, 0.5, 0.6, 0.8, 0.9];
 
-/// A colour that tells its channels apart.
+/// A colour with three distinct channels.
 const RED: Rgb = Rgb::new(0.9, 0.5, 0.1);
 
 fn diffuse() -> Vec<MaterialCase> {
@@ -152,7 +151,7 @@ fn diffuse() -> Vec<MaterialCase> {
     samples
 }
 
-/// All of those that have names, and others.
+/// All named metals, and others.
 fn metals(roughness: &[f64]) -> Vec<MaterialCase> {
     let lossless = Metal { ior: Rgb::ZERO, extinction: Rgb::ONE };
     let mut samples = Vec::new();
@@ -170,7 +169,7 @@ fn metals(roughness: &[f64]) -> Vec<MaterialCase> {
         ] {
             samples.push(MaterialCase { in_chi2_suite: is_tabled, ..sample });
         }
-        // The other spelling of a name is the same metal.
+        // Skip the other spelling of the same metal.
         for (name, constants) in Metal::NAMED.into_iter().filter(|(name, _)| *name != "aluminum") {
             let named = metal(name, Conductor::new(constants, roughness), Passive);
             samples.push(MaterialCase { in_chi2_suite: is_tabled && name == "gold", ..named });
@@ -179,7 +178,7 @@ fn metals(roughness: &[f64]) -> Vec<MaterialCase> {
     samples
 }
 
-/// From both sides of a boundary between indices of the ratio `eta`; both share their tables.
+/// Both sides of a boundary with relative index `eta`, sharing their tables.
 fn both_sides(eta: f64, roughness: f64) -> [MaterialCase; 2] {
     let model = Model::Dielectric(Dielectric::new(eta, 0, roughness, &[1.0]));
     [eta, 1.0 / eta].map(|eta| {
@@ -192,8 +191,8 @@ fn both_sides(eta: f64, roughness: f64) -> [MaterialCase; 2] {
     })
 }
 
-/// Lobes of little roughness are narrower than the cells of the chi-square table; that has rows of
-/// its own for indices that are nearly the same.
+/// Lobes of low roughness are narrower than the cells of the chi-square table, which has separate
+/// rows for nearly equal indices.
 fn glass() -> Vec<MaterialCase> {
     let mut samples = Vec::new();
     for roughness in [0.0, 0.01, 0.1, 0.3, 0.6, 1.0] {
@@ -231,7 +230,7 @@ fn named_glasses() -> Vec<MaterialCase> {
             let model = Model::Dielectric(Dielectric::new(ior, 0, roughness, &[1.0]));
             let sample =
                 MaterialCase::opaque(format!("{name}, roughness {roughness}"), model, Lossless);
-            // Air is too near to vacuum to have a rough boundary.
+            // Air is too close to vacuum to have a rough boundary.
             let facets = if ior < 1.01 { 0.0 } else { roughness };
             MaterialCase { eta: ior, ..sample }.with_roughness(facets, GLASS).without_chi2()
         })
@@ -267,7 +266,7 @@ fn plastics() -> Vec<MaterialCase> {
         .collect()
 }
 
-/// Mixtures, white and coloured, of all their parts, from both sides.
+/// Mixtures of all parts, white and coloured, from both sides.
 fn principled() -> Vec<MaterialCase> {
     let plain = PrincipledParameters {
         base_color: Rgb::ONE,

@@ -1,13 +1,13 @@
-//! How much of the light from a direction a surface sends on, measured in two ways that know nothing
-//! of one another.
+//! Directional albedo of a surface, measured in two independent ways.
 //!
-//! *As drawn*: the mean weight of the directions that a material draws, the refracted ones freed of
-//! the change of radiance between media. It is what a path is multiplied with.
+//! *As sampled*: the mean weight of the sampled directions, with the change of radiance between
+//! media removed from the refracted ones. This is the factor that a path's throughput is multiplied
+//! with.
 //!
-//! *As evaluated*: the integral of `f cos` over directions drawn by others: reflected and refracted by
-//! the microfacets with densities that are derived here again (Walter et al. 2007, equations 14 and
-//! 17), by the cosine, and towards the horizon. It is what light that is aimed at is multiplied with.
-//! Single directions, which have no `f`, come from the first way.
+//! *As evaluated*: the integral of `f cos` over directions from other distributions: reflected and
+//! refracted by the microfacets with pdfs derived again here (Walter et al. 2007, equations 14 and
+//! 17), cosine-weighted, and towards the horizon. This is the factor in next-event estimation.
+//! Delta lobes, which have no `f`, are taken from the sampled estimate.
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -21,16 +21,16 @@ use super::cases::MaterialCase;
 
 /// Independent means behind each energy.
 const SEEDS: u64 = 32;
-/// Cosines that are drawn evenly in their logarithm begin here.
+/// Lower bound of the log-uniform cosines.
 const MIN_COS: f64 = 1e-4;
 
-/// The share of light that is sent on, of each channel.
+/// Fraction of light scattered, per channel.
 pub(super) struct Energy {
     pub(super) sampled: [MeanEstimate; 3],
     pub(super) evaluated: [MeanEstimate; 3],
 }
 
-/// Measured at a cosine from the normal, by so many directions for each mean, a power of 2.
+/// Measures the energy for `wo`, with this many directions per mean, a power of 2.
 pub(super) fn energy(sample: &MaterialCase, wo: DVec3, directions: u32) -> Energy {
     let bsdf = sample.bsdf();
     let proposals = Proposals::new(sample, &bsdf);
@@ -57,7 +57,7 @@ pub(super) fn energy(sample: &MaterialCase, wo: DVec3, directions: u32) -> Energ
     Energy { sampled: of(0), evaluated: of(1) }
 }
 
-/// The ways in which directions are drawn, each as often.
+/// Equally likely proposal distributions.
 struct Proposals {
     proposals: Vec<Proposal>,
     eta: f64,
@@ -66,14 +66,14 @@ struct Proposals {
 enum Proposal {
     Reflect(Ggx),
     Refract(Ggx),
-    /// By the cosine, above (1) or below (-1).
+    /// Cosine-weighted, above (1) or below (-1).
     Cosine(f64),
-    /// Evenly in the logarithm of the cosine.
+    /// Uniform in the logarithm of the cosine.
     Horizon(f64),
 }
 
 impl Proposals {
-    /// None for a surface of single directions.
+    /// No proposals for a delta BSDF.
     fn new(sample: &MaterialCase, bsdf: &Bsdf<'_>) -> Self {
         let mut ways = Vec::new();
         if !bsdf.is_delta() {
@@ -92,7 +92,7 @@ impl Proposals {
         Self { proposals: ways, eta: sample.eta }
     }
 
-    /// `f cos` over the density of a direction.
+    /// Estimates `f cos` over the pdf of a direction.
     fn estimate(&self, bsdf: &Bsdf<'_>, wo: DVec3, choice: f64, u: [f64; 2]) -> DVec3 {
         let way = (choice * self.proposals.len() as f64) as usize;
         let wi = self.proposals.get(way).and_then(|way| way.sample(self.eta, wo, u));
@@ -111,7 +111,7 @@ impl Proposal {
             Self::Refract(ggx) => {
                 let m = ggx.sample_visible_normal(wo, u);
                 let cos = wo.dot(m);
-                // Snell's law; no root where all is reflected.
+                // Snell's law; NaN on total internal reflection.
                 let beyond = (1.0 - (1.0 - cos * cos) / (eta * eta)).sqrt();
                 let wi = m * (cos / eta - beyond) - wo / eta;
                 (wi.z < 0.0).then(|| wi.normalize())

@@ -1,10 +1,9 @@
-//! Every material against the two laws that surfaces obey: light may go both ways (Helmholtz), and
-//! none is made. One list of materials serves these checks and the chi-square table.
+//! Checks every material for reciprocity (Helmholtz) and energy conservation. One list of materials
+//! serves these checks and the chi-square table.
 //!
-//! The energy is the share of light that a surface in a white furnace sends back, as it is drawn and
-//! as it is evaluated (`energy.rs`). Each model has its own tolerance beside the interval of
-//! confidence: none where it has a formula, and what its documentation says where it reads tables
-//! (`samples.rs`).
+//! The energy is the fraction of light that a surface in a white furnace scatters back, as sampled
+//! and as evaluated (`energy.rs`). Each model has its own tolerance in addition to the confidence
+//! interval: none for a formula, and the documented one for a model that reads tables (`cases.rs`).
 
 mod cases;
 mod energy;
@@ -26,19 +25,19 @@ pub(super) use cases::{MaterialCase, material_cases};
 
 /// Angles of `wo` from the normal, in degrees, at which the energy is measured.
 const DEGREES: [f64; 6] = [0.0, 30.0, 60.0, 75.0, 85.0, 89.0];
-/// The same with full effort.
+/// Angles in degrees for full effort.
 const MORE_DEGREES: [f64; 18] = [
     0.0, 10.0, 20.0, 30.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 87.0, 89.0,
     89.7, 89.95,
 ];
-/// Directions behind each mean.
+/// Directions per mean.
 const DIRECTIONS: [u32; 3] = [512, 2048, 2048];
-/// Pairs of directions that must be worth the same both ways.
+/// Pairs of directions tested for reciprocity.
 const PAIRS: [u32; 3] = [2000, 10_000, 40_000];
-/// What f32 may make of a value, as a share of it.
+/// Relative error of f32 rounding.
 const ROUNDING: f32 = 1e-4;
 
-/// Two checks for each material: energy, and reciprocity together with the weights.
+/// Returns two checks per material: one for energy, one for reciprocity and sample weights.
 pub(super) fn checks(effort: Effort) -> Vec<Check> {
     let (directions, pairs) = (effort.select(DIRECTIONS), effort.select(PAIRS));
     let degrees: &[f64] = if effort == Effort::Full { &MORE_DEGREES } else { &DEGREES };
@@ -84,7 +83,7 @@ fn check_energy(
     if sample.energy_bound == EnergyBound::NonPhysical {
         let MinMax { min: least, max: most } = evaluated;
         let told = format!("{}: sends back {least:.2} to {most:.2} of the light", sample.name);
-        // What the formula says, which holds straight from above and is the most.
+        // The maximum of the formula, reached at normal incidence.
         let expected = sample.material.max_albedo();
         let wrong = usize::from((most - f64::from(expected.max_element())).abs() > 0.01);
         let detail = format!("{told} over {angles} angles, as it is known to");
@@ -95,12 +94,12 @@ fn check_energy(
          {angles} angles",
         sample.tolerance.sampled, sample.tolerance.evaluated
     );
-    // Each of the comparisons has its share of the significance (Bonferroni).
+    // Each comparison gets its share of the significance (Bonferroni).
     let comparisons = 6.0 * angles as f64;
     Ok(CheckMeasurement::new(TestStatistic::PValue((worst * comparisons).min(1.0)), detail))
 }
 
-/// From the least to the most that was measured.
+/// Range of the measured values.
 struct MinMax {
     min: f64,
     max: f64,
@@ -120,7 +119,7 @@ impl std::fmt::Display for MinMax {
     }
 }
 
-/// The probability of this energy if the promise is kept but for a tolerance.
+/// The p-value of an energy under the bound, widened by the tolerance.
 fn p_value(energy: MeanEstimate, promise: EnergyBound, tolerance: f64) -> f64 {
     let nearest = match promise {
         EnergyBound::Lossless => energy.mean.clamp(1.0 - tolerance, 1.0 + tolerance),
@@ -129,7 +128,7 @@ fn p_value(energy: MeanEstimate, promise: EnergyBound, tolerance: f64) -> f64 {
     energy.p_value(nearest)
 }
 
-/// Random pairs of directions both ways, and sampled directions with their weights.
+/// Tests random pairs of directions both ways, and sampled directions with their weights.
 fn check_reciprocity(sample: &MaterialCase, pairs: u32) -> CheckMeasurement {
     let (bsdf, behind) = (sample.bsdf(), sample.reversed_bsdf());
     let seed = seed(&sample.name, 0);
@@ -140,7 +139,8 @@ fn check_reciprocity(sample: &MaterialCase, pairs: u32) -> CheckMeasurement {
         let wi = Hemisphere::UniformAngle.sample(u.get_2d(4));
         wrong += usize::from(!is_near(bsdf.eval(wo, wi), bsdf.eval(wi, wo)));
         if bsdf.is_rough_transmissive() {
-            // From behind both directions are seen upside down, and radiance is compressed.
+            // From behind, both directions are upside down, and radiance is scaled by the squared
+            // index.
             let flip = |w: DVec3| DVec3::new(w.x, w.y, -w.z);
             let there = bsdf.eval(wo, flip(wi)) * (sample.eta * sample.eta) as f32;
             wrong += usize::from(!is_near(there, behind.eval(wi, flip(wo))));
@@ -164,7 +164,7 @@ fn is_near(a: Rgb, b: Rgb) -> bool {
     (a - b).abs().cmple(allowed).all()
 }
 
-/// A direction at an angle from the normal.
+/// A direction at this angle from the normal.
 fn direction(degrees: f64) -> DVec3 {
     let (sin, cos) = sin_cos(degrees.to_radians());
     DVec3::new(sin, 0.0, cos)
@@ -190,7 +190,7 @@ mod tests {
         assert!(failed.is_empty(), "{failed:#?}");
     }
 
-    /// A surface that sends back a ten thousandth too much, and one that is not reciprocal.
+    /// A surface that scatters a ten-thousandth too much, and one that is not reciprocal.
     #[test]
     fn a_broken_promise_is_found() {
         let bright = Model::Diffuse(Diffuse { albedo: Rgb::splat(1.0001) });

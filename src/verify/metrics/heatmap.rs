@@ -1,20 +1,19 @@
-//! A picture of where two pictures differ: dark where they agree, light where they do not.
-//!
-//! Below the map stands its scale.
+//! Heat map of the difference between two images: dark where they agree, bright where they differ,
+//! with a scale below.
 
 use crate::color::Rgb;
 use crate::draw::heat_color;
 use crate::image_io::Picture;
 
-/// Small maps are drawn with pixels as large as it takes to be this wide.
+/// Minimum width in pixels. Smaller maps are drawn with larger pixels.
 const NARROWEST: usize = 256;
 /// Rows of the scale.
 const SCALE_ROWS: usize = 12;
 /// Rows between the map and its scale.
 const GAP: usize = 4;
 
-/// The map of `values`, `width` across, from 0 to `most` (more is drawn like `most`), with the scale
-/// below it: black at the left is 0, light yellow at the right is `most`.
+/// Draws `values`, in rows of `width`, from 0 to `most` (clamped), with a scale below: black at the
+/// left is 0, light yellow at the right is `most`.
 pub fn draw(values: &[f64], width: usize, most: f64) -> Picture {
     let height = values.len() / width;
     let zoom = NARROWEST.div_ceil(width).max(1);

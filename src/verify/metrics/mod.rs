@@ -1,7 +1,7 @@
-//! How far a picture is from a reference, in the numbers that papers print.
+//! Error metrics between an image and a reference, as used in papers.
 //!
-//! All of them take linear Rec. 709 and average the three channels, unless they say otherwise. The
-//! pictures of a pair have equal sizes.
+//! Metrics take linear Rec. 709 and average the three channels unless stated otherwise. The two
+//! images must have the same size.
 
 pub mod flip;
 pub mod heatmap;
@@ -9,76 +9,76 @@ pub mod heatmap;
 use crate::color::Rgb;
 use crate::math::DVec3;
 
-/// The epsilon of [`relative_squared`].
+/// Epsilon of [`relative_squared`].
 pub const RELATIVE_EPSILON: f64 = 0.01;
-/// A normal variable is within so many standard deviations with probability 95 %.
+/// A normal variable lies within this many standard deviations with probability 95 %.
 const NORMAL_95: f64 = 1.959_964;
 
-/// The mean over the channels of (a - b)^2.
+/// Mean of (a - b)^2 over the channels.
 pub fn squared(a: Rgb, b: Rgb) -> f64 {
     (a.as_dvec3() - b.as_dvec3()).length_squared() / 3.0
 }
 
-/// The mean over the channels of ((a - b) / (|b| + epsilon))^2, where b is the reference.
+/// Mean of ((a - b) / (|b| + epsilon))^2 over the channels, where b is the reference.
 ///
-/// This is the error of pbrt-v4's `imgtool diff --metric MRSE`, with its epsilon of 0.01, which keeps
-/// black pixels from deciding everything. Others write (a - b)^2 / (b^2 + epsilon) (Rousselle et al.
+/// This is the error of pbrt-v4's `imgtool diff --metric MRSE`, with its epsilon of 0.01, which
+/// prevents black pixels from dominating. Others use (a - b)^2 / (b^2 + epsilon) (Rousselle et al.
 /// 2011), which differs where b is small.
 pub fn relative_squared(a: Rgb, b: Rgb) -> f64 {
     let b = b.as_dvec3();
     ((a.as_dvec3() - b) / (b.abs() + RELATIVE_EPSILON)).length_squared() / 3.0
 }
 
-/// The mean of `error` over all pixels.
+/// Mean of `error` over all pixels.
 pub fn mean_error(a: &[Rgb], b: &[Rgb], error: impl Fn(Rgb, Rgb) -> f64) -> f64 {
     a.iter().zip(b).map(|(&a, &b)| error(a, b)).sum::<f64>() / a.len() as f64
 }
 
-/// The peak signal-to-noise ratio in decibels, 10 log10(peak^2 / MSE); infinite for equal pictures.
+/// Peak signal-to-noise ratio in decibels, 10 log10(peak^2 / MSE); infinite for equal images.
 pub fn psnr(mse: f64, peak: f64) -> f64 {
     10.0 * libm::log10(peak * peak / mse)
 }
 
-/// The mean over all pixels, channel by channel.
+/// Mean over all pixels, per channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageMean {
-    /// The mean.
+    /// Mean value.
     pub value: DVec3,
-    /// Its standard error, where the variance of the pixels is known.
+    /// Standard error of the mean, if the variance of the pixels is known.
     pub standard_error: Option<DVec3>,
 }
 
 impl ImageMean {
-    /// The mean of a picture of which nothing else is known.
+    /// Mean of an image with unknown variance.
     pub fn of(picture: &[Rgb]) -> Self {
         let sum: DVec3 = picture.iter().map(|color| color.as_dvec3()).sum();
         Self { value: sum / picture.len() as f64, standard_error: None }
     }
 
-    /// The mean of a picture whose pixels have these variances. They are taken as independent of each
-    /// other, which samplers that share numbers between pixels break.
+    /// Mean of an image whose pixels have these variances. Assumes independent pixels, which does
+    /// not hold for samplers that share numbers between pixels.
     pub fn with_variance(picture: &[Rgb], variance: &[Rgb]) -> Self {
         let sum: DVec3 = variance.iter().map(|v| v.as_dvec3()).sum();
         let error = sum.max(DVec3::ZERO).map(f64::sqrt) / picture.len() as f64;
         Self { standard_error: Some(error), ..Self::of(picture) }
     }
 
-    /// The mean of `picture`, the variance of whose pixels is estimated from `twin`, the same picture
-    /// with other random numbers: half of the squared difference.
+    /// Mean of `picture`, with its variance estimated from `twin`, the same image rendered with
+    /// different random numbers: half of the squared difference.
     pub fn with_twin(picture: &[Rgb], twin: &[Rgb]) -> Self {
         let half_square = |(&a, &b): (&Rgb, &Rgb)| (a - b) * (a - b) * 0.5;
         let variance: Vec<Rgb> = picture.iter().zip(twin).map(half_square).collect();
         Self::with_variance(picture, &variance)
     }
 
-    /// Half the width of the 95 % confidence interval of the mean (normal: there are many pixels).
+    /// Half-width of the 95 % confidence interval of the mean (normal, as there are many pixels).
     pub fn half_width_95(&self) -> Option<DVec3> {
         self.standard_error.map(|error| error * NORMAL_95)
     }
 
-    /// `self` over `other`, with the half width of its 95 % interval where both are known, or one is
-    /// and the other counts as exact. 1 where both are 0; infinite, with an infinite interval, where
-    /// only `other` is.
+    /// Ratio of `self` to `other`, with the half-width of its 95 % interval if at least one error
+    /// is known; an unknown one counts as zero. The ratio is 1 if both are 0. If only `other` is 0,
+    /// ratio and interval are infinite.
     pub fn ratio(&self, other: &Self) -> (DVec3, Option<DVec3>) {
         let of = |a: f64, b: f64| if a == b { 1.0 } else { a / b };
         let ratio = DVec3::from_array(std::array::from_fn(|c| of(self.value[c], other.value[c])));
@@ -119,7 +119,7 @@ mod tests {
         assert!((psnr(0.01, 1.0) - 20.0).abs() < 1e-12);
         assert!((psnr(0.01, 10.0) - 40.0).abs() < 1e-12);
         assert_eq!(psnr(0.0, 1.0), f64::INFINITY);
-        // The reference matters: black in it is divided by epsilon alone.
+        // The reference matters: where it is black, only epsilon divides.
         assert!((relative_squared(Rgb::ONE, Rgb::ZERO) - 1e4).abs() < 1e-6);
     }
 
@@ -142,9 +142,9 @@ mod tests {
         assert_eq!((ratio, half), (DVec3::INFINITY, Some(DVec3::INFINITY)));
     }
 
-    /// 400 pictures of 400 pixels with known variance: the intervals from twins and from the variance
-    /// hold the true mean as often as they say. 95 % of 400 is 380 +- 4.4; five of those (significance
-    /// 6e-7) are allowed.
+    /// 400 images of 400 pixels with known variance: intervals from twins and from the variance
+    /// contain the true mean as often as stated. 95 % of 400 is 380 +- 4.4; five of those
+    /// (significance 6e-7) are allowed.
     #[test]
     fn intervals_of_means_hold_what_they_promise() {
         let mut random = StdRng::seed_from_u64(7);

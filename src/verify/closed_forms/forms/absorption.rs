@@ -1,4 +1,4 @@
-//! Glass that absorbs, in a uniform field.
+//! Absorbing glass under uniform illumination.
 
 use crate::scene::PreparedScene;
 use crate::scene::description::SurfaceModel;
@@ -6,7 +6,7 @@ use crate::verify::closed_forms::reference_image::{normal, pixel_means, rays, sp
 
 use super::{background_radiance, material};
 
-/// The series of reflections inside one ball, all of whose chords along a path are equal.
+/// Sums the series of internal reflections in one ball. All chords of a path have equal length.
 pub(super) fn absorption(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let ball = spheres(shot)[0];
     let field = background_radiance(shot);
@@ -25,7 +25,7 @@ pub(super) fn absorption(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>>
     })
 }
 
-/// The reflected share of unpolarised light, by the cosines outside and inside.
+/// Fresnel reflectance for unpolarised light, given the cosines outside and inside.
 fn fresnel(cos: f64, cos_inside: f64, n: f64) -> f64 {
     let across = (cos - n * cos_inside) / (cos + n * cos_inside);
     let along = (n * cos - cos_inside) / (n * cos + cos_inside);

@@ -1,4 +1,4 @@
-//! What other cameras than a pinhole see.
+//! Images of cameras other than a pinhole.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,7 @@ use crate::verify::quadrature::integral;
 
 use super::{emission, uniform_answer};
 
-/// The mean over the lens of the share of the plane in focus that the lamp covers.
+/// The mean over the lens of the fraction of the focal plane that the emitter covers.
 pub(super) fn lens(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let camera = &shot.description().camera;
     let ProjectionDescription::Perspective { vertical_fov_degrees, lens: Some(lens) } =

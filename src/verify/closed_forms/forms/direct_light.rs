@@ -1,4 +1,5 @@
-//! Matt balls under spherical lamps. In all of these scenes the ball comes first, the lamp second.
+//! Diffuse balls under spherical emitters. In all of these scenes the ball comes first and the
+//! emitter second.
 
 use std::f64::consts::PI;
 
@@ -10,7 +11,7 @@ use crate::verify::closed_forms::sphere_light::SubtendedCap;
 
 use super::{albedo, emission, material};
 
-/// Every direction above the ball meets the lamp, so its irradiance is `pi Le`.
+/// Every direction above the ball hits the emitter, so its irradiance is `pi Le`.
 pub(super) fn inside_a_lamp(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     let [ball, lamp] = [albedo(shot, "ball"), 1.0].map(|a| a * emission(shot, "lamp"));
@@ -20,7 +21,7 @@ pub(super) fn inside_a_lamp(shot: &PreparedScene, nodes: usize) -> Vec<Option<f6
     })
 }
 
-/// The radiance of a ball at a point of its surface, lit by a lamp alone.
+/// Radiance at a point on a ball lit by one emitter.
 pub(super) fn radiance_under_light(
     lamp: &Sphere,
     ball: &Sphere,
@@ -31,8 +32,8 @@ pub(super) fn radiance_under_light(
     a * le * SubtendedCap::new(lamp, point, normal(ball, point)).irradiance() / PI
 }
 
-/// A ball that scatters, and before it nothing. Both walls of the lamp shine, each to the share of its
-/// opacity, and the far one through the near one.
+/// A diffuse ball with no occluder. Both walls of the emitter contribute in proportion to its
+/// opacity, and the far wall is seen through the near one.
 pub(super) fn sphere_light(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     let through = 1.0 - material(shot, "lamp").opacity;
@@ -46,9 +47,8 @@ pub(super) fn sphere_light(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64
     })
 }
 
-/// A third sphere is black and in the way of some of the lamp. Where its disc lies within the lamp's,
-/// its form factor is what is missing, or a share of it where it has some opacity; where the edges
-/// cross, there is no answer.
+/// A black third sphere covers part of the emitter. If its disc lies within the emitter's, its form
+/// factor is subtracted, scaled by its opacity. If the edges cross, there is no closed form.
 pub(super) fn occluder(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp"));
@@ -69,8 +69,8 @@ pub(super) fn occluder(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     })
 }
 
-/// The sky's radiance is linear in the height of a direction, and before it is the sun, a disc that the
-/// horizon may cut.
+/// The sky's radiance is linear in the height of a direction. In front of it is the sun, a disc
+/// that the horizon may cut.
 pub(super) fn sun_and_sky(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let ball = spheres(shot)[0];
     let a = albedo(shot, "ball");

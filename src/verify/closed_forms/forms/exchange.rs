@@ -1,4 +1,4 @@
-//! Light that goes from one ball to another and back, by a quadrature over one angle.
+//! Interreflection between two balls, by a quadrature over one angle.
 
 use std::f64::consts::PI;
 
@@ -11,8 +11,8 @@ use crate::verify::quadrature::integral;
 
 use super::{albedo, emission, uniform_answer};
 
-/// Nodes for each one asked for: the integrand is smooth but for the edge of ball B, where it
-/// begins as a square root.
+/// Nodes per node requested: the integrand is smooth except at the edge of ball B, where it starts
+/// as a square root.
 const FINER: usize = 16;
 
 pub(super) fn exchange(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
@@ -22,9 +22,9 @@ pub(super) fn exchange(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     uniform_answer(shot, emission(shot, "a") * (1.0 + a * b * back))
 }
 
-/// Seen from the point of A that is nearest to B: the integral of B's form factor of A over the
-/// directions to B, by the cosine, divided by `pi`. With `u` the sine of the polar angle it is
-/// `2 u F du`; `u = s sin(v)`, where B ends at `s`, takes the square root at B's edge away.
+/// For the point of A nearest to B: the integral, over the directions to B, of B's form factor of A
+/// times the cosine, divided by `pi`. With `u` the sine of the polar angle it is `2 u F du`. B ends
+/// at `u = s`; the substitution `u = s sin(v)` removes the square root there.
 fn share_that_returns(a: &Sphere, b: &Sphere, nodes: usize) -> f64 {
     let axis = (b.center - a.center).normalize();
     let side = axis.any_orthonormal_vector();
@@ -59,8 +59,8 @@ mod tests {
 
     #[test]
     fn two_distant_balls_exchange_by_the_inverse_square() {
-        // A sees B as a small disc of (r / h)^2, B sees A with (R / D)^2, all cosines 1 on the axis
-        // and 2/3 on average over the disc of B: the integral of 2 u cos du with sin = u / s.
+        // A sees B as a small disc of (r / h)^2, B sees A with (R / D)^2. All cosines are 1 on the
+        // axis and 2/3 on average over the disc of B: the integral of 2 u cos du with sin = u / s.
         let a = Sphere { center: DVec3::ZERO, radius: 1.0 };
         let b = Sphere { center: DVec3::new(0.0, 0.0, 2000.0), radius: 1.0 };
         let expected = 2.0 / 3.0 / (1999.0f64 * 1999.0) / (1999.0 * 1999.0);

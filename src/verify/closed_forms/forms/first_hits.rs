@@ -1,4 +1,4 @@
-//! What integrators show that follow no light.
+//! Images of integrators that do not simulate light transport.
 
 use crate::scene::PreparedScene;
 use crate::verify::closed_forms::reference_image::{normal, pixel_means, rays, spheres};
@@ -6,7 +6,7 @@ use crate::verify::closed_forms::sphere_light::SubtendedCap;
 
 use super::DISTINCT_CHANNELS;
 
-/// One less the form factor of the other ball, which the horizon may cut.
+/// One minus the form factor of the other ball, which the horizon may cut.
 pub(super) fn ambient_occlusion(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     pixel_means(shot, nodes, rays(shot), |line| {
@@ -17,7 +17,7 @@ pub(super) fn ambient_occlusion(shot: &PreparedScene, nodes: usize) -> Vec<Optio
     })
 }
 
-/// The weighted mean of the three colours that a normal is drawn in.
+/// Weighted mean of the three channels that encode a normal.
 pub(super) fn normals(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     pixel_means(shot, nodes, rays(shot), |line| {

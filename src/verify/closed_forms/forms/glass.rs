@@ -1,4 +1,4 @@
-//! Glass that bends light, and lets out less of it.
+//! Refracting glass around an emitter.
 
 use crate::scene::PreparedScene;
 use crate::scene::description::SurfaceModel;
@@ -6,7 +6,8 @@ use crate::verify::closed_forms::reference_image::{pixel_means, rays, spheres};
 
 use super::{emission, material};
 
-/// See `scenes/verify/lamp-in-glass.toml`, and the glass that absorbs, `lamp-in-dark-glass.toml`.
+/// An emitter inside clear or absorbing glass; derived in `scenes/verify/lamp-in-glass.toml` and
+/// `lamp-in-dark-glass.toml`.
 pub(super) fn lamp_in_glass(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     let (glass, lamp) = (spheres[0], spheres[1]);
@@ -31,7 +32,7 @@ pub(super) fn lamp_in_glass(shot: &PreparedScene, nodes: usize) -> Vec<Option<f6
     })
 }
 
-/// Fresnel's equations in the form of sines and tangents, for unpolarised light.
+/// Fresnel reflectance for unpolarised light, in the form of sines and tangents.
 fn reflected(arriving: f64, refracted: f64) -> f64 {
     let (less, more) = (arriving - refracted, arriving + refracted);
     let across = libm::sin(less) / libm::sin(more);

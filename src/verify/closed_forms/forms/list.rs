@@ -1,4 +1,4 @@
-//! The table of all closed forms.
+//! The table of closed forms.
 
 use super::LightTransport::{Direct, Global, Integrator};
 use super::{ClosedForm, DISTINCT_CHANNELS, GREY};
@@ -6,8 +6,8 @@ use super::{
     absorption, cameras, direct_light, exchange, first_hits, glass, many_lights, mirrors, uniform,
 };
 
-/// A grey form: its name, which is that of its scene, what it shows, its answer as a formula, which
-/// estimators it is for, the samples of each pixel in a quick check, and the answer.
+/// A grey closed form: name (also of its scene), title, formula, light transport, samples per pixel
+/// in a quick check, and the function for its exact solution.
 macro_rules! form {
     ($name:literal, $title:literal, $formula:literal, $shows:expr, $samples:literal, $answer:path) => {
         ClosedForm {

@@ -1,4 +1,4 @@
-//! A ball under very many lamps, from the table beside the scene.
+//! A ball under many emitters, read from the sphere table next to the scene.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use crate::verify::closed_forms::sphere_light::SubtendedCap;
 
 use super::{albedo, emission};
 
-/// The table: rows of x, y, z and radius.
+/// Sphere table with rows of x, y, z and radius.
 pub(super) const LIGHT_TABLE: &[u8] = include_bytes!("../../../../scenes/verify/many-lamps.f32");
 
 pub(super) fn many_lights(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
@@ -53,8 +53,9 @@ mod tests {
             assert!(lamp.center.distance(expected) < 1e-5);
             assert!((lamp.radius - (0.05 + 0.0375 * (1.0 + x) * (1.0 + y))).abs() < 1e-6);
         }
-        // From anywhere on the ball the directions to two lamps differ by more than their radii: they
-        // are at least 9 away, and a shift of the eye by 1 turns neighbours alike.
+        // From anywhere on the ball, the directions to two emitters differ by more than their
+        // angular radii: they are at least 9 away, and moving the viewpoint by 1 turns neighbours
+        // alike.
         for (i, a) in lamps.iter().enumerate() {
             for b in &lamps[..i] {
                 let apart = a.center.distance(b.center);

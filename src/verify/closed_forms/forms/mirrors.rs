@@ -1,4 +1,4 @@
-//! Mirror balls before the eye and before the lamp.
+//! Mirror balls in front of the camera and in front of the emitter.
 
 use crate::geometry::Sphere;
 use crate::scene::PreparedScene;
@@ -7,8 +7,8 @@ use crate::verify::closed_forms::sphere_light::SubtendedCap;
 
 use super::{albedo, emission, uniform_answer};
 
-/// The spheres are ball, lamp, mirror. What the mirror shows of the ball is lit by the lamp, where
-/// the mirror is not in its way.
+/// The spheres are ball, emitter, mirror. The part of the ball seen in the mirror is lit by the
+/// emitter wherever the mirror does not occlude it.
 pub(super) fn mirror_before_camera(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
     let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp"));
@@ -34,8 +34,8 @@ pub(super) fn mirror_before_camera(shot: &PreparedScene, nodes: usize) -> Vec<Op
     })
 }
 
-/// The spheres are ball, mirror, and a lamp around both. The point of the ball under the mirror sees
-/// the lamp beside the mirror, and in the mirror from the angle on at which the ball's own
+/// The spheres are ball, mirror, and an emitter around both. The point of the ball under the mirror
+/// sees the emitter past the mirror, and in the mirror from the angle at which the ball's own
 /// reflection ends.
 pub(super) fn mirror_before_light(shot: &PreparedScene, _: usize) -> Vec<Option<f64>> {
     let spheres = spheres(shot);
@@ -48,7 +48,7 @@ pub(super) fn mirror_before_light(shot: &PreparedScene, _: usize) -> Vec<Option<
 }
 
 /// The sine of the polar angle at which the reflected ray grazes the ball, by bisection between the
-/// axis, where it returns, and the mirror's edge, where it goes on.
+/// axis, where the ray returns, and the mirror's edge, where it escapes.
 fn own_reflection(ball: &Sphere, mirror: &Sphere, edge: f64) -> f64 {
     let axis = (mirror.center - ball.center).normalize();
     let side = axis.any_orthonormal_vector();

@@ -1,5 +1,5 @@
-//! The closed forms: each a scene of `scenes/verify/`, whose head derives the answer, and the same
-//! answer as a function of what the scene says.
+//! The closed-form scenes. Each is a scene in `scenes/verify/`, whose header derives the exact
+//! solution, and a function that computes that solution from the scene description.
 
 mod absorption;
 mod cameras;
@@ -17,52 +17,53 @@ pub use list::CLOSED_FORMS;
 use crate::scene::PreparedScene;
 use crate::scene::description::{EnvironmentDescription, MaterialDescription, SurfaceModel};
 
-/// A scene whose picture is known.
+/// A scene whose exact image is known.
 #[derive(Clone, Copy, Debug)]
 pub struct ClosedForm {
-    /// The scene's file name without its ending.
+    /// File name of the scene without its extension.
     pub name: &'static str,
-    /// What it shows, in a few words.
+    /// Short title.
     pub title: &'static str,
-    /// The answer as a formula.
+    /// Formula of the exact solution.
     pub formula: &'static str,
-    /// The scene file.
+    /// Contents of the scene file.
     pub scene_toml: &'static str,
-    /// The sphere tables beside it, by their names.
+    /// Sphere tables next to the scene: file name and contents.
     pub tables: &'static [(&'static str, &'static [u8])],
-    /// Which estimators it is for.
+    /// Light transport in the scene, which decides the estimators that apply.
     pub transport: LightTransport,
-    /// The weights of red, green and blue in what is compared; they add up to 1.
+    /// Weights of red, green and blue in the compared value; they sum to 1.
     pub(super) channels: [f64; 3],
-    /// Samples of each pixel in a quick check, from each seed: a multiple of 4.
+    /// Samples per pixel and seed in a quick check: a multiple of 4.
     pub samples: u32,
-    /// The answer for each pixel, `None` where there is none, by quadratures of so many nodes.
+    /// Exact value of each pixel, by quadratures with this many nodes; `None` where there is no
+    /// closed form.
     pub(super) answer: fn(&PreparedScene, usize) -> Vec<Option<f64>>,
 }
 
-/// What light a scene shows, and thus which estimators find all of it.
+/// Light transport in a scene, and thus the estimators that capture all of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightTransport {
-    /// Light that was scattered any number of times.
+    /// Light scattered any number of times.
     Global,
-    /// Light that was scattered once at most, not counting mirrors and glass.
+    /// Light scattered at most once, not counting mirrors and glass.
     Direct,
-    /// No light: what the integrator shows that the scene names.
+    /// No light transport: the output of the integrator that the scene names.
     Integrator(&'static str),
 }
 
-/// All channels are the same.
+/// Weights if all channels are equal.
 const GREY: [f64; 3] = [1.0 / 3.0; 3];
-/// A channel in the place of another is seen.
+/// Distinct weights, which detect swapped channels.
 const DISTINCT_CHANNELS: [f64; 3] = [1.0 / 7.0, 2.0 / 7.0, 4.0 / 7.0];
 
-/// A material by its name.
+/// Returns the material with this name.
 fn material<'a>(shot: &'a PreparedScene, name: &str) -> &'a MaterialDescription {
     let found = shot.description().materials.iter().find(|material| material.name == name);
     found.expect("the scenes of this program have the materials that their answers are made of")
 }
 
-/// The radiance of an even background.
+/// Radiance of a constant environment.
 fn background_radiance(shot: &PreparedScene) -> f64 {
     match shot.description().background.dome {
         EnvironmentDescription::Constant { radiance } => f64::from(radiance.y),
@@ -70,12 +71,12 @@ fn background_radiance(shot: &PreparedScene) -> f64 {
     }
 }
 
-/// The emission of a grey lamp.
+/// Emission of a grey emitter.
 fn emission(shot: &PreparedScene, name: &str) -> f64 {
     f64::from(material(shot, name).emission.y)
 }
 
-/// The albedo or reflectance of a grey surface.
+/// Albedo or reflectance of a grey surface.
 fn albedo(shot: &PreparedScene, name: &str) -> f64 {
     match &material(shot, name).surface {
         SurfaceModel::Diffuse { albedo: share, .. }
@@ -84,7 +85,7 @@ fn albedo(shot: &PreparedScene, name: &str) -> f64 {
     }
 }
 
-/// The same answer for every pixel.
+/// A solution with one value for every pixel.
 fn uniform_answer(shot: &PreparedScene, value: f64) -> Vec<Option<f64>> {
     vec![Some(value); (shot.image_settings().width * shot.image_settings().height) as usize]
 }

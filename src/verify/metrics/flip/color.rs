@@ -1,11 +1,11 @@
-//! The colour spaces of FLIP: the linear opponent space YyCxCz (Flohr et al. 1993), in which light is
-//! blurred, and L*a*b* with the Hunt effect, in which colours are compared.
+//! Colour spaces of FLIP: the linear opponent space YyCxCz (Flohr et al. 1993), used for blurring,
+//! and L*a*b* with the Hunt effect, used for comparing colours.
 
 use glam::DMat3;
 
 use crate::math::DVec3;
 
-/// XYZ of the primaries red, green and blue of Rec. 709 with white D65, column by column.
+/// XYZ of the Rec. 709 red, green and blue primaries with white D65, column by column.
 const XYZ: DMat3 = DMat3::from_cols_array(&[
     10135552.0 / 24577794.0,
     2613072.0 / 12288897.0,
@@ -18,31 +18,32 @@ const XYZ: DMat3 = DMat3::from_cols_array(&[
     70074185.0 / 73733382.0,
 ]);
 
-/// XYZ over that of white.
+/// XYZ relative to white.
 fn relative_xyz(linear: DVec3) -> DVec3 {
     XYZ * linear / (XYZ * DVec3::ONE)
 }
 
-/// YyCxCz of linear Rec. 709: L*a*b* without its cube root.
+/// Converts linear Rec. 709 to YyCxCz: L*a*b* without the cube root.
 pub(super) fn opponent(linear: DVec3) -> DVec3 {
     spread(relative_xyz(linear))
 }
 
-/// Linear Rec. 709 of YyCxCz.
+/// Converts YyCxCz to linear Rec. 709.
 pub(super) fn from_opponent(opponent: DVec3) -> DVec3 {
     let y = (opponent.x + 16.0) / 116.0;
     let relative = DVec3::new(y + opponent.y / 500.0, y, y - opponent.z / 200.0);
     XYZ.inverse() * (relative * (XYZ * DVec3::ONE))
 }
 
-/// CIE L*a*b*, its a and b scaled by lightness: dark colours look less colourful (Hunt 1952).
+/// Converts linear Rec. 709 to CIE L*a*b* with a and b scaled by lightness: dark colours look less
+/// colourful (Hunt 1952).
 pub(super) fn hunt_lab(linear: DVec3) -> DVec3 {
     let lab = spread(relative_xyz(linear).map(lightness));
     let hunt = 0.01 * lab.x;
     DVec3::new(lab.x, hunt * lab.y, hunt * lab.z)
 }
 
-/// HyAB, the distance of two colours that differ much (Abasi et al. 2020).
+/// HyAB distance, suited to large colour differences (Abasi et al. 2020).
 pub(super) fn hyab(a: DVec3, b: DVec3) -> f64 {
     let d = a - b;
     d.x.abs() + libm::hypot(d.y, d.z)

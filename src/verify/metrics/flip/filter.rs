@@ -1,26 +1,26 @@
-//! The filters of FLIP: what the eye can resolve, and where it sees edges and points. All are products
-//! of a filter along x and one along y, so two short passes do.
+//! Filters of FLIP: contrast sensitivity, and detection of edges and points. All are separable, so
+//! two short passes suffice.
 
 use rayon::prelude::*;
 
 use crate::sampling::exp;
 
-/// One number per pixel; rows of `width`.
+/// One value per pixel, in rows of `width`.
 #[derive(Clone)]
 pub(super) struct ScalarImage {
     width: usize,
     pub(super) values: Vec<f64>,
 }
 
-/// Weights at the places -r to r.
+/// Weights at offsets -r to r.
 type Kernel = Vec<f64>;
 
-/// The Gaussian terms `(a, b)` of each channel's sensitivity to contrast (the paper's table 1).
+/// Gaussian terms `(a, b)` of each channel's contrast sensitivity (table 1 of the paper).
 const SENSITIVITY: [&[(f64, f64)]; 3] =
     [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
-/// The widest of them decides how far all filters reach.
+/// The widest Gaussian; it sets the radius of all filters.
 const WIDEST: f64 = 0.04;
-/// Two standard deviations of the edge detector in degrees.
+/// Two standard deviations of the edge detector, in degrees.
 const EDGE_WIDTH: f64 = 0.082;
 
 impl ScalarImage {
@@ -36,7 +36,7 @@ impl ScalarImage {
         self.values.len() / self.width
     }
 
-    /// The correlation with `along_x` times `along_y`; beyond the border lies its nearest pixel.
+    /// Correlates with `along_x` times `along_y`, clamping to the nearest pixel at the border.
     fn filtered(&self, along_x: &Kernel, along_y: &Kernel) -> Self {
         let mut once = vec![0.0; self.values.len()];
         once.par_chunks_mut(self.width).zip(self.values.par_chunks(self.width)).for_each(
@@ -63,7 +63,7 @@ impl ScalarImage {
     }
 }
 
-/// Blurs each channel as far as the eye does.
+/// Blurs each channel by the contrast sensitivity of the eye.
 pub(super) fn contrast_sensitivity(
     planes: &[ScalarImage; 3],
     pixels_per_degree: f64,
@@ -85,7 +85,7 @@ pub(super) fn contrast_sensitivity(
     })
 }
 
-/// How strong edges and points are, by the first and second derivative of a Gaussian.
+/// Strength of edges and points, from the first and second derivative of a Gaussian.
 pub(super) fn features(lightness: &ScalarImage, pixels_per_degree: f64) -> [Vec<f64>; 2] {
     let sigma = 0.5 * EDGE_WIDTH * pixels_per_degree;
     let radius = (3.0 * sigma).ceil() as i32;

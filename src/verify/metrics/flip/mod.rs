@@ -1,12 +1,12 @@
-//! FLIP: how different two pictures look to somebody who flips between them.
+//! FLIP: the difference perceived when flipping between two images.
 //!
-//! LDR-FLIP of P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D. Fairchild,
-//! "FLIP: A Difference Evaluator for Alternating Images", Proc. ACM Comput. Graph. Interact. Tech. 3(2),
-//! 2020. Colours are blurred as the eye blurs them at a given distance and then compared in a space
-//! where equal steps look equal; what differs in edges and points counts more.
+//! LDR-FLIP of P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. D.
+//! Fairchild, "FLIP: A Difference Evaluator for Alternating Images", Proc. ACM Comput. Graph.
+//! Interact. Tech. 3(2), 2020. Colours are blurred as by the eye at a given distance, then compared
+//! in a perceptually uniform space. Differences in edges and points add to the result.
 //!
-//! It judges pictures on a screen: light is cut off to [0, 1], as in our `.png` but without rounding to
-//! 8 bits. There is no exposure; light brighter than 1 is white.
+//! FLIP compares displayed images: radiance is clamped to [0, 1], as in our `.png` but without
+//! rounding to 8 bits. No exposure is applied, so everything above 1 is white.
 
 mod color;
 mod filter;
@@ -17,20 +17,19 @@ use crate::sampling::powf;
 
 use filter::ScalarImage;
 
-/// Pixels that one degree of the eye's view covers: a screen 0.7 m wide with 3840 pixels, 0.7 m away
-/// (the paper's own choice).
+/// Pixels per degree of visual angle: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m (the
+/// paper's default).
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
 
-/// The exponent of colour differences, q_c.
+/// Exponent q_c of colour differences.
 const COLOR_EXPONENT: f64 = 0.7;
-/// Of the largest colour difference, the share p_c up to which differences take the share p_t of the
-/// scale.
+/// Differences up to a fraction p_c of the largest one are mapped to a fraction p_t of the scale.
 const KNEE: (f64, f64) = (0.4, 0.95);
-/// The exponent of feature differences, q_f.
+/// Exponent q_f of feature differences.
 const FEATURE_EXPONENT: f64 = 0.5;
 
-/// The difference at every pixel, from 0 (looks the same) to 1. Both pictures have `width` pixels
-/// across; the order of the two does not matter.
+/// Returns the difference at every pixel, from 0 (looks identical) to 1. Both images are `width`
+/// pixels wide. Symmetric in `a` and `b`.
 pub fn map(a: &[Rgb], b: &[Rgb], width: usize, pixels_per_degree: f64) -> Vec<f64> {
     let (a, b) = (
         PerceptualFeatures::new(a, width, pixels_per_degree),
@@ -46,13 +45,13 @@ pub fn map(a: &[Rgb], b: &[Rgb], width: usize, pixels_per_degree: f64) -> Vec<f6
     (0..a.colors.len()).map(pixel).collect()
 }
 
-/// What the eye makes of a picture.
+/// Perceptual features of an image.
 struct PerceptualFeatures {
     /// Blurred colours, in L*a*b* with the Hunt effect.
     colors: Vec<DVec3>,
-    /// How strong an edge is at each pixel.
+    /// Edge strength at each pixel.
     edges: Vec<f64>,
-    /// How strong a point or a line is.
+    /// Point and line strength at each pixel.
     points: Vec<f64>,
 }
 
@@ -75,13 +74,13 @@ impl PerceptualFeatures {
     }
 }
 
-/// The largest difference of two colours that a screen can show, green and blue.
+/// Largest difference between two displayable colours, green and blue.
 fn largest_difference() -> f64 {
     let [green, blue] = [DVec3::Y, DVec3::Z].map(color::hunt_lab);
     powf(color::hyab(green, blue), COLOR_EXPONENT)
 }
 
-/// The difference of two colours in [0, 1].
+/// Colour difference in [0, 1].
 fn color_difference(a: DVec3, b: DVec3, largest: f64) -> f64 {
     let (knee, share) = (KNEE.0 * largest, KNEE.1);
     let difference = powf(color::hyab(a, b), COLOR_EXPONENT);
@@ -98,7 +97,7 @@ mod tests {
 
     const SIZE: (usize, usize) = (40, 30);
 
-    /// A colourful pattern that any language writes down alike.
+    /// A colourful pattern that is easy to reproduce in any language.
     fn pattern(k: usize) -> Vec<Rgb> {
         let value = |i: usize, c: usize| {
             let x = i % SIZE.0;
@@ -121,7 +120,7 @@ mod tests {
         assert!((value - expected).abs() < 1e-4, "{value} for {expected}");
     }
 
-    // The expected values are what the authors' own program says (flip-evaluator 1.7, in f32).
+    // Expected values from the authors' program (flip-evaluator 1.7, in f32).
 
     #[test]
     fn a_pattern_has_the_values_of_the_authors_program() {
