@@ -1,4 +1,4 @@
-//! The backends that there are, by name.
+//! The backends, by name.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -14,16 +14,16 @@ use super::intersector::Accel;
 use super::options::BuildOptions;
 use super::{brute_force, native};
 
-/// The backends that can be asked for.
+/// A ray intersection backend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Backend {
     /// Embree: particles as sphere points, giants as user geometry.
     Embree,
     /// Embree: every sphere as user geometry, with callbacks in C.
     EmbreeUser,
-    /// The bounding volume hierarchy in Rust.
+    /// Our own bounding volume hierarchy in Rust.
     Native,
-    /// Every ray against every sphere, in f64: the oracle, and fine for tiny scenes.
+    /// Tests every ray against every sphere in f64: the reference, and fast for tiny scenes.
     BruteForce,
 }
 
@@ -37,17 +37,17 @@ named_enum! {
 }
 
 impl Backend {
-    /// Every backend of this build, the default first.
+    /// Every backend in this build, the default first.
     pub const AVAILABLE: &[Self] = if cfg!(feature = "embree") {
         &[Self::Embree, Self::EmbreeUser, Self::Native, Self::BruteForce]
     } else {
         &[Self::Native, Self::BruteForce]
     };
 
-    /// Every backend there is.
+    /// Every backend, including those that this build lacks.
     pub const ALL: &[Self] = &[Self::Embree, Self::EmbreeUser, Self::Native, Self::BruteForce];
 
-    /// Whether it needs Embree.
+    /// Returns true if the backend uses Embree.
     pub fn uses_embree(self) -> bool {
         matches!(self, Self::Embree | Self::EmbreeUser)
     }
@@ -55,7 +55,7 @@ impl Backend {
     /// Builds this backend over the spheres.
     ///
     /// # Errors
-    /// When this build has no such backend, when Embree reports an error, or on cancellation.
+    /// On a backend that this build lacks, an Embree error, or cancellation.
     pub fn build(self, spheres: &Arc<SphereSet>, options: &BuildOptions) -> Result<Box<dyn Accel>> {
         options.cancel.check()?;
         match self {
@@ -97,7 +97,7 @@ impl FromStr for Backend {
     }
 }
 
-/// What the Embree in use says of itself; `None` in a build without Embree.
+/// Version and features of the Embree in use; `None` in a build without Embree.
 ///
 /// # Errors
 /// When Embree cannot start.

@@ -1,4 +1,4 @@
-//! Which backend suits a scene, for those who do not want to choose.
+//! Automatic backend selection.
 
 use std::str::FromStr;
 
@@ -7,13 +7,13 @@ use crate::geometry::SphereSet;
 
 use super::{Backend, KernelIsa};
 
-/// What `--accel` asks for.
+/// The value of `--accel`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BackendChoice {
-    /// Whatever is fastest for the scene, by what was measured.
+    /// The fastest backend for the scene, according to our measurements.
     #[default]
     Auto,
-    /// This one.
+    /// This backend.
     Only(Backend),
 }
 
@@ -22,13 +22,13 @@ pub enum BackendChoice {
 pub struct SelectedBackend {
     /// The backend.
     pub backend: Backend,
-    /// Why, in a few words.
+    /// The reason, in a few words.
     pub reason: String,
 }
 
 impl BackendChoice {
-    /// Up to as many spheres, f64 arithmetic on each is fastest: with more, the eight-wide test of
-    /// the native backend pays.
+    /// Up to this many spheres, testing all of them in f64 is fastest. With more, the eight-wide
+    /// test of the native backend pays off.
     pub const BRUTE_FORCE_MAX_SPHERES: usize = 4;
 
     /// The name used on the command line.
@@ -39,16 +39,16 @@ impl BackendChoice {
         }
     }
 
-    /// The backend for a scene.
+    /// Selects the backend for a scene.
     ///
-    /// `benches/record/` has the measurements: on x86-64 the native kernel is faster than Embree for
-    /// every kind of scene and ray that was tried, and on other processors, where it is only
-    /// portable code, slower.
+    /// According to the measurements in `benches/record/`, the native kernel is faster than Embree
+    /// on x86-64 for every kind of scene and ray tested. On other processors, where only portable
+    /// code is available, it is slower.
     pub fn select(self, spheres: &SphereSet) -> SelectedBackend {
         self.select_for_count(spheres.len())
     }
 
-    /// The backend for so many spheres.
+    /// Selects the backend for a sphere count.
     pub fn select_for_count(self, spheres: usize) -> SelectedBackend {
         match self {
             Self::Only(backend) => SelectedBackend { backend, reason: "as asked for".to_owned() },

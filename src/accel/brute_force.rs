@@ -1,7 +1,7 @@
-//! Every ray against every sphere, in f64: the oracle among the backends, and the fastest of them where
-//! spheres are few.
+//! Tests every ray against every sphere in f64: the reference backend, and the fastest one for few
+//! spheres.
 //!
-//! Many rays meet a sphere at a time, side by side, in loops that become vector instructions.
+//! Blocks of rays are tested against one sphere at a time, in loops that the compiler vectorises.
 
 use std::sync::Arc;
 
@@ -10,10 +10,10 @@ use crate::math::{Hit, Isa, LANES, Lanes, NO_SPHERE, Ray, SimdKernel};
 
 use super::intersector::{Accel, ErrorBound};
 
-/// After so many spheres it is looked whether all rays of a block are blocked already.
+/// After this many spheres, occlusion queries check if all rays of a block are occluded.
 const EARLY_OUT_INTERVAL: usize = 64;
 
-/// No structure at all.
+/// The backend without any acceleration structure.
 pub(super) struct BruteForce {
     spheres: Arc<SphereSet>,
     isa: Isa,
@@ -92,8 +92,8 @@ impl Accel for BruteForce {
         self.occluded_blocks(rays, blocked);
     }
 
-    /// The ray is known to 48 bits and the arithmetic is f64, so the band is that of 2^-48, with
-    /// room: `k 2^-24 = 2^-44`.
+    /// Rays are stored with 48 bits and all arithmetic is f64, so the error is that of 2^-48, with
+    /// some margin: `k 2^-24 = 2^-44`.
     fn error_bound(&self) -> ErrorBound {
         let k = 2f64.powi(-20);
         ErrorBound { particles: k, giants: k, rounds_origin: false }
@@ -104,7 +104,7 @@ impl Accel for BruteForce {
     }
 }
 
-/// Rays with the bits that they were asked with.
+/// Converts queries to path rays with the same bits.
 fn to_path_rays(rays: &[Ray]) -> PathRays {
     let mut found = PathRays::default();
     for ray in rays {
@@ -119,17 +119,17 @@ fn to_path_rays(rays: &[Ray]) -> PathRays {
     found
 }
 
-/// What the rays of a block have met.
+/// The closest hits of a block of rays.
 #[derive(Default)]
 struct BlockHits {
     inv_length_squared: Lanes<f64>,
-    /// Of the nearest hit so far; before, the end of the ray's interval.
+    /// Distance to the closest hit so far; initially the end of the ray's interval.
     t: Lanes<f64>,
-    /// The sphere, or `NO_SPHERE`.
+    /// The sphere hit, or `NO_SPHERE`.
     id: Lanes<u32>,
 }
 
-/// Nothing met yet.
+/// Initialises a block without hits.
 struct InitHits<'a> {
     rays: &'a RayBlock,
     found: &'a mut BlockHits,
@@ -147,7 +147,7 @@ impl SimdKernel for InitHits<'_> {
     }
 }
 
-/// All rays of a block against some spheres.
+/// Tests all rays of a block against a list of spheres.
 struct IntersectSpheres<'a> {
     rays: &'a RayBlock,
     spheres: &'a SphereSet,
@@ -167,7 +167,7 @@ impl SimdKernel for IntersectSpheres<'_> {
                     (rays.t_min.0[lane], found.t.0[lane], found.id.0[lane]);
                 let per_length_squared = found.inv_length_squared.0[lane];
                 let t = sphere.nearer_root(origin, direction, per_length_squared, t_min);
-                // Without branches, which would keep the loop from becoming vector instructions.
+                // No branches, which would prevent vectorisation.
                 let is_excluded =
                     (rays.origin_sphere.0[lane] == id) | (rays.target_sphere.0[lane] == id);
                 let is_nearer = (t > t_min) & (t < nearest) & !is_excluded;

@@ -1,4 +1,4 @@
-//! Which intersector found the hits of a picture.
+//! Identifies the intersector that rendered a picture.
 
 use std::fmt;
 
@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use super::backend::{Backend, embree_info};
 
-/// A backend with what decides its answers: two equal ones answer every ray alike.
+/// A backend with everything that affects its results: equal intersectors give equal hits.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Intersector {
     /// The backend.
     pub backend: Backend,
-    /// The Embree that does its work; `None` for our own backends, which change with the program alone.
+    /// The Embree library; `None` for our own backends, which change only with the program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub embree: Option<EmbreeBuild>,
 }
@@ -23,12 +23,12 @@ pub struct Intersector {
 pub struct EmbreeBuild {
     /// Version of the library, such as `4.3.3`.
     pub version: String,
-    /// The instruction set that it selected on the processor, such as `AVX2`.
+    /// The instruction set that Embree selected, such as `AVX2`.
     pub instruction_set: String,
 }
 
 impl Intersector {
-    /// The intersector that this backend is on this machine.
+    /// The intersector of this backend on this machine.
     pub fn for_backend(backend: Backend) -> Self {
         let embree = match embree_info() {
             Some(Ok(info)) if backend.uses_embree() => Some(EmbreeBuild {
@@ -41,7 +41,7 @@ impl Intersector {
     }
 }
 
-/// As in `native` or `embree 4.3.3, AVX2`.
+/// Formats as `native` or `embree 4.3.3, AVX2`.
 impl fmt::Display for Intersector {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.backend.name())?;

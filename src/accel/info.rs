@@ -1,19 +1,19 @@
-//! What is known of the Embree that this program runs with.
+//! Version and features of the Embree library.
 
-/// The Embree library, as it describes itself.
+/// The Embree library, as Embree itself reports it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EmbreeInfo {
-    /// Version of the headers that this program was compiled against, such as `4.3.3`.
+    /// Version of the headers that this program was compiled with, such as `4.3.3`.
     pub compiled_version: String,
-    /// Version of the library that runs.
+    /// Version of the loaded library.
     pub runtime_version: String,
-    /// The instructions that it selected on this processor.
+    /// The instruction set that Embree selected on this processor.
     pub instruction_set: &'static str,
-    /// What runs its build threads.
+    /// The tasking system that runs the build threads.
     pub tasking: &'static str,
-    /// Whether it was built to overlook the inside of spheres; `None` where the version does not
-    /// tell. If so, the backend `embree` refuses to work and `embree-user` is the way out.
+    /// True if this Embree culls hits from inside spheres; `None` if the version does not report
+    /// it. If true, the backend `embree` refuses to run; `embree-user` works.
     pub culls_sphere_back_faces: Option<bool>,
-    /// Features that photosphere needs and that it was built without.
+    /// Features that photosphere requires and this Embree lacks.
     pub missing: Vec<&'static str>,
 }

@@ -1,4 +1,4 @@
-//! Who is hit? One trait, and its backends, built from the same
+//! Ray intersection: one trait, and its backends, all built from the same
 //! [`SphereSet`](crate::geometry::SphereSet).
 
 mod backend;

@@ -1,4 +1,4 @@
-//! How a backend is built.
+//! Build options.
 
 use std::str::FromStr;
 
@@ -8,34 +8,34 @@ use crate::task::{CancelToken, ProgressCallback};
 
 use super::native::KernelIsa;
 
-/// How a backend is built.
+/// Options for building a backend.
 #[derive(Clone, Debug, Default)]
 pub struct BuildOptions {
-    /// Threads that Embree's own build may use; 0 means all. The native backend builds on the
-    /// current rayon pool.
+    /// Threads for Embree's own build; 0 means all. The native backend builds on the current rayon
+    /// pool.
     pub threads: usize,
-    /// How much care the native backend takes.
+    /// Build quality of the native backend.
     pub quality: BuildQuality,
-    /// Told how far a build is.
+    /// Receives the progress of the build.
     pub progress: ProgressCallback,
-    /// The form of the native kernel; the fastest that there is where `None`.
+    /// The variant of the native kernel; `None` selects the fastest one available.
     pub isa: Option<KernelIsa>,
-    /// Set from elsewhere to stop the build, which then fails with a cancellation.
+    /// Cancels the build, which then fails with a cancellation error.
     pub cancel: CancelToken,
 }
 
-/// How much care a build takes.
+/// The trade-off between build time and tracing speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BuildQuality {
-    /// For pictures that take longer than the build.
+    /// For renders that take longer than the build.
     #[default]
     Best,
-    /// Three times faster to build, and up to a tenth slower to trace: for previews.
+    /// For previews: builds three times faster, traces up to 10 % slower.
     Fast,
 }
 
 impl BuildQuality {
-    /// Every kind of care.
+    /// Every quality.
     pub const ALL: &[Self] = &[Self::Best, Self::Fast];
 }
 

@@ -1,4 +1,4 @@
-//! An Embree device: the owner of errors, memory figures and build threads.
+//! Embree devices, which own errors, memory statistics and build threads.
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::ptr::NonNull;
@@ -9,19 +9,19 @@ use crate::error::{Error, Result, Suggestion};
 
 use super::sys;
 
-/// Owns a device. Each intersector has its own, so that errors and bytes are its own too.
+/// Owns a device. Each intersector has its own, and so its own errors and memory statistics.
 pub(super) struct Device {
     raw: NonNull<sys::PsDevice>,
-    /// Embree keeps its address, so it goes after `raw` is released.
+    /// Embree keeps this address, so it must outlive `raw`.
     listener: Arc<DeviceListener>,
 }
 
-/// What Embree tells a device, from any of its threads.
+/// Receives callbacks from Embree, on any of its threads.
 #[derive(Default)]
 struct DeviceListener {
-    /// The first error since the last check; later ones are mostly its consequences.
+    /// The first error since the last check; later ones are mostly consequences of the first.
     error: Mutex<Option<DeviceError>>,
-    /// Bytes that Embree holds, by its own count.
+    /// Bytes held by Embree, according to Embree.
     bytes: AtomicIsize,
 }
 
@@ -36,7 +36,7 @@ unsafe impl Send for Device {}
 unsafe impl Sync for Device {}
 
 impl Device {
-    /// A device that builds with this many threads; 0 means all.
+    /// Creates a device that builds with this many threads; 0 means all.
     pub(super) fn new(threads: usize) -> Result<Arc<Self>> {
         let config = if threads == 0 { String::new() } else { format!("threads={threads}") };
         let config = CString::new(config).expect("a number holds no NUL");
@@ -47,10 +47,10 @@ impl Device {
         Ok(Arc::new(device))
     }
 
-    /// Takes ownership of a new device, and listens to it.
+    /// Takes ownership of a new device and registers the callbacks.
     pub(super) fn adopt(raw: *mut sys::PsDevice) -> Result<Self> {
         let Some(raw) = NonNull::new(raw) else {
-            // SAFETY: asks for the error of this thread's failed `ps_device_new`.
+            // SAFETY: reads the error of this thread's failed `ps_device_new`.
             let cause = match unsafe { sys::ps_creation_error() } {
                 4 => "there is not enough memory".to_owned(),
                 5 => "it does not support this processor".to_owned(),
@@ -62,8 +62,8 @@ impl Device {
         };
         let device = Self { raw, listener: Arc::default() };
         let listener = Arc::as_ptr(&device.listener).cast_mut().cast::<c_void>();
-        // SAFETY: `raw` is alive; the callbacks cast `listener` back to what it is and only read
-        // it as shared; it lives until `drop`, after the device itself.
+        // SAFETY: `raw` is alive. The callbacks cast `listener` back to its type and only use it as
+        // a shared reference. It lives until `drop` has released the device.
         unsafe {
             sys::ps_device_on_error(raw.as_ptr(), Some(on_error), listener);
             sys::ps_device_on_memory(raw.as_ptr(), Some(on_memory), listener);
@@ -86,7 +86,7 @@ impl Device {
         }
     }
 
-    /// What this Embree is and can do.
+    /// Version and features of this Embree.
     pub(super) fn describe(&self) -> Result<sys::PsDescription> {
         let mut description = std::mem::MaybeUninit::uninit();
         // SAFETY: the device is alive, and the call fills the whole description.
@@ -98,8 +98,8 @@ impl Device {
         Ok(description)
     }
 
-    /// Bytes that Embree holds for this device, by its own count, which is up to twice of what the
-    /// process really grows by in large scenes.
+    /// Bytes held by Embree for this device, according to Embree. In large scenes this is up to
+    /// twice the real growth of the process.
     pub(super) fn bytes(&self) -> usize {
         usize::try_from(self.listener.bytes.load(Ordering::Relaxed)).unwrap_or(0)
     }
@@ -107,8 +107,8 @@ impl Device {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: this is the one owner. Scenes and geometries hold an `Arc` of this device and
-        // release their own handles first, so this call frees it, and the listener is alive.
+        // SAFETY: this is the only owner. Scenes and geometries hold an `Arc` of this device and
+        // release their own handles first, so this call frees it, and the listener is still alive.
         unsafe { sys::ps_device_release(self.raw()) }
     }
 }

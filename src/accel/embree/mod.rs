@@ -1,13 +1,13 @@
-//! Intel Embree behind our own C shim (`ffi/shim.c`).
+//! Intel Embree, behind our own C shim (`ffi/shim.c`).
 //!
-//! Particles are sphere points that share the [`SphereSet`]'s own array, or user geometry on
-//! request; giants are always user geometry. User geometry is intersected in C, in f64, with the
-//! operations of [`crate::geometry::Sphere::first_root`]. Rays are traced in a loop in C; nothing
-//! is asked of Embree's error state on that path, because invalid rays, the one way to fail there,
-//! never reach Embree.
+//! Particles are sphere points that share the array of the [`SphereSet`], or user geometry on
+//! request. Giants are always user geometry. User geometry is intersected in C, in f64, with the
+//! operations of [`crate::geometry::Sphere::first_root`]. Rays are traced in a loop in C. That loop
+//! does not check Embree's error state: only invalid rays could cause an error, and they never
+//! reach Embree.
 //!
-//! This and the native kernel are the places with `unsafe` code. No Embree type enters here:
-//! `ffi/shim.h` speaks of handles and plain numbers only.
+//! Only this module and the native kernel contain `unsafe` code. No Embree types appear here:
+//! `ffi/shim.h` uses only handles and plain numbers.
 
 mod device;
 mod scene;
@@ -31,7 +31,7 @@ pub(super) use scene::ParticleGeometry;
 use device::Device;
 use scene::{EmbreeScene, EmbreeSceneBuilder, Geometry, SphereBuffers};
 
-/// Spheres in an Embree scene.
+/// The backend: spheres in an Embree scene.
 pub(super) struct Embree {
     scene: EmbreeScene,
     particles: ParticleGeometry,
@@ -80,9 +80,9 @@ impl Accel for Embree {
 }
 
 /// `k` of sphere points, which Embree intersects in f32. With `u = 2^-24`, `e = c - o` and all
-/// vectors as rounded, it computes `s = (e.d) rcp(d.d)`, `p = e - s d`, and where `p.p <= R^2`,
-/// `t = s -+ sqrt((R^2 - p.p) rcp(d.d))`. Each rounding moves the surface as the ray sees it by a
-/// multiple of `u |e|` or of `u R`:
+/// vectors as rounded, Embree computes `s = (e.d) rcp(d.d)`, `p = e - s d`, and where `p.p <= R^2`,
+/// `t = s -+ sqrt((R^2 - p.p) rcp(d.d))`. Each rounding moves the apparent surface by a multiple of
+/// `u |e|` or of `u R`:
 ///
 /// | step | `u \|e\|` | `u R` |
 /// |---|---|---|
@@ -94,20 +94,20 @@ impl Accel for Embree {
 /// | half the chord: (difference, `rcp(d.d)` 7, product) halved, and the root | | 5.5 |
 /// | `s -+ h` | 1 | 1 |
 ///
-/// The largest column sums to 16. An error of `s` moves `p` along the ray, at a right angle to
-/// `p`, so near the silhouette most of the 11 is of second order and real errors are far smaller.
+/// The largest column sums to 16. An error of `s` moves `p` along the ray, perpendicular to `p`, so
+/// near the silhouette most of the 11 is a second-order effect and real errors are far smaller.
 ///
-/// Embree's tree is traversed with its robust flag, which loses nothing; but it rounds the boxes of
-/// sphere points to nearest at the scale of `|c| + R`, the scale at which the ray's origin was
-/// rounded too.
+/// Embree's tree is traversed with the robust flag, which misses nothing. Embree does round the
+/// boxes of sphere points to nearest at the scale of `|c| + R`, but the ray's origin was rounded at
+/// that scale too.
 const POINTS_ERROR: f64 = 16.0;
 
-/// `k` of user geometry. Distances are computed from the 48-bit ray, and compared, in f64; only
-/// Embree's walk through its boxes uses the ray in f32, so that a sphere may be overlooked at its
-/// box's very edge: 1 for the rounded direction, and 1 for the reciprocals in the box test.
+/// `k` of user geometry. Distances are computed and compared in f64 from the 48-bit ray. Only
+/// Embree's tree traversal uses the ray in f32, so a sphere may be missed at the very edge of its
+/// box: 1 for the rounded direction, and 1 for the reciprocals in the box test.
 const USER_ERROR: f64 = 2.0;
 
-/// What the Embree in use says of itself.
+/// Version and features of the Embree in use.
 pub(super) fn info() -> Result<EmbreeInfo> {
     let device = Device::new(0)?;
     describe(&device)
@@ -146,7 +146,7 @@ fn describe(device: &Device) -> Result<EmbreeInfo> {
     })
 }
 
-/// Refuses an Embree that would answer wrongly without saying so.
+/// Rejects an Embree build that would silently give wrong results.
 fn check_support(info: &EmbreeInfo, particles: ParticleGeometry) -> Result<()> {
     if let Some(feature) = info.missing.first() {
         return Err(Error::backend(format!("this Embree was built without {feature}"))

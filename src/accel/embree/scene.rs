@@ -1,9 +1,9 @@
-//! Geometries, the scene that is being put together, and the committed scene.
+//! Geometries, the scene builder, and the committed scene.
 //!
-//! Each is the one owner of its handle. A [`Geometry`] is born committed, and only a
-//! [`EmbreeSceneBuilder`] can be changed and only a [`EmbreeScene`] asked, so Embree never sees the calls in a
-//! wrong order. Whatever Embree points to (device, spheres) is held by whoever holds the handle,
-//! so they may be dropped in any order.
+//! Each type is the only owner of its handle. A [`Geometry`] is always committed, only an
+//! [`EmbreeSceneBuilder`] can be modified, and only an [`EmbreeScene`] can be queried, so Embree
+//! never sees calls in a wrong order. Each owner of a handle also holds whatever Embree points to
+//! (device, spheres), so owners may be dropped in any order.
 
 use std::ffi::c_void;
 use std::ptr::{self, NonNull};
@@ -17,22 +17,22 @@ use crate::math::{Hit, Ray};
 use super::device::Device;
 use super::sys;
 
-/// What particles become in Embree. Giants are always user geometry.
+/// How particles are represented in Embree. Giants are always user geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::accel) enum ParticleGeometry {
     Points,
     User,
 }
 
-/// The spheres as the shim reads them. Never moves or changes once it is in its `Arc`.
+/// The spheres as the shim reads them. Never moves or changes once inside its `Arc`.
 pub(super) struct SphereBuffers {
     pub(super) table: sys::PsSpheres,
-    /// What the table points to.
+    /// Owns what the table points to.
     _set: Arc<SphereSet>,
     _giants: Vec<[f64; 4]>,
 }
 
-// SAFETY: the table's pointers lead to memory that this value owns and that nobody ever writes.
+// SAFETY: the table's pointers lead to memory that this value owns and that is never written.
 unsafe impl Send for SphereBuffers {}
 // SAFETY: as above.
 unsafe impl Sync for SphereBuffers {}
@@ -79,16 +79,16 @@ pub(super) struct Geometry {
 unsafe impl Send for Geometry {}
 
 impl Geometry {
-    /// The spheres that are sphere points, committed.
+    /// Creates committed sphere points.
     pub(super) fn points(device: &Arc<Device>, spheres: &Arc<SphereBuffers>) -> Result<Self> {
-        // SAFETY: device and table are alive, and the geometry keeps them so.
+        // SAFETY: device and table are alive, and the geometry keeps them alive.
         let raw = unsafe { sys::ps_points_new(device.raw(), &spheres.table) };
         Self::uncommitted(raw, device, spheres, "share the spheres")?.commit()
     }
 
-    /// The spheres that are user geometry, committed.
+    /// Creates committed user geometry.
     pub(super) fn user(device: &Arc<Device>, spheres: &Arc<SphereBuffers>) -> Result<Self> {
-        // SAFETY: device and table are alive, and the geometry keeps them so.
+        // SAFETY: device and table are alive, and the geometry keeps them alive.
         let raw = unsafe { sys::ps_user_new(device.raw(), &spheres.table) };
         Self::uncommitted(raw, device, spheres, "take the spheres")?.commit()
     }
@@ -118,32 +118,32 @@ impl Geometry {
 
 impl Drop for Geometry {
     fn drop(&mut self) {
-        // SAFETY: this is the one owner; scenes count their own reference.
+        // SAFETY: this is the only owner; scenes count their own reference.
         unsafe { sys::ps_geometry_release(self.raw.as_ptr()) }
     }
 }
 
-/// Owns a scene's handle, and all that Embree reads through it.
+/// Owns a scene's handle, and everything that Embree reads through it.
 struct SceneHandle {
     raw: NonNull<sys::PsScene>,
     spheres: Vec<Arc<SphereBuffers>>,
     device: Arc<Device>,
 }
 
-// SAFETY: Embree's scenes may be used by any thread; `EmbreeSceneBuilder` lets only one change a scene.
+// SAFETY: any thread may use an Embree scene; only one `EmbreeSceneBuilder` can modify it.
 unsafe impl Send for SceneHandle {}
-// SAFETY: what takes `&self` (the queries of a committed `EmbreeScene`) may run on many threads at once,
-// by Embree's contract.
+// SAFETY: by Embree's contract, the `&self` functions (queries of a committed `EmbreeScene`) may
+// run on many threads at once.
 unsafe impl Sync for SceneHandle {}
 
 impl Drop for SceneHandle {
     fn drop(&mut self) {
-        // SAFETY: this is the one owner, and fields are dropped only afterwards.
+        // SAFETY: this is the only owner, and its fields are dropped afterwards.
         unsafe { sys::ps_scene_release(self.raw.as_ptr()) }
     }
 }
 
-/// A scene being put together.
+/// A scene under construction.
 pub(super) struct EmbreeSceneBuilder {
     handle: SceneHandle,
 }
@@ -157,7 +157,7 @@ impl EmbreeSceneBuilder {
         Ok(Self { handle: owned.expect("Embree reports an error where it gives no scene") })
     }
 
-    /// Adds a geometry of the same device, whose own handle may go afterwards.
+    /// Adds a geometry of the same device. The geometry's own handle may be dropped afterwards.
     pub(super) fn attach(mut self, geometry: &Geometry) -> Result<Self> {
         self.handle.spheres.push(geometry.spheres.clone());
         // SAFETY: both handles are alive, and `self` is the only user of the scene.
@@ -170,8 +170,8 @@ impl EmbreeSceneBuilder {
     pub(super) fn commit(self, options: &BuildOptions) -> Result<EmbreeScene> {
         let raw = self.handle.raw.as_ptr();
         let listener = ptr::from_ref(options).cast_mut().cast::<c_void>();
-        // SAFETY: `self` is the only user of the scene. `on_progress` reads `options` as shared, and is
-        // taken away again before the borrow ends.
+        // SAFETY: `self` is the only user of the scene. `on_progress` reads `options` as a shared
+        // reference and is unregistered before the borrow ends.
         unsafe {
             sys::ps_scene_on_progress(raw, Some(on_progress), listener);
             sys::ps_scene_commit(raw);
@@ -183,13 +183,13 @@ impl EmbreeSceneBuilder {
 }
 
 unsafe extern "C" fn on_progress(options: *mut c_void, done: f64) -> bool {
-    // SAFETY: `commit` passed a `&BuildOptions` that it holds while this may be called.
+    // SAFETY: `commit` passed a `&BuildOptions` that outlives all calls of this function.
     let options = unsafe { &*options.cast::<BuildOptions>() };
     options.progress.report(done);
     !options.cancel.is_cancelled()
 }
 
-/// A committed scene: it can only be asked.
+/// A committed scene, which can only be queried.
 pub(super) struct EmbreeScene {
     handle: SceneHandle,
 }
@@ -199,7 +199,7 @@ impl EmbreeScene {
     /// When the slices differ in length.
     pub(super) fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
         assert_eq!(rays.len(), hits.len(), "one hit for each ray");
-        // SAFETY: the scene is committed and may be asked from any thread. `sys` proves that the
+        // SAFETY: the scene is committed and may be queried from any thread. `sys` proves that the
         // layouts of rays and hits agree; the shim reads and writes `len` of each.
         unsafe {
             sys::ps_closest(
@@ -226,7 +226,7 @@ impl EmbreeScene {
         }
     }
 
-    /// Bytes that Embree holds, see [`Device::bytes`].
+    /// Bytes held by Embree, see [`Device::bytes`].
     pub(super) fn bytes(&self) -> usize {
         self.handle.device.bytes()
     }

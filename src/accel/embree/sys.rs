@@ -1,5 +1,5 @@
-//! The declarations of `ffi/shim.h`, as bindgen reads them, with a proof that rays and hits have
-//! the same layout on both sides.
+//! The declarations of `ffi/shim.h`, as read by bindgen, with a proof that rays and hits have the
+//! same layout on both sides.
 
 #![allow(dead_code, reason = "Rust 1.85 overlooks a constant that only constants use")]
 #![allow(

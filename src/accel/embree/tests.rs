@@ -1,5 +1,4 @@
-//! The fence itself: errors, cancellation, owners dropped in every order. What the intersectors
-//! answer is tested from outside.
+//! Errors, cancellation, and owners dropped in every order. Query results are tested from outside.
 
 use std::sync::Arc;
 
@@ -12,7 +11,7 @@ use super::device::Device;
 use super::scene::{EmbreeScene, EmbreeSceneBuilder, Geometry, SphereBuffers};
 use super::{ParticleGeometry, check_support, describe, sys};
 
-/// A grid of spheres of radius 0.25, and a giant under it.
+/// A grid of spheres of radius 0.25 above a giant.
 fn grid(side: i32) -> Arc<SphereSet> {
     let cell = |i: i32| [(i % side) as f32, (i / side % side) as f32, (i / side / side) as f32];
     let table = (0..side.pow(3)).map(|i| [cell(i)[0], cell(i)[1], cell(i)[2], 0.25]).collect();
@@ -30,7 +29,8 @@ fn commit(device: &Arc<Device>, spheres: &Arc<SphereBuffers>) -> EmbreeScene {
     builder.commit(&BuildOptions::default()).expect("builds")
 }
 
-/// A ray down through the middle of the grid hits a sphere, and one beside it the ground.
+/// A ray down through the middle of the grid hits a sphere, and a ray beside the grid hits the
+/// ground.
 fn ask(scene: &EmbreeScene) {
     let down =
         |x: f64| Ray::new(DVec3::new(x, 100.0, 0.0), -DVec3::Y, 0.0, f64::INFINITY, [NO_SPHERE; 2]);
@@ -81,7 +81,7 @@ fn threads_build_ask_and_drop_at_once() {
                         inner.spawn(|| ask(&scene));
                         inner.spawn(|| ask(&scene));
                     });
-                    // On another thread than the one that built it.
+                    // On another thread than the one that built the scene.
                     std::thread::spawn(move || drop(scene)).join().expect("drops");
                 }
             });
@@ -94,9 +94,9 @@ fn a_refused_buffer_is_told_in_embrees_words() {
     let set = grid(3);
     let device = Device::new(1).expect("starts");
     let spheres = SphereBuffers::new(&set, ParticleGeometry::Points);
-    // An address that is no multiple of 4; it is refused before it is read.
+    // An address that is not a multiple of 4; Embree rejects it before reading.
     let table = sys::PsSpheres { particles: std::ptr::without_provenance(2), ..spheres.table };
-    // SAFETY: the device is alive; Embree refuses the address and keeps nothing of the table.
+    // SAFETY: the device is alive; Embree rejects the address and keeps nothing of the table.
     let raw = unsafe { sys::ps_points_new(device.raw(), &table) };
     let refused = Geometry::uncommitted(raw, &device, &spheres, "share the spheres");
     let error = refused.err().expect("refused");

@@ -1,4 +1,4 @@
-//! What a ray is traced through.
+//! The structure that rays are traced through.
 
 use std::sync::Arc;
 
@@ -9,17 +9,17 @@ use super::bvh::Bvh;
 use super::giants::Giants;
 use super::query::{BestHit, ExactQuery};
 
-/// The tree of the particles, and the giants beside it.
+/// The tree of the particles, and the giants.
 pub(super) struct Aggregate {
     pub(super) tree: Bvh,
     pub(super) giants: Giants,
-    /// The spheres that both are made of.
+    /// The spheres of both.
     pub(super) spheres: Arc<SphereSet>,
 }
 
 impl Aggregate {
-    /// The best hit of a valid ray on a giant; with `any`, some hit. Giants come first: there are few,
-    /// and a hit on one shortens the way through the tree.
+    /// Finds the best hit of a valid ray on a giant, or any hit if `any`. Giants come first: there
+    /// are few, and a hit on one shortens the traversal of the tree.
     #[inline(always)]
     pub(super) fn closest_giant(&self, ray: &Ray, any: bool) -> BestHit {
         let best = BestHit::none(ray);

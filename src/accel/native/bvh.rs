@@ -6,15 +6,15 @@ use super::kernel::huge_pages::HugePageVec;
 use super::limits::MAX_CANDIDATE_LEAVES;
 use super::node::{BvhNode, LeafIds, NodeRef, SphereLeaf, WIDTH};
 
-/// Nodes, leaves and the ids of the leaves' spheres.
+/// Nodes, leaves and the ids of the spheres in the leaves.
 pub(super) struct Bvh {
     nodes: HugePageVec<BvhNode>,
     leaves: HugePageVec<SphereLeaf>,
     ids: HugePageVec<LeafIds>,
-    /// Where a traversal starts; `None` for a list of leaves without a tree over it, which are no more
-    /// than a ray can keep.
+    /// Where a traversal starts; `None` for a list of leaves without a tree, short enough for one
+    /// ray to keep all of them as candidates.
     pub(super) root: Option<NodeRef>,
-    /// The middle of the root's boxes; the origin without a tree.
+    /// The centre of the root's bounds; the origin without a tree.
     pub(super) center: [f32; 3],
     /// The mean extent of the boxes of leaves, over all axes; 0 without a tree.
     pub(super) mean_leaf_extent: f32,
@@ -24,7 +24,8 @@ impl Bvh {
     /// A tree of at most [`MAX_DEPTH`](super::limits::MAX_DEPTH) levels of nodes.
     ///
     /// # Panics
-    /// When a child is no node or leaf of the tree, or a leaf has no ids. The kernel relies on it.
+    /// If a child refers to no node or leaf of the tree, or a leaf has no ids. The kernel relies on
+    /// this.
     pub(super) fn new(
         nodes: HugePageVec<BvhNode>,
         leaves: HugePageVec<SphereLeaf>,
@@ -47,7 +48,7 @@ impl Bvh {
         tree
     }
 
-    /// Finds the middle and the grain.
+    /// Computes the centre and the mean leaf extent.
     fn compute_extents(&mut self) {
         let Some(root) = self.root.filter(|root| !root.is_leaf()) else { return };
         let root = &self.nodes()[root.index()];
@@ -70,7 +71,7 @@ impl Bvh {
         self.leaves.as_slice()
     }
 
-    /// As many as leaves.
+    /// The ids of the spheres in each leaf.
     #[inline(always)]
     pub(super) fn ids(&self) -> &[LeafIds] {
         self.ids.as_slice()
@@ -82,7 +83,7 @@ impl Bvh {
     }
 }
 
-/// The extents of a node's leaves along the axes, added up.
+/// The sum of the extents of a node's leaves along all axes.
 fn leaf_extents(node: &BvhNode) -> f64 {
     let lanes = (0..WIDTH).filter(|&lane| node.children[lane].is_leaf());
     let extent = |lane: usize, axis: usize| node.planes[axis + 3][lane] - node.planes[axis][lane];

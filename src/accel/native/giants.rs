@@ -1,8 +1,8 @@
-//! The spheres that stay in f64: a plain list, or beyond 64 a small tree of their own.
+//! The spheres that stay in f64: a plain list, or a small tree of their own beyond 64.
 //!
-//! The tree is binary and implicit: the spheres are halved along the longest extent of their
-//! centres down to eight, and a node's children follow from its range. Boxes are f64 and need no
-//! more than the slack of [`super::node::BvhNode::set_child`].
+//! The tree is binary and implicit: the spheres are split in halves along the longest extent of
+//! their centres down to eight, and a node's children follow from its range. Boxes are f64 and need
+//! only the slack of [`super::node::BvhNode::set_child`].
 
 use crate::error::Result;
 use crate::geometry::Sphere;
@@ -12,9 +12,9 @@ use crate::task::CancelToken;
 use super::node::F64_BOX_SLACK;
 use super::query::ExactQuery;
 
-/// As many giants as are tested one by one.
+/// Up to this many giants are tested one by one.
 const MAX_LIST_SIZE: usize = 64;
-/// Most spheres of a leaf.
+/// Maximum number of spheres in a leaf.
 const MAX_LEAF_SIZE: usize = 8;
 
 /// The giants of a scene; the tree's nodes are in depth-first order.
@@ -29,7 +29,7 @@ struct Giant {
     id: u32,
 }
 
-/// A box, the giants in it, and where its right child is (the left one comes next); a leaf has no
+/// A box, its giants, and the index of its right child (the left child comes next); a leaf has no
 /// right child.
 #[derive(Clone, Debug, PartialEq)]
 struct GiantNode {
@@ -41,7 +41,7 @@ struct GiantNode {
 }
 
 impl Giants {
-    /// Over giants with the ids from `first_id` on.
+    /// Builds over giants with the ids from `first_id`.
     ///
     /// # Errors
     /// On cancellation.
@@ -60,14 +60,13 @@ impl Giants {
         size_of_val(&*self.giants) + size_of_val(&*self.nodes)
     }
 
-    /// Whether there is none.
+    /// Returns true if there are no giants.
     #[inline(always)]
     pub(super) fn is_empty(&self) -> bool {
         self.giants.is_empty()
     }
 
-    /// Offers the query every giant that may be better than what it has; with `any`, until one is
-    /// hit.
+    /// Tests every giant that may improve the query's best hit; if `any`, stops at the first hit.
     pub(super) fn trace(&self, query: &mut ExactQuery, any: bool) {
         if self.nodes.is_empty() {
             consider_all(&self.giants, query);
@@ -76,7 +75,7 @@ impl Giants {
         }
     }
 
-    /// Recursion goes as deep as the tree, which is at most 30 levels, as it is halved.
+    /// Recursive; the tree is at most 30 levels deep, because it is split in halves.
     fn traverse(&self, index: usize, inverse: DVec3, query: &mut ExactQuery, any: bool) {
         let node = &self.nodes[index];
         if (any && query.best.is_hit()) || !node.may_intersect(inverse, query) {
@@ -99,8 +98,8 @@ impl Giants {
     }
 }
 
-/// One over each component; one that is less than 2^-60 of the whole counts as that much, which
-/// moves a point of the ray by far less than the slack, and nothing is divided by zero.
+/// The reciprocal of each component. Components below 2^-60 of the length are raised to that, which
+/// moves a point of the ray by far less than the slack and avoids division by zero.
 fn safe_inverse(direction: DVec3) -> DVec3 {
     let smallest = direction.length() / (1u64 << 60) as f64;
     direction.abs().max(DVec3::splat(smallest)).copysign(direction).recip()
@@ -129,7 +128,7 @@ fn build_node(
     Ok(())
 }
 
-/// Puts the half with the smaller centres first, along the axis where they differ most.
+/// Moves the half with the smaller centres to the front, along the axis of the largest extent.
 fn split_median(giants: &mut [Giant]) -> usize {
     let (low, high) =
         bounds_of(giants.iter().map(|giant| (giant.sphere.center, giant.sphere.center)));
@@ -157,10 +156,10 @@ impl GiantNode {
         Self { low, high, first: first as u32, count: giants.len() as u32, right: None }
     }
 
-    /// Whether the ray meets the box before its best hit; `true` where it is not sure.
+    /// Returns true if the ray may intersect the box before its best hit.
     ///
-    /// The planes are moved apart by what the f64 arithmetic may be wrong by for this origin, here
-    /// and in the test of a sphere.
+    /// The planes are moved apart by the bound on the f64 error for this origin, both here and in
+    /// the sphere test.
     fn may_intersect(&self, inverse: DVec3, query: &ExactQuery) -> bool {
         let slack = F64_BOX_SLACK * query.origin.abs().max_element();
         let a = (self.low - slack - query.origin) * inverse;

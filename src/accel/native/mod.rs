@@ -1,10 +1,9 @@
-//! The bounding volume hierarchy in Rust: eight boxes a node, eight spheres a leaf, sixteen rays at a
-//! time.
+//! The bounding volume hierarchy in Rust: eight boxes per node, eight spheres per leaf, sixteen
+//! rays at a time.
 //!
-//! Boxes are f32 and only decide what is looked at, and so does a first test of the spheres, whose
-//! error is bounded. Whether a sphere is hit, and which one first, is decided in f64 by
-//! [`crate::geometry::Sphere::first_root`], as in the brute-force backend, so that the two give the
-//! same ids, and every form of the kernel too.
+//! Boxes are f32 and only select candidates, as does a first test of the spheres with bounded
+//! error. The final hit test is done in f64 by [`crate::geometry::Sphere::first_root`], as in the
+//! brute-force backend, so both backends and all kernel variants return the same ids.
 
 mod aggregate;
 mod build;
@@ -30,7 +29,7 @@ use aggregate::Aggregate;
 use build::BuildStats;
 use giants::Giants;
 
-/// The hierarchy, and the form of the kernel that goes through it.
+/// The hierarchy, and the kernel variant that traverses it.
 pub(super) struct NativeAccel {
     bvh: Aggregate,
     stats: BuildStats,
@@ -38,7 +37,7 @@ pub(super) struct NativeAccel {
 }
 
 impl NativeAccel {
-    /// Builds on the current rayon pool, whatever `options.threads` says.
+    /// Builds on the current rayon pool and ignores `options.threads`.
     pub(super) fn new(spheres: Arc<SphereSet>, options: &BuildOptions) -> Result<Self> {
         let (tree, shape) = build::build(&spheres, options)?;
         let first_giant = spheres.particles().len();
@@ -57,9 +56,9 @@ impl Accel for NativeAccel {
         kernel::occluded(self.isa, &self.bvh, rays, blocked);
     }
 
-    /// The ray is known to 48 bits, and spheres are tested with the arithmetic of the brute-force
-    /// backend; boxes leave nothing out (see `node` and `kernel::ray_state`). So the band is the same:
-    /// `k 2^-24 = 2^-44`.
+    /// Rays are stored with 48 bits, spheres are tested with the arithmetic of the brute-force
+    /// backend, and boxes are conservative (see `node` and `kernel::ray_state`). So the error is
+    /// that of brute force: `k 2^-24 = 2^-44`.
     fn error_bound(&self) -> ErrorBound {
         let k = 2f64.powi(-20);
         ErrorBound { particles: k, giants: k, rounds_origin: false }

@@ -1,4 +1,4 @@
-//! One ray in f64, and the best hit so far: where a tree's candidates are judged.
+//! The exact test of candidates: one ray in f64, and its best hit so far.
 
 use crate::fault::fault;
 use crate::geometry::Sphere;
@@ -16,14 +16,14 @@ pub(super) struct ExactQuery<'a> {
 /// The best hit so far.
 #[derive(Clone, Copy)]
 pub(super) struct BestHit {
-    /// Its distance, in units of the direction's length; at first, the ray's end.
+    /// Distance in units of the direction's length; initially the end of the ray.
     pub(super) t: f64,
     /// The sphere hit, or [`NO_SPHERE`].
     pub(super) id: u32,
 }
 
 impl BestHit {
-    /// None yet.
+    /// No hit yet.
     #[inline(always)]
     pub(super) fn none(ray: &Ray) -> Self {
         Self { t: f64::from(ray.t_max), id: NO_SPHERE }
@@ -47,7 +47,7 @@ impl<'a> ExactQuery<'a> {
         Self { origin, direction, t_min: f64::from(ray.t_min), ray, best }
     }
 
-    /// Takes the sphere's hit if it is better: nearer, or as near and of a smaller id.
+    /// Tests a sphere and keeps the hit if it is nearer, or equally near with a smaller id.
     #[inline(always)]
     pub(super) fn consider(&mut self, id: u32, sphere: &Sphere) {
         if self.ray.excludes(id) {

@@ -1,6 +1,6 @@
-//! Axis-aligned boxes in f32, as the builder grows them.
+//! Axis-aligned bounding boxes in f32, as used by the builder.
 
-/// A box; the fourth lane is unused, so that growing one is two vector instructions.
+/// A box. The fourth lane is unused, so that a union takes two vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::accel::native) struct Aabb {
     pub(in crate::accel::native) low: [f32; 4],
@@ -8,12 +8,12 @@ pub(in crate::accel::native) struct Aabb {
 }
 
 impl Aabb {
-    /// Contains nothing, and adds nothing to a box that it is joined with.
+    /// The empty box; its union with any box is that box.
     pub(in crate::accel::native) const EMPTY: Self =
         Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
 
-    /// The box of `[x, y, z, radius]`, with the f32 rounding of `x - radius`; see
-    /// [`crate::accel::native::node::Node::set_child`] for what makes up for it.
+    /// The box of `[x, y, z, radius]`, with the f32 rounding of `x - radius`;
+    /// [`crate::accel::native::node::BvhNode::set_child`] compensates for it.
     pub(in crate::accel::native) fn from_sphere(sphere: &[f32; 4]) -> Self {
         let radius = sphere[3];
         Self { low: sphere.map(|x| x - radius), high: sphere.map(|x| x + radius) }
@@ -24,7 +24,7 @@ impl Aabb {
         Self { low: *point, high: *point }
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[must_use]
     pub(in crate::accel::native) fn union(&self, other: &Self) -> Self {
         let mut joined = *self;
@@ -35,8 +35,8 @@ impl Aabb {
         joined
     }
 
-    /// Half the surface; 0 for the empty box. Coordinates within
-    /// [`crate::math::MAX_COORDINATE`] do not make it overflow.
+    /// Half the surface area; 0 for the empty box. Does not overflow for coordinates within
+    /// [`crate::math::MAX_COORDINATE`].
     #[inline(always)]
     pub(in crate::accel::native) fn half_area(&self) -> f32 {
         let extent = |axis: usize| fast_max(self.high[axis] - self.low[axis], 0.0);
@@ -50,13 +50,13 @@ impl Aabb {
     }
 }
 
-/// The smaller number as one machine instruction; `b` where either is NaN.
+/// Returns the smaller number, in one machine instruction; `b` if either is NaN.
 #[inline(always)]
 pub(in crate::accel::native) fn fast_min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The larger number as one machine instruction; `b` where either is NaN.
+/// Returns the larger number, in one machine instruction; `b` if either is NaN.
 #[inline(always)]
 pub(in crate::accel::native) fn fast_max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

@@ -1,35 +1,35 @@
-//! The binary tree over one cell: what the wide tree is cut from.
+//! The binary tree over one treelet, from which the wide tree is collapsed.
 
 use super::aabb::Aabb;
 use super::split::{self, PrimRef, SAH_BLOCK_SIZE};
 
-/// Levels that the heuristic may shape; below them, items are halved.
+/// Levels split by the surface area heuristic; below them, primitives are split in halves.
 const MAX_SAH_DEPTH: usize = 24;
-/// Most levels over `2^12` items, and so over a cell: each of the halved ones leaves half of the
-/// items, rounded up.
+/// Maximum depth over `2^12` primitives, and so of a treelet: each halving leaves half of the
+/// primitives, rounded up.
 pub(super) const MAX_DEPTH: usize = MAX_SAH_DEPTH + 12;
 
-/// A binary tree, children before parents; the last node is the root.
+/// A binary tree, stored children first; the last node is the root.
 #[derive(Default)]
 pub(super) struct BinaryBvh {
     pub(super) nodes: Vec<BinaryNode>,
 }
 
-/// A node: consecutive items, their box, and the two halves they come in.
+/// A node: consecutive primitives, their bounds, and two children.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BinaryNode {
     pub(super) bounds: Aabb,
-    /// The first of the items.
+    /// The first primitive.
     pub(super) first: u32,
-    /// How many there are.
+    /// The number of primitives.
     pub(super) count: u32,
     /// The two children; `None` for a leaf.
     pub(super) children: Option<[u32; 2]>,
 }
 
 impl BinaryBvh {
-    /// Over items that it reorders, cut where the surface area heuristic says so, down to
-    /// [`SAH_BLOCK_SIZE`] items.
+    /// Builds a tree with the surface area heuristic, down to [`SAH_BLOCK_SIZE`] primitives.
+    /// Reorders the primitives.
     pub(super) fn build_sah(items: &mut [PrimRef]) -> Self {
         let mut binary = Self { nodes: Vec::with_capacity(items.len()) };
         binary.build_sah_node(items, 0, split::bounds_of(items), 0);
@@ -60,8 +60,8 @@ impl BinaryBvh {
         self.push(BinaryNode { bounds, first, count: items.len() as u32, children: Some(halves) })
     }
 
-    /// Over items in the order of a curve, whose places along it are `codes`: cut wherever the curve
-    /// leaves the larger of the boxes that it fills one after the other.
+    /// Builds a tree over primitives in Morton order, whose `codes` are given. Splits where the
+    /// highest differing bit of the Morton codes changes.
     pub(super) fn build_morton(items: &[PrimRef], codes: &[u64]) -> Self {
         let mut binary = Self { nodes: Vec::with_capacity(items.len()) };
         binary.build_morton_node(items, codes, 0, 0);
@@ -86,12 +86,12 @@ impl BinaryBvh {
         self.push_inner(left, right)
     }
 
-    /// Adds a leaf.
+    /// Appends a leaf.
     pub(super) fn push_leaf(&mut self, count: usize, first: u32, bounds: Aabb) -> u32 {
         self.push(BinaryNode { bounds, first, count: count as u32, children: None })
     }
 
-    /// Adds the parent of two nodes whose items are consecutive.
+    /// Appends the parent of two nodes with consecutive primitives.
     pub(super) fn push_inner(&mut self, left: u32, right: u32) -> u32 {
         let [a, b] = [left, right].map(|half| self.nodes[half as usize]);
         let bounds = a.bounds.union(&b.bounds);
@@ -104,7 +104,7 @@ impl BinaryBvh {
         self.nodes.len() as u32 - 1
     }
 
-    /// The number of the root.
+    /// The index of the root.
     pub(super) fn root(&self) -> u32 {
         self.nodes.len() as u32 - 1
     }

@@ -1,52 +1,52 @@
-//! From a binary tree to one of eight children a node: which nodes of the binary tree stay.
+//! Collapses a binary tree to eight children per node by choosing the binary nodes to keep.
 //!
-//! There are two ways. *Greedy* opens the child with the largest box until there are eight (Wald et
-//! al. 2008, "Getting Rid of Packets"); it may leave nodes half empty. *Optimal* finds, by dynamic
-//! programming from the leaves up, the cheapest of all ways to cut the binary tree (Ylitie et al.
-//! 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"). What is cheap
-//! is here the product of the time to trace, as the surface area heuristic has it, and of the
-//! memory: near the greedy tree, with its time `T` and bytes `B`, a change of `T B` is one of
-//! `t / T + b / B`, which is a sum over nodes and leaves. Of the two, the tree with the smaller product is
-//! taken, so that the optimal way is never worse than the greedy one.
+//! There are two methods. *Greedy* opens the child with the largest box until there are eight (Wald
+//! et al. 2008, "Getting Rid of Packets"), which may leave nodes half empty. *Optimal* finds the
+//! cheapest of all cuts of the binary tree by dynamic programming from the leaves up (Ylitie et al.
+//! 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"). The cost here
+//! is the product of tracing time, estimated by the surface area heuristic, and memory. Near the
+//! greedy tree with time `T` and bytes `B`, a change of `T B` is a change of `t / T + b / B`, which
+//! is a sum over nodes and leaves. The tree with the smaller product is used, so the result is
+//! never worse than greedy.
 
 use crate::accel::native::node::{BvhNode, LEAF_SIZE, LeafIds, SphereLeaf, WIDTH};
 
 use super::binary_bvh::{BinaryBvh, BinaryNode};
 
-/// What a step through a node costs, for each ray that meets its box.
+/// Cost of visiting a node, for each ray that hits its box.
 const NODE_COST: f32 = 1.0;
-/// What a step through a leaf costs.
+/// Cost of visiting a leaf.
 const LEAF_COST: f32 = 0.8;
 const NODE_BYTES: f32 = size_of::<BvhNode>() as f32;
 const LEAF_BYTES: f32 = (size_of::<SphereLeaf>() + size_of::<LeafIds>()) as f32;
 
-/// What the leaves of the binary tree are.
+/// The kind of leaves in the binary tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LeafKind {
-    /// Groups of spheres: nodes of up to eight may become leaves, which take time and memory.
+    /// Groups of spheres: nodes of up to eight may become leaves, which cost time and memory.
     Spheres,
-    /// Trees that are there already and cost what they cost.
+    /// Existing treelets, whose cost is fixed.
     Treelets,
 }
 
-/// How the binary tree is cut.
+/// A cut of the binary tree.
 pub(super) struct Collapse<'a> {
     bvh: &'a BinaryBvh,
     leaf_kind: LeafKind,
-    /// Of the optimal way; empty for the greedy one.
+    /// Cut tables of the optimal method; empty for greedy.
     cuts: Vec<CutTable>,
 }
 
-/// The best way to cut a node into at most `n + 1` parts, for every `n`.
+/// The best cuts of a node into at most `n + 1` nodes, for every `n`.
 #[derive(Clone, Copy, Default)]
 struct CutTable {
     cost: [f32; WIDTH],
-    /// How many of the parts are the left half's; 0 for the node as a whole. The last is how the
-    /// node is cut into the children of a wide node.
+    /// How many of the nodes come from the left child; 0 if the node is not cut. The last entry is
+    /// the cut into the children of a wide node.
     left: [u8; WIDTH],
 }
 
-/// Time and memory of a tree.
+/// Tracing time and memory of a tree.
 #[derive(Clone, Copy, Debug, Default)]
 struct TreeCost {
     time: f32,
@@ -54,7 +54,7 @@ struct TreeCost {
 }
 
 impl<'a> Collapse<'a> {
-    /// The greedy way, or the optimal one where its product of time and memory is smaller.
+    /// Returns the greedy cut, or the optimal one if its product of time and memory is smaller.
     pub(super) fn best(binary: &'a BinaryBvh, leaves: LeafKind) -> Self {
         let greedy = Self::greedy(binary, leaves);
         let price = greedy.cost();
@@ -76,12 +76,12 @@ impl<'a> Collapse<'a> {
         collapse
     }
 
-    /// Whether the optimal way was taken.
+    /// Returns true if the optimal method was used.
     pub(super) fn is_optimal(&self) -> bool {
         !self.cuts.is_empty()
     }
 
-    /// Whether a node of the binary tree becomes a leaf.
+    /// Returns true if a node of the binary tree becomes a leaf.
     pub(super) fn is_leaf(&self, part: u32) -> bool {
         let node = &self.bvh.nodes[part as usize];
         match (node.children, self.cuts.get(part as usize)) {
@@ -90,14 +90,14 @@ impl<'a> Collapse<'a> {
             (Some(halves), None) => {
                 self.can_be_leaf(node) && {
                     let [a, b] = halves.map(|half| self.area(half));
-                    // Two leaves are better if most rays that meet the whole miss both.
+                    // Two leaves are better if most rays that hit the node miss both.
                     2.0 * (a + b) >= node.bounds.half_area()
                 }
             }
         }
     }
 
-    /// The parts that are children of a node that is no leaf.
+    /// The nodes that become the children of an inner node.
     pub(super) fn children(&self, part: u32) -> Children {
         let mut children = Children { nodes: [0; WIDTH], count: 0 };
         if self.is_optimal() {
@@ -118,7 +118,7 @@ impl<'a> Collapse<'a> {
         children
     }
 
-    /// Adds the best cut of a node into at most `most` parts.
+    /// Adds the best cut of a node into at most `most` nodes.
     fn collect_children(&self, part: u32, most: u8, children: &mut Children) {
         let left = if most < 2 { 0 } else { self.cuts[part as usize].left[most as usize - 2] };
         match self.bvh.nodes[part as usize].children {
@@ -152,7 +152,7 @@ impl<'a> Collapse<'a> {
             return CutTable { cost: [as_leaf; WIDTH], left: [0; WIDTH] };
         };
         let [a, b] = halves.map(|half| &self.cuts[half as usize]);
-        // The cheapest cut into exactly two parts and more.
+        // The cheapest cut for each exact number of nodes, from two.
         let mut cut = [(f32::INFINITY, 0u8); WIDTH + 1];
         for (parts, cut) in cut.iter_mut().enumerate().skip(2) {
             for left in 1..parts {
@@ -179,7 +179,7 @@ impl<'a> Collapse<'a> {
         choice
     }
 
-    /// Time and memory of the tree as cut.
+    /// Time and memory of the collapsed tree.
     fn cost(&self) -> TreeCost {
         let mut price = TreeCost::default();
         let mut ahead = vec![self.bvh.root()];
@@ -196,7 +196,7 @@ impl<'a> Collapse<'a> {
     }
 }
 
-/// Up to eight parts.
+/// Up to eight children.
 pub(super) struct Children {
     nodes: [u32; WIDTH],
     count: usize,
@@ -212,7 +212,7 @@ impl Children {
         self.count += 1;
     }
 
-    /// Puts the halves of a part in its place; into an empty list, just the halves.
+    /// Replaces a child by its two children; in an empty list, just adds the two.
     fn expand(&mut self, place: usize, halves: [u32; 2]) {
         let kept = place + usize::from(self.count > 0);
         self.nodes.copy_within(kept..self.count.max(kept), place + 2);
@@ -231,7 +231,7 @@ impl TreeCost {
         self.bytes += other.bytes;
     }
 
-    /// What it adds to the product, near a tree of another price.
+    /// The change of the product near a tree with the cost `other`.
     fn relative_to(self, other: Self) -> f32 {
         let share = |part: f32, of: f32| if of > 0.0 { part / of } else { 0.0 };
         share(self.time, other.time) + share(self.bytes, other.bytes)
@@ -243,7 +243,7 @@ mod tests {
     use super::super::split::PrimRef;
     use super::*;
 
-    /// Spheres in a row, ever farther apart: greedy opens the long end again and again.
+    /// Spheres in a row at growing distances: greedy opens the long end again and again.
     fn row(count: u32) -> Vec<PrimRef> {
         let sphere = |i: u32| [1.02f32.powi(i as i32), 0.3 * (i % 7) as f32, 0.0, 0.2];
         (0..count).map(|id| PrimRef { sphere: sphere(id), id }).collect()

@@ -1,4 +1,4 @@
-//! Writes nodes and leaves as a collapse has chosen them.
+//! Emits the nodes and leaves of a collapsed tree.
 
 use super::aabb::Aabb;
 use super::binary_bvh::BinaryBvh;
@@ -6,7 +6,7 @@ use super::collapse::Collapse;
 use super::split::PrimRef;
 use crate::accel::native::node::{BvhNode, LeafIds, NodeRef, SphereLeaf};
 
-/// Nodes and leaves that refer to each other by their place in here, parents before children.
+/// Nodes and leaves that refer to each other by index, parents before children.
 #[derive(Default)]
 pub(super) struct EmittedTree {
     pub(super) nodes: Vec<BvhNode>,
@@ -15,7 +15,7 @@ pub(super) struct EmittedTree {
 }
 
 impl EmittedTree {
-    /// Adds the tree over a part of the binary tree, and returns its root.
+    /// Emits the tree over a subtree of the binary tree, and returns the root.
     pub(super) fn emit_subtree(
         &mut self,
         binary: &BinaryBvh,
@@ -40,8 +40,8 @@ impl EmittedTree {
     }
 }
 
-/// Adds the nodes over trees that are there already, which are the items of the binary tree, and
-/// returns the root. `before` nodes come before `nodes`.
+/// Emits the nodes above existing treelets, which are the primitives of the binary tree, and
+/// returns the root. `before` nodes precede `nodes`.
 pub(super) fn emit_top_levels(
     binary: &BinaryBvh,
     collapse: &Collapse,

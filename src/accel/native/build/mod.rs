@@ -1,13 +1,14 @@
-//! Builds the tree, on all threads of the current rayon pool, and the same one on any number.
+//! Builds the tree on all threads of the current rayon pool. The result does not depend on the
+//! number of threads.
 //!
-//! The spheres come sorted along a Morton curve, so the curve itself gives the upper part of the
-//! tree: it is cut where its highest bit changes, down to *cells* of a few thousand spheres
-//! (Lauterbach et al. 2009, "Fast BVH Construction on GPUs"). Each cell becomes a tree of its own,
-//! cut by the surface area heuristic, which as a whole costs no quality and lets the cells be built
-//! apart. A binary tree is built first in both parts, and then collapsed to eight children a node.
+//! Spheres are sorted by Morton code, which gives the top levels of the tree: the sequence is split
+//! where the highest bit changes, down to *treelets* of a few thousand spheres (Lauterbach et al.
+//! 2009, "Fast BVH Construction on GPUs"). Each treelet is built with the surface area heuristic,
+//! in parallel with the others; the tree as a whole loses no quality. Both parts first build a
+//! binary tree and then collapse it to eight children per node.
 //!
-//! Cells are built in waves, and the trees of a wave moved behind those of the one before: beside
-//! the tree itself, no more memory is needed than for one wave.
+//! Treelets are built in batches, and each batch is appended to the tree. Beyond the tree itself,
+//! memory is needed for only one batch.
 
 mod aabb;
 mod binary_bvh;
@@ -37,22 +38,22 @@ use treelets::Treelets;
 pub(super) use aabb::{Aabb, fast_max};
 pub(super) use split::PrimRef;
 
-/// Spheres of a wave.
+/// Spheres per batch of treelets.
 const SPHERES_PER_BATCH: usize = 1 << 20;
 
 const _: () =
     assert!(treelets::MAX_DEPTH + binary_bvh::MAX_DEPTH <= MAX_DEPTH, "no tree outgrows the stack");
 
-/// How the tree over some spheres came about.
+/// Build statistics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct BuildStats {
-    /// Cells, whose trees were built apart.
+    /// Number of treelets.
     pub(super) treelets: usize,
-    /// Those of them whose nodes were chosen by dynamic programming, and not greedily.
+    /// Number of treelets that were collapsed by dynamic programming and not greedily.
     pub(super) optimal_treelets: usize,
 }
 
-/// A finished cell.
+/// A finished treelet.
 struct Treelet {
     emitted: EmittedTree,
     root: NodeRef,
@@ -63,7 +64,7 @@ struct Treelet {
 /// Builds the tree over the particles of a set.
 ///
 /// # Errors
-/// On cancellation, when memory does not suffice, and beyond 2^31 leaves.
+/// On cancellation, if out of memory, and beyond 2^31 leaves.
 pub(super) fn build(set: &SphereSet, options: &BuildOptions) -> Result<(Bvh, BuildStats)> {
     let spheres = set.particles();
     if spheres.len() <= MAX_LIST_SIZE {
@@ -98,10 +99,10 @@ pub(super) fn build(set: &SphereSet, options: &BuildOptions) -> Result<(Bvh, Bui
     Ok((Bvh::new(forest.nodes, forest.leaves, forest.ids, root), shape))
 }
 
-/// As many spheres are tested one after the other: a tree over them would cost more than it saves.
+/// Up to this many spheres are tested one by one: a tree over them would cost more than it saves.
 const MAX_LIST_SIZE: usize = 32;
 
-/// The leaves of a few spheres, without a tree.
+/// Builds a list of leaves for a few spheres, without a tree.
 fn build_list(set: &SphereSet) -> Result<Bvh> {
     let items: Vec<PrimRef> = prim_refs(set, 0..set.particles().len()).collect();
     let groups = || items.chunks(LEAF_SIZE);
@@ -119,14 +120,14 @@ fn build_list(set: &SphereSet) -> Result<Bvh> {
     Ok(Bvh::new(HugePageVec::with_capacity(0)?, leaves, ids, None))
 }
 
-/// Some of the set's spheres with their ids.
+/// Spheres of the set with their ids.
 fn prim_refs(set: &SphereSet, range: Range<usize>) -> impl Iterator<Item = PrimRef> {
     let start = range.start as u32;
     let spheres = set.particles()[range].iter();
     spheres.zip(start..).map(|(&sphere, id)| PrimRef { sphere, id })
 }
 
-/// Builds one cell.
+/// Builds one treelet.
 fn build_treelet(set: &SphereSet, range: Range<usize>, quality: BuildQuality) -> Treelet {
     let spheres = &set.particles()[range.clone()];
     let mut items: Vec<PrimRef> = prim_refs(set, range).collect();
@@ -144,12 +145,12 @@ fn build_treelet(set: &SphereSet, range: Range<usize>, quality: BuildQuality) ->
     Treelet { emitted: grown, root, bounds, is_optimal: collapse.is_optimal() }
 }
 
-/// How many nodes and leaves there will be, or somewhat more: room that is not used costs nothing.
+/// Estimates the node and leaf counts, erring on the high side: unused capacity costs nothing.
 fn estimate_counts(spheres: usize) -> (usize, usize) {
     (spheres.div_ceil(12) + 1, spheres.div_ceil(3) + 1)
 }
 
-/// What has grown so far.
+/// The tree so far.
 struct BvhStorage {
     nodes: HugePageVec<BvhNode>,
     leaves: HugePageVec<SphereLeaf>,
@@ -157,7 +158,7 @@ struct BvhStorage {
 }
 
 impl BvhStorage {
-    /// Moves the trees of a wave behind what is here; returns their roots and boxes.
+    /// Appends a batch of treelets; returns their roots and boxes.
     fn append_treelets(&mut self, cells: Vec<Treelet>) -> Result<Vec<(NodeRef, Aabb)>> {
         let (mut node, mut leaf) = (self.nodes.len(), self.leaves.len());
         let sum = |of: fn(&EmittedTree) -> usize| {
@@ -192,7 +193,7 @@ impl BvhStorage {
         Ok(roots)
     }
 
-    /// Adds the nodes above the cells; returns the root.
+    /// Appends the nodes above the treelets; returns the root.
     fn append_top_levels(
         &mut self,
         cells: &Treelets,

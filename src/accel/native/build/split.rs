@@ -1,11 +1,11 @@
-//! Where to cut a group of spheres in two: the surface area heuristic over bins.
+//! Splits a group of spheres with the binned surface area heuristic.
 //!
-//! Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies": the centres fall
-//! into equal bins along each axis, and the cheapest of the planes between bins is taken.
+//! Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies": the centres are
+//! sorted into equal bins along each axis, and the cheapest plane between bins is chosen.
 
 use super::aabb::Aabb;
 
-/// A sphere on its way into a leaf.
+/// A sphere during the build.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::accel::native) struct PrimRef {
     /// `[x, y, z, radius]`.
@@ -13,18 +13,18 @@ pub(in crate::accel::native) struct PrimRef {
     pub(in crate::accel::native) id: u32,
 }
 
-/// The two sides of a cut: the first `at` items, and the rest.
+/// A split: the first `index` primitives, and the rest.
 pub(super) struct Split {
     pub(super) index: usize,
     pub(super) bounds: [Aabb; 2],
 }
 
-/// As many spheres are not cut any more, and the heuristic counts spheres in groups of this.
+/// Groups of this size are not split further, and the heuristic counts spheres in such groups.
 pub(super) const SAH_BLOCK_SIZE: usize = 4;
-/// Most bins along an axis; fewer for few items.
+/// Maximum number of bins along an axis; fewer for few primitives.
 const MAX_BINS: usize = 16;
 
-/// The box around the items.
+/// The bounds of the primitives.
 pub(super) fn bounds_of(items: &[PrimRef]) -> Aabb {
     let around = |sum: Aabb, item: &PrimRef| sum.union(&Aabb::from_sphere(&item.sphere));
     items.iter().fold(Aabb::EMPTY, around)
@@ -35,7 +35,7 @@ fn center_bounds(items: &[PrimRef]) -> Aabb {
     items.iter().fold(Aabb::EMPTY, around)
 }
 
-/// Cuts two items or more where the heuristic says so, and reorders them.
+/// Splits two or more primitives with the heuristic, and reorders them.
 pub(super) fn split_sah(items: &mut [PrimRef]) -> Split {
     let bins = if items.len() <= 2 * MAX_BINS { MAX_BINS / 2 } else { MAX_BINS };
     let binning = BinMapping::new(&center_bounds(items), bins);
@@ -48,7 +48,7 @@ pub(super) fn split_sah(items: &mut [PrimRef]) -> Split {
     }
 }
 
-/// Cuts the items into halves along the longest extent of their centres, or by radius where the
+/// Splits the primitives in halves along the longest extent of their centres, or by radius if the
 /// centres coincide.
 pub(super) fn split_median(items: &mut [PrimRef]) -> Split {
     let centers = center_bounds(items);
@@ -64,8 +64,8 @@ pub(super) fn split_median(items: &mut [PrimRef]) -> Split {
     Split { index: at, bounds: [bounds_of(left), bounds_of(right)] }
 }
 
-/// Where places along a curve, in order, first have the highest bit that they do not all have; in
-/// the middle where all are the same.
+/// Returns the first of the sorted Morton codes whose highest differing bit is set; the middle if
+/// all are equal.
 pub(super) fn morton_split(codes: &[u64]) -> usize {
     let (first, last) = (codes[0], codes[codes.len() - 1]);
     let differing = first ^ last;
@@ -81,7 +81,7 @@ fn sah_cost(count: u32, bounds: &Aabb) -> f32 {
     count.div_ceil(SAH_BLOCK_SIZE as u32) as f32 * bounds.half_area()
 }
 
-/// Which bin a centre falls into.
+/// Maps centres to bins.
 struct BinMapping {
     low: [f32; 4],
     scale: [f32; 4],
@@ -97,8 +97,8 @@ impl BinMapping {
         Self { low: centers.low, scale, last: bins as u32 - 1 }
     }
 
-    /// The bin along an axis. Without extent along it, the position is undefined, and the
-    /// saturating cast puts NaN into bin 0.
+    /// The bin along an axis. If the extent is zero, the position is undefined, and the saturating
+    /// cast puts NaN into bin 0.
     #[inline(always)]
     fn bin(&self, item: &PrimRef, axis: usize) -> usize {
         let position = (item.sphere[axis] - self.low[axis]) * self.scale[axis];
@@ -106,7 +106,7 @@ impl BinMapping {
     }
 }
 
-/// Counts and boxes of the bins along the three axes.
+/// Counts and bounds of the bins along the three axes.
 struct Bins {
     count: [[u32; MAX_BINS]; 3],
     bounds: [[Aabb; MAX_BINS]; 3],
@@ -135,7 +135,7 @@ impl Bins {
         filled
     }
 
-    /// The cheapest plane with something on both sides.
+    /// The cheapest plane with primitives on both sides.
     fn best_split(&self, bins: usize) -> Option<SplitPlane> {
         let mut best: Option<SplitPlane> = None;
         for axis in 0..3 {
@@ -150,7 +150,7 @@ impl Bins {
             for bin in 1..bins {
                 left = (left.0 + counts[bin - 1], left.1.union(&boxes[bin - 1]));
                 let right = &from_right[bin];
-                // Beside an empty bin the next plane cuts the same.
+                // Next to an empty bin, the next plane gives the same split.
                 if left.0 == 0 || right.0 == 0 || counts[bin] == 0 {
                     continue;
                 }
@@ -164,7 +164,7 @@ impl Bins {
     }
 }
 
-/// Moves the items of the left side to the front; returns how many there are.
+/// Moves the primitives of the left side to the front; returns their count.
 fn partition(items: &mut [PrimRef], is_left: impl Fn(&PrimRef) -> bool) -> usize {
     let (mut at, mut end) = (0, items.len());
     while at < end {

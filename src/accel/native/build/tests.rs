@@ -21,7 +21,7 @@ fn tree_on(threads: usize, set: &SphereSet, quality: BuildQuality) -> (Bvh, Buil
     pool.install(|| build(set, &options)).expect("not cancelled")
 }
 
-/// Levels of nodes below and with this child.
+/// The depth of the tree at a child, including its own node.
 fn depth(tree: &Bvh, child: NodeRef) -> usize {
     if child.is_leaf() {
         return 0;
@@ -38,7 +38,7 @@ fn sorted_ids(tree: &Bvh) -> Vec<u32> {
     ids
 }
 
-/// The ids below a child, each box of which holds its spheres.
+/// Asserts that every box contains its spheres; returns the bounds of a child.
 fn assert_boxes_hold(set: &SphereSet, tree: &Bvh, child: NodeRef) -> Aabb {
     if child.is_leaf() {
         let ids = tree.ids()[child.index()].iter().filter(|&&id| id != u32::MAX);

@@ -1,4 +1,4 @@
-//! The upper part of the tree: the curve that the spheres are sorted along, cut into cells.
+//! The top levels of the tree: the Morton curve, split into treelets.
 
 use std::ops::Range;
 
@@ -7,18 +7,18 @@ use crate::geometry::SphereSet;
 use super::aabb::Aabb;
 use super::binary_bvh::BinaryBvh;
 
-/// Most spheres of a cell.
+/// Maximum number of spheres in a treelet.
 pub(super) const MAX_TREELET_SIZE: usize = 4096;
-/// Levels that the curve may shape; below them, its spheres are halved.
+/// Levels split by Morton code; below them, the spheres are split in halves.
 const MAX_MORTON_DEPTH: usize = 40;
-/// Most levels: 20 more halve 2^32 spheres down to a cell.
+/// Maximum depth: 20 more levels halve 2^32 spheres down to a treelet.
 pub(super) const MAX_DEPTH: usize = MAX_MORTON_DEPTH + 20;
 
-/// The cells of a set, in the order of the curve, and the binary tree over them.
+/// The treelets of a set, in Morton order, and the binary tree over them.
 pub(super) struct Treelets {
-    /// The spheres of each cell. None is empty.
+    /// The spheres of each treelet. None is empty.
     pub(super) ranges: Vec<Range<usize>>,
-    /// For each node of the tree, children first, its two children; `None` for the next cell.
+    /// For each node of the tree, children first, its two children; `None` for the next treelet.
     top_tree: Vec<Option<[u32; 2]>>,
 }
 
@@ -45,7 +45,7 @@ impl Treelets {
         self.top_tree.len() as u32 - 1
     }
 
-    /// The cells in order, as many at a time as have at least `spheres` spheres.
+    /// Batches of treelets in order, each with at least `spheres` spheres.
     pub(super) fn batches(&self, spheres: usize) -> impl Iterator<Item = &[Range<usize>]> {
         let mut ahead = &self.ranges[..];
         std::iter::from_fn(move || {
@@ -57,7 +57,7 @@ impl Treelets {
         })
     }
 
-    /// The binary tree over the cells, whose items are the cells.
+    /// Builds the binary tree whose primitives are the treelets.
     pub(super) fn build_top_tree(&self, boxes: &[Aabb]) -> BinaryBvh {
         let mut binary = BinaryBvh::default();
         let mut cell = 0;
@@ -74,8 +74,8 @@ impl Treelets {
     }
 }
 
-/// Where the highest bit changes that the places along the curve do not all have; in the middle
-/// where all are the same.
+/// Returns the index where the highest differing bit of the Morton codes changes; the middle if all
+/// are equal.
 fn morton_split(set: &SphereSet, range: &Range<usize>, level: usize) -> usize {
     let spheres = &set.particles()[range.clone()];
     let code = |sphere: &[f32; 4]| set.morton_code(sphere);

@@ -49,7 +49,7 @@ macro_rules! compare_and_swap {
 /// Needs AVX2.
 #[inline(always)]
 pub(super) unsafe fn sort_descending(keys: __m256i) -> __m256i {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe {
         let keys = compare_and_swap!(keys, swapped!(keys, 0b10_11_00_01), 0b0101_0101);
         let keys = compare_and_swap!(keys, swapped!(keys, 0b00_01_10_11), 0b0011_0011);
@@ -69,7 +69,7 @@ impl Simd8 for Avx2 {
 
     #[inline(always)]
     unsafe fn le(a: Self::F, b: Self::F) -> Self::M {
-        // SAFETY: the caller's promise, as everywhere below.
+        // SAFETY: upheld by the caller, here and below.
         unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(a, b) }
     }
 

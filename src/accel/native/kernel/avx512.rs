@@ -30,7 +30,7 @@ macro_rules! swapped {
 /// Needs AVX-512VL.
 #[inline(always)]
 unsafe fn sort_descending(keys: __m256i) -> __m256i {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe {
         let keys = compare_and_swap!(keys, swapped!(keys, 0b10_11_00_01), 0b0101_0101);
         let keys = compare_and_swap!(keys, swapped!(keys, 0b00_01_10_11), 0b0011_0011);
@@ -50,7 +50,7 @@ impl Simd8 for Avx512 {
 
     #[inline(always)]
     unsafe fn le(a: Self::F, b: Self::F) -> Self::M {
-        // SAFETY: the caller's promise, as everywhere below.
+        // SAFETY: upheld by the caller, here and below.
         unsafe { _mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b) }
     }
 

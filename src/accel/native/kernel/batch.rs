@@ -24,14 +24,14 @@ impl<Q: QueryMode> RayBatch<'_, Q> {
     /// `false` when there is none left.
     ///
     /// # Safety
-    /// `slot` is valid for writing, the instructions of `L` are there, and as many answers as rays.
+    /// `slot` is valid for writing, the CPU supports `L`, and as many outputs as rays.
     #[inline(always)]
     pub(super) unsafe fn load_next_ray<L: Simd8>(&mut self, slot: *mut RayState) -> bool {
         while let Some(ray) = self.rays[..self.end].get(self.next) {
             let number = self.next;
             self.next += 1;
             let mut best = BestHit::none(ray);
-            // SAFETY: the caller's promise.
+            // SAFETY: upheld by the caller.
             unsafe {
                 if is_valid::<L>(ray) {
                     best = self.bvh.closest_giant(ray, Q::ANY_HIT);
@@ -51,7 +51,7 @@ impl<Q: QueryMode> RayBatch<'_, Q> {
 /// [`Ray::is_valid`], all numbers at once.
 ///
 /// # Safety
-/// The instructions of `L` are there.
+/// The CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn is_valid<L: Simd8>(ray: &Ray) -> bool {
     /// As [`Aabb`], lane by lane.

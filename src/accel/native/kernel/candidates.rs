@@ -97,7 +97,7 @@ impl CandidateQueue {
     /// [full](Self::is_full) before the first of them.
     #[inline(always)]
     pub(super) unsafe fn push_candidates(&mut self, kept: LeafCandidates) {
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe { self.leaves.get_unchecked_mut(self.leaf_count).write(kept) };
         self.leaf_count += usize::from(kept.mask != 0);
     }
@@ -109,7 +109,7 @@ impl CandidateQueue {
     #[inline(always)]
     pub(super) unsafe fn push_finished(&mut self, ray: FinishedRay) {
         let ray = FinishedRay { leaf_end: self.leaf_count as u32, ..ray };
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe { self.rays.get_unchecked_mut(self.count).write(ray) };
         self.count += 1;
     }
@@ -130,7 +130,7 @@ impl CandidateQueue {
     /// it comes while other rays are on their way.
     ///
     /// # Safety
-    /// All that waits is of this batch, which has as many answers as rays, and the instructions of `L`
+    /// All that waits is of this batch, which has as many outputs as rays, and the instructions of `L`
     /// are there.
     #[inline(always)]
     pub(super) unsafe fn resolve<L: Simd8, Q: QueryMode>(&mut self, batch: &mut RayBatch<'_, Q>) {

@@ -51,7 +51,7 @@ impl PacketCone {
     /// The beam of rays with these origins and directions, and the extremes of both.
     ///
     /// # Safety
-    /// The instructions of `L` are there.
+    /// The CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn from_rays<L: Simd8>(
         (origins, origin): (&[PacketFloats; 3], &AxisRanges),
@@ -62,7 +62,7 @@ impl PacketCone {
         let axis = unit.map(|[low, high]| f64::from(low) + f64::from(high));
         let length = (axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]).sqrt();
         let axis = axis.map(|component| (component / length) as f32);
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         let (radius, spread) =
             unsafe { (max_distance::<L>(origins, [x, y, z]), max_distance::<L>(units, axis)) };
         let largest = |[low, high]: &[f32; 2]| if -low > *high { -low } else { *high };
@@ -87,7 +87,7 @@ impl PacketCone {
     /// The spheres of a leaf that it may touch before this distance, as bits.
     ///
     /// # Safety
-    /// `leaf` is valid, and the instructions of `L` are there.
+    /// `leaf` is valid, and the CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn overlapping<L: Simd8>(&self, leaf: *const SphereLeaf, limit: f32) -> u32 {
         // SAFETY: a leaf is four times eight numbers, aligned.
@@ -115,7 +115,7 @@ impl PacketCone {
 }
 
 /// # Safety
-/// The instructions of `L` are there.
+/// The CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn load_half<L: Simd8>(eight: &F32x8) -> L::F {
     // SAFETY: eight numbers, aligned.
@@ -123,30 +123,30 @@ pub(super) unsafe fn load_half<L: Simd8>(eight: &F32x8) -> L::F {
 }
 
 /// # Safety
-/// The instructions of `L` are there.
+/// The CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn load_vec3<L: Simd8>([x, y, z]: &[PacketFloats; 3], half: usize) -> [L::F; 3] {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe { [load_half::<L>(&x[half]), load_half::<L>(&y[half]), load_half::<L>(&z[half])] }
 }
 
 /// The smallest and the largest number for each axis; none is NaN.
 ///
 /// # Safety
-/// The instructions of `L` are there.
+/// The CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn axis_ranges<L: Simd8>([x, y, z]: &[PacketFloats; 3]) -> AxisRanges {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe { [min_max::<L>(x), min_max::<L>(y), min_max::<L>(z)] }
 }
 
 /// The smallest and the largest number; none is NaN.
 ///
 /// # Safety
-/// The instructions of `L` are there.
+/// The CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn min_max<L: Simd8>(each: &PacketFloats) -> [f32; 2] {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe {
         let (one, two) = (load_half::<L>(&each[0]), load_half::<L>(&each[1]));
         let opposite = L::sub(L::splat(0.0), L::max(one, two));
@@ -157,7 +157,7 @@ pub(super) unsafe fn min_max<L: Simd8>(each: &PacketFloats) -> [f32; 2] {
 /// The largest distance from a place.
 ///
 /// # Safety
-/// The instructions of `L` are there.
+/// The CPU supports `L`.
 #[inline(always)]
 unsafe fn max_distance<L: Simd8>(
     places: &[PacketFloats; 3],
@@ -165,7 +165,7 @@ unsafe fn max_distance<L: Simd8>(
 ) -> f32 {
     let mut most = 0.0;
     for half in 0..2 {
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe {
             let [x, y, z] = load_vec3::<L>(places, half);
             let apart = [

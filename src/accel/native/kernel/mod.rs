@@ -72,12 +72,12 @@ fn dispatch<Q: Fly>(instance: KernelIsa, bvh: &Aggregate, rays: &[Ray], answers:
     match instance {
         #[cfg(target_arch = "x86_64")]
         KernelIsa::Avx2 if KernelIsa::Avx2.is_available() => {
-            // SAFETY: the instructions are there.
+            // SAFETY: the CPU supports the instructions.
             unsafe { run_avx2::<Q>(bvh, rays, answers) }
         }
         #[cfg(all(target_arch = "x86_64", has_avx512))]
         KernelIsa::Avx512 if KernelIsa::Avx512.is_available() => {
-            // SAFETY: the instructions are there.
+            // SAFETY: the CPU supports the instructions.
             unsafe { run_avx512::<Q>(bvh, rays, answers) }
         }
         // SAFETY: this form needs no special instructions.
@@ -86,10 +86,10 @@ fn dispatch<Q: Fly>(instance: KernelIsa, bvh: &Aggregate, rays: &[Ray], answers:
 }
 
 /// # Safety
-/// Needs the instructions of `L`, and as many answers as rays.
+/// The CPU supports `L`, and as many outputs as rays.
 #[inline(always)]
 unsafe fn run<L: Simd8, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe {
         if bvh.tree.root.is_some() {
             traverse::traverse::<L, Q>(bvh, rays, answers);
@@ -100,19 +100,19 @@ unsafe fn run<L: Simd8, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q:
 }
 
 /// # Safety
-/// Needs the features named, and as many answers as rays.
+/// Needs the features named, and as many outputs as rays.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn run_avx2<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe { run::<avx2::Avx2, Q>(bvh, rays, answers) }
 }
 
 /// # Safety
-/// Needs the features named, and as many answers as rays.
+/// Needs the features named, and as many outputs as rays.
 #[cfg(all(target_arch = "x86_64", has_avx512))]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl")]
 unsafe fn run_avx512<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe { run::<avx512::Avx512, Q>(bvh, rays, answers) }
 }

@@ -91,7 +91,7 @@ impl RayPacket {
     /// too few.
     ///
     /// # Safety
-    /// `packet` is valid for writing, the tree has a root, and the instructions of `L` are there.
+    /// `packet` is valid for writing, the tree has a root, and the CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn load_packet<L: Simd8>(
         packet: *mut Self,
@@ -100,7 +100,7 @@ impl RayPacket {
     ) -> bool {
         let rays = batch.rays.get(first..).and_then(|rays| rays.first_chunk::<PACKET_SIZE>());
         let Some(rays) = rays.filter(|rays| may_be_coherent(rays)) else { return false };
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe {
             for ray in rays {
                 if !is_valid::<L>(ray) {
@@ -117,7 +117,7 @@ impl RayPacket {
     ///
     /// # Safety
     /// `packet` is valid for writing, and after `true` for reading. There are as many rays as a packet
-    /// has, the tree has a root, and the instructions of `L` are there.
+    /// has, the tree has a root, and the CPU supports `L`.
     #[inline(always)]
     unsafe fn init<L: Simd8>(
         packet: *mut Self,
@@ -148,7 +148,7 @@ impl RayPacket {
         if !is_unit_length {
             return false;
         }
-        // SAFETY: the instructions are there.
+        // SAFETY: the CPU supports the instructions.
         unsafe {
             let origin = axis_ranges::<L>(&packet.origin);
             let unit = axis_ranges::<L>(&packet.unit);
@@ -176,7 +176,7 @@ impl RayPacket {
     /// Takes a step.
     ///
     /// # Safety
-    /// The packet has begun in this tree and is on the way; the instructions of `L` are there.
+    /// The packet has begun in this tree and is on the way; the CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn step<L: Simd8>(&mut self, tree: &Bvh) -> PacketStatus {
         // SAFETY: the lead is at a node or a leaf of this tree, and its stack has room by the builder's
@@ -219,7 +219,7 @@ impl RayPacket {
     /// Looks at the spheres of a leaf that the beam may touch; `false` if there is no room for them.
     ///
     /// # Safety
-    /// The packet has begun, `leaf` is valid, and the instructions of `L` are there.
+    /// The packet has begun, `leaf` is valid, and the CPU supports `L`.
     #[inline(always)]
     unsafe fn intersect_leaf<L: Simd8>(&mut self, leaf: *const SphereLeaf, index: u32) -> bool {
         // SAFETY: a leaf is four times eight numbers, aligned, of which a lane is one of each.
@@ -242,7 +242,7 @@ impl RayPacket {
     /// Tests a sphere with every ray.
     ///
     /// # Safety
-    /// The packet has begun and has room for a sphere; the instructions of `L` are there.
+    /// The packet has begun and has room for a sphere; the CPU supports `L`.
     #[inline(always)]
     unsafe fn test_sphere<L: Simd8>(
         &mut self,
@@ -293,7 +293,7 @@ impl RayPacket {
     /// Hands the rays over to be judged.
     ///
     /// # Safety
-    /// The packet is done and of this batch, `to` is not full, and the instructions of `L` are there.
+    /// The packet is done and of this batch, `to` is not full, and the CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn finish<L: Simd8>(
         &self,
@@ -303,7 +303,7 @@ impl RayPacket {
         // The spheres of each ray, as bits.
         let mut spheres_of = [0u64; PACKET_SIZE];
         for place in 0..self.candidate_count as usize {
-            // SAFETY: what is below the count was written; the instructions are there.
+            // SAFETY: what is below the count was written; the CPU supports `L`.
             let rays = unsafe {
                 let from = self.t_lower.get_unchecked(place).assume_init_ref();
                 let one = L::le(load_half::<L>(&from[0]), load_half::<L>(&self.limit[0]));

@@ -152,7 +152,7 @@ impl RayState {
         &mut self,
         node: *const BvhNode,
     ) {
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe {
             let x = self.slabs.intersect::<L>(node, &self.near_planes, 0);
             let y = self.slabs.intersect::<L>(node, &self.near_planes, 1);
@@ -171,7 +171,7 @@ impl RayState {
         other: &Slabs,
         node: *const BvhNode,
     ) {
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe {
             let x = self.slabs.intersect_interval::<L>(other, node, &self.near_planes, 0);
             let y = self.slabs.intersect_interval::<L>(other, node, &self.near_planes, 1);
@@ -192,7 +192,7 @@ impl RayState {
         node: *const BvhNode,
     ) {
         // SAFETY: a node's children follow its 48 planes. Eight entries fit behind `top` by the
-        // caller's promise.
+        // caller's contract.
         unsafe {
             let entered = L::max(L::max(x[0], y[0]), L::max(z[0], L::splat(self.t_min)));
             let left = L::min(L::min(x[1], y[1]), L::min(z[1], L::splat(self.limit)));

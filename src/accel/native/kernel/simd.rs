@@ -82,13 +82,13 @@ impl Simd8 for Portable {
 
     #[inline(always)]
     unsafe fn load(from: *const f32) -> Self::F {
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe { from.cast::<[f32; 8]>().read() }
     }
 
     #[inline(always)]
     unsafe fn store(to: *mut f32, a: Self::F) {
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe { to.cast::<[f32; 8]>().write(a) }
     }
 
@@ -196,7 +196,7 @@ impl Simd8 for Portable {
             sorted[place] = key;
         }
         for (place, key) in sorted.into_iter().enumerate() {
-            // SAFETY: the caller's promise; a lane's number is below 8.
+            // SAFETY: upheld by the caller; a lane's number is below 8.
             unsafe {
                 keys.add(place).write(key);
                 children.add(place).write(*from.add((key & 7) as usize));
@@ -207,7 +207,7 @@ impl Simd8 for Portable {
     #[inline(always)]
     unsafe fn compress(children: *mut u32, m: Self::M, from: *const u32) {
         for (count, lane) in (0..8).filter(|&lane| m[lane]).enumerate() {
-            // SAFETY: the caller's promise; both numbers are below 8.
+            // SAFETY: upheld by the caller; both numbers are below 8.
             unsafe { children.add(count).write(*from.add(lane)) };
         }
     }

@@ -30,7 +30,7 @@ pub(super) unsafe fn trace_single_rays<L: Simd8, Q: QueryMode>(
     let mut active: [*mut RayState; ACTIVE_RAYS] = [std::ptr::null_mut(); ACTIVE_RAYS];
     let mut count = 0;
     for slot in &mut slots {
-        // SAFETY: there are as many answers as rays.
+        // SAFETY: there are as many outputs as rays.
         if !unsafe { batch.load_next_ray::<L>(slot.as_mut_ptr()) } {
             break;
         }
@@ -41,7 +41,7 @@ pub(super) unsafe fn trace_single_rays<L: Simd8, Q: QueryMode>(
         let mut index = 0;
         while index < count {
             // SAFETY: `active` holds distinct slots that have been boarded, up to `count`; the
-            // instructions are there by the caller's promise, and as many answers as rays.
+            // instructions are there by the caller's contract, and as many outputs as rays.
             unsafe {
                 let slot = *active.get_unchecked(index);
                 if step_ray::<L, Q>(batch, &mut *slot) {
@@ -66,7 +66,7 @@ pub(super) unsafe fn trace_single_rays<L: Simd8, Q: QueryMode>(
 /// One step of one ray; whether it was its last.
 ///
 /// # Safety
-/// The slot has been boarded and is not done; the instructions of `L` are there.
+/// The slot has been boarded and is not done; the CPU supports `L`.
 #[inline(always)]
 unsafe fn step_ray<L: Simd8, Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut RayState) -> bool {
     let tree = &batch.bvh.tree;
@@ -117,7 +117,7 @@ pub(super) unsafe fn prefetch<L: Simd8>(tree: &Bvh, next: NodeRef) {
     let node = tree.nodes().as_ptr().wrapping_add(index).cast::<u8>();
     let (first, second) =
         if next.is_leaf() { (leaf, leaf) } else { (node, node.wrapping_add(128)) };
-    // SAFETY: nothing is read; the instructions are there.
+    // SAFETY: nothing is read; the CPU supports `L`.
     unsafe {
         L::prefetch(first);
         L::prefetch(first.wrapping_add(64));
@@ -133,7 +133,7 @@ pub(super) unsafe fn prefetch<L: Simd8>(tree: &Bvh, next: NodeRef) {
 #[cold]
 #[inline(never)]
 unsafe fn flush_candidates<Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut RayState) -> bool {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe {
         resolve_candidates(&batch.bvh.tree, batch.rays.get_unchecked(slot.ray as usize), slot)
     };

@@ -65,7 +65,7 @@ impl Slabs {
     /// the other.
     ///
     /// # Safety
-    /// `node` is valid, the axis is below 3, and the instructions of `L` are there.
+    /// `node` is valid, the axis is below 3, and the CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn intersect<L: Simd8>(
         &self,
@@ -101,7 +101,7 @@ impl Slabs {
         near: &NearPlanes,
         axis: usize,
     ) -> [L::F; 2] {
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe {
             let [enter, leave] = self.intersect::<L>(node, near, axis);
             let [other_enter, other_leave] = other.intersect::<L>(node, near, axis);

@@ -68,10 +68,10 @@ impl<L: Simd8> SphereTest<L> {
     /// Where the rays meet spheres of these radii.
     ///
     /// # Safety
-    /// The instructions of `L` are there.
+    /// The CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn intersect(&self, radius: L::F) -> SphereHits<L> {
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe {
             let (b, p) = project::<L>(self.to_center, self.unit);
             let q = length_squared::<L>(p);
@@ -102,7 +102,7 @@ impl<L: Simd8> SphereTest<L> {
 /// From a place, whose fourth number is of no use, to the centres of a leaf's spheres.
 ///
 /// # Safety
-/// `leaf` is valid, and the instructions of `L` are there.
+/// `leaf` is valid, and the CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn to_centers<L: Simd8>(leaf: *const SphereLeaf, from: &[f32; 4]) -> [L::F; 3] {
     // SAFETY: a leaf is four times eight numbers, aligned.
@@ -119,7 +119,7 @@ pub(super) unsafe fn to_centers<L: Simd8>(leaf: *const SphereLeaf, from: &[f32; 
 /// The radii of a leaf's spheres.
 ///
 /// # Safety
-/// `leaf` is valid, and the instructions of `L` are there.
+/// `leaf` is valid, and the CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn radii<L: Simd8>(leaf: *const SphereLeaf) -> L::F {
     // SAFETY: as above.
@@ -129,10 +129,10 @@ pub(super) unsafe fn radii<L: Simd8>(leaf: *const SphereLeaf) -> L::F {
 /// How far along lines through the origin each of these places is, and the way to it from there.
 ///
 /// # Safety
-/// The instructions of `L` are there.
+/// The CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn project<L: Simd8>(v: [L::F; 3], u: [L::F; 3]) -> (L::F, [L::F; 3]) {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe {
         let b = L::mul_add(v[0], u[0], L::mul_add(v[1], u[1], L::mul(v[2], u[2])));
         (
@@ -149,9 +149,9 @@ pub(super) unsafe fn project<L: Simd8>(v: [L::F; 3], u: [L::F; 3]) -> (L::F, [L:
 /// The squared length.
 ///
 /// # Safety
-/// The instructions of `L` are there.
+/// The CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn length_squared<L: Simd8>([x, y, z]: [L::F; 3]) -> L::F {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe { L::mul_add(x, x, L::mul_add(y, y, L::mul(z, z))) }
 }

@@ -28,7 +28,7 @@ pub(super) trait Fly: QueryMode + Sized {
 impl Fly for ClosestHit {
     #[inline(always)]
     unsafe fn trace<L: Simd8>(batch: &mut RayBatch<'_, Self>, pending: &mut CandidateQueue) {
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe { trace_packets::<L>(batch, pending) };
     }
 }
@@ -36,7 +36,7 @@ impl Fly for ClosestHit {
 impl Fly for AnyHit {
     #[inline(always)]
     unsafe fn trace<L: Simd8>(batch: &mut RayBatch<'_, Self>, pending: &mut CandidateQueue) {
-        // SAFETY: the caller's promise.
+        // SAFETY: upheld by the caller.
         unsafe { trace_single_rays::<L, Self>(batch, pending) };
     }
 }
@@ -44,7 +44,7 @@ impl Fly for AnyHit {
 /// Answers all rays of a batch: those that are alike in packets, the others by themselves.
 ///
 /// # Safety
-/// Needs the instructions of `L`, and as many answers as rays; the tree has a root.
+/// The CPU supports `L`, and as many outputs as rays; the tree has a root.
 #[inline(always)]
 pub(super) unsafe fn traverse<L: Simd8, Q: Fly>(
     bvh: &Aggregate,
@@ -53,7 +53,7 @@ pub(super) unsafe fn traverse<L: Simd8, Q: Fly>(
 ) {
     let mut pending = CandidateQueue::new();
     let mut batch = RayBatch::<Q> { bvh, rays, outputs: answers, next: 0, end: rays.len() };
-    // SAFETY: the caller's promise; all that is pending was added here.
+    // SAFETY: upheld by the caller; all that is pending was added here.
     unsafe {
         Q::trace::<L>(&mut batch, &mut pending);
         pending.resolve::<L, Q>(&mut batch);
@@ -74,7 +74,7 @@ unsafe fn trace_packets<L: Simd8>(
     let tree = &batch.bvh.tree;
     let mut next = 0;
     // SAFETY: `active` holds distinct packets, those up to `count` have begun; the rest is the
-    // caller's promise.
+    // caller's contract.
     unsafe {
         loop {
             // Rays that are not alike.
@@ -127,7 +127,7 @@ unsafe fn trace_packets<L: Simd8>(
 /// As [`traverse`], but through a list of leaves that has no tree.
 ///
 /// # Safety
-/// Needs the instructions of `L`, and as many answers as rays.
+/// The CPU supports `L`, and as many outputs as rays.
 #[inline(always)]
 pub(super) unsafe fn scan_leaves<L: Simd8, Q: QueryMode>(
     bvh: &Aggregate,

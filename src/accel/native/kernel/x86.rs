@@ -7,7 +7,7 @@ macro_rules! shared_operations {
     () => {
         #[inline(always)]
         unsafe fn load(from: *const f32) -> Self::F {
-            // SAFETY: the caller's promise, as everywhere below.
+            // SAFETY: upheld by the caller, here and below.
             unsafe { _mm256_load_ps(from) }
         }
 
@@ -104,7 +104,7 @@ pub(super) use shared_operations;
 /// Needs AVX2.
 #[inline(always)]
 pub(super) unsafe fn smallest(a: __m256) -> f32 {
-    // SAFETY: the caller's promise.
+    // SAFETY: upheld by the caller.
     unsafe {
         let a = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a));
         let a = _mm_min_ps(a, _mm_movehl_ps(a, a));
