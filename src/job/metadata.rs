@@ -224,7 +224,7 @@ fn record_text(value: Value) -> String {
     }
 }
 
-/// What a record says: JSON, or else a text.
+/// The value of a record: JSON if it parses, otherwise a string.
 pub fn record_value(record: &MetadataEntry) -> Value {
     serde_json::from_str(&record.text).unwrap_or_else(|_| Value::String(record.text.clone()))
 }
