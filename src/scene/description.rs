@@ -1,6 +1,6 @@
-//! A scene as plain values: what is to be seen, in the user's own units. Whoever builds a scene, a
-//! program or the reader of scene files, fills these in; [`Scene::build`](super::Scene::build) checks them and
-//! makes a scene of them. `docs/scene-format.md` explains the same keys to users.
+//! A scene description: plain values in the user's units, filled in by a program or by the scene
+//! file reader. [`Scene::build`](super::Scene::build) validates a description and builds a scene
+//! from it. `docs/scene-format.md` explains the corresponding keys.
 
 use std::path::PathBuf;
 
@@ -15,41 +15,40 @@ use super::data::SphereData;
 
 /// A scene: camera, background, materials and spheres.
 ///
-/// How it is rendered (size, samples, integrator) is no part of it: see [`Settings`](super::Settings).
+/// Size, samples and integrator belong to [`Settings`](super::Settings).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneDescription {
-    /// Where the picture is seen from.
+    /// The camera.
     pub camera: CameraDescription,
-    /// What a ray sees that meets nothing.
+    /// The background, which rays that miss all spheres see.
     pub background: BackgroundDescription,
-    /// The surfaces; spheres name them by their index here.
+    /// The materials; spheres refer to them by index.
     pub materials: Vec<MaterialDescription>,
-    /// Spheres one by one.
+    /// Individually described spheres.
     pub spheres: Vec<SphereDescription>,
-    /// Many spheres at once, from files or from memory.
+    /// Sphere tables, from files or from memory.
     pub tables: Vec<SphereTable>,
 }
 
-/// `[camera]`.
+/// The camera (`[camera]`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraDescription {
-    /// Where the camera is: the middle of the lens or of the picture's plane.
+    /// Camera position: the centre of the lens or of the image plane.
     pub position: DVec3,
-    /// A point in the middle of the picture.
+    /// The point at the centre of the picture.
     pub look_at: DVec3,
-    /// The direction that is up in the picture.
+    /// The up direction in the picture.
     pub up: DVec3,
-    /// Camera rays start where their depth along the view axis is this; in a panorama, their
-    /// distance.
+    /// Depth along the view axis at which camera rays start; for a panorama, the distance.
     pub near: f64,
-    /// `type` and its keys.
+    /// The projection: `type` and its keys.
     pub projection: ProjectionDescription,
 }
 
 impl Default for CameraDescription {
-    /// At (0, 0, 10), looking at the origin, with a pinhole of 36 degrees; y is up.
+    /// At (0, 0, 10), looking at the origin, pinhole with a field of view of 36 degrees, y up.
     fn default() -> Self {
         Self {
             position: DVec3::new(0.0, 0.0, 10.0),
@@ -61,39 +60,39 @@ impl Default for CameraDescription {
     }
 }
 
-/// How directions become places in the picture.
+/// The mapping from directions to picture positions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ProjectionDescription {
     /// `type = "perspective"`.
     Perspective {
-        /// The angle from the bottom to the top of the picture.
+        /// Vertical field of view, in degrees.
         vertical_fov_degrees: f64,
-        /// `None` is a pinhole.
+        /// The lens; `None` is a pinhole.
         lens: Option<LensDescription>,
     },
     /// `type = "orthographic"`: parallel rays.
     Orthographic {
-        /// What fits between the bottom and the top of the picture, in scene units.
+        /// Height of the view, in scene units.
         height: f64,
     },
     /// `type = "panoramic"`: columns are longitudes, rows are latitudes.
     Panoramic {
-        /// The angle from the left to the right of the picture.
+        /// Horizontal field of view, in degrees.
         horizontal_degrees: f64,
-        /// The angle from the bottom to the top.
+        /// Vertical field of view, in degrees.
         vertical_degrees: f64,
     },
 }
 
 impl Default for ProjectionDescription {
-    /// A pinhole of 36 degrees.
+    /// A pinhole with a field of view of 36 degrees.
     fn default() -> Self {
         Self::Perspective { vertical_fov_degrees: 36.0, lens: None }
     }
 }
 
-/// The projections without their numbers.
+/// The projection types, without parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProjectionKind {
     /// [`ProjectionDescription::Perspective`].
@@ -114,7 +113,7 @@ named_enum! {
 }
 
 impl ProjectionDescription {
-    /// The kind of this projection.
+    /// The type of this projection.
     pub fn kind(&self) -> ProjectionKind {
         match self {
             Self::Perspective { .. } => ProjectionKind::Perspective,
@@ -128,75 +127,75 @@ impl ProjectionDescription {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LensDescription {
-    /// Of its opening, in scene units.
+    /// Radius of the aperture, in scene units.
     pub radius: f64,
-    /// Along the view axis to the plane in focus: as said, or found by `focus_on`.
+    /// Distance to the focal plane along the view axis, given directly or by `focus_on`.
     pub focus_distance: f64,
-    /// Corners of the opening; 0 for a disk.
+    /// Number of aperture blades; 0 for a disk.
     pub blades: u32,
-    /// Turns the opening counter-clockwise, as seen in the picture's axes.
+    /// Rotation of the aperture, counter-clockwise in the picture's axes, in degrees.
     pub rotation_degrees: f64,
 }
 
-/// `[background]`.
+/// The background (`[background]`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BackgroundDescription {
-    /// Light from all directions.
+    /// The environment map.
     pub dome: EnvironmentDescription,
-    /// The unit direction of the zenith.
+    /// Unit direction of the zenith.
     pub up: DVec3,
-    /// `[background.sun]`.
+    /// The sun (`[background.sun]`).
     pub sun: Option<SunDescription>,
-    /// Whether camera rays that meet nothing see the background, or black.
+    /// True if camera rays that miss all spheres see the background; otherwise they see black.
     pub camera_visible: bool,
-    /// Whether pictures have an alpha channel that is 0 where camera rays meet nothing.
+    /// True if pictures have an alpha channel that is 0 where camera rays miss all spheres.
     pub transparent: bool,
 }
 
 impl Default for BackgroundDescription {
-    /// Darkness, with y as its zenith.
+    /// No light; the zenith is y.
     fn default() -> Self {
         let dome = EnvironmentDescription::default();
         Self { dome, up: DVec3::Y, sun: None, camera_visible: true, transparent: false }
     }
 }
 
-/// The light of the background.
+/// The environment map of a background.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum EnvironmentDescription {
-    /// `radiance`: the same from everywhere.
+    /// Constant radiance (`radiance`).
     Constant {
-        /// W/(sr m^2).
+        /// Radiance, in W/(sr m^2).
         radiance: Rgb,
     },
     /// `[background.gradient]`: linear in the sine of the elevation.
     Gradient {
-        /// From above.
+        /// Radiance from the zenith, in W/(sr m^2).
         zenith: Rgb,
-        /// From the sides.
+        /// Radiance from the horizon, in W/(sr m^2).
         horizon: Rgb,
-        /// From below.
+        /// Radiance from the nadir, in W/(sr m^2).
         nadir: Rgb,
     },
-    /// `[background.image]`: a picture in latitude and longitude.
+    /// `[background.image]`: an image in latitude and longitude.
     Image {
-        /// The file: `.exr` or `.hdr`.
+        /// The image file: `.exr` or `.hdr`.
         #[serde(with = "super::paths")]
         file: PathBuf,
-        /// Turns it about `up`, counterclockwise when seen from above.
+        /// Rotation about `up` in degrees, counter-clockwise when seen from above.
         rotation_degrees: f64,
-        /// A factor on its radiance.
+        /// Scale factor for the radiance.
         scale: f64,
     },
     /// `[background.sky]`: a clear sky.
     Sky {
-        /// The air's turbidity, from 2 to 10.
+        /// Turbidity of the air, from 2 to 10.
         turbidity: f64,
-        /// The albedo of the ground below the horizon.
+        /// Albedo of the ground below the horizon.
         ground_albedo: Rgb,
-        /// A factor on its radiance.
+        /// Scale factor for the radiance.
         scale: f64,
     },
 }
@@ -208,107 +207,107 @@ impl Default for EnvironmentDescription {
     }
 }
 
-/// `[background.sun]`.
+/// The sun (`[background.sun]`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SunDescription {
-    /// Unit direction towards it.
+    /// Unit direction towards the sun.
     pub direction: DVec3,
-    /// How wide it is seen.
+    /// Angular diameter, in degrees.
     pub angular_diameter_degrees: f64,
-    /// W/m^2 on a surface that faces it.
+    /// Irradiance on a facing surface, in W/m^2.
     pub irradiance: Rgb,
 }
 
-/// `[materials.NAME]`.
+/// A material (`[materials.NAME]`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialDescription {
-    /// The table's name.
+    /// Name of the material.
     pub name: String,
-    /// `type` and its keys.
+    /// The reflection model: `type` and its keys.
     pub surface: SurfaceModel,
-    /// Radiance that the surface sends out on both sides.
+    /// Radiance emitted on both sides, in W/(sr m^2).
     pub emission: Rgb,
-    /// The probability that the surface is there for light, in `[0, 1]`.
+    /// Probability that light interacts with the surface, in `[0, 1]`.
     pub opacity: f64,
 }
 
 impl Default for MaterialDescription {
-    /// Grey and diffuse, without a name.
+    /// Grey diffuse, without a name.
     fn default() -> Self {
         let surface = SurfaceModel::default();
         Self { name: String::new(), surface, emission: Rgb::ZERO, opacity: 1.0 }
     }
 }
 
-/// What a material does with light.
+/// A reflection model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum SurfaceModel {
-    /// `type = "diffuse"`: Lambert, or Oren and Nayar.
+    /// `type = "diffuse"`: Lambert or Oren-Nayar.
     Diffuse {
-        /// The share of light that is scattered, in `[0, 1]`.
+        /// Albedo, in `[0, 1]`.
         albedo: Rgb,
-        /// From 0, Lambert, to 1, the flattest look.
+        /// Roughness, from 0 (Lambert) to 1 (flattest look).
         roughness: f64,
     },
     /// `type = "mirror"`.
     Mirror {
-        /// The share of light that is reflected, in `[0, 1]`.
+        /// Reflectance, in `[0, 1]`.
         reflectance: Rgb,
     },
     /// `type = "conductor"`: metal.
     Conductor {
-        /// Its complex index of refraction.
+        /// Complex index of refraction.
         metal: Metal,
-        /// From 0, smooth, to 1; the square root of the microsurface's alpha.
+        /// Roughness, from 0 (smooth) to 1; the square root of the microfacet alpha.
         roughness: f64,
     },
     /// `type = "dielectric"`: glass.
     Dielectric {
         /// Index of refraction relative to vacuum.
         ior: f64,
-        /// From 0, smooth, to 1; the square root of the microsurface's alpha.
+        /// Roughness, from 0 (smooth) to 1; the square root of the microfacet alpha.
         roughness: f64,
-        /// Where glass spheres overlap, the higher priority fills the common part.
+        /// Where glass spheres overlap, the higher priority fills the overlap.
         priority: i32,
-        /// What the inside absorbs, per unit length.
+        /// Absorption inside, per unit length.
         absorption: Rgb,
     },
-    /// `type = "plastic"`: a matt base under a clear coat.
+    /// `type = "plastic"`: a diffuse base under a clear coat.
     Plastic {
-        /// The share of light that the base scatters.
+        /// Albedo of the base.
         albedo: Rgb,
-        /// Index of refraction of the coat, relative to what is around it.
+        /// Index of refraction of the coat, relative to its surroundings.
         ior: f64,
-        /// The coat's roughness, from 0, smooth, to 1.
+        /// Roughness of the coat, from 0 (smooth) to 1.
         roughness: f64,
     },
-    /// `type = "principled"`: a mixture of the others.
+    /// `type = "principled"`: a mixture of the other models.
     Principled(PrincipledParameters),
     /// `type = "phong"`: the shading model of the paper's section 1.1, for teaching.
     Phong {
-        /// The diffuse share.
+        /// Diffuse albedo.
         albedo: Rgb,
-        /// The glossy share.
+        /// Specular albedo.
         specular: Rgb,
-        /// How narrow the highlight is.
+        /// Exponent; larger values give narrower highlights.
         exponent: f64,
-        /// Whether the lobe is scaled to conserve energy (Lafortune and Willems 1994) or left as
-        /// Phong wrote it.
+        /// True if the lobe is normalized to conserve energy (Lafortune and Willems 1994); false
+        /// for Phong's original form.
         normalized: bool,
     },
 }
 
 impl Default for SurfaceModel {
-    /// Lambert's, scattering half of the light.
+    /// Lambertian with an albedo of 0.5.
     fn default() -> Self {
         Self::Diffuse { albedo: Rgb::splat(0.5), roughness: 0.0 }
     }
 }
 
-/// The reflection models without their parameters.
+/// The reflection models, without parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
     /// [`SurfaceModel::Diffuse`].
@@ -340,7 +339,7 @@ named_enum! {
 }
 
 impl SurfaceModel {
-    /// The reflection model of this surface.
+    /// The type of this reflection model.
     pub fn kind(&self) -> SurfaceKind {
         match self {
             Self::Diffuse { .. } => SurfaceKind::Diffuse,
@@ -354,11 +353,11 @@ impl SurfaceModel {
     }
 }
 
-/// One `[[spheres]]`: a sphere of its own.
+/// An individually described sphere (`[[spheres]]`).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereDescription {
-    /// Used in messages.
+    /// Name, for messages and Cryptomatte.
     pub name: Option<String>,
     /// Centre.
     pub center: DVec3,
@@ -368,24 +367,24 @@ pub struct SphereDescription {
     pub material: usize,
 }
 
-/// One `[[sphere_tables]]`: many spheres of one material.
+/// A sphere table (`[[sphere_tables]]`): many spheres of one material.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereTable {
-    /// The name in the layers of Cryptomatte; see [`SceneDescription::name_of_table`] where there is none.
+    /// Name in Cryptomatte layers; [`SceneDescription::name_of_table`] gives the fallback.
     pub name: Option<String>,
-    /// Where the numbers are.
+    /// Source of the values.
     pub data: SphereData,
     /// Index into [`SceneDescription::materials`].
     pub material: usize,
-    /// `colors`: how the rows' colours are kept, where there are some.
+    /// Storage of the rows' colours, if any (`colors`).
     pub colors: ColorStorage,
 }
 
-/// How the colours of a table are kept in memory.
+/// How table colours are stored in memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorStorage {
-    /// As they are given, 12 bytes each.
+    /// Unrounded, 12 bytes each.
     #[default]
     Exact,
     /// Rounded, in a third of the memory.
@@ -395,7 +394,7 @@ pub enum ColorStorage {
 named_enum! { ColorStorage { Exact = "exact", Packed = "packed" } }
 
 impl ColorStorage {
-    /// Bytes that one colour takes in memory.
+    /// Bytes per colour in memory.
     pub fn bytes_per_color(self) -> usize {
         match self {
             Self::Exact => size_of::<[f32; 3]>(),
@@ -405,11 +404,11 @@ impl ColorStorage {
 }
 
 impl SceneDescription {
-    /// The name of a table: its own; or the name of its file without the folder; or `table 3` for the
-    /// fourth table, where that is in memory.
+    /// The name of a table: its own; otherwise its file name without folder; otherwise, for a table
+    /// in memory, its index, as in `table 3`.
     ///
     /// # Panics
-    /// Panics where there is no table of that index.
+    /// If there is no table with this index.
     pub fn name_of_table(&self, index: usize) -> String {
         let SphereTable { name, data, .. } = &self.tables[index];
         let of_file = || match data {
@@ -421,8 +420,8 @@ impl SceneDescription {
         name.clone().or_else(of_file).unwrap_or_else(|| format!("table {index}"))
     }
 
-    /// Brings values that mean the same into one form, in which they are rendered: a lens without an
-    /// opening is a pinhole, and a place or an angle of -0 is 0.
+    /// Brings equivalent values into one canonical form: a lens with radius 0 becomes a pinhole,
+    /// and a coordinate or angle of -0 becomes 0.
     pub(super) fn make_canonical(&mut self) {
         let Self { camera, background, materials: _, spheres, tables: _ } = self;
         let CameraDescription { position, look_at, up, near: _, projection } = camera;
@@ -443,7 +442,7 @@ impl SceneDescription {
     }
 }
 
-/// The direction of a vector however long or short, if it has one.
+/// The unit vector of `v`, for any length; `None` if `v` has no direction.
 pub(crate) fn normalize_robust(v: DVec3) -> Option<DVec3> {
     (v / v.abs().max_element()).try_normalize()
 }

@@ -1,4 +1,4 @@
-//! The background: its image read from a file, and its light made from its description.
+//! Reads environment maps and builds the background from its description.
 
 use std::path::Path;
 
@@ -8,10 +8,10 @@ use crate::light::{self, Orientation};
 
 use super::description::{BackgroundDescription, EnvironmentDescription, SunDescription};
 
-/// The most pixels along an image.
+/// Maximum image width in pixels.
 const MAX_WIDTH: usize = 32_768;
 
-/// The pixels of an image in latitude and longitude, rows from the top, checked to be radiance.
+/// Validated radiance of an image in latitude and longitude, rows from the top.
 #[derive(Clone, Debug)]
 pub(super) struct EnvironmentPixels {
     width: usize,
@@ -25,12 +25,12 @@ impl EnvironmentPixels {
         light::EnvironmentMap::from_image(self.width, self.height, &self.pixels)
     }
 
-    /// How many there are.
+    /// Number of pixels.
     pub(super) fn len(&self) -> usize {
         self.pixels.len()
     }
 
-    /// The hash of size and values.
+    /// Hash of size and values.
     pub(super) fn hash(&self) -> blake3::Hash {
         let mut hasher = blake3::Hasher::new();
         for length in [self.width, self.height] {
@@ -44,7 +44,7 @@ impl EnvironmentPixels {
         hasher.finalize()
     }
 
-    /// What keeps the pixels from being a background.
+    /// Checks that the pixels can be an environment map.
     fn check(self) -> Result<Self, String> {
         let Self { width, height, ref pixels } = self;
         if width != 2 * height || width > MAX_WIDTH {
@@ -68,13 +68,13 @@ impl EnvironmentPixels {
     }
 }
 
-/// Reads a `.exr` or `.hdr` file; or says what is wrong with it.
+/// Reads a `.exr` or `.hdr` file. The error describes what is wrong.
 pub(super) fn read(path: &Path) -> Result<EnvironmentPixels, String> {
     let Image { width, height, pixels } = read_light(path)?;
     EnvironmentPixels { width, height, pixels }.check()
 }
 
-/// The light of a described background.
+/// Builds the background from its description.
 pub(super) fn build_background(
     of: &BackgroundDescription,
     pixels: Option<EnvironmentPixels>,
