@@ -1,4 +1,4 @@
-//! The entries of the table of keys, section by section, in the order of the manual.
+//! The keys of each section, in the order of the manual.
 
 use crate::material::{Metal, NAMED_IORS};
 use crate::math::MAX_COORDINATE;
@@ -16,18 +16,18 @@ use crate::scene::value_types::{
 use super::DefaultValue::{Derived, Required, Toml};
 use super::{CliOption, DynKey, Key, key, key_with_option, option};
 
-/// The largest radiance.
+/// Maximum radiance.
 pub(in crate::scene) const MAX_RADIANCE: f64 = 1e15;
-/// The smallest radius; its square is still a normal f32 number.
+/// Minimum radius; its square is still a normal f32 number.
 pub(in crate::scene) const MIN_RADIUS: f64 = 1e-15;
-/// The most pixels along one side.
+/// Maximum number of pixels along one side.
 pub(in crate::scene) const MAX_IMAGE_SIDE: u32 = 65_536;
 
 const LENGTH: Number = Number(NumberRange::LeftOpen(0.0, MAX_COORDINATE));
 const RADIANCE: Color = Color(NumberRange::Closed(0.0, MAX_RADIANCE));
-/// Three shares of light.
+/// Three channels in `[0, 1]`.
 const UNIT_COLOR: Color = Color(NumberRange::Closed(0.0, 1.0));
-/// A share that is one number.
+/// A number in `[0, 1]`.
 const UNIT_INTERVAL: Number = Number(NumberRange::Closed(0.0, 1.0));
 const ANGLE: Number = Number(NumberRange::Closed(-360.0, 360.0));
 const SCALE: Number = Number(NumberRange::Closed(0.0, 1e6));
@@ -40,7 +40,7 @@ macro_rules! keys {
     };
 }
 
-/// The document itself.
+/// The document root.
 pub(in crate::scene) mod root {
     use super::*;
     keys! {
@@ -213,7 +213,7 @@ pub(in crate::scene) mod material {
         }
     }
 
-    /// The index of a coat, relative to what is around it.
+    /// Index of refraction of a coat, relative to its surroundings.
     const COAT_IOR: Number = Number(NumberRange::Closed(1.0, 10.0));
 
     pub(in crate::scene) mod plastic {

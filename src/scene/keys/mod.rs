@@ -1,7 +1,7 @@
-//! Every key of a scene file, declared once: its name, what it may hold, what it is where it is left
-//! out, and what it means. The reader of scene files, the check of values that a program gives, the
-//! command line's options, the JSON schema for editors, and the manual are made of this table or
-//! tested against it.
+//! The table of scene file keys. Each key is declared once: its name, value type, default and
+//! meaning. The scene file reader, the validation of values from a program, the command line
+//! options, the JSON schema for editors and the manual are generated from this table or tested
+//! against it.
 
 mod entries;
 mod schema;
@@ -20,57 +20,57 @@ pub use schema::schema;
 pub(super) struct Key<K> {
     pub(super) name: &'static str,
     pub(super) kind: K,
-    /// As a scene file would write it; or in words, in brackets.
+    /// Default value, as TOML or described in words.
     pub(super) default: DefaultValue,
     /// One sentence without a full stop.
     pub(super) help: &'static str,
     pub(super) option: Option<CliOption>,
 }
 
-/// What a key is where it is left out.
+/// The value of a key that is omitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DefaultValue {
-    /// It may not be left out.
+    /// The key is required.
     Required,
-    /// This, in TOML.
+    /// A TOML value.
     Toml(&'static str),
-    /// This, in words: it depends on other keys.
+    /// A description in words: the default depends on other keys.
     Derived(&'static str),
 }
 
-/// The option of the command line that sets a key.
+/// The command line option that sets a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CliOption {
-    /// Its name.
+    /// Name of the option.
     pub name: &'static str,
-    /// What stands for its value in a description.
+    /// Placeholder for the value in help texts.
     pub value: &'static str,
-    /// What is said of it, where that is not what is said of the key.
+    /// Help text, if it differs from the key's.
     pub help: Option<&'static str>,
 }
 
-/// What anybody needs to know of a key, whatever it holds.
+/// Documentation of a key, independent of its value type.
 #[derive(Clone, Debug)]
 pub struct KeyInfo {
-    /// The table that it stands in: `image`, `render.paper`, `materials.NAME`.
+    /// The table that contains the key: `image`, `render.paper`, `materials.NAME`.
     pub table: &'static str,
-    /// The `type` of the table that it belongs to, if it is of one type only.
+    /// The `type` to which the key is restricted, if any.
     pub of_type: Option<&'static str>,
-    /// Its name in that table.
+    /// Name of the key within its table.
     pub name: &'static str,
-    /// What it may hold, in words.
+    /// Description of the allowed values.
     pub expects: String,
-    /// The same as a JSON schema.
+    /// JSON schema of the value.
     pub schema: Value,
-    /// What it is where it is left out.
+    /// The value if the key is omitted.
     pub default: DefaultValue,
-    /// What it means.
+    /// Meaning of the key.
     pub help: &'static str,
-    /// The option that sets it.
+    /// The option that sets the key.
     pub option: Option<CliOption>,
 }
 
-/// A key whose kind does not matter.
+/// A key of any value type.
 pub(in crate::scene) trait DynKey: Sync {
     fn info(&self, table: &'static str, of_type: Option<&'static str>) -> KeyInfo;
     fn schema(&self) -> Value;
@@ -97,9 +97,9 @@ impl<K: ValueType + Sync> DynKey for Key<K> {
     }
 }
 
-/// A TOML value as JSON.
+/// Converts a TOML value to JSON.
 fn json_from_toml(text: &str) -> Option<Value> {
-    // Every default in the table is written alike in both.
+    // Every default in the table is written alike in TOML and JSON.
     serde_json::from_str(text).ok()
 }
 
@@ -108,7 +108,7 @@ struct TableSchema {
     path: &'static str,
     help: &'static str,
     keys: &'static [&'static dyn DynKey],
-    /// Its types, each with the keys that only it has; the first is the one where none is named.
+    /// The types of the table, each with the keys that only it has; the first type is the default.
     types: &'static [(&'static str, &'static [&'static dyn DynKey])],
 }
 
