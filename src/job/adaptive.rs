@@ -1,8 +1,8 @@
-//! Renders until the picture is good enough: square by square, for as long as each needs.
+//! Adaptive sampling: renders each square of 16 x 16 pixels until it meets the noise target.
 //!
-//! A square decides when all of its pixels have 64, 128, 256, ... samples, by those samples alone. So
-//! what it decides does not depend on other squares, on threads, on how often the render was stopped
-//! between, nor on the window of the picture, as long as that does not cut the square.
+//! A square decides when all of its pixels have 64, 128, 256, ... samples, from those samples
+//! alone. The decision therefore does not depend on other squares, on threads, on interruptions, or
+//! on the crop window, as long as the window does not cut the square.
 
 use std::ops::Range;
 
@@ -15,41 +15,42 @@ use super::adaptive_tiles::AdaptiveTiles;
 use super::noise::{self, NoiseTarget, TileNoise, error_quantile};
 use super::progressive::ProgressiveRenderer;
 
-/// Samples per pixel at the first decision: four blocks, the fewest that say anything of their spread.
+/// Samples per pixel at the first decision: four blocks, the minimum for a useful variance
+/// estimate.
 pub const MIN_ADAPTIVE_SAMPLES: u32 = 64;
 
-/// How far the error of a square, estimated from `n` samples, may be off, as a share of it: this over
-/// the square root of `n`. It is two standard deviations of what was measured (docs/stopping.md).
+/// Relative uncertainty of the error of a square estimated from `n` samples: this divided by the
+/// square root of `n`. Two standard deviations of the measured spread (docs/stopping.md).
 const ERROR_UNCERTAINTY: f64 = 1.2;
 
-/// Squares that an estimate of the whole picture's error looks at.
+/// Approximate number of squares used to estimate the error of the whole picture.
 const PROBED_TILES: usize = 64;
 
-/// About how many of their pixels it asks how far off they are.
+/// Approximate number of pixels in those squares whose errors are evaluated.
 const PROBED_PIXELS: usize = 1024;
 
-/// How far a render to a target is.
+/// Progress of a render towards a noise target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseProgress {
-    /// What is asked for.
+    /// The noise target.
     pub target: NoiseTarget,
-    /// Squares of the picture.
+    /// Number of 16 x 16 pixel squares in the picture.
     pub tiles: usize,
     /// Squares that meet the target.
     pub tiles_converged: usize,
-    /// The error of the square that is worst, by the same measure as the target; infinite where one has
-    /// not decided yet.
+    /// The largest error of any square, in the same unit as the target; infinite while some square
+    /// has not decided yet.
     pub worst_error: f64,
-    /// The least and the most samples that the whole picture is likely to take.
+    /// Lower and upper estimate of the total number of samples for the picture.
     pub expected_samples: Range<u64>,
 }
 
-/// Renders until every square meets the target, or has `most` samples per pixel. `on_progress` is called
-/// at once and after each round of decisions. Returns how far it got, and whether it got to the end: otherwise it
-/// was cancelled.
+/// Renders until every square meets the target or has `max_samples` samples per pixel. Calls
+/// `on_progress` at the start and after each round of decisions. Returns the progress, and true if
+/// the render finished rather than being cancelled.
 ///
 /// # Errors
-/// When a pixel is too bright for the film.
+/// If a pixel is too bright for the film.
 pub fn render_adaptive(
     passes: &ProgressiveRenderer<'_>,
     target: NoiseTarget,
@@ -58,7 +59,7 @@ pub fn render_adaptive(
 ) -> Result<(NoiseProgress, bool)> {
     let film = passes.film();
     let squares = AdaptiveTiles::new(film.frame());
-    // The error of each square at its last decision, and at how many samples that was.
+    // Sample count and error of each square at its last decision.
     let mut last = vec![Decision { samples: 0, error: f64::INFINITY }; squares.len()];
     on_progress(&noise_progress(film, &squares, &last, target, max_samples));
     let mut samples = MIN_ADAPTIVE_SAMPLES.min(max_samples);
@@ -76,8 +77,9 @@ pub fn render_adaptive(
     }
 }
 
-/// The decisions of all squares at so many samples. Those that are done stay done; one that has gone on
-/// from here already, before a stop, has not been good enough here.
+/// Updates the decisions of all squares at `samples` samples per pixel. Converged squares stay
+/// converged. A square that already has more samples, because the render was resumed, has not met
+/// the target at this count, so its decision stays unchanged.
 fn update_decisions(
     film: &Film,
     squares: &AdaptiveTiles,
@@ -112,24 +114,24 @@ fn noise_progress(
     }
 }
 
-/// The error that 19 of 20 values (for a confidence of 0.95) stay below, estimated from about a thousand
-/// pixels of some squares all over the picture: a few milliseconds. `None` before anything is known.
+/// Estimates the error that a fraction `confidence` of the values stay below, from about a thousand
+/// pixels in squares spread over the picture. Takes a few milliseconds. `None` before anything is
+/// known.
 pub fn estimate_error(film: &Film, confidence: f64) -> Option<f64> {
     let squares = AdaptiveTiles::new(film.frame());
     let step = squares.len().div_ceil(PROBED_TILES).max(1);
     let probed: Vec<_> =
         (0..squares.len()).step_by(step).map(|square| squares.estimates(film, square)).collect();
     let pixels: usize = probed.iter().map(Vec::len).sum();
-    // Odd, so that they do not lie in one column of each square.
+    // Odd, so that the samples do not fall into one column of each square.
     let every = (pixels / PROBED_PIXELS).max(1) | 1;
     let probed: Vec<TileNoise> =
         probed.iter().map(|pixels| TileNoise::with_stride(pixels, every)).collect();
     error_quantile(&probed, confidence)
 }
 
-/// How far the truth may be from the mean of each pixel, per channel, with this confidence: half the
-/// width of the interval, along the rows of the window. Infinite where nothing is known, also where
-/// squares are not summed.
+/// Half-width of the confidence interval around each pixel's mean, per channel, in row order of the
+/// crop window. Infinite where the error is unknown, including films without sums of squares.
 pub fn confidence_half_widths(film: &Film, confidence: f64) -> Vec<[f64; 3]> {
     let window = film.frame().window;
     let mut all = vec![[f64::INFINITY; 3]; film.frame().pixel_count()];
@@ -143,18 +145,19 @@ pub fn confidence_half_widths(film: &Film, confidence: f64) -> Vec<[f64; 3]> {
     all
 }
 
-/// A square's last decision.
+/// The last decision of a square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Decision {
     samples: u32,
-    /// At most the target's where it is met.
+    /// At most the target's error if the target is met.
     error: f64,
 }
 
 impl Decision {
     fn new(square: &TileNoise, samples: u32, target: NoiseTarget) -> Self {
         let error = square.error_quantile(target.confidence).unwrap_or(0.0);
-        // The share is what decides; the error is found by steps, and may be off in its last digit.
+        // The fraction of values above the target decides. The quantile comes from a bisection and
+        // may be off in its last digit, so it is clamped to agree with the decision.
         let error = match square.meets(target) {
             true => error.min(target.error),
             false => error.max(target.error * (1.0 + 1e-9)),
@@ -162,8 +165,9 @@ impl Decision {
         Self { samples, error }
     }
 
-    /// The samples at which the square will be done, if the error falls with the square root of their
-    /// number. `side`: -1 if it is as much smaller than estimated as it may be, 1 if it is larger.
+    /// Predicts the sample count at which the square converges, assuming that the error falls with
+    /// the square root of the sample count. `sign` is -1 for the lower and 1 for the upper bound of
+    /// the uncertain error.
     fn forecast(self, sign: f64, target: NoiseTarget, max_samples: u32) -> u32 {
         if self.error <= target.error || self.samples == 0 {
             return self.samples.max(MIN_ADAPTIVE_SAMPLES.min(max_samples));
@@ -171,7 +175,7 @@ impl Decision {
         let factor = 1.0 + sign * ERROR_UNCERTAINTY / f64::from(self.samples).sqrt();
         let ratio = factor * self.error / target.error;
         let needed = f64::from(self.samples) * ratio * ratio;
-        // Not met so far, so it will be decided again, whatever the factor.
+        // The target is not met so far, so at least one more decision follows.
         let mut samples = next_decision(self.samples, max_samples);
         while f64::from(samples) < needed && samples < max_samples {
             samples = next_decision(samples, max_samples);

@@ -1,4 +1,5 @@
-//! The squares of 16 x 16 pixels, on the grid of the full picture, that decide when they are done.
+//! The squares of 16 x 16 pixels, on the grid of the full picture, that adaptive sampling decides
+//! on.
 
 use crate::film::{Film, FilmFrame, PixelEstimate, TILE_SIZE};
 
@@ -7,20 +8,20 @@ use super::noise::TileNoise;
 /// Side of a square in pixels.
 const TILE_SIDE: u32 = 16;
 
-/// Tiles of a square, one below the other.
+/// Film tiles per square, stacked vertically.
 const FILM_TILES: usize = (TILE_SIDE / TILE_SIZE[1]) as usize;
 
 const _: () =
     assert!(TILE_SIZE[0] == TILE_SIDE && TILE_SIDE % TILE_SIZE[1] == 0, "tiles make up squares");
 
-/// Which tiles make up which square of a film. At the edges squares may be smaller.
+/// Maps film tiles to squares. Squares at the edges may be smaller.
 #[derive(Debug)]
 pub(super) struct AdaptiveTiles {
-    /// Tiles across, and so squares.
+    /// Film tiles, and therefore squares, per row.
     across: usize,
-    /// Rows of tiles.
+    /// Rows of film tiles.
     rows: usize,
-    /// Rows of tiles that are missing above the first one, of the squares that it is in.
+    /// Number of tile rows that the crop window cuts off the top of the first row of squares.
     first_row_offset: usize,
 }
 
@@ -35,13 +36,13 @@ impl AdaptiveTiles {
         (self.first_row_offset + self.rows).div_ceil(FILM_TILES) * self.across
     }
 
-    /// The square that a tile belongs to.
+    /// Index of the square that contains a film tile.
     pub(super) fn containing(&self, tile: usize) -> usize {
         let (row, column) = (tile / self.across, tile % self.across);
         (self.first_row_offset + row) / FILM_TILES * self.across + column
     }
 
-    /// The tiles of a square.
+    /// The film tiles of a square.
     fn film_tiles(&self, square: usize) -> impl Iterator<Item = usize> + use<> {
         let Self { across, rows, first_row_offset: cut_off } = *self;
         let (first, column) = (square / across * FILM_TILES, square % across);
@@ -49,31 +50,31 @@ impl AdaptiveTiles {
         rows.map(move |row| row * across + column)
     }
 
-    /// Pixels of a square.
+    /// Number of pixels in a square.
     pub(super) fn pixels(&self, film: &Film, square: usize) -> u64 {
         self.film_tiles(square).map(|tile| film.frame().tile(tile).pixel_count() as u64).sum()
     }
 
-    /// Whether every pixel of a square has exactly so many samples.
+    /// Returns true if every pixel of a square has exactly `samples` samples.
     pub(super) fn has_samples(&self, film: &Film, square: usize, samples: u32) -> bool {
         let mut counts = Vec::new();
         self.film_tiles(square).for_each(|tile| film.tile_counts(tile, &mut counts));
         counts.iter().all(|&count| count == samples)
     }
 
-    /// What is known of a square's values.
+    /// Noise statistics of a square.
     pub(super) fn noise(&self, film: &Film, square: usize) -> TileNoise {
         TileNoise::new(&self.estimates(film, square))
     }
 
-    /// What is known of its pixels, tile after tile.
+    /// Estimates of a square's pixels, tile by tile.
     pub(super) fn estimates(&self, film: &Film, square: usize) -> Vec<PixelEstimate> {
         let mut pixels = Vec::new();
         self.film_tiles(square).for_each(|tile| film.tile_estimates(tile, &mut pixels));
         pixels
     }
 
-    /// The columns and rows of its pixels in the full picture, in the same order.
+    /// Coordinates of a square's pixels in the full picture, in the order of [`Self::estimates`].
     pub(super) fn pixels_of(&self, film: &Film, square: usize) -> impl Iterator<Item = [u32; 2]> {
         self.film_tiles(square).flat_map(|tile| film.frame().tile(tile).pixel_coords())
     }

@@ -1,4 +1,4 @@
-//! From a film to a picture with the layers that are asked for.
+//! Develops a film into a picture with the requested AOVs.
 
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ use crate::scene::{PreparedScene, Scene};
 
 use super::cryptomatte;
 
-/// The picture of a film of this shot, with these layers.
+/// Develops a film of this shot into a picture with the layers `aovs`.
 pub fn develop(shot: &PreparedScene, accel: &dyn Accel, film: &Film, aovs: &[Aov]) -> Picture {
     let scene = shot.scene();
     let wants_ids = |kind: &Aov| matches!(kind, Aov::SphereId | Aov::MaterialId);
@@ -41,13 +41,13 @@ pub fn develop(shot: &PreparedScene, accel: &dyn Accel, film: &Film, aovs: &[Aov
     picture
 }
 
-/// Whether a layer is about the scene itself and not about samples alone: its ids, or its names.
+/// Returns true if an AOV needs the scene (ids or names) and not only the samples.
 pub fn needs_scene(kind: Aov) -> bool {
     matches!(kind, Aov::SphereId | Aov::MaterialId | Aov::Cryptomatte(_))
 }
 
-/// The same without the scene, for layers that do not need it; `transparent` is what the scene says of
-/// its background.
+/// Develops a film into a picture without the scene, for AOVs that do not need it. `transparent` is
+/// the scene's background setting.
 pub fn develop_without_scene(film: &Film, kinds: &[Aov], transparent: bool) -> Picture {
     assemble(film, kinds, transparent, &|_| Vec::new())
 }
@@ -61,7 +61,7 @@ fn assemble(
     let mut picture = film.picture();
     let wants_alpha = kinds.contains(&Aov::Mean(Layer::Alpha));
     if !transparent && !wants_alpha {
-        // It was summed for others.
+        // Alpha was accumulated only for other layers.
         picture.alpha = None;
     }
     let is_missing = |layer: &Layer| !kinds.contains(&Aov::Mean(*layer));
@@ -73,7 +73,7 @@ fn assemble(
     picture
 }
 
-/// The channels of a layer, but for those that a picture has by itself.
+/// The channels of an AOV, except those that the picture already has.
 fn aov_planes(film: &Film, kind: Aov, of_scene: &dyn Fn(Aov) -> Vec<u32>) -> Vec<ImageChannel> {
     let whole =
         |values: Vec<u32>| vec![ImageChannel::new(kind.info().name, ChannelValues::Uint(values))];
@@ -88,7 +88,7 @@ fn aov_planes(film: &Film, kind: Aov, of_scene: &dyn Fn(Aov) -> Vec<u32>) -> Vec
     }
 }
 
-/// A plane for each channel.
+/// One plane per channel.
 fn split_channels(kind: Aov, values: Option<Vec<[f32; 3]>>) -> Vec<ImageChannel> {
     let (row, values) = (kind.info(), values.unwrap_or_default());
     let plane = |name: String, axis: usize| ImageChannel {
@@ -102,8 +102,8 @@ fn split_channels(kind: Aov, values: Option<Vec<[f32; 3]>>) -> Vec<ImageChannel>
     channels.map(|(axis, channel)| plane(format!("{}.{channel}", row.name), axis)).collect()
 }
 
-/// The row of the sphere that the ray through each pixel's centre, and the lens's, meets first. Spheres
-/// that are never there do not count.
+/// For each pixel, the row of the first sphere hit by the ray through the pixel centre and the lens
+/// centre. Spheres with opacity 0 are skipped.
 fn primary_hit_rows(shot: &PreparedScene, accel: &dyn Accel, frame: &FilmFrame) -> Vec<u32> {
     let window = frame.window;
     let line = |y: u32| {

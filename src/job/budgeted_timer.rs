@@ -1,23 +1,24 @@
-//! Work that is done again and again beside a render, as often as is wished and can be afforded.
+//! Periodic work during a render, limited to a share of the processor time.
 
 use std::time::{Duration, Instant};
 
-/// Turns of one kind of work.
+/// A timer for one kind of periodic work.
 pub struct BudgetedTimer {
     start: Instant,
-    /// The wish: the time from one turn to the next.
+    /// Desired time between two runs.
     interval: Duration,
-    /// What may be spent, as a share of the time of all threads.
+    /// Largest share of the time of all threads that the work may use.
     budget: f64,
     threads: usize,
-    /// What one turn takes: a guess before the first, then what the last one took.
+    /// Cost of one run: a guess at first, then the measured cost of the last run.
     cost: Duration,
     spent: Duration,
     due: Instant,
 }
 
 impl BudgetedTimer {
-    /// From now on; `share` of the time of so many threads may be spent.
+    /// Starts a timer for work that runs once per `every` and may use the fraction `share` of the
+    /// time of `threads` threads. `guess` is its estimated cost.
     pub fn new(every: Duration, share: f64, threads: usize, guess: Duration) -> Self {
         let began = Instant::now();
         let (cost, spent) = (guess, Duration::ZERO);
@@ -27,7 +28,7 @@ impl BudgetedTimer {
         turns
     }
 
-    /// Does the work, if its turn has come.
+    /// Runs the work if it is due.
     pub fn run_if_due(&mut self, work: impl FnOnce()) {
         let now = Instant::now();
         if now < self.due {
@@ -39,8 +40,8 @@ impl BudgetedTimer {
         self.due = self.next_due(now);
     }
 
-    /// The next turn after one that began at some time: when it has been paid for, and so has another,
-    /// which may follow at the end of the render at any time.
+    /// When the next run is due. The budget must cover it and one more run, which may happen at the
+    /// end of the render at any time.
     fn next_due(&self, last: Instant) -> Instant {
         let needed = self.spent + 2 * self.cost;
         let affordable = needed.div_f64(self.budget * self.threads as f64);
@@ -56,7 +57,7 @@ mod tests {
     fn turns_come_as_wished_or_when_they_are_paid_for() {
         let second = Duration::from_secs(1);
         let mut turns = BudgetedTimer::new(2 * second, 0.02, 2, second / 100);
-        // Two hundredths are a fiftieth of half a second of two threads.
+        // Two hundredths of a second are 2 % of half a second on two threads.
         assert_eq!(turns.next_due(turns.start), turns.start + 2 * second);
         turns.cost = second / 10;
         assert_eq!(turns.next_due(turns.start), turns.start + 5 * second);

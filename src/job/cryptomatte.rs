@@ -1,9 +1,9 @@
-//! Cryptomatte: which spheres, materials or tables cover how much of each pixel, so that a compositor
+//! Cryptomatte: the coverage of each pixel by spheres, materials or tables, so that a compositor
 //! can pick them by name (J. Friedman and A. C. Jones, "Fully Automatic ID Mattes with Support for
-//! Motion Blur and Transparency", SIGGRAPH 2015; the specification is version 1.2.1).
+//! Motion Blur and Transparency", SIGGRAPH 2015; specification version 1.2.1).
 //!
-//! A name's hash is its id. A pixel has its ids ranked by the share of its samples that see them, two
-//! to a layer of four channels.
+//! An id is the hash of a name. The ids of a pixel are ranked by coverage, the fraction of its
+//! samples that see them. Each layer of four channels holds two ids.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -12,13 +12,13 @@ use crate::film::{CryptomatteKind, Film};
 use crate::image_io::{ChannelValues, ImageChannel, Picture};
 use crate::scene::Scene;
 
-/// Ids of a pixel that are written, those with the largest shares; two for each layer.
+/// Number of ids written per pixel, those with the largest coverage; two per layer.
 const RANKS: usize = 6;
 
-/// Above so many names there is no list of them, which the specification allows.
+/// With more names than this no manifest is written, as the specification permits.
 const MAX_MANIFEST_NAMES: usize = 100_000;
 
-/// Adds the layers to a picture, and what readers need to know of them.
+/// Adds the Cryptomatte layers and their attributes to a picture.
 pub(super) fn add_layers(picture: &mut Picture, scene: &Scene, film: &Film, by: CryptomatteKind) {
     let Some(coverage) = film.coverage() else { return };
     let mut names = MatteIds { scene, by, ids: HashMap::new(), hashes: BTreeMap::new() };
@@ -42,7 +42,7 @@ pub(super) fn add_layers(picture: &mut Picture, scene: &Scene, film: &Film, by: 
     picture.attributes.extend(attributes(name, &names.hashes));
 }
 
-/// What the layers are called.
+/// Name prefix of the layers.
 fn layer_name(by: CryptomatteKind) -> &'static str {
     match by {
         CryptomatteKind::Sphere => "CryptoSphere",
@@ -51,9 +51,9 @@ fn layer_name(by: CryptomatteKind) -> &'static str {
     }
 }
 
-/// The attributes of the file that tell of the layers.
+/// The file attributes that describe the layers.
 fn attributes(name: &str, hashes: &BTreeMap<String, u32>) -> Vec<(String, String)> {
-    // Seven digits of the hash of the layers' name.
+    // The key is the first seven digits of the hash of the layer name.
     let key = &format!("{:08x}", cryptomatte_id(name))[..7];
     let mut attributes = vec![
         ("name", name.to_owned()),
@@ -68,7 +68,7 @@ fn attributes(name: &str, hashes: &BTreeMap<String, u32>) -> Vec<(String, String
     attributes.into_iter().map(full).collect()
 }
 
-/// The names that are seen.
+/// Ids of the names seen so far.
 struct MatteIds<'a> {
     scene: &'a Scene,
     by: CryptomatteKind,
@@ -79,7 +79,7 @@ struct MatteIds<'a> {
 }
 
 impl MatteIds<'_> {
-    /// The ids of a pixel with the number of samples that see them, the largest first.
+    /// The ids of a pixel with their sample counts, largest count first.
     fn ranked_coverage(&mut self, rows: &[(u32, u32)]) -> Vec<(u32, u32)> {
         let mut shares: Vec<(u32, u32)> = Vec::new();
         for &(row, seen) in rows.iter().filter(|(row, _)| *row != NO_ROW) {
@@ -112,8 +112,8 @@ impl MatteIds<'_> {
     }
 }
 
-/// The bits of the float that stands for a name: its hash, with one bit of the exponent turned where
-/// the float would be 0, denormal, infinite or not a number.
+/// The bits of the float that encodes a name: its hash, with one exponent bit flipped if the float
+/// would be 0, denormal, infinite or NaN.
 fn cryptomatte_id(name: &str) -> u32 {
     let hash = murmur3(name.as_bytes());
     match hash >> 23 & 0xff {
@@ -122,7 +122,7 @@ fn cryptomatte_id(name: &str) -> u32 {
     }
 }
 
-/// MurmurHash3 for 32 bits with the seed 0 (A. Appleby, 2011, public domain).
+/// MurmurHash3, 32 bits, seed 0 (A. Appleby, 2011, public domain).
 fn murmur3(bytes: &[u8]) -> u32 {
     let mix = |word: u32| word.wrapping_mul(0xcc9e_2d51).rotate_left(15).wrapping_mul(0x1b87_3593);
     let words = bytes.chunks_exact(4);
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn hashes_are_those_of_others() {
-        // From Python's `mmh3`.
+        // Values from Python's `mmh3`.
         assert_eq!(murmur3(b""), 0);
         assert_eq!(murmur3(b"test"), 0xba6b_d213);
         assert_eq!(murmur3(b"Hello, world!"), 0xc036_3e43);

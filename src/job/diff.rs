@@ -1,4 +1,4 @@
-//! What differs between two renders, key by key.
+//! Describes the differences between two renders, key by key.
 
 use serde_json::Value;
 
@@ -7,7 +7,8 @@ use crate::scene::SceneDescription;
 use super::metadata::Metadata;
 
 impl Metadata {
-    /// What differs of all that decides a sample's worth, first as it is here and then as it is there.
+    /// Describes every difference that affects the value of a sample, this render's value first,
+    /// then the other's.
     pub fn describe_difference(&self, other: &Self) -> String {
         let mut found = Vec::new();
         if self.version != other.version {
@@ -22,7 +23,7 @@ impl Metadata {
             let of = |metadata: &Self| {
                 let mut settings = metadata.settings;
                 settings.image.crop = None;
-                // Which does not say why it matters.
+                // Ignore the sample count: the bare key would not explain why it matters.
                 super::metadata::set_sample_count(&mut settings, 1);
                 settings.to_keys()
             };
@@ -42,7 +43,7 @@ impl Metadata {
             }
         }
         if found.is_empty() {
-            // All else that is hashed is how many samples a pixel is to have.
+            // The only other hashed input is the number of samples per pixel.
             found.push(
                 "the number of samples per pixel changes each of them, as it does with \
                  `sampler = \"stratified\"`"
@@ -52,8 +53,8 @@ impl Metadata {
         found.join("; ")
     }
 
-    /// What differs in the programs and intersectors that made two pictures; nothing where they must be
-    /// equal.
+    /// Differences in version, commit and intersector between two pictures. Empty if they must
+    /// agree.
     pub fn program_differences(&self, other: &Self) -> Vec<String> {
         let facts = |metadata: &Self| {
             let Self { version, commit, intersector, .. } = metadata;
@@ -66,10 +67,10 @@ impl Metadata {
     }
 }
 
-/// More keys than these tell nobody anything.
+/// Maximum number of keys to list.
 const MAX_KEYS: usize = 5;
 
-/// The keys of two trees of values that differ, as in "`render.seed` is 1, not 2".
+/// The keys in which two JSON trees differ, as in "`render.seed` is 1, not 2".
 fn differing_keys(ours: Option<Value>, theirs: Option<Value>) -> Vec<String> {
     let mut found = Vec::new();
     if let (Some(ours), Some(theirs)) = (ours, theirs) {
@@ -109,7 +110,7 @@ fn diff_values(path: &str, ours: &Value, theirs: &Value, found: &mut Vec<String>
     }
 }
 
-/// A value, or what it is where it is long.
+/// A value as text, or a summary if it is long.
 fn abbreviate(value: &Value) -> String {
     match value {
         Value::Null => "left out".to_owned(),
@@ -121,7 +122,7 @@ fn abbreviate(value: &Value) -> String {
     }
 }
 
-/// A value as JSON, but with numbers that are f32 in their few digits.
+/// Formats a value as JSON, with f32 numbers in their shortest form.
 pub fn format_json(value: &Value) -> String {
     let narrow = |number: f64| (f64::from(number as f32) == number).then_some(number as f32);
     match value {

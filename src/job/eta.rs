@@ -1,33 +1,33 @@
-//! How long it will still take.
+//! Estimates the remaining render time.
 //!
-//! Passes go over the whole picture one after another, and each costs what the one before did; so what
-//! is left takes as long per sample as what is done. The estimate starts with the render, not with a
-//! window of some last seconds, which would show the cheap and the dear parts of one pass instead.
+//! Passes go over the whole picture and cost about the same, so the remaining samples take as long
+//! as those already done. The rate is averaged over the whole run: a window of the last seconds
+//! would follow the cheap and expensive regions of a single pass.
 
 use std::ops::Range;
 use std::time::Duration;
 
-/// More than anybody waits.
+/// Upper limit of an estimate, in seconds.
 const MAX_SECONDS: f64 = 1e9;
 
-/// How far a render is, and how far it has to go.
+/// Progress of a render, from which the remaining time is estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Eta {
-    /// Since the work began, or went on.
+    /// Time since the render started or resumed.
     pub elapsed: Duration,
-    /// Samples since then.
+    /// Samples rendered in that time.
     pub samples: u64,
-    /// The least and the most samples that are left; they differ where only an estimate is known.
+    /// Lower and upper bound of the samples left; they differ if the total is only an estimate.
     pub samples_left: Range<u64>,
 }
 
 impl Eta {
-    /// Samples per second; 0 before the first.
+    /// Samples per second; 0 before the first sample.
     pub fn rate(&self) -> f64 {
         self.samples as f64 / self.elapsed.as_secs_f64().max(1e-9)
     }
 
-    /// The shortest and the longest time that it may still take; nothing before the first sample.
+    /// Lower and upper bound of the remaining time; `None` before the first sample.
     pub fn time_left(&self) -> Option<Range<Duration>> {
         let rate = self.rate();
         let time = |samples: u64| Duration::from_secs_f64((samples as f64 / rate).min(MAX_SECONDS));
@@ -35,19 +35,20 @@ impl Eta {
     }
 }
 
-/// Samples that are done in some time, at the pace of some others.
+/// Samples expected within `time`, at the rate of `samples` per `elapsed`.
 pub fn expected_samples(time: Duration, samples: u64, elapsed: Duration) -> u64 {
     (samples as f64 * time.as_secs_f64() / elapsed.as_secs_f64().max(1e-9)) as u64
 }
 
-/// The total that there will be when the time is up: so many in that time, but never less than what is done
-/// in any case.
+/// Total number of samples when the time limit expires: `expected`, but at least `min_samples`, and
+/// within `total`.
 pub fn total_at_deadline(total: &Range<u64>, expected: u64, min_samples: u64) -> Range<u64> {
     let most = expected.max(min_samples);
     total.start.min(most)..total.end.min(most)
 }
 
-/// `3 min`, `50 to 80 s`, in two digits of the unit that suits the longer one.
+/// Formats a time range, as in `3 min` or `50 to 80 s`, with two digits in the unit that suits the
+/// upper bound.
 pub fn format_time_range(left: &Range<Duration>) -> String {
     let (unit, name) = [(86400.0, "d"), (3600.0, "h"), (60.0, "min"), (1.0, "s")]
         .into_iter()
@@ -57,7 +58,7 @@ pub fn format_time_range(left: &Range<Duration>) -> String {
     if low == high { format!("{high} {name}") } else { format!("{low} to {high} {name}") }
 }
 
-/// Whole from ten on, else with one decimal unless that is 0.
+/// Formats a number without decimals from ten on, otherwise with one decimal unless that is 0.
 fn format_number(x: f64) -> String {
     if x >= 9.95 { format!("{x:.0}") } else { format!("{x:.1}").trim_end_matches(".0").to_owned() }
 }
@@ -82,8 +83,8 @@ mod tests {
         );
     }
 
-    /// Seconds of processor time and samples of renders, as they went: the nine-sphere box in three
-    /// passes, and a sky above a ground in a single one.
+    /// Recorded processor time in seconds and samples done: the nine-sphere box in three passes,
+    /// and a sky above a ground in a single pass.
     #[rustfmt::skip]
     const TRACES: [&[(f64, u64)]; 2] = [
         &[
@@ -116,7 +117,7 @@ mod tests {
     #[test]
     fn a_time_that_is_up_does_not_end_a_render_before_its_first_block() {
         let endless = u64::MAX..u64::MAX;
-        // Up after 300 of 1000 samples that there must be: the rest takes as long as it does.
+        // The time is up after 300 of 1000 required samples: the rest takes as long as it takes.
         let total = total_at_deadline(&endless, 300, 1000);
         assert_eq!(total, 1000..1000);
         let left = pace(3.0, 300, total.end - 300).time_left().unwrap();

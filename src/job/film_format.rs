@@ -1,10 +1,10 @@
-//! Which film a job needs.
+//! Chooses the film format for a job.
 
 use crate::film::{Aov, FilmFormat, FilmFrame, Layer, RadianceScale, required_layers};
 use crate::math::Rect;
 use crate::scene::{PreparedScene, Settings};
 
-/// The film of a shot's picture with these layers, from the first sample on.
+/// Film format for a picture of this shot with these AOVs, starting at sample 0.
 pub fn format_for_scene(shot: &PreparedScene, layers: &[Aov]) -> FilmFormat {
     let transparent = shot.scene().description().background.transparent;
     format_for_settings(
@@ -15,7 +15,7 @@ pub fn format_for_scene(shot: &PreparedScene, layers: &[Aov]) -> FilmFormat {
     )
 }
 
-/// The same, before the scene's emitters are known.
+/// Film format from settings alone, before the scene's emitters are known.
 pub(super) fn format_for_settings(
     settings: &Settings,
     transparent: bool,

@@ -1,8 +1,8 @@
-//! How much memory a scene will take, told before any of it is taken: from the scene's description,
-//! the lengths of its tables, and what the intersectors say of themselves.
+//! Predicts the memory of a render before any of it is allocated, from the scene description, the
+//! lengths of its tables, and the intersectors' own estimates.
 //!
-//! Memory is held in steps that follow one another: the tables are read, the spheres sorted, the tree
-//! built, the picture rendered. The peak is the largest of them.
+//! A render runs in phases: the tables are read, the spheres sorted, the tree built, the picture
+//! rendered. The peak is the maximum over the phases.
 
 use crate::accel::Backend;
 use crate::film::{Aov, Film, RadianceScale};
@@ -11,21 +11,21 @@ use crate::scene::description::{ColorStorage, SceneDescription};
 
 use super::film_format::format_for_settings;
 
-/// Bytes of one sphere: `[x, y, z, radius]` in f32.
+/// Bytes per sphere: `[x, y, z, radius]` in f32.
 const SPHERE_BYTES: u64 = 16;
-/// Bytes of the row of one sphere.
+/// Bytes per sphere for its row.
 const ROW_BYTES: u64 = 4;
-/// Bytes of one sphere that is written out in the scene, in the description and beside it.
+/// Bytes per inline sphere, in the scene description and in copies of it.
 const INLINE_SPHERE_BYTES: u64 = 256;
-/// Bytes of one lamp, in the list and the hierarchy of lamps.
+/// Bytes per emitter, in the list and the light hierarchy.
 const EMITTER_BYTES: u64 = 288;
-/// Bytes of one pixel of the background's image: the image, and what directions are drawn by.
+/// Bytes per environment map pixel: the image and its sampling distribution.
 const ENVIRONMENT_PIXEL_BYTES: u64 = 48;
-/// Bytes of one pixel of the finished picture and of the file that it becomes.
+/// Bytes per pixel of the finished picture and its encoded file.
 const PICTURE_PIXEL_BYTES: u64 = 32;
-/// The program itself, without Embree's library and with it.
+/// Bytes of the program itself, without and with the Embree library.
 const PROGRAM_BYTES: [u64; 2] = [10 << 20, 12 << 20];
-/// What one thread takes for its paths.
+/// Bytes of path state per thread.
 const THREAD_BYTES: u64 = 1 << 20;
 
 /// The memory plan of one render. All figures are bytes.
@@ -33,17 +33,17 @@ const THREAD_BYTES: u64 = 1 << 20;
 pub struct MemoryPlan {
     /// The spheres themselves.
     pub spheres: u64,
-    /// The row of each sphere.
+    /// The rows of the spheres.
     pub rows: u64,
-    /// The spheres' own colours.
+    /// Per-sphere colours.
     pub colors: u64,
-    /// The lamps and the hierarchy over them.
+    /// The emitters and their light hierarchy.
     pub emitters: u64,
-    /// The background's image.
+    /// The environment map.
     pub background: u64,
-    /// The trees of all intersectors.
+    /// The finished trees of all intersectors.
     pub accel: u64,
-    /// The most that is held for trees while they are built.
+    /// Peak memory of the trees during construction.
     pub accel_build: u64,
     /// Film and picture.
     pub film: u64,
@@ -51,21 +51,21 @@ pub struct MemoryPlan {
     pub program: u64,
 }
 
-/// What happens when the most memory is held.
+/// The phase in which memory use peaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MemoryPhase {
-    /// The spheres are put in order.
+    /// The spheres are sorted.
     Sorting,
-    /// Trees are built.
+    /// The trees are built.
     Building,
     /// The picture is rendered.
     Rendering,
 }
 
 impl MemoryPlan {
-    /// The plan for a scene of which nothing large was read yet, with these intersectors built one
-    /// after the other and kept, a picture with these layers, and `threads` threads. `colors`
-    /// overrides how the tables' colours are kept.
+    /// Plans a scene whose tables have not been read yet. The backends are built one after the
+    /// other and kept; the picture has the layers `aovs`. `colors` overrides how table colours are
+    /// stored.
     pub fn new(
         file: &SceneFile,
         backends: &[Backend],
@@ -74,7 +74,7 @@ impl MemoryPlan {
         colors: Option<ColorStorage>,
     ) -> Self {
         let description = &file.description;
-        // How bright the lamps are does not change the film's size.
+        // Emitter brightness does not affect the film size.
         let transparent = description.background.transparent;
         let scale = RadianceScale::from_max_radiance(1.0);
         let format = format_for_settings(&file.settings, transparent, scale, aovs);
@@ -91,7 +91,7 @@ impl MemoryPlan {
         }
     }
 
-    /// The plan for so many spheres without anything else, and these intersectors.
+    /// Plans for `count` spheres and these intersectors, without film, colours or emitters.
     pub fn for_spheres(count: u64, backends: &[Backend], threads: usize) -> Self {
         let mut trees = AccelMemory::default();
         backends.iter().for_each(|backend| trees.build(*backend, count));
@@ -109,22 +109,22 @@ impl MemoryPlan {
         }
     }
 
-    /// The most that is held at any time.
+    /// Peak memory in bytes.
     pub fn peak(&self) -> u64 {
         self.bytes_in(self.peak_phase())
     }
 
-    /// When the most is held.
+    /// The phase with the peak memory.
     pub fn peak_phase(&self) -> MemoryPhase {
         let steps = [MemoryPhase::Sorting, MemoryPhase::Building, MemoryPhase::Rendering];
         steps.into_iter().max_by_key(|&step| self.bytes_in(step)).unwrap_or(MemoryPhase::Rendering)
     }
 
-    /// What is held in a step at most.
+    /// Peak memory within a phase, in bytes.
     pub fn bytes_in(&self, step: MemoryPhase) -> u64 {
         let scene = self.spheres + self.rows + self.colors + self.background + self.program;
         match step {
-            // The spheres in their old and in their new order.
+            // Sorting holds the spheres in both the old and the new order.
             MemoryPhase::Sorting => scene + self.spheres,
             MemoryPhase::Building => scene + self.emitters + self.accel_build,
             MemoryPhase::Rendering => scene + self.emitters + self.accel + self.film,
@@ -132,7 +132,7 @@ impl MemoryPlan {
     }
 }
 
-/// Trees that are built one after the other.
+/// Memory of trees that are built one after the other.
 #[derive(Default)]
 struct AccelMemory {
     finished: u64,

@@ -1,10 +1,10 @@
-//! How a picture was made, as its file says it: enough to render it again, and to tell what differs
-//! where the result does.
+//! Picture metadata: a record of how a picture was made, complete enough to render it again and to
+//! explain any difference.
 //!
-//! The fields of [`Metadata`] are the records of the file: each is written under its own name, texts as
-//! they are and everything else as JSON, and read back by the same declaration. The first group, all
-//! but [`Metadata::run`], is what decides the pixels: whoever renders the same thing again gets the
-//! same records. [`RunRecord`] is about one run: the command, the time, the machine.
+//! Each field of [`Metadata`] is stored in the file as a record under its own name: strings as they
+//! are, everything else as JSON. One declaration defines both writing and reading. All fields
+//! except [`Metadata::run`] determine the pixels, so rendering the same job again produces the same
+//! records. [`RunRecord`] describes one run: the command, the time, the machine.
 
 use std::path::{Path, PathBuf};
 
@@ -27,95 +27,95 @@ use super::samples::{MergedSamples, SampleRange, TileSampleCounts};
 /// The version of this program.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// The commit that this program was built from, and whether it was changed; `unknown` where the build
-/// found no repository.
+/// The commit that this program was built from, with a mark if the tree was modified; `unknown` if
+/// the build found no repository.
 pub const COMMIT: &str = env!("PHOTOSPHERE_COMMIT");
 
-/// The longest description of a scene, in bytes, that goes along with a picture.
+/// Maximum size in bytes of a scene description embedded in a picture.
 const MAX_DESCRIPTION_BYTES: usize = 1 << 20;
 
-/// All that the file of a picture says of it beside the pixels.
+/// Everything that a picture file records besides the pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Metadata {
-    /// The program's version.
+    /// Version of the program.
     pub version: String,
-    /// The commit that it was built from.
+    /// Commit that the program was built from.
     pub commit: String,
-    /// What the scene is: [`Scene::content_hash`].
+    /// Identity of the scene: [`Scene::content_hash`].
     pub scene_identity: ContentHash,
-    /// What was computed of it, and what with: samples of equal identities may be added up.
+    /// Identity of the computation. Samples whose scene and job identities are equal may be merged.
     pub job_identity: ContentHash,
-    /// What found the hits.
+    /// The intersector that found the hits.
     pub intersector: Intersector,
-    /// The settings, with as many samples per pixel as the picture has.
+    /// The settings, with the picture's number of samples per pixel.
     pub settings: Settings,
-    /// Which samples of each pixel.
+    /// The sample indices of the pixels.
     pub samples: SampleRange,
-    /// How many of them in each tile, where that differs.
+    /// Samples per film tile, if they differ.
     #[serde(default, skip_serializing_if = "TileSampleCounts::is_uniform")]
     pub counts: TileSampleCounts,
-    /// The samples of each of its parts, where those two do not tell it.
+    /// Samples of each part, if `samples` and `counts` cannot describe them.
     #[serde(default, skip_serializing_if = "MergedSamples::is_empty")]
     pub parts: MergedSamples,
     /// The options that bias the picture.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub biased: Vec<String>,
-    /// How a file for the screen shows light, where that is not the usual way.
+    /// The view transform of a display format, if it is not the default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look: Option<ViewTransform>,
-    /// The layers, in a file that has a place for them.
+    /// The AOVs, in formats that store them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layers: Option<Vec<Aov>>,
-    /// The files of the scene, as it names them, with the hashes of their numbers.
+    /// The files of the scene, as the scene names them, with the hashes of their values.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<FileHash>,
-    /// The scene; `None` where it is too long to go along.
+    /// The scene; `None` if it is too large to embed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<SceneDescription>,
-    /// What one run was like; `None` where it is left out.
+    /// Record of the run; `None` if omitted.
     #[serde(flatten)]
     pub run: Option<RunRecord>,
 }
 
-/// Figures of one run; nothing of them decides the pixels.
+/// Facts about one run. None of them affects the pixels.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct RunRecord {
     /// Rays traced.
     pub rays: u64,
-    /// Seconds that rendering took, without loading and building.
+    /// Render time in seconds, without loading and building.
     pub seconds: f64,
-    /// Threads that it took.
+    /// Number of threads.
     pub threads: usize,
-    /// The noise that was asked for.
+    /// The noise target, if there was one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseTarget>,
-    /// The error that 95 % of the values stay below, or another share where one was asked for, as a
-    /// share of the brightness.
+    /// The error that 95 % of the values stay below (or the fraction of the noise target), relative
+    /// to the brightness.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
-    /// Which intersector found the hits, and why it.
+    /// The intersector and the reason for choosing it.
     pub intersector_choice: String,
-    /// The Embree that there is.
+    /// The Embree version and configuration, if available.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub embree: Option<String>,
-    /// The command line, quoted for a shell.
+    /// The shell-quoted command line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
-    /// The scene file's full path.
+    /// Full path of the scene file.
     #[serde(
         default,
         with = "crate::scene::paths::optional",
         skip_serializing_if = "Option::is_none"
     )]
     pub scene_file: Option<PathBuf>,
-    /// The text of the scene file, which says the same as `scene` in the user's own words.
+    /// Text of the scene file, which describes the same scene as [`Metadata::scene`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene_text: Option<String>,
 }
 
-/// What a job's identity is the hash of.
+/// The data whose hash is the job identity.
 #[derive(Serialize)]
 struct CanonicalJob<'a> {
     encoding: u32,
@@ -125,7 +125,7 @@ struct CanonicalJob<'a> {
 }
 
 impl Metadata {
-    /// Of a picture of a shot by an intersector, without any sample so far.
+    /// Metadata of a picture without samples.
     pub(super) fn new(shot: &PreparedScene, backend: Backend) -> Self {
         let intersector = Intersector::for_backend(backend);
         let scene = shot.scene();
@@ -148,7 +148,8 @@ impl Metadata {
         }
     }
 
-    /// With the samples that the picture holds, by which equal pictures have equal settings.
+    /// Adds the samples of the picture. The settings are normalized so that equal pictures have
+    /// equal settings.
     pub(super) fn with_samples(
         self,
         samples: SampleRange,
@@ -162,8 +163,8 @@ impl Metadata {
         Self { settings, samples, counts, parts, ..self }
     }
 
-    /// The indices of the samples: `0..64`, or `0..16, 32..64` where some are missing in between, and
-    /// whether every pixel has them.
+    /// The sample indices as text: `0..64`, or `0..16, 32..64` if some are missing in between, with
+    /// a note if some pixels lack samples.
     pub fn samples_to_string(&self) -> String {
         if self.parts.is_empty() {
             return self.samples.to_string();
@@ -175,10 +176,10 @@ impl Metadata {
         }
     }
 
-    /// As records of a file.
+    /// Converts the metadata to file records.
     ///
     /// # Errors
-    /// When a path cannot be written.
+    /// If a path cannot be serialized.
     pub fn to_records(&self) -> Result<Vec<MetadataEntry>> {
         let value = serde_json::to_value(self);
         let value = value.map_err(|e| Error::input(format!("cannot say how it was made: {e}")))?;
@@ -189,10 +190,10 @@ impl Metadata {
             .collect())
     }
 
-    /// From the records of a file.
+    /// Reads metadata from the records of the file `picture`.
     ///
     /// # Errors
-    /// When one is missing or makes no sense; the message names the picture.
+    /// If a record is missing or invalid. The message names the picture.
     pub fn from_records(picture: &Path, records: &[MetadataEntry]) -> Result<Self> {
         let shown = picture.display();
         if !records.iter().any(|record| record.name == "scene-identity") {
@@ -214,7 +215,8 @@ impl Metadata {
     }
 }
 
-/// The text of a record: a text as it is, unless it reads as JSON, and all else as JSON.
+/// Text of a record: a string is stored as it is unless it parses as JSON; any other value is
+/// stored as JSON.
 fn record_text(value: Value) -> String {
     match value {
         Value::String(text) if serde_json::from_str::<Value>(&text).is_err() => text,
@@ -222,17 +224,18 @@ fn record_text(value: Value) -> String {
     }
 }
 
-/// What a record says: JSON, or else a text.
+/// The value of a record: JSON if it parses, otherwise a string.
 pub fn record_value(record: &MetadataEntry) -> Value {
     serde_json::from_str(&record.text).unwrap_or_else(|_| Value::String(record.text.clone()))
 }
 
-/// Asks for so many samples of each pixel, or the paper's sub-pixels for as many as that takes.
+/// Sets the number of samples per pixel. The `paper` integrator rounds it up to whole sub-pixel
+/// grids.
 pub(super) fn set_sample_count(settings: &mut Settings, samples: u32) {
     let render = &mut settings.render;
     match &mut render.integrator {
         IntegratorSettings::Paper(paper) => {
-            // Settings may still hold any number.
+            // The settings are not validated yet and may hold any number.
             let cells = paper.subpixels.saturating_pow(2).max(1);
             paper.samples = samples.div_ceil(cells).max(1);
             render.samples_per_pixel = paper.samples.saturating_mul(cells);
@@ -241,13 +244,14 @@ pub(super) fn set_sample_count(settings: &mut Settings, samples: u32) {
     }
 }
 
-/// What decides the worth of a sample beside the scene: not which samples of which pixels are taken.
+/// Hash of everything besides the scene that affects the value of a sample. The choice of pixels
+/// and samples is excluded.
 pub(super) fn job_identity(settings: &Settings, intersector: &Intersector) -> ContentHash {
     let mut settings = *settings;
     settings.image.crop = None;
     let render = &settings.render;
     let is_centred = render.samples_per_pixel == 1;
-    // Where the samples' number changes each of them.
+    // Keep the sample count only if it changes the value of each sample.
     let samples = match (render.sampler.depends_on_sample_count(), render.integrator) {
         (true, _) => render.samples_per_pixel,
         (_, IntegratorSettings::Normals | IntegratorSettings::Raycast { .. }) => {
@@ -265,9 +269,9 @@ pub(super) fn job_identity(settings: &Settings, intersector: &Intersector) -> Co
     ContentHash::of_bytes(&bytes.expect("plain values with names as their keys are JSON"))
 }
 
-/// The scene with its files as it names them.
+/// The scene description to embed, with file names as the scene gives them.
 pub(super) fn embedded_description(scene: &Scene) -> Option<SceneDescription> {
-    // Written-out spheres take a hundred bytes and more.
+    // An inline sphere takes at least a hundred bytes.
     if scene.description().spheres.len() > MAX_DESCRIPTION_BYTES / 64 {
         return None;
     }
@@ -282,7 +286,7 @@ pub(super) fn embedded_description(scene: &Scene) -> Option<SceneDescription> {
     (length <= MAX_DESCRIPTION_BYTES).then_some(description)
 }
 
-/// Changes the path of every file of a scene.
+/// Applies `change` to the path of every file in a scene.
 pub(super) fn for_each_file(
     description: &mut SceneDescription,
     mut change: impl FnMut(&mut PathBuf),
@@ -306,7 +310,7 @@ fn relative_files(scene: &Scene) -> Vec<FileHash> {
     scene.files().iter().map(named).collect()
 }
 
-/// What is to be told of the Embree in use.
+/// Versions and configuration of the Embree in use.
 pub(super) fn embree_summary() -> Option<String> {
     let info = accel::embree_info()?.ok()?;
     Some(format!(

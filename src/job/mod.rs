@@ -1,9 +1,9 @@
-//! A render as a value, and everything that the library does with it.
+//! Render jobs: describe a render as a value, run it, save it, merge it and reproduce it.
 //!
-//! A [`Job`] says what to compute and until when; [`run`] renders it. Whoever wants to look at a render
-//! while it runs, to stop, extend, save or resume it, opens a [`Session`]. Samples that were rendered are
-//! a [`Checkpoint`]: [`Session::resume`] goes on with it, [`merge`] adds several up. What a picture's file
-//! says of how it was made is [`Metadata`], of which [`reproduce`] renders it again.
+//! A [`Job`] says what to compute and when to stop; [`run`] renders it. To watch, stop, extend,
+//! save or resume a render, open a [`Session`]. Rendered samples are stored in a [`Checkpoint`]:
+//! [`Session::resume`] continues one, [`merge`] adds several. [`Metadata`] is the record in a
+//! picture's file of how it was made; [`reproduce`] renders the picture again from it.
 
 mod adaptive;
 mod adaptive_tiles;
@@ -59,10 +59,11 @@ use crate::image_io::Picture;
 use crate::scene::{PreparedScene, Scene};
 use crate::task::CancelToken;
 
-/// Renders a job, and tells `observer` on this thread how far it is; `&()` does not look on.
+/// Renders a job and reports progress to `observer` on the calling thread. Pass `&()` for no
+/// reports.
 ///
 /// # Errors
-/// When the job makes no sense, the intersector cannot be built, there is no memory for the picture, or
+/// If the job is invalid, the intersector cannot be built, the picture does not fit into memory, or
 /// a pixel is too bright for the film.
 pub fn run(scene: &Scene, job: &Job, observer: &dyn Observer) -> Result<RenderResult> {
     let session = Session::new(scene, job.clone(), SessionOptions::default())?;
@@ -70,7 +71,7 @@ pub fn run(scene: &Scene, job: &Job, observer: &dyn Observer) -> Result<RenderRe
     Ok(session.result(reached))
 }
 
-/// A picture that was rendered on the current thread pool.
+/// A picture rendered by [`render_with_accel`].
 #[derive(Debug)]
 pub struct RenderedImage {
     /// The picture.
@@ -79,17 +80,17 @@ pub struct RenderedImage {
     pub samples: u64,
     /// Rays traced, shadow rays included.
     pub rays: u64,
-    /// Whether all samples were rendered.
+    /// True if all samples were rendered.
     pub complete: bool,
-    /// What the user should know about the picture.
+    /// Warnings for the user about the picture.
     pub warnings: Vec<String>,
 }
 
-/// Renders all samples of a shot on the current rayon thread pool, with an intersector that is there
-/// already: for those who render many pictures of one scene. Cancelled, it gives the picture so far.
+/// Renders all samples of a shot on the current rayon thread pool with an existing intersector. Use
+/// this to render many pictures of one scene. If cancelled, returns the picture so far.
 ///
 /// # Errors
-/// When there is no memory for the picture, or a pixel is too bright for the film.
+/// If the picture does not fit into memory, or a pixel is too bright for the film.
 pub fn render_with_accel(
     shot: &PreparedScene,
     accel: &dyn Accel,

@@ -1,6 +1,5 @@
-//! What happens beside a render: the thread that asked for it minds the time, the requests to stop and
-//! those who look on, and one more thread saves the samples now and then. Threads that render never wait
-//! for either.
+//! Runs a render with monitoring. The calling thread handles the time limit, stop requests and the
+//! observer; another thread saves the samples periodically. Render threads never wait for either.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -18,36 +17,36 @@ use super::observer::Observer;
 use super::outcome::{RunOutcome, StopReason};
 use super::render_state::RenderState;
 
-/// How long the threads that render may take to follow a request to stop: most of the two seconds in
-/// which a program should be gone are for saving. Nothing is lost with them but what is in flight.
+/// Grace period for render threads to follow a stop request. The program should exit within two
+/// seconds, and saving needs most of that. Abandoning the threads loses only samples in flight.
 const STOP_TIMEOUT: Duration = Duration::from_millis(500);
-/// Between two looks at the clock; where a time is nearly up, sooner.
+/// Time between two checks; shorter when the time limit is near.
 const POLL_INTERVAL: Duration = Duration::from_millis(40);
 const MIN_POLL_INTERVAL: Duration = Duration::from_millis(5);
-/// Between two words on the progress.
+/// Time between two progress reports.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
-/// Between two estimates of the error.
+/// Time between two error estimates.
 const ERROR_INTERVAL: Duration = Duration::from_secs(2);
-/// The share of the time of all threads that estimates of the error may take.
+/// Largest share of the time of all threads that error estimates may use.
 const ERROR_BUDGET: f64 = 1.0 / 256.0;
-/// What an estimate takes, known better after the first.
+/// Cost of an error estimate, assumed until the first is measured.
 const ERROR_COST_GUESS: Duration = Duration::from_millis(5);
-/// What failed is tried again no later than this.
+/// Maximum time before a failed save is retried.
 const MAX_RETRY_INTERVAL: Duration = Duration::from_secs(10);
 
-/// What is said of a panic.
+/// Warning text for a panic.
 fn panic_warning(what: &str) -> String {
     format!("{what} failed in an unexpected way; please report this")
 }
 
-/// Where the samples are saved while they are rendered, and how often.
+/// Where and how often samples are saved during a render.
 #[derive(Clone, Debug)]
 pub(super) struct Autosave {
     pub(super) file: AtomicFile,
     pub(super) interval: Duration,
 }
 
-/// Renders on the pool, and minds everything else on this thread.
+/// Renders on the pool while this thread monitors.
 pub(super) fn run(
     state: &Arc<RenderState>,
     pool: &ThreadPool,
@@ -58,7 +57,7 @@ pub(super) fn run(
     let (end, ended) = mpsc::channel();
     let rendering = Arc::clone(state);
     pool.spawn(move || {
-        // A panic ends the render, and the samples so far are kept.
+        // A panic ends the render; the samples so far are kept.
         let ended = catch_unwind(AssertUnwindSafe(|| rendering.render()));
         drop(rendering);
         let _ = end.send(ended);
@@ -67,7 +66,8 @@ pub(super) fn run(
     let saver = autosave.map(|autosave| AutosaveThread::start(state, autosave, warn));
     let threads = pool.current_num_threads();
     let ended = wait_for_end(state, &ended, &warnings, threads, saver.as_ref(), observer);
-    // The file is whole before anybody writes it for the last time.
+    // Wait for the autosave thread, so that the file is complete before it is written for the last
+    // time.
     if let Some(saver) = saver {
         saver.join(observer);
     }
@@ -87,7 +87,7 @@ pub(super) fn run(
 
 type RenderThreadResult = std::thread::Result<Result<bool>>;
 
-/// Waits for the end; `None` where the threads that render were left behind.
+/// Waits for the render to end. `None` if the render threads were abandoned.
 fn wait_for_end(
     state: &RenderState,
     ended: &Receiver<RenderThreadResult>,
@@ -123,7 +123,7 @@ fn wait_for_end(
         } else if wants_progress && Instant::now() >= next_words {
             errors.run_if_due(|| error = state.estimate_error());
             let progress = state.progress(error);
-            // Whatever goes wrong there, the render is not lost.
+            // A panic in the observer does not end the render.
             if catch_unwind(AssertUnwindSafe(|| observer.on_progress(&progress))).is_err() {
                 observer.on_warning(&panic_warning("telling the progress"));
                 wants_progress = false;
@@ -133,9 +133,9 @@ fn wait_for_end(
     }
 }
 
-/// The thread that saves.
+/// The thread that saves samples periodically.
 struct AutosaveThread {
-    /// Told to save at once; dropped at the end.
+    /// Wakes the thread to save at once. Dropping it ends the thread.
     wake: Sender<()>,
     thread: std::io::Result<std::thread::JoinHandle<()>>,
 }
@@ -152,11 +152,11 @@ impl AutosaveThread {
     }
 
     fn save_now(&self) {
-        // Where it is over, it has saved for the last time.
+        // If the thread has ended, it has saved for the last time.
         let _ = self.wake.send(());
     }
 
-    /// Waits until it is over. Whatever went wrong there, the render is not lost.
+    /// Ends the thread and waits for it. A failure becomes a warning and does not end the render.
     fn join(self, observer: &dyn Observer) {
         drop(self.wake);
         match self.thread {
@@ -170,7 +170,8 @@ impl AutosaveThread {
     }
 }
 
-/// Saves at intervals, and when woken, until the sender is gone. A failure is told of once, until it works again.
+/// Saves at intervals, and when woken, until the sender is dropped. Reports a failure once, until
+/// saving works again.
 fn autosave_loop(
     every: Duration,
     woken: &Receiver<()>,
@@ -196,7 +197,7 @@ fn autosave_loop(
             _ => None,
         };
         is_failing = failure.is_some();
-        // Nobody listens any more where the render is over.
+        // Nobody receives warnings after the render has ended.
         text.into_iter().for_each(|text| drop(warn.send(text)));
     }
 }

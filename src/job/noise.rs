@@ -1,18 +1,18 @@
-//! When a square of the picture is good enough.
+//! Error statistics that decide when a square of the picture is good enough.
 //!
-//! The statistics in one place, from what is known of each value (a channel of a pixel) to the word
-//! "done". `docs/stopping.md` derives them and shows what was measured.
+//! All statistics are here, from the estimate of each value (one channel of a pixel) to the
+//! decision. `docs/stopping.md` derives them and shows measurements.
 //!
-//! A value's mean over `k` blocks of 16 samples has the variance `v` that the blocks themselves show,
-//! with `k - 1` degrees of freedom. Where light arrives by rare bright paths, a pixel that has not met
-//! one yet takes itself for quiet; its neighbours know better. So a sixteenth of the square's mean
-//! variance `V` is mixed in: `w = 15/16 v + 1/16 V`. The degrees of freedom follow from that (Welch
-//! 1947, Satterthwaite 1946; `V` is as good as known): `f = (k - 1) (w / (15/16 v))^2`. The truth then
-//! lies within `t_f sqrt(w)` of the mean with the wanted confidence.
+//! The mean of a value over `k` blocks of 16 samples has the variance `v` estimated from the
+//! blocks, with `k - 1` degrees of freedom. If light arrives by rare bright paths, a pixel that has
+//! not sampled one yet looks quiet, but its neighbours reveal the variance. A sixteenth of the
+//! square's mean variance `V` is therefore mixed in: `w = 15/16 v + 1/16 V`. The degrees of freedom
+//! follow (Welch 1947, Satterthwaite 1946; `V` is treated as exact): `f = (k - 1) (w / (15/16
+//! v))^2`. The true value lies within `t_f sqrt(w)` of the mean with the requested confidence.
 //!
-//! A square of 256 pixels decides as one. Did each pixel decide for itself, those that happened to
-//! look quiet would stop early and those that happened to look bright enough too, and the picture would
-//! be biased; over a square such accidents cancel.
+//! A square of 256 pixels decides as a whole. If pixels stopped individually, those that happened
+//! to look quiet or bright would stop too early, and the picture would be biased; over a square
+//! such errors cancel.
 
 use std::fmt;
 
@@ -22,35 +22,36 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::error::{Error, Result};
 use crate::film::PixelEstimate;
 
-/// The share of its square's variance that every value is taken to have.
+/// Weight of the square's mean variance in the variance of each value.
 const SHARED_VARIANCE_WEIGHT: f64 = 1.0 / 16.0;
 
-/// No pixel needs to be more exact than one with this share of its square's mean brightness.
+/// Minimum brightness used for relative errors, as a fraction of the square's mean brightness.
+/// Darker pixels need no higher absolute accuracy.
 const MIN_RELATIVE_BRIGHTNESS: f64 = 0.1;
 
-/// What is asked of a picture.
+/// A noise target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoiseTarget {
-    /// The largest error of a value, as a share of its pixel's brightness; in (0, 1).
+    /// The largest error of a value, relative to its pixel's brightness; in (0, 1).
     pub error: f64,
-    /// The share of values that must be nearer to the truth than that; in (0, 1).
+    /// The fraction of values that must have a smaller error than that; in (0, 1).
     pub confidence: f64,
 }
 
 impl NoiseTarget {
-    /// The share of the values where none is asked for.
+    /// The default fraction of values.
     pub const CONFIDENCE: f64 = 0.95;
 
-    /// An error as a share of the brightness, as in 0.01, for 95 % of the values.
+    /// A relative error, such as 0.01, for 95 % of the values.
     pub fn new(error: f64) -> Self {
         Self { error, confidence: Self::CONFIDENCE }
     }
 
-    /// Refuses what is no share.
+    /// Checks that both numbers are in (0, 1).
     ///
     /// # Errors
-    /// With the two numbers.
+    /// States the two numbers.
     pub(super) fn validate(self) -> Result<()> {
         let Self { error, confidence } = self;
         let is_share = |x: f64| x > 0.0 && x < 1.0;
@@ -70,19 +71,19 @@ impl fmt::Display for NoiseTarget {
     }
 }
 
-/// How far a mean may be from the truth.
+/// Standard error of a mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct StandardError {
-    /// Its standard deviation.
+    /// Standard deviation of the mean.
     std_dev: f64,
-    /// Degrees of freedom behind that.
+    /// Degrees of freedom of that estimate.
     degrees_of_freedom: f64,
 }
 
-/// What all values of a square have in common: a share of their mean variance, per channel.
+/// The weighted mean variance of a square, per channel, which all of its values share.
 struct PooledVariance([f64; 3]);
 
-/// What is known of the values of one square.
+/// Noise statistics of one square.
 #[derive(Debug, Default)]
 pub(super) struct TileNoise {
     channels: Vec<ChannelNoise>,
@@ -91,7 +92,7 @@ pub(super) struct TileNoise {
 /// One channel of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ChannelNoise {
-    /// What the user sees the error against.
+    /// Reference brightness for the relative error.
     brightness: f64,
     standard_error: StandardError,
 }
@@ -103,22 +104,23 @@ impl PooledVariance {
         }))
     }
 
-    /// Those of a pixel's channels.
+    /// Standard errors of a pixel's channels.
     fn standard_errors(&self, pixel: &PixelEstimate) -> [StandardError; 3] {
         std::array::from_fn(|axis| {
             let own = (1.0 - SHARED_VARIANCE_WEIGHT) * pixel.variance[axis];
             let variance = own + self.0[axis];
             let ratio = variance / own;
             let blocks = f64::from(pixel.blocks);
-            // A pixel without a variance of its own has only the shared one, which is well known.
+            // A pixel without variance of its own has only the shared one, which is treated as
+            // exact.
             let freedom = if ratio < 1e6 { (blocks - 1.0) * ratio * ratio } else { f64::INFINITY };
             StandardError { std_dev: variance.sqrt(), degrees_of_freedom: freedom }
         })
     }
 }
 
-/// How far the truth may be from the mean of each pixel of a square, per channel, with this
-/// confidence: half the width of the interval. Infinite where it is not known.
+/// Half-width of the confidence interval around each pixel's mean in a square, per channel.
+/// Infinite where the error is unknown.
 pub(super) fn confidence_half_widths(pixels: &[PixelEstimate], confidence: f64) -> Vec<[f64; 3]> {
     let known: Vec<&PixelEstimate> = pixels.iter().filter(|pixel| pixel.is_known()).collect();
     let shared = PooledVariance::new(&known);
@@ -131,13 +133,14 @@ pub(super) fn confidence_half_widths(pixels: &[PixelEstimate], confidence: f64) 
 }
 
 impl TileNoise {
-    /// From the estimates of its pixels. Those with fewer than two blocks say nothing of their error,
-    /// and pixels that are no numbers are left out.
+    /// Builds the statistics from the estimates of a square's pixels. Pixels with fewer than two
+    /// blocks and non-finite pixels are left out.
     pub(super) fn new(pixels: &[PixelEstimate]) -> Self {
         Self::with_stride(pixels, 1)
     }
 
-    /// The same with the values of every so many pixels only; what they have in common is that of all.
+    /// Builds the statistics from every `stride`-th pixel. The pooled variance still uses all
+    /// pixels.
     pub(super) fn with_stride(pixels: &[PixelEstimate], stride: usize) -> Self {
         let known: Vec<&PixelEstimate> = pixels.iter().filter(|pixel| pixel.is_known()).collect();
         let darkest = MIN_RELATIVE_BRIGHTNESS * mean(&known, brightness);
@@ -151,25 +154,26 @@ impl TileNoise {
         Self { channels: known.iter().step_by(stride).flat_map(of_pixel).collect() }
     }
 
-    /// Whether the target is met.
+    /// Returns true if the target is met.
     pub(super) fn meets(&self, target: NoiseTarget) -> bool {
         self.fraction_above(target.error) <= 1.0 - target.confidence
     }
 
-    /// The share of the values that are to be expected further from the truth than `error`.
+    /// Expected fraction of values whose error exceeds `error`.
     pub(super) fn fraction_above(&self, error: f64) -> f64 {
         let sum: f64 = self.channels.iter().map(|value| value.exceedance_probability(error)).sum();
         sum / self.channels.len().max(1) as f64
     }
 
-    /// The error that a share of `confidence` of the values stay below, to three digits; `None` where
+    /// The error that a fraction `confidence` of the values stay below, to three digits; `None` if
     /// nothing is known.
     pub(super) fn error_quantile(&self, confidence: f64) -> Option<f64> {
         error_quantile(std::slice::from_ref(self), confidence)
     }
 }
 
-/// The same over the values of many squares.
+/// The error that a fraction `confidence` of the values of all squares stay below, to three digits;
+/// `None` if nothing is known.
 pub(super) fn error_quantile(squares: &[TileNoise], confidence: f64) -> Option<f64> {
     let values: usize = squares.iter().map(|square| square.channels.len()).sum();
     if values == 0 {
@@ -184,7 +188,8 @@ pub(super) fn error_quantile(squares: &[TileNoise], confidence: f64) -> Option<f
     if !(largest > 0.0 && largest.is_finite()) {
         return Some(largest);
     }
-    // Between far too small and more than any t needs; the share falls with the error.
+    // The bounds are far below and far above any possible result; the fraction decreases with the
+    // error.
     let (mut low, mut high) = (1e-9 * largest, 1e3 * largest);
     while high / low > 1.0005 {
         let middle = (low * high).sqrt();
@@ -194,7 +199,8 @@ pub(super) fn error_quantile(squares: &[TileNoise], confidence: f64) -> Option<f
 }
 
 impl StandardError {
-    /// The distance that is exceeded as rarely as so many standard deviations are by a normal variable.
+    /// Half-width of the confidence interval that corresponds to `sigmas` standard deviations of a
+    /// normal distribution.
     fn half_width(self, sigmas: f64) -> f64 {
         student_t_from_normal(sigmas, self.degrees_of_freedom) * self.std_dev
     }
@@ -206,7 +212,7 @@ impl ChannelNoise {
         if deviation == 0.0 { 0.0 } else { deviation / self.brightness }
     }
 
-    /// The probability that the truth is further away than `error` times the brightness.
+    /// Probability that the error exceeds `error` times the brightness.
     fn exceedance_probability(&self, error: f64) -> f64 {
         let StandardError { std_dev: deviation, degrees_of_freedom: freedom } = self.standard_error;
         if deviation == 0.0 {
@@ -221,16 +227,16 @@ fn mean(pixels: &[&PixelEstimate], of: impl Fn(&PixelEstimate) -> f64) -> f64 {
     pixels.iter().map(|pixel| of(pixel)).sum::<f64>() / pixels.len().max(1) as f64
 }
 
-/// What an error is seen against: the mean of the channels, never negative.
+/// Reference brightness for the relative error: the mean of the channels, never negative.
 fn brightness(pixel: &PixelEstimate) -> f64 {
     let [red, green, blue] = pixel.mean;
     ((red + green + blue) / 3.0).max(0.0)
 }
 
-/// The normal deviate that is exceeded as rarely as `t` is by a variable of Student's distribution, to
-/// a few hundredths from three degrees of freedom on (Wallace 1959, "Bounds on normal approximations
-/// to Student's and the chi-square distributions"). A closed form, of the `libm` crate's functions: a
-/// decision must be the same on every machine.
+/// The normal deviate with the same tail probability as `t` under Student's distribution. Accurate
+/// to a few hundredths from three degrees of freedom on (Wallace 1959, "Bounds on normal
+/// approximations to Student's and the chi-square distributions"). Uses a closed form and the
+/// `libm` crate so that decisions are identical on every machine.
 fn normal_from_student_t(t: f64, freedom: f64) -> f64 {
     if freedom.is_infinite() {
         return t;
@@ -300,7 +306,7 @@ mod tests {
             pixels[..count].fill(pixel(1.0, 1e-3, 1 << 20));
             TileNoise::new(&pixels)
         };
-        // A third of a standard deviation of the noisy ones, and many of what the others share.
+        // A third of a standard deviation of the noisy pixels, and many of the shared one.
         let target = NoiseTarget { error: 3.3e-4, confidence: 0.95 };
         assert!(with_noisy(50).meets(target));
         assert!(!with_noisy(100).meets(target));
@@ -315,7 +321,7 @@ mod tests {
         let widths = confidence_half_widths(&pixels, 0.95);
         let shared = 0.1 * (SHARED_VARIANCE_WEIGHT * 255.0 / 256.0).sqrt();
         assert_relative_eq!(widths[255][0], 1.959964 * shared, max_relative = 1e-5);
-        // The others have 3 degrees of freedom and a little more.
+        // The other pixels have slightly more than 3 degrees of freedom.
         assert!((0.29..0.322).contains(&widths[0][0]), "{:?}", widths[0]);
     }
 

@@ -1,4 +1,4 @@
-//! What a render came to.
+//! The outcome of a render.
 
 use std::fmt;
 use std::path::Path;
@@ -21,49 +21,49 @@ use super::noise::NoiseTarget;
 pub struct RenderResult {
     /// The picture with its layers.
     pub picture: Picture,
-    /// How it was made.
+    /// How the picture was made.
     pub metadata: Metadata,
-    /// How the render ended.
+    /// Why the render ended.
     pub stop_reason: StopReason,
-    /// How far the noise target is met, where there is one.
+    /// Status of the noise target, if there is one.
     pub noise: Option<NoiseStatus>,
-    /// The error that 95 % of the values stay below, or the share that a noise target names, as a share
-    /// of the brightness; `None` where it is not known.
+    /// The error that 95 % of the values stay below (or the fraction of the noise target), relative
+    /// to the brightness; `None` if unknown.
     pub error: Option<f64>,
-    /// Samples of the picture.
+    /// Samples in the picture.
     pub samples: u64,
-    /// Rays traced, shadow rays included.
+    /// Rays traced, including shadow rays.
     pub rays: u64,
-    /// Seconds of rendering.
+    /// Render time in seconds.
     pub seconds: f64,
-    /// What the user should know about the picture.
+    /// Warnings for the user about the picture.
     pub warnings: Vec<String>,
 }
 
-/// What a render came to, before it is saved or shown.
+/// The outcome of a run, before the picture is saved or shown.
 #[derive(Clone, Debug)]
 pub struct RunOutcome {
-    /// How it ended.
+    /// Why the run ended.
     pub stop_reason: StopReason,
-    /// How far the noise target is met, where there is one.
+    /// Status of the noise target, if there is one.
     pub noise: Option<NoiseStatus>,
-    /// The error that a share of the values stay below.
+    /// The error that 95 % of the values stay below (or the fraction of the noise target), relative
+    /// to the brightness; `None` if unknown.
     pub error: Option<f64>,
 }
 
-/// How a render ended.
+/// Why a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
-    /// It has all that was asked for.
+    /// All requested samples are rendered and the noise target, if any, is met.
     Finished,
-    /// Its time was up.
+    /// The time limit was reached.
     TimeLimit,
-    /// It has the most samples that there may be, and some squares are noisier than was asked for.
+    /// The maximum number of samples was reached, but some squares miss the noise target.
     NoiseTargetMissed,
-    /// It was stopped.
+    /// The render was stopped or cancelled.
     Stopped,
-    /// A thread that renders failed in an unexpected way, which is a fault of this library. The samples
-    /// so far are good.
+    /// A render thread panicked, which is a bug in this library. The samples so far are valid.
     Failed,
 }
 
@@ -71,22 +71,22 @@ pub enum StopReason {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoiseStatus {
-    /// What is asked for.
+    /// The noise target.
     pub target: NoiseTarget,
-    /// Squares of the picture.
+    /// Number of 16 x 16 pixel squares in the picture.
     pub squares: usize,
     /// Squares that meet the target.
     pub done: usize,
-    /// The error of the square that is worst; `None` where one is not known.
+    /// The largest error of any square; `None` if some square's error is unknown.
     pub worst: Option<f64>,
 }
 
 impl RenderResult {
-    /// Writes the picture with how it was made, whole; the file's extension chooses the format: `.png`
-    /// for the screen, `.exr` with the layers, `.hdr` or `.pfm`.
+    /// Writes the picture and its metadata atomically. The extension selects the format: `.png` for
+    /// display, `.exr` with all layers, `.hdr` or `.pfm`.
     ///
     /// # Errors
-    /// When it cannot be written; a file that was there before is then unchanged.
+    /// If writing fails; an existing file is then unchanged.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<()> {
         let target = ImageWriter::new(path.as_ref())?;
         let mut metadata = self.metadata.clone();
@@ -112,7 +112,7 @@ impl RenderResult {
 }
 
 impl NoiseStatus {
-    /// Whether all squares meet the target.
+    /// Returns true if all squares meet the target.
     pub fn is_met(&self) -> bool {
         self.done == self.squares
     }
@@ -127,7 +127,7 @@ impl From<&NoiseProgress> for NoiseStatus {
     }
 }
 
-/// What to tell where it is not met.
+/// The message for a missed target.
 impl fmt::Display for NoiseStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { target, squares, done, worst } = self;
@@ -144,7 +144,7 @@ impl fmt::Display for NoiseStatus {
     }
 }
 
-/// A share in three digits: `1.23 %`.
+/// Formats a fraction as a percentage with three digits: `1.23 %`.
 pub(crate) fn format_percent(share: f64) -> String {
     let decimals = match 100.0 * share {
         x if x < 9.995 => 2,
@@ -154,7 +154,7 @@ pub(crate) fn format_percent(share: f64) -> String {
     format!("{:.decimals$} %", 100.0 * share)
 }
 
-/// Which part of the whole picture a film is, unless it is all of it.
+/// The film's window within the full picture; `None` if the film covers all of it.
 pub fn frame_crop(frame: &FilmFrame) -> Option<CropWindow> {
     let FilmFrame { full_size, window } = *frame;
     (*frame != FilmFrame::full(full_size[0], full_size[1])).then(|| CropWindow {
@@ -163,7 +163,7 @@ pub fn frame_crop(frame: &FilmFrame) -> Option<CropWindow> {
     })
 }
 
-/// What the user should know about a film of a shot.
+/// Warnings for the user about a film of this shot.
 pub fn render_warnings(shot: &PreparedScene, tally: &RenderStats, film: &Film) -> Vec<String> {
     let mut warnings = Vec::new();
     if shot.render_settings().clamp_indirect.is_some() {

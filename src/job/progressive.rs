@@ -1,8 +1,8 @@
-//! A film that is being filled: pass by pass, on all threads of the current pool.
+//! Progressive rendering: fills a film pass by pass on all threads of the current pool.
 //!
-//! A pass brings the pixels that it is asked for to the end of a block of samples, in jobs of some
-//! tiles. The film is exact, so the bits of the picture do not depend on which pixels are asked for
-//! when, nor on who did what.
+//! A pass brings the selected pixels to the end of a block of samples, in tasks of several tiles.
+//! The film is exact, so the picture is bit-identical for any order of pixels and any assignment to
+//! threads.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -17,10 +17,10 @@ use crate::integrator::{self, Integrator, RenderContext, RenderStats, SampleAddr
 use crate::scene::PreparedScene;
 use crate::task::CancelToken;
 
-/// Samples that a job aims to have in flight at once.
+/// Target number of samples in flight per task.
 const BATCH_SAMPLES: usize = 1024;
 
-/// The work on one film.
+/// Renders samples into one film.
 pub struct ProgressiveRenderer<'a> {
     context: RenderContext<'a>,
     integrator: Box<dyn Integrator>,
@@ -28,7 +28,7 @@ pub struct ProgressiveRenderer<'a> {
     counters: &'a Counters,
 }
 
-/// What the work on a film has come to, to be looked at from any thread.
+/// Counters of the work on a film, readable from any thread.
 #[derive(Debug, Default)]
 pub struct Counters {
     samples_done: AtomicU64,
@@ -37,7 +37,7 @@ pub struct Counters {
 }
 
 impl Counters {
-    /// Before the work on a film that is to have so many samples.
+    /// Counters for a film that will have `samples_total` samples.
     pub fn new(film: &Film, samples_total: u64) -> Self {
         let counts = Self::default();
         counts.samples_done.store(film.sample_count(), Ordering::Relaxed);
@@ -45,22 +45,22 @@ impl Counters {
         counts
     }
 
-    /// Tells how many samples the film is going to have.
+    /// Sets how many samples the film will have.
     pub fn set_samples_total(&self, total: u64) {
         self.samples_total.store(total, Ordering::Relaxed);
     }
 
-    /// What happened so far.
+    /// Render statistics so far.
     pub fn stats(&self) -> RenderStats {
         *self.stats.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Samples of the film so far.
+    /// Samples in the film so far.
     pub fn samples_done(&self) -> u64 {
         self.samples_done.load(Ordering::Relaxed)
     }
 
-    /// Samples that the film is going to have.
+    /// Samples that the film will have.
     pub fn samples_total(&self) -> u64 {
         self.samples_total.load(Ordering::Relaxed)
     }
@@ -74,18 +74,18 @@ impl Counters {
     }
 }
 
-/// What a thread keeps between jobs.
+/// Per-thread scratch memory, kept between tasks.
 #[derive(Default)]
 struct ThreadScratch {
     workspace: Workspace,
     samples: Vec<SampleAddress>,
     radiance: Vec<PathRadiance>,
-    /// Samples that each pixel has, and then those that it gets.
+    /// Samples that each pixel has; then samples that it will get.
     counts: Vec<u32>,
 }
 
 impl<'a> ProgressiveRenderer<'a> {
-    /// Work on a film of a shot: an empty one, or one that holds some samples of this very shot.
+    /// Renders into a film of this shot. The film may be empty or hold samples of the same shot.
     pub fn new(
         shot: &'a PreparedScene,
         accel: &'a dyn Accel,
@@ -102,17 +102,16 @@ impl<'a> ProgressiveRenderer<'a> {
         self.film
     }
 
-    /// What the work has come to.
+    /// The counters.
     pub fn counters(&self) -> &'a Counters {
         self.counters
     }
 
-    /// Brings the tiles that `include` chooses to sample number `end` (its index not included), however
-    /// far each of them is. Returns whether it got there: cancelled, it leaves every tile of the film at
-    /// some whole block.
+    /// Brings the tiles selected by `include` to sample `end` (exclusive), from wherever each of
+    /// them is. Returns true if it got there. If cancelled, every tile ends at a whole block.
     ///
     /// # Errors
-    /// When a pixel is too bright for the film.
+    /// If a pixel is too bright for the film.
     pub fn render_to_sample(
         &self,
         end: u32,
@@ -133,7 +132,7 @@ impl<'a> ProgressiveRenderer<'a> {
         Ok(true)
     }
 
-    /// Whoever wants the work to stop holds this.
+    /// The token that cancels this work.
     pub fn cancel_token(&self) -> &'a CancelToken {
         self.context.cancel
     }
@@ -143,7 +142,7 @@ impl<'a> ProgressiveRenderer<'a> {
         self.film.first_sample() + self.film.min_tile_samples(tile)
     }
 
-    /// Brings tiles to sample `end`; none is more than a block behind.
+    /// Brings tiles to sample `end`. No tile is more than one block behind.
     fn render_pass(&self, tiles: &[usize], end: u32) -> Result<()> {
         let pending: Vec<usize> =
             tiles.iter().copied().filter(|&tile| self.next_sample(tile) < end).collect();
@@ -193,7 +192,7 @@ impl<'a> ProgressiveRenderer<'a> {
         Ok(())
     }
 
-    /// Adds the samples of some tiles to the film.
+    /// Adds the samples of several tiles to the film.
     fn add_to_film(&self, tiles: &[usize], counts: &[u32], samples: SampleRun<'_>) -> Result<()> {
         let (mut counts, mut samples) = (counts, samples);
         for &tile in tiles {
@@ -207,9 +206,9 @@ impl<'a> ProgressiveRenderer<'a> {
     }
 }
 
-/// The tiles in steps of about the golden section of their number, so that any stretch of them is
-/// spread over the picture: what a part of a pass took then tells what the rest will take, however
-/// unlike the parts of the picture are.
+/// Orders the tiles in steps of about the golden ratio of their number, so that any consecutive run
+/// of them is spread over the picture. The progress within a pass then predicts the rest of it,
+/// however much the regions of the picture differ.
 fn golden_ratio_order(tiles: Vec<usize>) -> Vec<usize> {
     let count = tiles.len();
     let has_common_factor = |step: usize| {

@@ -1,4 +1,4 @@
-//! What the threads of a render share: the film and the counters that grow, and what is told of them.
+//! State shared by the threads of a render: the film, the counters, and what is derived from them.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,26 +26,26 @@ use super::samples::{MergedSamples, SampleRange, TileSampleCounts};
 use super::save_request::SaveRequest;
 use super::spec::Job;
 
-/// What the threads that render share with those that look on.
+/// State shared by the render threads and the monitoring threads.
 pub(super) struct RenderState {
     pub(super) shot: PreparedScene,
     pub(super) accel: Box<dyn Accel>,
     pub(super) film: Film,
     pub(super) job: Job,
-    /// The samples that every pixel is to have.
+    /// The samples that every pixel will have.
     pub(super) samples: Range<u32>,
-    /// The request to stop the run that goes on, or else the next one.
+    /// Stops the current run, or the next one if none is running.
     pub(super) stop_token: Mutex<CancelToken>,
-    /// A request from elsewhere, which ends every run.
+    /// External cancellation, which ends every run.
     pub(super) cancel: CancelToken,
     pub(super) is_running: AtomicBool,
     pub(super) counters: Counters,
     pub(super) noise_progress: Mutex<Option<NoiseProgress>>,
     pub(super) is_timed_out: AtomicBool,
-    /// Set where threads still render though they were asked to stop.
+    /// Set if render threads still run after they were asked to stop.
     pub(super) is_abandoned: AtomicBool,
     pub(super) save_request: SaveRequest,
-    /// What earlier runs took.
+    /// Statistics of earlier sessions.
     pub(super) previous: CumulativeStats,
     pub(super) initial_samples: u64,
     pub(super) clock: Mutex<RunClock>,
@@ -53,19 +53,19 @@ pub(super) struct RenderState {
     pub(super) metadata: Metadata,
     pub(super) accel_summary: String,
     pub(super) output: Option<OutputSpec>,
-    /// What the command line adds to the records of a run.
+    /// The command line, for the record of a run.
     pub(super) command: Option<String>,
 }
 
-/// When the render ran.
+/// Measures the render time.
 #[derive(Default)]
 pub(super) struct RunClock {
-    /// Of runs of this session that are over.
+    /// Total duration of this session's completed runs.
     elapsed: Duration,
     running_since: Option<Instant>,
 }
 
-/// A run that goes on.
+/// Ends the current run when dropped.
 pub(super) struct RunGuard<'a>(&'a RenderState);
 
 impl Drop for RunGuard<'_> {
@@ -75,19 +75,19 @@ impl Drop for RunGuard<'_> {
         if let Some(since) = timing.running_since.take() {
             timing.elapsed += since.elapsed();
         }
-        // Threads that were left behind still hold the old request.
+        // Abandoned threads still hold the old token.
         *lock(&state.stop_token) = CancelToken::default();
         state.is_running.store(false, Ordering::Release);
     }
 }
 
-/// No lock is held while anything can panic.
+/// Locks a mutex. Poisoning is ignored: nothing can panic while a lock is held.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl RenderState {
-    /// Renders until the job is done or cancelled. Returns whether it is done.
+    /// Renders until the job is done or cancelled. Returns true if it is done.
     pub(super) fn render(&self) -> Result<bool> {
         let stop = self.stop_token();
         let passes =
@@ -101,7 +101,7 @@ impl RenderState {
         }
     }
 
-    /// What it came to; `ended` where it is done and not only stopped.
+    /// The outcome of a run. `ended` is true if the job is done and was not only stopped.
     pub(super) fn outcome(&self, ended: bool) -> RunOutcome {
         let noise = self.noise_progress().as_ref().map(NoiseStatus::from);
         let is_met = noise.is_none_or(|noise| noise.is_met());
@@ -122,10 +122,10 @@ impl RenderState {
         lock(&self.noise_progress).clone()
     }
 
-    /// Begins a run, which ends when the value is dropped.
+    /// Starts a run, which ends when the returned guard is dropped.
     ///
     /// # Errors
-    /// When a run is going on: two would render the same samples twice.
+    /// If a run is active: two runs would render the same samples twice.
     pub(super) fn start_clock(&self) -> Result<RunGuard<'_>> {
         if self.is_abandoned.load(Ordering::Relaxed) {
             let message = "threads of a run that was stopped are still rendering";
@@ -139,12 +139,12 @@ impl RenderState {
         Ok(RunGuard(self))
     }
 
-    /// The request to stop the current run.
+    /// The token that stops the current run.
     pub(super) fn stop_token(&self) -> CancelToken {
         lock(&self.stop_token).clone()
     }
 
-    /// Whether the run is to stop; a request from elsewhere becomes one of this run.
+    /// Returns true if the run should stop. Forwards an external cancellation to the current run.
     pub(super) fn should_stop(&self) -> bool {
         let stop = self.stop_token();
         if self.cancel.is_cancelled() {
@@ -153,23 +153,23 @@ impl RenderState {
         stop.is_cancelled()
     }
 
-    /// Time in this session.
+    /// Render time in this session.
     pub(super) fn elapsed(&self) -> Duration {
         let timing = lock(&self.clock);
         timing.elapsed + timing.running_since.map_or(Duration::ZERO, |since| since.elapsed())
     }
 
-    /// Seconds of rendering in all sessions.
+    /// Render time of all sessions, in seconds.
     pub(super) fn total_seconds(&self) -> f64 {
         self.previous.seconds + self.elapsed().as_secs_f64()
     }
 
-    /// Seconds of rendering before this session.
+    /// Render time before this session, in seconds.
     pub(super) fn previous_seconds(&self) -> f64 {
         self.previous.seconds
     }
 
-    /// What happened in this session and those before.
+    /// Statistics of this session and earlier ones.
     pub(super) fn stats(&self) -> RenderStats {
         let CumulativeStats { rays, media_overflows, cut_off, .. } = self.previous;
         self.counters.stats() + RenderStats { rays, media_overflows, truncated_paths: cut_off }
@@ -179,10 +179,11 @@ impl RenderState {
         estimate_error(&self.film, self.job.until.confidence())
     }
 
-    /// How the picture of a film of this render was made.
+    /// Metadata of a picture developed from `film`.
     pub(super) fn metadata(&self, film: &Film) -> Metadata {
         let samples = SampleRange::from_film(film, self.samples.start);
-        // Parts that cut tiles may have been resumed: then nothing short tells how many each has.
+        // After resuming merged parts whose windows cut tiles, the samples within a tile may
+        // differ, and per-tile counts cannot describe them.
         let counts = TileSampleCounts::from_film(film).unwrap_or_default();
         let source = self.shot.scene().source();
         let run = RunRecord {
@@ -245,20 +246,20 @@ impl RenderState {
         write_checkpoint(file, &self.film, &header)
     }
 
-    /// What is left of the time of the job, counted over all its runs; `None` where there is no limit.
+    /// Remaining time of the job's time limit, counted over all its runs; `None` without a limit.
     pub(super) fn time_left(&self) -> Option<Duration> {
         let spent = Duration::try_from_secs_f64(self.previous_seconds()).unwrap_or_default();
         Some(self.job.until.time?.saturating_sub(spent).saturating_sub(self.elapsed()))
     }
 
-    /// Samples that there must be before the time ends the render: one block of every pixel.
+    /// Samples required before the time limit can end the render: one block per pixel.
     pub(super) fn min_samples(&self) -> u64 {
         let block = BLOCK_SIZE.min(self.samples.len() as u32);
         self.film.frame().pixel_count() as u64 * u64::from(block)
     }
 
-    /// Stops the render, if its time is up and it has one block of every pixel. Who stopped it before is
-    /// who stopped it.
+    /// Stops the render if the time limit has passed and every pixel has one block of samples. An
+    /// earlier stop request keeps its own stop reason.
     pub(super) fn check_time_limit(&self) {
         if self.should_stop() {
             return;
@@ -270,7 +271,7 @@ impl RenderState {
         }
     }
 
-    /// How far it is; `error` is the last estimate of the error.
+    /// Progress of the render. `error` is the last error estimate.
     pub(super) fn progress(&self, error: Option<f64>) -> RenderProgress {
         let done = self.counters.samples_done().max(self.initial_samples);
         let standing = self.noise_progress();
@@ -289,7 +290,7 @@ impl RenderState {
         }
         let left = total.start.saturating_sub(done)..total.end.saturating_sub(done);
         let estimate = Eta { elapsed, samples, samples_left: left };
-        // Before the first decisions nobody knows.
+        // The time left is unknown before the first noise decisions.
         let is_known = standing.as_ref().is_none_or(|standing| standing.worst_error.is_finite());
         RenderProgress {
             samples_done: done,

@@ -1,4 +1,4 @@
-//! A picture rendered again from what it says of itself.
+//! Reproduces a picture from its metadata.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,36 +17,36 @@ use super::metadata::{Metadata, for_each_file};
 use super::progressive::{Counters, ProgressiveRenderer};
 use super::samples::{SampleRange, TileSampleCounts, WindowSamples};
 
-/// How to render a picture again.
+/// Options for [`reproduce`].
 #[derive(Clone, Debug, Default)]
 pub struct ReproduceOptions {
-    /// Where the scene's tables and images are.
+    /// Folder of the scene's tables and images.
     pub folder: PathBuf,
-    /// The intersector; the one that the picture was made with where `None`.
+    /// The intersector; `None` selects the one that made the picture.
     pub backend: Option<Backend>,
-    /// Set from elsewhere to stop.
+    /// Cancels the render.
     pub cancel: CancelToken,
 }
 
-/// A picture that was rendered again.
+/// A reproduced picture.
 #[derive(Debug)]
 pub struct Reproduction {
     /// The picture.
     pub picture: Picture,
-    /// Its sums.
+    /// The film that the picture was developed from.
     pub film: Film,
-    /// How it was made now.
+    /// Metadata of the new render.
     pub metadata: Metadata,
 }
 
-/// What a picture's file says of it.
+/// Reads the metadata of a picture file.
 ///
 /// # Errors
-/// When it cannot be read, or does not say how it was made.
+/// If the file cannot be read or has no metadata.
 pub fn read_metadata(path: &Path) -> Result<Metadata> {
     let mut metadata = Metadata::from_records(path, &image_io::read_metadata(path)?)?;
     if metadata.layers.is_none() {
-        // An alpha channel may be asked for by the scene or by the job.
+        // The alpha channel may come from the scene or from the job.
         let has_alpha =
             image_io::read_raw_channels(path)?.iter().any(|channel| channel.name == "A");
         metadata.layers = has_alpha.then(|| vec![Aov::Mean(Layer::Alpha)]);
@@ -54,11 +54,11 @@ pub fn read_metadata(path: &Path) -> Result<Metadata> {
     Ok(metadata)
 }
 
-/// Renders a picture again, on the current thread pool; `progress` is told the samples that are done and
-/// those that there will be, from any thread.
+/// Renders a picture again on the current thread pool. `progress` receives the samples done and the
+/// total, from any thread.
 ///
 /// # Errors
-/// When the scene is not what it was, or cannot be rendered.
+/// If the scene has changed or cannot be rendered.
 pub fn reproduce(
     recorded: &Metadata,
     options: &ReproduceOptions,
@@ -85,7 +85,7 @@ pub fn reproduce(
     Ok(Reproduction { picture, film, metadata: Metadata::new(&shot, backend) })
 }
 
-/// The scene of a picture, with its files in the folder.
+/// Rebuilds the scene of a picture with its files in the given folder.
 fn rebuild_scene(then: &Metadata, again: &ReproduceOptions) -> Result<Scene> {
     let Some(named) = then.scene.clone() else {
         return Err(Error::input("the scene was too long for the picture")
@@ -95,7 +95,7 @@ fn rebuild_scene(then: &Metadata, again: &ReproduceOptions) -> Result<Scene> {
     for_each_file(&mut description, |file| *file = again.folder.join(&*file));
     let scene = Scene::build(description)?;
     if scene.content_hash() == then.scene_identity {
-        // It records its files as the picture does, not by where they were found.
+        // Record the file names as the picture gives them, not where they were found.
         return Ok(scene.with_description(named));
     }
     let is_changed = |said: &&crate::scene::FileHash| {
@@ -139,7 +139,7 @@ fn choose_backend(then: &Metadata, again: &ReproduceOptions) -> Result<Backend> 
     .with_suggestion(Suggestion::Intersector, "native"))
 }
 
-/// About how many samples there are to render.
+/// Approximate number of samples to render.
 fn total_samples(then: &Metadata) -> u64 {
     let of = |window: crate::math::Rect, most: u32| window.pixel_count() as u64 * u64::from(most);
     if then.parts.is_empty() {
@@ -148,22 +148,22 @@ fn total_samples(then: &Metadata) -> u64 {
     then.parts.0.iter().map(|share| of(share.window, share.samples.most)).sum()
 }
 
-/// Rendering the samples that a picture has.
+/// Renders the samples that a picture has.
 struct Reproducer<'a> {
     shot: &'a PreparedScene,
     accel: &'a dyn Accel,
-    /// Of the whole picture.
+    /// Film format of the whole picture.
     format: FilmFormat,
     cancel: &'a CancelToken,
     progress: &'a (dyn Fn(u64, u64) + Sync),
     samples_total: u64,
-    /// Samples of the parts that are done.
+    /// Samples in completed parts.
     samples_done: AtomicU64,
 }
 
 impl Reproducer<'_> {
-    /// The film, with as many samples of each pixel as the picture has: where it was merged with gaps, each
-    /// of its parts by itself, as they were.
+    /// Renders a film with the same samples per pixel as the picture. For a picture merged with
+    /// gaps, each part is rendered separately.
     fn film(&self, then: &Metadata) -> Result<Film> {
         let first_sample = then.samples.first;
         if then.parts.is_empty() {
@@ -183,8 +183,8 @@ impl Reproducer<'_> {
         Ok(sum)
     }
 
-    /// Where a noise target, a time or a signal ended the render, the numbers of samples differ from tile to
-    /// tile, and `counts` says how many each has.
+    /// Fills a film. If a noise target, a time limit or a signal ended the render, tiles have
+    /// different numbers of samples, and `counts` holds the number for each tile.
     fn fill(&self, film: &Film, samples: &SampleRange, counts: &TileSampleCounts) -> Result<()> {
         let SampleRange { first, fewest, most } = *samples;
         let tiles = film.frame().tile_count();
@@ -199,7 +199,7 @@ impl Reproducer<'_> {
         steps.sort_unstable();
         steps.dedup();
         for step in steps {
-            // A block at a time, to tell how far it is.
+            // One block at a time, to report progress.
             let mut end = first;
             while end < first + step {
                 end = (end / crate::film::BLOCK_SIZE + 1)

@@ -1,4 +1,4 @@
-//! Where a resumed render starts: at the samples of its checkpoint, if that is of the same render.
+//! Validates a checkpoint against a job and loads its film.
 
 use std::ops::Range;
 
@@ -11,10 +11,10 @@ use super::metadata::Metadata;
 use super::noise::NoiseTarget;
 use super::spec::Job;
 
-/// The film of a checkpoint, and what it took.
+/// Loads the film and statistics of a checkpoint.
 ///
 /// # Errors
-/// When it is of another render, or damaged.
+/// If the checkpoint belongs to another render or is damaged.
 pub(super) fn load_film(
     checkpoint: Checkpoint,
     metadata: &Metadata,
@@ -34,10 +34,10 @@ pub(super) fn load_film(
     Ok((film, header.statistics))
 }
 
-/// Refuses a job that asks for less than a film has; `then` is the noise target that it was rendered to.
+/// Rejects a job that asks for less than the film holds. `then` is the film's noise target.
 ///
 /// # Errors
-/// With what is less.
+/// Describes what the job lacks.
 pub(super) fn check_can_continue(
     film: &Film,
     then: Option<NoiseTarget>,
@@ -64,16 +64,16 @@ pub(super) fn check_can_continue(
     Ok(())
 }
 
-/// Whether a noise target asks for no more noise than another: then every decision of that one to go on
-/// is one of this one too.
+/// Returns true if `now` is at least as strict as `then`. Every decision to continue under `then`
+/// is then also valid under `now`.
 fn is_at_least_as_strict(now: NoiseTarget, then: Option<NoiseTarget>) -> bool {
     then.is_some_and(|then| now.confidence == then.confidence && now.error <= then.error)
 }
 
-/// Refuses samples of another render.
+/// Rejects samples of another render.
 ///
 /// # Errors
-/// With what differs.
+/// Describes the difference.
 pub(super) fn check_matches(
     (then, their_film): (&Metadata, &FilmFormat),
     (now, our_film): (&Metadata, &FilmFormat),

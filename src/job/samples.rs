@@ -1,6 +1,6 @@
-//! Which samples of which pixels a picture holds: one range for all of them where that tells it; how
-//! many each tile has, where a noise target, a time or a signal ended the render; and the parts that it
-//! was merged from, where some samples are missing in between.
+//! Describes which samples of which pixels a picture holds: one range if it fits all pixels; counts
+//! per tile if a noise target, a time limit or a signal ended the render; and the merged parts if
+//! samples are missing in between.
 
 use std::fmt;
 
@@ -9,19 +9,19 @@ use serde::{Deserialize, Serialize};
 use crate::film::Film;
 use crate::math::Rect;
 
-/// The indices of the samples that a picture holds.
+/// The sample indices in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampleRange {
-    /// The first of every pixel.
+    /// First sample index of every pixel.
     pub first: u32,
-    /// The number of samples of the pixel that has the fewest.
+    /// Minimum number of samples over all pixels.
     pub fewest: u32,
-    /// The number of samples of the pixel that has the most.
+    /// Maximum number of samples over all pixels.
     pub most: u32,
 }
 
-/// How many samples every pixel of each tile has, tile after tile; none where all have the same.
+/// Samples per pixel in each film tile, in tile order; empty if all tiles have the same.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "Vec<(u32, u32)>", into = "Vec<(u32, u32)>")]
 pub struct TileSampleCounts(pub Vec<u32>);
@@ -30,35 +30,35 @@ pub struct TileSampleCounts(pub Vec<u32>);
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WindowSamples {
-    /// The pixels, in columns and rows of the whole picture.
+    /// The window in pixels of the full picture.
     pub window: Rect,
-    /// Their samples.
+    /// The samples of the window's pixels.
     pub samples: SampleRange,
-    /// How many of them in each tile of the window, where that differs.
+    /// Samples per film tile of the window, if they differ.
     #[serde(default, skip_serializing_if = "TileSampleCounts::is_uniform")]
     pub counts: TileSampleCounts,
 }
 
-/// What a picture was merged from; no two have a sample in common. None where [`SampleRange`] and [`TileSampleCounts`]
-/// of the whole tell all.
+/// The parts of a merged picture; no two share a sample. Empty if [`SampleRange`] and
+/// [`TileSampleCounts`] describe the whole picture.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct MergedSamples(pub Vec<WindowSamples>);
 
 impl SampleRange {
-    /// All samples of the whole picture up to this number.
+    /// The first `count` samples of every pixel.
     pub fn first_n(count: u32) -> Self {
         Self { first: 0, fewest: count, most: count }
     }
 
-    /// Those of a film, from `first` on.
+    /// The samples of a film, starting at `first`.
     pub fn from_film(film: &Film, first: u32) -> Self {
         let (fewest, most) = film.sample_count_range();
         Self { first, fewest, most }
     }
 }
 
-/// `0..64`, and `0..64 to 512` where pixels have from 64 to 512 samples.
+/// `0..64`, or `0..64 to 512` if pixels have from 64 to 512 samples.
 impl fmt::Display for SampleRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { first, fewest, most } = self;
@@ -68,7 +68,8 @@ impl fmt::Display for SampleRange {
 }
 
 impl TileSampleCounts {
-    /// Those of a film; `None` where the pixels of some tile differ, as windows that cut it can have it.
+    /// The counts of a film; `None` if pixels within a tile differ, as windows that cut tiles can
+    /// cause.
     pub fn from_film(film: &Film) -> Option<Self> {
         let counts: Vec<u32> = (0..film.frame().tile_count())
             .map(|tile| film.uniform_tile_samples(tile))
@@ -77,13 +78,13 @@ impl TileSampleCounts {
         Some(Self(if differ { counts } else { Vec::new() }))
     }
 
-    /// Whether all tiles have the same.
+    /// Returns true if all tiles have the same number of samples.
     pub fn is_uniform(&self) -> bool {
         self.0.is_empty()
     }
 }
 
-/// Tiles in a row with the samples that they have, as files hold them.
+/// Run-length encoding for files: numbers of tiles with their sample counts.
 impl From<TileSampleCounts> for Vec<(u32, u32)> {
     fn from(counts: TileSampleCounts) -> Self {
         counts.0.chunk_by(|a, b| a == b).map(|run| (run.len() as u32, run[0])).collect()
@@ -92,7 +93,7 @@ impl From<TileSampleCounts> for Vec<(u32, u32)> {
 
 impl From<Vec<(u32, u32)>> for TileSampleCounts {
     fn from(runs: Vec<(u32, u32)>) -> Self {
-        // A picture has at most 2^32 pixels of 64 to a tile; more than that is nobody's picture.
+        // A picture has at most 2^32 pixels, 64 per tile. Larger totals are rejected.
         let tiles: u64 = runs.iter().map(|(tiles, _)| u64::from(*tiles)).sum();
         let runs = if tiles <= 1 << 26 { runs } else { Vec::new() };
         Self(
@@ -103,7 +104,7 @@ impl From<Vec<(u32, u32)>> for TileSampleCounts {
     }
 }
 
-/// `64 12x128 64`.
+/// As in `64 12x128 64`.
 impl fmt::Display for TileSampleCounts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, run) in self.0.chunk_by(|a, b| a == b).enumerate() {
@@ -122,7 +123,7 @@ impl WindowSamples {
         self.samples.fewest == self.samples.most
     }
 
-    /// Whether another is of the same window and goes on where this one ends.
+    /// Returns true if `other` has the same window and continues where this range ends.
     fn is_continued_by(&self, other: &Self) -> bool {
         let is_next = other.samples.first == self.samples.first + self.samples.most;
         self.window == other.window && self.is_uniform() && other.is_uniform() && is_next
@@ -130,8 +131,8 @@ impl WindowSamples {
 }
 
 impl MergedSamples {
-    /// In the order of their windows and samples, with those that follow one another as one, and without
-    /// those that hold nothing: so they do not depend on how the work was shared out.
+    /// Sorts parts by window and samples, joins consecutive ones, and drops empty ones, so that the
+    /// result does not depend on how the work was divided.
     pub fn new(mut all: Vec<WindowSamples>) -> Self {
         all.retain(|share| share.samples.most > 0);
         all.sort_by_key(|WindowSamples { window: w, samples, .. }| {
@@ -150,17 +151,17 @@ impl MergedSamples {
         Self(kept)
     }
 
-    /// Whether the picture is told without them.
+    /// Returns true if the picture is described without parts.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether each is of the whole window, with as many samples everywhere.
+    /// Returns true if every part covers the window `whole` with a uniform number of samples.
     pub(super) fn all_cover(&self, whole: &Rect) -> bool {
         self.0.iter().all(|share| share.window == *whole && share.is_uniform())
     }
 
-    /// The least range that has all the samples, and how many those pixels have at least.
+    /// The smallest range that holds all samples. `fewest` is the minimum over the parts.
     pub fn bounding_range(&self) -> SampleRange {
         let ends = |share: &WindowSamples| share.samples.first + share.samples.most;
         let first = self.0.iter().map(|share| share.samples.first).min().unwrap_or(0);
@@ -169,7 +170,7 @@ impl MergedSamples {
         SampleRange { first, fewest, most: end - first }
     }
 
-    /// The indices of all samples that some pixel has: `0..16, 32..64`.
+    /// The indices of all samples that some pixel has, as in `0..16, 32..64`.
     pub(super) fn ranges_to_string(&self) -> String {
         let range = |share: &WindowSamples| {
             let SampleRange { first, most, .. } = share.samples;
@@ -190,7 +191,7 @@ impl MergedSamples {
     }
 }
 
-/// A line for each: `0,0,9,12: 0..16`, and with different counts `0,0,32,4: 0..64 to 128: 64 128`.
+/// One line per part: `0,0,9,12: 0..16`, or `0,0,32,4: 0..64 to 128: 64 128` if counts differ.
 impl fmt::Display for MergedSamples {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, WindowSamples { window, samples, counts }) in self.0.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Saving at the end of a render. What cannot be written is tried again for a while, and then written
-//! elsewhere, so that the only copy of the samples does not go with the program.
+//! Saves files at the end of a render. Failed writes are retried for a while and then go to another
+//! place, so that the only copy of the samples is not lost.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -7,46 +7,47 @@ use std::time::{Duration, Instant};
 use crate::error::{Error, Result};
 use crate::task::parallel;
 
-/// How long files are tried again whose content would be lost.
+/// How long to retry files whose content would otherwise be lost.
 const RETRY_TIMEOUT: Duration = Duration::from_secs(60);
-/// Between two tries.
+/// Time between two attempts.
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
-/// Between two looks at whether somebody waits for the end.
+/// Time between checks of whether to skip further retries.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
-/// Writes a file in its own place, or in another.
+/// Writes a file to its own path (`None`) or to another one.
 pub type WriteFn<'a> = dyn Fn(Option<&Path>) -> Result<()> + Send + Sync + 'a;
 
-/// A file that is to be written.
+/// A file to save.
 pub struct SaveTask<'a> {
-    /// Its place.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Whether its content is nowhere else.
+    /// True if the content exists nowhere else.
     pub is_only_copy: bool,
-    /// What to do about it where nothing is lost.
+    /// Help text for a failure that loses nothing.
     pub help: String,
-    /// How.
+    /// Writes the file.
     pub write: Box<WriteFn<'a>>,
 }
 
-/// How to save.
+/// How failed writes are retried.
 pub struct RetryPolicy<'a> {
-    /// Whether somebody waits for the end.
+    /// Returns true if the user is waiting for the program to exit.
     pub skip_retries: &'a (dyn Fn() -> bool + Sync),
-    /// Says a warning.
+    /// Reports a warning.
     pub warn: &'a (dyn Fn(String) + Sync),
 }
 
-/// An errand that failed, and why.
+/// A task that failed, with its error.
 struct FailedTask<'a> {
     task: &'a SaveTask<'a>,
     error: Error,
 }
 
-/// Writes the first and the others at once.
+/// Runs the tasks in `first` and in `others` concurrently.
 ///
 /// # Errors
-/// When something could not be written in its place, with where it is and what was written.
+/// If a file could not be written to its path. The message says where its content is and which
+/// files were written.
 pub fn save_all(
     first: &[SaveTask<'_>],
     others: &[SaveTask<'_>],
@@ -76,7 +77,7 @@ fn run_tasks<'a>(errands: &'a [SaveTask<'a>]) -> Vec<FailedTask<'a>> {
     errands.iter().filter_map(failed).collect()
 }
 
-/// Tries again while something would be lost, unless somebody waits.
+/// Retries failed tasks while content would be lost, unless the user is waiting for exit.
 fn retry(failed: &mut Vec<FailedTask<'_>>, policy: &RetryPolicy<'_>) {
     let is_lost = |failed: &[FailedTask<'_>]| failed.iter().any(|one| one.task.is_only_copy);
     if !is_lost(failed) || (policy.skip_retries)() {
@@ -111,7 +112,7 @@ impl FailedTask<'_> {
         }
     }
 
-    /// What to do about it; what would be lost is written elsewhere.
+    /// Help text for the failure. Writes content that would be lost to a rescue path.
     fn rescue(&self) -> String {
         let SaveTask { path, is_only_copy: is_vital, help, write } = self.task;
         if !is_vital {
@@ -128,8 +129,8 @@ impl FailedTask<'_> {
     }
 }
 
-/// Where a file may go that cannot go where it belongs: into the folder of the command, or into the
-/// system's for temporary files. No other file has such a name.
+/// Alternative paths for a file that cannot be written: in the current folder, then in the system's
+/// temporary folder. The names are unique to this process.
 fn rescue_paths(path: &Path) -> Vec<PathBuf> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = format!("rescued-{}-{name}", std::process::id());

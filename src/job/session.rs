@@ -1,5 +1,5 @@
-//! A render that owns all it needs. It can be run, looked at while it runs, stopped, extended, saved and
-//! resumed, from any thread.
+//! A render session, which owns everything it needs. Any thread can run, watch, stop, extend, save
+//! and resume it.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -28,43 +28,46 @@ use super::resume;
 use super::save_request::SaveRequest;
 use super::spec::Job;
 
-/// A render that owns all it needs.
+/// A render session, which owns everything it needs.
 pub struct Session {
     state: Arc<RenderState>,
     pool: ThreadPool,
     autosave: Option<Autosave>,
-    /// Seconds that the intersector's build took.
+    /// Build time of the intersector, in seconds.
     build_seconds: f64,
 }
 
-/// What a session is opened with, beside scene and job.
+/// Options for opening a session.
 #[derive(Clone, Debug, Default)]
 pub struct SessionOptions {
-    /// Set from elsewhere to stop the build and the render.
+    /// Cancels the build and the render.
     pub cancel: CancelToken,
-    /// Set from elsewhere to have the checkpoint written at once, while the render goes on.
+    /// Requests an immediate checkpoint while the render continues.
     pub save_request: SaveRequest,
-    /// Told how far the build is.
+    /// Receives the progress of the build.
     pub build_progress: crate::task::ProgressCallback,
-    /// Where the picture goes, for checkpoints to tell.
+    /// Output files of the render, to be recorded in checkpoints.
     pub output: Option<OutputSpec>,
-    /// The command, quoted for a shell, for files to tell.
+    /// The shell-quoted command line, to be recorded in files.
     pub command: Option<String>,
 }
 
 impl Session {
-    /// Opens a render without any sample, and builds the intersector.
+    /// Opens a render without samples and builds the intersector.
     ///
     /// # Errors
-    /// When the job makes no sense, there is no memory for the film, or the intersector cannot be built.
+    /// If the job is invalid, the film does not fit into memory, or the intersector cannot be
+    /// built.
     pub fn new(scene: &Scene, job: Job, opening: SessionOptions) -> Result<Self> {
         Self::create(scene, job, None, opening)
     }
 
-    /// Opens a render where a checkpoint ends. The job may ask for more samples, or for less noise.
+    /// Opens a render that continues from a checkpoint. The job may ask for more samples or less
+    /// noise.
     ///
     /// # Errors
-    /// When the checkpoint is of another scene or another job, with what differs; and as [`Self::new`].
+    /// If the checkpoint belongs to another scene or job (the message describes the difference), or
+    /// as for [`Self::new`].
     pub fn resume(
         scene: &Scene,
         job: Job,
@@ -133,34 +136,34 @@ impl Session {
         Ok(Self { state: Arc::new(state), pool, autosave: None, build_seconds })
     }
 
-    /// Saves the samples so far to this file, again and again while it runs, by a thread of its own.
+    /// Saves the samples to this file periodically during a run, on a separate thread.
     pub fn autosave(&mut self, file: AtomicFile, every: Duration) {
         self.autosave = Some(Autosave { file, interval: every });
     }
 
-    /// Renders until the job is done, stopped or cancelled; `observer` is told on this thread. Called
-    /// again, it goes on from there.
+    /// Renders until the job is done, stopped or cancelled. Reports to `observer` on the calling
+    /// thread. Another call continues from there.
     ///
-    /// A request to stop is followed soon: where the threads that render are stuck in a long batch, they
-    /// are left behind, and their unfinished samples are not used.
+    /// A stop request takes effect soon: render threads stuck in a long batch are abandoned, and
+    /// their unfinished samples are discarded.
     ///
     /// # Errors
-    /// When the session is running already, or a pixel is too bright for the film.
+    /// If the session is already running, or a pixel is too bright for the film.
     pub fn run(&self, observer: &dyn Observer) -> Result<RunOutcome> {
         let _running = self.state.start_clock()?;
         monitor::run(&self.state, &self.pool, self.autosave.as_ref(), observer)
     }
 
-    /// Asks the run that goes on to stop, or else the next one. Every pixel then has a whole number of
-    /// blocks of samples, and the next run goes on from there.
+    /// Stops the current run, or the next one if none is active. Every pixel then has a whole
+    /// number of sample blocks, and the next run continues from there.
     pub fn stop(&self) {
         self.state.stop_token().cancel();
     }
 
-    /// Asks for more samples, or for less noise, or for more time, after a run.
+    /// Asks for more samples, less noise or more time, after a run.
     ///
     /// # Errors
-    /// When the job is of another render than this one, or asks for less than there is.
+    /// If the job belongs to another render, or asks for less than the film holds.
     pub fn extend(&mut self, job: Job) -> Result<()> {
         job.validate()?;
         let Some(state) = Arc::get_mut(&mut self.state) else {
@@ -184,27 +187,27 @@ impl Session {
         Ok(())
     }
 
-    /// Whether the time of the job is up.
+    /// Returns true if the job's time limit has ended the run.
     pub fn timed_out(&self) -> bool {
         self.state.is_timed_out.load(Ordering::Relaxed)
     }
 
-    /// The render.
+    /// The job.
     pub fn job(&self) -> &Job {
         &self.state.job
     }
 
-    /// The scene as the job has it.
+    /// The scene with the job's settings.
     pub fn shot(&self) -> &PreparedScene {
         &self.state.shot
     }
 
-    /// The samples that every pixel is to have in the end.
+    /// The samples that every pixel will have when the render is complete.
     pub fn samples(&self) -> Range<u32> {
         self.state.samples.clone()
     }
 
-    /// The sums so far, which may grow while they are looked at.
+    /// The film so far. A running render keeps adding to it.
     pub fn film(&self) -> &Film {
         &self.state.film
     }
@@ -214,34 +217,35 @@ impl Session {
         &*self.state.accel
     }
 
-    /// The intersector, why it, and how it was built, in words.
+    /// The intersector, why it was chosen, and how it was built, as text.
     pub fn accel_summary(&self) -> &str {
         &self.state.accel_summary
     }
 
-    /// Seconds that the intersector's build took.
+    /// Build time of the intersector, in seconds.
     pub fn build_seconds(&self) -> f64 {
         self.build_seconds
     }
 
-    /// Threads that render.
+    /// Number of render threads.
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
     }
 
-    /// How far it is, without an estimate of the error.
+    /// Progress of the render, without an error estimate.
     pub fn progress(&self) -> RenderProgress {
         self.state.progress(None)
     }
 
-    /// The error that a share of the values stay below, estimated from some pixels in a few
-    /// milliseconds; `None` before anything is known.
+    /// Estimates the error that 95 % of the values stay below (or the fraction of the noise
+    /// target), relative to the brightness, from a subset of pixels in a few milliseconds. `None`
+    /// before anything is known.
     pub fn estimate_error(&self) -> Option<f64> {
         self.state.estimate_error()
     }
 
-    /// The picture of the samples so far with all of its layers, and how it was made. While it runs, both
-    /// are of one copy of the film, which takes as much memory again.
+    /// The picture of the samples so far with all layers, and its metadata. During a run both come
+    /// from one copy of the film, which doubles the film's memory.
     pub fn snapshot(&self) -> (Picture, Metadata) {
         let RenderState { shot, accel, film, job, .. } = &*self.state;
         let of =
@@ -252,12 +256,12 @@ impl Session {
         }
     }
 
-    /// The picture of the samples so far: that of a [`Self::snapshot`].
+    /// The picture of the samples so far, as in [`Self::snapshot`].
     pub fn picture(&self) -> Picture {
         self.snapshot().0
     }
 
-    /// The beauty so far, quickly, for those who only look on.
+    /// A quick preview of the beauty so far, without other layers.
     pub fn preview(&self) -> Picture {
         let mut picture = self.state.film.picture();
         let transparent = self.state.shot.scene().description().background.transparent;
@@ -265,12 +269,12 @@ impl Session {
         picture
     }
 
-    /// How the picture so far was made.
+    /// Metadata of the picture so far.
     pub fn metadata(&self) -> Metadata {
         self.state.metadata(&self.state.film)
     }
 
-    /// Samples and rays of this session alone, and what the user should know about the picture.
+    /// Samples and rays of this session alone, and warnings for the user about the picture.
     pub fn statistics(&self) -> (u64, u64, Vec<String>) {
         let state = &*self.state;
         let samples = state.counters.samples_done() - state.initial_samples;
@@ -278,15 +282,15 @@ impl Session {
         (samples, state.counters.stats().rays, warnings)
     }
 
-    /// Writes the sums; `reached` is what they came to, where the render does not go on.
+    /// Writes a checkpoint. `reached` is the outcome if the render has ended.
     ///
     /// # Errors
-    /// When the disk refuses; a file that was there before is then unchanged.
+    /// If writing fails; an existing file is then unchanged.
     pub fn write_checkpoint(&self, file: &AtomicFile, reached: Option<&RunOutcome>) -> Result<()> {
         self.state.write_checkpoint(file, reached)
     }
 
-    /// All that there is to know of what the render came to.
+    /// The full result of a run.
     pub fn result(&self, reached: RunOutcome) -> RenderResult {
         let RunOutcome { stop_reason: end, noise, error } = reached;
         let (_, _, mut warnings) = self.statistics();
@@ -304,14 +308,14 @@ impl Session {
         }
     }
 
-    /// Does something with the help of all threads, also where those that render are stuck.
+    /// Runs a closure with the help of all threads, even if the render threads are stuck.
     pub fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         if !self.state.is_abandoned.load(Ordering::Relaxed) {
             return self.pool.install(work);
         }
         match thread_pool(self.state.job.threads) {
             Ok(pool) => pool.install(work),
-            // Without threads to be had, this one does it alone.
+            // If no threads can be started, this thread does the work alone.
             Err(_) => work(),
         }
     }
@@ -341,7 +345,7 @@ mod tests {
     use crate::scene::SceneBuilder;
     use std::sync::atomic::AtomicUsize;
 
-    /// An intersector without spheres that fails once it has answered a few times.
+    /// An intersector without spheres that panics after a few calls.
     struct Failing(AtomicUsize);
 
     impl Accel for Failing {

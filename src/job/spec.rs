@@ -1,4 +1,4 @@
-//! A render as a value: what to compute, which samples of which pixels, until when, and what with.
+//! A render job as a value: what to compute, which samples of which pixels, when to stop, and how.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -15,51 +15,51 @@ use crate::scene::settings::{ImageSettings, IntegratorSettings, PaperSettings, R
 use super::metadata::set_sample_count;
 use super::noise::NoiseTarget;
 
-/// Samples per pixel of a render that only its time ends: more than anybody has time for, in whole
-/// blocks, and a multiple of all usual numbers of sub-pixels.
+/// Samples per pixel of a render that only its time limit ends: more than any render reaches, in
+/// whole blocks, and a multiple of all common sub-pixel counts.
 pub const UNLIMITED_SAMPLES: u32 = 74_565 * 60 * 60 * BLOCK_SIZE;
 
-/// A render: everything that [`run`](super::run) needs to know beside the scene.
+/// A render job: everything besides the scene that [`run`](super::run) needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Job {
-    /// What a sample is worth: size and crop, integrator, samples per pixel, seed.
+    /// The settings that define the picture: size and crop, integrator, samples per pixel, seed.
     pub settings: Settings,
-    /// These samples of every pixel only: from a multiple of 16 on, and up to one unless they are the
-    /// last. `None`: all up to `settings.render.samples_per_pixel`.
+    /// Renders only these samples of every pixel. Both ends are multiples of 16, except that the
+    /// range may end at the last sample. `None` means all up to
+    /// `settings.render.samples_per_pixel`.
     pub samples: Option<Range<u32>>,
-    /// What ends the render before it has all samples.
+    /// Criteria that end the render before it has all samples.
     pub until: StopCriteria,
-    /// The layers (AOVs) that the picture has beside the beauty.
+    /// The AOVs of the picture besides the beauty.
     pub layers: Vec<Aov>,
     /// The intersector.
     pub accel: BackendChoice,
-    /// How much care its build takes.
+    /// Build quality of the intersector.
     pub quality: BuildQuality,
-    /// Threads; 0 is as many as there are cores. The picture does not depend on them.
+    /// Number of threads; 0 means one per core. The picture does not depend on it.
     pub threads: usize,
 }
 
-/// When a render ends before every pixel has all of its samples.
+/// Criteria that end a render before every pixel has all of its samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StopCriteria {
-    /// Each square of 16 x 16 pixels ends when it is as exact as this.
+    /// Each square of 16 x 16 pixels ends when it meets this target.
     pub noise: Option<NoiseTarget>,
-    /// All pixels end after this time, counted over all runs of the render, but not before each has 16
-    /// samples.
+    /// Time limit, counted over all runs of the render. Every pixel gets at least 16 samples.
     pub time: Option<Duration>,
 }
 
 impl Default for Job {
-    /// 640 x 480 pixels with 64 samples each, by the fastest intersector on all cores.
+    /// 640 x 480 pixels with 64 samples each, with the fastest intersector on all cores.
     fn default() -> Self {
         Self::from_settings(Settings::default())
     }
 }
 
 impl Job {
-    /// All samples that these settings ask for.
+    /// A job for all samples that these settings ask for.
     pub fn from_settings(settings: Settings) -> Self {
         Self {
             settings,
@@ -72,21 +72,21 @@ impl Job {
         }
     }
 
-    /// A picture of this size in pixels, with 64 samples each.
+    /// A picture of this size in pixels, with 64 samples per pixel.
     pub fn with_size(width: u32, height: u32) -> Self {
         let image = ImageSettings { width, height, ..ImageSettings::default() };
         Self::from_settings(Settings { image, ..Settings::default() })
     }
 
-    /// With so many samples of each pixel.
+    /// Sets the number of samples per pixel.
     #[must_use]
     pub fn samples_per_pixel(mut self, samples: u32) -> Self {
         self.set_samples_per_pixel(samples);
         self
     }
 
-    /// Until 95 % of the values are within this share of their pixel's brightness, as in 0.02. Up to 65536
-    /// samples of each pixel, unless their number was set before.
+    /// Renders until 95 % of the values are within this fraction of their pixel's brightness, for
+    /// example 0.02. At most 65536 samples per pixel, unless their number was set before.
     #[must_use]
     pub fn noise_target(mut self, error: f64) -> Self {
         self.until.noise = Some(NoiseTarget::new(error));
@@ -96,29 +96,29 @@ impl Job {
         }
     }
 
-    /// Until this time is up. As many samples of each pixel as that allows, unless their number was set
-    /// before.
+    /// Renders until this time has passed, with as many samples per pixel as that allows, unless
+    /// their number was set before.
     #[must_use]
     pub fn time(mut self, time: Duration) -> Self {
         self.until.time = Some(time);
         self.at_most_by_default(UNLIMITED_SAMPLES)
     }
 
-    /// So many samples per pixel in place of the default number.
+    /// Replaces the default number of samples per pixel by `most`.
     fn at_most_by_default(self, most: u32) -> Self {
         let default = RenderSettings::default().samples_per_pixel;
         let is_default = self.settings.render.samples_per_pixel == default;
         if is_default { self.samples_per_pixel(most) } else { self }
     }
 
-    /// With these layers beside the beauty, in place of the usual ones.
+    /// Replaces the default AOVs by these, besides the beauty.
     #[must_use]
     pub fn aovs(mut self, layers: &[Aov]) -> Self {
         self.layers = layers.to_vec();
         self.without_repeated_layers()
     }
 
-    /// With each layer once, where it is named first.
+    /// Removes repeated layers, keeping the first of each.
     #[must_use]
     pub(super) fn without_repeated_layers(mut self) -> Self {
         let mut seen = Vec::new();
@@ -130,15 +130,16 @@ impl Job {
         self
     }
 
-    /// Asks for so many samples of every pixel, or the paper's sub-pixels for as many as that takes.
+    /// Sets the number of samples per pixel. The `paper` integrator rounds it up to whole sub-pixel
+    /// grids.
     pub fn set_samples_per_pixel(&mut self, samples: u32) {
         set_sample_count(&mut self.settings, samples);
     }
 
-    /// The samples of every pixel that it is to have in the end.
+    /// The samples that every pixel will have when the render is complete.
     ///
     /// # Errors
-    /// When [`Self::samples`] do not fit.
+    /// If [`Self::samples`] is not a valid range for these settings.
     pub fn sample_range(&self) -> Result<Range<u32>> {
         let last = self.settings.render.samples_per_pixel;
         let Some(Range { start, end }) = self.samples.clone() else { return Ok(0..last) };
@@ -177,15 +178,16 @@ impl Job {
         Ok(start..end)
     }
 
-    /// Whether the picture has an alpha channel, where `transparent` is what the scene says.
+    /// Returns true if the picture has an alpha channel. `transparent` is the scene's background
+    /// setting.
     pub fn has_alpha(&self, transparent: bool) -> bool {
         transparent || self.layers.contains(&Aov::Mean(Layer::Alpha))
     }
 
-    /// Refuses what cannot be rendered.
+    /// Validates the job.
     ///
     /// # Errors
-    /// With the first thing that makes no sense.
+    /// Describes the first problem.
     pub(super) fn validate(&self) -> Result<()> {
         self.sample_range()?;
         self.until.validate(&self.settings.render)?;
@@ -201,13 +203,13 @@ impl Job {
 }
 
 impl StopCriteria {
-    /// The most samples of each pixel that a noise target takes where nothing else is said.
+    /// Default maximum number of samples per pixel for a render with a noise target.
     pub const DEFAULT_MAX_SAMPLES: u32 = 65_536;
 
-    /// Refuses what spreads its samples over a number that must be known before.
+    /// Rejects samplers and sub-pixel grids that need to know the number of samples in advance.
     ///
     /// # Errors
-    /// With what it is, and what to use in its place.
+    /// Says what is unsuitable, and what to use instead.
     pub fn validate(&self, render: &RenderSettings) -> Result<()> {
         let what = match (self.noise, self.time) {
             (None, None) => return Ok(()),
@@ -223,7 +225,7 @@ impl StopCriteria {
             let why = "stratified samples are spread over a number that is known before";
             return refuse(why, "choose the sampler `sobol` or `independent`");
         }
-        // Settings may still hold any number.
+        // The settings are not validated yet and may hold any number.
         let fit = |cells: u32| cells > 0 && BLOCK_SIZE % cells == 0;
         match render.integrator {
             IntegratorSettings::Paper(PaperSettings { subpixels: k, .. })

@@ -1,4 +1,4 @@
-//! Arrays in memory, read once into the scene's own storage.
+//! Reads sphere arrays in memory into the scene's own storage.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,11 +11,11 @@ use super::description::ColorStorage;
 use super::storage::{reserve_colors, try_with_capacity};
 use super::table_reader::{Row, column_range, format_f32};
 
-/// Appends every sphere, and returns the colours where the arrays have some; none may be brighter than
-/// `brightest`. Every number is read and checked in one pass.
+/// Appends every sphere to `all`, and returns the colours if the arrays have any. No colour may
+/// exceed `brightest`. Every number is read and checked in one pass.
 ///
 /// # Errors
-/// With the first number that is not allowed; when there is no memory for the colours.
+/// Names the first invalid number, or if the colours do not fit into memory.
 pub(super) fn read_f32<T: Row>(
     arrays: &SphereArrays,
     storage: ColorStorage,
@@ -54,7 +54,7 @@ pub(super) fn read_f32<T: Row>(
                     return numbers.map(|number| number as f32);
                 }
                 first_wrong.fetch_min(row, Ordering::Relaxed);
-                // Only colours that are allowed can be packed.
+                // Only valid colours can be packed.
                 [0.0; 3]
             };
             colors.extend((0..arrays.len()).into_par_iter().map(color), brightest);
@@ -67,10 +67,10 @@ pub(super) fn read_f32<T: Row>(
     }
 }
 
-/// The ids of the spheres, where the arrays have some.
+/// The ids of the spheres, if the arrays have any.
 ///
 /// # Errors
-/// When there is no memory for them.
+/// If the ids do not fit into memory.
 pub(super) fn read_ids(arrays: &SphereArrays) -> Result<Option<Vec<u32>>, TableDiagnostic> {
     let Some(given) = &arrays.ids else { return Ok(None) };
     let mut ids = try_with_capacity(arrays.len() as u64).map_err(complaint)?;
@@ -78,7 +78,7 @@ pub(super) fn read_ids(arrays: &SphereArrays) -> Result<Option<Vec<u32>>, TableD
     Ok(Some(ids))
 }
 
-/// Returns true for numbers that these columns may hold; a file may hold the same.
+/// Returns a predicate that is true for numbers these columns may hold. Files have the same limits.
 fn within<const N: usize>(
     columns: [Column; N],
     brightest: [f32; 3],
@@ -90,7 +90,7 @@ fn within<const N: usize>(
     move |numbers| limits.iter().zip(numbers).all(|(limits, number)| limits.contains(number))
 }
 
-/// The first number of a row that is not allowed.
+/// Describes the first invalid number of a row.
 fn tell(arrays: &SphereArrays, brightest: [f32; 3], row: usize) -> TableDiagnostic {
     let wrong = arrays.columns().find_map(|(column, array)| {
         let number = array.reader().get(row);

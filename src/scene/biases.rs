@@ -1,6 +1,6 @@
-//! Which of a scene's options bias its picture: those with which no number of samples brings it to
-//! the light that the scene has. Pictures carry this list with them. And which of its materials no
-//! real surface can resemble, because they make light.
+//! Finds the options that bias a picture, with which no number of samples converges to the scene's
+//! light; pictures record this list. Also finds the materials that create energy, which no real
+//! surface can.
 
 use crate::material::Phong;
 
@@ -8,8 +8,8 @@ use super::description::{SceneDescription, SurfaceModel};
 use super::settings::{IntegratorSettings, MissPolicy, PathTermination, RenderSettings};
 
 impl SceneDescription {
-    /// The materials that reflect more light than they receive, by name, with the largest share that
-    /// they send on: classic Phong surfaces. The colours of sphere tables are not looked at.
+    /// The materials that reflect more light than they receive (classic Phong surfaces), by name,
+    /// with their largest albedo. Colours of sphere tables are not examined.
     pub fn energy_creating_materials(&self) -> Vec<(&str, f32)> {
         let up_to = |surface: &SurfaceModel| match *surface {
             SurfaceModel::Phong { albedo, specular, exponent, normalized } => {
@@ -18,17 +18,16 @@ impl SceneDescription {
             _ => 1.0,
         };
         let shares = self.materials.iter().map(|m| (m.name.as_str(), up_to(&m.surface)));
-        // Not what rounding makes of exactly 1.
+        // Rounding may push an albedo of exactly 1 slightly above 1.
         shares.filter(|(_, share)| *share > 1.0 + 1e-5).collect()
     }
 }
 
 impl RenderSettings {
-    /// The options that bias the picture, as `key = value`; empty for a picture that can be trusted.
+    /// The options that bias the picture, as `key = value`; empty for an unbiased picture.
     ///
-    /// Integrators that are not after the whole light say so by their names: `direct`,
-    /// `ambient-occlusion`, `normals` and `raycast` are not biased by leaving out what they do not
-    /// show.
+    /// Integrators that do not compute full light transport (`ambient-occlusion`, `normals`,
+    /// `raycast`) are never listed, and `direct` is not biased by leaving out indirect light.
     pub fn biases(&self) -> Vec<String> {
         let mut biases = Vec::new();
         let follows_paths = matches!(

@@ -1,4 +1,4 @@
-//! Building a scene in a few lines: what one would otherwise fill into a [`SceneDescription`] by hand.
+//! Builds a scene in a few lines, without filling in a [`SceneDescription`] by hand.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -16,13 +16,13 @@ use super::description::{
 };
 use super::validate::FOREIGN_MATERIAL;
 
-/// A scene in the making. Whatever it has no word for is a field of its [`SceneDescription`], which is open
-/// to be changed; mistakes are told by [`SceneBuilder::build`], all at once.
+/// Builds a scene step by step. Anything without a method of its own can be set in the public
+/// [`SceneDescription`]. [`SceneBuilder::build`] reports all errors at once.
 ///
 /// ```
-/// use photosphere::scene::Builder;
+/// use photosphere::scene::SceneBuilder;
 ///
-/// let mut scene = Builder::new();
+/// let mut scene = SceneBuilder::new();
 /// scene.camera([0.0, 1.0, 6.0], [0.0; 3]).background([0.8; 3]);
 /// let red = scene.diffuse([0.7, 0.2, 0.1]);
 /// scene.sphere(red, [0.0; 3], 1.0);
@@ -33,12 +33,12 @@ use super::validate::FOREIGN_MATERIAL;
 pub struct SceneBuilder {
     /// The scene so far.
     pub description: SceneDescription,
-    /// The number of this builder, which its clones share.
+    /// Id of this builder, shared with its clones.
     id: u64,
 }
 
-/// A material of a [`SceneBuilder`], and of its clones. [`SceneBuilder::build`] refuses spheres with a material of
-/// another builder.
+/// A material of a [`SceneBuilder`] and its clones. [`SceneBuilder::build`] rejects spheres with a
+/// material of another builder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct MaterialHandle {
     builder: u64,
@@ -46,7 +46,7 @@ pub struct MaterialHandle {
 }
 
 impl MaterialHandle {
-    /// The index of the material in [`SceneDescription::materials`].
+    /// Index of the material in [`SceneDescription::materials`].
     pub fn index(self) -> usize {
         self.index
     }
@@ -58,7 +58,7 @@ impl Default for SceneBuilder {
     }
 }
 
-/// A builder that goes on with a scene.
+/// Creates a builder that extends an existing description.
 impl From<SceneDescription> for SceneBuilder {
     fn from(description: SceneDescription) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
@@ -66,7 +66,7 @@ impl From<SceneDescription> for SceneBuilder {
     }
 }
 
-/// Builders are equal if their scenes are.
+/// Builders are equal if their descriptions are equal.
 impl PartialEq for SceneBuilder {
     fn eq(&self, other: &Self) -> bool {
         self.description == other.description
@@ -74,12 +74,14 @@ impl PartialEq for SceneBuilder {
 }
 
 impl SceneBuilder {
-    /// Darkness without a sphere, seen from (0, 0, 10) by a pinhole of 36 degrees.
+    /// An empty scene without light, seen from (0, 0, 10) by a pinhole camera with a field of view
+    /// of 36 degrees.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Puts the camera somewhere, with a point in the middle of its picture; the rest stays.
+    /// Places the camera and the point at the centre of its picture. Other camera values are
+    /// unchanged.
     pub fn camera(&mut self, position: impl Into<DVec3>, look_at: impl Into<DVec3>) -> &mut Self {
         let camera = &mut self.description.camera;
         *camera =
@@ -87,21 +89,21 @@ impl SceneBuilder {
         self
     }
 
-    /// Gives the camera a pinhole that sees so many degrees between the bottom and the top of the picture.
+    /// Makes the camera a pinhole with this vertical field of view in degrees.
     pub fn field_of_view(&mut self, vertical_fov_degrees: f64) -> &mut Self {
         self.description.camera.projection =
             ProjectionDescription::Perspective { vertical_fov_degrees, lens: None };
         self
     }
 
-    /// The same radiance from all directions, in W/(sr m^2).
+    /// Sets a constant environment radiance, in W/(sr m^2).
     pub fn background(&mut self, radiance: impl Into<Rgb>) -> &mut Self {
         self.description.background.dome =
             EnvironmentDescription::Constant { radiance: radiance.into() };
         self
     }
 
-    /// The direction of the zenith, of any length, for the camera and the background.
+    /// Sets the zenith direction, of any length, for camera and background.
     pub fn up(&mut self, up: impl Into<DVec3>) -> &mut Self {
         let up = up.into();
         self.description.camera.up = up;
@@ -109,7 +111,7 @@ impl SceneBuilder {
         self
     }
 
-    /// A sun in a direction of any length, which lights a surface that faces it by so many W/m^2.
+    /// Adds a sun in `direction` (any length), with its irradiance on a facing surface in W/m^2.
     pub fn sun(
         &mut self,
         direction: impl Into<DVec3>,
@@ -124,28 +126,28 @@ impl SceneBuilder {
         self
     }
 
-    /// Lambert's surface with this albedo.
+    /// Adds a Lambertian material with this albedo.
     pub fn diffuse(&mut self, albedo: impl Into<Rgb>) -> MaterialHandle {
         self.surface(SurfaceModel::Diffuse { albedo: albedo.into(), roughness: 0.0 })
     }
 
-    /// A mirror that reflects this share of light.
+    /// Adds a mirror with this reflectance.
     pub fn mirror(&mut self, reflectance: impl Into<Rgb>) -> MaterialHandle {
         self.surface(SurfaceModel::Mirror { reflectance: reflectance.into() })
     }
 
-    /// Clear, smooth glass of this index of refraction.
+    /// Adds clear, smooth glass with this index of refraction.
     pub fn glass(&mut self, ior: f64) -> MaterialHandle {
         let absorption = Rgb::ZERO;
         self.surface(SurfaceModel::Dielectric { ior, roughness: 0.0, priority: 0, absorption })
     }
 
-    /// A metal, from 0, smooth, to 1 in roughness.
+    /// Adds a metal with a roughness from 0 (smooth) to 1.
     pub fn metal(&mut self, metal: Metal, roughness: f64) -> MaterialHandle {
         self.surface(SurfaceModel::Conductor { metal, roughness })
     }
 
-    /// A black surface that sends out this radiance, in W/(sr m^2).
+    /// Adds a black surface that emits this radiance, in W/(sr m^2).
     pub fn emitter(&mut self, emission: impl Into<Rgb>) -> MaterialHandle {
         let surface = SurfaceModel::Diffuse { albedo: Rgb::ZERO, roughness: 0.0 };
         self.material(MaterialDescription {
@@ -155,12 +157,12 @@ impl SceneBuilder {
         })
     }
 
-    /// Any surface that sends out no light.
+    /// Adds a material without emission.
     pub fn surface(&mut self, surface: SurfaceModel) -> MaterialHandle {
         self.material(MaterialDescription { surface, ..MaterialDescription::default() })
     }
 
-    /// Any material; one without a name is called after its place, as in `material-0`.
+    /// Adds a material. An empty name is replaced by its index, as in `material-0`.
     pub fn material(&mut self, mut material: MaterialDescription) -> MaterialHandle {
         let index = self.description.materials.len();
         if material.name.is_empty() {
@@ -170,7 +172,7 @@ impl SceneBuilder {
         MaterialHandle { builder: self.id, index }
     }
 
-    /// A sphere.
+    /// Adds a sphere.
     pub fn sphere(
         &mut self,
         material: MaterialHandle,
@@ -180,7 +182,7 @@ impl SceneBuilder {
         self.add_sphere(material, None, center.into(), radius)
     }
 
-    /// A sphere with a name, which messages and the layers of Cryptomatte show.
+    /// Adds a sphere with a name, which appears in messages and Cryptomatte layers.
     pub fn named_sphere(
         &mut self,
         material: MaterialHandle,
@@ -203,13 +205,13 @@ impl SceneBuilder {
         self
     }
 
-    /// Many spheres.
+    /// Adds spheres from arrays.
     pub fn spheres(&mut self, material: MaterialHandle, arrays: SphereArrays) -> &mut Self {
         let (data, material) = (SphereData::Memory(arrays), self.index_of(material));
         self.table(SphereTable { data, material, ..SphereTable::default() })
     }
 
-    /// Many spheres from anywhere; [`MaterialHandle::index`] gives the material of the table.
+    /// Adds a sphere table. [`MaterialHandle::index`] gives its material index.
     pub fn table(&mut self, table: SphereTable) -> &mut Self {
         self.description.tables.push(table);
         self
@@ -219,24 +221,24 @@ impl SceneBuilder {
         if material.builder == self.id { material.index } else { FOREIGN_MATERIAL }
     }
 
-    /// The scene; the builder keeps what it has, arrays in memory included.
+    /// Builds the scene. The builder keeps its description, including arrays in memory.
     ///
     /// # Errors
-    /// As [`Scene::build`].
+    /// As for [`Scene::build`].
     pub fn build(&self) -> Result<Scene> {
         self.clone().into_scene()
     }
 
-    /// The scene, for the last time: each array in memory is let go of as soon as it is read.
+    /// Builds the scene and consumes the builder. Each array is freed as soon as it is read.
     ///
     /// # Errors
-    /// As [`Scene::build`].
+    /// As for [`Scene::build`].
     pub fn into_scene(self) -> Result<Scene> {
         Scene::build(self.description)
     }
 }
 
-/// A vector without a direction stays as it is, and is refused where the scene is built.
+/// A vector without a direction is returned unchanged and rejected when the scene is built.
 fn unit_or_unchanged(v: DVec3) -> DVec3 {
     normalize_robust(v).unwrap_or(v)
 }

@@ -1,32 +1,32 @@
-//! The colours of a table's rows: as the file has them, or in a third of the memory.
+//! Storage for the colours of table rows: exact, or packed into a third of the memory.
 
 use rayon::prelude::*;
 
 use crate::color::Rgb;
 
-/// One linear colour for each row of a table, in `[0, 1]`.
+/// One linear colour in `[0, 1]` per table row.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum SphereColors {
-    /// As they are in the file, 12 bytes each.
+    /// Unrounded, 12 bytes each.
     Exact(Vec<[f32; 3]>),
     /// Rounded, 4 bytes each.
     Packed(Vec<PackedColor>),
 }
 
-/// A colour in 32 bits: the square roots of its channels, red and green in 11 bits each and blue,
-/// of which eyes see least, in 10.
+/// A colour in 32 bits: the square roots of its channels, red and green in 11 bits each, and blue,
+/// to which the eye is least sensitive, in 10.
 ///
-/// A channel c is wrong by at most sqrt(c) / 2047 + 2^-24 for red and green, and by sqrt(c) / 1023 +
-/// 2^-22 for blue; 0 and 1 are exact. From c = 0.01 upwards, the steps of 8-bit sRGB, by which
-/// pictures are shown, are 12 to 18 times as large for red and green, and 6 to 9 times for blue.
+/// The error of a channel c is at most sqrt(c) / 2047 + 2^-24 for red and green, and sqrt(c) / 1023
+/// + 2^-22 for blue; 0 and 1 are exact. From c = 0.01 upwards, the steps of 8-bit sRGB are 12 to 18
+/// times as large for red and green, and 6 to 9 times for blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PackedColor(u32);
 
-/// The largest number and the lowest bit of each channel.
+/// Maximum value and lowest bit of each channel.
 const CHANNELS: [(u32, u32); 3] = [(2047, 21), (2047, 10), (1023, 0)];
 
 impl PackedColor {
-    /// The nearest colour that is not brighter than `brightest` in any channel.
+    /// The nearest colour that does not exceed `max_color` in any channel.
     pub(super) fn new(color: [f32; 3], max_color: [f32; 3]) -> Self {
         let mut bits = 0;
         for (channel, (most, lowest_bit)) in CHANNELS.into_iter().enumerate() {
@@ -48,7 +48,7 @@ fn unpack(number: u32, most: u32) -> f32 {
 }
 
 impl SphereColors {
-    /// The colour of a row, counted in its table.
+    /// The colour of a row, counted within its table.
     pub(super) fn get(&self, row: usize) -> Rgb {
         Rgb::from_array(match self {
             Self::Exact(colors) => colors[row],
@@ -56,7 +56,7 @@ impl SphereColors {
         })
     }
 
-    /// How many there are.
+    /// Number of colours.
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Exact(colors) => colors.len(),
@@ -64,7 +64,7 @@ impl SphereColors {
         }
     }
 
-    /// Appends colours, of which none is brighter than `brightest`.
+    /// Appends colours, none of which exceeds `brightest`.
     pub(super) fn extend(
         &mut self,
         colors: impl IndexedParallelIterator<Item = [f32; 3]>,

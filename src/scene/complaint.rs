@@ -1,12 +1,12 @@
-//! What is wrong with a table, in words.
+//! Diagnostics about sphere tables.
 
 use std::io;
 use std::path::Path;
 
-/// What is wrong with a table, and what to do about it.
+/// A message about a table, and optional help.
 pub(super) type TableDiagnostic = (String, Option<String>);
 
-/// Of a file that cannot be read.
+/// Diagnostic for a file that cannot be read.
 pub(super) fn read_error(path: &Path, error: &io::Error) -> TableDiagnostic {
     let help = match error.kind() {
         io::ErrorKind::NotFound => Some("a relative path starts at the scene's folder".to_owned()),
@@ -15,7 +15,7 @@ pub(super) fn read_error(path: &Path, error: &io::Error) -> TableDiagnostic {
     (format!("cannot read `{}`: {error}", path.display()), help)
 }
 
-/// What to look at where the rows are not what was expected.
+/// Help text for an unexpected row layout.
 pub(super) fn layout_help(columns: u64) -> String {
     format!(
         "a row is {columns} little-endian f32 numbers, as `columns` says, and there is no header: \

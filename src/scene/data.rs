@@ -1,7 +1,7 @@
-//! Where the numbers of many spheres are: in a file, or in the memory of whoever builds the scene.
+//! Sources of sphere tables: a file, or arrays in the caller's memory.
 //!
-//! Memory is only referred to, by a shared owner, until the scene is built. Each table is then read
-//! once, straight into the scene's own storage, and let go before the next is read.
+//! Memory is only referenced, through a shared owner, until the scene is built. Each table is then
+//! read once into the scene's own storage and released before the next one is read.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::names::named_enum;
 
-/// The numbers of many spheres.
+/// The values of many spheres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(clippy::large_enum_variant, reason = "a scene has few of them")]
@@ -21,10 +21,10 @@ pub enum SphereData {
         /// The file.
         #[serde(with = "super::paths")]
         path: PathBuf,
-        /// What each number of a row is.
+        /// Meaning of each number in a row.
         columns: Vec<Column>,
     },
-    /// Arrays in memory. As text they are nothing but their number of spheres.
+    /// Arrays in memory. Serialized only as the number of spheres and whether they have colours.
     #[serde(serialize_with = "serialize_arrays", deserialize_with = "deserialize_arrays")]
     Memory(SphereArrays),
 }
@@ -60,61 +60,61 @@ named_enum! {
     }
 }
 
-/// Spheres as arrays in memory, each of its own type and layout. All have one length.
+/// Spheres as arrays in memory, each with its own type and layout. All arrays have the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SphereArrays {
     /// Centres: x, y and z.
     pub center: [StridedArray; 3],
-    /// Radii, in the same unit.
+    /// Radii, in the unit of the centres.
     pub radius: StridedArray,
-    /// Linear colours in `[0, 1]`, in place of the material's own: red, green and blue.
+    /// Linear colours in `[0, 1]` (red, green, blue), which replace the material's colour.
     pub color: Option<[StridedArray; 3]>,
-    /// The user's own number of each sphere, in place of its row: what the layer `sphere_id` and
-    /// names show. 2^32 - 1 stands for nothing there and may not be one.
+    /// User-defined sphere ids, which replace the rows in the AOV `sphere_id` and in names. 2^32 -
+    /// 1 means "no sphere" and is not allowed.
     pub ids: Option<StridedArray<Ids>>,
 }
 
-/// One number of each sphere, at equal distances in an array.
+/// One number per sphere, at a constant stride in an array.
 ///
-/// Distances are counted in elements. In an array of bytes, whose numbers may lie at any byte, they are
-/// counted in bytes: that is how a structured NumPy array is given whose rows are no multiple of its
-/// numbers.
+/// Offset and stride count elements. In a byte array, whose numbers may be unaligned, they count
+/// bytes; this supports structured NumPy arrays whose row size is not a multiple of the number
+/// size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StridedArray<A = ArrayValues> {
     /// The array.
     pub values: A,
-    /// The index of the first sphere's number; in an array of bytes, of its first byte.
+    /// Index of the first sphere's number; in a byte array, of its first byte.
     pub offset: usize,
-    /// From one number to the next: 1 where they lie together, 4 in rows of four, 0 where all spheres
-    /// have the same, negative where they run backwards.
+    /// Distance between consecutive numbers: 1 if contiguous, 4 in rows of four, 0 if all spheres
+    /// share one number, negative if reversed.
     pub stride: isize,
-    /// How many there are.
+    /// Number of spheres.
     pub len: usize,
 }
 
 /// An array of one type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ArrayValues {
-    /// 32-bit numbers.
+    /// 32-bit floats.
     F32(SharedSlice<f32>),
-    /// 64-bit numbers, which are not rounded before the scene's origin is known.
+    /// 64-bit floats, which are not rounded before the scene's origin is known.
     F64(SharedSlice<f64>),
-    /// Little-endian 32-bit numbers in an array of bytes.
+    /// Little-endian 32-bit floats in a byte array.
     F32Bytes(SharedSlice<u8>),
-    /// Little-endian 64-bit numbers in an array of bytes, which are not rounded either.
+    /// Little-endian 64-bit floats in a byte array, which are not rounded either.
     F64Bytes(SharedSlice<u8>),
 }
 
 /// An array of ids.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ids {
-    /// Whole numbers of 32 bits.
+    /// 32-bit unsigned integers.
     U32(SharedSlice<u32>),
-    /// Little-endian whole numbers of 32 bits in an array of bytes.
+    /// Little-endian 32-bit unsigned integers in a byte array.
     U32Bytes(SharedSlice<u8>),
 }
 
-/// Memory with a shared owner: a `Vec`, or whatever else lends a slice.
+/// Memory with a shared owner: a `Vec`, or anything else that provides a slice.
 pub struct SharedSlice<T>(Arc<dyn AsRef<[T]> + Send + Sync>);
 
 impl Default for SphereData {
@@ -125,14 +125,14 @@ impl Default for SphereData {
 }
 
 impl Column {
-    /// Whether the column is one of the three channels of a colour.
+    /// Returns true if the column is a colour channel.
     pub fn is_color(self) -> bool {
         matches!(self, Self::Red | Self::Green | Self::Blue)
     }
 }
 
 impl SphereData {
-    /// Whether the spheres have colours of their own.
+    /// Returns true if the spheres have colours of their own.
     pub fn has_colors(&self) -> bool {
         match self {
             Self::File { columns, .. } => columns.iter().any(|column| column.is_color()),
@@ -140,7 +140,7 @@ impl SphereData {
         }
     }
 
-    /// Whether centres and radii need more than f32.
+    /// Returns true if centres and radii need more than f32.
     pub(super) fn is_f64(&self) -> bool {
         match self {
             Self::File { .. } => false,
@@ -153,7 +153,7 @@ impl SphereData {
         }
     }
 
-    /// Forgets arrays in memory: only the number of their spheres stays.
+    /// Releases arrays in memory and keeps only their number of spheres.
     pub(super) fn let_go(&mut self) {
         if let Self::Memory(arrays) = self {
             *arrays = SphereArrays::placeholder(arrays.len(), arrays.color.is_some());
@@ -162,7 +162,7 @@ impl SphereData {
 }
 
 impl SphereArrays {
-    /// Rows of `[x, y, z, radius]` in f32.
+    /// From rows of `[x, y, z, radius]` in f32.
     pub fn from_rows(rows: Vec<[f32; 4]>) -> Self {
         let len = rows.len();
         let values = ArrayValues::F32(SharedSlice::new(FlatRows(rows)));
@@ -171,7 +171,7 @@ impl SphereArrays {
         Self { center: [0, 1, 2].map(column), radius: column(3), color: None, ids: None }
     }
 
-    /// Centres with their radii, in f32 or in f64.
+    /// From centres and radii, in f32 or f64.
     pub fn from_centers<T: Scalar>(centers: Vec<[T; 3]>, radii: Vec<T>) -> Self {
         Self {
             center: StridedArray::columns_from(centers),
@@ -180,20 +180,19 @@ impl SphereArrays {
         }
     }
 
-    /// Gives every sphere a linear colour of its own.
+    /// Sets a linear colour for each sphere.
     #[must_use]
     pub fn with_colors<T: Scalar>(self, colors: Vec<[T; 3]>) -> Self {
         Self { color: Some(StridedArray::columns_from(colors)), ..self }
     }
 
-    /// Gives every sphere a number of its own.
+    /// Sets an id for each sphere.
     #[must_use]
     pub fn with_ids(self, ids: Vec<u32>) -> Self {
         Self { ids: Some(StridedArray::of_ids(ids)), ..self }
     }
 
-    /// Arrays whose numbers are gone: they [fit](StridedArray::fits) nothing, so that no scene is built of
-    /// them.
+    /// Arrays without data. Their numbers are out of bounds, so no scene can be built from them.
     pub(super) fn placeholder(len: usize, has_colors: bool) -> Self {
         let gone = || StridedArray { len, ..StridedArray::default() };
         let three = || std::array::from_fn(|_| gone());
@@ -201,17 +200,17 @@ impl SphereArrays {
         Self { center: three(), radius: gone(), color, ids: None }
     }
 
-    /// How many spheres there are.
+    /// Number of spheres.
     pub fn len(&self) -> usize {
         self.radius.len
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no spheres.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Each array with its name.
+    /// Each array with its column.
     pub(super) fn columns(&self) -> impl Iterator<Item = (Column, &StridedArray)> {
         use Column::{Blue, Green, Radius, Red, X, Y, Z};
         let color = self.color.iter().flat_map(|color| [Red, Green, Blue].into_iter().zip(color));
@@ -221,7 +220,7 @@ impl SphereArrays {
 }
 
 impl StridedArray {
-    /// All of an array.
+    /// From a contiguous array.
     pub fn from_vec<T: Scalar>(values: Vec<T>) -> Self {
         let len = values.len();
         Self { values: T::into_values(SharedSlice::new(values)), offset: 0, stride: 1, len }
@@ -239,7 +238,7 @@ impl StridedArray {
         })
     }
 
-    /// The same number for every sphere.
+    /// One shared number for all spheres.
     pub fn constant<T: Scalar>(value: T, len: usize) -> Self {
         Self { values: T::into_values(SharedSlice::new(vec![value])), offset: 0, stride: 0, len }
     }
@@ -258,7 +257,7 @@ impl StridedArray {
         }
     }
 
-    /// The numbers, ready to be read; they [fit](Self::fits).
+    /// A reader for the numbers. Requires [`Self::is_in_bounds`].
     pub(super) fn reader(&self) -> Reader<'_> {
         let numbers = match &self.values {
             ArrayValues::F32(values) => Numbers::F32(values.as_slice()),
@@ -271,7 +270,7 @@ impl StridedArray {
 }
 
 impl StridedArray<Ids> {
-    /// All of an array.
+    /// From a contiguous array of ids.
     pub fn of_ids(ids: Vec<u32>) -> Self {
         let len = ids.len();
         Self { values: Ids::U32(SharedSlice::new(ids)), offset: 0, stride: 1, len }
@@ -285,7 +284,7 @@ impl StridedArray<Ids> {
         }
     }
 
-    /// Every id in order; they [fit](Self::fits).
+    /// All ids in order. Requires [`Self::fits`].
     pub(super) fn iter(&self) -> impl Iterator<Item = u32> {
         let (words, bytes) = match &self.values {
             Ids::U32(ids) => (ids.as_slice(), &[][..]),
@@ -300,7 +299,8 @@ impl StridedArray<Ids> {
 }
 
 impl<A> StridedArray<A> {
-    /// Returns true if every number, which takes `each` of so many elements, lies within the array.
+    /// Returns true if every number, of size `each` in elements, lies within an array of
+    /// `elements`.
     fn is_within(&self, elements: usize, each: usize) -> bool {
         let at = |row: i128| self.offset as i128 + row * self.stride as i128;
         let is_within = |index: i128| 0 <= index && index + each as i128 <= elements as i128;
@@ -308,7 +308,7 @@ impl<A> StridedArray<A> {
     }
 }
 
-/// The numbers of a [`StridedArray`], with the memory looked up once for all of them.
+/// Reads the numbers of a [`StridedArray`], with its memory looked up once.
 pub(super) struct Reader<'a> {
     numbers: Numbers<'a>,
     first: usize,
@@ -323,7 +323,7 @@ enum Numbers<'a> {
 }
 
 impl Reader<'_> {
-    /// The number of a sphere; -0 is given as 0.
+    /// The number of a sphere; -0 becomes 0.
     #[inline]
     pub(super) fn get(&self, row: usize) -> f64 {
         let at = index(self.first, self.stride, row);
@@ -337,7 +337,7 @@ impl Reader<'_> {
     }
 }
 
-/// The index of a row's number in its array.
+/// Array index of a row's number.
 fn index(first: usize, stride: isize, row: usize) -> usize {
     first.wrapping_add_signed(stride.wrapping_mul(row as isize))
 }
@@ -356,7 +356,7 @@ impl Default for StridedArray {
 
 /// f32 or f64.
 pub trait Scalar: Copy + Send + Sync + 'static {
-    /// An array of such numbers.
+    /// Wraps an array of this type.
     fn into_values(array: SharedSlice<Self>) -> ArrayValues
     where
         Self: Sized;
@@ -374,7 +374,7 @@ impl Scalar for f64 {
     }
 }
 
-/// Rows as one flat array.
+/// Rows viewed as one flat array.
 struct FlatRows<T, const N: usize>(Vec<[T; N]>);
 
 impl<T, const N: usize> AsRef<[T]> for FlatRows<T, N> {
@@ -384,12 +384,12 @@ impl<T, const N: usize> AsRef<[T]> for FlatRows<T, N> {
 }
 
 impl<T> SharedSlice<T> {
-    /// Memory that `owner` lends for as long as it lives.
+    /// Shares the memory that `owner` provides for as long as it lives.
     pub fn new(owner: impl AsRef<[T]> + Send + Sync + 'static) -> Self {
         Self(Arc::new(owner))
     }
 
-    /// The memory.
+    /// The memory as a slice.
     pub fn as_slice(&self) -> &[T] {
         (*self.0).as_ref()
     }
@@ -407,14 +407,14 @@ impl<T> fmt::Debug for SharedSlice<T> {
     }
 }
 
-/// The same memory, or equal numbers in it.
+/// True for the same memory or equal elements.
 impl<T: PartialEq> PartialEq for SharedSlice<T> {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0) || self.as_slice() == other.as_slice()
     }
 }
 
-/// What is told of arrays as text.
+/// Serialized form of arrays.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ArraysSummary {

@@ -1,6 +1,6 @@
-//! A scene as plain values: what is to be seen, in the user's own units. Whoever builds a scene, a
-//! program or the reader of scene files, fills these in; [`Scene::build`](super::Scene::build) checks them and
-//! makes a scene of them. `docs/scene-format.md` explains the same keys to users.
+//! A scene description: plain values in the user's units, filled in by a program or by the scene
+//! file reader. [`Scene::build`](super::Scene::build) validates a description and builds a scene
+//! from it. `docs/scene-format.md` explains the corresponding keys.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,41 +15,40 @@ pub use super::surface::{SurfaceKind, SurfaceModel};
 
 /// A scene: camera, background, materials and spheres.
 ///
-/// How it is rendered (size, samples, integrator) is no part of it: see [`Settings`](super::Settings).
+/// Size, samples and integrator belong to [`Settings`](super::Settings).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneDescription {
-    /// Where the picture is seen from.
+    /// The camera.
     pub camera: CameraDescription,
-    /// What a ray sees that meets nothing.
+    /// The background, which rays that miss all spheres see.
     pub background: BackgroundDescription,
-    /// The surfaces; spheres name them by their index here.
+    /// The materials; spheres refer to them by index.
     pub materials: Vec<MaterialDescription>,
-    /// Spheres one by one.
+    /// Individually described spheres.
     pub spheres: Vec<SphereDescription>,
-    /// Many spheres at once, from files or from memory.
+    /// Sphere tables, from files or from memory.
     pub tables: Vec<SphereTable>,
 }
 
-/// `[camera]`.
+/// The camera (`[camera]`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraDescription {
-    /// Where the camera is: the middle of the lens or of the picture's plane.
+    /// Camera position: the centre of the lens or of the image plane.
     pub position: DVec3,
-    /// A point in the middle of the picture.
+    /// The point at the centre of the picture.
     pub look_at: DVec3,
-    /// The direction that is up in the picture.
+    /// The up direction in the picture.
     pub up: DVec3,
-    /// Camera rays start where their depth along the view axis is this; in a panorama, their
-    /// distance.
+    /// Depth along the view axis at which camera rays start; for a panorama, the distance.
     pub near: f64,
-    /// `type` and its keys.
+    /// The projection: `type` and its keys.
     pub projection: ProjectionDescription,
 }
 
 impl Default for CameraDescription {
-    /// At (0, 0, 10), looking at the origin, with a pinhole of 36 degrees; y is up.
+    /// At (0, 0, 10), looking at the origin, pinhole with a field of view of 36 degrees, y up.
     fn default() -> Self {
         Self {
             position: DVec3::new(0.0, 0.0, 10.0),
@@ -61,39 +60,39 @@ impl Default for CameraDescription {
     }
 }
 
-/// How directions become places in the picture.
+/// The mapping from directions to picture positions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ProjectionDescription {
     /// `type = "perspective"`.
     Perspective {
-        /// The angle from the bottom to the top of the picture.
+        /// Vertical field of view, in degrees.
         vertical_fov_degrees: f64,
-        /// `None` is a pinhole.
+        /// The lens; `None` is a pinhole.
         lens: Option<LensDescription>,
     },
     /// `type = "orthographic"`: parallel rays.
     Orthographic {
-        /// What fits between the bottom and the top of the picture, in scene units.
+        /// Height of the view, in scene units.
         height: f64,
     },
     /// `type = "panoramic"`: columns are longitudes, rows are latitudes.
     Panoramic {
-        /// The angle from the left to the right of the picture.
+        /// Horizontal field of view, in degrees.
         horizontal_degrees: f64,
-        /// The angle from the bottom to the top.
+        /// Vertical field of view, in degrees.
         vertical_degrees: f64,
     },
 }
 
 impl Default for ProjectionDescription {
-    /// A pinhole of 36 degrees.
+    /// A pinhole with a field of view of 36 degrees.
     fn default() -> Self {
         Self::Perspective { vertical_fov_degrees: 36.0, lens: None }
     }
 }
 
-/// The projections without their numbers.
+/// The projection types, without parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProjectionKind {
     /// [`ProjectionDescription::Perspective`].
@@ -114,7 +113,7 @@ named_enum! {
 }
 
 impl ProjectionDescription {
-    /// The kind of this projection.
+    /// The type of this projection.
     pub fn kind(&self) -> ProjectionKind {
         match self {
             Self::Perspective { .. } => ProjectionKind::Perspective,
@@ -128,13 +127,13 @@ impl ProjectionDescription {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LensDescription {
-    /// Of its opening, in scene units.
+    /// Radius of the aperture, in scene units.
     pub radius: f64,
-    /// Along the view axis to the plane in focus: as said, or found by `focus_on`.
+    /// Distance to the focal plane along the view axis, given directly or by `focus_on`.
     pub focus_distance: f64,
-    /// Corners of the opening; 0 for a disk.
+    /// Number of aperture blades; 0 for a disk.
     pub blades: u32,
-    /// Turns the opening counter-clockwise, as seen in the picture's axes.
+    /// Rotation of the aperture, counter-clockwise in the picture's axes, in degrees.
     pub rotation_degrees: f64,
 }
 
@@ -142,18 +141,18 @@ pub struct LensDescription {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialDescription {
-    /// The table's name.
+    /// Name of the material.
     pub name: String,
-    /// `type` and its keys.
+    /// The reflection model: `type` and its keys.
     pub surface: SurfaceModel,
-    /// Radiance that the surface sends out on both sides.
+    /// Radiance emitted on both sides, in W/(sr m^2).
     pub emission: Rgb,
-    /// The probability that the surface is there for light, in `[0, 1]`.
+    /// Probability that light interacts with the surface, in `[0, 1]`.
     pub opacity: f64,
 }
 
 impl Default for MaterialDescription {
-    /// Grey and diffuse, without a name.
+    /// Grey diffuse, without a name.
     fn default() -> Self {
         let surface = SurfaceModel::default();
         Self { name: String::new(), surface, emission: Rgb::ZERO, opacity: 1.0 }
@@ -164,7 +163,7 @@ impl Default for MaterialDescription {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereDescription {
-    /// Used in messages.
+    /// Name, for messages and Cryptomatte.
     pub name: Option<String>,
     /// Centre.
     pub center: DVec3,
@@ -174,24 +173,24 @@ pub struct SphereDescription {
     pub material: usize,
 }
 
-/// One `[[sphere_tables]]`: many spheres of one material.
+/// A sphere table (`[[sphere_tables]]`): many spheres of one material.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereTable {
-    /// The name in the layers of Cryptomatte; see [`SceneDescription::name_of_table`] where there is none.
+    /// Name in Cryptomatte layers; [`SceneDescription::name_of_table`] gives the fallback.
     pub name: Option<String>,
-    /// Where the numbers are.
+    /// Source of the values.
     pub data: SphereData,
     /// Index into [`SceneDescription::materials`].
     pub material: usize,
-    /// `colors`: how the rows' colours are kept, where there are some.
+    /// Storage of the rows' colours, if any (`colors`).
     pub colors: ColorStorage,
 }
 
-/// How the colours of a table are kept in memory.
+/// How table colours are stored in memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorStorage {
-    /// As they are given, 12 bytes each.
+    /// Unrounded, 12 bytes each.
     #[default]
     Exact,
     /// Rounded, in a third of the memory.
@@ -201,7 +200,7 @@ pub enum ColorStorage {
 named_enum! { ColorStorage { Exact = "exact", Packed = "packed" } }
 
 impl ColorStorage {
-    /// Bytes that one colour takes in memory.
+    /// Bytes per colour in memory.
     pub fn bytes_per_color(self) -> usize {
         match self {
             Self::Exact => size_of::<[f32; 3]>(),
@@ -211,11 +210,11 @@ impl ColorStorage {
 }
 
 impl SceneDescription {
-    /// The name of a table: its own; or the name of its file without the folder; or `table 3` for the
-    /// fourth table, where that is in memory.
+    /// The name of a table: its own; otherwise its file name without folder; otherwise, for a table
+    /// in memory, its index, as in `table 3`.
     ///
     /// # Panics
-    /// Panics where there is no table of that index.
+    /// If there is no table with this index.
     pub fn name_of_table(&self, index: usize) -> String {
         let SphereTable { name, data, .. } = &self.tables[index];
         let of_file = || match data {
@@ -227,8 +226,8 @@ impl SceneDescription {
         name.clone().or_else(of_file).unwrap_or_else(|| format!("table {index}"))
     }
 
-    /// Brings values that mean the same into one form, in which they are rendered: a lens without an
-    /// opening is a pinhole, and a place or an angle of -0 is 0.
+    /// Brings equivalent values into one canonical form: a lens with radius 0 becomes a pinhole,
+    /// and a coordinate or angle of -0 becomes 0.
     pub(super) fn make_canonical(&mut self) {
         let Self { camera, background, materials: _, spheres, tables: _ } = self;
         let CameraDescription { position, look_at, up, near: _, projection } = camera;
@@ -249,7 +248,7 @@ impl SceneDescription {
     }
 }
 
-/// The direction of a vector however long or short, if it has one.
+/// The unit vector of `v`, for any length; `None` if `v` has no direction.
 pub(crate) fn normalize_robust(v: DVec3) -> Option<DVec3> {
     (v / v.abs().max_element()).try_normalize()
 }

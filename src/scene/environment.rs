@@ -9,7 +9,7 @@ use crate::image_io::{Image, read_light};
 use crate::light::{self, Orientation};
 use crate::math::DVec3;
 
-/// The most pixels along an image.
+/// Maximum image width in pixels.
 const MAX_WIDTH: usize = 32_768;
 
 /// `[background]`.
@@ -120,12 +120,12 @@ impl EnvironmentPixels {
         light::EnvironmentMap::from_image(self.width, self.height, &self.pixels)
     }
 
-    /// How many there are.
+    /// Number of pixels.
     pub(super) fn len(&self) -> usize {
         self.pixels.len()
     }
 
-    /// The hash of size and values.
+    /// Hash of size and values.
     pub(super) fn hash(&self) -> blake3::Hash {
         let mut hasher = blake3::Hasher::new();
         for length in [self.width, self.height] {
@@ -139,7 +139,7 @@ impl EnvironmentPixels {
         hasher.finalize()
     }
 
-    /// What keeps the pixels from being a background.
+    /// Checks that the pixels can be an environment map.
     fn check(self) -> Result<Self, String> {
         let Self { width, height, ref pixels } = self;
         if width != 2 * height || width > MAX_WIDTH {
@@ -163,13 +163,13 @@ impl EnvironmentPixels {
     }
 }
 
-/// Reads a `.exr` or `.hdr` file; or says what is wrong with it.
+/// Reads a `.exr` or `.hdr` file. The error describes what is wrong.
 pub(super) fn read(path: &Path) -> Result<EnvironmentPixels, String> {
     let Image { width, height, pixels } = read_light(path)?;
     EnvironmentPixels { width, height, pixels }.check()
 }
 
-/// The light of a described background.
+/// Builds the background from its description.
 pub(super) fn build_background(
     of: &BackgroundDescription,
     pixels: Option<EnvironmentPixels>,

@@ -1,7 +1,7 @@
-//! Many spheres become one array: raw files of little-endian f32 rows, or arrays in memory.
+//! Imports sphere tables (raw files of little-endian f32 rows, or arrays in memory) into one array.
 //!
-//! A table may be larger than half the memory, so nothing of it is ever held twice: the array is
-//! made once, in its final size, from the lengths that files and arrays really have.
+//! A table may be larger than half the memory, so nothing is ever held twice: the array is
+//! allocated once, in its final size, from the actual lengths of files and arrays.
 
 use std::path::Path;
 
@@ -19,35 +19,35 @@ use super::storage::try_with_capacity;
 use super::table_reader::{Row, RowLayout, TableReader, VALUE_BYTES};
 use super::validation_errors::{self, ValidationErrors};
 
-/// The most spheres of a scene, so that rows and ids fit in 32 bits.
+/// Maximum number of spheres, so that rows and ids fit in 32 bits.
 const MAX_SPHERES: u64 = NO_SPHERE as u64 - 2;
 
-/// The spheres of one table in a scene's rows.
+/// The rows of one table within a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RowGroup {
-    /// The number of the first row, counted through all spheres of the scene.
+    /// Index of the first row, counted over all spheres of the scene.
     pub(super) first_row: u32,
-    /// How many rows there are.
+    /// Number of rows.
     pub(super) count: u32,
     /// Index into [`SceneDescription::materials`].
     pub(super) material: usize,
-    /// Each row's own linear colour, in `[0, 1]`, where the table has one.
+    /// Linear colour of each row in `[0, 1]`, if the table has colours.
     pub(super) colors: Option<SphereColors>,
-    /// Each row's own number, where the table has one.
+    /// Id of each row, if the table has ids.
     pub(super) ids: Option<Vec<u32>>,
 }
 
-/// What is known of a scene's files and arrays before anything large is read.
+/// Facts about a scene's files and arrays before table data is read.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ImportPlan {
-    /// Rows of each table.
+    /// Number of rows of each table.
     pub(super) rows: Vec<u64>,
-    /// The pixels of the background's image.
+    /// Pixels of the environment map.
     pub(super) environment: Option<EnvironmentPixels>,
 }
 
 impl ImportPlan {
-    /// Looks at the files of a description; what is wrong with them is added to `problems`.
+    /// Examines the files of a description. Errors are added to `problems`.
     pub(super) fn scan(description: &SceneDescription, problems: &mut ValidationErrors) -> Self {
         let environment = match &description.background.dome {
             EnvironmentDescription::Image { file, .. } => read_environment(file, problems),
@@ -67,9 +67,9 @@ impl ImportPlan {
         Self { rows, environment }
     }
 
-    /// How many spheres there are, those that are there twice included.
+    /// Number of spheres, including duplicates.
     pub(super) fn sphere_count(&self, description: &SceneDescription) -> u64 {
-        // Arrays may claim any length, as those do whose spheres share one number.
+        // Arrays may claim any length, for example if all spheres share one number.
         self.rows
             .iter()
             .fold(description.spheres.len() as u64, |sum, &rows| sum.saturating_add(rows))
@@ -90,18 +90,19 @@ fn read_environment(file: &Path, problems: &mut ValidationErrors) -> Option<Envi
         .ok()
 }
 
-/// Reads all tables, and lets go of each array in memory as soon as it is read. What is wrong with their
-/// rows is added to `problems`.
+/// Reads all tables and releases each array in memory as soon as it is read. Errors in their rows
+/// are added to `problems`.
 ///
 /// # Errors
-/// When there are too many spheres, or too little memory.
+/// If there are too many spheres, or too little memory.
 pub(super) fn load_tables(
     description: &mut SceneDescription,
     survey: &ImportPlan,
     problems: &mut ValidationErrors,
 ) -> Result<(SphereRows, Vec<RowGroup>)> {
     check_count(survey.sphere_count(description))?;
-    // Rows are numbered through those in f64 first, so all tables up to the last one in f64 are.
+    // Spheres in f64 come first in row order, so all tables up to the last f64 table are read as
+    // f64.
     let f64_tables = description.tables.iter().rposition(|table| table.data.is_f64());
     let wide = f64_tables.map_or(0, |last| last + 1);
     let listed = description.spheres.len() as u64;
@@ -110,7 +111,7 @@ pub(super) fn load_tables(
     exact.extend(
         description.spheres.iter().map(|row| Sphere { center: row.center, radius: row.radius }),
     );
-    // The exact spheres will be appended to this very array.
+    // The exact spheres will be appended to this array.
     let mut all = try_with_capacity(survey.sphere_count(description))?;
     let mut groups = Vec::with_capacity(description.tables.len());
     for (index, (table, &rows)) in description.tables.iter_mut().zip(&survey.rows).enumerate() {
@@ -136,11 +137,10 @@ pub(super) fn load_tables(
     Ok((SphereRows { exact, table: all }, groups))
 }
 
-/// The colours and the ids of a table's spheres, where it has some.
+/// Optional colours and ids of a table's spheres.
 type OwnValues = (Option<SphereColors>, Option<Vec<u32>>);
 
-/// Appends the spheres of one table, and returns their own colours and ids where it has some; or says
-/// what is wrong with the table.
+/// Appends the spheres of one table, and returns their colours and ids, or a diagnostic.
 fn read_table<T: Row>(
     table: &SphereTable,
     rows: u64,
@@ -157,8 +157,10 @@ fn read_table<T: Row>(
     })
 }
 
+/// Checks that the scene does not have too many spheres.
+///
 /// # Errors
-/// When there are more spheres than ids.
+/// If there are more spheres than ids.
 pub(super) fn check_count(spheres: u64) -> Result<()> {
     if spheres > MAX_SPHERES {
         return Err(Error::input(format!(
@@ -198,7 +200,7 @@ fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, TableDiagnost
     }
 }
 
-/// `1 row`, `2 rows`.
+/// Formats a count, as in `1 row` or `2 rows`.
 fn pluralize(number: u64, singular: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{number} {singular}{plural}")

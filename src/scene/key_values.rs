@@ -1,5 +1,5 @@
-//! The values of a scene and its settings under the keys that a scene file has for them, as a tree of
-//! JSON. Messages and `photosphere info` name values by these keys.
+//! Converts a scene and its settings to a JSON tree under their scene file keys. Messages and
+//! `photosphere info` use these keys.
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -63,9 +63,9 @@ impl From<Section> for Value {
 }
 
 impl SceneDescription {
-    /// The values under the keys of a scene file: `camera.position`, `materials.grass.albedo`,
-    /// `spheres.0.radius`. Materials are quoted as in a dotted key. Arrays in memory, for which there is
-    /// no key, are told as the `file` of their table.
+    /// Values under their scene file keys: `camera.position`, `materials.grass.albedo`,
+    /// `spheres.0.radius`. Material names are quoted as in a dotted key. Arrays in memory, which
+    /// have no key, appear as the `file` of their table.
     pub fn to_keys(&self) -> Value {
         let Self { camera, background, materials, spheres, tables } = self;
         let name_of = |material: usize| materials.get(material).map(|m| m.name.as_str());
@@ -104,7 +104,7 @@ impl SceneDescription {
 }
 
 impl Settings {
-    /// The values under the keys of a scene file: `image.width`, `render.paper.subpixels`.
+    /// Values under their scene file keys: `image.width`, `render.paper.subpixels`.
     pub fn to_keys(&self) -> Value {
         let Self { image, render } = self;
         let mut root = Section::default();
@@ -184,7 +184,7 @@ fn of_material(material: &MaterialDescription) -> Section {
     section
 }
 
-/// The file and the columns of a table.
+/// File and columns of a table.
 fn told(data: &SphereData) -> (String, Vec<Column>) {
     match data {
         SphereData::File { path, columns } => (path.display().to_string(), columns.clone()),

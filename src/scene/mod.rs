@@ -1,5 +1,5 @@
-//! What is to be seen: values ([`SceneDescription`], [`Settings`]) that a program fills in or a scene file
-//! holds, and the immutable [`Scene`] that is built of them.
+//! Scenes and render settings: plain values ([`SceneDescription`], [`Settings`]) from a program or
+//! a scene file, and the immutable [`Scene`] built from them.
 
 mod arrays;
 mod biases;

@@ -1,4 +1,4 @@
-//! Paths as serde writes them: as text where they are text, else as the bytes that they are, so that none is lost.
+//! Lossless path serialization: as text if the path is valid UTF-8, otherwise as bytes.
 
 use std::path::{Path, PathBuf};
 
@@ -31,13 +31,13 @@ fn path_from_bytes(bytes: Vec<u8>) -> PathBuf {
     PathBuf::from(std::ffi::OsString::from_vec(bytes))
 }
 
-/// Elsewhere such a path cannot be made again from bytes of another system.
+/// On other systems, a path cannot be restored from foreign bytes.
 #[cfg(not(unix))]
 fn of_bytes(bytes: Vec<u8>) -> PathBuf {
     PathBuf::from(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// The same for a path that may be left out.
+/// Serialization of optional paths.
 pub(crate) mod optional {
     use super::{Deserialize, Deserializer, PathBuf, Serialize, Serializer};
 

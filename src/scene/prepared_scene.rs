@@ -1,6 +1,5 @@
-//! A scene as one job sees it: with the camera for the picture's size, the pixel's filter, and the
-//! lights as they are chosen. The spheres and materials are the scene's own, so that many shots of one
-//! scene cost little more than one.
+//! A scene prepared for one job: camera, pixel filter and light sampler for its settings. Spheres
+//! and materials are shared with the scene, so several shots cost little more than one.
 
 use rayon::prelude::*;
 
@@ -16,7 +15,7 @@ use super::description;
 use super::scene::Scene;
 use super::settings::{ImageSettings, IntegratorSettings, RenderSettings, Settings};
 
-/// A scene, ready to be rendered with some settings.
+/// A scene, ready to be rendered with certain settings.
 #[derive(Debug)]
 pub struct PreparedScene {
     scene: Scene,
@@ -24,7 +23,7 @@ pub struct PreparedScene {
     lights: Lights,
     camera: Camera,
     filter: Filter,
-    /// The dielectric spheres that a camera ray can start in, the largest first.
+    /// The dielectric spheres in which a camera ray can start, largest first.
     camera_media: Vec<(Sphere, Medium)>,
 }
 
@@ -32,7 +31,7 @@ impl PreparedScene {
     /// Prepares a scene for these settings.
     ///
     /// # Errors
-    /// When the settings make no sense, or camera rays start out of reach.
+    /// If the settings are invalid, or camera rays start out of reach.
     pub fn new(scene: &Scene, settings: Settings) -> Result<Self> {
         settings.validate().into_result()?;
         let ImageSettings { filter, filter_radius, .. } = settings.image;
@@ -57,17 +56,17 @@ impl PreparedScene {
         &self.scene
     }
 
-    /// The values that the scene was built of.
+    /// The description from which the scene was built.
     pub fn description(&self) -> &description::SceneDescription {
         self.scene.description()
     }
 
-    /// The picture's settings.
+    /// The image settings.
     pub fn image_settings(&self) -> &ImageSettings {
         &self.settings.image
     }
 
-    /// The integrator's settings.
+    /// The render settings.
     pub fn render_settings(&self) -> &RenderSettings {
         &self.settings.render
     }
@@ -77,12 +76,12 @@ impl PreparedScene {
         &self.settings
     }
 
-    /// Chooses other random numbers; nothing else depends on the seed.
+    /// Sets the random seed. Nothing else depends on it.
     pub fn set_seed(&mut self, seed: u64) {
         self.settings.render.seed = seed;
     }
 
-    /// All emitters.
+    /// The light sampler over all emitters.
     pub fn lights(&self) -> &Lights {
         &self.lights
     }
@@ -92,13 +91,13 @@ impl PreparedScene {
         &self.camera
     }
 
-    /// The pixel's weight function.
+    /// The pixel filter.
     pub fn filter(&self) -> &Filter {
         &self.filter
     }
 
-    /// The largest radiance that anything in the scene sends out, in any channel; 1 for integrators
-    /// whose pictures are no light.
+    /// The largest radiance emitted in the scene, over all channels; 1 for integrators that do not
+    /// compute radiance.
     pub fn max_radiance(&self) -> f32 {
         match self.settings.render.integrator {
             IntegratorSettings::AmbientOcclusion { .. } | IntegratorSettings::Normals => 1.0,
@@ -106,15 +105,15 @@ impl PreparedScene {
         }
     }
 
-    /// The media at a point where a camera ray starts.
+    /// The media at a camera ray's origin.
     pub fn media_at(&self, point: DVec3) -> MediumStack {
         let containing = self.camera_media.iter().filter(|(sphere, _)| sphere.contains(point));
         containing.fold(MediumStack::VACUUM, |media, (_, medium)| media.with(*medium))
     }
 }
 
-/// Backends take coordinates of up to four times [`MAX_COORDINATE`]; moving the origin may have used
-/// up two of them.
+/// Checks the range of ray origins. Backends take coordinates up to four times [`MAX_COORDINATE`],
+/// and moving the origin may have used up two of them.
 fn check_reach(camera: &Camera, margin: f64) -> Result<()> {
     let is_near = camera.max_origin_distance(margin) <= 2.0 * MAX_COORDINATE
         && camera.max_start_distance(margin) <= 4.0 * MAX_COORDINATE;
@@ -159,7 +158,7 @@ fn build_camera(
     let projection = match projection {
         description::ProjectionDescription::Perspective { vertical_fov_degrees, lens } => {
             let vertical_fov = vertical_fov_degrees.to_radians();
-            // A lens without an opening is a pinhole.
+            // A lens with radius 0 is a pinhole.
             let lens = lens.filter(|lens| lens.radius > 0.0).map(thin);
             CameraModel::Perspective { vertical_fov, lens }
         }

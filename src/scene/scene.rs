@@ -19,10 +19,10 @@ use super::source::{ContentHash, FileHash, SceneHashes, SceneSource};
 use super::sphere_material::{SphereMaterial, build_materials};
 use super::validation_errors::ValidationErrors;
 
-/// So many spheres stay in a processor's near memory by themselves.
+/// Fewer spheres than this stay in the processor's cache without prefetching.
 const PREFETCH_MIN_SPHERES: usize = 1000;
 
-/// A scene: checked, immutable, and shared by all its clones.
+/// A validated, immutable scene, shared by all its clones.
 #[derive(Clone, Debug)]
 pub struct Scene {
     description: Arc<SceneDescription>,
@@ -39,11 +39,11 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Checks values and makes a scene of them. Files are read, and so are arrays in memory: each is let go
-    /// of as soon as it is read.
+    /// Validates a description and builds a scene from it. Reads files and arrays; each array is
+    /// released as soon as it is read.
     ///
     /// # Errors
-    /// All mistakes at once; when there is no memory for the spheres.
+    /// Reports all errors at once; also if the spheres do not fit into memory.
     pub fn build(description: SceneDescription) -> Result<Self> {
         let mut problems = description.validate();
         if problems.0.is_empty() {
@@ -56,7 +56,7 @@ impl Scene {
         unreachable!("there are problems")
     }
 
-    /// Makes a scene of values that were checked; `refuse` tells of problems with its tables.
+    /// Builds a scene from validated values. `refuse` reports problems with its tables.
     pub(super) fn assemble(
         mut description: SceneDescription,
         survey: ImportPlan,
@@ -94,28 +94,28 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The scene with the paths of `description`, which differs in nothing but the folders of its files.
+    /// Replaces the description by one that differs only in the folders of its files.
     pub(crate) fn with_description(mut self, description: SceneDescription) -> Self {
         self.description = Arc::new(description);
         self
     }
 
-    /// What the user wrote, without arrays in memory, which the scene has taken in.
+    /// The description, without arrays in memory, whose data is now in the scene.
     pub fn description(&self) -> &SceneDescription {
         &self.description
     }
 
-    /// The scene file that it was read from, if it was.
+    /// The scene file from which the scene was read, if any.
     pub fn source(&self) -> Option<&SceneSource> {
         self.source.as_deref()
     }
 
-    /// The files that were read for it, in the order of its tables, then the background's image.
+    /// The files of the scene, in the order of its tables, then the environment map.
     pub fn files(&self) -> &[FileHash] {
         &self.files
     }
 
-    /// What it is: scenes of one identity are the same.
+    /// Content hash of the scene; equal hashes mean equal scenes.
     pub fn content_hash(&self) -> ContentHash {
         self.content_hash
     }
@@ -125,7 +125,7 @@ impl Scene {
         &self.spheres
     }
 
-    /// All emitters, and the choice among them.
+    /// The light sampler over all emitters, of this kind.
     pub fn lights(&self, by: LightSamplerKind) -> Lights {
         Lights::with_sampler(
             by,
@@ -135,30 +135,30 @@ impl Scene {
         )
     }
 
-    /// How many spheres are emitters.
+    /// Number of emissive spheres.
     pub fn emitter_count(&self) -> usize {
         self.emitters.len()
     }
 
-    /// The radiance seen by a ray in this direction that meets nothing.
+    /// Background radiance for a ray in this direction that misses all spheres.
     pub fn background_radiance(&self, direction: DVec3) -> Rgb {
         self.background.radiance(direction)
     }
 
-    /// The largest radiance that anything in the scene sends out, in any channel.
+    /// The largest radiance emitted in the scene, over all channels.
     pub fn max_radiance(&self) -> f32 {
         let emissions = self.materials.iter().map(|material| material.emission.max_element());
         let brightest = emissions.fold(self.background.max_radiance(), f32::max);
-        // Two that each fit may not fit together: a dome and a sun before it.
+        // The environment map and the sun are each finite, but their sum may overflow.
         brightest.min(f32::MAX)
     }
 
-    /// Whether the camera sees the background.
+    /// Returns true if the camera sees the background.
     pub fn camera_sees_background(&self) -> bool {
         self.description.background.camera_visible
     }
 
-    /// What a camera ray in this direction brings that meets nothing: the background, unless it is
+    /// The contribution of a camera ray that misses all spheres: the background, unless it is
     /// hidden from the camera.
     pub fn camera_background(&self, direction: DVec3) -> PathRadiance {
         let direct = if self.camera_sees_background() {
@@ -169,13 +169,13 @@ impl Scene {
         PathRadiance { direct, indirect: Rgb::ZERO, alpha: 0.0 }
     }
 
-    /// What a sphere is made of.
+    /// The material of a sphere.
     pub fn sphere_material(&self, id: u32) -> SphereMaterial<'_> {
         let (material, color) = self.material_and_color(id);
         SphereMaterial::new(material, color, || self.spheres.sphere(id).radius)
     }
 
-    /// What a sphere is made of, and its own colour where a table gives one.
+    /// The material of a sphere, and its own colour if a table gives one.
     #[inline(always)]
     pub(crate) fn material_and_color(&self, id: u32) -> (&Material, Option<Rgb>) {
         let row = self.spheres.row(id);
@@ -188,8 +188,8 @@ impl Scene {
         (&self.materials[group.material], color)
     }
 
-    /// Reads what is known of the spheres that were hit, unless there are so few that all of them are
-    /// near at hand; see [`SphereSet::prefetch`].
+    /// Prefetches the data of the spheres that were hit, unless all spheres fit into the cache; see
+    /// [`SphereSet::prefetch`].
     pub fn prefetch(&self, hits: &[Hit]) {
         if self.spheres.len() <= PREFETCH_MIN_SPHERES {
             return;
@@ -207,20 +207,20 @@ impl Scene {
         }
     }
 
-    /// Whether some surface is only there with a probability.
+    /// Returns true if some material has an opacity below 1.
     pub fn has_opacity(&self) -> bool {
         self.has_opacity
     }
 
-    /// Whether a path can be inside of a dielectric.
+    /// Returns true if some material is a dielectric.
     pub fn has_media(&self) -> bool {
         self.has_media
     }
 
-    /// The index of the material of the sphere in a row of the scene.
+    /// Material index of the sphere in a row of the scene.
     ///
     /// # Panics
-    /// Panics where the scene has no such row.
+    /// If the scene has no such row.
     pub fn material_of_row(&self, row: u32) -> usize {
         self.demand_row(row);
         match self.description.spheres.get(row as usize) {
@@ -229,11 +229,11 @@ impl Scene {
         }
     }
 
-    /// The name of the sphere in a row of the scene, or of its place: `sphere 3`, or `grains.f32:17` for
-    /// a row of the table `grains.f32`.
+    /// The name of the sphere in a row of the scene, or a name from its position: `sphere 3`, or
+    /// `grains.f32:17` for a row of the table `grains.f32`.
     ///
     /// # Panics
-    /// Panics where the scene has no such row.
+    /// If the scene has no such row.
     pub fn name_of_row(&self, row: u32) -> String {
         self.demand_row(row);
         match self.description.spheres.get(row as usize) {
@@ -248,11 +248,11 @@ impl Scene {
         }
     }
 
-    /// The [name](SceneDescription::name_of_table) of the table that a row of the scene comes from; `spheres`
-    /// for the spheres that are described one by one.
+    /// The [name](SceneDescription::name_of_table) of the table that contains a row of the scene;
+    /// `spheres` for individually described spheres.
     ///
     /// # Panics
-    /// Panics where the scene has no such row.
+    /// If the scene has no such row.
     pub fn table_of_row(&self, row: u32) -> String {
         self.demand_row(row);
         if (row as usize) < self.description.spheres.len() {
@@ -261,10 +261,11 @@ impl Scene {
         self.description.name_of_table(self.index_of_group(row))
     }
 
-    /// What the layer `sphere_id` shows for a row: the user's own number where a table has some.
+    /// The value of a row in the AOV `sphere_id`: the user's id if its table has ids, otherwise the
+    /// row.
     ///
     /// # Panics
-    /// Panics where the scene has no such row.
+    /// If the scene has no such row.
     pub fn id_of_row(&self, row: u32) -> u32 {
         self.demand_row(row);
         if (row as usize) < self.description.spheres.len() {
@@ -275,7 +276,7 @@ impl Scene {
         ids.unwrap_or(row)
     }
 
-    /// The table that a row comes from, of those that are no spheres of the scene file.
+    /// The table that contains a row. The row must not be an individually described sphere.
     fn group_of(&self, row: u32) -> &RowGroup {
         &self.groups[self.index_of_group(row)]
     }
@@ -292,7 +293,7 @@ impl Scene {
         assert!(row < end, "the scene has {end} rows, and no row {row}");
     }
 
-    /// The name of a sphere, where the scene gives one.
+    /// The name of a sphere, if the scene gives one.
     pub fn name(&self, id: u32) -> Option<&str> {
         self.description.spheres.get(self.spheres.row(id) as usize)?.name.as_deref()
     }

@@ -1,5 +1,5 @@
-//! How a scene is rendered, as plain values: the picture's size and what is computed for each pixel.
-//! These are the keys of `[image]` and `[render]` in a scene file.
+//! Render settings as plain values: the picture's size and what is computed for each pixel. The
+//! fields correspond to the keys of `[image]` and `[render]` in a scene file.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,34 +9,34 @@ use crate::names::named_enum;
 pub use crate::light::LightSamplerKind;
 pub use crate::sampling::{FilterKind, Hemisphere, SamplerKind};
 
-/// Everything that decides what a sample of a pixel is worth, beside the scene.
+/// Everything besides the scene that determines the value of a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// The picture.
+    /// Image settings.
     pub image: ImageSettings,
-    /// The light.
+    /// Render settings.
     pub render: RenderSettings,
 }
 
-/// `[image]`: the picture's size and the pixel's weight function.
+/// `[image]`: picture size and pixel filter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImageSettings {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
-    /// The part that is rendered; `None` is all of it.
+    /// The crop window; `None` renders the whole picture.
     pub crop: Option<Rect>,
-    /// The pixel's weight h(p).
+    /// The pixel filter h(p).
     pub filter: FilterKind,
     /// Half the filter's extent in pixels.
     pub filter_radius: f64,
 }
 
 impl Default for ImageSettings {
-    /// 640 x 480 pixels, each with a box of its own size.
+    /// 640 x 480 pixels with a box filter of one pixel.
     fn default() -> Self {
         let filter = FilterKind::default();
         let filter_radius = Self::default_filter_radius(filter);
@@ -45,7 +45,7 @@ impl Default for ImageSettings {
 }
 
 impl ImageSettings {
-    /// The radius of a filter where none is given, in pixels.
+    /// Default radius of a filter in pixels.
     pub fn default_filter_radius(filter: FilterKind) -> f64 {
         match filter {
             FilterKind::Box => 0.5,
@@ -62,31 +62,32 @@ impl ImageSettings {
     }
 }
 
-/// `[render]`.
+/// `[render]`: integrator and sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RenderSettings {
-    /// `integrator`, with the keys of its own table.
+    /// The integrator and its options.
     pub integrator: IntegratorSettings,
-    /// How lights are found by `path` and `direct`.
+    /// How `path` and `direct` sample lights.
     pub estimator: Estimator,
-    /// Samples of each pixel.
+    /// Samples per pixel.
     pub samples_per_pixel: u32,
-    /// The longest path, in edges: 1 is lamps seen directly, 2 direct light. `None`: no limit.
+    /// Maximum path length in edges: 1 is directly visible emitters, 2 adds direct light. `None`:
+    /// no limit.
     pub max_depth: Option<u32>,
-    /// The most that one path may add to a channel of indirect light, in W/(sr m^2): biased.
+    /// Maximum contribution of one path to a channel of indirect light, in W/(sr m^2); biased.
     /// `None`: no limit.
     pub clamp_indirect: Option<f64>,
-    /// Chooses the random numbers.
+    /// Random seed.
     pub seed: u64,
-    /// How random numbers are spread over a pixel's samples.
+    /// The sampler for a pixel's random numbers.
     pub sampler: SamplerKind,
-    /// `light_choice`: which lamp a point aims at.
+    /// How next-event estimation chooses a light (`light_choice`).
     pub light_choice: LightSamplerKind,
 }
 
 impl Default for RenderSettings {
-    /// The integrator `path` with 64 samples of each pixel.
+    /// The integrator `path` with 64 samples per pixel.
     fn default() -> Self {
         Self {
             integrator: IntegratorSettings::Path,
@@ -101,64 +102,64 @@ impl Default for RenderSettings {
     }
 }
 
-/// The estimators.
+/// An integrator with its options.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum IntegratorSettings {
-    /// `"path"`: next-event estimation and hemisphere sampling, combined.
+    /// `"path"`: path tracing.
     Path,
-    /// `"direct"`: the same for light that was scattered once at most.
+    /// `"direct"`: path tracing limited to emission and direct light.
     Direct,
-    /// `"ambient-occlusion"`: how open each point is.
+    /// `"ambient-occlusion"`: the openness of each point.
     AmbientOcclusion {
-        /// How near things must be to count; `None`: no limit.
+        /// Maximum distance of occluders; `None`: no limit.
         distance: Option<f64>,
     },
-    /// `"normals"`: the normals as colours.
+    /// `"normals"`: surface normals as colours.
     Normals,
-    /// `"paper"`: the paper's own, lamps found by chance.
+    /// `"paper"`: the paper's integrator, which finds emitters by hemisphere sampling.
     Paper(PaperSettings),
     /// `"raycast"`: one ray and a shading model, the paper's starting point.
     Raycast {
-        /// Whether lamps cast shadows.
+        /// True if emitters cast shadows.
         shadows: bool,
     },
 }
 
-/// How lights are found. All give the same mean.
+/// How lights are sampled. All estimators have the same mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Estimator {
-    /// `"mis"`: aimed at and met by chance, combined by multiple importance sampling.
+    /// `"mis"`: next-event estimation and BSDF sampling, combined by multiple importance sampling.
     #[default]
     Mis,
-    /// `"light"`: aimed at only, where they can be.
+    /// `"light"`: next-event estimation only, wherever it is possible.
     Light,
-    /// `"bsdf"`: met by chance only.
+    /// `"bsdf"`: BSDF sampling only.
     Bsdf,
 }
 
 named_enum! { Estimator { Mis = "mis", Light = "light", Bsdf = "bsdf" } }
 
-/// `[render.paper]`.
+/// `[render.paper]`: options of the integrator `paper`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PaperSettings {
     /// Sub-pixels along each side of a pixel, k.
     pub subpixels: u32,
-    /// Paths of each sub-pixel, N.
+    /// Paths per sub-pixel, N.
     pub samples: u32,
-    /// How directions over the hemisphere are drawn.
+    /// How hemisphere directions are sampled.
     pub hemisphere: Hemisphere,
     /// When a path ends.
     pub stop: PathTermination,
-    /// What becomes of a camera ray that meets nothing.
+    /// Treatment of camera rays that miss all spheres.
     pub miss: MissPolicy,
-    /// The size of the random shift in a sub-pixel: 1 covers it, 0 stays at its centre.
+    /// Jitter within a sub-pixel: 1 covers it, 0 stays at its centre.
     pub jitter: f64,
 }
 
 impl Default for PaperSettings {
-    /// The paper's own: 2 x 2 sub-pixels of 4 paths.
+    /// The paper's values: 2 x 2 sub-pixels with 4 paths each.
     fn default() -> Self {
         Self {
             subpixels: 2,
@@ -172,26 +173,26 @@ impl Default for PaperSettings {
 }
 
 impl PaperSettings {
-    /// Samples of a pixel: k^2 N.
+    /// Samples per pixel: k^2 N.
     pub fn samples_per_pixel(&self) -> u64 {
         u64::from(self.subpixels).pow(2).saturating_mul(u64::from(self.samples))
     }
 }
 
-/// When a path ends, beside `max_depth`.
+/// When a path ends, besides `max_depth`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PathTermination {
     /// Russian roulette: unbiased.
     #[default]
     Roulette,
-    /// At `max_depth` only: biased by what longer paths carry.
+    /// Only at `max_depth`: biased by the light of longer paths.
     Depth,
-    /// When the largest component of the path's weight falls below this: biased.
+    /// When the largest component of the throughput falls below this value: biased.
     Threshold(f64),
 }
 
-/// The ways to end a path, without their thresholds.
+/// The path termination rules, without thresholds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PathTerminationKind {
     /// [`PathTermination::Roulette`].
@@ -206,7 +207,7 @@ pub enum PathTerminationKind {
 named_enum! { PathTerminationKind { Roulette = "roulette", Depth = "depth", Threshold = "threshold" } }
 
 impl PathTermination {
-    /// The kind of this rule.
+    /// The type of this rule.
     pub fn kind(&self) -> PathTerminationKind {
         match self {
             Self::Roulette => PathTerminationKind::Roulette,
@@ -216,19 +217,19 @@ impl PathTermination {
     }
 }
 
-/// What becomes of a camera ray that meets nothing.
+/// Treatment of camera rays that miss all spheres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MissPolicy {
-    /// It sees the background.
+    /// The ray sees the background.
     #[default]
     Background,
-    /// It is drawn again, as the paper's text says: biased at silhouettes.
+    /// The ray is sampled again, as the paper's text says: biased at silhouettes.
     Redraw,
 }
 
 named_enum! { MissPolicy { Background = "background", Redraw = "redraw" } }
 
-/// The integrators without their options.
+/// The integrators, without options.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IntegratorKind {
     /// [`IntegratorSettings::Path`].
@@ -258,7 +259,7 @@ named_enum! {
 }
 
 impl IntegratorSettings {
-    /// Which it is, without its options.
+    /// The type of this integrator.
     pub fn kind(&self) -> IntegratorKind {
         match self {
             Self::Path => IntegratorKind::Path,

@@ -1,11 +1,11 @@
-//! What a scene was read from, and what it is: scenes of one [`ContentHash`] show the same thing to the
-//! bit, whether they come from a file or from a program.
+//! The source of a scene, and its identity: scenes with the same [`ContentHash`] are identical,
+//! whether they come from a file or a program.
 //!
-//! The identity is the hash of a canonical encoding of the description: JSON with the fields in the
-//! order of their declaration, in which the hash of its numbers stands for each table and image. Values
-//! that mean the same are encoded alike: a camera by its axes, which the length of `up` does not change,
-//! and -0 as 0. Not part of the encoding are the folders that files lie in, the layout of a scene file,
-//! the program's version, and the settings that the scene is rendered with.
+//! The identity is the hash of a canonical encoding of the description: JSON with fields in
+//! declaration order, in which each table and image is replaced by the hash of its numbers.
+//! Equivalent values have the same encoding: a camera is encoded by its axes, independent of the
+//! length of `up`, and -0 as 0. The encoding excludes the folders of files, the layout of the scene
+//! file, the program version, and the render settings.
 
 use std::fmt;
 use std::io;
@@ -29,46 +29,46 @@ use super::description::{
 use super::environment::EnvironmentPixels;
 use super::import::RowGroup;
 
-/// The version of the encoding; it changes with everything that the hash depends on.
+/// Version of the encoding; it changes with everything that the hash depends on.
 const ENCODING: u32 = 3;
 
-/// A BLAKE3 hash: 32 bytes, 64 hexadecimal digits as text.
+/// A BLAKE3 hash: 32 bytes, or 64 hexadecimal digits as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ContentHash([u8; 32]);
 
-/// A file that belongs to a scene, and a hash of what was read from it.
+/// A file of a scene, with a hash of its values.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileHash {
-    /// The file, as it was opened.
+    /// Path of the file as it was opened.
     #[serde(with = "super::paths")]
     pub file: PathBuf,
-    /// Of its values, not of its bytes: the order of a table's columns does not count.
+    /// Hash of the values, not the bytes: the column order of a table does not matter.
     pub hash: ContentHash,
 }
 
-/// The scene file that a scene was read from.
+/// The scene file from which a scene was read.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneSource {
-    /// The name that messages give it.
+    /// Name of the scene file in messages.
     pub name: String,
-    /// The file, where there is one.
+    /// Path of the file, if there is one.
     #[serde(default, with = "super::paths::optional")]
     pub file: Option<PathBuf>,
-    /// The folder in which its relative paths start.
+    /// Base folder of relative paths.
     #[serde(with = "super::paths")]
     pub folder: PathBuf,
-    /// Its text; `None` where that is longer than a picture should carry.
+    /// Text of the file; `None` if it is too long to embed in a picture.
     pub text: Option<String>,
-    /// The hash of its text.
+    /// Hash of the text.
     pub text_hash: ContentHash,
     /// The keys that options set, with their values.
     pub overrides: Vec<(String, String)>,
 }
 
-/// Rows that are hashed at a time, in parallel.
+/// Rows hashed at a time, in parallel.
 const ROWS_PER_CHUNK: usize = 1 << 16;
 
-/// What the hash of a scene is of.
+/// The data whose hash is the scene identity.
 #[derive(Serialize)]
 struct CanonicalScene<'a> {
     encoding: u32,
@@ -80,7 +80,7 @@ struct CanonicalScene<'a> {
     environment: Option<ContentHash>,
 }
 
-/// A camera by all that its rays depend on.
+/// Everything that a camera's rays depend on.
 #[derive(Serialize)]
 struct CanonicalCamera {
     position: DVec3,
@@ -112,14 +112,14 @@ impl ContentHash {
         &self.0
     }
 
-    /// The hash of these bytes.
+    /// Hashes these bytes.
     pub fn of_bytes(bytes: &[u8]) -> Self {
         Self(blake3::hash(bytes).into())
     }
 }
 
 impl Default for ContentHash {
-    /// The hash of nothing.
+    /// The hash of the empty byte string.
     fn default() -> Self {
         Self::of_bytes(&[])
     }
@@ -153,7 +153,7 @@ impl fmt::Display for ContentHash {
 impl std::str::FromStr for ContentHash {
     type Err = Error;
 
-    /// Reads 64 hexadecimal digits.
+    /// Parses 64 hexadecimal digits.
     fn from_str(digits: &str) -> Result<Self, Error> {
         let hash = blake3::Hash::from_hex(digits);
         hash.map(|hash| Self(hash.into())).map_err(|error| {
@@ -163,7 +163,7 @@ impl std::str::FromStr for ContentHash {
     }
 }
 
-/// The files of a scene with the hashes of their numbers, and the hash of each table.
+/// The files of a scene with their hashes, and the hash of each table.
 pub(super) struct SceneHashes {
     tables: Vec<ContentHash>,
     environment: Option<ContentHash>,
@@ -171,7 +171,7 @@ pub(super) struct SceneHashes {
 }
 
 impl SceneHashes {
-    /// Hashes what was read.
+    /// Hashes the tables and the environment map.
     pub(super) fn new(
         description: &SceneDescription,
         rows: &SphereRows,
@@ -224,7 +224,7 @@ impl SceneHashes {
     }
 }
 
-/// JSON without spaces, in which -0 is written as 0.
+/// JSON without whitespace, in which -0 is written as 0.
 struct OneZero;
 
 impl Formatter for OneZero {
@@ -237,7 +237,7 @@ impl Formatter for OneZero {
     }
 }
 
-/// The hash of a table's numbers: in f32 where the table is, so that equal numbers have equal hashes
+/// Hash of a table's numbers, in f32 if the table is, so that equal numbers have equal hashes
 /// wherever they come from.
 fn hash_group(rows: &SphereRows, group: &RowGroup) -> ContentHash {
     let (first, count) = (group.first_row as usize, group.count as usize);
@@ -297,7 +297,7 @@ mod tests {
     #[test]
     fn an_identity_is_read_back_from_its_digits() {
         let identity = ContentHash::of_bytes(b"abc");
-        // The first digits of BLAKE3's hash of "abc", as `b3sum` prints them.
+        // The first digits of the BLAKE3 hash of "abc", as printed by `b3sum`.
         assert!(identity.to_string().starts_with("6437b3ac38465133ffb63b75273a8db5"));
         assert_eq!(identity.to_string().parse::<ContentHash>().ok(), Some(identity));
         let error = "6437".parse::<ContentHash>().expect_err("too few digits");

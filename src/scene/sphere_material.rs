@@ -7,23 +7,23 @@ use crate::sampling::ln;
 
 use super::description::MaterialDescription;
 
-/// The least light that is left behind coloured glass.
+/// Minimum transmittance of coloured glass.
 const MIN_TRANSMITTANCE: f64 = 1e-30;
 
-/// What a sphere is made of.
+/// The material of one sphere, with its own colour.
 #[derive(Clone, Copy, Debug)]
 pub struct SphereMaterial<'a> {
-    /// Its material.
+    /// The material.
     pub material: &'a Material,
-    /// Its own colour, where a table gives one.
+    /// The sphere's own colour, if a table gives one.
     pub albedo: Option<Rgb>,
-    /// What its inside absorbs per unit length.
+    /// Absorption inside, per unit length.
     pub absorption: Rgb,
 }
 
 impl<'a> SphereMaterial<'a> {
-    /// A sphere of a material, with its own colour where it has one. The colour of a ball of nothing
-    /// but glass is that of light which has crossed it along a diameter.
+    /// Combines a material with a sphere's own colour. For a pure dielectric, the colour is the
+    /// transmittance along a diameter.
     pub(super) fn new(
         material: &'a Material,
         color: Option<Rgb>,
@@ -41,8 +41,7 @@ impl<'a> SphereMaterial<'a> {
         Self { material, albedo: color, absorption }
     }
 
-    /// The medium inside a sphere that light can enter; `None` for others, and for a sphere that is
-    /// never there.
+    /// The medium inside the sphere; `None` if light cannot enter, or if the opacity is 0.
     pub fn medium(&self, sphere: u32) -> Option<Medium> {
         let glass = self.material.dielectric().filter(|_| self.material.opacity > 0.0);
         let of = |&Dielectric { ior, priority, .. }: &Dielectric| Medium {
@@ -54,8 +53,8 @@ impl<'a> SphereMaterial<'a> {
         glass.map(of)
     }
 
-    /// The probability that this sphere is there for light that meets it from `side` in `media`.
-    /// Glass is there as a whole or not at all: that is decided where it is entered.
+    /// Probability that light arriving from `side` within `media` interacts with the sphere. A
+    /// glass sphere is present or absent as a whole; that is decided on entry.
     pub fn opacity(&self, sphere: u32, side: Side, media: &MediumStack) -> f32 {
         let opacity = self.material.opacity;
         if opacity < 1.0 && side == Side::Inside && self.medium(sphere).is_some() {
@@ -65,13 +64,13 @@ impl<'a> SphereMaterial<'a> {
     }
 }
 
-/// The materials of a scene.
+/// Builds the materials of a scene.
 pub(super) fn build_materials(described: &[MaterialDescription]) -> Vec<Material> {
     let media = distinct_iors(described);
     described.iter().map(|named| build_material(named, &media)).collect()
 }
 
-/// The indices of refraction of all media, vacuum first, each once.
+/// The distinct indices of refraction of all media, vacuum first.
 fn distinct_iors(described: &[MaterialDescription]) -> Vec<f64> {
     let mut indices = vec![1.0];
     for ior in described.iter().filter_map(|named| named.surface.ior()) {

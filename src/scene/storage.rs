@@ -1,11 +1,11 @@
-//! Room for what is read.
+//! Fallible memory allocation for scene data.
 
 use crate::error::{Error, Result};
 
 use super::colors::SphereColors;
 use super::description::ColorStorage;
 
-/// Room for colours as they are to be kept.
+/// Reserves memory for colours in the given storage format.
 pub(super) fn reserve_colors(storage: ColorStorage, rows: u64) -> Result<SphereColors> {
     Ok(match storage {
         ColorStorage::Exact => SphereColors::Exact(try_with_capacity(rows)?),
@@ -13,7 +13,7 @@ pub(super) fn reserve_colors(storage: ColorStorage, rows: u64) -> Result<SphereC
     })
 }
 
-/// Room for so much of something that each sphere has.
+/// Reserves memory for `count` elements.
 pub(super) fn try_with_capacity<T>(count: u64) -> Result<Vec<T>> {
     let mut vec = Vec::new();
     vec.try_reserve_exact(count as usize).map_err(|_| {

@@ -1,9 +1,9 @@
-//! "Did you mean": the known word nearest to one that was mistyped.
+//! "Did you mean": suggests the known word nearest to a mistyped one.
 
-/// No word longer than this is compared with others.
+/// Longer words are not compared.
 const MAX_WORD_BYTES: usize = 100;
 
-/// "did you mean `x`?" where one of the known words is near.
+/// "did you mean `x`?" if a known word is near.
 pub(super) fn did_you_mean<'k>(
     word: &str,
     known: impl IntoIterator<Item = &'k str>,

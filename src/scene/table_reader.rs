@@ -1,4 +1,4 @@
-//! The rows of one table: read in pieces, checked, and put where they belong.
+//! Reads the rows of one table file in chunks, checks them, and appends them to the scene's array.
 
 use std::fs::File;
 use std::io::Read;
@@ -24,7 +24,7 @@ pub(super) const VALUE_BYTES: usize = size_of::<f32>();
 /// Bytes read at a time, or a little less: whole rows.
 const CHUNK_BYTES: usize = 4 << 20;
 
-/// Where the values of a row stand, as numbers of columns.
+/// Column indices of the values in a row.
 pub(super) struct RowLayout {
     columns: usize,
     sphere: [usize; 4],
@@ -32,7 +32,7 @@ pub(super) struct RowLayout {
 }
 
 impl RowLayout {
-    /// `columns` has x, y, z and radius once each, and all of r, g, b or none.
+    /// Requires x, y, z and radius exactly once in `columns`, and either all or none of r, g, b.
     pub(super) fn new(columns: &[Column]) -> Self {
         let of = |column: Column| columns.iter().position(|&c| c == column);
         let required = |column: Column| of(column).unwrap_or_default();
@@ -42,7 +42,7 @@ impl RowLayout {
         Self { columns: columns.len(), sphere, color }
     }
 
-    /// Of one row.
+    /// Bytes per row.
     pub(super) fn row_bytes(&self) -> usize {
         self.columns * VALUE_BYTES
     }
@@ -55,7 +55,7 @@ fn read_value(row: &[u8], column: usize) -> f32 {
     f32::from_le_bytes(bytes)
 }
 
-/// What the four numbers of a sphere are kept as.
+/// Storage type of a sphere's four numbers.
 pub(super) trait Row: Send + Sync {
     /// From x, y, z and the radius.
     fn of(numbers: [f64; 4]) -> Self;
@@ -73,20 +73,20 @@ impl Row for Sphere {
     }
 }
 
-/// The rows of one table on their way into the array of all.
+/// Reads the rows of one table into the array of all spheres.
 pub(super) struct TableReader<'r, T> {
     columns: &'r [Column],
     layout: RowLayout,
-    /// What the values of each column may be.
+    /// Allowed range of each column.
     ranges: Vec<RangeInclusive<f32>>,
     rows: u64,
-    /// The largest colour that a row may have.
+    /// Maximum colour of a row.
     max_color: [f32; 3],
     all: &'r mut Vec<T>,
     pub(super) colors: Option<SphereColors>,
 }
 
-/// The rows that cannot be spheres.
+/// Rows with invalid values.
 #[derive(Clone, Copy, Default)]
 struct InvalidRows {
     first: Option<usize>,
@@ -104,7 +104,7 @@ impl InvalidRows {
 }
 
 impl<'r, T: Row> TableReader<'r, T> {
-    /// `rows` of a table whose file has these columns, and colours up to `brightest`.
+    /// A reader for `rows` rows with these columns, and colours up to `brightest`.
     pub(super) fn new(
         columns: &'r [Column],
         colors: ColorStorage,
@@ -118,7 +118,7 @@ impl<'r, T: Row> TableReader<'r, T> {
         Ok(Self { columns, layout, ranges: allowed, rows, max_color: brightest, all, colors })
     }
 
-    /// Reads the file; what is wrong with it or its rows is the error.
+    /// Reads the file. The error describes a problem with the file or its rows.
     pub(super) fn read(&mut self, path: &Path) -> std::result::Result<(), TableDiagnostic> {
         let trouble = |error| read_error(path, &error);
         let mut file = File::open(path).map_err(trouble)?;
@@ -132,7 +132,7 @@ impl<'r, T: Row> TableReader<'r, T> {
             std::mem::swap(&mut current, &mut upcoming);
             let next = rows_per_chunk.min(left);
             upcoming.resize(next * row, 0);
-            // The next rows come from the disk while these are looked through.
+            // Reads the next rows from disk while the current ones are checked.
             let (came, found) =
                 rayon::join(|| file.read_exact(&mut upcoming), || self.append_chunk(&current));
             came.map_err(trouble)?;
@@ -155,7 +155,7 @@ impl<'r, T: Row> TableReader<'r, T> {
         Err((format!("`{}`: {first}{others}", path.display()), Some(help)))
     }
 
-    /// Appends the rows; says which of them are wrong.
+    /// Appends the rows and returns the invalid ones.
     fn append_chunk(&mut self, chunk: &[u8]) -> InvalidRows {
         let rows = chunk.par_chunks_exact(self.layout.row_bytes()).with_min_len(1024);
         let flaw =
@@ -163,10 +163,10 @@ impl<'r, T: Row> TableReader<'r, T> {
         let flaws =
             rows.clone().enumerate().map(flaw).reduce(InvalidRows::default, InvalidRows::merge);
         let sphere = self.layout.sphere;
-        // Adding 0 turns -0 into 0: they are one place.
+        // Adding 0 turns -0 into 0.
         let numbers = |row| sphere.map(|column| f64::from(read_value(row, column) + 0.0));
         self.all.par_extend(rows.clone().map(|row| T::of(numbers(row))));
-        // Only colours that are allowed can be packed.
+        // Only valid colours can be packed.
         if let (Some(colors), Some(color), 0) = (&mut self.colors, self.layout.color, flaws.count) {
             let given = rows.map(|row| color.map(|column| read_value(row, column) + 0.0));
             colors.extend(given, self.max_color);
@@ -174,7 +174,7 @@ impl<'r, T: Row> TableReader<'r, T> {
         flaws
     }
 
-    /// The first column whose value cannot be.
+    /// The first column with an invalid value.
     fn invalid_column(&self, row: &[u8]) -> Option<usize> {
         let is_wrong = |(column, allowed): (usize, &RangeInclusive<f32>)| {
             !allowed.contains(&read_value(row, column))
@@ -182,7 +182,7 @@ impl<'r, T: Row> TableReader<'r, T> {
         self.ranges.iter().enumerate().position(is_wrong)
     }
 
-    /// Tells of the flaw in a row.
+    /// Describes the invalid value of a row.
     fn describe_invalid_row(&self, row: &[u8], number: usize) -> String {
         let column = self.invalid_column(row).unwrap_or_default();
         let name = self.columns[column].name();
@@ -198,7 +198,7 @@ impl<'r, T: Row> TableReader<'r, T> {
     }
 }
 
-/// What the values of a column may be.
+/// Allowed values of a column.
 pub(super) fn column_range(column: Column, brightest: [f32; 3]) -> RangeInclusive<f32> {
     let largest = MAX_COORDINATE as f32;
     let [red, green, blue] = brightest;

@@ -1,4 +1,5 @@
-//! Whether values can be a scene: each within its limits, and all of them together.
+//! Validates a scene description and settings: each value within its limits, and all values
+//! together.
 
 use crate::math::{DVec3, MAX_COORDINATE, NO_SPHERE, Rect};
 
@@ -16,13 +17,13 @@ use super::surface::{AddedShares, SHARE_ROUNDING};
 use super::validation_errors::{KeyPath, ValidationErrors};
 use super::value_types::ValueType;
 
-/// The most pixels of a picture.
+/// Maximum number of pixels of a picture.
 const MAX_PIXELS: u64 = 1 << 31;
 
-/// The sine of the angle between `up` and the view below which they count as parallel.
+/// Minimum sine of the angle between `up` and the view direction; below it they count as parallel.
 const MIN_VIEW_UP_SINE: f64 = 1e-6;
 
-/// The index that stands for a material of another [`SceneBuilder`](super::SceneBuilder).
+/// Index that marks a material of another [`SceneBuilder`](super::SceneBuilder).
 pub(super) const FOREIGN_MATERIAL: usize = usize::MAX;
 
 /// Checks the values of the keys of one table.
@@ -44,7 +45,7 @@ impl KeyVisitor for Checker<'_> {
 }
 
 impl SceneDescription {
-    /// What keeps these values from being a scene; files are not looked at.
+    /// Validates the description, without examining files.
     pub(super) fn validate(&self) -> ValidationErrors {
         let Self { camera, background, materials, spheres, tables } = self;
         let mut problems = ValidationErrors::default();
@@ -71,7 +72,7 @@ impl SceneDescription {
 }
 
 impl Settings {
-    /// What keeps a scene from being rendered so.
+    /// Validates the settings.
     pub(super) fn validate(&self) -> ValidationErrors {
         let mut problems = ValidationErrors::default();
         check_image(&self.image, &mut problems);
@@ -80,7 +81,7 @@ impl Settings {
     }
 }
 
-/// What a crop must be.
+/// Message for an invalid crop.
 pub(super) fn crop_error(width: u32, height: u32) -> String {
     format!("`image.crop` must be [x0, y0, x1, y1] with x0 < x1 <= {width} and y0 < y1 <= {height}")
 }
@@ -199,7 +200,7 @@ fn check_lens(at: &KeyPath, lens: &LensDescription, problems: &mut ValidationErr
     }
 }
 
-/// Whether the camera looks anywhere, and knows how to hold its head.
+/// Checks that the view direction and `up` are defined and not parallel.
 fn check_axes(at: &KeyPath, camera: &CameraDescription, problems: &mut ValidationErrors) {
     let view = normalize_robust(camera.look_at - camera.position);
     let up = normalize_robust(camera.up);
@@ -274,7 +275,7 @@ fn check_sky_sun(
     }
 }
 
-/// Every material has a name of its own.
+/// Checks that material names are unique.
 fn check_names(materials: &[MaterialDescription], problems: &mut ValidationErrors) {
     let mut names = std::collections::BTreeSet::new();
     let at = KeyPath::root("materials");
@@ -321,7 +322,7 @@ fn check_sphere(
     problems: &mut ValidationErrors,
 ) {
     let SphereDescription { name, center, radius, material } = sphere;
-    // Most spheres are good, and a scene may have millions.
+    // Fast path: most spheres are valid, and a scene may have millions.
     let is_good = *material < materials
         && center.abs().cmple(DVec3::splat(MAX_COORDINATE)).all()
         && (keys::MIN_RADIUS..=MAX_COORDINATE).contains(radius)
@@ -367,7 +368,7 @@ fn check_index(at: &KeyPath, material: usize, materials: usize, problems: &mut V
     }
 }
 
-/// Whether every column is there that must be, and none twice.
+/// Checks that all required columns are present, and none twice.
 fn check_columns(at: &KeyPath, columns: &[Column], problems: &mut ValidationErrors) {
     let count = |column: Column| columns.iter().filter(|&&c| c == column).count();
     let words = |wrong: &dyn Fn(Column) -> bool| {
@@ -387,7 +388,7 @@ fn check_columns(at: &KeyPath, columns: &[Column], problems: &mut ValidationErro
     }
 }
 
-/// Whether every array has a number for each sphere.
+/// Checks that every array has a number for each sphere.
 fn check_arrays(at: &KeyPath, arrays: &SphereArrays, problems: &mut ValidationErrors) {
     let len = arrays.len();
     if len == 0 {

@@ -1,5 +1,5 @@
-//! What keeps values from being a scene. The values may come from a program or from a scene file: a
-//! problem names its key, and whoever read a file finds the place of that key in it.
+//! Validation errors of a scene. The values may come from a program or a scene file: an error names
+//! its key, and the scene file reader finds the position of that key.
 
 use std::fmt;
 
@@ -8,35 +8,35 @@ use crate::error::{Diagnostic, Error, Result};
 use super::keys::Key;
 use super::value_types::ValueType;
 
-/// The way to a key, as `--set` writes it.
+/// Path of a key, as written in `--set`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct KeyPath(Vec<PathSegment>);
 
-/// One step of the way.
+/// One segment of a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum PathSegment {
     /// A key of a table.
     Key(String),
-    /// An entry of a list, by its number, with the name that it is told by.
+    /// An entry of a list, by its index, with an optional name for messages.
     Entry(usize, Option<String>),
 }
 
-/// Something wrong with a value.
+/// An error in a value.
 #[derive(Clone, Debug)]
 pub(super) struct ValidationError {
     pub(super) path: KeyPath,
-    /// Other values that are part of it: where one of them is wrong itself, nothing is said of this.
+    /// Keys of other values involved. If one of them is invalid itself, this error is not reported.
     pub(super) related: Vec<KeyPath>,
     pub(super) message: String,
     pub(super) help: Option<String>,
 }
 
-/// All that was found.
+/// All errors found.
 #[derive(Debug, Default)]
 pub(super) struct ValidationErrors(pub(super) Vec<ValidationError>);
 
 impl KeyPath {
-    /// The table or key of that name in the document.
+    /// A table or key at the document root.
     pub(super) fn root(name: &str) -> Self {
         Self(vec![PathSegment::Key(name.to_owned())])
     }
@@ -78,7 +78,7 @@ impl fmt::Display for KeyPath {
     }
 }
 
-/// A name as it must stand in a dotted key: bare, or in quotes.
+/// A name as it appears in a dotted key: bare or quoted.
 pub(super) fn quote_if_needed(name: &str) -> String {
     let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     let may_be_index = name.bytes().all(|byte| byte.is_ascii_digit());
@@ -95,7 +95,7 @@ impl ValidationErrors {
         }
     }
 
-    /// Notes a problem; more may be said of it.
+    /// Adds an error; the returned reference allows adding details.
     pub(super) fn add(&mut self, at: KeyPath, message: impl Into<String>) -> &mut ValidationError {
         self.0.push(ValidationError {
             path: at,
@@ -106,10 +106,10 @@ impl ValidationErrors {
         self.0.last_mut().expect("it was just added")
     }
 
-    /// Refuses values with problems.
+    /// Returns an error if there are problems.
     ///
     /// # Errors
-    /// With all of them.
+    /// Reports all of them.
     pub(super) fn into_result(self) -> Result<()> {
         if self.0.is_empty() {
             return Ok(());
@@ -121,13 +121,13 @@ impl ValidationErrors {
 }
 
 impl ValidationError {
-    /// Says what to do about it.
+    /// Sets the help text.
     pub(super) fn with_help(&mut self, help: impl Into<Option<String>>) -> &mut Self {
         self.help = help.into();
         self
     }
 
-    /// Says what else is part of it.
+    /// Adds a related key.
     pub(super) fn with_related(&mut self, path: KeyPath) -> &mut Self {
         self.related.push(path);
         self

@@ -1,8 +1,8 @@
-//! What may stand behind a key: one small type for each kind of value, with its limits.
+//! Value types of keys: one small type for each kind of value, with its limits.
 //!
-//! A kind reads the value from a scene file, checks one that a program gives, and describes itself to
-//! editors. It can say what it expects, so that one sentence serves for every mistake: "`to_key` must be
-//! *what is expected*, not *what was found*".
+//! A value type parses a value from a scene file, checks a value from a program, and describes
+//! itself to editors. It states what it expects, so that one sentence serves for every error:
+//! "`key` must be *what is expected*, not *what was found*".
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -19,42 +19,42 @@ use crate::names::Named;
 
 use super::suggest::did_you_mean;
 
-/// Where a value stands.
+/// Byte range of a value.
 pub(super) type Span = std::ops::Range<usize>;
 
-/// A TOML value with its place.
+/// A TOML value with its position.
 pub(super) type SpannedValue<'d> = Spanned<DeValue<'d>>;
 
-/// The longest name or path.
+/// Maximum length of a name or path.
 const MAX_TEXT_BYTES: usize = 4096;
 
-/// What reads a value.
+/// Parses a value.
 pub(super) trait ParseValue {
     type Output;
 
     /// Completes "must be ...".
     fn expects(&self) -> String;
 
-    /// The value, or what is there instead.
+    /// Parses the value. The error describes what was found instead.
     fn parse(&self, node: &SpannedValue<'_>) -> Result<Self::Output, InvalidValue>;
 }
 
-/// A reader that needs to know nothing but the value.
+/// A value type that needs no context to parse or check a value.
 pub(super) trait ValueType: ParseValue {
-    /// What keeps a value from being allowed, as [`InvalidValue::found`].
+    /// Checks a value. The error is worded like [`InvalidValue::found`].
     fn check(&self, value: &Self::Output) -> Result<(), String>;
 
-    /// The value's JSON schema.
+    /// JSON schema of the value.
     fn schema(&self) -> Value;
 }
 
-/// What was found in place of what was expected.
+/// A value that does not match what was expected.
 pub(super) struct InvalidValue {
     pub(super) span: Span,
     /// Completes "not ...".
     pub(super) found: String,
     pub(super) help: Option<String>,
-    /// Whether the value names something that does not stand in the scene.
+    /// True if the value refers to a name that is not in the scene.
     pub(super) is_unknown_name: bool,
 }
 
@@ -81,48 +81,48 @@ pub(super) fn type_name(node: &SpannedValue<'_>) -> &'static str {
     }
 }
 
-/// Which numbers are allowed; never an infinite one or NaN.
+/// A range of allowed numbers, always excluding infinity and NaN.
 #[derive(Clone, Copy)]
 pub(super) enum NumberRange {
-    /// Both ends are allowed.
+    /// Both ends are included.
     Closed(f64, f64),
-    /// The upper end is allowed.
+    /// The upper end is included.
     LeftOpen(f64, f64),
-    /// Neither end is allowed.
+    /// Neither end is included.
     Open(f64, f64),
 }
 
-/// A number within limits.
+/// A number within a range.
 pub(super) struct Number(pub(super) NumberRange);
 
-/// Three numbers, each within the limits.
+/// Three numbers, each within a range.
 pub(super) struct Vector(pub(super) NumberRange);
 
-/// Three channels, each within the limits.
+/// Three colour channels, each within a range.
 pub(super) struct Color(pub(super) NumberRange);
 
-/// A whole number within a range.
+/// An integer within a range.
 pub(super) struct Integer<T>(pub(super) RangeInclusive<T>);
 
 /// `true` or `false`.
 pub(super) struct Boolean;
 
-/// A string that is not empty.
+/// A non-empty string.
 pub(super) struct NonEmptyString;
 
 /// One of a few words.
 pub(super) struct EnumValue<T>(PhantomData<T>);
 
-/// A word that stands for a value which has no name of its own, such as a metal.
+/// A word for a predefined value, such as a metal.
 pub(super) struct NamedValue<T: 'static>(pub(super) &'static [(&'static str, T)]);
 
-/// A list of which each entry is read alike; not empty.
+/// A non-empty list of entries of one type.
 pub(super) struct ListOf<E>(pub(super) E);
 
-/// The name of one of the materials; becomes its index.
+/// The name of a material; parsed to its index.
 pub(super) struct MaterialName<'n>(pub(super) &'n BTreeMap<&'n str, usize>);
 
-/// A point or a direction: three coordinates as large as a scene may be.
+/// A point or direction: three coordinates within the scene limits.
 pub(super) const COORDINATES: Vector = Vector(NumberRange::Closed(-MAX_COORDINATE, MAX_COORDINATE));
 
 impl NumberRange {
@@ -444,7 +444,7 @@ fn parse_integer(integer: &DeInteger<'_>) -> Option<i64> {
     i64::from_str_radix(integer.as_str(), integer.radix()).ok()
 }
 
-/// A number as a person would write it.
+/// Formats a number in a readable form.
 pub(super) fn format_number(x: f64) -> String {
     let is_handy = x == 0.0 || (1e-4..1e6).contains(&x.abs());
     if is_handy { x.to_string() } else { format!("{x:e}") }

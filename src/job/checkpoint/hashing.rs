@@ -1,4 +1,4 @@
-//! Streams that keep count of what goes by.
+//! Hashing wrappers around streams.
 
 use std::io::{self, Read, Write};
 
@@ -6,12 +6,12 @@ use blake3::Hasher;
 
 use super::read_error::ReadError;
 
-/// A stream whose bytes are hashed as they go by.
+/// A stream that hashes every byte read or written.
 #[derive(Debug)]
 pub(super) struct HashingStream<S> {
     pub(super) inner: S,
     hasher: Hasher,
-    /// How many have been read.
+    /// Number of bytes read.
     bytes_read: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What a checkpoint says of itself, as JSON: one declaration, written and read.
+//! The header of a checkpoint. One declaration defines how it is written and read as JSON.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -20,87 +20,86 @@ use super::hashing::HashingStream;
 use super::read_error::ReadError;
 use super::version::{MAGIC, MIN_VERSION, VERSION};
 
-/// The longest header: a scene's description and text, and some.
+/// Maximum header length: a scene's description and its text, with a margin.
 const MAX_HEADER_BYTES: u32 = 16 << 20;
 
-/// The most pixels along a picture.
+/// Maximum picture width or height in pixels.
 const MAX_SIDE: u32 = 1 << 24;
 
-/// What a checkpoint says of itself.
+/// The header of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CheckpointHeader {
-    /// What the film holds.
+    /// Format of the film.
     pub film: FilmFormat,
-    /// The indices of the samples that every pixel is to have in the end.
+    /// The sample indices that every pixel will have when the render is complete.
     pub samples: Range<u32>,
-    /// The render.
+    /// The render job.
     pub job: Job,
-    /// The picture of the samples so far.
+    /// Metadata of the picture of the samples so far.
     pub metadata: Metadata,
-    /// Whether it is over.
+    /// Completion state of the render.
     pub status: RenderStatus,
-    /// What it took.
+    /// Cumulative statistics of all runs.
     pub statistics: CumulativeStats,
-    /// Whether the scene leaves the background out of its pictures.
+    /// True if the scene makes the background transparent.
     pub transparent: bool,
     /// The scene file, without its text.
     pub source: Option<SceneSource>,
-    /// Where the picture goes; `None` in a checkpoint that was merged.
+    /// Where the picture goes; `None` in a merged checkpoint.
     pub delivery: Option<OutputSpec>,
 }
 
-/// Whether a render is over.
+/// Completion state of a render.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RenderStatus {
-    /// It lacks samples that it is to have.
+    /// Some requested samples are missing.
     #[default]
     Unfinished,
-    /// It has come to its end, be that the end of its time. `missed` are noise targets that its parts did
-    /// not meet.
+    /// The render has ended, possibly at its time limit.
     Ended {
-        /// One for each part that did not.
+        /// The noise targets that were missed, one for each part that missed its own.
         missed: Vec<NoiseStatus>,
     },
 }
 
-/// What a render took, in all its runs.
+/// Statistics of a render over all its runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CumulativeStats {
     /// Rays traced.
     pub rays: u64,
-    /// Seconds of rendering.
+    /// Render time in seconds.
     pub seconds: f64,
-    /// Paths that were inside more dielectric spheres than can be remembered.
+    /// Paths that were inside more dielectric spheres than the medium stack can hold.
     pub media_overflows: u64,
-    /// Paths cut off at the hard limit on their length.
+    /// Paths cut off at the hard limit on path length.
     pub cut_off: u64,
 }
 
-/// Where the picture of a render goes.
+/// Output files and previews of a render.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutputSpec {
-    /// The files, from the root on.
+    /// The picture files, as absolute paths.
     pub files: Vec<FilePath>,
-    /// How files for the screen show light.
+    /// View transform for display formats.
     pub look: ViewTransform,
-    /// Whether files say what the run was like.
+    /// True if picture files include the record of the run.
     pub with_run: bool,
-    /// How often the checkpoint is written.
+    /// Time between checkpoint writes.
     pub save_every: Duration,
-    /// The file for the picture so far, from the root on.
+    /// The file for previews, as an absolute path.
     pub preview: Option<FilePath>,
-    /// How often that is written.
+    /// Time between preview updates.
     pub preview_every: Duration,
-    /// Where the viewer tev listens.
+    /// Address of a tev viewer.
     pub tev: Option<String>,
 }
 
 impl Default for OutputSpec {
-    /// No file, and a checkpoint every minute.
+    /// No output file, and a checkpoint every minute.
     fn default() -> Self {
         Self {
             files: Vec::new(),
@@ -114,13 +113,13 @@ impl Default for OutputSpec {
     }
 }
 
-/// A path, also one that is no text.
+/// A path that serializes even if it is not valid UTF-8.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct FilePath(#[serde(with = "crate::scene::paths")] pub PathBuf);
 
 impl CheckpointHeader {
-    /// Whether the numbers can be those of a film.
+    /// Returns true if the film format and sample range are consistent.
     fn is_valid(&self) -> bool {
         let FilmFormat { frame, first_sample, ref layers, .. } = self.film;
         let Rect { x, y, width, height } = frame.window;

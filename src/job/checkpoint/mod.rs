@@ -1,15 +1,15 @@
-//! Checkpoints: films as files, to be resumed or merged. A part of a picture is a checkpoint too.
+//! Checkpoints: films stored as files, to be resumed or merged. A partial render is a checkpoint
+//! too.
 //!
-//! All numbers are little-endian. A checkpoint is
+//! All numbers are little-endian. A checkpoint consists of
 //!
-//! - the eight bytes `PHSPPART` and the version of this format, a u32;
+//! - the eight bytes `PHSPPART` and the format version, a u32;
 //! - the length of the header, a u32, and the [`CheckpointHeader`] as JSON;
 //! - the BLAKE3 hash of all bytes so far;
-//! - every tile of the film, as its length, a u32, and its bytes (`film::bytes` says which);
+//! - every tile of the film, as its length, a u32, and its bytes (format: `film::bytes`);
 //! - the BLAKE3 hash of all bytes so far. Nothing follows.
 //!
-//! So no file that was cut off or changed is taken for a good one, and what it says of itself is
-//! checked before it is believed.
+//! The hashes detect truncated and corrupted files, and the header is verified before it is used.
 
 mod hashing;
 mod header;
@@ -34,13 +34,13 @@ use hashing::HashingStream;
 use read_error::ReadError;
 use version::{MAGIC, VERSION};
 
-/// The longest tile: its 64 pixels of some 30 numbers take a tenth of it.
+/// Maximum tile length; 64 pixels of about 30 numbers take a tenth of it.
 const MAX_TILE_BYTES: u32 = 1 << 20;
 
-/// Tiles that are made bytes of at once.
+/// Tiles encoded per parallel task.
 const TILES_PER_CHUNK: usize = 64;
 
-/// A checkpoint that is being read: its header is good.
+/// A checkpoint being read, with a verified header.
 #[derive(Debug)]
 pub struct Checkpoint {
     path: PathBuf,
@@ -49,18 +49,19 @@ pub struct Checkpoint {
     bytes: u64,
 }
 
-/// Whether a file begins as a checkpoint does.
+/// Returns true if a file starts with the checkpoint magic bytes.
 pub fn is_checkpoint(path: &Path) -> bool {
     let mut magic = [0; 8];
     let read = |mut file: File| file.read_exact(&mut magic);
-    // Nothing else is opened: reading from a pipe would take from it.
+    // Only regular files are opened: reading from a pipe would consume its data.
     path.is_file() && File::open(path).and_then(read).is_ok() && magic == MAGIC
 }
 
-/// Writes a checkpoint. The film may be added to meanwhile: every tile is written as it then is.
+/// Writes a checkpoint. Samples may be added to the film meanwhile: each tile is written in its
+/// state at that moment.
 ///
 /// # Errors
-/// When the disk refuses; a file that was there before is then unchanged.
+/// If writing fails; an existing file is then unchanged.
 pub fn write_checkpoint(file: &AtomicFile, film: &Film, header: &CheckpointHeader) -> Result<()> {
     let head = serde_json::to_string(header);
     let head =
@@ -77,7 +78,7 @@ pub fn write_checkpoint(file: &AtomicFile, film: &Film, header: &CheckpointHeade
     })
 }
 
-/// Writes every tile: while some are on their way to the disk, hands that are free make bytes of the next.
+/// Writes every tile. While some are being written to disk, idle threads encode the next ones.
 fn write_tiles<S: Write + Send>(film: &Film, to: &mut HashingStream<S>) -> io::Result<()> {
     let tiles = film.frame().tile_count();
     let at_once = 4 * TILES_PER_CHUNK * parallel::thread_count();
@@ -100,7 +101,7 @@ fn write_tiles<S: Write + Send>(film: &Film, to: &mut HashingStream<S>) -> io::R
     Ok(())
 }
 
-/// Each tile with its length before it.
+/// Encodes tiles, each preceded by its length.
 fn encode_tiles(film: &Film, tiles: Range<usize>) -> io::Result<Vec<u8>> {
     let mut all = Vec::new();
     for tile in tiles {
@@ -121,7 +122,7 @@ impl Checkpoint {
     /// Opens a checkpoint and reads its header.
     ///
     /// # Errors
-    /// When it cannot be read, is no checkpoint, or one of a newer version, or is damaged.
+    /// If the file cannot be read, is not a checkpoint, is damaged, or has an unsupported version.
     pub fn open(path: &Path) -> Result<Self> {
         let trouble = |e: io::Error| Error::file("read", path, e);
         let file = File::open(path).map_err(trouble)?;
@@ -136,12 +137,12 @@ impl Checkpoint {
         Ok(Self { path: path.to_path_buf(), header, stream: from, bytes })
     }
 
-    /// What it says of itself.
+    /// The header.
     pub fn header(&self) -> &CheckpointHeader {
         &self.header
     }
 
-    /// Its place.
+    /// Path of the checkpoint file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -149,7 +150,7 @@ impl Checkpoint {
     /// Reads the film.
     ///
     /// # Errors
-    /// When it cannot be read, or is damaged.
+    /// If the file cannot be read or is damaged.
     pub fn into_film(mut self) -> Result<Film> {
         self.read_film().map_err(|bad| bad.into_error(&self.path))
     }
@@ -157,7 +158,7 @@ impl Checkpoint {
     fn read_film(&mut self) -> std::result::Result<Film, ReadError> {
         let format = &self.header.film;
         let tiles = format.frame.tile_count();
-        // A tile takes five bytes at least.
+        // A tile takes at least five bytes.
         if tiles as u64 > self.bytes / 5 {
             return Err(ReadError::Truncated(self.bytes));
         }

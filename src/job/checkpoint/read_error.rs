@@ -1,4 +1,4 @@
-//! Why a file is not read as a part, in words.
+//! Errors from reading a checkpoint, and their messages.
 
 use std::io;
 use std::path::Path;
@@ -7,7 +7,7 @@ use crate::error::Error;
 
 use super::version::VERSION;
 
-/// What keeps a file from being read as a part.
+/// Why a file cannot be read as a checkpoint.
 #[derive(Debug)]
 pub(super) enum ReadError {
     Io(io::Error),

@@ -1,4 +1,4 @@
-//! Parts come back as they were, or are refused.
+//! Checkpoints round-trip, or are rejected.
 
 use serde_json::{Value, json};
 
@@ -15,7 +15,7 @@ use crate::scene::description::{MaterialDescription, SphereDescription};
 use crate::scene::{PreparedScene, Scene, SceneDescription, SceneSource};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
-/// A part with finished and unfinished blocks and an empty tile, and its bytes.
+/// A checkpoint with finished and unfinished blocks and an empty tile, and its bytes.
 fn part() -> (Film, CheckpointHeader, Vec<u8>) {
     let window = Rect { x: 3, y: 2, width: 20, height: 7 };
     let format = FilmFormat {
@@ -44,7 +44,7 @@ fn part() -> (Film, CheckpointHeader, Vec<u8>) {
     (film, header, bytes)
 }
 
-/// What the part says of itself, with something in every field.
+/// A header with a value in every field.
 fn header(film: &FilmFormat) -> CheckpointHeader {
     let ball = SphereDescription {
         name: Some("\"x\"\n".to_owned()),
@@ -92,7 +92,7 @@ fn read(path: &Path) -> Result<(CheckpointHeader, Film)> {
     Ok((checkpoint.header().clone(), checkpoint.into_film()?))
 }
 
-/// What reading such bytes gives.
+/// Reads a checkpoint from bytes.
 fn read_bytes(bytes: &[u8]) -> Result<(CheckpointHeader, Film)> {
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), bytes).unwrap();
@@ -107,7 +107,7 @@ fn a_part_comes_back_as_it_was() {
     assert_eq!(head, header);
     assert_eq!(back.format(), format);
     assert_eq!((back.counts(), back.picture()), (film.counts(), film.picture()));
-    // And is written again with the same bytes.
+    // Writing the film again produces the same bytes.
     let (_folder, path) = written(&back, &head);
     assert!(std::fs::read(path).unwrap() == bytes);
 }
@@ -133,7 +133,7 @@ fn thousands_of_random_changes_are_all_refused() {
         let mut changed = bytes.clone();
         for _ in 0..rng.random_range(1..4) {
             let at = match round % 3 {
-                // The head's beginning has the numbers that are believed first.
+                // The start of the header holds the numbers that the reader uses first.
                 0 => rng.random_range(0..16),
                 _ => rng.random_range(0..bytes.len()),
             };
@@ -183,7 +183,7 @@ fn a_part_with_good_checksums_and_impossible_numbers_is_refused() {
         ("/film/layers", json!(["beauty of tomorrow"]), "`beauty of tomorrow`"),
         ("/film/layers", json!("direct"), "its header says: "),
         ("/statistics", json!({ "rays": -1 }), "its header says: "),
-        // No memory is taken for pixels whose bytes are not there.
+        // No memory is allocated for pixels whose bytes are missing.
         ("/film/frame/full_size", json!([1 << 24, 1 << 24]), "cut off"),
     ] {
         let error = forged(place, value);

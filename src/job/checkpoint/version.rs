@@ -1,10 +1,10 @@
-//! How a checkpoint begins.
+//! Magic bytes and versions of the checkpoint format.
 
-/// The first bytes of every one.
+/// The first bytes of every checkpoint.
 pub(super) const MAGIC: [u8; 8] = *b"PHSPPART";
 
-/// The version of the format; it grows with every change.
+/// The current format version; every change increments it.
 pub(super) const VERSION: u32 = 2;
 
-/// The oldest version that is read.
+/// The oldest format version that can be read.
 pub(super) const MIN_VERSION: u32 = 2;

@@ -1,11 +1,11 @@
-//! The boxes that the windows of parts cut a picture into.
+//! Cells: the rectangles into which the windows of the parts divide a picture.
 
 use std::ops::Range;
 
 use super::super::samples::WindowSamples;
 use crate::math::Rect;
 
-/// Rectangles that make up `within`, each of which every window holds whole or not at all.
+/// Divides `within` into rectangles, each of which lies completely inside or outside every window.
 pub(super) fn cells(windows: &[Rect], within: Rect) -> Vec<Rect> {
     let cuts = |from: u32, to: u32, of: &dyn Fn(&Rect) -> [u32; 2]| {
         let mut cuts: Vec<u32> = windows.iter().flat_map(of).collect();
@@ -42,8 +42,8 @@ pub(super) fn first_missing(mut ranges: Vec<Range<u32>>, all: &Range<u32>) -> Op
     (next < all.end).then_some(next..all.end)
 }
 
-/// Whether the samples of every pixel are those from `first` on, without a gap: how many there are then
-/// tells which.
+/// Returns true if the samples of every pixel start at `first` and have no gap. The number of
+/// samples then identifies them.
 pub(super) fn is_contiguous_from(shares: &[WindowSamples], within: Rect, first: u32) -> bool {
     let windows: Vec<Rect> = shares.iter().map(|share| share.window).collect();
     cells(&windows, within).iter().all(|cell| {
@@ -55,7 +55,7 @@ pub(super) fn is_contiguous_from(shares: &[WindowSamples], within: Rect, first: 
         let mut next = Some(first);
         samples.into_iter().all(|samples| {
             let follows = next == Some(samples.first);
-            // After pixels with different numbers of samples nothing can follow.
+            // Nothing can follow pixels with different sample counts.
             let end = samples.first + samples.most;
             next = (samples.fewest == samples.most).then_some(end);
             follows

@@ -1,4 +1,4 @@
-//! What parts make together, and what they lack.
+//! The extent of merged parts: their common window and samples, and any gaps.
 
 use std::iter::Sum;
 use std::ops::Range;
@@ -15,10 +15,10 @@ use super::super::samples::{MergedSamples, SampleRange, TileSampleCounts, Window
 use super::cells::{cells, first_missing, is_contiguous_from};
 use super::piece::MergeInput;
 
-/// Pixels along the side of a square that a noise target decides about.
+/// Side in pixels of a square that adaptive sampling decides on.
 const ADAPTIVE_TILE: u32 = 16;
 
-/// What the parts make together.
+/// Common film format and sample range of the parts.
 pub(super) struct MergedExtent {
     pub(super) format: FilmFormat,
     pub(super) samples: Range<u32>,
@@ -26,10 +26,11 @@ pub(super) struct MergedExtent {
 }
 
 impl MergedExtent {
-    /// The least rectangle and range that hold all the parts; or this window, of which they are parts.
+    /// The smallest window and sample range that hold all parts. `crop`, if given, replaces the
+    /// window.
     ///
     /// # Errors
-    /// When they reach beyond it.
+    /// If a part reaches beyond `crop`.
     pub(super) fn new(pieces: &[MergeInput], crop: Option<Rect>) -> Result<Self> {
         let around = pieces.iter().map(MergeInput::window).reduce(|a, b| {
             let (x, y) = (a.x.min(b.x), a.y.min(b.y));
@@ -58,11 +59,11 @@ impl MergedExtent {
         })
     }
 
-    /// Refuses parts with a noise target whose sides cut squares: each half decided by itself, not as the
-    /// square of one render does.
+    /// Rejects parts with a noise target whose window edges cut squares: each half would decide
+    /// separately, unlike a square in a single render.
     ///
     /// # Errors
-    /// With the first of them.
+    /// Names the first such part.
     pub(super) fn check_tile_alignment(&self, pieces: &[MergeInput]) -> Result<()> {
         let whole = self.format.frame.window;
         let cuts = |at: u32, from: u32, length: u32| {
@@ -84,13 +85,13 @@ impl MergedExtent {
         Ok(())
     }
 
-    /// Refuses pixels or samples that no part holds. A picture, where there is one that must be whole, needs
-    /// more than a part. Parts of one window make a picture of that window,
-    /// parts of several make one of the whole, or of `crop`; and a picture has all samples that the scene
-    /// asks for.
+    /// Rejects pixels or samples that no part holds. A picture that must be complete has stricter
+    /// requirements than a checkpoint: parts of several windows must fill the whole picture or
+    /// `crop`, and all samples that the scene asks for must be present. Parts of a single window
+    /// make a picture of that window.
     ///
     /// # Errors
-    /// With the first of them.
+    /// Names the first gap.
     pub(super) fn check_gaps(
         &self,
         pieces: &[MergeInput],
@@ -126,7 +127,7 @@ impl MergedExtent {
         Err(if is_picture { error.with_suggestion(Suggestion::AllowGaps, "") } else { error })
     }
 
-    /// How the sum of the parts, of which each brings its share, was made.
+    /// Metadata of the merged render. `shares` lists the samples that each part contributes.
     pub(super) fn metadata(
         &self,
         pieces: &[MergeInput],
@@ -163,7 +164,7 @@ impl MergedExtent {
         }
     }
 
-    /// What the sum, written as a part, says of itself.
+    /// Checkpoint header of the merged render.
     pub(super) fn header(
         &self,
         pieces: &[MergeInput],
@@ -173,7 +174,8 @@ impl MergedExtent {
     ) -> CheckpointHeader {
         let first = &pieces[0].header;
         let mut job = first.job.clone();
-        // A part of the samples is one still; the time of one part says nothing of all.
+        // If samples are missing, the result is still a part. The time limit of one part does not
+        // apply to all.
         let is_all = self.samples == (0..self.samples_per_pixel);
         job.samples = (!is_all).then(|| self.samples.clone());
         job.until.clear_limits();
@@ -186,7 +188,7 @@ impl MergedExtent {
             samples: self.samples.clone(),
             job,
             metadata: Metadata { layers: Some(layers.to_vec()), ..metadata.clone() },
-            // As all its parts are.
+            // All parts have the same status.
             status: if is_ended {
                 RenderStatus::Ended { missed }
             } else {
@@ -205,12 +207,12 @@ impl MergedExtent {
     }
 }
 
-/// A figure of the parts, added up.
+/// Sums a figure over the parts.
 fn total<N: Sum<N>>(pieces: &[MergeInput], of: impl Fn(&CheckpointHeader) -> N) -> N {
     pieces.iter().map(|piece| of(&piece.header)).sum()
 }
 
-/// The first pixels and samples of a box that no piece holds.
+/// The first pixels and samples in a window that no part holds.
 fn first_gap(
     pieces: &[MergeInput],
     window: Rect,

@@ -1,4 +1,4 @@
-//! Parts of a picture become one, to the bit of one render without a break.
+//! Merges partial renders. The result is bit-identical to a single uninterrupted render.
 
 mod cells;
 mod extent;
@@ -22,42 +22,43 @@ use super::outcome::NoiseStatus;
 use extent::MergedExtent;
 use piece::MergeInput;
 
-/// What parts are to become.
+/// Options for [`merge`].
 #[derive(Clone, Debug, Default)]
 pub struct MergeOptions {
-    /// The layers of the picture; `None`: those of the parts.
+    /// The layers of the picture; `None` selects those of the parts.
     pub layers: Option<Vec<Aov>>,
-    /// The window that parts of several windows make together, where that is not the whole picture.
+    /// The window that parts of several windows must fill, if it is not the whole picture.
     pub crop: Option<Rect>,
-    /// Whether pixels or samples may be missing in a picture.
+    /// True if a picture may have missing pixels or samples.
     pub allow_gaps: bool,
-    /// Whether a picture is made.
+    /// True if a picture will be written.
     pub writes_picture: bool,
-    /// Whether a checkpoint is made, which can have no gaps.
+    /// True if a checkpoint will be written; checkpoints cannot have gaps.
     pub writes_checkpoint: bool,
-    /// The command, quoted for a shell, for files to tell.
+    /// The shell-quoted command line, to be recorded in the files.
     pub command: Option<String>,
 }
 
-/// Parts added up.
+/// A merged render.
 #[derive(Debug)]
 pub struct MergedRender {
-    /// The sums.
+    /// The film with the samples of all parts.
     pub film: Film,
-    /// How the picture was made.
+    /// Metadata of the merged picture.
     pub metadata: Metadata,
     /// The layers of the picture.
     pub layers: Vec<Aov>,
-    /// The parts that did not meet their noise targets.
+    /// The parts that missed their noise targets, with those targets.
     pub missed_targets: Vec<(PathBuf, Vec<NoiseStatus>)>,
     header: CheckpointHeader,
     first: MergeInput,
 }
 
-/// Adds up parts.
+/// Merges partial renders.
 ///
 /// # Errors
-/// When a part is damaged or foreign, when parts overlap, or when something is missing.
+/// If a part is damaged or belongs to another render, if parts overlap, or if pixels or samples are
+/// missing.
 pub fn merge(paths: &[PathBuf], options: &MergeOptions) -> Result<MergedRender> {
     let mut pieces: Vec<MergeInput> =
         paths.iter().map(|path| MergeInput::open(path)).collect::<Result<_>>()?;
@@ -71,7 +72,7 @@ pub fn merge(paths: &[PathBuf], options: &MergeOptions) -> Result<MergedRender> 
     whole.check_tile_alignment(&pieces)?;
     let must_be_whole = !options.allow_gaps || options.writes_checkpoint;
     if must_be_whole {
-        // With gaps allowed, it is the part alone that cannot have them.
+        // If the picture may have gaps, only the checkpoint must be complete.
         whole.check_gaps(&pieces, !options.allow_gaps, options.writes_picture, options.crop)?;
     }
     let mut film = Film::new_lazy(&whole.format);
@@ -99,18 +100,18 @@ pub fn merge(paths: &[PathBuf], options: &MergeOptions) -> Result<MergedRender> 
 }
 
 impl MergedRender {
-    /// Writes the sums, to be merged further or resumed.
+    /// Writes the merged film as a checkpoint, to be merged further or resumed.
     ///
     /// # Errors
-    /// When the disk refuses.
+    /// If writing fails.
     pub fn write_checkpoint(&self, file: &AtomicFile) -> Result<()> {
         write_checkpoint(file, &self.film, &self.header)
     }
 
-    /// The picture. Ids of spheres and materials are not sums, and need the scene again.
+    /// Develops the picture. Sphere and material ids are not stored in the film and need the scene.
     ///
     /// # Errors
-    /// When they are asked for and the scene is gone or has changed.
+    /// If such ids are requested and the scene is missing or has changed.
     pub fn picture(&self) -> Result<Picture> {
         if !self.layers.iter().any(|kind| needs_scene(*kind)) {
             return Ok(develop_without_scene(
@@ -128,7 +129,7 @@ impl MergedRender {
     }
 }
 
-/// Refuses layers that the parts do not hold.
+/// Rejects layers that the parts do not hold.
 fn check_aovs(kinds: &[Aov], first: &MergeInput) -> Result<()> {
     let held = &first.header.film.layers;
     let lacks = |kind: &&Aov| required_layers(&[**kind]).iter().any(|layer| !held.contains(layer));
@@ -139,7 +140,7 @@ fn check_aovs(kinds: &[Aov], first: &MergeInput) -> Result<()> {
         .with_suggestion(Suggestion::Layers, layer))
 }
 
-/// Refuses samples that two parts hold, and blocks that end in one part and go on in another.
+/// Rejects samples held by two parts, and blocks split between two parts.
 fn check_overlaps(pieces: &[MergeInput]) -> Result<()> {
     for (at, a) in pieces.iter().enumerate() {
         for b in &pieces[..at] {

@@ -1,4 +1,4 @@
-//! A part that is to be merged, and what it must have in common with the others.
+//! One input of a merge, and checks that it fits the other inputs.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use super::super::metadata::Metadata;
 use super::super::outcome::NoiseStatus;
 use super::super::samples::{SampleRange, TileSampleCounts, WindowSamples};
 
-/// One of the parts.
+/// A partial render to be merged.
 #[derive(Debug)]
 pub(super) struct MergeInput {
     pub(super) path: PathBuf,
@@ -41,12 +41,15 @@ impl MergeInput {
         }
     }
 
-    /// How many samples per pixel the job asks for.
+    /// Samples per pixel that the job asks for.
     pub(super) fn samples_per_pixel(&self) -> u32 {
         self.header.job.settings.render.samples_per_pixel
     }
 
-    /// The scene of the part, if it is still the same.
+    /// Loads the scene of the part.
+    ///
+    /// # Errors
+    /// If the scene is not in a file or has changed.
     pub(super) fn scene(&self) -> Result<(Scene, crate::scene::Settings)> {
         let file = self.header.source.as_ref().and_then(|source| source.file.clone());
         let Some(path) = file else {
@@ -66,7 +69,7 @@ impl MergeInput {
         Ok((scene, self.header.job.settings))
     }
 
-    /// Which samples it holds of which pixels.
+    /// The samples in the part, by window.
     pub(super) fn window_samples(&self, film: &Film) -> Vec<WindowSamples> {
         if !self.header.metadata.parts.is_empty() {
             return self.header.metadata.parts.0.clone();
@@ -76,7 +79,7 @@ impl MergeInput {
         vec![WindowSamples { window: self.window(), samples, counts }]
     }
 
-    /// Refuses what is of another picture.
+    /// Rejects a part of a different picture than `first`.
     pub(super) fn check_compatible(&self, first: &Self) -> Result<()> {
         let (ours, theirs) = (self.path.display(), first.path.display());
         let refused = |what: &str| {
@@ -106,8 +109,8 @@ impl MergeInput {
         Ok(())
     }
 
-    /// Refuses what ended before the samples that another part goes on with: there would be a hole, which
-    /// a film cannot tell from the samples behind it.
+    /// Rejects a part that ended before the samples at which another part continues. A film cannot
+    /// represent such a gap in a pixel's samples.
     pub(super) fn check_continuation(&self, film: &Film, pieces: &[Self]) -> Result<()> {
         let end = self.samples().start + film.sample_count_range().0;
         let follows = |other: &&Self| {
@@ -127,10 +130,10 @@ impl MergeInput {
             .with_help("render it again without a time and a noise target, or leave it out"))
     }
 
-    /// Refuses what has not all of its samples.
+    /// Rejects an unfinished part.
     pub(super) fn check_finished(&self, film: &Film) -> Result<()> {
         let (fewest, all) = (film.sample_count_range().0, self.samples().len());
-        // One that ends at a noise target or at a time has as many as that took.
+        // A part that ended at a noise target or time limit may have fewer samples.
         if fewest as usize == all || self.header.status != RenderStatus::Unfinished {
             return Ok(());
         }

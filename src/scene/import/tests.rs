@@ -1,4 +1,4 @@
-//! What tables take in memory, and how their rows stand there.
+//! Tests the memory use and row order of tables.
 
 use tempfile::NamedTempFile;
 
@@ -6,7 +6,7 @@ use super::*;
 use crate::scene::data::{Column, SphereArrays};
 use crate::scene::description::{ColorStorage, MaterialDescription, SphereDescription};
 
-/// The rows and groups of a description without mistakes.
+/// Imports a valid description.
 fn imported(mut description: SceneDescription) -> (SphereRows, Vec<RowGroup>) {
     let mut problems = ValidationErrors::default();
     let survey = ImportPlan::scan(&description, &mut problems);
@@ -15,7 +15,7 @@ fn imported(mut description: SceneDescription) -> (SphereRows, Vec<RowGroup>) {
     read
 }
 
-/// One sphere by itself, and these tables.
+/// A description with one inline sphere and these tables.
 fn described(tables: Vec<SphereTable>) -> SceneDescription {
     let spheres = vec![SphereDescription { radius: 1.0, ..SphereDescription::default() }];
     let materials = vec![MaterialDescription::default()];
@@ -65,7 +65,7 @@ fn packed_colours_take_a_third_of_the_memory() {
     assert_eq!(planned, [12, 4]);
 }
 
-/// Rows are numbered through in the order of the tables, although those in f64 are kept elsewhere.
+/// Rows are numbered in table order, although f64 tables are stored separately.
 #[test]
 fn tables_of_both_precisions_keep_their_order() {
     let file = file_of(&[1.0, 0.0, 0.0, 1.0]);

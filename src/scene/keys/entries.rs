@@ -13,7 +13,7 @@ use super::key::DefaultValue::{Derived, Required, Toml};
 use super::key::{CliOption, DynKey, Key, key, key_with_option, keys, option};
 use super::limits::{ANGLE, LENGTH, MAX_IMAGE_SIDE, MIN_RADIUS};
 
-/// The document itself.
+/// The document root.
 pub(in crate::scene) mod root {
     use super::*;
     keys! {

@@ -1,7 +1,7 @@
-//! Every key of a scene file, declared once: its name, what it may hold, what it is where it is left
-//! out, and what it means. The reader of scene files, the check of values that a program gives, the
-//! command line's options, the JSON schema for editors, and the manual are made of this table or
-//! tested against it.
+//! The table of scene file keys. Each key is declared once: its name, value type, default and
+//! meaning. The scene file reader, the validation of values from a program, the command line
+//! options, the JSON schema for editors and the manual are generated from this table or tested
+//! against it.
 
 pub(super) mod background;
 mod entries;

@@ -1,4 +1,4 @@
-//! The JSON schema of scene files, made of the table of keys.
+//! Builds the JSON schema of scene files from the key table.
 
 use serde_json::{Map, Value, json};
 
@@ -22,7 +22,7 @@ pub fn schema() -> Value {
     schema
 }
 
-/// A table with the tables in it.
+/// A table and its nested tables.
 #[derive(Default)]
 struct SchemaNode {
     section: Option<&'static TableSchema>,

@@ -1,9 +1,9 @@
-//! The mistakes of a scene, gathered with their places.
+//! Collects the errors of a scene with their positions.
 //!
-//! A scene is read from several texts: its file, and the options that override it. Positions in all
-//! of them are numbers on one line: the file begins at 0, and each option lies behind the text
-//! before it. So one range of numbers, the only thing that a TOML value carries, says where in which
-//! text it stands, and sorting by position sorts by text.
+//! A scene is read from several texts: its file, and the options that override it. All texts share
+//! one range of positions: the file starts at 0, and each option follows the text before it. A
+//! span, the only position that a TOML value carries, therefore identifies both text and place, and
+//! sorting by position sorts by text.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -13,13 +13,13 @@ use crate::error::{Diagnostic, Error, Result, SourceLocation, SourceText};
 use crate::scene::validation_errors::{KeyPath, ValidationError, ValidationErrors};
 use crate::scene::value_types::Span;
 
-/// How many mistakes are told one by one.
+/// Maximum number of errors reported individually.
 const MAX_REPORTED: usize = 100;
 
-/// The gap between two texts on the line.
+/// Gap between the positions of two texts.
 const GAP: usize = 2;
 
-/// Something wrong at a place; [`Diagnostics::add`] makes it a [`Diagnostic`].
+/// An error at a span; [`Diagnostics::finish`] reports it.
 #[derive(Debug)]
 pub(super) struct SpannedError {
     span: Span,
@@ -33,9 +33,9 @@ pub(super) struct SpannedError {
 enum ErrorKind {
     /// The text is not TOML.
     Syntax,
-    /// What stands there is wrong.
+    /// The value is wrong.
     Value,
-    /// Something does not stand anywhere; a syntax error may have hidden it.
+    /// Something is missing; a syntax error may have hidden it.
     Absence,
 }
 
@@ -67,12 +67,12 @@ impl SpannedError {
     }
 }
 
-/// The texts of a scene and the mistakes found in them so far.
+/// The texts of a scene and the errors found so far.
 #[derive(Debug)]
 pub(super) struct Diagnostics {
     sources: Vec<MappedSource>,
     errors: RefCell<Vec<SpannedError>>,
-    /// The tables and keys of which something wrong is told, as [`KeyPath`] shows them.
+    /// Paths of tables and keys already reported as invalid, as shown by [`KeyPath`].
     invalid_keys: RefCell<BTreeSet<String>>,
 }
 
@@ -83,7 +83,7 @@ struct MappedSource {
 }
 
 impl Diagnostics {
-    /// A report on a scene file.
+    /// Diagnostics for a scene file.
     pub(super) fn new(name: &str, text: &str) -> Self {
         let (found, broken) = (RefCell::default(), RefCell::default());
         let mut report = Self { sources: Vec::new(), errors: found, invalid_keys: broken };
@@ -91,7 +91,7 @@ impl Diagnostics {
         report
     }
 
-    /// Puts one more text behind the others; returns where it begins.
+    /// Adds a text and returns its start position.
     pub(super) fn add_source(&mut self, name: &str, text: &str) -> usize {
         let begins =
             self.sources.last().map_or(0, |last| last.start + last.source.text.len() + GAP);
@@ -100,18 +100,18 @@ impl Diagnostics {
         begins
     }
 
-    /// Notes a mistake and goes on.
+    /// Adds an error; reading continues.
     pub(super) fn add(&self, wrong: SpannedError) {
         self.errors.borrow_mut().push(wrong);
     }
 
-    /// Notes that the value of a key, or a whole table, is not what the file says.
+    /// Marks a key or table as invalid: its value does not come from the file.
     pub(super) fn mark_invalid(&self, path: impl Into<String>) {
         self.invalid_keys.borrow_mut().insert(path.into());
     }
 
-    /// Notes the problems of values, at the places that `span_of` finds, but for those that follow from
-    /// what was told already.
+    /// Adds validation errors at the positions found by `span_of`, except those that follow from
+    /// errors already reported.
     pub(super) fn add_validation_errors(
         &self,
         problems: ValidationErrors,
@@ -124,25 +124,25 @@ impl Diagnostics {
         }
     }
 
-    /// Whether a key, or a table that it is in, is told to be wrong.
+    /// Returns true if a key or an enclosing table is marked as invalid.
     fn is_invalid(&self, path: &KeyPath) -> bool {
         let (path, broken) = (path.to_string(), self.invalid_keys.borrow());
         let mut ends = path.match_indices('.').map(|(at, _)| at).chain([path.len()]);
         ends.any(|end| broken.contains(&path[..end]))
     }
 
-    /// The end of the scene file, where what is missing from it could be added.
+    /// The end of the scene file, where missing entries could be added.
     pub(super) fn end_of_file(&self) -> Span {
         let end = self.sources[0].source.text.trim_end().len();
         end..end
     }
 
-    /// Whether the place is in the scene file and not in an option.
+    /// Returns true if the span is in the scene file and not in an option.
     pub(super) fn is_in_file(&self, span: &Span) -> bool {
         self.source_at(span.start).start == 0
     }
 
-    /// A place in words: `name:line:column`, or for an option its own text.
+    /// A position as text: `name:line:column`, or the text of the option.
     pub(super) fn describe_span(&self, span: &Span) -> String {
         let MappedSource { start: begins, source } = self.source_at(span.start);
         if *begins > 0 {
@@ -152,13 +152,13 @@ impl Diagnostics {
         format!("{}:{line}:{column}", source.name)
     }
 
-    /// All that was found, in the order of the texts.
+    /// Reports all errors in the order of the texts.
     ///
-    /// Where the file is not TOML, what could merely follow from that is left out: everything from
-    /// the first such line on, and everything that is missed.
+    /// If the file is not valid TOML, errors that may only follow from that are dropped: everything
+    /// after the first syntax error, and all missing entries.
     ///
     /// # Errors
-    /// When anything was found.
+    /// If there are any errors.
     pub(super) fn finish(&self) -> Result<()> {
         let mut found = self.errors.take();
         let is_fault_of_file =

@@ -1,8 +1,8 @@
 //! A typed cursor over a TOML document.
 //!
-//! Every read is one line that names a key and a reader. A mistake is noted in the [`Diagnostics`] with
-//! its place, and reading goes on, so that all mistakes of a scene are told at once. A [`Table`]
-//! remembers which keys were asked for; the others are unknown, and that is a mistake too.
+//! Each read names a key and a value type. Errors are added to the [`Diagnostics`] with their
+//! positions, and reading continues, so that all errors of a scene are reported at once. A
+//! [`Table`] remembers which keys were read; any other key is reported as unknown.
 
 use std::cell::{Cell, RefCell};
 
@@ -17,10 +17,10 @@ use crate::scene::value_types::{
 
 use super::diagnostics::{Diagnostics, SpannedError};
 
-/// The number of known keys up to which a message lists them.
+/// Maximum number of known keys that a message lists.
 const MAX_LISTED_KEYS: usize = 12;
 
-/// Reads the syntax; mistakes go to the report, and the rest of the text is kept.
+/// Parses TOML. Syntax errors are added to the diagnostics, and the rest of the text is kept.
 pub(super) fn parse<'t>(text: &'t str, report: &Diagnostics) -> DeTable<'t> {
     let (root, errors) = DeTable::parse_recoverable(text);
     for error in errors {
@@ -30,9 +30,9 @@ pub(super) fn parse<'t>(text: &'t str, report: &Diagnostics) -> DeTable<'t> {
     root.into_inner()
 }
 
-/// A table of the document, or the empty place where an optional one could be.
+/// A table of the document, or a placeholder for an optional table that is absent.
 pub(super) struct Table<'d> {
-    /// The way to it as `--set` writes it; empty for the whole document.
+    /// Path of the table, as written in `--set`; empty for the document root.
     path: String,
     entries: Option<&'d DeTable<'d>>,
     span: Span,
@@ -68,7 +68,7 @@ impl<'d> Table<'d> {
         Self::new(String::new(), Some(entries), report.end_of_file(), report).read_with(read)
     }
 
-    /// The value of a key, or `None` where it has its default: a mistake, where it has none.
+    /// The value of a key; `None` selects the default. A missing required key is an error.
     pub(super) fn get<K: ParseValue>(&self, key: &'static Key<K>) -> Option<K::Output> {
         match key.default {
             DefaultValue::Required => self.required(key.name, &key.kind),
@@ -76,7 +76,7 @@ impl<'d> Table<'d> {
         }
     }
 
-    /// The value of a key that must be there.
+    /// The value of a required key.
     pub(super) fn required<R: ParseValue>(
         &self,
         key: &'static str,
@@ -91,7 +91,7 @@ impl<'d> Table<'d> {
         self.optional(key, reader)
     }
 
-    /// The value of a key that may be there.
+    /// The value of an optional key.
     pub(super) fn optional<R: ParseValue>(
         &self,
         key: &'static str,
@@ -110,7 +110,7 @@ impl<'d> Table<'d> {
         None
     }
 
-    /// A table that must be there.
+    /// A required table.
     pub(super) fn section<T: Default>(
         &self,
         key: &'static str,
@@ -125,7 +125,7 @@ impl<'d> Table<'d> {
         self.optional_section(key, read)
     }
 
-    /// A table that may be there; where it is not, `read` finds every key missing.
+    /// An optional table. If it is absent, `read` finds every key missing.
     pub(super) fn optional_section<T: Default>(
         &self,
         key: &'static str,
@@ -140,7 +140,7 @@ impl<'d> Table<'d> {
         }
     }
 
-    /// A table that is either left out or has its keys.
+    /// An optional table; `None` if it is absent.
     pub(super) fn section_if_present<T>(
         &self,
         key: &'static str,
@@ -150,7 +150,7 @@ impl<'d> Table<'d> {
         self.table_at(self.path_to(key), node).map(|table| table.read_with(read))
     }
 
-    /// Every table in a table of tables with its name, in the order of the text.
+    /// Reads every table in a table of tables, with its name, in text order.
     pub(super) fn named_sections<T: Default>(
         &self,
         key: &'static str,
@@ -170,7 +170,7 @@ impl<'d> Table<'d> {
         named.map(|(name, node)| (name, read_one(name, node))).collect()
     }
 
-    /// Every table of a list of tables, in its order.
+    /// Reads every table in a list of tables, in order.
     pub(super) fn sections<T: Default>(
         &self,
         key: &'static str,
@@ -194,12 +194,12 @@ impl<'d> Table<'d> {
         entries.iter().enumerate().map(read_one).collect()
     }
 
-    /// The report for what no reader can see.
+    /// The diagnostics.
     pub(super) fn diagnostics(&self) -> &'d Diagnostics {
         self.diagnostics
     }
 
-    /// Notes a mistake at a key's value, or at the table's heading where it has none.
+    /// Adds an error at a key's value, or at the table's heading if the key is absent.
     pub(super) fn error_at(
         &self,
         key: &str,
@@ -210,44 +210,44 @@ impl<'d> Table<'d> {
         self.mark_invalid(key);
     }
 
-    /// Says that a key has not the value that the file gives it.
+    /// Marks a key as invalid: its value does not come from the file.
     pub(super) fn mark_invalid(&self, key: &str) {
         self.diagnostics.mark_invalid(self.path_to(key));
     }
 
-    /// Says that nothing in this table is what the file says.
+    /// Marks the whole table as invalid.
     pub(super) fn mark_all_invalid(&self) {
         self.diagnostics.mark_invalid(&*self.path);
     }
 
-    /// Where a key's value stands, if it does.
+    /// Span of a key's value, if present.
     pub(super) fn span_of(&self, key: &str) -> Option<Span> {
         self.entries?.get(key).map(|node| node.span())
     }
 
-    /// Whether a list of tables is left out, or has none.
+    /// Returns true if a list of tables is absent or empty.
     pub(super) fn is_empty_list(&self, key: &str) -> bool {
         let node = self.entries.and_then(|entries| entries.get(key));
         node.is_none_or(|node| node.get_ref().as_array().is_some_and(|list| list.is_empty()))
     }
 
-    /// Where the table's heading stands.
+    /// Span of the table's heading.
     pub(super) fn span(&self) -> Span {
         self.span.clone()
     }
 
-    /// The table's or a key's name, as `--set` writes it.
+    /// Path of a key in this table, as written in `--set`.
     pub(super) fn path_to(&self, key: &str) -> String {
         let key = quote_if_needed(key);
         if self.path.is_empty() { key } else { format!("{}.{key}", self.path) }
     }
 
-    /// Where a key's value stands, or the table's heading.
+    /// Span of a key's value, or of the table's heading.
     fn span_or_heading(&self, key: &str) -> Span {
         self.span_of(key).unwrap_or_else(|| self.span())
     }
 
-    /// Takes any key from here on, where nobody can say which belong here.
+    /// Accepts unknown keys from here on, because the valid ones cannot be determined.
     pub(super) fn allow_unknown_keys(&self) {
         self.allows_unknown.set(true);
     }
@@ -268,7 +268,7 @@ impl<'d> Table<'d> {
         }
     }
 
-    /// Reads, then complains of the keys that `read` did not ask for.
+    /// Reads the table, then reports keys that `read` did not ask for.
     fn read_with<T>(self, read: impl FnOnce(&Self) -> T) -> T {
         let result = read(&self);
         if !self.allows_unknown.get() {
@@ -312,7 +312,7 @@ impl<'d> Table<'d> {
     }
 }
 
-/// Where the value at the end of a path stands, or as far along it as the document goes.
+/// Span of the value at the end of a path, or of its deepest existing prefix.
 pub(super) fn span_at(root: &DeTable<'_>, path: &KeyPath, end_of_file: Span) -> Span {
     let mut span = end_of_file;
     let mut table = Some(root);
@@ -329,7 +329,7 @@ pub(super) fn span_at(root: &DeTable<'_>, path: &KeyPath, end_of_file: Span) -> 
     span
 }
 
-/// The string at the end of a path, where there is one.
+/// The string at the end of a path, if any.
 pub(super) fn string_at(root: &DeTable<'_>, [section, key]: [&str; 2]) -> Option<String> {
     let section = root.get(section)?.get_ref().as_table()?;
     section.get(key)?.get_ref().as_str().map(str::to_owned)

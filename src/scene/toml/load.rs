@@ -1,4 +1,4 @@
-//! From a scene file to values, and on to a scene, with the place of every mistake.
+//! Loads a scene file into values and then a scene, with the position of every error.
 
 use std::fs::File;
 use std::io::Read;
@@ -19,36 +19,36 @@ use super::document::{self, span_at};
 use super::overrides::ParsedOverride;
 use super::read::read;
 
-/// The longest scene file in bytes; more spheres than fit belong in a table.
+/// Maximum size of a scene file in bytes; larger numbers of spheres belong in a table.
 const MAX_FILE_BYTES: u64 = 256 << 20;
 
-/// The longest scene text, in bytes, that goes along with a scene.
+/// Maximum size in bytes of a scene text kept with the scene.
 const MAX_EMBEDDED_TEXT: usize = 1 << 20;
 
-/// A scene file that was read and checked: a description and the settings beside it. Its tables were
-/// only looked at from outside, so nothing large is in memory yet.
+/// A validated scene file: a description and settings. Table data is not loaded yet, so nothing
+/// large is in memory.
 #[derive(Debug)]
 pub struct SceneFile {
-    /// What the file and the options say of the scene.
+    /// The scene description, with overrides applied.
     pub description: SceneDescription,
-    /// What they say of its rendering.
+    /// The render settings, with overrides applied.
     pub settings: Settings,
     source: SceneSource,
     import_plan: ImportPlan,
     locator: ErrorLocator,
 }
 
-/// What is needed to find the place of a key again.
+/// Finds the position of a key again for an error message.
 #[derive(Debug)]
 struct ErrorLocator {
     diagnostics: Diagnostics,
     overrides: Vec<ParsedOverride>,
 }
 
-/// Reads a scene file, with `overrides` in place of what it says.
+/// Reads a scene file and applies `overrides`.
 ///
 /// # Errors
-/// Every mistake in the file and the overrides, all at once; or that a file cannot be read.
+/// Reports all errors in the file and the overrides at once, or that a file cannot be read.
 pub fn read_file(path: &Path, overrides: &[Override]) -> Result<SceneFile> {
     let text = read_to_string(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -57,11 +57,11 @@ pub fn read_file(path: &Path, overrides: &[Override]) -> Result<SceneFile> {
     Ok(file)
 }
 
-/// Reads a scene from `text`; `name` stands for it in messages, and files that it names are looked for
-/// in `folder`.
+/// Reads a scene from `text`. `name` identifies it in messages, and relative file paths start at
+/// `folder`.
 ///
 /// # Errors
-/// Like [`read_file`].
+/// As for [`read_file`].
 pub fn read_text(
     name: &str,
     text: &str,
@@ -80,7 +80,7 @@ pub fn read_text(
         let mut problems = description.validate();
         problems.0.extend(settings.validate().0);
         places.add_errors(problems, &table);
-        // Files are looked at whatever else is wrong, but not those that nobody names.
+        // Examine the files even if there are other errors, except files that are not named.
         let mut problems = ValidationErrors::default();
         let survey = ImportPlan::scan(&description, &mut problems);
         places.add_errors(problems, &table);
@@ -100,22 +100,22 @@ pub fn read_text(
 }
 
 impl SceneFile {
-    /// Where it was read from.
+    /// The source of the scene.
     pub fn source(&self) -> &SceneSource {
         &self.source
     }
 
-    /// How many rows each table has.
+    /// Number of rows of each table.
     pub fn table_rows(&self) -> impl Iterator<Item = u64> {
         self.import_plan.rows.iter().copied()
     }
 
-    /// How many spheres there are, those that are there twice included.
+    /// Number of spheres, including duplicates.
     pub fn sphere_count(&self) -> u64 {
         self.import_plan.sphere_count(&self.description)
     }
 
-    /// How many pixels the image of the background has.
+    /// Number of pixels of the environment map.
     pub fn environment_pixels(&self) -> u64 {
         self.import_plan.environment.as_ref().map_or(0, |pixels| pixels.len() as u64)
     }
@@ -123,12 +123,12 @@ impl SceneFile {
     /// Reads the tables and builds the scene.
     ///
     /// # Errors
-    /// Every mistake in the tables; or that there is no memory for them.
+    /// Reports all errors in the tables at once, or that they do not fit into memory.
     pub fn build(self) -> Result<(Scene, Settings)> {
         let Self { description, settings, source, import_plan: survey, locator: places } = self;
         let text = source.text.clone();
         let refuse = |problems: ValidationErrors| match text {
-            // Its document is gone, and made again only for the places of mistakes.
+            // The document was freed; parse it again only to locate errors.
             Some(text) => places.report(&text, problems),
             None => problems.into_result(),
         };

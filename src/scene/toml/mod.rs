@@ -1,5 +1,5 @@
-//! The scene format: TOML becomes values, and mistakes keep their place in the text. Nothing else of
-//! the program knows TOML.
+//! The TOML scene format: parses scene files into values, with the position of every error. No
+//! other module depends on TOML.
 
 mod diagnostics;
 mod document;

@@ -1,7 +1,7 @@
-//! Keys of a scene that the command line sets.
+//! Overrides of scene keys from the command line.
 //!
-//! They are written into the parsed document before anything reads it, with places that point into
-//! the option's own text. So whatever the reader has to say of them, it says of the option.
+//! Overrides are written into the parsed document before it is read, with spans that point into the
+//! option's own text. Errors in them are therefore reported at the option.
 
 use toml::de::{DeArray, DeTable, DeValue};
 
@@ -11,26 +11,26 @@ use crate::scene::value_types::{Span, SpannedValue, type_name};
 use super::diagnostics::{Diagnostics, SpannedError};
 use super::document::name_of;
 
-/// One key of the scene with the value that replaces what the file says.
+/// A key of the scene with a value that replaces the one in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Override {
-    /// The whole option as the user wrote it, `--set render.seed=3` or `--spp 16`; messages show it.
+    /// The option as the user wrote it, for messages: `--set render.seed=3` or `--spp 16`.
     pub option: String,
-    /// The dotted path of the key, as in `materials.grass.albedo` or `spheres.0.radius`; spheres
-    /// and other list entries are found by number, from 0, or by their `name`.
+    /// Dotted path of the key, as in `materials.grass.albedo` or `spheres.0.radius`. List entries
+    /// are selected by index from 0, or by `name`.
     pub key: String,
     /// A TOML value; a bare word is taken as a string.
     pub value: String,
 }
 
 impl Override {
-    /// A key and its value, shown as `key=value`.
+    /// An override shown as `key=value`.
     pub fn from_pair((key, value): &(String, String)) -> Self {
         Self { option: format!("{key}={value}"), key: key.clone(), value: value.clone() }
     }
 }
 
-/// An [`Override`] laid out so that the spans of its parts point into the option's text.
+/// An [`Override`] arranged so that the spans of its parts point into the option's text.
 #[derive(Debug)]
 pub(super) struct ParsedOverride {
     key: String,
@@ -40,11 +40,11 @@ pub(super) struct ParsedOverride {
     bare_word: String,
 }
 
-/// What the document's key is called while a value is parsed.
+/// Placeholder key used to parse a value.
 const PLACEHOLDER_KEY: &str = "v";
 
 impl ParsedOverride {
-    /// Adds the option to the report's texts.
+    /// Adds the option's text to the diagnostics.
     pub(super) fn new(given: &Override, report: &mut Diagnostics) -> Self {
         let Override { option, key, value } = given;
         let begins = report.add_source("command line", option);
@@ -53,7 +53,7 @@ impl ParsedOverride {
         let key_span = option.find(&**key).map(|at| behind(at, key.len()));
         let value_span = option.rfind(&**value).map(|at| behind(at, value.len()));
         let value_span = value_span.unwrap_or_else(|| whole.clone());
-        // Blanks in front move the spans to where the value stands.
+        // Leading blanks shift the spans to the position of the value.
         let blanks = value_span.start - PLACEHOLDER_KEY.len() - 1;
         let value_text = " ".repeat(blanks) + &format!("{PLACEHOLDER_KEY}={value}");
         Self {
@@ -100,7 +100,7 @@ impl ParsedOverride {
         let node = match place {
             Container::List(list) => self.entry(list, parents, step)?,
             Container::Table(table) => {
-                // A material that is only half there would be blamed for its missing keys.
+                // A partial material would only be reported for its missing keys.
                 if matches!(parents, [only] if only.name == "materials") {
                     self.require_material(table, step)?;
                 }
@@ -134,7 +134,7 @@ impl ParsedOverride {
         Err(self.error(format!("there is no material {:?}", step.name)).help(help))
     }
 
-    /// The entry of a list that a step names, by its number or its name.
+    /// The list entry selected by a path segment, by index or name.
     fn entry<'p, 't>(
         &self,
         list: &'p mut DeArray<'t>,
@@ -211,7 +211,7 @@ impl ParsedOverride {
     }
 }
 
-/// Where the next step of a path is looked up.
+/// The container in which the next path segment is looked up.
 enum Container<'p, 't> {
     Table(&'p mut DeTable<'t>),
     List(&'p mut DeArray<'t>),

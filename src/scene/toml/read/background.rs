@@ -11,7 +11,7 @@ use crate::scene::description::{
 use crate::scene::keys::background as keys;
 use crate::scene::toml::document::Table;
 
-/// The sun's angular diameter as seen from the Earth's mean distance.
+/// The sun's angular diameter at the Earth's mean distance, in degrees.
 const DEFAULT_SUN_DIAMETER: f64 = 0.533;
 
 pub(super) fn read(table: &Table<'_>, folder: &Path) -> BackgroundDescription {
@@ -97,7 +97,7 @@ fn read_sun(table: &Table<'_>, up: DVec3) -> SunDescription {
     }
 }
 
-/// Whether not two things want to be the dome.
+/// Checks that at most one environment map is given.
 fn require_single_environment(table: &Table<'_>) {
     let given = ["radiance", "gradient", "image", "sky"].map(|key| (key, table.span_of(key)));
     let given: Vec<&str> = given.iter().filter(|(_, span)| span.is_some()).map(|g| g.0).collect();

@@ -9,10 +9,10 @@ use crate::scene::suggest::did_you_mean;
 use crate::scene::toml::document::Table;
 use crate::scene::value_types::{InvalidValue, NonEmptyString, ParseValue, SpannedValue};
 
-/// The name of one sphere; becomes its index.
+/// The name of a sphere; parsed to its index.
 struct SphereName<'s>(&'s [SphereDescription]);
 
-/// Reads the camera; it may be focused on one of the spheres.
+/// Reads the camera, which may focus on one of the spheres.
 pub(super) fn read(table: &Table<'_>, spheres: &[SphereDescription]) -> CameraDescription {
     let usual = CameraDescription::default();
     let kind = table.get(&keys::TYPE).unwrap_or_default();
@@ -47,7 +47,7 @@ struct ViewAxis {
     look_at: DVec3,
 }
 
-/// The lens; `None` is a pinhole, to which what is said of a lens means nothing yet.
+/// Reads the lens; `None` is a pinhole, for which the other lens keys are ignored.
 fn read_lens(
     table: &Table<'_>,
     view: Option<&ViewAxis>,
@@ -81,13 +81,13 @@ fn read_lens(
     (radius > 0.0).then_some(LensDescription { radius, focus_distance, blades, rotation_degrees })
 }
 
-/// What is wrong with the corners of an opening, also where the radius is 0 and there is no lens.
+/// Message for an invalid blade count, checked even if the radius is 0 and there is no lens.
 fn blades_error(blades: u32) -> Option<String> {
     let message = || format!("`camera.blades` must be 0 for a disk, or at least 3, not {blades}");
     matches!(blades, 1 | 2).then(message)
 }
 
-/// How far along the view axis the point of a sphere is that is nearest to the camera.
+/// Depth along the view axis of the sphere's nearest point to the camera.
 fn focus_depth(view: &ViewAxis, sphere: &SphereDescription) -> f64 {
     let axis = (view.look_at - view.position).normalize_or_zero();
     let to_center = sphere.center - view.position;

@@ -7,7 +7,7 @@ use crate::scene::keys::material as keys;
 use crate::scene::toml::document::{Table, TableValues};
 use crate::scene::value_types::{InvalidValue, Number, ParseValue, SpannedValue};
 
-/// The names of all materials in the order of the text, with what stands there.
+/// Reads the names and descriptions of all materials in text order.
 pub(super) fn read<'d>(root: &Table<'d>) -> Vec<(&'d str, MaterialDescription)> {
     root.named_sections("materials", |_, table| {
         let surface = read_surface(table);
@@ -70,7 +70,7 @@ fn read_dielectric(table: &Table<'_>) -> SurfaceModel {
     }
 }
 
-/// What is expected where there is neither a number nor a name.
+/// Describes what is expected if there is neither a number nor a name.
 struct IorOrGlass<'a>(&'a Number);
 
 impl ParseValue for IorOrGlass<'_> {
@@ -85,7 +85,7 @@ impl ParseValue for IorOrGlass<'_> {
     }
 }
 
-/// The index of refraction, as a number or by the name of a glass.
+/// Reads the index of refraction, as a number or as the name of a glass.
 fn read_ior(table: &Table<'_>) -> Option<f64> {
     use keys::dielectric as keys;
     let ior = &keys::IOR;

@@ -1,6 +1,6 @@
-//! From a document to a [`SceneDescription`] and [`Settings`]: which keys there are, and what stands behind
-//! them. What is left out has its default, and so has what is wrong: the values are always complete,
-//! so that they can be checked as a whole, like those that a program gives.
+//! Reads a document into a [`SceneDescription`] and [`Settings`]. Missing and invalid values become
+//! defaults, so the values are always complete and can be validated as a whole, like those from a
+//! program.
 
 mod background;
 mod camera;
@@ -25,10 +25,10 @@ use crate::scene::value_types::MaterialName;
 use super::diagnostics::{Diagnostics, SpannedError};
 use super::document::Table;
 
-/// The version of the format that this program reads.
+/// The version of the scene format that this program reads.
 const FORMAT: i64 = 1;
 
-/// Reads a whole scene; relative paths start at `folder`. What is wrong goes to the report.
+/// Reads a whole scene. Relative paths start at `folder`. Errors are added to the diagnostics.
 pub(super) fn read(
     document: &DeTable<'_>,
     integrator_of_file: Option<&str>,
@@ -141,7 +141,7 @@ fn require_spheres(root: &Table<'_>) {
         let help = "add `[[spheres]]` with center, radius and material".to_owned();
         root.diagnostics()
             .add(SpannedError::absence(root.span(), "the scene has no spheres").help(help));
-        // The values lack them, too, which is no second mistake.
+        // The values lack them too, which must not be reported again.
         root.mark_invalid("spheres");
     }
 }

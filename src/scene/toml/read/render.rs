@@ -1,4 +1,4 @@
-//! `[render]`, and how many samples the paper's sub-pixels make of it.
+//! Reads `[render]`, including the sample count of the paper's sub-pixels.
 
 use crate::scene::keys::render as keys;
 use crate::scene::settings::{
@@ -44,7 +44,7 @@ pub(super) fn read(table: &Table<'_>, integrator_of_file: Option<&str>) -> Rende
     render
 }
 
-/// The paper's figures show independent numbers.
+/// The paper's figures use independent random numbers.
 fn default_sampler(kind: IntegratorKind) -> SamplerKind {
     if kind == IntegratorKind::Paper { SamplerKind::Independent } else { SamplerKind::Sobol }
 }
@@ -71,10 +71,10 @@ fn read_paper(table: &Table<'_>) -> PaperSettings {
     PaperSettings { subpixels, samples, hemisphere, stop, miss, jitter }
 }
 
-/// The paths of a sub-pixel, from all that is said of samples.
+/// The number of paths per sub-pixel, from all sample settings.
 ///
-/// `samples_per_pixel` binds where it was meant for this integrator: in an option, or in a file that
-/// asks for it. In a file that asks for another it is followed where it can be.
+/// `samples_per_pixel` is binding if it was meant for this integrator: in an option, or in a file
+/// that selects it. In a file that selects another integrator it is followed if possible.
 fn reconcile_samples(
     render: &Table<'_>,
     table: &Table<'_>,
@@ -119,7 +119,7 @@ fn reconcile_samples(
     }
 }
 
-/// Samples of a pixel as a u32, or a mistake.
+/// Samples per pixel as u32, or an error.
 fn total_samples(table: &Table<'_>, paper: &PaperSettings) -> u32 {
     let total = paper.samples_per_pixel();
     u32::try_from(total).unwrap_or_else(|_| {
