@@ -2,10 +2,9 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
 
 use crate::color::srgb_from_linear;
+use crate::image_io::rgba_png;
 
 use super::page::{element, escape};
 
@@ -54,11 +53,7 @@ impl Cells {
         let height = self.values.len().checked_div(self.width)?;
         let bytes: Vec<u8> =
             self.values.iter().flat_map(|&value| color(value, self.colors)).collect();
-        let mut png = Vec::new();
-        let (width, height) = (u32::try_from(self.width).ok()?, u32::try_from(height).ok()?);
-        let encoder = PngEncoder::new(&mut png);
-        encoder.write_image(&bytes, width, height, ExtendedColorType::Rgba8).ok()?;
-        Some(png)
+        rgba_png(u32::try_from(self.width).ok()?, u32::try_from(height).ok()?, &bytes)
     }
 }
 

@@ -33,7 +33,7 @@ fn path_from_bytes(bytes: Vec<u8>) -> PathBuf {
 
 /// On other systems, a path cannot be restored from foreign bytes.
 #[cfg(not(unix))]
-fn of_bytes(bytes: Vec<u8>) -> PathBuf {
+fn path_from_bytes(bytes: Vec<u8>) -> PathBuf {
     PathBuf::from(String::from_utf8_lossy(&bytes).into_owned())
 }
 

@@ -1,5 +1,6 @@
 //! Reports check results as a table, as JSON, and as an HTML page with images.
 
+mod entry;
 mod page;
 
 use serde_json::{Map, Value, json};
@@ -7,10 +8,8 @@ use serde_json::{Map, Value, json};
 use crate::draw::text::{count, row};
 use crate::verify::check::{Check, CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
 
+pub use entry::CheckEntry;
 pub use page::page;
-
-/// A check and its result.
-pub type CheckEntry<'a> = (&'a Check, &'a CheckResult);
 
 /// Column widths of the table: name, checks, failed, largest statistic.
 const COLUMNS: [i32; 5] = [-34, 8, 8, 3, -1];

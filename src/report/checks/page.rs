@@ -6,7 +6,7 @@ use crate::draw::page::{details, element, escape, facts, page_of, table};
 use crate::verify::check::{CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
 use crate::verify::closed_forms::{CLOSED_FORMS, ClosedForm};
 
-use super::CheckEntry;
+use super::entry::CheckEntry;
 
 /// Renders the page. `about` comes first: what was checked, where and how.
 pub fn page(about: &[(&str, String)], judged: &[CheckEntry<'_>]) -> String {

@@ -35,7 +35,7 @@ impl fmt::Display for SpeedReport<'_> {
         let SelectedBackend { backend, reason } = self.choice();
         writeln!(
             f,
-            "{}, {}, {} a call; --accel auto takes {} ({reason})\n",
+            "{}, {}, {} a call; `auto` takes {} ({reason})\n",
             count(self.spheres, "sphere"),
             count(rayon::current_num_threads(), "thread"),
             count(batch, "ray"),
