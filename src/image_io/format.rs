@@ -1,10 +1,10 @@
-//! The formats that there are.
+//! The supported file formats.
 
 use std::path::Path;
 
 use crate::error::{Error, Result};
 
-/// The file formats, by their extensions.
+/// File formats, selected by extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FileFormat {
     Png,
@@ -14,7 +14,7 @@ pub(super) enum FileFormat {
 }
 
 impl FileFormat {
-    /// That of a file, by its extension.
+    /// The format of a file, by its extension.
     pub(super) fn from_path(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
         match extension.to_str() {
