@@ -67,7 +67,7 @@ fn a_failed_write_leaves_the_old_file_and_nothing_else() {
     drop(ImageWriter::new(&path).unwrap());
     assert_eq!(fs::read(&path).unwrap(), b"old");
 
-    // A folder that takes the name while we render makes the rename fail.
+    // A folder created under the target's name during the render makes the rename fail.
     let target = ImageWriter::new(&path).unwrap();
     fs::remove_file(&path).unwrap();
     fs::create_dir(&path).unwrap();
