@@ -1,37 +1,38 @@
-//! The one error type of the library.
+//! The library's error type.
 //!
-//! An [`Error`] is opaque so that it can grow; callers ask it questions ([`Error::category`],
-//! [`Error::diagnostics`]) and print it. Mistakes in a scene keep their place in the source text, so
-//! that the command line can draw an excerpt with a caret under the culprit.
+//! [`Error`] is opaque, so it can grow. Callers query it ([`Error::category`],
+//! [`Error::diagnostics`]) and print it. Errors in a scene keep their location in the source text,
+//! so that the command line can show an excerpt with a caret.
 
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The result of everything that can fail.
+/// The result type of the library.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Something that went wrong, told in the user's words: what happened, and what to do.
+/// An error message for the user: what is wrong, and how to fix it.
 #[derive(Debug)]
 pub struct Error {
     repr: Box<Repr>,
 }
 
-/// Whose fault an [`Error`] is; the command line turns it into an exit code.
+/// The category of an [`Error`]; the command line maps it to an exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
-    /// The scene, a table or an option says something impossible.
+    /// A scene, a table or an option is invalid.
     Input,
     /// A file could not be read or written.
     File,
-    /// An intersector could not be had, or failed.
+    /// An intersector is unavailable or failed.
     Backend,
-    /// Somebody asked to stop.
+    /// The operation was cancelled.
     Cancelled,
 }
 
-/// What an advice tells to change. Every program has its own name for it: the command line, an option.
+/// A setting that an error suggests to change. Each front end has its own name for it, such as a
+/// command line option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Suggestion {
     /// The intersector.
@@ -42,15 +43,15 @@ pub enum Suggestion {
     Count,
     /// The layers of a picture.
     Layers,
-    /// The samples of each pixel.
+    /// The number of samples per pixel.
     SamplesPerPixel,
     /// The folder of a scene's files.
     Folder,
-    /// Whether a merged picture may lack pixels or samples.
+    /// Permission for a merged picture to lack pixels or samples.
     AllowGaps,
-    /// To resume this checkpoint.
+    /// Resuming this checkpoint.
     Resume,
-    /// To look at what a scene holds.
+    /// Inspecting a scene.
     Info,
 }
 
@@ -66,49 +67,49 @@ enum Repr {
     },
 }
 
-/// One mistake in a scene, with its place in the text where it has one.
+/// One error in a scene, with its location in the text if known.
 #[derive(Clone, Debug)]
 pub struct Diagnostic {
     /// What is wrong, as one sentence without a full stop.
     pub message: String,
-    /// Where in the text, and the few words written under the caret.
+    /// Location in the text, with a label for the caret.
     pub location: Option<SourceLocation>,
-    /// What to do about it.
+    /// How to fix it.
     pub help: Option<String>,
 }
 
-/// A stretch of source text, and what to write under it.
+/// A span of source text with a label.
 #[derive(Clone, Debug)]
 pub struct SourceLocation {
-    /// The text that the span points into.
+    /// The text that the span refers to.
     pub source: Arc<SourceText>,
     /// Byte range in the source text.
     pub span: Range<usize>,
-    /// A few words for the caret; may be empty.
+    /// A short label for the caret; may be empty.
     pub label: String,
 }
 
-/// A named text: a scene file, or an option of the command line.
+/// A named text: a scene file, or a command line option.
 #[derive(Debug)]
 pub struct SourceText {
-    /// File name, or the option's name.
+    /// File name or option name.
     pub name: String,
-    /// The whole text.
+    /// The full text.
     pub text: String,
 }
 
 impl Error {
-    /// An error about what the user asked for.
+    /// Creates an error about invalid input.
     pub fn input(message: impl Into<String>) -> Self {
         Self::message(Category::Input, message)
     }
 
-    /// An error of an intersector.
+    /// Creates an error of an intersector.
     pub fn backend(message: impl Into<String>) -> Self {
         Self::message(Category::Backend, message)
     }
 
-    /// An error about a file: `doing` completes "cannot ... `path`", and `source` says why.
+    /// Creates a file error: `doing` completes "cannot ... `path`", and `source` gives the reason.
     pub fn file(
         doing: &str,
         path: &Path,
@@ -119,18 +120,18 @@ impl Error {
         Self::message(Category::File, message).with_source(source)
     }
 
-    /// The answer to a request to stop before there was anything to show.
+    /// Creates the error for an operation cancelled before it had a result.
     pub fn cancelled() -> Self {
         Self::message(Category::Cancelled, "stopped on request")
     }
 
-    /// All the mistakes found in a scene; `mistakes` must not be empty.
+    /// Creates an error from all diagnostics of a scene; `mistakes` must not be empty.
     pub fn from_diagnostics(mistakes: Vec<Diagnostic>) -> Self {
         debug_assert!(!mistakes.is_empty());
         Self { repr: Box::new(Repr::Diagnostics(mistakes)) }
     }
 
-    /// Adds the advice on what to do.
+    /// Adds the help text.
     #[must_use]
     pub fn with_help(mut self, advice: impl Into<String>) -> Self {
         if let Repr::Message { help, .. } = &mut *self.repr {
@@ -139,7 +140,7 @@ impl Error {
         self
     }
 
-    /// Adds a setting that the advice is about, and to what it should be set; empty where that is open.
+    /// Adds a setting that the help refers to, and a suggested value; empty if there is none.
     #[must_use]
     pub fn with_suggestion(mut self, which: Suggestion, value: impl Into<String>) -> Self {
         if let Repr::Message { settings, .. } = &mut *self.repr {
@@ -148,7 +149,7 @@ impl Error {
         self
     }
 
-    /// Adds what it comes from.
+    /// Adds the underlying error.
     #[must_use]
     pub fn with_source(
         mut self,
@@ -160,7 +161,7 @@ impl Error {
         self
     }
 
-    /// Whose fault it is.
+    /// The category of the error.
     pub fn category(&self) -> Category {
         match &*self.repr {
             Repr::Diagnostics(_) => Category::Input,
@@ -168,7 +169,7 @@ impl Error {
         }
     }
 
-    /// The mistakes of a scene, in the order of the file; empty for other errors.
+    /// The diagnostics of a scene, in file order; empty for other errors.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         match &*self.repr {
             Repr::Diagnostics(mistakes) => mistakes,
@@ -176,7 +177,7 @@ impl Error {
         }
     }
 
-    /// What to do about it, where there is one thing to do.
+    /// The help text, if any.
     pub fn help(&self) -> Option<&str> {
         match &*self.repr {
             Repr::Diagnostics(_) => None,
@@ -184,8 +185,8 @@ impl Error {
         }
     }
 
-    /// The settings that the advice is about, any of which helps, and to what each should be set; empty
-    /// where that is open.
+    /// The settings that the help refers to, with suggested values (empty if none). Changing any
+    /// one of them helps.
     pub fn suggestions(&self) -> impl Iterator<Item = (Suggestion, &str)> {
         let settings: &[(Suggestion, String)] = match &*self.repr {
             Repr::Diagnostics(_) => &[],
@@ -243,7 +244,7 @@ impl std::error::Error for Error {
 }
 
 impl SourceText {
-    /// Line and column (in characters) of a byte offset, both counted from 1.
+    /// Line and column (in characters) of a byte offset, both starting at 1.
     pub fn line_and_column(&self, offset: usize) -> (usize, usize) {
         let before = &self.text[..offset.min(self.text.len())];
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);

@@ -1,12 +1,12 @@
-//! Enums with names, each written once: the scene format, options, files and messages all use it.
+//! Enums with names, each defined once and used by the scene format, options, files and messages.
 
-/// An enum whose every variant has a name.
+/// An enum with a name for every variant.
 pub trait Named: Copy + PartialEq + 'static {
     /// Every variant with its name.
     const NAMES: &'static [(&'static str, Self)];
 }
 
-/// Gives an enum its names: the constant `NAMES`, `name()`, `named()`, and their use by serde.
+/// Implements the names of an enum: the constant `NAMES`, `name()`, `named()`, and serde support.
 macro_rules! named_enum {
     ($type:ident { $($variant:ident = $name:literal),+ $(,)? }) => {
         #[allow(unreachable_pub, reason = "some of the enums are a room's own")]
@@ -21,7 +21,7 @@ macro_rules! named_enum {
                 }
             }
 
-            /// The variant of that name.
+            /// Returns the variant with this name.
             pub fn named(name: &str) -> Option<Self> {
                 Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, variant)| *variant)
             }

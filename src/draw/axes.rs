@@ -1,4 +1,4 @@
-//! What all charts share: the sheet, its headline, logarithmic axes, marks and colours.
+//! Shared parts of all charts: sheet, headline, logarithmic axes, markers and colors.
 
 use std::io;
 use std::ops::{Add, Range};
@@ -10,14 +10,14 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::error::{Error, Result};
 
-/// Everything is drawn in whole units, half a pixel wide each.
+/// Charts are drawn in integer units of half a pixel.
 pub(super) const SCALE: u32 = 2;
 const FONT: &str = "sans-serif";
 
 pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
 const FAINT: RGBColor = RGBColor(228, 228, 228);
 const FAINTER: RGBColor = RGBColor(243, 243, 243);
-/// Colours that the colour-blind can tell apart (Okabe and Ito 2008).
+/// Colors that color-blind readers can distinguish (Okabe and Ito 2008).
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -28,46 +28,46 @@ const COLORS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
-/// From the edge of the sheet to what is written there.
+/// Distance from the edge of the sheet to its text.
 pub(super) const MARGIN: i32 = 16 * SCALE as i32;
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(super) type DrawResult<T = ()> = std::result::Result<T, DrawingAreaErrorKind<io::Error>>;
 pub(super) type LogChart<'b, 'a> =
     ChartContext<'b, SVGBackend<'a>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
-/// The mark of a series at a place of any kind of coordinates.
+/// The marker of a series, for any coordinate type.
 pub(super) type Marker<'a, C> =
     <EmptyElement<C, SVGBackend<'a>> as Add<Polygon<(i32, i32)>>>::Output;
 
-/// A number that is known up to an interval.
+/// A number with an interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Value {
     /// The number itself.
     pub middle: f64,
-    /// The lower end of the interval.
+    /// Lower end of the interval.
     pub low: f64,
-    /// The upper end of the interval.
+    /// Upper end of the interval.
     pub high: f64,
 }
 
 impl Value {
-    /// A number without an interval.
+    /// Creates a number without an interval.
     pub fn exact(middle: f64) -> Self {
         Self { middle, low: middle, high: middle }
     }
 }
 
-/// Logarithmic axes, which several charts may share, so that they can be compared.
+/// Logarithmic axes; charts can share them to be comparable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axes {
-    /// The names of what is larger to the right, and above.
+    /// Axis names: horizontal, vertical.
     pub names: [&'static str; 2],
     pub(super) x: Range<f64>,
     pub(super) y: Range<f64>,
 }
 
 impl Axes {
-    /// Axes with room for all these places; `None` without a positive and finite one.
+    /// Axes that contain all points; `None` without a positive and finite one.
     pub fn around(
         names: [&'static str; 2],
         xs: impl Iterator<Item = f64> + Clone,
@@ -102,10 +102,10 @@ impl Axes {
     }
 }
 
-/// A whole drawing of this size, as SVG.
+/// Draws a complete chart of this size as SVG.
 ///
 /// # Errors
-/// When the drawing fails.
+/// When drawing fails.
 pub(super) fn drawn(size: [u32; 2], content: impl Fn(&Area<'_>) -> DrawResult) -> Result<String> {
     let mut text = String::new();
     let root = SVGBackend::with_string(&mut text, size.into()).into_drawing_area();
@@ -117,31 +117,31 @@ pub(super) fn drawn(size: [u32; 2], content: impl Fn(&Area<'_>) -> DrawResult) -
     Ok(sized(&text, size))
 }
 
-/// Two lines at the top of the sheet.
+/// Draws title and subtitle at the top of the sheet.
 pub(super) fn headline(area: &Area<'_>, title: &str, subtitle: &str) -> DrawResult {
     let unit = SCALE as i32;
     area.draw(&words(title, (MARGIN, 18 * unit), 17))?;
     area.draw(&words(subtitle, (MARGIN, 40 * unit), 12))
 }
 
-/// The drawing at its size on the page: its units stay, and are halved by the viewer.
+/// Halves the displayed size of an SVG and keeps its internal units.
 fn sized(svg: &str, [width, height]: [u32; 2]) -> String {
     let size = |width, height| format!("<svg width=\"{width}\" height=\"{height}\"");
     svg.replacen(&size(width, height), &size(width / SCALE, height / SCALE), 1)
 }
 
-/// The colour of a series.
+/// The color of a series.
 pub(super) fn color_of(series: usize) -> RGBColor {
     COLORS[series % COLORS.len()]
 }
 
-/// Text whose middle left end is at `at`.
+/// Text with its middle left anchor at `at`.
 pub(super) fn words(text: &str, at: (i32, i32), size: u32) -> Text<'_, (i32, i32), &str> {
     let style = (FONT, size * SCALE).into_font().color(&INK);
     Text::new(text, at, style.pos(Pos::new(HPos::Left, VPos::Center)))
 }
 
-/// The mark of a series: its shape tells it apart as well as its colour.
+/// The marker of a series, distinguished by both shape and color.
 pub(super) fn marker<'a, C>(series: usize, at: C) -> Marker<'a, C> {
     let radius = 3.6 * f64::from(SCALE);
     let (corners, turn) = [(24, 0.0), (3, 0.25), (4, 0.125), (4, 0.0)][series % 4];
@@ -154,8 +154,8 @@ pub(super) fn marker<'a, C>(series: usize, at: C) -> Marker<'a, C> {
     EmptyElement::at(at) + Polygon::new(outline, color_of(series).filled())
 }
 
-/// A range with some air around the values, in which two powers of ten lie at least, neither of them
-/// so near its end that the number written there would be cut off.
+/// A range with a margin around the values. Contains at least two powers of ten, neither so near an
+/// end that its label is clipped.
 fn range(values: impl Iterator<Item = f64> + Clone) -> Option<Range<f64>> {
     let low = libm::log10(values.clone().fold(f64::INFINITY, f64::min)) - 0.12;
     let high = libm::log10(values.fold(0.0, f64::max)) + 0.12;
@@ -167,7 +167,7 @@ fn range(values: impl Iterator<Item = f64> + Clone) -> Option<Range<f64>> {
     Some(libm::exp10(low)..libm::exp10(high))
 }
 
-/// A power of ten as a person writes it.
+/// Formats a power of ten for people.
 fn decimal(value: f64) -> String {
     let exponent = libm::log10(value).round() as i32;
     if (-3..=4).contains(&exponent) {

@@ -1,4 +1,4 @@
-//! Bars side by side, in groups that each have a scale of their own.
+//! Bar charts with groups, each with its own scale.
 
 use plotters::prelude::*;
 
@@ -11,35 +11,35 @@ const WIDTH: u32 = 960 * SCALE;
 const TITLE_HEIGHT: u32 = 60 * SCALE;
 const GROUP_HEIGHT: u32 = 30 * SCALE;
 const BAR_HEIGHT: u32 = 20 * SCALE;
-/// Where bars begin and, if they are the longest, end.
+/// Left end of all bars, and right end of the longest bar.
 const BARS: [u32; 2] = [150 * SCALE, 800 * SCALE];
 
 /// One bar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bar {
-    /// What it is called, before the bar.
+    /// Label in front of the bar.
     pub name: String,
-    /// Its length; the interval is drawn as a thin line.
+    /// Length; the interval is drawn as a thin line.
     pub value: Value,
-    /// The value in words, behind the bar.
+    /// Value as text, after the bar.
     pub words: String,
-    /// Which colour it has; equal numbers have equal colours.
+    /// Color index.
     pub color: usize,
 }
 
-/// Bars that are drawn under one heading, to one scale.
+/// Bars with a common heading and scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarGroup {
-    /// What is compared.
+    /// Heading.
     pub name: String,
-    /// From above to below.
+    /// Bars from top to bottom.
     pub bars: Vec<Bar>,
 }
 
-/// Draws groups of bars, each to its own scale.
+/// Draws groups of bars, each with its own scale.
 ///
 /// # Errors
-/// When the drawing fails.
+/// When drawing fails.
 pub fn bars(title: &str, subtitle: &str, groups: &[BarGroup]) -> Result<String> {
     let rows: usize = groups.iter().map(|group| group.bars.len()).sum();
     let height = TITLE_HEIGHT

@@ -1,12 +1,13 @@
-//! A drawing that grows shape by shape, as SVG: a window whose edges cut off what is larger, and
-//! room for a legend below it.
+//! An SVG drawing built shape by shape: a window that clips its content, and space for a legend
+//! below.
 
 use crate::math::DVec2;
 use crate::sampling::sin_cos;
 
 use super::page::escape;
 
-/// A drawing under way. Places are pixels from the upper left corner; classes are those of its style.
+/// An SVG drawing under construction. Positions are pixels from the upper left corner; classes are
+/// those of its style sheet.
 #[derive(Clone, Debug)]
 pub struct Canvas {
     svg: String,
@@ -14,7 +15,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// An empty drawing, whose window has room of the height `below` below it.
+    /// Creates an empty drawing with space of height `below` under the window.
     pub fn new(window: DVec2, below: f64, style: &str) -> Self {
         let (width, height) = (window.x, window.y + below);
         let svg = format!(
@@ -28,12 +29,12 @@ impl Canvas {
         Self { svg, window }
     }
 
-    /// From here on, shapes may lie outside of the window.
+    /// Ends the clipping: later shapes may lie outside the window.
     pub fn leave_window(&mut self) {
         self.svg += "</g>\n";
     }
 
-    /// The whole drawing.
+    /// Returns the finished SVG.
     pub fn finish(self) -> String {
         self.svg + "</svg>\n"
     }
@@ -46,7 +47,7 @@ impl Canvas {
         );
     }
 
-    /// Writes words; `anchor` is `start`, `center` or `end`, which lies at the place.
+    /// Draws text; `anchor` is `start`, `center` or `end`, and refers to the position `at`.
     pub fn text(&mut self, class: &str, anchor: &str, at: DVec2, text: &str) {
         self.svg += &format!(
             "<text class=\"{class}\" text-anchor=\"{anchor}\" x=\"{:.1}\" y=\"{:.1}\">{}</text>\n",
@@ -56,7 +57,7 @@ impl Canvas {
         );
     }
 
-    /// Draws a circle, at least a pixel in radius. Programs that show SVG count in f32, so of a huge
+    /// Draws a circle with a radius of at least one pixel. SVG viewers use f32, so for a huge
     /// circle only the part in the window is drawn, as a polygon.
     pub fn circle(&mut self, class: &str, center: DVec2, radius: f64) {
         let half = self.window.x + self.window.y;
@@ -72,7 +73,7 @@ impl Canvas {
         let to_window = 0.5 * self.window - center;
         let outward = to_window.normalize_or(DVec2::Y);
         let tangent = DVec2::new(-outward.y, outward.x);
-        // Seen from the point of the circle nearest to the window, without large numbers.
+        // Relative to the circle's point nearest to the window, which avoids large numbers.
         let nearest = 0.5 * self.window
             + outward * (radius - to_window.length()).clamp(-3.0 * half, 3.0 * half);
         let arc = (-32..=32).map(|i| {

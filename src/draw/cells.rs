@@ -1,4 +1,4 @@
-//! Numbers in cells as a picture inside a page: PNG as a `data:` address.
+//! Grids of numbers as an image embedded in a page: PNG in a `data:` URL.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -8,33 +8,33 @@ use crate::image_io::rgba_png;
 
 use super::page::{element, escape};
 
-/// Screen pixels that a picture is at least wide.
+/// Minimum image width in screen pixels.
 const WIDTH: usize = 192;
 
-/// A picture of one number per cell.
+/// An image with one number per cell.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    /// What it shows, in a few words.
+    /// A short caption.
     pub caption: String,
-    /// Cells across.
+    /// Number of columns.
     pub width: usize,
-    /// Row by row from the top; not a number where there is nothing to show.
+    /// Values row by row from the top; NaN for empty cells.
     pub values: Vec<f64>,
-    /// How numbers become colours.
+    /// The color map.
     pub colors: CellColors,
 }
 
-/// How the numbers of cells become colours.
+/// Color map for cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CellColors {
-    /// From black at 0 to white at this value, through the curve of a screen.
+    /// From black at 0 to white at this value, through the sRGB curve.
     Light(f64),
-    /// From one colour at minus this value over none at 0 to another.
+    /// Diverging colors: blue at minus this value, white at 0, red at this value.
     Signed(f64),
 }
 
 impl Cells {
-    /// The picture with its caption; nothing without cells.
+    /// The image with its caption as HTML; empty without cells.
     pub fn figure(&self) -> String {
         let Some(png) = self.png() else { return String::new() };
         let height = self.values.len() / self.width;
@@ -57,7 +57,7 @@ impl Cells {
     }
 }
 
-/// Red, green, blue and opacity. Cells without a value are clear.
+/// RGBA color of a value. Cells without a value are transparent.
 fn color(value: f64, colors: CellColors) -> [u8; 4] {
     if value.is_nan() {
         return [0; 4];

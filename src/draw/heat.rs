@@ -1,16 +1,16 @@
-//! The colours of heat maps.
+//! Colors of heat maps.
 //!
-//! They rise evenly in lightness, so that they are read the same in grey, and turn from violet through
-//! red to yellow: a path through the OKLab space (B. Ottosson, "A perceptual color space for image
-//! processing", 2020).
+//! Lightness increases uniformly, so the map also reads correctly in greyscale. Hue runs from
+//! violet through red to yellow: a path through OKLab (B. Ottosson, "A perceptual color space for
+//! image processing", 2020).
 
 use crate::color::Rgb;
 use crate::math::DVec3;
 use crate::sampling::sin_cos;
 
-/// The linear colour of a share in [0, 1].
+/// The linear color of a value in [0, 1].
 pub fn heat_color(share: f64) -> Rgb {
-    // Hue in radians, from blue-violet through red to yellow; little colour at both ends.
+    // Hue in radians, from blue-violet through red to yellow; low chroma at both ends.
     let hue = -1.2 + 3.1 * share;
     let chroma = 0.62 * share * (1.0 - share);
     let (sin, cos) = sin_cos(hue);
@@ -18,7 +18,7 @@ pub fn heat_color(share: f64) -> Rgb {
     linear_of_oklab(DVec3::new(lightness, chroma * cos, chroma * sin))
 }
 
-/// Linear Rec. 709 of OKLab, cut off to what a screen can show.
+/// Converts OKLab to linear Rec. 709, clipped to the displayable range.
 fn linear_of_oklab(lab: DVec3) -> Rgb {
     let cone = |a: f64, b: f64| (lab.x + a * lab.y + b * lab.z).powi(3);
     let l = cone(0.396_337_777_4, 0.215_803_757_3);
@@ -41,7 +41,8 @@ mod tests {
     #[test]
     fn lightness_rises_evenly_from_black() {
         assert_eq!(heat_color(0.0), Rgb::ZERO);
-        // The cube root of luminance is nearly lightness; each of 100 steps adds a similar share.
+        // The cube root of luminance approximates lightness; each of 100 steps adds a similar
+        // amount.
         let light: Vec<f32> =
             (0..=100).map(|i| libm::cbrtf(luminance(heat_color(f64::from(i) / 100.0)))).collect();
         let steps: Vec<f32> = light.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,5 +1,5 @@
-//! Lines through marks on logarithmic axes: one chart with its legend above, or two panels side by
-//! side with a table below.
+//! Line charts on logarithmic axes: one chart with a legend above, or two panels side by side with
+//! a table below.
 
 use plotters::prelude::*;
 
@@ -8,10 +8,10 @@ use crate::error::Result;
 use super::axes::{Area, DrawResult, MARGIN, SCALE, color_of, drawn, headline, marker, words};
 use super::{Axes, Value};
 
-/// Two of these charts stand side by side on a page.
+/// Two of these charts fit side by side on a page.
 const CHART: [u32; 2] = [490 * SCALE, 320 * SCALE];
 const LEGEND_HEIGHT: u32 = 50 * SCALE;
-/// From one name of a legend to the next.
+/// Distance between legend entries.
 const LEGEND_STEP: i32 = 112 * SCALE as i32;
 
 const PANELS_WIDTH: u32 = 1120 * SCALE;
@@ -19,65 +19,65 @@ const PANEL_HEIGHT: u32 = 440 * SCALE;
 const TITLE_HEIGHT: u32 = 56 * SCALE;
 const ROW_HEIGHT: u32 = 24 * SCALE;
 
-/// A place on a line. Both numbers are positive.
+/// A data point. Both coordinates are positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// To the right.
+    /// Horizontal coordinate.
     pub x: Value,
-    /// Upwards.
+    /// Vertical coordinate.
     pub y: Value,
 }
 
-/// How a line runs.
+/// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Course {
-    /// From mark to mark.
+    /// From point to point.
     Through,
-    /// Straight between two ends, because it was fitted to the marks; none where none could be.
+    /// A straight fitted line between two ends; `None` if there is no fit.
     Fitted(Option<[(f64, f64); 2]>),
 }
 
-/// A series: its marks, and a line.
+/// A series: its points and a line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// What it is called.
+    /// Name of the series.
     pub name: String,
-    /// From left to right; their intervals are drawn as thin lines.
+    /// Points from left to right; their intervals are drawn as thin lines.
     pub marks: Vec<Mark>,
-    /// How the line runs.
+    /// How the line is drawn.
     pub course: Course,
-    /// Which colour and mark it has.
+    /// Color and marker index.
     pub color: usize,
 }
 
 /// A chart of several series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// Its axes.
+    /// The axes.
     pub axes: Axes,
-    /// Its series.
+    /// The series.
     pub lines: Vec<Line>,
 }
 
-/// Two charts of the same series, and a table of them below.
+/// Two charts of the same series with a table below.
 #[derive(Clone, Debug)]
 pub struct Panels<'a> {
-    /// What is shown.
+    /// Title.
     pub title: &'a str,
-    /// What the reader should know of it.
+    /// Subtitle.
     pub subtitle: &'a str,
-    /// From left to right.
+    /// Charts from left to right.
     pub panels: [Panel; 2],
-    /// The heads of two columns of the table, behind that of the names.
+    /// Headers of the two table columns after the name column.
     pub heads: [&'a str; 2],
-    /// What stands in these columns for each series.
+    /// Contents of these columns for each series.
     pub rows: Vec<[String; 2]>,
 }
 
 /// Draws one chart with its legend above.
 ///
 /// # Errors
-/// When the drawing fails.
+/// When drawing fails.
 pub fn lines(title: &str, panel: &Panel) -> Result<String> {
     drawn(CHART, |root| {
         let (head, body) = root.split_vertically(LEGEND_HEIGHT);
@@ -95,7 +95,7 @@ pub fn lines(title: &str, panel: &Panel) -> Result<String> {
 /// Draws two charts side by side, with a table below.
 ///
 /// # Errors
-/// When the drawing fails.
+/// When drawing fails.
 pub fn panels(sheet: &Panels<'_>) -> Result<String> {
     let rows = sheet.rows.len() as u32;
     let height = TITLE_HEIGHT + PANEL_HEIGHT + ROW_HEIGHT * (rows + 1) + TITLE_HEIGHT / 4;
@@ -134,7 +134,7 @@ fn draw_panel(area: &Area<'_>, Panel { axes, lines }: &Panel) -> DrawResult {
         let color = color_of(line.color);
         let places: Vec<(f64, f64)> =
             line.marks.iter().map(|mark| (mark.x.middle, mark.y.middle)).collect();
-        // Intervals are thinner than a line that crosses them, and stand out from one that is pale.
+        // Intervals are thinner than a line that crosses them, and stand out from a pale one.
         let (path, style, interval) = match line.course {
             Course::Through => (Some(places.clone()), color.stroke_width(SCALE + 1), SCALE),
             Course::Fitted(ends) => {
@@ -144,7 +144,7 @@ fn draw_panel(area: &Area<'_>, Panel { axes, lines }: &Panel) -> DrawResult {
         };
         chart.draw_series(path.map(|path| PathElement::new(path, style)))?;
         let intervals = line.marks.iter().flat_map(|Mark { x, y }| {
-            // An interval may reach to 0, which no such axis has.
+            // An interval may extend to 0, which a logarithmic axis cannot show.
             let upright = vec![(x.middle, y.low.max(axes.y.start)), (x.middle, y.high)];
             let flat = vec![(x.low.max(axes.x.start), y.middle), (x.high, y.middle)];
             [upright, flat].map(|ends| PathElement::new(ends, color.stroke_width(interval)))

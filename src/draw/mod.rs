@@ -1,8 +1,8 @@
-//! Drawing: figures in; SVG, HTML and tables of text out. It knows numbers, words and colours, but nothing of light.
+//! Drawing: numbers in; SVG, HTML and text tables out. This module knows nothing about rendering.
 //!
-//! [`bars`], [`lines`](lines()) and [`panels`] are whole charts. A [`Canvas`] takes lines, circles and
-//! words one by one, and a [`SideView`] says where points of space lie on it. A [`page`] holds text,
-//! tables, charts and pictures of [`Cells`] in one file that needs nothing beside it.
+//! [`bars`], [`lines`](lines()) and [`panels`] are complete charts. [`Canvas`] draws lines, circles
+//! and text one by one, and [`SideView`] projects points in space onto it. [`page`] combines text,
+//! tables, charts and images ([`Cells`]) in one self-contained file.
 
 mod axes;
 mod bars;

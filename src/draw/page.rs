@@ -1,8 +1,8 @@
-//! HTML: elements, tables, and a page that needs nothing beside itself. SVG has the same elements.
+//! HTML elements, tables and self-contained pages. SVG uses the same elements.
 
 const STYLE: &str = include_str!("style.css");
 
-/// A whole page that needs nothing beside itself.
+/// Creates a complete, self-contained page.
 pub fn page_of(title: &str, body: &str) -> String {
     let head = element("title", "", &escape(title))
         + &element("style", "", STYLE)
@@ -12,7 +12,7 @@ pub fn page_of(title: &str, body: &str) -> String {
     )
 }
 
-/// The text with what HTML would read as markup replaced.
+/// Escapes text for HTML.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -27,13 +27,13 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// An element around markup.
+/// Wraps markup in an element.
 pub fn element(tag: &str, attributes: &str, inner: &str) -> String {
     let space = if attributes.is_empty() { "" } else { " " };
     format!("<{tag}{space}{attributes}>{inner}</{tag}>\n")
 }
 
-/// A table: the words of its head, and the markup of its cells.
+/// Creates a table from header texts and cell markup.
 pub fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let head: String = head.iter().map(|word| element("th", "", &escape(word))).collect();
     let row = |cells: Vec<String>| {
@@ -45,13 +45,13 @@ pub fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     element("div", "class=scroll", &element("table", "", &inner))
 }
 
-/// A table of names and what each stands for, without a head.
+/// Creates a table of names and values, without a header.
 pub fn facts(facts: &[(&str, String)]) -> String {
     let fact = |(name, value): &(&str, String)| vec![escape(name), escape(value)];
     table(&[], facts.iter().map(fact))
 }
 
-/// Markup that is folded away under a summary.
+/// Creates a collapsed section with a summary.
 pub fn details(summary: &str, inner: &str) -> String {
     element("details", "", &(element("summary", "", summary) + inner))
 }

@@ -1,30 +1,31 @@
-//! Space seen from the side: projected, without perspective, on one upright plane.
+//! Side views: orthographic projection onto a vertical plane.
 
 use crate::math::{DVec2, DVec3};
 use crate::sampling::sin_cos;
 
-/// The drawing's size in pixels, at most.
+/// Maximum size of the drawing in pixels.
 const LARGEST: DVec2 = DVec2::new(1000.0, 720.0);
-/// The smallest height: a flat path needs room around it.
+/// Minimum height: a flat path needs space around it.
 const LOWEST: f64 = 300.0;
 const MARGIN: f64 = 48.0;
 
-/// An upright plane, and the window on it. Places on it are in pixels from the window's upper left.
+/// A vertical plane and a window on it. Positions are pixels from the window's upper left corner.
 #[derive(Clone, Debug)]
 pub struct SideView {
-    /// Unit vectors of the plane: to the right, and up.
+    /// Unit vectors of the plane: right and up.
     right: DVec3,
     up: DVec3,
-    /// What is drawn in the window's centre.
+    /// The point in space at the center of the window.
     center: DVec3,
     /// Pixels per unit of length.
     pub scale: f64,
-    /// The size of the window in pixels.
+    /// Size of the window in pixels.
     pub window: DVec2,
 }
 
 impl SideView {
-    /// The plane through `up` on which the points spread most, and a window that holds them all.
+    /// Selects the plane through `up` on which the points spread most, and a window that contains
+    /// them.
     pub fn of(points: &[DVec3], up: DVec3) -> Self {
         let up = up.normalize_or(DVec3::Y);
         let right = widest(points, up);
@@ -45,28 +46,28 @@ impl SideView {
         }
     }
 
-    /// Where a point lies on the drawing.
+    /// Projects a point to the drawing.
     pub fn project(&self, point: DVec3) -> DVec2 {
         0.5 * self.window + self.direction(point - self.center) * self.scale
     }
 
-    /// A direction on the drawing, whose y axis points down.
+    /// Projects a direction to the drawing, whose y axis points down.
     pub fn direction(&self, direction: DVec3) -> DVec2 {
         DVec2::new(direction.dot(self.right), -direction.dot(self.up))
     }
 
-    /// Farther than from corner to corner.
+    /// A length greater than the window's diagonal, in pixels.
     pub fn across(&self) -> f64 {
         self.window.x + self.window.y
     }
 
-    /// Returns true if a circle is to be seen in the window.
+    /// Returns true if a circle is visible in the window.
     pub fn touches(&self, center: DVec2, radius: f64) -> bool {
         let nearest = center.clamp(DVec2::ZERO, self.window);
         (center - nearest).length() <= radius
     }
 
-    /// Where the name of a circle stands: at its centre, or at the part of it that is in view.
+    /// Position of a circle's label: its center, or the part of the circle in view.
     pub fn label_place(&self, center: DVec2, radius: f64) -> DVec2 {
         let window = self.window;
         let inside = center.clamp(DVec2::new(50.0, 16.0), window - DVec2::new(50.0, 10.0));
@@ -74,13 +75,13 @@ impl SideView {
             return inside
                 + if radius < 12.0 { DVec2::new(0.0, -radius - 6.0) } else { DVec2::ZERO };
         }
-        // The window's corner may miss the circle where its edge does not.
+        // The circle may miss the nearest corner of the window but reach its edge.
         let towards = (0.5 * window - center).normalize_or(DVec2::Y);
         let edge = center + (radius - 14.0) * towards;
         edge.clamp(DVec2::new(50.0, 16.0), window - DVec2::new(50.0, 10.0))
     }
 
-    /// A round length that takes about a tenth of the width.
+    /// A round length of about a tenth of the window's width.
     pub fn round_length(&self) -> f64 {
         let wanted = 0.12 * self.window.x / self.scale;
         let power = libm::exp10(libm::log10(wanted).floor());
@@ -89,7 +90,7 @@ impl SideView {
     }
 }
 
-/// The horizontal unit direction along which the points spread most: the long axis of their scatter.
+/// The horizontal unit vector along which the points spread most: the principal axis.
 fn widest(points: &[DVec3], up: DVec3) -> DVec3 {
     let a = up.any_orthonormal_vector();
     let b = up.cross(a);
@@ -101,7 +102,7 @@ fn widest(points: &[DVec3], up: DVec3) -> DVec3 {
         moments[1] += x * y;
         moments[2] += y * y;
     }
-    // The angle of the principal axis of a 2 x 2 covariance.
+    // The angle of the principal axis of a 2 x 2 covariance matrix.
     let angle = 0.5 * crate::sampling::atan2(2.0 * moments[1], moments[0] - moments[2]);
     let (sin, cos) = sin_cos(angle);
     cos * a + sin * b
@@ -120,7 +121,7 @@ mod tests {
             let p = view.project(point);
             assert!(p.cmpge(DVec2::ZERO).all() && p.cmple(view.window).all());
         }
-        // Up is up.
+        // Up in space is up in the drawing.
         assert!(view.project(points[1]).y < view.project(points[0]).y);
         let gap = view.project(points[2]) - view.project(points[0]);
         assert!((gap.x.abs() - 10.0 * view.scale).abs() < 0.1 * view.scale);

@@ -2,8 +2,8 @@
 
 use std::fmt::Display;
 
-/// A line of a table: each cell in a column of so many characters, to its right, or to its left where
-/// the number is negative. Longer cells push the others on; blanks at the end are left out.
+/// Formats a table row. Each column has a width in characters: positive aligns right, negative
+/// left. Longer cells shift the rest; trailing blanks are removed.
 pub fn row<const N: usize>(columns: [i32; N], cells: [&str; N]) -> String {
     let mut line = String::new();
     for (column, cell) in columns.into_iter().zip(cells) {
@@ -13,12 +13,12 @@ pub fn row<const N: usize>(columns: [i32; N], cells: [&str; N]) -> String {
     format!("{}\n", line.trim_end())
 }
 
-/// A line with a name and a value.
+/// Formats a line with a name and a value.
 pub fn field(name: &str, value: impl Display) -> String {
     format!("{name:<12}{value}\n")
 }
 
-/// A number in three digits with an SI prefix: `12.3 M`.
+/// Formats a number with three digits and an SI prefix: `12.3 M`.
 pub fn si(value: f64) -> String {
     let prefixes = [(1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")];
     let (unit, prefix) =
@@ -32,7 +32,7 @@ pub fn si(value: f64) -> String {
     format!("{scaled:.decimals$}{prefix}")
 }
 
-/// A share in three digits: `1.23 %`.
+/// Formats a fraction as a percentage with three digits: `1.23 %`.
 pub fn percent(share: f64) -> String {
     let decimals = match 100.0 * share {
         x if x < 9.995 => 2,
@@ -42,7 +42,7 @@ pub fn percent(share: f64) -> String {
     format!("{:.decimals$} %", 100.0 * share)
 }
 
-/// `3 spheres`, `1 sphere`.
+/// Formats a count with its noun: `3 spheres`, `1 sphere`.
 pub fn count(number: usize, singular: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{number} {singular}{plural}")

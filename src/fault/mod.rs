@@ -1,11 +1,12 @@
-//! Deliberate mistakes, by which the tests are tested: each is switched on alone, and the suite must
-//! find it (`tests/faults.rs`; docs/verification.md has the table).
+//! Fault injection, which tests the test suite. Each fault is enabled on its own, and the suite
+//! must detect it (`tests/faults.rs`; docs/verification.md has the table).
 //!
-//! A mistake stands where its like would be made, in one line: `if fault!(Name) { wrong } else {
-//! right }`. Without the feature `faults`, which is for that test only, the condition is the constant
-//! `false` and nothing of the mistake is compiled; with it, it is one read of an atomic number.
+//! A fault is injected where the real mistake would occur, in one line: `if fault!(Name) { wrong }
+//! else { right }`. Without the feature `faults`, which only that test uses, the condition is the
+//! constant `false` and the fault is not compiled. With the feature, the condition is one atomic
+//! load.
 
-/// Whether a mistake is switched on.
+/// Returns true if a fault is enabled.
 macro_rules! fault {
     ($name:ident) => {
         $crate::fault::is_on($crate::fault::Fault::$name)
@@ -13,10 +14,10 @@ macro_rules! fault {
 }
 pub(crate) use fault;
 
-/// Makes the list of mistakes, each with what it breaks.
+/// Defines the list of faults, each with a description of what it breaks.
 macro_rules! registry {
     ($($name:ident: $breaks:literal,)*) => {
-        /// A deliberate mistake.
+        /// A fault to inject.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[cfg_attr(feature = "faults", allow(missing_docs, reason = "`breaks` tells"))]
         #[cfg_attr(not(feature = "faults"), allow(unreachable_pub, reason = "one list for both"))]
@@ -26,10 +27,10 @@ macro_rules! registry {
 
         #[cfg(feature = "faults")]
         impl Fault {
-            /// All mistakes.
+            /// All faults.
             pub const ALL: &[Self] = &[$(Self::$name,)*];
 
-            /// What is wrong while it is switched on.
+            /// What is wrong while this fault is enabled.
             pub fn breaks(self) -> &'static str {
                 match self {
                     $(Self::$name => $breaks,)*
@@ -95,19 +96,19 @@ registry! {
     BackgroundCameraOnly: "the background lights nothing; only the camera sees it",
 }
 
-/// Whether a mistake is switched on: never, in this build.
+/// Returns true if a fault is enabled: never, in this build.
 #[cfg(not(feature = "faults"))]
 pub(crate) const fn is_on(_: Fault) -> bool {
     false
 }
 
-/// Whether a mistake is switched on.
+/// Returns true if a fault is enabled.
 #[cfg(feature = "faults")]
 pub(crate) fn is_on(fault: Fault) -> bool {
     ON.load(std::sync::atomic::Ordering::Relaxed) == fault as u32
 }
 
-/// Switches this mistake on, for the whole process, and all others off.
+/// Enables this fault for the whole process and disables all others.
 #[cfg(feature = "faults")]
 pub fn switch_to(fault: Option<Fault>) {
     let number = fault.map_or(NONE, |fault| fault as u32);
@@ -117,6 +118,6 @@ pub fn switch_to(fault: Option<Fault>) {
 #[cfg(feature = "faults")]
 const NONE: u32 = u32::MAX;
 
-/// The number of the mistake that is switched on.
+/// Number of the enabled fault.
 #[cfg(feature = "faults")]
 static ON: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(NONE);

@@ -1,5 +1,4 @@
-//! Colours that look well together: a smooth function of where a sphere is, a little different for
-//! each.
+//! Harmonious colors: a smooth function of position, with a small random variation per sphere.
 
 use crate::math::DVec3;
 
@@ -25,7 +24,7 @@ pub(super) fn albedo(
     (0.02 + 0.85 * color.clamp(DVec3::ZERO, DVec3::ONE)).as_vec3().to_array()
 }
 
-/// Night, sea, sand, ember and wine, as linear albedo; then night again.
+/// Night, sea, sand, ember and wine, as linear albedo. The palette is cyclic.
 const PALETTE: [[f64; 3]; 5] = [
     [0.015, 0.05, 0.18],
     [0.03, 0.3, 0.38],
@@ -34,14 +33,14 @@ const PALETTE: [[f64; 3]; 5] = [
     [0.32, 0.03, 0.09],
 ];
 
-/// A colour between the two that are nearest to `t`, which counts once around per unit.
+/// Interpolates the cyclic palette; `t` has period 1.
 fn palette(t: f64) -> DVec3 {
     let at = (t - t.floor()) * PALETTE.len() as f64;
     let color = |i: usize| DVec3::from_array(PALETTE[i % PALETTE.len()]);
     color(at as usize).lerp(color(at as usize + 1), at.fract())
 }
 
-/// A smooth function between -1.5 and 1.5 whose zeros are a minimal surface: veins.
+/// A gyroid: a smooth function in [-1.5, 1.5] whose zero set is close to a minimal surface.
 fn gyroid(at: DVec3) -> f64 {
     let ([sx, cx], [sy, cy], [sz, cz]) = (wave(at.x), wave(at.y), wave(at.z));
     sx * cy + sy * cz + sz * cx

@@ -1,10 +1,9 @@
-//! Scenes made of any number of spheres, to test and to measure with: what `photosphere generate`
-//! writes.
+//! Generates scenes with any number of spheres, for tests and benchmarks (`photosphere generate`).
 //!
-//! Every sphere is a pure function of the recipe and its own index, so that a table has the same
-//! bytes whatever threads made it. The generator is named (`Xoshiro256PlusPlus` of `rand`, whose
-//! values are promised to stay) and transcendental functions come from `libm`, so the bytes are the
-//! same on every machine.
+//! Every sphere is a pure function of the recipe and its index, so a table has the same bytes for
+//! any number of threads. The generator is fixed (`Xoshiro256PlusPlus` of `rand`, whose output is
+//! guaranteed to stay stable), and transcendental functions come from `libm`, so the bytes are
+//! identical on every machine.
 
 mod arrangement;
 mod color;
@@ -22,10 +21,10 @@ pub use arrangement::Arrangement;
 pub use scene::scene_text;
 pub use table::write_rows;
 
-/// The most spheres of a scene.
+/// Maximum number of spheres in a scene.
 const MAX_SPHERES: u64 = NO_SPHERE as u64 - 2;
 
-/// What is to be made.
+/// Parameters of a generated scene.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     arrangement: Arrangement,
@@ -38,17 +37,17 @@ pub struct Recipe {
 /// One sphere of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeneratedSphere {
-    /// Centre and radius.
+    /// Center and radius.
     pub sphere: [f32; 4],
     /// Linear albedo, in `[0, 1]`.
     pub color: [f32; 3],
 }
 
 impl Recipe {
-    /// `count` spheres; `colors` tells whether each has its own.
+    /// Creates a recipe for `count` spheres; with `colors`, each has its own color.
     ///
     /// # Errors
-    /// When there are none, or more than a scene can hold.
+    /// When `count` is zero or more than a scene can hold.
     pub fn new(arrangement: Arrangement, count: u64, seed: u64, colors: bool) -> Result<Self> {
         if count == 0 {
             return Err(Error::input("a table has at least one sphere")
@@ -71,17 +70,17 @@ impl Recipe {
         self.arrangement
     }
 
-    /// How many spheres there are.
+    /// Number of spheres.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Whether the table has colours.
+    /// Returns true if the table has colors.
     pub fn has_colors(&self) -> bool {
         self.colors
     }
 
-    /// The sphere with this index, which is below the count.
+    /// Generates the sphere with this index, which must be less than the count.
     pub fn sphere(&self, index: u64) -> GeneratedSphere {
         let mut numbers = rng::for_sphere(self.seed, index);
         let placed = self.placement.sphere_at(index, &mut numbers);

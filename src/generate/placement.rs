@@ -1,4 +1,4 @@
-//! Where the spheres are, and how large.
+//! Positions and radii of the spheres.
 
 use std::f64::consts::PI;
 
@@ -7,35 +7,35 @@ use crate::math::DVec3;
 use super::arrangement::Arrangement;
 use super::rng::{self, IndexedRng};
 
-/// How many spheres of the gas a ray meets on its way across the box, on average.
+/// Mean number of gas spheres hit by a ray across the box.
 const GAS_MEAN_HITS: f64 = 8.0;
-/// The largest mean radius of the gas.
+/// Maximum mean radius of the gas.
 const MAX_GAS_RADIUS: f64 = 0.2;
-/// How much of the volume packed spheres fill.
+/// Fraction of the volume filled by packed spheres.
 const PACKING_FRACTION: f64 = 0.5;
-/// How far packed radii vary. The largest then just fits the place that it has in the lattice.
+/// Relative variation of packed radii. The largest sphere then just fits its lattice site.
 const PACKED_RADIUS_SPREAD: f64 = 0.125;
 const CLUSTERS: u64 = 400;
-/// The standard deviations of the clusters lie in between.
+/// Range of the clusters' standard deviations.
 const CLUSTER_SIGMA_RANGE: [f64; 2] = [0.006, 0.1];
-/// N pi r^2 of the clusters' spheres, with the mean of r^2.
+/// N pi r^2 of the spheres in clusters, with the mean of r^2.
 const CLUSTER_CROSS_SECTION: f64 = 4.0;
-/// The largest radius over the smallest in clusters.
+/// Ratio of the largest to the smallest radius in clusters.
 const CLUSTER_RADIUS_RATIO: f64 = 100.0;
-/// The largest radius in clusters, for small numbers of spheres.
+/// Maximum radius in clusters; applies to small numbers of spheres.
 const MAX_CLUSTER_RADIUS: f64 = 0.1;
-/// The radius in the lattice, as a share of the distance of neighbours.
+/// Lattice radius relative to the distance between neighbors.
 const LATTICE_RADIUS: f64 = 0.4;
 
-/// A sphere with its place.
+/// A sphere with its position.
 pub(super) struct PlacedSphere {
     pub(super) center: DVec3,
     pub(super) radius: f64,
-    /// A number in `[0, 1)` that the spheres of a cluster share.
+    /// A number in `[0, 1)`, equal for all spheres of a cluster.
     pub(super) hue: f64,
 }
 
-/// All that is common to the spheres of an arrangement.
+/// The shared parameters of an arrangement.
 #[derive(Clone, Debug)]
 pub(super) enum Placement {
     Gas { radius: f64 },
@@ -51,7 +51,7 @@ pub(super) struct Cluster {
     hue: f64,
 }
 
-/// Cubic cells, counted along x first and z last, around the origin.
+/// A grid of cubic cells around the origin, with x varying fastest and z slowest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     cell: f64,
@@ -71,7 +71,7 @@ impl Placement {
                 Self::Packed { grid: Grid::new(count.div_ceil(4), 4.0 / n), radius }
             }
             Arrangement::Clusters => {
-                // The mean of r^2, where ln r is uniform, is (b^2 - a^2) / (2 ln(b / a)).
+                // For uniform ln r in [ln a, ln b], the mean of r^2 is (b^2 - a^2) / (2 ln(b / a)).
                 let mean =
                     (1.0 - CLUSTER_RADIUS_RATIO.powi(-2)) / (2.0 * libm::log(CLUSTER_RADIUS_RATIO));
                 let largest =
@@ -105,14 +105,14 @@ impl Placement {
     }
 }
 
-/// Each sphere stays in its own ball of a lattice in which those balls just touch.
+/// Each sphere stays within its own ball of a lattice of touching balls.
 fn packed(grid: &Grid, radius: f64, index: u64, numbers: &mut IndexedRng) -> PlacedSphere {
     const SITES: [[f64; 3]; 4] =
         [[0.25; 3], [0.25, 0.75, 0.75], [0.75, 0.25, 0.75], [0.75, 0.75, 0.25]];
     let site = grid.corner_of(index / 4) + grid.cell * DVec3::from_array(SITES[index as usize % 4]);
     let radius =
         radius * numbers.uniform_in(1.0 - PACKED_RADIUS_SPREAD, 1.0 + PACKED_RADIUS_SPREAD);
-    // A little less than what fits, so that rounding to f32 lets none touch.
+    // Slightly less than what fits, so that spheres do not touch after rounding to f32.
     let room = grid.cell / 8f64.sqrt() * (1.0 - 1e-4) - radius;
     PlacedSphere { center: site + room * numbers.in_ball(), radius, hue: 0.0 }
 }
@@ -122,14 +122,14 @@ impl Cluster {
         let mut numbers = rng::for_cluster(seed, cluster);
         let [small, large] = CLUSTER_SIGMA_RANGE;
         let size = numbers.log_uniform_in(small, large);
-        // Wide clusters stay away from the walls of the box, more or less.
+        // Keeps wide clusters roughly inside the box.
         let middle = (1.0 - 3.0 * size) * numbers.in_cube();
         Self { center: middle, sigma: size, hue: numbers.uniform() }
     }
 }
 
 impl Grid {
-    /// At least so many cells of this volume, as a block that is nearly a cube.
+    /// A nearly cubic grid of at least `cells` cells of this volume.
     fn new(cells: u64, volume: f64) -> Self {
         let side = (libm::cbrt(cells as f64).round() as u64).max(1);
         Self { cell: libm::cbrt(volume), counts: [side, side, cells.div_ceil(side * side)] }

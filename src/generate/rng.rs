@@ -1,25 +1,25 @@
-//! Random numbers that belong to an index.
+//! Random numbers determined by an index.
 
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 
 use crate::math::DVec3;
 
-/// All the numbers of one sphere.
+/// The random number stream of one sphere or cluster.
 pub(super) struct IndexedRng(Xoshiro256PlusPlus);
 
-/// The numbers of a sphere.
+/// The stream of a sphere.
 pub(super) fn for_sphere(seed: u64, index: u64) -> IndexedRng {
     seeded(seed, 0, index)
 }
 
-/// The numbers of a cluster.
+/// The stream of a cluster.
 pub(super) fn for_cluster(seed: u64, cluster: u64) -> IndexedRng {
     seeded(seed, 1, cluster)
 }
 
-/// `seed_from_u64` scrambles what it is given (by SplitMix64), so neighbouring indices have
-/// unrelated numbers.
+/// Seeds a stream. `seed_from_u64` scrambles its argument (with SplitMix64), so neighboring indices
+/// give independent numbers.
 fn seeded(seed: u64, stream: u64, index: u64) -> IndexedRng {
     let mut keys = Xoshiro256PlusPlus::seed_from_u64(seed);
     let key = (0..=stream).map(|_| keys.random::<u64>()).last().unwrap_or(seed);
@@ -27,32 +27,32 @@ fn seeded(seed: u64, stream: u64, index: u64) -> IndexedRng {
 }
 
 impl IndexedRng {
-    /// In `[0, 1)`.
+    /// Uniform in `[0, 1)`.
     pub(super) fn uniform(&mut self) -> f64 {
         self.0.random()
     }
 
-    /// In `[low, high)`.
+    /// Uniform in `[low, high)`.
     pub(super) fn uniform_in(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
 
-    /// Between `low` and `high`, evenly in its logarithm.
+    /// Log-uniform between `low` and `high`.
     pub(super) fn log_uniform_in(&mut self, low: f64, high: f64) -> f64 {
         low * libm::pow(high / low, self.uniform())
     }
 
-    /// Below `count`.
+    /// A uniform integer less than `count`.
     pub(super) fn index_below(&mut self, count: usize) -> usize {
         ((self.uniform() * count as f64) as usize).min(count - 1)
     }
 
-    /// In a cube of side 1 around 0.
+    /// Uniform in a cube of side 1 around the origin.
     pub(super) fn in_cube(&mut self) -> DVec3 {
         DVec3::from_array([(); 3].map(|()| self.uniform() - 0.5))
     }
 
-    /// Uniformly in a ball of radius 1.
+    /// Uniform in the unit ball.
     pub(super) fn in_ball(&mut self) -> DVec3 {
         loop {
             let place = 2.0 * self.in_cube();
@@ -62,7 +62,7 @@ impl IndexedRng {
         }
     }
 
-    /// Three independent numbers of mean 0 and variance 1 (Box and Muller 1958).
+    /// Three independent standard normal numbers (Box and Muller 1958).
     pub(super) fn normal(&mut self) -> DVec3 {
         let mut pair = || {
             let radius = libm::sqrt(-2.0 * libm::log(1.0 - self.uniform()));

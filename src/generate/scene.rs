@@ -1,28 +1,27 @@
-//! A scene file that shows a table at its best.
+//! Writes a scene file with camera and lights that suit the table.
 
 use std::path::Path;
 
 use super::{Arrangement, Recipe};
 
-/// Where the camera looks.
+/// The camera's target.
 const LOOK_AT: [f64; 3] = [0.02, -0.06, 0.0];
 
 impl Recipe {
-    /// Where the camera of [`scene_text`] stands, where it looks, and its vertical field of view in
-    /// degrees.
+    /// Camera position, target, and vertical field of view in degrees of [`scene_text`].
     pub fn viewpoint(&self) -> ([f64; 3], [f64; 3], f64) {
         let view = preset_for(self.arrangement);
         (view.position, LOOK_AT, view.fov)
     }
 }
 
-/// The text of a scene that shows the table `file`.
+/// Returns the text of a scene that renders the table `file`.
 pub fn scene_text(recipe: &Recipe, file: &Path) -> String {
     let Recipe { arrangement, count, seed, colors, .. } = recipe;
     let name = arrangement.name();
     let own = if *colors { ", with colours" } else { "" };
     let columns = if *colors { r#", "r", "g", "b""# } else { "" };
-    // What JSON escapes in a string, TOML reads alike.
+    // JSON string escapes are valid in TOML.
     let file = serde_json::Value::from(file.display().to_string());
     let Viewpoint { position, fov, zenith, horizon, nadir, sun } = preset_for(*arrangement);
     format!(
@@ -66,7 +65,7 @@ samples_per_pixel = 64
     )
 }
 
-/// Camera and light.
+/// Camera and lights.
 struct Viewpoint {
     position: [f64; 3],
     fov: f64,

@@ -1,4 +1,4 @@
-//! Rows as bytes, made by all threads and written in order.
+//! Encodes rows in parallel and writes them in order.
 
 use std::io::{self, Write};
 
@@ -6,11 +6,11 @@ use rayon::prelude::*;
 
 use super::{GeneratedSphere, Recipe};
 
-/// Rows made at a time; their bytes are all that is held in memory.
+/// Rows encoded at a time; only their bytes are held in memory.
 const ROWS_PER_CHUNK: u64 = 1 << 18;
 
-/// Writes the rows of a table on the current rayon pool: little-endian f32, x, y, z, radius and,
-/// where the recipe has colours, r, g, b. `progress` is told how many rows are written.
+/// Writes the rows of a table, encoded on the current rayon pool: little-endian f32 x, y, z, radius
+/// and, if the recipe has colors, r, g, b. Calls `progress` with the number of rows written.
 ///
 /// # Errors
 /// When the writer fails.
@@ -30,7 +30,7 @@ pub fn write_rows(recipe: &Recipe, to: &mut dyn Write, progress: &dyn Fn(u64)) -
     Ok(())
 }
 
-/// Puts as many of the row's numbers as the slot has room for.
+/// Writes as many of the row's numbers as fit into the slot.
 fn encode_row(row: GeneratedSphere, slot: &mut [u8]) {
     let numbers = row.sphere.into_iter().chain(row.color);
     for (place, number) in slot.chunks_exact_mut(size_of::<f32>()).zip(numbers) {

@@ -1,4 +1,4 @@
-//! A file that appears whole or not at all.
+//! Atomic file writes: a file appears complete or not at all.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
@@ -10,32 +10,31 @@ use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result};
 
-/// What a file's content is written to.
+/// The writer that receives a file's content.
 pub type Sink<'a> = BufWriter<&'a mut File>;
 
-/// A place where a file can be written: the folder was there and let us in. The content goes into a
-/// temporary file beside it, which takes the name once every byte is on the disk. It can be written
-/// again and again.
+/// A writable file path, checked when created. The content goes into a temporary file in the same
+/// folder, which is renamed once all bytes are on the disk. You can write repeatedly.
 #[derive(Clone, Debug)]
 pub struct AtomicFile {
     path: PathBuf,
 }
 
-/// The unfinished files of this process.
+/// Temporary files of this process.
 static TEMP_FILES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// How the names of unfinished files end.
+/// Suffix of temporary file names.
 const SUFFIX: &str = ".photosphere-tmp";
 
-/// An unfinished file that nobody wrote to for so long belongs to a process that died.
+/// A temporary file unmodified for this long belongs to a process that died.
 const STALE_AFTER: Duration = Duration::from_secs(600);
 
 impl AtomicFile {
-    /// Prepares to write `path`, and removes what processes that died have left of it.
+    /// Prepares to write `path`, and removes stale temporary files of processes that died.
     ///
     /// # Errors
-    /// When `path` is a folder or no regular file, or when its folder is missing or cannot be written
-    /// to.
+    /// When `path` is a folder or not a regular file, or when its folder is missing or not
+    /// writable.
     pub fn new(path: &Path) -> Result<Self> {
         reject_folder(path, "file")?;
         if path.exists() && !path.is_file() {
@@ -47,10 +46,10 @@ impl AtomicFile {
         Ok(Self { path })
     }
 
-    /// The same for content of one format only, whose extension the path must have, in any case.
+    /// Like [`Self::new`], and requires the given extension (case-insensitive).
     ///
     /// # Errors
-    /// When it has another one; else like [`Self::new`].
+    /// On another extension, and as [`Self::new`].
     pub fn with_extension(path: &Path, extension: &str) -> Result<Self> {
         if !path.extension().unwrap_or_default().eq_ignore_ascii_case(extension) {
             let (path, upper) = (path.display(), extension.to_ascii_uppercase());
@@ -60,22 +59,21 @@ impl AtomicFile {
         Self::new(path)
     }
 
-    /// The file.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Writes the content and gives the file its name.
+    /// Writes the content to a temporary file and renames it.
     ///
     /// # Errors
-    /// When the disk refuses; a file that was there before is then unchanged, and nothing else is
-    /// left behind.
+    /// On I/O errors. An existing file is then unchanged, and no temporary file remains.
     pub fn write(&self, content: impl FnOnce(&mut Sink<'_>) -> io::Result<()>) -> Result<()> {
         self.write_impl(content, true)
     }
 
-    /// The same without waiting for the disk: the system brings it there in its own time. The file is
-    /// whole or the old one all the same, unless the power fails before that.
+    /// Like [`Self::write`], but does not sync to the disk. The file is still either complete or
+    /// unchanged, unless the power fails before the system has written it.
     ///
     /// # Errors
     /// As [`Self::write`].
@@ -109,22 +107,22 @@ impl AtomicFile {
     }
 }
 
-/// Removes the unfinished files of this process, which is about to die.
+/// Removes all temporary files of this process, before it exits.
 pub fn remove_temp_files() {
     let unfinished = TEMP_FILES.lock().unwrap_or_else(PoisonError::into_inner);
     for path in unfinished.iter() {
-        // It may be finished already, under its own name.
+        // Ignores errors: the file may already be renamed.
         let _ = fs::remove_file(path);
     }
 }
 
-/// A temporary file that [`remove_temp_files`] knows of.
+/// A temporary file registered for [`remove_temp_files`].
 struct TempFile {
     file: NamedTempFile,
     registration: Registration,
 }
 
-/// The entry of an unfinished file in the list.
+/// Entry of a temporary file in `TEMP_FILES`; removed on drop.
 struct Registration(PathBuf);
 
 impl Drop for Registration {
@@ -136,7 +134,7 @@ impl Drop for Registration {
 
 impl TempFile {
     fn create(path: &Path) -> Result<Self> {
-        // Locked until the file is in the list, so that none is overlooked.
+        // Hold the lock until the file is registered, so that `remove_temp_files` misses none.
         let mut unfinished = TEMP_FILES.lock().unwrap_or_else(PoisonError::into_inner);
         let file = create_temp_file(path)?;
         unfinished.push(file.path().to_path_buf());
@@ -145,14 +143,13 @@ impl TempFile {
     }
 }
 
-/// How the names of a file's unfinished versions begin; long names are cut, so that there is room for
-/// the rest.
+/// Prefix of a file's temporary names. Long names are truncated to leave room for the rest.
 fn prefix(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     format!(".{}.", name.chars().take(48).collect::<String>())
 }
 
-/// Removes what processes that died have left of a file.
+/// Removes temporary files of `path` left by processes that died.
 fn remove_stale(path: &Path) {
     let prefix = prefix(path);
     let Ok(entries) = fs::read_dir(parent_folder(path)) else { return };
@@ -167,7 +164,7 @@ fn remove_stale(path: &Path) {
     }
 }
 
-/// Brings a file's new name to the disk, where the system can.
+/// Syncs a renamed file's folder to the disk, where the system supports it.
 fn sync_folder(path: &Path) {
     #[cfg(unix)]
     let _ = File::open(parent_folder(path)).and_then(|folder| folder.sync_all());
@@ -182,7 +179,7 @@ fn parent_folder(path: &Path) -> &Path {
     }
 }
 
-/// Refuses to write over a folder; `example` would be a file in it.
+/// Returns an error if `path` is a folder; the help suggests the file `example` in it.
 pub(super) fn reject_folder(path: &Path, example: &str) -> Result<()> {
     if !path.is_dir() {
         return Ok(());
@@ -192,7 +189,7 @@ pub(super) fn reject_folder(path: &Path, example: &str) -> Result<()> {
         .with_help(format!("name a file in it, such as `{}`", example.display())))
 }
 
-/// The file that a symbolic link means, so that writing replaces that and keeps the link.
+/// Resolves a symbolic link, so that writing replaces its target and keeps the link.
 fn resolve_symlink(path: &Path) -> Result<PathBuf> {
     let Ok(link) = fs::read_link(path) else {
         return Ok(path.to_path_buf());
@@ -203,8 +200,8 @@ fn resolve_symlink(path: &Path) -> Result<PathBuf> {
     })
 }
 
-/// Creates the temporary file in the folder of `path`, with the permissions of any new file (by
-/// default the library makes it private).
+/// Creates the temporary file in the folder of `path`, with default file permissions (tempfile
+/// makes files private by default).
 fn create_temp_file(path: &Path) -> Result<NamedTempFile> {
     let refused = |reason: String| Error::file("write", path, reason);
     let folder = parent_folder(path);
@@ -223,7 +220,7 @@ fn create_temp_file(path: &Path) -> Result<NamedTempFile> {
         .map_err(|e| refused(format!("nothing can be created in `{shown}` ({})", os_message(&e))))
 }
 
-/// The system's own words, without the name of the temporary file that tempfile adds behind them.
+/// The system's error message, without the temporary file name that tempfile appends.
 fn os_message(error: &io::Error) -> String {
     let words = error.to_string();
     words.split(" at path ").next().unwrap_or_default().to_owned()
@@ -268,7 +265,7 @@ mod tests {
         assert!(error.ends_with("a.part`: no space left"), "{error}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-        // The folder goes, and comes back.
+        // Remove the folder, then create it again.
         fs::remove_dir_all(folder.path()).unwrap();
         let error = file.write(|to| to.write_all(b"new")).unwrap_err().to_string();
         assert!(error.ends_with("does not exist"), "{error}");

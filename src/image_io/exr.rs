@@ -1,10 +1,9 @@
-//! OpenEXR: linear 32-bit float, the beauty as `R G B` and the other layers (`direct.*`, `albedo.*`, ...)
-//! beside it in one part, where every viewer finds them. A picture with alpha
-//! has that as the channel `A`, with which the colours are multiplied, as OpenEXR has it. ZIP loses nothing, and
-//! nothing but the picture and its records enters the file: equal ones have equal bytes.
+//! OpenEXR: linear 32-bit float. The beauty is `R G B`, and the other layers (`direct.*`,
+//! `albedo.*`, ...) are in the same part, where every viewer finds them. A picture with alpha has
+//! the channel `A` and premultiplied colors, as OpenEXR specifies. ZIP is lossless, and the file
+//! contains only the picture and its metadata: equal pictures give equal bytes.
 //!
-//! Blocks of rows are made and compressed by all hands that are free ([`parallel`]), and written in their
-//! order.
+//! Blocks of rows are encoded and compressed in parallel ([`parallel`]) and written in order.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -27,22 +26,22 @@ use super::notes::{CropWindow, WriteOptions};
 use super::picture::{ChannelValues, ImageChannel, Picture};
 use super::record::MetadataEntry;
 
-/// Files with more bytes of pixels than this are written quickly where they are wanted quickly.
+/// Files with more bytes of pixels than this are compressed less if `fast` is set.
 const LARGE_IMAGE: usize = 32 << 20;
 
-/// Blocks that a hand makes before they are written.
+/// Blocks that each thread encodes before they are written.
 const BLOCKS_PER_THREAD: usize = 4;
 
-/// Bytes of the magic number and the version, which the attributes follow.
+/// Bytes of the magic number and the version; the attributes follow.
 const HEADER_BYTES: u64 = 8;
 
-/// A channel of the file.
+/// A channel in the file.
 struct Channel<'a> {
     name: String,
     values: ChannelData<'a>,
 }
 
-/// Where the values of a channel are.
+/// Where a channel's values come from.
 #[derive(Clone, Copy)]
 enum ChannelData<'a> {
     Beauty(usize),
@@ -51,7 +50,7 @@ enum ChannelData<'a> {
     Uint(&'a [u32]),
 }
 
-/// Writes the beauty and all layers. A cropped picture lies in the window of the whole one.
+/// Writes the beauty and all layers. A crop is placed within the full picture's display window.
 pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> io::Result<()> {
     let channels = channels(picture);
     let headers = vec![header(picture, &channels, notes)];
@@ -77,7 +76,7 @@ pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> i
     sort_attributes(to.get_mut())
 }
 
-/// In the order of their names, as OpenEXR has it.
+/// All channels, sorted by name as OpenEXR requires.
 fn channels(picture: &Picture) -> Vec<Channel<'_>> {
     let mut channels = Vec::new();
     let mut add = |name: String, values| channels.push(Channel { name, values });
@@ -139,7 +138,7 @@ fn header(picture: &Picture, channels: &[Channel<'_>], notes: &WriteOptions) -> 
         .with_shared_attributes(shared)
 }
 
-/// Some rows: of each, the values of one channel after the other.
+/// Encodes some rows; within a row, channel after channel.
 fn encode_rows(picture: &Picture, channels: &[Channel<'_>], rows: Range<usize>) -> Vec<u8> {
     let mut bytes =
         Vec::with_capacity(rows.len() * picture.width * channels.len() * size_of::<f32>());
@@ -165,14 +164,14 @@ fn encode_rows(picture: &Picture, channels: &[Channel<'_>], rows: Range<usize>) 
     bytes
 }
 
-/// Brings the attributes of a finished file with one part into the order of their names, as OpenEXR's
-/// own library writes them: the crate's order is that of a hash map, which chance decides.
+/// Sorts the attributes of a finished single-part file by name, as the OpenEXR library does. The
+/// crate writes them in hash map order, which is random.
 fn sort_attributes(file: &mut File) -> io::Result<()> {
     file.seek(SeekFrom::Start(HEADER_BYTES))?;
     let mut attributes = Vec::new();
     let mut from = BufReader::new(&mut *file);
     loop {
-        // The name, the type, both ended by a zero; the number of bytes, and they.
+        // Name and type, each zero-terminated; then the size in bytes and the data.
         let mut attribute = Vec::new();
         from.read_until(0, &mut attribute)?;
         if attribute.len() <= 1 {
@@ -191,7 +190,7 @@ fn sort_attributes(file: &mut File) -> io::Result<()> {
     file.seek(SeekFrom::End(0)).map(|_| ())
 }
 
-/// The records of a file.
+/// Reads the metadata of a file.
 pub(super) fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>, String> {
     let meta = MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
     let header = meta.headers.first().ok_or("it has no parts")?;
@@ -267,7 +266,7 @@ mod tests {
         assert_eq!(attributes.layer_position, Vec2(31, 17));
     }
 
-    /// Written quickly and by several hands, a large file has the same values.
+    /// A large file has equal values with fast compression, and equal bytes on several threads.
     #[test]
     fn a_large_picture_is_the_same_however_it_is_written() {
         let (width, height) = (2048, 700);

@@ -1,14 +1,18 @@
-//! The formats that there are.
+//! The supported file formats.
 
 use std::path::Path;
 
 use crate::error::{Error, Result};
 
+<<<<<<< HEAD
 /// The formats and what they hold, for the help of options.
 pub const PICTURE_FORMATS: &str =
     ".png (8 bit for the screen), .exr (linear, with layers), .hdr or .pfm (linear)";
 
 /// The file formats, by their extensions.
+=======
+/// File formats, selected by extension.
+>>>>>>> c2
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FileFormat {
     Png,
@@ -18,7 +22,7 @@ pub(super) enum FileFormat {
 }
 
 impl FileFormat {
-    /// That of a file, by its extension.
+    /// The format of a file, by its extension.
     pub(super) fn from_path(path: &Path) -> Result<Self> {
         Self::known(path).ok_or_else(|| {
             let message = format!("`{}` does not end in .png, .exr, .hdr or .pfm", path.display());

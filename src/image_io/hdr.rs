@@ -1,5 +1,5 @@
-//! Radiance's RGBE: linear light in 32 bits per pixel, three mantissas and one exponent (Ward 1991,
-//! "Real Pixels"). A mantissa is cut off, not rounded, as Ward defined it.
+//! Radiance RGBE: linear light in 32 bits per pixel, three mantissas and one exponent (Ward 1991,
+//! "Real Pixels"). Mantissas are truncated, not rounded, as Ward defined.
 
 use std::io;
 
@@ -11,12 +11,12 @@ use crate::color::Rgb;
 use super::atomic_file::Sink;
 use super::picture::Picture;
 
-/// The brightest value of RGBE.
+/// The largest RGBE value.
 const MAX_RGBE: f32 = 255.0 / 256.0 * 1.701_411_8e38;
-/// Below this the exponent would not fit into its byte.
+/// Below this, the exponent does not fit into its byte.
 const MIN_RGBE: f32 = f32::MIN_POSITIVE;
 
-/// Writes linear beauty; what is negative or too dark becomes 0.
+/// Writes the linear beauty; negative and tiny values become 0.
 pub(super) fn write(picture: &Picture, to: &mut Sink) -> io::Result<()> {
     let pixels: Vec<_> =
         (0..picture.len()).map(|pixel| to_rgbe_range(picture.finite_beauty(pixel))).collect();

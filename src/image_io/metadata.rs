@@ -1,4 +1,4 @@
-//! The [records](MetadataEntry) of a file, read.
+//! Reads the [metadata](MetadataEntry) of a file.
 
 use std::path::Path;
 
@@ -8,10 +8,11 @@ use super::format::FileFormat;
 use super::record::MetadataEntry;
 use super::{exr, png};
 
-/// The records of a `.png` or `.exr` file, in no particular order; none in a file of another program.
+/// Reads the metadata of a `.png` or `.exr` file, in no particular order. Empty if another program
+/// wrote the file.
 ///
 /// # Errors
-/// When the file cannot be read, or its format has no place for records.
+/// When the file cannot be read, or its format has no metadata.
 pub fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>> {
     let trouble = |reason: String| Error::file("read", path, reason);
     let records = match FileFormat::from_path(path)? {
@@ -52,12 +53,12 @@ mod tests {
             let mut found = super::read_metadata(&path).unwrap();
             found.sort_by_key(|record| records.iter().position(|r| r.name == record.name));
             assert_eq!(found, records, "{name}");
-            // Others read the file too.
+            // Other programs can read the file too.
             if name == "a.png" {
                 assert_eq!(::image::open(&path).unwrap().into_rgb8().dimensions(), (13, 5));
                 assert!(std::fs::metadata(&path).unwrap().len() < 4000, "long texts are packed");
             }
-            // Files do not depend on chance.
+            // Output is deterministic.
             let again = folder.path().join(format!("again-{name}"));
             ImageWriter::new(&again).unwrap().write_with(&picture(), &notes).unwrap();
             assert_eq!(std::fs::read(&path).unwrap(), std::fs::read(&again).unwrap(), "{name}");

@@ -1,14 +1,12 @@
-//! Pictures become files, whole or not at all, and come back from them. Nobody else reads or writes
-//! pixels in files.
+//! Reading and writing image files. No other module reads or writes pixels in files.
 //!
-//! A [`ImageWriter`] is made before any rendering: it refuses a place that cannot be written to while
-//! that costs nobody an hour. The picture goes into a temporary file beside the target, which takes
-//! the target's name only once every byte is on the disk, so an earlier picture of that name is
-//! replaced whole or stays as it was.
+//! Create an [`ImageWriter`] before rendering: it rejects an unwritable path before any time is
+//! spent. The picture goes into a temporary file next to the target, which is renamed once all
+//! bytes are on the disk. An earlier picture of that name is replaced completely or left unchanged.
 //!
-//! Values that are not finite are written as they are where the format can hold them (`.exr`,
-//! `.pfm`). The others show them: not-a-number becomes magenta, infinity the brightest value. They
-//! are never made black; [`Picture::non_finite`] counts them for the caller to report.
+//! Non-finite values are written unchanged where the format can hold them (`.exr`, `.pfm`). The
+//! other formats make them visible: NaN becomes magenta, infinity the largest value. They never
+//! become black; [`Picture::non_finite`] counts them for the caller to report.
 
 mod atomic_file;
 mod exr;

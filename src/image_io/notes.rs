@@ -1,28 +1,27 @@
-//! What a file can say of a picture.
+//! Options for writing a picture.
 
 use crate::color::ViewTransform;
 
 use super::record::MetadataEntry;
 
-/// What a file can say of a picture beside its pixels.
+/// Options for writing a picture: metadata, display and compression.
 #[derive(Clone, Debug, Default)]
 pub struct WriteOptions {
-    /// Which part of a larger picture this is; an EXR file places it there.
+    /// Position within a larger picture; used by EXR files.
     pub crop_window: Option<CropWindow>,
-    /// How a PNG file shows it.
+    /// View transform for PNG files.
     pub view_transform: ViewTransform,
-    /// How it was made, in PNG and EXR files.
+    /// How the picture was made; written to PNG and EXR files.
     pub metadata: Vec<MetadataEntry>,
-    /// Whether the file is wanted soon rather than small: it is then compressed less, and left to the
-    /// system to be brought to the disk.
+    /// True if speed matters more than size: compresses less and does not sync to the disk.
     pub fast: bool,
 }
 
-/// The place of a part in a larger picture.
+/// Position of a crop in a larger picture.
 #[derive(Clone, Copy, Debug)]
 pub struct CropWindow {
-    /// Pixels of the larger picture, across and down.
+    /// Width and height of the larger picture, in pixels.
     pub full_size: [usize; 2],
-    /// Column and row there of the part's upper left pixel.
+    /// Column and row of the crop's upper left pixel in the larger picture.
     pub offset: [usize; 2],
 }

@@ -1,4 +1,4 @@
-//! Portable float map: three lines of header, then f32 rows from the bottom up.
+//! Portable float map: three header lines, then f32 rows from bottom to top.
 //! Format: Debevec, "PFM Portable FloatMap Image Format".
 
 use std::io::{self, Write};
@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use super::atomic_file::Sink;
 use super::picture::Picture;
 
-/// Writes linear beauty; a scale of -1 says that the numbers are little-endian.
+/// Writes the linear beauty; a scale of -1 means little-endian.
 pub(super) fn write(picture: &Picture, to: &mut Sink) -> io::Result<()> {
     write!(to, "PF\n{} {}\n-1.0\n", picture.width, picture.height)?;
     for y in (0..picture.height).rev() {

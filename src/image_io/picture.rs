@@ -1,39 +1,40 @@
-//! A finished picture: what goes into files.
+//! A finished picture, ready to be written to files.
 
 use glam::DVec3;
 
 use crate::color::Rgb;
 
-/// Linear Rec. 709 radiance of every pixel, split by how the light came.
+/// Linear Rec. 709 radiance of every pixel, split into direct and indirect light.
 ///
-/// Rows run from the top, pixels of a row from the left. Both layers hold `width * height` pixels.
+/// Rows run from top to bottom, pixels from left to right. Both layers hold `width * height`
+/// pixels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: usize,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: usize,
     /// Emission and background seen by the camera, and light scattered once.
     pub direct: Vec<Rgb>,
-    /// All other light.
+    /// Light scattered more than once.
     pub indirect: Vec<Rgb>,
-    /// The share of each pixel that something covers, where the scene asks for it; the layers are
-    /// then light over nothing (premultiplied).
+    /// Opacity of each pixel in [0, 1], if the scene requests alpha; the layers are then
+    /// premultiplied.
     pub alpha: Option<Vec<f32>>,
-    /// Of direct and indirect light, the names of what files do not show apart.
+    /// Layers among `direct` and `indirect` that files omit.
     pub hidden_layers: Vec<&'static str>,
-    /// Further channels, for files that have a place for them.
+    /// Additional channels, for formats that support them.
     pub channels: Vec<ImageChannel>,
-    /// What readers of those channels need to know: names and texts of attributes.
+    /// Attributes (name, text) that describe those channels.
     pub attributes: Vec<(String, String)>,
 }
 
-/// A channel of a file.
+/// A channel in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageChannel {
-    /// Its whole name, such as `normal.X`.
+    /// Full name, such as `normal.X`.
     pub name: String,
-    /// A value for each pixel.
+    /// One value per pixel.
     pub values: ChannelValues,
 }
 
@@ -42,12 +43,12 @@ pub struct ImageChannel {
 pub enum ChannelValues {
     /// 32-bit floats.
     Float(Vec<f32>),
-    /// 32-bit whole numbers.
+    /// 32-bit unsigned integers.
     Uint(Vec<u32>),
 }
 
 impl ImageChannel {
-    /// A channel.
+    /// Creates a channel.
     pub fn new(name: &str, values: ChannelValues) -> Self {
         Self { name: name.to_owned(), values }
     }
@@ -59,17 +60,17 @@ impl Picture {
         self.direct.len()
     }
 
-    /// Whether there is no pixel at all.
+    /// Returns true if there are no pixels.
     pub fn is_empty(&self) -> bool {
         self.direct.is_empty()
     }
 
-    /// All the light of a pixel: the sum of the layers, rounded to f32 once.
+    /// The full radiance of a pixel: the sum of both layers, rounded to f32 once.
     pub fn beauty(&self, pixel: usize) -> Rgb {
         self.direct[pixel] + self.indirect[pixel]
     }
 
-    /// The beauty of a pixel for a format that knows no infinity and no not-a-number.
+    /// The beauty of a pixel, for formats without infinity and NaN.
     pub(super) fn finite_beauty(&self, pixel: usize) -> Rgb {
         let beauty = self.beauty(pixel);
         if beauty.is_nan() {
@@ -78,12 +79,12 @@ impl Picture {
         beauty.clamp(Rgb::splat(f32::MIN), Rgb::splat(f32::MAX))
     }
 
-    /// How many pixels are infinite or not a number in any channel of their beauty.
+    /// Number of pixels whose beauty is infinite or NaN in any channel.
     pub fn non_finite(&self) -> usize {
         (0..self.len()).filter(|&pixel| !self.beauty(pixel).is_finite()).count()
     }
 
-    /// The mean of the beauty over all pixels; not finite if any pixel is not.
+    /// The mean beauty over all pixels; not finite if any pixel is not.
     pub fn mean(&self) -> DVec3 {
         let sum: DVec3 = (0..self.len()).map(|pixel| self.beauty(pixel).as_dvec3()).sum();
         sum / self.len() as f64

@@ -1,8 +1,8 @@
-//! PNG: 8 bit for the screen, through the picture's [`ViewTransform`](crate::color::ViewTransform); without one that
-//! is the sRGB curve, and brighter than 1 is white.
+//! PNG: 8 bits per channel for display, through the [`ViewTransform`](crate::color::ViewTransform).
+//! The default is the sRGB curve, clipped to white above 1.
 //!
-//! A picture with alpha becomes RGBA whose colours are not multiplied with it, as the specification
-//! has it (PNG third edition, section 6.2).
+//! A picture with alpha becomes RGBA with colors that are not premultiplied, as the specification
+//! requires (PNG third edition, section 6.2).
 
 use std::fs::File;
 use std::io::{self, BufReader};
@@ -21,16 +21,16 @@ use super::notes::{CropWindow, WriteOptions};
 use super::picture::Picture;
 use super::record::MetadataEntry;
 
-/// Texts of more bytes than this are compressed.
+/// Texts longer than this, in bytes, are compressed.
 const COMPRESS_TEXT_ABOVE: usize = 512;
 
-/// Rows that are made bytes of at once.
+/// Rows encoded by one task.
 const ROWS_PER_TASK: usize = 16;
 
-/// The longest text that is read, in bytes.
+/// Maximum length of a text to read, in bytes.
 const MAX_TEXT_BYTES: usize = 64 << 20;
 
-/// Writes beauty for the screen, rounded to the nearest of 256 steps.
+/// Writes the beauty for display, rounded to the nearest of 256 levels.
 pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> io::Result<()> {
     let mut encoder = Encoder::new(to, picture.width as u32, picture.height as u32);
     encoder.set_depth(BitDepth::Eight);
@@ -51,7 +51,7 @@ pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> i
     Ok(())
 }
 
-/// The pixels, row by row.
+/// Encodes the pixels, row by row.
 fn encode_pixels(picture: &Picture, notes: &WriteOptions) -> Vec<u8> {
     let rows = (0..picture.height)
         .step_by(ROWS_PER_TASK)
@@ -79,14 +79,14 @@ fn encode_rows(picture: &Picture, notes: &WriteOptions, rows: Range<usize>) -> V
     bytes
 }
 
-/// A file of 8-bit red, green, blue and opacity, in memory; `None` where the bytes are not of this size.
+/// Encodes 8-bit RGBA pixels as a PNG file in memory; `None` if `bytes` does not match the size.
 pub fn rgba_png(width: u32, height: u32, bytes: &[u8]) -> Option<Vec<u8>> {
     let mut file = Vec::new();
     PngEncoder::new(&mut file).write_image(bytes, width, height, ExtendedColorType::Rgba8).ok()?;
     Some(file)
 }
 
-/// The records of a file.
+/// Reads the metadata of a file.
 pub(super) fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>, String> {
     let file = File::open(path).map_err(|e| e.to_string())?;
     let reader = Decoder::new(BufReader::new(file)).read_info().map_err(|e| e.to_string())?;

@@ -1,4 +1,4 @@
-//! A place for a picture's file, and how the picture gets there.
+//! Writes pictures to files.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use super::notes::WriteOptions;
 use super::picture::Picture;
 use super::{exr, hdr, pfm, png};
 
-/// A place where a picture can be written: the folder is there and lets us in.
+/// A picture file to write, checked to be writable when created.
 #[derive(Debug)]
 pub struct ImageWriter {
     file: AtomicFile,
@@ -18,42 +18,42 @@ pub struct ImageWriter {
 }
 
 impl ImageWriter {
-    /// Prepares to write `path`. Its extension, in any case, chooses the format: `.png` (sRGB, 8
-    /// bit), or linear radiance as `.exr` (32-bit float with the layers `direct` and `indirect`),
-    /// `.hdr` (RGBE) or `.pfm` (32-bit float).
+    /// Prepares to write `path`. The extension (case-insensitive) selects the format: `.png` (sRGB,
+    /// 8 bits), or linear radiance as `.exr` (32-bit float with the layers `direct` and
+    /// `indirect`), `.hdr` (RGBE) or `.pfm` (32-bit float).
     ///
     /// # Errors
-    /// When the extension is another one, when `path` is a folder, or when its folder is missing or
-    /// cannot be written to.
+    /// On any other extension, when `path` is a folder, or when its folder is missing or not
+    /// writable.
     pub fn new(path: &Path) -> Result<Self> {
         atomic_file::reject_folder(path, "picture.png")?;
         let format = FileFormat::from_path(path)?;
         Ok(Self { file: AtomicFile::new(path)?, format })
     }
 
-    /// Whether the file has layers.
+    /// Returns true if the format has layers.
     pub fn has_layers(&self) -> bool {
         self.format.has_layers()
     }
 
-    /// Whether the file is for the screen, and so has a [`ViewTransform`](crate::color::ViewTransform).
+    /// Returns true if the file is for display and so uses a
+    /// [`ViewTransform`](crate::color::ViewTransform).
     pub fn is_display_referred(&self) -> bool {
         self.format.is_display_referred()
     }
 
-    /// Writes the picture, whole, as often as one likes, and gives the file its name.
+    /// Writes the picture atomically. You can call this repeatedly.
     ///
     /// # Errors
-    /// When the disk refuses; a file that was there before is then unchanged, and nothing else is
-    /// left behind.
+    /// On I/O errors. An existing file is then unchanged, and no temporary file remains.
     pub fn write(&self, picture: &Picture) -> Result<()> {
         self.write_with(picture, &WriteOptions::default())
     }
 
-    /// The same with notes, as far as the format has a place for them.
+    /// Like [`Self::write`], with those options that the format supports.
     ///
     /// # Errors
-    /// Like [`Self::write`].
+    /// As [`Self::write`].
     pub fn write_with(&self, picture: &Picture, notes: &WriteOptions) -> Result<()> {
         let content = |sink: &mut Sink<'_>| match self.format {
             FileFormat::Png => png::write(picture, notes, sink),

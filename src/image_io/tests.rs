@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use super::format::FileFormat;
 use super::{ImageWriter, Picture};
 
-/// A picture with every kind of value that a render can give.
+/// A picture with values typical of a render.
 pub(super) fn picture() -> Picture {
     let (width, height) = (13, 5);
     let layer = |scale: f32| {
@@ -17,7 +17,7 @@ pub(super) fn picture() -> Picture {
     Picture { width, height, direct: layer(0.013), indirect: layer(0.37), ..Picture::default() }
 }
 
-/// Writes the picture in a folder of its own and returns that and the file's path.
+/// Writes the picture into a temporary folder; returns the folder and the file's path.
 pub(super) fn written(picture: &Picture, name: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
@@ -67,7 +67,7 @@ fn a_failed_write_leaves_the_old_file_and_nothing_else() {
     drop(ImageWriter::new(&path).unwrap());
     assert_eq!(fs::read(&path).unwrap(), b"old");
 
-    // A folder that takes the name while we render makes the rename fail.
+    // A folder created under the target's name during the render makes the rename fail.
     let target = ImageWriter::new(&path).unwrap();
     fs::remove_file(&path).unwrap();
     fs::create_dir(&path).unwrap();

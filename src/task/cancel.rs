@@ -1,26 +1,26 @@
-//! A request to stop.
+//! Cancellation.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, Result};
 
-/// A request to stop, shared between threads.
+/// A cancellation request, shared between threads.
 #[derive(Clone, Debug, Default)]
 pub struct CancelToken(Arc<AtomicBool>);
 
 impl CancelToken {
-    /// Asks everything that holds this to stop.
+    /// Requests cancellation of all operations that hold this token.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether somebody asked to stop.
+    /// Returns true if cancellation was requested.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// An error once somebody asked to stop.
+    /// Returns an error if cancellation was requested.
     ///
     /// # Errors
     /// With [`crate::error::Category::Cancelled`].

@@ -1,4 +1,4 @@
-//! What long work has in common: a request to stop it, how far it is, and the threads that help.
+//! Support for long-running operations: cancellation, progress and parallel helpers.
 
 mod cancel;
 pub(crate) mod parallel;

@@ -1,11 +1,12 @@
-//! How many hands there are for what is done to something as a whole, such as a film or a picture.
+//! Parallel helpers for whole-film and whole-picture operations.
 //!
-//! On a thread of a pool all of its threads help: that is so where a render has come to its end. Any other
-//! thread, such as one that looks on while a render is at work, does it alone and takes nobody away.
+//! On a rayon pool thread, all threads of the pool take part; that is the case when a render
+//! finishes. On any other thread, such as a monitor during a render, the work runs serially and
+//! does not take threads from the render.
 
 use rayon::prelude::*;
 
-/// What comes of each, in order.
+/// Maps all items, in order.
 pub(crate) fn map<T: Send, R: Send>(all: Vec<T>, of: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
     match rayon::current_thread_index() {
         Some(_) => all.into_par_iter().map(of).collect(),
@@ -13,12 +14,12 @@ pub(crate) fn map<T: Send, R: Send>(all: Vec<T>, of: impl Fn(T) -> R + Send + Sy
     }
 }
 
-/// How many there are.
+/// Number of threads that take part.
 pub(crate) fn thread_count() -> usize {
     rayon::current_thread_index().map_or(1, |_| rayon::current_num_threads())
 }
 
-/// Does both, at once where there are hands for it.
+/// Runs both closures, in parallel on a pool thread.
 pub(crate) fn join<A: Send, B: Send>(
     first: impl FnOnce() -> A + Send,
     second: impl FnOnce() -> B + Send,

@@ -1,19 +1,19 @@
-//! How far something is, told to whoever wants to know.
+//! Progress reports.
 
 use std::fmt;
 use std::sync::Arc;
 
-/// Whoever wants to know how far something is, such as a build.
+/// An optional callback that receives the progress of an operation, such as a build.
 #[derive(Clone, Default)]
 pub struct ProgressCallback(Option<Arc<dyn Fn(f64) + Send + Sync>>);
 
 impl ProgressCallback {
-    /// Calls `listener`, from any thread, with the share that is done.
+    /// Creates a callback. `listener` is called from any thread with the fraction done, in [0, 1].
     pub fn new(listener: impl Fn(f64) + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(listener)))
     }
 
-    /// Tells the share that is done, in 0 to 1.
+    /// Reports the fraction done, in [0, 1].
     pub fn report(&self, done: f64) {
         if let Some(listener) = &self.0 {
             listener(done);

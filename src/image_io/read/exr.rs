@@ -1,4 +1,4 @@
-//! OpenEXR: every part and every channel, gathered into layers by their names.
+//! OpenEXR: every part and channel, grouped into layers by name.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use crate::color::Rgb;
 
 use super::layered::{BEAUTY, ImageLayer, LayeredImage, check_samples};
 
-/// ZIP packs at most 1032 bytes into one, and no other method of the format that is read here more.
+/// Maximum compression ratio of ZIP (1032), and of every other supported method.
 const MAX_ZIP_RATIO: u64 = 1032;
 
-/// What a channel is to its layer.
+/// The role of a channel in its layer.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum ChannelRole {
     Color(usize),
@@ -25,7 +25,7 @@ pub(super) fn read(path: &Path, length: u64) -> Result<LayeredImage, String> {
     let size = image.layer_data.first().ok_or("it has no parts")?.size;
     let mut layers = Vec::new();
     for part in &image.layer_data {
-        // A part of another size is a picture of its own, such as a preview.
+        // A part of a different size is a separate picture, such as a preview.
         if part.size != size {
             continue;
         }
@@ -43,7 +43,7 @@ pub(super) fn read(path: &Path, length: u64) -> Result<LayeredImage, String> {
     Ok(LayeredImage { width: size.0, height: size.1, layers, is_display_referred: false })
 }
 
-/// Refuses what the reading crate would take memory for in vain.
+/// Rejects headers for which the exr crate would allocate too much memory.
 fn check_header(path: &Path, length: u64) -> Result<(), String> {
     let meta = MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
     for header in &meta.headers {
@@ -60,8 +60,8 @@ fn check_header(path: &Path, length: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// Puts a channel where it belongs: `direct.R` is the red of the layer `direct`, and `normal.X` the first
-/// of the three numbers of `normal`. `has` knows the other channels.
+/// Adds a channel to its layer: `direct.R` is the red of layer `direct`, and `normal.X` the first
+/// component of `normal`. `has` returns true for channels that exist in this part.
 fn add(
     channel: &AnyChannel<FlatSamples>,
     has: &dyn Fn(&str) -> bool,
@@ -71,7 +71,7 @@ fn add(
 ) {
     let full = channel.name.to_string();
     let (prefix, last) = full.rsplit_once('.').unwrap_or(("", &full));
-    // A `Y` alone is a grey picture, and a `Z` alone a depth.
+    // A single `Y` is a grey picture, and a single `Z` a depth.
     let is_vector = ["X", "Y", "Z"].iter().all(|axis| has(&format!("{prefix}.{axis}")));
     let (suffix, role) = match last.to_ascii_uppercase().as_str() {
         "X" if is_vector => ("", ChannelRole::Color(0)),
@@ -97,7 +97,7 @@ fn add(
     }
 }
 
-/// The parts that say something, joined by dots. Others call the picture itself by these names.
+/// Joins the nonempty parts by dots. Other programs use several names for the beauty.
 fn layer_name(parts: [&str; 3]) -> String {
     let is_beauty = |part: &str| matches!(part, "" | "rgb" | "rgba" | "RGB" | "RGBA" | "beauty");
     let said: Vec<&str> = parts.into_iter().filter(|part| !is_beauty(part)).collect();
@@ -113,7 +113,7 @@ mod tests {
 
     use super::*;
 
-    /// One part with the channels, of 2 x 1 pixels that hold `value` and `2 value`.
+    /// One part with the given channels, of 2 x 1 pixels with values `value` and `2 value`.
     fn part(name: &str, channels: &[(&str, f32)]) -> Part<AnyChannels<FlatSamples>> {
         let channel = |&(name, value): &(&str, f32)| {
             AnyChannel::new(Text::from(name), FlatSamples::F32(vec![value, 2.0 * value]))

@@ -1,43 +1,43 @@
-//! What a file becomes that is read.
+//! A picture read from a file, as named layers.
 
 use crate::color::Rgb;
 
-/// The name of the layer that is the picture itself.
+/// The name of the layer with the picture itself.
 pub const BEAUTY: &str = "beauty";
-/// More samples than this are no picture that we could hold in memory twice.
+/// More samples than this would not fit into memory twice.
 pub(super) const MAX_SAMPLES: u64 = 1 << 30;
 
-/// A picture file: layers of one size.
+/// A picture file: named layers of equal size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayeredImage {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: usize,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: usize,
-    /// The layers in the order of the file, [`BEAUTY`] first where there is one.
+    /// The layers in file order, with [`BEAUTY`] first if present.
     pub layers: Vec<ImageLayer>,
-    /// Whether the file holds values for the screen (sRGB, cut off at 1) and not light.
+    /// True if the file holds display values (sRGB, clipped at 1) rather than linear light.
     pub is_display_referred: bool,
 }
 
-/// One layer: linear Rec. 709, rows from the top, pixels of a row from the left.
+/// A layer: linear Rec. 709, rows from top to bottom, pixels from left to right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageLayer {
-    /// Its name; [`BEAUTY`] for the picture itself.
+    /// Name; [`BEAUTY`] for the picture itself.
     pub name: String,
     /// `width * height` values.
     pub pixels: Vec<Rgb>,
 }
 
 impl LayeredImage {
-    /// The layer of that name.
+    /// Returns the layer with this name.
     pub fn layer(&self, name: &str) -> Option<&ImageLayer> {
         self.layers.iter().find(|layer| layer.name == name)
     }
 }
 
 impl ImageLayer {
-    /// How many pixels are infinite or not a number, and the index of the first of them.
+    /// Number of infinite or NaN pixels and the index of the first; `None` if all are finite.
     pub fn count_non_finite(&self) -> Option<(usize, usize)> {
         let mut bad = (0..self.pixels.len()).filter(|&i| !self.pixels[i].is_finite());
         let first = bad.next()?;
@@ -45,7 +45,7 @@ impl ImageLayer {
     }
 }
 
-/// Refuses a header whose samples (f32) would not fit into memory.
+/// Rejects sizes whose f32 samples would not fit into memory.
 pub(super) fn check_samples(width: u64, height: u64, channels: u64) -> Result<(), String> {
     if width == 0 || height == 0 {
         return Err("it has no pixels".to_owned());

@@ -1,4 +1,4 @@
-//! The light of an image that surrounds a scene.
+//! Reads environment maps.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -8,21 +8,21 @@ use image::{ImageFormat, ImageReader};
 
 use crate::color::Rgb;
 
-/// The pixels of an image: linear Rec. 709, rows from the top, pixels of a row from the left.
+/// The pixels of an image: linear Rec. 709, rows from top to bottom, pixels from left to right.
 #[derive(Clone, Debug)]
 pub struct Image {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: usize,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: usize,
-    /// `width * height` values, of any kind that the file can hold.
+    /// `width * height` values, possibly negative or not finite.
     pub pixels: Vec<Rgb>,
 }
 
 /// Reads a `.exr` or `.hdr` file.
 ///
 /// # Errors
-/// With what is wrong with it.
+/// When the file cannot be read; the message gives the reason.
 pub fn read_light(path: &Path) -> Result<Image, String> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let file = File::open(path).map_err(|error| error.to_string())?;
@@ -41,7 +41,7 @@ fn read_hdr(file: BufReader<File>) -> Result<Image, String> {
     Ok(Image { width, height, pixels })
 }
 
-/// The channels `R`, `G` and `B` of the first layer that can be read, or `Y` for all three.
+/// Reads `R`, `G` and `B` of the first readable layer, or `Y` for all three.
 fn read_exr(file: BufReader<File>) -> Result<Image, String> {
     use exr::prelude::{ReadChannels, ReadLayers};
     let reader = exr::prelude::read().no_deep_data().largest_resolution_level();

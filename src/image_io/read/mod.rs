@@ -1,12 +1,12 @@
-//! Pictures come back from files: those that we write, and those that others write.
+//! Reads pictures from files, our own and those of other programs.
 //!
-//! A file is a list of named layers of one size. `.exr` may hold many: its channels `R`, `G`, `B` are
-//! the layer [`BEAUTY`], `direct.R`, `direct.G`, `direct.B` the layer `direct`, and so on through all
-//! parts of the file; `normal.X`, `normal.Y`, `normal.Z` are the layer `normal`; a layer with one channel is grey, and an `A` is a grey layer of its own. All
-//! values are linear; what a `.png` holds is decoded from sRGB, whatever colour profile it names.
+//! A file is a list of named layers of equal size. An `.exr` file may hold many: channels `R`, `G`,
+//! `B` form the layer [`BEAUTY`]; `direct.R`, `direct.G`, `direct.B` the layer `direct`, and so on
+//! through all parts of the file; `normal.X`, `normal.Y`, `normal.Z` the layer `normal`. A layer
+//! with one channel is grey, and `A` is a separate grey layer. All values are linear; a `.png` is
+//! decoded from sRGB, regardless of its color profile.
 //!
-//! A damaged or hostile file is an error: sizes are believed only as far as the file's length can
-//! bear them out.
+//! A damaged or malicious file is an error: sizes in headers are checked against the file's length.
 
 mod exr;
 mod layered;
@@ -26,11 +26,11 @@ pub use layered::{BEAUTY, ImageLayer, LayeredImage};
 pub use light::{Image, read_light};
 pub use raw::{RawChannel, read_raw_channels};
 
-/// Reads a picture; its extension says the format.
+/// Reads a picture; the extension selects the format.
 ///
 /// # Errors
-/// When the extension is none of `.png`, `.exr`, `.hdr` and `.pfm`, or when the file cannot be read as
-/// what it claims to be.
+/// When the extension is not `.png`, `.exr`, `.hdr` or `.pfm`, or when the file is unreadable or
+/// invalid.
 pub fn read_image(path: &Path) -> Result<LayeredImage> {
     let format = FileFormat::from_path(path)?;
     let trouble = |reason: String| Error::file("read", path, reason);
@@ -81,7 +81,7 @@ mod tests {
         let (_folder, path) = written(&picture, "a.png");
         let read = read_image(&path).unwrap();
         assert!(read.is_display_referred);
-        // Half a step of 1/255 where the curve is steepest, 2.4 / 1.055.
+        // Half a step of 1/255 at the steepest slope of the curve, 2.4 / 1.055.
         let allowed = 0.5 / 255.0 * 2.4 / 1.055 + 1e-6;
         for (pixel, &value) in read.layers[0].pixels.iter().enumerate() {
             let exact = picture.beauty(pixel).min(Rgb::ONE);

@@ -1,5 +1,5 @@
-//! Portable float map: `PF` (colour) or `Pf` (grey), the size, and a scale whose sign says the order
-//! of the bytes; then f32 rows from the bottom up.
+//! Portable float map: `PF` (color) or `Pf` (grey), the size, and a scale whose sign gives the byte
+//! order; then f32 rows from bottom to top.
 
 use std::path::Path;
 
@@ -12,12 +12,12 @@ struct PfmHeader {
     height: usize,
     channels: usize,
     is_little_endian: bool,
-    /// Bytes up to the first float.
+    /// Offset of the first float, in bytes.
     length: usize,
 }
 
 pub(super) fn read(path: &Path, length: u64) -> Result<LayeredImage, String> {
-    // Three channels of f32 for each pixel that can be held, and a header.
+    // Four bytes for each sample allowed, and a header.
     if length > 4 * MAX_SAMPLES + 4096 {
         return Err("it is larger than any picture that can be held".to_owned());
     }

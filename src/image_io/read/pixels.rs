@@ -35,7 +35,7 @@ pub(super) fn decode(path: &Path, format: ImageFormat) -> Result<DynamicImage, S
     let open = || -> Result<_, String> {
         let mut reader = ImageReader::open(path).map_err(|e| e.to_string())?;
         reader.set_format(format);
-        reader.no_limits(); // ours are checked before
+        reader.no_limits(); // `check_samples` has our own
         Ok(reader)
     };
     let (width, height) = open()?.into_dimensions().map_err(|e| e.to_string())?;

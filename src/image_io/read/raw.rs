@@ -1,4 +1,4 @@
-//! The values of a picture's file as they are stored, to be compared to the bit.
+//! Reads the stored values of a picture file, for bitwise comparison.
 
 use std::path::Path;
 
@@ -8,19 +8,19 @@ use crate::error::{Error, Result};
 
 use crate::image_io::format::FileFormat;
 
-/// A channel as it is stored.
+/// A channel as stored in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RawChannel {
-    /// Its name in the file; `R`, `G`, `B` and `A` in one that knows no others.
+    /// Name in the file; `R`, `G`, `B` and `A` for formats without channel names.
     pub name: String,
-    /// Its values, along the rows: whole numbers, or the bits of floats.
+    /// Values, row by row: integers, or the bits of floats.
     pub bits: Vec<u32>,
 }
 
-/// All channels of a `.exr` or `.png` file, in the order of their names.
+/// Reads all channels of a `.exr` or `.png` file, sorted by name.
 ///
 /// # Errors
-/// When it cannot be read, or is of another format.
+/// When the file cannot be read or has another format.
 pub fn read_raw_channels(path: &Path) -> Result<Vec<RawChannel>> {
     let trouble = |reason: String| Error::file("read", path, reason);
     match FileFormat::from_path(path)? {
