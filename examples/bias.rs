@@ -1,8 +1,8 @@
-//! What each of the paper's shortcuts costs: its bias, its variance, its rays and its time against the
-//! default; and its bias against the paper's estimator without any, whose noise it shares.
+//! What each of the paper's shortcuts costs: its bias, its variance, its rays and its time against
+//! the default; and its bias against the paper's estimator without any, whose noise it shares.
 //!
-//! Figure 2, 8 x 6 pixels, 819200 samples per pixel in 32 independent seeds, an eighth of that for the
-//! row that is drawn again on a miss. Takes some minutes. Prints the table of `docs/paper.md`:
+//! Figure 2, 8 x 6 pixels, 819200 samples per pixel in 32 independent seeds, an eighth of that for
+//! the row that is drawn again on a miss. Takes some minutes. Prints the table of `docs/paper.md`:
 //!
 //!     cargo run --release --example bias
 
@@ -26,8 +26,8 @@ const SAMPLES: u32 = 25600;
 const FEWER: u32 = 8;
 const REDRAWS: &str = "paper.miss=redraw";
 
-/// The row of lights found by chance, each path followed until it leaves the scene: what the rows of
-/// the paper are held against, too.
+/// The row of lights found by chance, each path followed until it leaves the scene: what the rows
+/// of the paper are held against, too.
 const CHANCE: usize = 3;
 
 /// Each shortcut and the keys that ask for it. The first row is what all others are held against.
@@ -116,8 +116,8 @@ impl Row {
         self.pictures.iter().map(|picture| picture.mean().to_array().iter().sum::<f64>() / 3.0)
     }
 
-    /// How far the mean is from another's, in per cent, with its 95 % interval. A seed gives both the
-    /// same random numbers, so their differences are judged.
+    /// How far the mean is from another's, in per cent, with its 95 % interval. A seed gives both
+    /// the same random numbers, so their differences are judged.
     fn error(&self, other: &Self) -> String {
         let differences: Vec<f64> =
             self.means().zip(other.means()).map(|(ours, theirs)| ours - theirs).collect();

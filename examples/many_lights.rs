@@ -1,8 +1,8 @@
 //! The ground under a cloud of small spheres of which every tenth glows, and what the choice among
 //! its lamps is worth.
 //!
-//! `cargo run --release --example many_lights -- FOLDER [SPHERES]` writes `many-lights.toml` with its
-//! tables into the folder, renders it with each way of choosing, and prints the errors at equal
+//! `cargo run --release --example many_lights -- FOLDER [SPHERES]` writes `many-lights.toml` with
+//! its tables into the folder, renders it with each way of choosing, and prints the errors at equal
 //! samples and at equal time. `docs/lights.md` quotes such a run.
 #![allow(clippy::print_stdout, reason = "an example's result")]
 

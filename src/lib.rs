@@ -9,7 +9,8 @@
 //!
 //! [`scene::SceneBuilder`] makes a scene, [`job::run`] renders it; README.md has an example.
 //!
-//! ARCHITECTURE.md says what each module holds and which module may use which. `docs/conventions.md` defines every symbol and unit once.
+//! ARCHITECTURE.md says what each module holds and which module may use which.
+//! `docs/conventions.md` defines every symbol and unit once.
 
 pub mod accel;
 pub mod camera;

@@ -85,8 +85,8 @@ fn every_mistake_is_found_and_nothing_fails_without_one() {
     assert_documented(&table);
 }
 
-/// Runs a check with a mistake, or with none. The check is made anew each time: what it prepares, it
-/// prepares with the mistake.
+/// Runs a check with a mistake, or with none. The check is made anew each time: what it prepares,
+/// it prepares with the mistake.
 fn run(name: &str, fault: Option<Fault>) -> CheckResult {
     switch_to(fault);
     let checks = all_checks_on(Effort::Quick, &[Backend::Native]);
@@ -126,7 +126,8 @@ impl Row {
         Some(Self { mistake, text: [wrong, check], statistic: statistic.ok()?, unit })
     }
 
-    /// Whether both say the same, but for a factor of two in the statistic: it moves with the samples.
+    /// Whether both say the same, but for a factor of two in the statistic: it moves with the
+    /// samples.
     fn agrees(&self, other: &Self) -> bool {
         let ratio = self.statistic / other.statistic;
         let alike = |row: &Self| (row.mistake.clone(), row.text.clone(), row.unit.clone());

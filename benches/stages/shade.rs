@@ -1,5 +1,5 @@
-//! Paths in scenes of a few spheres, where finding hits costs next to nothing: camera, surfaces, lamps
-//! and scattering, on one thread, with each set of vector instructions that there is.
+//! Paths in scenes of a few spheres, where finding hits costs next to nothing: camera, surfaces,
+//! lamps and scattering, on one thread, with each set of vector instructions that there is.
 
 use std::path::Path;
 

@@ -115,8 +115,8 @@ fn forget_equal_infinities(a: &mut LayeredImage, b: &mut LayeredImage) {
     }
 }
 
-/// Refuses pixels that are not finite in the layers that are to be compared. A variance may be infinite:
-/// it is then not known.
+/// Refuses pixels that are not finite in the layers that are to be compared. A variance may be
+/// infinite: it is then not known.
 pub(super) fn check_finite(
     path: &Path,
     picture: &LayeredImage,

@@ -92,8 +92,8 @@ fn is_too_noisy(reference: &Reference, series: &[Series], metric: ErrorMetric) -
     reference.noise(metric).is_some_and(|own| own > 0.0 && own >= 0.5 * least)
 }
 
-/// What is to be rendered, and the integrator of the reference. Where the scene objects to anything, it
-/// does so now and not after an hour.
+/// What is to be rendered, and the integrator of the reference. Where the scene objects to
+/// anything, it does so now and not after an hour.
 fn study(args: &ConvergeArgs) -> Result<(Study, String)> {
     let choices = choices(args);
     let mut step = 1;

@@ -67,14 +67,14 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     Ok(if failures == 0 { Exit::Done } else { Exit::CheckFailed })
 }
 
-/// The intersector that finds where camera rays bounce: always the same one, so that the rays do not
-/// depend on which are checked.
+/// The intersector that finds where camera rays bounce: always the same one, so that the rays do
+/// not depend on which are checked.
 fn bouncer(spheres: &SphereSet) -> Backend {
     if spheres.len() <= FEW_SPHERES { Backend::BruteForce } else { Backend::Native }
 }
 
-/// A third of all rays each: rays of the camera, and their bounces. Camera rays that hit nothing have
-/// no bounce; random rays take those places.
+/// A third of all rays each: rays of the camera, and their bounces. Camera rays that hit nothing
+/// have no bounce; random rays take those places.
 fn rays_of_shot(shot: &PreparedScene, accel: &dyn Accel, args: &CrosscheckArgs) -> Vec<PathRay> {
     let spheres = shot.scene().spheres();
     let mut rays = camera_rays(shot, args.rays as usize / 3, args.seed);

@@ -1,6 +1,7 @@
-//! Signals. Ctrl-C, and being told to terminate: while there is nothing to save, either ends the program at once.
-//! Once there is, either asks the work to stop, and only a second Ctrl-C ends the program at once: a person
-//! at a terminal means it, but a system that shuts down sends what it has, one signal after another.
+//! Signals. Ctrl-C, and being told to terminate: while there is nothing to save, either ends the
+//! program at once. Once there is, either asks the work to stop, and only a second Ctrl-C ends the
+//! program at once: a person at a terminal means it, but a system that shuts down sends what it
+//! has, one signal after another.
 
 use std::fs;
 use std::sync::Arc;
@@ -62,11 +63,13 @@ impl Heard {
     }
 }
 
-/// Listens for the signals that end a program, and for those by which batch systems announce an end:
-/// SIGXCPU and SIGUSR2 stop as Ctrl-C does, SIGUSR1 saves and goes on. There is nothing to save so far.
+/// Listens for the signals that end a program, and for those by which batch systems announce an
+/// end: SIGXCPU and SIGUSR2 stop as Ctrl-C does, SIGUSR1 saves and goes on. There is nothing to
+/// save so far.
 ///
-/// A signal that the program was started to ignore, as SIGHUP under `nohup` or SIGINT in the background
-/// of a script, stays ignored. Unfinished files are removed before the program dies at once.
+/// A signal that the program was started to ignore, as SIGHUP under `nohup` or SIGINT in the
+/// background of a script, stays ignored. Unfinished files are removed before the program dies at
+/// once.
 pub(super) fn listen() -> Interrupt {
     let interrupt = Interrupt::default();
     let ours = interrupt.clone();
@@ -98,8 +101,8 @@ pub(super) fn listen() -> Interrupt {
     interrupt
 }
 
-/// The signals that mean something, but for those that the parent process made this one ignore: its wish is the
-/// user's.
+/// The signals that mean something, but for those that the parent process made this one ignore: its
+/// wish is the user's.
 fn heeded() -> Vec<i32> {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -110,16 +113,16 @@ fn heeded() -> Vec<i32> {
         .collect()
 }
 
-/// Makes a write beyond the limit on the size of files fail as on a full disk, in place of ending the
-/// program.
+/// Makes a write beyond the limit on the size of files fail as on a full disk, in place of ending
+/// the program.
 pub(super) fn survive_file_size_limits() {
     // A handler that does nothing of note: the write then returns an error.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
 }
 
 impl Interrupt {
-    /// The request that the first signal sets, once there is something to save. Others may set it for
-    /// reasons of their own, such as a time that is up.
+    /// The request that the first signal sets, once there is something to save. Others may set it
+    /// for reasons of their own, such as a time that is up.
     pub(super) fn cancel(&self) -> CancelToken {
         self.cancel.clone()
     }
@@ -129,7 +132,7 @@ impl Interrupt {
         self.save_request.clone()
     }
 
-    /// Whether a signal asked to stop.
+    /// Returns true if a signal asked to stop.
     pub(super) fn is_requested(&self) -> bool {
         self.is_asked.load(Ordering::Relaxed)
     }

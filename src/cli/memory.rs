@@ -13,7 +13,7 @@ use super::{print, system};
 
 /// What a command needs memory for, beside the scene.
 pub(super) struct MemoryNeeds<'a> {
-    /// They are built one after the other and kept.
+    /// The backends, which are built one after the other and kept.
     pub(super) backends: &'a [Backend],
     /// The layers of the picture.
     pub(super) kinds: &'a [Aov],
@@ -21,7 +21,8 @@ pub(super) struct MemoryNeeds<'a> {
     pub(super) besides: u64,
 }
 
-/// Refuses a scene that needs more memory than the user allows or, if nothing was said, than is free.
+/// Refuses a scene that needs more memory than the user allows or, if nothing was said, than is
+/// free.
 ///
 /// # Errors
 /// With the number, and the cheaper choice where there is one.

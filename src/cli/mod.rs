@@ -41,9 +41,9 @@ use crate::scene::keys;
 use args::{Cli, Command};
 use exit::Exit;
 
-/// Runs the command that the program's arguments ask for, and prints what comes of it. The command has
-/// a thread of its own: when it ends, or when a signal says so, this function returns, and with it the
-/// program ends, whatever other threads do.
+/// Runs the command that the program's arguments ask for, and prints what comes of it. The command
+/// has a thread of its own: when it ends, or when a signal says so, this function returns, and with
+/// it the program ends, whatever other threads do.
 pub fn main() -> ExitCode {
     interrupt::survive_file_size_limits();
     let left = exit::last_word();

@@ -66,7 +66,7 @@ impl Outputs {
         self.part.as_deref()
     }
 
-    /// Whether there is any picture among the files.
+    /// Returns true if any of the files is a picture.
     pub(super) fn has_pictures(&self) -> bool {
         !self.pictures.is_empty()
     }
@@ -156,7 +156,7 @@ fn place(file: &Path) -> PathBuf {
     full.canonicalize().ok().or_else(beside).unwrap_or_else(|| full.clone())
 }
 
-/// Whether a file is to hold the sums themselves.
+/// Returns true if a file is to hold the film itself.
 pub(super) fn is_part(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("part"))
 }

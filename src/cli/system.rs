@@ -1,5 +1,5 @@
-//! What the operating system says of this machine, `None` where it does not say; this very run, and its
-//! threads.
+//! What the operating system says of this machine, `None` where it does not say; this very run, and
+//! its threads.
 
 use crate::error::{Error, Result};
 

@@ -144,7 +144,8 @@ fn mul_matrix(matrix: &Matrix, [r, g, b]: [f32; 3]) -> [f32; 3] {
 }
 
 /// Interleaved gradient noise in `[0, 1)` (J. Jimenez, "Next Generation Post Processing in Call of
-/// Duty: Advanced Warfare", SIGGRAPH 2014): neighbours differ much, small groups cover the interval.
+/// Duty: Advanced Warfare", SIGGRAPH 2014): neighbours differ much, small groups cover the
+/// interval.
 fn gradient_noise(column: usize, row: usize) -> f32 {
     let slope = 0.067_110_56 * column as f64 + 0.005_837_15 * row as f64;
     let noise = (52.982_918_9 * slope.fract()).fract() as f32;
@@ -183,7 +184,8 @@ mod tests {
         assert_eq!(filmic(5.6), 1.0);
         // Mixing the channels changes grey by less than 2e-4.
         assert_abs_diff_eq!(grey(ToneCurve::AgX, 0.18), 0.5, epsilon = 5e-4);
-        // Wrensch's polynomial over the interval of stops, fitted with a mean squared error of 3.7e-6.
+        // Wrensch's polynomial over the interval of stops, fitted with a mean squared error of
+        // 3.7e-6.
         let fitted = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232];
         for step in 0..=100 {
             let x = step as f32 / 100.0;

@@ -4,15 +4,11 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
-<<<<<<< HEAD
 /// The formats and what they hold, for the help of options.
 pub const PICTURE_FORMATS: &str =
     ".png (8 bit for the screen), .exr (linear, with layers), .hdr or .pfm (linear)";
 
 /// The file formats, by their extensions.
-=======
-/// File formats, selected by extension.
->>>>>>> c2
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FileFormat {
     Png,

@@ -22,9 +22,9 @@ pub struct BackgroundDescription {
     pub up: DVec3,
     /// `[background.sun]`.
     pub sun: Option<SunDescription>,
-    /// Whether camera rays that meet nothing see the background, or black.
+    /// True if camera rays that hit nothing see the background, else they see black.
     pub camera_visible: bool,
-    /// Whether pictures have an alpha channel that is 0 where camera rays meet nothing.
+    /// True if pictures have an alpha channel that is 0 where camera rays hit nothing.
     pub transparent: bool,
 }
 

@@ -40,7 +40,7 @@ pub enum SurfaceModel {
     },
     /// `type = "conductor"`: metal.
     Conductor {
-        /// Its complex index of refraction.
+        /// The complex index of refraction.
         metal: Metal,
         /// From 0, smooth, to 1; the square root of the microsurface's alpha.
         roughness: f64,
@@ -75,7 +75,7 @@ pub enum SurfaceModel {
         specular: Rgb,
         /// How narrow the highlight is.
         exponent: f64,
-        /// Whether the lobe is scaled to conserve energy (Lafortune and Willems 1994) or left as
+        /// True if the lobe is scaled to conserve energy (Lafortune and Willems 1994) or left as
         /// Phong wrote it.
         normalized: bool,
     },

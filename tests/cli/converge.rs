@@ -19,8 +19,8 @@ fn json(desk: &Desk, arguments: &str) -> Value {
     run(desk, &format!("{arguments} --json --quiet")).succeeds().json()
 }
 
-/// With 12 seeds and independent numbers the slope is -1/2 within its own 99.98 % interval, which is
-/// 2.4 times the printed one (Student's t, 11 degrees of freedom).
+/// With 12 seeds and independent numbers the slope is -1/2 within its own 99.98 % interval, which
+/// is 2.4 times the printed one (Student's t, 11 degrees of freedom).
 #[test]
 fn independent_samples_have_the_slope_of_one_half_for_every_estimator() {
     let desk = desk();
@@ -94,8 +94,8 @@ fn the_usual_samples_are_such_that_the_paper_can_take_them() {
     assert_eq!(samples(&told), [[1, 2, 4, 8, 16, 32, 64]]);
 }
 
-/// Aiming at the lamp of figure 2 is worth far more than finding it by chance: a factor of ten in the
-/// error, at the least.
+/// Aiming at the lamp of figure 2 is worth far more than finding it by chance: a factor of ten in
+/// the error, at the least.
 #[test]
 fn estimators_are_curves_of_their_own() {
     let desk = desk();

@@ -74,7 +74,8 @@ impl Desk {
         Self::new(&fs::read_to_string(path).expect("our own scene"))
     }
 
-    /// With so many spheres beside the small scene's that brute force needs seconds for a few samples.
+    /// With so many spheres beside the small scene's that brute force needs seconds for a few
+    /// samples.
     pub(crate) fn of_many_spheres() -> Self {
         let table = "[[sphere_tables]]\nfile = \"many.f32\"\nmaterial = \"grass\"\n\
                      columns = [\"x\", \"y\", \"z\", \"radius\"]\n[render]";

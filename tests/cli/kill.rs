@@ -1,5 +1,6 @@
 //! The proof that long renders survive: hundreds of times the program is killed without warning, at
-//! random instants, and goes on. What comes out in the end has the bytes of a render without a break.
+//! random instants, and goes on. What comes out in the end has the bytes of a render without a
+//! break.
 
 use std::fs;
 use std::path::Path;
@@ -34,8 +35,8 @@ fn start(desk: &Desk, command: &str) -> Child {
     desk.command(command).stderr(Stdio::null()).spawn().expect("the program starts")
 }
 
-/// Lets the program run for so long and kills it; whether it had ended by itself. `from` is the moment
-/// when it starts, or when it next writes what it keeps.
+/// Lets the program run for so long and kills it; whether it had ended by itself. `from` is the
+/// moment when it starts, or when it next writes what it keeps.
 fn kill_after(mut child: Child, delay: Duration, from: &From<'_>) -> bool {
     if let From::NextCheckpoint(folder) = from {
         let written = || fs::metadata(folder.join("a.part")).and_then(|file| file.modified()).ok();
@@ -103,8 +104,8 @@ fn survives(desk: &Desk, goal: &str, most_kills: usize) {
                 assert!(child.wait_with_output().expect("it ends").status.success());
                 break;
             }
-            // Half of the kills may come at any time, also while the program loads; the others meet it
-            // at work, however long loading takes on a busy machine.
+            // Half of the kills may come at any time, also while the program loads; the others meet
+            // it at work, however long loading takes on a busy machine.
             let (from, longest) = match rng.random() {
                 true => (From::Start, 0.4),
                 false => (From::NextCheckpoint(folder), 0.1),

@@ -273,7 +273,8 @@ fn begun(desk: &Desk, options: &str) -> std::process::Child {
     child
 }
 
-/// As under `nohup`, or in the background of a script: what is ignored stays so, the rest is heeded.
+/// As under `nohup`, or in the background of a script: what is ignored stays so, the rest is
+/// heeded.
 #[cfg(target_os = "linux")]
 #[test]
 fn signals_are_heeded_where_others_are_ignored() {

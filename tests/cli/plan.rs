@@ -1,5 +1,5 @@
-//! Renders that are shared out by a plan: what it prints is run to the end, and gives the bytes of one
-//! render.
+//! Renders that are shared out by a plan: what it prints is run to the end, and gives the bytes of
+//! one render.
 
 use std::fs;
 use std::process::Command;

@@ -310,8 +310,8 @@ fn a_render_goes_on_without_a_tev_that_is_gone() {
     desk.run(&format!("render scene.toml -o b.pfm --tev 127.0.0.1:{port}")).fails(3, &words);
 }
 
-/// A viewer that takes nothing any more: the picture is saved before it is waited for, and the program
-/// ends all the same.
+/// A viewer that takes nothing any more: the picture is saved before it is waited for, and the
+/// program ends all the same.
 #[test]
 fn a_tev_that_hangs_keeps_nothing_from_being_saved() {
     let large = SCENE.replace("width = 16", "width = 1600").replace("height = 12", "height = 1200");

@@ -97,8 +97,9 @@ fn processor_time(child: &Child) -> (f64, bool) {
     ((ticks(11) + ticks(12)) / 100.0, fields[0] == "Z")
 }
 
-/// Stopped, a picture of two megapixels with layers is written, and its checkpoint, with no more processor
-/// time than two threads have in one and a half seconds. Wall time is no measure on a busy machine.
+/// Stopped, a picture of two megapixels with layers is written, and its checkpoint, with no more
+/// processor time than two threads have in one and a half seconds. Wall time is no measure on a
+/// busy machine.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_large_picture_is_written_soon_after_a_signal() {

@@ -61,8 +61,8 @@ impl Kit {
         self
     }
 
-    /// With the paper's integrator, fed with independent numbers as in its figures. The samples of a
-    /// pixel stay, and its sub-pixels share them.
+    /// With the paper's integrator, fed with independent numbers as in its figures. The samples of
+    /// a pixel stay, and its sub-pixels share them.
     pub(crate) fn paper(mut self, paper: PaperSettings) -> Self {
         self.settings.render.sampler = SamplerKind::Independent;
         let samples = self.settings.render.samples_per_pixel;

@@ -1,5 +1,5 @@
-//! CONTRIBUTING.md says of every dependency what it replaces, and names none that is gone; the library
-//! goes without those of the command line.
+//! CONTRIBUTING.md says of every dependency what it replaces, and names none that is gone; the
+//! library goes without those of the command line.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,6 +1,6 @@
-//! The street is a test: a room of `src/` imports only rooms that ARCHITECTURE.md lets it use, all that
-//! it lets it use, and no file itself through others; only `cli` prints, only `image_io` knows pixels in
-//! files, and `unsafe` stays in its few places.
+//! The street is a test: a room of `src/` imports only rooms that ARCHITECTURE.md lets it use, all
+//! that it lets it use, and no file itself through others; only `cli` prints, only `image_io` knows
+//! pixels in files, and `unsafe` stays in its few places.
 //!
 //! The table "room, what lives there, may use" of ARCHITECTURE.md is the rule itself, read from the
 //! document, so the two cannot differ. "May use" includes whatever the named rooms may use. This
@@ -157,7 +157,8 @@ fn circles_of_files_are_found_and_what_is_handed_on_is_none() {
     assert_eq!(found, [["src/a.rs", "src/b/inner.rs", "src/c.rs"].map(str::to_owned).into()]);
     // Tests, comments, other crates and a file's own modules are no uses.
     let free = "mod keys {\n    use super::Kind;\n    fn f(_: Kind) {}\n}\nuse kind::Name;\n\
-                /// [`super::Kind`]\npub struct Kind(Name);\n#[cfg(test)]\nmod tests {\n    use super::super::Kind;\n    \
+                /// [`super::Kind`]\npub struct Kind(Name);\n#[cfg(test)]\nmod tests {\n    use
+                /// super::super::Kind;\n    \
                 fn f(_: crate::room::Kind) {}\n}";
     let user = ("src/room/mod.rs", "mod kind;\npub struct Kind;\nfn f() -> kind::Kind { todo!() }");
     assert!(circles(&[user, ("src/room/kind.rs", free)]).is_empty());
@@ -261,8 +262,8 @@ fn forbidden_imports(file: &str, code: &str, rules: &Rules) -> Vec<String> {
     findings
 }
 
-/// The entries of the table that nobody would miss. A name that another room hands on is that of the
-/// room that defines it.
+/// The entries of the table that nobody would miss. A name that another room hands on is that of
+/// the room that defines it.
 fn unused_edges(direct: &Rules, sources: &[(String, String)]) -> Vec<String> {
     let mut used = BTreeSet::new();
     for (file, others) in &graph_of(sources) {
@@ -318,8 +319,8 @@ fn forbidden_pixels(file: &str, code: &str) -> Vec<String> {
     findings(file, code, &calls, "only `image_io` reads and writes pixels")
 }
 
-/// Where `unsafe` may be: the fence around Embree, the native kernel, and the module that calls vector
-/// instructions found at run time.
+/// Where `unsafe` may be: the fence around Embree, the native kernel, and the module that calls
+/// vector instructions found at run time.
 const UNSAFE: [&str; 3] = ["src/accel/embree/", "src/accel/native/kernel/", "src/math/isa.rs"];
 
 fn forbidden_unsafe(file: &str, code: &str) -> Vec<String> {
@@ -378,7 +379,8 @@ fn names_after(code: &str, root: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// `crate::Error` and `crate::Result` are the room `error` under the names that `lib.rs` gives them.
+/// `crate::Error` and `crate::Result` are the room `error` under the names that `lib.rs` gives
+/// them.
 fn without_re_export(name: String) -> String {
     if name == "Error" || name == "Result" { "error".to_owned() } else { name }
 }

@@ -1,10 +1,10 @@
 //! Every backend against the judge, over families of scenes that have broken intersectors before.
 //!
 //! Beyond a backend's stated error not one answer may differ. Within it they may, and how often is
-//! printed (`--nocapture`) and held against a recorded bound, three times the largest share measured
-//! when it was recorded, so that a backend that grows careless, or states a wider error to get
-//! through, fails too. A ninth of the random rays aim at silhouettes, half of those closer than f32
-//! can tell, which is most of what is ambiguous. Seeds are fixed: a failure is no accident of
+//! printed (`--nocapture`) and held against a recorded bound, three times the largest share
+//! measured when it was recorded, so that a backend that grows careless, or states a wider error to
+//! get through, fails too. A ninth of the random rays aim at silhouettes, half of those closer than
+//! f32 can tell, which is most of what is ambiguous. Seeds are fixed: a failure is no accident of
 //! chance.
 
 #![allow(clippy::print_stdout, reason = "the shares are worth reading with --nocapture")]

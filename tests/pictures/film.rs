@@ -57,7 +57,8 @@ fn all_at_once(passes: &ProgressiveRenderer<'_>) {
     assert_eq!(passes.counters().samples_done(), ALL);
 }
 
-/// An intersector that asks the render to stop, in the midst of a job, once so many samples are done.
+/// An intersector that asks the render to stop, in the midst of a job, once so many samples are
+/// done.
 struct Stopping<'a> {
     inner: &'a dyn Accel,
     counters: &'a Counters,
@@ -86,7 +87,8 @@ impl Accel for Stopping<'_> {
     }
 }
 
-/// Asks a render to stop once so many samples are done. Returns the film, of which not all is there.
+/// Asks a render to stop once so many samples are done. Returns the film, of which not all is
+/// there.
 fn stopped(shot: &PreparedScene, threads: usize, after: u64) -> Film {
     let (film, accel, cancel) = (empty_film(shot), accel(shot), CancelToken::default());
     let counters = Counters::new(&film, ALL);
@@ -107,8 +109,8 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
-/// After a request to stop no job begins, and what is in flight is not finished: at most those are kept that
-/// were being added just then, one on each of the other threads.
+/// After a request to stop no job begins, and what is in flight is not finished: at most those are
+/// kept that were being added just then, one on each of the other threads.
 #[test]
 fn a_request_to_stop_is_followed_by_no_new_work() {
     // A job adds 1024 samples, or those of some tiles of 64 pixels with less at the edges.

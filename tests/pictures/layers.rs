@@ -12,7 +12,8 @@ use photosphere::task::CancelToken;
 
 use crate::kit::{Kit, built};
 
-/// A ground, a lamp, a mirror, glass, a ball that is half there, and a matt ball before a background.
+/// A ground, a lamp, a mirror, glass, a ball that is half there, and a matt ball before a
+/// background.
 fn kit() -> Kit {
     let mut kit = Kit::new(48, 36, 20);
     kit.settings.render.max_depth = Some(4);
@@ -136,8 +137,8 @@ fn normals_are_those_of_the_integrator_for_them() {
         }
         assert!(alpha[pixel] <= solid_alpha[pixel]);
     }
-    // A quarter of the samples go through both walls of the ball that is half there. Twelve pixels of 20
-    // samples have a standard error of 0.028.
+    // A quarter of the samples go through both walls of the ball that is half there. Twelve pixels
+    // of 20 samples have a standard error of 0.028.
     let ids = whole(&all, "sphere_id");
     let half: Vec<f32> = (0..all.len())
         .filter(|&pixel| ids[pixel] == 5 && solid_alpha[pixel] == 1.0)
@@ -228,8 +229,8 @@ fn variance_is_that_of_the_mean() {
         let stated = pictures.iter().map(|p| f64::from(floats(p, "variance.G")[pixel]));
         said += stated.sum::<f64>() / 64.0;
     }
-    // 48 pixels of 64 seeds each: the relative error of the sum is about sqrt(2 / 63 / 48) = 2.6 % for
-    // normal values, which these are not quite.
+    // 48 pixels of 64 seeds each: the relative error of the sum is about sqrt(2 / 63 / 48) = 2.6 %
+    // for normal values, which these are not quite.
     assert!((found / said - 1.0).abs() < 0.15, "{found} {said}");
 }
 

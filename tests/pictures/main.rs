@@ -1,5 +1,5 @@
-//! Pictures: the same bits in whatever order they are made, when they are good enough, their layers,
-//! and how other programs read them.
+//! Pictures: the same bits in whatever order they are made, when they are good enough, their
+//! layers, and how other programs read them.
 
 mod film;
 #[path = "../common/kit.rs"]

@@ -1,8 +1,8 @@
 //! Other programs read our OpenEXR files: OpenEXR's own Python package finds every channel with its
 //! values, and another's decoder of Cryptomattes the names and masks.
 //!
-//! The interpreter is `target/python/bin/python`, which `scripts/setup-python.sh` makes, or the one in
-//! `PHOTOSPHERE_PYTHON`. Without the packages the tests say so and check nothing.
+//! The interpreter is `target/python/bin/python`, which `scripts/setup-python.sh` makes, or the one
+//! in `PHOTOSPHERE_PYTHON`. Without the packages the tests say so and check nothing.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -43,8 +43,8 @@ fn ball(center: [f64; 3], radius: f64, material: usize) -> SphereDescription {
     SphereDescription { name: None, center: DVec3::from(center), radius, material }
 }
 
-/// Balls on matt ground in the open, and a lamp beside the picture. The left one of its two squares is
-/// near the lamp, the right one has more shade, and both have edges of light.
+/// Balls on matt ground in the open, and a lamp beside the picture. The left one of its two squares
+/// is near the lamp, the right one has more shade, and both have edges of light.
 fn small_scene() -> Scene {
     let camera = CameraDescription {
         position: DVec3::new(0.0, 3.0, 6.0),
@@ -93,8 +93,8 @@ fn empty_film(shot: &PreparedScene) -> Film {
     Film::new(&format_for_scene(shot, &[])).expect("a small film")
 }
 
-/// Fills a film of the shot until it meets the target or is cancelled; the second says whether it got
-/// to its end.
+/// Fills a film of the shot until it meets the target or is cancelled; the second says whether it
+/// got to its end.
 fn fill_with(
     accel: &dyn Accel,
     shot: &PreparedScene,
@@ -207,8 +207,8 @@ fn stopping_does_not_bias_and_the_interval_holds_the_truth() {
     }
 }
 
-/// Standard errors that a mean over the seeds may be off: 18 comparisons fail a right program with a
-/// probability of 0.2 %.
+/// Standard errors that a mean over the seeds may be off: 18 comparisons fail a right program with
+/// a probability of 0.2 %.
 const ALLOWED: f64 = 4.0;
 /// A bias that nobody minds, relative.
 const ALLOWANCE: f64 = 1e-5;

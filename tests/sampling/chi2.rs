@@ -1,6 +1,6 @@
-//! Every sampling routine against its own density: the table of `verify::chi2`, with a million points
-//! for each row. The family-wise significance is 1 %, shared over the table by Sidak's correction. A
-//! failing histogram is written for plotting.
+//! Every sampling routine against its own density: the table of `verify::chi2`, with a million
+//! points for each row. The family-wise significance is 1 %, shared over the table by Sidak's
+//! correction. A failing histogram is written for plotting.
 
 use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};

@@ -121,8 +121,8 @@ fn every_number_is_uniform_over_the_pixels() {
 #[test]
 fn pairs_are_uniform_down_to_the_cells_within_cells() {
     // Where a pixel has few samples each has a cell of its own, and within that its own row and
-    // column: n^2 places, all as likely. Chi-square over 2^17 pixels, one sample of each; 18 tests at
-    // 1e-5.
+    // column: n^2 places, all as likely. Chi-square over 2^17 pixels, one sample of each; 18 tests
+    // at 1e-5.
     for kind in KINDS {
         for n in [4, 9, 16] {
             for pair in [0, 6] {
@@ -245,7 +245,8 @@ fn a_number_is_the_same_alone_and_in_its_pair_and_never_one() {
     for kind in KINDS {
         for sample in 0..1000 {
             let sampler = Sampler::with_kind(kind, 5, 6, sample, 1000);
-            // Also where a pair begins in the middle of another, or in one set and ends in the next.
+            // Also where a pair begins in the middle of another, or in one set and ends in the
+            // next.
             for dimension in 0..9 {
                 let pair = sampler.get_2d(dimension);
                 assert_eq!(pair, [dimension, dimension + 1].map(|d| sampler.get(d)), "{kind:?}");

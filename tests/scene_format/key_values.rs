@@ -1,5 +1,5 @@
-//! The values of a scene by the keys of its file: every one has a key, and a file with these keys has the
-//! same values.
+//! The values of a scene by the keys of its file: every one has a key, and a file with these keys
+//! has the same values.
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! The one table of keys against what else says the same: the manual, the values' own defaults, and the
-//! JSON schema.
+//! The one table of keys against what else says the same: the manual, the values' own defaults, and
+//! the JSON schema.
 
 use std::collections::BTreeSet;
 

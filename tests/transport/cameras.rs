@@ -118,8 +118,8 @@ fn a_closed_lens_is_the_pinhole_bit_by_bit() {
     assert_eq!((0..sharp.len()).filter(differ).count(), 0);
 }
 
-/// A wall of two halves, seen from 5 away: two balls so large that they are flat, one glowing. Their
-/// surfaces cross where x = 0, between the fourth and the fifth of eight columns.
+/// A wall of two halves, seen from 5 away: two balls so large that they are flat, one glowing.
+/// Their surfaces cross where x = 0, between the fourth and the fifth of eight columns.
 fn wall(lens: Option<LensDescription>) -> Kit {
     let mut kit = Kit::new(8, 6, 64);
     kit.scene.camera([0.0, 0.0, 5.0], [0.0; 3]);

@@ -23,8 +23,8 @@ fn lamp(kit: &mut Kit, albedo: [f32; 3], emission: [f32; 3]) -> MaterialHandle {
     kit.scene.material(MaterialDescription { surface, emission, ..Default::default() })
 }
 
-/// A few lamps, one of them around the camera and all, over matt and other surfaces; and small lamps
-/// before them.
+/// A few lamps, one of them around the camera and all, over matt and other surfaces; and small
+/// lamps before them.
 fn lamps(small: impl Iterator<Item = [f64; 3]>) -> Kit {
     let mut kit = Kit::new(40, 30, 4);
     kit.scene.camera([0.0, 2.0, 9.0], [0.0, 1.0, 0.0]).field_of_view(50.0);

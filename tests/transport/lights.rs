@@ -1,7 +1,7 @@
 //! Lights against closed forms.
 //!
-//! Means are over 32 independent seeds and may be off by four standard errors (see `common/kit.rs` for
-//! the significance of that) and 1e-5 relative.
+//! Means are over 32 independent seeds and may be off by four standard errors (see `common/kit.rs`
+//! for the significance of that) and 1e-5 relative.
 
 use std::f64::consts::PI;
 

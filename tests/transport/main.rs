@@ -1,8 +1,8 @@
-//! Light transport against closed forms and against itself: every estimator, every backend, every way
-//! to find light.
+//! Light transport against closed forms and against itself: every estimator, every backend, every
+//! way to find light.
 //!
-//! Means are over 32 independent seeds and may be off by four standard errors (see `common/kit.rs` for
-//! the significance of that) and 1e-5 relative.
+//! Means are over 32 independent seeds and may be off by four standard errors (see `common/kit.rs`
+//! for the significance of that) and 1e-5 relative.
 
 mod agreement;
 mod cameras;

@@ -1,5 +1,6 @@
 //! Absorption inside transparent spheres against closed forms. With an index of 1 a sphere neither
-//! reflects nor refracts, so that a ray along an axis keeps `exp(-absorption x length)` of the light.
+//! reflects nor refracts, so that a ray along an axis keeps `exp(-absorption x length)` of the
+//! light.
 
 use photosphere::color::Rgb;
 use photosphere::scene::description::SurfaceModel;
@@ -8,8 +9,8 @@ use crate::kit::{Judged, Kit, diffuse, glass};
 
 /// Transparent spheres around places on the axis, each `(z, radius, surface)`.
 ///
-/// The camera looks along -z from z = 5 at a background of radiance 2; the view is so narrow that all
-/// rays are the axis.
+/// The camera looks along -z from z = 5 at a background of radiance 2; the view is so narrow that
+/// all rays are the axis.
 fn axis(balls: &[(f64, f64, SurfaceModel)]) -> Kit {
     let mut kit = Kit::new(2, 2, 4);
     kit.scene.camera([0.0, 0.0, 5.0], [0.0; 3]).field_of_view(1e-4).background([2.0; 3]);

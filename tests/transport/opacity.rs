@@ -55,8 +55,8 @@ fn a_veil_shows_itself_and_what_is_behind() {
     must_be(&kit, own + 0.7 * (own + 0.7 * 2.0));
 }
 
-/// Inside a veil inside a glowing shell: light is dimmed by the veil and joined by its own. The paths
-/// cross the veil once, or twice where the camera stands outside of it.
+/// Inside a veil inside a glowing shell: light is dimmed by the veil and joined by its own. The
+/// paths cross the veil once, or twice where the camera stands outside of it.
 #[test]
 fn lamps_shine_through_a_veil() {
     let mut kit = ball();

@@ -80,7 +80,8 @@ fn green_tint(path: &str, name: &str) -> MeanEstimate {
 
 #[test]
 fn the_scene_is_the_one_described() {
-    // P33, A13: three spheres, two of equal size, one on the huge one, and a lamp out of the picture.
+    // P33, A13: three spheres, two of equal size, one on the huge one, and a lamp out of the
+    // picture.
     for figure in 2..=7 {
         let shot = Kit::of_file(&format!("paper/fig{figure}.toml"), &["image.width=640"]).shot();
         let scene = shot.scene();

@@ -64,8 +64,8 @@ fn a_lossless_metal_vanishes_in_a_uniform_field_at_every_roughness() {
     }
 }
 
-/// From inside a ball of index 10 a path is reflected about a hundred times: weights that are only right
-/// on average made it dark, but for rare glaring pixels.
+/// From inside a ball of index 10 a path is reflected about a hundred times: weights that are only
+/// right on average made it dark, but for rare glaring pixels.
 #[test]
 fn the_densest_and_roughest_glass_vanishes_in_a_uniform_field() {
     for ior in [0.1, 1.1, 3.0, 10.0] {
@@ -75,7 +75,8 @@ fn the_densest_and_roughest_glass_vanishes_in_a_uniform_field() {
     }
 }
 
-/// The same of balls that are partly matt: their gloss and what is beneath it throw light back as often.
+/// The same of balls that are partly matt: their gloss and what is beneath it throw light back as
+/// often.
 #[test]
 fn dense_mixtures_vanish_in_a_uniform_field() {
     let white = PrincipledParameters { base_color: Rgb::ONE, coat: 0.0, ..MIXTURE };
@@ -87,8 +88,8 @@ fn dense_mixtures_vanish_in_a_uniform_field() {
     }
 }
 
-/// At roughness 1 more than half of the light is drawn by a second pair of numbers, where a facet sends
-/// none out.
+/// At roughness 1 more than half of the light is drawn by a second pair of numbers, where a facet
+/// sends none out.
 #[test]
 fn evenly_spread_numbers_are_worth_it_on_the_roughest_metal() {
     let mut kit = field(metal("gold", 1.0)).samples(256);

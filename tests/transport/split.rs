@@ -32,7 +32,8 @@ fn mirrors_and_glass_do_not_count_as_scattering() {
     let seen = black.picture();
     assert!(seen.indirect.iter().all(|c| c.max_element() == 0.0));
     assert!(seen.direct.iter().filter(|c| c.y > 0.0).count() > seen.len() / 2);
-    // A ball lit by a lamp and seen in a mirror is direct light as well: three edges, one scattering.
+    // A ball lit by a lamp and seen in a mirror is direct light as well: three edges, one
+    // scattering.
     let view = [
         "materials.floating.albedo=[0,0,0]",
         "camera.look_at=[-1.3,0.7,0]",

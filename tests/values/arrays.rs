@@ -62,7 +62,8 @@ fn arrays([x, y, z, radius]: [StridedArray; 4]) -> SphereArrays {
     SphereArrays { center: [x, y, z], radius, ..SphereArrays::default() }
 }
 
-/// A scene's numbers in one array of rows with something between them, from the last row to the first.
+/// A scene's numbers in one array of rows with something between them, from the last row to the
+/// first.
 fn backwards(rows: &[[f64; 4]], array: impl Fn(Vec<f64>) -> ArrayValues) -> SphereArrays {
     let padded = rows.iter().rev().flat_map(|row| [&row[..], &[f64::NAN, -1.0]].concat());
     let (values, len) = (array(padded.collect()), rows.len());
@@ -78,8 +79,8 @@ fn to_f32s(values: Vec<f64>) -> ArrayValues {
     f32s(values.into_iter().map(|value| value as f32).collect())
 }
 
-/// A scene's numbers in the bytes of packed structures: one byte before the four numbers of each row, and
-/// one behind them.
+/// A scene's numbers in the bytes of packed structures: one byte before the four numbers of each
+/// row, and one behind them.
 fn structured<const N: usize>(
     rows: &[[f64; 4]],
     bytes: impl Fn(f64) -> [u8; N],

@@ -1,5 +1,6 @@
-//! Scenes and renders as values: what a program fills in is what a scene file says, arrays in memory
-//! are the spheres that they hold, and a session can be looked at, stopped, resumed and extended.
+//! Scenes and renders as values: what a program fills in is what a scene file says, arrays in
+//! memory are the spheres that they hold, and a session can be looked at, stopped, resumed and
+//! extended.
 
 mod arrays;
 mod sessions;

@@ -89,8 +89,8 @@ impl BvhNode {
     /// Sets one child and its box, enlarged so that no hit is lost.
     ///
     /// Let `t` be a root that [`Sphere::first_root`] returns for a sphere `(c, R)` of this child.
-    /// It rounds `o - c`, the closest approach and the squared distances, each to 2^-53 of its
-    /// value, so `|o + t d - c|` exceeds `R` by at most `2^-48 (|o - c| + R)` (this holds at
+    /// The test rounds `o - c`, the closest approach and the squared distances, each to 2^-53 of
+    /// its value, so `|o + t d - c|` exceeds `R` by at most `2^-48 (|o - c| + R)` (this holds at
     /// grazing incidence too: there the error of `t` runs along the surface). With `|v|` for the
     /// largest coordinate of `v`, and `B` for the largest of the box, `|c| + R <= B` and this is
     /// less than `2^-46 (|o| + B)`. The part with `B` is added here, 4 times over, and the part

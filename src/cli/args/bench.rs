@@ -77,8 +77,8 @@ pub struct BenchArgs {
     #[arg(long, value_name = "FILE.svg", conflicts_with = "suite")]
     pub svg: Option<PathBuf>,
 
-    /// Measure the standard scenes in place of one, and write a page about them: gas, packed spheres,
-    /// clusters and a lattice of 3, 100, 1000 spheres and so on, as far as memory allows
+    /// Measure the standard scenes in place of one, and write a page about them: gas, packed
+    /// spheres, clusters and a lattice of 3, 100, 1000 spheres and so on, as far as memory allows
     #[arg(long, value_name = "FILE.html", conflicts_with_all = ["path", "set", "scaling"])]
     pub suite: Option<PathBuf>,
 
@@ -91,7 +91,8 @@ pub struct BenchArgs {
     ])]
     pub record: Option<PathBuf>,
 
-    /// The most spheres of the suite or of the record, as in 1e6 [default: 1e8, or 1e7 for the record]
+    /// The most spheres of the suite or of the record, as in 1e6 [default: 1e8, or 1e7 for the
+    /// record]
     #[arg(long, value_name = "N", value_parser = count, conflicts_with = "path")]
     pub largest: Option<u64>,
 }

@@ -66,8 +66,8 @@ pub struct CompareArgs {
     #[arg(long, value_name = "FILE")]
     pub heatmap: Option<PathBuf>,
 
-    /// What the heat map shows: flip on a scale from 0 to 1; rmse or relmse (the root of the pixel's
-    /// error) on one from 0 to the largest
+    /// What the heat map shows: flip on a scale from 0 to 1; rmse or relmse (the root of the
+    /// pixel's error) on one from 0 to the largest
     #[arg(long, value_name = "NAME", default_value = "flip", requires = "heatmap")]
     #[arg(value_parser = one_of(MAPPED.map(|metric| (metric.name().into(), metric))))]
     pub heatmap_of: CompareMetric,

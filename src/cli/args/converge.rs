@@ -91,8 +91,8 @@ pub struct ConvergeArgs {
     reference_spp: Option<u32>,
 
     /// The reference's estimator: by default `path` if it or `paper` is compared, else the one that
-    /// is. Only `path` and `paper` converge to the same picture; others are compared with each other
-    /// where this or --reference says which picture is right
+    /// is. Only `path` and `paper` converge to the same picture; others are compared with each
+    /// other where this or --reference says which picture is right
     #[arg(long, value_name = "NAME")]
     pub reference_integrator: Option<String>,
 

@@ -19,7 +19,8 @@ pub fn program() -> Command {
     names(&program).into_iter().fold(program, |program, name| program.mut_subcommand(name, set_out))
 }
 
-/// A negative number is the value of the option before it, which may refuse it, and no option itself.
+/// A negative number is the value of the option before it, which may refuse it, and no option
+/// itself.
 fn with_negative_numbers(arg: Arg) -> Arg {
     let takes_value = arg.get_long().is_some() && arg.get_action().takes_values();
     if takes_value { arg.allow_negative_numbers(true) } else { arg }

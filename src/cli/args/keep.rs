@@ -43,8 +43,8 @@ pub struct ResumeArgs {
     #[arg(short = 'o', long = "output", value_name = "FILE")]
     pub outputs: Vec<PathBuf>,
 
-    /// Render this many samples of every pixel, also where all that were asked for are there; in place
-    /// of --noise and --time
+    /// Render this many samples of every pixel, also where all that were asked for are there; in
+    /// place of --noise and --time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub extend_to: Option<u32>,
 

@@ -56,7 +56,7 @@ impl OutputArgs {
         kinds
     }
 
-    /// Whether layers are asked for.
+    /// Returns true if `--layers` is given.
     pub fn has_layers(&self) -> bool {
         self.layers.is_some()
     }
@@ -80,8 +80,8 @@ impl OutputArgs {
         ViewTransform { exposure, tone, dither: self.dither }
     }
 
-    /// The options again, as words of a command: those that parts need to know of, and those that only
-    /// files for people do.
+    /// The options again, as words of a command: those that parts need to know of, and those that
+    /// only files for people do.
     pub fn to_arguments(&self) -> [Vec<String>; 2] {
         let mut of_parts = Vec::new();
         if let Some(kinds) = &self.layers {

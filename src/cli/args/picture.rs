@@ -1,5 +1,5 @@
-//! The options that change what a picture shows, for every command that makes or plans one. They are
-//! keys of a scene, and made of the one table that declares those.
+//! The options that change what a picture shows, for every command that makes or plans one. They
+//! are keys of a scene, and made of the one table that declares those.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use serde_json::Value;
@@ -20,7 +20,7 @@ pub struct PictureArgs {
 const SIZE: &str = "size";
 
 impl PictureArgs {
-    /// Whether the number of samples is given.
+    /// Returns true if the number of samples is given.
     pub fn has_samples(&self) -> bool {
         self.given.iter().any(|given| given.key == "render.samples_per_pixel")
     }

@@ -49,8 +49,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub picture: PictureArgs,
 
-    /// Render these samples of each pixel only, as in 0..64; a range starts on a multiple of 16, and
-    /// ends on one unless it is the last
+    /// Render these samples of each pixel only, as in 0..64; a range starts on a multiple of 16,
+    /// and ends on one unless it is the last
     #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with = "noise")]
     pub samples: Option<Range<u32>>,
 

@@ -28,8 +28,9 @@ pub struct StopArgs {
     #[arg(value_parser = clap::value_parser!(u32).range(64..))]
     pub max_spp: u32,
 
-    /// Stop after this time, as in 30s, 5m or 1h, with as many samples as there are then; at least 16
-    /// per pixel. Without --spp, the time alone decides. A render that goes on has what is left of it
+    /// Stop after this time, as in 30s, 5m or 1h, with as many samples as there are then; at least
+    /// 16 per pixel. Without --spp, the time alone decides. A render that goes on has what is left
+    /// of it
     #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
     pub time: Option<Duration>,
 }

@@ -1,8 +1,8 @@
 //! `photosphere plan`: how to share a render out.
 //!
-//! A plan only prints. What it prints relies on `render -o FILE.part`: that file appears whole or not at
-//! all, is its own checkpoint, and has nothing more done to it when it is finished. So any shard may be
-//! run again, and two copies of one at once do no harm.
+//! A plan only prints. What it prints relies on `render -o FILE.part`: that file appears whole or
+//! not at all, is its own checkpoint, and has nothing more done to it when it is finished. So any
+//! shard may be run again, and two copies of one at once do no harm.
 
 mod openjd;
 mod script;
@@ -36,8 +36,8 @@ struct ShardPlan {
 }
 
 /// # Errors
-/// When the scene has mistakes, when a file cannot be written or has no place for what is asked, when
-/// there is less to share out than there are shards, or when shards would not fit together.
+/// When the scene has mistakes, when a file cannot be written or has no place for what is asked,
+/// when there is less to share out than there are shards, or when shards would not fit together.
 pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     let outputs = outputs(args);
     let files: Vec<_> = outputs.files.iter().map(|file| ("-o", file.as_path())).collect();

@@ -30,8 +30,8 @@ pub(super) fn shell(plan: &ShardPlan) -> Result<String> {
     Ok(text)
 }
 
-/// A script that is three things: run by hand it submits itself twice, as the array of shards and as
-/// the merge that waits for it; run by Slurm it is one of them, by the number of its task.
+/// A script that is three things: run by hand it submits itself twice, as the array of shards and
+/// as the merge that waits for it; run by Slurm it is one of them, by the number of its task.
 ///
 /// # Errors
 /// When a name cannot be quoted.

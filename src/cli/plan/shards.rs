@@ -49,8 +49,8 @@ pub(super) fn by_samples(samples: u32, shards: u32) -> Result<Vec<Shard>> {
         .collect())
 }
 
-/// Divides the window into rectangles whose inner edges lie on the grid of squares: bands, and where
-/// there are more shards than rows of squares, pieces of bands.
+/// Divides the window into rectangles whose inner edges lie on the grid of squares: bands, and
+/// where there are more shards than rows of squares, pieces of bands.
 ///
 /// # Errors
 /// When there are fewer squares than shards.

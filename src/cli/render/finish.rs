@@ -31,8 +31,8 @@ pub(super) struct RenderFinisher<'a> {
 }
 
 impl RenderFinisher<'_> {
-    /// Saves what it came to, and tells of it. Saved first, and shown then: who looks on may keep nobody
-    /// waiting.
+    /// Saves what it came to, and tells of it. Saved first, and shown then: who looks on may keep
+    /// nobody waiting.
     ///
     /// # Errors
     /// When something cannot be written, or there is nothing to write.
@@ -59,8 +59,8 @@ impl RenderFinisher<'_> {
     /// Writes the part and the pictures.
     ///
     /// # Errors
-    /// When something cannot be written; the others are, where they can be, and what would be lost is
-    /// elsewhere. When there is not one sample.
+    /// When something cannot be written; the others are, where they can be, and what would be lost
+    /// is elsewhere. When there is not one sample.
     fn save_all(&self, reached: &RunOutcome, last_look: &FinalUpdate<'_>) -> Result<()> {
         let session = self.session;
         if session.film().sample_count() == 0 {
@@ -130,7 +130,7 @@ impl RenderFinisher<'_> {
     }
 }
 
-/// Whether the picture is as exact as was asked for.
+/// Returns true if the picture meets its noise target.
 fn is_met(reached: &RunOutcome) -> bool {
     reached.noise.is_none_or(|noise| noise.is_met())
 }

@@ -36,17 +36,17 @@ pub(super) struct RenderRequest {
     pub(super) memory_limit: Option<u64>,
     /// The render.
     pub(super) job: Job,
-    /// Whether the scene file says how to render it; else the job does.
+    /// True if the settings come from the scene file, false if from `job`.
     pub(super) has_settings_of_file: bool,
     /// Samples per pixel in place of what the scene file says.
     pub(super) samples_per_pixel: Option<u32>,
-    /// Whether those are more than were asked for before.
+    /// True if `samples_per_pixel` extends the render.
     pub(super) is_extended: bool,
     pub(super) delivery: OutputSpec,
     pub(super) layers_given: bool,
     /// The file that keeps the samples so far.
     pub(super) checkpoint: Option<PathBuf>,
-    /// Whether it goes on without viewers that are gone.
+    /// True if the render continues without viewers that are gone.
     pub(super) is_resumed: bool,
     pub(super) quiet: bool,
     pub(super) json: bool,
@@ -271,7 +271,8 @@ fn places(request: &RenderRequest) -> Vec<(&'static str, &Path)> {
     named.chain(checkpoint).chain(preview).collect()
 }
 
-/// What the user should know of spheres that are there twice, and of those that f32 cannot hold well.
+/// What the user should know of spheres that are there twice, and of those that f32 cannot hold
+/// well.
 pub(super) fn about_spheres(spheres: &SphereSet) -> Vec<String> {
     let mut warnings = Vec::new();
     if spheres.duplicates() > 0 {

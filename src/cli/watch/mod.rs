@@ -1,9 +1,9 @@
 //! Those who look on while a scene is rendered: a preview file, the viewer tev.
 //!
-//! They have one thread, which reads the film as it is and never makes the render wait. What it
-//! spends on pictures is held below a fiftieth of the time of all threads, however large the picture
-//! and however short the wish of `--preview-every`. The picture at the end is always shown: a render
-//! that is over sooner than that pays for it has no other.
+//! One thread serves them. It reads the film as it is and never makes the render wait. What it
+//! spends on pictures is held below a fiftieth of the time of all threads, however large the
+//! picture and however short the wish of `--preview-every`. The picture at the end is always shown:
+//! a render that is over sooner than that pays for it has no other.
 
 mod preview;
 mod tev;
@@ -27,7 +27,7 @@ use tev::Tev;
 
 /// How long those who look on may take for the last picture, when all is saved.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// The same where somebody waits for the program to be gone.
+/// How long viewers may take for the last picture if a signal asked to stop.
 const PATIENCE_WHEN_STOPPED: Duration = Duration::from_millis(300);
 /// Between two looks at the clock.
 const TICK: Duration = Duration::from_millis(100);
@@ -46,8 +46,8 @@ pub(super) struct Viewers {
 }
 
 impl Viewers {
-    /// `name` is what the picture is called elsewhere. A render that is resumed goes on without those who
-    /// have gone away since.
+    /// `name` is what the picture is called elsewhere. A render that is resumed goes on without
+    /// those who have gone away since.
     ///
     /// # Errors
     /// When the preview cannot be written, or tev cannot be reached, and it is not resumed.
@@ -74,8 +74,8 @@ impl Viewers {
         }
     }
 
-    /// Runs `work` while another thread shows what it comes to, until the last look, which `work` may
-    /// have before its own end.
+    /// Runs `work` while another thread shows what it comes to, until the last look, which `work`
+    /// may have before its own end.
     pub(super) fn run_alongside<T>(
         mut self,
         session: &Session,
@@ -156,8 +156,8 @@ struct State {
     picture: Mutex<Option<Picture>>,
 }
 
-/// The end of watching, which whoever works may bring about: the pictures are brought up to date once
-/// more.
+/// The end of watching, which whoever works may bring about: the pictures are brought up to date
+/// once more.
 pub(super) struct FinalUpdate<'a> {
     on: Mutex<Option<Looking>>,
     state: &'a State,
@@ -185,8 +185,8 @@ impl FinalUpdate<'_> {
         }
     }
 
-    /// Waits for the last look; a viewer that does not take its picture is left after a while. Nothing
-    /// happens where it has been before.
+    /// Waits for the last look; a viewer that does not take its picture is left after a while.
+    /// Nothing happens where it has been before.
     pub(super) fn wait(&self) {
         let looking = self.on.lock().ok().and_then(|mut on| on.take());
         let Some(Looking { _end: end, all_shown, hang_up }) = looking else { return };

@@ -12,7 +12,7 @@ use crate::image_io::{CropWindow, ImageWriter, WriteOptions};
 pub(super) struct Preview {
     path: PathBuf,
     look: ViewTransform,
-    /// Whether the last attempt failed, and was told of.
+    /// True if the last attempt failed and was reported.
     is_failing: bool,
 }
 
@@ -32,8 +32,8 @@ impl Preview {
         Ok(Self { path: path.to_owned(), look, is_failing: false })
     }
 
-    /// Replaces the file; `cropped_from` as in the finished picture, whose dither starts there. What goes wrong is a warning, once until it goes well again: the render
-    /// matters more.
+    /// Replaces the file; `cropped_from` as in the finished picture, whose dither starts there.
+    /// What goes wrong is a warning, once until it goes well again: the render matters more.
     pub(super) fn write(&mut self, picture: &Picture, cropped_from: Option<CropWindow>) {
         let notes = WriteOptions {
             crop_window: cropped_from,

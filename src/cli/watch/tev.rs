@@ -19,7 +19,7 @@ const CHANNELS: [&str; 3] = ["R", "G", "B"];
 /// A picture in a tev that runs somewhere.
 pub(super) struct Tev {
     client: TevClient,
-    /// The same connection.
+    /// A second handle of the connection.
     stream: TcpStream,
     name: String,
     is_there: bool,

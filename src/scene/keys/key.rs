@@ -19,7 +19,7 @@ pub(in crate::scene) struct Key<K> {
 /// What a key is where it is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DefaultValue {
-    /// It may not be left out.
+    /// The key is required.
     Required,
     /// This, in TOML.
     Toml(&'static str),
@@ -30,7 +30,7 @@ pub enum DefaultValue {
 /// The option of the command line that sets a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CliOption {
-    /// Its name.
+    /// The name of the option.
     pub name: &'static str,
     /// What stands for its value in a description.
     pub value: &'static str,
@@ -45,11 +45,11 @@ pub struct KeyInfo {
     pub table: &'static str,
     /// The `type` of the table that it belongs to, if it is of one type only.
     pub of_type: Option<&'static str>,
-    /// Its name in that table.
+    /// The name of the key in that table.
     pub name: &'static str,
     /// What it may hold, in words.
     pub expects: String,
-    /// The same as a JSON schema.
+    /// The allowed values as a JSON schema.
     pub schema: Value,
     /// What it is where it is left out.
     pub default: DefaultValue,
@@ -97,7 +97,8 @@ pub(super) struct TableSchema {
     pub(super) path: &'static str,
     pub(super) help: &'static str,
     pub(super) keys: &'static [&'static dyn DynKey],
-    /// Its types, each with the keys that only it has; the first is the one where none is named.
+    /// The types of the table, each with the keys that only it has; the first is the one where none
+    /// is named.
     pub(super) types: &'static [(&'static str, &'static [&'static dyn DynKey])],
 }
 

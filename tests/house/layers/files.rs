@@ -1,8 +1,9 @@
 //! Which file of `src/` uses which, read from the sources.
 //!
-//! A path leads to the file that defines what it names: a `use` on its way is followed, so a `mod.rs`
-//! that only hands on what its children define stands between nobody, and uses none of them. What
-//! tests use does not count. As text is read and not syntax trees, names that macros make are not seen.
+//! A path leads to the file that defines what it names: a `use` on its way is followed, so a
+//! `mod.rs` that only hands on what its children define stands between nobody, and uses none of
+//! them. What tests use does not count. As text is read and not syntax trees, names that macros
+//! make are not seen.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -75,8 +76,8 @@ fn reached_from<'a>(graph: &'a Graph, file: &str) -> BTreeSet<&'a String> {
 }
 
 impl Files {
-    /// Where a path leads that stands in this module; `None` for what is not of this crate, or of the
-    /// file itself.
+    /// Where a path leads that stands in this module; `None` for what is not of this crate, or of
+    /// the file itself.
     fn find(&self, from: &[String], path: &[String], depth: usize) -> Option<Place> {
         let mut module = from.to_vec();
         let mut rest = path;
@@ -175,7 +176,8 @@ fn parts(group: &str) -> Vec<&str> {
     group.split(is_comma).filter(|part| !part.trim().is_empty()).collect()
 }
 
-/// The paths of more than one name, and where they stand; those of macros (`$crate::...`) are left out.
+/// The paths of more than one name, and where they stand; those of macros (`$crate::...`) are left
+/// out.
 fn written_out(code: &str) -> Vec<(usize, Path)> {
     let mut found = Vec::new();
     let mut end = 0;

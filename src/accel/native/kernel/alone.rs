@@ -39,8 +39,8 @@ pub(super) fn trace_scalar<Q: QueryMode>(bvh: &Aggregate, ray: &Ray) -> Q::Outpu
     }
     let tree = &bvh.tree;
     let mut slot = MaybeUninit::<RayState>::uninit();
-    // SAFETY: as in `single::step_ray`; leaves are kept one at a time. With `ANY_HIT`, a leaf leaves the limit
-    // alone.
+    // SAFETY: as in `single::step_ray`; leaves are kept one at a time. With `ANY_HIT`, a leaf
+    // leaves the limit alone.
     unsafe {
         RayState::init(slot.as_mut_ptr(), ray, best, 0, tree.root);
         let slot = slot.assume_init_mut();

@@ -1,5 +1,5 @@
-//! Eight lanes in the AVX-512VL instructions of x86-64: what a comparison finds is a number of eight
-//! bits, and gathering the lanes that hold is one instruction.
+//! Eight lanes in the AVX-512VL instructions of x86-64: what a comparison finds is a number of
+//! eight bits, and gathering the lanes that hold is one instruction.
 
 use std::arch::x86_64::*;
 

@@ -20,8 +20,8 @@ pub(super) struct RayBatch<'a, Q: QueryMode> {
 }
 
 impl<Q: QueryMode> RayBatch<'_, Q> {
-    /// Puts the next ray that needs the tree into the slot, and answers those before it that do not;
-    /// `false` when there is none left.
+    /// Puts the next ray that needs the tree into the slot, and answers those before it that do
+    /// not; `false` when there is none left.
     ///
     /// # Safety
     /// `slot` is valid for writing, the CPU supports `L`, and as many outputs as rays.

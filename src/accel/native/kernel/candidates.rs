@@ -37,7 +37,7 @@ pub(super) struct FinishedRay {
     pub(super) leaf_end: u32,
     /// Up to where every candidate was kept.
     pub(super) limit: f32,
-    /// Whether a sphere of the last leaf is hit for certain, so that nothing is left to judge.
+    /// True if a sphere of the last leaf is certainly hit, so that nothing is left to judge.
     pub(super) is_certain: bool,
     pub(super) best: BestHit,
     pub(super) length: f64,
@@ -63,8 +63,8 @@ impl CandidateQueue {
     /// Adds a ray that is done.
     ///
     /// # Safety
-    /// The slot holds a ray that is done, this is not [full](Self::is_full), and the instructions of
-    /// `L` are there.
+    /// The slot holds a ray that is done, this is not [full](Self::is_full), and the instructions
+    /// of `L` are there.
     #[inline(always)]
     pub(super) unsafe fn push_ray<L: Simd8>(&mut self, slot: &RayState) {
         // SAFETY: there is room for one ray and all that it can have kept.
@@ -114,7 +114,7 @@ impl CandidateQueue {
         self.count += 1;
     }
 
-    /// Whether there may be no room for another ray.
+    /// Returns true if there may be no room for another ray.
     #[inline(always)]
     pub(super) fn is_full(&self) -> bool {
         self.count == MAX_RAYS || self.leaf_count > MAX_LEAVES - MAX_CANDIDATE_LEAVES
@@ -126,19 +126,19 @@ impl CandidateQueue {
     /// matters: a sphere that a ray leaves is never sure to be hit, as the ray starts on it, nor is
     /// a lamp that ends it. Where such a sphere was sure and cut the way short, it is seen here.
     ///
-    /// What is hit first will be looked at next: the memory of those spheres is asked for here, so that
-    /// it comes while other rays are on their way.
+    /// What is hit first will be looked at next: the memory of those spheres is asked for here, so
+    /// that it comes while other rays are on their way.
     ///
     /// # Safety
-    /// All that waits is of this batch, which has as many outputs as rays, and the instructions of `L`
-    /// are there.
+    /// All that waits is of this batch, which has as many outputs as rays, and the instructions of
+    /// `L` are there.
     #[inline(always)]
     pub(super) unsafe fn resolve<L: Simd8, Q: QueryMode>(&mut self, batch: &mut RayBatch<'_, Q>) {
         let tree = &batch.bvh.tree;
         let mut first = 0;
         for waiting in &self.rays[..self.count] {
-            // SAFETY: what is below the counts was written, with leaves of this tree and rays of this
-            // batch; lanes are below 8.
+            // SAFETY: what is below the counts was written, with leaves of this tree and rays of
+            // this batch; lanes are below 8.
             unsafe {
                 let waiting = waiting.assume_init_ref();
                 let ray = batch.rays.get_unchecked(waiting.ray as usize);

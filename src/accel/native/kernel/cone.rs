@@ -1,14 +1,15 @@
 //! What all rays of a packet are in: a cone, cut off where they begin.
 //!
 //! Around the mean origin `m` and the unit vector `a`: all origins are within `r` of `m`, and all
-//! directions within `s < 1/4` of `a`. A ray that hits the sphere `(c, R)` does so at most `|v| + R + r`
-//! away, where `v = c - m`. There it is within `r + s t` of the beam's axis, so the way `p` from the
-//! axis to `c` has `|p| <= R + r + s (|v| + R + r)`. With `|v| <= |b| + |p|`, `b = v.a`, this gives
+//! directions within `s < 1/4` of `a`. A ray that hits the sphere `(c, R)` does so at most `|v| + R
+//! + r` away, where `v = c - m`. There it is within `r + s t` of the beam's axis, so the way `p`
+//! from the axis to `c` has `|p| <= R + r + s (|v| + R + r)`. With `|v| <= |b| + |p|`, `b = v.a`,
+//! this gives
 //!
 //! `|p| <= reach = ((R + r) (1 + s) + s |b|) / (1 - s)`,
 //!
-//! and the hit is at a distance between `b - R - r` and `b + reach`. What f32 makes of `v`, `b` and `p`
-//! is wrong by at most `E = 32 e (|b| + reach + |o|)`, as in [`super::spheres`].
+//! and the hit is at a distance between `b - R - r` and `b + reach`. What f32 makes of `v`, `b` and
+//! `p` is wrong by at most `E = 32 e (|b| + reach + |o|)`, as in [`super::spheres`].
 
 use crate::accel::native::build::fast_max;
 use crate::accel::native::bvh::Bvh;
@@ -19,9 +20,9 @@ use super::ray_state::F32x8;
 use super::simd::Simd8;
 use super::spheres::{ERROR_SCALE, MIN_ERROR, length_squared, project, radii, to_centers};
 
-/// A beam is at most as wide, from its axis at the distance of the tree's middle, as so many leaves.
-/// Packets are 2.5 times as fast as single rays at 0.15, 1.2 times at 0.6, and slower beyond 1 in a
-/// gas of spheres; in denser scenes they pay up to twice as far.
+/// A beam is at most as wide, from its axis at the distance of the tree's middle, as so many
+/// leaves. Packets are 2.5 times as fast as single rays at 0.15, 1.2 times at 0.6, and slower
+/// beyond 1 in a gas of spheres; in denser scenes they pay up to twice as far.
 const MAX_RELATIVE_WIDTH: f32 = 0.7;
 /// More than the roundings of a length to f32 may make of it.
 const LENGTH_SLACK: f32 = 1.0 + 1.0 / (1u32 << 20) as f32;
@@ -75,7 +76,7 @@ impl PacketCone {
         }
     }
 
-    /// Whether it is thin enough beside the leaves of a tree that its rays mostly visit the same.
+    /// Returns true if the cone is thin enough that its rays mostly visit the same leaves.
     #[inline(always)]
     pub(super) fn is_coherent(&self, tree: &Bvh) -> bool {
         let Self { origin: middle, radius, spread, .. } = *self;

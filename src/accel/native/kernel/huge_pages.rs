@@ -91,8 +91,8 @@ impl<T: Pod> HugePageVec<T> {
     #[inline(always)]
     pub(in crate::accel::native) fn as_slice(&self) -> &[T] {
         match &self.map {
-            // SAFETY: the map is `offset` and then room for `capacity >= len` elements, aligned to a
-            // page, and all its bits are set, at first to 0; `T` is plain.
+            // SAFETY: the map is `offset` and then room for `capacity >= len` elements, aligned to
+            // a page, and all its bits are set, at first to 0; `T` is plain.
             Some(map) => unsafe {
                 std::slice::from_raw_parts(map.as_ptr().add(self.offset).cast(), self.len)
             },

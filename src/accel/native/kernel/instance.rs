@@ -1,7 +1,7 @@
 //! The forms of the kernel, and which of them this processor runs.
 
-/// The forms in which the kernel is compiled. All give the same answers, bit for bit, as each judges
-/// its candidates by the same f64 routine.
+/// The forms in which the kernel is compiled. All give the same answers, bit for bit, as each
+/// judges its candidates by the same f64 routine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KernelIsa {
     /// In the instructions of the whole program.
@@ -25,7 +25,7 @@ impl KernelIsa {
         }
     }
 
-    /// Whether this program has it and this processor runs it.
+    /// Returns true if this program contains the kernel and this processor runs it.
     pub fn is_available(self) -> bool {
         match self {
             Self::Portable => true,

@@ -8,17 +8,18 @@
 //! # Why the unsafe code is sound
 //!
 //! * **Instructions.** An [`KernelIsa`] other than `Portable` exists only where the processor was
-//!   found to have its instructions ([`KernelIsa::is_available`]), and only [`KernelIsa`]'s own functions
-//!   enter the code that is compiled for them.
+//!   found to have its instructions ([`KernelIsa::is_available`]), and only [`KernelIsa`]'s own
+//!   functions enter the code that is compiled for them.
 //! * **Places in the tree.** A `Bvh` is made by the builder alone and never changes. Every
 //!   `NodeRef` in it is the number of one of its own nodes or leaves, which is asserted
-//!   ([`Bvh::new`](super::tree::Bvh::new)); lanes beyond a node's children have boxes that no ray meets. There are as many
-//!   ids as leaves.
+//!   ([`Bvh::new`](super::tree::Bvh::new)); lanes beyond a node's children have boxes that no ray
+//!   meets. There are as many ids as leaves.
 //! * **The stack.** A node takes one entry and leaves up to eight, and no tree is deeper than
-//!   `MAX_DEPTH`, which the builder sees to by halving what is left. [`STACK_SIZE`](super::limits::STACK_SIZE) has room for that,
-//!   and for the eight entries that a step always writes.
-//! * **Uninitialised memory.** A slot is only read after `init` has set it. Of its arrays, only what
-//!   lies below their counts is read.
+//!   `MAX_DEPTH`, which the builder sees to by halving what is left.
+//!   [`STACK_SIZE`](super::limits::STACK_SIZE) has room for that, and for the eight entries that a
+//!   step always writes.
+//! * **Uninitialised memory.** A slot is only read after `init` has set it. Of its arrays, only
+//!   what lies below their counts is read.
 //! * **Batches.** Answers are written through the index of a ray, and there are as many as rays,
 //!   which is asserted.
 

@@ -1,21 +1,21 @@
 //! Rays that are alike: sixteen go through the tree as one.
 //!
-//! The samples of a pixel leave the camera within a thin beam and meet the same boxes. So a *packet* of
-//! them takes each step once: its *lead* meets a box where any ray between the extremes of the
-//! packet's origins and directions might (Reshetov, Soupikov and Hurley 2005, "Multi-level ray tracing
-//! algorithm"), and goes as far as the ray with the farthest limit. In a leaf, a sphere is looked at
-//! if the beam may touch it, and then by all rays, side by side; from there on each ray has its own
-//! limit and its own candidates, as in [`super::ray_state`].
+//! The samples of a pixel leave the camera within a thin beam and meet the same boxes. So a
+//! *packet* of them takes each step once: its *lead* meets a box where any ray between the extremes
+//! of the packet's origins and directions might (Reshetov, Soupikov and Hurley 2005, "Multi-level
+//! ray tracing algorithm"), and goes as far as the ray with the farthest limit. In a leaf, a sphere
+//! is looked at if the beam may touch it, and then by all rays, side by side; from there on each
+//! ray has its own limit and its own candidates, as in [`super::ray_state`].
 //!
 //! # Boxes
 //!
-//! Let the packet's origins lie in a box and the components of its directions in intervals that do not
-//! contain 0, or are nothing but 0, which counts as 2^-60. A ray enters through a plane `p` at
-//! `(p - o) / u`. For `u > 0` this is at least `(p - o') / u`, with the largest `o'` there is, and this
-//! in turn at least the smaller of its values at the two ends of the interval of `1 / u`; for `u < 0`
-//! likewise with the smallest `o'`. So the earliest entry and the latest exit come from four sums for
-//! each axis ([`Slabs::set`] for both ends), and each is wrong by no more than for the ray that it
-//! belongs to.
+//! Let the packet's origins lie in a box and the components of its directions in intervals that do
+//! not contain 0, or are nothing but 0, which counts as 2^-60. A ray enters through a plane `p` at
+//! `(p - o) / u`. For `u > 0` this is at least `(p - o') / u`, with the largest `o'` there is, and
+//! this in turn at least the smaller of its values at the two ends of the interval of `1 / u`; for
+//! `u < 0` likewise with the smallest `o'`. So the earliest entry and the latest exit come from
+//! four sums for each axis ([`Slabs::set`] for both ends), and each is wrong by no more than for
+//! the ray that it belongs to.
 
 use std::mem::MaybeUninit;
 
@@ -39,8 +39,8 @@ use super::spheres::{ERROR_SCALE, MIN_ERROR, SphereHits, SphereTest};
 
 /// Rays of a packet.
 pub(super) const PACKET_SIZE: usize = 2 * 8;
-/// Steps, and spheres looked at, after which a packet is given up. Sixteen rays by themselves take some
-/// hundreds of steps together, and packets that pay far fewer than these.
+/// Steps, and spheres looked at, after which a packet is given up. Sixteen rays by themselves take
+/// some hundreds of steps together, and packets that pay far fewer than these.
 const MAX_STEPS: u32 = 384;
 /// Spheres with candidates that a packet can hold, as many as a number has bits.
 const MAX_CANDIDATES: usize = 64;
@@ -72,13 +72,13 @@ pub(super) struct RayPacket {
 pub(super) enum PacketStatus {
     Active,
     Done,
-    /// The rays go better by themselves: there is no room for another sphere, or where they go the tree
-    /// is much finer than the beam.
+    /// The rays go better by themselves: there is no room for another sphere, or where they go the
+    /// tree is much finer than the beam.
     Split,
 }
 
-/// Whether rays may be a packet, judged by two of them. Never leaves out rays that pass all of
-/// [`RayPacket::init`]'s tests.
+/// Returns true if rays may form a packet, judged by two of them. Never leaves out rays that pass
+/// all of [`RayPacket::init`]'s tests.
 #[inline(always)]
 fn may_be_coherent(rays: &[Ray; PACKET_SIZE]) -> bool {
     let [first, .., last] = rays;
@@ -87,8 +87,8 @@ fn may_be_coherent(rays: &[Ray; PACKET_SIZE]) -> bool {
 }
 
 impl RayPacket {
-    /// Makes a packet of the sixteen rays of a batch from this one on; `false` if they are not alike, or
-    /// too few.
+    /// Makes a packet of the sixteen rays of a batch from this one on; `false` if they are not
+    /// alike, or too few.
     ///
     /// # Safety
     /// `packet` is valid for writing, the tree has a root, and the CPU supports `L`.
@@ -112,12 +112,12 @@ impl RayPacket {
         }
     }
 
-    /// Makes a packet of rays that are valid and not answered yet, at the root of the tree; `false` if
-    /// they are not alike enough for that.
+    /// Makes a packet of rays that are valid and not answered yet, at the root of the tree; `false`
+    /// if they are not alike enough for that.
     ///
     /// # Safety
-    /// `packet` is valid for writing, and after `true` for reading. There are as many rays as a packet
-    /// has, the tree has a root, and the CPU supports `L`.
+    /// `packet` is valid for writing, and after `true` for reading. There are as many rays as a
+    /// packet has, the tree has a root, and the CPU supports `L`.
     #[inline(always)]
     unsafe fn init<L: Simd8>(
         packet: *mut Self,
@@ -126,8 +126,8 @@ impl RayPacket {
         best: &[BestHit; PACKET_SIZE],
         first: u32,
     ) -> bool {
-        // SAFETY: all fields that are read before they are written are set here; the arrays at the end
-        // need no value. All of them are plain numbers.
+        // SAFETY: all fields that are read before they are written are set here; the arrays at the
+        // end need no value. All of them are plain numbers.
         let packet = unsafe { &mut *packet };
         let Some(root) = tree.root else { return false };
         let mut is_unit_length = true;
@@ -179,8 +179,8 @@ impl RayPacket {
     /// The packet has begun in this tree and is on the way; the CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn step<L: Simd8>(&mut self, tree: &Bvh) -> PacketStatus {
-        // SAFETY: the lead is at a node or a leaf of this tree, and its stack has room by the builder's
-        // bound.
+        // SAFETY: the lead is at a node or a leaf of this tree, and its stack has room by the
+        // builder's bound.
         unsafe {
             let next = self.interval.next;
             if next.is_leaf() {
@@ -216,7 +216,8 @@ impl RayPacket {
         self.first_ray as usize
     }
 
-    /// Looks at the spheres of a leaf that the beam may touch; `false` if there is no room for them.
+    /// Looks at the spheres of a leaf that the beam may touch; `false` if there is no room for
+    /// them.
     ///
     /// # Safety
     /// The packet has begun, `leaf` is valid, and the CPU supports `L`.
@@ -316,8 +317,8 @@ impl RayPacket {
         }
         for (number, (spheres, &best)) in spheres_of.into_iter().zip(&self.best).enumerate() {
             let ray = self.first_ray + number as u32;
-            // SAFETY: a bit is the place of a sphere that was written; there is room for one ray and
-            // as many leaves as it can have kept.
+            // SAFETY: a bit is the place of a sphere that was written; there is room for one ray
+            // and as many leaves as it can have kept.
             unsafe {
                 if spheres.count_ones() as usize > MAX_CANDIDATE_LEAVES {
                     batch.outputs[ray as usize] =
@@ -361,14 +362,14 @@ fn set_interval_slabs(slabs: [&mut Slabs; 2], origin: &AxisRanges, unit: &AxisRa
     slabs.into_iter().zip(&ends).for_each(|(slabs, unit)| slabs.set(&first, &last, unit, slack));
 }
 
-/// The smallest numbers of all axes, or the largest, and a fourth. Of the two zeros there are, they are
-/// never the negative one.
+/// The smallest numbers of all axes, or the largest, and a fourth. Of the two zeros there are, they
+/// are never the negative one.
 #[inline(always)]
 fn interval_end(pairs: &AxisRanges, which: usize, fourth: f32) -> [f32; 4] {
     [pairs[0][which] + 0.0, pairs[1][which] + 0.0, pairs[2][which] + 0.0, fourth]
 }
 
-/// Whether numbers between these are all above 0, all below, or all 0.
+/// Returns true if numbers between these are all above 0, all below, or all 0.
 #[inline(always)]
 fn has_constant_sign([low, high]: &[f32; 2]) -> bool {
     *low > 0.0 || *high < 0.0 || (*low == 0.0 && *high == 0.0)

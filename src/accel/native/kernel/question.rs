@@ -5,7 +5,7 @@ use crate::math::Hit;
 
 /// What a batch is asked.
 pub(super) trait QueryMode {
-    /// Whether any hit will do.
+    /// True if any hit will do.
     const ANY_HIT: bool;
     /// What each ray is told.
     type Output;
@@ -16,7 +16,7 @@ pub(super) trait QueryMode {
 /// Which sphere is hit first.
 pub(super) struct ClosestHit;
 
-/// Whether any sphere is hit.
+/// Occlusion: is any sphere hit?
 pub(super) struct AnyHit;
 
 impl QueryMode for ClosestHit {

@@ -1,5 +1,5 @@
-//! One ray on its way through the tree, and the two steps that it takes: through a node, and through
-//! a leaf.
+//! One ray on its way through the tree, and the two steps that it takes: through a node, and
+//! through a leaf.
 
 use std::mem::MaybeUninit;
 
@@ -112,8 +112,8 @@ impl RayState {
         length > 0.0
     }
 
-    /// Makes this the lead of a packet of rays, at the root of the tree: between these distances, with
-    /// planes that are still to be set.
+    /// Makes this the lead of a packet of rays, at the root of the tree: between these distances,
+    /// with planes that are still to be set.
     #[inline(always)]
     pub(super) fn init_interval(
         &mut self,
@@ -141,8 +141,8 @@ impl RayState {
         limit_for(t * self.length)
     }
 
-    /// Puts the children of a node that are met onto the stack: for `ANY_HIT` in any order, else the
-    /// nearest on top.
+    /// Puts the children of a node that are met onto the stack: for `ANY_HIT` in any order, else
+    /// the nearest on top.
     ///
     /// # Safety
     /// [`Self::init`] was called, `node` is valid, and the stack holds less than a tree of the
@@ -180,8 +180,8 @@ impl RayState {
         }
     }
 
-    /// Puts the children of a node onto the stack that are met between these distances, of each axis
-    /// where their boxes are entered and where they are left.
+    /// Puts the children of a node onto the stack that are met between these distances, of each
+    /// axis where their boxes are entered and where they are left.
     ///
     /// # Safety
     /// As for [`Self::intersect_node`].
@@ -214,7 +214,8 @@ impl RayState {
     /// follows the nearest sure hit; for `ANY_HIT`, the limit stays.
     ///
     /// # Safety
-    /// [`Self::init`] was called, `leaf` is valid, and [`Self::kept`] is below [`MAX_CANDIDATE_LEAVES`].
+    /// [`Self::init`] was called, `leaf` is valid, and [`Self::kept`] is below
+    /// [`MAX_CANDIDATE_LEAVES`].
     #[inline(always)]
     pub(super) unsafe fn intersect_leaf<L: Simd8, const ANY_HIT: bool>(
         &mut self,
@@ -293,15 +294,15 @@ impl RayState {
     }
 }
 
-/// Whether a ray's direction is of unit length, for the bounds of [`super::spheres`].
+/// Returns true if a ray's direction has unit length, for the bounds of [`super::spheres`].
 #[inline(always)]
 pub(super) fn is_unit(ray: &Ray) -> bool {
     let [x, y, z] = ray.direction;
     (x * x + y * y + z * z - 1.0).abs() < UNIT_TOLERANCE
 }
 
-/// Where a ray with a direction of this length begins, in units of space, at the earliest and at the
-/// latest.
+/// Where a ray with a direction of this length begins, in units of space, at the earliest and at
+/// the latest.
 #[inline(always)]
 pub(super) fn t_min_bounds(ray: &Ray, length: f64) -> [f32; 2] {
     let t_min = f64::from(ray.t_min) * length;

@@ -1,13 +1,13 @@
 //! Rays and boxes in f32.
 //!
-//! A ray meets a plane at `(p - o) / u`, computed as `p i + a` with `i = 1 / u` and `a = -i (o +- s)`.
-//! `i` is wrong by `2 e`, `a` by `3 e |o|` in terms of the place, and the sum rounds once more. With
-//! `|p - o| <= |p| + |o|` the place of the plane is wrong by at most `3.1 e |p| + 6.2 e |o|`. The part
-//! with `|p|` is in the box ([`BvhNode::set`]), the part with `|o|` is `s`: upwards for entering and
-//! downwards for leaving, if `u > 0`. What lies behind the origin may be entered too late, but never
-//! after the origin. Components of `u` below 2^-60 are raised to that, which moves a point at distance
-//! `t_lower` by `2^-60 t`. There is no division by zero and no NaN: even the infinite planes of unused lanes
-//! only give infinities.
+//! A ray meets a plane at `(p - o) / u`, computed as `p i + a` with `i = 1 / u` and `a = -i (o +-
+//! s)`. `i` is wrong by `2 e`, `a` by `3 e |o|` in terms of the place, and the sum rounds once
+//! more. With `|p - o| <= |p| + |o|` the place of the plane is wrong by at most `3.1 e |p| + 6.2 e
+//! |o|`. The part with `|p|` is in the box ([`BvhNode::set`]), the part with `|o|` is `s`: upwards
+//! for entering and downwards for leaving, if `u > 0`. What lies behind the origin may be entered
+//! too late, but never after the origin. Components of `u` below 2^-60 are raised to that, which
+//! moves a point at distance `t_lower` by `2^-60 t`. There is no division by zero and no NaN: even
+//! the infinite planes of unused lanes only give infinities.
 
 use super::simd::Simd8;
 use crate::accel::native::build::fast_max;
@@ -46,8 +46,9 @@ pub(super) fn slack(sum: f32) -> f32 {
 }
 
 impl Slabs {
-    /// Sets them for rays in this direction from anywhere between two places, of which none is before the
-    /// `first` nor behind the `last` along any axis; `slack` is what boxes give way everywhere.
+    /// Sets them for rays in this direction from anywhere between two places, of which none is
+    /// before the `first` nor behind the `last` along any axis; `slack` is what boxes give way
+    /// everywhere.
     #[inline(always)]
     pub(super) fn set(&mut self, first: &[f32; 4], last: &[f32; 4], unit: &[f32; 4], slack: f32) {
         for axis in 0..4 {
@@ -61,8 +62,8 @@ impl Slabs {
         }
     }
 
-    /// The distances at which the planes of an axis are met: that which is met first of each pair, and
-    /// the other.
+    /// The distances at which the planes of an axis are met: that which is met first of each pair,
+    /// and the other.
     ///
     /// # Safety
     /// `node` is valid, the axis is below 3, and the CPU supports `L`.
@@ -88,8 +89,8 @@ impl Slabs {
         }
     }
 
-    /// The same for all rays between these and others of the same octant: where the first of them may
-    /// enter and the last may leave.
+    /// The slab test for all rays between these and others of the same octant: where the first of
+    /// them may enter and the last may leave.
     ///
     /// # Safety
     /// As for [`Self::intersect`].

@@ -3,10 +3,11 @@
 //! # What the f32 numbers of a leaf may be wrong by
 //!
 //! `u` is the direction, of unit length within `6.5 e`, where `e = 2^-24`; `v = c - o`, `b = v.u`,
-//! and `p = v - b u` is the way from the line to the centre. Rounding `o` moves it by `e |o|`, rounding
-//! `u` by `e`. So the computed `v` is wrong by at most `e (|v| + |o|)`, `b` by `e (5 |v| + |o|)`, and
-//! `p` by `e (9 |v| + 2 |o|)`, where the error of `b` is left out, which runs along the line; its square
-//! adds `2 e |p|`. That `u` is not quite unit makes `b` and `p` wrong by `13 e |b|` more. With `|v| <=
+//! and `p = v - b u` is the way from the line to the centre. Rounding `o` moves it by `e |o|`,
+//! rounding `u` by `e`. So the computed `v` is wrong by at most `e (|v| + |o|)`, `b` by `e (5 |v| +
+//! |o|)`, and `p` by `e (9 |v| + 2 |o|)`, where the error of `b` is left out, which runs along the
+//! line; its square adds `2 e |p|`. That `u` is not quite unit makes `b` and `p` wrong by `13 e
+//! |b|` more. With `|v| <=
 //! |b| + |p|`, and `|p| <= R` for a hit, the length of `p` is known to within
 //!
 //! `E' = e (24 (|b| + R) + 2 |o|)`, which is at most 3/4 of `E = 32 e (|b| + R + |o|)`.
@@ -14,20 +15,20 @@
 //! This holds with fused and with separate roundings. It follows that
 //!
 //! * a sphere that is hit has `q = p.p <= (R + E)^2` as computed: the others are no candidates;
-//! * half the chord is at most `h = sqrt((R + E)^2 - q)`, roundings included, which take at most `4 e
-//!   R^2` of the `2 R (E - E')` that there is room for;
+//! * half the chord is at most `h = sqrt((R + E)^2 - q)`, roundings included, which take at most `4
+//!   e R^2` of the `2 R (E - E')` that there is room for;
 //! * half the chord squared is at least `(R + E)^2 - q - 4 (R + E) E`, because `h^2` less its true
-//!   value is at most `2 R E + E^2 + 2 (R + E) E' + E'^2` and the roundings again. Where this is above
-//!   0, the sphere is certainly hit;
-//! * the roots lie in `b - h - E .. b - h' + E` and `b + h' - E .. b + h + E`, `h'` being the root of
-//!   that lower bound: of each `E` the error of `b` takes 18/32, the length of `u` in half the chord
-//!   7/32, and the roundings of the sums and the root 4/32.
+//!   value is at most `2 R E + E^2 + 2 (R + E) E' + E'^2` and the roundings again. Where this is
+//!   above 0, the sphere is certainly hit;
+//! * the roots lie in `b - h - E .. b - h' + E` and `b + h' - E .. b + h + E`, `h'` being the root
+//!   of that lower bound: of each `E` the error of `b` takes 18/32, the length of `u` in half the
+//!   chord 7/32, and the roundings of the sums and the root 4/32.
 //!
 //! `E` is at least 2^-60, so that what underflows is far below the room that is left.
 //!
-//! A candidate is *sure* if it is hit for certain, beyond `t_min` and, for occlusion, before `t_max`.
-//! The smallest upper bound of a sure hit limits the search; every candidate whose lower bound is not
-//! beyond that is kept, and those that remain at the end are judged in f64.
+//! A candidate is *sure* if it is hit for certain, beyond `t_min` and, for occlusion, before
+//! `t_max`. The smallest upper bound of a sure hit limits the search; every candidate whose lower
+//! bound is not beyond that is kept, and those that remain at the end are judged in f64.
 
 use crate::accel::native::node::SphereLeaf;
 
@@ -54,9 +55,9 @@ pub(super) struct SphereTest<L: Simd8> {
 
 /// Where rays meet spheres, lane by lane.
 pub(super) struct SphereHits<L: Simd8> {
-    /// Whether there may be a hit.
+    /// True if there may be a hit.
     pub(super) candidate: L::M,
-    /// Whether there is one for certain, beyond where the ray begins.
+    /// True if there is certainly one, beyond the start of the ray.
     pub(super) certain: L::M,
     /// The hit is no nearer than this.
     pub(super) t_lower: L::F,
