@@ -36,7 +36,6 @@ impl RenderFinisher<'_> {
     ///
     /// # Errors
     /// If a file cannot be written, or there is no sample to write.
-    /// When something cannot be written, or there is nothing to write.
     pub(super) fn close(
         &self,
         reached: &RunOutcome,
