@@ -1,5 +1,5 @@
 //! The options that override a scene's render settings, for every command that renders or plans.
-//! They are generated from the table that declares the keys of a scene.
+//! The table that declares the keys of a scene also declares these options.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use serde_json::Value;
