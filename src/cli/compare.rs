@@ -1,4 +1,4 @@
-//! `photosphere compare`: how far a picture is from a reference.
+//! `photosphere compare`: measures the error of a picture against a reference.
 
 use std::path::Path;
 
@@ -11,8 +11,10 @@ use super::args::CompareArgs;
 use super::exit::Exit;
 use super::print;
 
+/// Runs the command.
+///
 /// # Errors
-/// When a picture cannot be read, or the pictures cannot be compared.
+/// If a picture cannot be read, or the pictures cannot be compared.
 pub(super) fn run(args: &CompareArgs) -> Result<Exit> {
     check_heatmap(args)?;
     let heatmap = args.heatmap.as_deref().map(ImageWriter::new).transpose()?;
@@ -36,7 +38,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<Exit> {
     Ok(if exceeded.is_empty() { Exit::Done } else { Exit::CheckFailed })
 }
 
-/// Refuses to draw over what is compared.
+/// Refuses a heat map path that is one of the compared pictures.
 fn check_heatmap(args: &CompareArgs) -> Result<()> {
     let whole = |path: &Path| path.canonicalize().ok();
     let Some(map) = args.heatmap.as_deref().and_then(whole) else { return Ok(()) };
@@ -48,7 +50,7 @@ fn check_heatmap(args: &CompareArgs) -> Result<()> {
     }
 }
 
-/// Reads the pictures, and refuses those that cannot be compared.
+/// Reads both pictures, and refuses pairs that cannot be compared.
 fn read(args: &CompareArgs) -> Result<Pair> {
     let (mut a, mut b) =
         (image_io::read_image(&args.picture)?, image_io::read_image(&args.reference)?);
@@ -79,7 +81,7 @@ fn read(args: &CompareArgs) -> Result<Pair> {
     Ok(Pair { a, b, twin })
 }
 
-/// The layers to compare: those asked for, or all that both have.
+/// Returns the layers to compare: the requested ones, or all that both pictures have.
 fn layers(pair: &Pair, asked: &[String]) -> Result<Vec<String>> {
     let common = pair.common();
     let in_both = |name: &str| pair.a.layer(name).is_some() && pair.b.layer(name).is_some();
@@ -100,8 +102,8 @@ fn layers(pair: &Pair, asked: &[String]) -> Result<Vec<String>> {
     Ok(asked.to_vec())
 }
 
-/// Puts 0 where both pictures have the same value that is not finite, as the depth of nothing is
-/// infinite: there is no difference.
+/// Sets values to 0 where both pictures have the same non-finite value, such as the infinite depth
+/// of a miss, so that they do not differ.
 fn forget_equal_infinities(a: &mut LayeredImage, b: &mut LayeredImage) {
     for ours in &mut a.layers {
         let Some(theirs) = b.layers.iter_mut().find(|layer| layer.name == ours.name) else {
@@ -115,8 +117,8 @@ fn forget_equal_infinities(a: &mut LayeredImage, b: &mut LayeredImage) {
     }
 }
 
-/// Refuses pixels that are not finite in the layers that are to be compared. A variance may be
-/// infinite: it is then not known.
+/// Refuses non-finite pixels in the layers to compare. A variance may be infinite, which means that
+/// it is unknown.
 pub(super) fn check_finite(
     path: &Path,
     picture: &LayeredImage,

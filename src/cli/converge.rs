@@ -1,4 +1,4 @@
-//! `photosphere converge`: error against samples and against time.
+//! `photosphere converge`: plots error against samples and against time.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,8 +19,10 @@ use super::progress::{ProgressDisplay, ProgressState};
 use super::system::on_threads;
 use super::{interrupt, print};
 
+/// Runs the command.
+///
 /// # Errors
-/// Whatever stands between the scene and the plot, the place of the plot first.
+/// Any error between the scene and the plot. The path of the plot is checked first.
 pub(super) fn run(args: &ConvergeArgs) -> Result<Exit> {
     let file = AtomicFile::with_extension(&args.output, "svg")?;
     interrupt::listen();
@@ -72,7 +74,7 @@ fn converge(args: &ConvergeArgs, file: AtomicFile) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// Says why there is nothing to plot.
+/// Returns the error that explains why there is nothing to plot.
 fn nothing_to_plot(reference: &Reference, metric: ErrorMetric) -> Error {
     match reference.noise(metric) {
         Some(0.0) | None => Error::input(
@@ -84,16 +86,16 @@ fn nothing_to_plot(reference: &Reference, metric: ErrorMetric) -> Error {
     }
 }
 
-/// A reference that is nearly as noisy as what it judges is no reference.
+/// Returns true if the reference is nearly as noisy as the renders compared with it.
 fn is_too_noisy(reference: &Reference, series: &[Series], metric: ErrorMetric) -> bool {
     let points = series.iter().flat_map(|one| &one.points);
-    // An error that is no number is not the least.
+    // `min` ignores errors that are NaN.
     let least = points.map(|point| point.error(metric).mean).fold(f64::INFINITY, f64::min);
     reference.noise(metric).is_some_and(|own| own > 0.0 && own >= 0.5 * least)
 }
 
-/// What is to be rendered, and the integrator of the reference. Where the scene objects to
-/// anything, it does so now and not after an hour.
+/// Returns the study to run and the integrator of the reference. Errors in the scene and its
+/// settings show up here, and not after an hour of rendering.
 fn study(args: &ConvergeArgs) -> Result<(Study, String)> {
     let choices = choices(args);
     let mut step = 1;
@@ -144,7 +146,7 @@ fn read_reference(path: &Path, image: &ImageSettings) -> Result<Reference> {
     Ok(Reference::from_picture(beauty.pixels.clone(), variance))
 }
 
-/// What one curve is to show.
+/// The settings of one curve.
 #[derive(Clone)]
 struct Choice {
     names: Vec<String>,
@@ -152,7 +154,7 @@ struct Choice {
     accel: Backend,
 }
 
-/// Everything with everything.
+/// Returns all combinations of the settings to compare.
 fn choices(args: &ConvergeArgs) -> Vec<Choice> {
     let accel = args.accels.first().copied().unwrap_or_default();
     let mut choices = vec![Choice { names: Vec::new(), overrides: Vec::new(), accel }];
@@ -192,7 +194,7 @@ fn settings(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> R
     Ok(read_file(&args.scene.path, &overrides(args, chosen, samples))?.settings)
 }
 
-/// What is changed in the scene; `--set` has the last word.
+/// Returns the overrides of the scene. `--set` comes last and wins.
 fn overrides(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Vec<Override> {
     let samples = samples.map(|samples| Override {
         option: format!("--spp {samples}"),
@@ -203,7 +205,7 @@ fn overrides(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> 
     chosen.iter().cloned().chain(size).chain(samples).chain(args.scene.overrides()).collect()
 }
 
-/// What the samples of a pixel have to be a multiple of.
+/// Returns the divisor that every number of samples per pixel must have.
 fn subpixels(settings: &Settings) -> u32 {
     match settings.render.integrator {
         IntegratorSettings::Paper(paper) => paper.subpixels.pow(2),
@@ -211,7 +213,7 @@ fn subpixels(settings: &Settings) -> u32 {
     }
 }
 
-/// The reference's integrator; `own` is the scene's.
+/// Returns the name of the reference's integrator. `own` is the integrator of the scene.
 fn reference_integrator(args: &ConvergeArgs, own: &str) -> Result<String> {
     let is_compared = |kind: IntegratorKind| match args.integrators.as_slice() {
         [] => own == kind.name(),
@@ -229,8 +231,8 @@ fn reference_integrator(args: &ConvergeArgs, own: &str) -> Result<String> {
     Ok(found)
 }
 
-/// Without a reference of the user's choice, only integrators that converge to the same picture are
-/// compared with one: `path` and `paper` do, each of the others shows something of its own.
+/// Without a reference picture, refuses integrators that do not converge to the picture of the
+/// reference. Only `path` and `paper` share one. The other integrators each show something else.
 fn must_share_a_mean(integrators: &[String], reference: &str) -> Result<()> {
     let shown = |name: &str| if name == "paper" { "path".to_owned() } else { name.to_owned() };
     match integrators.iter().find(|name| shown(name) != shown(reference)) {

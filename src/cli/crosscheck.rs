@@ -1,4 +1,4 @@
-//! `photosphere crosscheck`: every intersector against exact arithmetic, on rays of a scene.
+//! `photosphere crosscheck`: tests every intersector against exact arithmetic, on rays of a scene.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -20,20 +20,22 @@ use super::interrupt;
 use super::print::{self, row};
 use super::system::on_threads;
 
-/// So many spheres are tried one by one where only a few thousand rays ask.
+/// Up to this many spheres, brute force is fast enough for a few thousand rays.
 const FEW_SPHERES: usize = 1000;
-/// The share of ambiguous answers to a scene's own rays above which the user is warned.
+/// The fraction of ambiguous answers to the scene's own rays above which a warning is printed.
 const TOLERABLE_AMBIGUITY: f64 = 0.01;
 
+/// Runs the command.
+///
 /// # Errors
-/// When the scene cannot be had, an intersector not be built, or the dump not be written.
+/// If the scene cannot be loaded, an intersector cannot be built, or the dump cannot be written.
 pub(super) fn run(args: &CrosscheckArgs) -> Result<Exit> {
     interrupt::listen();
     on_threads(args.scene.threads(), || check(args))
 }
 
 fn check(args: &CrosscheckArgs) -> Result<Exit> {
-    // Made first, because the check takes a while.
+    // Created first, because the check takes a while.
     let create = |path| Ok((path, File::create(path).map_err(|e| Error::file("write", path, e))?));
     let dump = args.dump.as_deref().map(create).transpose()?;
     let (scene, settings) = read_file(&args.scene.path, &args.scene.overrides())?.build()?;
@@ -67,14 +69,14 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     Ok(if failures == 0 { Exit::Done } else { Exit::CheckFailed })
 }
 
-/// The intersector that finds where camera rays bounce: always the same one, so that the rays do
-/// not depend on which are checked.
+/// Returns the intersector that finds the bounces of camera rays. It does not depend on the
+/// intersectors under test, so neither do the rays.
 fn bouncer(spheres: &SphereSet) -> Backend {
     if spheres.len() <= FEW_SPHERES { Backend::BruteForce } else { Backend::Native }
 }
 
-/// A third of all rays each: rays of the camera, and their bounces. Camera rays that hit nothing
-/// have no bounce; random rays take those places.
+/// Returns camera rays and their bounces, each a third of all rays. Random rays replace the bounces
+/// of camera rays that miss.
 fn rays_of_shot(shot: &PreparedScene, accel: &dyn Accel, args: &CrosscheckArgs) -> Vec<PathRay> {
     let spheres = shot.scene().spheres();
     let mut rays = camera_rays(shot, args.rays as usize / 3, args.seed);
@@ -83,7 +85,7 @@ fn rays_of_shot(shot: &PreparedScene, accel: &dyn Accel, args: &CrosscheckArgs) 
     rays
 }
 
-/// What to know of an intersector that often cannot tell the scene's spheres apart.
+/// Returns a warning if an intersector often cannot tell the scene's spheres apart.
 fn about_ambiguity(of_scene: &CrosscheckResult) -> Option<String> {
     let share = of_scene.ambiguous_share();
     (share > TOLERABLE_AMBIGUITY).then(|| {
@@ -155,14 +157,14 @@ fn table(tallies: &[CrosscheckResult]) -> String {
     text
 }
 
-/// What each sphere of a disagreement is to the user: ` 7 = row 2 "ball"`.
+/// Names the spheres of a disagreement as the user knows them: ` 7 = row 2 "ball"`.
 fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
     let Disagreement { ray, backend_hit: answered, exact_hit: judged, .. } = disagreement;
     let hits = [answered, judged].map(|hit| hit.map_or(NO_SPHERE, |(id, _)| id));
     let mut ids = [hits[0], hits[1], ray.origin_sphere, ray.target_sphere].to_vec();
     ids.sort_unstable();
     ids.dedup();
-    // A broken intersector may answer a sphere that there is not.
+    // A broken intersector may return a sphere that does not exist.
     ids.retain(|&id| (id as usize) < scene.spheres().len());
     let row = |id: u32| {
         let name = scene.name(id).map(|name| format!(" {name:?}")).unwrap_or_default();
@@ -174,7 +176,7 @@ fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
     format!(" spheres{}", ids.into_iter().map(row).collect::<Vec<_>>().join(","))
 }
 
-/// What stands above the rays of a dump.
+/// Explanation at the head of a dump.
 const ABOUT_DUMP: &str = "spheres by their ids, and behind them what they are in the scene: rows count \
     from 0 through [[spheres]] and then the tables";
 

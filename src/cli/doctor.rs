@@ -1,4 +1,5 @@
-//! `photosphere doctor`: what this build and this machine can do, and how to get what is missing.
+//! `photosphere doctor`: reports what this build and machine support, and how to get what is
+//! missing.
 
 use std::sync::Arc;
 
@@ -12,7 +13,7 @@ use crate::math::{DVec3, Hit};
 use super::exit::Exit;
 use super::{print, system};
 
-/// Lines under the finding that there is no Embree.
+/// Printed if the build lacks Embree.
 const HOW_TO_GET_EMBREE: [&str; 5] = [
     "to have it, install its headers and libclang, then build again:",
     "  Debian, Ubuntu:  sudo apt-get install libembree-dev libclang-dev",
@@ -21,8 +22,10 @@ const HOW_TO_GET_EMBREE: [&str; 5] = [
     "the intersector `native` needs none of it",
 ];
 
+/// Runs the command.
+///
 /// # Errors
-/// When the findings cannot be printed.
+/// If the findings cannot be printed.
 pub(super) fn run() -> Result<Exit> {
     let mut report = Report { text: String::new(), healthy: true };
     let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
@@ -48,7 +51,7 @@ impl Report {
         self.text += &print::field(name, value);
     }
 
-    /// A row whose name needs more room.
+    /// Adds a row with a long name.
     fn wide_row(&mut self, name: &str, value: impl std::fmt::Display) {
         self.text += &format!("{name:<22}{value}\n");
     }
@@ -99,7 +102,7 @@ impl Report {
         }
     }
 
-    /// What `--accel auto` takes, for all numbers of spheres.
+    /// Adds the intersector that `--accel auto` chooses for each number of spheres.
     fn choice(&mut self) {
         let few = BackendChoice::BRUTE_FORCE_MAX_SPHERES;
         let up_to = format!("up to {few} spheres");
@@ -118,8 +121,8 @@ impl Report {
     }
 }
 
-/// Builds the intersector over two balls and asks for the front of one from outside and for its
-/// back from inside.
+/// Builds the intersector over two spheres, and checks the front hit of one from outside and its
+/// back hit from inside.
 fn try_out(backend: Backend) -> Result<()> {
     let ball = |x| Sphere { center: DVec3::new(x, 0.0, 0.0), radius: 1.0 };
     let rows = SphereRows { exact: vec![ball(-3.0), ball(3.0)], table: Vec::new() };

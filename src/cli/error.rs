@@ -1,7 +1,7 @@
-//! Errors in words: mistakes in a scene with file, line, column, excerpt and caret.
+//! Error messages: mistakes in a scene with file, line, column, excerpt and caret.
 //!
-//! miette draws the excerpts. Without a terminal, or with `NO_COLOR`, the drawing is plain ASCII on
-//! unwrapped lines, so that scripts and tests can search it.
+//! miette draws the excerpts. Without a terminal, or with `NO_COLOR`, they are plain ASCII on
+//! unwrapped lines, so that scripts and tests can search them.
 
 use std::fmt;
 use std::io::IsTerminal;
@@ -15,12 +15,12 @@ use crate::error::{Diagnostic, Error, SourceLocation, Suggestion};
 
 use super::print;
 
-/// Prints the error, with all its mistakes.
+/// Prints the error with all its diagnostics.
 pub(super) fn print(error: &Error) {
     print::note(report(error, &handler()).trim_end());
 }
 
-/// The whole report.
+/// Formats the complete error report.
 fn report(error: &Error, handler: &MietteHandler) -> String {
     let mistakes = error.diagnostics();
     if mistakes.is_empty() {
@@ -29,14 +29,14 @@ fn report(error: &Error, handler: &MietteHandler) -> String {
     mistakes.iter().map(|mistake| drawn(&diagnostic(mistake), handler)).collect()
 }
 
-/// What to do, with the option that does it.
+/// Returns the help text, with the option that applies it.
 fn help(error: &Error) -> Option<String> {
     let help = error.help()?;
     let ways: Vec<String> = error.suggestions().map(way_of).collect();
     Some(if ways.is_empty() { help.to_owned() } else { format!("{help}: {}", ways.join(" or ")) })
 }
 
-/// What to type for a setting.
+/// Returns what to type for a suggestion.
 fn way_of((setting, value): (Suggestion, &str)) -> String {
     let option = match setting {
         Suggestion::Intersector => "--accel",
@@ -52,7 +52,7 @@ fn way_of((setting, value): (Suggestion, &str)) -> String {
     format!("{option} {value}").trim_end().to_owned()
 }
 
-/// Draws one diagnostic, at the left margin.
+/// Draws one diagnostic at the left margin.
 fn drawn(diagnostic: &Report, handler: &MietteHandler) -> String {
     let drawn = Drawing { diagnostic, handler }.to_string();
     format!("{}\n", drawn.trim_start().trim_end())
@@ -63,7 +63,7 @@ fn diagnostic(mistake: &Diagnostic) -> Report {
     match &mistake.location {
         None => bare.into(),
         Some(place) => {
-            // miette draws nothing under the end of a last line that is not ended.
+            // miette draws no marker under the end of a last line that lacks a newline.
             let text = format!("{}\n", place.source.text.trim_end_matches('\n'));
             let source = NamedSource::new(&place.source.name, text);
             Report::from(bare.with_label(label(place))).with_source_code(source)
@@ -86,7 +86,7 @@ fn label(place: &SourceLocation) -> LabeledSpan {
     LabeledSpan::new(words, start, end - start)
 }
 
-/// Colour and the terminal's width where there is a terminal.
+/// Creates miette's handler, with colour and the terminal's width if there is a terminal.
 fn handler() -> MietteHandler {
     let wanted = |variable: &str| std::env::var_os(variable).is_some_and(|value| !value.is_empty());
     let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
@@ -106,7 +106,7 @@ fn drawn_with(mut theme: GraphicalTheme) -> MietteHandlerOpts {
     MietteHandlerOpts::new().force_graphical(true).terminal_links(false).graphical_theme(theme)
 }
 
-/// miette draws through a formatter.
+/// Adapter to `Display`: miette draws through a formatter.
 struct Drawing<'a> {
     diagnostic: &'a Report,
     handler: &'a MietteHandler,

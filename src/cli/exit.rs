@@ -1,4 +1,4 @@
-//! What the program's exit code says; scripts rely on it, and `--help` prints it.
+//! Exit codes of the program. Scripts rely on them, and `--help` lists them.
 
 use std::process::ExitCode;
 use std::sync::OnceLock;
@@ -6,7 +6,7 @@ use std::sync::mpsc::{self, Receiver, Sender};
 
 use crate::error::{Category, Error};
 
-/// How a command ended.
+/// Exit code of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Exit {
@@ -16,26 +16,26 @@ pub(super) enum Exit {
     Input = 3,
     File = 4,
     Backend = 5,
-    /// As Rust's own runtime has it for a panic.
+    /// Rust's own exit code for a panic.
     Fault = 101,
-    /// 128 plus the number of SIGINT, as shells have it.
+    /// 128 plus the number of SIGINT, as in shells.
     Stopped = 130,
 }
 
-/// Whoever ends the program says here how.
+/// Sends the exit code to the main thread.
 static LEAVE: OnceLock<Sender<u8>> = OnceLock::new();
 
-/// Where it is heard with which code the program is to end.
+/// Creates the channel on which the main thread receives the exit code.
 pub(super) fn last_word() -> Receiver<u8> {
     let (leave, left) = mpsc::channel();
     LEAVE.get_or_init(|| leave);
     left
 }
 
-/// Ends the program at once, whatever its threads do.
+/// Ends the program at once with this exit code, whatever its threads do.
 pub(super) fn leave_with(code: u8) {
     if let Some(leave) = LEAVE.get() {
-        // Nobody listens any more where it has been ended before.
+        // Fails only if the program is ending already.
         let _ = leave.send(code);
     }
 }

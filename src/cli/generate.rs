@@ -1,4 +1,4 @@
-//! `photosphere generate`: a table of spheres to test and to measure with.
+//! `photosphere generate`: writes a table of spheres for tests and benchmarks.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,10 @@ use super::exit::Exit;
 use super::system::on_threads;
 use super::{interrupt, print};
 
+/// Runs the command.
+///
 /// # Errors
-/// When the number of spheres is impossible, or a file cannot be written.
+/// If the number of spheres is impossible, or a file cannot be written.
 pub(super) fn run(args: &GenerateArgs) -> Result<Exit> {
     let recipe = Recipe::new(args.arrangement, args.count, args.seed, args.colors)?;
     if args.scene.as_ref() == Some(&args.output) {
@@ -38,7 +40,7 @@ pub(super) fn run(args: &GenerateArgs) -> Result<Exit> {
 
 fn write_table(recipe: &Recipe, file: AtomicFile, path: &Path) -> Result<()> {
     let start = Instant::now();
-    // Draws nothing where the standard error is no terminal.
+    // Hidden unless the standard error is a terminal.
     let bar = ProgressBar::new(recipe.count());
     let written = file.write(|to| write_rows(recipe, to, &|rows| bar.set_position(rows)));
     bar.finish_and_clear();
@@ -49,7 +51,8 @@ fn write_table(recipe: &Recipe, file: AtomicFile, path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// How a scene names its table: by its name alone where both are in one folder.
+/// Returns the path by which the scene refers to its table: just the file name if both are in one
+/// folder.
 fn table_as_seen_from(scene: &Path, table: &Path) -> PathBuf {
     let name = table.file_name().map(PathBuf::from);
     match name {

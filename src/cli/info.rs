@@ -1,4 +1,4 @@
-//! `photosphere info`: what is in a scene, and how a picture was made.
+//! `photosphere info`: summarises a scene, or how a picture was made.
 
 use crate::error::{Error, Result};
 use crate::film::Aov;
@@ -11,8 +11,10 @@ use super::memory::MemoryNeeds;
 use super::system::on_threads;
 use super::{memory, print, render};
 
+/// Runs the command.
+///
 /// # Errors
-/// When the scene or the picture cannot be read, or the scene has mistakes.
+/// If the scene or picture cannot be read, or the scene has mistakes.
 pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
     if is_picture(&args.scene.path) {
         if let Some(option) = args.scene.overrides().first() {
@@ -34,7 +36,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
         let file = read_file(&args.scene.path, &args.scene.overrides())?;
         let plan = memory::json(&file);
         if !args.json {
-            // Before anything is loaded: that may be what there is no memory for.
+            // Printed before loading, for which there may not be enough memory.
             print::result(&memory::table(&file))?;
         }
         let backends = [args.accel.choice.select_for_count(file.sphere_count() as usize).backend];

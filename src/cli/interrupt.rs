@@ -1,7 +1,8 @@
-//! Signals. Ctrl-C, and being told to terminate: while there is nothing to save, either ends the
-//! program at once. Once there is, either asks the work to stop, and only a second Ctrl-C ends the
-//! program at once: a person at a terminal means it, but a system that shuts down sends what it
-//! has, one signal after another.
+//! Signal handling.
+//!
+//! Until there is something to save, Ctrl-C or SIGTERM ends the program at once. After that, either
+//! asks the work to stop, and only a second Ctrl-C ends the program at once. A second SIGTERM does
+//! not: a system that shuts down sends several signals in a row.
 
 use std::fs;
 use std::sync::Arc;
@@ -18,7 +19,7 @@ use crate::task::CancelToken;
 use super::exit::{Exit, leave_with};
 use super::print;
 
-/// What signals ask for.
+/// The requests that signals make.
 #[derive(Clone, Default)]
 pub(super) struct Interrupt {
     cancel: CancelToken,
@@ -27,23 +28,23 @@ pub(super) struct Interrupt {
     save_request: SaveRequest,
 }
 
-/// The signals that came so far.
+/// The signals received so far.
 #[derive(Default)]
 struct Heard {
     any: bool,
     ctrl_c: bool,
 }
 
-/// What a signal means.
+/// The effect of a signal.
 #[derive(Debug, PartialEq)]
 enum Meaning {
-    /// To stop, and to save what there is.
+    /// Stop, and save what there is.
     Stop,
-    /// To save what there is, and go on.
+    /// Save what there is, and continue.
     Save,
-    /// No more than was asked for before.
+    /// Nothing beyond the earlier requests.
     Nothing,
-    /// To be gone at once.
+    /// Exit at once.
     Die,
 }
 
@@ -64,12 +65,11 @@ impl Heard {
 }
 
 /// Listens for the signals that end a program, and for those by which batch systems announce an
-/// end: SIGXCPU and SIGUSR2 stop as Ctrl-C does, SIGUSR1 saves and goes on. There is nothing to
-/// save so far.
+/// end: SIGXCPU and SIGUSR2 stop as Ctrl-C does, SIGUSR1 saves and continues. Initially there is
+/// nothing to save.
 ///
-/// A signal that the program was started to ignore, as SIGHUP under `nohup` or SIGINT in the
-/// background of a script, stays ignored. Unfinished files are removed before the program dies at
-/// once.
+/// Ignored signals stay ignored, such as SIGHUP under `nohup` or SIGINT in a background job of a
+/// script. Unfinished files are removed before the program exits at once.
 pub(super) fn listen() -> Interrupt {
     let interrupt = Interrupt::default();
     let ours = interrupt.clone();
@@ -93,7 +93,7 @@ pub(super) fn listen() -> Interrupt {
             }
         }
     };
-    // Without them, signals do what they do to any program.
+    // If this fails, signals keep their default effect.
     if let Ok(mut signals) = Signals::new(heeded()) {
         let listener = move || signals.forever().for_each(&mut handler);
         let _ = thread::Builder::new().name("signals".to_owned()).spawn(listener);
@@ -101,8 +101,8 @@ pub(super) fn listen() -> Interrupt {
     interrupt
 }
 
-/// The signals that mean something, but for those that the parent process made this one ignore: its
-/// wish is the user's.
+/// Returns the signals to handle. Signals that the parent process set to be ignored stay so,
+/// because the user asked for that.
 fn heeded() -> Vec<i32> {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -113,31 +113,30 @@ fn heeded() -> Vec<i32> {
         .collect()
 }
 
-/// Makes a write beyond the limit on the size of files fail as on a full disk, in place of ending
-/// the program.
+/// Makes a write beyond the file size limit fail like a full disk, instead of ending the program.
 pub(super) fn survive_file_size_limits() {
-    // A handler that does nothing of note: the write then returns an error.
+    // With any handler installed, the write returns an error.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::default());
 }
 
 impl Interrupt {
-    /// The request that the first signal sets, once there is something to save. Others may set it
-    /// for reasons of their own, such as a time that is up.
+    /// The stop request that the first signal sets once there is something to save. Others may set
+    /// it, too, for example when the time is up.
     pub(super) fn cancel(&self) -> CancelToken {
         self.cancel.clone()
     }
 
-    /// The request that SIGUSR1 makes.
+    /// The request that SIGUSR1 sets.
     pub(super) fn save_request(&self) -> SaveRequest {
         self.save_request.clone()
     }
 
-    /// Returns true if a signal asked to stop.
+    /// Returns true if a signal asked the program to stop.
     pub(super) fn is_requested(&self) -> bool {
         self.is_asked.load(Ordering::Relaxed)
     }
 
-    /// From here on there is work that the first Ctrl-C should not throw away.
+    /// Announces work that the first Ctrl-C must not throw away.
     pub(super) fn enable_saving(&self) {
         self.can_save.store(true, Ordering::Relaxed);
     }

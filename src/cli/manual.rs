@@ -1,4 +1,4 @@
-//! Generated companions of the program: shell completions and manual pages.
+//! Generates shell completions and manual pages.
 
 use std::path::Path;
 
@@ -16,13 +16,13 @@ pub(super) fn completions(shell: clap_complete::Shell) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// Prints the manual page of the program, or of one of its commands.
+/// Prints the manual page of the program or of one of its commands.
 ///
 /// # Errors
-/// When there is no such command.
+/// If there is no such command.
 pub(super) fn page(command: Option<&str>) -> Result<Exit> {
     let mut program = program();
-    // Gives the commands the names under which `man` looks for them: photosphere-render.
+    // Sets the names under which `man` looks for the commands: photosphere-render.
     program.build();
     let subject = match command {
         None => program,

@@ -1,4 +1,4 @@
-//! The memory plan in words, and the refusal of what would not fit.
+//! Prints the memory plan, and refuses scenes that do not fit.
 
 use serde_json::{Value, json};
 
@@ -11,21 +11,20 @@ use crate::scene::description::ColorStorage;
 
 use super::{print, system};
 
-/// What a command needs memory for, beside the scene.
+/// What a command needs memory for, apart from the scene.
 pub(super) struct MemoryNeeds<'a> {
-    /// The backends, which are built one after the other and kept.
+    /// Intersectors that are built one after another and all kept.
     pub(super) backends: &'a [Backend],
     /// The layers of the picture.
     pub(super) kinds: &'a [Aov],
-    /// Other bytes.
+    /// Additional bytes.
     pub(super) besides: u64,
 }
 
-/// Refuses a scene that needs more memory than the user allows or, if nothing was said, than is
-/// free.
+/// Refuses a scene that needs more memory than `limit` or, without a limit, than is free.
 ///
 /// # Errors
-/// With the number, and the cheaper choice where there is one.
+/// Fails with the memory needed, and with a cheaper option if there is one.
 pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64>) -> Result<()> {
     let MemoryNeeds { backends, kinds, besides } = *needs;
     let (limit, whose) = match (limit, system::available_memory()) {
@@ -46,7 +45,7 @@ pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64
     Err(Error::input(message).with_help(cheaper(file, backends, limit, &peak)))
 }
 
-/// The least change that makes the scene fit.
+/// Returns the smallest change that makes the scene fit.
 fn cheaper(
     file: &SceneFile,
     backends: &[Backend],
@@ -57,7 +56,7 @@ fn cheaper(
     let others: &[Backend] = if backends.len() > 1 { backends } else { Backend::AVAILABLE };
     let mut choices = vec![(pack_colors(file), peak(backends, packed))];
     for colors in [None, packed] {
-        // Every ray against every sphere is no way out for scenes that are large.
+        // Brute force is too slow to suggest for a large scene.
         for &backend in others.iter().filter(|&&backend| backend != Backend::BruteForce) {
             let pack = if colors.is_some() { pack_colors(file) } else { String::new() };
             let words = format!("--accel {} {pack}", backend.name());
@@ -73,7 +72,7 @@ fn cheaper(
     }
 }
 
-/// The options that pack the colours of all tables; none where there is nothing to pack.
+/// Returns the options that pack the colours of all tables; empty if there are none to pack.
 fn pack_colors(file: &SceneFile) -> String {
     let tables = file.description.tables.iter().enumerate();
     let unpacked =
@@ -91,12 +90,12 @@ fn plans(file: &SceneFile) -> impl Iterator<Item = (&'static str, MemoryPlan)> {
     Backend::AVAILABLE.iter().map(plan)
 }
 
-/// The plan as rows of a name and a value.
+/// Formats the memory plan as a table of names and values.
 pub(super) fn table(file: &SceneFile) -> String {
     let mut text = print::field("memory plan", "of a render");
     let mut line =
         |name: &str, value: String| text += &print::field("", format!("{name:<14}{value}"));
-    // What is held is the same for all intersectors, but for their trees.
+    // Apart from the acceleration structures, the plan is equal for all intersectors.
     if let Some((_, plan)) = plans(file).next() {
         let held = [
             ("spheres", plan.spheres),
@@ -121,7 +120,7 @@ pub(super) fn table(file: &SceneFile) -> String {
     text
 }
 
-/// The plan for programs.
+/// Returns the memory plan as JSON.
 pub(super) fn json(file: &SceneFile) -> Value {
     let backend = |(name, plan): (&str, MemoryPlan)| {
         let MemoryPlan {

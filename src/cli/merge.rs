@@ -1,4 +1,4 @@
-//! `photosphere merge`: parts of a picture become one.
+//! `photosphere merge`: merges parts into a picture.
 
 use crate::error::Result;
 use crate::image_io::AtomicFile;
@@ -9,8 +9,10 @@ use super::exit::Exit;
 use super::outputs::{self, Outputs};
 use super::{interrupt, print, system};
 
+/// Runs the command.
+///
 /// # Errors
-/// When a part is damaged or foreign, when parts overlap, when something is missing, and when the
+/// If a part is damaged or belongs to another render, if parts overlap or leave a gap, or if the
 /// result cannot be written.
 pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     let files: Vec<_> = args.output.files.iter().map(|file| ("-o", file.as_path())).collect();
@@ -52,7 +54,7 @@ fn write_pictures(merged: &MergedRender, outputs: &Outputs) -> Result<()> {
     outputs.pictures().iter().try_for_each(|file| file.write(None, &picture, &notes))
 }
 
-/// Says which parts ended without having met their noise target.
+/// Reports the parts that ended before they reached their noise target.
 fn tell_missed(merged: &MergedRender) -> Exit {
     for (path, missed) in &merged.missed_targets {
         for status in missed {

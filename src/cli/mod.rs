@@ -1,7 +1,7 @@
-//! The `photosphere` program: commands, progress, errors in words, exit codes.
+//! The `photosphere` program: commands, progress, error messages, exit codes.
 //!
-//! The only room that prints. Every command returns an `Exit` or an error; both become the exit
-//! code here, and an error is printed here, once.
+//! Only this module prints. Every command returns an `Exit` or an error. Both become the exit code
+//! here, and an error is printed here, once.
 
 #[allow(unreachable_pub, reason = "the arguments are read all over this room")]
 mod args;
@@ -41,9 +41,10 @@ use crate::scene::keys;
 use args::{Cli, Command};
 use exit::Exit;
 
-/// Runs the command that the program's arguments ask for, and prints what comes of it. The command
-/// has a thread of its own: when it ends, or when a signal says so, this function returns, and with
-/// it the program ends, whatever other threads do.
+/// Runs the command given by the program's arguments and prints its outcome.
+///
+/// The command runs in its own thread. This function returns when the command ends or a signal ends
+/// it. The program then exits, whatever its other threads do.
 pub fn main() -> ExitCode {
     interrupt::survive_file_size_limits();
     let left = exit::last_word();
@@ -61,10 +62,10 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// What the main thread of a program usually has.
+/// Stack size in bytes: the usual size for a program's main thread.
 const STACK: usize = 8 << 20;
 
-/// How the program ends with what came of the command, whose error is printed.
+/// Returns the exit code for the outcome of a command, and prints its error.
 fn exit_of(outcome: Result<Exit>) -> Exit {
     outcome.unwrap_or_else(|e| {
         error::print(&e);
@@ -72,7 +73,7 @@ fn exit_of(outcome: Result<Exit>) -> Exit {
     })
 }
 
-/// The arguments, understood.
+/// Parses the program's arguments.
 fn read() -> std::result::Result<Cli, clap::Error> {
     let mut program = args::help::program();
     let mut words = program.try_get_matches_from_mut(std::env::args_os())?;
@@ -101,9 +102,10 @@ fn run(command: &Command) -> Result<Exit> {
     }
 }
 
-/// clap answers `--help` and `--version` as errors too; it knows the stream and the colours.
+/// Prints what clap answers: `--help` and `--version` arrive as errors, too. clap chooses the
+/// stream and the colours.
 fn help_or_wrong_usage(answer: &clap::Error) -> Exit {
-    // Nothing can be said on a closed stream.
+    // On a closed stream nothing can be reported.
     let _ = answer.print();
     if answer.use_stderr() { Exit::Usage } else { Exit::Done }
 }

@@ -1,4 +1,4 @@
-//! The files of a picture: prepared before any work, written after it.
+//! The output files of a picture: prepared before rendering, written after it.
 
 use std::path::{Path, PathBuf};
 
@@ -9,23 +9,23 @@ use crate::image_io::Picture;
 use crate::image_io::{ImageWriter, WriteOptions};
 use crate::job::{FilePath, Metadata, OutputSpec, frame_crop};
 
-/// The files that a picture goes to.
+/// The output files of a picture.
 pub(super) struct Outputs {
     pictures: Vec<PictureFile>,
-    /// Where the sums themselves go.
+    /// The checkpoint file (`.part`), which holds the sample sums.
     part: Option<PathBuf>,
     look: ViewTransform,
     layers: Vec<Aov>,
     with_run: bool,
 }
 
-/// The file of a picture.
+/// One picture file.
 pub(super) struct PictureFile {
     pub(super) path: PathBuf,
     target: ImageWriter,
 }
 
-/// What the files of a picture say of it.
+/// What is written beside the pixels of a picture file.
 pub(super) struct PictureNotes {
     notes: WriteOptions,
     metadata: Metadata,
@@ -33,10 +33,11 @@ pub(super) struct PictureNotes {
 }
 
 impl Outputs {
-    /// Prepares all files; with a preview there is something for the screen in any case.
+    /// Prepares all files. `--exposure`, `--tone` and `--dither` need a file for the screen. A preview
+    /// counts as one.
     ///
     /// # Errors
-    /// When one cannot be written, is named twice, or none has a place for what is asked.
+    /// If a file cannot be written or is named twice, or no file can hold a requested layer.
     pub(super) fn new(delivery: &OutputSpec, layers: &[Aov], layers_given: bool) -> Result<Self> {
         let mut pictures: Vec<PictureFile> = Vec::new();
         let mut part = None;
@@ -61,27 +62,28 @@ impl Outputs {
         Ok(Self { pictures, part, look, layers: layers.to_vec(), with_run })
     }
 
-    /// Where the sums themselves go.
+    /// The `.part` file, which holds the sample sums.
     pub(super) fn part(&self) -> Option<&Path> {
         self.part.as_deref()
     }
 
-    /// Returns true if any of the files is a picture.
+    /// Returns true if at least one of the files is a picture.
     pub(super) fn has_pictures(&self) -> bool {
         !self.pictures.is_empty()
     }
 
-    /// The files of the picture.
+    /// The picture files.
     pub(super) fn pictures(&self) -> &[PictureFile] {
         &self.pictures
     }
 
-    /// Asks for other layers.
+    /// Replaces the layers to write.
     pub(super) fn set_layers(&mut self, layers: &[Aov]) {
         self.layers = layers.to_vec();
     }
 
-    /// What they say of a picture; `quickly` where somebody waits for the end of writing it.
+    /// Returns what the files record about a picture. `quickly` favours writing speed over file
+    /// size.
     pub(super) fn notes(
         &self,
         frame: &FilmFrame,
@@ -102,10 +104,10 @@ impl Outputs {
 }
 
 impl PictureFile {
-    /// Writes the picture, in its own place or in another.
+    /// Writes the picture, to its own path or to another.
     ///
     /// # Errors
-    /// When it cannot be written there.
+    /// If the file cannot be written.
     pub(super) fn write(
         &self,
         place: Option<&Path>,
@@ -126,15 +128,15 @@ impl PictureFile {
     }
 }
 
-/// The paths themselves.
+/// Returns the plain paths.
 pub(super) fn paths(files: &[FilePath]) -> Vec<PathBuf> {
     files.iter().map(|FilePath(file)| file.clone()).collect()
 }
 
-/// Refuses two files in one place, however they are written: one would replace the other.
+/// Refuses two outputs with the same path, however it is spelled: one would replace the other.
 ///
 /// # Errors
-/// With the first two of them.
+/// Names the first such pair.
 pub(super) fn refuse_duplicate_paths(files: &[(&str, &Path)]) -> Result<()> {
     let places: Vec<PathBuf> = files.iter().map(|(_, file)| place(file)).collect();
     for (at, (option, file)) in files.iter().enumerate() {
@@ -149,25 +151,26 @@ pub(super) fn refuse_duplicate_paths(files: &[(&str, &Path)]) -> Result<()> {
     Ok(())
 }
 
-/// A file's name from the root on, through links, as far as it is there.
+/// Returns the absolute path of a file, with links resolved as far as the path exists.
 fn place(file: &Path) -> PathBuf {
     let full = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
     let beside = || Some(full.parent()?.canonicalize().ok()?.join(full.file_name()?));
     full.canonicalize().ok().or_else(beside).unwrap_or_else(|| full.clone())
 }
 
-/// Returns true if a file is to hold the film itself.
+/// Returns true if the path names a `.part` file, which holds the sample sums.
 pub(super) fn is_part(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("part"))
 }
 
-/// Names, in words: `a.png and b.exr`.
+/// Joins file names for a message: `a.png and b.exr`.
 pub(super) fn in_words(files: &[PathBuf]) -> String {
     let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     names.join(" and ")
 }
 
-/// `.png` has the beauty, and alpha; the formats of linear light have the beauty alone.
+/// Refuses layers that no file can hold: `.png` stores beauty and alpha, the linear formats store
+/// only the beauty.
 fn refuse_layers_without_place(layers: &[Aov], files: &[PictureFile]) -> Result<()> {
     let any = |test: fn(&ImageWriter) -> bool| files.iter().any(|file| test(&file.target));
     if any(ImageWriter::has_layers) {

@@ -1,4 +1,4 @@
-//! Words for people: results on the standard output, remarks on the standard error.
+//! Prints text: results on the standard output, remarks on the standard error.
 
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -10,10 +10,12 @@ use crate::error::{Error, Result};
 
 pub(super) use crate::draw::text::{count, field, percent, row, si};
 
-/// Prints a result. A reader that has gone away (`photosphere info x | head -1`) is no failure.
+/// Prints a result. A closed pipe (`photosphere info x
+///
+/// head -1`) is no failure.
 ///
 /// # Errors
-/// When the standard output cannot be written for any other reason, such as a full disk.
+/// If the standard output cannot be written for any other reason, such as a full disk.
 pub(super) fn result(text: &str) -> Result<()> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -24,16 +26,16 @@ pub(super) fn result(text: &str) -> Result<()> {
     }
 }
 
-/// Prints one value as JSON. Numbers that JSON does not have are null.
+/// Prints one value as JSON. Numbers that JSON cannot express become null.
 ///
 /// # Errors
-/// As [`result`].
+/// See [`result`].
 pub(super) fn json(value: &impl Serialize) -> Result<()> {
     let value = serde_json::to_value(value).expect("keys are texts");
     result(&format!("{value:#}\n"))
 }
 
-/// Prints a remark; if nobody can read it, that changes nothing.
+/// Prints a remark, and ignores failures to do so.
 pub(super) fn note(text: impl Display) {
     let _ = writeln!(io::stderr(), "{text}");
 }
@@ -43,7 +45,7 @@ pub(super) fn warning(text: impl Display) {
     note(format_args!("warning: {text}"));
 }
 
-/// A number of bytes with a binary prefix: `12.34 MiB`.
+/// Formats a number of bytes with a binary prefix: `12.34 MiB`.
 pub(super) fn bytes(bytes: u64) -> String {
     indicatif::BinaryBytes(bytes).to_string()
 }

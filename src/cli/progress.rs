@@ -1,4 +1,4 @@
-//! How far a render has come: a bar on a terminal, a line every few seconds elsewhere.
+//! Progress display: a bar on a terminal, a line every few seconds elsewhere.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -16,24 +16,24 @@ use super::print;
 const BETWEEN_LINES: Duration = Duration::from_secs(3);
 const BAR: &str = "{bar:24} {percent:>3} %  {msg}";
 
-/// What there is to tell.
+/// The state to display.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct ProgressState {
     pub(super) samples_done: u64,
-    /// Samples of the whole render; the most where only an estimate is known.
+    /// Samples of the whole render; the upper bound if only an estimate is known.
     pub(super) samples_total: u64,
     /// Samples per second.
     pub(super) rate: f64,
-    /// The error of the picture so far, as a share of the brightness of its pixels.
+    /// The relative error of the picture so far.
     pub(super) error: Option<f64>,
-    /// Squares that are good enough, and all of them.
+    /// Tiles that have reached the noise target, and all tiles.
     pub(super) squares: Option<[usize; 2]>,
-    /// The time left, in words.
+    /// The estimated time left, as text.
     pub(super) left: Option<String>,
 }
 
 impl ProgressState {
-    /// The state of work that began at some time, and takes so many samples.
+    /// Returns the state of work that began at `began` and takes `samples_total` samples.
     pub(super) fn since(began: Instant, samples_done: u64, samples_total: u64) -> Self {
         let left = samples_total.saturating_sub(samples_done);
         let estimate =
@@ -59,11 +59,11 @@ impl ProgressState {
     }
 }
 
-/// Something that grows on the standard error, where anybody sees it.
+/// A progress display on the standard error.
 pub(super) enum ProgressDisplay {
     Quiet,
     Bar(ProgressBar),
-    /// Off a terminal: a line now and then.
+    /// Without a terminal: a line from time to time.
     Lines {
         last: Mutex<Instant>,
         between: Duration,
@@ -71,19 +71,19 @@ pub(super) enum ProgressDisplay {
 }
 
 impl ProgressDisplay {
-    /// That of a render.
+    /// Creates the display of a render.
     pub(super) fn new(quiet: bool) -> Self {
         Self::with(quiet, BAR, BETWEEN_LINES)
     }
 
-    /// A bar as the template says, or lines with so much time between them.
+    /// Creates a bar from the template, or prints a line every `between`.
     pub(super) fn with(quiet: bool, template: &str, between: Duration) -> Self {
         if quiet {
             Self::Quiet
         } else if std::io::stderr().is_terminal() {
             let style = ProgressStyle::with_template(template).expect("templates are constants");
             let bar = ProgressBar::no_length().with_style(style);
-            // Its clock goes on while nothing is done.
+            // The elapsed time advances even if there is no progress.
             bar.enable_steady_tick(Duration::from_millis(200));
             Self::Bar(bar)
         } else {
@@ -91,13 +91,13 @@ impl ProgressDisplay {
         }
     }
 
-    /// Shows how far a render is; called from any thread, as often as it likes.
+    /// Displays the state of a render. Any thread may call this at any rate.
     pub(super) fn show(&self, state: &ProgressState) {
         let ProgressState { samples_done, samples_total, .. } = *state;
         self.grow(samples_done, samples_total, || details(state), || line(state));
     }
 
-    /// Shows that so much of all is done, with words for beside the bar, or else for a line.
+    /// Displays that `done` of `all` is done, with a text for the bar or for the line.
     pub(super) fn grow(
         &self,
         done: u64,
@@ -113,7 +113,7 @@ impl ProgressDisplay {
                 bar.set_position(done);
             }
             Self::Lines { last, between } => {
-                // Another thread that holds the lock is printing a line just now.
+                // If the lock is taken, another thread is printing a line.
                 let Ok(mut last) = last.try_lock() else { return };
                 if last.elapsed() >= *between {
                     *last = Instant::now();
@@ -123,7 +123,7 @@ impl ProgressDisplay {
         }
     }
 
-    /// Lets something be said without a bar in the way.
+    /// Hides the bar while `words` prints.
     pub(super) fn suspend(&self, words: impl FnOnce()) {
         match self {
             Self::Bar(bar) => bar.suspend(words),
@@ -131,7 +131,7 @@ impl ProgressDisplay {
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub(super) fn finish(&self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();
@@ -153,7 +153,8 @@ impl Observer for ProgressDisplay {
     }
 }
 
-/// Says how far a build is, every few seconds: nothing for builds that are over by then.
+/// Returns a callback that reports the progress of a build every few seconds. Shorter builds print
+/// nothing.
 pub(super) fn build_progress(quiet: bool) -> task::ProgressCallback {
     if quiet {
         return task::ProgressCallback::default();
@@ -173,7 +174,7 @@ fn line(state: &ProgressState) -> String {
     format!("{:.0} % of {total}samples, {}", 100.0 * share.min(1.0), details(state))
 }
 
-/// All but the share that is done.
+/// Formats everything but the fraction done.
 fn details(state: &ProgressState) -> String {
     let rate = format!("{}samples/s", print::si(state.rate));
     let error = state.error.map(|error| format!("error {}", print::percent(error)));

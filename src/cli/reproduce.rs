@@ -1,4 +1,4 @@
-//! `photosphere reproduce`: a picture again, from what it says of itself.
+//! `photosphere reproduce`: renders a picture again from its metadata, and compares the pixels.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -15,9 +15,11 @@ use super::progress::{ProgressDisplay, ProgressState};
 use super::system::on_threads;
 use super::{interrupt, print};
 
+/// Runs the command.
+///
 /// # Errors
-/// When the picture does not say how it was made, when its scene is not what it was, or when it
-/// cannot be rendered.
+/// If the picture does not record how it was made, if its scene has changed, or if it cannot be
+/// rendered.
 pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
     let path = &args.picture;
     refuse_part(path)?;
@@ -45,7 +47,7 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
     Ok(Exit::CheckFailed)
 }
 
-/// A part has no pixels to compare with.
+/// Refuses a `.part` file, which has no pixels to compare with.
 fn refuse_part(path: &Path) -> Result<()> {
     if !is_checkpoint(path) {
         return Ok(());
@@ -71,7 +73,7 @@ fn render(args: &ReproduceArgs, said: &Metadata) -> Result<Reproduction> {
     result
 }
 
-/// Where the scene's files are.
+/// Returns the folder of the scene's files.
 fn folder(args: &ReproduceArgs, said: &Metadata) -> PathBuf {
     let scene_file = said.run.as_ref().and_then(|run| run.scene_file.as_deref());
     let beside = args.picture.parent().unwrap_or(Path::new(""));
@@ -79,7 +81,8 @@ fn folder(args: &ReproduceArgs, said: &Metadata) -> PathBuf {
     args.folder.clone().unwrap_or_else(|| then.to_path_buf())
 }
 
-/// The numbers that a file of the picture holds: rounding to its format is a part of the picture.
+/// Returns the channels as a file of the picture stores them, because rounding to its format is
+/// part of the result.
 fn channels(
     args: &ReproduceArgs,
     said: &Metadata,
@@ -101,7 +104,7 @@ fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
 }
 
-/// The names of the channels that differ, or that only one of both has.
+/// Returns the names of the channels that differ or exist in only one of the two pictures.
 fn differing(then: &[RawChannel], now: &[RawChannel]) -> Vec<String> {
     let differs = |channel: &&RawChannel| !now.contains(channel);
     let gone = then.iter().filter(differs).map(|channel| channel.name.clone());
@@ -109,7 +112,7 @@ fn differing(then: &[RawChannel], now: &[RawChannel]) -> Vec<String> {
     gone.chain(now.iter().filter(is_new).map(|channel| channel.name.clone())).collect()
 }
 
-/// Why the picture may differ.
+/// Explains why the picture may differ.
 fn reasons(differences: &[String]) -> String {
     if differences.is_empty() {
         return "nothing that is known differs in how it was made: the file was changed since, or this is a \

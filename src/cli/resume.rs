@@ -1,4 +1,4 @@
-//! `photosphere resume`: a render goes on from its checkpoint.
+//! `photosphere resume`: resumes a render from its checkpoint.
 
 use crate::error::{Error, Result};
 use crate::job::{Checkpoint, FilePath, OutputSpec, StopCriteria};
@@ -8,8 +8,10 @@ use super::exit::Exit;
 use super::outputs::is_part;
 use super::render::{self, RenderRequest};
 
+/// Runs the command.
+///
 /// # Errors
-/// When the file cannot be resumed, and whatever a render meets.
+/// If the file cannot be resumed, and all errors of a render.
 pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
     let header = Checkpoint::open(&args.file)?.header().clone();
     let unknown = || {
@@ -27,14 +29,14 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
     };
     let mut request =
         RenderRequest::of_header(&header, delivered(args, delivery)?).ok_or_else(no_scene)?;
-    // A part that is among the files keeps its samples itself.
+    // A `.part` file among the outputs is its own checkpoint.
     let keeps_itself = request.delivery.files.iter().any(|FilePath(file)| is_part(file));
     request.checkpoint = (!keeps_itself).then(|| args.file.clone());
     if let Some(scene) = &args.scene {
         request.scene.clone_from(scene);
     }
     if let Some(samples) = args.extend_to {
-        // A number of samples is asked for in place of what ended the render.
+        // A given number of samples replaces the stop criteria of the render.
         request.samples_per_pixel = Some(samples);
         request.is_extended = true;
         request.job.until = StopCriteria::default();
@@ -45,7 +47,7 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
     render::execute(&request)
 }
 
-/// Where the picture goes: as before, but for what the options say.
+/// Returns the outputs: as before, except for what the options change.
 fn delivered(args: &ResumeArgs, mut delivery: OutputSpec) -> Result<OutputSpec> {
     if let Some(part) = args.outputs.iter().find(|file| is_part(file) && **file != args.file) {
         let (part, kept) = (part.display(), args.file.display());

@@ -1,4 +1,4 @@
-//! `photosphere trace`: one path explained step by step, and drawn.
+//! `photosphere trace`: explains one path step by step, and draws it.
 
 use crate::accel::BuildOptions;
 use crate::error::{Error, Result};
@@ -13,8 +13,10 @@ use super::exit::Exit;
 use super::system::on_threads;
 use super::{interrupt, print};
 
+/// Runs the command.
+///
 /// # Errors
-/// When the scene cannot be had, has no such pixel or sample, or its integrator follows no paths.
+/// If the scene cannot be loaded, has no such pixel or sample, or its integrator traces no paths.
 pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
     let svg = |path| AtomicFile::with_extension(path, "svg");
     let file = args.svg.as_deref().map(svg).transpose()?;
@@ -49,7 +51,7 @@ fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// The sample, if the picture has it.
+/// Returns the address of the sample, if it is within the picture.
 fn address(args: &TraceArgs, shot: &PreparedScene) -> Result<SampleAddress> {
     let (x, y) = args.pixel;
     let image = shot.image_settings();

@@ -1,4 +1,4 @@
-//! `photosphere verify`: every check of the program, on the user's machine and build.
+//! `photosphere verify`: runs every check of the program on the user's machine and build.
 
 use std::io::Write as _;
 use std::time::{Duration, Instant};
@@ -21,8 +21,10 @@ use super::{interrupt, print, system};
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
 const BAR: &str = "{bar:32} {pos} of {len}  {elapsed}  {wide_msg}";
 
+/// Runs the command.
+///
 /// # Errors
-/// When an intersector cannot be built, or the report not be written.
+/// If an intersector cannot be built, or the report cannot be written.
 pub(super) fn run(args: &VerifyArgs) -> Result<Exit> {
     let html = |path| AtomicFile::with_extension(path, "html");
     let report = args.report.as_deref().map(html).transpose()?;
@@ -59,7 +61,7 @@ fn verify(args: &VerifyArgs, report: Option<AtomicFile>) -> Result<Exit> {
     Ok(if passed { Exit::Done } else { Exit::CheckFailed })
 }
 
-/// Shows how many checks are done, and which failed.
+/// Displays how many checks are done and which failed.
 fn show(shown: &ProgressDisplay, progress: &check::SuiteProgress<'_>) {
     let check::SuiteProgress { done, total, check, result: outcome } = *progress;
     if !outcome.passed && shown.wants_progress() {
@@ -70,7 +72,7 @@ fn show(shown: &ProgressDisplay, progress: &check::SuiteProgress<'_>) {
     shown.grow(done as u64, total as u64, || check.name.clone(), line);
 }
 
-/// The checks that are asked for; fewer of them share the same significance.
+/// Returns the requested checks. The total significance level is divided among them.
 fn chosen(args: &VerifyArgs) -> Result<Vec<Check>> {
     let mut checks = all_checks_on(args.effort(), args.accels.backends());
     let is_meant = |check: &Check, text: &String| {
@@ -89,7 +91,7 @@ fn chosen(args: &VerifyArgs) -> Result<Vec<Check>> {
     Ok(checks)
 }
 
-/// What was checked, where and how.
+/// Returns what was checked, where and how.
 fn facts(args: &VerifyArgs, seconds: f64) -> Vec<(&'static str, String)> {
     let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
     let processor = system::processor().map_or(String::new(), |name| format!(", {name}"));

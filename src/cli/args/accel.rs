@@ -1,4 +1,4 @@
-//! Options about intersectors.
+//! Options that choose intersectors.
 
 use clap::Args;
 use clap::builder::{PossibleValue, TypedValueParser};
@@ -37,13 +37,13 @@ pub struct AccelsArg {
 }
 
 impl AccelsArg {
-    /// Those asked for, or all of this build.
+    /// Returns the requested intersectors, or all of this build.
     pub fn backends(&self) -> &[Backend] {
         if self.chosen.is_empty() { Backend::AVAILABLE } else { &self.chosen }
     }
 }
 
-/// The name of one intersector.
+/// Parses the name of one intersector.
 pub fn backends() -> impl TypedValueParser<Value = Backend> {
     one_of(named_backends())
 }
@@ -55,7 +55,7 @@ fn choices() -> impl TypedValueParser<Value = BackendChoice> {
     one_of([(auto, BackendChoice::Auto)].into_iter().chain(others))
 }
 
-/// Those that this build lacks can be named, but are not listed.
+/// Lists the intersectors that can be named. Those missing from this build are hidden in `--help`.
 fn named_backends() -> impl Iterator<Item = (PossibleValue, Backend)> {
     let hidden = |backend| !Backend::AVAILABLE.contains(&backend);
     explained(meaning).map(move |(name, backend)| (name.hide(hidden(backend)), backend))

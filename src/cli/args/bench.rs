@@ -1,4 +1,4 @@
-//! Options of `photosphere bench`.
+//! The options of `photosphere bench`.
 
 use std::path::PathBuf;
 

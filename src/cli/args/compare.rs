@@ -113,7 +113,7 @@ struct Limits {
 }
 
 impl Limits {
-    /// Every limit that was set; for PSNR it is the smallest allowed value.
+    /// Returns every limit that is set. For PSNR a limit is a minimum.
     fn set(&self) -> Vec<(CompareMetric, f64)> {
         let all = [
             (CompareMetric::Mse, self.max_mse),
@@ -128,7 +128,7 @@ impl Limits {
 }
 
 impl CompareArgs {
-    /// What to measure: what is asked for, or everything, and in any case what has a limit.
+    /// Returns what to measure: the requested metrics or all, and always those with a limit.
     pub fn wanted(&self) -> Wanted {
         let limits = self.limits.set();
         let is_wanted = |metric: &CompareMetric| {

@@ -110,7 +110,8 @@ pub struct ConvergeArgs {
 }
 
 impl ConvergeArgs {
-    /// Samples per pixel, rising and each once; where none are asked for, multiples of `step`.
+    /// Returns the samples per pixel of the points, ascending and without duplicates. By default
+    /// they are multiples of `step`.
     pub fn samples(&self, step: u32) -> Vec<u32> {
         if self.spp.is_empty() {
             return (0..USUAL_POINTS).map(|point| step << point).collect();
@@ -121,7 +122,8 @@ impl ConvergeArgs {
         samples
     }
 
-    /// Samples per pixel of each of the reference's halves, where `most` are compared with it.
+    /// Returns the samples per pixel of each half of the reference. `most` is the largest number of
+    /// samples per pixel compared with it.
     pub fn reference_half(&self, most: u32) -> u32 {
         self.reference_spp.unwrap_or(most.saturating_mul(16)) / 2
     }

@@ -1,15 +1,15 @@
-//! How `--help` is set out.
+//! Layout of `--help`.
 //!
-//! The texts after the options are written in lines of 100 columns, as everything here. A terminal
-//! may be narrower, and breaking broken lines again would leave a word on every second one. So the
-//! lines of a paragraph are joined before clap breaks them where the terminal ends. Indented lines,
-//! which are examples and tables, stay as they are; they fit into 80 columns.
+//! The texts after the options are wrapped at 100 columns in the source. On a narrower terminal,
+//! wrapping the wrapped lines again would leave short lines in between. The lines of each paragraph
+//! are therefore joined, and clap wraps them. Indented lines (examples and tables) stay as they
+//! are, and fit into 80 columns.
 
 use clap::{Arg, Command, CommandFactory};
 
 use super::Cli;
 
-/// The definition of the program.
+/// Returns the command-line definition of the program.
 pub fn program() -> Command {
     let names = |command: &Command| -> Vec<String> {
         command.get_subcommands().map(|one| one.get_name().to_owned()).collect()
@@ -19,8 +19,7 @@ pub fn program() -> Command {
     names(&program).into_iter().fold(program, |program, name| program.mut_subcommand(name, set_out))
 }
 
-/// A negative number is the value of the option before it, which may refuse it, and no option
-/// itself.
+/// Lets an option take a negative number as its value. Otherwise clap reads it as another option.
 fn with_negative_numbers(arg: Arg) -> Arg {
     let takes_value = arg.get_long().is_some() && arg.get_action().takes_values();
     if takes_value { arg.allow_negative_numbers(true) } else { arg }
@@ -36,7 +35,7 @@ fn with_whole_paragraphs(command: Command) -> Command {
     }
 }
 
-/// The text with each paragraph in one line.
+/// Joins the lines of each paragraph into one.
 fn joined(text: &str) -> String {
     let mut whole = String::new();
     let mut is_open = false;
@@ -64,7 +63,7 @@ mod tests {
         assert_eq!(joined(text), whole);
     }
 
-    /// No line is longer, and no row of a table and no example is broken.
+    /// Checks that no line is longer, and that no table row or example is broken.
     #[test]
     fn help_fits_a_terminal_of_80_columns() {
         let mut program = program().term_width(80);

@@ -1,4 +1,4 @@
-//! The options of long renders: checkpoints, ranges of samples, going on, and adding up.
+//! The options of long renders: checkpoints, sample ranges, resuming and merging.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -1,8 +1,9 @@
-//! The command line, as clap reads it; the comments here are what `--help` says.
+//! The command-line definition for clap. The doc comments of its types and fields are the `--help`
+//! text.
 //!
-//! What clap can judge alone (an unknown option, a word where a number belongs) is its to refuse.
-//! Values that mean something to a scene become [`Override`]s and are judged where the scene is, so
-//! that `--spp 0` is refused in the same words as `samples_per_pixel = 0`.
+//! clap rejects what it can judge alone: unknown options, or text in place of a number. Values of
+//! scene keys become [`Override`]s and are checked with the scene, so that `--spp 0` gives the same
+//! error message as `samples_per_pixel = 0`.
 
 mod accel;
 mod bench;

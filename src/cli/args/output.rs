@@ -1,5 +1,5 @@
-//! The options that say where pictures go, and what their files are like; for every command that
-//! writes any.
+//! The options for picture files: their paths, layers and format. Shared by every command that
+//! writes pictures.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -45,7 +45,7 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
-    /// The layers asked for, each once; or the usual ones.
+    /// Returns the requested layers without duplicates, or the default ones.
     pub fn kinds(&self) -> Vec<Aov> {
         let mut kinds = Vec::new();
         for kind in self.layers.as_deref().unwrap_or(&Aov::DEFAULT) {
@@ -56,12 +56,12 @@ impl OutputArgs {
         kinds
     }
 
-    /// Returns true if `--layers` is given.
+    /// Returns true if layers are requested.
     pub fn has_layers(&self) -> bool {
         self.layers.is_some()
     }
 
-    /// Where the picture goes, without anybody who looks on.
+    /// Returns where the picture goes, without viewers.
     pub fn output_spec(&self) -> OutputSpec {
         OutputSpec {
             files: self.files.iter().cloned().map(FilePath).collect(),
@@ -74,14 +74,14 @@ impl OutputArgs {
         }
     }
 
-    /// How files for the screen show the picture.
+    /// Returns the view transform of display-referred files.
     pub fn look(&self) -> ViewTransform {
         let (exposure, tone) = (self.exposure.unwrap_or(0.0), self.tone.unwrap_or_default());
         ViewTransform { exposure, tone, dither: self.dither }
     }
 
-    /// The options again, as words of a command: those that parts need to know of, and those that
-    /// only files for people do.
+    /// Returns the options as command arguments: first those that concern parts, then those that
+    /// concern only picture files.
     pub fn to_arguments(&self) -> [Vec<String>; 2] {
         let mut of_parts = Vec::new();
         if let Some(kinds) = &self.layers {

@@ -1,5 +1,5 @@
-//! The options that change what a picture shows, for every command that makes or plans one. They
-//! are keys of a scene, and made of the one table that declares those.
+//! The options that override a scene's render settings, for every command that renders or plans.
+//! The table that declares the keys of a scene also declares these options.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use serde_json::Value;
@@ -10,13 +10,13 @@ use crate::scene::keys::{self, CliOption, KeyInfo};
 use super::scene::SceneArgs;
 use super::values::{Size, size, whole};
 
-/// What the picture is to be, where that is not what the scene says.
+/// Overrides of the scene's settings.
 #[derive(Debug, Default)]
 pub struct PictureArgs {
     given: Vec<Override>,
 }
 
-/// The option that sets two keys.
+/// The option that sets both the width and the height.
 const SIZE: &str = "size";
 
 impl PictureArgs {
@@ -25,23 +25,23 @@ impl PictureArgs {
         self.given.iter().any(|given| given.key == "render.samples_per_pixel")
     }
 
-    /// What the options change in the scene; `--set` has the last word.
+    /// Returns the overrides of the scene. `--set` comes last and wins.
     pub fn overrides(&self, scene: &SceneArgs) -> Vec<Override> {
         self.given.iter().cloned().chain(scene.overrides()).collect()
     }
 }
 
-/// The keys that have an option.
+/// Returns the keys that have an option.
 fn options() -> impl Iterator<Item = (KeyInfo, CliOption)> {
     keys::all().into_iter().filter_map(|key| key.option.map(|option| (key, option)))
 }
 
-/// What a key holds, as the schema calls it.
+/// Returns true if the schema type of the key is `kind`.
 fn is_a(key: &KeyInfo, kind: &str) -> bool {
     key.schema["type"] == kind
 }
 
-/// The key's own words, and the names that it may have.
+/// Returns the help text: the key's description, and the names that it accepts.
 fn help(key: &KeyInfo, option: &CliOption) -> String {
     let words = option.help.unwrap_or(key.help);
     let mut letters = words.chars();
@@ -55,7 +55,7 @@ fn help(key: &KeyInfo, option: &CliOption) -> String {
     text
 }
 
-/// Numbers are judged where the scene is, which knows which are allowed.
+/// Builds the clap argument. Ranges are checked when the scene is read.
 fn argument(key: &KeyInfo, option: &CliOption) -> Arg {
     let arg = Arg::new(option.name)
         .long(option.name)

@@ -73,7 +73,7 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
-    /// What the options change in the scene.
+    /// Returns the overrides of the scene.
     pub fn overrides(&self) -> Vec<Override> {
         let most = self.stop.overrides(self.picture.has_samples());
         most.into_iter().chain(self.picture.overrides(&self.scene)).collect()

@@ -1,4 +1,4 @@
-//! `photosphere reproduce`, as clap reads it.
+//! The options of `photosphere reproduce`.
 
 use std::path::PathBuf;
 

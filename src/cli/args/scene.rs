@@ -1,4 +1,4 @@
-//! Which scene a command is about, what is changed in it, and how much of the machine is used.
+//! Options for the scene file, its overrides and the machine's resources.
 
 use std::path::PathBuf;
 
@@ -32,30 +32,30 @@ pub struct SceneOptions {
 }
 
 impl SceneArgs {
-    /// The threads asked for.
+    /// Returns the requested number of threads.
     pub fn threads(&self) -> Option<usize> {
         self.options.threads()
     }
 
-    /// What `--set` says.
+    /// Returns the overrides from `--set`.
     pub fn overrides(&self) -> Vec<Override> {
         self.options.overrides()
     }
 }
 
 impl SceneOptions {
-    /// The threads asked for.
+    /// Returns the requested number of threads.
     pub fn threads(&self) -> Option<usize> {
         self.threads
     }
 
-    /// What `--set` says.
+    /// Returns the overrides from `--set`.
     pub fn overrides(&self) -> Vec<Override> {
         self.set.clone()
     }
 }
 
-/// `KEY=VALUE`.
+/// Parses `KEY=VALUE`.
 fn setting(text: &str) -> Result<Override, String> {
     match text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
         Some((key, value)) if !key.is_empty() => {

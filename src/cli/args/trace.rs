@@ -61,7 +61,7 @@ pub struct TraceArgs {
 }
 
 impl TraceArgs {
-    /// What the options change in the scene; `--set` has the last word.
+    /// Returns the overrides of the scene. `--set` comes last and wins.
     pub fn overrides(&self) -> Vec<Override> {
         self.picture.overrides(&self.scene)
     }

@@ -1,4 +1,4 @@
-//! Values of options: how they are written, and what is said of those that are not.
+//! Parsers for option values, with their error messages.
 
 use std::ops::{Range, RangeInclusive};
 use std::time::Duration;
@@ -9,7 +9,7 @@ use crate::math::Rect;
 use crate::names::Named;
 use crate::scene::Override;
 
-/// `WxH`.
+/// An image size, written `WxH`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
     pub width: u32,
@@ -17,7 +17,7 @@ pub struct Size {
 }
 
 impl Size {
-    /// What `--size` changes in the scene.
+    /// Returns the overrides that `--size` stands for.
     pub fn overrides(self) -> [Override; 2] {
         let Self { width, height } = self;
         [("image.width", width), ("image.height", height)].map(|(key, pixels)| Override {
@@ -28,7 +28,7 @@ impl Size {
     }
 }
 
-/// One of these names, each with what it stands for.
+/// Parses one of these names into the value it stands for.
 pub fn one_of<T: Clone + Send + Sync + 'static>(
     choices: impl IntoIterator<Item = (PossibleValue, T)>,
 ) -> impl TypedValueParser<Value = T> {
@@ -39,19 +39,19 @@ pub fn one_of<T: Clone + Send + Sync + 'static>(
     })
 }
 
-/// The names of all variants.
+/// Lists the names of all variants.
 pub fn named<T: Named>() -> impl Iterator<Item = (PossibleValue, T)> {
     T::NAMES.iter().map(|&(name, value)| (PossibleValue::new(name), value))
 }
 
-/// The names of all variants, with what `--help` says of each.
+/// Lists the names of all variants, each with its description in `--help`.
 pub fn explained<T: Named>(
     meaning: fn(T) -> &'static str,
 ) -> impl Iterator<Item = (PossibleValue, T)> {
     named().map(move |(name, value)| (name.help(meaning(value)), value))
 }
 
-/// Any whole number: the scene knows which are allowed, and says so.
+/// Parses any integer. The scene checks the range.
 pub fn whole(text: &str) -> Result<i128, String> {
     text.parse().map_err(|_| "it must be a whole number".to_owned())
 }
@@ -64,17 +64,18 @@ pub fn size(text: &str) -> Result<Size, String> {
     read().ok_or_else(|| "it must be WIDTHxHEIGHT, as in 640x480".to_owned())
 }
 
-/// More threads than any machine has cores are a typing error, and would not start.
+/// Parses a number of threads. More threads than any machine has cores are a typing error, and
+/// would not start.
 pub fn threads() -> impl TypedValueParser<Value = usize> {
     clap::value_parser!(u16).range(1..=4096).map(usize::from)
 }
 
-/// As wide as that of a scene.
+/// Parses a seed, with the range of the scene's seed.
 pub fn seed() -> impl TypedValueParser<Value = u64> {
     clap::value_parser!(i64).range(0..=i64::MAX).map(i64::unsigned_abs)
 }
 
-/// `90s`, `5m`, `1.5h`, or seconds.
+/// Parses a duration: `90s`, `5m`, `1.5h`, or plain seconds.
 pub fn duration(text: &str) -> Result<Duration, String> {
     let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
     let with_unit = |(unit, seconds): (&str, f64)| {
@@ -87,7 +88,7 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// Stops of exposure.
+/// Parses an exposure in stops.
 pub fn exposure(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(stops) if (-100.0..=100.0).contains(&stops) => Ok(stops),
@@ -95,7 +96,7 @@ pub fn exposure(text: &str) -> Result<f32, String> {
     }
 }
 
-/// `X0,Y0,X1,Y1`.
+/// Parses a pixel rectangle `X0,Y0,X1,Y1`.
 pub fn window(text: &str) -> Result<Rect, String> {
     let corners = || {
         let corners: Option<Vec<u32>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
@@ -109,7 +110,7 @@ pub fn window(text: &str) -> Result<Rect, String> {
     })
 }
 
-/// `A..B`.
+/// Parses a sample range `A..B`.
 pub fn samples(text: &str) -> Result<Range<u32>, String> {
     let range = || {
         let (first, end) = text.split_once("..")?;
@@ -121,19 +122,19 @@ pub fn samples(text: &str) -> Result<Range<u32>, String> {
     })
 }
 
-/// A whole number, perhaps with an exponent.
+/// Parses a count: an integer, optionally with an exponent.
 pub fn count(text: &str) -> Result<u64, String> {
     let whole = || text.parse::<u64>().ok();
     let with_exponent = || {
         let number = text.parse::<f64>().ok()?;
-        // Above 2^53 not every whole number is an f64.
+        // Above 2^53, not every integer is representable as f64.
         ((0.0..9e15).contains(&number) && number.fract() == 0.0).then_some(number as u64)
     };
     let refused = "it must be a whole number, as in 250000 or 1e6";
     whole().or_else(with_exponent).ok_or_else(|| refused.to_owned())
 }
 
-/// A number of bytes with a unit.
+/// Parses a number of bytes with a unit.
 pub fn bytes(text: &str) -> Result<u64, String> {
     const UNITS: [(&str, f64); 9] = [
         ("KiB", 1024.0),
@@ -166,7 +167,7 @@ pub fn confidence(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "it must be a share from 50% to 99.99%, as in 95% or 0.95".to_owned())
 }
 
-/// `1%` or `0.01`.
+/// Parses a fraction: `1%` or `0.01`.
 fn share(text: &str, allowed: RangeInclusive<f64>) -> Option<f64> {
     let share = match text.trim().strip_suffix('%') {
         Some(percent) => percent.trim_end().parse::<f64>().ok()? / 100.0,

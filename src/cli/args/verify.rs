@@ -1,4 +1,4 @@
-//! The words of `photosphere verify`.
+//! The options of `photosphere verify`.
 
 use std::path::PathBuf;
 
@@ -70,7 +70,7 @@ pub struct VerifyArgs {
 }
 
 impl VerifyArgs {
-    /// How much work is asked for.
+    /// Returns the requested effort.
     pub fn effort(&self) -> Effort {
         match (self.quick, self.full) {
             (true, _) => Effort::Quick,

@@ -1,4 +1,4 @@
-//! `photosphere bench`: how fast every intersector answers, builds and renders.
+//! `photosphere bench`: measures how fast every intersector traces, builds and renders.
 
 mod suite;
 
@@ -24,13 +24,15 @@ use super::memory::{self, MemoryNeeds};
 use super::print;
 use super::system::{self, on_threads};
 
-/// More camera rays than this only take memory.
+/// Maximum number of camera rays. More would only take memory.
 const MOST_RAYS: usize = 1 << 20;
-/// The largest scenes of a record unless `--largest` says others.
+/// Sphere count of the largest scenes of a record, unless `--largest` is given.
 const LARGEST_OF_RECORD: u64 = 10_000_000;
 
+/// Runs the command.
+///
 /// # Errors
-/// When the scene cannot be had, an intersector not be built, or a file not be written.
+/// If the scene cannot be loaded, an intersector cannot be built, or a file cannot be written.
 pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
     let interrupt = interrupt::listen();
     on_threads(args.scene.threads(), || match (&args.suite, &args.record, &args.path) {
@@ -87,7 +89,7 @@ fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<
     Ok(Exit::Done)
 }
 
-/// Measures native against Embree; each table is shown when it is finished.
+/// Measures native against Embree, and prints each table as soon as it is complete.
 fn record(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
     let file = AtomicFile::new(path)?;
     let embree = embree_info().ok_or_else(|| {
@@ -121,7 +123,7 @@ fn record(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> 
     Ok(Exit::Done)
 }
 
-/// What all the rays take at most, and the copies that each intersector is asked with.
+/// Returns the maximum memory in bytes of all rays and of the copies that the intersectors receive.
 fn bytes_of_rays(file: &SceneFile, backends: usize) -> u64 {
     let image = file.settings.image;
     let rays = 16 * u64::from(image.width) * u64::from(image.height);
@@ -129,7 +131,7 @@ fn bytes_of_rays(file: &SceneFile, backends: usize) -> u64 {
     rays.min(MOST_RAYS as u64) * each as u64
 }
 
-/// On what, and how, was measured.
+/// Describes the machine and the measurement.
 fn circumstances(rounds: BenchOptions) -> String {
     let threads = print::count(rayon::current_num_threads(), "thread");
     let processor = system::processor().map_or(String::new(), |name| format!(" of {name}"));

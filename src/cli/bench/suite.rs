@@ -1,4 +1,4 @@
-//! `photosphere bench --suite`: the standard scenes, one size after the other, on one page.
+//! `photosphere bench --suite`: measures the standard scenes at increasing sizes, for one page.
 
 use std::io::Write;
 use std::path::Path;
@@ -16,11 +16,13 @@ use crate::verify::bench::{BenchOptions, Event, Suite};
 
 use super::{circumstances, measuring};
 
-/// The largest scene unless `--largest` says another.
+/// Sphere count of the largest scene, unless `--largest` is given.
 const LARGEST: u64 = 100_000_000;
 
+/// Runs the command.
+///
 /// # Errors
-/// When an intersector cannot be built, or the page not be written.
+/// If an intersector cannot be built, or the page cannot be written.
 pub(super) fn run(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
     let file = AtomicFile::with_extension(path, "html")?;
     let suite = Suite {

@@ -1,8 +1,8 @@
-//! `photosphere plan`: how to share a render out.
+//! `photosphere plan`: prints the commands that distribute a render over several machines.
 //!
-//! A plan only prints. What it prints relies on `render -o FILE.part`: that file appears whole or
-//! not at all, is its own checkpoint, and has nothing more done to it when it is finished. So any
-//! shard may be run again, and two copies of one at once do no harm.
+//! A plan only prints. Its commands rely on `render -o FILE.part`: the file is written atomically,
+//! is its own checkpoint, and does not change once it is finished. Any shard can therefore be run
+//! again, and two copies of one shard at the same time do no harm.
 
 mod openjd;
 mod script;
@@ -20,35 +20,37 @@ use super::print;
 use super::system::on_threads;
 use shards::Shard;
 
-/// The commands of a shared render.
+/// The commands of a distributed render.
 struct ShardPlan {
-    /// What to call it: the name of the scene.
+    /// The name of the plan: that of the scene.
     name: String,
     scene: String,
-    /// The merged picture, in all its files.
+    /// The files of the merged picture.
     outputs: Vec<String>,
     division: Division,
     shards: Vec<Shard>,
-    /// Options that all shards have in common.
+    /// Options that all shards share.
     options: Vec<String>,
     /// Options of the merge.
     merge_options: Vec<String>,
 }
 
+/// Runs the command.
+///
 /// # Errors
-/// When the scene has mistakes, when a file cannot be written or has no place for what is asked,
-/// when there is less to share out than there are shards, or when shards would not fit together.
+/// If the scene has mistakes, if a file cannot be written or cannot hold the requested layers, if
+/// there are more shards than work to divide, or if the parts could not be merged.
 pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     let outputs = outputs(args);
     let files: Vec<_> = outputs.files.iter().map(|file| ("-o", file.as_path())).collect();
     refuse_duplicate_paths(&files)?;
     Outputs::new(&outputs.output_spec(), &outputs.kinds(), outputs.has_layers())?;
     let overrides = overrides(args);
-    // Its tables are looked at, but not read: that may take more memory than there is here.
+    // Checks the tables without loading them: they may need more memory than this machine has.
     let file = on_threads(args.scene.threads(), || read_file(&args.scene.path, &overrides))?;
     let division = division(&args.stop, args.by)?;
     args.stop.stop_criteria().validate(&file.settings.render)?;
-    // Two machines may choose differently, and their parts would not add up.
+    // Two machines might choose differently, and their parts could not be merged.
     let backend = args.accel.choice.select_for_count(file.sphere_count() as usize).backend;
     let plan = ShardPlan::new(args, &outputs, division, &file.settings, backend.name())?;
     print::result(&match args.format {
@@ -59,13 +61,13 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// What the options change in the scene.
+/// Returns the overrides of the scene.
 fn overrides(args: &PlanArgs) -> Vec<Override> {
     let most = args.stop.overrides(args.picture.has_samples());
     most.into_iter().chain(args.picture.overrides(&args.scene)).collect()
 }
 
-/// The files asked for, or one that is named after the scene.
+/// Returns the requested output files, or one named after the scene.
 fn outputs(args: &PlanArgs) -> OutputArgs {
     let mut outputs = args.output.clone();
     if outputs.files.is_empty() {
@@ -77,7 +79,7 @@ fn outputs(args: &PlanArgs) -> OutputArgs {
     outputs
 }
 
-/// How the work can be divided.
+/// Returns how to divide the work.
 fn division(stop: &StopArgs, asked: Option<Division>) -> Result<Division> {
     let refused = |message: &str, help: &str| Err(Error::input(message).with_help(help));
     match (stop.noise, stop.limit_option(), asked) {
@@ -129,8 +131,8 @@ impl ShardPlan {
         })
     }
 
-    /// The words of the command that renders a shard, after the program's name; `shard` is one of
-    /// [`Self::shards`] in words, or what stands for it.
+    /// Returns the arguments of the command that renders a shard. `shard` is one of
+    /// [`Self::shards`] as text, or a placeholder for it.
     fn render(&self, shard: &str) -> Vec<String> {
         let mut words = vec!["render".to_owned(), self.scene.clone()];
         words.extend(self.options.iter().cloned());
@@ -139,7 +141,7 @@ impl ShardPlan {
         words
     }
 
-    /// The words of the command that merges all parts.
+    /// Returns the arguments of the command that merges all parts.
     fn merge(&self) -> Vec<String> {
         let mut words = vec!["merge".to_owned()];
         words.extend(self.shards.iter().map(|shard| self.part(&shard.to_string())));
@@ -149,7 +151,7 @@ impl ShardPlan {
         words
     }
 
-    /// The option of `render` that a shard is the value of.
+    /// Returns the option of `render` that takes a shard.
     fn option(&self) -> &'static str {
         match self.division {
             Division::Samples => "samples",
@@ -157,16 +159,17 @@ impl ShardPlan {
         }
     }
 
-    /// The file of a shard: beside the picture, named after what is in it.
+    /// Returns the file of a shard, next to the picture and named after the shard.
     fn part(&self, shard: &str) -> String {
         let first = Path::new(&self.outputs[0]);
-        // One name for `a.exr` and another for `a.part`, of which one may be a part of the other.
+        // The names differ for `a.exr` and `a.part`, because one may be a shard of the other.
         let stem = first.with_extension(if is_part(first) { "all" } else { "" });
         format!("{}.{}-{shard}.part", stem.display(), self.option())
     }
 }
 
-/// The options that shape the picture, as the user wrote them, and the intersector by its name.
+/// Returns the options that affect the picture, as the user wrote them, and the intersector by
+/// name.
 fn options(args: &PlanArgs, division: Division, accel: &str) -> Vec<String> {
     let overrides = overrides(args);
     let is_replaced = |key: &str| division == Division::Crop && key == "image.crop";
@@ -193,7 +196,7 @@ fn options(args: &PlanArgs, division: Division, accel: &str) -> Vec<String> {
     words
 }
 
-/// A path as text, which scripts and templates are; never to be taken for an option.
+/// Returns a path as text, for scripts and templates. Nothing can mistake it for an option.
 fn text(path: &Path) -> Result<String> {
     let text = path.to_str().ok_or_else(|| {
         Error::input(format!("the name `{}` is not UTF-8 text", path.display()))

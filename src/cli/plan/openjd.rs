@@ -1,7 +1,7 @@
 //! Plans as job templates of the Open Job Description specification, version 2023-09.
 //!
-//! A template has one task per shard and a step that merges when all of them are done. It is JSON,
-//! which the specification allows beside YAML.
+//! A template has one task per shard, and a merge step that runs after all of them. It is JSON,
+//! which the specification permits as well as YAML.
 
 use serde_json::{Value, json};
 
@@ -11,18 +11,18 @@ use super::ShardPlan;
 use super::script::without_controls;
 use crate::cli::args::Division;
 
-/// The most values that the specification allows a task parameter.
+/// The maximum number of values of a task parameter in the specification.
 const MOST_TASKS: usize = 1024;
-/// The longest name of a job, in characters.
+/// The maximum length of a job name, in characters.
 const LONGEST_NAME: usize = 128;
-/// Stands for the folder of the files in commands.
+/// Placeholder in commands for the folder of the files.
 const FOLDER: &str = "{{Param.Folder}}";
 
-/// The template, as JSON text.
+/// Returns the template as JSON text.
 ///
 /// # Errors
-/// When there are more shards than a template can have tasks, or a name holds what a template would
-/// replace.
+/// If there are more shards than a template can have tasks, or a name contains a template
+/// placeholder.
 pub(super) fn template(plan: &ShardPlan) -> Result<String> {
     if plan.shards.len() > MOST_TASKS {
         return Err(Error::input(format!(
@@ -86,7 +86,7 @@ fn parameters() -> Value {
     ])
 }
 
-/// A task that is to be cancelled is told so first, and keeps what it has.
+/// Returns the script of a task. A cancelled task is notified first, so that it saves its samples.
 fn script(words: &[String]) -> Value {
     let run = json!({
         "command": "{{Param.Program}}",
@@ -96,7 +96,7 @@ fn script(words: &[String]) -> Value {
     json!({ "actions": { "onRun": run } })
 }
 
-/// The plan with its files in the job's folder, where they are not named from the root.
+/// Returns the plan with all relative paths placed in the job's folder.
 fn in_folder(plan: &ShardPlan) -> ShardPlan {
     let placed = |name: &String| match name.starts_with('/') {
         true => name.clone(),

@@ -1,4 +1,4 @@
-//! Plans for a shell and for Slurm.
+//! Plans as scripts for a shell and for Slurm.
 
 use std::fmt::Write;
 
@@ -10,10 +10,10 @@ use super::ShardPlan;
 /// The program as the scripts call it.
 const PROGRAM: &str = r#""${PHOTOSPHERE:-photosphere}""#;
 
-/// One command per line; the first failure ends it.
+/// Returns a script with one command per line, which stops at the first failure.
 ///
 /// # Errors
-/// When a name cannot be quoted.
+/// If a name cannot be quoted.
 pub(super) fn shell(plan: &ShardPlan) -> Result<String> {
     let mut text = format!(
         "#!/bin/sh\n\
@@ -30,11 +30,12 @@ pub(super) fn shell(plan: &ShardPlan) -> Result<String> {
     Ok(text)
 }
 
-/// A script that is three things: run by hand it submits itself twice, as the array of shards and
-/// as the merge that waits for it; run by Slurm it is one of them, by the number of its task.
+/// Returns a script with three roles. Run by hand, it submits itself twice: as an array job of the
+/// shards, and as the merge that waits for it. Run by Slurm, the task number selects the shard or
+/// the merge.
 ///
 /// # Errors
-/// When a name cannot be quoted.
+/// If a name cannot be quoted.
 pub(super) fn slurm(plan: &ShardPlan) -> Result<String> {
     let merge = plan.shards.len();
     let last = merge - 1;
@@ -74,14 +75,14 @@ fn line(text: &mut String, words: std::fmt::Arguments<'_>) {
     text.write_fmt(format_args!("{words}\n")).expect("a string takes all that is written to it");
 }
 
-/// The program and its words, quoted for a POSIX shell.
+/// Returns the program and its arguments, quoted for a POSIX shell.
 fn command(words: &[String]) -> Result<String> {
     let words = shlex::try_join(words.iter().map(String::as_str));
     let words = words.map_err(|e| Error::input(format!("a name cannot be quoted: {e}")))?;
     Ok(format!("{PROGRAM} {words}"))
 }
 
-/// Without line ends, which would end a comment.
+/// Removes control characters: a line break would end a comment.
 pub(super) fn without_controls(name: &str) -> String {
     name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

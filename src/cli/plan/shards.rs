@@ -1,4 +1,4 @@
-//! Which shard renders what.
+//! Divides a render into shards.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,19 +7,19 @@ use crate::error::{Error, Result};
 use crate::film::BLOCK_SIZE;
 use crate::math::Rect;
 
-/// Side of the squares, on the grid of the full picture, that a crop is made of.
+/// Side of the tiles that crops consist of, in pixels, on the grid of the full picture.
 const SQUARE: u32 = 16;
 
-/// The share of the render that one command takes.
+/// The part of the render that one command takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Shard {
-    /// Samples of every pixel.
+    /// A range of the samples of every pixel.
     Samples(Range<u32>),
     /// All samples of these columns and rows of the full picture.
     Crop { columns: Range<u32>, rows: Range<u32> },
 }
 
-/// As the options of `render` spell it.
+/// Formats the shard as an option value of `render`.
 impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -31,10 +31,10 @@ impl fmt::Display for Shard {
     }
 }
 
-/// Divides the samples into ranges that begin at whole blocks, as equal as can be.
+/// Divides the samples into nearly equal ranges that start at whole blocks.
 ///
 /// # Errors
-/// When there are fewer blocks than shards.
+/// If there are fewer blocks than shards.
 pub(super) fn by_samples(samples: u32, shards: u32) -> Result<Vec<Shard>> {
     let blocks = samples.div_ceil(BLOCK_SIZE);
     if blocks < shards {
@@ -49,11 +49,11 @@ pub(super) fn by_samples(samples: u32, shards: u32) -> Result<Vec<Shard>> {
         .collect())
 }
 
-/// Divides the window into rectangles whose inner edges lie on the grid of squares: bands, and
-/// where there are more shards than rows of squares, pieces of bands.
+/// Divides the window into rectangles whose inner edges lie on the tile grid: bands or, if there
+/// are more shards than rows of tiles, pieces of bands.
 ///
 /// # Errors
-/// When there are fewer squares than shards.
+/// If there are fewer tiles than shards.
 pub(super) fn by_crop(window: Rect, shards: u32) -> Result<Vec<Shard>> {
     let columns = window.x..window.x + window.width;
     let rows = window.y..window.y + window.height;
@@ -79,12 +79,12 @@ pub(super) fn by_crop(window: Rect, shards: u32) -> Result<Vec<Shard>> {
     Ok(all.into_iter().flat_map(of_band).collect())
 }
 
-/// The squares that the pixels touch.
+/// Returns the tiles that overlap the pixels.
 fn squares(pixels: &Range<u32>) -> Range<u32> {
     pixels.start / SQUARE..pixels.end.div_ceil(SQUARE)
 }
 
-/// Divides the range into `count` parts as equal as can be, in order.
+/// Divides the range into `count` nearly equal parts, in order.
 fn parts(range: Range<u32>, count: u32) -> impl Iterator<Item = Range<u32>> {
     let length = u64::from(range.end - range.start);
     let at = move |i: u32| range.start + (u64::from(i) * length / u64::from(count)) as u32;

@@ -3,7 +3,7 @@ use crate::cli::args::{Cli, Command};
 use crate::scene::read_text;
 use clap::Parser;
 
-/// 96 samples of 64 x 48 pixels.
+/// 64 x 48 pixels with 96 samples each.
 const SCENE: &str = r#"
 format = 1
 image = { width = 64, height = 48 }

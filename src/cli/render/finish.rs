@@ -1,4 +1,4 @@
-//! The end of a render: what it came to is saved, shown, and told.
+//! The end of a render: saves the results, shows the final picture, and prints the report.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -26,16 +26,16 @@ pub(super) struct RenderFinisher<'a> {
     pub(super) interrupt: &'a Interrupt,
     pub(super) progress: &'a ProgressDisplay,
     pub(super) times: Times,
-    /// What there was to warn of.
+    /// Warnings about the spheres.
     pub(super) about_spheres: Vec<String>,
 }
 
 impl RenderFinisher<'_> {
-    /// Saves what it came to, and tells of it. Saved first, and shown then: who looks on may keep
-    /// nobody waiting.
+    /// Saves the results, waits for the viewers, and prints the report. Saving comes first, so that
+    /// a slow viewer delays nothing that matters.
     ///
     /// # Errors
-    /// When something cannot be written, or there is nothing to write.
+    /// If a file cannot be written, or there is no sample to write.
     pub(super) fn close(
         &self,
         reached: &RunOutcome,
@@ -50,7 +50,7 @@ impl RenderFinisher<'_> {
         Ok(match reached.stop_reason {
             StopReason::Stopped => Exit::Stopped,
             StopReason::Failed => Exit::Fault,
-            // Of a picture that is shared out, the merge says so.
+            // If the render writes only a part, `merge` reports the missed target.
             _ if !is_met(reached) && self.outputs.has_pictures() => Exit::CheckFailed,
             _ => Exit::Done,
         })
@@ -59,8 +59,8 @@ impl RenderFinisher<'_> {
     /// Writes the part and the pictures.
     ///
     /// # Errors
-    /// When something cannot be written; the others are, where they can be, and what would be lost
-    /// is elsewhere. When there is not one sample.
+    /// If there is not one sample, or a file cannot be written. The other files are then still
+    /// written where possible, and what would be lost is saved elsewhere.
     fn save_all(&self, reached: &RunOutcome, last_look: &FinalUpdate<'_>) -> Result<()> {
         let session = self.session;
         if session.film().sample_count() == 0 {
@@ -69,7 +69,7 @@ impl RenderFinisher<'_> {
         }
         let picture = OnceLock::new();
         let shown = || picture.get_or_init(|| session.picture());
-        // Whoever stops a render waits for the end of it.
+        // After a signal somebody waits for the program to exit.
         let in_haste = self.interrupt.is_requested();
         let notes = self.outputs.notes(session.film().frame(), &session.metadata(), in_haste);
         let part: Vec<SaveTask<'_>> =
@@ -108,7 +108,7 @@ impl RenderFinisher<'_> {
         SaveTask { path, is_only_copy: true, help, write: Box::new(write) }
     }
 
-    /// Tells what came of it.
+    /// Prints the report.
     fn report(&self, reached: &RunOutcome, render_s: f64) -> Result<()> {
         let (samples, rays, about_film) = self.session.statistics();
         let complaint =
@@ -130,7 +130,7 @@ impl RenderFinisher<'_> {
     }
 }
 
-/// Returns true if the picture meets its noise target.
+/// Returns true if the noise target is met, or there is none.
 fn is_met(reached: &RunOutcome) -> bool {
     reached.noise.is_none_or(|noise| noise.is_met())
 }

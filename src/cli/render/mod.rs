@@ -1,4 +1,4 @@
-//! `photosphere render`: a scene walks in, a picture walks out. `resume` comes here too.
+//! `photosphere render`: renders a scene to picture files. `resume` uses this module, too.
 
 mod finish;
 mod report;
@@ -29,43 +29,47 @@ use super::{interrupt, memory, print, system};
 use finish::RenderFinisher;
 use report::Times;
 
-/// A render that is asked for, by its options or by a checkpoint.
+/// A render to execute, as the options or a checkpoint specify it.
 pub(super) struct RenderRequest {
     pub(super) scene: PathBuf,
     pub(super) overrides: Vec<Override>,
     pub(super) memory_limit: Option<u64>,
-    /// The render.
+    /// What to render, and how.
     pub(super) job: Job,
-    /// True if the settings come from the scene file, false if from `job`.
+    /// True if the settings come from the scene file, false if they come from `job`.
     pub(super) has_settings_of_file: bool,
-    /// Samples per pixel in place of what the scene file says.
+    /// Samples per pixel, overriding the scene file.
     pub(super) samples_per_pixel: Option<u32>,
-    /// True if `samples_per_pixel` extends the render.
+    /// True if `samples_per_pixel` exceeds the number of the original render.
     pub(super) is_extended: bool,
     pub(super) delivery: OutputSpec,
     pub(super) layers_given: bool,
-    /// The file that keeps the samples so far.
+    /// The checkpoint file.
     pub(super) checkpoint: Option<PathBuf>,
-    /// True if the render continues without viewers that are gone.
+    /// True if the render continues without viewers that cannot be reached.
     pub(super) is_resumed: bool,
     pub(super) quiet: bool,
     pub(super) json: bool,
 }
 
-/// The file that keeps the samples so far.
+/// The checkpoint file, ready to be written.
 struct CheckpointTarget {
     path: PathBuf,
     file: AtomicFile,
 }
 
+/// Runs the command.
+///
 /// # Errors
-/// Whatever stands between the scene and the picture, the place of the picture first.
+/// Any error between the scene and the picture. The output paths are checked first.
 pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
     execute(&args.request())
 }
 
+/// Executes a render.
+///
 /// # Errors
-/// As [`run`].
+/// See [`run`].
 pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     outputs::refuse_duplicate_paths(&places(request))?;
     let outputs = Outputs::new(&request.delivery, &request.job.layers, request.layers_given)?;
@@ -102,20 +106,20 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     })
 }
 
-/// The scene and its settings, if there is memory for them.
+/// Loads the scene and its settings, if they fit into memory.
 fn load(request: &RenderRequest) -> Result<(Scene, Settings)> {
     let mut file = read_file(&request.scene, &request.overrides)?;
     if !request.has_settings_of_file {
         file.settings = request.job.settings;
     }
-    // Before spheres that are there twice are left out.
+    // Duplicate spheres are still counted here.
     let chosen = request.job.accel.select_for_count(file.sphere_count() as usize);
     let needs = MemoryNeeds { backends: &[chosen.backend], kinds: &request.job.layers, besides: 0 };
     memory::check(&file, &needs, request.memory_limit)?;
     file.build()
 }
 
-/// The render with its samples so far, if there are some.
+/// Opens the render session, with the samples of the checkpoint if there are any.
 fn open(
     request: &RenderRequest,
     scene: &Scene,
@@ -154,7 +158,7 @@ fn open(
     Ok(session)
 }
 
-/// With its files named from the root on: a checkpoint may be resumed in another folder.
+/// Returns the outputs with absolute paths: a checkpoint may be resumed in another folder.
 fn from_the_root(delivery: &OutputSpec) -> OutputSpec {
     let absolute = |FilePath(file): &FilePath| {
         FilePath(std::path::absolute(file).unwrap_or_else(|_| file.clone()))
@@ -214,14 +218,14 @@ impl RenderArgs {
 }
 
 impl RenderRequest {
-    /// The render that a checkpoint is of.
+    /// Returns the render that a checkpoint belongs to, or `None` if the checkpoint names no scene.
     pub(super) fn of_header(header: &CheckpointHeader, delivery: OutputSpec) -> Option<Self> {
         let source = header.source.as_ref()?;
         Some(Self {
             scene: source.file.clone()?,
             overrides: source.overrides.iter().map(Override::from_pair).collect(),
             memory_limit: None,
-            // Another machine may find another intersector the fastest.
+            // Keep the intersector: on another machine the automatic choice may differ.
             job: Job {
                 accel: BackendChoice::Only(header.metadata.intersector.backend),
                 ..header.job.clone()
@@ -240,7 +244,7 @@ impl RenderRequest {
 }
 
 impl CheckpointTarget {
-    /// The checkpoint, or the part that is asked for, if either is.
+    /// Returns the checkpoint or the requested `.part` file, if there is one.
     fn new(request: &RenderRequest, outputs: &Outputs) -> Result<Option<Self>> {
         let path = match (&request.checkpoint, outputs.part()) {
             (Some(checkpoint), Some(part)) if checkpoint != part => {
@@ -260,7 +264,8 @@ impl CheckpointTarget {
     }
 }
 
-/// What is to be written, and where; `-o FILE.part` may be named as the checkpoint, too.
+/// Returns the output paths, each with its option. A `.part` file named by both `-o` and
+/// `--checkpoint` counts once.
 fn places(request: &RenderRequest) -> Vec<(&'static str, &Path)> {
     let OutputSpec { files, preview, .. } = &request.delivery;
     let named = files.iter().map(|FilePath(file)| ("-o", file.as_path()));
@@ -271,8 +276,7 @@ fn places(request: &RenderRequest) -> Vec<(&'static str, &Path)> {
     named.chain(checkpoint).chain(preview).collect()
 }
 
-/// What the user should know of spheres that are there twice, and of those that f32 cannot hold
-/// well.
+/// Returns warnings about duplicate spheres and spheres that f32 cannot represent well.
 pub(super) fn about_spheres(spheres: &SphereSet) -> Vec<String> {
     let mut warnings = Vec::new();
     if spheres.duplicates() > 0 {
@@ -291,7 +295,7 @@ pub(super) fn about_spheres(spheres: &SphereSet) -> Vec<String> {
     warnings
 }
 
-/// Seconds since it was last asked.
+/// Measures lap times.
 struct Clock(Instant);
 
 impl Clock {

@@ -1,4 +1,4 @@
-//! What a render says of itself at its end.
+//! The report that a render prints at its end.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -11,23 +11,23 @@ use crate::job::{NoiseStatus, RunOutcome, Session, StopReason};
 use super::super::{outputs, print, system};
 use super::RenderRequest;
 
-/// What came before the render, in seconds.
+/// Times of the steps before rendering, in seconds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Times {
     pub(super) load_s: f64,
     pub(super) build_s: f64,
 }
 
-/// All that there is to be told.
+/// The data of the report.
 pub(super) struct Report<'a> {
     pub(super) request: &'a RenderRequest,
     pub(super) session: &'a Session,
     pub(super) reached: &'a RunOutcome,
-    /// The file that keeps the samples.
+    /// The checkpoint file.
     pub(super) kept: Option<&'a Path>,
-    /// Of this run.
+    /// Samples traced in this run.
     pub(super) samples: u64,
-    /// Of this run.
+    /// Rays traced in this run.
     pub(super) rays: u64,
     pub(super) times: Times,
     pub(super) render_s: f64,
@@ -35,8 +35,10 @@ pub(super) struct Report<'a> {
 }
 
 impl Report<'_> {
+    /// Prints the report.
+    ///
     /// # Errors
-    /// When the standard output is closed.
+    /// If the standard output cannot be written.
     pub(super) fn print(&self) -> Result<()> {
         if !self.request.quiet {
             print::note(self.in_words());
@@ -48,7 +50,7 @@ impl Report<'_> {
         !matches!(self.reached.stop_reason, StopReason::Stopped | StopReason::Failed)
     }
 
-    /// What was written, and how to go on where that is not all.
+    /// Describes what was written and, if the render is unfinished, how to resume it.
     fn ending(&self) -> String {
         let film = self.session.film();
         let mut text = format!("wrote {}", self.outputs());

@@ -1,9 +1,8 @@
-//! Those who look on while a scene is rendered: a preview file, the viewer tev.
+//! Viewers of a running render: a preview file, and the viewer tev.
 //!
-//! One thread serves them. It reads the film as it is and never makes the render wait. What it
-//! spends on pictures is held below a fiftieth of the time of all threads, however large the
-//! picture and however short the wish of `--preview-every`. The picture at the end is always shown:
-//! a render that is over sooner than that pays for it has no other.
+//! One thread serves them. It reads the film as it is and never makes the render wait. Its pictures
+//! take less than a fiftieth of the time of all threads, whatever the picture size and
+//! `--preview-every`. The final picture is always shown: a very short render has no other.
 
 mod preview;
 mod tev;
@@ -25,32 +24,33 @@ use super::print;
 use preview::Preview;
 use tev::Tev;
 
-/// How long those who look on may take for the last picture, when all is saved.
+/// How long viewers may take for the final picture, after everything is saved.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// How long viewers may take for the last picture if a signal asked to stop.
+/// How long viewers may take for the final picture after a stop request, when somebody waits for
+/// the program to exit.
 const PATIENCE_WHEN_STOPPED: Duration = Duration::from_millis(300);
-/// Between two looks at the clock.
+/// Interval between two checks of the time.
 const TICK: Duration = Duration::from_millis(100);
-/// The share of the time of all threads that pictures may take.
+/// The fraction of the time of all threads that pictures may take.
 const FOR_PICTURES: f64 = 1.0 / 64.0;
-/// What a pixel of a picture takes: known better after the first, so on the safe side of what was
-/// measured.
+/// Initial estimate of the time per pixel of a picture, deliberately above the measured values. The
+/// first picture replaces it by a measurement.
 const PIXEL: Duration = Duration::from_nanos(300);
 
-/// Where the picture so far is to be seen.
+/// The viewers of a render.
 pub(super) struct Viewers {
     preview: Option<Preview>,
     tev: Option<Tev>,
-    /// Between two pictures.
+    /// Interval between two pictures.
     every: Duration,
 }
 
 impl Viewers {
-    /// `name` is what the picture is called elsewhere. A render that is resumed goes on without
-    /// those who have gone away since.
+    /// Opens the viewers. `name` is the title of the picture in tev. A resumed render continues
+    /// without viewers that cannot be reached.
     ///
     /// # Errors
-    /// When the preview cannot be written, or tev cannot be reached, and it is not resumed.
+    /// If the preview cannot be written or tev cannot be reached, unless the render is resumed.
     pub(super) fn new(delivery: &OutputSpec, name: String, is_resumed: bool) -> Result<Self> {
         let preview = delivery.preview.as_ref();
         let preview = preview.map(|FilePath(path)| Preview::new(path, delivery.look));
@@ -63,7 +63,7 @@ impl Viewers {
         self.preview.is_none() && self.tev.is_none()
     }
 
-    /// Brings the pictures up to date. Who cannot be reached any more is told of once.
+    /// Sends the picture to all viewers. A viewer that fails is dropped with a warning.
     fn update(&mut self, picture: &Picture, frame: &FilmFrame) {
         if let Some(preview) = &mut self.preview {
             preview.write(picture, frame_crop(frame));
@@ -74,8 +74,8 @@ impl Viewers {
         }
     }
 
-    /// Runs `work` while another thread shows what it comes to, until the last look, which `work`
-    /// may have before its own end.
+    /// Runs `work` while another thread shows its progress, up to the final update. `work` may
+    /// trigger that before it returns.
     pub(super) fn run_alongside<T>(
         mut self,
         session: &Session,
@@ -92,19 +92,19 @@ impl Viewers {
         std::thread::scope(|threads| {
             let state = &state;
             let watch = move || {
-                // Whatever goes wrong here, the render is not lost.
+                // A panic here must not lose the render.
                 let run = AssertUnwindSafe(|| self.run(session, state, &ended));
                 if catch_unwind(run).is_err() {
                     print::warning("showing the picture failed; please report this");
                 }
                 drop(shown);
             };
-            // By its name its share of the time can be measured (benches/record/).
+            // The name lets benches/record/ measure the thread's share of the time.
             let watcher = std::thread::Builder::new().name("watch".to_owned());
             if let Err(e) = watcher.spawn_scoped(threads, watch) {
                 print::warning(format_args!("nobody can look on: {e}"));
             }
-            // Moved here, so that those who look on end where the work panics.
+            // Moved here, so that a panic of `work` also ends the viewer thread.
             let last_look = last_look;
             let result = work(&last_look);
             last_look.wait();
@@ -117,7 +117,7 @@ impl Viewers {
         let picture = PIXEL.saturating_mul(frame.pixel_count() as u32);
         let mut pictures = BudgetedTimer::new(self.every, FOR_PICTURES, session.threads(), picture);
         while ended.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
-            // While what it came to is being saved, nobody takes a thread away.
+            // While the result is being saved, pictures must not take threads away from it.
             if !state.is_saving.load(Ordering::Relaxed) {
                 pictures.run_if_due(|| self.show(session));
             }
@@ -128,7 +128,7 @@ impl Viewers {
         }
     }
 
-    /// Shows the picture so far, if somebody sees it.
+    /// Shows the current picture if there is a viewer and at least one sample.
     fn show(&mut self, session: &Session) {
         if !self.is_empty() && session.film().sample_count() > 0 {
             self.update(&session.preview(), session.film().frame());
@@ -136,7 +136,7 @@ impl Viewers {
     }
 }
 
-/// Who is there to look on.
+/// Returns the viewer. For a resumed render, turns a failure into a warning.
 fn there<T>(found: Option<Result<T>>, is_resumed: bool) -> Result<Option<T>> {
     match found {
         Some(Err(e)) if is_resumed => {
@@ -147,46 +147,45 @@ fn there<T>(found: Option<Result<T>>, is_resumed: bool) -> Result<Option<T>> {
     }
 }
 
-/// What those who look on are told.
+/// State shared with the viewer thread.
 #[derive(Default)]
 struct State {
-    /// Set when nothing more is rendered.
+    /// Set when rendering has ended.
     is_saving: AtomicBool,
-    /// The picture that it came to: so nobody needs to make it again.
+    /// The final picture, so that it is not computed twice.
     picture: Mutex<Option<Picture>>,
 }
 
-/// The end of watching, which whoever works may bring about: the pictures are brought up to date
-/// once more.
+/// Ends the viewer thread after one final update. The running work may trigger this early.
 pub(super) struct FinalUpdate<'a> {
     on: Mutex<Option<Looking>>,
     state: &'a State,
     interrupt: &'a Interrupt,
 }
 
-/// What holds those who look on, and what they answer.
+/// The channels to and from the viewer thread.
 struct Looking {
-    /// Dropped to end them.
+    /// Dropped to end the thread.
     _end: Sender<()>,
     all_shown: Receiver<()>,
     hang_up: Option<Box<dyn FnOnce() + Send>>,
 }
 
 impl FinalUpdate<'_> {
-    /// Nothing more is rendered from now on.
+    /// Announces that rendering has ended.
     pub(super) fn begin_saving(&self) {
         self.state.is_saving.store(true, Ordering::Relaxed);
     }
 
-    /// The picture that it came to.
+    /// Hands over the final picture.
     pub(super) fn set_picture(&self, picture: Picture) {
         if let Ok(mut shown) = self.state.picture.lock() {
             *shown = Some(picture);
         }
     }
 
-    /// Waits for the last look; a viewer that does not take its picture is left after a while.
-    /// Nothing happens where it has been before.
+    /// Waits for the final update, and disconnects a viewer that takes too long. A second call does
+    /// nothing.
     pub(super) fn wait(&self) {
         let looking = self.on.lock().ok().and_then(|mut on| on.take());
         let Some(Looking { _end: end, all_shown, hang_up }) = looking else { return };

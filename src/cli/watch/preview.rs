@@ -1,4 +1,4 @@
-//! The picture so far, in a file.
+//! The current picture in a file.
 
 use std::path::{Path, PathBuf};
 
@@ -8,17 +8,19 @@ use crate::error::{Error, Result};
 use crate::image_io::Picture;
 use crate::image_io::{CropWindow, ImageWriter, WriteOptions};
 
-/// A file that is replaced whole, again and again.
+/// A preview file that is replaced atomically with every update.
 pub(super) struct Preview {
     path: PathBuf,
     look: ViewTransform,
-    /// True if the last attempt failed and was reported.
+    /// True if the last attempt failed and a warning was printed.
     is_failing: bool,
 }
 
 impl Preview {
+    /// Prepares the file.
+    ///
     /// # Errors
-    /// When the path does not end in `.png`, or nothing can be written there.
+    /// If the path does not end in `.png`, or cannot be written.
     pub(super) fn new(path: &Path, look: ViewTransform) -> Result<Self> {
         let extension = path.extension().unwrap_or_default();
         if !extension.eq_ignore_ascii_case("png") {
@@ -32,8 +34,9 @@ impl Preview {
         Ok(Self { path: path.to_owned(), look, is_failing: false })
     }
 
-    /// Replaces the file; `cropped_from` as in the finished picture, whose dither starts there.
-    /// What goes wrong is a warning, once until it goes well again: the render matters more.
+    /// Replaces the file. `cropped_from` is the crop window of the finished picture, on whose grid
+    /// the dither pattern is anchored. A failure does not stop the render: it is a warning, printed
+    /// once until a write succeeds again.
     pub(super) fn write(&mut self, picture: &Picture, cropped_from: Option<CropWindow>) {
         let notes = WriteOptions {
             crop_window: cropped_from,

@@ -1,4 +1,4 @@
-//! The picture so far, in the viewer tev.
+//! The current picture in the viewer tev.
 
 use std::io;
 use std::net::{Shutdown, TcpStream, ToSocketAddrs};
@@ -9,27 +9,26 @@ use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 use crate::error::{Error, Result};
 use crate::image_io::Picture;
 
-/// How long tev may take to answer, and to take what it is sent. Nobody waits for it but the thread
-/// that shows pictures.
+/// Timeout for connecting to tev and for sending to it. Only the viewer thread waits for tev.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Numbers sent at once: 4 MiB.
+/// Number of values sent at once: 4 MiB.
 const NUMBERS: usize = 1 << 20;
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
-/// A picture in a tev that runs somewhere.
+/// A picture in a running tev.
 pub(super) struct Tev {
     client: TevClient,
-    /// A second handle of the connection.
+    /// The connection of `client`, kept to shut it down.
     stream: TcpStream,
     name: String,
     is_there: bool,
 }
 
 impl Tev {
-    /// Finds a tev that listens at `HOST:PORT`. The picture there will be called `name`.
+    /// Connects to a tev that listens at `HOST:PORT`. `name` is the title of the picture there.
     ///
     /// # Errors
-    /// When there is no such place, or nobody answers there.
+    /// If the address does not exist, or tev does not answer.
     pub(super) fn connect(place: &str, name: String) -> Result<Self> {
         let failed = |e: io::Error| {
             Error::input(format!("cannot reach tev at `{place}`: {e}"))
@@ -53,16 +52,17 @@ impl Tev {
         Ok(Self { client, stream, name, is_there: false })
     }
 
-    /// What ends the connection from elsewhere, in the middle of a picture that it does not take.
+    /// Returns a closure that closes the connection from another thread, even while a picture is
+    /// being sent.
     pub(super) fn disconnector(&self) -> Option<impl FnOnce() + use<>> {
         let stream = self.stream.try_clone().ok()?;
         Some(move || drop(stream.shutdown(Shutdown::Both)))
     }
 
-    /// Shows the picture in place of the one before.
+    /// Shows the picture, replacing the previous one.
     ///
     /// # Errors
-    /// When tev has gone away, or does not listen any more.
+    /// If the connection to tev is lost.
     pub(super) fn show(&mut self, picture: &Picture) -> io::Result<()> {
         let (width, height) = (picture.width, picture.height);
         if !self.is_there {

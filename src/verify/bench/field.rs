@@ -93,8 +93,8 @@ impl Field {
         self.contenders().map(|(_, accel)| accel)
     }
 
-    /// Rays of a camera, what becomes of them at diffuse surfaces, and shadow rays. What they hit
-    /// is what the first backend says.
+    /// Returns the ray kinds to measure: camera rays, their bounces at diffuse surfaces, and shadow
+    /// rays. The first backend determines the hits.
     pub fn kinds_of_rays(&self, camera: Vec<PathRay>) -> Vec<RayKind> {
         let (spheres, accel) = (&*self.spheres, self.accels().next());
         let Some(accel) = accel else { return Vec::new() };
