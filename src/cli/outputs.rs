@@ -33,8 +33,8 @@ pub(super) struct PictureNotes {
 }
 
 impl Outputs {
-    /// Prepares all files. `--exposure`, `--tone` and `--dither` need a file for the screen. A preview
-    /// counts as one.
+    /// Prepares all files. `--exposure`, `--tone` and `--dither` need a file for the screen. A
+    /// preview counts as one.
     ///
     /// # Errors
     /// If a file cannot be written or is named twice, or no file can hold a requested layer.

@@ -1,4 +1,4 @@
-//! Options for stop criteria and viewers.
+//! When a render ends, and who looks on until then.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -53,13 +53,18 @@ pub struct WatchArgs {
 }
 
 impl StopArgs {
-    /// Returns the stop criteria of the render.
+    /// When the render ends.
     pub fn stop_criteria(&self) -> StopCriteria {
         let noise = self.noise.map(|error| NoiseTarget { error, confidence: self.confidence });
         StopCriteria { noise, time: self.time }
     }
 
-    /// Returns the override of the scene, if any: the maximum number of samples per pixel.
+    /// The option that ends each run by what its machine has done by then.
+    pub fn limit_option(&self) -> Option<&'static str> {
+        self.time.map(|_| "--time")
+    }
+
+    /// What the options change in the scene: the most samples that there can be.
     pub fn overrides(&self, given_spp: bool) -> Option<Override> {
         let (option, most) = match (self.noise, self.time) {
             (Some(_), _) => (format!("--max-spp {}", self.max_spp), self.max_spp),
