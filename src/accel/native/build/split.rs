@@ -64,8 +64,8 @@ pub(super) fn split_median(items: &mut [PrimRef]) -> Split {
     Split { index: at, bounds: [bounds_of(left), bounds_of(right)] }
 }
 
-/// Returns the first of the sorted Morton codes whose highest differing bit is set; the middle if
-/// all are equal.
+/// Returns the index of the first Morton code that has the highest differing bit set; the middle if
+/// all codes are equal. The codes are sorted.
 pub(super) fn morton_split(codes: &[u64]) -> usize {
     let (first, last) = (codes[0], codes[codes.len() - 1]);
     let differing = first ^ last;

@@ -1,4 +1,4 @@
-//! A ray whose candidates are judged as they come, while no other is on its way.
+//! Traces one ray at a time and resolves its candidates immediately.
 
 use std::mem::MaybeUninit;
 
@@ -12,14 +12,14 @@ use super::question::QueryMode;
 use super::ray_state::RayState;
 use super::simd::Portable;
 
-/// Offers the ray what its slot has kept and is not beyond the limit, and keeps nothing of it.
+/// Tests the ray's candidates up to its limit exactly, and removes them.
 ///
 /// # Safety
-/// The slot holds the ray, and the leaves that it has kept are of the tree.
+/// The slot holds the ray, and its candidate leaves belong to the tree.
 pub(super) unsafe fn resolve_candidates(tree: &Bvh, ray: &Ray, slot: &mut RayState) {
     let mut query = ExactQuery::new(ray, slot.best);
     for number in 0..slot.candidate_count {
-        // SAFETY: the number is below `kept`.
+        // SAFETY: the number is below `candidate_count`.
         let (leaf, lanes) = unsafe { slot.candidate_leaf::<Portable>(number) };
         let (ids, leaf) = (&tree.ids()[leaf as usize], &tree.leaves()[leaf as usize]);
         mask_lanes(lanes).for_each(|lane| query.consider(ids[lane], &leaf.sphere(lane)));
@@ -28,8 +28,8 @@ pub(super) unsafe fn resolve_candidates(tree: &Bvh, ray: &Ray, slot: &mut RaySta
     slot.candidate_count = 0;
 }
 
-/// A single ray, with every candidate judged at once: for rays whose way was cut short by a sphere
-/// that they are to overlook.
+/// Traces a single ray and resolves every candidate at once: for rays whose traversal was cut short
+/// by a hit on an excluded sphere.
 #[cold]
 #[inline(never)]
 pub(super) fn trace_scalar<Q: QueryMode>(bvh: &Aggregate, ray: &Ray) -> Q::Output {
@@ -39,8 +39,8 @@ pub(super) fn trace_scalar<Q: QueryMode>(bvh: &Aggregate, ray: &Ray) -> Q::Outpu
     }
     let tree = &bvh.tree;
     let mut slot = MaybeUninit::<RayState>::uninit();
-    // SAFETY: as in `single::step_ray`; leaves are kept one at a time. With `ANY_HIT`, a leaf
-    // leaves the limit alone.
+    // SAFETY: as in `single::step_ray`; leaves are resolved one at a time. With `ANY_HIT`, a leaf
+    // does not change the limit.
     unsafe {
         RayState::init(slot.as_mut_ptr(), ray, best, 0, tree.root);
         let slot = slot.assume_init_mut();

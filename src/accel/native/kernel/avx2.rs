@@ -8,7 +8,7 @@ use super::x86::{shared_operations, smallest};
 /// AVX2 with FMA.
 pub(super) struct Avx2;
 
-/// For each set of lanes their numbers, in order, one a byte.
+/// For each set of lanes, their indices in order, one per byte.
 static COMPRESS_TABLE: [u64; 256] = {
     let mut places = [0; 256];
     let mut bits = 0;
@@ -26,15 +26,15 @@ static COMPRESS_TABLE: [u64; 256] = {
     places
 };
 
-/// The lanes of each half in the order of `ORDER`, two bits for each.
+/// Permutes the lanes of each half by `ORDER`, two bits per lane.
 macro_rules! swapped {
     ($keys:expr, $order:literal) => {
         _mm256_shuffle_epi32::<$order>($keys)
     };
 }
 
-/// The larger of each pair of lanes goes where `BLEND` has a bit, the smaller to its partner; the
-/// partners are given by an instruction that swaps them.
+/// Moves the larger of each pair of lanes to where `BLEND` has a bit, and the smaller to its
+/// partner. `partners` holds the swapped lanes.
 macro_rules! compare_and_swap {
     ($keys:expr, $partners:expr, $blend:literal) => {{
         let (keys, partners) = ($keys, $partners);
@@ -43,7 +43,7 @@ macro_rules! compare_and_swap {
     }};
 }
 
-/// Sorts eight unsigned numbers, the largest first: Batcher's bitonic network.
+/// Sorts eight unsigned numbers in descending order with Batcher's bitonic network.
 ///
 /// # Safety
 /// Needs AVX2.

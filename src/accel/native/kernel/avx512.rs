@@ -1,5 +1,5 @@
-//! Eight lanes in the AVX-512VL instructions of x86-64: what a comparison finds is a number of
-//! eight bits, and gathering the lanes that hold is one instruction.
+//! Eight lanes in the AVX-512VL instructions of x86-64: comparisons return eight-bit masks, and one
+//! instruction compresses the selected lanes.
 
 use std::arch::x86_64::*;
 
@@ -9,7 +9,8 @@ use super::x86::{shared_operations, smallest};
 /// AVX-512VL.
 pub(super) struct Avx512;
 
-/// The larger of each pair of lanes goes where `LARGER` has a bit, the smaller to its partner.
+/// Moves the larger of each pair of lanes to where `LARGER` has a bit, and the smaller to its
+/// partner.
 macro_rules! compare_and_swap {
     ($keys:expr, $partners:expr, $larger:literal) => {{
         let (keys, partners) = ($keys, $partners);
@@ -24,7 +25,7 @@ macro_rules! swapped {
     };
 }
 
-/// Sorts eight unsigned numbers, the largest first: Batcher's bitonic network.
+/// Sorts eight unsigned numbers in descending order with Batcher's bitonic network.
 ///
 /// # Safety
 /// Needs AVX-512VL.
@@ -87,7 +88,7 @@ impl Simd8 for Avx512 {
         // SAFETY: as above.
         unsafe {
             let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            // (t & ~7) | lanes, where m holds.
+            // (t & ~7) | lanes, where m is set.
             let t = _mm256_castps_si256(t);
             let keys_at = _mm256_ternarylogic_epi32::<0xba>(t, _mm256_set1_epi32(7), lanes);
             let sorted = sort_descending(_mm256_maskz_mov_epi32(m, keys_at));

@@ -1,4 +1,4 @@
-//! The rays of a batch, and how far it has come.
+//! A batch of rays and its progress.
 
 use crate::accel::native::aggregate::Aggregate;
 use crate::accel::native::query::BestHit;
@@ -8,23 +8,23 @@ use super::question::QueryMode;
 use super::ray_state::RayState;
 use super::simd::Simd8;
 
-/// The rays of a batch, and how far it has come.
+/// A batch of rays and its progress.
 pub(super) struct RayBatch<'a, Q: QueryMode> {
     pub(super) bvh: &'a Aggregate,
     pub(super) rays: &'a [Ray],
     pub(super) outputs: &'a mut [Q::Output],
-    /// The first ray that has not been on its way yet.
+    /// The next ray to load.
     pub(super) next: usize,
-    /// Behind the last ray that is to go.
+    /// One past the last ray to load.
     pub(super) end: usize,
 }
 
 impl<Q: QueryMode> RayBatch<'_, Q> {
-    /// Puts the next ray that needs the tree into the slot, and answers those before it that do
-    /// not; `false` when there is none left.
+    /// Loads the next ray that needs the tree into the slot, and resolves those before it that do
+    /// not. Returns false if no ray is left.
     ///
     /// # Safety
-    /// `slot` is valid for writing, the CPU supports `L`, and as many outputs as rays.
+    /// `slot` is valid for writing, the CPU supports `L`, and there are as many outputs as rays.
     #[inline(always)]
     pub(super) unsafe fn load_next_ray<L: Simd8>(&mut self, slot: *mut RayState) -> bool {
         while let Some(ray) = self.rays[..self.end].get(self.next) {
@@ -48,20 +48,20 @@ impl<Q: QueryMode> RayBatch<'_, Q> {
     }
 }
 
-/// [`Ray::is_valid`], all numbers at once.
+/// [`Ray::is_valid`], on all numbers at once.
 ///
 /// # Safety
 /// The CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn is_valid<L: Simd8>(ray: &Ray) -> bool {
-    /// As [`Aabb`], lane by lane.
+    /// Bounds of valid numbers, lane by lane.
     #[repr(C, align(32))]
     struct ValidRange([f32; 8]);
     const MOST: f32 = 4.0 * crate::math::MAX_COORDINATE as f32;
     const INFINITE: f32 = f32::INFINITY;
     static LOW: ValidRange = ValidRange([-MOST, -MOST, -MOST, 0.0, -MOST, -MOST, -MOST, 0.0]);
     static HIGH: ValidRange = ValidRange([MOST, MOST, MOST, MOST, MOST, MOST, MOST, INFINITE]);
-    // SAFETY: a ray begins with its origin, t_min, direction and t_max, eight numbers, aligned.
+    // SAFETY: a ray begins with its origin, t_min, direction and t_max: eight aligned numbers.
     unsafe {
         let numbers = L::load(std::ptr::from_ref(ray).cast());
         let is_above = L::le(L::load(LOW.0.as_ptr()), numbers);

@@ -1,8 +1,8 @@
-//! Rays that have taken their last step and wait for their answer.
+//! Rays that have finished traversal and wait for the exact test of their candidates.
 //!
-//! What a ray has kept is judged in f64, which takes two divisions and a root one after the other,
-//! and the ids of its candidates may still be on their way from memory. So answers wait until there
-//! are several, which then do not wait for each other.
+//! The exact test is done in f64, with two dependent divisions and a square root, and the ids of
+//! the candidates may not be in the cache yet. So finished rays are queued until there are several,
+//! whose latencies then overlap.
 
 use std::mem::MaybeUninit;
 
@@ -16,12 +16,12 @@ use super::question::QueryMode;
 use super::ray_state::RayState;
 use super::simd::Simd8;
 
-/// Rays that wait at most.
+/// Maximum number of queued rays.
 const MAX_RAYS: usize = 16;
-/// Leaves that they have kept together.
+/// Maximum number of candidate leaves of all queued rays.
 const MAX_LEAVES: usize = 64;
 
-/// The rays, and what each has kept.
+/// Finished rays and their candidates.
 pub(super) struct CandidateQueue {
     rays: [MaybeUninit<FinishedRay>; MAX_RAYS],
     count: usize,
@@ -29,21 +29,21 @@ pub(super) struct CandidateQueue {
     leaf_count: usize,
 }
 
-/// A ray that is done.
+/// A ray that has finished traversal.
 #[derive(Clone, Copy)]
 pub(super) struct FinishedRay {
     pub(super) ray: u32,
-    /// Behind the last of its leaves.
+    /// One past the last of its leaves.
     pub(super) leaf_end: u32,
-    /// Up to where every candidate was kept.
+    /// Distance up to which all candidates are kept.
     pub(super) limit: f32,
-    /// True if a sphere of the last leaf is certainly hit, so that nothing is left to judge.
+    /// True if a sphere of the last leaf is certainly hit, so that no exact test is needed.
     pub(super) is_certain: bool,
     pub(super) best: BestHit,
     pub(super) length: f64,
 }
 
-/// A leaf, and the lanes of it that matter, as bits.
+/// A leaf, and a mask of its candidate lanes.
 #[derive(Clone, Copy)]
 pub(super) struct LeafCandidates {
     pub(super) leaf: u32,
@@ -60,14 +60,14 @@ impl CandidateQueue {
         Self { rays, count: 0, leaves, leaf_count: 0 }
     }
 
-    /// Adds a ray that is done.
+    /// Adds a finished ray.
     ///
     /// # Safety
-    /// The slot holds a ray that is done, this is not [full](Self::is_full), and the instructions
-    /// of `L` are there.
+    /// The slot holds a finished ray, the queue is not [full](Self::is_full), and the CPU supports
+    /// `L`.
     #[inline(always)]
     pub(super) unsafe fn push_ray<L: Simd8>(&mut self, slot: &RayState) {
-        // SAFETY: there is room for one ray and all that it can have kept.
+        // SAFETY: there is room for one ray and all its candidates.
         unsafe {
             if slot.certain != 0 {
                 let (leaf, _) = slot.candidate_leaf::<L>(slot.candidate_count - 1);
@@ -90,10 +90,10 @@ impl CandidateQueue {
         }
     }
 
-    /// Adds what the next ray has kept, if any lane of it.
+    /// Adds candidates of the next ray, unless the mask is empty.
     ///
     /// # Safety
-    /// There is room for it: no ray has kept more than [`MAX_CANDIDATE_LEAVES`], and this was not
+    /// There is room: no ray has more than [`MAX_CANDIDATE_LEAVES`] leaves, and the queue was not
     /// [full](Self::is_full) before the first of them.
     #[inline(always)]
     pub(super) unsafe fn push_candidates(&mut self, kept: LeafCandidates) {
@@ -102,10 +102,10 @@ impl CandidateQueue {
         self.leaf_count += usize::from(kept.mask != 0);
     }
 
-    /// Adds the ray to which belongs what was kept since the one before.
+    /// Adds the ray that owns the candidates added since the previous ray.
     ///
     /// # Safety
-    /// There is room for it, as for [`Self::push_candidates`].
+    /// There is room, as for [`Self::push_candidates`].
     #[inline(always)]
     pub(super) unsafe fn push_finished(&mut self, ray: FinishedRay) {
         let ray = FinishedRay { leaf_end: self.leaf_count as u32, ..ray };
@@ -120,24 +120,25 @@ impl CandidateQueue {
         self.count == MAX_RAYS || self.leaf_count > MAX_LEAVES - MAX_CANDIDATE_LEAVES
     }
 
-    /// Answers all that wait.
+    /// Resolves all queued rays.
     ///
-    /// Nothing tests on the way for the spheres that a ray is to overlook, because it hardly ever
-    /// matters: a sphere that a ray leaves is never sure to be hit, as the ray starts on it, nor is
-    /// a lamp that ends it. Where such a sphere was sure and cut the way short, it is seen here.
+    /// The traversal does not check for excluded spheres, because they hardly ever matter: the
+    /// sphere that a ray leaves is never certainly hit, as the ray starts on it, nor is the emitter
+    /// at its end. Where an excluded sphere was certain and cut the traversal short, it is detected
+    /// here.
     ///
-    /// What is hit first will be looked at next: the memory of those spheres is asked for here, so
-    /// that it comes while other rays are on their way.
+    /// The closest hit is shaded next, so the memory of its sphere is prefetched here, while other
+    /// rays are traversing.
     ///
     /// # Safety
-    /// All that waits is of this batch, which has as many outputs as rays, and the instructions of
-    /// `L` are there.
+    /// All queued rays belong to this batch, which has as many outputs as rays, and the CPU
+    /// supports `L`.
     #[inline(always)]
     pub(super) unsafe fn resolve<L: Simd8, Q: QueryMode>(&mut self, batch: &mut RayBatch<'_, Q>) {
         let tree = &batch.bvh.tree;
         let mut first = 0;
         for waiting in &self.rays[..self.count] {
-            // SAFETY: what is below the counts was written, with leaves of this tree and rays of
+            // SAFETY: entries below the counts were written, with leaves of this tree and rays of
             // this batch; lanes are below 8.
             unsafe {
                 let waiting = waiting.assume_init_ref();

@@ -1,15 +1,15 @@
-//! What all rays of a packet are in: a cone, cut off where they begin.
+//! The bounding cone of a packet's rays, truncated at their origins.
 //!
-//! Around the mean origin `m` and the unit vector `a`: all origins are within `r` of `m`, and all
-//! directions within `s < 1/4` of `a`. A ray that hits the sphere `(c, R)` does so at most `|v| + R
-//! + r` away, where `v = c - m`. There it is within `r + s t` of the beam's axis, so the way `p`
-//! from the axis to `c` has `|p| <= R + r + s (|v| + R + r)`. With `|v| <= |b| + |p|`, `b = v.a`,
-//! this gives
+//! With the mean origin `m` and the unit vector `a`, all origins are within `r` of `m`, and all
+//! directions within `s < 1/4` of `a`. A ray that hits the sphere `(c, R)` does so at a distance of
+//! at most `|v| + R + r`, where `v = c - m`. There it is within `r + s t` of the cone's axis, so
+//! the vector `p` from the axis to `c` has `|p| <= R + r + s (|v| + R + r)`. With
+//! `|v| <= |b| + |p|`, `b = v.a`, this gives
 //!
 //! `|p| <= reach = ((R + r) (1 + s) + s |b|) / (1 - s)`,
 //!
-//! and the hit is at a distance between `b - R - r` and `b + reach`. What f32 makes of `v`, `b` and
-//! `p` is wrong by at most `E = 32 e (|b| + reach + |o|)`, as in [`super::spheres`].
+//! and the hit is at a distance between `b - R - r` and `b + reach`. The errors of `v`, `b` and `p`
+//! in f32 are at most `E = 32 e (|b| + reach + |o|)`, as in [`super::spheres`].
 
 use crate::accel::native::build::fast_max;
 use crate::accel::native::bvh::Bvh;
@@ -20,23 +20,23 @@ use super::ray_state::F32x8;
 use super::simd::Simd8;
 use super::spheres::{ERROR_SCALE, MIN_ERROR, length_squared, project, radii, to_centers};
 
-/// A beam is at most as wide, from its axis at the distance of the tree's middle, as so many
-/// leaves. Packets are 2.5 times as fast as single rays at 0.15, 1.2 times at 0.6, and slower
-/// beyond 1 in a gas of spheres; in denser scenes they pay up to twice as far.
+/// Maximum radius of a cone at the distance of the tree's centre, in mean leaf extents. In a gas of
+/// spheres, packets are 2.5 times as fast as single rays at 0.15, 1.2 times at 0.6, and slower
+/// beyond 1; in denser scenes they pay off up to twice that width.
 const MAX_RELATIVE_WIDTH: f32 = 0.7;
-/// More than the roundings of a length to f32 may make of it.
+/// More than the rounding errors of a length in f32.
 const LENGTH_SLACK: f32 = 1.0 + 1.0 / (1u32 << 20) as f32;
 
-/// A number for each of sixteen rays.
+/// One number for each of sixteen rays.
 pub(super) type PacketFloats = [F32x8; 2];
 
 /// The smallest and the largest number for each axis.
 pub(super) type AxisRanges = [[f32; 2]; 3];
 
-/// What all rays of a packet are in.
+/// The bounding cone of a packet.
 #[derive(Clone, Copy)]
 pub(super) struct PacketCone {
-    /// `m` of the module's head.
+    /// `m` of the module documentation.
     origin: [f32; 4],
     /// `a`.
     axis: [f32; 3],
@@ -49,7 +49,7 @@ pub(super) struct PacketCone {
 }
 
 impl PacketCone {
-    /// The beam of rays with these origins and directions, and the extremes of both.
+    /// The cone of rays with these origins and directions, and the ranges of both.
     ///
     /// # Safety
     /// The CPU supports `L`.
@@ -76,7 +76,8 @@ impl PacketCone {
         }
     }
 
-    /// Returns true if the cone is thin enough that its rays mostly visit the same leaves.
+    /// Returns true if the cone is thin enough, compared to the leaves, that its rays mostly visit
+    /// the same nodes.
     #[inline(always)]
     pub(super) fn is_coherent(&self, tree: &Bvh) -> bool {
         let Self { origin: middle, radius, spread, .. } = *self;
@@ -85,13 +86,13 @@ impl PacketCone {
         spread < 0.25 && radius + spread * distance < MAX_RELATIVE_WIDTH * tree.mean_leaf_extent
     }
 
-    /// The spheres of a leaf that it may touch before this distance, as bits.
+    /// Returns a mask of the leaf's spheres that the cone may overlap before this distance.
     ///
     /// # Safety
     /// `leaf` is valid, and the CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn overlapping<L: Simd8>(&self, leaf: *const SphereLeaf, limit: f32) -> u32 {
-        // SAFETY: a leaf is four times eight numbers, aligned.
+        // SAFETY: a leaf is four times eight aligned numbers.
         unsafe {
             let u = [L::splat(self.axis[0]), L::splat(self.axis[1]), L::splat(self.axis[2])];
             let (b, p) = project::<L>(to_centers::<L>(leaf, &self.origin), u);
@@ -119,7 +120,7 @@ impl PacketCone {
 /// The CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn load_half<L: Simd8>(eight: &F32x8) -> L::F {
-    // SAFETY: eight numbers, aligned.
+    // SAFETY: eight aligned numbers.
     unsafe { L::load(eight.0.as_ptr()) }
 }
 
@@ -155,7 +156,7 @@ pub(super) unsafe fn min_max<L: Simd8>(each: &PacketFloats) -> [f32; 2] {
     }
 }
 
-/// The largest distance from a place.
+/// The largest distance from a point.
 ///
 /// # Safety
 /// The CPU supports `L`.

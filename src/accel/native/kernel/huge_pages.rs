@@ -1,7 +1,7 @@
-//! Memory for the tree: large arrays on large pages, where the system grants them.
+//! Memory for the tree: large arrays on huge pages, if the system provides them.
 //!
-//! A tree is read all over the place. With pages of 4 KB nearly every step would also miss the
-//! processor's table of pages; on pages of 2 MB, tracing is 10 to 30 % faster.
+//! A traversal reads the tree at scattered addresses. With pages of 4 KB, nearly every step would
+//! also miss the TLB; with pages of 2 MB, tracing is 10 to 30 % faster.
 
 use std::marker::PhantomData;
 
@@ -9,10 +9,10 @@ use memmap2::{MmapMut, MmapOptions};
 
 use crate::error::{Error, Result, Suggestion};
 
-/// What may lie in [`HugePageVec`].
+/// Element types of [`HugePageVec`].
 ///
 /// # Safety
-/// Every pattern of bits must be a value, there must be no padding, and the alignment must be at
+/// Every bit pattern must be a valid value, there must be no padding, and the alignment must be at
 /// most 64.
 pub(in crate::accel::native) unsafe trait Pod:
     Copy + Send + Sync
@@ -26,7 +26,7 @@ unsafe impl Pod for crate::accel::native::node::SphereLeaf {}
 // SAFETY: 8 numbers.
 unsafe impl Pod for [u32; 8] {}
 
-/// A growing array, all zero where nothing else was written.
+/// A growable array, initialised with zeros.
 pub(in crate::accel::native) struct HugePageVec<T> {
     map: Option<MmapMut>,
     /// Bytes of the map before the first element.
@@ -35,14 +35,15 @@ pub(in crate::accel::native) struct HugePageVec<T> {
     of: PhantomData<T>,
 }
 
-/// The large page of x86-64, and of most others.
+/// The huge page size of x86-64, and of most other processors.
 const HUGE_PAGE: usize = 2 << 20;
 
 impl<T: Pod> HugePageVec<T> {
-    /// With room for `capacity` elements. Memory is taken as it is written to.
+    /// Creates an array with capacity for `capacity` elements. Pages are allocated when first
+    /// written.
     ///
     /// # Errors
-    /// When the system refuses.
+    /// If the system refuses the memory.
     pub(in crate::accel::native) fn with_capacity(capacity: usize) -> Result<Self> {
         let mut pages = Self { map: None, offset: 0, len: 0, of: PhantomData };
         if capacity > 0 {
@@ -53,7 +54,7 @@ impl<T: Pod> HugePageVec<T> {
             let map = map.map_err(|_| out_of_memory())?;
             if slack > 0 {
                 pages.offset = map.as_ptr().align_offset(HUGE_PAGE) % HUGE_PAGE;
-                // A wish: without it, all works as well but slower.
+                // A hint: everything works without it, only slower.
                 #[cfg(target_os = "linux")]
                 let _ = map.advise(memmap2::Advice::HugePage);
             }
@@ -62,7 +63,7 @@ impl<T: Pod> HugePageVec<T> {
         Ok(pages)
     }
 
-    /// Elements there are.
+    /// The number of elements.
     pub(in crate::accel::native) fn len(&self) -> usize {
         self.len
     }
@@ -72,10 +73,10 @@ impl<T: Pod> HugePageVec<T> {
         bytes / size_of::<T>()
     }
 
-    /// Adds `count` elements, and returns them to be filled.
+    /// Appends `count` elements, and returns them to be filled.
     ///
     /// # Errors
-    /// When the system refuses more memory.
+    /// If the system refuses more memory.
     pub(in crate::accel::native) fn grow(&mut self, count: usize) -> Result<&mut [T]> {
         let (old, new) = (self.len, self.len.checked_add(count).ok_or_else(out_of_memory)?);
         if new > self.capacity() {
@@ -91,8 +92,9 @@ impl<T: Pod> HugePageVec<T> {
     #[inline(always)]
     pub(in crate::accel::native) fn as_slice(&self) -> &[T] {
         match &self.map {
-            // SAFETY: the map is `offset` and then room for `capacity >= len` elements, aligned to
-            // a page, and all its bits are set, at first to 0; `T` is plain.
+            // SAFETY: the map has `offset` bytes and then room for `capacity >= len` elements,
+            // aligned to a page, and all its bits are initialised, at first to 0; `T` is plain
+            // data.
             Some(map) => unsafe {
                 std::slice::from_raw_parts(map.as_ptr().add(self.offset).cast(), self.len)
             },
@@ -102,7 +104,7 @@ impl<T: Pod> HugePageVec<T> {
 
     fn as_mut_slice(&mut self) -> &mut [T] {
         match &mut self.map {
-            // SAFETY: as above, and the map is borrowed alone.
+            // SAFETY: as above, and the map is borrowed exclusively.
             Some(map) => unsafe {
                 std::slice::from_raw_parts_mut(map.as_mut_ptr().add(self.offset).cast(), self.len)
             },

@@ -1,22 +1,22 @@
-//! The forms of the kernel, and which of them this processor runs.
+//! The variants of the kernel, and which of them this processor supports.
 
-/// The forms in which the kernel is compiled. All give the same answers, bit for bit, as each
-/// judges its candidates by the same f64 routine.
+/// A variant of the kernel. All variants return the same hits, bit for bit, because all test their
+/// candidates with the same f64 routine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KernelIsa {
-    /// In the instructions of the whole program.
+    /// The instruction set of the whole program.
     Portable,
     /// AVX2 and FMA.
     Avx2,
-    /// AVX-512VL; only from compilers since Rust 1.89.
+    /// AVX-512VL; requires a compiler since Rust 1.89.
     Avx512,
 }
 
 impl KernelIsa {
-    /// Every form there is, the fastest last.
+    /// Every variant, the fastest last.
     pub const ALL: &[Self] = &[Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// What it is called.
+    /// The name of the variant.
     pub fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
@@ -25,7 +25,7 @@ impl KernelIsa {
         }
     }
 
-    /// Returns true if this program contains the kernel and this processor runs it.
+    /// Returns true if this build contains the variant and this processor supports it.
     pub fn is_available(self) -> bool {
         match self {
             Self::Portable => true,
@@ -38,7 +38,7 @@ impl KernelIsa {
         }
     }
 
-    /// The fastest that is available.
+    /// The fastest available variant.
     pub fn best() -> Self {
         let mut available = Self::ALL.iter().rev().filter(|instance| instance.is_available());
         available.next().copied().unwrap_or(Self::Portable)

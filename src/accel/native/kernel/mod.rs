@@ -1,26 +1,27 @@
-//! The kernel: a batch of rays through the tree, sixteen at a time, one step of each in turn.
+//! The kernel: traces a batch of rays through the tree, sixteen at a time, one step of each in
+//! turn.
 //!
-//! While one ray waits for its next node to come from memory, the others take a step: the cache
-//! misses of sixteen rays overlap. That pays only because a step has no branch that depends on what
-//! is hit: eight boxes, eight distances, a sorting network and a store that always writes eight
-//! entries. docs/performance.md draws it.
+//! While one ray waits for its next node from memory, the others take a step, so the cache misses
+//! of sixteen rays overlap. This pays off only because a step has no branch that depends on the
+//! hits: eight boxes, eight distances, a sorting network and a store that always writes eight
+//! entries. docs/performance.md illustrates it.
 //!
 //! # Why the unsafe code is sound
 //!
-//! * **Instructions.** An [`KernelIsa`] other than `Portable` exists only where the processor was
-//!   found to have its instructions ([`KernelIsa::is_available`]), and only [`KernelIsa`]'s own
-//!   functions enter the code that is compiled for them.
-//! * **Places in the tree.** A `Bvh` is made by the builder alone and never changes. Every
-//!   `NodeRef` in it is the number of one of its own nodes or leaves, which is asserted
-//!   ([`Bvh::new`](super::tree::Bvh::new)); lanes beyond a node's children have boxes that no ray
-//!   meets. There are as many ids as leaves.
-//! * **The stack.** A node takes one entry and leaves up to eight, and no tree is deeper than
-//!   `MAX_DEPTH`, which the builder sees to by halving what is left.
+//! * **Instructions.** A [`KernelIsa`] other than `Portable` exists only where the processor was
+//!   found to support its instructions ([`KernelIsa::is_available`]), and code compiled for them is
+//!   entered only after that check.
+//! * **Indices in the tree.** A `Bvh` is created only by the builder and never changes. Every
+//!   `NodeRef` in it is the index of one of its own nodes or leaves, which is asserted
+//!   ([`Bvh::new`](super::bvh::Bvh::new)); unused lanes of a node have boxes that no ray hits.
+//!   There are as many ids as leaves.
+//! * **The stack.** A node pops one entry and pushes up to eight, and no tree is deeper than
+//!   `MAX_DEPTH`, which the builder guarantees by halving.
 //!   [`STACK_SIZE`](super::limits::STACK_SIZE) has room for that, and for the eight entries that a
 //!   step always writes.
 //! * **Uninitialised memory.** A slot is only read after `init` has set it. Of its arrays, only
-//!   what lies below their counts is read.
-//! * **Batches.** Answers are written through the index of a ray, and there are as many as rays,
+//!   entries below their counts are read.
+//! * **Batches.** Outputs are written through the index of a ray, and there are as many as rays,
 //!   which is asserted.
 
 mod alone;
@@ -81,13 +82,13 @@ fn dispatch<Q: Fly>(instance: KernelIsa, bvh: &Aggregate, rays: &[Ray], answers:
             // SAFETY: the CPU supports the instructions.
             unsafe { run_avx512::<Q>(bvh, rays, answers) }
         }
-        // SAFETY: this form needs no special instructions.
+        // SAFETY: this variant needs no special instructions.
         _ => unsafe { run::<Portable, Q>(bvh, rays, answers) },
     }
 }
 
 /// # Safety
-/// The CPU supports `L`, and as many outputs as rays.
+/// The CPU supports `L`, and there are as many outputs as rays.
 #[inline(always)]
 unsafe fn run<L: Simd8, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
     // SAFETY: upheld by the caller.
@@ -101,7 +102,7 @@ unsafe fn run<L: Simd8, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q:
 }
 
 /// # Safety
-/// Needs the features named, and as many outputs as rays.
+/// The CPU supports the features named, and there are as many outputs as rays.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 unsafe fn run_avx2<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
@@ -110,7 +111,7 @@ unsafe fn run_avx2<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Outp
 }
 
 /// # Safety
-/// Needs the features named, and as many outputs as rays.
+/// The CPU supports the features named, and there are as many outputs as rays.
 #[cfg(all(target_arch = "x86_64", has_avx512))]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl")]
 unsafe fn run_avx512<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {

@@ -1,21 +1,21 @@
-//! Rays that are alike: sixteen go through the tree as one.
+//! Coherent rays: sixteen traverse the tree as one packet.
 //!
-//! The samples of a pixel leave the camera within a thin beam and meet the same boxes. So a
-//! *packet* of them takes each step once: its *lead* meets a box where any ray between the extremes
-//! of the packet's origins and directions might (Reshetov, Soupikov and Hurley 2005, "Multi-level
-//! ray tracing algorithm"), and goes as far as the ray with the farthest limit. In a leaf, a sphere
-//! is looked at if the beam may touch it, and then by all rays, side by side; from there on each
-//! ray has its own limit and its own candidates, as in [`super::ray_state`].
+//! The samples of a pixel leave the camera within a thin cone and hit the same boxes. So a *packet*
+//! of them takes each step once: its *interval ray* hits a box if any ray within the ranges of the
+//! packet's origins and directions might (Reshetov, Soupikov and Hurley 2005, "Multi-level ray
+//! tracing algorithm"), and reaches as far as the ray with the farthest limit. In a leaf, a sphere
+//! is tested only if the cone may overlap it, and then with all rays in SIMD; after that each ray
+//! has its own limit and its own candidates, as in [`super::ray_state`].
 //!
 //! # Boxes
 //!
 //! Let the packet's origins lie in a box and the components of its directions in intervals that do
-//! not contain 0, or are nothing but 0, which counts as 2^-60. A ray enters through a plane `p` at
-//! `(p - o) / u`. For `u > 0` this is at least `(p - o') / u`, with the largest `o'` there is, and
-//! this in turn at least the smaller of its values at the two ends of the interval of `1 / u`; for
-//! `u < 0` likewise with the smallest `o'`. So the earliest entry and the latest exit come from
-//! four sums for each axis ([`Slabs::set`] for both ends), and each is wrong by no more than for
-//! the ray that it belongs to.
+//! not contain 0, or are exactly 0, which counts as 2^-60. A ray enters through a plane `p` at
+//! `(p - o) / u`. For `u > 0` this is at least `(p - o') / u`, with the largest origin `o'`, and
+//! this in turn is at least the smaller of its values at the two ends of the interval of `1 / u`;
+//! for `u < 0` likewise with the smallest `o'`. So the earliest entry and the latest exit come from
+//! four sums for each axis ([`Slabs::set`] for both ends), and the error of each is no larger than
+//! that of the ray it belongs to.
 
 use std::mem::MaybeUninit;
 
@@ -39,18 +39,18 @@ use super::spheres::{ERROR_SCALE, MIN_ERROR, SphereHits, SphereTest};
 
 /// Rays of a packet.
 pub(super) const PACKET_SIZE: usize = 2 * 8;
-/// Steps, and spheres looked at, after which a packet is given up. Sixteen rays by themselves take
-/// some hundreds of steps together, and packets that pay far fewer than these.
+/// Steps, including spheres tested, after which a packet is split. Sixteen single rays take some
+/// hundreds of steps together, and packets that pay off take far fewer than this.
 const MAX_STEPS: u32 = 384;
-/// Spheres with candidates that a packet can hold, as many as a number has bits.
+/// Maximum number of spheres with candidates in a packet: the bits of a mask.
 const MAX_CANDIDATES: usize = 64;
 
-/// Sixteen rays on their way together.
+/// Sixteen rays that traverse together.
 #[repr(C, align(64))]
 pub(super) struct RayPacket {
-    /// For the stack: a ray that stands for all of them, with planes for one end of the directions.
+    /// The interval ray, which owns the stack; its slabs are for one end of the direction ranges.
     interval: RayState,
-    /// Planes for the other end.
+    /// Slabs for the other end.
     far_slabs: Slabs,
     cone: PacketCone,
     origin: [PacketFloats; 3],
@@ -59,7 +59,7 @@ pub(super) struct RayPacket {
     t_min: [PacketFloats; 2],
     limit: PacketFloats,
     best: [BestHit; PACKET_SIZE],
-    /// The number of the first ray.
+    /// The index of the first ray.
     first_ray: u32,
     /// Spheres with candidates so far.
     candidate_count: u32,
@@ -68,17 +68,17 @@ pub(super) struct RayPacket {
     t_lower: [MaybeUninit<PacketFloats>; MAX_CANDIDATES],
 }
 
-/// How far a packet has come.
+/// The state of a packet after a step.
 pub(super) enum PacketStatus {
     Active,
     Done,
-    /// The rays go better by themselves: there is no room for another sphere, or where they go the
-    /// tree is much finer than the beam.
+    /// The rays are faster one by one: there is no room for another sphere, or the tree is much
+    /// finer than the cone where they are.
     Split,
 }
 
-/// Returns true if rays may form a packet, judged by two of them. Never leaves out rays that pass
-/// all of [`RayPacket::init`]'s tests.
+/// A quick test of two rays if a packet may be coherent. Never rejects rays that pass all of
+/// [`RayPacket::init`]'s tests.
 #[inline(always)]
 fn may_be_coherent(rays: &[Ray; PACKET_SIZE]) -> bool {
     let [first, .., last] = rays;
@@ -87,8 +87,8 @@ fn may_be_coherent(rays: &[Ray; PACKET_SIZE]) -> bool {
 }
 
 impl RayPacket {
-    /// Makes a packet of the sixteen rays of a batch from this one on; `false` if they are not
-    /// alike, or too few.
+    /// Makes a packet of sixteen rays of a batch from this index. Returns false if they are not
+    /// coherent, or too few.
     ///
     /// # Safety
     /// `packet` is valid for writing, the tree has a root, and the CPU supports `L`.
@@ -112,8 +112,8 @@ impl RayPacket {
         }
     }
 
-    /// Makes a packet of rays that are valid and not answered yet, at the root of the tree; `false`
-    /// if they are not alike enough for that.
+    /// Makes a packet of valid, unresolved rays, at the root of the tree. Returns false if they are
+    /// not coherent.
     ///
     /// # Safety
     /// `packet` is valid for writing, and after `true` for reading. There are as many rays as a
@@ -176,11 +176,11 @@ impl RayPacket {
     /// Takes a step.
     ///
     /// # Safety
-    /// The packet has begun in this tree and is on the way; the CPU supports `L`.
+    /// The packet is initialised for this tree and active; the CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn step<L: Simd8>(&mut self, tree: &Bvh) -> PacketStatus {
-        // SAFETY: the lead is at a node or a leaf of this tree, and its stack has room by the
-        // builder's bound.
+        // SAFETY: the interval ray is at a node or a leaf of this tree, and its stack has room by
+        // the builder's bound.
         unsafe {
             let next = self.interval.next;
             if next.is_leaf() {
@@ -204,26 +204,26 @@ impl RayPacket {
         }
     }
 
-    /// What it does next.
+    /// The node or leaf to visit next.
     #[inline(always)]
     pub(super) fn next(&self) -> NodeRef {
         self.interval.next
     }
 
-    /// The number of the first of its rays.
+    /// The index of the first ray.
     #[inline(always)]
     pub(super) fn first_ray(&self) -> usize {
         self.first_ray as usize
     }
 
-    /// Looks at the spheres of a leaf that the beam may touch; `false` if there is no room for
+    /// Tests the spheres of a leaf that the cone may overlap. Returns false if there is no room for
     /// them.
     ///
     /// # Safety
-    /// The packet has begun, `leaf` is valid, and the CPU supports `L`.
+    /// The packet is initialised, `leaf` is valid, and the CPU supports `L`.
     #[inline(always)]
     unsafe fn intersect_leaf<L: Simd8>(&mut self, leaf: *const SphereLeaf, index: u32) -> bool {
-        // SAFETY: a leaf is four times eight numbers, aligned, of which a lane is one of each.
+        // SAFETY: a leaf is four times eight aligned numbers, of which a lane is one each.
         unsafe {
             let touched = self.cone.overlapping::<L>(leaf, self.interval.limit);
             self.steps += touched.count_ones();
@@ -243,7 +243,7 @@ impl RayPacket {
     /// Tests a sphere with every ray.
     ///
     /// # Safety
-    /// The packet has begun and has room for a sphere; the CPU supports `L`.
+    /// The packet is initialised and has room for a sphere; the CPU supports `L`.
     #[inline(always)]
     unsafe fn test_sphere<L: Simd8>(
         &mut self,
@@ -251,7 +251,7 @@ impl RayPacket {
         radius: f32,
         kept: LeafCandidates,
     ) {
-        // SAFETY: `candidate_count` is a place of the arrays.
+        // SAFETY: `candidate_count` is an index into the arrays.
         unsafe {
             let place = self.candidate_count as usize;
             let from = self.t_lower.as_mut_ptr().add(place).cast::<F32x8>();
@@ -291,20 +291,20 @@ impl RayPacket {
         }
     }
 
-    /// Hands the rays over to be judged.
+    /// Pushes the rays to the queue for the exact test.
     ///
     /// # Safety
-    /// The packet is done and of this batch, `to` is not full, and the CPU supports `L`.
+    /// The packet is done and belongs to this batch, `to` is not full, and the CPU supports `L`.
     #[inline(always)]
     pub(super) unsafe fn finish<L: Simd8>(
         &self,
         batch: &mut RayBatch<'_, ClosestHit>,
         to: &mut CandidateQueue,
     ) {
-        // The spheres of each ray, as bits.
+        // A mask of the candidate spheres of each ray.
         let mut spheres_of = [0u64; PACKET_SIZE];
         for place in 0..self.candidate_count as usize {
-            // SAFETY: what is below the count was written; the CPU supports `L`.
+            // SAFETY: entries below the count were written; the CPU supports `L`.
             let rays = unsafe {
                 let from = self.t_lower.get_unchecked(place).assume_init_ref();
                 let one = L::le(load_half::<L>(&from[0]), load_half::<L>(&self.limit[0]));
@@ -317,8 +317,8 @@ impl RayPacket {
         }
         for (number, (spheres, &best)) in spheres_of.into_iter().zip(&self.best).enumerate() {
             let ray = self.first_ray + number as u32;
-            // SAFETY: a bit is the place of a sphere that was written; there is room for one ray
-            // and as many leaves as it can have kept.
+            // SAFETY: a bit is the index of a sphere that was written; there is room for one ray
+            // and its maximum number of leaves.
             unsafe {
                 if spheres.count_ones() as usize > MAX_CANDIDATE_LEAVES {
                     batch.outputs[ray as usize] =
@@ -348,7 +348,7 @@ impl RayPacket {
     }
 }
 
-/// Sets the planes for both ends of the directions between these extremes.
+/// Sets the slabs for both ends of the direction ranges.
 #[inline(always)]
 fn set_interval_slabs(slabs: [&mut Slabs; 2], origin: &AxisRanges, unit: &AxisRanges, sum: f32) {
     let (low, high) = (interval_end(origin, 0, 0.0), interval_end(origin, 1, 0.0));
@@ -362,14 +362,13 @@ fn set_interval_slabs(slabs: [&mut Slabs; 2], origin: &AxisRanges, unit: &AxisRa
     slabs.into_iter().zip(&ends).for_each(|(slabs, unit)| slabs.set(&first, &last, unit, slack));
 }
 
-/// The smallest numbers of all axes, or the largest, and a fourth. Of the two zeros there are, they
-/// are never the negative one.
+/// The lower or upper ends of all axes, and a fourth number. A zero is always the positive zero.
 #[inline(always)]
 fn interval_end(pairs: &AxisRanges, which: usize, fourth: f32) -> [f32; 4] {
     [pairs[0][which] + 0.0, pairs[1][which] + 0.0, pairs[2][which] + 0.0, fourth]
 }
 
-/// Returns true if numbers between these are all above 0, all below, or all 0.
+/// Returns true if all numbers in the range are positive, all are negative, or all are 0.
 #[inline(always)]
 fn has_constant_sign([low, high]: &[f32; 2]) -> bool {
     *low > 0.0 || *high < 0.0 || (*low == 0.0 && *high == 0.0)
@@ -385,7 +384,7 @@ mod tests {
     use crate::math::{DVec3, Hit, NO_SPHERE};
     use std::sync::Arc;
 
-    /// A cube of 16 x 16 x 16 balls, two apart.
+    /// A grid of 16 x 16 x 16 spheres at distance 2.
     fn cube() -> NativeAccel {
         let place = |i: i32| DVec3::new((i % 16).into(), (i / 16 % 16).into(), (i / 256).into());
         let ball = |i| Sphere { center: 2.0 * place(i) - 15.0, radius: 0.5 };
@@ -394,7 +393,7 @@ mod tests {
         NativeAccel::new(set, &BuildOptions::default()).expect("nobody cancels")
     }
 
-    /// Sixteen rays from one place whose directions differ by up to this.
+    /// Sixteen rays from one point whose directions differ by up to `apart`.
     fn beam(apart: f64) -> Vec<Ray> {
         let direction = |i: i32| DVec3::new(0.3, 0.2 + apart * f64::from(i) / 15.0, -1.0);
         let origin = DVec3::new(-9.0, -6.0, 40.0);
@@ -414,7 +413,7 @@ mod tests {
             end: rays.len(),
         };
         let mut packet = MaybeUninit::uninit();
-        // SAFETY: the tree has a root, and the portable form needs no special instructions.
+        // SAFETY: the tree has a root, and the portable variant needs no special instructions.
         unsafe { RayPacket::load_packet::<Portable>(packet.as_mut_ptr(), &batch, 0) }
     }
 

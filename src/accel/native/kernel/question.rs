@@ -1,22 +1,22 @@
-//! What rays are asked.
+//! Query modes: closest hit and any hit.
 
 use crate::accel::native::query::BestHit;
 use crate::math::Hit;
 
-/// What a batch is asked.
+/// A query mode.
 pub(super) trait QueryMode {
-    /// True if any hit will do.
+    /// True if any hit is enough.
     const ANY_HIT: bool;
-    /// What each ray is told.
+    /// The result for each ray.
     type Output;
 
     fn output(best: BestHit) -> Self::Output;
 }
 
-/// Which sphere is hit first.
+/// Finds the closest hit.
 pub(super) struct ClosestHit;
 
-/// Occlusion: is any sphere hit?
+/// Finds out if a ray is occluded.
 pub(super) struct AnyHit;
 
 impl QueryMode for ClosestHit {

@@ -1,5 +1,4 @@
-//! One ray on its way through the tree, and the two steps that it takes: through a node, and
-//! through a leaf.
+//! The traversal state of one ray, and its two kinds of steps: through a node and through a leaf.
 
 use std::mem::MaybeUninit;
 
@@ -14,27 +13,28 @@ use super::simd::Simd8;
 use super::slabs::{NearPlanes, Slabs, slack};
 use super::spheres::{ERROR_SCALE, MIN_ERROR, SphereHits, SphereTest, radii, to_centers};
 
-/// Relative slack that makes up for a few roundings to f32.
+/// Relative slack for a few roundings to f32.
 const RAY_SLACK: f64 = 1.0 / (1u32 << 22) as f64;
-/// A direction whose squared length in f32 differs from 1 by less is unit for the bounds above.
+/// Directions whose squared length in f32 is closer to 1 than this count as unit for the bounds
+/// above.
 const UNIT_TOLERANCE: f32 = 1.0 / (1u32 << 21) as f32;
 
-/// A ray and its stack. What is read first comes first: two cache lines serve the steps.
+/// A ray and its stack. Fields are in the order of use: two cache lines serve the steps.
 #[repr(C, align(64))]
 pub(super) struct RayState {
     // For boxes.
     slabs: Slabs,
     near_planes: NearPlanes,
     t_min: f32,
-    /// No hit beyond this distance is of interest.
+    /// Hits beyond this distance are irrelevant.
     pub(super) limit: f32,
-    /// Entries of the stack.
+    /// Number of stack entries.
     top: u32,
-    /// Leaves with candidates so far.
+    /// Number of leaves with candidates so far.
     pub(super) candidate_count: u32,
-    /// What the ray does next.
+    /// The node or leaf to visit next.
     pub(super) next: NodeRef,
-    /// Which of the batch's rays this is.
+    /// The index of the ray in the batch.
     pub(super) ray: u32,
     // For leaves.
     t_min_upper: f32,
@@ -42,11 +42,11 @@ pub(super) struct RayState {
     error: f32,
     origin: [f32; 4],
     unit: [f32; 4],
-    /// Lanes of the leaf kept last that settle the question, as bits.
+    /// Mask of the lanes of the last candidate leaf that decide the query.
     pub(super) certain: u32,
-    /// The best hit that does not come from the leaves kept.
+    /// The best hit that does not come from the candidate leaves.
     pub(super) best: BestHit,
-    /// Length of the ray's own direction; 1 where that is unit.
+    /// Length of the ray's original direction; 1 if that is unit.
     pub(super) length: f64,
     candidate_leaves: [MaybeUninit<u32>; MAX_CANDIDATE_LEAVES],
     candidate_t: [MaybeUninit<F32x8>; MAX_CANDIDATE_LEAVES],
@@ -54,22 +54,22 @@ pub(super) struct RayState {
     children: [MaybeUninit<u32>; STACK_SIZE],
 }
 
-/// Eight numbers as [`Simd8::load`] wants them.
+/// Eight numbers, aligned for [`Simd8::load`].
 #[derive(Clone, Copy)]
 #[repr(C, align(32))]
 pub(super) struct F32x8(pub(super) [f32; 8]);
 
-/// What a step through a leaf found.
+/// The result of a step through a leaf.
 pub(super) struct LeafHits {
-    /// Lanes that may be hit, as bits.
+    /// Mask of the lanes that may be hit.
     pub(super) candidates: u32,
-    /// Those of them that are hit for certain.
+    /// Mask of the candidates that are certainly hit.
     pub(super) certain: u32,
 }
 
 impl RayState {
-    /// Puts a ray into the slot, at the root of the tree, or with no boxes to meet where there is
-    /// none; `false` if it has no direction.
+    /// Initialises the slot with a ray at the root of the tree, or without any box if `root` is
+    /// `None`. Returns false if the ray has no direction.
     ///
     /// # Safety
     /// `slot` is valid for writing, and after `true` for reading.
@@ -112,8 +112,8 @@ impl RayState {
         length > 0.0
     }
 
-    /// Makes this the lead of a packet of rays, at the root of the tree: between these distances,
-    /// with planes that are still to be set.
+    /// Makes this the interval ray of a packet, at the root of the tree, between these distances.
+    /// The slabs remain to be set.
     #[inline(always)]
     pub(super) fn init_interval(
         &mut self,
@@ -126,7 +126,7 @@ impl RayState {
         &mut self.slabs
     }
 
-    /// Goes to the root of a tree.
+    /// Starts at the root of a tree.
     #[inline(always)]
     fn push_root(&mut self, root: NodeRef) {
         self.next = root;
@@ -135,18 +135,18 @@ impl RayState {
         self.top = 1;
     }
 
-    /// The distance up to which boxes and spheres matter when hits matter up to `t`.
+    /// The limit for boxes and spheres if hits matter up to `t`.
     #[inline(always)]
     pub(super) fn limit_for(&self, t: f64) -> f32 {
         limit_for(t * self.length)
     }
 
-    /// Puts the children of a node that are met onto the stack: for `ANY_HIT` in any order, else
-    /// the nearest on top.
+    /// Pushes the children of a node that are hit onto the stack: in any order for `ANY_HIT`,
+    /// otherwise with the nearest on top.
     ///
     /// # Safety
     /// [`Self::init`] was called, `node` is valid, and the stack holds less than a tree of the
-    /// builder's depth can leave there ([`STACK_SIZE`]).
+    /// builder's maximum depth can leave there ([`STACK_SIZE`]).
     #[inline(always)]
     pub(super) unsafe fn intersect_node<L: Simd8, const ANY_HIT: bool>(
         &mut self,
@@ -161,10 +161,10 @@ impl RayState {
         }
     }
 
-    /// [`Self::intersect_node`] for all rays between this one and another with these planes.
+    /// [`Self::intersect_node`] for all rays between this one and another with the slabs `other`.
     ///
     /// # Safety
-    /// As there, after [`Self::init_interval`].
+    /// As for [`Self::intersect_node`], after [`Self::init_interval`].
     #[inline(always)]
     pub(super) unsafe fn intersect_node_interval<L: Simd8>(
         &mut self,
@@ -180,8 +180,7 @@ impl RayState {
         }
     }
 
-    /// Puts the children of a node onto the stack that are met between these distances, of each
-    /// axis where their boxes are entered and where they are left.
+    /// Pushes the children of a node that are hit, given the entry and exit distances of each axis.
     ///
     /// # Safety
     /// As for [`Self::intersect_node`].
@@ -191,7 +190,7 @@ impl RayState {
         [x, y, z]: [[L::F; 2]; 3],
         node: *const BvhNode,
     ) {
-        // SAFETY: a node's children follow its 48 planes. Eight entries fit behind `top` by the
+        // SAFETY: a node's children follow its 48 planes. Eight entries fit above `top` by the
         // caller's contract.
         unsafe {
             let entered = L::max(L::max(x[0], y[0]), L::max(z[0], L::splat(self.t_min)));
@@ -210,11 +209,11 @@ impl RayState {
         }
     }
 
-    /// Tests the spheres of a leaf. Where there are candidates, the leaf is kept and the limit
-    /// follows the nearest sure hit; for `ANY_HIT`, the limit stays.
+    /// Tests the spheres of a leaf. If there are candidates, the leaf is kept and the limit is
+    /// reduced to the nearest certain hit; for `ANY_HIT`, the limit stays.
     ///
     /// # Safety
-    /// [`Self::init`] was called, `leaf` is valid, and [`Self::kept`] is below
+    /// [`Self::init`] was called, `leaf` is valid, and `candidate_count` is below
     /// [`MAX_CANDIDATE_LEAVES`].
     #[inline(always)]
     pub(super) unsafe fn intersect_leaf<L: Simd8, const ANY_HIT: bool>(
@@ -222,7 +221,8 @@ impl RayState {
         leaf: *const SphereLeaf,
         index: u32,
     ) -> LeafHits {
-        // SAFETY: a leaf is four times eight numbers, aligned; `kept` is a place of the arrays.
+        // SAFETY: a leaf is four times eight aligned numbers; `candidate_count` is an index into
+        // the arrays.
         unsafe {
             let rays = SphereTest::<L> {
                 to_center: to_centers::<L>(leaf, &self.origin),
@@ -255,13 +255,13 @@ impl RayState {
         }
     }
 
-    /// Takes what is on top of the stack and not beyond the limit, [`NodeRef::NONE`] at its end.
+    /// Pops the next stack entry within the limit, or [`NodeRef::NONE`] at the end.
     ///
     /// # Safety
-    /// [`Self::init`] was called, and the end of the stack was not taken yet.
+    /// [`Self::init`] was called, and the end of the stack was not popped yet.
     #[inline(always)]
     pub(super) unsafe fn pop<const ANY_HIT: bool>(&mut self) {
-        // Three bits of a key are the number of a lane.
+        // The lowest three bits of a key are the lane.
         let limit = if fault!(PrunedTooEarly) { 0.9 * self.limit } else { self.limit };
         let limit = limit.to_bits() | 7;
         loop {
@@ -278,13 +278,13 @@ impl RayState {
         }
     }
 
-    /// The kept leaf of this number, and its lanes that are not beyond the limit, as bits.
+    /// The candidate leaf with this number, and a mask of its lanes within the limit.
     ///
     /// # Safety
-    /// `number` is below [`Self::kept`].
+    /// `number` is below `candidate_count`.
     #[inline(always)]
     pub(super) unsafe fn candidate_leaf<L: Simd8>(&self, number: u32) -> (u32, u32) {
-        // SAFETY: what is below `kept` was written.
+        // SAFETY: entries below `candidate_count` were written.
         unsafe {
             let number = number as usize;
             let leaf = self.candidate_leaves.get_unchecked(number).assume_init();
@@ -294,15 +294,14 @@ impl RayState {
     }
 }
 
-/// Returns true if a ray's direction has unit length, for the bounds of [`super::spheres`].
+/// Returns true if a ray's direction counts as unit for the bounds of [`super::spheres`].
 #[inline(always)]
 pub(super) fn is_unit(ray: &Ray) -> bool {
     let [x, y, z] = ray.direction;
     (x * x + y * y + z * z - 1.0).abs() < UNIT_TOLERANCE
 }
 
-/// Where a ray with a direction of this length begins, in units of space, at the earliest and at
-/// the latest.
+/// The earliest and latest start of a ray whose direction has this length, in units of space.
 #[inline(always)]
 pub(super) fn t_min_bounds(ray: &Ray, length: f64) -> [f32; 2] {
     let t_min = f64::from(ray.t_min) * length;
@@ -310,7 +309,7 @@ pub(super) fn t_min_bounds(ray: &Ray, length: f64) -> [f32; 2] {
     [fast_max(earliest, 0.0), (t_min * (1.0 + RAY_SLACK) + ABSOLUTE_SLACK) as f32]
 }
 
-/// The distance up to which boxes and spheres matter when hits matter up to another.
+/// The limit for boxes and spheres if hits matter up to `distance`.
 #[inline(always)]
 pub(super) fn limit_for(distance: f64) -> f32 {
     (distance * (1.0 + RAY_SLACK) + ABSOLUTE_SLACK) as f32

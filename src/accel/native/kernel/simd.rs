@@ -1,19 +1,17 @@
-//! Eight lanes: the few operations that the kernel is written with, and their portable form.
+//! Eight SIMD lanes: the few operations that the kernel needs, and their portable implementation.
 
-/// Eight numbers at once, in one of the forms that processors offer.
+/// Eight numbers at once, in one of the instruction sets that processors offer.
 ///
-/// Forms may differ in the last bits (some fuse a multiplication with an addition, some do not):
-/// the kernel's error bounds hold for all of them, and what is decided by their numbers is judged
-/// again in f64.
+/// Implementations may differ in the last bits (some use fused multiply-add, some do not). The
+/// kernel's error bounds hold for all of them, and every candidate is tested again in f64.
 ///
 /// # Safety
-/// Every function here needs the instructions of its form, which whoever calls must have found on
-/// this processor. Pointers must be valid for eight numbers, and aligned to 32 bytes for
-/// [`Self::load`].
+/// Every function requires that the processor supports the instructions of the implementation.
+/// Pointers must be valid for eight numbers, and aligned to 32 bytes for [`Self::load`].
 pub(super) trait Simd8 {
     /// Eight f32.
     type F: Copy;
-    /// Eight truths.
+    /// Eight booleans.
     type M: Copy;
 
     unsafe fn load(from: *const f32) -> Self::F;
@@ -28,9 +26,9 @@ pub(super) trait Simd8 {
     unsafe fn mul_sub(a: Self::F, b: Self::F, c: Self::F) -> Self::F;
     /// `c - a b`, rounded once or twice.
     unsafe fn neg_mul_add(a: Self::F, b: Self::F, c: Self::F) -> Self::F;
-    /// The smaller numbers; `b` where they are equal or either is NaN.
+    /// The smaller numbers; `b` if they are equal or either is NaN.
     unsafe fn min(a: Self::F, b: Self::F) -> Self::F;
-    /// The larger numbers; `b` where they are equal or either is NaN.
+    /// The larger numbers; `b` if they are equal or either is NaN.
     unsafe fn max(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn sqrt(a: Self::F) -> Self::F;
     unsafe fn abs(a: Self::F) -> Self::F;
@@ -39,16 +37,16 @@ pub(super) trait Simd8 {
     /// `a < b`; false for NaN.
     unsafe fn lt(a: Self::F, b: Self::F) -> Self::M;
     unsafe fn and(a: Self::M, b: Self::M) -> Self::M;
-    /// `a` where `m` holds, else `b`.
+    /// `a` where `m` is set, else `b`.
     unsafe fn select(m: Self::M, a: Self::F, b: Self::F) -> Self::F;
-    /// The lanes that hold, as bits.
+    /// The lanes that are set, as bits.
     unsafe fn mask_bits(m: Self::M) -> u32;
-    /// The smallest lane; none is NaN.
+    /// The smallest lane; none may be NaN.
     unsafe fn reduce_min(a: Self::F) -> f32;
 
-    /// Writes eight keys and eight children, those where `m` holds first and the farthest of them
-    /// foremost; what is behind them is of no use. A key is the bits of `t`, which is not negative,
-    /// with the number of the lane in place of its three lowest.
+    /// Writes eight keys and eight children: first those where `m` is set, in order of decreasing
+    /// distance; the rest is garbage. A key is the bits of `t`, which is not negative, with the
+    /// lane in its three lowest bits.
     unsafe fn compress_sorted(
         keys: *mut u32,
         children: *mut u32,
@@ -57,14 +55,14 @@ pub(super) trait Simd8 {
         from: *const u32,
     );
 
-    /// Writes eight children, those where `m` holds first; what is behind them is of no use.
+    /// Writes eight children: first those where `m` is set; the rest is garbage.
     unsafe fn compress(children: *mut u32, m: Self::M, from: *const u32);
 
-    /// Asks for the cache line at an address, which need not be valid.
+    /// Prefetches the cache line at an address, which need not be valid.
     unsafe fn prefetch(at: *const u8);
 }
 
-/// Arrays, whose loops a compiler turns into whatever the processor has.
+/// Arrays, whose loops the compiler vectorises for the target processor.
 pub(super) struct Portable;
 
 macro_rules! each {

@@ -1,4 +1,4 @@
-//! Rays by themselves, sixteen under way, one step of each in turn.
+//! Traces single rays: sixteen are active, and take one step each in turn.
 
 use std::mem::MaybeUninit;
 
@@ -13,10 +13,10 @@ use super::question::QueryMode;
 use super::ray_state::RayState;
 use super::simd::Simd8;
 
-/// Rays under way at once. Eight are 6 to 8 % slower where memory is, and 32 no faster.
+/// Number of active rays. Eight are 6 to 8 % slower when memory-bound, and 32 are no faster.
 const ACTIVE_RAYS: usize = 16;
 
-/// The rays from the batch's next to its end, each by itself.
+/// Traces the batch's rays from `next` to `end` one by one.
 ///
 /// # Safety
 /// As for [`traverse`](super::traverse::traverse).
@@ -40,8 +40,8 @@ pub(super) unsafe fn trace_single_rays<L: Simd8, Q: QueryMode>(
     while count > 0 {
         let mut index = 0;
         while index < count {
-            // SAFETY: `active` holds distinct slots that have been boarded, up to `count`; the
-            // instructions are there by the caller's contract, and as many outputs as rays.
+            // SAFETY: `active` holds distinct slots, loaded up to `count`; the CPU supports `L` by
+            // the caller's contract, and there are as many outputs as rays.
             unsafe {
                 let slot = *active.get_unchecked(index);
                 if step_ray::<L, Q>(batch, &mut *slot) {
@@ -63,16 +63,16 @@ pub(super) unsafe fn trace_single_rays<L: Simd8, Q: QueryMode>(
     }
 }
 
-/// One step of one ray; whether it was its last.
+/// Takes one step of one ray. Returns true if that was its last.
 ///
 /// # Safety
-/// The slot has been boarded and is not done; the CPU supports `L`.
+/// The slot is loaded and not done; the CPU supports `L`.
 #[inline(always)]
 unsafe fn step_ray<L: Simd8, Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut RayState) -> bool {
     let tree = &batch.bvh.tree;
     let next = slot.next;
     // SAFETY: `next` is a node or leaf of this tree. The stack has room by the builder's bound, and
-    // `candidate_count` is below its end, as `flush_candidates` sees to.
+    // `candidate_count` is below its maximum, as `flush_candidates` ensures.
     unsafe {
         if next.is_leaf() {
             let leaf = tree.leaves().as_ptr().add(next.index());
@@ -106,7 +106,7 @@ unsafe fn step_ray<L: Simd8, Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut R
     slot.next == NodeRef::NONE
 }
 
-/// Asks for all lines of what comes next: four for a node, two for a leaf.
+/// Prefetches the cache lines of the next node (four) or leaf (two).
 ///
 /// # Safety
 /// `next` is a node or leaf of this tree.
@@ -126,10 +126,10 @@ pub(super) unsafe fn prefetch<L: Simd8>(tree: &Bvh, next: NodeRef) {
     }
 }
 
-/// Judges the leaves kept so far, so that more can be; whether that answered the question.
+/// Resolves the candidates so far to make room for more. Returns true if that decided the query.
 ///
 /// # Safety
-/// The slot holds a ray of the batch, and the leaves that it has kept are of its tree.
+/// The slot holds a ray of the batch, and its candidate leaves belong to the batch's tree.
 #[cold]
 #[inline(never)]
 unsafe fn flush_candidates<Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut RayState) -> bool {

@@ -1,24 +1,24 @@
-//! Rays and boxes in f32.
+//! Ray-box intersection in f32.
 //!
-//! A ray meets a plane at `(p - o) / u`, computed as `p i + a` with `i = 1 / u` and `a = -i (o +-
-//! s)`. `i` is wrong by `2 e`, `a` by `3 e |o|` in terms of the place, and the sum rounds once
-//! more. With `|p - o| <= |p| + |o|` the place of the plane is wrong by at most `3.1 e |p| + 6.2 e
-//! |o|`. The part with `|p|` is in the box ([`BvhNode::set`]), the part with `|o|` is `s`: upwards
-//! for entering and downwards for leaving, if `u > 0`. What lies behind the origin may be entered
-//! too late, but never after the origin. Components of `u` below 2^-60 are raised to that, which
-//! moves a point at distance `t_lower` by `2^-60 t`. There is no division by zero and no NaN: even
-//! the infinite planes of unused lanes only give infinities.
+//! A ray meets a plane at `(p - o) / u`, computed as `p i + a` with `i = 1 / u` and
+//! `a = -i (o +- s)`. The error of `i` is `2 e`, that of `a` is `3 e |o|` in terms of the position,
+//! and the sum rounds once more. With `|p - o| <= |p| + |o|` the error of the plane's position is
+//! at most `3.1 e |p| + 6.2 e |o|`. The part with `|p|` is in the box ([`BvhNode::set_child`]), the
+//! part with `|o|` is `s`: upwards for the entry and downwards for the exit, if `u > 0`. For planes
+//! behind the origin the entry may be too late, but never after the origin. Components of `u` below
+//! 2^-60 are raised to that, which moves a point at distance `t` by `2^-60 t`. There is no division
+//! by zero and no NaN: even the infinite planes of unused lanes only give infinities.
 
 use super::simd::Simd8;
 use crate::accel::native::build::fast_max;
 use crate::accel::native::node::{ABSOLUTE_SLACK, BvhNode, F64_BOX_SLACK};
 
-/// What a box gives way to a ray from `o`, as a part of `|o|`.
+/// Slack of a box for a ray from `o`, relative to `|o|`.
 const BOX_SLACK: f32 = 1.0 / (1u32 << 21) as f32;
-/// The smallest component of a direction that is told from zero, 2^-60.
+/// The smallest component of a direction that is distinguished from zero, 2^-60.
 const MIN_COMPONENT: f32 = f32::from_bits((127 - 60) << 23);
 
-/// What a ray needs to meet planes: of its direction and its origin.
+/// A ray's direction and origin, prepared for the slab test.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(super) struct Slabs {
@@ -27,7 +27,7 @@ pub(super) struct Slabs {
     leave: [f32; 4],
 }
 
-/// Where the planes that rays of the same octant meet first are in a node, in numbers.
+/// Offsets in a node of the planes that rays of an octant meet first.
 #[derive(Clone, Copy)]
 pub(super) struct NearPlanes([u32; 4]);
 
@@ -38,17 +38,16 @@ impl NearPlanes {
     }
 }
 
-/// What boxes give way to rays from places whose coordinates add up to no more than `sum`, beside
-/// what depends on the axis.
+/// Absolute slack of boxes for rays from points whose coordinates sum to at most `sum`, in addition
+/// to the slack of each axis.
 #[inline(always)]
 pub(super) fn slack(sum: f32) -> f32 {
     F64_BOX_SLACK as f32 * sum + ABSOLUTE_SLACK as f32
 }
 
 impl Slabs {
-    /// Sets them for rays in this direction from anywhere between two places, of which none is
-    /// before the `first` nor behind the `last` along any axis; `slack` is what boxes give way
-    /// everywhere.
+    /// Sets the slabs for rays in this direction from anywhere between two points: no origin is
+    /// before `first` or behind `last` along any axis. `slack` is the absolute slack.
     #[inline(always)]
     pub(super) fn set(&mut self, first: &[f32; 4], last: &[f32; 4], unit: &[f32; 4], slack: f32) {
         for axis in 0..4 {
@@ -62,8 +61,8 @@ impl Slabs {
         }
     }
 
-    /// The distances at which the planes of an axis are met: that which is met first of each pair,
-    /// and the other.
+    /// The distances at which a ray meets the planes of an axis: the near plane of each pair, and
+    /// the far one.
     ///
     /// # Safety
     /// `node` is valid, the axis is below 3, and the CPU supports `L`.
@@ -74,7 +73,7 @@ impl Slabs {
         NearPlanes(near): &NearPlanes,
         axis: usize,
     ) -> [L::F; 2] {
-        // SAFETY: a node's planes are its first 48 numbers, aligned, of which `near` selects one of
+        // SAFETY: a node's planes are its first 48 aligned numbers, of which `near` selects one of
         // each pair.
         unsafe {
             let planes = node.cast::<f32>();
@@ -89,8 +88,8 @@ impl Slabs {
         }
     }
 
-    /// The slab test for all rays between these and others of the same octant: where the first of
-    /// them may enter and the last may leave.
+    /// [`Self::intersect`] for all rays between this and another of the same octant: the earliest
+    /// entry and the latest exit.
     ///
     /// # Safety
     /// As for [`Self::intersect`].

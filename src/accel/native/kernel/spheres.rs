@@ -1,45 +1,46 @@
-//! Rays and spheres in f32: where a sphere may be hit, where it is hit for certain.
+//! Ray-sphere tests in f32: where a sphere may be hit, and where it is certainly hit.
 //!
-//! # What the f32 numbers of a leaf may be wrong by
+//! # Errors of the f32 test
 //!
 //! `u` is the direction, of unit length within `6.5 e`, where `e = 2^-24`; `v = c - o`, `b = v.u`,
-//! and `p = v - b u` is the way from the line to the centre. Rounding `o` moves it by `e |o|`,
-//! rounding `u` by `e`. So the computed `v` is wrong by at most `e (|v| + |o|)`, `b` by `e (5 |v| +
-//! |o|)`, and `p` by `e (9 |v| + 2 |o|)`, where the error of `b` is left out, which runs along the
-//! line; its square adds `2 e |p|`. That `u` is not quite unit makes `b` and `p` wrong by `13 e
-//! |b|` more. With `|v| <=
-//! |b| + |p|`, and `|p| <= R` for a hit, the length of `p` is known to within
+//! and `p = v - b u` is the vector from the line to the centre. Rounding `o` moves it by `e |o|`,
+//! rounding `u` by `e`. So the error of the computed `v` is at most `e (|v| + |o|)`, of `b`
+//! `e (5 |v| + |o|)`, and of `p` `e (9 |v| + 2 |o|)`, where the error of `b` is left out, because
+//! it runs along the line; its square adds `2 e |p|`. As `u` is not exactly unit, `b` and `p` have
+//! an additional error of `13 e |b|`. With `|v| <= |b| + |p|`, and `|p| <= R` for a hit, the length
+//! of `p` is known to within
 //!
 //! `E' = e (24 (|b| + R) + 2 |o|)`, which is at most 3/4 of `E = 32 e (|b| + R + |o|)`.
 //!
 //! This holds with fused and with separate roundings. It follows that
 //!
-//! * a sphere that is hit has `q = p.p <= (R + E)^2` as computed: the others are no candidates;
-//! * half the chord is at most `h = sqrt((R + E)^2 - q)`, roundings included, which take at most `4
-//!   e R^2` of the `2 R (E - E')` that there is room for;
-//! * half the chord squared is at least `(R + E)^2 - q - 4 (R + E) E`, because `h^2` less its true
-//!   value is at most `2 R E + E^2 + 2 (R + E) E' + E'^2` and the roundings again. Where this is
-//!   above 0, the sphere is certainly hit;
-//! * the roots lie in `b - h - E .. b - h' + E` and `b + h' - E .. b + h + E`, `h'` being the root
-//!   of that lower bound: of each `E` the error of `b` takes 18/32, the length of `u` in half the
-//!   chord 7/32, and the roundings of the sums and the root 4/32.
+//! * a sphere that is hit has `q = p.p <= (R + E)^2` as computed: all others are no candidates;
+//! * half the chord is at most `h = sqrt((R + E)^2 - q)`, including roundings, which take at most
+//!   `4 e R^2` of the margin `2 R (E - E')`;
+//! * half the chord squared is at least `(R + E)^2 - q - 4 (R + E) E`, because `h^2` minus its true
+//!   value is at most `2 R E + E^2 + 2 (R + E) E' + E'^2` and the roundings again. If this is above
+//!   0, the sphere is certainly hit;
+//! * the roots lie in `b - h - E .. b - h' + E` and `b + h' - E .. b + h + E`, where `h'` is the
+//!   root of that lower bound: of each `E` the error of `b` takes 18/32, the length of `u` in half
+//!   the chord 7/32, and the roundings of the sums and the root 4/32.
 //!
-//! `E` is at least 2^-60, so that what underflows is far below the room that is left.
+//! `E` is at least 2^-60, so that underflow is far below the remaining margin.
 //!
-//! A candidate is *sure* if it is hit for certain, beyond `t_min` and, for occlusion, before
-//! `t_max`. The smallest upper bound of a sure hit limits the search; every candidate whose lower
-//! bound is not beyond that is kept, and those that remain at the end are judged in f64.
+//! A candidate is *certain* if it is certainly hit, beyond `t_min` and, for occlusion, before
+//! `t_max`. The smallest upper bound of a certain hit limits the search. Every candidate whose
+//! lower bound is within the limit is kept, and those that remain at the end are tested in f64.
+//! beyond that is kept, and those that remain at the end are judged in f64.
 
 use crate::accel::native::node::SphereLeaf;
 
 use super::simd::Simd8;
 
-/// `32 e` of the module's head.
+/// `32 e` of the module documentation.
 pub(super) const ERROR_SCALE: f32 = 1.0 / (1u32 << 19) as f32;
-/// The smallest error that is reckoned with.
+/// The smallest error bound.
 pub(super) const MIN_ERROR: f32 = f32::from_bits((127 - 60) << 23);
 
-/// Rays lane by lane, or one ray in all lanes.
+/// A SIMD sphere test: one ray per lane, or one ray in all lanes.
 pub(super) struct SphereTest<L: Simd8> {
     /// From the rays' origins to the spheres' centres.
     pub(super) to_center: [L::F; 3],
@@ -47,26 +48,26 @@ pub(super) struct SphereTest<L: Simd8> {
     pub(super) unit: [L::F; 3],
     /// The part of `E` that does not depend on the sphere.
     pub(super) error: L::F,
-    /// Where the rays begin, at the earliest and at the latest.
+    /// The earliest and the latest start of the rays.
     pub(super) t_min: [L::F; 2],
-    /// No hit beyond this distance is of interest.
+    /// Hits beyond this distance are irrelevant.
     pub(super) limit: L::F,
 }
 
-/// Where rays meet spheres, lane by lane.
+/// The results of a sphere test, lane by lane.
 pub(super) struct SphereHits<L: Simd8> {
     /// True if there may be a hit.
     pub(super) candidate: L::M,
-    /// True if there is certainly one, beyond the start of the ray.
+    /// True if there is certainly a hit beyond the start of the ray.
     pub(super) certain: L::M,
-    /// The hit is no nearer than this.
+    /// Lower bound of the distance.
     pub(super) t_lower: L::F,
-    /// A sure hit is no farther than this.
+    /// Upper bound of the distance of a certain hit.
     pub(super) t_upper: L::F,
 }
 
 impl<L: Simd8> SphereTest<L> {
-    /// Where the rays meet spheres of these radii.
+    /// Intersects the rays with spheres of these radii.
     ///
     /// # Safety
     /// The CPU supports `L`.
@@ -100,13 +101,13 @@ impl<L: Simd8> SphereTest<L> {
     }
 }
 
-/// From a place, whose fourth number is of no use, to the centres of a leaf's spheres.
+/// Vectors from a point, whose fourth number is ignored, to the centres of a leaf's spheres.
 ///
 /// # Safety
 /// `leaf` is valid, and the CPU supports `L`.
 #[inline(always)]
 pub(super) unsafe fn to_centers<L: Simd8>(leaf: *const SphereLeaf, from: &[f32; 4]) -> [L::F; 3] {
-    // SAFETY: a leaf is four times eight numbers, aligned.
+    // SAFETY: a leaf is four times eight aligned numbers.
     unsafe {
         let place = leaf.cast::<f32>();
         [
@@ -127,7 +128,8 @@ pub(super) unsafe fn radii<L: Simd8>(leaf: *const SphereLeaf) -> L::F {
     unsafe { L::load(leaf.cast::<f32>().add(24)) }
 }
 
-/// How far along lines through the origin each of these places is, and the way to it from there.
+/// Projects points onto lines through the origin: the distance along the line, and the vector from
+/// there to the point.
 ///
 /// # Safety
 /// The CPU supports `L`.

@@ -1,4 +1,4 @@
-//! A batch on its way: rays take turns until all have been answered.
+//! Traversal of a batch: rays take steps in turn until all are resolved.
 
 use std::mem::MaybeUninit;
 
@@ -13,12 +13,12 @@ use super::ray_state::RayState;
 use super::simd::Simd8;
 use super::single::{prefetch, trace_single_rays};
 
-/// Packets under way at once.
+/// Number of active packets.
 const ACTIVE_PACKETS: usize = 4;
 
-/// How a batch is answered that is asked this.
+/// How a batch is traced in a query mode.
 pub(super) trait Fly: QueryMode + Sized {
-    /// Answers the rays of a batch; what is still to be judged stays pending.
+    /// Traces the rays of a batch. Rays that await the exact test stay pending.
     ///
     /// # Safety
     /// As for [`traverse`].
@@ -41,10 +41,10 @@ impl Fly for AnyHit {
     }
 }
 
-/// Answers all rays of a batch: those that are alike in packets, the others by themselves.
+/// Resolves all rays of a batch: coherent rays in packets, the others one by one.
 ///
 /// # Safety
-/// The CPU supports `L`, and as many outputs as rays; the tree has a root.
+/// The CPU supports `L`, and there are as many outputs as rays; the tree has a root.
 #[inline(always)]
 pub(super) unsafe fn traverse<L: Simd8, Q: Fly>(
     bvh: &Aggregate,
@@ -53,14 +53,14 @@ pub(super) unsafe fn traverse<L: Simd8, Q: Fly>(
 ) {
     let mut pending = CandidateQueue::new();
     let mut batch = RayBatch::<Q> { bvh, rays, outputs: answers, next: 0, end: rays.len() };
-    // SAFETY: upheld by the caller; all that is pending was added here.
+    // SAFETY: upheld by the caller; all pending rays were added here.
     unsafe {
         Q::trace::<L>(&mut batch, &mut pending);
         pending.resolve::<L, Q>(&mut batch);
     }
 }
 
-/// Packets of rays, as long as there are any, and what is between them ray by ray.
+/// Traces coherent rays in packets, and the rays between them one by one.
 ///
 /// # Safety
 /// As for [`traverse`].
@@ -73,11 +73,11 @@ unsafe fn trace_packets<L: Simd8>(
     let mut active = packets.each_mut().map(MaybeUninit::as_mut_ptr);
     let tree = &batch.bvh.tree;
     let mut next = 0;
-    // SAFETY: `active` holds distinct packets, those up to `count` have begun; the rest is the
-    // caller's contract.
+    // SAFETY: `active` holds distinct packets, initialised up to `count`; the rest is upheld by the
+    // caller.
     unsafe {
         loop {
-            // Rays that are not alike.
+            // Incoherent rays.
             let first = next;
             while next < batch.rays.len() && !RayPacket::load_packet::<L>(active[0], batch, next) {
                 next = batch.rays.len().min(next + PACKET_SIZE);
@@ -94,7 +94,7 @@ unsafe fn trace_packets<L: Simd8>(
                 next += PACKET_SIZE;
                 count += 1;
             }
-            // Rays that are.
+            // Coherent rays.
             while count > 0 {
                 let mut index = 0;
                 while index < count {
@@ -124,10 +124,10 @@ unsafe fn trace_packets<L: Simd8>(
     }
 }
 
-/// As [`traverse`], but through a list of leaves that has no tree.
+/// [`traverse`] for a list of leaves without a tree.
 ///
 /// # Safety
-/// The CPU supports `L`, and as many outputs as rays.
+/// The CPU supports `L`, and there are as many outputs as rays.
 #[inline(always)]
 pub(super) unsafe fn scan_leaves<L: Simd8, Q: QueryMode>(
     bvh: &Aggregate,
@@ -137,7 +137,7 @@ pub(super) unsafe fn scan_leaves<L: Simd8, Q: QueryMode>(
     let mut slot = MaybeUninit::<RayState>::uninit();
     let mut batch = RayBatch::<Q> { bvh, rays, outputs: answers, next: 0, end: rays.len() };
     let mut pending = CandidateQueue::new();
-    // SAFETY: the slot is boarded before it is read. There are no more leaves than a slot can keep.
+    // SAFETY: the slot is loaded before it is read. There are no more leaves than a slot can keep.
     unsafe {
         while batch.load_next_ray::<L>(slot.as_mut_ptr()) {
             let slot = slot.assume_init_mut();

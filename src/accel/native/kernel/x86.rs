@@ -1,8 +1,8 @@
-//! What the forms for x86-64 have in common.
+//! Operations shared by the x86-64 implementations.
 
 use std::arch::x86_64::*;
 
-/// The operations of [`super::lanes::Simd8`] that are the same for all.
+/// The operations of [`super::simd::Simd8`] that all share.
 macro_rules! shared_operations {
     () => {
         #[inline(always)]
