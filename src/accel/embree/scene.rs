@@ -130,7 +130,7 @@ struct SceneHandle {
     device: Arc<Device>,
 }
 
-// SAFETY: any thread may use an Embree scene; only one `EmbreeSceneBuilder` can modify it.
+// SAFETY: any thread may use an Embree scene; `EmbreeSceneBuilder` lets only one thread modify it.
 unsafe impl Send for SceneHandle {}
 // SAFETY: by Embree's contract, the `&self` functions (queries of a committed `EmbreeScene`) may
 // run on many threads at once.

@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 use crate::accel::{BackendChoice, SelectedBackend};
 use crate::draw::text::{count, percent, row, si};
 use crate::verify::bench::{
-    BackendBench, BenchOptions, Rates, RenderBench, ReportImage, SECOND_BOUNCE, SceneBench,
+    BackendBench, BenchOptions, Quartiles, Rates, RenderBench, SECOND_BOUNCE, SceneBench,
     SuiteEntry, SweepResult,
 };
 
@@ -112,7 +112,7 @@ impl SpeedReport<'_> {
     }
 
     /// Formats the rates at one setting; `with` gives the rates to compare each backend with.
-    fn rows_of(&self, swept: &SweepResult, with: impl Fn(usize) -> [ReportImage; 2]) -> String {
+    fn rows_of(&self, swept: &SweepResult, with: impl Fn(usize) -> [Quartiles; 2]) -> String {
         let backends = self.results().iter().zip(&swept.rates).enumerate();
         let rows = backends.map(|(i, (result, [closest, occluded]))| {
             let with = with(i);
@@ -127,7 +127,7 @@ impl SpeedReport<'_> {
         let names = ["render", "seconds", "+-", "ratio", "intersector", "rays/s", "other pixels"];
         write!(f, "\n{}", row(columns, names))?;
         for render in &self.measured.renders {
-            let ReportImage { median, .. } = render.seconds;
+            let Quartiles { median, .. } = render.seconds;
             let cells = [
                 render.backend.name(),
                 &format!("{median:.3}"),
@@ -227,7 +227,7 @@ fn head(name: &str, last: &str) -> String {
 }
 
 /// Formats two rates, each with the rate it is compared with.
-fn rates_row(name: &str, rates: [(ReportImage, ReportImage); 2], last: &str) -> String {
+fn rates_row(name: &str, rates: [(Quartiles, Quartiles); 2], last: &str) -> String {
     let [closest, occluded] = rates.map(|(rate, with)| {
         [si(rate.median), spread(rate), format!("{:.2}", rate.median / with.median)]
     });
@@ -235,11 +235,11 @@ fn rates_row(name: &str, rates: [(ReportImage, ReportImage); 2], last: &str) -> 
     row(RATES, [name, a, b, c, d, e, f, last])
 }
 
-fn spread(figure: ReportImage) -> String {
+fn spread(figure: Quartiles) -> String {
     format!("{:.0} %", 100.0 * figure.relative_spread())
 }
 
-fn rate(rate: ReportImage) -> Value {
+fn rate(rate: Quartiles) -> Value {
     json!({ "rays_per_s": rate.median, "spread": rate.relative_spread() })
 }
 

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::generate::Arrangement;
 
 use crate::verify::bench::{
-    BackendBench, QueryKind, RenderBench, ReportImage, SECOND_BOUNCE, SceneBench, SuiteEntry,
+    BackendBench, Quartiles, QueryKind, RenderBench, SECOND_BOUNCE, SceneBench, SuiteEntry,
     SweepResult,
 };
 
@@ -23,8 +23,8 @@ impl fmt::Display for QueryKind {
 }
 
 /// Converts a figure to a value of a drawing.
-impl From<ReportImage> for Value {
-    fn from(ReportImage { median, low, high }: ReportImage) -> Self {
+impl From<Quartiles> for Value {
+    fn from(Quartiles { median, low, high }: Quartiles) -> Self {
         Self { middle: median, low, high }
     }
 }
@@ -67,15 +67,15 @@ impl SceneBench {
 
     fn groups_of(&self, swept: &SweepResult, setting: &str) -> [BarGroup; 2] {
         QueryKind::ALL.map(|question| {
-            let rate = |rates: &[ReportImage; 2]| Some(rates[question as usize]);
+            let rate = |rates: &[Quartiles; 2]| Some(rates[question as usize]);
             let name = format!("{SECOND_BOUNCE} rays, {question}, {setting}");
             self.group(name, &swept.rates.iter().map(rate).collect::<Vec<_>>())
         })
     }
 
     /// Rates of the intersectors, where known.
-    fn group(&self, name: String, rates: &[Option<ReportImage>]) -> BarGroup {
-        let bar = |(result, rate): (&BackendBench, &Option<ReportImage>)| {
+    fn group(&self, name: String, rates: &[Option<Quartiles>]) -> BarGroup {
+        let bar = |(result, rate): (&BackendBench, &Option<Quartiles>)| {
             let value = (*rate)?;
             let words = format!("{} M rays/s", significant(value.median / 1e6));
             let name = result.backend.name().to_owned();
@@ -114,7 +114,7 @@ pub fn page(about: &[(&str, String)], entries: &[SuiteEntry]) -> Result<String> 
 }
 
 /// Returns a figure of an intersector on a scene, if there is one.
-type FigureOf<'a> = &'a dyn Fn(&SuiteEntry, &BackendBench) -> Option<ReportImage>;
+type FigureOf<'a> = &'a dyn Fn(&SuiteEntry, &BackendBench) -> Option<Quartiles>;
 
 /// Lines of a value against the number of spheres, one per intersector.
 fn lines_of(entries: &[&SuiteEntry], value: FigureOf<'_>) -> Vec<Line> {
@@ -145,18 +145,18 @@ fn lines_of(entries: &[&SuiteEntry], value: FigureOf<'_>) -> Vec<Line> {
 fn millions(
     kind: &str,
     question: QueryKind,
-) -> impl Fn(&SuiteEntry, &BackendBench) -> Option<ReportImage> {
+) -> impl Fn(&SuiteEntry, &BackendBench) -> Option<Quartiles> {
     move |entry, result| {
         Some(result.rates[entry.bench.ray_set_index(kind)?]?.get(question).scaled(1e-6))
     }
 }
 
-fn build_seconds(_: &SuiteEntry, result: &BackendBench) -> Option<ReportImage> {
+fn build_seconds(_: &SuiteEntry, result: &BackendBench) -> Option<Quartiles> {
     (result.bytes_per_sphere > 0.0).then_some(result.build_s)
 }
 
-fn bytes(_: &SuiteEntry, result: &BackendBench) -> Option<ReportImage> {
-    Some(ReportImage::from_single(result.bytes_per_sphere))
+fn bytes(_: &SuiteEntry, result: &BackendBench) -> Option<Quartiles> {
+    Some(Quartiles::from_single(result.bytes_per_sphere))
 }
 
 /// Axes that the charts of all scenes share.
@@ -271,8 +271,8 @@ mod tests {
     use crate::accel::Backend;
     use crate::verify::bench::{Rates, SweepPoint};
 
-    fn figure(median: f64) -> ReportImage {
-        ReportImage::from_single(median)
+    fn figure(median: f64) -> Quartiles {
+        Quartiles::from_single(median)
     }
 
     fn result(backend: Backend, median: f64) -> BackendBench {

@@ -17,7 +17,7 @@ const ROUND_SECONDS: f64 = 0.2;
 
 /// Median of a figure over several rounds, with its interquartile range.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ReportImage {
+pub struct Quartiles {
     /// Median over the rounds.
     pub median: f64,
     /// Lower quartile of the rounds.
@@ -26,7 +26,7 @@ pub struct ReportImage {
     pub high: f64,
 }
 
-impl ReportImage {
+impl Quartiles {
     /// Summarizes one value per round; `None` if there are no values.
     pub fn from_samples(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
@@ -121,8 +121,8 @@ impl<'a> Measurement<'a> {
     }
 
     /// Rays per second; `None` if there are no rays.
-    pub(super) fn rate(&self) -> Option<ReportImage> {
-        ReportImage::from_samples(self.rates.clone())
+    pub(super) fn rate(&self) -> Option<Quartiles> {
+        Quartiles::from_samples(self.rates.clone())
     }
 }
 
@@ -174,13 +174,13 @@ mod tests {
 
     #[test]
     fn a_figure_is_the_median_and_the_middle_half() {
-        let figure = ReportImage::from_samples(vec![1.0, 50.0, 100.0, 25.0, 40.0]);
-        assert_eq!(figure, Some(ReportImage { median: 40.0, low: 25.0, high: 50.0 }));
+        let figure = Quartiles::from_samples(vec![1.0, 50.0, 100.0, 25.0, 40.0]);
+        assert_eq!(figure, Some(Quartiles { median: 40.0, low: 25.0, high: 50.0 }));
         assert_eq!(figure.map(|figure| figure.relative_spread()), Some(0.5 * (50.0 - 25.0) / 40.0));
-        let two = ReportImage { median: 2.0, low: 1.0, high: 3.0 };
-        assert_eq!(ReportImage::from_samples(vec![3.0, 1.0]), Some(two));
-        assert_eq!(ReportImage::from_samples(vec![7.0]), Some(ReportImage::from_single(7.0)));
-        assert_eq!(two.scaled(0.5), ReportImage { median: 1.0, low: 0.5, high: 1.5 });
-        assert_eq!(ReportImage::from_samples(Vec::new()), None);
+        let two = Quartiles { median: 2.0, low: 1.0, high: 3.0 };
+        assert_eq!(Quartiles::from_samples(vec![3.0, 1.0]), Some(two));
+        assert_eq!(Quartiles::from_samples(vec![7.0]), Some(Quartiles::from_single(7.0)));
+        assert_eq!(two.scaled(0.5), Quartiles { median: 1.0, low: 0.5, high: 1.5 });
+        assert_eq!(Quartiles::from_samples(Vec::new()), None);
     }
 }

@@ -25,7 +25,7 @@ use super::rays;
 use measurement::{Measurement, SAMPLES_PER_PIXEL, sample_evenly};
 
 pub use measure::{Event, Measuring, SceneBench, Suite, SuiteEntry};
-pub use measurement::{QueryKind, ReportImage};
+pub use measurement::{Quartiles, QueryKind};
 pub use record::Record;
 pub use render_bench::{RenderBench, bench_renders};
 pub use standard_scene::StandardScene;
@@ -60,7 +60,7 @@ pub struct BackendBench {
     /// How the backend was built and works; see [`Accel::details`].
     pub details: String,
     /// Build time in seconds.
-    pub build_s: ReportImage,
+    pub build_s: Quartiles,
     /// Memory of the acceleration structure in bytes per sphere, excluding the spheres themselves.
     pub bytes_per_sphere: f64,
     /// Rates for each ray set, in order; `None` for an empty set.
@@ -71,16 +71,16 @@ pub struct BackendBench {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
     /// Rate of closest-hit queries.
-    pub closest: ReportImage,
+    pub closest: Quartiles,
     /// Rate of occlusion queries.
-    pub occluded: ReportImage,
+    pub occluded: Quartiles,
     /// Number of compared rays whose hit id differs from the first backend's.
     pub differing_ids: usize,
 }
 
 impl Rates {
     /// Returns the rate for one query type.
-    pub fn get(&self, question: QueryKind) -> ReportImage {
+    pub fn get(&self, question: QueryKind) -> Quartiles {
         match question {
             QueryKind::Closest => self.closest,
             QueryKind::Occluded => self.occluded,
@@ -98,7 +98,7 @@ struct BuiltBackend {
     backend: Backend,
     accel: Box<dyn Accel>,
     /// Build time in seconds, over the repeated builds.
-    seconds: ReportImage,
+    seconds: Quartiles,
 }
 
 impl BackendSet {
@@ -127,8 +127,7 @@ impl BackendSet {
         for (&backend, mut all) in backends.iter().zip(seconds) {
             let (accel, seconds) = timed(backend)?;
             all.push(seconds);
-            let seconds =
-                ReportImage::from_samples(all).unwrap_or(ReportImage::from_single(seconds));
+            let seconds = Quartiles::from_samples(all).unwrap_or(Quartiles::from_single(seconds));
             built.push(BuiltBackend { backend, accel, seconds });
         }
         Ok(Self { spheres: spheres.clone(), built })

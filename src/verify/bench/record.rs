@@ -25,7 +25,7 @@ use crate::task::CancelToken;
 use crate::verify::rays;
 
 use super::{
-    BackendSet, BenchOptions, CAMERA, QueryKind, RaySet, ReportImage, SECOND_BOUNCE, StandardScene,
+    BackendSet, BenchOptions, CAMERA, Quartiles, QueryKind, RaySet, SECOND_BOUNCE, StandardScene,
     SweepPoint, bench, bench_renders, sweep,
 };
 
@@ -336,22 +336,16 @@ fn no_ray() -> Error {
     Error::input("no ray of a standard scene gets as far as a second bounce")
 }
 
-fn with_spread(figure: ReportImage) -> String {
+fn with_spread(figure: Quartiles) -> String {
     format!("{:8.3} +-{:2.0} %", figure.median, 100.0 * figure.relative_spread())
 }
 
 fn median(values: Vec<f64>) -> f64 {
-    ReportImage::from_samples(values).map_or(f64::NAN, |figure| figure.median)
+    Quartiles::from_samples(values).map_or(f64::NAN, |figure| figure.median)
 }
 
 /// Formats rates in millions, their ratio and the target.
-fn rate_row(
-    name: &str,
-    question: &str,
-    ours: ReportImage,
-    theirs: ReportImage,
-    asked: &str,
-) -> String {
+fn rate_row(name: &str, question: &str, ours: Quartiles, theirs: Quartiles, asked: &str) -> String {
     let ratio = ours.median / theirs.median;
     let [ours, theirs] = [ours, theirs].map(|rate| with_spread(rate.scaled(1e-6)));
     format!("{name:<13}{question:<10}{ours}  {theirs}   {ratio:5.2}{asked}\n")

@@ -13,7 +13,7 @@ use crate::math::{Hit, Ray};
 use crate::scene::PreparedScene;
 use crate::task::CancelToken;
 
-use super::{BackendSet, MAX_BRUTE_FORCE_SPHERES, ReportImage};
+use super::{BackendSet, MAX_BRUTE_FORCE_SPHERES, Quartiles};
 
 /// Timings of renders with one intersector.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,10 +21,10 @@ pub struct RenderBench {
     /// The intersector.
     pub backend: Backend,
     /// Render time in seconds, excluding loading and building.
-    pub seconds: ReportImage,
+    pub seconds: Quartiles,
     /// Fraction of thread time spent in the intersector. The rest is camera, shading, sampling and
     /// film.
-    pub intersector_share: ReportImage,
+    pub intersector_share: Quartiles,
     /// Rays per render, including shadow rays.
     pub rays: u64,
     /// Samples per render.
@@ -98,8 +98,8 @@ impl<'a> RenderRun<'a> {
         };
         Some(RenderBench {
             backend: self.backend,
-            seconds: ReportImage::from_samples(self.seconds.clone())?,
-            intersector_share: ReportImage::from_samples(self.inside.clone())?,
+            seconds: Quartiles::from_samples(self.seconds.clone())?,
+            intersector_share: Quartiles::from_samples(self.inside.clone())?,
             rays: self.rays,
             samples: self.samples,
             differing_pixels: (0..own.len()).filter(is_other).count(),

@@ -15,7 +15,7 @@ use crate::math::Ray;
 use crate::task::CancelToken;
 
 use super::measurement::sample_evenly;
-use super::{BackendSet, Measurement, QueryKind, ReportImage};
+use super::{BackendSet, Measurement, Quartiles, QueryKind};
 
 /// Largest number of rays used.
 pub(super) const MAX_RAYS: usize = 1 << 18;
@@ -36,9 +36,9 @@ pub struct SweepResult {
     pub point: SweepPoint,
     /// Rates of closest-hit and occlusion queries for each backend, in order. Rays per second,
     /// summed over all threads.
-    pub rates: Vec<[ReportImage; 2]>,
+    pub rates: Vec<[Quartiles; 2]>,
     /// Passes per second of the arithmetic loop on the same number of threads.
-    pub arithmetic: ReportImage,
+    pub arithmetic: Quartiles,
 }
 
 /// Measures every backend at every setting on one ray set, interleaved. Returns nothing if there
@@ -110,7 +110,7 @@ impl<'a> SweepRun<'a> {
         Some(SweepResult {
             point: self.setting,
             rates: self.measurements.iter().map(rates).collect::<Option<_>>()?,
-            arithmetic: ReportImage::from_samples(self.arithmetic.clone())?,
+            arithmetic: Quartiles::from_samples(self.arithmetic.clone())?,
         })
     }
 }
