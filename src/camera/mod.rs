@@ -156,7 +156,7 @@ impl Camera {
 
     /// Converts a picture position to `[-1, 1]`: to the right, and to the top.
     #[inline(always)]
-    fn to_ndc(&self, x: f64, y: f64) -> [f64; 2] {
+    fn to_ndc(self, x: f64, y: f64) -> [f64; 2] {
         [self.ndc_per_pixel[0] * x - 1.0, 1.0 - self.ndc_per_pixel[1] * y]
     }
 

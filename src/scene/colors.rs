@@ -16,9 +16,9 @@ pub(super) enum SphereColors {
 /// A colour in 32 bits: the square roots of its channels, red and green in 11 bits each, and blue,
 /// to which the eye is least sensitive, in 10.
 ///
-/// The error of a channel c is at most sqrt(c) / 2047 + 2^-24 for red and green, and sqrt(c) / 1023
-/// + 2^-22 for blue; 0 and 1 are exact. From c = 0.01 upwards, the steps of 8-bit sRGB are 12 to 18
-/// times as large for red and green, and 6 to 9 times for blue.
+/// The error of a channel c is at most `sqrt(c) / 2047 + 2^-24` for red and green, and at most
+/// `sqrt(c) / 1023 + 2^-22` for blue; 0 and 1 are exact. From c = 0.01 upwards, the steps of 8-bit
+/// sRGB are 12 to 18 times as large for red and green, and 6 to 9 times for blue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PackedColor(u32);
 

@@ -101,9 +101,9 @@ impl RayGenerator<'_> {
     const GENERATORS: [fn(&mut Self) -> Option<PathRay>; 9] = [
         Self::towards_sphere,
         Self::silhouette,
-        Self::from_inside,
+        Self::ray_from_inside,
         Self::axis_parallel,
-        Self::from_surface,
+        Self::ray_from_surface,
         Self::grazing,
         Self::towards_neighbour,
         Self::towards_emitter,
@@ -176,7 +176,7 @@ impl RayGenerator<'_> {
         (sin < 1.0).then(|| PathRay::new(origin, frame.to_world(local).normalize()))
     }
 
-    fn from_inside(&mut self) -> Option<PathRay> {
+    fn ray_from_inside(&mut self) -> Option<PathRay> {
         let hit = self.random_hit(Side::Inside);
         let depth = self.log_uniform(1e-9, 2.0);
         let origin = hit.point - hit.normal * (depth * hit.radius);
@@ -192,7 +192,7 @@ impl RayGenerator<'_> {
         Some(PathRay::new(target.point - axis * back, axis))
     }
 
-    fn from_surface(&mut self) -> Option<PathRay> {
+    fn ray_from_surface(&mut self) -> Option<PathRay> {
         let towards = uniform_direction(&mut self.rng);
         self.random_hit(Side::Outside).spawn_ray(towards)
     }
@@ -220,7 +220,8 @@ impl RayGenerator<'_> {
 
     /// Rays around a central ray, within an angle and a distance from it.
     fn coherent_group(&mut self, number: usize) -> Vec<PathRay> {
-        let leads = [Self::towards_sphere, Self::axis_parallel, Self::from_surface, Self::clipped];
+        let leads =
+            [Self::towards_sphere, Self::axis_parallel, Self::ray_from_surface, Self::clipped];
         let lead = leads[number % leads.len()](self).filter(|ray| is_traceable(self.spheres, ray));
         let lead = lead.unwrap_or_else(|| self.fallback());
         let angle = self.log_uniform(1e-9, 1e-1);

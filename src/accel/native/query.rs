@@ -35,7 +35,7 @@ impl BestHit {
     }
 
     #[inline(always)]
-    pub(super) fn to_hit(&self) -> Hit {
+    pub(super) fn to_hit(self) -> Hit {
         if self.is_hit() { Hit { t: self.t as f32, id: self.id } } else { Hit::MISS }
     }
 }
