@@ -14,8 +14,8 @@ use crate::error::{self, Error, Result};
 use crate::math::Ray;
 use crate::task::CancelToken;
 
-use super::measurement::sample_evenly;
-use super::{BackendSet, Measurement, Quartiles, QueryKind};
+use super::backend_set::BackendSet;
+use super::measurement::{Measurement, Quartiles, QueryKind, sample_evenly};
 
 /// Largest number of rays used.
 pub(super) const MAX_RAYS: usize = 1 << 18;

@@ -1,0 +1,137 @@
+//! The backends to measure, and the rays to measure them with.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::accel::{Accel, Backend, BuildOptions};
+use crate::camera::Camera;
+use crate::error::Result;
+use crate::geometry::{PathRay, SphereSet};
+use crate::math::Ray;
+
+use super::super::rays;
+use super::measurement::{Quartiles, SAMPLES_PER_PIXEL};
+
+/// Number of ray sets that [`BackendSet::ray_sets`] returns.
+pub const RAY_SETS: usize = 4;
+
+/// Name of the camera ray set.
+pub const CAMERA: &str = "camera";
+
+/// Name of the ray set after two diffuse bounces. These rays are incoherent, so caches do not help.
+pub const SECOND_BOUNCE: &str = "second bounce";
+
+/// Seed for bounce and shadow-ray directions.
+const SEED: u64 = 0;
+
+/// A named set of rays to benchmark with.
+#[derive(Clone, Debug)]
+pub struct RaySet {
+    /// Name of the set.
+    pub name: &'static str,
+    /// Rays in the order in which an integrator would trace them.
+    pub rays: Vec<Ray>,
+}
+
+/// Backends under comparison, built over the same spheres.
+pub struct BackendSet {
+    pub(super) spheres: Arc<SphereSet>,
+    pub(super) built: Vec<BuiltBackend>,
+}
+
+/// A backend with its acceleration structure.
+pub(super) struct BuiltBackend {
+    pub(super) backend: Backend,
+    pub(super) accel: Box<dyn Accel>,
+    /// Build time in seconds, over the repeated builds.
+    pub(super) seconds: Quartiles,
+}
+
+impl BackendSet {
+    /// Builds each backend `builds` times (at least once), interleaved, and keeps the last of each.
+    ///
+    /// # Errors
+    /// If a backend cannot be built, or on cancellation through `options`.
+    pub fn build(
+        spheres: &Arc<SphereSet>,
+        backends: &[Backend],
+        options: &BuildOptions,
+        times: usize,
+    ) -> Result<Self> {
+        let timed = |backend: Backend| {
+            let start = Instant::now();
+            let accel = backend.build(spheres, options)?;
+            Ok((accel, start.elapsed().as_secs_f64()))
+        };
+        let mut seconds = vec![Vec::new(); backends.len()];
+        for _ in 1..times {
+            for (&backend, seconds) in backends.iter().zip(&mut seconds) {
+                seconds.push(timed(backend)?.1);
+            }
+        }
+        let mut built = Vec::new();
+        for (&backend, mut all) in backends.iter().zip(seconds) {
+            let (accel, seconds) = timed(backend)?;
+            all.push(seconds);
+            let seconds = Quartiles::from_samples(all).unwrap_or(Quartiles::from_single(seconds));
+            built.push(BuiltBackend { backend, accel, seconds });
+        }
+        Ok(Self { spheres: spheres.clone(), built })
+    }
+
+    /// The spheres that all backends are built over.
+    pub fn spheres(&self) -> &Arc<SphereSet> {
+        &self.spheres
+    }
+
+    /// Each backend with its acceleration structure, in the order requested.
+    pub fn backends(&self) -> impl Iterator<Item = (Backend, &dyn Accel)> {
+        self.built.iter().map(|built| (built.backend, &*built.accel))
+    }
+
+    pub(super) fn accels(&self) -> impl Iterator<Item = &dyn Accel> {
+        self.backends().map(|(_, accel)| accel)
+    }
+
+    /// Builds the ray sets: the camera rays given, two diffuse bounces of them, and shadow rays.
+    /// Hits are found with the first backend.
+    pub fn ray_sets(&self, camera: Vec<PathRay>) -> Vec<RaySet> {
+        let (spheres, accel) = (&*self.spheres, self.accels().next());
+        let Some(accel) = accel else { return Vec::new() };
+        let first = rays::secondary(spheres, accel, &camera, SEED);
+        let second = rays::secondary(spheres, accel, &first, SEED + 1);
+        let shadow = rays::shadow(spheres, accel, &camera, SEED + 2);
+        let kinds: [_; RAY_SETS] = [
+            (CAMERA, camera),
+            ("first bounce", first),
+            (SECOND_BOUNCE, second),
+            ("shadow", shadow),
+        ];
+        let ask = |(name, rays): (_, Vec<PathRay>)| RaySet {
+            name,
+            rays: rays.iter().map(|ray| spheres.to_query(ray)).collect(),
+        };
+        kinds.into_iter().map(ask).collect()
+    }
+}
+
+/// Generates camera rays as a render does, 16 per pixel. Uses all pixels, or a regular grid of
+/// pixels if that would exceed `most` rays.
+pub fn camera_rays(camera: &Camera, [width, height]: [u32; 2], most: usize) -> Vec<PathRay> {
+    let side = (SAMPLES_PER_PIXEL as f64).sqrt() as u32;
+    let rays = |step: u32| {
+        (width.div_ceil(step) as usize * height.div_ceil(step) as usize) * SAMPLES_PER_PIXEL
+    };
+    let step = (1..).find(|&step| step >= width.max(height) || rays(step) <= most).unwrap_or(1);
+    let place =
+        |pixel: u32, cell: u32| f64::from(pixel) + (f64::from(cell) + 0.5) / f64::from(side);
+    let columns = || (0..width).step_by(step as usize);
+    let pixels = (0..height).step_by(step as usize).flat_map(|y| columns().map(move |x| (x, y)));
+    let cells = || (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
+    let ray =
+        |(x, y), (column, row)| camera.generate_ray(place(x, column), place(y, row), LENS_CENTER);
+    pixels.flat_map(|pixel| cells().map(move |cell| ray(pixel, cell))).collect()
+}
+
+/// Sample that maps to the centre of a lens, or close to it for a lens with blades.
+const LENS_CENTER: [f64; 2] = [0.5; 2];
