@@ -1,5 +1,5 @@
 //! The ground under a cloud of small spheres of which every tenth glows, and what the choice among
-//! its lamps is worth.
+//! its emitters is worth.
 //!
 //! `cargo run --release --example many_lights -- FOLDER [SPHERES]` writes `many-lights.toml` with
 //! its tables into the folder, renders it with each way of choosing, and prints the errors at equal
@@ -24,7 +24,7 @@ height = 72
 position = [0.0, 0.9, 0.0]
 look_at = [0.0, 0.0, -0.7]
 vertical_fov_degrees = 50.0
-[materials.matt]
+[materials.diffuse]
 type = "diffuse"
 albedo = [0.7, 0.7, 0.7]
 [materials.warm]
@@ -39,14 +39,14 @@ emission = [2.0, 5.0, 9.0]
 name = "ground"
 center = [0.0, -1000.0, 0.0]
 radius = 1000.0
-material = "matt"
+material = "diffuse"
 [render]
 max_depth = 4
 samples_per_pixel = 16
 "#;
 
 /// The table of a material: a file of that name, one row of four numbers for each sphere.
-const MATERIALS: [&str; 3] = ["matt", "warm", "cold"];
+const MATERIALS: [&str; 3] = ["diffuse", "warm", "cold"];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -111,13 +111,13 @@ fn picture(
     ];
     let start = Instant::now();
     let (scene, settings) = read_file(path, &overrides)?.build()?;
-    let shot = PreparedScene::new(&scene, settings)?;
+    let prepared = PreparedScene::new(&scene, settings)?;
     let loaded = start.elapsed().as_secs_f64();
     let threads = rayon::current_num_threads();
     let accel = Backend::default()
         .build(scene.spheres(), &BuildOptions { threads, ..Default::default() })?;
     let start = Instant::now();
-    let picture = render_with_accel(&shot, &*accel, &[], &Default::default())?.picture;
+    let picture = render_with_accel(&prepared, &*accel, &[], &Default::default())?.picture;
     println!("({choice}: the scene took {loaded:.2} s to load)");
     Ok((picture, start.elapsed().as_secs_f64()))
 }

@@ -69,6 +69,6 @@ fn picture(scene: &str, sampler: &str, samples: u32, seed: usize) -> Result<Pict
     ];
     let (scene, settings) = read_file(Path::new(scene), &overrides)?.build()?;
     let accel = Backend::BruteForce.build(scene.spheres(), &BuildOptions::default())?;
-    let shot = PreparedScene::new(&scene, settings)?;
-    Ok(render_with_accel(&shot, &*accel, &[], &Default::default())?.picture)
+    let prepared = PreparedScene::new(&scene, settings)?;
+    Ok(render_with_accel(&prepared, &*accel, &[], &Default::default())?.picture)
 }

@@ -41,14 +41,14 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::HalfVectorEtaSwapped, "bsdf glass, eta 1.50, roughness 0.6"),
     (Fault::MultiscatterSampledByCosine, "light between facets, roughness 0.5"),
     (Fault::MultiscatterWrongSide, "both ways through glass, eta 1.50, roughness 1"),
-    (Fault::CoatWithoutBaseAttenuation, "energy of principled white matt, coated"),
+    (Fault::CoatWithoutBaseAttenuation, "energy of principled white diffuse, coated"),
     (Fault::EtaSquaredDropped, "lamp-in-glass: path"),
     (Fault::IorSwapped, "lamp-in-glass: path"),
     (Fault::AbsorbedTwice, "lamp-in-dark-glass: path"),
     (Fault::MediumStackNotPopped, "glass-in-a-field: path"),
-    (Fault::LightPmfUniform, "choice among three lamps"),
+    (Fault::LightPmfUniform, "choice among three emitters"),
     (Fault::LightTreePmfHalf, "many-lamps: path"),
-    (Fault::InsideEmitterPdfWithoutCosine, "light from inside a lamp"),
+    (Fault::InsideEmitterPdfWithoutCosine, "light from inside an emitter"),
     (Fault::PixelCornerForCenter, "mirror-before-the-eye: path"),
     (Fault::FirstBlockDropped, "furnace: path"),
     (Fault::DividedByWrongCount, "sphere-light: paper"),
@@ -62,7 +62,7 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::BackgroundCameraOnly, "glass-in-a-field: path"),
 ];
 
-const HEADER: &str = "| mistake | what is wrong | found by | statistic |";
+const HEADER: &str = "| fault | what is wrong | found by | statistic |";
 
 #[test]
 fn every_mistake_is_found_and_nothing_fails_without_one() {

@@ -31,12 +31,12 @@ pub(crate) fn bench(criterion: &mut Criterion) {
         });
         let file = read_file(&path, &overrides).expect("a scene of ours");
         let (scene, settings) = file.build().expect("spheres of ours");
-        let shot = PreparedScene::new(&scene, settings).expect("settings of ours");
+        let prepared = PreparedScene::new(&scene, settings).expect("settings of ours");
         let backend = BackendChoice::Auto.select(scene.spheres()).backend;
         let accel = backend.build(scene.spheres(), &BuildOptions::default()).expect("builds");
         let cancel = CancelToken::default();
         group.bench_function(name, |bencher| {
-            bencher.iter(|| render_with_accel(&shot, &*accel, &[], &cancel).expect("renders"));
+            bencher.iter(|| render_with_accel(&prepared, &*accel, &[], &cancel).expect("renders"));
         });
     }
     group.finish();

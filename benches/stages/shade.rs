@@ -1,5 +1,5 @@
 //! Paths in scenes of a few spheres, where finding hits costs next to nothing: camera, surfaces,
-//! lamps and scattering, on one thread, with each set of vector instructions that there is.
+//! emitters and scattering, on one thread, with each set of vector instructions that there is.
 
 use std::path::Path;
 
@@ -18,16 +18,16 @@ const SAMPLES: u32 = 1024;
 pub(crate) fn bench(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("shade");
     group.throughput(Throughput::Elements(SAMPLES.into()));
-    for (name, file) in [("matt", "paper/fig2.toml"), ("materials", "materials.toml")] {
+    for (name, file) in [("diffuse", "paper/fig2.toml"), ("materials", "materials.toml")] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(file);
         let file = read_file(&path, &[]).expect("a scene of ours");
         let (scene, settings) = file.build().expect("spheres of ours");
-        let shot = PreparedScene::new(&scene, settings).expect("settings of ours");
+        let prepared = PreparedScene::new(&scene, settings).expect("settings of ours");
         let cancel = CancelToken::default();
         let options = BuildOptions::default();
         let accel = Backend::BruteForce.build(scene.spheres(), &options).expect("builds");
-        let world = RenderContext::new(&shot, &*accel, &cancel);
-        let integrator = create(&shot);
+        let context = RenderContext::new(&prepared, &*accel, &cancel);
+        let integrator = create(&prepared);
         // A block of neighbouring pixels in the middle, as a tile has them.
         let image = settings.image;
         let place = |i: u32| SampleAddress {
@@ -42,7 +42,7 @@ pub(crate) fn bench(criterion: &mut Criterion) {
             group.bench_function(BenchmarkId::new(name, isa.name()), |bencher| {
                 bencher.iter(|| {
                     radiance.fill(PathRadiance::default());
-                    integrator.estimate(world, &samples, &mut radiance, &mut workspace)
+                    integrator.estimate(context, &samples, &mut radiance, &mut workspace)
                 });
             });
         }

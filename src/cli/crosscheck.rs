@@ -39,7 +39,7 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     let create = |path| Ok((path, File::create(path).map_err(|e| Error::file("write", path, e))?));
     let dump = args.dump.as_deref().map(create).transpose()?;
     let (scene, settings) = read_file(&args.scene.path, &args.scene.overrides())?.build()?;
-    let shot = PreparedScene::new(&scene, settings)?;
+    let prepared = PreparedScene::new(&scene, settings)?;
     let spheres = scene.spheres();
     let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
     let backends: Vec<(&str, Box<dyn Accel>)> = args
@@ -53,19 +53,19 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
         .map(|(name, accel)| TestedBackend { name, accel: accel.as_ref() })
         .collect();
 
-    let of_scene = rays_of_shot(&shot, bouncer(spheres).build(spheres, &build)?.as_ref(), args);
+    let of_scene = rays_of_shot(&prepared, bouncer(spheres).build(spheres, &build)?.as_ref(), args);
     let left = args.rays as usize - of_scene.len();
     let mut random = rays::coherent(spheres, left / 4, args.seed);
     random.extend(rays::random(spheres, left - random.len(), args.seed));
-    let mut tallies = crosscheck::compare(spheres, &contenders, &of_scene, &build.cancel)?;
-    tallies.iter().filter_map(about_ambiguity).for_each(print::warning);
+    let mut results = crosscheck::compare(spheres, &contenders, &of_scene, &build.cancel)?;
+    results.iter().filter_map(about_ambiguity).for_each(print::warning);
     let about_random = crosscheck::compare(spheres, &contenders, &random, &build.cancel)?;
-    tallies.iter_mut().zip(about_random).for_each(|(tally, random)| tally.merge(random));
-    print::result(&table(&tallies))?;
+    results.iter_mut().zip(about_random).for_each(|(result, random)| result.merge(random));
+    print::result(&table(&results))?;
     if let Some((path, file)) = dump {
-        write_dump(file, &tallies, &scene).map_err(|e| Error::file("write", path, e))?;
+        write_dump(file, &results, &scene).map_err(|e| Error::file("write", path, e))?;
     }
-    let failures: usize = tallies.iter().map(CrosscheckResult::failures).sum();
+    let failures: usize = results.iter().map(CrosscheckResult::failures).sum();
     Ok(if failures == 0 { Exit::Done } else { Exit::CheckFailed })
 }
 
@@ -77,9 +77,13 @@ fn bouncer(spheres: &SphereSet) -> Backend {
 
 /// Returns camera rays and their bounces, each a third of all rays. Random rays replace the bounces
 /// of camera rays that miss.
-fn rays_of_shot(shot: &PreparedScene, accel: &dyn Accel, args: &CrosscheckArgs) -> Vec<PathRay> {
-    let spheres = shot.scene().spheres();
-    let mut rays = camera_rays(shot, args.rays as usize / 3, args.seed);
+fn rays_of_shot(
+    prepared: &PreparedScene,
+    accel: &dyn Accel,
+    args: &CrosscheckArgs,
+) -> Vec<PathRay> {
+    let spheres = prepared.scene().spheres();
+    let mut rays = camera_rays(prepared, args.rays as usize / 3, args.seed);
     rays.extend(rays::secondary(spheres, accel, &rays, args.seed));
     rays.retain(|ray| rays::is_traceable(spheres, ray));
     rays
@@ -100,18 +104,18 @@ fn about_ambiguity(of_scene: &CrosscheckResult) -> Option<String> {
     })
 }
 
-fn camera_rays(shot: &PreparedScene, count: usize, seed: u64) -> Vec<PathRay> {
+fn camera_rays(prepared: &PreparedScene, count: usize, seed: u64) -> Vec<PathRay> {
     let mut rng = StdRng::seed_from_u64(seed);
-    let image = shot.image_settings();
+    let image = prepared.image_settings();
     let mut place = |pixels: u32| f64::from(pixels) * rng.random::<f64>();
     let mut ray = || {
         let (x, y) = (place(image.width), place(image.height));
-        shot.camera().generate_ray(x, y, [place(1), place(1)])
+        prepared.camera().generate_ray(x, y, [place(1), place(1)])
     };
     std::iter::repeat_with(&mut ray).take(count).collect()
 }
 
-fn table(tallies: &[CrosscheckResult]) -> String {
+fn table(results: &[CrosscheckResult]) -> String {
     const COLUMNS: [i32; 12] = [-12, 9, 9, 11, 13, 7, 7, 8, 10, 7, 11, 9];
     let mut text = row(
         COLUMNS,
@@ -130,24 +134,24 @@ fn table(tallies: &[CrosscheckResult]) -> String {
             "t error",
         ],
     );
-    for tally in tallies {
+    for result in results {
         let counts = [
-            tally.rays,
-            tally.exact,
-            tally.ambiguous,
-            tally.hidden_hits,
-            tally.wrong_ids,
-            tally.false_misses,
-            tally.false_hits,
-            tally.wrong_distances,
-            tally.wrong_sides,
-            tally.wrong_occlusions,
+            result.rays,
+            result.exact,
+            result.ambiguous,
+            result.hidden_hits,
+            result.wrong_ids,
+            result.false_misses,
+            result.false_hits,
+            result.wrong_distances,
+            result.wrong_sides,
+            result.wrong_occlusions,
         ];
         let [a, b, c, d, e, f, g, h, i, j] = &counts.map(|count| count.to_string());
-        let error = format!("{:.3}", tally.max_distance_error);
-        text += &row(COLUMNS, [&tally.name, a, b, c, d, e, f, g, h, i, j, &error]);
+        let error = format!("{:.3}", result.max_distance_error);
+        text += &row(COLUMNS, [&result.name, a, b, c, d, e, f, g, h, i, j, &error]);
     }
-    let failures: usize = tallies.iter().map(CrosscheckResult::failures).sum();
+    let failures: usize = results.iter().map(CrosscheckResult::failures).sum();
     text += "passed over: those of the ambiguous that lie behind another sphere\n\
              t error: the largest error of a distance, in units of what is allowed\n";
     text += &match failures {
@@ -180,11 +184,11 @@ fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
 const ABOUT_DUMP: &str = "spheres by their ids, and behind them what they are in the scene: rows count \
     from 0 through [[spheres]] and then the tables";
 
-fn write_dump(to: File, tallies: &[CrosscheckResult], scene: &Scene) -> std::io::Result<()> {
+fn write_dump(to: File, results: &[CrosscheckResult], scene: &Scene) -> std::io::Result<()> {
     let mut to = BufWriter::new(to);
     let DVec3 { x, y, z } = scene.spheres().origin();
     writeln!(to, "# rays relative to {x:?} {y:?} {z:?}; {ABOUT_DUMP}")?;
-    for disagreement in tallies.iter().flat_map(|tally| &tally.disagreements) {
+    for disagreement in results.iter().flat_map(|result| &result.disagreements) {
         writeln!(to, "{disagreement}{}", in_the_scene(disagreement, scene))?;
     }
     to.into_inner()?.sync_all()

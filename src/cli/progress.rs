@@ -203,9 +203,9 @@ mod tests {
         };
         assert_eq!(line(&state), "25 % of 4.00 Msamples, 100 ksamples/s, 30 s left");
         let state = ProgressState { error: Some(0.0234), squares: Some([3, 40]), ..state };
-        let told =
+        let expected =
             "25 % of 4.00 Msamples, 100 ksamples/s, error 2.34 %, 3 of 40 squares done, 30 s left";
-        assert_eq!(line(&state), told);
+        assert_eq!(line(&state), expected);
         let begun = ProgressState { samples_total: 4_000_000, ..ProgressState::default() };
         assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, just begun");
     }

@@ -26,25 +26,25 @@ pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
 
 fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
     let (scene, settings) = read_file(&args.scene.path, &args.overrides())?.build()?;
-    let shot = PreparedScene::new(&scene, settings)?;
-    let address = address(args, &shot)?;
+    let prepared = PreparedScene::new(&scene, settings)?;
+    let address = address(args, &prepared)?;
     let (threads, quality) = (rayon::current_num_threads(), args.accel.build.quality);
     let build = BuildOptions { threads, quality, ..Default::default() };
     let accel = args.accel.choice.select(scene.spheres()).backend.build(scene.spheres(), &build)?;
     let cancel = CancelToken::default();
-    let world = RenderContext::new(&shot, &*accel, &cancel);
-    let trace = integrator::create(&shot).trace_path(world, address).ok_or_else(|| {
-        let name = shot.render_settings().integrator.kind().name();
+    let context = RenderContext::new(&prepared, &*accel, &cancel);
+    let trace = integrator::create(&prepared).trace_path(context, address).ok_or_else(|| {
+        let name = prepared.render_settings().integrator.kind().name();
         Error::input(format!("the integrator `{name}` follows no paths"))
             .with_help("add --integrator path")
     })?;
     if args.json {
-        print::json(&path::json(&shot, &trace))?;
+        print::json(&path::json(&prepared, &trace))?;
     } else {
-        print::result(&path::words(&shot, &trace))?;
+        print::result(&path::words(&prepared, &trace))?;
     }
     if let (Some(file), Some(path)) = (file, &args.svg) {
-        let svg = path::svg(&shot, &trace);
+        let svg = path::svg(&prepared, &trace);
         file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
         print::note(format_args!("wrote {}", path.display()));
     }
@@ -52,9 +52,9 @@ fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
 }
 
 /// Returns the address of the sample, if it is within the picture.
-fn address(args: &TraceArgs, shot: &PreparedScene) -> Result<SampleAddress> {
+fn address(args: &TraceArgs, prepared: &PreparedScene) -> Result<SampleAddress> {
     let (x, y) = args.pixel;
-    let image = shot.image_settings();
+    let image = prepared.image_settings();
     if x >= image.width || y >= image.height {
         let (width, height) = (image.width, image.height);
         return Err(Error::input(format!(
@@ -62,7 +62,7 @@ fn address(args: &TraceArgs, shot: &PreparedScene) -> Result<SampleAddress> {
         ))
         .with_help(format!("pixels run from 0,0 to {},{}", width - 1, height - 1)));
     }
-    let count = shot.render_settings().samples_per_pixel;
+    let count = prepared.render_settings().samples_per_pixel;
     if args.sample >= count {
         return Err(Error::input(format!("each pixel has {count} samples, counted from 0"))
             .with_help(format!("the last is --sample {}", count - 1)));

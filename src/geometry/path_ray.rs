@@ -110,17 +110,26 @@ impl SurfaceHit {
 
     /// Spawns a shadow ray from this point to an emitter `distance` away in this direction, or to
     /// infinity and no sphere; `None` if the sphere itself blocks it.
-    pub fn spawn_shadow_ray(&self, direction: DVec3, distance: f64, lamp: u32) -> Option<PathRay> {
-        let ray = self.spawn_ray_to(direction, distance, lamp)?;
+    pub fn spawn_shadow_ray(
+        &self,
+        direction: DVec3,
+        distance: f64,
+        emitter: u32,
+    ) -> Option<PathRay> {
+        let ray = self.spawn_ray_to(direction, distance, emitter)?;
         let goes_in = ray.t_exit < f64::INFINITY;
-        let own_wall_blocks = goes_in && lamp != self.id && ray.t_exit <= distance;
+        let own_wall_blocks = goes_in && emitter != self.id && ray.t_exit <= distance;
         (!own_wall_blocks).then_some(ray)
     }
 
     /// Spawns a shadow ray like [`Self::spawn_shadow_ray`], but one that may pass through the
     /// sphere's far wall.
-    pub fn spawn_ray_to(&self, direction: DVec3, distance: f64, lamp: u32) -> Option<PathRay> {
-        self.spawn_ray(direction).map(|ray| PathRay { t_max: distance, target_sphere: lamp, ..ray })
+    pub fn spawn_ray_to(&self, direction: DVec3, distance: f64, emitter: u32) -> Option<PathRay> {
+        self.spawn_ray(direction).map(|ray| PathRay {
+            t_max: distance,
+            target_sphere: emitter,
+            ..ray
+        })
     }
 }
 

@@ -249,12 +249,12 @@ mod tests {
             origin,
             t_max,
             origin_sphere: leaves,
-            target_sphere: aims_at,
+            target_sphere: target,
             t_exit: far_wall,
             ..
         } = rays.get(LANES + 2);
         assert_eq!((origin, t_max, far_wall), (DVec3::X, f64::INFINITY, f64::INFINITY));
-        assert_eq!((leaves, aims_at), (NO_SPHERE, NO_SPHERE));
+        assert_eq!((leaves, target), (NO_SPHERE, NO_SPHERE));
         assert!(rays.is_inward(LANES - 1) && !rays.is_inward(LANES));
         assert_eq!(rays.get(LANES - 1).t_exit, 0.5);
     }

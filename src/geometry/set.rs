@@ -114,8 +114,8 @@ impl SphereSet {
     pub fn to_query(&self, ray: &PathRay) -> Ray {
         let t_max = ray.t_max.min(ray.t_exit);
         let leaves = if fault!(ExclusionLost) { NO_SPHERE } else { ray.origin_sphere };
-        let aims_at = if fault!(EmitterOccludesItself) { NO_SPHERE } else { ray.target_sphere };
-        Ray::new(ray.origin, ray.direction, ray.t_min, t_max, [leaves, aims_at])
+        let target = if fault!(EmitterOccludesItself) { NO_SPHERE } else { ray.target_sphere };
+        Ray::new(ray.origin, ray.direction, ray.t_min, t_max, [leaves, target])
     }
 
     /// Resolves a backend's hit to a point on a sphere, identically for all backends: only the id

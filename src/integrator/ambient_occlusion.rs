@@ -13,12 +13,12 @@ use crate::sampling::Hemisphere;
 use crate::scene::PreparedScene;
 
 use super::camera_rays::{Strata, sampler_for};
+use super::context::RenderContext;
 use super::dimension::VertexDimensions;
 use super::estimate::Integrator;
 use super::primary_hits::trace_primary_rays;
 use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
-use super::world::RenderContext;
 
 /// Ambient occlusion by surfaces nearer than `distance`.
 pub(super) struct AmbientOcclusion {
@@ -28,21 +28,22 @@ pub(super) struct AmbientOcclusion {
 impl Integrator for AmbientOcclusion {
     fn estimate(
         &self,
-        world: RenderContext<'_>,
+        context: RenderContext<'_>,
         samples: &[SampleAddress],
         radiance: &mut [PathRadiance],
         workspace: &mut Workspace,
     ) -> RenderStats {
-        let RenderContext { shot, scene, accel, .. } = world;
-        let mut tally = RenderStats::default();
-        let found = trace_primary_rays(world, Strata::UNSTRATIFIED, samples, workspace, &mut tally);
+        let RenderContext { prepared, scene, accel, .. } = context;
+        let mut stats = RenderStats::default();
+        let found =
+            trace_primary_rays(context, Strata::UNSTRATIFIED, samples, workspace, &mut stats);
 
         // One ray per sample, except where the sphere itself blocks it.
         let Workspace { rays, occluded: blocked, .. } = workspace;
         rays.clear();
         let mut ray_samples = Vec::with_capacity(samples.len());
         for ((index, first), &address) in found.iter().enumerate().zip(samples) {
-            let ray = first.hit.map(|surface| self.occlusion_ray(shot, address, &surface));
+            let ray = first.hit.map(|surface| self.occlusion_ray(prepared, address, &surface));
             let (direct, alpha) = match ray {
                 Some(_) => (Rgb::ZERO, 1.0),
                 None if scene.camera_sees_background() => (Rgb::ONE, 0.0),
@@ -57,11 +58,11 @@ impl Integrator for AmbientOcclusion {
         blocked.clear();
         blocked.resize(rays.len(), false);
         accel.occluded(rays, blocked);
-        tally.count_rays(rays);
+        stats.count_rays(rays);
         for (index, _) in ray_samples.into_iter().zip(&*blocked).filter(|(_, blocked)| !**blocked) {
             radiance[index].direct = Rgb::ONE;
         }
-        tally
+        stats
     }
 }
 
@@ -69,11 +70,11 @@ impl AmbientOcclusion {
     /// Samples an occlusion ray above a hit point; `None` where the sphere itself blocks it.
     fn occlusion_ray(
         &self,
-        shot: &PreparedScene,
+        prepared: &PreparedScene,
         address: SampleAddress,
         hit: &SurfaceHit,
     ) -> Option<PathRay> {
-        let u = sampler_for(shot, Strata::UNSTRATIFIED, address)
+        let u = sampler_for(prepared, Strata::UNSTRATIFIED, address)
             .get_2d(VertexDimensions::at(1).light_direction());
         let direction = Frame::from_z(hit.facing_normal()).to_world(Hemisphere::Cosine.sample(u));
         hit.spawn_shadow_ray(direction.normalize(), self.distance, NO_SPHERE)

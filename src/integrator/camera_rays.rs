@@ -43,8 +43,12 @@ impl Strata {
 }
 
 /// Returns the sampler of a sample. Every sub-pixel has its own random sequence.
-pub(super) fn sampler_for(shot: &PreparedScene, strata: Strata, address: SampleAddress) -> Sampler {
-    let (image, render) = (shot.image_settings(), shot.render_settings());
+pub(super) fn sampler_for(
+    prepared: &PreparedScene,
+    strata: Strata,
+    address: SampleAddress,
+) -> Sampler {
+    let (image, render) = (prepared.image_settings(), prepared.render_settings());
     let pixel = u64::from(address.y) * u64::from(image.width) + u64::from(address.x);
     let cells = strata.subpixels * strata.subpixels;
     let cell = pixel * u64::from(cells) + u64::from(address.sample % cells);
@@ -55,17 +59,17 @@ pub(super) fn sampler_for(shot: &PreparedScene, strata: Strata, address: SampleA
 /// Generates the camera ray of a sample. `pixel` and `lens` are the first of the two dimensions
 /// used for the pixel position and for the lens position.
 pub(super) fn generate_camera_ray(
-    shot: &PreparedScene,
+    prepared: &PreparedScene,
     strata: Strata,
     address: SampleAddress,
     sampler: Sampler,
     [pixel, lens]: [u32; 2],
 ) -> PathRay {
     let place = strata.warp(address.sample, sampler.get_2d(pixel));
-    let [dx, dy] = shot.filter().sample(place);
+    let [dx, dy] = prepared.filter().sample(place);
     let half = if fault!(PixelCornerForCenter) { 0.0 } else { 0.5 };
     let (x, y) = (f64::from(address.x) + half + dx, f64::from(address.y) + half + dy);
-    let camera = shot.camera();
+    let camera = prepared.camera();
     let lens = if camera.has_lens() { sampler.get_2d(lens) } else { [0.5; 2] };
     camera.generate_ray(x, y, lens)
 }

@@ -2,17 +2,17 @@
 
 use crate::color::PathRadiance;
 
+use super::context::RenderContext;
 use super::sample::{RenderStats, SampleAddress};
 use super::trace::PathTrace;
 use super::workspace::Workspace;
-use super::world::RenderContext;
 
 /// Estimates the radiance that arrives at a pixel.
 pub trait Integrator: Send + Sync {
     /// Estimates the radiance of each sample. The slices have equal lengths.
     fn estimate(
         &self,
-        world: RenderContext<'_>,
+        context: RenderContext<'_>,
         samples: &[SampleAddress],
         radiance: &mut [PathRadiance],
         workspace: &mut Workspace,

@@ -7,6 +7,7 @@
 mod ambient_occlusion;
 mod aov;
 mod camera_rays;
+mod context;
 mod dimension;
 mod direct;
 mod estimate;
@@ -19,13 +20,12 @@ mod sample;
 mod trace;
 mod transport;
 mod workspace;
-mod world;
 
+pub use context::RenderContext;
 pub use estimate::Integrator;
 pub use sample::{RenderStats, SampleAddress};
 pub use trace::{Contribution, PathEvent, PathTrace, Termination};
 pub use workspace::Workspace;
-pub use world::RenderContext;
 
 use crate::scene::PreparedScene;
 use crate::scene::settings::IntegratorSettings as Kind;
@@ -35,8 +35,8 @@ use normals::Normals;
 use raycast::Raycast;
 
 /// Creates the integrator that the render settings select.
-pub fn create(shot: &PreparedScene) -> Box<dyn Integrator> {
-    let render = shot.render_settings();
+pub fn create(prepared: &PreparedScene) -> Box<dyn Integrator> {
+    let render = prepared.render_settings();
     match render.integrator {
         Kind::Path => Box::new(path::new(render)),
         Kind::Direct => Box::new(direct::new(render)),

@@ -5,11 +5,11 @@ use crate::color::{PathRadiance, Rgb};
 use crate::math::DVec3;
 
 use super::camera_rays::Strata;
+use super::context::RenderContext;
 use super::estimate::Integrator;
 use super::primary_hits::{noise_free_strata, trace_primary_rays};
 use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
-use super::world::RenderContext;
 
 /// The normals integrator.
 pub(super) struct Normals {
@@ -26,19 +26,19 @@ impl Normals {
 impl Integrator for Normals {
     fn estimate(
         &self,
-        world: RenderContext<'_>,
+        context: RenderContext<'_>,
         samples: &[SampleAddress],
         radiance: &mut [PathRadiance],
         workspace: &mut Workspace,
     ) -> RenderStats {
-        let mut tally = RenderStats::default();
-        let found = trace_primary_rays(world, self.strata, samples, workspace, &mut tally);
+        let mut stats = RenderStats::default();
+        let found = trace_primary_rays(context, self.strata, samples, workspace, &mut stats);
         for (radiance, first) in radiance.iter_mut().zip(found) {
             let direct = first.hit.map_or(Rgb::ZERO, |surface| color(surface.normal));
             let alpha = f32::from(u8::from(first.hit.is_some()));
             *radiance = PathRadiance { direct, indirect: Rgb::ZERO, alpha };
         }
-        tally
+        stats
     }
 }
 

@@ -4,9 +4,9 @@ use crate::geometry::{PathRay, SurfaceHit};
 use crate::math::Hit;
 
 use super::camera_rays::{Strata, generate_camera_ray, sampler_for};
+use super::context::RenderContext;
 use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
-use super::world::RenderContext;
 use super::{aov, dimension};
 
 /// The camera ray of a sample and its hit, if any.
@@ -24,17 +24,17 @@ pub(super) fn noise_free_strata(samples_per_pixel: u32) -> Strata {
 
 /// Traces the camera rays of all samples to their first hits.
 pub(super) fn trace_primary_rays(
-    world: RenderContext<'_>,
+    context: RenderContext<'_>,
     strata: Strata,
     samples: &[SampleAddress],
     workspace: &mut Workspace,
-    tally: &mut RenderStats,
+    stats: &mut RenderStats,
 ) -> Vec<PrimaryHit> {
-    let RenderContext { shot, scene, accel, .. } = world;
+    let RenderContext { prepared, scene, accel, .. } = context;
     let spheres = scene.spheres();
     let ray_of = |&address: &SampleAddress| {
-        let sampler = sampler_for(shot, strata, address);
-        generate_camera_ray(shot, strata, address, sampler, [dimension::PIXEL, dimension::LENS])
+        let sampler = sampler_for(prepared, strata, address);
+        generate_camera_ray(prepared, strata, address, sampler, [dimension::PIXEL, dimension::LENS])
     };
     let mut found: Vec<PrimaryHit> =
         samples.iter().map(|at| PrimaryHit { ray: ray_of(at), hit: None }).collect();
@@ -44,7 +44,7 @@ pub(super) fn trace_primary_rays(
     hits.clear();
     hits.resize(rays.len(), Hit::MISS);
     accel.closest(rays, hits);
-    tally.count_rays(rays);
+    stats.count_rays(rays);
     for (first, hit) in found.iter_mut().zip(&*hits) {
         first.hit = spheres.resolve_hit(&first.ray, *hit);
     }

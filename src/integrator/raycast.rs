@@ -18,11 +18,11 @@ use crate::scene::Scene;
 
 use super::aov;
 use super::camera_rays::Strata;
+use super::context::RenderContext;
 use super::estimate::Integrator;
 use super::primary_hits::{PrimaryHit, noise_free_strata, trace_primary_rays};
 use super::sample::{RenderStats, SampleAddress};
 use super::workspace::Workspace;
-use super::world::RenderContext;
 
 /// The ray casting integrator.
 pub(super) struct Raycast {
@@ -47,15 +47,15 @@ struct DirectLight {
 impl Integrator for Raycast {
     fn estimate(
         &self,
-        world: RenderContext<'_>,
+        context: RenderContext<'_>,
         samples: &[SampleAddress],
         radiance: &mut [PathRadiance],
         workspace: &mut Workspace,
     ) -> RenderStats {
-        let RenderContext { shot, scene, accel, .. } = world;
+        let RenderContext { prepared, scene, accel, .. } = context;
         let spheres = scene.spheres();
-        let mut tally = RenderStats::default();
-        let found = trace_primary_rays(world, self.strata, samples, workspace, &mut tally);
+        let mut stats = RenderStats::default();
+        let found = trace_primary_rays(context, self.strata, samples, workspace, &mut stats);
         let Workspace { rays, occluded: blocked, visible_surfaces: seen, .. } = workspace;
 
         for (index, PrimaryHit { ray, hit: surface }) in found.into_iter().enumerate() {
@@ -68,9 +68,9 @@ impl Integrator for Raycast {
             };
             let mut light = scene.sphere_material(surface.id).material.emission;
             see(light);
-            let lamps = shot.lights().emitters().iter();
-            let mut lit: Vec<DirectLight> = lamps
-                .filter_map(|lamp| shade_light(scene, &surface, ray.direction, lamp))
+            let emitters = prepared.lights().emitters().iter();
+            let mut lit: Vec<DirectLight> = emitters
+                .filter_map(|emitter| shade_light(scene, &surface, ray.direction, emitter))
                 .collect();
             if self.shadows {
                 lit.retain(|from| from.shadow_ray.is_some());
@@ -81,14 +81,14 @@ impl Integrator for Raycast {
                 blocked.clear();
                 blocked.resize(rays.len(), false);
                 accel.occluded(rays, blocked);
-                tally.count_rays(rays);
+                stats.count_rays(rays);
                 let mut answers = blocked.iter();
                 lit.retain(|_| answers.next() == Some(&false));
             }
             light += lit.iter().map(|from| from.radiance).sum::<Rgb>();
             *radiance = PathRadiance { direct: light, indirect: Rgb::ZERO, alpha: 1.0 };
         }
-        tally
+        stats
     }
 }
 
@@ -97,12 +97,12 @@ fn shade_light(
     scene: &Scene,
     hit: &SurfaceHit,
     direction: DVec3,
-    lamp: &Emitter,
+    emitter: &Emitter,
 ) -> Option<DirectLight> {
-    let sphere = scene.spheres().sphere(lamp.id);
+    let sphere = scene.spheres().sphere(emitter.id);
     let to_center = sphere.center - hit.point;
     let distance = to_center.length();
-    if lamp.id == hit.id || distance <= sphere.radius {
+    if emitter.id == hit.id || distance <= sphere.radius {
         return None;
     }
     let wi = to_center / distance;
@@ -114,8 +114,8 @@ fn shade_light(
     if f.max_element() <= 0.0 {
         return None;
     }
-    let ray = hit.spawn_shadow_ray(wi, distance - sphere.radius, lamp.id);
+    let ray = hit.spawn_shadow_ray(wi, distance - sphere.radius, emitter.id);
     let irradiance = PI * (sphere.radius / distance).powi(2) * wi_local.z;
-    let light = f * lamp.emission * irradiance as f32;
+    let light = f * emitter.emission * irradiance as f32;
     Some(DirectLight { radiance: light, shadow_ray: ray })
 }

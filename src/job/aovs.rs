@@ -13,11 +13,11 @@ use crate::scene::{PreparedScene, Scene};
 use super::cryptomatte;
 
 /// Develops a film of this shot into a picture with the layers `aovs`.
-pub fn develop(shot: &PreparedScene, accel: &dyn Accel, film: &Film, aovs: &[Aov]) -> Picture {
-    let scene = shot.scene();
+pub fn develop(prepared: &PreparedScene, accel: &dyn Accel, film: &Film, aovs: &[Aov]) -> Picture {
+    let scene = prepared.scene();
     let wants_ids = |kind: &Aov| matches!(kind, Aov::SphereId | Aov::MaterialId);
     let rows = match aovs.iter().any(wants_ids) {
-        true => primary_hit_rows(shot, accel, film.frame()),
+        true => primary_hit_rows(prepared, accel, film.frame()),
         false => Vec::new(),
     };
     let of_scene = |kind: Aov| {
@@ -104,13 +104,14 @@ fn split_channels(kind: Aov, values: Option<Vec<[f32; 3]>>) -> Vec<ImageChannel>
 
 /// For each pixel, the row of the first sphere hit by the ray through the pixel centre and the lens
 /// centre. Spheres with opacity 0 are skipped.
-fn primary_hit_rows(shot: &PreparedScene, accel: &dyn Accel, frame: &FilmFrame) -> Vec<u32> {
+fn primary_hit_rows(prepared: &PreparedScene, accel: &dyn Accel, frame: &FilmFrame) -> Vec<u32> {
     let window = frame.window;
     let line = |y: u32| {
-        let center =
-            |x: u32| shot.camera().generate_ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.5; 2]);
+        let center = |x: u32| {
+            prepared.camera().generate_ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.5; 2])
+        };
         trace_primary_rows(
-            shot.scene(),
+            prepared.scene(),
             accel,
             (window.x..window.x + window.width).map(center).collect(),
         )

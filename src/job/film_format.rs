@@ -5,12 +5,12 @@ use crate::math::Rect;
 use crate::scene::{PreparedScene, Settings};
 
 /// Film format for a picture of this shot with these AOVs, starting at sample 0.
-pub fn format_for_scene(shot: &PreparedScene, layers: &[Aov]) -> FilmFormat {
-    let transparent = shot.scene().description().background.transparent;
+pub fn format_for_scene(prepared: &PreparedScene, layers: &[Aov]) -> FilmFormat {
+    let transparent = prepared.scene().description().background.transparent;
     format_for_settings(
-        shot.settings(),
+        prepared.settings(),
         transparent,
-        RadianceScale::from_max_radiance(shot.max_radiance()),
+        RadianceScale::from_max_radiance(prepared.max_radiance()),
         layers,
     )
 }

@@ -126,20 +126,20 @@ struct CanonicalJob<'a> {
 
 impl Metadata {
     /// Metadata of a picture without samples.
-    pub(super) fn new(shot: &PreparedScene, backend: Backend) -> Self {
+    pub(super) fn new(prepared: &PreparedScene, backend: Backend) -> Self {
         let intersector = Intersector::for_backend(backend);
-        let scene = shot.scene();
+        let scene = prepared.scene();
         Self {
             version: VERSION.to_owned(),
             commit: COMMIT.to_owned(),
             scene_identity: scene.content_hash(),
-            job_identity: job_identity(shot.settings(), &intersector),
+            job_identity: job_identity(prepared.settings(), &intersector),
             intersector,
-            settings: *shot.settings(),
+            settings: *prepared.settings(),
             samples: SampleRange::first_n(0),
             counts: TileSampleCounts::default(),
             parts: MergedSamples::default(),
-            biased: shot.render_settings().biases(),
+            biased: prepared.render_settings().biases(),
             look: None,
             layers: None,
             files: relative_files(scene),

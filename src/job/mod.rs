@@ -92,21 +92,21 @@ pub struct RenderedImage {
 /// # Errors
 /// If the picture does not fit into memory, or a pixel is too bright for the film.
 pub fn render_with_accel(
-    shot: &PreparedScene,
+    prepared: &PreparedScene,
     accel: &dyn Accel,
     aovs: &[Aov],
     cancel: &CancelToken,
 ) -> Result<RenderedImage> {
-    let film = Film::new(&format_for_scene(shot, aovs))?;
-    let samples = shot.render_settings().samples_per_pixel;
+    let film = Film::new(&format_for_scene(prepared, aovs))?;
+    let samples = prepared.render_settings().samples_per_pixel;
     let counters = Counters::new(&film, film.frame().pixel_count() as u64 * u64::from(samples));
-    let passes = ProgressiveRenderer::new(shot, accel, &film, &counters, cancel);
+    let passes = ProgressiveRenderer::new(prepared, accel, &film, &counters, cancel);
     let complete = passes.render_to_sample(samples, &|_| true)?;
     Ok(RenderedImage {
-        picture: develop(shot, accel, &film, aovs),
+        picture: develop(prepared, accel, &film, aovs),
         samples: counters.samples_done(),
         rays: counters.stats().rays,
         complete,
-        warnings: render_warnings(shot, &counters.stats(), &film),
+        warnings: render_warnings(prepared, &counters.stats(), &film),
     })
 }

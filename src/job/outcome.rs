@@ -164,10 +164,10 @@ pub fn frame_crop(frame: &FilmFrame) -> Option<CropWindow> {
 }
 
 /// Warnings for the user about a film of this shot.
-pub fn render_warnings(shot: &PreparedScene, tally: &RenderStats, film: &Film) -> Vec<String> {
+pub fn render_warnings(prepared: &PreparedScene, stats: &RenderStats, film: &Film) -> Vec<String> {
     let mut warnings = Vec::new();
-    if shot.render_settings().clamp_indirect.is_some() {
-        let options = shot.render_settings().biases().join(", ");
+    if prepared.render_settings().clamp_indirect.is_some() {
+        let options = prepared.render_settings().biases().join(", ");
         warnings.push(format!("the picture is biased by {options}"));
     }
     if let Some((count, [x, y])) = film.non_finite_samples() {
@@ -176,12 +176,12 @@ pub fn render_warnings(shot: &PreparedScene, tally: &RenderStats, film: &Film) -
              row {y}: please report this"
         ));
     }
-    if tally.media_overflows > 0 {
-        let count = tally.media_overflows;
+    if stats.media_overflows > 0 {
+        let count = stats.media_overflows;
         warnings.push(format!("{count} paths were inside more than 8 dielectric spheres at once"));
     }
-    if tally.truncated_paths > 0 {
-        let count = tally.truncated_paths;
+    if stats.truncated_paths > 0 {
+        let count = stats.truncated_paths;
         warnings.push(format!("{count} paths were cut off after 10000 edges, which loses light"));
     }
     warnings

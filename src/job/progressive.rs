@@ -65,10 +65,10 @@ impl Counters {
         self.samples_total.load(Ordering::Relaxed)
     }
 
-    fn add(&self, samples: u64, tally: RenderStats) {
+    fn add(&self, samples: u64, stats: RenderStats) {
         {
             let mut total = self.stats.lock().unwrap_or_else(PoisonError::into_inner);
-            *total = *total + tally;
+            *total = *total + stats;
         }
         self.samples_done.fetch_add(samples, Ordering::Relaxed);
     }
@@ -87,14 +87,14 @@ struct ThreadScratch {
 impl<'a> ProgressiveRenderer<'a> {
     /// Renders into a film of this shot. The film may be empty or hold samples of the same shot.
     pub fn new(
-        shot: &'a PreparedScene,
+        prepared: &'a PreparedScene,
         accel: &'a dyn Accel,
         film: &'a Film,
         counts: &'a Counters,
         cancel: &'a CancelToken,
     ) -> Self {
-        let world = RenderContext::new(shot, accel, cancel);
-        Self { context: world, integrator: integrator::create(shot), film, counters: counts }
+        let context = RenderContext::new(prepared, accel, cancel);
+        Self { context: context, integrator: integrator::create(prepared), film, counters: counts }
     }
 
     /// The film.
@@ -179,7 +179,7 @@ impl<'a> ProgressiveRenderer<'a> {
         workspace.record_visible_surfaces(
             self.film.format().layers.iter().any(|layer| layer.uses_visible_surface()),
         );
-        let tally = self.integrator.estimate(self.context, samples, radiance, workspace);
+        let stats = self.integrator.estimate(self.context, samples, radiance, workspace);
         if self.cancel_token().is_cancelled() {
             return Ok(()); // stopped half-way: what there is of these samples is not used
         }
@@ -188,7 +188,7 @@ impl<'a> ProgressiveRenderer<'a> {
             counts,
             SampleRun { radiance, visible_surfaces: workspace.visible_surfaces() },
         )?;
-        self.counters.add(samples.len() as u64, tally);
+        self.counters.add(samples.len() as u64, stats);
         Ok(())
     }
 

@@ -28,7 +28,7 @@ use super::spec::Job;
 
 /// State shared by the render threads and the monitoring threads.
 pub(super) struct RenderState {
-    pub(super) shot: PreparedScene,
+    pub(super) prepared: PreparedScene,
     pub(super) accel: Box<dyn Accel>,
     pub(super) film: Film,
     pub(super) job: Job,
@@ -90,8 +90,13 @@ impl RenderState {
     /// Renders until the job is done or cancelled. Returns true if it is done.
     pub(super) fn render(&self) -> Result<bool> {
         let stop = self.stop_token();
-        let passes =
-            ProgressiveRenderer::new(&self.shot, &*self.accel, &self.film, &self.counters, &stop);
+        let passes = ProgressiveRenderer::new(
+            &self.prepared,
+            &*self.accel,
+            &self.film,
+            &self.counters,
+            &stop,
+        );
         match self.job.until.noise {
             None => passes.render_to_sample(self.samples.end, &|_| true),
             Some(target) => {
@@ -185,7 +190,7 @@ impl RenderState {
         // After resuming merged parts whose windows cut tiles, the samples within a tile may
         // differ, and per-tile counts cannot describe them.
         let counts = TileSampleCounts::from_film(film).unwrap_or_default();
-        let source = self.shot.scene().source();
+        let source = self.prepared.scene().source();
         let run = RunRecord {
             rays: self.stats().rays,
             seconds: (self.total_seconds() * 1e3).round() / 1e3,
@@ -220,7 +225,7 @@ impl RenderState {
             }
         });
         let RenderStats { rays, media_overflows, truncated_paths: cut_off } = self.stats();
-        let scene = self.shot.scene();
+        let scene = self.prepared.scene();
         let source = scene.source().map(|source| {
             let mut source = source.clone();
             source.text = None;

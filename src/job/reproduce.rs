@@ -65,24 +65,24 @@ pub fn reproduce(
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Reproduction> {
     let scene = rebuild_scene(recorded, options)?;
-    let shot = PreparedScene::new(&scene, recorded.settings)?;
+    let prepared = PreparedScene::new(&scene, recorded.settings)?;
     let backend = choose_backend(recorded, options)?;
     let threads = rayon::current_num_threads();
     let build = BuildOptions { threads, cancel: options.cancel.clone(), ..Default::default() };
     let accel = backend.build(scene.spheres(), &build)?;
     let layers = recorded.layers.clone().unwrap_or_default();
     let work = Reproducer {
-        shot: &shot,
+        prepared: &prepared,
         accel: accel.as_ref(),
-        format: format_for_scene(&shot, &layers),
+        format: format_for_scene(&prepared, &layers),
         cancel: &options.cancel,
         progress,
         samples_total: total_samples(recorded),
         samples_done: AtomicU64::new(0),
     };
     let film = work.film(recorded)?;
-    let picture = develop(&shot, accel.as_ref(), &film, &layers);
-    Ok(Reproduction { picture, film, metadata: Metadata::new(&shot, backend) })
+    let picture = develop(&prepared, accel.as_ref(), &film, &layers);
+    Ok(Reproduction { picture, film, metadata: Metadata::new(&prepared, backend) })
 }
 
 /// Rebuilds the scene of a picture with its files in the given folder.
@@ -150,7 +150,7 @@ fn total_samples(then: &Metadata) -> u64 {
 
 /// Renders the samples that a picture has.
 struct Reproducer<'a> {
-    shot: &'a PreparedScene,
+    prepared: &'a PreparedScene,
     accel: &'a dyn Accel,
     /// Film format of the whole picture.
     format: FilmFormat,
@@ -194,7 +194,8 @@ impl Reproducer<'_> {
             _ => return Err(missing_counts()),
         };
         let counters = Counters::new(film, self.samples_total);
-        let passes = ProgressiveRenderer::new(self.shot, self.accel, film, &counters, self.cancel);
+        let passes =
+            ProgressiveRenderer::new(self.prepared, self.accel, film, &counters, self.cancel);
         let mut steps = counts.clone();
         steps.sort_unstable();
         steps.dedup();

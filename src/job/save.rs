@@ -163,19 +163,21 @@ mod tests {
 
     #[test]
     fn what_would_be_lost_is_tried_again_until_it_is_written() {
-        let (tries, told) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+        let (tries, warnings) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
         let write = |_: Option<&Path>| match tries.fetch_add(1, Ordering::SeqCst) {
             0..2 => full(),
             _ => Ok(()),
         };
-        let manner =
-            RetryPolicy { skip_retries: &|| false, warn: &|text| told.lock().unwrap().push(text) };
+        let manner = RetryPolicy {
+            skip_retries: &|| false,
+            warn: &|text| warnings.lock().unwrap().push(text),
+        };
         save_all(&[errand("a.part", true, write)], &[], &manner).unwrap();
         let expected = [
             "cannot write `a.part`: no space left; it is tried again for 60 s",
             "can write `a.part` again",
         ];
-        assert_eq!(*told.lock().unwrap(), expected);
+        assert_eq!(*warnings.lock().unwrap(), expected);
     }
 
     #[test]

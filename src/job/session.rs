@@ -88,12 +88,12 @@ impl Session {
         let SessionOptions { cancel, save_request, build_progress, output: delivery, command } =
             opening;
         let pool = thread_pool(job.threads)?;
-        let shot = pool.install(|| PreparedScene::new(scene, job.settings))?;
+        let prepared = pool.install(|| PreparedScene::new(scene, job.settings))?;
         let samples = job.sample_range()?;
         let chosen = job.accel.select(scene.spheres());
-        let metadata = Metadata::new(&shot, chosen.backend);
+        let metadata = Metadata::new(&prepared, chosen.backend);
         let format =
-            FilmFormat { first_sample: samples.start, ..format_for_scene(&shot, &job.layers) };
+            FilmFormat { first_sample: samples.start, ..format_for_scene(&prepared, &job.layers) };
         let (film, before) = match checkpoint {
             None => (Film::new(&format)?, CumulativeStats::default()),
             Some(checkpoint) => resume::load_film(checkpoint, &metadata, &format, &samples, &job)?,
@@ -113,7 +113,7 @@ impl Session {
         let state = RenderState {
             counters: Counters::new(&film, total),
             initial_samples: film.sample_count(),
-            shot,
+            prepared,
             accel,
             film,
             job,
@@ -172,10 +172,11 @@ impl Session {
         };
         let refused = |what: String| Error::input(format!("cannot extend the render: {what}"));
         let samples = job.sample_range()?;
-        let shot = self.pool.install(|| PreparedScene::new(state.shot.scene(), job.settings))?;
-        let metadata = Metadata::new(&shot, state.metadata.intersector.backend);
+        let prepared =
+            self.pool.install(|| PreparedScene::new(state.prepared.scene(), job.settings))?;
+        let metadata = Metadata::new(&prepared, state.metadata.intersector.backend);
         let format =
-            FilmFormat { first_sample: samples.start, ..format_for_scene(&shot, &job.layers) };
+            FilmFormat { first_sample: samples.start, ..format_for_scene(&prepared, &job.layers) };
         let then = state.film.format();
         resume::check_matches((&state.metadata, &then), (&metadata, &format)).map_err(refused)?;
         resume::check_can_continue(&state.film, state.job.until.noise, &samples, &job)
@@ -183,7 +184,8 @@ impl Session {
         state
             .counters
             .set_samples_total(state.film.frame().pixel_count() as u64 * samples.len() as u64);
-        (state.shot, state.metadata, state.samples, state.job) = (shot, metadata, samples, job);
+        (state.prepared, state.metadata, state.samples, state.job) =
+            (prepared, metadata, samples, job);
         Ok(())
     }
 
@@ -198,8 +200,8 @@ impl Session {
     }
 
     /// The scene with the job's settings.
-    pub fn shot(&self) -> &PreparedScene {
-        &self.state.shot
+    pub fn prepared(&self) -> &PreparedScene {
+        &self.state.prepared
     }
 
     /// The samples that every pixel will have when the render is complete.
@@ -247,9 +249,10 @@ impl Session {
     /// The picture of the samples so far with all layers, and its metadata. During a run both come
     /// from one copy of the film, which doubles the film's memory.
     pub fn snapshot(&self) -> (Picture, Metadata) {
-        let RenderState { shot, accel, film, job, .. } = &*self.state;
-        let of =
-            |film: &Film| (develop(shot, &**accel, film, &job.layers), self.state.metadata(film));
+        let RenderState { prepared, accel, film, job, .. } = &*self.state;
+        let of = |film: &Film| {
+            (develop(prepared, &**accel, film, &job.layers), self.state.metadata(film))
+        };
         match self.state.is_running.load(Ordering::Acquire) {
             true => of(&film.snapshot()),
             false => of(film),
@@ -264,7 +267,7 @@ impl Session {
     /// A quick preview of the beauty so far, without other layers.
     pub fn preview(&self) -> Picture {
         let mut picture = self.state.film.picture();
-        let transparent = self.state.shot.scene().description().background.transparent;
+        let transparent = self.state.prepared.scene().description().background.transparent;
         picture.alpha = picture.alpha.filter(|_| self.state.job.has_alpha(transparent));
         picture
     }
@@ -278,7 +281,7 @@ impl Session {
     pub fn statistics(&self) -> (u64, u64, Vec<String>) {
         let state = &*self.state;
         let samples = state.counters.samples_done() - state.initial_samples;
-        let warnings = render_warnings(&state.shot, &state.stats(), &state.film);
+        let warnings = render_warnings(&state.prepared, &state.stats(), &state.film);
         (samples, state.counters.stats().rays, warnings)
     }
 

@@ -1,9 +1,9 @@
 //! Probabilities of sampling emitters, the environment map or the sun from a shading point, based
 //! on the expected irradiance of each. Occlusion is unknown, so a fixed share is split evenly.
 
+use super::context::LightSampleContext;
 use super::environment::Environment;
 use super::light_sampler::LightSampler;
-use super::receiver::LightSampleContext;
 
 /// Fraction of samples split evenly among all categories that may illuminate the point.
 const UNIFORM_FRACTION: f64 = 0.2;
@@ -25,21 +25,21 @@ impl CategoryPmf {
     /// `None` if no light can be sampled.
     pub(super) fn new(
         choice: &LightSampler,
-        has_lamps: bool,
+        has_emitters: bool,
         background: &Environment,
         from: &LightSampleContext,
     ) -> Option<Self> {
         if !background.is_sampled() {
-            return has_lamps.then_some(Self { probabilities: [1.0, 0.0, 0.0] });
+            return has_emitters.then_some(Self { probabilities: [1.0, 0.0, 0.0] });
         }
         let sun = background.sun().map_or(0.0, |sun| sun.importance(from));
         let dome = background.importance(from);
         // Scenes with emitters only are the common case and need no importance there.
-        let lamps = match sun > 0.0 || dome > 0.0 {
+        let emitters = match sun > 0.0 || dome > 0.0 {
             true => choice.importance(from),
-            false => f64::from(u8::from(has_lamps)),
+            false => f64::from(u8::from(has_emitters)),
         };
-        let importance = [lamps, dome, sun];
+        let importance = [emitters, dome, sun];
         let total: f64 = importance.iter().sum();
         let count = importance.iter().filter(|&&importance| importance > 0.0).count() as f64;
         let share = |importance| match importance > 0.0 {

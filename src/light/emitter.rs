@@ -8,7 +8,7 @@ use crate::geometry::{Cone, Side, Sphere};
 use crate::math::{DVec3, Frame};
 use crate::sampling::Hemisphere;
 
-use super::receiver::LightSampleContext;
+use super::context::LightSampleContext;
 
 /// An emissive sphere.
 #[derive(Clone, Copy, Debug)]
@@ -30,21 +30,21 @@ pub(super) enum VisibleEmitter {
 
 impl VisibleEmitter {
     /// `None` if the emitter is not visible.
-    pub(super) fn new(from: &LightSampleContext, id: u32, lamp: &Sphere) -> Option<Self> {
+    pub(super) fn new(from: &LightSampleContext, id: u32, emitter: &Sphere) -> Option<Self> {
         let LightSampleContext { hit, is_two_sided } = *from;
         let inside = |normal, is_two_sided| {
             let frame = Frame::from_z(normal);
-            Some(Self::Inside { frame, is_two_sided, point: hit.point, sphere: *lamp })
+            Some(Self::Inside { frame, is_two_sided, point: hit.point, sphere: *emitter })
         };
         if hit.id == id {
             // A surface can see itself only across the sphere's inside.
             let sees_itself = is_two_sided || hit.side == Side::Inside;
             return if sees_itself { inside(-hit.normal, false) } else { None };
         }
-        if lamp.contains(hit.point) {
+        if emitter.contains(hit.point) {
             return inside(hit.facing_normal(), is_two_sided);
         }
-        Cone::subtending(hit.point, lamp).map(Self::Outside)
+        Cone::subtending(hit.point, emitter).map(Self::Outside)
     }
 
     /// Samples a direction; returns it with the distance and the pdf.
@@ -54,11 +54,11 @@ impl VisibleEmitter {
                 let sample = cone.sample(u);
                 (sample.direction, sample.distance, sample.pdf)
             }
-            Self::Inside { frame, is_two_sided, point, sphere: lamp } => {
+            Self::Inside { frame, is_two_sided, point, sphere: emitter } => {
                 let side = if *is_two_sided { sample_side(&mut u[0]) } else { 1.0 };
                 let local = Hemisphere::Cosine.sample(u) * DVec3::new(1.0, 1.0, side);
                 let direction = frame.to_world(local).normalize();
-                let distance = lamp.roots(*point, direction).map_or(0.0, |roots| roots.far);
+                let distance = emitter.roots(*point, direction).map_or(0.0, |roots| roots.far);
                 (direction, distance, self.pdf(direction))
             }
         }

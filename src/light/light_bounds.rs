@@ -11,7 +11,7 @@
 use crate::geometry::Sphere;
 use crate::math::DVec3;
 
-use super::receiver::LightSampleContext;
+use super::context::LightSampleContext;
 
 /// Compensates for rounding a radius to f32.
 const ROUND_OUTWARD: f64 = 1.0 + 1e-6;

@@ -8,10 +8,10 @@ use crate::geometry::SphereSet;
 use crate::names::named_enum;
 use crate::sampling::DiscreteDistribution;
 
+use super::context::LightSampleContext;
 use super::emitter::Emitter;
 use super::light_bounds::{LightBounds, LightItem};
 use super::light_tree::{LightTree, MAX_LIGHTS};
-use super::receiver::LightSampleContext;
 
 /// Up to this many emitters are evaluated one by one.
 const MAX_EXHAUSTIVE: usize = 8;
@@ -55,18 +55,18 @@ enum Strategy {
 }
 
 impl LightSampler {
-    pub(super) fn new(lamps: &[Emitter], spheres: &SphereSet, by: LightSamplerKind) -> Self {
-        let power = |lamp: &Emitter| {
-            let radius = spheres.sphere(lamp.id).radius;
-            PI * radius * radius * f64::from(luminance(lamp.emission))
+    pub(super) fn new(emitters: &[Emitter], spheres: &SphereSet, by: LightSamplerKind) -> Self {
+        let power = |emitter: &Emitter| {
+            let radius = spheres.sphere(emitter.id).radius;
+            PI * radius * radius * f64::from(luminance(emitter.emission))
         };
-        let total_power: f64 = lamps.iter().map(power).sum();
-        let item = |(lamp, i): (&Emitter, u32)| LightItem {
-            sphere: spheres.sphere(lamp.id),
-            power: power(lamp) / total_power,
+        let total_power: f64 = emitters.iter().map(power).sum();
+        let item = |(emitter, i): (&Emitter, u32)| LightItem {
+            sphere: spheres.sphere(emitter.id),
+            power: power(emitter) / total_power,
             emitter_index: i,
         };
-        let items: Vec<LightItem> = lamps.iter().zip(0..).map(item).collect();
+        let items: Vec<LightItem> = emitters.iter().zip(0..).map(item).collect();
         let by = if items.len() > MAX_LIGHTS { LightSamplerKind::Power } else { by };
         let chooser = match by {
             _ if items.is_empty() => Strategy::Empty,
@@ -87,9 +87,11 @@ impl LightSampler {
         self.total_power
             * match &self.strategy {
                 Strategy::Empty => 0.0,
-                Strategy::Single(lamp) => lamp.importance(from),
+                Strategy::Single(emitter) => emitter.importance(from),
                 Strategy::Fixed(_, all) => all.importance(from),
-                Strategy::Exhaustive(lamps) => lamps.iter().map(|lamp| lamp.importance(from)).sum(),
+                Strategy::Exhaustive(emitters) => {
+                    emitters.iter().map(|emitter| emitter.importance(from)).sum()
+                }
                 Strategy::Tree(tree) => tree.importance(from),
             }
     }
@@ -101,25 +103,29 @@ impl LightSampler {
             Strategy::Empty => None,
             Strategy::Single(_) => Some((0, 1.0)),
             Strategy::Fixed(choice, _) => {
-                let lamp = choice.sample(u);
-                Some((lamp, choice.pmf(lamp)))
+                let emitter = choice.sample(u);
+                Some((emitter, choice.pmf(emitter)))
             }
-            Strategy::Exhaustive(lamps) => ExhaustiveSampler::new(lamps, from)?.sample(u),
-            Strategy::Tree(tree) => tree.sample(from, u).map(|(lamp, pmf)| (lamp as usize, pmf)),
+            Strategy::Exhaustive(emitters) => ExhaustiveSampler::new(emitters, from)?.sample(u),
+            Strategy::Tree(tree) => {
+                tree.sample(from, u).map(|(emitter, pmf)| (emitter as usize, pmf))
+            }
         }
     }
 
     /// Returns the probability with which [`Self::sample`] selects an emitter.
-    pub(super) fn pmf(&self, from: &LightSampleContext, lamp: usize) -> f64 {
+    pub(super) fn pmf(&self, from: &LightSampleContext, emitter: usize) -> f64 {
         match &self.strategy {
             Strategy::Empty => 0.0,
             Strategy::Single(_) => 1.0,
-            Strategy::Fixed(choice, _) => choice.pmf(lamp),
-            Strategy::Exhaustive(lamps) if fault!(LightPmfUniform) => 1.0 / lamps.len() as f64,
-            Strategy::Exhaustive(lamps) => {
-                ExhaustiveSampler::new(lamps, from).map_or(0.0, |few| few.pmf(lamp))
+            Strategy::Fixed(choice, _) => choice.pmf(emitter),
+            Strategy::Exhaustive(emitters) if fault!(LightPmfUniform) => {
+                1.0 / emitters.len() as f64
             }
-            Strategy::Tree(tree) => tree.pmf(from, lamp as u32),
+            Strategy::Exhaustive(emitters) => {
+                ExhaustiveSampler::new(emitters, from).map_or(0.0, |few| few.pmf(emitter))
+            }
+            Strategy::Tree(tree) => tree.pmf(from, emitter as u32),
         }
     }
 }
@@ -144,10 +150,10 @@ struct ExhaustiveSampler {
 }
 
 impl ExhaustiveSampler {
-    fn new(lamps: &[LightBounds], from: &LightSampleContext) -> Option<Self> {
+    fn new(emitters: &[LightBounds], from: &LightSampleContext) -> Option<Self> {
         let mut importance = [0.0; MAX_EXHAUSTIVE];
-        for (importance, lamp) in importance.iter_mut().zip(lamps) {
-            *importance = lamp.importance(from);
+        for (importance, emitter) in importance.iter_mut().zip(emitters) {
+            *importance = emitter.importance(from);
         }
         let total = importance.iter().sum();
         let above_horizon = importance.iter().filter(|&&importance| importance > 0.0).count();
@@ -160,10 +166,10 @@ impl ExhaustiveSampler {
 
     fn sample(&self, mut u: f64) -> Option<(usize, f64)> {
         let mut last = None;
-        for lamp in 0..MAX_EXHAUSTIVE {
-            let pmf = self.pmf(lamp);
+        for emitter in 0..MAX_EXHAUSTIVE {
+            let pmf = self.pmf(emitter);
             if pmf > 0.0 {
-                last = Some((lamp, pmf));
+                last = Some((emitter, pmf));
                 if u < pmf {
                     break;
                 }
@@ -173,8 +179,8 @@ impl ExhaustiveSampler {
         last
     }
 
-    fn pmf(&self, lamp: usize) -> f64 {
-        let importance = self.importance[lamp];
+    fn pmf(&self, emitter: usize) -> f64 {
+        let importance = self.importance[emitter];
         if importance <= 0.0 {
             return 0.0;
         }

@@ -13,8 +13,8 @@
 use crate::fault::fault;
 use crate::math::DVec3;
 
+use super::context::LightSampleContext;
 use super::light_bounds::{LightBounds, LightItem};
-use super::receiver::LightSampleContext;
 
 /// Number of bins along each axis: one more than the planes tried.
 const BINS: usize = 16;
@@ -83,8 +83,8 @@ impl LightTree {
     }
 
     /// Returns the probability with which [`Self::sample`] selects an emitter.
-    pub(super) fn pmf(&self, from: &LightSampleContext, lamp: u32) -> f64 {
-        let leaf = self.leaves[lamp as usize];
+    pub(super) fn pmf(&self, from: &LightSampleContext, emitter: u32) -> f64 {
+        let leaf = self.leaves[emitter as usize];
         let mut next = self.nodes[0].child_or_emitter;
         let mut pmf = 1.0;
         while next & LEAF == 0 {
@@ -265,15 +265,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_probabilities_of_all_lamps_add_up_to_one() {
+    fn the_probabilities_of_all_emitters_add_up_to_one() {
         for count in [1, 2, 3, 17, 1000] {
             let tree = LightTree::new(items(count));
             for from in receivers() {
-                let sum: f64 = (0..count as u32).map(|lamp| tree.pmf(&from, lamp)).sum();
+                let sum: f64 = (0..count as u32).map(|emitter| tree.pmf(&from, emitter)).sum();
                 // The sampling may end at a node whose emitters are all below the horizon.
                 assert!(sum <= 1.0 + 1e-12);
                 if from.is_two_sided {
-                    assert!((sum - 1.0).abs() < 1e-12, "{count} lamps: {sum}");
+                    assert!((sum - 1.0).abs() < 1e-12, "{count} emitters: {sum}");
                 }
             }
         }
@@ -284,19 +284,21 @@ mod tests {
         let tree = LightTree::new(items(1000));
         for from in receivers() {
             for i in 0..1000 {
-                let Some((lamp, pmf)) = tree.sample(&from, f64::from(i) / 1000.0) else { continue };
-                assert_eq!(pmf, tree.pmf(&from, lamp));
+                let Some((emitter, pmf)) = tree.sample(&from, f64::from(i) / 1000.0) else {
+                    continue;
+                };
+                assert_eq!(pmf, tree.pmf(&from, emitter));
                 assert!(pmf > 0.0);
             }
         }
     }
 
     #[test]
-    fn a_lamp_above_the_horizon_can_always_be_chosen() {
-        let lamps = items(1000);
-        let tree = LightTree::new(lamps.clone());
+    fn an_emitter_above_the_horizon_can_always_be_chosen() {
+        let emitters = items(1000);
+        let tree = LightTree::new(emitters.clone());
         for from in receivers() {
-            for item in &lamps {
+            for item in &emitters {
                 let to_center = item.sphere.center - from.hit.point;
                 let height = to_center.dot(from.hit.facing_normal()) + item.sphere.radius;
                 if from.is_two_sided || height > 1e-9 {
@@ -316,13 +318,13 @@ mod tests {
     }
 
     #[test]
-    fn lamps_in_one_place_are_told_apart_by_number_alone() {
-        let mut lamps = items(50);
-        for item in &mut lamps {
+    fn emitters_in_one_place_are_told_apart_by_number_alone() {
+        let mut emitters = items(50);
+        for item in &mut emitters {
             item.sphere.center = DVec3::ONE;
         }
-        let tree = LightTree::new(lamps);
+        let tree = LightTree::new(emitters);
         let from = receivers().next().expect("some");
-        assert!((0..50).all(|lamp| tree.pmf(&from, lamp) > 0.0));
+        assert!((0..50).all(|emitter| tree.pmf(&from, emitter) > 0.0));
     }
 }

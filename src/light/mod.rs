@@ -6,17 +6,17 @@
 //! to BSDF sampling, such as a constant environment; BSDF sampling must then find it.
 
 mod category;
+mod context;
 mod emitter;
 mod environment;
 mod light_bounds;
 mod light_sampler;
 mod light_tree;
-mod receiver;
 
+pub use context::LightSampleContext;
 pub use emitter::Emitter;
 pub use environment::{Environment, EnvironmentMap, Orientation, Sky, SunLight};
 pub use light_sampler::LightSamplerKind;
-pub use receiver::LightSampleContext;
 
 use std::sync::Arc;
 
@@ -74,21 +74,26 @@ impl LightSource {
 impl Lights {
     /// Creates the lights of a scene from the emitters among `spheres` and the environment, with
     /// the default light sampler.
-    pub fn new(mut lamps: Vec<Emitter>, spheres: &SphereSet, background: Environment) -> Self {
-        lamps.sort_unstable_by_key(|lamp| lamp.id);
-        Self::with_sampler(LightSamplerKind::Hierarchy, lamps.into(), spheres, Arc::new(background))
+    pub fn new(mut emitters: Vec<Emitter>, spheres: &SphereSet, background: Environment) -> Self {
+        emitters.sort_unstable_by_key(|emitter| emitter.id);
+        Self::with_sampler(
+            LightSamplerKind::Hierarchy,
+            emitters.into(),
+            spheres,
+            Arc::new(background),
+        )
     }
 
     /// Creates lights from emitters sorted by id, with the given light sampler.
     pub fn with_sampler(
         by: LightSamplerKind,
-        lamps: Arc<[Emitter]>,
+        emitters: Arc<[Emitter]>,
         spheres: &SphereSet,
         background: Arc<Environment>,
     ) -> Self {
-        debug_assert!(lamps.is_sorted_by_key(|lamp| lamp.id));
-        let choice = LightSampler::new(&lamps, spheres, by);
-        Self { emitters: lamps, sampler: choice, environment: background }
+        debug_assert!(emitters.is_sorted_by_key(|emitter| emitter.id));
+        let choice = LightSampler::new(&emitters, spheres, by);
+        Self { emitters: emitters, sampler: choice, environment: background }
     }
 
     /// Number of emitters.
@@ -175,7 +180,9 @@ impl Lights {
         let LightSource::Emitter(id) = source else {
             return self.environment_pdf(&shares, direction);
         };
-        let Ok(index) = self.emitters.binary_search_by_key(&id, |lamp| lamp.id) else { return 0.0 };
+        let Ok(index) = self.emitters.binary_search_by_key(&id, |emitter| emitter.id) else {
+            return 0.0;
+        };
         let view = VisibleEmitter::new(from, id, &spheres.sphere(id));
         let pmf = || shares.pmf(LightCategory::Emitters) * self.sampler.pmf(from, index);
         view.map_or(0.0, |view| view.pdf(direction) * pmf())
@@ -212,14 +219,14 @@ mod tests {
 
     /// Emitters of very different sizes and powers in a unit box.
     pub(super) fn items(count: usize) -> Vec<LightItem> {
-        let item = |lamp: u32| {
+        let item = |emitter: u32| {
             let u: [f64; 5] =
-                std::array::from_fn(|d| Sampler::independent(0, lamp.into(), 0).get(d as u32));
+                std::array::from_fn(|d| Sampler::independent(0, emitter.into(), 0).get(d as u32));
             let center = DVec3::new(u[0], u[1], u[2]);
             LightItem {
                 sphere: Sphere { center, radius: 0.1 * u[3].powi(4) + 1e-9 },
                 power: u[4],
-                emitter_index: lamp,
+                emitter_index: emitter,
             }
         };
         (0..count as u32).map(item).collect()

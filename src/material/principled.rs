@@ -139,10 +139,10 @@ impl Principled {
         let PrincipledParameters { base_color, metallic, roughness, ior, .. } = parameters;
         let transmission = parameters.transmission;
         let glass = (1.0 - metallic) * transmission;
-        let matt = (1.0 - metallic) * (1.0 - transmission);
+        let diffuse = (1.0 - metallic) * (1.0 - transmission);
         let coat = weighted(parameters.coat, || Coat::new(COAT_IOR, parameters.coat_roughness));
         let gloss = || Coat::new(gloss_ior(ior, parameters.specular), roughness);
-        let matt = weighted(matt, gloss).map(|(share, gloss)| {
+        let diffuse = weighted(diffuse, gloss).map(|(share, gloss)| {
             let through = |cos| gloss.transmittance(cos) * coat_transmittance(coat.as_ref(), cos);
             let mean_through = hemispherical_mean(through);
             DiffuseBase { weight: share, gloss, mean_transmittance: mean_through }
@@ -153,7 +153,7 @@ impl Principled {
             base_color,
             conductor: metal,
             dielectric: glass,
-            layers: Box::new(PrincipledLayers { coat, diffuse: matt }),
+            layers: Box::new(PrincipledLayers { coat, diffuse }),
         }
     }
 
@@ -201,8 +201,8 @@ fn coat_transmittance(coat: Option<&(f64, Coat)>, cos: f64) -> f64 {
 
 impl PrincipledBsdf<'_> {
     pub(super) fn is_delta(&self) -> bool {
-        let PrincipledLayers { coat, diffuse: matt } = self.layers;
-        matt.is_none()
+        let PrincipledLayers { coat, diffuse } = self.layers;
+        diffuse.is_none()
             && coat.as_ref().is_none_or(|(_, coat)| coat.is_delta())
             && self.conductor.is_none_or(|(_, metal)| metal.is_delta())
             && self.dielectric.is_none_or(|(_, glass)| glass.is_delta())
@@ -231,7 +231,7 @@ impl PrincipledBsdf<'_> {
         if wi.z <= 0.0 {
             return self.transmission_tint() * glass as f32;
         }
-        let PrincipledLayers { coat, diffuse: matt } = self.layers;
+        let PrincipledLayers { coat, diffuse } = self.layers;
         let mut white = glass;
         let mut f = Rgb::ZERO;
         if let Some((share, coat)) = coat {
@@ -240,7 +240,9 @@ impl PrincipledBsdf<'_> {
         if let Some((share, metal)) = &self.conductor {
             f += metal.eval(wo, wi) * (share * beneath) as f32;
         }
-        if let Some(DiffuseBase { weight: share, gloss, mean_transmittance: mean_through }) = matt {
+        if let Some(DiffuseBase { weight: share, gloss, mean_transmittance: mean_through }) =
+            diffuse
+        {
             white += share * beneath * gloss.eval(wo, wi);
             let through = |cos| gloss.transmittance(cos) * coat_transmittance(coat.as_ref(), cos);
             let diffuse = share * through(wo.z) * through(wi.z) * FRAC_1_PI / mean_through;
@@ -258,15 +260,15 @@ impl PrincipledBsdf<'_> {
     /// (see [`super::Dielectric`]). A darker base reflects less, and the difference goes to the
     /// gloss alone.
     fn component_probabilities(&self, wo: DVec3) -> [f64; 5] {
-        let PrincipledLayers { coat, diffuse: matt } = self.layers;
+        let PrincipledLayers { coat, diffuse } = self.layers;
         let beneath = coat_transmittance(coat.as_ref(), wo.z);
         let of_coat =
             coat.as_ref().map_or(0.0, |(share, coat)| share * (1.0 - coat.transmittance(wo.z)));
         let of_metal = self.conductor.map_or(0.0, |(share, metal)| {
             share * beneath * f64::from(luminance(metal.mean_reflectance()))
         });
-        let [of_gloss, of_matt] =
-            matt.as_ref().map_or([0.0; 2], |DiffuseBase { weight: share, gloss, .. }| {
+        let [of_gloss, of_diffuse] =
+            diffuse.as_ref().map_or([0.0; 2], |DiffuseBase { weight: share, gloss, .. }| {
                 let through = gloss.transmittance(wo.z);
                 let color = f64::from(luminance(self.base_color));
                 let [alone, both] = if gloss.is_delta() {
@@ -277,7 +279,7 @@ impl PrincipledBsdf<'_> {
                 [share * beneath * alone, share * beneath * both]
             });
         let of_glass = self.dielectric.map_or(0.0, |(share, _)| share * beneath);
-        let shares = [of_coat, of_metal, of_gloss, of_matt, of_glass];
+        let shares = [of_coat, of_metal, of_gloss, of_diffuse, of_glass];
         let sum: f64 = shares.iter().sum();
         shares.map(|share| if sum > 0.0 { share / sum } else { 0.0 })
     }
@@ -291,7 +293,7 @@ impl PrincipledBsdf<'_> {
     }
 
     fn component_pdf(&self, part: Component, wo: DVec3, wi: DVec3) -> f64 {
-        let PrincipledLayers { coat, diffuse: matt } = self.layers;
+        let PrincipledLayers { coat, diffuse } = self.layers;
         let pdf = match part {
             Component::Dielectric => {
                 return self.dielectric.map_or(0.0, |(_, glass)| glass.pdf(wo, wi));
@@ -299,8 +301,10 @@ impl PrincipledBsdf<'_> {
             _ if wi.z <= 0.0 => return 0.0,
             Component::Coat => coat.as_ref().map(|(_, coat)| coat.pdf(wo, wi)),
             Component::Conductor => self.conductor.map(|(_, metal)| metal.pdf(wo, wi)),
-            Component::Gloss => matt.as_ref().map(|matt| matt.gloss.pdf(wo, wi)),
-            Component::Diffuse => matt.as_ref().map(|matt| matt.gloss.pdf_with_base(wo, wi)),
+            Component::Gloss => diffuse.as_ref().map(|diffuse| diffuse.gloss.pdf(wo, wi)),
+            Component::Diffuse => {
+                diffuse.as_ref().map(|diffuse| diffuse.gloss.pdf_with_base(wo, wi))
+            }
         };
         pdf.unwrap_or(0.0)
     }
@@ -347,7 +351,7 @@ impl PrincipledBsdf<'_> {
         u: [f64; 2],
         extra: ExtraUniforms<'_>,
     ) -> Option<(BsdfSample, f64)> {
-        let PrincipledLayers { coat, diffuse: matt } = self.layers;
+        let PrincipledLayers { coat, diffuse } = self.layers;
         match part {
             Component::Coat => {
                 coat.as_ref().and_then(|(share, coat)| Some((coat.sample(wo, u)?, *share)))
@@ -355,14 +359,14 @@ impl PrincipledBsdf<'_> {
             Component::Conductor => self
                 .conductor
                 .and_then(|(share, metal)| Some((metal.sample(wo, u_lobe, u, extra)?, share))),
-            Component::Gloss => {
-                matt.as_ref().and_then(|matt| Some((matt.gloss.sample(wo, u)?, matt.weight)))
-            }
+            Component::Gloss => diffuse
+                .as_ref()
+                .and_then(|diffuse| Some((diffuse.gloss.sample(wo, u)?, diffuse.weight))),
             // The first pair is for the base, which most light comes from.
-            Component::Diffuse => matt.as_ref().map(|matt| {
-                let (wi, lobe) = matt.gloss.sample_with_base(wo, u_lobe, extra, u);
+            Component::Diffuse => diffuse.as_ref().map(|diffuse| {
+                let (wi, lobe) = diffuse.gloss.sample_with_base(wo, u_lobe, extra, u);
                 let drawn = BsdfSample { wi, weight: Rgb::ONE, pdf: 1.0, lobe, eta: 1.0 };
-                (drawn, matt.weight)
+                (drawn, diffuse.weight)
             }),
             Component::Dielectric => self
                 .dielectric
@@ -443,12 +447,12 @@ mod tests {
     #[test]
     fn a_spheres_own_colour_is_the_base_colour() {
         for (metallic, transmission) in [(0.0, 0.0), (1.0, 0.0), (0.3, 0.6)] {
-            let told = PrincipledParameters { metallic, transmission, coat: 0.7, ..PLAIN };
-            let grey = PrincipledParameters { base_color: Rgb::splat(0.5), ..told };
+            let parameters = PrincipledParameters { metallic, transmission, coat: 0.7, ..PLAIN };
+            let grey = PrincipledParameters { base_color: Rgb::splat(0.5), ..parameters };
             let grey = Principled::new(grey, &[1.0]);
-            let own = grey.bsdf(Some(told.base_color), 1.5);
+            let own = grey.bsdf(Some(parameters.base_color), 1.5);
             for wi in [WI, -WI] {
-                assert_relative_eq!(own.eval(WO, wi).x, eval(told, wi).x);
+                assert_relative_eq!(own.eval(WO, wi).x, eval(parameters, wi).x);
             }
         }
     }

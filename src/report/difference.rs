@@ -158,7 +158,7 @@ mod tests {
         (film, (0..3).map(channel).collect())
     }
 
-    fn told(samples: u32, pixel: usize) -> String {
+    fn text_of(samples: u32, pixel: usize) -> String {
         let (film, then) = film(samples);
         let mut now = then.clone();
         let value = f32::from_bits(now[0].bits[pixel]) + 0.25;
@@ -168,13 +168,13 @@ mod tests {
 
     #[test]
     fn errors_that_are_not_known_are_not_told() {
-        let told_of_known = told(64, 0);
-        assert!(told_of_known.contains("1 values of the beauty differ; their mean is off by"));
-        assert!(told_of_known.contains("the worst, in column 0, row 0, by "), "{told_of_known}");
+        let text_of_known = text_of(64, 0);
+        assert!(text_of_known.contains("1 values of the beauty differ; their mean is off by"));
+        assert!(text_of_known.contains("the worst, in column 0, row 0, by "), "{text_of_known}");
         let few = "1 values of the beauty differ; the largest difference is 2.500e-1, in column 0, row 0; \
                    none of them can be judged by a standard error (too few samples: there must be 32)\n";
-        assert_eq!(told(16, 0), few);
-        let alike = told(64, 1);
+        assert_eq!(text_of(16, 0), few);
+        let alike = text_of(64, 1);
         assert!(!alike.contains("inf") && !alike.contains("NaN"), "{alike}");
         assert!(alike.contains("none of them can be judged"), "{alike}");
         assert!(alike.contains("(their samples do not differ)"), "{alike}");

@@ -19,7 +19,7 @@ pub struct SceneSummary<'a> {
     giants: usize,
     duplicates: usize,
     coarse: usize,
-    lamps: usize,
+    emitters: usize,
     materials: Vec<Material<'a>>,
     bounds: Bounds,
     radius: Radii,
@@ -76,7 +76,7 @@ impl<'a> SceneSummary<'a> {
             giants: spheres.giants().len(),
             duplicates: spheres.duplicates(),
             coarse: spheres.displaced(),
-            lamps: scene.emitter_count(),
+            emitters: scene.emitter_count(),
             materials: materials
                 .map(|m| Material { name: &m.name, r#type: m.surface.kind().name() })
                 .collect(),
@@ -110,7 +110,7 @@ impl fmt::Display for SceneSummary<'_> {
         row("giants", format!("{} (kept in f64)", self.giants))?;
         row("duplicates", format!("{} (left out)", self.duplicates))?;
         row("coarse", format!("{} (moved by rounding by more than 1 %)", self.coarse))?;
-        row("lamps", self.lamps.to_string())?;
+        row("emitters", self.emitters.to_string())?;
         let mut list = |name: &str, values: Vec<String>| {
             let names = std::iter::once(name).chain(std::iter::repeat(""));
             names.zip(values).try_for_each(|(name, value)| row(name, value))

@@ -91,7 +91,7 @@ impl SceneDescription {
             use keys::table as keys;
             let mut section = Section::default();
             section.set(&keys::NAME, self.name_of_table(index));
-            let (file, columns) = told(data);
+            let (file, columns) = file_and_columns(data);
             section.set(&keys::FILE, file);
             section.set(&keys::COLUMNS, columns);
             section.set_if_given(&keys::MATERIAL, name_of(*material));
@@ -185,7 +185,7 @@ fn of_material(material: &MaterialDescription) -> Section {
 }
 
 /// File and columns of a table.
-fn told(data: &SphereData) -> (String, Vec<Column>) {
+fn file_and_columns(data: &SphereData) -> (String, Vec<Column>) {
     match data {
         SphereData::File { path, columns } => (path.display().to_string(), columns.clone()),
         SphereData::Memory(arrays) => {

@@ -302,11 +302,11 @@ impl Scene {
         if !self.materials.iter().any(Material::is_emissive) {
             return Vec::new();
         }
-        let lamp = |id| {
+        let emitter = |id| {
             let material = self.sphere_material(id).material;
             let emission = material.emission * material.opacity;
             (emission.max_element() > 0.0).then_some(Emitter { id, emission })
         };
-        (0..self.spheres.len() as u32).into_par_iter().filter_map(lamp).collect()
+        (0..self.spheres.len() as u32).into_par_iter().filter_map(emitter).collect()
     }
 }

@@ -56,7 +56,7 @@ pub enum SurfaceModel {
         /// What the inside absorbs, per unit length.
         absorption: Rgb,
     },
-    /// `type = "plastic"`: a matt base under a clear coat.
+    /// `type = "plastic"`: a diffuse base under a clear coat.
     Plastic {
         /// The share of light that the base scatters.
         albedo: Rgb,

@@ -107,11 +107,11 @@ pub fn compare(
         .par_chunks(BATCH_RAYS)
         .map(|rays| cancel.check().map(|()| compare_batch(spheres, contenders, rays)))
         .collect::<Result<_>>()?;
-    let mut tallies: Vec<CrosscheckResult> = contenders.iter().map(CrosscheckResult::new).collect();
+    let mut results: Vec<CrosscheckResult> = contenders.iter().map(CrosscheckResult::new).collect();
     for batch in batches {
-        tallies.iter_mut().zip(batch).for_each(|(tally, part)| tally.merge(part));
+        results.iter_mut().zip(batch).for_each(|(result, part)| result.merge(part));
     }
-    Ok(tallies)
+    Ok(results)
 }
 
 fn compare_batch(
@@ -129,12 +129,12 @@ fn compare_batch(
         contender.accel.closest(&queries, &mut hits);
         let mut blocked = vec![false; rays.len()];
         contender.accel.occluded(&queries, &mut blocked);
-        let mut tally = CrosscheckResult::new(contender);
+        let mut result = CrosscheckResult::new(contender);
         for (i, case) in cases.iter().enumerate() {
             let answer = resolve(spheres, &rays[i], hits[i]);
-            tally.count(case, &answer, blocked[i]);
+            result.count(case, &answer, blocked[i]);
         }
-        tally
+        result
     };
     contenders.iter().map(judged).collect()
 }
@@ -271,7 +271,7 @@ impl fmt::Display for Disagreement {
         };
         write!(
             f,
-            "{backend} {about}: origin {} direction {} t_min {:?} t_max {:?} leaves {} aims_at {} \
+            "{backend} {about}: origin {} direction {} t_min {:?} t_max {:?} leaves {} target {} \
              far_wall {:?} answered {} judged {}",
             vector(ray.origin),
             vector(ray.direction),
@@ -339,7 +339,7 @@ mod tests {
         Arc::new(SphereSet::new(rows).expect("few spheres"))
     }
 
-    fn tally(
+    fn result(
         break_ray: fn(&mut Ray),
         break_hit: fn(&mut Hit),
         break_occlusion: fn(&mut bool),
@@ -356,28 +356,28 @@ mod tests {
 
     #[test]
     fn a_sound_backend_has_no_failures() {
-        let sound = tally(|_| (), |_| (), |_| ());
+        let sound = result(|_| (), |_| (), |_| ());
         assert_eq!((sound.rays, sound.failures()), (3000, 0));
         assert!(sound.exact > 2800 && sound.disagreements.is_empty());
     }
 
     #[test]
     fn every_kind_of_fault_is_found_and_named() {
-        let lost = tally(|_| (), |hit| *hit = Hit::MISS, |_| ());
+        let lost = result(|_| (), |hit| *hit = Hit::MISS, |_| ());
         assert!(lost.false_misses > 1000 && lost.wrong_ids + lost.false_hits == 0);
-        let ghosts = tally(|_| (), |hit| hit.id = 0, |_| ());
+        let ghosts = result(|_| (), |hit| hit.id = 0, |_| ());
         assert!(ghosts.false_hits > 100 && ghosts.wrong_ids > 1000 && ghosts.false_misses == 0);
-        let shifted = tally(|ray| ray.origin[0] += 1e-3, |_| (), |_| ());
+        let shifted = result(|ray| ray.origin[0] += 1e-3, |_| (), |_| ());
         assert!(shifted.failures() > 10);
-        let blind = tally(|_| (), |_| (), |blocked| *blocked = !*blocked);
+        let blind = result(|_| (), |_| (), |blocked| *blocked = !*blocked);
         assert!(blind.wrong_occlusions > 2800 && blind.wrong_ids + blind.false_misses == 0);
-        let unknown = tally(|_| (), |hit| hit.id = 4_000_000, |_| ());
+        let unknown = result(|_| (), |hit| hit.id = 4_000_000, |_| ());
         assert_eq!(unknown.wrong_ids + unknown.false_hits, 3000);
     }
 
     #[test]
     fn a_dumped_line_reads_back_to_the_same_ray() {
-        let lost = tally(|_| (), |hit| *hit = Hit::MISS, |_| ());
+        let lost = result(|_| (), |hit| *hit = Hit::MISS, |_| ());
         let disagreement = &lost.disagreements[0];
         let line = disagreement.to_string();
         let numbers: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();

@@ -62,17 +62,17 @@ fn measure(
     asked.extend(rays::secondary(&spheres, accel.as_ref(), &random[..rays / 4], 2));
     asked.extend(random);
     asked.retain(|ray| rays::is_traceable(&spheres, ray));
-    let tally = compare(&spheres, &[contender], &asked, cancel)?.remove(0);
-    Ok(CheckMeasurement::new(TestStatistic::ErrorCount(tally.failures()), detail(&tally)))
+    let result = compare(&spheres, &[contender], &asked, cancel)?.remove(0);
+    Ok(CheckMeasurement::new(TestStatistic::ErrorCount(result.failures()), detail(&result)))
 }
 
-fn detail(tally: &CrosscheckResult) -> String {
-    let first = tally.disagreements.first();
+fn detail(result: &CrosscheckResult) -> String {
+    let first = result.disagreements.first();
     let first = first.map_or(String::new(), |ray| format!("; the first: {ray}"));
     format!(
         "{} rays: {} equal, {} within the stated rounding; largest error of a distance {:.2} of \
          what is allowed{first}",
-        tally.rays, tally.exact, tally.ambiguous, tally.max_distance_error
+        result.rays, result.exact, result.ambiguous, result.max_distance_error
     )
 }
 

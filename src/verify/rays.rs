@@ -64,10 +64,10 @@ pub fn shadow(spheres: &SphereSet, accel: &dyn Accel, rays: &[PathRay], seed: u6
     let mut rng = StdRng::seed_from_u64(seed);
     let mut shadow = |(ray, hit): (&PathRay, Hit)| {
         let hit = spheres.resolve_hit(ray, hit)?;
-        let lamp = rng.random_range(0..spheres.len() as u32);
-        let cone = Cone::subtending(hit.point, &spheres.sphere(lamp))?;
+        let emitter = rng.random_range(0..spheres.len() as u32);
+        let cone = Cone::subtending(hit.point, &spheres.sphere(emitter))?;
         let sample = cone.sample([rng.random(), rng.random()]);
-        hit.spawn_shadow_ray(sample.direction, sample.distance, lamp)
+        hit.spawn_shadow_ray(sample.direction, sample.distance, emitter)
     };
     rays.iter().zip(first_hits(spheres, accel, rays)).filter_map(&mut shadow).collect()
 }
@@ -212,10 +212,10 @@ impl RayGenerator<'_> {
 
     fn towards_emitter(&mut self) -> Option<PathRay> {
         let from = self.random_hit(Side::Outside);
-        let lamp = self.random_id();
-        let cone = Cone::subtending(from.point, &self.spheres.sphere(lamp))?;
+        let emitter = self.random_id();
+        let cone = Cone::subtending(from.point, &self.spheres.sphere(emitter))?;
         let sample = cone.sample([self.rng.random(), self.rng.random()]);
-        from.spawn_shadow_ray(sample.direction, sample.distance, lamp)
+        from.spawn_shadow_ray(sample.direction, sample.distance, emitter)
     }
 
     /// Rays around a central ray, within an angle and a distance from it.
@@ -270,9 +270,9 @@ mod tests {
             for backend in Backend::AVAILABLE {
                 let accel = backend.build(&spheres, &BuildOptions::default()).expect("builds");
                 let contender = TestedBackend { name: backend.name(), accel: accel.as_ref() };
-                let tally = compare(&spheres, &[contender], &rays, &CancelToken::default());
-                let tally = tally.expect("nobody cancels").remove(0);
-                assert_eq!(tally.failures(), 0, "{tally:?}");
+                let result = compare(&spheres, &[contender], &rays, &CancelToken::default());
+                let result = result.expect("nobody cancels").remove(0);
+                assert_eq!(result.failures(), 0, "{result:?}");
             }
         }
     }

@@ -85,54 +85,26 @@ fn the_first_interrupt_writes_the_picture_so_far() {
     assert_eq!(desk.names(), ["out.pfm", "scene.toml"]);
 }
 
-/// Seconds of processor time of a process, also of one that has ended and was not waited for; and
-/// whether it has.
-#[cfg(target_os = "linux")]
-fn processor_time(child: &Child) -> (f64, bool) {
-    let stat = fs::read_to_string(format!("/proc/{}/stat", child.id())).expect("it is not gone");
-    let (_, fields) = stat.rsplit_once(')').expect("a name in parentheses");
-    let fields: Vec<&str> = fields.split_whitespace().collect();
-    let ticks = |at: usize| fields[at].parse::<f64>().expect("a number");
-    // Linux counts hundredths of a second here, whatever the kernel's own clock is.
-    ((ticks(11) + ticks(12)) / 100.0, fields[0] == "Z")
-}
-
-/// Stopped, a picture of two megapixels with layers is written, and its checkpoint, with no more
-/// processor time than two threads have in one and a half seconds. Wall time is no measure on a
-/// busy machine.
-#[cfg(target_os = "linux")]
+/// A picture of two megapixels with layers that is stopped while its checkpoint is being written:
+/// picture and checkpoint are whole and hold the same samples.
 #[test]
-fn a_large_picture_is_written_soon_after_a_signal() {
+fn a_large_picture_that_is_stopped_equals_its_checkpoint() {
     let desk = Desk::new(SCENE);
     let options = "--size 1920x1080 --layers direct,indirect,albedo,normal,depth -o a.exr -o a.png \
                    --checkpoint a.state --checkpoint-every 100ms --integrator direct --quiet \
                    --accel native --threads 2 --spp 1000000";
     let mut child =
         desk.command(&format!("render scene.toml {options}")).spawn().expect("it starts");
-    // Until every pixel has some samples.
-    loop {
-        let info = || desk.run("info a.state --json").json();
-        let has_all = |said: &serde_json::Value| {
-            said["samples"]["fewest"].as_u64().is_some_and(|samples| samples > 0)
-        };
-        if desk.path().join("a.state").exists() && has_all(&info()) {
-            break;
-        }
+    while !desk.path().join("a.state").exists() {
         assert!(child.try_wait().expect("it runs").is_none(), "it ended too soon");
-        std::thread::sleep(std::time::Duration::from_millis(100));
+        std::thread::sleep(std::time::Duration::from_millis(10));
     }
-    let (before, _) = processor_time(&child);
     interrupt(&child);
-    let after = loop {
-        let (time, has_ended) = processor_time(&child);
-        if has_ended {
-            break time - before;
-        }
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    };
     assert_eq!(child.wait().expect("it ends").code(), Some(130));
     assert_eq!(desk.names(), ["a.exr", "a.png", "a.state", "scene.toml"]);
-    assert!(after < 3.0, "{after} s of processor time");
+    // Stopped amid a pass, pixels differ in their number of samples.
+    desk.run("merge a.state -o again.exr --allow-gaps --quiet").succeeds();
+    desk.run("compare a.exr again.exr --max-rmse 0").succeeds();
 }
 
 #[test]

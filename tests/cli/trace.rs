@@ -55,7 +55,7 @@ fn must_multiply(steps: &[Value]) {
         let about = format!("{step} in {steps:#?}");
         match step["step"].as_str().expect("a word") {
             "camera" => throughput = [1.0; 3],
-            "meet" => throughput = product([throughput, of("transmittance")]),
+            "hit" => throughput = product([throughput, of("transmittance")]),
             "scatter" => throughput = product([throughput, of("f_cos_over_p")]),
             "roulette" if step["survives"] == false => continue,
             "roulette" => throughput = product([throughput, inverse("survival")]),
@@ -63,7 +63,7 @@ fn must_multiply(steps: &[Value]) {
                 let light = product([throughput, of("L_e"), of("weight"), of("clamp")]);
                 must_be_equal(of("added"), light, &about);
             }
-            "aim" => {
+            "light_sample" => {
                 let light = product([throughput, of("f_r"), of("cos"), of("L_e")]);
                 let weight = product([of("transmittance"), of("weight"), inverse("p")]);
                 aimed = product([light, weight]);
@@ -137,7 +137,7 @@ fn what_is_not_opaque_has_its_factor() {
         &[
             |step| is(step, "shadow") && (1e-3..0.9).contains(&rgb(step, "V")[0]),
             |step| is(step, "absent"),
-            |step| is(step, "meet") && rgb(step, "opacity")[0] < 1.0,
+            |step| is(step, "hit") && rgb(step, "opacity")[0] < 1.0,
         ],
     );
 }
@@ -149,7 +149,7 @@ fn a_clamp_that_bites_and_a_medium_that_absorbs_have_their_factors() {
         "--set render.clamp_indirect=0.02 --set materials.glass.absorption=[0.01,0.02,0.03]",
         &[
             |step| is(step, "shadow") && rgb(step, "clamp")[0] < 1.0,
-            |step| is(step, "meet") && rgb(step, "transmittance")[2] < 1.0,
+            |step| is(step, "hit") && rgb(step, "transmittance")[2] < 1.0,
         ],
     );
 }
@@ -166,7 +166,7 @@ fn the_story_has_the_letters_of_the_equation_and_the_names_of_the_spheres() {
         "x_1  `",
         "met from",
         "T = (",
-        "aims at `",
+        "samples `",
         "f_r = (",
         "|cos| = ",
         "p = ",
@@ -208,7 +208,7 @@ fn the_drawing_shows_the_spheres_and_finite_numbers_only() {
     for y in [2, 6, 10] {
         trace(&desk, &format!("--pixel 8,{y} --svg path.svg")).succeeds();
         let svg = fs::read_to_string(desk.path().join("path.svg")).expect("written");
-        for part in ["<svg xmlns", "class=\"path\"", "x₁", "class=\"lamp\"", "</svg>"] {
+        for part in ["<svg xmlns", "class=\"path\"", "x₁", "class=\"emitter\"", "</svg>"] {
             assert!(svg.contains(part), "{part}");
         }
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");

@@ -129,23 +129,23 @@ impl Kit {
         format!("{:?}", self.settings.render.integrator)
     }
 
-    pub(crate) fn shot(&self) -> PreparedScene {
+    pub(crate) fn prepared(&self) -> PreparedScene {
         let scene = self.scene.build().unwrap_or_else(|e| panic!("{e}"));
         PreparedScene::new(&scene, self.settings).unwrap_or_else(|e| panic!("{e}"))
     }
 
     /// Renders with the brute-force backend.
     pub(crate) fn picture(&self) -> Picture {
-        rendered(&self.shot(), Backend::BruteForce).picture
+        rendered(&self.prepared(), Backend::BruteForce).picture
     }
 
     /// The picture with each of the seeds.
     pub(crate) fn pictures(&self, backend: Backend) -> impl Iterator<Item = Picture> {
         // One shot: what its materials prepare takes longer than a small picture.
-        let mut shot = self.shot();
+        let mut prepared = self.prepared();
         (0..SEEDS).map(move |seed| {
-            shot.set_seed(seed);
-            rendered(&shot, backend).picture
+            prepared.set_seed(seed);
+            rendered(&prepared, backend).picture
         })
     }
 
@@ -192,15 +192,16 @@ pub(crate) const fn phong(
 }
 
 /// A backend over the spheres of a shot, built on the current thread pool.
-pub(crate) fn built(shot: &PreparedScene, backend: Backend) -> Box<dyn Accel> {
+pub(crate) fn built(prepared: &PreparedScene, backend: Backend) -> Box<dyn Accel> {
     let options = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
-    backend.build(shot.scene().spheres(), &options).expect("builds")
+    backend.build(prepared.scene().spheres(), &options).expect("builds")
 }
 
 /// Renders with a backend on the current thread pool.
-pub(crate) fn rendered(shot: &PreparedScene, backend: Backend) -> RenderedImage {
-    let accel = built(shot, backend);
-    render_with_accel(shot, &*accel, &Aov::DEFAULT, &CancelToken::default()).expect("a small film")
+pub(crate) fn rendered(prepared: &PreparedScene, backend: Backend) -> RenderedImage {
+    let accel = built(prepared, backend);
+    render_with_accel(prepared, &*accel, &Aov::DEFAULT, &CancelToken::default())
+        .expect("a small film")
 }
 
 /// An estimate, and what it must be.

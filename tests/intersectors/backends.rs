@@ -74,23 +74,23 @@ impl Accel for RoundedRays {
 }
 
 /// Fails with the first disagreeing rays of a backend, if there are any.
-pub(crate) fn assert_no_failures(what: &str, tally: &CrosscheckResult) {
+pub(crate) fn assert_no_failures(what: &str, result: &CrosscheckResult) {
     let shown: Vec<String> =
-        tally.disagreements.iter().take(3).map(|ray| format!("  {ray}")).collect();
+        result.disagreements.iter().take(3).map(|ray| format!("  {ray}")).collect();
     assert_eq!(
-        tally.failures(),
+        result.failures(),
         0,
         "{what}: `{}` is beyond its stated error: {} wrong, {} lost, {} ghosts, {} distances \
          (largest {:.3}), {} sides, {} occlusions, of {} rays; the first:\n{}",
-        tally.name,
-        tally.wrong_ids,
-        tally.false_misses,
-        tally.false_hits,
-        tally.wrong_distances,
-        tally.max_distance_error,
-        tally.wrong_sides,
-        tally.wrong_occlusions,
-        tally.rays,
+        result.name,
+        result.wrong_ids,
+        result.false_misses,
+        result.false_hits,
+        result.wrong_distances,
+        result.max_distance_error,
+        result.wrong_sides,
+        result.wrong_occlusions,
+        result.rays,
         shown.join("\n"),
     );
 }

@@ -39,7 +39,7 @@ struct Recorded {
 /// Runs all trials over all backends with `random` more rays each, and holds the shares of
 /// ambiguous ids against what was recorded.
 fn check(family: &str, recorded: Recorded, random: usize, trials: Vec<Trial>) {
-    let tallies: Vec<Vec<CrosscheckResult>> = trials
+    let results: Vec<Vec<CrosscheckResult>> = trials
         .into_par_iter()
         .enumerate()
         .map(|(seed, trial)| {
@@ -49,32 +49,32 @@ fn check(family: &str, recorded: Recorded, random: usize, trials: Vec<Trial>) {
                 PathRay::new(from - spheres.origin(), (to - from).normalize())
             };
             all.extend(trial.rays.iter().map(moved));
-            let tallies = against_the_judge(&spheres, &all, |accel| accel);
-            for tally in &tallies {
-                assert_no_failures(&format!("{family}, trial {seed}"), tally);
+            let results = against_the_judge(&spheres, &all, |accel| accel);
+            for result in &results {
+                assert_no_failures(&format!("{family}, trial {seed}"), result);
             }
-            tallies
+            results
         })
         .collect();
-    for backend in 0..tallies[0].len() {
+    for backend in 0..results[0].len() {
         let of_backend: Vec<&CrosscheckResult> =
-            tallies.iter().map(|trial| &trial[backend]).collect();
+            results.iter().map(|trial| &trial[backend]).collect();
         assert_share_is_within(family, &recorded, &of_backend);
     }
 }
 
 /// Holds one backend's share of ambiguous ids, over all trials of a family, against the record.
-fn assert_share_is_within(family: &str, recorded: &Recorded, tallies: &[&CrosscheckResult]) {
+fn assert_share_is_within(family: &str, recorded: &Recorded, results: &[&CrosscheckResult]) {
     let sum =
-        |of: fn(&CrosscheckResult) -> usize| tallies.iter().map(|tally| of(tally)).sum::<usize>();
-    let rays = sum(|tally| tally.rays);
-    let share = sum(|tally| tally.ambiguous) as f64 / rays as f64;
-    let errors = tallies.iter().map(|tally| tally.max_distance_error);
+        |of: fn(&CrosscheckResult) -> usize| results.iter().map(|result| of(result)).sum::<usize>();
+    let rays = sum(|result| result.rays);
+    let share = sum(|result| result.ambiguous) as f64 / rays as f64;
+    let errors = results.iter().map(|result| result.max_distance_error);
     let largest = errors.fold(0.0, f64::max);
-    let is_f64 = tallies[0].precision.particles < 1e-3;
+    let is_f64 = results[0].precision.particles < 1e-3;
     let bound = if is_f64 { recorded.f64 } else { recorded.f32 };
-    let name = &tallies[0].name;
-    let passed_over = sum(|tally| tally.hidden_hits) as f64 / rays as f64;
+    let name = &results[0].name;
+    let passed_over = sum(|result| result.hidden_hits) as f64 / rays as f64;
     println!(
         "{family:12} {name:12} {rays:7} rays: ambiguous {share:.1e} (bound {bound:.0e}), passed over \
          {passed_over:.1e}, distance {largest:.2} of what is allowed"
@@ -330,8 +330,8 @@ fn arbitrary_spheres() {
     let outcome = TestRunner::new_with_rng(config, rng).run(&scene, |(spheres, seed)| {
         let spheres = set_of(spheres.into_iter().map(|(x, y, z, r)| ball(x, y, z, r)).collect());
         let rays = rays::random(&spheres, 90, seed);
-        for tally in against_the_judge(&spheres, &rays, |accel| accel) {
-            assert_no_failures("arbitrary", &tally);
+        for result in against_the_judge(&spheres, &rays, |accel| accel) {
+            assert_no_failures("arbitrary", &result);
         }
         Ok(())
     });

@@ -122,9 +122,9 @@ fn leaves_rightly(neighbour: Neighbour) {
         let mut stand = Stand::new(index, neighbour);
         let rays = stand.leaving_rays(DIRECTIONS);
         assert!(rays.len() > DIRECTIONS * 9 / 10);
-        for tally in against_the_judge(&stand.spheres, &rays, |accel| accel) {
+        for result in against_the_judge(&stand.spheres, &rays, |accel| accel) {
             let what = format!("sphere {index} ({:?}), neighbour {neighbour:?}", stand.sphere());
-            assert_no_failures(&what, &tally);
+            assert_no_failures(&what, &result);
         }
     });
 }
@@ -163,20 +163,20 @@ fn entering_always_finds_the_far_wall() {
     });
 }
 
-/// From any sphere to a lamp of any size at any distance, and inside a lamp to its far wall, with
+/// From any sphere to an emitter of any size at any distance, and inside an emitter to its far wall, with
 /// nothing else in the scene.
 #[test]
-fn a_lamp_never_blocks_its_own_light() {
+fn an_emitter_never_blocks_its_own_light() {
     (0..SPHERES).into_par_iter().for_each(|index| {
         let mut stand = Stand::new(index & !1, Neighbour::Touching);
-        let lamp = 1 - stand.id;
+        let emitter = 1 - stand.id;
         let mut rays = Vec::new();
         for _ in 0..100 {
             let hit = stand.hit();
             let u = [stand.rng.random(), stand.rng.random()];
-            if let Some(cone) = Cone::subtending(hit.point, &stand.spheres.sphere(lamp)) {
+            if let Some(cone) = Cone::subtending(hit.point, &stand.spheres.sphere(emitter)) {
                 let sample = cone.sample(u);
-                rays.extend(hit.spawn_shadow_ray(sample.direction, sample.distance, lamp));
+                rays.extend(hit.spawn_shadow_ray(sample.direction, sample.distance, emitter));
             }
         }
         let mut inside = Stand::new(index & !1, Neighbour::None);

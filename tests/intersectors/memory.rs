@@ -60,8 +60,8 @@ fn small_workload() {
     }
 }
 
-/// A matt and a glass ball on a giant, under a lamp and an even sky, in 8 x 8 pixels.
-fn shot() -> PreparedScene {
+/// A diffuse and a glass ball on a giant, under an emitter and an even sky, in 8 x 8 pixels.
+fn prepared() -> PreparedScene {
     let named = |name: &str, surface, emission: f32| MaterialDescription {
         name: name.to_owned(),
         surface,
@@ -85,7 +85,7 @@ fn shot() -> PreparedScene {
             ..BackgroundDescription::default()
         },
         materials: vec![
-            named("matt", SurfaceModel::default(), 0.0),
+            named("diffuse", SurfaceModel::default(), 0.0),
             named("glass", glass, 0.0),
             named("lamp", black, 9.0),
         ],
@@ -107,11 +107,11 @@ fn shot() -> PreparedScene {
 /// A whole render, on two threads. Runs by itself, and again under valgrind.
 #[test]
 fn small_render() {
-    let shot = shot();
+    let prepared = prepared();
     let options = BuildOptions { threads: 2, ..Default::default() };
-    let accel = Backend::Embree.build(shot.scene().spheres(), &options).expect("builds");
+    let accel = Backend::Embree.build(prepared.scene().spheres(), &options).expect("builds");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
-    let render = || render_with_accel(&shot, accel.as_ref(), &[], &CancelToken::default());
+    let render = || render_with_accel(&prepared, accel.as_ref(), &[], &CancelToken::default());
     let outcome = pool.install(render).expect("a small film");
     assert_eq!((outcome.samples, outcome.complete), (8 * 8 * 4, true));
     assert!(outcome.picture.mean().min_element() > 0.0);

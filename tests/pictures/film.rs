@@ -15,15 +15,15 @@ const SMALL: &[&str] =
 const ALL: u64 = 37 * 22 * 41;
 
 fn small() -> PreparedScene {
-    Kit::of_file("cornell-spheres.toml", SMALL).shot()
+    Kit::of_file("cornell-spheres.toml", SMALL).prepared()
 }
 
-fn accel(shot: &PreparedScene) -> Box<dyn Accel> {
-    built(shot, Backend::Native)
+fn accel(prepared: &PreparedScene) -> Box<dyn Accel> {
+    built(prepared, Backend::Native)
 }
 
-fn empty_film(shot: &PreparedScene) -> Film {
-    Film::new(&format_for_scene(shot, &Aov::DEFAULT)).expect("a small film")
+fn empty_film(prepared: &PreparedScene) -> Film {
+    Film::new(&format_for_scene(prepared, &Aov::DEFAULT)).expect("a small film")
 }
 
 fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -40,14 +40,14 @@ fn bits(film: &Film) -> Vec<u32> {
 
 /// A film that `work` filled on so many threads.
 fn filled(
-    shot: &PreparedScene,
+    prepared: &PreparedScene,
     threads: usize,
     work: impl Fn(&ProgressiveRenderer<'_>) + Sync + Send,
 ) -> Film {
-    let (film, accel, cancel) = (empty_film(shot), accel(shot), CancelToken::default());
+    let (film, accel, cancel) = (empty_film(prepared), accel(prepared), CancelToken::default());
     let counters = Counters::new(&film, ALL);
     on_threads(threads, || {
-        work(&ProgressiveRenderer::new(shot, &*accel, &film, &counters, &cancel))
+        work(&ProgressiveRenderer::new(prepared, &*accel, &film, &counters, &cancel))
     });
     film
 }
@@ -89,11 +89,11 @@ impl Accel for Stopping<'_> {
 
 /// Asks a render to stop once so many samples are done. Returns the film, of which not all is
 /// there.
-fn stopped(shot: &PreparedScene, threads: usize, after: u64) -> Film {
-    let (film, accel, cancel) = (empty_film(shot), accel(shot), CancelToken::default());
+fn stopped(prepared: &PreparedScene, threads: usize, after: u64) -> Film {
+    let (film, accel, cancel) = (empty_film(prepared), accel(prepared), CancelToken::default());
     let counters = Counters::new(&film, ALL);
     let accel = Stopping { inner: &*accel, counters: &counters, cancel: &cancel, after };
-    let passes = ProgressiveRenderer::new(shot, &accel, &film, &counters, &cancel);
+    let passes = ProgressiveRenderer::new(prepared, &accel, &film, &counters, &cancel);
     let ended =
         on_threads(threads, || passes.render_to_sample(41, &|_| true)).expect("not too bright");
     assert!(!ended && counters.samples_done() == film.sample_count());
@@ -102,10 +102,10 @@ fn stopped(shot: &PreparedScene, threads: usize, after: u64) -> Film {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    let shot = small();
-    let one = bits(&filled(&shot, 1, all_at_once));
+    let prepared = small();
+    let one = bits(&filled(&prepared, 1, all_at_once));
     for threads in [2, 7] {
-        assert!(bits(&filled(&shot, threads, all_at_once)) == one, "{threads} threads");
+        assert!(bits(&filled(&prepared, threads, all_at_once)) == one, "{threads} threads");
     }
 }
 
@@ -115,10 +115,10 @@ fn threads_do_not_change_a_bit() {
 fn a_request_to_stop_is_followed_by_no_new_work() {
     // A job adds 1024 samples, or those of some tiles of 64 pixels with less at the edges.
     const JOB: u64 = 1024;
-    let shot = small();
+    let prepared = small();
     for threads in [1, 2, 7] {
         let after = 4 * JOB;
-        let samples = stopped(&shot, threads, after).sample_count();
+        let samples = stopped(&prepared, threads, after).sample_count();
         // The job that got there, and one on each of the other threads.
         let most = after + threads as u64 * JOB;
         assert!((after..most).contains(&samples), "{samples} of {threads} threads");
@@ -127,8 +127,8 @@ fn a_request_to_stop_is_followed_by_no_new_work() {
 
 #[test]
 fn neither_passes_nor_the_order_of_tiles_change_a_bit() {
-    let shot = small();
-    let whole = bits(&filled(&shot, 2, all_at_once));
+    let prepared = small();
+    let whole = bits(&filled(&prepared, 2, all_at_once));
     let backwards_and_in_bits = |passes: &ProgressiveRenderer<'_>| {
         let tiles = passes.film().frame().tile_count();
         for tile in (0..tiles).rev() {
@@ -138,21 +138,21 @@ fn neither_passes_nor_the_order_of_tiles_change_a_bit() {
         assert!(passes.render_to_sample(33, &|tile| tile % 3 == 1).expect("not too bright"));
         all_at_once(passes);
     };
-    assert!(bits(&filled(&shot, 2, backwards_and_in_bits)) == whole);
+    assert!(bits(&filled(&prepared, 2, backwards_and_in_bits)) == whole);
 }
 
 #[test]
 fn a_stopped_film_is_finished_by_another_session() {
-    let shot = small();
-    let whole = bits(&filled(&shot, 2, all_at_once));
+    let prepared = small();
+    let whole = bits(&filled(&prepared, 2, all_at_once));
     for jobs in [1, 4, 9, 17] {
-        let film = stopped(&shot, 2, jobs * 1024);
+        let film = stopped(&prepared, 2, jobs * 1024);
         let half = film.sample_count();
         assert!(half > 0 && half < ALL);
 
         let (accel, cancel, counters) =
-            (accel(&shot), CancelToken::default(), Counters::new(&film, ALL));
-        all_at_once(&ProgressiveRenderer::new(&shot, &*accel, &film, &counters, &cancel));
+            (accel(&prepared), CancelToken::default(), Counters::new(&film, ALL));
+        all_at_once(&ProgressiveRenderer::new(&prepared, &*accel, &film, &counters, &cancel));
         assert!(bits(&film) == whole, "stopped after {half} samples");
     }
 }

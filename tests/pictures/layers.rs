@@ -12,7 +12,7 @@ use photosphere::task::CancelToken;
 
 use crate::kit::{Kit, built};
 
-/// A ground, a lamp, a mirror, glass, a ball that is half there, and a matt ball before a
+/// A ground, an emitter, a mirror, glass, a ball that is half there, and a diffuse ball before a
 /// background.
 fn kit() -> Kit {
     let mut kit = Kit::new(48, 36, 20);
@@ -20,10 +20,10 @@ fn kit() -> Kit {
     let scene = &mut kit.scene;
     scene.camera([0.0, 1.0, 6.0], [0.0, 1.0, 0.0]).field_of_view(40.0).background([0.2, 0.3, 0.4]);
     let ground = scene.diffuse([0.5, 0.25, 0.75]);
-    let matt = scene.diffuse([0.25, 0.5, 0.125]);
+    let diffuse = scene.diffuse([0.25, 0.5, 0.125]);
     let mirror = scene.mirror([0.875, 0.75, 0.5]);
     let glass = scene.glass(1.5);
-    let lamp = scene.emitter([4.0, 3.0, 2.0]);
+    let emitter = scene.emitter([4.0, 3.0, 2.0]);
     let red = SurfaceModel::Diffuse { albedo: Rgb::X, roughness: 0.0 };
     let half = scene.material(MaterialDescription {
         surface: red,
@@ -32,10 +32,10 @@ fn kit() -> Kit {
     });
     scene
         .sphere(ground, [0.0, -100.0, 0.0], 100.0)
-        .sphere(matt, [0.0, 1.0, 0.0], 1.0)
+        .sphere(diffuse, [0.0, 1.0, 0.0], 1.0)
         .sphere(mirror, [-1.7, 0.7, 0.5], 0.7)
         .sphere(glass, [1.6, 0.7, 0.8], 0.7)
-        .sphere(lamp, [0.8, 2.6, 0.0], 0.4)
+        .sphere(emitter, [0.8, 2.6, 0.0], 0.4)
         .sphere(half, [-0.8, 2.6, 0.0], 0.4);
     kit
 }
@@ -48,9 +48,9 @@ fn solid_kit() -> Kit {
 const EYE: [f32; 3] = [0.0, 1.0, 6.0];
 
 fn rendered(kit: &Kit, kinds: &[Aov]) -> Picture {
-    let shot = kit.shot();
-    let accel = built(&shot, Backend::Native);
-    render_with_accel(&shot, &*accel, kinds, &CancelToken::default()).expect("memory").picture
+    let prepared = kit.prepared();
+    let accel = built(&prepared, Backend::Native);
+    render_with_accel(&prepared, &*accel, kinds, &CancelToken::default()).expect("memory").picture
 }
 
 fn everything(kit: &Kit) -> Picture {
@@ -196,7 +196,7 @@ fn ids_do_not_depend_on_samples_and_counts_are_counts() {
     for name in ["sphere_id", "material_id"] {
         assert_eq!(whole(&few, name), whole(&more, name));
     }
-    // Row 18 of 36, column 24 of 48: just below and right of the middle, on the matt ball.
+    // Row 18 of 36, column 24 of 48: just below and right of the middle, on the diffuse ball.
     assert_eq!(whole(&few, "sphere_id")[18 * 48 + 24], 1);
     assert_eq!(whole(&more, "sample_count"), vec![20; 48 * 36]);
     kit.settings.image.crop = Some(Rect { x: 10, y: 12, width: 20, height: 8 });

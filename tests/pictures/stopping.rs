@@ -34,7 +34,7 @@ const TARGET: NoiseTarget = NoiseTarget { error: 0.04, confidence: 0.95 };
 /// More than any square takes.
 const MOST: u32 = 4096;
 
-fn matt(name: &str, albedo: [f32; 3], emission: [f32; 3]) -> MaterialDescription {
+fn diffuse(name: &str, albedo: [f32; 3], emission: [f32; 3]) -> MaterialDescription {
     let surface = SurfaceModel::Diffuse { albedo: Rgb::from(albedo), roughness: 0.0 };
     MaterialDescription { name: name.to_owned(), surface, emission: emission.into(), opacity: 1.0 }
 }
@@ -43,8 +43,8 @@ fn ball(center: [f64; 3], radius: f64, material: usize) -> SphereDescription {
     SphereDescription { name: None, center: DVec3::from(center), radius, material }
 }
 
-/// Balls on matt ground in the open, and a lamp beside the picture. The left one of its two squares
-/// is near the lamp, the right one has more shade, and both have edges of light.
+/// Balls on diffuse ground in the open, and an emitter beside the picture. The left one of its two squares
+/// is near the emitter, the right one has more shade, and both have edges of light.
 fn small_scene() -> Scene {
     let camera = CameraDescription {
         position: DVec3::new(0.0, 3.0, 6.0),
@@ -53,20 +53,20 @@ fn small_scene() -> Scene {
         ..CameraDescription::default()
     };
     let dome = EnvironmentDescription::Constant { radiance: Rgb::new(0.2, 0.25, 0.3) };
-    let [ground, white, lamp] = [0, 1, 2];
+    let [ground, white, emitter] = [0, 1, 2];
     let description = SceneDescription {
         camera,
         background: BackgroundDescription { dome, ..BackgroundDescription::default() },
         materials: vec![
-            matt("ground", [0.6, 0.5, 0.4], [0.0; 3]),
-            matt("white", [0.8; 3], [0.0; 3]),
-            matt("lamp", [0.0; 3], [20.0, 18.0, 15.0]),
+            diffuse("ground", [0.6, 0.5, 0.4], [0.0; 3]),
+            diffuse("white", [0.8; 3], [0.0; 3]),
+            diffuse("lamp", [0.0; 3], [20.0, 18.0, 15.0]),
         ],
         spheres: vec![
             ball([0.0, -100.0, 0.0], 100.0, ground),
             ball([1.2, 0.6, 0.0], 0.6, white),
             ball([-0.6, 0.35, 0.4], 0.35, ground),
-            ball([-2.5, 2.5, 0.5], 0.4, lamp),
+            ball([-2.5, 2.5, 0.5], 0.4, emitter),
         ],
         tables: Vec::new(),
     };
@@ -81,46 +81,46 @@ fn settings() -> Settings {
 }
 
 /// The small scene, ready to be rendered.
-fn shot(settings: Settings) -> PreparedScene {
+fn prepared(settings: Settings) -> PreparedScene {
     PreparedScene::new(&small_scene(), settings).expect("settings that make sense")
 }
 
-fn accel(shot: &PreparedScene) -> Box<dyn Accel> {
-    built(shot, Backend::Native)
+fn accel(prepared: &PreparedScene) -> Box<dyn Accel> {
+    built(prepared, Backend::Native)
 }
 
-fn empty_film(shot: &PreparedScene) -> Film {
-    Film::new(&format_for_scene(shot, &[])).expect("a small film")
+fn empty_film(prepared: &PreparedScene) -> Film {
+    Film::new(&format_for_scene(prepared, &[])).expect("a small film")
 }
 
 /// Fills a film of the shot until it meets the target or is cancelled; the second says whether it
 /// got to its end.
 fn fill_with(
     accel: &dyn Accel,
-    shot: &PreparedScene,
+    prepared: &PreparedScene,
     film: &Film,
     target: NoiseTarget,
     most: u32,
     cancel: &CancelToken,
 ) -> (NoiseProgress, bool) {
     let counters = Counters::new(film, 0);
-    let passes = ProgressiveRenderer::new(shot, accel, film, &counters, cancel);
+    let passes = ProgressiveRenderer::new(prepared, accel, film, &counters, cancel);
     render_adaptive(&passes, target, most, &|_| {}).expect("no light so bright")
 }
 
 /// The same with nobody to cancel it.
-fn fill(shot: &PreparedScene, film: &Film, target: NoiseTarget, most: u32) -> NoiseProgress {
-    let accel = accel(shot);
+fn fill(prepared: &PreparedScene, film: &Film, target: NoiseTarget, most: u32) -> NoiseProgress {
+    let accel = accel(prepared);
     let (standing, complete) =
-        fill_with(&*accel, shot, film, target, most, &CancelToken::default());
+        fill_with(&*accel, prepared, film, target, most, &CancelToken::default());
     assert!(complete);
     standing
 }
 
 /// A film of the shot that is filled until it meets the target.
-fn stopped(shot: &PreparedScene, target: NoiseTarget) -> (Film, NoiseProgress) {
-    let film = empty_film(shot);
-    let standing = fill(shot, &film, target, MOST);
+fn stopped(prepared: &PreparedScene, target: NoiseTarget) -> (Film, NoiseProgress) {
+    let film = empty_film(prepared);
+    let standing = fill(prepared, &film, target, MOST);
     (film, standing)
 }
 
@@ -145,10 +145,10 @@ fn long_reference() -> Film {
     let mut settings = settings();
     settings.render.seed = 1000;
     settings.render.samples_per_pixel = 16384;
-    let shot = shot(settings);
-    let (film, accel, cancel) = (empty_film(&shot), accel(&shot), CancelToken::default());
+    let prepared = prepared(settings);
+    let (film, accel, cancel) = (empty_film(&prepared), accel(&prepared), CancelToken::default());
     let counters = Counters::new(&film, 0);
-    let passes = ProgressiveRenderer::new(&shot, &*accel, &film, &counters, &cancel);
+    let passes = ProgressiveRenderer::new(&prepared, &*accel, &film, &counters, &cancel);
     assert!(passes.render_to_sample(16384, &|_| true).expect("no light so bright"));
     film
 }
@@ -156,7 +156,7 @@ fn long_reference() -> Film {
 fn run(sampler: SamplerKind, seed: u64, truth: &[f64]) -> Run {
     let mut settings = settings();
     (settings.render.sampler, settings.render.seed) = (sampler, seed);
-    let (film, standing) = stopped(&shot(settings), TARGET);
+    let (film, standing) = stopped(&prepared(settings), TARGET);
     assert_eq!(standing.tiles_converged, standing.tiles);
     let values = values(&film);
     let widths: Vec<f64> = confidence_half_widths(&film, TARGET.confidence).concat();
@@ -240,7 +240,7 @@ fn must_not_be_biased(sampler: &str, runs: &[Run], reference: &Film) {
 #[test]
 fn threads_stops_and_windows_change_no_bit() {
     let target = TARGET;
-    let whole = shot(settings());
+    let whole = prepared(settings());
     let (film, standing) = stopped(&whole, target);
     let counts = film.counts();
     assert!(
@@ -257,7 +257,7 @@ fn threads_stops_and_windows_change_no_bit() {
     for left in [0, 16] {
         let mut settings = settings();
         settings.image.crop = Some(Rect { x: left, y: 0, width: 16, height: 16 });
-        let part = stopped(&shot(settings), target).0;
+        let part = stopped(&prepared(settings), target).0;
         let left = left as usize;
         let places = |row: usize| row * 32 + left..row * 32 + left + 16;
         let expected: Vec<u32> = (0..16).flat_map(|row| counts[places(row)].to_vec()).collect();
@@ -271,13 +271,13 @@ fn threads_stops_and_windows_change_no_bit() {
 }
 
 /// The same, in many pieces: each is cancelled after some more rays.
-fn stopped_and_resumed(shot: &PreparedScene, target: NoiseTarget) -> Film {
-    let film = empty_film(shot);
+fn stopped_and_resumed(prepared: &PreparedScene, target: NoiseTarget) -> Film {
+    let film = empty_film(prepared);
     let mut pieces = 1;
     loop {
         let cancel = CancelToken::default();
-        let tiring = Tiring::new(accel(shot), &cancel);
-        if fill_with(&tiring, shot, &film, target, MOST, &cancel).1 {
+        let tiring = Tiring::new(accel(prepared), &cancel);
+        if fill_with(&tiring, prepared, &film, target, MOST, &cancel).1 {
             assert!(pieces > 3, "it was to be stopped more often");
             return film;
         }
@@ -346,10 +346,10 @@ impl Accel for Tiring<'_> {
 
 #[test]
 fn what_cannot_be_met_ends_at_the_most_samples_and_says_so() {
-    let shot = shot(settings());
-    let film = empty_film(&shot);
+    let prepared = prepared(settings());
+    let film = empty_film(&prepared);
     let target = NoiseTarget { error: 1e-4, confidence: 0.95 };
-    let standing = fill(&shot, &film, target, 100);
+    let standing = fill(&prepared, &film, target, 100);
     assert!(film.counts().iter().all(|&count| count == 100));
     assert_eq!((standing.tiles_converged, standing.tiles), (0, 2));
     assert!(standing.worst_error > 0.01 && standing.worst_error < 10.0, "{standing:?}");

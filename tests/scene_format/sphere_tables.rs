@@ -11,7 +11,7 @@ const COLUMNS: &str = r#"["x", "y", "z", "radius"]"#;
 const COLORED: &str = r#"["r", "g", "b", "radius", "z", "y", "x"]"#;
 
 const MATERIALS: &str = r#"
-[materials.matt]
+[materials.diffuse]
 type = "diffuse"
 albedo = [0.5, 0.5, 0.5]
 [materials.mirror]
@@ -77,7 +77,7 @@ impl Desk {
 
 /// One table of plain rows, and what is said of it.
 fn assert_told(values: &[f32], expected: &str) {
-    let scene = Desk::new().table("a.f32", COLUMNS, "matt").values("a.f32", values);
+    let scene = Desk::new().table("a.f32", COLUMNS, "diffuse").values("a.f32", values);
     assert_eq!(scene.told(), [expected]);
 }
 
@@ -85,7 +85,7 @@ fn assert_told(values: &[f32], expected: &str) {
 fn tables_follow_each_other_behind_the_exact_spheres() {
     let mut scene = Desk::new()
         .table("a.f32", COLUMNS, "mirror")
-        .table("b.f32", COLORED, "matt")
+        .table("b.f32", COLORED, "diffuse")
         .values("a.f32", &[1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25])
         .values("b.f32", &[0.0, 0.5, 1.0, 0.125, 9.0, 8.0, 7.0]);
     scene.text += "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nmaterial = \"matt\"\n";
@@ -96,7 +96,7 @@ fn tables_follow_each_other_behind_the_exact_spheres() {
     let names = ["spheres", "a.f32", "a.f32", "b.f32"];
     assert_eq!([0, 1, 2, 3].map(|row| scene.table_of_row(row)), names);
     let material = |row| &*scene.description().materials[scene.material_of_row(row)].name;
-    assert_eq!([0, 1, 2, 3].map(material), ["matt", "mirror", "mirror", "matt"]);
+    assert_eq!([0, 1, 2, 3].map(material), ["diffuse", "mirror", "mirror", "diffuse"]);
     assert_eq!([0, 1, 2].map(|row| color(&scene, row)), [None; 3]);
     assert_eq!(color(&scene, 3), Some([0.0, 0.5, 1.0]));
 }
@@ -119,24 +119,24 @@ fn color(scene: &Scene, row: u32) -> Option<[f32; 3]> {
 
 #[test]
 fn the_file_must_be_there_and_whole() {
-    let missing = Desk::new().table("a.f32", COLUMNS, "matt");
+    let missing = Desk::new().table("a.f32", COLUMNS, "diffuse");
     let told = missing.told();
     assert!(told[0].starts_with("cannot read `a.f32`: No such file"), "{told:?}");
     let place =
         missing.load().expect_err("missing").diagnostics()[0].location.clone().expect("a place");
     assert_eq!(&place.source.text[place.span], "\"a.f32\"");
-    let folder = Desk::new().table("a.f32", COLUMNS, "matt");
+    let folder = Desk::new().table("a.f32", COLUMNS, "diffuse");
     fs::create_dir(folder.folder.path().join("a.f32")).expect("a folder");
     assert_eq!(folder.told(), ["`a.f32` is a folder"]);
     assert_told(&[], "`a.f32` is empty");
-    let short = Desk::new().table("a.f32", COLUMNS, "matt").bytes("a.f32", &[0; 37]);
+    let short = Desk::new().table("a.f32", COLUMNS, "diffuse").bytes("a.f32", &[0; 37]);
     assert_eq!(
         short.told(),
         ["`a.f32` has 37 bytes, which is no whole number of rows: 2 rows of 16 bytes and 5 bytes \
           over"]
     );
     assert_eq!(
-        Desk::new().table("a.f32", COLUMNS, "matt").bytes("a.f32", &[0; 17]).told(),
+        Desk::new().table("a.f32", COLUMNS, "diffuse").bytes("a.f32", &[0; 17]).told(),
         [
             "`a.f32` has 17 bytes, which is no whole number of rows: 1 row of 16 bytes and 1 byte over"
         ]
@@ -146,7 +146,7 @@ fn the_file_must_be_there_and_whole() {
 #[cfg(unix)]
 #[test]
 fn an_endless_file_is_refused() {
-    let endless = Desk::new().table("/dev/zero", COLUMNS, "matt");
+    let endless = Desk::new().table("/dev/zero", COLUMNS, "diffuse");
     assert_eq!(endless.told(), ["`/dev/zero` is not an ordinary file"]);
 }
 
@@ -182,7 +182,7 @@ fn every_value_is_checked() {
         &row(7, f32::NAN),
         &format!("{said} radius = NaN at byte 28; it must be from 1e-15 to 1e15"),
     );
-    let scene = Desk::new().table("a.f32", COLORED, "matt");
+    let scene = Desk::new().table("a.f32", COLORED, "diffuse");
     let scene = scene.values("a.f32", &[0.5, 1.5, 0.0, 1.0, 0.0, 0.0, 0.0]);
     assert_eq!(
         scene.told(),
@@ -202,7 +202,7 @@ fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
          from 1e-15 to 1e15; 2 more rows are wrong",
     );
     let two = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0];
-    let scene = Desk::new().table("a.f32", COLUMNS, "matt").values("a.f32", &two);
+    let scene = Desk::new().table("a.f32", COLUMNS, "diffuse").values("a.f32", &two);
     assert!(scene.told()[0].ends_with("from 1e-15 to 1e15; 1 more row is wrong"));
     let mistake = scene.load().expect_err("a mistake").diagnostics()[0].clone();
     let help = mistake.help.expect("a help");
@@ -213,7 +213,7 @@ fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
 fn columns_must_make_a_sphere() {
     let told = |columns: &str, expected: &[&str]| {
         // As many numbers as make whole rows of any of these columns.
-        let desk = Desk::new().table("a.f32", columns, "matt").values("a.f32", &[1.0; 60]);
+        let desk = Desk::new().table("a.f32", columns, "diffuse").values("a.f32", &[1.0; 60]);
         assert_eq!(desk.told(), expected);
     };
     told(r#"["x", "y", "z"]"#, &["`sphere_tables.0.columns` lacks \"radius\""]);
@@ -239,7 +239,7 @@ fn colours_are_as_bright_as_their_material_lets_them_be() {
     let values = [0.75, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
     let colored =
         |material: &str| Desk::new().table("a.f32", COLORED, material).values("a.f32", &values);
-    colored("matt").load().expect("a diffuse table");
+    colored("diffuse").load().expect("a diffuse table");
     colored("glass").load().expect("a table of coloured glass");
     assert_eq!(
         colored("glossy").told(),
@@ -261,7 +261,7 @@ fn a_coloured_bead_leaves_its_colour_of_light_that_crosses_it() {
 #[test]
 fn packed_colours_are_nearly_the_same() {
     let values = [0.0, 0.3, 1.0, 1.0, 0.0, 0.0, 0.0];
-    let mut scene = Desk::new().table("a.f32", COLORED, "matt").values("a.f32", &values);
+    let mut scene = Desk::new().table("a.f32", COLORED, "diffuse").values("a.f32", &values);
     scene.text += "colors = \"packed\"\n";
     let [r, g, b] = color(&scene.load().expect("a good table"), 0).expect("a colour");
     assert_eq!((r, b), (0.0, 1.0));
@@ -270,14 +270,15 @@ fn packed_colours_are_nearly_the_same() {
 
 #[test]
 fn only_tables_with_colours_say_how_they_are_kept() {
-    let mut scene = Desk::new().table("a.f32", COLUMNS, "matt").values("a.f32", &[0.0; 4]);
+    let mut scene = Desk::new().table("a.f32", COLUMNS, "diffuse").values("a.f32", &[0.0; 4]);
     scene.text += "colors = \"packed\"\n";
     assert_eq!(scene.told(), ["`sphere_tables.0.colors` is for tables with colours"]);
 }
 
 #[test]
 fn mistakes_in_the_scene_and_in_its_tables_are_told_together() {
-    let mut scene = Desk::new().table("a.f32", COLUMNS, "matt").table("b.f32", COLUMNS, "mat");
+    let mut scene =
+        Desk::new().table("a.f32", COLUMNS, "diffuse").table("b.f32", COLUMNS, "diffus");
     scene.text += "[image]\nwidth = 0\n";
     let told = scene.told();
     assert_eq!(told.len(), 4, "{told:?}");

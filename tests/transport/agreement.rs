@@ -1,7 +1,7 @@
-//! `path` and `paper` agree where light is awkward: two estimators that share no lamp sampling.
+//! `path` and `paper` agree where light is awkward: two estimators that share no emitter sampling.
 //!
 //! Direct and indirect light are compared apart, over 32 seeds and within four standard errors (see
-//! `common/kit.rs`); and a room without a lamp stays black whatever shines outside.
+//! `common/kit.rs`); and a room without an emitter stays black whatever shines outside.
 
 use photosphere::accel::Backend;
 use photosphere::color::Rgb;
@@ -68,7 +68,7 @@ const BALL: Ball = ([0.5, 0.5, 0.0], 0.5, GREY);
 const LAMP_ABOVE: Ball = ([0.0, 3.0, 2.0], 1.0, LAMP);
 
 #[test]
-fn lamps_in_the_ground_in_glass_and_in_each_other() {
+fn emitters_in_the_ground_in_glass_and_in_each_other() {
     must_agree_on_the_ground("lamp in the ground", &[([-1.0, 0.2, 0.0], 0.5, LAMP)]);
     let in_glass = [([-1.0, 0.8, 0.0], 0.8, GLASS), ([-1.0, 0.8, 0.0], 0.5, LAMP)];
     must_agree_on_the_ground("lamp in glass", &in_glass);
@@ -79,7 +79,7 @@ fn lamps_in_the_ground_in_glass_and_in_each_other() {
 }
 
 #[test]
-fn a_camera_among_and_inside_lamps() {
+fn a_camera_among_and_inside_emitters() {
     must_agree_on_the_ground("inside a lamp", &[([0.0, 1.0, 3.0], 20.0, LAMP)]);
     let rooms =
         [([0.0, 1.0, 0.0], 9.0, DIM), ([-0.5, 1.0, 0.2], 0.6, LAMP), ([0.0, 1.0, 0.0], 10.0, LAMP)];
@@ -122,8 +122,8 @@ fn boundaries_hidden_in_glass_let_light_through() {
 
 #[test]
 fn a_closed_room_stays_black_whatever_shines_outside() {
-    // Rooms of matt walls, one of them far off the origin and one huge, with a ball poking through
-    // the wall and one touching it from inside; two lamps outside. Not one path may see them.
+    // Rooms of diffuse walls, one of them far off the origin and one huge, with a ball poking through
+    // the wall and one touching it from inside; two emitters outside. Not one path may see them.
     for (x, r) in [(0.0, 1.0), (30.0, 1.0), (0.0, 1e5)] {
         let room = [
             ([x, 0.0, 0.0], r, GREY),
@@ -140,9 +140,9 @@ fn a_closed_room_stays_black_whatever_shines_outside() {
         let mut kit = scene(&room[..count]).samples(16);
         kit.scene.camera([x + 0.3 * r, 0.0, 0.0], [x, 0.5 * r, 0.0]).field_of_view(80.0);
         (kit.settings.image.width, kit.settings.image.height) = (64, 64);
-        let shot = kit.shot();
+        let prepared = kit.prepared();
         for &backend in Backend::AVAILABLE {
-            let picture = rendered(&shot, backend).picture;
+            let picture = rendered(&prepared, backend).picture;
             let lit = (0..picture.len()).filter(|&i| picture.beauty(i).max_element() > 0.0).count();
             assert_eq!(lit, 0, "room of radius {r} at {x}, {}", backend.name());
         }

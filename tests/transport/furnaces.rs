@@ -46,7 +46,7 @@ fn the_papers_stop_rules_lose_just_what_they_cut_off() {
 
 #[test]
 fn the_furnace_shows_that_classic_phong_makes_energy_and_normalised_phong_does_not() {
-    // A ball inside a black-walled lamp of radiance 1, seen face on: its radiance is its albedo.
+    // A ball inside a black-walled emitter of radiance 1, seen face on: its radiance is its albedo.
     let ball = |normalized| {
         let mut kit = furnace();
         kit.material(WALL).surface = diffuse(0.0);

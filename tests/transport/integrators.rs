@@ -17,7 +17,7 @@ use photosphere::task::CancelToken;
 
 use crate::kit::{Judged, Kit, built, diffuse, glass, mirror, phong};
 
-/// A matt and a glossy ball, a mirror and a glass ball on a matt ground under two lamps and a sky.
+/// A diffuse and a glossy ball, a mirror and a glass ball on a diffuse ground under two emitters and a sky.
 fn still_life() -> Kit {
     let mut kit = Kit::new(12, 8, 16);
     kit.scene.camera([0.0, 1.5, 7.0], [0.0, 0.8, 0.0]).field_of_view(40.0);
@@ -28,8 +28,9 @@ fn still_life() -> Kit {
     kit.ball([2.2, 1.0, 0.0], 1.0, glass(1.5));
     let emission = Rgb::new(4.0, 3.0, 2.0);
     let surface = diffuse(0.5);
-    let lamp = kit.scene.material(MaterialDescription { surface, emission, ..Default::default() });
-    kit.scene.sphere(lamp, [-1.0, 5.0, 2.0], 1.5).sphere(lamp, [1.0, 0.3, 2.0], 0.3);
+    let emitter =
+        kit.scene.material(MaterialDescription { surface, emission, ..Default::default() });
+    kit.scene.sphere(emitter, [-1.0, 5.0, 2.0], 1.5).sphere(emitter, [1.0, 0.3, 2.0], 0.3);
     kit
 }
 
@@ -58,11 +59,11 @@ fn all_ways_to_find_light_have_the_same_mean() {
 
 #[test]
 fn each_way_to_find_light_does_what_its_name_says() {
-    // Seen by nothing but matt surfaces, a lamp met by chance brings nothing to `light`, and
+    // Seen by nothing but diffuse surfaces, an emitter met by chance brings nothing to `light`, and
     // nothing is aimed at by `bsdf`: in a trace there are only shadow rays, or none.
     let count = |way: Estimator, chosen: &dyn Fn(&PathEvent) -> bool| {
-        let shot = estimator(still_life(), way).shot();
-        traces(&shot).iter().flat_map(|trace| &trace.events).filter(|step| chosen(step)).count()
+        let prepared = estimator(still_life(), way).prepared();
+        traces(&prepared).iter().flat_map(|trace| &trace.events).filter(|step| chosen(step)).count()
     };
     let by_chance = |step: &PathEvent| {
         matches!(step, PathEvent::Emission { pdf: Some(_), pdf_light, contribution, .. }
@@ -156,18 +157,18 @@ fn ambient_occlusion_is_a_white_scene_under_a_white_sky() {
 }
 
 /// The traces of some samples of every pixel.
-fn traces(shot: &PreparedScene) -> Vec<PathTrace> {
-    let accel = built(shot, Backend::BruteForce);
+fn traces(prepared: &PreparedScene) -> Vec<PathTrace> {
+    let accel = built(prepared, Backend::BruteForce);
     let cancel = CancelToken::default();
-    let world = RenderContext::new(shot, &*accel, &cancel);
-    let integrator = create(shot);
-    let image = shot.image_settings();
+    let context = RenderContext::new(prepared, &*accel, &cancel);
+    let integrator = create(prepared);
+    let image = prepared.image_settings();
     let mut traces = Vec::new();
     for y in 0..image.height {
         for x in 0..image.width {
             for sample in 0..4 {
                 let address = SampleAddress { x, y, sample };
-                traces.push(integrator.trace_path(world, address).expect("it follows paths"));
+                traces.push(integrator.trace_path(context, address).expect("it follows paths"));
             }
         }
     }
@@ -187,16 +188,17 @@ fn a_trace_adds_up_to_its_sample_bit_by_bit() {
         }),
     ] {
         let how = kit.how();
-        let shot = kit.shot();
-        let accel = built(&shot, Backend::BruteForce);
+        let prepared = kit.prepared();
+        let accel = built(&prepared, Backend::BruteForce);
         let cancel = CancelToken::default();
-        let world = RenderContext::new(&shot, &*accel, &cancel);
-        let traces = traces(&shot);
+        let context = RenderContext::new(&prepared, &*accel, &cancel);
+        let traces = traces(&prepared);
         // The renderer's own way: all samples in one batch.
         let samples: Vec<SampleAddress> = traces.iter().map(|trace| trace.address).collect();
         let mut radiance = vec![Default::default(); samples.len()];
-        let tally = create(&shot).estimate(world, &samples, &mut radiance, &mut Default::default());
-        assert_eq!(tally.rays, traces.iter().map(|trace| trace.stats.rays).sum::<u64>());
+        let stats =
+            create(&prepared).estimate(context, &samples, &mut radiance, &mut Default::default());
+        assert_eq!(stats.rays, traces.iter().map(|trace| trace.stats.rays).sum::<u64>());
         let mut lit = 0;
         for (trace, radiance) in traces.iter().zip(radiance) {
             for sum in [trace.sum(), trace.radiance] {
@@ -218,12 +220,12 @@ fn integrators_without_paths_have_nothing_to_tell() {
         IntegratorSettings::AmbientOcclusion { distance: None },
         IntegratorSettings::Raycast { shadows: false },
     ] {
-        let shot = still_life().integrator(integrator).shot();
-        let accel = built(&shot, Backend::BruteForce);
+        let prepared = still_life().integrator(integrator).prepared();
+        let accel = built(&prepared, Backend::BruteForce);
         let cancel = CancelToken::default();
-        let world = RenderContext::new(&shot, &*accel, &cancel);
+        let context = RenderContext::new(&prepared, &*accel, &cancel);
         let address = SampleAddress { x: 0, y: 0, sample: 0 };
-        assert!(create(&shot).trace_path(world, address).is_none(), "{integrator:?}");
+        assert!(create(&prepared).trace_path(context, address).is_none(), "{integrator:?}");
     }
 }
 
@@ -241,7 +243,7 @@ fn roulette_keeps_weights_and_their_variance_bounded() {
     // geometric with mean 100 at most, so the radiance 1 has a standard deviation of at most 1 (a
     // geometric number's is below its mean). Ending long paths with 5 % whatever they weigh would
     // make the variance infinite here: each edge would multiply the second moment by 0.99^2 / 0.95.
-    let traces = traces(&bright_room(32).shot());
+    let traces = traces(&bright_room(32).prepared());
     let samples: Vec<f64> = traces
         .iter()
         .map(|trace| f64::from(trace.sum().direct.y + trace.sum().indirect.y))
@@ -261,7 +263,7 @@ fn roulette_keeps_weights_and_their_variance_bounded() {
 #[test]
 fn a_path_of_heavy_weight_survives_and_a_light_one_comes_to_weigh_one() {
     let mut seen = [0; 2];
-    for trace in traces(&still_life().shot()) {
+    for trace in traces(&still_life().prepared()) {
         let mut before = 1.0f32;
         let mut index_squared = 1.0f64;
         for step in &trace.events {
@@ -302,7 +304,7 @@ fn clamping_takes_light_away_from_the_indirect_layer_only() {
 
 #[test]
 fn options_that_bias_are_named() {
-    let biases = |kit: Kit| kit.shot().render_settings().biases();
+    let biases = |kit: Kit| kit.prepared().render_settings().biases();
     assert!(biases(still_life()).is_empty());
     assert!(biases(still_life().paper(PaperSettings::default())).is_empty());
     assert!(biases(still_life().integrator(IntegratorSettings::Normals).depth(3)).is_empty());

@@ -14,25 +14,25 @@ use photosphere::task::CancelToken;
 
 use crate::kit::{Kit, built};
 
-fn matt(albedo: [f32; 3], roughness: f64) -> SurfaceModel {
+fn diffuse(albedo: [f32; 3], roughness: f64) -> SurfaceModel {
     SurfaceModel::Diffuse { albedo: albedo.into(), roughness }
 }
 
-fn lamp(kit: &mut Kit, albedo: [f32; 3], emission: [f32; 3]) -> MaterialHandle {
-    let (surface, emission) = (matt(albedo, 0.0), emission.into());
+fn emitter(kit: &mut Kit, albedo: [f32; 3], emission: [f32; 3]) -> MaterialHandle {
+    let (surface, emission) = (diffuse(albedo, 0.0), emission.into());
     kit.scene.material(MaterialDescription { surface, emission, ..Default::default() })
 }
 
-/// A few lamps, one of them around the camera and all, over matt and other surfaces; and small
-/// lamps before them.
-fn lamps(small: impl Iterator<Item = [f64; 3]>) -> Kit {
+/// A few emitters, one of them around the camera and all, over diffuse and other surfaces; and small
+/// emitters before them.
+fn emitters(small: impl Iterator<Item = [f64; 3]>) -> Kit {
     let mut kit = Kit::new(40, 30, 4);
     kit.scene.camera([0.0, 2.0, 9.0], [0.0, 1.0, 0.0]).field_of_view(50.0);
     let even = kit.scene.diffuse([0.7, 0.8, 0.6]);
-    let rough = kit.scene.surface(matt([0.5, 0.8, 0.6], 0.4));
+    let rough = kit.scene.surface(diffuse([0.5, 0.8, 0.6], 0.4));
     let mirror = kit.scene.mirror([0.9; 3]);
-    let glow = lamp(&mut kit, [0.3, 0.2, 0.1], [5.0, 4.0, 3.0]);
-    let room = lamp(&mut kit, [0.5; 3], [0.1, 0.1, 0.2]);
+    let glow = emitter(&mut kit, [0.3, 0.2, 0.1], [5.0, 4.0, 3.0]);
+    let room = emitter(&mut kit, [0.5; 3], [0.1, 0.1, 0.2]);
     for center in small {
         kit.scene.sphere(glow, center, 0.05);
     }
@@ -48,9 +48,9 @@ fn lamps(small: impl Iterator<Item = [f64; 3]>) -> Kit {
 }
 
 /// The picture's samples, each of them followed by itself.
-fn one_by_one(world: RenderContext<'_>, samples: &[SampleAddress]) -> (Vec<PathRadiance>, u64) {
-    let integrator = create(world.shot);
-    let trace = |&address| integrator.trace_path(world, address).expect("it follows paths");
+fn one_by_one(context: RenderContext<'_>, samples: &[SampleAddress]) -> (Vec<PathRadiance>, u64) {
+    let integrator = create(context.prepared);
+    let trace = |&address| integrator.trace_path(context, address).expect("it follows paths");
     let traces: Vec<_> = samples.iter().map(trace).collect();
     let rays = traces.iter().map(|trace| trace.stats.rays).sum();
     (traces.into_iter().map(|trace| trace.radiance).collect(), rays)
@@ -58,23 +58,23 @@ fn one_by_one(world: RenderContext<'_>, samples: &[SampleAddress]) -> (Vec<PathR
 
 /// The same, in batches.
 fn in_batches(
-    world: RenderContext<'_>,
+    context: RenderContext<'_>,
     samples: &[SampleAddress],
     size: usize,
     isa: Isa,
 ) -> (Vec<PathRadiance>, u64) {
-    let integrator = create(world.shot);
+    let integrator = create(context.prepared);
     let mut workspace = Workspace::with_isa(isa);
     let mut radiance = vec![PathRadiance::default(); samples.len()];
-    let mut tally = RenderStats::default();
+    let mut stats = RenderStats::default();
     for (samples, radiance) in samples.chunks(size).zip(radiance.chunks_mut(size)) {
-        tally = tally + integrator.estimate(world, samples, radiance, &mut workspace);
+        stats = stats + integrator.estimate(context, samples, radiance, &mut workspace);
     }
-    (radiance, tally.rays)
+    (radiance, stats.rays)
 }
 
-fn samples(shot: &PreparedScene) -> Vec<SampleAddress> {
-    let window = shot.image_settings().pixel_bounds();
+fn samples(prepared: &PreparedScene) -> Vec<SampleAddress> {
+    let window = prepared.image_settings().pixel_bounds();
     let mut samples = Vec::new();
     for y in window.y..window.y + window.height {
         for x in window.x..window.x + window.width {
@@ -85,12 +85,12 @@ fn samples(shot: &PreparedScene) -> Vec<SampleAddress> {
 }
 
 fn must_agree(name: &str, kit: &Kit) {
-    let shot = kit.shot();
-    let accel = built(&shot, Backend::BruteForce);
+    let prepared = kit.prepared();
+    let accel = built(&prepared, Backend::BruteForce);
     let cancel = CancelToken::default();
-    let world = RenderContext::new(&shot, &*accel, &cancel);
-    let samples = samples(&shot);
-    let (alone, rays) = one_by_one(world, &samples);
+    let context = RenderContext::new(&prepared, &*accel, &cancel);
+    let samples = samples(&prepared);
+    let (alone, rays) = one_by_one(context, &samples);
     let bits = |radiance: &PathRadiance| {
         let PathRadiance { direct, indirect, alpha } = *radiance;
         (
@@ -102,7 +102,7 @@ fn must_agree(name: &str, kit: &Kit) {
     assert!(alone.iter().any(|radiance| radiance.direct.max_element() > 0.0), "{name} is dark");
     for isa in Isa::available() {
         for size in [1, 7, 31, 1000] {
-            let (together, rays_together) = in_batches(world, &samples, size, isa);
+            let (together, rays_together) = in_batches(context, &samples, size, isa);
             let isa = isa.name();
             assert_eq!(rays, rays_together, "{name}, {isa}, batches of {size}");
             for (at, (a, b)) in samples.iter().zip(alone.iter().zip(&together)) {
@@ -143,15 +143,15 @@ fn all_that_an_integrator_can_be_asked_for_has_the_same_bits() {
         }),
     ];
     for (name, change) in changes {
-        must_agree(&format!("lamps, {name}"), &lamps([].into_iter()).with(change));
+        must_agree(&format!("lamps, {name}"), &emitters([].into_iter()).with(change));
     }
 }
 
 #[test]
-fn many_lamps_have_the_same_bits() {
+fn many_emitters_have_the_same_bits() {
     let center = |i: u32| {
         let angle = f64::from(i) * 2.4;
         [angle.cos() * f64::from(i) * 0.1, 3.0, angle.sin() * f64::from(i) * 0.1]
     };
-    must_agree("many lamps", &lamps((0..40).map(center)));
+    must_agree("many lamps", &emitters((0..40).map(center)));
 }

@@ -18,7 +18,7 @@ use photosphere::scene::settings::LightSamplerKind;
 
 use crate::kit::{Judged, Kit, MeanEstimate, diffuse, glass, mirror};
 
-/// One point of a matt plane, looked at from above. The plane is a giant.
+/// One point of a diffuse plane, looked at from above. The plane is a giant.
 fn point() -> Kit {
     let mut kit = Kit::new(1, 1, 256).depth(2);
     kit.scene.camera([0.0, 1.0, 0.0], [0.0; 3]).field_of_view(0.001);
@@ -32,14 +32,14 @@ fn under(dome: EnvironmentDescription) -> Kit {
     point().with(|kit| kit.scene.description.background.dome = dome)
 }
 
-/// Lamps in all directions above the plane, none before another, at many distances and of several
+/// Emitters in all directions above the plane, none before another, at many distances and of several
 /// powers; and the radiance that they make at the point: `albedo L sin^2 cos` each.
-fn lamps(count: u32) -> (Kit, f64) {
+fn emitters(count: u32) -> (Kit, f64) {
     let mut kit = point();
     let powers = [1.0, 2.0, 3.0].map(|power| kit.scene.emitter([power; 3]));
     let mut sum = 0.0;
     for i in 0..count {
-        // A spiral over the hemisphere, whose turns are further apart than the lamps are wide.
+        // A spiral over the hemisphere, whose turns are further apart than the emitters are wide.
         let cos = 1.0 - (f64::from(i) + 0.5) / f64::from(count) * 0.95;
         let azimuth = f64::from(i) * 2.399_963_229_728_653;
         let sin = (1.0 - cos * cos).sqrt();
@@ -53,9 +53,9 @@ fn lamps(count: u32) -> (Kit, f64) {
 }
 
 #[test]
-fn many_lamps_shine_like_their_sum_however_they_are_chosen() {
+fn many_emitters_shine_like_their_sum_however_they_are_chosen() {
     for count in [5, 100, 3000] {
-        let (mut kit, sum) = lamps(count);
+        let (mut kit, sum) = emitters(count);
         for choice in
             [LightSamplerKind::Hierarchy, LightSamplerKind::Power, LightSamplerKind::Uniform]
         {
@@ -165,8 +165,8 @@ fn an_image_shines_on_a_plane_like_its_interpolation() {
 
 /// Everything at once: what each brings adds up, however the choice among them falls.
 #[test]
-fn lamps_sky_and_sun_add_up() {
-    let (mut kit, sum) = lamps(40);
+fn emitters_sky_and_sun_add_up() {
+    let (mut kit, sum) = emitters(40);
     let (zenith, horizon, nadir) = (Rgb::splat(0.3), Rgb::ZERO, Rgb::ZERO);
     kit.scene.description.background = BackgroundDescription {
         dome: EnvironmentDescription::Gradient { zenith, horizon, nadir },
@@ -174,7 +174,7 @@ fn lamps_sky_and_sun_add_up() {
         ..BackgroundDescription::default()
     };
     let all = kit.mean();
-    // The lamps cover some of the sky, and one may cover the sun.
+    // The emitters cover some of the sky, and one may cover the sun.
     for material in &mut kit.scene.description.materials {
         material.emission = Rgb::ZERO;
     }
@@ -183,7 +183,7 @@ fn lamps_sky_and_sun_add_up() {
     alone.must_agree(MeanEstimate { mean: sum, ..by_sky }, "lamps beside sky and sun");
 }
 
-/// A matt, a glass and a mirror ball before a background.
+/// A diffuse, a glass and a mirror ball before a background.
 fn balls() -> Kit {
     let mut kit = Kit::new(60, 20, 64);
     kit.scene.camera([0.0, 0.0, 20.0], [0.0; 3]).field_of_view(10.0).background([1.0; 3]);
@@ -204,7 +204,7 @@ fn a_hidden_background_shines_but_is_not_seen_by_the_camera() {
         assert_eq!(hidden.direct, transparent.direct);
         let alpha = transparent.alpha.as_ref().expect("asked for");
         assert_eq!((transparent.beauty(0), alpha[0]), (Rgb::ZERO, 0.0));
-        // Glass and mirror balls show the background, so they are as opaque as the matt one.
+        // Glass and mirror balls show the background, so they are as opaque as the diffuse one.
         for (x, least) in [(12, 0.45), (30, 0.95), (47, 0.95)] {
             let pixel = 10 * 60 + x;
             assert_eq!(alpha[pixel], 1.0);

@@ -1,4 +1,4 @@
-//! A ball under a lamp, and what raycasting makes of it.
+//! A ball under an emitter, and what raycasting makes of it.
 
 use photosphere::scene::settings::IntegratorSettings;
 
@@ -6,7 +6,7 @@ use crate::kit::{Kit, diffuse, phong};
 use crate::scenes::{lone_ball, must_be_everywhere};
 
 fn lone_ball_radiance() -> f64 {
-    // From the point (0, 0, 1) with normal +z, the lamp's centre is at (0, 3, 4): distance 5.
+    // From the point (0, 0, 1) with normal +z, the emitter's centre is at (0, 3, 4): distance 5.
     0.8 * 7.0 * (2.0f64 / 5.0).powi(2) * (4.0 / 5.0)
 }
 
@@ -17,7 +17,7 @@ fn cast(kit: &Kit, shadows: bool) -> f64 {
 }
 
 #[test]
-fn a_lone_ball_under_a_lamp_has_its_closed_form_for_every_estimator_and_backend() {
+fn a_lone_ball_under_an_emitter_has_its_closed_form_for_every_estimator_and_backend() {
     let kit = lone_ball(diffuse(0.8));
     must_be_everywhere(&kit, lone_ball_radiance(), "lone ball");
     must_be_everywhere(&kit.depth(2), lone_ball_radiance(), "lone ball, direct light");
@@ -30,7 +30,7 @@ fn raycasting_a_lone_ball_is_exact_and_shadows_can_be_left_out() {
     for shadows in [false, true] {
         assert!((cast(&kit, shadows) - expected).abs() < 1e-5 * expected);
     }
-    // With the lamp behind something, only the shadow ray knows.
+    // With the emitter behind something, only the shadow ray knows.
     kit.ball([0.0, 1.2, 2.6], 0.5, diffuse(0.8));
     assert!((cast(&kit, false) - expected).abs() < 1e-5 * expected);
     assert_eq!(cast(&kit, true), 0.0);
@@ -38,7 +38,7 @@ fn raycasting_a_lone_ball_is_exact_and_shadows_can_be_left_out() {
 
 #[test]
 fn the_phong_highlight_has_the_published_value() {
-    // Looking along the mirror direction of the lamp's centre: cos(alpha) = 1, so the classic form
+    // Looking along the mirror direction of the emitter's centre: cos(alpha) = 1, so the classic form
     // sends specular E / cos and the normalised one specular (n + 2) / (2 pi) E.
     let irradiance = 7.0 * std::f64::consts::PI * (2.0f64 / 5.0).powi(2) * (4.0 / 5.0);
     let radiance = |normalized| {

@@ -83,10 +83,10 @@ fn reflections_inside_absorbing_glass_add_up() {
     glass.mean().must_be(expected, "glass on the axis");
 }
 
-/// A tiny matt ball in the middle of a glowing shell of radius 3, all in one dark medium: light
+/// A tiny diffuse ball in the middle of a glowing shell of radius 3, all in one dark medium: light
 /// fades over 3 on its way to the ball and over 1 on its way to the camera.
 #[test]
-fn lamps_are_aimed_at_through_the_medium() {
+fn emitters_are_aimed_at_through_the_medium() {
     let mut kit = axis(&[(0.0, 10.0, dark(1.33, 0.4, 0))]);
     kit.glowing_ball([0.0; 3], 3.0, diffuse(0.0), 5.0).ball([0.0; 3], 1e-6, diffuse(0.5));
     kit.scene.camera([0.0, 0.0, 1.0], [0.0; 3]).field_of_view(1e-5);

@@ -20,7 +20,7 @@ fn two_mirrors_facing_each_other_add_up_a_geometric_series() {
 #[test]
 fn a_glass_ball_has_its_focus_where_lens_makers_say() {
     // A ball lens of index n and radius R focuses paraxial rays n R / (2 (n - 1)) from its centre:
-    // 1.5 R for n = 1.5. A tiny lamp there fills the view; one 5 % further fills a part of it.
+    // 1.5 R for n = 1.5. A tiny emitter there fills the view; one 5 % further fills a part of it.
     let share = |z: f64| {
         let mut kit = Kit::new(32, 32, 16).depth(3);
         kit.scene.camera([0.0, 0.0, -100000.0], [0.0; 3]).field_of_view(0.00004);

@@ -58,7 +58,7 @@ fn a_veil_shows_itself_and_what_is_behind() {
 /// Inside a veil inside a glowing shell: light is dimmed by the veil and joined by its own. The
 /// paths cross the veil once, or twice where the camera stands outside of it.
 #[test]
-fn lamps_shine_through_a_veil() {
+fn emitters_shine_through_a_veil() {
     let mut kit = ball();
     shell(&mut kit, [0.0; 3], 1.0, 0.7, 0.3);
     shell(&mut kit, [0.0; 3], 3.0, 2.0, 1.0);
@@ -69,21 +69,21 @@ fn lamps_shine_through_a_veil() {
     must_be(&kit, own + 0.7 * ball);
 }
 
-/// A lamp that is half there: both of its walls shine, the far one through the near one. Light is
+/// An emitter that is half there: both of its walls shine, the far one through the near one. Light is
 /// aimed at the near wall only, and must still not be lost or counted twice.
 #[test]
-fn both_walls_of_a_veiled_lamp_shine() {
-    let lamp = |opacity| {
+fn both_walls_of_a_veiled_emitter_shine() {
+    let emitter = |opacity| {
         let mut kit = ball();
         kit.settings.render.samples_per_pixel = 256;
         shell(&mut kit, [2.0, 0.0, 1.0], 1.2, 3.0, opacity);
         kit
     };
-    let opaque = lamp(1.0).mean();
+    let opaque = emitter(1.0).mean();
     let share = 1.0 - 0.6 * 0.6;
     let (expected, error) = (share * opaque.mean, share * opaque.standard_error);
     let expected = MeanEstimate { mean: expected, standard_error: error, ..opaque };
-    for kit in lamp(0.4).both_ways() {
+    for kit in emitter(0.4).both_ways() {
         kit.mean().must_agree(expected, &kit.how());
     }
 }
@@ -134,7 +134,7 @@ fn a_sphere_that_is_never_there_changes_nothing() {
 fn walking_shadow_rays_answers_like_asking_for_shadows() {
     let options = ["image.width=24", "image.height=18", "render.samples_per_pixel=4"];
     let mut kit = Kit::of_file("cornell-spheres.toml", &options);
-    let mean = |kit: &Kit| rendered(&kit.shot(), Backend::Native).picture.mean();
+    let mean = |kit: &Kit| rendered(&kit.prepared(), Backend::Native).picture.mean();
     let asked = mean(&kit);
     shell(&mut kit, [0.0, 1e6, 0.0], 1.0, 0.0, 0.5);
     assert_eq!(asked, mean(&kit));

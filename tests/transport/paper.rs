@@ -27,12 +27,14 @@ fn ball<'a>(scene: &'a Scene, name: &str) -> (u32, &'a SphereDescription) {
 }
 
 /// What the camera sees through the centre of every pixel.
-fn first_hits(shot: &PreparedScene) -> Vec<Option<SurfaceHit>> {
-    let (image, spheres) = (shot.image_settings(), shot.scene().spheres());
-    let accel = built(shot, Backend::BruteForce);
+fn first_hits(prepared: &PreparedScene) -> Vec<Option<SurfaceHit>> {
+    let (image, spheres) = (prepared.image_settings(), prepared.scene().spheres());
+    let accel = built(prepared, Backend::BruteForce);
     let pixels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
     let rays: Vec<_> = pixels
-        .map(|(x, y)| shot.camera().generate_ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.0; 2]))
+        .map(|(x, y)| {
+            prepared.camera().generate_ray(f64::from(x) + 0.5, f64::from(y) + 0.5, [0.0; 2])
+        })
         .collect();
     let asked: Vec<_> = rays.iter().map(|ray| spheres.to_query(ray)).collect();
     let mut hits = vec![Hit::MISS; asked.len()];
@@ -42,15 +44,15 @@ fn first_hits(shot: &PreparedScene) -> Vec<Option<SurfaceHit>> {
 
 /// The mean over the pixels that show the lower half of a ball.
 fn lower_half(
-    shot: &PreparedScene,
+    prepared: &PreparedScene,
     picture: &Picture,
     name: &str,
     layer: fn(&Picture, usize) -> Rgb,
 ) -> Rgb {
-    let (id, _) = ball(shot.scene(), name);
+    let (id, _) = ball(prepared.scene(), name);
     let shows =
         |hit: &Option<SurfaceHit>| hit.is_some_and(|hit| hit.id == id && hit.normal.y < 0.0);
-    let hits = first_hits(shot);
+    let hits = first_hits(prepared);
     let pixels: Vec<usize> = (0..hits.len()).filter(|&i| shows(&hits[i])).collect();
     assert!(pixels.len() > 50);
     pixels.iter().map(|&i| layer(picture, i)).sum::<Rgb>() / pixels.len() as f32
@@ -58,19 +60,19 @@ fn lower_half(
 
 /// A picture of the paper, small.
 fn small(path: &str) -> PreparedScene {
-    Kit::of_file(path, &SMALL).shot()
+    Kit::of_file(path, &SMALL).prepared()
 }
 
 /// Green over red in the light that falls on the lower half of a ball, over seeds.
 fn green_tint(path: &str, name: &str) -> MeanEstimate {
-    let mut shot = small(path);
+    let mut prepared = small(path);
     let mut value = |seed: u64| {
-        shot.set_seed(seed);
-        let picture = rendered(&shot, Backend::BruteForce).picture;
-        let radiance = lower_half(&shot, &picture, name, Picture::beauty);
-        let (id, _) = ball(shot.scene(), name);
-        let Model::Diffuse(diffuse) = shot.scene().sphere_material(id).material.model else {
-            panic!("the balls of figure 2 are matt")
+        prepared.set_seed(seed);
+        let picture = rendered(&prepared, Backend::BruteForce).picture;
+        let radiance = lower_half(&prepared, &picture, name, Picture::beauty);
+        let (id, _) = ball(prepared.scene(), name);
+        let Model::Diffuse(diffuse) = prepared.scene().sphere_material(id).material.model else {
+            panic!("the balls of figure 2 are diffuse")
         };
         let arriving = radiance / diffuse.albedo;
         f64::from(arriving.y / arriving.x)
@@ -80,23 +82,24 @@ fn green_tint(path: &str, name: &str) -> MeanEstimate {
 
 #[test]
 fn the_scene_is_the_one_described() {
-    // P33, A13: three spheres, two of equal size, one on the huge one, and a lamp out of the
+    // P33, A13: three spheres, two of equal size, one on the huge one, and an emitter out of the
     // picture.
     for figure in 2..=7 {
-        let shot = Kit::of_file(&format!("paper/fig{figure}.toml"), &["image.width=640"]).shot();
-        let scene = shot.scene();
+        let prepared =
+            Kit::of_file(&format!("paper/fig{figure}.toml"), &["image.width=640"]).prepared();
+        let scene = prepared.scene();
         let (_, ground) = ball(scene, "ground");
         let (_, resting) = ball(scene, "resting ball");
         let (_, floating) = ball(scene, "floating ball");
-        let (lamp, lamp_row) = ball(scene, "lamp");
+        let (emitter, emitter_row) = ball(scene, "lamp");
         assert_eq!(scene.spheres().len(), 4);
         assert_eq!(resting.radius, floating.radius);
         let gap = resting.center.distance(ground.center) - ground.radius - resting.radius;
         assert!(gap.abs() < 1e-9, "touches the ground, gap {gap}");
-        let distance = |center: DVec3| center.distance(lamp_row.center);
+        let distance = |center: DVec3| center.distance(emitter_row.center);
         assert!(distance(floating.center) < distance(resting.center), "one is near the lamp");
-        assert!(first_hits(&shot).iter().flatten().all(|hit| hit.id != lamp), "lamp unseen");
-        assert!(first_hits(&shot).iter().any(Option::is_none), "only a part is in view");
+        assert!(first_hits(&prepared).iter().flatten().all(|hit| hit.id != emitter), "lamp unseen");
+        assert!(first_hits(&prepared).iter().any(Option::is_none), "only a part is in view");
     }
 }
 
@@ -132,24 +135,24 @@ fn the_ground_tints_the_nearer_ball_more() {
 #[test]
 fn the_blue_ball_is_lit_from_below_and_stays_blue() {
     // P36.
-    let shot = small("paper/fig2.toml");
-    let picture = rendered(&shot, Backend::BruteForce).picture;
-    let indirect = lower_half(&shot, &picture, "floating ball", |p, i| p.indirect[i]);
+    let prepared = small("paper/fig2.toml");
+    let picture = rendered(&prepared, Backend::BruteForce).picture;
+    let indirect = lower_half(&prepared, &picture, "floating ball", |p, i| p.indirect[i]);
     assert!(indirect.min_element() > 0.0, "{indirect}");
-    let all = lower_half(&shot, &picture, "floating ball", Picture::beauty);
+    let all = lower_half(&prepared, &picture, "floating ball", Picture::beauty);
     assert!(all.z > all.x && all.z > all.y, "{all}");
 }
 
 #[test]
 fn the_mirror_ball_reflects_by_the_closed_form() {
     // P8, P38, A11: d - 2 (d.n) n, and not straight back.
-    let shot = small("paper/fig4.toml");
-    let scene = shot.scene();
+    let prepared = small("paper/fig4.toml");
+    let scene = prepared.scene();
     let (mirror, row) = ball(scene, "resting ball");
     let center = row.center - scene.spheres().origin();
     let mut seen = 0;
-    for hit in first_hits(&shot).into_iter().flatten().filter(|hit| hit.id == mirror) {
-        let d = (hit.point - shot.camera().position()).normalize();
+    for hit in first_hits(&prepared).into_iter().flatten().filter(|hit| hit.id == mirror) {
+        let d = (hit.point - prepared.camera().position()).normalize();
         let n = (hit.point - center) / row.radius;
         let frame = Frame::from_z(hit.facing_normal());
         let bsdf = scene.sphere_material(hit.id).material.bsdf(None, 1.0, Hemisphere::Cosine);

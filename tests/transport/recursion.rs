@@ -17,16 +17,16 @@ use photosphere::scene::PreparedScene;
 use crate::kit::{Kit, built};
 
 /// An opaque surface.
-fn receiver(hit: &SurfaceHit) -> LightSampleContext {
+fn light_context(hit: &SurfaceHit) -> LightSampleContext {
     LightSampleContext { hit: *hit, is_two_sided: false }
 }
 
 /// What a call needs to know of its callers.
 struct Call<'a> {
-    shot: &'a PreparedScene,
+    prepared: &'a PreparedScene,
     accel: &'a dyn Accel,
     sampler: Sampler,
-    samples_lamps: bool,
+    samples_emitters: bool,
 }
 
 /// The point where a ray was drawn, and its density.
@@ -34,7 +34,7 @@ type Drawn<'a> = Option<(&'a SurfaceHit, f64)>;
 
 impl Call<'_> {
     fn radiance(&self, ray: &PathRay, depth: u32, weight: f32, drawn: Drawn<'_>) -> Rgb {
-        let scene = self.shot.scene();
+        let scene = self.prepared.scene();
         let spheres = scene.spheres();
         let mut hit = [Hit::MISS];
         self.accel.closest(&[spheres.to_query(ray)], &mut hit);
@@ -44,10 +44,10 @@ impl Call<'_> {
         let material = scene.sphere_material(hit.id).material;
 
         let mut radiance = material.emission;
-        if let (true, Some((at, pdf))) = (self.samples_lamps, drawn) {
-            let aimed = self.shot.lights().pdf(
+        if let (true, Some((at, pdf))) = (self.samples_emitters, drawn) {
+            let aimed = self.prepared.lights().pdf(
                 spheres,
-                &receiver(at),
+                &light_context(at),
                 LightSource::Emitter(hit.id),
                 ray.direction,
             );
@@ -60,8 +60,8 @@ impl Call<'_> {
         // The table of docs/sampling.md: direction to a light, direction, lobe, roulette, lamp.
         let number = |i| self.sampler.get(8 * (depth - 1) + i);
 
-        if self.samples_lamps && !bsdf.is_delta() {
-            radiance += self.light_from_lamps(
+        if self.samples_emitters && !bsdf.is_delta() {
+            radiance += self.light_from_emitters(
                 &hit,
                 &frame,
                 |wi| bsdf.eval(wo, wi),
@@ -90,7 +90,7 @@ impl Call<'_> {
         radiance + factor * self.radiance(&next, depth + 1, weight, drawn)
     }
 
-    fn light_from_lamps(
+    fn light_from_emitters(
         &self,
         hit: &SurfaceHit,
         frame: &Frame,
@@ -98,13 +98,14 @@ impl Call<'_> {
         pdf: impl Fn(photosphere::math::DVec3) -> f64,
         u: [f64; 3],
     ) -> Rgb {
-        let spheres = self.shot.scene().spheres();
-        let lights = self.shot.lights();
-        let Some(aim) = lights.sample(spheres, &receiver(hit), u[0], [u[1], u[2]]) else {
+        let spheres = self.prepared.scene().spheres();
+        let lights = self.prepared.lights();
+        let Some(light) = lights.sample(spheres, &light_context(hit), u[0], [u[1], u[2]]) else {
             return Rgb::ZERO;
         };
-        let wi = frame.to_local(aim.direction);
-        let Some(ray) = hit.spawn_shadow_ray(aim.direction, aim.distance, aim.source.sphere_id())
+        let wi = frame.to_local(light.direction);
+        let Some(ray) =
+            hit.spawn_shadow_ray(light.direction, light.distance, light.source.sphere_id())
         else {
             return Rgb::ZERO;
         };
@@ -113,8 +114,8 @@ impl Call<'_> {
         if blocked[0] || wi.z <= 0.0 {
             return Rgb::ZERO;
         }
-        let weight = power_heuristic(aim.pdf, pdf(wi));
-        eval(wi) * aim.radiance * (weight * wi.z / aim.pdf) as f32
+        let weight = power_heuristic(light.pdf, pdf(wi));
+        eval(wi) * light.radiance * (weight * wi.z / light.pdf) as f32
     }
 }
 
@@ -136,24 +137,24 @@ fn the_loop_equals_the_recursion() {
         ("path", true, "stratified"),
         ("paper", false, "independent"),
     ];
-    for (integrator, samples_lamps, sampler) in cases {
+    for (integrator, samples_emitters, sampler) in cases {
         let choice =
             [format!("render.integrator={integrator}"), format!("render.sampler={sampler}")];
         let subpixels = "render.paper.subpixels=1";
         let options = [&grey[..], &[&choice[0], &choice[1], subpixels]].concat();
-        let shot = Kit::of_file("paper/fig4.toml", &options).shot();
-        let accel = built(&shot, Backend::BruteForce);
+        let prepared = Kit::of_file("paper/fig4.toml", &options).prepared();
+        let accel = built(&prepared, Backend::BruteForce);
         let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i / 100 };
         let samples: Vec<_> = (0..3000).map(address).collect();
 
         let mut looped = vec![PathRadiance::default(); samples.len()];
         let cancel = Default::default();
-        let world = RenderContext::new(&shot, &*accel, &cancel);
-        create(&shot).estimate(world, &samples, &mut looped, &mut Workspace::default());
+        let context = RenderContext::new(&prepared, &*accel, &cancel);
+        create(&prepared).estimate(context, &samples, &mut looped, &mut Workspace::default());
 
         let mut bright = 0;
         for (address, looped) in samples.iter().zip(&looped) {
-            let render = shot.render_settings();
+            let render = prepared.render_settings();
             let sampler = Sampler::with_kind(
                 render.sampler,
                 0,
@@ -163,8 +164,8 @@ fn the_loop_equals_the_recursion() {
             );
             let [u, v] = sampler.get_2d(0);
             let (x, y) = (f64::from(address.x) + u, f64::from(address.y) + v);
-            let ray = shot.camera().generate_ray(x, y, [0.0; 2]);
-            let call = Call { shot: &shot, accel: &*accel, sampler, samples_lamps };
+            let ray = prepared.camera().generate_ray(x, y, [0.0; 2]);
+            let call = Call { prepared: &prepared, accel: &*accel, sampler, samples_emitters };
             let recursive = call.radiance(&ray, 1, 1.0, None);
             let looped = looped.direct + looped.indirect;
             let allowed = 2e-5 * recursive.max_element().max(1e-3);

@@ -7,12 +7,12 @@ use crate::kit::{Kit, built, rendered};
 #[test]
 fn the_picture_has_the_same_bits_for_any_number_of_threads() {
     let small = ["image.width=60", "image.height=45", "render.samples_per_pixel=20"];
-    let shot = Kit::of_file("paper/fig4.toml", &small).shot();
+    let prepared = Kit::of_file("paper/fig4.toml", &small).prepared();
     for &backend in Backend::AVAILABLE {
         let render = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             // Embree builds with its own threads, as many as there are in the pool.
-            pool.expect("threads").install(|| rendered(&shot, backend).picture)
+            pool.expect("threads").install(|| rendered(&prepared, backend).picture)
         };
         let one = render(1);
         for threads in [2, 7] {
@@ -27,13 +27,13 @@ fn a_sample_does_not_depend_on_its_batch_or_order() {
     use photosphere::integrator::{RenderContext, SampleAddress, Workspace, create};
     let kit = Kit::of_file("paper/fig4.toml", &["image.width=64", "image.height=48"]);
     for kit in kit.both_ways() {
-        let shot = kit.shot();
-        let accel = built(&shot, Backend::BruteForce);
+        let prepared = kit.prepared();
+        let accel = built(&prepared, Backend::BruteForce);
         let cancel = Default::default();
-        let world = RenderContext::new(&shot, &*accel, &cancel);
+        let context = RenderContext::new(&prepared, &*accel, &cancel);
         let estimate = |samples: &[SampleAddress]| {
             let mut radiance = vec![PathRadiance::default(); samples.len()];
-            create(&shot).estimate(world, samples, &mut radiance, &mut Workspace::default());
+            create(&prepared).estimate(context, samples, &mut radiance, &mut Workspace::default());
             radiance.iter().map(|r| (r.direct, r.indirect)).collect::<Vec<_>>()
         };
         let address = |i: u32| SampleAddress { x: i * 7 % 64, y: i * 5 % 48, sample: i % 13 };

@@ -26,7 +26,7 @@ fn metal(name: &str, roughness: f64) -> SurfaceModel {
     SurfaceModel::Conductor { metal: *metal, roughness }
 }
 
-/// A ball that is partly metal, matt and glass, under a coat.
+/// A ball that is partly metal, diffuse and glass, under a coat.
 const MIXTURE: PrincipledParameters = PrincipledParameters {
     base_color: Rgb::splat(0.8),
     metallic: 0.2,
@@ -75,7 +75,7 @@ fn the_densest_and_roughest_glass_vanishes_in_a_uniform_field() {
     }
 }
 
-/// The same of balls that are partly matt: their gloss and what is beneath it throw light back as
+/// The same of balls that are partly diffuse: their gloss and what is beneath it throw light back as
 /// often.
 #[test]
 fn dense_mixtures_vanish_in_a_uniform_field() {
@@ -122,8 +122,8 @@ fn in_the_dark(surface: SurfaceModel) -> Kit {
     })
 }
 
-/// The same with a lamp.
-fn beside_a_lamp(center: [f64; 3], radius: f64, surface: SurfaceModel) -> Kit {
+/// The same with an emitter.
+fn beside_an_emitter(center: [f64; 3], radius: f64, surface: SurfaceModel) -> Kit {
     in_the_dark(surface).with(|kit| {
         kit.glowing_ball(center, radius, diffuse(0.0), 9.0);
     })
@@ -133,8 +133,8 @@ fn beside_a_lamp(center: [f64; 3], radius: f64, surface: SurfaceModel) -> Kit {
 fn light_found_by_chance_and_light_aimed_at_agree_on_rough_surfaces() {
     for roughness in [0.2, 0.6, 1.0] {
         for surface in [metal("gold", roughness), rough_glass(1.5, roughness), mixture(roughness)] {
-            // One lamp is so near that it reaches below the ball's horizon.
-            let mut kit = beside_a_lamp([1.5, 2.0, 1.5], 1.2, surface);
+            // One emitter is so near that it reaches below the ball's horizon.
+            let mut kit = beside_an_emitter([1.5, 2.0, 1.5], 1.2, surface);
             kit.glowing_ball([-3.0, 0.0, 3.0], 0.3, diffuse(0.0), 9.0);
             both_ways_agree(&kit);
         }
@@ -142,14 +142,14 @@ fn light_found_by_chance_and_light_aimed_at_agree_on_rough_surfaces() {
 }
 
 #[test]
-fn they_agree_where_the_lamp_is_behind_rough_glass_or_in_it() {
-    both_ways_agree(&beside_a_lamp([0.0, 0.0, -4.0], 1.5, rough_glass(1.5, 0.4)));
-    let inside = |roughness| beside_a_lamp([0.1, 0.2, 0.0], 0.3, rough_glass(1.5, roughness));
+fn they_agree_where_the_emitter_is_behind_rough_glass_or_in_it() {
+    both_ways_agree(&beside_an_emitter([0.0, 0.0, -4.0], 1.5, rough_glass(1.5, 0.4)));
+    let inside = |roughness| beside_an_emitter([0.1, 0.2, 0.0], 0.3, rough_glass(1.5, roughness));
     both_ways_agree(&inside(0.4));
     both_ways_agree(inside(0.7).ball([0.0; 3], 2.0, mixture(0.5)));
 }
 
-/// The same picture of a rough ball by aiming at lamps and by chance.
+/// The same picture of a rough ball by aiming at emitters and by chance.
 fn both_ways_agree(kit: &Kit) {
     let aimed = kit.clone().samples(64).mean();
     let by_chance = kit.clone().paper(PaperSettings::default()).samples(256).mean();

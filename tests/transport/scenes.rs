@@ -63,7 +63,7 @@ pub(crate) fn full_furnace() -> Kit {
     kit
 }
 
-/// A matt ball under a lamp that it sees entirely: radiance is `albedo L (R / d)^2 cos`.
+/// A diffuse ball under an emitter that it sees entirely: radiance is `albedo L (R / d)^2 cos`.
 pub(crate) fn lone_ball(surface: SurfaceModel) -> Kit {
     let mut kit = Kit::new(2, 2, 256);
     kit.scene.camera([0.0, 0.0, 6.0], [0.0, 0.0, 1.0]).field_of_view(0.0001);

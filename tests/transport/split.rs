@@ -32,7 +32,7 @@ fn mirrors_and_glass_do_not_count_as_scattering() {
     let seen = black.picture();
     assert!(seen.indirect.iter().all(|c| c.max_element() == 0.0));
     assert!(seen.direct.iter().filter(|c| c.y > 0.0).count() > seen.len() / 2);
-    // A ball lit by a lamp and seen in a mirror is direct light as well: three edges, one
+    // A ball lit by an emitter and seen in a mirror is direct light as well: three edges, one
     // scattering.
     let view = [
         "materials.floating.albedo=[0,0,0]",
@@ -45,7 +45,7 @@ fn mirrors_and_glass_do_not_count_as_scattering() {
 }
 
 #[test]
-fn light_of_the_background_is_split_like_a_lamps() {
+fn light_of_the_background_is_split_like_a_emitters() {
     let dark = ["materials.lamp.emission=[0,0,0]", "background.radiance=[1,1,1]"];
     let at_depth = |depth| figure(2, &dark).depth(depth).picture();
     let lit = |layer: &[photosphere::color::Rgb]| layer.iter().filter(|c| c.y > 0.0).count();

@@ -122,14 +122,14 @@ fn scene_of_values() -> SceneBuilder {
     let ground = scene.diffuse([0.5, 0.4, 0.3]);
     let gold = scene.metal(Metal::NAMED[0].1, 0.3);
     let glass = scene.glass(1.5);
-    let lamp = scene.emitter([5.0, 4.0, 3.0]);
+    let emitter = scene.emitter([5.0, 4.0, 3.0]);
     let surface = SurfaceModel::Diffuse { albedo: [0.9, 0.2, 0.2].into(), roughness: 0.5 };
     let veil = scene.material(MaterialDescription { surface, opacity: 0.5, ..Default::default() });
     scene
         .sphere(ground, [0.0, -100.0, 0.0], 100.0)
         .sphere(gold, [-1.5, 1.0, 0.0], 1.0)
         .sphere(glass, [1.5, 1.0, 0.0], 1.0)
-        .sphere(lamp, [0.0, 3.0, -1.0], 0.5)
+        .sphere(emitter, [0.0, 3.0, -1.0], 0.5)
         .sphere(veil, [0.0, 0.6, 1.5], 0.6);
     for (material, name) in
         scene.description.materials.iter_mut().zip(["ground", "gold", "glass", "lamp", "veil"])

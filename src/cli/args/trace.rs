@@ -27,11 +27,11 @@ numbers, same light to the bit. It is told in the letters of the rendering equat
 x_k is the path's vertex number k, p the density of a direction (per solid angle), w the weight of
 multiple importance sampling, and T the product of f_r |cos| / p so far. V is what surfaces that are
 not opaque let pass on the way to a light, tau what a medium does on a way that T has not counted yet,
-and L_e is already multiplied with the lamp's opacity. Each line that begins with `+` adds light to
+and L_e is already multiplied with the emitter's opacity. Each line that begins with `+` adds light to
 the sample; their sum is the sample's L_o at the camera.
 
 The drawing looks at the path from the side: upright, on the plane in which the path is largest.
-Spheres that the path meets or aims at are named. Rays towards lamps are drawn through where they
+Spheres that the path meets or aims at are named. Rays towards emitters are drawn through where they
 arrive and dashed where something is in the way.")]
 pub struct TraceArgs {
     #[command(flatten)]

@@ -64,14 +64,14 @@ fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<
     let kinds: &[Aov] = if args.render { &Aov::DEFAULT } else { &[] };
     memory::check(&scene_file, &MemoryNeeds { backends, kinds, besides }, args.memory.limit)?;
     let (scene, settings) = scene_file.build()?;
-    let shot = PreparedScene::new(&scene, settings)?;
+    let prepared = PreparedScene::new(&scene, settings)?;
     let measuring = measuring(args, interrupt);
     let field = measuring.field(scene.spheres(), backends)?;
     let image = settings.image;
-    let camera = camera_rays(shot.camera(), [image.width, image.height], MOST_RAYS);
+    let camera = camera_rays(prepared.camera(), [image.width, image.height], MOST_RAYS);
     let mut measured = measuring.measure(&field, camera)?;
     if args.render {
-        measured.renders = bench_renders(&shot, &field, args.rounds.into(), &measuring.cancel)?;
+        measured.renders = bench_renders(&prepared, &field, args.rounds.into(), &measuring.cancel)?;
     }
     let (spheres, rounds) = (scene.spheres().len(), measuring.rounds());
     if let Some(file) = drawing {

@@ -96,7 +96,7 @@ impl Report<'_> {
         let Times { load_s, build_s } = self.times;
         let session = self.session;
         let picture = session.film().picture();
-        let chosen = session.job().accel.select(session.shot().scene().spheres());
+        let chosen = session.job().accel.select(session.prepared().scene().spheres());
         json!({
             "output": self.outputs(),
             "complete": self.is_complete(),
@@ -104,7 +104,7 @@ impl Report<'_> {
             "accel_reason": chosen.reason,
             "accel_details": session.accel().details(),
             "accel_bytes": session.accel().bytes(),
-            "spheres": session.shot().scene().spheres().len(),
+            "spheres": session.prepared().scene().spheres().len(),
             "width": picture.width,
             "height": picture.height,
             "threads": session.threads(),

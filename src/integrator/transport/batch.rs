@@ -5,10 +5,10 @@ use crate::material::MediumStack;
 use crate::math::Hit;
 use crate::sampling::Sampler;
 
+use super::super::context::RenderContext;
 use super::super::sample::{RenderStats, SampleAddress};
 use super::super::trace::{Contribution, PathEvent, PathRecorder, Termination};
 use super::super::workspace::Workspace;
-use super::super::world::RenderContext;
 use super::choices::PathTracer;
 use super::opacity;
 use super::paths::{Path, PendingDirect, PrevVertex, ShadowQueue};
@@ -96,7 +96,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         // Shade: add emission, sample a light, scatter.
         shadows.clear();
         shadow_media.clear();
-        let mut aims = ShadowQueue { shadow_rays: shadows, media: shadow_media };
+        let mut shadow_queue = ShadowQueue { shadow_rays: shadows, media: shadow_media };
         next_paths.clear();
         for (index, &hit) in hits.iter().enumerate() {
             if !self.visible_surfaces.is_empty() {
@@ -108,23 +108,23 @@ impl<R: PathRecorder> PathBatch<'_, R> {
                     continue;
                 }
             }
-            if let Some(matt) = self.diffuse_surface(paths, index, hit).filter(|_| has_blocks) {
-                self.enqueue_diffuse(block, paths, index, hit.id, matt);
+            if let Some(diffuse) = self.diffuse_surface(paths, index, hit).filter(|_| has_blocks) {
+                self.enqueue_diffuse(block, paths, index, hit.id, diffuse);
                 if block.is_full() {
-                    self.flush_diffuse(isa, block, paths, next_paths, &mut aims);
+                    self.flush_diffuse(isa, block, paths, next_paths, &mut shadow_queue);
                 }
                 continue;
             }
             let mut path = paths.get(index);
             let goes_on = match spheres.resolve_hit(&path.ray, hit) {
-                Some(surface) => self.shade_hit(&mut path, surface, &mut aims),
+                Some(surface) => self.shade_hit(&mut path, surface, &mut shadow_queue),
                 None => self.shade_miss(&mut path),
             };
             if goes_on {
                 next_paths.push(&path);
             }
         }
-        self.flush_diffuse(isa, block, paths, next_paths, &mut aims);
+        self.flush_diffuse(isa, block, paths, next_paths, &mut shadow_queue);
         std::mem::swap(paths, next_paths);
 
         // Trace the shadow rays.
@@ -136,26 +136,26 @@ impl<R: PathRecorder> PathBatch<'_, R> {
                 .pending
                 .iter()
                 .zip(&*passed)
-                .for_each(|(gain, &share)| self.add_direct(gain, share));
+                .for_each(|(pending, &share)| self.add_direct(pending, share));
         } else {
             blocked.clear();
             blocked.resize(shadows.pending.len(), false);
             self.context.accel.occluded_path_rays(spheres, &shadows.rays, rays, blocked);
             self.stats.count_path_rays(&shadows.rays, isa);
-            for (gain, &is_blocked) in shadows.pending.iter().zip(&*blocked) {
-                self.add_direct(gain, if is_blocked { 0.0 } else { 1.0 });
+            for (pending, &is_blocked) in shadows.pending.iter().zip(&*blocked) {
+                self.add_direct(pending, if is_blocked { 0.0 } else { 1.0 });
             }
         }
     }
 
     /// Adds the unoccluded part of a pending direct contribution.
     #[inline(always)]
-    fn add_direct(&mut self, gain: &PendingDirect, passed: f32) {
+    fn add_direct(&mut self, pending: &PendingDirect, passed: f32) {
         if passed == 0.0 && !R::ENABLED {
             return;
         }
-        let added = self.clamp_contribution(gain.radiance * passed, gain.is_direct);
-        self.add_contribution(gain.batch_index, added);
+        let added = self.clamp_contribution(pending.radiance * passed, pending.is_direct);
+        self.add_contribution(pending.batch_index, added);
         self.recorder.record(|| PathEvent::ShadowRay { visibility: passed, contribution: added });
     }
 

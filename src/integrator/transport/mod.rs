@@ -26,11 +26,11 @@ use std::mem::take;
 
 use crate::color::PathRadiance;
 
+use super::context::RenderContext;
 use super::estimate::Integrator;
 use super::sample::{RenderStats, SampleAddress};
 use super::trace::{NullRecorder, PathEvent, PathTrace};
 use super::workspace::Workspace;
-use super::world::RenderContext;
 
 use batch::PathBatch;
 
@@ -42,12 +42,12 @@ pub(super) use paths::{PathQueue, PrevVertex, ShadowRays};
 impl Integrator for PathTracer {
     fn estimate(
         &self,
-        world: RenderContext<'_>,
+        context: RenderContext<'_>,
         samples: &[SampleAddress],
         radiance: &mut [PathRadiance],
         workspace: &mut Workspace,
     ) -> RenderStats {
-        let tally = RenderStats::default();
+        let stats = RenderStats::default();
         let recorder = &mut NullRecorder;
         workspace.reset_visible_surfaces(samples.len());
         let Workspace { media, visible_surfaces: seen, samplers, prev_vertices: drawn, .. } =
@@ -56,25 +56,25 @@ impl Integrator for PathTracer {
         let transport = self;
         PathBatch {
             integrator: transport,
-            context: world,
+            context: context,
             samples,
             radiance,
             media,
             visible_surfaces: seen,
             samplers,
             prev_vertices: drawn,
-            stats: tally,
+            stats: stats,
             recorder,
         }
         .run(workspace)
     }
 
-    fn trace_path(&self, world: RenderContext<'_>, address: SampleAddress) -> Option<PathTrace> {
+    fn trace_path(&self, context: RenderContext<'_>, address: SampleAddress) -> Option<PathTrace> {
         let mut steps: Vec<PathEvent> = Vec::new();
         let mut radiance = [PathRadiance::default()];
         let batch = PathBatch {
             integrator: self,
-            context: world,
+            context: context,
             samples: &[address],
             radiance: &mut radiance,
             media: Vec::new(),
@@ -84,8 +84,8 @@ impl Integrator for PathTracer {
             stats: RenderStats::default(),
             recorder: &mut steps,
         };
-        let tally = batch.run(&mut Workspace::default());
+        let stats = batch.run(&mut Workspace::default());
         let [radiance] = radiance;
-        Some(PathTrace { address, events: steps, radiance, stats: tally })
+        Some(PathTrace { address, events: steps, radiance, stats: stats })
     }
 }

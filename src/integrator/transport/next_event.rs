@@ -20,10 +20,10 @@ impl ShadowQueue<'_> {
     pub(super) fn push(
         &mut self,
         scene: &Scene,
-        aimed: Option<(PathRay, PendingDirect, &MediumStack)>,
+        direct: Option<(PathRay, PendingDirect, &MediumStack)>,
     ) {
-        let Some((ray, gain, media)) = aimed else { return };
-        self.shadow_rays.push(&ray, gain);
+        let Some((ray, pending, media)) = direct else { return };
+        self.shadow_rays.push(&ray, pending);
         if scene.has_opacity() {
             self.media.push(*media);
         }
@@ -37,7 +37,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     pub(super) fn sample_light<'p>(
         &'p mut self,
         path: &Path,
-        receiver: &LightSampleContext,
+        ctx: &LightSampleContext,
         bsdf: &Bsdf<'_>,
         frame: &Frame,
         wo: DVec3,
@@ -47,11 +47,11 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let sampler = self.sampler(path);
         let u = sampler.get_2d(vertex.light_direction());
         let scene = self.context.scene;
-        let lights = self.context.shot.lights();
+        let lights = self.context.prepared.lights();
         let has_choice = lights.needs_selection();
         let choose = if has_choice { sampler.get(vertex.light_selection()) } else { 0.0 };
-        let mut aim = lights.sample(scene.spheres(), receiver, choose, u)?;
-        let wi = frame.to_local(aim.direction);
+        let mut light = lights.sample(scene.spheres(), ctx, choose, u)?;
+        let wi = frame.to_local(light.direction);
         let f = bsdf.eval(wo, wi);
         if f.max_element() <= 0.0 {
             return None;
@@ -62,25 +62,25 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             true => SurfaceHit::spawn_ray_to,
             false => SurfaceHit::spawn_shadow_ray,
         };
-        let ray = leave(&receiver.hit, aim.direction, aim.distance, aim.source.sphere_id())?;
-        aim.radiance = opacity::emitter_radiance(scene, &aim, receiver, media);
+        let ray = leave(&ctx.hit, light.direction, light.distance, light.source.sphere_id())?;
+        light.radiance = opacity::emitter_radiance(scene, &light, ctx, media);
         let transmittance = match scene.has_media() {
-            true => media.transmittance(aim.distance),
+            true => media.transmittance(light.distance),
             false => Rgb::ONE,
         };
         let cos = if fault!(DirectCosineMissing) { 1.0 } else { wi.z.abs() };
         let pdf_bsdf = bsdf.pdf(wo, wi);
-        let weight = mis_weight(self.integrator.estimator, aim.pdf, pdf_bsdf);
+        let weight = mis_weight(self.integrator.estimator, light.pdf, pdf_bsdf);
         self.recorder.record(|| PathEvent::LightSample {
-            sample: aim,
+            sample: light,
             transmittance,
             f,
             cos,
             pdf_bsdf,
             weight,
         });
-        let radiance = aim.radiance * transmittance;
-        let light = path.state.throughput * f * radiance * (weight * cos / aim.pdf) as f32;
+        let radiance = light.radiance * transmittance;
+        let light = path.state.throughput * f * radiance * (weight * cos / light.pdf) as f32;
         if light == Rgb::ZERO {
             return None;
         }

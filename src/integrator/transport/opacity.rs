@@ -14,9 +14,9 @@ use crate::math::{Hit, Ray};
 use crate::sampling::Sampler;
 use crate::scene::Scene;
 
+use super::super::context::RenderContext;
 use super::super::dimension;
 use super::super::sample::RenderStats;
-use super::super::world::RenderContext;
 use super::paths::{MAX_PATH_EDGES, Path, PrevVertex, ShadowRays};
 
 /// Returns true if a path's opacity test finds the surface present, given its opacity.
@@ -41,44 +41,44 @@ pub(super) fn is_back_wall_of_emitter(
 /// each ray starts in. A ray towards an emitter enters none, since a surface that is present ends
 /// it.
 pub(super) fn trace_visibility(
-    world: RenderContext<'_>,
+    context: RenderContext<'_>,
     shadows: &mut ShadowRays,
     media: &[MediumStack],
     rays: &mut Vec<Ray>,
     hits: &mut Vec<Hit>,
     passed: &mut Vec<f32>,
 ) -> RenderStats {
-    let spheres = world.scene.spheres();
-    let mut tally = RenderStats::default();
+    let spheres = context.scene.spheres();
+    let mut stats = RenderStats::default();
     passed.clear();
     passed.resize(shadows.pending.len(), 1.0);
     let mut active: Vec<usize> = (0..shadows.pending.len()).collect();
     for _ in 0..MAX_PATH_EDGES {
         // Estimates made after cancellation are discarded.
-        if active.is_empty() || world.cancel.is_cancelled() {
-            return tally;
+        if active.is_empty() || context.cancel.is_cancelled() {
+            return stats;
         }
         rays.clear();
         rays.extend(active.iter().map(|&i| spheres.to_query(&shadows.rays.get(i))));
         hits.clear();
         hits.resize(rays.len(), Hit::MISS);
-        world.accel.closest(rays, hits);
-        tally.count_rays(rays);
+        context.accel.closest(rays, hits);
+        stats.count_rays(rays);
         let mut answers = hits.iter();
         active.retain(|&i| {
             let hit = answers.next().copied().unwrap_or(Hit::MISS);
             let hit = spheres.resolve_hit(&shadows.rays.get(i), hit);
             let Some(hit) = hit else { return false };
             let (share, ray) =
-                surface_visibility(world.scene, &shadows.rays.get(i), &media[i], &hit);
+                surface_visibility(context.scene, &shadows.rays.get(i), &media[i], &hit);
             passed[i] *= share;
             let behind = ray.filter(|_| passed[i] > 0.0);
             behind.inspect(|ray| shadows.rays.set(i, ray)).is_some()
         });
     }
-    tally.truncated_paths += active.len() as u64;
+    stats.truncated_paths += active.len() as u64;
     active.into_iter().for_each(|i| passed[i] = 0.0);
-    tally
+    stats
 }
 
 /// Returns the fraction of light that a surface transmits, and the ray behind it unless it ends.
@@ -88,12 +88,12 @@ fn surface_visibility(
     media: &MediumStack,
     hit: &SurfaceHit,
 ) -> (f32, Option<PathRay>) {
-    let (lamp, left) = (ray.target_sphere, ray.t_max - hit.t);
-    if hit.id == lamp || left <= 0.0 {
+    let (emitter, left) = (ray.target_sphere, ray.t_max - hit.t);
+    if hit.id == emitter || left <= 0.0 {
         return (1.0, None);
     }
     let presence = scene.sphere_material(hit.id).opacity(hit.id, hit.side, media);
-    let behind = hit.spawn_ray_to(ray.direction, left, lamp);
+    let behind = hit.spawn_ray_to(ray.direction, left, emitter);
     if presence >= 1.0 || behind.is_none() {
         return (0.0, None);
     }
@@ -105,17 +105,17 @@ fn surface_visibility(
 /// path has entered it.
 pub(super) fn emitter_radiance(
     scene: &Scene,
-    aim: &LightSample,
-    receiver: &LightSampleContext,
+    light: &LightSample,
+    ctx: &LightSampleContext,
     media: &MediumStack,
 ) -> Rgb {
-    match aim.source {
+    match light.source {
         LightSource::Emitter(id)
-            if scene.has_opacity() && receiver.is_inside(id, &scene.spheres().sphere(id)) =>
+            if scene.has_opacity() && ctx.is_inside(id, &scene.spheres().sphere(id)) =>
         {
             let surface = scene.sphere_material(id);
             surface.material.emission * surface.opacity(id, Side::Inside, media)
         }
-        _ => aim.radiance,
+        _ => light.radiance,
     }
 }

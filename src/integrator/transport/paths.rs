@@ -127,9 +127,9 @@ impl ShadowRays {
     }
 
     #[inline(always)]
-    pub(super) fn push(&mut self, ray: &PathRay, gain: PendingDirect) {
+    pub(super) fn push(&mut self, ray: &PathRay, pending: PendingDirect) {
         self.rays.push(ray);
-        self.pending.push(gain);
+        self.pending.push(pending);
     }
 }
 

@@ -46,7 +46,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let is_plain = !R::ENABLED
             && self.visible_surfaces.is_empty()
             && self.integrator.miss != MissPolicy::Redraw;
-        self.context.shot.lights().environment().constant_radiance().filter(|_| is_plain)
+        self.context.prepared.lights().environment().constant_radiance().filter(|_| is_plain)
     }
 
     /// Terminates a path that misses in a scene with a constant environment, as
@@ -73,7 +73,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         &mut self,
         path: &mut Path,
         hit: SurfaceHit,
-        aims: &mut ShadowQueue<'_>,
+        shadow_queue: &mut ShadowQueue<'_>,
     ) -> bool {
         let scene = self.context.scene;
         let transmittance = match scene.has_media() {
@@ -89,10 +89,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             || PathEvent::Hit { depth, hit, wo, opacity: presence, transmittance, throughput };
         self.recorder.record(meet);
         if surface.material.is_emissive() {
-            let is_aimed_at =
+            let is_light_sampled_at =
                 !opacity::is_back_wall_of_emitter(scene, self.prev_vertex(path), &hit);
             let radiance = surface.material.emission * presence;
-            self.add_emission(path, LightSource::Emitter(hit.id), radiance, is_aimed_at);
+            self.add_emission(path, LightSource::Emitter(hit.id), radiance, is_light_sampled_at);
         }
         if presence < 1.0 && !opacity::passes_opacity_test(path, self.sampler(path), presence) {
             return self.pass_transparent(path, &hit);
@@ -112,7 +112,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if depth >= MAX_PATH_EDGES {
             return self.terminate_at_length_limit();
         }
-        self.sample_light_and_bsdf(path, &hit, &surface, eta, beyond, aims)
+        self.sample_light_and_bsdf(path, &hit, &surface, eta, beyond, shadow_queue)
     }
 
     /// Returns true if a path has reached `max_depth`.
@@ -128,17 +128,17 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         surface: &SphereMaterial<'_>,
         eta: f64,
         transmitted_media: Option<&MediumStack>,
-        aims: &mut ShadowQueue<'_>,
+        shadow_queue: &mut ShadowQueue<'_>,
     ) -> bool {
         let scene = self.context.scene;
         let bsdf = surface.material.bsdf(surface.albedo, eta, self.integrator.hemisphere);
-        let receiver = LightSampleContext { hit: *hit, is_two_sided: bsdf.is_rough_transmissive() };
+        let ctx = LightSampleContext { hit: *hit, is_two_sided: bsdf.is_rough_transmissive() };
         let frame = Frame::from_z(hit.facing_normal());
         let wo = frame.to_local(-path.ray.direction);
         let may_scatter = path.state.scatter_count < self.integrator.max_scatterings;
         if self.integrator.estimator != Estimator::Bsdf && may_scatter && !bsdf.is_delta() {
-            let aimed = self.sample_light(path, &receiver, &bsdf, &frame, wo, transmitted_media);
-            aims.push(scene, aimed);
+            let direct = self.sample_light(path, &ctx, &bsdf, &frame, wo, transmitted_media);
+            shadow_queue.push(scene, direct);
         }
         let vertex = VertexDimensions::at(path.state.depth);
         let sampler = self.sampler(path);
@@ -153,7 +153,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             return self.terminate(Termination::DirectOnly);
         }
         let goes_on =
-            self.scatter(path, &receiver, &sample, frame.to_world(sample.wi), transmitted_media);
+            self.scatter(path, &ctx, &sample, frame.to_world(sample.wi), transmitted_media);
         path.state.depth += 1;
         goes_on
     }
@@ -171,8 +171,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             return;
         }
         let drawn = self.prev_vertex(path);
-        let aimed = drawn.filter(|_| is_light_sampled);
-        let pdf_light = aimed.map_or(0.0, |drawn| self.pdf_light(path, drawn, source));
+        let direct = drawn.filter(|_| is_light_sampled);
+        let pdf_light = direct.map_or(0.0, |drawn| self.pdf_light(path, drawn, source));
         let pdf = drawn.map(|drawn| drawn.pdf);
         let weight = match (self.integrator.estimator, pdf) {
             (Estimator::Mis, Some(_)) if fault!(BsdfMisWeightMissing) => 1.0,
@@ -202,7 +202,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             return 0.0;
         }
         let scene = self.context.scene;
-        self.context.shot.lights().pdf(
+        self.context.prepared.lights().pdf(
             scene.spheres(),
             &drawn.light_sample_context(scene.spheres()),
             source,

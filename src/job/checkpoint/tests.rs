@@ -56,7 +56,7 @@ fn header(film: &FilmFormat) -> CheckpointHeader {
         SceneDescription { materials, spheres: vec![ball], ..SceneDescription::default() };
     let scene = Scene::build(description).unwrap();
     let job = Job::with_size(31, 17).noise_target(0.02);
-    let shot = PreparedScene::new(&scene, job.settings).unwrap();
+    let prepared = PreparedScene::new(&scene, job.settings).unwrap();
     let path = || FilePath(PathBuf::from("/pictures/a.exr"));
     let delivery = OutputSpec {
         files: vec![path()],
@@ -70,7 +70,7 @@ fn header(film: &FilmFormat) -> CheckpointHeader {
     CheckpointHeader {
         film: film.clone(),
         samples: 32..64,
-        metadata: Metadata::new(&shot, Backend::BruteForce),
+        metadata: Metadata::new(&prepared, Backend::BruteForce),
         job,
         status: RenderStatus::Ended { missed: Vec::new() },
         statistics: CumulativeStats { rays: 1 << 60, seconds: 0.1, media_overflows: 1, cut_off: 2 },

@@ -122,10 +122,10 @@ impl MergedRender {
         }
         let (scene, mut settings) = self.first.scene()?;
         settings.image.crop = self.metadata.settings.image.crop;
-        let shot = PreparedScene::new(&scene, settings)?;
+        let prepared = PreparedScene::new(&scene, settings)?;
         let accel =
             self.metadata.intersector.backend.build(scene.spheres(), &BuildOptions::default())?;
-        Ok(develop(&shot, accel.as_ref(), &self.film, &self.layers))
+        Ok(develop(&prepared, accel.as_ref(), &self.film, &self.layers))
     }
 }
 

@@ -148,12 +148,12 @@ impl EnvironmentMap {
             return 0.0;
         }
         let place = self.locate(direction);
-        let aimed: f64 = self
+        let sampled: f64 = self
             .bilinear_weights(&place)
             .map(|(node, weight)| self.sampling_weight(node) * weight)
             .into_iter()
             .sum();
-        aimed / self.total_weight
+        sampled / self.total_weight
     }
 
     /// Returns the integral of the sampling function over all directions, in W/m^2 of luminance; 0

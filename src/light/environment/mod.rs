@@ -12,7 +12,7 @@ use crate::color::Rgb;
 use crate::math::{DVec3, Frame};
 use crate::sampling::sin_cos;
 
-use super::receiver::LightSampleContext;
+use super::context::LightSampleContext;
 
 /// Light that arrives from infinitely far away.
 #[derive(Clone, Debug)]

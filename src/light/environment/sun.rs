@@ -6,8 +6,8 @@ use crate::color::{Rgb, luminance};
 use crate::math::{DVec3, Frame};
 use crate::sampling::{hemisphere, sin_cos};
 
+use super::super::context::LightSampleContext;
 use super::super::light_bounds::clipped_cosine;
-use super::super::receiver::LightSampleContext;
 
 /// A sun.
 #[derive(Clone, Copy, Debug)]

@@ -24,7 +24,7 @@ text { font: 13px sans-serif; fill: #222 }\n\
 .halo { paint-order: stroke; stroke: #fff; stroke-width: 3px }\n\
 .sphere { fill: #eef1f4; fill-opacity: .75; stroke: #9aa5b1 }\n\
 .met { fill: #d5e3f0; stroke: #4a6f94; stroke-width: 1.4 }\n\
-.lamp { fill: #ffe9a8; fill-opacity: .9; stroke: #b8860b; stroke-width: 1.4 }\n\
+.emitter { fill: #ffe9a8; fill-opacity: .9; stroke: #b8860b; stroke-width: 1.4 }\n\
 .around { fill: none }\n\
 .path { stroke: #0b3c6f; stroke-width: 2.4; fill: none }\n\
 .free { stroke: #d98200; stroke-width: 1.6; fill: none }\n\
@@ -50,12 +50,12 @@ struct Sketch {
     /// Vertices of the path, starting at the camera.
     vertices: Vec<DVec3>,
     met: Vec<u32>,
-    lamps: Vec<u32>,
+    emitters: Vec<u32>,
 }
 
 /// Draws the path as SVG.
-pub fn svg(shot: &PreparedScene, trace: &PathTrace) -> String {
-    let scene = shot.scene();
+pub fn svg(prepared: &PreparedScene, trace: &PathTrace) -> String {
+    let scene = prepared.scene();
     let sketch = Sketch::of(scene, trace);
     let ends = sketch.lines.iter().filter_map(|line| line.to);
     let points: Vec<DVec3> = sketch.vertices.iter().copied().chain(ends).collect();
@@ -70,7 +70,7 @@ pub fn svg(shot: &PreparedScene, trace: &PathTrace) -> String {
     }
     draw_vertices(&mut canvas, &sketch, &view);
     canvas.leave_window();
-    draw_legend(&mut canvas, shot, trace, &view);
+    draw_legend(&mut canvas, prepared, trace, &view);
     canvas.finish()
 }
 
@@ -88,7 +88,7 @@ impl Sketch {
                     sketch.reach(point);
                     sketch.met.push(hit.id);
                     if scene.sphere_material(hit.id).material.is_emissive() {
-                        sketch.lamps.push(hit.id);
+                        sketch.emitters.push(hit.id);
                     }
                 }
                 PathEvent::Miss { wo, .. } => {
@@ -101,7 +101,7 @@ impl Sketch {
                 }
                 PathEvent::LightSample { sample, .. } => {
                     if let LightSource::Emitter(id) = sample.source {
-                        sketch.lamps.push(id);
+                        sketch.emitters.push(id);
                     }
                     let Some((passed, _)) = answer(&trace.events, at) else { continue };
                     let Some(&from) = sketch.vertices.last() else { continue };
@@ -136,7 +136,7 @@ fn draw_spheres(
     view: &SideView,
 ) -> Vec<(DVec2, String)> {
     let spheres = scene.spheres();
-    let is_named = |id: u32| sketch.met.contains(&id) || sketch.lamps.contains(&id);
+    let is_named = |id: u32| sketch.met.contains(&id) || sketch.emitters.contains(&id);
     let projected = |id: u32| {
         let sphere = spheres.sphere(id);
         let center = view.project(place(scene, sphere.center));
@@ -152,8 +152,8 @@ fn draw_spheres(
     let mut labels = Vec::new();
     let mut taken = vertex_labels(sketch, view);
     for (id, center, radius) in circles {
-        let class = match (sketch.lamps.contains(&id), sketch.met.contains(&id)) {
-            (true, _) => "lamp",
+        let class = match (sketch.emitters.contains(&id), sketch.met.contains(&id)) {
+            (true, _) => "emitter",
             (_, true) => "met",
             _ => "sphere",
         };
@@ -213,7 +213,7 @@ fn draw_vertices(canvas: &mut Canvas, sketch: &Sketch, view: &SideView) {
 }
 
 /// Draws the line styles, the sample's position, and a scale bar of a round length.
-fn draw_legend(canvas: &mut Canvas, shot: &PreparedScene, trace: &PathTrace, view: &SideView) {
+fn draw_legend(canvas: &mut Canvas, prepared: &PreparedScene, trace: &PathTrace, view: &SideView) {
     let mut at = DVec2::new(16.0, view.window.y + 24.0);
     let end = DVec2::new(view.window.x - 16.0, at.y);
     let unit = view.round_length();
@@ -227,7 +227,7 @@ fn draw_legend(canvas: &mut Canvas, shot: &PreparedScene, trace: &PathTrace, vie
         address.x,
         address.y,
         address.sample,
-        shot.render_settings().seed
+        prepared.render_settings().seed
     );
     canvas.text("small", "start", at + DVec2::Y * 27.0, &sample);
     let entries =

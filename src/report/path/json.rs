@@ -9,11 +9,11 @@ use super::spheres::{place, source_name};
 use super::words::why;
 
 /// Returns the whole path as JSON.
-pub fn json(shot: &PreparedScene, trace: &PathTrace) -> Value {
-    let scene = shot.scene();
+pub fn json(prepared: &PreparedScene, trace: &PathTrace) -> Value {
+    let scene = prepared.scene();
     let address = trace.address;
     let steps: Vec<Value> = trace.events.iter().map(|step| step_json(scene, step)).collect();
-    let render = shot.render_settings();
+    let render = prepared.render_settings();
     json!({
         "pixel": [address.x, address.y],
         "sample": address.sample,
@@ -36,7 +36,7 @@ fn step_json(scene: &Scene, step: &PathEvent) -> Value {
             "redraws": redraws,
         }),
         PathEvent::Hit { depth, hit, wo, opacity: presence, transmittance, throughput } => json!({
-            "step": "meet",
+            "step": "hit",
             "depth": depth,
             "sphere": scene.spheres().row(hit.id),
             "name": scene.name(hit.id),
@@ -71,7 +71,7 @@ fn step_json(scene: &Scene, step: &PathEvent) -> Value {
         PathEvent::HiddenBoundary => json!({ "step": "hidden" }),
         PathEvent::Transparent => json!({ "step": "absent" }),
         PathEvent::LightSample { sample, transmittance, f, cos, pdf_bsdf, weight } => json!({
-            "step": "aim",
+            "step": "light_sample",
             "source": source_name(scene, sample.source),
             "wi": sample.direction,
             "distance": sample.distance,

@@ -25,10 +25,10 @@ pub(super) fn place(scene: &Scene, point: DVec3) -> DVec3 {
     point + scene.spheres().origin()
 }
 
-/// Result of the light sample at event `aim`: the unoccluded fraction and the contribution. `None`
+/// Result of the light sample at event `light`: the unoccluded fraction and the contribution. `None`
 /// if no ray could be spawned.
-pub(super) fn answer(steps: &[PathEvent], aim: usize) -> Option<(f32, Contribution)> {
-    let after = &steps[aim + 1..];
+pub(super) fn answer(steps: &[PathEvent], light: usize) -> Option<(f32, Contribution)> {
+    let after = &steps[light + 1..];
     let until_next = after.iter().take_while(|step| !matches!(step, PathEvent::LightSample { .. }));
     until_next.into_iter().find_map(|step| match step {
         PathEvent::ShadowRay { visibility: passed, contribution: added } => Some((*passed, *added)),

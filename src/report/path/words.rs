@@ -12,10 +12,10 @@ use crate::scene::{PreparedScene, Scene};
 use super::spheres::{answer, name, place, source_name};
 
 /// Describes the whole path.
-pub fn words(shot: &PreparedScene, trace: &PathTrace) -> String {
-    let scene = shot.scene();
+pub fn words(prepared: &PreparedScene, trace: &PathTrace) -> String {
+    let scene = prepared.scene();
     let address = trace.address;
-    let render = shot.render_settings();
+    let render = prepared.render_settings();
     let mut text = format!(
         "pixel {}, {}, sample {} of {}, seed {}, integrator {}\n\n",
         address.x,
@@ -81,7 +81,7 @@ fn one(scene: &Scene, trace: &PathTrace, at: usize, vertex: usize) -> String {
             let weighed = match pdf {
                 None => "no light sample could have found it: w = 1".to_owned(),
                 Some(pdf) => format!(
-                    "p = {} by chance, {} by aiming: w = {}",
+                    "p = {} by chance, {} by light sampling: w = {}",
                     number(*pdf),
                     number(*pdf_light),
                     number(f64::from(*weight))
@@ -97,9 +97,10 @@ fn one(scene: &Scene, trace: &PathTrace, at: usize, vertex: usize) -> String {
             "     it is not there for this path: straight through\n".to_owned()
         }
         PathEvent::LightSample { sample, transmittance, f, cos, pdf_bsdf, weight } => {
-            let told = aim(scene, sample, *transmittance, *f, *cos, *pdf_bsdf, *weight);
+            let text =
+                light_sample_text(scene, sample, *transmittance, *f, *cos, *pdf_bsdf, *weight);
             let tau = if *transmittance == Rgb::ONE { "" } else { " tau" };
-            told + &arrival(tau, answer(&trace.events, at))
+            text + &arrival(tau, answer(&trace.events, at))
         }
         PathEvent::ShadowRay { .. } => String::new(), // covered by the light sample
         PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput } => {
@@ -142,7 +143,7 @@ fn absorbed(transmittance: Rgb) -> String {
     }
 }
 
-fn aim(
+fn light_sample_text(
     scene: &Scene,
     sample: &LightSample,
     transmittance: Rgb,
@@ -157,7 +158,7 @@ fn aim(
         false => String::new(),
     };
     format!(
-        "     aims at {to}{distance}{}: w_i = {}, L_e = {}\n     f_r = {}, |cos| = {}, p = {}, by \
+        "     samples {to}{distance}{}: w_i = {}, L_e = {}\n     f_r = {}, |cos| = {}, p = {}, by \
          chance {}: w = {}\n",
         absorbed(transmittance),
         vector(sample.direction),

@@ -142,17 +142,17 @@ impl SceneBench {
 
 impl Suite {
     /// Measures every scene that fits into memory. On cancellation, returns the scenes finished so
-    /// far. `told` receives progress events.
+    /// far. `report` receives progress events.
     ///
     /// # Errors
     /// If an intersector cannot be built.
-    pub fn measure(&self, told: &mut dyn FnMut(Event<'_>)) -> Result<Vec<SuiteEntry>> {
+    pub fn measure(&self, report: &mut dyn FnMut(Event<'_>)) -> Result<Vec<SuiteEntry>> {
         let mut entries = Vec::new();
         for count in sizes(self.largest) {
             let wanted = backends_for(&self.backends, count);
             let backends = those_that_fit(wanted.clone(), |backends| self.fits(count, backends));
             for left_out in wanted.iter().filter(|backend| !backends.contains(backend)) {
-                told(Event::LeftOut(*left_out, count));
+                report(Event::LeftOut(*left_out, count));
             }
             if backends.is_empty() {
                 break;
@@ -162,7 +162,7 @@ impl Suite {
                     Err(_) if self.measuring.cancel.is_cancelled() => return Ok(entries),
                     entry => entries.push(entry?),
                 }
-                entries.last().map(Event::Finished).into_iter().for_each(&mut *told);
+                entries.last().map(Event::Finished).into_iter().for_each(&mut *report);
             }
         }
         Ok(entries)

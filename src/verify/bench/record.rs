@@ -70,19 +70,19 @@ pub struct Record {
 }
 
 impl Record {
-    /// Measures one table after another and passes each to `told` when it is finished.
+    /// Measures one table after another and passes each to `report` when it is finished.
     /// Single-thread tables use a pool of one thread, all others the current rayon pool.
     ///
     /// # Errors
     /// If this build has no Embree, if there is no room for the scenes, or on cancellation.
-    pub fn measure(&self, told: &mut dyn FnMut(&str)) -> Result<()> {
+    pub fn measure(&self, report: &mut dyn FnMut(&str)) -> Result<()> {
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build();
         let one = one.map_err(|e| Error::input(format!("cannot start a thread: {e}")))?;
-        told(&one.install(|| self.trace())?);
-        told(&one.install(|| self.giants())?);
-        told(&self.build()?);
-        told(&self.scale()?);
-        told(&one.install(|| self.render())?);
+        report(&one.install(|| self.trace())?);
+        report(&one.install(|| self.giants())?);
+        report(&self.build()?);
+        report(&self.scale()?);
+        report(&one.install(|| self.render())?);
         Ok(())
     }
 
@@ -276,7 +276,7 @@ impl Record {
         );
         let folder = tempfile::tempdir().map_err(|e| Error::file("write", Path::new("."), e))?;
         let (scene, settings) = read_text("fig2.toml", TINY, folder.path(), &[])?.build()?;
-        text += &self.one_render("three and a lamp", &scene, settings, 64, Some(TINY_RATIO))?;
+        text += &self.one_render("three and an emitter", &scene, settings, 64, Some(TINY_RATIO))?;
         let rendered = RENDERED.into_iter().filter(|(_, spheres, _)| *spheres <= self.largest);
         for (arrangement, spheres, asked) in rendered {
             let (mut description, _) = generated(folder.path(), arrangement, spheres)?;
@@ -310,10 +310,10 @@ impl Record {
     ) -> Result<String> {
         [settings.image.width, settings.image.height] = SIZE;
         settings.render.samples_per_pixel = samples;
-        let shot = PreparedScene::new(scene, settings)?;
+        let prepared = PreparedScene::new(scene, settings)?;
         let backends = [BackendChoice::Auto.select(scene.spheres()).backend, Backend::Embree];
         let field = BackendSet::build(scene.spheres(), &backends, &self.options(), 1)?;
-        let measured = bench_renders(&shot, &field, self.rounds, &self.cancel)?;
+        let measured = bench_renders(&prepared, &field, self.rounds, &self.cancel)?;
         let (ours, embree) = (&measured[0], &measured[1]);
         Ok(format!(
             "{name:<18}{samples:8}{:>16}{:>16}{:10.2} {:<6}{:>16}{:14.1} %{:>14}\n",

@@ -40,7 +40,7 @@ pub struct RenderBench {
 /// # Errors
 /// If a render fails, or on cancellation.
 pub fn bench_renders(
-    shot: &PreparedScene,
+    prepared: &PreparedScene,
     field: &BackendSet,
     rounds: usize,
     cancel: &CancelToken,
@@ -50,7 +50,7 @@ pub fn bench_renders(
     let mut stands: Vec<RenderRun<'_>> = field.backends().filter(can).map(RenderRun::new).collect();
     for _ in 0..rounds.max(1) {
         for stand in &mut stands {
-            stand.repeat(shot, cancel)?;
+            stand.repeat(prepared, cancel)?;
         }
     }
     let first = stands.first().and_then(|stand| stand.picture.clone()).unwrap_or_default();
@@ -73,11 +73,11 @@ impl<'a> RenderRun<'a> {
         Self { backend, accel, seconds, inside, picture: None, rays: 0, samples: 0 }
     }
 
-    fn repeat(&mut self, shot: &PreparedScene, cancel: &CancelToken) -> Result<()> {
+    fn repeat(&mut self, prepared: &PreparedScene, cancel: &CancelToken) -> Result<()> {
         let in_f64 = self.backend == Backend::BruteForce;
         let clocked = TimedAccel { accel: self.accel, in_f64, nanoseconds: AtomicU64::new(0) };
         let start = Instant::now();
-        let outcome = render_with_accel(shot, &clocked, &Aov::DEFAULT, cancel)?;
+        let outcome = render_with_accel(prepared, &clocked, &Aov::DEFAULT, cancel)?;
         let seconds = start.elapsed().as_secs_f64().max(1e-9);
         if !outcome.complete {
             return Err(Error::cancelled());
@@ -194,8 +194,8 @@ camera = { position = [0, 0, 5], look_at = [0, 0, 0], vertical_fov_degrees = 40 
 background = { radiance = [1, 1, 1] }
 materials.matt = { type = "diffuse", albedo = [0.5, 0.5, 0.5] }
 spheres = [
-  { center = [-0.8, 0, 0], radius = 0.9, material = "matt" },
-  { center = [0.8, 0, 0], radius = 0.6, material = "matt" },
+  { center = [-0.8, 0, 0], radius = 0.9, material = "diffuse" },
+  { center = [0.8, 0, 0], radius = 0.6, material = "diffuse" },
 ]
 "#;
 
@@ -203,11 +203,11 @@ spheres = [
     fn renders_take_their_time_and_part_of_it_in_the_intersector() {
         let file = read_text("scene", SCENE, Path::new("."), &[]).unwrap();
         let (scene, settings) = file.build().unwrap();
-        let shot = PreparedScene::new(&scene, settings).unwrap();
+        let prepared = PreparedScene::new(&scene, settings).unwrap();
         let backends = [Backend::Native, Backend::BruteForce];
         let options = BuildOptions::default();
         let field = BackendSet::build(scene.spheres(), &backends, &options, 1).unwrap();
-        let results = bench_renders(&shot, &field, 2, &options.cancel).unwrap();
+        let results = bench_renders(&prepared, &field, 2, &options.cancel).unwrap();
         assert_eq!(results.iter().map(|result| result.backend).collect::<Vec<_>>(), backends);
         for result in &results {
             assert_eq!(result.samples, 12 * 8 * 4);
@@ -220,6 +220,6 @@ spheres = [
             assert_eq!(result.differing_pixels, 0);
         }
         options.cancel.cancel();
-        assert!(bench_renders(&shot, &field, 1, &options.cancel).is_err());
+        assert!(bench_renders(&prepared, &field, 1, &options.cancel).is_err());
     }
 }

@@ -20,24 +20,24 @@ pub(super) fn tests() -> Vec<SamplingTest> {
         environment_test("sky", sky().environment_map()),
         sun_test("sun", 0.533),
         sun_test("wide sun", 120.0),
-        background_test("sky and sun beside lamps", false),
-        background_test("sky and sun beside lamps, both sides", true),
+        background_test("sky and sun beside emitters", false),
+        background_test("sky and sun beside emitters, both sides", true),
     ];
     for (name, place, is_two_sided) in [
         ("among them", DVec3::splat(0.4), false),
         ("among them, both sides", DVec3::new(0.1, 0.7, 0.4), true),
         ("far from them", DVec3::new(3.0, -8.0, 1.0), false),
     ] {
-        let receiver = receiver(place, is_two_sided);
+        let context = context(place, is_two_sided);
         pairs.push(light_choice(
-            &format!("choice of 40 lamps, {name}"),
+            &format!("choice of 40 emitters, {name}"),
             Environment::default(),
-            receiver,
+            context,
         ));
         pairs.push(light_choice(
-            &format!("choice of 40 lamps and a sky, {name}"),
+            &format!("choice of 40 emitters and a sky, {name}"),
             sky_and_sun(),
-            receiver,
+            context,
         ));
     }
     pairs
@@ -98,14 +98,14 @@ fn sun_test(name: &str, diameter_degrees: f64) -> SamplingTest {
     )
 }
 
-fn receiver(point: DVec3, is_two_sided: bool) -> LightSampleContext {
+fn context(point: DVec3, is_two_sided: bool) -> LightSampleContext {
     let normal = DVec3::new(0.36, 0.8, 0.48);
     let hit = SurfaceHit { id: u32::MAX, t: 1.0, point, normal, radius: 1.0, side: Side::Outside };
     LightSampleContext { hit, is_two_sided }
 }
 
 /// Emitters of many sizes and distances, none touching a shading point.
-fn lamps(background: Environment) -> (SphereSet, Lights) {
+fn emitters(background: Environment) -> (SphereSet, Lights) {
     let sphere = |i: u64| {
         let u: [f64; 4] = std::array::from_fn(|d| Sampler::independent(7, i, 0).get(d as u32));
         let center = DVec3::new(u[0], u[1], u[2]) * 2.0 - 0.5;
@@ -113,45 +113,45 @@ fn lamps(background: Environment) -> (SphereSet, Lights) {
     };
     let exact = (0..40).map(sphere).collect();
     let spheres = SphereSet::new(SphereRows { exact, table: Vec::new() }).expect("few spheres");
-    let lamp = |id: u32| Emitter { id, emission: grey(1.0 + spheres.row(id) as f32) };
-    let lights = Lights::new((0..40).map(lamp).collect(), &spheres, background);
+    let emitter = |id: u32| Emitter { id, emission: grey(1.0 + spheres.row(id) as f32) };
+    let lights = Lights::new((0..40).map(emitter).collect(), &spheres, background);
     (spheres, lights)
 }
 
 /// Sampling of a whole environment among emitters. Samples of the emitters are discarded.
 fn background_test(name: &str, is_two_sided: bool) -> SamplingTest {
-    let stage = Arc::new(lamps(sky_and_sun()));
+    let stage = Arc::new(emitters(sky_and_sun()));
     let of_pdf = stage.clone();
-    let receiver = receiver(DVec3::splat(0.4), is_two_sided);
-    let frame = Frame::from_z(receiver.hit.normal);
+    let context = context(DVec3::splat(0.4), is_two_sided);
+    let frame = Frame::from_z(context.hit.normal);
     SamplingTest::over_sphere(
         format!("background: {name}"),
         move |u| {
-            let sample = stage.1.sample(&stage.0, &receiver, u[2], [u[0], u[1]])?;
+            let sample = stage.1.sample(&stage.0, &context, u[2], [u[0], u[1]])?;
             (sample.source == LightSource::Environment).then(|| frame.to_local(sample.direction))
         },
         move |w| {
             let direction = frame.to_world(w).normalize();
-            of_pdf.1.pdf(&of_pdf.0, &receiver, LightSource::Environment, direction)
+            of_pdf.1.pdf(&of_pdf.0, &context, LightSource::Environment, direction)
         },
     )
 }
 
 /// Selection probability of each emitter, computed as `pdf` over the pdf of its cone. The last
 /// index is the environment.
-fn light_choice(name: &str, background: Environment, receiver: LightSampleContext) -> SamplingTest {
-    let (spheres, lights) = lamps(background);
+fn light_choice(name: &str, background: Environment, context: LightSampleContext) -> SamplingTest {
+    let (spheres, lights) = emitters(background);
     // The sphere set has moved its origin.
-    let mut receiver = receiver;
-    receiver.hit.point -= spheres.origin();
-    let of_lamp = |id: u32| {
-        let cone = Cone::subtending(receiver.hit.point, &spheres.sphere(id)).expect("from outside");
-        lights.pdf(&spheres, &receiver, LightSource::Emitter(id), DVec3::X) / cone.pdf()
+    let mut context = context;
+    context.hit.point -= spheres.origin();
+    let of_emitter = |id: u32| {
+        let cone = Cone::subtending(context.hit.point, &spheres.sphere(id)).expect("from outside");
+        lights.pdf(&spheres, &context, LightSource::Emitter(id), DVec3::X) / cone.pdf()
     };
-    let mut probabilities: Vec<f64> = (0..40).map(of_lamp).collect();
-    probabilities.push(lights.environment_probability(&receiver));
+    let mut probabilities: Vec<f64> = (0..40).map(of_emitter).collect();
+    probabilities.push(lights.environment_probability(&context));
     SamplingTest::over_indices(name, probabilities, move |u| {
-        let sample = lights.sample(&spheres, &receiver, u[2], [u[0], u[1]])?;
+        let sample = lights.sample(&spheres, &context, u[2], [u[0], u[1]])?;
         Some(match sample.source {
             LightSource::Emitter(id) => id as usize,
             LightSource::Environment => 40,

@@ -10,7 +10,7 @@ use crate::math::{DVec3, Frame, Hit};
 use super::SamplingTest;
 
 pub(super) fn tests() -> Vec<SamplingTest> {
-    vec![inside_a_lamp(), choice_of_a_lamp()]
+    vec![inside_an_emitter(), choice_of_an_emitter()]
 }
 
 /// Spheres of which the first is lit by the others, which are emitters.
@@ -18,31 +18,27 @@ struct LitScene {
     spheres: SphereSet,
     lights: Lights,
     /// Shading point on the first sphere.
-    receiver: LightSampleContext,
+    context: LightSampleContext,
 }
 
 impl LitScene {
     /// Places the shading point where a ray in direction `towards` first hits the first sphere.
     /// Emitter i, counted from 1, has radiance i.
     fn new(spheres: Vec<Sphere>, towards: DVec3) -> Arc<Self> {
-        let lamps = 1..spheres.len() as u32;
+        let emitters = 1..spheres.len() as u32;
         let rows = SphereRows { exact: spheres, table: Vec::new() };
         let spheres = SphereSet::new(rows).expect("few spheres");
-        let lamp = |row| Emitter { id: id_of(&spheres, row), emission: Rgb::splat(row as f32) };
-        let lights = Lights::new(lamps.map(lamp).collect(), &spheres, Environment::default());
+        let emitter = |row| Emitter { id: id_of(&spheres, row), emission: Rgb::splat(row as f32) };
+        let lights = Lights::new(emitters.map(emitter).collect(), &spheres, Environment::default());
         let id = id_of(&spheres, 0);
         let ray = PathRay::new(spheres.sphere(id).center - towards * 3.0, towards);
         let hit =
             spheres.resolve_hit(&ray, Hit { t: 0.0, id }).expect("the ray aims at its centre");
-        Arc::new(Self {
-            spheres,
-            lights,
-            receiver: LightSampleContext { hit, is_two_sided: false },
-        })
+        Arc::new(Self { spheres, lights, context: LightSampleContext { hit, is_two_sided: false } })
     }
 
     fn pdf(&self, source: LightSource, direction: DVec3) -> f64 {
-        self.lights.pdf(&self.spheres, &self.receiver, source, direction)
+        self.lights.pdf(&self.spheres, &self.context, source, direction)
     }
 }
 
@@ -55,37 +51,37 @@ fn ball(x: f64, radius: f64) -> Sphere {
 }
 
 /// From a ball inside an emissive sphere, every direction above the surface hits the emitter.
-fn inside_a_lamp() -> SamplingTest {
+fn inside_an_emitter() -> SamplingTest {
     let stage = LitScene::new(vec![ball(0.5, 1.0), ball(0.0, 10.0)], DVec3::new(0.0, 0.6, -0.8));
-    let lamp = LightSource::Emitter(id_of(&stage.spheres, 1));
-    let frame = Frame::from_z(stage.receiver.hit.facing_normal());
+    let emitter = LightSource::Emitter(id_of(&stage.spheres, 1));
+    let frame = Frame::from_z(stage.context.hit.facing_normal());
     let of_pdf = stage.clone();
     SamplingTest::over_hemisphere(
-        "light from inside a lamp",
+        "light from inside an emitter",
         move |u| {
-            let LitScene { spheres, lights, receiver } = &*stage;
-            let sample = lights.sample(spheres, receiver, u[2], [u[0], u[1]])?;
+            let LitScene { spheres, lights, context } = &*stage;
+            let sample = lights.sample(spheres, context, u[2], [u[0], u[1]])?;
             Some(frame.to_local(sample.direction))
         },
-        move |w| of_pdf.pdf(lamp, frame.to_world(w)),
+        move |w| of_pdf.pdf(emitter, frame.to_world(w)),
     )
 }
 
 /// Selection probability of three emitters of different power and distance, computed as `pdf` over
 /// the pdf of the cone.
-fn choice_of_a_lamp() -> SamplingTest {
+fn choice_of_an_emitter() -> SamplingTest {
     let spheres = vec![ball(0.0, 1.0), ball(5.0, 1.0), ball(9.0, 0.5), ball(-30.0, 8.0)];
     let stage = LitScene::new(spheres, DVec3::new(0.0, 0.0, -1.0));
     let probability = |row: u32| {
         let id = id_of(&stage.spheres, row);
         let sphere = stage.spheres.sphere(id);
-        let cone = Cone::subtending(stage.receiver.hit.point, &sphere).expect("from outside");
+        let cone = Cone::subtending(stage.context.hit.point, &sphere).expect("from outside");
         stage.pdf(LightSource::Emitter(id), DVec3::X) / cone.pdf()
     };
     let probabilities = (1..4).map(probability).collect();
-    SamplingTest::over_indices("choice among three lamps", probabilities, move |u| {
-        let LitScene { spheres, lights, receiver } = &*stage;
-        let sample = lights.sample(spheres, receiver, u[2], [u[0], u[1]])?;
+    SamplingTest::over_indices("choice among three emitters", probabilities, move |u| {
+        let LitScene { spheres, lights, context } = &*stage;
+        let sample = lights.sample(spheres, context, u[2], [u[0], u[1]])?;
         Some(spheres.row(sample.source.sphere_id()) as usize - 1)
     })
 }

@@ -48,16 +48,16 @@ pub(super) fn measure(
     cancel: &CancelToken,
 ) -> Result<CheckMeasurement> {
     let folder = table_folder(form)?;
-    let mut shot = shot(form, way, effort, folder.as_ref())?;
+    let mut prepared = prepared(form, way, effort, folder.as_ref())?;
     let build = BuildOptions { threads: 1, cancel: cancel.clone(), ..Default::default() };
-    let accel = backend.build(shot.scene().spheres(), &build)?;
-    let answer = (form.answer)(&shot, NODES);
+    let accel = backend.build(prepared.scene().spheres(), &build)?;
+    let answer = (form.answer)(&prepared, NODES);
     let one = |index: u64| {
-        shot.set_seed(seed(name, index));
-        picture(&shot, accel.as_ref(), cancel)
+        prepared.set_seed(seed(name, index));
+        picture(&prepared, accel.as_ref(), cancel)
     };
     let pictures: Vec<Picture> = (0..SEEDS).map(one).collect::<Result<_>>()?;
-    let samples = shot.render_settings().samples_per_pixel;
+    let samples = prepared.render_settings().samples_per_pixel;
     let values: Vec<PixelValues> =
         pictures.iter().map(|picture| PixelValues::of(picture, form)).collect();
     Ok(compare(&values, &answer, samples))
@@ -77,7 +77,7 @@ fn table_folder(form: &ClosedForm) -> Result<Option<TempDir>> {
     Ok(Some(folder))
 }
 
-fn shot(
+fn prepared(
     form: &ClosedForm,
     way: &RenderVariant,
     effort: Effort,
@@ -97,8 +97,8 @@ fn set(pair: &str) -> Option<Override> {
     Some(Override { option: pair.to_owned(), key: key.into(), value: value.into() })
 }
 
-fn picture(shot: &PreparedScene, accel: &dyn Accel, cancel: &CancelToken) -> Result<Picture> {
-    let rendered = render_with_accel(shot, accel, &Aov::DEFAULT, cancel)?;
+fn picture(prepared: &PreparedScene, accel: &dyn Accel, cancel: &CancelToken) -> Result<Picture> {
+    let rendered = render_with_accel(prepared, accel, &Aov::DEFAULT, cancel)?;
     cancel.check()?;
     Ok(rendered.picture)
 }
@@ -230,9 +230,9 @@ mod tests {
         for form in CLOSED_FORMS {
             let (way, _) = combinations(form, Effort::Quick, &[Backend::Native]).remove(0);
             let folder = table_folder(form).expect("a folder");
-            let shot = shot(form, &way, Effort::Quick, folder.as_ref());
-            let shot = shot.unwrap_or_else(|e| panic!("{}: {e}", form.name));
-            let [coarse, fine] = [NODES, 2 * NODES].map(|nodes| (form.answer)(&shot, nodes));
+            let prepared = prepared(form, &way, Effort::Quick, folder.as_ref());
+            let prepared = prepared.unwrap_or_else(|e| panic!("{}: {e}", form.name));
+            let [coarse, fine] = [NODES, 2 * NODES].map(|nodes| (form.answer)(&prepared, nodes));
             let brightest = fine.iter().flatten().copied().fold(0.0, f64::max);
             let judged = fine.iter().flatten().count();
             assert!(judged >= fine.len() / 3, "{}: {judged} of {}", form.name, fine.len());

@@ -66,20 +66,20 @@ pub(super) fn normal(sphere: &Sphere, at: DVec3) -> DVec3 {
 }
 
 /// Spheres of a scene, in file order.
-pub(super) fn spheres(shot: &PreparedScene) -> Vec<Sphere> {
+pub(super) fn spheres(prepared: &PreparedScene) -> Vec<Sphere> {
     let sphere = |row: &crate::scene::description::SphereDescription| Sphere {
         center: row.center,
         radius: row.radius,
     };
-    shot.description().spheres.iter().map(sphere).collect()
+    prepared.description().spheres.iter().map(sphere).collect()
 }
 
 /// Rays of a perspective (pinhole), orthographic or panoramic camera, by image position in pixels
 /// from the upper left corner. For other cameras the rays hit nothing.
-pub(super) fn rays(shot: &PreparedScene) -> impl Fn(f64, f64) -> ChartLine {
-    let camera = &shot.description().camera;
+pub(super) fn rays(prepared: &PreparedScene) -> impl Fn(f64, f64) -> ChartLine {
+    let camera = &prepared.description().camera;
     let [width, height] =
-        [shot.image_settings().width, shot.image_settings().height].map(f64::from);
+        [prepared.image_settings().width, prepared.image_settings().height].map(f64::from);
     let forward = (camera.look_at - camera.position).normalize();
     let right = forward.cross(camera.up).normalize();
     let up = right.cross(forward);
@@ -119,7 +119,7 @@ pub(super) fn rays(shot: &PreparedScene) -> impl Fn(f64, f64) -> ChartLine {
 /// Mean of `seen` over each pixel, by Gauss-Legendre quadrature with `nodes` squared points; `None`
 /// for a pixel with more than one piece or without a closed form.
 pub(super) fn pixel_means(
-    shot: &PreparedScene,
+    prepared: &PreparedScene,
     nodes: usize,
     ray: impl Fn(f64, f64) -> ChartLine,
     seen: impl Fn(ChartLine) -> SurfaceRadiance,
@@ -137,8 +137,8 @@ pub(super) fn pixel_means(
         };
         Some(rule.iter().flat_map(row).sum())
     };
-    let rows = 0..shot.image_settings().height;
-    rows.flat_map(|y| (0..shot.image_settings().width).map(move |x| (x, y)))
+    let rows = 0..prepared.image_settings().height;
+    rows.flat_map(|y| (0..prepared.image_settings().width).map(move |x| (x, y)))
         .map(|(x, y)| pixel(x, y))
         .collect()
 }

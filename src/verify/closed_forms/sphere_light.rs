@@ -16,11 +16,11 @@ pub(super) struct SubtendedCap {
 
 impl SubtendedCap {
     /// Cap subtended by a sphere that does not contain the point.
-    pub(super) fn new(lamp: &Sphere, point: DVec3, normal: DVec3) -> Self {
-        let to_lamp = lamp.center - point;
-        let distance = to_lamp.length();
-        let direction = to_lamp / distance;
-        Self { direction, cos: direction.dot(normal), sin_radius: lamp.radius / distance }
+    pub(super) fn new(emitter: &Sphere, point: DVec3, normal: DVec3) -> Self {
+        let to_emitter = emitter.center - point;
+        let distance = to_emitter.length();
+        let direction = to_emitter / distance;
+        Self { direction, cos: direction.dot(normal), sin_radius: emitter.radius / distance }
     }
 
     /// Angular radius in radians.
@@ -104,13 +104,13 @@ mod tests {
             let direction = DVec3::new(x, 0.0, (1.0 - x * x).sqrt());
             SubtendedCap { direction, cos: direction.z, sin_radius }
         };
-        let lamp = disc(0.0, 0.5);
+        let emitter = disc(0.0, 0.5);
         assert_relative_eq!(
-            lamp.irradiance_occluded_by(&disc(0.1, 0.2)).unwrap(),
+            emitter.irradiance_occluded_by(&disc(0.1, 0.2)).unwrap(),
             PI * (0.25 - 0.04 * 0.99f64.sqrt()),
             max_relative = 1e-12
         );
-        assert_eq!(lamp.irradiance_occluded_by(&disc(0.4, 0.2)), None);
-        assert_eq!(lamp.irradiance_occluded_by(&disc(0.8, 0.2)), Some(lamp.irradiance()));
+        assert_eq!(emitter.irradiance_occluded_by(&disc(0.4, 0.2)), None);
+        assert_eq!(emitter.irradiance_occluded_by(&disc(0.8, 0.2)), Some(emitter.irradiance()));
     }
 }

@@ -80,16 +80,17 @@ impl Study {
         let empty = |variant: &Variant| Series { name: variant.name.clone(), points: Vec::new() };
         let mut series: Vec<Series> = self.variants.iter().map(empty).collect();
         for (at, &samples) in self.samples.iter().enumerate() {
-            let shot = |variant: &Variant| PreparedScene::new(&self.scene, variant.settings[at]);
+            let prepared =
+                |variant: &Variant| PreparedScene::new(&self.scene, variant.settings[at]);
             let mut shots: Vec<PreparedScene> =
-                self.variants.iter().map(shot).collect::<Result<_>>()?;
+                self.variants.iter().map(prepared).collect::<Result<_>>()?;
             let mut runs = vec![Vec::new(); shots.len()];
             // Variants are interleaved, so that other load on the machine affects all of them
             // equally.
             for seed in self.seeds.clone() {
-                for ((shot, accel), runs) in shots.iter_mut().zip(&accels).zip(&mut runs) {
-                    shot.set_seed(seed);
-                    let (pixels, seconds) = render(shot, &**accel, done)?;
+                for ((prepared, accel), runs) in shots.iter_mut().zip(&accels).zip(&mut runs) {
+                    prepared.set_seed(seed);
+                    let (pixels, seconds) = render(prepared, &**accel, done)?;
                     runs.push(reference.measure(&pixels, seconds));
                 }
             }
@@ -105,10 +106,10 @@ impl Study {
             ReferenceFrom::Picture(reference) => return Ok(reference.clone()),
             ReferenceFrom::Halves(settings) => *settings,
         };
-        let mut shot = PreparedScene::new(&self.scene, settings)?;
+        let mut prepared = PreparedScene::new(&self.scene, settings)?;
         let mut half = |seed| {
-            shot.set_seed(seed);
-            render(&shot, accel, done).map(|(pixels, _)| pixels)
+            prepared.set_seed(seed);
+            render(&prepared, accel, done).map(|(pixels, _)| pixels)
         };
         let (a, b) = (half(REFERENCE_SEED)?, half(REFERENCE_SEED + 1)?);
         Ok(Reference::from_halves(&a, &b))
@@ -117,12 +118,12 @@ impl Study {
 
 /// Renders the beauty; also returns the seconds it took.
 fn render(
-    shot: &PreparedScene,
+    prepared: &PreparedScene,
     accel: &dyn Accel,
     done: &dyn Fn(&RenderedImage),
 ) -> Result<(Vec<Rgb>, f64)> {
     let began = Instant::now();
-    let rendered = job::render_with_accel(shot, accel, &[], &CancelToken::default())?;
+    let rendered = job::render_with_accel(prepared, accel, &[], &CancelToken::default())?;
     let seconds = began.elapsed().as_secs_f64();
     done(&rendered);
     let picture = &rendered.picture;

@@ -98,8 +98,8 @@ fn the_far_wall_is_an_exact_answer_and_hides_what_is_behind_it() {
     let case = RayCase::new(&spheres, &outward, &COARSE);
     assert_eq!(case.first_hit().map(|first| first.id), Some(next));
     assert_eq!(judged(&case, Some(own), &COARSE), Verdict::Wrong);
-    let to_lamp = PathRay { target_sphere: next, t_max: 3.0, ..outward };
-    assert!(RayCase::new(&spheres, &to_lamp, &COARSE).first_hit().is_none());
+    let to_emitter = PathRay { target_sphere: next, t_max: 3.0, ..outward };
+    assert!(RayCase::new(&spheres, &to_emitter, &COARSE).first_hit().is_none());
     assert_eq!(inward.target_sphere, NO_SPHERE);
 }
 

@@ -183,8 +183,8 @@ fn both_sides(eta: f64, roughness: f64) -> [MaterialCase; 2] {
     let model = Model::Dielectric(Dielectric::new(eta, 0, roughness, &[1.0]));
     [eta, 1.0 / eta].map(|eta| {
         // Three digits where two would give two indices the same name.
-        let told = if eta < 0.2 { format!("{eta:.3}") } else { format!("{eta:.2}") };
-        let name = format!("glass, eta {told}, roughness {roughness}");
+        let eta_text = if eta < 0.2 { format!("{eta:.3}") } else { format!("{eta:.2}") };
+        let name = format!("glass, eta {eta_text}, roughness {roughness}");
         let tolerance = GLASS;
         MaterialCase { eta, ..MaterialCase::opaque(name, model.clone(), Lossless) }
             .with_roughness(roughness, tolerance)
@@ -283,13 +283,13 @@ fn principled() -> Vec<MaterialCase> {
     let coated = PrincipledParameters { coat: 0.5, roughness: 0.9, specular: 1.0, ..mixed };
     let mut samples = Vec::new();
     for (name, eta, parameters) in [
-        ("matt", 1.0, plain),
+        ("diffuse", 1.0, plain),
         ("mixture", 1.5, mixed),
         ("mixture from inside", 1.0 / 1.5, mixed),
         ("dense mixture", 10.0, dense),
         ("dense mixture from inside", 0.1, dense),
         ("smooth mixture", 1.5, PrincipledParameters { roughness: 0.0, ..mixed }),
-        ("matt, coated", 1.0, PrincipledParameters { coat: 1.0, ..plain }),
+        ("diffuse, coated", 1.0, PrincipledParameters { coat: 1.0, ..plain }),
         ("metal, coated", 1.0, PrincipledParameters { coat: 1.0, metallic: 1.0, ..plain }),
         ("mixture, coated", 1.5, coated),
         ("mixture, coated, from inside", 1.0 / 1.5, coated),

@@ -82,12 +82,12 @@ fn check_energy(
     let angles = degrees.len();
     if sample.energy_bound == EnergyBound::NonPhysical {
         let MinMax { min: least, max: most } = evaluated;
-        let told = format!("{}: sends back {least:.2} to {most:.2} of the light", sample.name);
+        let text = format!("{}: sends back {least:.2} to {most:.2} of the light", sample.name);
         // The maximum of the formula, reached at normal incidence.
         let expected = sample.material.max_albedo();
         let wrong = usize::from((most - f64::from(expected.max_element())).abs() > 0.01);
-        let detail = format!("{told} over {angles} angles, as it is known to");
-        return Ok(CheckMeasurement::new(TestStatistic::ErrorCount(wrong), detail).with_note(told));
+        let detail = format!("{text} over {angles} angles, as it is known to");
+        return Ok(CheckMeasurement::new(TestStatistic::ErrorCount(wrong), detail).with_note(text));
     }
     let detail = format!(
         "drawn {drawn} (beside {:.0e}), evaluated {evaluated} (beside {:.0e}) of the light over \

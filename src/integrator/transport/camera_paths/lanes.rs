@@ -11,10 +11,10 @@ use super::super::super::sample::SampleAddress;
 use super::super::choices::PathTracer;
 
 /// Returns true if the camera rays of a scene can be generated in lanes.
-pub(super) fn supports_lanes(shot: &PreparedScene, transport: &PathTracer) -> bool {
-    shot.camera().is_pinhole()
+pub(super) fn supports_lanes(prepared: &PreparedScene, transport: &PathTracer) -> bool {
+    prepared.camera().is_pinhole()
         && transport.strata.is_unstratified()
-        && shot.render_settings().sampler == SamplerKind::Sobol
+        && prepared.render_settings().sampler == SamplerKind::Sobol
 }
 
 /// A block of samples whose camera rays are generated together.
@@ -33,7 +33,7 @@ impl CameraRayBatch {
     pub(super) fn run(
         &mut self,
         isa: Isa,
-        shot: &PreparedScene,
+        prepared: &PreparedScene,
         samples: &[SampleAddress],
         rays: &mut RayBlock,
     ) {
@@ -42,15 +42,15 @@ impl CameraRayBatch {
             self.pixel[1].0[lane] = address.y;
             self.sample.0[lane] = address.sample;
         }
-        isa.run(SamplePixel { batch: self, shot });
-        if shot.filter().box_radius().is_none() {
+        isa.run(SamplePixel { batch: self, prepared });
+        if prepared.filter().box_radius().is_none() {
             for lane in 0..LANES {
                 let u = [0, 1].map(|axis| self.u[axis].0[lane]);
-                let offset = shot.filter().sample(u);
+                let offset = prepared.filter().sample(u);
                 (0..2).for_each(|axis| self.offset[axis].0[lane] = offset[axis]);
             }
         }
-        isa.run(GenerateRays { batch: self, shot, rays });
+        isa.run(GenerateRays { batch: self, prepared, rays });
     }
 
     /// Returns the sampler of a lane.
@@ -62,21 +62,23 @@ impl CameraRayBatch {
 /// Samples pixel positions.
 struct SamplePixel<'a> {
     batch: &'a mut CameraRayBatch,
-    shot: &'a PreparedScene,
+    prepared: &'a PreparedScene,
 }
 
 impl SimdKernel for SamplePixel<'_> {
     #[inline(always)]
     fn run(self) {
         let CameraRayBatch { pixel: [x, y], sample, sobol: numbers, u, offset, .. } = self.batch;
-        let width = u64::from(self.shot.image_settings().width);
+        let width = u64::from(self.prepared.image_settings().width);
         let pixel = |lane: usize| u64::from(y.0[lane]) * width + u64::from(x.0[lane]);
-        numbers.start_pixel_samples(self.shot.render_settings().seed, pixel, |lane| sample.0[lane]);
+        numbers.start_pixel_samples(self.prepared.render_settings().seed, pixel, |lane| {
+            sample.0[lane]
+        });
         numbers.select_set(|_| dimension::PIXEL / SobolLanes::SET_SIZE);
         for (dimension, u) in (dimension::PIXEL % SobolLanes::SET_SIZE..).zip(&mut *u) {
             numbers.get(dimension, u);
         }
-        if let Some(radius) = self.shot.filter().box_radius() {
+        if let Some(radius) = self.prepared.filter().box_radius() {
             for (u, offset) in u.iter().zip(offset) {
                 for lane in 0..LANES {
                     offset.0[lane] = sample_box(u.0[lane]) * radius;
@@ -89,7 +91,7 @@ impl SimdKernel for SamplePixel<'_> {
 /// Generates the rays.
 struct GenerateRays<'a> {
     batch: &'a CameraRayBatch,
-    shot: &'a PreparedScene,
+    prepared: &'a PreparedScene,
     rays: &'a mut RayBlock,
 }
 
@@ -98,7 +100,7 @@ impl SimdKernel for GenerateRays<'_> {
     fn run(self) {
         let CameraRayBatch { pixel, offset, .. } = self.batch;
         let RayBlock { origin, direction, t_min, .. } = self.rays;
-        let camera = *self.shot.camera();
+        let camera = *self.prepared.camera();
         let half = if fault!(PixelCornerForCenter) { 0.0 } else { 0.5 };
         for lane in 0..LANES {
             let [x, y] =

@@ -28,15 +28,15 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.samplers.clear();
         paths.clear();
         let samples = self.samples;
-        if lanes::supports_lanes(self.context.shot, self.integrator) {
+        if lanes::supports_lanes(self.context.prepared, self.integrator) {
             for samples in samples.chunks(LANES) {
                 let rays = paths.rays.push_block(samples.len());
-                start.run(*isa, self.context.shot, samples, rays);
+                start.run(*isa, self.context.prepared, samples, rays);
                 self.samplers.extend((0..samples.len()).map(|lane| start.sampler(lane)));
             }
         } else {
             for &address in samples {
-                let sampler = sampler_for(self.context.shot, self.integrator.strata, address);
+                let sampler = sampler_for(self.context.prepared, self.integrator.strata, address);
                 let ray = self.camera_ray(address, sampler, [dimension::PIXEL, dimension::LENS]);
                 paths.rays.push(&ray);
                 self.samplers.push(sampler);
@@ -54,7 +54,13 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         sampler: Sampler,
         dimensions: [u32; 2],
     ) -> PathRay {
-        generate_camera_ray(self.context.shot, self.integrator.strata, address, sampler, dimensions)
+        generate_camera_ray(
+            self.context.prepared,
+            self.integrator.strata,
+            address,
+            sampler,
+            dimensions,
+        )
     }
 
     /// Redraws a camera ray that missed, if the scene asks for it. Returns true if it did.
@@ -75,7 +81,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     fn begin_camera_path(&mut self, path: &Path) {
         let (ray, redraws) = (path.ray, path.state.redraws);
         if let Some(media) = self.media.get_mut(path.state.batch_index as usize) {
-            *media = self.context.shot.media_at(ray.at(ray.t_min));
+            *media = self.context.prepared.media_at(ray.at(ray.t_min));
         }
         self.recorder.record(|| PathEvent::CameraRay { ray, redraws });
     }

@@ -147,7 +147,7 @@ impl SimdKernel for IntersectLanes<'_> {
             center,
             radius,
             hit: met,
-            light: aim,
+            light,
             ..
         } = self.block;
         for lane in 0..LANES {
@@ -159,14 +159,14 @@ impl SimdKernel for IntersectLanes<'_> {
             met.normal.set(lane, normal);
             met.cos.0[lane] = direction.dot(normal);
         }
-        draw_2d(numbers, depth, &mut aim.u, |vertex| vertex.light_direction());
+        draw_2d(numbers, depth, &mut light.u, |vertex| vertex.light_direction());
         if self.needs_selection {
             numbers.select_set(|lane| {
                 VertexDimensions::at(depth.0[lane]).light_selection() / SobolLanes::SET_SIZE
             });
             numbers.get(
                 VertexDimensions::at(1).light_selection() % SobolLanes::SET_SIZE,
-                &mut aim.u_select,
+                &mut light.u_select,
             );
         }
     }
@@ -197,18 +197,18 @@ pub(super) struct SampleSingleEmitter<'a> {
 impl SimdKernel for SampleSingleEmitter<'_> {
     #[inline(always)]
     fn run(self) {
-        let DiffuseBatch { hit: met, light: aim, .. } = self.block;
-        aim.sampled =
+        let DiffuseBatch { hit: met, light, .. } = self.block;
+        light.sampled =
             [SampledLight { radiance: self.emitter.emission, sphere_id: self.emitter.id }; LANES];
         let Sphere { center, radius } = self.sphere;
         for lane in 0..LANES {
             let to_center = center - met.point.get(lane);
             let distance = to_center.length();
             let cone = Cone::from_axis(to_center, distance, radius);
-            let sample = cone.sample([aim.u[0].0[lane], aim.u[1].0[lane]]);
-            aim.direction.set(lane, sample.direction);
-            aim.distance.0[lane] = sample.distance;
-            aim.pdf.0[lane] = if radius < distance { sample.pdf } else { -1.0 };
+            let sample = cone.sample([light.u[0].0[lane], light.u[1].0[lane]]);
+            light.direction.set(lane, sample.direction);
+            light.distance.0[lane] = sample.distance;
+            light.pdf.0[lane] = if radius < distance { sample.pdf } else { -1.0 };
         }
     }
 }
@@ -222,17 +222,16 @@ pub(super) struct SampleBsdfLanes<'a> {
 impl SimdKernel for SampleBsdfLanes<'_> {
     #[inline(always)]
     fn run(self) {
-        let DiffuseBatch { sobol: numbers, depth, hit: met, light: aim, bsdf: next, .. } =
-            self.block;
+        let DiffuseBatch { sobol: numbers, depth, hit: met, light, bsdf: next, .. } = self.block;
         draw_2d(numbers, depth, &mut next.u, |vertex| vertex.bsdf_direction());
         for lane in 0..LANES {
             let normal = met.normal.get(lane);
-            let wi = DVec3::new(0.0, 0.0, normal.dot(aim.direction.get(lane)));
-            let (pdf, pdf_bsdf) = (aim.pdf.0[lane], Diffuse::pdf_cosine(wi));
+            let wi = DVec3::new(0.0, 0.0, normal.dot(light.direction.get(lane)));
+            let (pdf, pdf_bsdf) = (light.pdf.0[lane], Diffuse::pdf_cosine(wi));
             let weight = mis_weight(self.estimator, pdf, pdf_bsdf);
             let cos = if fault!(DirectCosineMissing) { 1.0 } else { wi.z };
             let factor = (weight * cos / pdf) as f32;
-            aim.mis_factor.0[lane] = if wi.z > 0.0 { factor } else { 0.0 };
+            light.mis_factor.0[lane] = if wi.z > 0.0 { factor } else { 0.0 };
         }
         for lane in 0..LANES {
             let normal = met.normal.get(lane);

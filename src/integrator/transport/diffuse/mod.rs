@@ -44,7 +44,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
             && !scene.has_opacity()
             && transport.hemisphere == Hemisphere::Cosine
             && transport.max_scatterings == u32::MAX
-            && self.context.shot.render_settings().sampler == SamplerKind::Sobol
+            && self.context.prepared.render_settings().sampler == SamplerKind::Sobol
     }
 
     /// Returns the surface that a path hits, if the diffuse fast path supports it.
@@ -62,8 +62,8 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
         }
         let (material, color) = self.context.scene.material_and_color(hit.id);
         match &material.model {
-            Model::Diffuse(matt) => Some(DiffuseSurface {
-                albedo: matt.with_color(color).albedo,
+            Model::Diffuse(diffuse) => Some(DiffuseSurface {
+                albedo: diffuse.with_color(color).albedo,
                 emission: &material.emission,
             }),
             _ => None,
@@ -104,33 +104,32 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
         block: &mut DiffuseBatch,
         paths: &PathQueue,
         next: &mut PathQueue,
-        aims: &mut ShadowQueue<'_>,
+        shadow_queue: &mut ShadowQueue<'_>,
     ) {
         if block.count == 0 {
             return;
         }
         let scene = self.context.scene;
-        let lights = self.context.shot.lights();
+        let lights = self.context.prepared.lights();
         let estimator = self.integrator.estimator;
         isa.run(IntersectLanes { block, needs_selection: lights.needs_selection() });
         if estimator == Estimator::Bsdf {
             block.light.pdf.0.fill(0.0);
-        } else if let Some(&lamp) = lights.single_emitter() {
-            let sphere = scene.spheres().sphere(lamp.id);
-            isa.run(SampleSingleEmitter { block, emitter: lamp, sphere });
+        } else if let Some(&emitter) = lights.single_emitter() {
+            let sphere = scene.spheres().sphere(emitter.id);
+            isa.run(SampleSingleEmitter { block, emitter: emitter, sphere });
         } else {
             for lane in 0..block.count {
-                let receiver =
-                    LightSampleContext { hit: lane_hit(block, lane), is_two_sided: false };
+                let ctx = LightSampleContext { hit: lane_hit(block, lane), is_two_sided: false };
                 let u = [block.light.u[0].0[lane], block.light.u[1].0[lane]];
                 let choose = block.light.u_select.0[lane];
-                let sample = lights.sample(scene.spheres(), &receiver, choose, u);
+                let sample = lights.sample(scene.spheres(), &ctx, choose, u);
                 block.light.set(lane, sample);
             }
         }
         isa.run(SampleBsdfLanes { block, estimator });
         for lane in 0..block.count {
-            self.continue_lane(block, lane, paths, next, aims);
+            self.continue_lane(block, lane, paths, next, shadow_queue);
         }
         block.count = 0;
     }
@@ -143,28 +142,28 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
         lane: usize,
         paths: &PathQueue,
         next: &mut PathQueue,
-        aims: &mut ShadowQueue<'_>,
+        shadow_queue: &mut ShadowQueue<'_>,
     ) {
         let DiffuseVertex { path_index: path, id, albedo } = block.vertices[lane];
-        let SampledLight { radiance, sphere_id: lamp } = block.light.sampled[lane];
-        let (pdf_aim, pdf) = (block.light.pdf.0[lane], block.bsdf.pdf.0[lane]);
-        let is_own_lamp = lamp == id;
-        let is_within_lamp = pdf_aim < 0.0 && !is_own_lamp;
-        if block.hit.cos.0[lane] > 0.0 || is_within_lamp || block.bsdf.cos.0[lane] < 0.0 {
-            return self.continue_scalar(id, paths.get(path as usize), next, aims);
+        let SampledLight { radiance, sphere_id: emitter } = block.light.sampled[lane];
+        let (pdf_light, pdf) = (block.light.pdf.0[lane], block.bsdf.pdf.0[lane]);
+        let is_own_emitter = emitter == id;
+        let is_inside_emitter = pdf_light < 0.0 && !is_own_emitter;
+        if block.hit.cos.0[lane] > 0.0 || is_inside_emitter || block.bsdf.cos.0[lane] < 0.0 {
+            return self.continue_scalar(id, paths.get(path as usize), next, shadow_queue);
         }
         let mut state = paths.states[path as usize];
         let (point, normal) = (block.hit.point.get(lane), block.hit.normal.get(lane));
-        if pdf_aim > 0.0 && !is_own_lamp {
+        if pdf_light > 0.0 && !is_own_emitter {
             let f = Diffuse { albedo }.eval(DVec3::Z);
             let light = state.throughput * f * radiance * block.light.mis_factor.0[lane];
             if light != Rgb::ZERO {
                 let (direction, t_max) =
                     (block.light.direction.get(lane), block.light.distance.0[lane]);
                 let free = PathRay::new(point, direction);
-                let ray = PathRay { origin_sphere: id, target_sphere: lamp, t_max, ..free };
+                let ray = PathRay { origin_sphere: id, target_sphere: emitter, t_max, ..free };
                 let is_direct = state.is_light_sample_direct();
-                aims.shadow_rays.push(
+                shadow_queue.shadow_rays.push(
                     &ray,
                     PendingDirect { batch_index: state.batch_index, radiance: light, is_direct },
                 );
@@ -192,12 +191,18 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
         id: u32,
         mut path: Path,
         next: &mut PathQueue,
-        aims: &mut ShadowQueue<'_>,
+        shadow_queue: &mut ShadowQueue<'_>,
     ) {
         let scene = self.context.scene;
         let Some(hit) = scene.spheres().resolve_hit(&path.ray, Hit { t: 0.0, id }) else { return };
-        if self.sample_light_and_bsdf(&mut path, &hit, &scene.sphere_material(id), 1.0, None, aims)
-        {
+        if self.sample_light_and_bsdf(
+            &mut path,
+            &hit,
+            &scene.sphere_material(id),
+            1.0,
+            None,
+            shadow_queue,
+        ) {
             next.push(&path);
         }
     }

@@ -7,14 +7,14 @@ use crate::verify::closed_forms::reference_image::{normal, pixel_means, rays, sp
 use super::{background_radiance, material};
 
 /// Sums the series of internal reflections in one ball. All chords of a path have equal length.
-pub(super) fn absorption(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let ball = spheres(shot)[0];
-    let field = background_radiance(shot);
-    let (n, a) = match &material(shot, "glass").surface {
+pub(super) fn absorption(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let ball = spheres(prepared)[0];
+    let field = background_radiance(prepared);
+    let (n, a) = match &material(prepared, "glass").surface {
         SurfaceModel::Dielectric { ior, absorption, .. } => (*ior, f64::from(absorption.y)),
         _ => (1.0, 0.0),
     };
-    pixel_means(shot, nodes, rays(shot), |line| {
+    pixel_means(prepared, nodes, rays(prepared), |line| {
         let Some(t) = line.hit_distance(&ball) else { return Some((1, field)) };
         let cos = -line.direction.dot(normal(&ball, line.at(t)));
         let cos_inside = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();

@@ -10,21 +10,22 @@ use crate::verify::quadrature::integral;
 use super::{emission, uniform_answer};
 
 /// The mean over the lens of the fraction of the focal plane that the emitter covers.
-pub(super) fn lens(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let camera = &shot.description().camera;
+pub(super) fn lens(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let camera = &prepared.description().camera;
     let ProjectionDescription::Perspective { vertical_fov_degrees, lens: Some(lens) } =
         camera.projection
     else {
-        return uniform_answer(shot, f64::NAN);
+        return uniform_answer(prepared, f64::NAN);
     };
-    let lamp = spheres(shot)[0];
+    let emitter = spheres(prepared)[0];
     let f = lens.focus_distance;
-    let k_squared = lamp.center.distance_squared(camera.position) - lamp.radius * lamp.radius;
+    let k_squared =
+        emitter.center.distance_squared(camera.position) - emitter.radius * emitter.radius;
     let covered = |p: f64| {
         let k_cubed = k_squared * k_squared.sqrt();
-        PI * (f * lamp.radius) * (f * lamp.radius) * (p * p + k_squared).sqrt() / k_cubed
+        PI * (f * emitter.radius) * (f * emitter.radius) * (p * p + k_squared).sqrt() / k_cubed
     };
     let mean = integral(0.0, 1.0, nodes, |share| 2.0 * share * covered(share * lens.radius));
     let side = 2.0 * f * libm::tan(vertical_fov_degrees.to_radians() / 2.0);
-    uniform_answer(shot, emission(shot, "lamp") * mean / (side * side))
+    uniform_answer(prepared, emission(prepared, "lamp") * mean / (side * side))
 }

@@ -12,33 +12,34 @@ use crate::verify::closed_forms::sphere_light::SubtendedCap;
 use super::{albedo, emission, material};
 
 /// Every direction above the ball hits the emitter, so its irradiance is `pi Le`.
-pub(super) fn inside_a_lamp(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(shot);
-    let [ball, lamp] = [albedo(shot, "ball"), 1.0].map(|a| a * emission(shot, "lamp"));
-    pixel_means(shot, nodes, rays(shot), |line| {
+pub(super) fn inside_an_emitter(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(prepared);
+    let [ball, emitter] = [albedo(prepared, "ball"), 1.0].map(|a| a * emission(prepared, "lamp"));
+    pixel_means(prepared, nodes, rays(prepared), |line| {
         let (piece, _) = line.nearest_hit(&spheres, None)?;
-        Some((piece, [ball, lamp][piece]))
+        Some((piece, [ball, emitter][piece]))
     })
 }
 
 /// Radiance at a point on a ball lit by one emitter.
 pub(super) fn radiance_under_light(
-    lamp: &Sphere,
+    emitter: &Sphere,
     ball: &Sphere,
     point: glam::DVec3,
     a: f64,
     le: f64,
 ) -> f64 {
-    a * le * SubtendedCap::new(lamp, point, normal(ball, point)).irradiance() / PI
+    a * le * SubtendedCap::new(emitter, point, normal(ball, point)).irradiance() / PI
 }
 
 /// A diffuse ball with no occluder. Both walls of the emitter contribute in proportion to its
 /// opacity, and the far wall is seen through the near one.
-pub(super) fn sphere_light(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(shot);
-    let through = 1.0 - material(shot, "lamp").opacity;
-    let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp") * (1.0 - through * through));
-    pixel_means(shot, nodes, rays(shot), |line| match line.nearest_hit(&spheres, None) {
+pub(super) fn sphere_light(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(prepared);
+    let through = 1.0 - material(prepared, "lamp").opacity;
+    let (a, le) =
+        (albedo(prepared, "ball"), emission(prepared, "lamp") * (1.0 - through * through));
+    pixel_means(prepared, nodes, rays(prepared), |line| match line.nearest_hit(&spheres, None) {
         Some((0, t)) => {
             Some((0, radiance_under_light(&spheres[1], &spheres[0], line.at(t), a, le)))
         }
@@ -49,18 +50,18 @@ pub(super) fn sphere_light(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64
 
 /// A black third sphere covers part of the emitter. If its disc lies within the emitter's, its form
 /// factor is subtracted, scaled by its opacity. If the edges cross, there is no closed form.
-pub(super) fn occluder(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(shot);
-    let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp"));
-    let opacity = material(shot, "black").opacity;
+pub(super) fn occluder(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(prepared);
+    let (a, le) = (albedo(prepared, "ball"), emission(prepared, "lamp"));
+    let opacity = material(prepared, "black").opacity;
     let through = (1.0 - opacity) * (1.0 - opacity); // two walls
-    pixel_means(shot, nodes, rays(shot), |line| match line.nearest_hit(&spheres, None) {
+    pixel_means(prepared, nodes, rays(prepared), |line| match line.nearest_hit(&spheres, None) {
         Some((0, t)) => {
             let point = line.at(t);
             let n = normal(&spheres[0], point);
-            let [lamp, front] = [1, 2].map(|i: usize| SubtendedCap::new(&spheres[i], point, n));
-            let behind = lamp.irradiance_occluded_by(&front)?;
-            let all = behind + through * (lamp.irradiance() - behind);
+            let [emitter, front] = [1, 2].map(|i: usize| SubtendedCap::new(&spheres[i], point, n));
+            let behind = emitter.irradiance_occluded_by(&front)?;
+            let all = behind + through * (emitter.irradiance() - behind);
             Some((0, a * le * all / PI))
         }
         Some((1, _)) => Some((1, le)),
@@ -71,19 +72,19 @@ pub(super) fn occluder(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
 
 /// The sky's radiance is linear in the height of a direction. In front of it is the sun, a disc
 /// that the horizon may cut.
-pub(super) fn sun_and_sky(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let ball = spheres(shot)[0];
-    let a = albedo(shot, "ball");
+pub(super) fn sun_and_sky(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let ball = spheres(prepared)[0];
+    let a = albedo(prepared, "ball");
     let EnvironmentDescription::Gradient { zenith, horizon, .. } =
-        shot.description().background.dome
+        prepared.description().background.dome
     else {
         return Vec::new();
     };
     let [zenith, horizon] = [zenith, horizon].map(|radiance| f64::from(radiance.y));
-    let Some(sun) = shot.description().background.sun else { return Vec::new() };
+    let Some(sun) = prepared.description().background.sun else { return Vec::new() };
     let sin_radius = libm::sin(sun.angular_diameter_degrees.to_radians() / 2.0);
     let radiance = f64::from(sun.irradiance.y) / (PI * sin_radius * sin_radius);
-    pixel_means(shot, nodes, rays(shot), |line| {
+    pixel_means(prepared, nodes, rays(prepared), |line| {
         let n = normal(&ball, line.at(line.hit_distance(&ball)?));
         let direction = sun.direction;
         let disc = SubtendedCap { direction, cos: direction.dot(n), sin_radius };

@@ -15,11 +15,11 @@ use super::{albedo, emission, uniform_answer};
 /// as a square root.
 const FINER: usize = 16;
 
-pub(super) fn exchange(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(shot);
-    let [a, b] = ["a", "b"].map(|name| albedo(shot, name));
+pub(super) fn exchange(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(prepared);
+    let [a, b] = ["a", "b"].map(|name| albedo(prepared, name));
     let back = share_that_returns(&spheres[0], &spheres[1], FINER * nodes);
-    uniform_answer(shot, emission(shot, "a") * (1.0 + a * b * back))
+    uniform_answer(prepared, emission(prepared, "a") * (1.0 + a * b * back))
 }
 
 /// For the point of A nearest to B: the integral, over the directions to B, of B's form factor of A

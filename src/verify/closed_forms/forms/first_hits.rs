@@ -7,9 +7,9 @@ use crate::verify::closed_forms::sphere_light::SubtendedCap;
 use super::DISTINCT_CHANNELS;
 
 /// One minus the form factor of the other ball, which the horizon may cut.
-pub(super) fn ambient_occlusion(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(shot);
-    pixel_means(shot, nodes, rays(shot), |line| {
+pub(super) fn ambient_occlusion(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(prepared);
+    pixel_means(prepared, nodes, rays(prepared), |line| {
         let Some((ball, t)) = line.nearest_hit(&spheres, None) else { return Some((2, 1.0)) };
         let (point, other) = (line.at(t), &spheres[1 - ball]);
         let covered = SubtendedCap::new(other, point, normal(&spheres[ball], point)).irradiance();
@@ -18,9 +18,9 @@ pub(super) fn ambient_occlusion(shot: &PreparedScene, nodes: usize) -> Vec<Optio
 }
 
 /// Weighted mean of the three channels that encode a normal.
-pub(super) fn normals(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(shot);
-    pixel_means(shot, nodes, rays(shot), |line| {
+pub(super) fn normals(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(prepared);
+    pixel_means(prepared, nodes, rays(prepared), |line| {
         let Some((ball, t)) = line.nearest_hit(&spheres, None) else {
             return Some((spheres.len(), 0.0));
         };

@@ -53,15 +53,15 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
     ),
     form!(
         "inside-a-lamp",
-        "a matt ball inside a glowing sphere",
+        "a diffuse ball inside a glowing sphere",
         "L = a Le on the ball, Le beside it",
         Direct,
         4,
-        direct_light::inside_a_lamp
+        direct_light::inside_an_emitter
     ),
     form!(
         "sphere-light",
-        "a lone ball under a lamp, through its horizon",
+        "a lone ball under an emitter, through its horizon",
         "L = a Le F, F the form factor of a sphere cut by the horizon",
         Direct,
         16,
@@ -69,7 +69,7 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
     ),
     form!(
         "translucent-lamp",
-        "a lone ball under a lamp with some opacity",
+        "a lone ball under an emitter with some opacity",
         "L = a Le F (1 - (1 - o)²)",
         Direct,
         16,
@@ -77,15 +77,15 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
     ),
     form!(
         "occluder",
-        "an occluding ball before a lamp",
-        "L = a Le (sin²σ cosθ - sin²σ' cosθ') where the lamp's disc holds the other",
+        "an occluding ball before an emitter",
+        "L = a Le (sin²σ cosθ - sin²σ' cosθ') where the emitter's disc holds the other",
         Direct,
         16,
         direct_light::occluder
     ),
     form!(
         "thin-occluder",
-        "a ball before a lamp, with some opacity",
+        "a ball before an emitter, with some opacity",
         "L = a Le (F - (1 - (1 - o)²) F')",
         Direct,
         16,
@@ -109,7 +109,7 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
     ),
     form!(
         "mirror-before-the-lamp",
-        "a mirror ball between a point and its lamp",
+        "a mirror ball between a point and its emitter",
         "L = a Le (1 - sin²σ + ρ (sin²σ - sin²α'))",
         Direct,
         64,
@@ -133,11 +133,11 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
     ),
     form!(
         "lamp-in-glass",
-        "a lamp in a ball of glass",
+        "an emitter in a ball of glass",
         "L = (1 - F(t)) Le / n²",
         Direct,
         16,
-        glass::lamp_in_glass
+        glass::emitter_in_glass
     ),
     form!(
         "absorption",
@@ -149,7 +149,7 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
     ),
     form!(
         "orthographic",
-        "the lone ball under its lamp through parallel rays",
+        "the lone ball under its emitter through parallel rays",
         "L = a Le F",
         Direct,
         16,
@@ -157,15 +157,15 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
     ),
     form!(
         "panorama",
-        "a ball and its lamp all around",
-        "L = a Le F on the ball, Le on the lamp",
+        "a ball and its emitter all around",
+        "L = a Le F on the ball, Le on the emitter",
         Direct,
         16,
         direct_light::sphere_light
     ),
     form!(
         "lens",
-        "a lamp out of the focus of a lens",
+        "an emitter out of the focus of a lens",
         "L = Le / s² ∫ area(p) 2 p / A² dp",
         Direct,
         4096,
@@ -173,11 +173,11 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
     ),
     form!(
         "lamp-in-dark-glass",
-        "a lamp in a ball of glass that absorbs",
+        "an emitter in a ball of glass that absorbs",
         "L = (1 - F(t)) Le exp(-k l) / n²",
         Direct,
         16,
-        glass::lamp_in_glass
+        glass::emitter_in_glass
     ),
     form!(
         "sun-and-sky",
@@ -191,7 +191,7 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
         tables: &[("many-lamps.f32", many_lights::LIGHT_TABLE)],
         ..form!(
             "many-lamps",
-            "three thousand lamps",
+            "three thousand emitters",
             "L = a Le (F₀ + F₁ + ... + F₂₉₉₉)",
             Direct,
             16,

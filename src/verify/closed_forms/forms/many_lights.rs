@@ -13,28 +13,28 @@ use super::{albedo, emission};
 /// Sphere table with rows of x, y, z and radius.
 pub(super) const LIGHT_TABLE: &[u8] = include_bytes!("../../../../scenes/verify/many-lamps.f32");
 
-pub(super) fn many_lights(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let ball = spheres(shot)[0];
-    let lamps = lamps();
-    let share = albedo(shot, "ball") * emission(shot, "lamp") / PI;
-    pixel_means(shot, nodes, rays(shot), |line| {
+pub(super) fn many_lights(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let ball = spheres(prepared)[0];
+    let emitters = emitters();
+    let share = albedo(prepared, "ball") * emission(prepared, "lamp") / PI;
+    pixel_means(prepared, nodes, rays(prepared), |line| {
         let point = line.at(line.hit_distance(&ball)?);
         let n = normal(&ball, point);
         let light: f64 =
-            lamps.iter().map(|lamp| SubtendedCap::new(lamp, point, n).irradiance()).sum();
+            emitters.iter().map(|emitter| SubtendedCap::new(emitter, point, n).irradiance()).sum();
         Some((0, share * light))
     })
 }
 
-fn lamps() -> Vec<Sphere> {
+fn emitters() -> Vec<Sphere> {
     let number = |bytes: &[u8]| {
         f64::from(f32::from_le_bytes(bytes.try_into().expect("the table has whole numbers")))
     };
-    let lamp = |row: &[u8]| {
+    let emitter = |row: &[u8]| {
         let [x, y, z, radius] = [0, 4, 8, 12].map(|at| number(&row[at..at + 4]));
         Sphere { center: DVec3::new(x, y, z), radius }
     };
-    LIGHT_TABLE.chunks_exact(16).map(lamp).collect()
+    LIGHT_TABLE.chunks_exact(16).map(emitter).collect()
 }
 
 #[cfg(test)]
@@ -42,22 +42,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_is_what_the_scene_says_and_no_lamp_hides_another() {
-        let lamps = lamps();
-        assert_eq!(lamps.len(), 3000);
-        for (i, lamp) in lamps.iter().enumerate() {
+    fn the_table_is_what_the_scene_says_and_no_emitter_hides_another() {
+        let emitters = emitters();
+        assert_eq!(emitters.len(), 3000);
+        for (i, emitter) in emitters.iter().enumerate() {
             let y = 1.0 - (2.0 * i as f64 + 1.0) / 3000.0;
             let angle = i as f64 * PI * (3.0 - 5f64.sqrt());
             let (x, z) = (angle.cos() * (1.0 - y * y).sqrt(), angle.sin() * (1.0 - y * y).sqrt());
             let expected = DVec3::new(x, y, z) * 10.0;
-            assert!(lamp.center.distance(expected) < 1e-5);
-            assert!((lamp.radius - (0.05 + 0.0375 * (1.0 + x) * (1.0 + y))).abs() < 1e-6);
+            assert!(emitter.center.distance(expected) < 1e-5);
+            assert!((emitter.radius - (0.05 + 0.0375 * (1.0 + x) * (1.0 + y))).abs() < 1e-6);
         }
         // From anywhere on the ball, the directions to two emitters differ by more than their
         // angular radii: they are at least 9 away, and moving the viewpoint by 1 turns neighbours
         // alike.
-        for (i, a) in lamps.iter().enumerate() {
-            for b in &lamps[..i] {
+        for (i, a) in emitters.iter().enumerate() {
+            for b in &emitters[..i] {
                 let apart = a.center.distance(b.center);
                 assert!(apart > 1.3 * (a.radius + b.radius), "{apart} {} {}", a.radius, b.radius);
             }

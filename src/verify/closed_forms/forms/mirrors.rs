@@ -9,11 +9,11 @@ use super::{albedo, emission, uniform_answer};
 
 /// The spheres are ball, emitter, mirror. The part of the ball seen in the mirror is lit by the
 /// emitter wherever the mirror does not occlude it.
-pub(super) fn mirror_before_camera(shot: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(shot);
-    let (a, le) = (albedo(shot, "ball"), emission(shot, "lamp"));
-    let rho = albedo(shot, "mirror");
-    pixel_means(shot, nodes, rays(shot), |line| {
+pub(super) fn mirror_before_camera(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(prepared);
+    let (a, le) = (albedo(prepared, "ball"), emission(prepared, "lamp"));
+    let rho = albedo(prepared, "mirror");
+    pixel_means(prepared, nodes, rays(prepared), |line| {
         let (first, t) = line.nearest_hit(&spheres, None)?;
         if first != 2 {
             return None;
@@ -24,8 +24,9 @@ pub(super) fn mirror_before_camera(shot: &PreparedScene, nodes: usize) -> Vec<Op
             Some((0, t)) => {
                 let point = reflected.at(t);
                 let n = normal(&spheres[0], point);
-                let [lamp, front] = [1, 2].map(|i: usize| SubtendedCap::new(&spheres[i], point, n));
-                let irradiance = lamp.irradiance_occluded_by(&front)?;
+                let [emitter, front] =
+                    [1, 2].map(|i: usize| SubtendedCap::new(&spheres[i], point, n));
+                let irradiance = emitter.irradiance_occluded_by(&front)?;
                 Some((0, rho * a * le * irradiance / std::f64::consts::PI))
             }
             Some(_) => Some((1, rho * le)),
@@ -37,14 +38,14 @@ pub(super) fn mirror_before_camera(shot: &PreparedScene, nodes: usize) -> Vec<Op
 /// The spheres are ball, mirror, and an emitter around both. The point of the ball under the mirror
 /// sees the emitter past the mirror, and in the mirror from the angle at which the ball's own
 /// reflection ends.
-pub(super) fn mirror_before_light(shot: &PreparedScene, _: usize) -> Vec<Option<f64>> {
-    let spheres = spheres(shot);
+pub(super) fn mirror_before_light(prepared: &PreparedScene, _: usize) -> Vec<Option<f64>> {
+    let spheres = spheres(prepared);
     let (ball, mirror) = (&spheres[0], &spheres[1]);
     let edge = mirror.radius / (mirror.center.distance(ball.center) - ball.radius);
     let own = own_reflection(ball, mirror, edge);
     let [beside, shown] = [1.0 - edge * edge, edge * edge - own * own];
-    let light = beside + albedo(shot, "mirror") * shown;
-    uniform_answer(shot, albedo(shot, "ball") * emission(shot, "lamp") * light)
+    let light = beside + albedo(prepared, "mirror") * shown;
+    uniform_answer(prepared, albedo(prepared, "ball") * emission(prepared, "lamp") * light)
 }
 
 /// The sine of the polar angle at which the reflected ray grazes the ball, by bisection between the

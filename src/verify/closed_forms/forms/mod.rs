@@ -58,27 +58,27 @@ const GREY: [f64; 3] = [1.0 / 3.0; 3];
 const DISTINCT_CHANNELS: [f64; 3] = [1.0 / 7.0, 2.0 / 7.0, 4.0 / 7.0];
 
 /// Returns the material with this name.
-fn material<'a>(shot: &'a PreparedScene, name: &str) -> &'a MaterialDescription {
-    let found = shot.description().materials.iter().find(|material| material.name == name);
+fn material<'a>(prepared: &'a PreparedScene, name: &str) -> &'a MaterialDescription {
+    let found = prepared.description().materials.iter().find(|material| material.name == name);
     found.expect("the scenes of this program have the materials that their answers are made of")
 }
 
 /// Radiance of a constant environment.
-fn background_radiance(shot: &PreparedScene) -> f64 {
-    match shot.description().background.dome {
+fn background_radiance(prepared: &PreparedScene) -> f64 {
+    match prepared.description().background.dome {
         EnvironmentDescription::Constant { radiance } => f64::from(radiance.y),
         _ => f64::NAN,
     }
 }
 
 /// Emission of a grey emitter.
-fn emission(shot: &PreparedScene, name: &str) -> f64 {
-    f64::from(material(shot, name).emission.y)
+fn emission(prepared: &PreparedScene, name: &str) -> f64 {
+    f64::from(material(prepared, name).emission.y)
 }
 
 /// Albedo or reflectance of a grey surface.
-fn albedo(shot: &PreparedScene, name: &str) -> f64 {
-    match &material(shot, name).surface {
+fn albedo(prepared: &PreparedScene, name: &str) -> f64 {
+    match &material(prepared, name).surface {
         SurfaceModel::Diffuse { albedo: share, .. }
         | SurfaceModel::Mirror { reflectance: share, .. } => f64::from(share.y),
         _ => 0.0,
@@ -86,6 +86,6 @@ fn albedo(shot: &PreparedScene, name: &str) -> f64 {
 }
 
 /// A solution with one value for every pixel.
-fn uniform_answer(shot: &PreparedScene, value: f64) -> Vec<Option<f64>> {
-    vec![Some(value); (shot.image_settings().width * shot.image_settings().height) as usize]
+fn uniform_answer(prepared: &PreparedScene, value: f64) -> Vec<Option<f64>> {
+    vec![Some(value); (prepared.image_settings().width * prepared.image_settings().height) as usize]
 }

@@ -15,7 +15,7 @@ pub struct LightSampleContext {
 impl LightSampleContext {
     /// Returns true if the emitter is seen from its inside here, so that its far wall is sampled. A
     /// shading point on the emitter itself sees nothing else of it.
-    pub fn is_inside(&self, id: u32, lamp: &Sphere) -> bool {
-        self.hit.id == id || lamp.contains(self.hit.point)
+    pub fn is_inside(&self, id: u32, emitter: &Sphere) -> bool {
+        self.hit.id == id || emitter.contains(self.hit.point)
     }
 }

@@ -8,7 +8,7 @@ use crate::task::CancelToken;
 #[derive(Clone, Copy)]
 pub struct RenderContext<'a> {
     /// The prepared scene.
-    pub shot: &'a PreparedScene,
+    pub prepared: &'a PreparedScene,
     /// The scene.
     pub scene: &'a Scene,
     /// An intersector over the scene's spheres.
@@ -19,7 +19,7 @@ pub struct RenderContext<'a> {
 
 impl<'a> RenderContext<'a> {
     /// Creates a context from a prepared scene and an intersector over its spheres.
-    pub fn new(shot: &'a PreparedScene, accel: &'a dyn Accel, cancel: &'a CancelToken) -> Self {
-        Self { shot, scene: shot.scene(), accel, cancel }
+    pub fn new(prepared: &'a PreparedScene, accel: &'a dyn Accel, cancel: &'a CancelToken) -> Self {
+        Self { prepared, scene: prepared.scene(), accel, cancel }
     }
 }
