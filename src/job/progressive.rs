@@ -94,7 +94,7 @@ impl<'a> ProgressiveRenderer<'a> {
         cancel: &'a CancelToken,
     ) -> Self {
         let context = RenderContext::new(prepared, accel, cancel);
-        Self { context: context, integrator: integrator::create(prepared), film, counters: counts }
+        Self { context, integrator: integrator::create(prepared), film, counters: counts }
     }
 
     /// The film.

@@ -93,7 +93,7 @@ impl Lights {
     ) -> Self {
         debug_assert!(emitters.is_sorted_by_key(|emitter| emitter.id));
         let choice = LightSampler::new(&emitters, spheres, by);
-        Self { emitters: emitters, sampler: choice, environment: background }
+        Self { emitters, sampler: choice, environment: background }
     }
 
     /// Number of emitters.

@@ -56,14 +56,14 @@ impl Integrator for PathTracer {
         let transport = self;
         PathBatch {
             integrator: transport,
-            context: context,
+            context,
             samples,
             radiance,
             media,
             visible_surfaces: seen,
             samplers,
             prev_vertices: drawn,
-            stats: stats,
+            stats,
             recorder,
         }
         .run(workspace)
@@ -74,7 +74,7 @@ impl Integrator for PathTracer {
         let mut radiance = [PathRadiance::default()];
         let batch = PathBatch {
             integrator: self,
-            context: context,
+            context,
             samples: &[address],
             radiance: &mut radiance,
             media: Vec::new(),
@@ -86,6 +86,6 @@ impl Integrator for PathTracer {
         };
         let stats = batch.run(&mut Workspace::default());
         let [radiance] = radiance;
-        Some(PathTrace { address, events: steps, radiance, stats: stats })
+        Some(PathTrace { address, events: steps, radiance, stats })
     }
 }

@@ -117,7 +117,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
             block.light.pdf.0.fill(0.0);
         } else if let Some(&emitter) = lights.single_emitter() {
             let sphere = scene.spheres().sphere(emitter.id);
-            isa.run(SampleSingleEmitter { block, emitter: emitter, sphere });
+            isa.run(SampleSingleEmitter { block, emitter, sphere });
         } else {
             for lane in 0..block.count {
                 let ctx = LightSampleContext { hit: lane_hit(block, lane), is_two_sided: false };
