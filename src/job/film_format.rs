@@ -35,6 +35,6 @@ pub(super) fn format_for_settings(
         first_sample: 0,
         scale,
         layers,
-        squares: true,
+        sums_squares: true,
     }
 }

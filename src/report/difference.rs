@@ -139,7 +139,7 @@ mod tests {
             first_sample: 0,
             scale: RadianceScale::from_max_radiance(1.0),
             layers: vec![Layer::Direct, Layer::Indirect],
-            squares: true,
+            sums_squares: true,
         });
         let film = film.expect("there is memory");
         let light = |pixel: u32, sample: u32| PathRadiance {

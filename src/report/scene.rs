@@ -130,7 +130,7 @@ impl fmt::Display for SceneSummary<'_> {
         let note = |MakesLight { name, up_to }: &MakesLight<'_>| {
             format!("{name} (reflects more than it receives: up to {up_to:.2} of it)")
         };
-        list("makes light", self.makes_light.iter().map(note).collect())
+        list("creates energy", self.makes_light.iter().map(note).collect())
     }
 }
 

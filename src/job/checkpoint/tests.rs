@@ -23,7 +23,7 @@ fn part() -> (Film, CheckpointHeader, Vec<u8>) {
         first_sample: 32,
         scale: RadianceScale::from_max_radiance(5.0),
         layers: Layer::ALL.to_vec(),
-        squares: true,
+        sums_squares: true,
     };
     let film = Film::new(&format).unwrap();
     for tile in 1..film.frame().tile_count() {

@@ -94,8 +94,8 @@ impl MergeInput {
             return refused(&format!("in the first, {}", own.describe_difference(other)));
         }
         let kind = |piece: &Self| {
-            let FilmFormat { frame, scale, layers, squares, .. } = piece.header.film.clone();
-            (frame.full_size, scale, layers, squares)
+            let FilmFormat { frame, scale, layers, sums_squares, .. } = piece.header.film.clone();
+            (frame.full_size, scale, layers, sums_squares)
         };
         if kind(self) != kind(first) {
             return refused("they keep other layers");
