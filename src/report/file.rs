@@ -87,12 +87,12 @@ impl FileRecords {
         let Some(header) = &self.header else { return Ok(records) };
         let is_ended = matches!(header.status, RenderStatus::Ended { .. });
         records.push(MetadataEntry::new("ended", is_ended.to_string()));
-        if let RenderStatus::Ended { missed } = &header.status {
+        if let RenderStatus::Ended { missed_targets: missed } = &header.status {
             let words: Vec<String> = missed.iter().map(ToString::to_string).collect();
             let said = (!words.is_empty()).then(|| MetadataEntry::new("missed", words.join("; ")));
             records.extend(said);
         }
-        if let Some(delivery) = &header.delivery {
+        if let Some(delivery) = &header.output {
             let way_on = json!({
                 "scene": header.source.as_ref().map(|source| &source.name),
                 "files": delivery.files.iter().map(name_of).collect::<Vec<_>>(),
@@ -138,7 +138,7 @@ fn name_of(FilePath(path): &FilePath) -> String {
 
 /// Describes how to resume a part, and where its image goes.
 fn way_on(header: &CheckpointHeader) -> Option<String> {
-    let (source, delivery) = (header.source.as_ref()?, header.delivery.as_ref()?);
+    let (source, delivery) = (header.source.as_ref()?, header.output.as_ref()?);
     let files: Vec<String> = delivery.files.iter().map(name_of).collect();
     let (scene, files, samples) = (&source.name, files.join(" and "), header.samples.end);
     let preview = delivery.preview.as_ref().map(name_of);
