@@ -63,8 +63,8 @@ impl MediumStack {
             let inside = if self.contains(medium.sphere) { *self } else { self.with(medium) };
             (self.without(medium.sphere), inside)
         };
-        let is_visible = inside.current().is_some_and(|medium| medium.sphere == medium.sphere);
-        let ior = outside.current().map_or(1.0, |medium| medium.ior);
+        let is_visible = inside.current().is_some_and(|current| current.sphere == medium.sphere);
+        let ior = outside.current().map_or(1.0, |current| current.ior);
         let eta = if entering { medium.ior / ior } else { ior / medium.ior };
         let eta = if fault!(IorSwapped) { 1.0 / eta } else { eta };
         let transmitted_media =
