@@ -177,10 +177,6 @@ pub fn render_warnings(prepared: &PreparedScene, stats: &RenderStats, film: &Fil
              row {y}: please report this"
         ));
     }
-    if stats.media_overflows > 0 {
-        let count = stats.media_overflows;
-        warnings.push(format!("{count} paths were inside more than 8 dielectric spheres at once"));
-    }
     if stats.truncated_paths > 0 {
         let count = stats.truncated_paths;
         warnings.push(format!("{count} paths were cut off after 10000 edges, which loses light"));

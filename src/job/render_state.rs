@@ -179,8 +179,8 @@ impl RenderState {
 
     /// Statistics of this session and earlier ones.
     pub(super) fn stats(&self) -> RenderStats {
-        let CumulativeStats { rays, media_overflows, truncated_paths, .. } = self.previous;
-        self.counters.stats() + RenderStats { rays, media_overflows, truncated_paths }
+        let CumulativeStats { rays, truncated_paths, .. } = self.previous;
+        self.counters.stats() + RenderStats { rays, truncated_paths }
     }
 
     pub(super) fn estimate_error(&self) -> Option<f64> {
@@ -227,7 +227,7 @@ impl RenderState {
                 missed_targets: outcome.noise.filter(|noise| !noise.is_met()).into_iter().collect(),
             }
         });
-        let RenderStats { rays, media_overflows, truncated_paths } = self.stats();
+        let RenderStats { rays, truncated_paths } = self.stats();
         let scene = self.prepared.scene();
         let source = scene.source().map(|source| {
             let mut source = source.clone();
@@ -241,12 +241,7 @@ impl RenderState {
             job: self.job.clone(),
             metadata,
             status,
-            statistics: CumulativeStats {
-                rays,
-                seconds: self.total_seconds(),
-                media_overflows,
-                truncated_paths,
-            },
+            statistics: CumulativeStats { rays, seconds: self.total_seconds(), truncated_paths },
             transparent: scene.description().background.transparent,
             source,
             output: self.output.clone(),

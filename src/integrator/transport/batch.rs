@@ -64,7 +64,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
 
     /// Returns the media that a path is in.
     pub(super) fn media_of(&self, path: &Path) -> &MediumStack {
-        self.media.get(path.state.batch_index as usize).unwrap_or(&MediumStack::VACUUM)
+        static VACUUM: MediumStack = MediumStack::VACUUM;
+        self.media.get(path.state.batch_index as usize).unwrap_or(&VACUUM)
     }
 
     /// Advances every path by one edge: closest hits, shading, shadow rays. Paths that end are

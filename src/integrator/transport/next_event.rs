@@ -25,7 +25,7 @@ impl ShadowQueue<'_> {
         let Some((ray, pending, media)) = direct else { return };
         self.shadow_rays.push(&ray, pending);
         if scene.has_opacity() {
-            self.media.push(*media);
+            self.media.push(media.clone());
         }
     }
 }

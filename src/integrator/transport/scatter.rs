@@ -121,8 +121,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     fn set_media(&mut self, path: &Path, transmitted_media: Option<&MediumStack>) {
         let Some(media) = transmitted_media else { return };
         if let Some(current) = self.media.get_mut(path.state.batch_index as usize) {
-            self.stats.media_overflows += u64::from(media.overflowed() && !current.overflowed());
-            *current = *media;
+            current.clone_from(media);
         }
     }
 }

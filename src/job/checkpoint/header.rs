@@ -72,8 +72,6 @@ pub struct CumulativeStats {
     pub rays: u64,
     /// Render time in seconds.
     pub seconds: f64,
-    /// Paths that were inside more dielectric spheres than the medium stack can hold.
-    pub media_overflows: u64,
     /// Paths cut off at the hard limit on path length.
     pub truncated_paths: u64,
 }

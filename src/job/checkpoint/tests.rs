@@ -74,12 +74,7 @@ fn header(film: &FilmFormat) -> CheckpointHeader {
         metadata: Metadata::new(&prepared, Backend::BruteForce),
         job,
         status: RenderStatus::Ended { missed_targets: Vec::new() },
-        statistics: CumulativeStats {
-            rays: 1 << 60,
-            seconds: 0.1,
-            media_overflows: 1,
-            truncated_paths: 2,
-        },
+        statistics: CumulativeStats { rays: 1 << 60, seconds: 0.1, truncated_paths: 2 },
         transparent: true,
         source: Some(SceneSource { name: "a.toml".to_owned(), ..SceneSource::default() }),
         output: Some(output),

@@ -204,7 +204,6 @@ impl MergedExtent {
             statistics: CumulativeStats {
                 rays: total(inputs, |header| header.statistics.rays),
                 seconds: total(inputs, |header| header.statistics.seconds),
-                media_overflows: total(inputs, |header| header.statistics.media_overflows),
                 truncated_paths: total(inputs, |header| header.statistics.truncated_paths),
             },
             transparent: first.transparent,
