@@ -43,7 +43,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
         let needs = MemoryNeeds { backends: &backends, kinds: &Aov::DEFAULT, besides: 0 };
         memory::check(&file, &needs, args.memory.limit)?;
         let (scene, settings) = file.build()?;
-        render::about_spheres(scene.spheres()).iter().for_each(print::warning);
+        render::about_spheres(&scene, &settings.image).iter().for_each(print::warning);
         let summary = SceneSummary::of(&scene, &settings);
         match args.json {
             true => print::json(&summary.with_memory_plan(plan))?,

@@ -53,6 +53,11 @@ impl<'a> SphereMaterial<'a> {
         glass.map(of)
     }
 
+    /// Returns true if no light passes through the surface.
+    pub fn is_opaque(&self) -> bool {
+        self.material.opacity >= 1.0 && self.material.dielectric().is_none()
+    }
+
     /// Probability that light arriving from `side` within `media` interacts with the sphere. A
     /// glass sphere is present or absent as a whole; that is decided on entry.
     pub fn opacity(&self, sphere: u32, side: Side, media: &MediumStack) -> f32 {

@@ -290,7 +290,7 @@ impl<'a> RayCase<'a> {
 
     /// Bound on the backend's error in the sphere's radius.
     fn radius_error(&self, id: u32, sphere: &Sphere, precision: &ErrorBound) -> f64 {
-        let is_particle = (id as usize) < self.spheres.particles().len();
+        let is_particle = (id as usize) < self.spheres.particle_count();
         let k = if is_particle { precision.particles } else { precision.giants };
         let scale = self.ray.origin.distance(sphere.center) + sphere.radius;
         let [split, rounded] = self.origin_errors;

@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 
 use crate::accel::BackendChoice;
 use crate::error::{Error, Result};
-use crate::geometry::SphereSet;
 use crate::image_io::AtomicFile;
 use crate::job::{
     Checkpoint, CheckpointHeader, FilePath, Job, OutputSpec, Session, SessionOptions,
     UNLIMITED_SAMPLES,
 };
-use crate::scene::{Override, Scene, Settings, read_file};
+use crate::scene::settings::ImageSettings;
+use crate::scene::{Override, Scene, Settings, opaque_sphere_around_camera, read_file};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
@@ -81,7 +81,7 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     let threads = (request.job.threads > 0).then_some(request.job.threads);
     let (scene, settings) = on_threads(threads, || load(request))?;
     let load_s = clock.lap();
-    let about_spheres = about_spheres(scene.spheres());
+    let about_spheres = about_spheres(&scene, &settings.image);
     about_spheres.iter().for_each(print::warning);
 
     let session = open(request, &scene, settings, keep.as_ref(), &interrupt)?;
@@ -276,20 +276,20 @@ fn places(request: &RenderRequest) -> Vec<(&'static str, &Path)> {
     named.chain(checkpoint).chain(preview).collect()
 }
 
-/// Returns warnings about duplicate spheres and spheres that f32 cannot represent well.
-pub(super) fn about_spheres(spheres: &SphereSet) -> Vec<String> {
+/// Returns warnings about duplicate spheres and a camera inside a sphere.
+pub(super) fn about_spheres(scene: &Scene, image: &ImageSettings) -> Vec<String> {
+    let spheres = scene.spheres();
     let mut warnings = Vec::new();
-    if spheres.duplicates() > 0 {
+    if let Some(id) = opaque_sphere_around_camera(scene, image) {
         warnings.push(format!(
-            "{} left out: an earlier row is the same sphere after rounding to f32",
-            print::count(spheres.duplicates(), "sphere"),
+            "the camera is inside the opaque sphere `{}` and sees only what is in there",
+            scene.name_of_row(spheres.row(id)),
         ));
     }
-    if spheres.displaced() > 0 {
+    if spheres.duplicates() > 0 {
         warnings.push(format!(
-            "rounding to f32 moved {} by more than 1 % of the radius; they are small and far from \
-             most others",
-            print::count(spheres.displaced(), "sphere"),
+            "{} left out: an earlier row is the same sphere",
+            print::count(spheres.duplicates(), "sphere"),
         ));
     }
     warnings
