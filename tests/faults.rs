@@ -27,6 +27,7 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::ExclusionLost, "sphere-light: path"),
     (Fault::EmitterOccludesItself, "sphere-light: path"),
     (Fault::NormalFacesAway, "furnace: path"),
+    (Fault::SpheresRoundedToF32, "balls with narrow gaps"),
     (Fault::RayRoundedToF32, "clusters inside clusters"),
     (Fault::NotClosestHit, "a gas of balls"),
     (Fault::PrunedTooEarly, "a gas of balls"),

@@ -61,23 +61,41 @@ mod tests {
     use super::super::SphereRows;
     use super::*;
 
-    const GROUND: [f32; 4] = [0.0, -1e5, 0.0, 1e5];
+    /// So far away that f32 places balls of radius 1 badly.
+    const AWAY: f32 = 1e6;
+    const GROUND: [f32; 4] = [AWAY, -1e5, 0.0, 1e5];
 
     fn origin(spheres: &[[f32; 4]]) -> DVec3 {
         choose_origin(&SphereStorage::new(SphereRows { exact: vec![], table: spheres.to_vec() }))
     }
 
+    fn away(x: f32, y: f32, radius: f32) -> [f32; 4] {
+        [AWAY + x, y, 0.0, radius]
+    }
+
+    fn place(x: f32, y: f32) -> DVec3 {
+        DVec3::new(f64::from(AWAY + x), f64::from(y), 0.0)
+    }
+
+    #[test]
+    fn it_stays_where_f32_serves_all_spheres() {
+        let ground = [0.0, -1e5, 0.0, 1e5];
+        assert_eq!(origin(&[ground, [3.0, 1.0, 0.0, 1.0]]), DVec3::ZERO);
+        assert_eq!(origin(&[[1e4, 0.0, 0.0, 1.0], [1.2e4, 0.0, 0.0, 1.0]]), DVec3::ZERO);
+        assert_eq!(origin(&[]), DVec3::ZERO);
+    }
+
     #[test]
     fn one_ball_on_one_ground_is_where_the_origin_is() {
-        assert_eq!(origin(&[GROUND, [3.0, 1.0, 0.0, 1.0]]), DVec3::new(3.0, 1.0, 0.0));
-        assert_eq!(origin(&[[3.0, 1.0, 0.0, 1.0], GROUND]), DVec3::new(3.0, 1.0, 0.0));
+        assert_eq!(origin(&[GROUND, away(3.0, 1.0, 1.0)]), place(3.0, 1.0));
+        assert_eq!(origin(&[away(3.0, 1.0, 1.0), GROUND]), place(3.0, 1.0));
     }
 
     #[test]
     fn many_grounds_do_not_outvote_two_balls() {
         let mut spheres = vec![GROUND; 200];
-        spheres.extend([[3.0, 1.0, 0.0, 1.0], [5.0, 1.0, 0.0, 1.0]]);
-        assert_eq!(origin(&spheres), DVec3::new(3.0, 1.0, 0.0));
+        spheres.extend([away(3.0, 1.0, 1.0), away(5.0, 1.0, 1.0)]);
+        assert_eq!(origin(&spheres), place(3.0, 1.0));
     }
 
     #[test]
@@ -88,17 +106,16 @@ mod tests {
     }
 
     #[test]
-    fn where_all_are_served_well_it_is_the_median() {
-        let spheres = [[1.0, 5.0, 0.0, 0.1], [2.0, 7.0, 0.0, 9.0], [3.0, 6.0, 0.0, 0.2]];
-        assert_eq!(origin(&spheres), DVec3::new(2.0, 6.0, 0.0));
-        assert_eq!(origin(&[]), DVec3::ZERO);
+    fn where_another_place_serves_all_it_is_the_median() {
+        let spheres = [away(1.0, 5.0, 0.1), away(2.0, 7.0, 9.0), away(3.0, 6.0, 0.2)];
+        assert_eq!(origin(&spheres), place(2.0, 6.0));
     }
 
     #[test]
     fn small_is_measured_by_the_smallest() {
         // The ground spheres are larger than 1e4 times the balls, and smaller than 1e4.
-        let mut spheres = vec![[0.0, -1000.0, 0.0, 1000.0]; 200];
-        spheres.extend([[3.0, 1.0, 0.0, 0.01], [5.0, 1.0, 0.0, 0.01]]);
-        assert_eq!(origin(&spheres), DVec3::new(3.0, 1.0, 0.0));
+        let mut spheres = vec![[AWAY, -1000.0, 0.0, 1000.0]; 200];
+        spheres.extend([away(3.0, 1.0, 0.01), away(5.0, 1.0, 0.01)]);
+        assert_eq!(origin(&spheres), place(3.0, 1.0));
     }
 }

@@ -309,7 +309,7 @@ mod tests {
     #[test]
     fn an_answer_lies_on_the_sphere_and_knows_its_side() {
         let set = set(vec![ball(10.0, 0.0, 0.0, 2.0)], vec![]);
-        let ray = PathRay::new(DVec3::new(-5.0, 0.0, 0.0), DVec3::X);
+        let ray = PathRay::new(DVec3::new(5.0, 0.0, 0.0) - set.origin(), DVec3::X);
         let hit = set.resolve_hit(&ray, Hit { t: 99.0, id: 0 }).expect("hits");
         assert_eq!((hit.t, hit.normal, hit.side), (3.0, -DVec3::X, Side::Outside));
         let inward = hit.spawn_ray(DVec3::X).expect("a chord");

@@ -43,10 +43,10 @@ fn ask(scenes: &[EmbreeScene]) {
     let down =
         |x: f64| Ray::new(DVec3::new(x, 100.0, 0.0), -DVec3::Y, 0.0, f64::INFINITY, [NO_SPHERE; 2]);
     let mut hits = [Hit::MISS; 2];
-    scene::closest(scenes, &[down(0.0), down(50.0)], &mut hits);
+    scene::closest(scenes, &[down(0.0), down(500.0)], &mut hits);
     assert!(!hits[0].is_miss() && !hits[1].is_miss() && hits[0].t < hits[1].t, "{hits:?}");
     let mut blocked = [false; 2];
-    scene::occluded(scenes, &[down(0.0), down(50.0)], &mut blocked);
+    scene::occluded(scenes, &[down(0.0), down(500.0)], &mut blocked);
     assert_eq!(blocked, [true; 2]);
 }
 
