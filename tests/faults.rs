@@ -4,6 +4,7 @@
 //! Needs the feature `faults`: `cargo test --release --features faults --test faults`. A mistake is
 //! switched on for the whole process, so there is one test function.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use photosphere::accel::Backend;
@@ -71,11 +72,14 @@ fn every_mistake_is_found_and_nothing_fails_without_one() {
     assert_eq!(listed, Fault::ALL, "a check for each mistake, in their order");
     let mut wrong = Vec::new();
     let mut table = Vec::new();
-    for &(fault, check) in FOUND_BY {
+    // Some checks find several mistakes; without any, once is enough.
+    for check in FOUND_BY.iter().map(|(_, check)| *check).collect::<BTreeSet<_>>() {
         let without = run(check, None);
         if !without.passed {
             wrong.push(format!("{check} fails without a mistake: {}", without.detail));
         }
+    }
+    for &(fault, check) in FOUND_BY {
         let with = run(check, Some(fault));
         if with.passed {
             wrong.push(format!("{fault:?} is not found by {check}: {}", with.detail));

@@ -170,6 +170,46 @@ fn an_embree_that_would_answer_wrongly_is_refused() {
     assert!(text.contains("filter functions"), "{text}");
 }
 
+/// Embree's kernels round differently for each instruction set. The hits must not.
+#[test]
+fn hits_do_not_depend_on_the_instruction_set() {
+    let mut table = Vec::new();
+    for i in 0..3000u32 {
+        let coordinate = |stride: u32| (i * stride % 2999) as f32 / 300.0;
+        let radius = 10f32.powf((i * 13 % 97) as f32 / 30.0 - 3.0);
+        table.push([coordinate(7), coordinate(131), coordinate(1777), radius]);
+    }
+    let ground = crate::geometry::Sphere { center: DVec3::new(0.0, -1e6, 0.0), radius: 1e6 };
+    let set = SphereSet::new(SphereRows { exact: vec![ground], table }).expect("few spheres");
+    let set = Arc::new(set);
+    let number = |i: u32| f64::from(i.wrapping_mul(2_654_435_761)) / 2f64.powi(32);
+    let point = |i: u32| DVec3::new(number(3 * i), number(3 * i + 1), number(3 * i + 2));
+    // Past the silhouettes of spheres, by down to 1e-9 of their radius.
+    let ray = |i: u32| {
+        let sphere = set.sphere(i % set.len() as u32);
+        let normal = (point(2 * i) - 0.5).normalize();
+        let off = 10f64.powf(-9.0 * number(i)).copysign(number(7 * i) - 0.5);
+        let at = sphere.center + normal * (sphere.radius * (1.0 + off));
+        let along = normal.any_orthonormal_vector();
+        let from = at - along * (20.0 * number(5 * i));
+        Ray::new(from, along, 0.0, f64::INFINITY, [NO_SPHERE; 2])
+    };
+    let rays: Vec<Ray> = (0..6000).map(ray).collect();
+    let mut expected = vec![Hit::MISS; rays.len()];
+    let options = BuildOptions::default();
+    let oracle = crate::accel::Backend::BruteForce.build(&set, &options).expect("builds");
+    oracle.closest(&rays, &mut expected);
+    for isa in ["sse2", "sse4.2", "avx", "avx2", "avx512"] {
+        let device = Device::with_config(&format!("threads=1,isa={isa}")).expect("starts");
+        for geometry in [ParticleGeometry::Points, ParticleGeometry::User] {
+            let scenes = commit(&device, &SphereGroup::divide(&set, geometry));
+            let mut hits = vec![Hit::MISS; rays.len()];
+            scene::closest(&scenes, &rays, &mut hits);
+            assert!(hits == expected, "{isa}, {geometry:?}");
+        }
+    }
+}
+
 #[test]
 fn bytes_are_counted_and_given_back() {
     let set = grid(20);
