@@ -41,8 +41,8 @@ typedef struct RTCIntersectContext Context;
 typedef struct Query {
     Context context;
     const PsRay *ray;
-    /* The ray to 48 bits, and the length of its direction. */
-    double origin[3], direction[3], length;
+    /* The ray to 48 bits; the length of its direction, and one over that and over its square. */
+    double origin[3], direction[3], length, per_length, per_length_squared;
     /* Where the ray starts for Embree, and the slack of the group that is being asked. */
     double start, slack;
     /* The first hit so far. */
@@ -131,17 +131,24 @@ static uint32_t id_of(const PsGroup *group, uint32_t index) {
     return group->ids ? group->ids[index] : index;
 }
 
+/* The sphere with this index in the group. */
+static Sphere sphere_in(const PsGroup *group, uint32_t index) {
+    if (!group->points || !group->is_exact) return sphere_at(&group->spheres, id_of(group, index));
+    const float *point = &group->points[PS_POINT_STRIDE * (size_t)index];
+    return (Sphere){{point[0], point[1], point[2]}, point[4]};
+}
+
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* `Sphere::first_root` of photosphere's geometry, operation by operation, so that it gives the same
  * bits. The far root where the near one is not beyond t_min; NAN where the line passes by. */
-static double first_root(const PsGroup *group, uint32_t id, const Query *query) {
-    const Sphere found = sphere_at(&group->spheres, id), *sphere = &found;
+static double first_root(const PsGroup *group, uint32_t index, const Query *query) {
+    const Sphere found = sphere_in(group, index), *sphere = &found;
     const double *o = query->origin, *d = query->direction, *c = sphere->center;
     const double to_center[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
-    double per_length_squared = 1.0 / dot(d, d);
+    double per_length_squared = query->per_length_squared;
     double t = dot(to_center, d) * per_length_squared;
     const double perpendicular[3] = {to_center[0] - d[0] * t, to_center[1] - d[1] * t,
                                      to_center[2] - d[2] * t};
@@ -169,10 +176,11 @@ static bool accept(Query *query, uint32_t id, double t) {
     return true;
 }
 
-static float round_up(double x) {
-    float nearest = (float)x;
-    return nearest < x ? nextafterf(nearest, INFINITY) : nearest;
-}
+/* Not less than x >= 0. */
+static float round_up(double x) { return (float)x * (1.0f + 2.0f * FLT_EPSILON); }
+
+/* fmin, without its care for NAN, which costs a call. */
+static double least(double a, double b) { return a < b ? a : b; }
 
 /* Where Embree may stop looking for a sphere whose exact distance is below t. */
 static float search_until(const Query *query, double t) {
@@ -190,7 +198,7 @@ static void filter_closest(const struct RTCFilterFunctionNArguments *arguments) 
     const struct RTCHit *hit = (const struct RTCHit *)arguments->hit;
     Query *query = (Query *)arguments->context;
     uint32_t id = id_of(group, hit->primID);
-    if (accept(query, id, first_root(group, id, query)))
+    if (accept(query, id, first_root(group, hit->primID, query)))
         ray->tfar = search_until(query, query->t);
     else
         arguments->valid[0] = 0;
@@ -201,7 +209,7 @@ static void filter_occluded(const struct RTCFilterFunctionNArguments *arguments)
     const struct RTCHit *hit = (const struct RTCHit *)arguments->hit;
     const Query *query = (const Query *)arguments->context;
     uint32_t id = id_of(group, hit->primID);
-    if (!counts(query->ray, id, first_root(group, id, query))) arguments->valid[0] = 0;
+    if (!counts(query->ray, id, first_root(group, hit->primID, query))) arguments->valid[0] = 0;
 }
 
 /* ---- User geometry ---- */
@@ -227,7 +235,7 @@ static void user_closest(const struct RTCIntersectFunctionNArguments *arguments)
     struct RTCRayHit *rayhit = (struct RTCRayHit *)arguments->rayhit;
     Query *query = (Query *)arguments->context;
     uint32_t id = id_of(group, arguments->primID);
-    if (!accept(query, id, first_root(group, id, query))) return;
+    if (!accept(query, id, first_root(group, arguments->primID, query))) return;
     rayhit->ray.tfar = search_until(query, query->t);
     rayhit->hit.primID = arguments->primID;
     rayhit->hit.geomID = arguments->geomID;
@@ -239,7 +247,7 @@ static void user_occluded(const struct RTCOccludedFunctionNArguments *arguments)
     struct RTCRay *ray = (struct RTCRay *)arguments->ray;
     const Query *query = (const Query *)arguments->context;
     uint32_t id = id_of(group, arguments->primID);
-    if (counts(query->ray, id, first_root(group, id, query))) ray->tfar = -INFINITY;
+    if (counts(query->ray, id, first_root(group, arguments->primID, query))) ray->tfar = -INFINITY;
 }
 
 /* ---- Devices ---- */
@@ -291,7 +299,8 @@ void ps_device_describe(PsDevice *device, PsDescription *description) {
 PsGeometry *ps_points_new(PsDevice *device, const PsGroup *group) {
     RTCGeometry geometry = rtcNewGeometry((RTCDevice)device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                               group->points, 0, 4 * sizeof(float), group->count);
+                               group->points, 0, PS_POINT_STRIDE * sizeof(float),
+                               group->count);
     rtcSetGeometryUserData(geometry, (void *)group);
     rtcSetGeometryIntersectFilterFunction(geometry, filter_closest);
     rtcSetGeometryOccludedFilterFunction(geometry, filter_occluded);
@@ -350,7 +359,10 @@ static void begin(Query *query, const PsRay *ray) {
         query->origin[axis] = (double)ray->origin[axis] + ray->origin_low[axis];
         query->direction[axis] = (double)ray->direction[axis] + ray->direction_low[axis];
     }
-    query->length = sqrt(dot(query->direction, query->direction));
+    double squared = dot(query->direction, query->direction);
+    query->length = sqrt(squared);
+    query->per_length = 1.0 / query->length;
+    query->per_length_squared = 1.0 / squared;
     query->t = INFINITY;
     query->id = PS_NO_SPHERE;
 }
@@ -360,22 +372,23 @@ static void begin(Query *query, const PsRay *ray) {
 static bool embree_ray(Query *query, const PsGroup *group, struct RTCRay *ray) {
     const double *o = query->origin, *d = query->direction, *c = group->center;
     const double to_center[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
-    double per_length_squared = 1.0 / (query->length * query->length);
+    double per_length_squared = query->per_length_squared;
     double middle = dot(to_center, d) * per_length_squared;
     const double perpendicular[3] = {to_center[0] - d[0] * middle, to_center[1] - d[1] * middle,
                                      to_center[2] - d[2] * middle};
     double squared = group->radius * group->radius - dot(perpendicular, perpendicular);
     if (!(squared >= 0.0)) return false;
-    double half = sqrt(squared * per_length_squared), margin = group->slack / query->length;
-    double until = fmin(query->t, query->ray->t_max);
-    double enter = fmax(middle - half, query->ray->t_min), leave = fmin(middle + half, until);
+    double half = sqrt(squared * per_length_squared), margin = group->slack * query->per_length;
+    double until = least(query->t, query->ray->t_max), t_min = query->ray->t_min;
+    double enter = middle - half > t_min ? middle - half : t_min;
+    double leave = least(middle + half, until);
     if (!(enter - margin <= leave + margin)) return false;
     query->start = enter - margin;
     query->slack = group->slack;
     float origin[3], direction[3];
     for (int axis = 0; axis < 3; axis++) {
         origin[axis] = (float)(o[axis] + d[axis] * query->start);
-        direction[axis] = (float)(d[axis] / query->length);
+        direction[axis] = (float)(d[axis] * query->per_length);
     }
     *ray = (struct RTCRay){
         .org_x = origin[0],

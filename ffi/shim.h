@@ -50,6 +50,9 @@ typedef struct PsSpheres {
     uint32_t particle_count;
 } PsSpheres;
 
+/* Numbers of a sphere point: two in a cache line of 16, so that Embree has fetched what a filter needs. */
+#define PS_POINT_STRIDE 8
+
 /* Spheres of similar size, which have an Embree scene of their own. Must not move or change as long
  * as a geometry or a scene made from it lives. */
 typedef struct PsGroup {
@@ -57,8 +60,11 @@ typedef struct PsGroup {
     /* The ids of the spheres; NULL if they are the first ones. */
     const uint32_t *ids;
     uint32_t count;
-    /* x, y, z of each sphere, relative to the origin, and its enlarged radius, for sphere points. */
+    /* The spheres as sphere points, PS_POINT_STRIDE numbers each: x, y, z relative to the origin, the
+     * enlarged radius, and the radius as written. */
     const float *points;
+    /* Whether x, y, z and the last number of each point are exact. */
+    bool is_exact;
     /* A ball that contains all spheres of the group. */
     double center[3], radius;
     /* How far f32 may displace a surface, and how far a candidate's distance may be off. */

@@ -45,6 +45,7 @@ use super::sys;
 const LARGE: f64 = 16.0;
 /// If there are more large spheres, they are not separated from the others.
 const MAX_LARGE: usize = 1 << 16;
+const POINT_STRIDE: usize = sys::PS_POINT_STRIDE as usize;
 /// Spheres sampled for the median radius.
 const SAMPLES: usize = 1 << 12;
 
@@ -55,7 +56,7 @@ pub(super) struct SphereGroup {
     /// Owns what `raw` points to.
     _set: Arc<SphereSet>,
     _ids: Vec<u32>,
-    _points: Vec<[f32; 4]>,
+    _points: Vec<[f32; POINT_STRIDE]>,
 }
 
 // SAFETY: the pointers lead to memory that this value owns and that is never written.
@@ -100,8 +101,8 @@ impl SphereGroup {
         let spheres = (0..count).into_par_iter().map(|index| set.sphere(id(index)));
         let Bounds { center, radius, largest } = Bounds::around(spheres.clone());
         let enlargement = 16.0 * F32_UNIT_ROUNDOFF * (center.length() + 4.0 * radius);
-        let points: Vec<[f32; 4]> = match geometry {
-            ParticleGeometry::Points => spheres.map(|s| enlarged(&s, enlargement)).collect(),
+        let points: Vec<[f32; POINT_STRIDE]> = match geometry {
+            ParticleGeometry::Points => spheres.map(|s| point(&s, enlargement)).collect(),
             ParticleGeometry::User => Vec::new(),
         };
         let tangent = match geometry {
@@ -113,7 +114,8 @@ impl SphereGroup {
             ids: if ids.is_empty() { ptr::null() } else { ids.as_ptr() },
             // A set has less than 2^32 spheres.
             count: count as u32,
-            points: points.as_ptr().cast(),
+            points: if points.is_empty() { ptr::null() } else { points.as_ptr().cast() },
+            is_exact: set.is_exact_in_f32(),
             center: center.to_array(),
             radius: radius + 2.0 * enlargement,
             enlargement,
@@ -145,10 +147,11 @@ fn large_particles(set: &SphereSet) -> Vec<u32> {
     (0..count as u32).into_par_iter().filter(is_large).collect()
 }
 
-/// The sphere for Embree, with a radius that is enlarged and not rounded down.
-fn enlarged(sphere: &Sphere, enlargement: f64) -> [f32; 4] {
+/// The sphere for Embree, with a radius that is enlarged, and for the filter.
+fn point(sphere: &Sphere, enlargement: f64) -> [f32; POINT_STRIDE] {
     let [x, y, z] = sphere.center.as_vec3().to_array();
-    [x, y, z, (sphere.radius + enlargement).next_up() as f32]
+    let radii = [sphere.radius + enlargement, sphere.radius].map(|radius| radius as f32);
+    [x, y, z, radii[0], radii[1], 0.0, 0.0, 0.0]
 }
 
 fn all_spheres(set: &SphereSet) -> sys::PsSpheres {
