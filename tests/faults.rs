@@ -108,7 +108,7 @@ struct Row {
     mistake: String,
     /// What is wrong, and the check that finds it.
     text: [String; 2],
-    /// The check's statistic, in standard deviations or wrong answers.
+    /// The check's statistic, in standard deviations or number of errors.
     statistic: f64,
     unit: String,
 }
@@ -119,7 +119,7 @@ impl Row {
             mistake: format!("`{fault:?}`"),
             text: [fault.breaks().to_owned(), check.to_owned()],
             statistic: outcome.statistic.round(),
-            unit: if outcome.is_random { "sigma" } else { "wrong" }.to_owned(),
+            unit: if outcome.is_random { "sigma" } else { "errors" }.to_owned(),
         }
     }
 

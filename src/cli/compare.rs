@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::image_io::{self, BEAUTY, ImageWriter, LayeredImage};
-use crate::report::compare::{Comparison, Pair, VARIANCE};
+use crate::report::compare::{Comparison, ImagePair, VARIANCE};
 
 use super::args::CompareArgs;
 use super::exit::Exit;
@@ -20,8 +20,8 @@ pub(super) fn run(args: &CompareArgs) -> Result<Exit> {
     let heatmap = args.heatmap.as_deref().map(ImageWriter::new).transpose()?;
     let pair = read(args)?;
     let layers = layers(&pair, &args.layers)?;
-    let wanted = args.wanted();
-    let comparison = Comparison::of(&pair, &wanted, &layers);
+    let options = args.options();
+    let comparison = Comparison::of(&pair, &options, &layers);
     if let Some(target) = heatmap {
         let (picture, words) = pair.heatmap(&layers[0], args.heatmap_of);
         target.write(&picture)?;
@@ -51,7 +51,7 @@ fn check_heatmap(args: &CompareArgs) -> Result<()> {
 }
 
 /// Reads both pictures, and refuses pairs that cannot be compared.
-fn read(args: &CompareArgs) -> Result<Pair> {
+fn read(args: &CompareArgs) -> Result<ImagePair> {
     let (mut a, mut b) =
         (image_io::read_image(&args.picture)?, image_io::read_image(&args.reference)?);
     forget_equal_infinities(&mut a, &mut b);
@@ -78,11 +78,11 @@ fn read(args: &CompareArgs) -> Result<Pair> {
             .with_help("only pictures of one size can be compared; render both with one --size"));
         }
     }
-    Ok(Pair { a, b, twin })
+    Ok(ImagePair { a, b, twin })
 }
 
 /// Returns the layers to compare: the requested ones, or all that both pictures have.
-fn layers(pair: &Pair, asked: &[String]) -> Result<Vec<String>> {
+fn layers(pair: &ImagePair, asked: &[String]) -> Result<Vec<String>> {
     let common = pair.common();
     let in_both = |name: &str| pair.a.layer(name).is_some() && pair.b.layer(name).is_some();
     if let Some(missing) = asked.iter().find(|name| !in_both(name)) {

@@ -10,7 +10,7 @@ use crate::image_io::{self, AtomicFile, BEAUTY};
 use crate::report::convergence::{ConvergenceReport, ReferenceOrigin};
 use crate::scene::settings::{ImageSettings, IntegratorKind, IntegratorSettings};
 use crate::scene::{Override, Settings, read_file};
-use crate::verify::converge::{ErrorMetric, Reference, ReferenceFrom, Series, Study, Variant};
+use crate::verify::converge::{ErrorMetric, Reference, ReferenceSource, Series, Study, Variant};
 
 use super::args::ConvergeArgs;
 use super::compare::check_finite;
@@ -33,7 +33,7 @@ fn converge(args: &ConvergeArgs, file: AtomicFile) -> Result<Exit> {
     let metric = args.metric;
     let (study, reference_integrator) = study(args)?;
     let progress = ProgressDisplay::new(args.quiet);
-    let (done, total, began) = (AtomicU64::new(0), study.samples_in_all(), Instant::now());
+    let (done, total, began) = (AtomicU64::new(0), study.total_samples(), Instant::now());
     let result = study.measure(&|rendered| {
         let before = done.fetch_add(rendered.samples, Ordering::Relaxed);
         progress.show(&ProgressState::since(began, before + rendered.samples, total));
@@ -116,12 +116,12 @@ fn study(args: &ConvergeArgs) -> Result<(Study, String)> {
     let variants = choices.into_iter().map(variant).collect::<Result<_>>()?;
     let integrator = reference_integrator(args, own_integrator)?;
     let reference = match &args.reference {
-        Some(path) => ReferenceFrom::Picture(read_reference(path, &own.image)?),
+        Some(path) => ReferenceSource::Picture(read_reference(path, &own.image)?),
         None => {
             let most = samples.last().copied().unwrap_or(1);
             let choice = [chosen("integrator", &integrator)];
             let half = Some(args.reference_half(most));
-            ReferenceFrom::Halves(settings(args, &choice, half)?)
+            ReferenceSource::Halves(settings(args, &choice, half)?)
         }
     };
     let seeds = args.seed..args.seed + u64::from(args.seeds);

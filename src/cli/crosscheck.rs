@@ -91,7 +91,7 @@ fn rays_of_shot(
 
 /// Returns a warning if an intersector often cannot tell the scene's spheres apart.
 fn about_ambiguity(of_scene: &CrosscheckResult) -> Option<String> {
-    let share = of_scene.ambiguous_share();
+    let share = of_scene.ambiguous_fraction();
     (share > TOLERABLE_AMBIGUITY).then(|| {
         format!(
             "{:.1} % of the answers of `{}` to rays of the camera and their bounces are ambiguous: \

@@ -28,7 +28,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
         let records = FileRecords::read(&args.scene.path)?;
         match args.json {
             true => print::json(&records.json()?)?,
-            false => print::result(&records.words()?)?,
+            false => print::result(&records.to_text()?)?,
         }
         return Ok(Exit::Done);
     }

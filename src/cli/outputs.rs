@@ -58,7 +58,7 @@ impl Outputs {
         if delivery.preview.is_none() {
             refuse_look_without_screen(delivery, &pictures)?;
         }
-        let OutputSpec { look, with_run, .. } = *delivery;
+        let OutputSpec { look, with_run_record: with_run, .. } = *delivery;
         Ok(Self { pictures, part, look, layers: layers.to_vec(), with_run })
     }
 

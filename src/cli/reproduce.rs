@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::image_io::{self, ImageWriter, RawChannel, WriteOptions};
 use crate::job::reproduce::{ReproduceOptions, Reproduction, read_metadata, reproduce};
 use crate::job::{Metadata, frame_crop, is_checkpoint};
-use crate::report::{in_standard_errors, in_steps};
+use crate::report::{describe_in_standard_errors, describe_in_steps};
 
 use super::args::ReproduceArgs;
 use super::exit::Exit;
@@ -40,8 +40,8 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
         format!("`{}` comes out differently, in {}\n", path.display(), wrong.join(", "));
     words += &reasons(&said.program_differences(&again.metadata));
     words += &match is_png(path) {
-        true => in_steps(&then, &now),
-        false => in_standard_errors(&then, &now, &again.film),
+        true => describe_in_steps(&then, &now),
+        false => describe_in_standard_errors(&then, &now, &again.film),
     };
     print::result(&words)?;
     Ok(Exit::CheckFailed)

@@ -21,7 +21,7 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
     };
     let is_named = !args.outputs.is_empty();
     let named = || is_named.then(OutputSpec::default);
-    let delivery = header.delivery.clone().or_else(named).ok_or_else(unknown)?;
+    let delivery = header.output.clone().or_else(named).ok_or_else(unknown)?;
     let no_scene = || {
         let path = args.file.display();
         Error::input(format!("`{path}` is of a scene that is in no file"))

@@ -41,7 +41,7 @@ fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
     if args.json {
         print::json(&path::json(&prepared, &trace))?;
     } else {
-        print::result(&path::words(&prepared, &trace))?;
+        print::result(&path::text(&prepared, &trace))?;
     }
     if let (Some(file), Some(path)) = (file, &args.svg) {
         let svg = path::svg(&prepared, &trace);

@@ -1,8 +1,8 @@
 //! Predicts the memory of a render before any of it is allocated, from the scene description, the
-//! lengths of its tables, and the intersectors' own estimates.
+//! lengths of its tables, and the estimates of the intersectors.
 //!
-//! A render runs in phases: the tables are read, the spheres sorted, the tree built, the picture
-//! rendered. The peak is the maximum over the phases.
+//! A render runs in phases: the tables are read, the spheres sorted, the acceleration structures
+//! built, the picture rendered. The peak is the maximum over the phases.
 
 use crate::accel::Backend;
 use crate::film::{Aov, Film, RadianceScale};
@@ -41,9 +41,9 @@ pub struct MemoryPlan {
     pub emitters: u64,
     /// The environment map.
     pub background: u64,
-    /// The finished trees of all intersectors.
+    /// The finished acceleration structures of all intersectors.
     pub accel: u64,
-    /// Peak memory of the trees during construction.
+    /// Peak memory of the acceleration structures during construction.
     pub accel_build: u64,
     /// Film and picture.
     pub film: u64,
@@ -56,7 +56,7 @@ pub struct MemoryPlan {
 pub enum MemoryPhase {
     /// The spheres are sorted.
     Sorting,
-    /// The trees are built.
+    /// The acceleration structures are built.
     Building,
     /// The picture is rendered.
     Rendering,
@@ -78,23 +78,23 @@ impl MemoryPlan {
         let transparent = description.background.transparent;
         let scale = RadianceScale::from_max_radiance(1.0);
         let format = format_for_settings(&file.settings, transparent, scale, aovs);
-        let written_out = description.spheres.len() as u64;
-        let bare = Self::for_spheres(file.sphere_count(), backends, threads);
+        let inline = description.spheres.len() as u64;
+        let spheres_only = Self::for_spheres(file.sphere_count(), backends, threads);
         Self {
-            spheres: bare.spheres + written_out * INLINE_SPHERE_BYTES,
+            spheres: spheres_only.spheres + inline * INLINE_SPHERE_BYTES,
             colors: color_bytes(file, colors),
             emitters: emitter_count(file) * EMITTER_BYTES,
             background: file.environment_pixels() * ENVIRONMENT_PIXEL_BYTES,
             film: Film::bytes(&format) as u64
                 + format.frame.pixel_count() as u64 * PICTURE_PIXEL_BYTES,
-            ..bare
+            ..spheres_only
         }
     }
 
     /// Plans for `count` spheres and these intersectors, without film, colours or emitters.
     pub fn for_spheres(count: u64, backends: &[Backend], threads: usize) -> Self {
-        let mut trees = AccelMemory::default();
-        backends.iter().for_each(|backend| trees.build(*backend, count));
+        let mut accel = AccelMemory::default();
+        backends.iter().for_each(|backend| accel.build(*backend, count));
         let with_embree = backends.iter().any(|backend| backend.uses_embree());
         Self {
             spheres: count * SPHERE_BYTES,
@@ -102,8 +102,8 @@ impl MemoryPlan {
             colors: 0,
             emitters: 0,
             background: 0,
-            accel: trees.finished,
-            accel_build: trees.peak,
+            accel: accel.finished,
+            accel_build: accel.peak,
             film: 0,
             program: PROGRAM_BYTES[usize::from(with_embree)] + threads as u64 * THREAD_BYTES,
         }
@@ -116,14 +116,17 @@ impl MemoryPlan {
 
     /// The phase with the peak memory.
     pub fn peak_phase(&self) -> MemoryPhase {
-        let steps = [MemoryPhase::Sorting, MemoryPhase::Building, MemoryPhase::Rendering];
-        steps.into_iter().max_by_key(|&step| self.bytes_in(step)).unwrap_or(MemoryPhase::Rendering)
+        let phases = [MemoryPhase::Sorting, MemoryPhase::Building, MemoryPhase::Rendering];
+        phases
+            .into_iter()
+            .max_by_key(|&phase| self.bytes_in(phase))
+            .unwrap_or(MemoryPhase::Rendering)
     }
 
     /// Peak memory within a phase, in bytes.
-    pub fn bytes_in(&self, step: MemoryPhase) -> u64 {
+    pub fn bytes_in(&self, phase: MemoryPhase) -> u64 {
         let scene = self.spheres + self.rows + self.colors + self.background + self.program;
-        match step {
+        match phase {
             // Sorting holds the spheres in both the old and the new order.
             MemoryPhase::Sorting => scene + self.spheres,
             MemoryPhase::Building => scene + self.emitters + self.accel_build,
@@ -132,7 +135,7 @@ impl MemoryPlan {
     }
 }
 
-/// Memory of trees that are built one after the other.
+/// Memory of acceleration structures that are built one after the other.
 #[derive(Default)]
 struct AccelMemory {
     finished: u64,
@@ -141,9 +144,9 @@ struct AccelMemory {
 
 impl AccelMemory {
     fn build(&mut self, backend: Backend, spheres: u64) {
-        let planned = backend.memory_estimate(spheres);
-        self.peak = self.peak.max(self.finished + planned.peak);
-        self.finished += planned.built;
+        let estimate = backend.memory_estimate(spheres);
+        self.peak = self.peak.max(self.finished + estimate.peak);
+        self.finished += estimate.built;
     }
 }
 
@@ -157,9 +160,10 @@ fn color_bytes(file: &SceneFile, storage: Option<ColorStorage>) -> u64 {
 
 fn emitter_count(file: &SceneFile) -> u64 {
     let SceneDescription { materials, spheres, tables, .. } = &file.description;
-    let shines = |material: usize| materials[material].emission.max_element() > 0.0;
-    let written_out = spheres.iter().filter(|sphere| shines(sphere.material)).count() as u64;
-    let of_tables = tables.iter().zip(file.table_rows());
-    let of_tables = of_tables.filter(|(table, _)| shines(table.material)).map(|(_, rows)| rows);
-    written_out + of_tables.sum::<u64>()
+    let is_emissive = |material: usize| materials[material].emission.max_element() > 0.0;
+    let inline = spheres.iter().filter(|sphere| is_emissive(sphere.material)).count() as u64;
+    let table_rows = tables.iter().zip(file.table_rows());
+    let table_rows =
+        table_rows.filter(|(table, _)| is_emissive(table.material)).map(|(_, rows)| rows);
+    inline + table_rows.sum::<u64>()
 }

@@ -158,7 +158,7 @@ impl Metadata {
     ) -> Self {
         let mut settings = self.settings;
         if !settings.render.sampler.depends_on_sample_count() {
-            set_sample_count(&mut settings, samples.first + samples.most);
+            set_sample_count(&mut settings, samples.first + samples.max_count);
         }
         Self { settings, samples, counts, parts, ..self }
     }
@@ -172,7 +172,7 @@ impl Metadata {
         let ranges = self.parts.ranges_to_string();
         match self.parts.all_cover(&self.settings.image.pixel_bounds()) {
             true => ranges,
-            false => format!("{ranges} (some pixels lack some)"),
+            false => format!("{ranges} (some pixels have fewer)"),
         }
     }
 
@@ -182,7 +182,8 @@ impl Metadata {
     /// If a path cannot be serialized.
     pub fn to_records(&self) -> Result<Vec<MetadataEntry>> {
         let value = serde_json::to_value(self);
-        let value = value.map_err(|e| Error::input(format!("cannot say how it was made: {e}")))?;
+        let value =
+            value.map_err(|e| Error::input(format!("cannot serialize the metadata: {e}")))?;
         let Value::Object(fields) = value else { return Ok(Vec::new()) };
         Ok(fields
             .into_iter()
@@ -195,22 +196,21 @@ impl Metadata {
     /// # Errors
     /// If a record is missing or invalid. The message names the picture.
     pub fn from_records(picture: &Path, records: &[MetadataEntry]) -> Result<Self> {
-        let shown = picture.display();
+        let path = picture.display();
         if !records.iter().any(|record| record.name == "scene-identity") {
-            let message = format!("`{shown}` does not say how it was made");
-            let is_old = records.iter().any(|record| record.name == "identity");
-            let help = match is_old {
-                true => "it is of an older version of photosphere: use that version",
-                false => "other programs may drop it on saving",
+            let message = format!("`{path}` has no metadata of photosphere");
+            let has_old_records = records.iter().any(|record| record.name == "identity");
+            let help = match has_old_records {
+                true => "an older version of photosphere wrote it: use that version",
+                false => "other programs may drop the metadata when they save a picture",
             };
             return Err(Error::input(message).with_help(help));
         }
         let fields: Map<String, Value> =
             records.iter().map(|record| (record.name.clone(), record_value(record))).collect();
         serde_json::from_value(Value::Object(fields)).map_err(|e| {
-            let message =
-                format!("`{shown}` says how it was made in a way that is not understood: {e}");
-            Error::input(message).with_help("it may be of another version of photosphere")
+            let message = format!("the metadata of `{path}` is not understood: {e}");
+            Error::input(message).with_help("another version of photosphere may have written it")
         })
     }
 }
@@ -266,7 +266,7 @@ pub(super) fn job_identity(settings: &Settings, intersector: &Intersector) -> Co
     set_sample_count(&mut settings, samples);
     let canonical = CanonicalJob { encoding: 2, version: VERSION, intersector, settings };
     let bytes = serde_json::to_vec(&canonical);
-    ContentHash::of_bytes(&bytes.expect("plain values with names as their keys are JSON"))
+    ContentHash::of_bytes(&bytes.expect("plain values with string keys serialize to JSON"))
 }
 
 /// The scene description to embed, with file names as the scene gives them.
@@ -303,11 +303,11 @@ pub(super) fn for_each_file(
 
 fn relative_files(scene: &Scene) -> Vec<FileHash> {
     let folder = scene.source().map_or(Path::new(""), |source| &source.folder);
-    let named = |FileHash { file, hash }: &FileHash| FileHash {
+    let relative = |FileHash { file, hash }: &FileHash| FileHash {
         file: file.strip_prefix(folder).unwrap_or(file).to_path_buf(),
         hash: *hash,
     };
-    scene.files().iter().map(named).collect()
+    scene.files().iter().map(relative).collect()
 }
 
 /// Versions and configuration of the Embree in use.

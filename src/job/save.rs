@@ -59,9 +59,10 @@ pub fn save_all(
     if failed.is_empty() {
         return Ok(());
     }
-    let is_written = |errand: &&SaveTask<'_>| failed.iter().all(|one| one.task.path != errand.path);
+    let is_written =
+        |task: &&SaveTask<'_>| failed.iter().all(|failed_task| failed_task.task.path != task.path);
     let written: Vec<String> =
-        first.iter().chain(others).filter(is_written).map(|errand| quoted(&errand.path)).collect();
+        first.iter().chain(others).filter(is_written).map(|task| quoted(&task.path)).collect();
     let mut help: Vec<String> = failed.iter().map(FailedTask::rescue).collect();
     help.dedup();
     if !written.is_empty() {
@@ -70,39 +71,39 @@ pub fn save_all(
     Err(failed.swap_remove(0).error.with_help(help.join("; ")))
 }
 
-fn run_tasks<'a>(errands: &'a [SaveTask<'a>]) -> Vec<FailedTask<'a>> {
-    let failed = |errand: &'a SaveTask<'a>| {
-        (errand.write)(None).err().map(|error| FailedTask { task: errand, error })
-    };
-    errands.iter().filter_map(failed).collect()
+fn run_tasks<'a>(tasks: &'a [SaveTask<'a>]) -> Vec<FailedTask<'a>> {
+    let failed =
+        |task: &'a SaveTask<'a>| (task.write)(None).err().map(|error| FailedTask { task, error });
+    tasks.iter().filter_map(failed).collect()
 }
 
 /// Retries failed tasks while content would be lost, unless the user is waiting for exit.
 fn retry(failed: &mut Vec<FailedTask<'_>>, policy: &RetryPolicy<'_>) {
-    let is_lost = |failed: &[FailedTask<'_>]| failed.iter().any(|one| one.task.is_only_copy);
+    let is_lost =
+        |failed: &[FailedTask<'_>]| failed.iter().any(|failed_task| failed_task.task.is_only_copy);
     if !is_lost(failed) || (policy.skip_retries)() {
         return;
     }
-    for one in failed.iter() {
-        let (error, patience) = (&one.error, RETRY_TIMEOUT.as_secs());
-        (policy.warn)(format!("{error}; it is tried again for {patience} s"));
+    for failed_task in failed.iter() {
+        let (error, seconds) = (&failed_task.error, RETRY_TIMEOUT.as_secs());
+        (policy.warn)(format!("{error}; retrying for {seconds} s"));
     }
-    let (until, mut next) = (Instant::now() + RETRY_TIMEOUT, Instant::now() + RETRY_INTERVAL);
-    while is_lost(failed) && Instant::now() < until && !(policy.skip_retries)() {
+    let (deadline, mut next) = (Instant::now() + RETRY_TIMEOUT, Instant::now() + RETRY_INTERVAL);
+    while is_lost(failed) && Instant::now() < deadline && !(policy.skip_retries)() {
         std::thread::sleep(POLL_INTERVAL);
         if Instant::now() < next {
             continue;
         }
-        failed.retain_mut(|one| one.still_fails(policy));
+        failed.retain_mut(|failed_task| failed_task.still_fails(policy));
         next = Instant::now() + RETRY_INTERVAL;
     }
 }
 
 impl FailedTask<'_> {
-    fn still_fails(&mut self, manner: &RetryPolicy<'_>) -> bool {
+    fn still_fails(&mut self, policy: &RetryPolicy<'_>) -> bool {
         match (self.task.write)(None) {
             Ok(()) => {
-                (manner.warn)(format!("can write {} again", quoted(&self.task.path)));
+                (policy.warn)(format!("writing {} works again", quoted(&self.task.path)));
                 false
             }
             Err(error) => {
@@ -114,16 +115,17 @@ impl FailedTask<'_> {
 
     /// Help text for the failure. Writes content that would be lost to a rescue path.
     fn rescue(&self) -> String {
-        let SaveTask { path, is_only_copy: is_vital, help, write } = self.task;
-        if !is_vital {
+        let SaveTask { path, is_only_copy, help, write } = self.task;
+        if !is_only_copy {
             return help.clone();
         }
-        let places = rescue_paths(path);
-        match places.iter().find(|place| write(Some(place)).is_ok()) {
-            Some(place) => format!("it is in {} instead", quoted(place)),
+        let paths = rescue_paths(path);
+        match paths.iter().find(|rescue_path| write(Some(rescue_path)).is_ok()) {
+            Some(rescue_path) => format!("its content is in {} instead", quoted(rescue_path)),
             None => {
-                let places: Vec<String> = places.iter().map(|place| quoted(place)).collect();
-                format!("it is lost: it could not be written to {} either", places.join(" or "))
+                let paths: Vec<String> =
+                    paths.iter().map(|rescue_path| quoted(rescue_path)).collect();
+                format!("it is lost: it could not be written to {} either", paths.join(" or "))
             }
         }
     }
@@ -148,13 +150,13 @@ mod tests {
     use std::sync::Mutex;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    fn errand<'a>(
+    fn task<'a>(
         name: &str,
-        is_vital: bool,
+        is_only_copy: bool,
         write: impl Fn(Option<&Path>) -> Result<()> + Send + Sync + 'a,
     ) -> SaveTask<'a> {
         let help = "write it again".to_owned();
-        SaveTask { path: PathBuf::from(name), is_only_copy: is_vital, help, write: Box::new(write) }
+        SaveTask { path: PathBuf::from(name), is_only_copy, help, write: Box::new(write) }
     }
 
     fn full<T>() -> Result<T> {
@@ -168,31 +170,32 @@ mod tests {
             0..2 => full(),
             _ => Ok(()),
         };
-        let manner = RetryPolicy {
+        let policy = RetryPolicy {
             skip_retries: &|| false,
             warn: &|text| warnings.lock().unwrap().push(text),
         };
-        save_all(&[errand("a.part", true, write)], &[], &manner).unwrap();
+        save_all(&[task("a.part", true, write)], &[], &policy).unwrap();
         let expected = [
-            "cannot write `a.part`: no space left; it is tried again for 60 s",
-            "can write `a.part` again",
+            "cannot write `a.part`: no space left; retrying for 60 s",
+            "writing `a.part` works again",
         ];
         assert_eq!(*warnings.lock().unwrap(), expected);
     }
 
     #[test]
     fn in_haste_it_is_written_elsewhere_and_the_error_says_where() {
-        let manner = RetryPolicy { skip_retries: &|| true, warn: &|text| panic!("{text}") };
-        let elsewhere = |place: Option<&Path>| if place.is_some() { Ok(()) } else { full() };
-        let part = [errand("kept/a.part", true, elsewhere)];
-        let others = [errand("a.png", false, |_| Ok(())), errand("a.exr", false, |_| full())];
-        let error = save_all(&part, &others, &manner).unwrap_err();
+        let policy = RetryPolicy { skip_retries: &|| true, warn: &|text| panic!("{text}") };
+        let elsewhere =
+            |rescue_path: Option<&Path>| if rescue_path.is_some() { Ok(()) } else { full() };
+        let part = [task("kept/a.part", true, elsewhere)];
+        let others = [task("a.png", false, |_| Ok(())), task("a.exr", false, |_| full())];
+        let error = save_all(&part, &others, &policy).unwrap_err();
         let help = error.help().unwrap();
         let name = format!("rescued-{}-a.part", std::process::id());
-        assert!(help.starts_with("it is in `") && help.contains(&name), "{help}");
+        assert!(help.starts_with("its content is in `") && help.contains(&name), "{help}");
         assert!(help.ends_with("` instead; write it again; written: `a.png`"), "{help}");
 
-        let error = save_all(&[errand("a.part", true, |_| full())], &[], &manner).unwrap_err();
+        let error = save_all(&[task("a.part", true, |_| full())], &[], &policy).unwrap_err();
         assert!(error.help().unwrap().starts_with("it is lost: "), "{error:?}");
     }
 }

@@ -59,24 +59,25 @@ impl MediumStack {
         let (outside, inside) = if entering {
             (*self, self.with(medium))
         } else {
-            // A path that missed its entry, at a tangent, is assumed to be inside.
+            // A path whose entry was missed, near a tangent, is assumed to be inside.
             let inside = if self.contains(medium.sphere) { *self } else { self.with(medium) };
             (self.without(medium.sphere), inside)
         };
-        let fills = inside.current().is_some_and(|filling| filling.sphere == medium.sphere);
-        let ior = outside.current().map_or(1.0, |filling| filling.ior);
+        let is_visible = inside.current().is_some_and(|current| current.sphere == medium.sphere);
+        let ior = outside.current().map_or(1.0, |current| current.ior);
         let eta = if entering { medium.ior / ior } else { ior / medium.ior };
         let eta = if fault!(IorSwapped) { 1.0 / eta } else { eta };
-        let beyond = if entering || fault!(MediumStackNotPopped) { inside } else { outside };
-        Boundary { eta: fills.then_some(eta), transmitted_media: beyond }
+        let transmitted_media =
+            if entering || fault!(MediumStackNotPopped) { inside } else { outside };
+        Boundary { eta: is_visible.then_some(eta), transmitted_media }
     }
 
-    /// Returns these media and one more, entered last. If there is no room left it is dropped, and
+    /// Returns the stack with `medium` pushed. If the stack is full, the medium is dropped and
     /// [`Self::overflowed`] returns true.
     pub fn with(mut self, medium: Medium) -> Self {
         match self.entered.get_mut(usize::from(self.count)) {
-            Some(free) => {
-                *free = medium;
+            Some(slot) => {
+                *slot = medium;
                 self.count += 1;
             }
             None => self.overflowed = true,
@@ -84,19 +85,19 @@ impl MediumStack {
         self
     }
 
-    /// Returns true if a medium was ever dropped for lack of room.
+    /// Returns true if a medium was ever dropped because the stack was full.
     pub fn overflowed(&self) -> bool {
         self.overflowed
     }
 
-    /// Returns the transmittance over a distance. An infinite distance gives 1: only rounding lets
-    /// a ray leave a sphere unnoticed.
+    /// Returns the transmittance over a distance. An infinite distance gives 1: only rounding makes
+    /// a ray miss the sphere that it is inside of.
     pub fn transmittance(&self, distance: f64) -> Rgb {
         match self.current() {
             Some(medium) if medium.absorption != Rgb::ZERO && distance.is_finite() => {
                 let distance = if fault!(AbsorbedTwice) { 2.0 * distance } else { distance };
-                let share = |absorption: f32| exp(-f64::from(absorption) * distance) as f32;
-                Rgb::from_array(medium.absorption.to_array().map(share))
+                let transmittance = |absorption: f32| exp(-f64::from(absorption) * distance) as f32;
+                Rgb::from_array(medium.absorption.to_array().map(transmittance))
             }
             _ => Rgb::ONE,
         }
@@ -109,8 +110,8 @@ impl MediumStack {
 
     fn without(mut self, sphere: u32) -> Self {
         let count = usize::from(self.count);
-        if let Some(at) = self.entered[..count].iter().rposition(|m| m.sphere == sphere) {
-            self.entered.copy_within(at + 1..count, at);
+        if let Some(index) = self.entered[..count].iter().rposition(|m| m.sphere == sphere) {
+            self.entered.copy_within(index + 1..count, index);
             self.count -= 1;
         }
         self

@@ -30,7 +30,7 @@ pub struct SceneSummary<'a> {
     max_depth: Option<u32>,
     seed: u64,
     biased_by: Vec<String>,
-    makes_light: Vec<MakesLight<'a>>,
+    creates_energy: Vec<EnergyCreatingMaterial<'a>>,
     #[serde(skip)]
     settings: &'a Settings,
 }
@@ -56,9 +56,9 @@ struct Radii {
 
 /// A material that reflects more light than it receives.
 #[derive(Debug, Serialize)]
-struct MakesLight<'a> {
+struct EnergyCreatingMaterial<'a> {
     name: &'a str,
-    up_to: f32,
+    max_albedo: f32,
 }
 
 impl<'a> SceneSummary<'a> {
@@ -68,7 +68,7 @@ impl<'a> SceneSummary<'a> {
         let Settings { image, render } = settings;
         let (bounds, radius) = extent(spheres);
         let materials = description.materials.iter();
-        let makes_light = description.energy_creating_materials().into_iter();
+        let creates_energy = description.energy_creating_materials().into_iter();
         Self {
             spheres: spheres.len(),
             tables: description.tables.len(),
@@ -88,7 +88,9 @@ impl<'a> SceneSummary<'a> {
             max_depth: render.max_depth,
             seed: render.seed,
             biased_by: render.biases(),
-            makes_light: makes_light.map(|(name, up_to)| MakesLight { name, up_to }).collect(),
+            creates_energy: creates_energy
+                .map(|(name, max_albedo)| EnergyCreatingMaterial { name, max_albedo })
+                .collect(),
             settings,
         }
     }
@@ -124,30 +126,30 @@ impl fmt::Display for SceneSummary<'_> {
         list("max_depth", vec![depth])?;
         list("seed", vec![self.seed.to_string()])?;
         list("biased by", self.biased_by.clone())?;
-        let note = |MakesLight { name, up_to }: &MakesLight<'_>| {
-            format!("{name} (reflects more than it receives: up to {up_to:.2} of it)")
+        let note = |EnergyCreatingMaterial { name, max_albedo }: &EnergyCreatingMaterial<'_>| {
+            format!("{name} (reflects more than it receives: up to {max_albedo:.2} of it)")
         };
-        list("makes light", self.makes_light.iter().map(note).collect())
+        list("creates energy", self.creates_energy.iter().map(note).collect())
     }
 }
 
 fn extent(spheres: &SphereSet) -> (Bounds, Radii) {
-    let nothing = || {
+    let empty = || {
         let bounds = Bounds { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
         (bounds, Radii { smallest: f64::INFINITY, largest: 0.0 })
     };
-    let one = |id| {
+    let sphere_extent = |id| {
         let Sphere { center, radius } = spheres.sphere(id);
         let center = center + spheres.origin();
         let bounds = Bounds { low: center - radius, high: center + radius };
         (bounds, Radii { smallest: radius, largest: radius })
     };
-    let joined = |(a, r): (Bounds, Radii), (b, s): (Bounds, Radii)| {
+    let union = |(a, r): (Bounds, Radii), (b, s): (Bounds, Radii)| {
         let bounds = Bounds { low: a.low.min(b.low), high: a.high.max(b.high) };
         let (smallest, largest) = (r.smallest.min(s.smallest), r.largest.max(s.largest));
         (bounds, Radii { smallest, largest })
     };
-    (0..spheres.len() as u32).into_par_iter().map(one).reduce(nothing, joined)
+    (0..spheres.len() as u32).into_par_iter().map(sphere_extent).reduce(empty, union)
 }
 
 fn integrator(integrator: &IntegratorSettings) -> String {

@@ -63,23 +63,23 @@ fn measure(
     let spheres = Arc::new(SphereSet::new(SphereRows { exact, table: Vec::new() })?);
     let build = BuildOptions { threads: 1, cancel: cancel.clone(), ..Default::default() };
     let accel = backend.build(&spheres, &build)?;
-    let contender = TestedBackend { name: backend.name(), accel: accel.as_ref() };
+    let tested = TestedBackend { name: backend.name(), accel: accel.as_ref() };
     // Coherent groups first: a backend detects them only where the batches are cut.
-    let mut asked = rays::coherent(&spheres, rays / 2, 3);
+    let mut traced = rays::coherent(&spheres, rays / 2, 3);
     let random = rays::random(&spheres, rays, 1);
-    asked.extend(rays::secondary(&spheres, accel.as_ref(), &random[..rays / 4], 2));
-    asked.extend(random);
-    asked.retain(|ray| rays::is_traceable(&spheres, ray));
-    let result = compare(&spheres, &[contender], &asked, cancel)?.remove(0);
+    traced.extend(rays::secondary(&spheres, accel.as_ref(), &random[..rays / 4], 2));
+    traced.extend(random);
+    traced.retain(|ray| rays::is_traceable(&spheres, ray));
+    let result = compare(&spheres, &[tested], &traced, cancel)?.remove(0);
     Ok(CheckMeasurement::new(TestStatistic::ErrorCount(result.failures()), detail(&result)))
 }
 
 fn detail(result: &CrosscheckResult) -> String {
     let first = result.disagreements.first();
-    let first = first.map_or(String::new(), |ray| format!("; the first: {ray}"));
+    let first = first.map_or(String::new(), |ray| format!("; first: {ray}"));
     format!(
-        "{} rays: {} equal, {} within the stated rounding; largest error of a distance {:.2} of \
-         what is allowed{first}",
+        "{} rays: {} equal, {} within the stated error bound; largest distance error {:.2} of \
+         the tolerance{first}",
         result.rays, result.exact, result.ambiguous, result.max_distance_error
     )
 }

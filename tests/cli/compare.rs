@@ -79,7 +79,7 @@ fn every_metric_of_every_layer_is_told() {
     close(&layers[0]["relmse"], (0.25f64 / 0.76).powi(2));
     close(&layers[0]["psnr"], 10.0 * (4.0f64 / 0.0625).log10());
     close(&layers[0]["mean_ratio"][1], 0.5 / 0.75);
-    assert_eq!(layers[0]["mean_a_half_interval_95"], Value::Null);
+    assert_eq!(layers[0]["mean_a_half_width_95"], Value::Null);
     assert_eq!(layers[1]["flip"], 0.0);
     assert_eq!(layers[1]["psnr"], Value::Null); // infinite
     close(&layers[2]["mean_a"][0], 0.25);
@@ -129,9 +129,9 @@ fn a_twin_tells_the_interval_of_the_mean() {
     let told = json(&desk, "a.exr b.exr --twin b.exr --metric mean");
     // Every pixel's variance is 0.25^2 / 2; there are 200 pixels.
     let expected = 1.959_964 * (0.25f64 * 0.25 / 2.0 / 200.0).sqrt();
-    close(&told["layers"][0]["mean_a_half_interval_95"][0], expected);
-    close(&told["layers"][0]["mean_ratio_half_interval_95"][0], expected / 0.75);
-    assert_eq!(told["layers"][0]["mean_b_half_interval_95"], Value::Null);
+    close(&told["layers"][0]["mean_a_half_width_95"][0], expected);
+    close(&told["layers"][0]["mean_ratio_half_width_95"][0], expected / 0.75);
+    assert_eq!(told["layers"][0]["mean_b_half_width_95"], Value::Null);
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn independent_samples_have_the_slope_of_one_half_for_every_estimator() {
     assert_eq!(names, ["paper, independent", "path, independent"]);
     for series in told["series"].as_array().unwrap() {
         let slope = &series["slope_against_samples"];
-        let (mean, half) = (number(&slope["mean"]), number(&slope["half_interval_95"]));
+        let (mean, half) = (number(&slope["mean"]), number(&slope["half_width_95"]));
         assert!((mean + 0.5).abs() < 2.4 * half, "{series}");
         assert!(half < 0.2, "{series}");
         let points = series["points"].as_array().unwrap();
@@ -45,7 +45,7 @@ fn independent_samples_have_the_slope_of_one_half_for_every_estimator() {
     assert_eq!(told["reference"]["integrator"], "path");
     assert_eq!(told["reference"]["samples_per_pixel"], 1024);
     let svg = fs::read_to_string(desk.path().join("noise.svg")).expect("written");
-    for text in ["scene.toml", "paper, independent", "samples per pixel", "is taken away"] {
+    for text in ["scene.toml", "paper, independent", "samples per pixel", "is subtracted"] {
         assert!(svg.contains(text), "{text}");
     }
 }

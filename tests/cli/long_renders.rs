@@ -69,22 +69,26 @@ fn what_does_not_add_up_is_refused_with_the_reason() {
         desk.run(&format!("merge {parts} -o sum.pfm")).fails(3, words);
         assert!(!desk.path().join("sum.pfm").exists(), "{parts}");
     };
-    let overlap = "`a.part` and `b.part` both hold samples 16..32 of the pixels 0,0,16,12";
+    let overlap = "`a.part` and `b.part` both have samples 16..32 of the pixels 0,0,16,12";
     refused("a.part b.part", &[overlap, "leave one of them out"]);
     refused("b.part a.part c.part", &[overlap]);
-    refused("a.part a.part", &["both hold samples 0..32"]);
+    refused("a.part a.part", &["both have samples 0..32"]);
     refused("a.part", &["samples 32..41 of the pixels 0,0,16,12 are missing", "--allow-gaps"]);
     refused("b.part", &["samples 0..16 of the pixels 0,0,16,12 are missing"]);
     refused("left.part b.part", &["samples 0..16 of the pixels 9,0,16,12 are missing"]);
-    refused("a.part seed.part", &["are no parts of one picture", "`render.seed` is 5, not 0"]);
+    refused(
+        "a.part seed.part",
+        &["are not parts of the same picture", "`render.seed` is 5, not 0"],
+    );
     refused("a.part size.part", &["`image.height` is 13, not 12"]);
     refused("a.part accel.part", &["the intersector is native, not "]);
     let albedo = "`materials.grass.albedo` is [0.3, 0.6, 0.2], not [0.2, 0.6, 0.2]";
     refused("a.part other.part", &[albedo]);
-    let within = "`short.part` ends within a block, at sample 20, so that `c.part` cannot follow";
+    let within = "`short.part` ends within a block, at sample 20, so `c.part` cannot continue";
     refused("c.part short.part", &[within]);
     desk.run("merge a.part missing.part -o sum.pfm").fails(4, &["cannot read `missing.part`"]);
-    desk.run("merge a.part scene.toml -o sum.pfm").fails(4, &["it is no part"]);
+    desk.run("merge a.part scene.toml -o sum.pfm")
+        .fails(4, &["it is neither a checkpoint nor a part"]);
 
     let error = "the following required arguments were not provided:\n  <PART>";
     desk.run("merge -o sum.pfm").fails(2, &[error]);
@@ -103,7 +107,7 @@ fn ranges_that_do_not_fit_are_refused() {
     refused("8..41", &["must start on a multiple of 16", "try 0..41"]);
     refused("0..40", &["must end on a multiple of 16, or at the last sample, 41", "try 0..41"]);
     refused("16..17", &["try 16..32"]);
-    refused("32..64", &["end behind the last sample, of 41 per pixel", "per pixel: --spp 64"]);
+    refused("32..64", &["exceed the 41 samples per pixel", "per pixel: --spp 64"]);
     desk.run("render scene.toml -o a.part --samples 9").fails(2, &["as in 0..64"]);
     assert_eq!(desk.names(), ["scene.toml"]);
 }
@@ -158,17 +162,17 @@ fn what_is_not_this_render_is_not_gone_on_with() {
     other("--max-depth 3", "`render.max_depth` is 6, not 3");
     other("--crop 0,0,5,5", "it is of the crop 0,0,16,12, not 0,0,5,5");
     other("--samples 16..41", "its samples start at 0, not at 16");
-    other("--spp 32", "it has samples up to 41, more than the 32 that are asked for");
+    other("--spp 32", "it has samples up to 41, more than the 32 that are requested");
     other("--spp 64 --sampler stratified", "`render.sampler` is \"sobol\", not \"stratified\"");
 
     let stratified = "render scene.toml -o a.pfm --checkpoint s.state --sampler stratified";
     desk.run(stratified).succeeds();
     desk.run("resume s.state --extend-to 64")
-        .fails(3, &["the number of samples per pixel changes each"]);
+        .fails(3, &["the number of samples per pixel differs"]);
 
     let at = |name: &str, bytes: &[u8]| fs::write(desk.path().join(name), bytes).expect("written");
     at("cut.state", &kept[..kept.len() / 2]);
-    desk.run("resume cut.state").fails(4, &["cannot read `cut.state`: it is cut off after"]);
+    desk.run("resume cut.state").fails(4, &["cannot read `cut.state`: it is truncated after"]);
     let mut damaged = kept.clone();
     let middle = kept.len() - 100;
     damaged[middle] ^= 4;
@@ -176,10 +180,11 @@ fn what_is_not_this_render_is_not_gone_on_with() {
     desk.run("resume damaged.state").fails(4, &["it is damaged"]);
     let newer = [&kept[..8], &9u32.to_le_bytes(), &kept[12..]].concat();
     at("newer.state", &newer);
-    let words = ["it is written in version 9 of the format", "use the photosphere that wrote it"];
+    let words = ["its format has version 9", "use the photosphere that wrote it"];
     desk.run("resume newer.state").fails(4, &words);
-    desk.run("resume scene.toml").fails(4, &["it is no part and no checkpoint"]);
-    desk.run("render scene.toml -o a.pfm --checkpoint scene.toml").fails(4, &["it is no part"]);
+    desk.run("resume scene.toml").fails(4, &["it is neither a checkpoint nor a part"]);
+    desk.run("render scene.toml -o a.pfm --checkpoint scene.toml")
+        .fails(4, &["it is neither a checkpoint nor a part"]);
 
     fs::write(desk.path().join("scene.toml"), SCENE.replace("0.2, 0.6", "0.3, 0.6"))
         .expect("written");
@@ -345,8 +350,8 @@ fn a_folder_that_vanishes_does_not_end_a_render() {
     let output = child.wait_with_output().expect("it ends");
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(130), "{told}");
-    assert!(told.contains("the render goes on and tries again to write `kept/a.state`"), "{told}");
-    assert!(told.contains("warning: can write `kept/a.state` again"), "{told}");
+    assert!(told.contains("the render continues and retries `kept/a.state`"), "{told}");
+    assert!(told.contains("warning: writing `kept/a.state` works again"), "{told}");
 }
 
 /// A limit on the size of files stands for a full disk: it needs no rights, and can be lifted.
@@ -375,14 +380,11 @@ fn a_full_disk_does_not_end_a_render() {
         line.unwrap_or_else(|| panic!("{start}")).expect("text")
     };
     let warning = told("warning: cannot write `a.state`: ");
-    assert!(
-        warning.ends_with("the render goes on and tries again to write `a.state`"),
-        "{warning}"
-    );
+    assert!(warning.ends_with("the render continues and retries `a.state`"), "{warning}");
     assert!(!desk.path().join("a.state").exists());
     let limit = ["--pid", &child.id().to_string(), "--fsize=unlimited:"].map(str::to_owned);
     assert!(Command::new("prlimit").args(limit).status().expect("it runs").success());
-    told("warning: can write `a.state` again");
+    told("warning: writing `a.state` works again");
     let kill = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
     told("wrote a.pfm, stopped after");
@@ -549,7 +551,7 @@ fn info_and_merge_tell_what_is_missing_or_damaged() {
     desk.run("render scene.toml -o a.part --samples 0..16").succeeds();
     desk.run("render scene.toml -o b.part --samples 16..32 --crop 0,0,9,12").succeeds();
     let told = desk.run("merge a.part b.part -o c.png --allow-gaps").succeeds().stderr;
-    let words = "0..32 (some pixels lack some)";
+    let words = "0..32 (some pixels have fewer)";
     assert!(told.contains(words), "{told}");
     assert!(desk.run("info c.png").succeeds().stdout.contains(words));
     // A part of which a part has gaps is none, whatever else is asked for.

@@ -45,16 +45,16 @@ material = "wall"
 fn a_material_that_makes_light_is_told_and_blamed() {
     let desk = Desk::new(ROOM);
     let told = desk.run("info scene.toml").succeeds().stdout;
-    let note = "makes light wall (reflects more than it receives: up to 1.40 of it)\n";
+    let note = "creates energy wall (reflects more than it receives: up to 1.40 of it)\n";
     assert!(told.contains(note), "{told}");
     assert_eq!(
         desk.run("info scene.toml --json").succeeds().json()["makes_light"][0]["name"],
         "wall"
     );
     let fair = desk.run("info scene.toml --set materials.wall.normalized=true").succeeds().stdout;
-    assert!(!fair.contains("makes light"), "{fair}");
+    assert!(!fair.contains("creates energy"), "{fair}");
     let endless = desk.run("render scene.toml -o a.png --spp 64");
-    endless.fails(3, &["a material makes light", "photosphere info", "`max_depth`"]);
+    endless.fails(3, &["a material may create energy", "photosphere info", "`max_depth`"]);
     desk.run("render scene.toml -o a.png --spp 16 --max-depth 4").succeeds();
 }
 

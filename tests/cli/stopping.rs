@@ -17,9 +17,9 @@ fn a_noise_target_is_met_and_the_file_says_how() {
     let render = "render scene.toml --accel native --noise 15% --no-run-figures --json";
     let layers = "--layers beauty,sample_count";
     let said = desk.run(&format!("{render} -o a.exr {layers} --threads 1")).succeeds().json();
-    assert_eq!(said["noise"]["squares"], 1);
-    assert_eq!(said["noise"]["squares_done"], 1);
-    assert!(said["noise"]["worst"].as_f64().is_some_and(|worst| worst <= 0.15), "{said}");
+    assert_eq!(said["noise"]["tiles"], 1);
+    assert_eq!(said["noise"]["tiles_converged"], 1);
+    assert!(said["noise"]["worst_error"].as_f64().is_some_and(|worst| worst <= 0.15), "{said}");
     assert_eq!(said["samples"].as_u64().map(|samples| samples % (64 * 16 * 12)), Some(0));
     desk.run(&format!("{render} -o b.exr {layers} --threads 2")).succeeds();
     assert_eq!(desk.read("a.exr"), desk.read("b.exr"));
@@ -76,7 +76,7 @@ fn a_target_that_is_not_met_is_told_and_the_picture_is_there() {
         desk.run("render scene.toml -o a.pfm --accel native --noise 0.01% --max-spp 64 --quiet");
     outcome.fails(
         1,
-        &["warning: the noise target of 0.01 % is not met in 1 of 1 squares", "an error of"],
+        &["warning: the noise target of 0.01 % is not met in 1 of 1 tiles", "an error of"],
     );
     assert_eq!(desk.names(), ["a.pfm", "scene.toml"]);
 }
@@ -101,7 +101,7 @@ fn what_makes_no_sense_together_is_refused() {
     refused("--noise 1% --max-spp 63", 2, "63 is not in 64..");
     refused("--time soon", 2, "it must be a time, as in 30s, 5m or 1h");
     let counted =
-        "a noise target decides when to stop, but stratified samples are spread over a number";
+        "a noise target decides when to stop, but stratified sampling needs the number of samples";
     refused("--noise 1% --sampler stratified", 3, counted);
     refused("--time 1s --sampler stratified", 3, "a time decides when to stop");
     let cells = "3 x 3 sub-pixels do not fit into its blocks of 16 samples";
@@ -155,7 +155,7 @@ fn samples_are_added_to_a_picture_that_met_its_noise_target() {
     desk.run(&format!("{render} --noise 3.5% -o a.exr --checkpoint a.state")).succeeds();
     let said = desk.run("info a.exr --json").succeeds().json();
     assert!(said["counts"].is_array(), "{said}");
-    desk.run("resume a.state --extend-to 16").fails(3, &["more than the 16 that are asked for"]);
+    desk.run("resume a.state --extend-to 16").fails(3, &["more than the 16 that are requested"]);
     desk.run("resume a.state --extend-to 1040").succeeds();
     desk.run(&format!("{render} --spp 1040 -o b.exr")).succeeds();
     assert!(desk.read("a.exr") == desk.read("b.exr"));
@@ -347,7 +347,7 @@ fn another_noise_target_is_not_gone_on_with_unless_it_asks_for_more() {
     };
     let kept = "--checkpoint kept.state";
     desk.run(&render("--noise 3%", "a.exr", kept)).succeeds();
-    let words = ["cannot resume `kept.state`: its noise target was 0.03", "beyond 0.2"];
+    let words = ["cannot resume `kept.state`: its noise target was 0.03", "more samples than 0.2"];
     desk.run(&render("--noise 20%", "a.exr", kept)).fails(3, &words);
     desk.run(&render("--noise 2%", "a.exr", kept)).succeeds();
     desk.run(&render("--noise 2%", "b.exr", "")).succeeds();
@@ -363,11 +363,13 @@ fn parts_with_noise_targets_must_be_of_one_kind_and_of_whole_squares() {
     };
     render("--noise 15% --crop 0,0,16,16 -o a.part");
     render("--noise 25% --crop 16,0,32,16 -o b.part");
-    let words = ["are no parts of one picture", "the noise target is 0.15 for 0.95", "not 0.25"];
+    let words =
+        ["are not parts of the same picture", "the noise target is 0.15 for 0.95", "not 0.25"];
     desk.run("merge a.part b.part -o sum.exr").fails(3, &words);
     render("--noise 15% --crop 0,0,24,16 -o c.part");
     render("--noise 15% --crop 24,0,32,16 -o d.part");
-    let words = ["`c.part` has a noise target, and its window 0,0,24,16 cuts squares of 16 pixels"];
+    let words =
+        ["`c.part` has a noise target, and its window 0,0,24,16 cuts tiles of 16 x 16 pixels"];
     desk.run("merge c.part d.part -o sum.exr").fails(3, &words);
 }
 
@@ -377,7 +379,7 @@ fn a_part_that_ended_early_cannot_be_followed() {
     let render = "render scene.toml --accel native --quiet --spp 100000032";
     desk.run(&format!("{render} --samples 0..100000000 --time 50ms -o a.part")).succeeds();
     desk.run(&format!("{render} --samples 100000000..100000032 -o b.part")).succeeds();
-    let words = ["`a.part` ended at sample", "of 100000000, so `b.part` cannot follow it"];
+    let words = ["`a.part` ended at sample", "of 100000000, so `b.part` cannot continue it"];
     desk.run("merge a.part b.part -o sum.exr").fails(3, &words);
     desk.run("merge b.part a.part -o sum.part --allow-gaps").fails(3, &words);
     assert_eq!(desk.names(), ["a.part", "b.part", "scene.toml"]);
@@ -391,7 +393,7 @@ fn a_time_that_is_up_before_the_noise_target_is_met_is_told() {
                    -o a.png --checkpoint a.state --preview b.png --json --quiet";
     let done = desk.run(command);
     assert_eq!(done.code, Some(1), "{}", done.stderr);
-    assert!(done.stderr.contains("is not met in 1 of 1 squares"), "{}", done.stderr);
+    assert!(done.stderr.contains("is not met in 1 of 1 tiles"), "{}", done.stderr);
     assert_eq!(done.json()["complete"], true);
     assert_eq!(desk.names(), ["a.png", "a.state", "b.png", "many.f32", "scene.toml"]);
     let said = desk.run("info a.state --json").succeeds().json();

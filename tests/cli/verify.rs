@@ -58,7 +58,7 @@ fn a_failure_is_told_with_its_pictures_and_names() {
     let judged: Vec<_> = checks.iter().zip(&outcomes).collect();
     let page = report::checks::page(&[("machine", "a & b".to_owned())], &judged);
     for sign in
-        ["1 of 2 checks FAILED", "What failed", "bad &lt;wrong&gt;", "a &amp; b", "&lt;why&gt;"]
+        ["1 of 2 checks FAILED", "Failed checks", "bad &lt;wrong&gt;", "a &amp; b", "&lt;why&gt;"]
     {
         assert!(page.contains(sign), "{sign}");
     }

@@ -162,7 +162,7 @@ fn a_session_runs_once_at_a_time_and_goes_on_after_a_stop() {
             }
             if !running.is_finished() {
                 let told = session.run(&()).expect_err("it is running").to_string();
-                assert!(told.contains("running already"), "{told}");
+                assert!(told.contains("already running"), "{told}");
             }
             session.stop();
             running.join().expect("no panic").expect("renders")
@@ -216,7 +216,7 @@ fn a_snapshot_of_a_running_session_is_consistent() {
                 (fewest.min(*count), most.max(*count))
             });
             let said = metadata.samples;
-            assert_eq!((f64::from(said.fewest), f64::from(said.most)), (fewest, most));
+            assert_eq!((f64::from(said.min_count), f64::from(said.max_count)), (fewest, most));
             let shares = ["CryptoSphere00.G", "CryptoSphere00.A"].map(channel);
             for (pixel, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0.0) {
                 for share in &shares {
@@ -258,7 +258,7 @@ fn an_observer_that_panics_does_not_end_the_render() {
     });
     assert_eq!(reached.stop_reason, StopReason::Stopped);
     let told = clumsy.0.into_inner().expect("no panic");
-    assert_eq!(told, ["telling the progress failed in an unexpected way; please report this"]);
+    assert_eq!(told, ["reporting the progress failed in an unexpected way; please report this"]);
     assert!(session.result(reached).samples > 0);
 }
 

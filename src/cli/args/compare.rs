@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::report::compare::{CompareMetric, Wanted};
+use crate::report::compare::{CompareMetric, CompareOptions};
 
 use super::values::{named, one_of, positive, positive_or_zero};
 
@@ -129,7 +129,7 @@ impl Limits {
 
 impl CompareArgs {
     /// Returns what to measure: the requested metrics or all, and always those with a limit.
-    pub fn wanted(&self) -> Wanted {
+    pub fn options(&self) -> CompareOptions {
         let limits = self.limits.set();
         let is_wanted = |metric: &CompareMetric| {
             let is_limited = limits.iter().any(|(limited, _)| limited == metric);
@@ -137,6 +137,6 @@ impl CompareArgs {
         };
         let metrics =
             CompareMetric::NAMES.iter().map(|(_, metric)| *metric).filter(is_wanted).collect();
-        Wanted { metrics, limits, peak: self.peak }
+        CompareOptions { metrics, limits, peak: self.peak }
     }
 }

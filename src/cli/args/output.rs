@@ -66,7 +66,7 @@ impl OutputArgs {
         OutputSpec {
             files: self.files.iter().cloned().map(FilePath).collect(),
             look: self.look(),
-            with_run: !self.no_run_figures,
+            with_run_record: !self.no_run_figures,
             save_every: Duration::from_secs(60),
             preview: None,
             preview_every: Duration::from_secs(2),

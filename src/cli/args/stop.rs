@@ -13,12 +13,12 @@ use super::values::{confidence, duration, noise};
 /// When the picture is good enough.
 #[derive(Args, Debug)]
 pub struct StopArgs {
-    /// Render each square of 16 x 16 pixels until the error is below this share of the brightness,
-    /// as in 1% or 0.01 (docs/stopping.md)
+    /// Render each tile of 16 x 16 pixels until the error is below this share of the brightness, as
+    /// in 1% or 0.01 (docs/stopping.md)
     #[arg(long, value_name = "ERROR", value_parser = noise, conflicts_with = "spp", allow_hyphen_values = true)]
     pub noise: Option<f64>,
 
-    /// The share of the values of each square whose error must be below --noise
+    /// The share of the values of each tile whose error must be below --noise
     #[arg(long, value_name = "SHARE", value_parser = confidence, requires = "noise", default_value = "95%", allow_hyphen_values = true)]
     pub confidence: f64,
 

@@ -15,7 +15,7 @@ use crate::job::{COMMIT, VERSION};
 use crate::math::Ray;
 use crate::report::speed::SpeedReport;
 use crate::scene::{PreparedScene, SceneFile, read_file};
-use crate::verify::bench::{BenchOptions, Measuring, RAY_SETS, Record, bench_renders, camera_rays};
+use crate::verify::bench::{BenchOptions, BenchPlan, RAY_SETS, Record, bench_renders, camera_rays};
 
 use super::args::BenchArgs;
 use super::exit::Exit;
@@ -44,8 +44,8 @@ pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
     })
 }
 
-fn measuring(args: &BenchArgs, interrupt: &Interrupt) -> Measuring {
-    Measuring {
+fn bench_plan(args: &BenchArgs, interrupt: &Interrupt) -> BenchPlan {
+    BenchPlan {
         rounds: args.rounds.into(),
         builds: args.builds.into(),
         quality: args.build.quality,
@@ -65,15 +65,16 @@ fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<
     memory::check(&scene_file, &MemoryNeeds { backends, kinds, besides }, args.memory.limit)?;
     let (scene, settings) = scene_file.build()?;
     let prepared = PreparedScene::new(&scene, settings)?;
-    let measuring = measuring(args, interrupt);
-    let field = measuring.field(scene.spheres(), backends)?;
+    let plan = bench_plan(args, interrupt);
+    let backend_set = plan.backend_set(scene.spheres(), backends)?;
     let image = settings.image;
     let camera = camera_rays(prepared.camera(), [image.width, image.height], MOST_RAYS);
-    let mut measured = measuring.measure(&field, camera)?;
+    let mut measured = plan.measure(&backend_set, camera)?;
     if args.render {
-        measured.renders = bench_renders(&prepared, &field, args.rounds.into(), &measuring.cancel)?;
+        measured.renders =
+            bench_renders(&prepared, &backend_set, args.rounds.into(), &plan.cancel)?;
     }
-    let (spheres, rounds) = (scene.spheres().len(), measuring.rounds());
+    let (spheres, rounds) = (scene.spheres().len(), plan.rounds());
     if let Some(file) = drawing {
         let title = format!("{}: speed of the intersectors", path.display());
         let subtitle = format!("{}, {}", print::count(spheres, "sphere"), circumstances(rounds));
@@ -113,7 +114,7 @@ fn record(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> 
     let _ = writeln!(text, "ratio: how much faster than Embree; in brackets what is asked for");
     print::note(text.trim_end());
     let largest = args.largest.unwrap_or(LARGEST_OF_RECORD);
-    Record { largest, rounds, cancel: interrupt.cancel() }.measure(&mut |table| {
+    Record { max_spheres: largest, rounds, cancel: interrupt.cancel() }.measure(&mut |table| {
         print::note(format_args!("\n{}", table.trim_end()));
         text += "\n";
         text += table;

@@ -12,9 +12,9 @@ use crate::error::Result;
 use crate::image_io::AtomicFile;
 use crate::job::COMMIT;
 use crate::report::speed::{entries_json, page};
-use crate::verify::bench::{BenchOptions, Event, Suite};
+use crate::verify::bench::{BenchOptions, Suite, SuiteEvent};
 
-use super::{circumstances, measuring};
+use super::{bench_plan, circumstances};
 
 /// Sphere count of the largest scene, unless `--largest` is given.
 const LARGEST: u64 = 100_000_000;
@@ -26,31 +26,31 @@ const LARGEST: u64 = 100_000_000;
 pub(super) fn run(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
     let file = AtomicFile::with_extension(path, "html")?;
     let suite = Suite {
-        measuring: measuring(args, interrupt),
+        plan: bench_plan(args, interrupt),
         backends: args.accels.backends().to_vec(),
-        largest: args.largest.unwrap_or(LARGEST),
+        max_spheres: args.largest.unwrap_or(LARGEST),
         memory: args.memory.limit.or_else(system::available_memory),
     };
     let entries = suite.measure(&mut |event| {
         match event {
-            Event::LeftOut(backend, spheres) => {
+            SuiteEvent::Skipped(backend, spheres) => {
                 let name = backend.name();
                 print::note(format_args!("{spheres} spheres with {name} do not fit into memory"));
             }
-            Event::Finished(entry) => {
+            SuiteEvent::Finished(entry) => {
                 print::note(entry);
                 interrupt.enable_saving();
             }
         };
     })?;
-    let rounds = suite.measuring.rounds();
+    let rounds = suite.plan.rounds();
     let text = page(&facts(rounds), &entries)?;
     file.write(|to| to.write_all(text.as_bytes()))?;
     print::note(format_args!("wrote {}", path.display()));
     if args.json {
         print::json(&entries_json(&entries, rounds))?;
     }
-    Ok(if suite.measuring.cancel.is_cancelled() { Exit::Stopped } else { Exit::Done })
+    Ok(if suite.plan.cancel.is_cancelled() { Exit::Stopped } else { Exit::Done })
 }
 
 fn facts(rounds: BenchOptions) -> [(&'static str, String); 4] {

@@ -91,7 +91,7 @@ fn division(stop: &StopArgs, asked: Option<Division>) -> Result<Division> {
             "use --spp N or --noise ERROR; sbatch and render farms have limits of time of their own",
         ),
         (Some(_), None, Some(Division::Samples)) => refused(
-            "--noise decides from all samples of a square when to stop, so they cannot be shared out",
+            "--noise decides from all samples of a tile when to stop, so they cannot be shared out",
             "share out the pixels: --by crop",
         ),
         (Some(_), None, _) => Ok(Division::Crop),

@@ -130,8 +130,8 @@ fn noise_in_json(noise: NoiseStatus) -> Value {
     json!({
         "target": noise.target.error,
         "confidence": noise.target.confidence,
-        "squares": noise.squares,
-        "squares_done": noise.done,
-        "worst": noise.worst,
+        "tiles": noise.tiles,
+        "tiles_converged": noise.tiles_converged,
+        "worst_error": noise.worst_error,
     })
 }

@@ -46,8 +46,8 @@ pub struct CheckpointHeader {
     pub transparent: bool,
     /// The scene file, without its text.
     pub source: Option<SceneSource>,
-    /// Where the picture goes; `None` in a merged checkpoint.
-    pub delivery: Option<OutputSpec>,
+    /// Output files; `None` in a merged checkpoint.
+    pub output: Option<OutputSpec>,
 }
 
 /// Completion state of a render.
@@ -59,8 +59,8 @@ pub enum RenderStatus {
     Unfinished,
     /// The render has ended, possibly at its time limit.
     Ended {
-        /// The noise targets that were missed, one for each part that missed its own.
-        missed: Vec<NoiseStatus>,
+        /// The missed noise targets, one for each part that missed its own.
+        missed_targets: Vec<NoiseStatus>,
     },
 }
 
@@ -75,7 +75,7 @@ pub struct CumulativeStats {
     /// Paths that were inside more dielectric spheres than the medium stack can hold.
     pub media_overflows: u64,
     /// Paths cut off at the hard limit on path length.
-    pub cut_off: u64,
+    pub truncated_paths: u64,
 }
 
 /// Output files and previews of a render.
@@ -87,7 +87,7 @@ pub struct OutputSpec {
     /// View transform for display formats.
     pub look: ViewTransform,
     /// True if picture files include the record of the run.
-    pub with_run: bool,
+    pub with_run_record: bool,
     /// Time between checkpoint writes.
     pub save_every: Duration,
     /// The file for previews, as an absolute path.
@@ -104,7 +104,7 @@ impl Default for OutputSpec {
         Self {
             files: Vec::new(),
             look: ViewTransform::default(),
-            with_run: true,
+            with_run_record: true,
             save_every: Duration::from_secs(60),
             preview: None,
             preview_every: Duration::from_secs(2),
@@ -128,34 +128,34 @@ impl CheckpointHeader {
                 && u64::from(first) + u64::from(length) <= u64::from(full)
                 && full <= MAX_SIDE
         };
-        let is_twice = |(at, layer): (usize, &Layer)| layers[..at].contains(layer);
+        let is_repeated = |(index, layer): (usize, &Layer)| layers[..index].contains(layer);
         fits(x, width, frame.full_size[0])
             && fits(y, height, frame.full_size[1])
             && first_sample % BLOCK_SIZE == 0
             && first_sample == self.samples.start
             && self.samples.start <= self.samples.end
-            && !layers.iter().enumerate().any(is_twice)
+            && !layers.iter().enumerate().any(is_repeated)
     }
 }
 
 pub(super) fn read(
-    from: &mut HashingStream<BufReader<File>>,
+    stream: &mut HashingStream<BufReader<File>>,
     bytes: u64,
 ) -> std::result::Result<CheckpointHeader, ReadError> {
     let mut magic = [0; 8];
-    match from.read_exact(&mut magic) {
+    match stream.read_exact(&mut magic) {
         Ok(()) if magic == MAGIC => {}
         Ok(()) | Err(ReadError::Truncated(_)) => return Err(ReadError::NotACheckpoint),
         Err(other) => return Err(other),
     }
-    let version = from.read_u32()?;
+    let version = stream.read_u32()?;
     if version > VERSION {
         return Err(ReadError::TooNew(version));
     }
     if version < MIN_VERSION {
         return Err(ReadError::TooOld(version));
     }
-    let length = from.read_u32()?;
+    let length = stream.read_u32()?;
     if length > MAX_HEADER_BYTES {
         return Err(ReadError::Corrupt("its header is too long"));
     }
@@ -163,15 +163,15 @@ pub(super) fn read(
         return Err(ReadError::Truncated(bytes));
     }
     let mut text = vec![0; length as usize];
-    from.read_exact(&mut text)?;
-    from.verify_hash()?;
+    stream.read_exact(&mut text)?;
+    stream.verify_hash()?;
     let header: CheckpointHeader =
         serde_json::from_slice(&text).map_err(|e| match e.classify() {
             serde_json::error::Category::Data => {
-                ReadError::UnsupportedHeader(format!("its header says: {e}"))
+                ReadError::UnsupportedHeader(format!("its header is not supported: {e}"))
             }
-            _ => ReadError::Corrupt("its header is no JSON"),
+            _ => ReadError::Corrupt("its header is not JSON"),
         })?;
-    let is_possible = header.is_valid();
-    is_possible.then_some(header).ok_or(ReadError::Corrupt("its header says something impossible"))
+    let is_valid = header.is_valid();
+    is_valid.then_some(header).ok_or(ReadError::Corrupt("its header is inconsistent"))
 }

@@ -63,59 +63,59 @@ pub fn is_checkpoint(path: &Path) -> bool {
 /// # Errors
 /// If writing fails; an existing file is then unchanged.
 pub fn write_checkpoint(file: &AtomicFile, film: &Film, header: &CheckpointHeader) -> Result<()> {
-    let head = serde_json::to_string(header);
-    let head =
-        head.map_err(|e| Error::input(format!("a checkpoint cannot say what it is: {e}")))?;
+    let header_text = serde_json::to_string(header);
+    let header_text = header_text
+        .map_err(|e| Error::input(format!("cannot serialize the header of the checkpoint: {e}")))?;
     file.write(|sink| {
-        let mut to = HashingStream::new(sink);
-        to.write_all(&MAGIC)?;
-        to.write_all(&VERSION.to_le_bytes())?;
-        to.write_all(&length_prefix(&head)?.to_le_bytes())?;
-        to.write_all(head.as_bytes())?;
-        to.write_hash()?;
-        write_tiles(film, &mut to)?;
-        to.write_hash()
+        let mut stream = HashingStream::new(sink);
+        stream.write_all(&MAGIC)?;
+        stream.write_all(&VERSION.to_le_bytes())?;
+        stream.write_all(&length_prefix(&header_text)?.to_le_bytes())?;
+        stream.write_all(header_text.as_bytes())?;
+        stream.write_hash()?;
+        write_tiles(film, &mut stream)?;
+        stream.write_hash()
     })
 }
 
 /// Writes every tile. While some are being written to disk, idle threads encode the next ones.
-fn write_tiles<S: Write + Send>(film: &Film, to: &mut HashingStream<S>) -> io::Result<()> {
+fn write_tiles<S: Write + Send>(film: &Film, stream: &mut HashingStream<S>) -> io::Result<()> {
     let tiles = film.frame().tile_count();
-    let at_once = 4 * TILES_PER_CHUNK * parallel::thread_count();
-    let bytes_from = |first: usize| -> io::Result<Vec<Vec<u8>>> {
-        let end = (first + at_once).min(tiles);
-        let pieces = (first..end)
+    let tiles_per_write = 4 * TILES_PER_CHUNK * parallel::thread_count();
+    let encode_from = |first: usize| -> io::Result<Vec<Vec<u8>>> {
+        let end = (first + tiles_per_write).min(tiles);
+        let chunks = (first..end)
             .step_by(TILES_PER_CHUNK)
             .map(|begin| begin..(begin + TILES_PER_CHUNK).min(end));
-        parallel::map(pieces.collect(), |tiles| encode_tiles(film, tiles)).into_iter().collect()
+        parallel::map(chunks.collect(), |tiles| encode_tiles(film, tiles)).into_iter().collect()
     };
-    let mut bytes = bytes_from(0)?;
-    let mut next = at_once;
+    let mut bytes = encode_from(0)?;
+    let mut next = tiles_per_write;
     while !bytes.is_empty() {
-        let write = || bytes.iter().try_for_each(|piece| to.write_all(piece));
-        let (written, following) = parallel::join(write, || bytes_from(next));
+        let write = || bytes.iter().try_for_each(|chunk| stream.write_all(chunk));
+        let (written, encoded) = parallel::join(write, || encode_from(next));
         written?;
-        bytes = following?;
-        next += at_once;
+        bytes = encoded?;
+        next += tiles_per_write;
     }
     Ok(())
 }
 
 /// Encodes tiles, each preceded by its length.
 fn encode_tiles(film: &Film, tiles: Range<usize>) -> io::Result<Vec<u8>> {
-    let mut all = Vec::new();
+    let mut bytes = Vec::new();
     for tile in tiles {
-        let begin = all.len();
-        all.extend([0; 4]);
-        film.write_tile(tile, &mut all);
-        let length = length_prefix(&all[begin + 4..])?;
-        all[begin..begin + 4].copy_from_slice(&length.to_le_bytes());
+        let begin = bytes.len();
+        bytes.extend([0; 4]);
+        film.write_tile(tile, &mut bytes);
+        let length = length_prefix(&bytes[begin + 4..])?;
+        bytes[begin..begin + 4].copy_from_slice(&length.to_le_bytes());
     }
-    Ok(all)
+    Ok(bytes)
 }
 
-fn length_prefix(of: impl AsRef<[u8]>) -> io::Result<u32> {
-    of.as_ref().len().try_into().map_err(io::Error::other)
+fn length_prefix(bytes: impl AsRef<[u8]>) -> io::Result<u32> {
+    bytes.as_ref().len().try_into().map_err(io::Error::other)
 }
 
 impl Checkpoint {
@@ -124,17 +124,17 @@ impl Checkpoint {
     /// # Errors
     /// If the file cannot be read, is not a checkpoint, is damaged, or has an unsupported version.
     pub fn open(path: &Path) -> Result<Self> {
-        let trouble = |e: io::Error| Error::file("read", path, e);
-        let file = File::open(path).map_err(trouble)?;
-        let metadata = file.metadata().map_err(trouble)?;
+        let io_error = |e: io::Error| Error::file("read", path, e);
+        let file = File::open(path).map_err(io_error)?;
+        let metadata = file.metadata().map_err(io_error)?;
         if metadata.is_dir() {
             return Err(Error::file("read", path, "it is a folder"));
         }
         let bytes = metadata.len();
         let inner = BufReader::with_capacity(1 << 16, file);
-        let mut from = HashingStream::new(inner);
-        let header = header::read(&mut from, bytes).map_err(|bad| bad.into_error(path))?;
-        Ok(Self { path: path.to_path_buf(), header, stream: from, bytes })
+        let mut stream = HashingStream::new(inner);
+        let header = header::read(&mut stream, bytes).map_err(|error| error.into_error(path))?;
+        Ok(Self { path: path.to_path_buf(), header, stream, bytes })
     }
 
     /// The header.
@@ -152,7 +152,7 @@ impl Checkpoint {
     /// # Errors
     /// If the file cannot be read or is damaged.
     pub fn into_film(mut self) -> Result<Film> {
-        self.read_film().map_err(|bad| bad.into_error(&self.path))
+        self.read_film().map_err(|error| error.into_error(&self.path))
     }
 
     fn read_film(&mut self) -> std::result::Result<Film, ReadError> {
@@ -167,18 +167,18 @@ impl Checkpoint {
         for tile in 0..tiles {
             let length = self.stream.read_u32()?;
             if length > MAX_TILE_BYTES {
-                return Err(ReadError::Corrupt("a length makes no sense"));
+                return Err(ReadError::Corrupt("the length of a tile is invalid"));
             }
             bytes.resize(length as usize, 0);
             self.stream.read_exact(&mut bytes)?;
             if !film.read_tile(tile, &bytes) {
-                return Err(ReadError::Corrupt("some sums make no sense"));
+                return Err(ReadError::Corrupt("the data of a tile is invalid"));
             }
         }
         self.stream.verify_hash()?;
         match self.stream.inner.read(&mut [0]) {
             Ok(0) => Ok(film),
-            Ok(_) => Err(ReadError::Corrupt("something follows its end")),
+            Ok(_) => Err(ReadError::Corrupt("data follows its end")),
             Err(e) => Err(ReadError::Io(e)),
         }
     }

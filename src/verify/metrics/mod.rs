@@ -92,8 +92,8 @@ impl ImageMean {
                 (true, true) => 0.0,
                 (false, true) => f64::INFINITY,
                 _ => {
-                    let (own, others) = (error(self)[c], ratio[c] * error(other)[c]);
-                    NORMAL_95 * (own * own + others * others).sqrt() / b.abs()
+                    let (own_term, other_term) = (error(self)[c], ratio[c] * error(other)[c]);
+                    NORMAL_95 * (own_term * own_term + other_term * other_term).sqrt() / b.abs()
                 }
             }
         };

@@ -10,17 +10,17 @@ use super::{
 /// A grey closed form: name (also of its scene), title, formula, light transport, samples per pixel
 /// in a quick check, and the function for its exact solution.
 macro_rules! form {
-    ($name:literal, $title:literal, $formula:literal, $shows:expr, $samples:literal, $answer:path) => {
+    ($name:literal, $title:literal, $formula:literal, $transport:expr, $samples:literal, $solution:path) => {
         ClosedForm {
             name: $name,
             title: $title,
             formula: $formula,
             scene_toml: include_str!(concat!("../../../../scenes/verify/", $name, ".toml")),
             tables: &[],
-            transport: $shows,
+            transport: $transport,
             channels: GREY,
             samples: $samples,
-            answer: $answer,
+            solution: $solution,
         }
     };
 }
