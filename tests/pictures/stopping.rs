@@ -43,8 +43,8 @@ fn ball(center: [f64; 3], radius: f64, material: usize) -> SphereDescription {
     SphereDescription { name: None, center: DVec3::from(center), radius, material }
 }
 
-/// Balls on diffuse ground in the open, and an emitter beside the picture. The left one of its two squares
-/// is near the emitter, the right one has more shade, and both have edges of light.
+/// Balls on diffuse ground in the open, and an emitter beside the picture. The left one of its two
+/// squares is near the emitter, the right one has more shade, and both have edges of light.
 fn small_scene() -> Scene {
     let camera = CameraDescription {
         position: DVec3::new(0.0, 3.0, 6.0),

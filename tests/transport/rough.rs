@@ -75,8 +75,8 @@ fn the_densest_and_roughest_glass_vanishes_in_a_uniform_field() {
     }
 }
 
-/// The same of balls that are partly diffuse: their gloss and what is beneath it throw light back as
-/// often.
+/// The same of balls that are partly diffuse: their gloss and what is beneath it throw light back
+/// as often.
 #[test]
 fn dense_mixtures_vanish_in_a_uniform_field() {
     let white = PrincipledParameters { base_color: Rgb::ONE, coat: 0.0, ..MIXTURE };

@@ -25,8 +25,8 @@ pub(super) fn place(scene: &Scene, point: DVec3) -> DVec3 {
     point + scene.spheres().origin()
 }
 
-/// Result of the light sample at event `light`: the unoccluded fraction and the contribution. `None`
-/// if no ray could be spawned.
+/// Result of the light sample at event `light`: the unoccluded fraction and the contribution.
+/// `None` if no ray could be spawned.
 pub(super) fn answer(steps: &[PathEvent], light: usize) -> Option<(f32, Contribution)> {
     let after = &steps[light + 1..];
     let until_next = after.iter().take_while(|step| !matches!(step, PathEvent::LightSample { .. }));
