@@ -20,7 +20,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
         if let Some(option) = args.scene.overrides().first() {
             let message = format!(
                 "`{}` changes scenes, but `{}` is a picture",
-                option.option,
+                option.option().join(" "),
                 args.scene.path.display()
             );
             return Err(Error::input(message).with_help("leave it out"));

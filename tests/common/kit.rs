@@ -43,7 +43,7 @@ impl Kit {
         let overrides: Vec<Override> = overrides
             .iter()
             .map(|pair| pair.split_once('=').expect("key=value"))
-            .map(|(key, value)| Override::from_pair(&(key.to_owned(), value.to_owned())))
+            .map(|(key, value)| Override::new(key, value))
             .collect();
         let file = read_file(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
         Self { scene: SceneBuilder::from(file.description), settings: file.settings }

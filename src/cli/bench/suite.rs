@@ -14,7 +14,7 @@ use crate::job::COMMIT;
 use crate::report::speed::{entries_json, page};
 use crate::verify::bench::{BenchOptions, Event, Suite};
 
-use super::{circumstances, measuring};
+use super::measuring::{circumstances, measuring};
 
 /// Sphere count of the largest scene, unless `--largest` is given.
 const LARGEST: u64 = 100_000_000;
