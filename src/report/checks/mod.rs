@@ -6,7 +6,7 @@ mod page;
 use serde_json::{Map, Value, json};
 
 use crate::draw::text::{count, row};
-use crate::verify::check::{Check, CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
+use crate::verify::check::{CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
 
 pub use entry::CheckEntry;
 pub use page::page;
@@ -24,9 +24,9 @@ pub fn table(judged: &[CheckEntry<'_>], seconds: f64) -> String {
             continue;
         }
         text += &line(group.name(), &of_group);
-        if group == CheckGroup::ClosedForms {
-            for of_form in of_group.chunk_by(|a, b| family(a.0) == family(b.0)) {
-                text += &line(&format!("  {}", family(of_form[0].0)), of_form);
+        for of_form in of_group.chunk_by(|a, b| a.0.closed_form == b.0.closed_form) {
+            if let Some(form) = of_form[0].0.closed_form {
+                text += &line(&format!("  {form}"), of_form);
             }
         }
     }
@@ -36,11 +36,6 @@ pub fn table(judged: &[CheckEntry<'_>], seconds: f64) -> String {
     }
     remarks.for_each(|remark| text += &format!("  {remark}\n"));
     text + &conclusion(judged, seconds)
-}
-
-/// The part of a check's name before the colon.
-fn family(check: &Check) -> &str {
-    check.name.split(": ").next().unwrap_or_default()
 }
 
 fn line(name: &str, judged: &[CheckEntry<'_>]) -> String {

@@ -105,9 +105,8 @@ fn listing(judged: &[CheckEntry<'_>]) -> String {
 
 /// A closed form with its images, its derivation, and the variants rendered.
 fn closed_form(form: &ClosedForm, judged: &[CheckEntry<'_>]) -> String {
-    let prefix = format!("{}: ", form.name);
-    let of_form: Vec<CheckEntry<'_>> =
-        judged.iter().copied().filter(|(check, _)| check.name.starts_with(&prefix)).collect();
+    let is_of_form = |(check, _): &CheckEntry<'_>| check.closed_form == Some(form.name);
+    let of_form: Vec<CheckEntry<'_>> = judged.iter().copied().filter(is_of_form).collect();
     let Some((first, outcome)) = of_form.first() else { return String::new() };
     let passed = of_form.iter().filter(|(_, outcome)| outcome.passed).count();
     let count = format!("{passed} of {} ways", of_form.len());

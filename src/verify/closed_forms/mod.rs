@@ -40,4 +40,5 @@ pub fn check(
     Check::new(CheckGroup::ClosedForms, name, move |cancel| {
         comparison::measure(form, &way, backend, effort, &seed_of, cancel)
     })
+    .of_closed_form(form.name)
 }
