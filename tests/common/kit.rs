@@ -155,7 +155,7 @@ impl Kit {
         MeanEstimate::from_values(&means.collect::<Vec<_>>())
     }
 
-    /// The same, by brute force, for scenes of few spheres.
+    /// The mean of the picture's green channel by brute force, for scenes of few spheres.
     pub(crate) fn mean(&self) -> MeanEstimate {
         self.estimate(Backend::BruteForce)
     }
