@@ -37,7 +37,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     let division = division(&args.stop, args.by)?;
     args.stop.stop_criteria().validate(&file.settings.render)?;
     // Two machines might choose differently, and their parts could not be merged.
-    let backend = args.accel.choice.select_for_count(file.sphere_count() as usize).backend;
+    let backend = args.accel.choice.select_for_count(file.size().spheres as usize).backend;
     let plan = ShardPlan::new(args, &outputs, division, &file.settings, backend.name())?;
     print::result(&match args.format {
         PlanFormat::Shell => script::shell(&plan)?,

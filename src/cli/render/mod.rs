@@ -86,7 +86,7 @@ fn load(request: &RenderRequest) -> Result<(Scene, Settings)> {
         file.settings = request.job.settings;
     }
     // Duplicate spheres are still counted here.
-    let chosen = request.job.accel.select_for_count(file.sphere_count() as usize);
+    let chosen = request.job.accel.select_for_count(file.size().spheres as usize);
     let needs = MemoryNeeds { backends: &[chosen.backend], kinds: &request.job.layers, besides: 0 };
     memory::check(&file, &needs, request.memory_limit)?;
     file.build()
