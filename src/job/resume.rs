@@ -22,10 +22,11 @@ pub(super) fn load_film(
     samples: &Range<u32>,
     job: &Job,
 ) -> Result<(Film, CumulativeStats)> {
-    let path = checkpoint.path().to_path_buf();
-    let refused = |what: String| {
-        Error::input(format!("cannot resume `{}`: {what}", path.display()))
-            .with_help("name another file, or remove this one to start anew")
+    let path = checkpoint.path().map(|path| format!("`{}`", path.display()));
+    let refused = |what: String| match &path {
+        Some(path) => Error::input(format!("cannot resume {path}: {what}"))
+            .with_help("name another file, or remove this one to start anew"),
+        None => Error::input(format!("cannot resume the checkpoint: {what}")),
     };
     let header = checkpoint.header().clone();
     check_matches((&header.metadata, &header.film), (metadata, format)).map_err(refused)?;

@@ -127,7 +127,7 @@ fn open(
             session
         }
     };
-    session.autosave(keep.file.clone(), keep_every);
+    session.autosave(keep.file.clone(), keep_every)?;
     Ok(session)
 }
 
