@@ -131,8 +131,8 @@ impl Row {
         Some(Self { mistake, text: [wrong, check], statistic: statistic.ok()?, unit })
     }
 
-    /// Whether both say the same, but for a factor of two in the statistic: it moves with the
-    /// samples.
+    /// Returns true if both say the same, but for a factor of two in the statistic: it moves with
+    /// the samples.
     fn agrees(&self, other: &Self) -> bool {
         let ratio = self.statistic / other.statistic;
         let alike = |row: &Self| (row.mistake.clone(), row.text.clone(), row.unit.clone());

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::accel::Backend;
 use crate::error::{Error, Result};
 use crate::film::Aov;
-use crate::job::{MemoryPhase, MemoryPlan};
+use crate::job::{Job, MemoryPhase, MemoryPlan};
 use crate::scene::SceneFile;
 use crate::scene::description::ColorStorage;
 
@@ -32,11 +32,13 @@ pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64
         (None, Some(free)) => (free, "but there is free only"),
         (None, None) => return Ok(()),
     };
-    let peak = |backends: &[Backend], colors| {
-        let threads = rayon::current_num_threads();
-        MemoryPlan::new(file, backends, kinds, threads, colors).peak() + besides
+    let job = job(file, kinds);
+    let (exact, packed) = (file.size(), file.size().with_packed_colors());
+    let peak = |backends: &[Backend], is_packed| {
+        let size = if is_packed { &packed } else { &exact };
+        MemoryPlan::with_backends(size, &job, backends).peak() + besides
     };
-    let needed = peak(backends, None);
+    let needed = peak(backends, false);
     if needed <= limit {
         return Ok(());
     }
@@ -45,22 +47,27 @@ pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64
     Err(Error::input(message).with_help(cheaper(file, backends, limit, &peak)))
 }
 
+/// Returns the job whose memory is planned.
+fn job(file: &SceneFile, layers: &[Aov]) -> Job {
+    let threads = rayon::current_num_threads();
+    Job { layers: layers.to_vec(), threads, ..Job::from_settings(file.settings) }
+}
+
 /// Returns the smallest change that makes the scene fit.
 fn cheaper(
     file: &SceneFile,
     backends: &[Backend],
     limit: u64,
-    peak: &dyn Fn(&[Backend], Option<ColorStorage>) -> u64,
+    peak: &dyn Fn(&[Backend], bool) -> u64,
 ) -> String {
-    let packed = Some(ColorStorage::Packed);
     let others: &[Backend] = if backends.len() > 1 { backends } else { Backend::AVAILABLE };
-    let mut choices = vec![(pack_colors(file), peak(backends, packed))];
-    for colors in [None, packed] {
+    let mut choices = vec![(pack_colors(file), peak(backends, true))];
+    for is_packed in [false, true] {
         // Brute force is too slow to suggest for a large scene.
         for &backend in others.iter().filter(|&&backend| backend != Backend::BruteForce) {
-            let pack = if colors.is_some() { pack_colors(file) } else { String::new() };
+            let pack = if is_packed { pack_colors(file) } else { String::new() };
             let words = format!("--accel {} {pack}", backend.name());
-            choices.push((words, peak(&[backend], colors)));
+            choices.push((words, peak(&[backend], is_packed)));
         }
     }
     let fitting = choices.iter().find(|(words, bytes)| !words.is_empty() && *bytes <= limit);
@@ -81,11 +88,10 @@ fn pack_colors(file: &SceneFile) -> String {
     options.collect::<Vec<_>>().join(" ")
 }
 
-fn plans(file: &SceneFile) -> impl Iterator<Item = (&'static str, MemoryPlan)> {
+fn plans(file: &SceneFile) -> impl Iterator<Item = (&'static str, MemoryPlan)> + use<> {
+    let (size, job) = (file.size(), job(file, &Aov::DEFAULT));
     let plan = move |&backend: &Backend| {
-        let threads = rayon::current_num_threads();
-        let plan = MemoryPlan::new(file, &[backend], &Aov::DEFAULT, threads, None);
-        (backend.name(), plan)
+        (backend.name(), MemoryPlan::with_backends(&size, &job, &[backend]))
     };
     Backend::AVAILABLE.iter().map(plan)
 }

@@ -66,6 +66,18 @@ mod tests {
     }
 
     #[test]
+    fn texts_that_could_not_be_read_again_are_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let metadata = vec![MetadataEntry::new("scene", "x".repeat((64 << 20) + 1))];
+        let notes = WriteOptions { metadata, ..WriteOptions::default() };
+        let refusal = ImageWriter::new(&path).unwrap().write_with(&picture(), &notes);
+        let told = refusal.unwrap_err().to_string();
+        assert!(told.contains("its metadata has 67108865 bytes, more than"), "{told}");
+        assert!(!path.exists());
+    }
+
+    #[test]
     fn formats_without_records_say_so() {
         let error = super::read_metadata(Path::new("a.pfm")).unwrap_err().to_string();
         assert_eq!(error, "`a.pfm` cannot say how it was made: .pfm files hold pixels only");

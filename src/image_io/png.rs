@@ -27,11 +27,17 @@ const COMPRESS_TEXT_ABOVE: usize = 512;
 /// Rows encoded by one task.
 const ROWS_PER_TASK: usize = 16;
 
-/// Maximum length of a text to read, in bytes.
+/// Maximum length of all texts, in bytes. Longer ones are neither written nor read.
 const MAX_TEXT_BYTES: usize = 64 << 20;
 
 /// Writes the beauty for display, rounded to the nearest of 256 levels.
 pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> io::Result<()> {
+    let length: usize = notes.metadata.iter().map(|record| record.text.len()).sum();
+    if length > MAX_TEXT_BYTES {
+        return Err(io::Error::other(format!(
+            "its metadata has {length} bytes, more than the {MAX_TEXT_BYTES} that can be read again"
+        )));
+    }
     let mut encoder = Encoder::new(to, picture.width as u32, picture.height as u32);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);

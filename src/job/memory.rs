@@ -1,15 +1,15 @@
-//! Predicts the memory of a render before any of it is allocated, from the scene description, the
-//! lengths of its tables, and the estimates of the intersectors.
+//! Predicts the memory of a render before any of it is allocated, from the size of the
+//! scene, the job, and the estimates of the intersectors.
 //!
 //! A render runs in phases: the tables are read, the spheres sorted, the acceleration structures
 //! built, the picture rendered. The peak is the maximum over the phases.
 
 use crate::accel::Backend;
-use crate::film::{Aov, Film, RadianceScale};
-use crate::scene::SceneFile;
-use crate::scene::description::{ColorStorage, SceneDescription};
+use crate::film::{Film, RadianceScale};
+use crate::scene::SceneSize;
 
 use super::film_format::format_for_settings;
+use super::spec::Job;
 
 /// Bytes per sphere: `[x, y, z, radius]` in f32.
 const SPHERE_BYTES: u64 = 16;
@@ -63,28 +63,28 @@ pub enum MemoryPhase {
 }
 
 impl MemoryPlan {
-    /// Plans a scene whose tables have not been read yet. The backends are built one after the
-    /// other and kept; the picture has the layers `aovs`. `colors` overrides how table colours are
-    /// stored.
-    pub fn new(
-        file: &SceneFile,
-        backends: &[Backend],
-        aovs: &[Aov],
-        threads: usize,
-        colors: Option<ColorStorage>,
-    ) -> Self {
-        let description = &file.description;
+    /// Plans the render of a job, with the intersector that it selects.
+    pub fn new(scene: &SceneSize, job: &Job) -> Self {
+        let chosen = job.accel.select_for_count(scene.spheres as usize);
+        Self::with_backends(scene, job, &[chosen.backend])
+    }
+
+    /// Plans the render of a job with these intersectors, which are built one after the other and
+    /// kept.
+    pub fn with_backends(scene: &SceneSize, job: &Job, backends: &[Backend]) -> Self {
         // Emitter brightness does not affect the film size.
-        let transparent = description.background.transparent;
         let scale = RadianceScale::from_max_radiance(1.0);
-        let format = format_for_settings(&file.settings, transparent, scale, aovs);
-        let inline = description.spheres.len() as u64;
-        let spheres_only = Self::for_spheres(file.sphere_count(), backends, threads);
+        let format = format_for_settings(&job.settings, scene.is_transparent, scale, &job.layers);
+        let threads = match job.threads {
+            0 => rayon::current_num_threads(),
+            threads => threads,
+        };
+        let spheres_only = Self::for_spheres(scene.spheres, backends, threads);
         Self {
-            spheres: spheres_only.spheres + inline * INLINE_SPHERE_BYTES,
-            colors: color_bytes(file, colors),
-            emitters: emitter_count(file) * EMITTER_BYTES,
-            background: file.environment_pixels() * ENVIRONMENT_PIXEL_BYTES,
+            spheres: spheres_only.spheres + scene.listed_spheres * INLINE_SPHERE_BYTES,
+            colors: scene.color_bytes,
+            emitters: scene.emitters * EMITTER_BYTES,
+            background: scene.environment_pixels * ENVIRONMENT_PIXEL_BYTES,
             film: Film::bytes(&format) as u64
                 + format.frame.pixel_count() as u64 * PICTURE_PIXEL_BYTES,
             ..spheres_only
@@ -148,22 +148,4 @@ impl AccelMemory {
         self.peak = self.peak.max(self.finished + estimate.peak);
         self.finished += estimate.built;
     }
-}
-
-fn color_bytes(file: &SceneFile, storage: Option<ColorStorage>) -> u64 {
-    let tables = file.description.tables.iter().zip(file.table_rows());
-    let colored = tables.filter(|(table, _)| table.data.has_colors());
-    let bytes = colored
-        .map(|(table, rows)| rows * storage.unwrap_or(table.colors).bytes_per_color() as u64);
-    bytes.sum()
-}
-
-fn emitter_count(file: &SceneFile) -> u64 {
-    let SceneDescription { materials, spheres, tables, .. } = &file.description;
-    let is_emissive = |material: usize| materials[material].emission.max_element() > 0.0;
-    let inline = spheres.iter().filter(|sphere| is_emissive(sphere.material)).count() as u64;
-    let table_rows = tables.iter().zip(file.table_rows());
-    let table_rows =
-        table_rows.filter(|(table, _)| is_emissive(table.material)).map(|(_, rows)| rows);
-    inline + table_rows.sum::<u64>()
 }

@@ -17,6 +17,7 @@ mod prepared_scene;
 #[allow(clippy::module_inception, reason = "the room is called after what it makes")]
 mod scene;
 pub mod settings;
+mod size;
 mod source;
 mod sphere_material;
 mod storage;
@@ -34,6 +35,7 @@ pub use description::SceneDescription;
 pub use prepared_scene::{PreparedScene, opaque_sphere_around_camera};
 pub use scene::Scene;
 pub use settings::Settings;
+pub use size::SceneSize;
 pub use source::{ContentHash, FileHash, SceneSource};
 pub use sphere_material::SphereMaterial;
 

@@ -15,6 +15,7 @@ use crate::math::{DVec3, Hit};
 use super::description::SceneDescription;
 use super::environment;
 use super::import::{ImportPlan, RowGroup, load_tables};
+use super::size::SceneSize;
 use super::source::{ContentHash, FileHash, SceneHashes, SceneSource};
 use super::sphere_material::{SphereMaterial, build_materials};
 use super::validation_errors::ValidationErrors;
@@ -28,6 +29,7 @@ pub struct Scene {
     description: Arc<SceneDescription>,
     source: Option<Arc<SceneSource>>,
     content_hash: ContentHash,
+    size: SceneSize,
     files: Arc<[FileHash]>,
     spheres: Arc<SphereSet>,
     materials: Arc<[Material]>,
@@ -65,6 +67,7 @@ impl Scene {
     ) -> Result<Self> {
         description.make_canonical();
         let mut problems = ValidationErrors::default();
+        let size = SceneSize::new(&description, &survey);
         let (rows, groups) = load_tables(&mut description, &survey, &mut problems)?;
         if !problems.0.is_empty() {
             refuse(problems)?;
@@ -81,6 +84,7 @@ impl Scene {
             description: Arc::new(description),
             source: source.map(Arc::new),
             content_hash: identity,
+            size,
             files: hashes.files.into(),
             spheres,
             materials: materials.into(),
@@ -118,6 +122,11 @@ impl Scene {
     /// Content hash of the scene; equal hashes mean equal scenes.
     pub fn content_hash(&self) -> ContentHash {
         self.content_hash
+    }
+
+    /// The size of the scene, as it was known before its tables were read.
+    pub fn size(&self) -> SceneSize {
+        self.size
     }
 
     /// All spheres.

@@ -148,7 +148,7 @@ fn what_differs_is_told_in_standard_errors() {
     }
 }
 
-/// The same bytes, but that a seed of 4 is one of 0.
+/// A file with the seed 0 in place of 4.
 fn with_another_seed(bytes: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     let key = b"\"seed\":4";
@@ -157,7 +157,7 @@ fn with_another_seed(bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The same for a PNG file, where a text that is not short is compressed and has a checksum.
+/// A PNG file with the seed 0 in place of 4. Its longer texts are compressed and have checksums.
 fn png_with_another_seed(file: &[u8]) -> Vec<u8> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a picture");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];

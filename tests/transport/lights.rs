@@ -32,8 +32,8 @@ fn under(dome: EnvironmentDescription) -> Kit {
     point().with(|kit| kit.scene.description.background.dome = dome)
 }
 
-/// Emitters in all directions above the plane, none before another, at many distances and of several
-/// powers; and the radiance that they make at the point: `albedo L sin^2 cos` each.
+/// Emitters in all directions above the plane, none before another, at many distances and of
+/// several powers; and the radiance that they make at the point: `albedo L sin^2 cos` each.
 fn emitters(count: u32) -> (Kit, f64) {
     let mut kit = point();
     let powers = [1.0, 2.0, 3.0].map(|power| kit.scene.emitter([power; 3]));

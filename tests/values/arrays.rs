@@ -102,7 +102,7 @@ fn structured<const N: usize>(
     arrays(std::array::from_fn(|column| strided(values.clone(), 1 + N * column, stride, len)))
 }
 
-/// The same spheres in every layout that arrays may have.
+/// These spheres in every layout that arrays may have.
 fn layouts(balls: &[Sphere], is_f64: bool) -> Vec<(&'static str, SphereArrays)> {
     let rows = rows(balls);
     let centers: Vec<[f64; 3]> = balls.iter().map(|ball| ball.center.to_array()).collect();

@@ -1,4 +1,4 @@
-//! The same scene as text and as values, and values that cannot be a scene.
+//! One scene as text and as values, and values that cannot be a scene.
 
 use std::path::Path;
 

@@ -104,7 +104,7 @@ mod tests {
         let overrides = args.overrides();
         let shown: Vec<_> = overrides
             .iter()
-            .map(|o| (o.option.as_str(), o.key.as_str(), o.value.as_str()))
+            .map(|o| (o.option().join(" "), o.key.as_str(), o.value.as_str()))
             .collect();
         let expected = [
             ("--size 64x48", "image.width", "64"),
@@ -116,7 +116,8 @@ mod tests {
             ("--set render.seed=3", "render.seed", "3"),
             ("--set materials.m.albedo=[0.1,0.2,0.3]", "materials.m.albedo", "[0.1,0.2,0.3]"),
         ];
-        assert_eq!(shown, expected);
+        assert_eq!(shown, expected.map(|(option, key, value)| (option.to_owned(), key, value)));
+        assert_eq!(overrides[0].option(), ["--size", "64x48"]);
     }
 
     #[test]

@@ -59,8 +59,7 @@ impl SceneOptions {
 fn setting(text: &str) -> Result<Override, String> {
     match text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
         Some((key, value)) if !key.is_empty() => {
-            let option = format!("--set {key}={value}");
-            Ok(Override { option, key: key.to_owned(), value: value.to_owned() })
+            Ok(Override::new(key, value).with_option(["--set", &format!("{key}={value}")]))
         }
         _ => Err("it must be KEY=VALUE, as in render.seed=7".to_owned()),
     }

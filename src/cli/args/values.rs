@@ -20,10 +20,9 @@ impl Size {
     /// Returns the overrides that `--size` stands for.
     pub fn overrides(self) -> [Override; 2] {
         let Self { width, height } = self;
-        [("image.width", width), ("image.height", height)].map(|(key, pixels)| Override {
-            option: format!("--size {width}x{height}"),
-            key: key.to_owned(),
-            value: pixels.to_string(),
+        let size = format!("{width}x{height}");
+        [("image.width", width), ("image.height", height)].map(|(key, pixels)| {
+            Override::new(key, pixels.to_string()).with_option(["--size", &size])
         })
     }
 }

@@ -14,7 +14,7 @@ use crate::job::COMMIT;
 use crate::report::speed::{entries_json, page};
 use crate::verify::bench::{BenchOptions, Suite, SuiteEvent};
 
-use super::{bench_plan, circumstances};
+use super::plan::{bench_plan, circumstances};
 
 /// Sphere count of the largest scene, unless `--largest` is given.
 const LARGEST: u64 = 100_000_000;

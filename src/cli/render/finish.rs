@@ -14,8 +14,9 @@ use super::super::outputs::Outputs;
 use super::super::print;
 use super::super::progress::ProgressDisplay;
 use super::super::watch::FinalUpdate;
+use super::checkpoint::CheckpointTarget;
 use super::report::{Report, Times};
-use super::{CheckpointTarget, RenderRequest};
+use super::request::RenderRequest;
 
 /// What the end of a render needs.
 pub(super) struct RenderFinisher<'a> {

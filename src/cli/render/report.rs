@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::job::{NoiseStatus, RunOutcome, Session, StopReason};
 
 use super::super::{outputs, print, system};
-use super::RenderRequest;
+use super::request::RenderRequest;
 
 /// Times of the steps before rendering, in seconds.
 #[derive(Clone, Copy, Debug)]

@@ -12,7 +12,7 @@ use crate::scene::import::{ImportPlan, check_count};
 use crate::scene::settings::Settings;
 use crate::scene::source::{ContentHash, SceneSource};
 use crate::scene::validation_errors::{self, ValidationErrors};
-use crate::scene::{Override, Scene};
+use crate::scene::{Override, Scene, SceneSize};
 
 use super::diagnostics::Diagnostics;
 use super::document::{self, span_at};
@@ -105,19 +105,9 @@ impl SceneFile {
         &self.source
     }
 
-    /// Number of rows of each table.
-    pub fn table_rows(&self) -> impl Iterator<Item = u64> {
-        self.import_plan.rows.iter().copied()
-    }
-
-    /// Number of spheres, including duplicates.
-    pub fn sphere_count(&self) -> u64 {
-        self.import_plan.sphere_count(&self.description)
-    }
-
-    /// Number of pixels of the environment map.
-    pub fn environment_pixels(&self) -> u64 {
-        self.import_plan.environment.as_ref().map_or(0, |pixels| pixels.len() as u64)
+    /// The size of the scene. The tables are not read for it.
+    pub fn size(&self) -> SceneSize {
+        SceneSize::new(&self.description, &self.import_plan)
     }
 
     /// Reads the tables and builds the scene.

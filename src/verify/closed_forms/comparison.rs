@@ -95,7 +95,7 @@ fn prepared(
 
 fn parse_override(pair: &str) -> Option<Override> {
     let (key, value) = pair.split_once('=')?;
-    Some(Override { option: pair.to_owned(), key: key.into(), value: value.into() })
+    Some(Override::new(key, value))
 }
 
 fn picture(prepared: &PreparedScene, accel: &dyn Accel, cancel: &CancelToken) -> Result<Picture> {

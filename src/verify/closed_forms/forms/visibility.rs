@@ -7,7 +7,7 @@ use crate::scene::description::ProjectionDescription;
 use crate::verify::closed_forms::reference_image::spheres;
 use crate::verify::quadrature::integral;
 
-use super::{background_radiance, emission, uniform_answer};
+use super::{background_radiance, emission, uniform_solution};
 
 /// The disc inside the circle in which the lamp and the wall intersect.
 pub(super) fn protruding_cap(prepared: &PreparedScene, _: usize) -> Vec<Option<f64>> {
@@ -17,14 +17,14 @@ pub(super) fn protruding_cap(prepared: &PreparedScene, _: usize) -> Vec<Option<f
     let plane = (d * d + (wall.radius - lamp.radius) * (wall.radius + lamp.radius)) / (2.0 * d);
     let squared = (wall.radius - plane) * (wall.radius + plane);
     let side = height(prepared);
-    uniform_answer(prepared, emission(prepared, "lamp") * PI * squared / (side * side))
+    uniform_solution(prepared, emission(prepared, "lamp") * PI * squared / (side * side))
 }
 
 /// The sky above the horizon of the only sphere, whose centre is straight below the camera.
 pub(super) fn horizon(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let camera = &prepared.description().camera;
     let ProjectionDescription::Perspective { vertical_fov_degrees, .. } = camera.projection else {
-        return uniform_answer(prepared, f64::NAN);
+        return uniform_solution(prepared, f64::NAN);
     };
     let planet = spheres(prepared)[0];
     let (radius, height) = (planet.radius, camera.position.y - planet.center.y - planet.radius);
@@ -32,7 +32,7 @@ pub(super) fn horizon(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>
     let dip = (height * (2.0 * radius + height)).sqrt() / radius;
     let half = libm::tan(vertical_fov_degrees.to_radians() / 2.0);
     let length = integral(0.0, 1.0, nodes, |x| (1.0 + (x * half) * (x * half)).sqrt());
-    uniform_answer(prepared, background_radiance(prepared) * (0.5 + 0.5 * dip / half * length))
+    uniform_solution(prepared, background_radiance(prepared) * (0.5 + 0.5 * dip / half * length))
 }
 
 /// The gap between two balls above each other.
@@ -40,7 +40,7 @@ pub(super) fn narrow_gap(prepared: &PreparedScene, _: usize) -> Vec<Option<f64>>
     let spheres = spheres(prepared);
     let [upper, lower] = [&spheres[0], &spheres[1]];
     let gap = (upper.center.y - upper.radius) - (lower.center.y + lower.radius);
-    uniform_answer(prepared, background_radiance(prepared) * gap / height(prepared))
+    uniform_solution(prepared, background_radiance(prepared) * gap / height(prepared))
 }
 
 /// Height of an orthographic picture.
