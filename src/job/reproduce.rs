@@ -15,6 +15,7 @@ use super::aovs::develop;
 use super::film_format::format_for_scene;
 use super::metadata::{Metadata, for_each_file};
 use super::progressive::{Counters, ProgressiveRenderer};
+pub use super::recorded::ReproductionCost;
 use super::samples::{SampleRange, TileSampleCounts, WindowSamples};
 
 /// Options for [`reproduce`].
@@ -58,12 +59,13 @@ pub fn read_metadata(path: &Path) -> Result<Metadata> {
 /// total, from any thread.
 ///
 /// # Errors
-/// If the scene has changed or cannot be rendered.
+/// If the record is impossible, or if the scene has changed or cannot be rendered.
 pub fn reproduce(
     recorded: &Metadata,
     options: &ReproduceOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Reproduction> {
+    let cost = ReproductionCost::of(recorded)?;
     let scene = rebuild_scene(recorded, options)?;
     let prepared = PreparedScene::new(&scene, recorded.settings)?;
     let backend = choose_backend(recorded, options)?;
@@ -77,7 +79,7 @@ pub fn reproduce(
         format: format_for_scene(&prepared, &layers),
         cancel: &options.cancel,
         progress,
-        samples_total: total_samples(recorded),
+        samples_total: cost.samples,
         samples_done: AtomicU64::new(0),
     };
     let film = work.film(recorded)?;
@@ -137,15 +139,6 @@ fn choose_backend(then: &Metadata, again: &ReproduceOptions) -> Result<Backend> 
     ))
     .with_help("take another intersector and see by how much it differs")
     .with_suggestion(Suggestion::Intersector, "native"))
-}
-
-/// Approximate number of samples to render.
-fn total_samples(then: &Metadata) -> u64 {
-    let of = |window: crate::math::Rect, most: u32| window.pixel_count() as u64 * u64::from(most);
-    if then.parts.is_empty() {
-        return of(then.settings.image.pixel_bounds(), then.samples.most);
-    }
-    then.parts.0.iter().map(|share| of(share.window, share.samples.most)).sum()
 }
 
 /// Renders the samples that a picture has.
