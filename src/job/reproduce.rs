@@ -13,7 +13,7 @@ use crate::task::CancelToken;
 
 use super::aovs::develop;
 use super::film_format::format_for_scene;
-use super::metadata::{Metadata, for_each_file};
+use super::metadata::Metadata;
 use super::progressive::{Counters, ProgressiveRenderer};
 pub use super::recorded::ReproductionCost;
 use super::samples::{SampleRange, TileSampleCounts, WindowSamples};
@@ -94,7 +94,7 @@ fn rebuild_scene(then: &Metadata, again: &ReproduceOptions) -> Result<Scene> {
             .with_help("render the scene file again, and compare the two pictures"));
     };
     let mut description = named.clone();
-    for_each_file(&mut description, |file| *file = again.folder.join(&*file));
+    description.for_each_file(|file| *file = again.folder.join(&*file));
     let scene = Scene::build(description)?;
     if scene.content_hash() == then.scene_identity {
         // Record the file names as the picture gives them, not where they were found.

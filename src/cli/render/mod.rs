@@ -2,19 +2,18 @@
 
 mod finish;
 mod report;
+mod request;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::accel::BackendChoice;
 use crate::error::{Error, Result};
 use crate::geometry::SphereSet;
 use crate::image_io::AtomicFile;
 use crate::job::{
-    Checkpoint, CheckpointHeader, FilePath, Job, OutputSpec, Session, SessionOptions,
-    UNLIMITED_SAMPLES,
+    Checkpoint, FilePath, Job, OutputSpec, Session, SessionOptions, UNLIMITED_SAMPLES,
 };
-use crate::scene::{Override, Scene, Settings, read_file};
+use crate::scene::{Scene, Settings};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
@@ -22,35 +21,15 @@ use super::interrupt::Interrupt;
 use super::memory::MemoryNeeds;
 use super::outputs::{self, Outputs, is_part};
 use super::progress::{self, ProgressDisplay};
+use super::recorded_outputs::recorded;
 use super::system::on_threads;
 use super::watch::Viewers;
-use super::{interrupt, memory, print, system};
+use super::{interrupt, memory, print, scene_file, system};
+
+pub(super) use request::RenderRequest;
 
 use finish::RenderFinisher;
 use report::Times;
-
-/// A render to execute, as the options or a checkpoint specify it.
-pub(super) struct RenderRequest {
-    pub(super) scene: PathBuf,
-    pub(super) overrides: Vec<Override>,
-    pub(super) memory_limit: Option<u64>,
-    /// What to render, and how.
-    pub(super) job: Job,
-    /// True if the settings come from the scene file, false if they come from `job`.
-    pub(super) has_settings_of_file: bool,
-    /// Samples per pixel, overriding the scene file.
-    pub(super) samples_per_pixel: Option<u32>,
-    /// True if `samples_per_pixel` exceeds the number of the original render.
-    pub(super) is_extended: bool,
-    pub(super) delivery: OutputSpec,
-    pub(super) layers_given: bool,
-    /// The checkpoint file.
-    pub(super) checkpoint: Option<PathBuf>,
-    /// True if the render continues without viewers that cannot be reached.
-    pub(super) is_resumed: bool,
-    pub(super) quiet: bool,
-    pub(super) json: bool,
-}
 
 /// The checkpoint file, ready to be written.
 struct CheckpointTarget {
@@ -63,6 +42,11 @@ struct CheckpointTarget {
 /// # Errors
 /// Any error between the scene and the picture. The output paths are checked first.
 pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
+    if scene_file::is_stdin(&args.scene.path) && args.keep.checkpoint.is_some() {
+        let message =
+            "a scene on the standard input cannot be read again, to resume its checkpoint";
+        return Err(Error::input(message).with_help("write the scene into a file, and render that"));
+    }
     execute(&args.request())
 }
 
@@ -72,7 +56,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
 /// See [`run`].
 pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     outputs::refuse_duplicate_paths(&places(request))?;
-    let outputs = Outputs::new(&request.delivery, &request.job.layers, request.layers_given)?;
+    request.check_stdout()?;
+    let (layers, format) = (&request.job.layers, request.stdout_format);
+    let outputs = Outputs::new(&request.delivery, layers, request.layers_given, format)?;
     let keep = CheckpointTarget::new(request, &outputs)?;
     let name = outputs::in_words(&outputs::paths(&request.delivery.files));
     let viewers = Viewers::new(&request.delivery, name, request.is_resumed)?;
@@ -108,7 +94,7 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
 
 /// Loads the scene and its settings, if they fit into memory.
 fn load(request: &RenderRequest) -> Result<(Scene, Settings)> {
-    let mut file = read_file(&request.scene, &request.overrides)?;
+    let mut file = scene_file::read(&request.scene, &request.overrides)?;
     if !request.has_settings_of_file {
         file.settings = request.job.settings;
     }
@@ -139,7 +125,7 @@ fn open(
         cancel: interrupt.cancel(),
         save_request: interrupt.save_request(),
         build_progress: progress::build_progress(request.quiet),
-        output: Some(from_the_root(&request.delivery)),
+        output: keep.map(|keep| recorded(&request.delivery, &keep.path)),
         command: Some(system::command_line()),
     };
     let keep_every = request.delivery.save_every;
@@ -158,18 +144,6 @@ fn open(
     Ok(session)
 }
 
-/// Returns the outputs with absolute paths: a checkpoint may be resumed in another folder.
-fn from_the_root(delivery: &OutputSpec) -> OutputSpec {
-    let absolute = |FilePath(file): &FilePath| {
-        FilePath(std::path::absolute(file).unwrap_or_else(|_| file.clone()))
-    };
-    OutputSpec {
-        files: delivery.files.iter().map(absolute).collect(),
-        preview: delivery.preview.as_ref().map(absolute),
-        ..delivery.clone()
-    }
-}
-
 fn tell_of_samples(session: &Session, path: &Path) {
     let film = session.film();
     let each = film.sample_count() as f64 / film.frame().pixel_count() as f64;
@@ -179,68 +153,6 @@ fn tell_of_samples(session: &Session, path: &Path) {
     };
     let path = path.display();
     print::note(format_args!("resuming `{path}`: {each:.1}{all} samples per pixel"));
-}
-
-impl RenderArgs {
-    fn request(&self) -> RenderRequest {
-        let job = Job {
-            samples: self.samples.clone(),
-            until: self.stop.stop_criteria(),
-            layers: self.output.kinds(),
-            accel: self.accel.choice,
-            quality: self.accel.build.quality,
-            threads: self.scene.threads().unwrap_or(0),
-            ..Job::default()
-        };
-        let delivery = OutputSpec {
-            save_every: self.keep.checkpoint_every,
-            preview: self.watch.preview.clone().map(FilePath),
-            preview_every: self.watch.preview_every,
-            tev: self.watch.tev.clone(),
-            ..self.output.output_spec()
-        };
-        RenderRequest {
-            scene: self.scene.path.clone(),
-            overrides: self.overrides(),
-            has_settings_of_file: true,
-            memory_limit: self.memory.limit,
-            job,
-            samples_per_pixel: None,
-            is_extended: false,
-            delivery,
-            layers_given: self.output.has_layers(),
-            checkpoint: self.keep.checkpoint.clone(),
-            is_resumed: false,
-            quiet: self.quiet,
-            json: self.json,
-        }
-    }
-}
-
-impl RenderRequest {
-    /// Returns the render that a checkpoint belongs to, or `None` if the checkpoint names no scene.
-    pub(super) fn of_header(header: &CheckpointHeader, delivery: OutputSpec) -> Option<Self> {
-        let source = header.source.as_ref()?;
-        Some(Self {
-            scene: source.file.clone()?,
-            overrides: source.overrides.iter().map(Override::from_pair).collect(),
-            memory_limit: None,
-            // Keep the intersector: on another machine the automatic choice may differ.
-            job: Job {
-                accel: BackendChoice::Only(header.metadata.intersector.backend),
-                ..header.job.clone()
-            },
-            has_settings_of_file: false,
-            samples_per_pixel: Some(header.job.settings.render.samples_per_pixel),
-            is_extended: false,
-            delivery,
-            layers_given: false,
-            checkpoint: None,
-            is_resumed: true,
-            quiet: false,
-            json: false,
-        })
-    }
 }
 
 impl CheckpointTarget {
