@@ -1,7 +1,7 @@
 //! The outputs that a checkpoint records. A checkpoint may come from a stranger, so it is data and
 //! never a program: what it names outside its own folder is not written unless the user types it.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::job::{FilePath, OutputSpec};
@@ -87,7 +87,10 @@ fn command(files: &[FilePath], checkpoint: &Path) -> String {
 
 /// Returns true if a file is in the checkpoint's folder or below, wherever links lead.
 fn is_inside(FilePath(file): &FilePath, checkpoint: &Path) -> bool {
-    place(file).starts_with(folder_of(checkpoint))
+    let place = place(file);
+    // Where a folder is missing, the path is as it was given.
+    let climbs = place.components().any(|part| part == Component::ParentDir);
+    !climbs && place.starts_with(folder_of(checkpoint))
 }
 
 /// Returns the absolute folder of the checkpoint, without links.

@@ -84,6 +84,7 @@ fn a_checkpoint_cannot_choose_what_is_written() {
     outside("FOLDER/b.pfm");
     outside("../b.pfm");
     outside("../kept/../b.pfm");
+    outside("missing/../../b.pfm");
 
     // Through a link in its folder, and for the preview, which is left out.
     let desk = desk();
