@@ -46,17 +46,18 @@ pub(super) fn trusted(recorded: OutputSpec, checkpoint: &Path) -> Result<OutputS
     outputs.preview = preview.filter(|preview| {
         let is_inside = is_inside(preview, checkpoint);
         if !is_inside {
-            let preview = preview.0.display();
+            let (shown, quoted) = (preview.0.display(), quoted(&preview.0));
             print::warning(format_args!(
-                "the preview `{preview}` is outside the checkpoint's folder; the render goes on \
-                 without it, unless you name it: --preview '{preview}'"
+                "the preview `{shown}` is outside the checkpoint's folder; the render goes on \
+                 without it, unless you name it: --preview {quoted}"
             ));
         }
         is_inside
     });
     if let Some(viewer) = outputs.tev.take() {
+        let viewer = quoted(Path::new(&viewer));
         print::warning(format_args!(
-            "a checkpoint connects to no viewer; for tev, name it: --tev '{viewer}'"
+            "a checkpoint connects to no viewer; for tev, name it: --tev {viewer}"
         ));
     }
     Ok(outputs)
