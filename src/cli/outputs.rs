@@ -163,8 +163,12 @@ pub(super) fn refuse_duplicate_paths(files: &[(&str, &Path)]) -> Result<()> {
 /// Returns the absolute path of a file, with links resolved as far as the path exists.
 pub(super) fn place(file: &Path) -> PathBuf {
     let full = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
-    let beside = || Some(full.parent()?.canonicalize().ok()?.join(full.file_name()?));
-    full.canonicalize().ok().or_else(beside).unwrap_or_else(|| full.clone())
+    let there = |ancestor: &Path| {
+        let rest = full.strip_prefix(ancestor).ok()?;
+        let folder = ancestor.canonicalize().ok()?;
+        Some(if rest.as_os_str().is_empty() { folder } else { folder.join(rest) })
+    };
+    full.ancestors().find_map(there).unwrap_or_else(|| full.clone())
 }
 
 /// Returns true if the path names a `.part` file, which holds the sample sums.

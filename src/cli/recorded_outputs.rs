@@ -89,7 +89,7 @@ fn command(files: &[FilePath], checkpoint: &Path) -> String {
 /// Returns true if a file is in the checkpoint's folder or below, wherever links lead.
 fn is_inside(FilePath(file): &FilePath, checkpoint: &Path) -> bool {
     let place = place(file);
-    // Where a folder is missing, the path is as it was given.
+    // Behind a missing folder, the path is as it was given.
     let climbs = place.components().any(|part| part == Component::ParentDir);
     !climbs && place.starts_with(folder_of(checkpoint))
 }
