@@ -19,7 +19,8 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     outputs::refuse_duplicate_paths(&files)?;
     let layers = args.output.has_layers().then(|| args.output.kinds());
     let given = layers.as_deref().unwrap_or_default();
-    let mut outputs = Outputs::new(&args.output.output_spec(), given, layers.is_some())?;
+    let (spec, format) = (args.output.output_spec(), args.stdout.format);
+    let mut outputs = Outputs::new(&spec, given, layers.is_some(), format)?;
     let part = outputs.part().map(AtomicFile::new).transpose()?;
     interrupt::listen();
     let plan = MergeOptions {

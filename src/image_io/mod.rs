@@ -24,7 +24,7 @@ mod target;
 mod tests;
 
 pub use atomic_file::{AtomicFile, Sink, remove_temp_files};
-pub use format::{PICTURE_FORMATS, has_picture_extension};
+pub use format::{FileFormat, PICTURE_FORMATS, has_picture_extension};
 pub use metadata::read_metadata;
 pub use notes::{CropWindow, WriteOptions};
 pub use picture::{ChannelValues, ImageChannel, Picture};
@@ -33,4 +33,4 @@ pub use read::{
     BEAUTY, Image, ImageLayer, LayeredImage, RawChannel, read_image, read_light, read_raw_channels,
 };
 pub use record::MetadataEntry;
-pub use target::ImageWriter;
+pub use target::{ImageWriter, write_to_stream};

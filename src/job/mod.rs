@@ -22,6 +22,7 @@ mod noise;
 mod observer;
 mod outcome;
 mod progressive;
+mod recorded;
 mod render_state;
 pub mod reproduce;
 mod resume;

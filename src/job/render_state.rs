@@ -205,7 +205,7 @@ impl RenderState {
             command: self.command.clone(),
             scene_file: source
                 .and_then(|source| source.file.as_ref())
-                .map(|file| std::fs::canonicalize(file).unwrap_or_else(|_| file.clone())),
+                .map(|file| std::path::absolute(file).unwrap_or_else(|_| file.clone())),
             scene_text: source.and_then(|source| source.text.clone()),
         };
         let metadata = Metadata { run: Some(run), ..self.metadata.clone() };

@@ -2,6 +2,8 @@
 //! file reader. [`Scene::build`](super::Scene::build) validates a description and builds a scene
 //! from it. `docs/scene-format.md` explains the corresponding keys.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 use crate::color::Rgb;
@@ -210,6 +212,18 @@ impl ColorStorage {
 }
 
 impl SceneDescription {
+    /// Applies `change` to the path of every file of the scene.
+    pub(crate) fn for_each_file(&mut self, mut change: impl FnMut(&mut PathBuf)) {
+        for table in &mut self.tables {
+            if let SphereData::File { path, .. } = &mut table.data {
+                change(path);
+            }
+        }
+        if let EnvironmentDescription::Image { file, .. } = &mut self.background.dome {
+            change(file);
+        }
+    }
+
     /// The name of a table: its own; otherwise its file name without folder; otherwise, for a table
     /// in memory, its index, as in `table 3`.
     ///

@@ -39,4 +39,4 @@ pub use size::SceneSize;
 pub use source::{ContentHash, FileHash, SceneSource};
 pub use sphere_material::SphereMaterial;
 
-pub use self::toml::{Override, SceneFile, read_file, read_text};
+pub use self::toml::{Override, SceneFile, read_file, read_stream, read_text};

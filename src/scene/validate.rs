@@ -73,6 +73,14 @@ impl SceneDescription {
 
 impl Settings {
     /// Validates the settings.
+    ///
+    /// # Errors
+    /// Reports all problems.
+    pub(crate) fn check(&self) -> crate::error::Result<()> {
+        self.validate().into_result()
+    }
+
+    /// Collects the problems of the settings.
     pub(super) fn validate(&self) -> ValidationErrors {
         let mut problems = ValidationErrors::default();
         check_image(&self.image, &mut problems);

@@ -8,6 +8,7 @@ mod converge;
 mod desk;
 #[cfg(unix)]
 mod files;
+mod foreign_checkpoints;
 mod generate;
 #[cfg(unix)]
 mod kill;
@@ -30,6 +31,8 @@ mod python;
 mod reports;
 #[cfg(unix)]
 mod reproduce;
+#[cfg(unix)]
+mod standard_streams;
 #[cfg(unix)]
 mod stopping;
 #[cfg(unix)]

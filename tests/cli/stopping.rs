@@ -301,7 +301,10 @@ fn a_render_goes_on_without_a_tev_that_is_gone() {
     let kept = format!("--checkpoint a.state --tev 127.0.0.1:{port} --quiet");
     desk.run(&format!("render scene.toml -o a.pfm --accel native {kept}")).succeeds();
     viewer.join().expect("it understood all packets");
-    let again = desk.run("resume a.state --extend-to 32").succeeds();
+    // A checkpoint does not say whom to call.
+    assert_eq!(desk.run("resume a.state --extend-to 16 --quiet").succeeds().stderr, "");
+    let again = desk.run(&format!("resume a.state --extend-to 32 --tev 127.0.0.1:{port}"));
+    let again = again.succeeds();
     let warning = format!("warning: cannot reach tev at `127.0.0.1:{port}`");
     assert!(again.stderr.starts_with(&warning), "{}", again.stderr);
     assert!(again.stderr.contains("; the render goes on without it"), "{}", again.stderr);

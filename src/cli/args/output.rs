@@ -9,7 +9,7 @@ use clap::builder::TypedValueParser;
 
 use crate::color::{ToneCurve, ViewTransform};
 use crate::film::{AOVS, Aov};
-use crate::image_io::PICTURE_FORMATS;
+use crate::image_io::{FileFormat, PICTURE_FORMATS};
 use crate::job::{FilePath, OutputSpec};
 
 use super::values::{exposure, named, one_of};
@@ -102,10 +102,19 @@ impl OutputArgs {
     }
 }
 
+/// The format of a picture on the standard output.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct StdoutArgs {
+    /// The format of -o -, the picture on the standard output [default: png]
+    #[arg(long, value_name = "NAME", value_parser = one_of(named::<FileFormat>()))]
+    pub format: Option<FileFormat>,
+}
+
 fn files_help() -> String {
     format!(
         "The picture; its extension chooses the format: {PICTURE_FORMATS}; or .part, the sums \
-         themselves, to be merged. May be repeated"
+         themselves, to be merged. `-` is the standard output, and `none` discards the picture. May be \
+         repeated"
     )
 }
 

@@ -9,7 +9,7 @@ use crate::scene::Override;
 use super::accel::AccelArg;
 use super::keep::CheckpointArgs;
 use super::memory::MemoryArg;
-use super::output::OutputArgs;
+use super::output::{OutputArgs, StdoutArgs};
 use super::picture::PictureArgs;
 use super::scene::SceneArgs;
 use super::stop::{StopArgs, WatchArgs};
@@ -29,6 +29,7 @@ Examples:
   photosphere render fig2.toml -o fig2.exr --spp 65536 --checkpoint fig2.state
   photosphere render fig2.toml -o b.part --samples 0..64 --crop 320,0,640,480
   photosphere render fig2.toml -o fig2.exr --noise 2% --preview so-far.png
+  generate-scene | photosphere render - -o - --format exr | oiiotool - -o fig2.tif
 
 Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,
 stops at once and writes nothing. With --checkpoint FILE, `photosphere resume FILE` goes on, and so
@@ -39,6 +40,9 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub stdout: StdoutArgs,
 
     #[command(flatten)]
     pub accel: AccelArg,

@@ -11,7 +11,7 @@ use super::values::threads;
 /// Which scene, and how much of the machine.
 #[derive(Args, Debug)]
 pub struct SceneArgs {
-    /// The scene file
+    /// The scene file; for render, trace and crosscheck, - is the standard input
     #[arg(value_name = "SCENE")]
     pub path: PathBuf,
 

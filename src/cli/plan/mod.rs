@@ -16,7 +16,7 @@ use crate::scene::read_file;
 
 use super::args::{Division, OutputArgs, PlanArgs, PlanFormat, StopArgs};
 use super::exit::Exit;
-use super::outputs::{Outputs, refuse_duplicate_paths};
+use super::outputs::{Outputs, refuse_duplicate_paths, refuse_streams};
 use super::print;
 use super::system::on_threads;
 use commands::ShardPlan;
@@ -30,7 +30,8 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     let outputs = outputs(args);
     let files: Vec<_> = outputs.files.iter().map(|file| ("-o", file.as_path())).collect();
     refuse_duplicate_paths(&files)?;
-    Outputs::new(&outputs.output_spec(), &outputs.kinds(), outputs.has_layers())?;
+    refuse_streams(&outputs.files)?;
+    Outputs::new(&outputs.output_spec(), &outputs.kinds(), outputs.has_layers(), None)?;
     let overrides = args.overrides();
     // Checks the tables without loading them: they may need more memory than this machine has.
     let file = on_threads(args.scene.threads(), || read_file(&args.scene.path, &overrides))?;

@@ -13,6 +13,7 @@ use super::super::interrupt::Interrupt;
 use super::super::outputs::Outputs;
 use super::super::print;
 use super::super::progress::ProgressDisplay;
+use super::super::recorded_outputs::resume_command;
 use super::super::watch::FinalUpdate;
 use super::checkpoint::CheckpointTarget;
 use super::report::{Report, Times};
@@ -52,7 +53,7 @@ impl RenderFinisher<'_> {
             StopReason::Stopped => Exit::Stopped,
             StopReason::Failed => Exit::Fault,
             // If the render writes only a part, `merge` reports the missed target.
-            _ if !is_met(reached) && self.outputs.has_pictures() => Exit::CheckFailed,
+            _ if !is_met(reached) && !self.outputs.is_part_alone() => Exit::CheckFailed,
             _ => Exit::Done,
         })
     }
@@ -76,13 +77,13 @@ impl RenderFinisher<'_> {
         let part: Vec<SaveTask<'_>> =
             self.keep.map(|keep| self.errand_of(keep, reached)).into_iter().collect();
         let help = self.keep.map(|keep| {
-            let path = keep.path.display();
-            format!("the samples are safe: photosphere resume '{path}' writes it again")
+            let command = resume_command(&self.request.delivery, &keep.path);
+            format!("the samples are safe: {command} writes it again")
         });
         let pictures = self.outputs.pictures().iter().map(|file| SaveTask {
             path: file.path.clone(),
-            is_only_copy: self.keep.is_none(),
-            help: help.clone().unwrap_or_default(),
+            is_only_copy: self.keep.is_none() && file.is_file(),
+            help: help.clone().unwrap_or_else(|| "write the picture into a file".to_owned()),
             write: Box::new(|place| file.write(place, shown(), &notes)),
         });
         let pictures: Vec<SaveTask<'_>> = pictures.collect();

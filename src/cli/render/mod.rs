@@ -8,12 +8,10 @@ mod request;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use crate::error::Result;
-use crate::job::{
-    Checkpoint, FilePath, Job, OutputSpec, Session, SessionOptions, UNLIMITED_SAMPLES,
-};
+use crate::error::{Error, Result};
+use crate::job::{Checkpoint, Job, Session, SessionOptions, UNLIMITED_SAMPLES};
 use crate::scene::settings::ImageSettings;
-use crate::scene::{Scene, Settings, opaque_sphere_around_camera, read_file};
+use crate::scene::{Scene, Settings, opaque_sphere_around_camera};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
@@ -21,9 +19,10 @@ use super::interrupt::Interrupt;
 use super::memory::MemoryNeeds;
 use super::outputs::{self, Outputs};
 use super::progress::{self, ProgressDisplay};
+use super::recorded_outputs::recorded;
 use super::system::on_threads;
 use super::watch::Viewers;
-use super::{interrupt, memory, print, system};
+use super::{interrupt, memory, print, scene_file, system};
 
 use checkpoint::CheckpointTarget;
 use finish::RenderFinisher;
@@ -36,6 +35,11 @@ pub(super) use request::RenderRequest;
 /// # Errors
 /// Any error between the scene and the picture. The output paths are checked first.
 pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
+    if scene_file::is_stdin(&args.scene.path) && args.keep.checkpoint.is_some() {
+        let message =
+            "a scene on the standard input cannot be read again, to resume its checkpoint";
+        return Err(Error::input(message).with_help("write the scene into a file, and render that"));
+    }
     execute(&RenderRequest::of_args(args))
 }
 
@@ -45,7 +49,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
 /// See [`run`].
 pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     outputs::refuse_duplicate_paths(&request.output_paths())?;
-    let outputs = Outputs::new(&request.delivery, &request.job.layers, request.layers_given)?;
+    request.check_stdout()?;
+    let (layers, format) = (&request.job.layers, request.stdout_format);
+    let outputs = Outputs::new(&request.delivery, layers, request.layers_given, format)?;
     let keep = CheckpointTarget::new(request.checkpoint.as_deref(), &outputs)?;
     let name = outputs::in_words(&outputs::paths(&request.delivery.files));
     let viewers = Viewers::new(&request.delivery, name, request.is_resumed)?;
@@ -81,7 +87,7 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
 
 /// Loads the scene and its settings, if they fit into memory.
 fn load(request: &RenderRequest) -> Result<(Scene, Settings)> {
-    let mut file = read_file(&request.scene, &request.overrides)?;
+    let mut file = scene_file::read(&request.scene, &request.overrides)?;
     if !request.has_settings_of_file {
         file.settings = request.job.settings;
     }
@@ -112,7 +118,7 @@ fn open(
         cancel: interrupt.cancel(),
         save_request: interrupt.save_request(),
         build_progress: progress::build_progress(request.quiet),
-        output: Some(from_the_root(&request.delivery)),
+        output: keep.map(|keep| recorded(&request.delivery, &keep.path)),
         command: Some(system::command_line()),
     };
     let keep_every = request.delivery.save_every;
@@ -129,18 +135,6 @@ fn open(
     };
     session.autosave(keep.file.clone(), keep_every)?;
     Ok(session)
-}
-
-/// Returns the outputs with absolute paths: a checkpoint may be resumed in another folder.
-fn from_the_root(delivery: &OutputSpec) -> OutputSpec {
-    let absolute = |FilePath(file): &FilePath| {
-        FilePath(std::path::absolute(file).unwrap_or_else(|_| file.clone()))
-    };
-    OutputSpec {
-        files: delivery.files.iter().map(absolute).collect(),
-        preview: delivery.preview.as_ref().map(absolute),
-        ..delivery.clone()
-    }
 }
 
 fn tell_of_samples(session: &Session, path: &Path) {

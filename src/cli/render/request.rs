@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use crate::accel::BackendChoice;
 use crate::cli::args::RenderArgs;
-use crate::cli::outputs::is_part;
+use crate::cli::outputs::{is_part, is_stdout};
+use crate::error::{Error, Result};
+use crate::image_io::FileFormat;
 use crate::job::{CheckpointHeader, FilePath, Job, OutputSpec};
 use crate::scene::Override;
 
@@ -22,6 +24,8 @@ pub(in crate::cli) struct RenderRequest {
     /// True if `samples_per_pixel` exceeds the number of the original render.
     pub(in crate::cli) is_extended: bool,
     pub(in crate::cli) delivery: OutputSpec,
+    /// The requested format of the standard output.
+    pub(in crate::cli) stdout_format: Option<FileFormat>,
     pub(in crate::cli) layers_given: bool,
     /// The checkpoint file.
     pub(in crate::cli) checkpoint: Option<PathBuf>,
@@ -59,6 +63,7 @@ impl RenderRequest {
             samples_per_pixel: None,
             is_extended: false,
             delivery,
+            stdout_format: args.stdout.format,
             layers_given: args.output.has_layers(),
             checkpoint: args.keep.checkpoint.clone(),
             is_resumed: false,
@@ -67,15 +72,16 @@ impl RenderRequest {
         }
     }
 
-    /// Returns the render that a checkpoint belongs to, or `None` if the checkpoint names no scene.
+    /// Returns the render that a checkpoint belongs to, of this scene file.
     pub(in crate::cli) fn of_header(
         header: &CheckpointHeader,
+        scene: PathBuf,
         delivery: OutputSpec,
-    ) -> Option<Self> {
-        let source = header.source.as_ref()?;
-        let overrides = source.overrides.iter().map(|(key, value)| Override::new(key, value));
-        Some(Self {
-            scene: source.file.clone()?,
+    ) -> Self {
+        let overrides = header.source.iter().flat_map(|source| &source.overrides);
+        let overrides = overrides.map(|(key, value)| Override::new(key, value));
+        Self {
+            scene,
             overrides: overrides.collect(),
             memory_limit: None,
             // Keep the intersector: on another machine the automatic choice may differ.
@@ -87,12 +93,13 @@ impl RenderRequest {
             samples_per_pixel: Some(header.job.settings.render.samples_per_pixel),
             is_extended: false,
             delivery,
+            stdout_format: None,
             layers_given: false,
             checkpoint: None,
             is_resumed: true,
             quiet: false,
             json: false,
-        })
+        }
     }
 
     /// Returns the output paths, each with its option. A `.part` file named by both `-o` and
@@ -106,5 +113,15 @@ impl RenderRequest {
         let checkpoint = checkpoint.filter(|(_, file)| !is_part(file));
         let preview = preview.as_ref().map(|FilePath(file)| ("--preview", file.as_path()));
         named.chain(checkpoint).chain(preview).collect()
+    }
+
+    /// Refuses a picture and the figures of its render in one stream.
+    pub(in crate::cli) fn check_stdout(&self) -> Result<()> {
+        let has_picture = self.delivery.files.iter().any(|FilePath(file)| is_stdout(file));
+        if !(has_picture && self.json) {
+            return Ok(());
+        }
+        Err(Error::input("`-o -` and `--json` both write to the standard output")
+            .with_help("write the picture into a file"))
     }
 }

@@ -25,6 +25,10 @@ pub struct Image {
 /// When the file cannot be read; the message gives the reason.
 pub fn read_light(path: &Path) -> Result<Image, String> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    // A pipe or a device may block, or never end.
+    if !path.metadata().map_err(|error| error.to_string())?.is_file() {
+        return Err("it is not an ordinary file".into());
+    }
     let file = File::open(path).map_err(|error| error.to_string())?;
     match extension.to_str() {
         Some("exr") => read_exr(BufReader::new(file)),

@@ -80,11 +80,12 @@ pub struct CumulativeStats {
     pub truncated_paths: u64,
 }
 
-/// Output files and previews of a render.
+/// Output files and previews of a render. A checkpoint records what the program that renders wants
+/// to find again; whoever resumes one decides what to trust.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutputSpec {
-    /// The picture files, as absolute paths.
+    /// The picture files. In a checkpoint, relative paths start at its folder.
     pub files: Vec<FilePath>,
     /// View transform for display formats.
     pub look: ViewTransform,
@@ -92,7 +93,7 @@ pub struct OutputSpec {
     pub with_run_record: bool,
     /// Time between checkpoint writes.
     pub save_every: Duration,
-    /// The file for previews, as an absolute path.
+    /// The file for previews, likewise.
     pub preview: Option<FilePath>,
     /// Time between preview updates.
     pub preview_every: Duration,

@@ -7,5 +7,5 @@ mod load;
 mod overrides;
 mod read;
 
-pub use load::{SceneFile, read_file, read_text};
+pub use load::{SceneFile, read_file, read_stream, read_text};
 pub use overrides::Override;
