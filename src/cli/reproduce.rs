@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::error::{Error, Result};
-use crate::image_io::{self, ImageWriter, RawChannel, WriteOptions};
+use crate::image_io::{self, ImageWriter, RawChannel, WriteOptions, temp_folder};
 use crate::job::reproduce::{ReproduceOptions, Reproduction, read_metadata, reproduce};
 use crate::job::{Metadata, frame_crop, is_checkpoint};
 use crate::report::{in_standard_errors, in_steps};
@@ -25,9 +25,10 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
     refuse_part(path)?;
     let said = read_metadata(path)?;
     let then = image_io::read_raw_channels(path)?;
+    let temporary = temp_folder()?;
     let (again, now) = on_threads(args.threads, || {
         let again = render(args, &said)?;
-        let now = channels(args, &said, &again)?;
+        let now = channels(args, &said, &again, temporary.path())?;
         Ok((again, now))
     })?;
     let wrong = differing(&then, &now);
@@ -52,10 +53,9 @@ fn refuse_part(path: &Path) -> Result<()> {
     if !is_checkpoint(path) {
         return Ok(());
     }
-    let path = path.display();
-    Err(Error::input(format!("`{path}` is a part, and a part is no picture")).with_help(format!(
-        "make a picture of it first: photosphere merge '{path}' -o picture.exr"
-    )))
+    let (shown, path) = (path.display(), print::shell_path(path));
+    Err(Error::input(format!("`{shown}` is a part, and a part is no picture"))
+        .with_help(format!("make a picture of it first: photosphere merge {path} -o picture.exr")))
 }
 
 fn render(args: &ReproduceArgs, said: &Metadata) -> Result<Reproduction> {
@@ -87,15 +87,15 @@ fn channels(
     args: &ReproduceArgs,
     said: &Metadata,
     again: &Reproduction,
+    folder: &Path,
 ) -> Result<Vec<RawChannel>> {
     let notes = WriteOptions {
         crop_window: frame_crop(again.film.frame()),
         view_transform: said.look.unwrap_or_default(),
         ..WriteOptions::default()
     };
-    let temporary = tempfile::tempdir().map_err(|e| Error::file("write", &args.picture, e))?;
     let name = if is_png(&args.picture) { "again.png" } else { "again.exr" };
-    let file = temporary.path().join(name);
+    let file = folder.join(name);
     ImageWriter::new(&file)?.write_with(&again.picture, &notes)?;
     image_io::read_raw_channels(&file)
 }

@@ -6,6 +6,7 @@ use crate::job::{Checkpoint, FilePath, OutputSpec, StopCriteria};
 use super::args::ResumeArgs;
 use super::exit::Exit;
 use super::outputs::is_part;
+use super::print;
 use super::render::{self, RenderRequest};
 
 /// Runs the command.
@@ -50,10 +51,11 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
 /// Returns the outputs: as before, except for what the options change.
 fn delivered(args: &ResumeArgs, mut delivery: OutputSpec) -> Result<OutputSpec> {
     if let Some(part) = args.outputs.iter().find(|file| is_part(file) && **file != args.file) {
-        let (part, kept) = (part.display(), args.file.display());
-        let message = format!("`{part}` is a part, but the samples stay in `{kept}`");
+        let (shown, kept) = (part.display(), args.file.display());
+        let message = format!("`{shown}` is a part, but the samples stay in `{kept}`");
+        let [part, kept] = [part, &args.file].map(|file| print::shell_path(file));
         return Err(Error::input(message).with_help(format!(
-            "name a picture; for another file with the samples, copy it: cp '{kept}' '{part}'"
+            "name a picture; for another file with the samples, copy it: cp {kept} {part}"
         )));
     }
     if !args.outputs.is_empty() {

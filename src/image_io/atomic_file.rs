@@ -34,7 +34,7 @@ impl AtomicFile {
     ///
     /// # Errors
     /// When `path` is a folder or not a regular file, or when its folder is missing or not
-    /// writable.
+    /// writable, or when the name is too long.
     pub fn new(path: &Path) -> Result<Self> {
         reject_folder(path, "file")?;
         if path.exists() && !path.is_file() {
@@ -43,6 +43,13 @@ impl AtomicFile {
         let path = resolve_symlink(path)?;
         remove_stale(&path);
         drop(TempFile::create(&path)?);
+        // The name of the temporary file is short; that of the file itself may be too long.
+        match fs::symlink_metadata(&path) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => {
+                return Err(Error::file("write", &path, os_message(&e)));
+            }
+            _ => {}
+        }
         Ok(Self { path })
     }
 

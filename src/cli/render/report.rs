@@ -58,7 +58,8 @@ impl Report<'_> {
             let per_pixel = film.sample_count() as f64 / film.frame().pixel_count() as f64;
             text += &format!(", stopped after {per_pixel:.1} samples per pixel");
             if let Some(kept) = self.kept {
-                text += &format!("\nresume it with: photosphere resume '{}'", kept.display());
+                text +=
+                    &format!("\nresume it with: photosphere resume {}", print::shell_path(kept));
             }
         }
         text

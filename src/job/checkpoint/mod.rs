@@ -125,11 +125,16 @@ impl Checkpoint {
     /// If the file cannot be read, is not a checkpoint, is damaged, or has an unsupported version.
     pub fn open(path: &Path) -> Result<Self> {
         let trouble = |e: io::Error| Error::file("read", path, e);
-        let file = File::open(path).map_err(trouble)?;
-        let metadata = file.metadata().map_err(trouble)?;
-        if metadata.is_dir() {
-            return Err(Error::file("read", path, "it is a folder"));
+        let metadata = path.metadata().map_err(trouble)?;
+        match metadata {
+            _ if metadata.is_dir() => return Err(Error::file("read", path, "it is a folder")),
+            // Opening a pipe waits for a writer.
+            _ if !metadata.is_file() => {
+                return Err(Error::file("read", path, "it is not an ordinary file"));
+            }
+            _ => {}
         }
+        let file = File::open(path).map_err(trouble)?;
         let bytes = metadata.len();
         let inner = BufReader::with_capacity(1 << 16, file);
         let mut from = HashingStream::new(inner);
