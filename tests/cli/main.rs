@@ -10,6 +10,8 @@ mod desk;
 mod files;
 mod generate;
 #[cfg(unix)]
+mod hostile;
+#[cfg(unix)]
 mod kill;
 #[cfg(unix)]
 mod long_renders;

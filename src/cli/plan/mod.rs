@@ -10,6 +10,7 @@ mod shards;
 
 use std::path::{Path, PathBuf};
 
+use crate::draw::printable::printable;
 use crate::error::{Error, Result};
 use crate::scene::{Override, Settings, read_file};
 
@@ -53,11 +54,17 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     // Two machines might choose differently, and their parts could not be merged.
     let backend = args.accel.choice.select_for_count(file.sphere_count() as usize).backend;
     let plan = ShardPlan::new(args, &outputs, division, &file.settings, backend.name())?;
-    print::result(&match args.format {
+    let text = match args.format {
         PlanFormat::Shell => script::shell(&plan)?,
         PlanFormat::Slurm => script::slurm(&plan)?,
         PlanFormat::Openjd => openjd::template(&plan)?,
-    })?;
+    };
+    if printable(&text) != text {
+        // They would be printed escaped, and the plan would mean other files.
+        return Err(Error::input("the names or options of the plan have control characters")
+            .with_help("a plan can only name files whose names have none; rename them"));
+    }
+    print::result(&text)?;
     Ok(Exit::Done)
 }
 

@@ -87,7 +87,7 @@ mod tests {
         for (key, value) in [("a", " = 1"), ("[a", "]"), ("[[a", "]]")] {
             let dotted = |dots: usize| format!("{key}{}{value}\n", ".a".repeat(dots));
             assert_eq!(too_deep(&dotted(MAX_DEPTH - 2)), None, "{key}");
-            assert_eq!(too_deep(&dotted(MAX_DEPTH + 1)).is_some(), true, "{key}");
+            assert!(too_deep(&dotted(MAX_DEPTH + 1)).is_some(), "{key}");
         }
     }
 
