@@ -10,6 +10,7 @@ use crate::report::compare::{Comparison, ImagePair, VARIANCE};
 use super::args::CompareArgs;
 use super::exit::Exit;
 use super::print;
+use super::system::on_threads;
 
 /// Runs the command.
 ///
@@ -18,6 +19,10 @@ use super::print;
 pub(super) fn run(args: &CompareArgs) -> Result<Exit> {
     check_heatmap(args)?;
     let heatmap = args.heatmap.as_deref().map(ImageWriter::new).transpose()?;
+    on_threads(None, || compare(args, heatmap))
+}
+
+fn compare(args: &CompareArgs, heatmap: Option<ImageWriter>) -> Result<Exit> {
     let pair = read(args)?;
     let layers = layers(&pair, &args.layers)?;
     let options = args.options();

@@ -11,7 +11,7 @@ use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use crate::math::{DVec3, Hit};
 
 use super::exit::Exit;
-use super::{print, system};
+use super::{memory_limits, print, system};
 
 /// Printed if the build lacks Embree.
 const HOW_TO_GET_EMBREE: [&str; 5] = [
@@ -60,8 +60,8 @@ impl Report {
         let cores = std::thread::available_parallelism()
             .map_or_else(|e| format!("unknown ({e})"), |cores| cores.to_string());
         self.row("threads", cores);
-        if let (Some(memory), Some(free)) = (system::memory(), system::available_memory()) {
-            let (memory, free) = (print::bytes(memory), print::bytes(free));
+        if let (Some(memory), Some(free)) = (system::memory(), memory_limits::free()) {
+            let (memory, free) = (print::bytes(memory), print::bytes(free.bytes));
             self.row("memory", format!("{memory}, {free} available"));
         }
     }

@@ -9,7 +9,8 @@ use crate::job::{Job, MemoryPhase, MemoryPlan};
 use crate::scene::SceneFile;
 use crate::scene::description::ColorStorage;
 
-use super::{print, system};
+use super::memory_limits::MemoryLimit;
+use super::{memory_limits, print};
 
 /// What a command needs memory for, apart from the scene.
 pub(super) struct MemoryNeeds<'a> {
@@ -21,15 +22,16 @@ pub(super) struct MemoryNeeds<'a> {
     pub(super) besides: u64,
 }
 
-/// Refuses a scene that needs more memory than `limit` or, without a limit, than is free.
+/// Refuses a scene that needs more memory than `limit` or, without a limit, than this process may
+/// still take.
 ///
 /// # Errors
 /// Fails with the memory needed, and with a cheaper option if there is one.
 pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64>) -> Result<()> {
     let MemoryNeeds { backends, kinds, besides } = *needs;
-    let (limit, whose) = match (limit, system::available_memory()) {
-        (Some(limit), _) => (limit, "more than the limit of"),
-        (None, Some(free)) => (free, "but there is free only"),
+    let (limit, free) = match (limit, memory_limits::free()) {
+        (Some(limit), _) => (limit, None),
+        (None, Some(free)) => (free.bytes, Some(free.limit)),
         (None, None) => return Ok(()),
     };
     let job = job(file, kinds);
@@ -43,7 +45,17 @@ pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64
         return Ok(());
     }
     let (needed, shown) = (print::bytes(needed), print::bytes(limit));
-    let message = format!("this would need {needed} of memory at its peak, {whose} {shown}");
+    let reason = match free {
+        None => format!("more than the limit of {shown}"),
+        Some(MemoryLimit::Machine) => format!("but only {shown} is free"),
+        Some(MemoryLimit::ControlGroup(group)) => {
+            format!("but the limit of the control group `{}` leaves only {shown}", group.display())
+        }
+        Some(MemoryLimit::Resource(name, option)) => {
+            format!("but the limit of the {name} (ulimit {option}) leaves only {shown}")
+        }
+    };
+    let message = format!("this would need {needed} of memory at its peak, {reason}");
     Err(Error::input(message).with_help(cheaper(file, backends, limit, &peak)))
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::error::{Error, Result};
-use crate::image_io::{self, ImageWriter, RawChannel, WriteOptions};
+use crate::image_io::{self, ImageWriter, RawChannel, WriteOptions, temp_folder};
 use crate::job::reproduce::{
     ReproduceOptions, Reproduction, ReproductionCost, read_metadata, reproduce,
 };
@@ -15,7 +15,7 @@ use super::args::ReproduceArgs;
 use super::exit::Exit;
 use super::progress::{ProgressDisplay, ProgressState};
 use super::system::on_threads;
-use super::{interrupt, print, system};
+use super::{interrupt, memory_limits, print};
 
 /// Runs the command.
 ///
@@ -30,9 +30,10 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
     allow(args, &cost)?;
     let then = image_io::read_raw_channels(path)?;
     refuse_other_size(path, &cost, &then)?;
+    let temporary = temp_folder()?;
     let (again, now) = on_threads(args.threads, || {
         let again = render(args, &said)?;
-        let now = channels(args, &said, &again)?;
+        let now = channels(args, &said, &again, temporary.path())?;
         Ok((again, now))
     })?;
     let wrong = differing(&then, &now);
@@ -57,10 +58,9 @@ fn refuse_part(path: &Path) -> Result<()> {
     if !is_checkpoint(path) {
         return Ok(());
     }
-    let path = path.display();
-    Err(Error::input(format!("`{path}` is a part, and a part is no picture")).with_help(format!(
-        "make a picture of it first: photosphere merge '{path}' -o picture.exr"
-    )))
+    let (shown, path) = (path.display(), print::shell_path(path));
+    Err(Error::input(format!("`{shown}` is a part, and a part is no picture"))
+        .with_help(format!("make a picture of it first: photosphere merge {path} -o picture.exr")))
 }
 
 /// Says how much work it is, and refuses too much of it.
@@ -76,7 +76,8 @@ fn allow(args: &ReproduceArgs, cost: &ReproductionCost) -> Result<()> {
         let help = format!("if you trust it and have the time: --max-samples {samples}");
         return Err(Error::input(message).with_help(help));
     }
-    if let Some(limit) = args.memory.limit.or_else(system::available_memory) {
+    let available = || memory_limits::free().map(|free| free.bytes);
+    if let Some(limit) = args.memory.limit.or_else(available) {
         if memory > limit {
             let (needed, limit) = (print::bytes(memory), print::bytes(limit));
             let message = format!("`{path}` would need {needed} of memory, more than {limit}");
@@ -130,15 +131,15 @@ fn channels(
     args: &ReproduceArgs,
     said: &Metadata,
     again: &Reproduction,
+    folder: &Path,
 ) -> Result<Vec<RawChannel>> {
     let notes = WriteOptions {
         crop_window: frame_crop(again.film.frame()),
         view_transform: said.look.unwrap_or_default(),
         ..WriteOptions::default()
     };
-    let temporary = tempfile::tempdir().map_err(|e| Error::file("write", &args.picture, e))?;
     let name = if is_png(&args.picture) { "again.png" } else { "again.exr" };
-    let file = temporary.path().join(name);
+    let file = folder.join(name);
     ImageWriter::new(&file)?.write_with(&again.picture, &notes)?;
     image_io::read_raw_channels(&file)
 }

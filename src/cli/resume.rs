@@ -9,6 +9,7 @@ use crate::job::{Checkpoint, CheckpointHeader, FilePath, OutputSpec, StopCriteri
 use super::args::ResumeArgs;
 use super::exit::Exit;
 use super::outputs::is_part;
+use super::print;
 use super::recorded_outputs::trusted;
 use super::render::{self, RenderRequest};
 
@@ -66,10 +67,11 @@ fn scene(args: &ResumeArgs, header: &CheckpointHeader) -> Result<PathBuf> {
 /// Returns the outputs: as before, except for what the options change.
 fn outputs(args: &ResumeArgs, recorded: Option<OutputSpec>) -> Result<OutputSpec> {
     if let Some(part) = args.outputs.iter().find(|file| is_part(file) && **file != args.file) {
-        let (part, kept) = (part.display(), args.file.display());
-        let message = format!("`{part}` is a part, but the samples stay in `{kept}`");
+        let (shown, kept) = (part.display(), args.file.display());
+        let message = format!("`{shown}` is a part, but the samples stay in `{kept}`");
+        let [part, kept] = [part, &args.file].map(|file| print::shell_path(file));
         return Err(Error::input(message).with_help(format!(
-            "name a picture; for another file with the samples, copy it: cp '{kept}' '{part}'"
+            "name a picture; for another file with the samples, copy it: cp {kept} {part}"
         )));
     }
     let mut outputs = recorded.unwrap_or_default();

@@ -38,14 +38,16 @@ fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
         Error::input(format!("the integrator `{name}` follows no paths"))
             .with_help("add --integrator path")
     })?;
+    if let Some(file) = file {
+        let svg = path::svg(&prepared, &trace);
+        file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
+    }
     if args.json {
         print::json(&path::json(&prepared, &trace))?;
     } else {
         print::result(&path::text(&prepared, &trace))?;
     }
-    if let (Some(file), Some(path)) = (file, &args.svg) {
-        let svg = path::svg(&prepared, &trace);
-        file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
+    if let Some(path) = &args.svg {
         print::note(format_args!("wrote {}", path.display()));
     }
     Ok(Exit::Done)

@@ -34,8 +34,8 @@ impl AtomicFile {
     /// Prepares to write `path`, and removes stale temporary files of processes that died.
     ///
     /// # Errors
-    /// When `path` is a folder, not a regular file or write-protected, or when its folder is
-    /// missing or not writable.
+    /// When `path` is a folder, not a regular file or write-protected, when its folder is missing or
+    /// not writable, or when the name is too long.
     pub fn new(path: &Path) -> Result<Self> {
         reject_folder(path, "file")?;
         if path.exists() && !path.is_file() {
@@ -45,6 +45,13 @@ impl AtomicFile {
         reject_protected(&path)?;
         remove_stale(&path);
         drop(TempFile::create(&path)?);
+        // The name of the temporary file is short; that of the file itself may be too long.
+        match fs::symlink_metadata(&path) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => {
+                return Err(Error::file("write", &path, os_message(&e)));
+            }
+            _ => {}
+        }
         Ok(Self { path })
     }
 

@@ -20,6 +20,7 @@ mod png;
 mod read;
 mod record;
 mod target;
+mod temp_folder;
 #[cfg(test)]
 mod tests;
 
@@ -34,3 +35,4 @@ pub use read::{
 };
 pub use record::MetadataEntry;
 pub use target::{ImageWriter, write_to_stream};
+pub(crate) use temp_folder::temp_folder;

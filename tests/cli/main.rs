@@ -11,6 +11,8 @@ mod files;
 mod foreign_checkpoints;
 mod generate;
 #[cfg(unix)]
+mod hostile;
+#[cfg(unix)]
 mod kill;
 #[cfg(unix)]
 mod long_renders;

@@ -7,7 +7,7 @@ use crate::accel::{EmbreeInfo, embree_info};
 use crate::cli::args::BenchArgs;
 use crate::cli::exit::Exit;
 use crate::cli::interrupt::Interrupt;
-use crate::cli::{print, system};
+use crate::cli::{memory_limits, print, system};
 use crate::error::Result;
 use crate::image_io::AtomicFile;
 use crate::job::COMMIT;
@@ -29,7 +29,7 @@ pub(super) fn run(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Resul
         plan: bench_plan(args, interrupt),
         backends: args.accels.backends().to_vec(),
         max_spheres: args.largest.unwrap_or(LARGEST),
-        memory: args.memory.limit.or_else(system::available_memory),
+        memory: args.memory.limit.or_else(|| memory_limits::free().map(|free| free.bytes)),
     };
     let entries = suite.measure(&mut |event| {
         match event {

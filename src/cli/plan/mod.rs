@@ -11,6 +11,7 @@ mod shards;
 
 use std::path::PathBuf;
 
+use crate::draw::printable::printable;
 use crate::error::{Error, Result};
 use crate::scene::read_file;
 
@@ -40,11 +41,17 @@ pub(super) fn run(args: &PlanArgs) -> Result<Exit> {
     // Two machines might choose differently, and their parts could not be merged.
     let backend = args.accel.choice.select_for_count(file.size().spheres as usize).backend;
     let plan = ShardPlan::new(args, &outputs, division, &file.settings, backend.name())?;
-    print::result(&match args.format {
+    let text = match args.format {
         PlanFormat::Shell => script::shell(&plan)?,
         PlanFormat::Slurm => script::slurm(&plan)?,
         PlanFormat::Openjd => openjd::template(&plan)?,
-    })?;
+    };
+    if printable(&text) != text {
+        // They would be printed escaped, and the plan would mean other files.
+        return Err(Error::input("the names or options of the plan have control characters")
+            .with_help("a plan can only name files whose names have none; rename them"));
+    }
+    print::result(&text)?;
     Ok(Exit::Done)
 }
 

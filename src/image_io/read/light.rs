@@ -8,6 +8,8 @@ use image::{ImageFormat, ImageReader};
 
 use crate::color::Rgb;
 
+use super::ordinary::ordinary_length;
+
 /// The pixels of an image: linear Rec. 709, rows from top to bottom, pixels from left to right.
 #[derive(Clone, Debug)]
 pub struct Image {
@@ -25,10 +27,7 @@ pub struct Image {
 /// When the file cannot be read; the message gives the reason.
 pub fn read_light(path: &Path) -> Result<Image, String> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    // A pipe or a device may block, or never end.
-    if !path.metadata().map_err(|error| error.to_string())?.is_file() {
-        return Err("it is not an ordinary file".into());
-    }
+    ordinary_length(path)?;
     let file = File::open(path).map_err(|error| error.to_string())?;
     match extension.to_str() {
         Some("exr") => read_exr(BufReader::new(file)),

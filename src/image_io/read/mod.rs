@@ -11,11 +11,11 @@
 mod exr;
 mod layered;
 mod light;
+mod ordinary;
 mod pfm;
 mod pixels;
 mod raw;
 
-use std::fs;
 use std::path::Path;
 
 use crate::error::{Error, Result};
@@ -24,6 +24,7 @@ use super::format::FileFormat;
 
 pub use layered::{BEAUTY, ImageLayer, LayeredImage};
 pub use light::{Image, read_light};
+pub(super) use ordinary::ordinary_length;
 pub use raw::{RawChannel, read_raw_channels};
 
 /// Reads a picture; the extension selects the format.
@@ -34,11 +35,7 @@ pub use raw::{RawChannel, read_raw_channels};
 pub fn read_image(path: &Path) -> Result<LayeredImage> {
     let format = FileFormat::from_path(path)?;
     let trouble = |reason: String| Error::file("read", path, reason);
-    let length = fs::metadata(path).map_err(|e| trouble(e.to_string()))?;
-    if length.is_dir() {
-        return Err(trouble("it is a folder".to_owned()));
-    }
-    let length = length.len();
+    let length = ordinary_length(path).map_err(trouble)?;
     let layered = match format {
         FileFormat::Exr => exr::read(path, length),
         FileFormat::Pfm => pfm::read(path, length),
@@ -55,6 +52,8 @@ pub fn read_image(path: &Path) -> Result<LayeredImage> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::super::tests::{picture, written};
     use super::*;
     use crate::color::Rgb;

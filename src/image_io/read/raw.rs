@@ -8,6 +8,8 @@ use crate::error::{Error, Result};
 
 use crate::image_io::format::FileFormat;
 
+use super::ordinary::ordinary_length;
+
 /// A channel as stored in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RawChannel {
@@ -23,7 +25,9 @@ pub struct RawChannel {
 /// When the file cannot be read or has another format.
 pub fn read_raw_channels(path: &Path) -> Result<Vec<RawChannel>> {
     let trouble = |reason: String| Error::file("read", path, reason);
-    match FileFormat::from_path(path)? {
+    let format = FileFormat::from_path(path)?;
+    ordinary_length(path).map_err(trouble)?;
+    match format {
         FileFormat::Exr => exr(path).map_err(trouble),
         FileFormat::Png => png(path).map_err(trouble),
         _ => Err(trouble("it is neither .exr nor .png".to_owned())),

@@ -17,14 +17,18 @@ impl Source {
     /// Opens a file.
     ///
     /// # Errors
-    /// If the file cannot be opened, or is a folder.
+    /// If the file cannot be opened, or is no ordinary file.
     pub(super) fn open(path: &Path) -> Result<Self> {
         let trouble = |e: io::Error| Error::file("read", path, e);
-        let file = File::open(path).map_err(trouble)?;
-        let metadata = file.metadata().map_err(trouble)?;
+        let metadata = path.metadata().map_err(trouble)?;
         if metadata.is_dir() {
             return Err(Error::file("read", path, "it is a folder"));
         }
+        // Opening a pipe waits for a writer.
+        if !metadata.is_file() {
+            return Err(Error::file("read", path, "it is not an ordinary file"));
+        }
+        let file = File::open(path).map_err(trouble)?;
         let reader = BufReader::with_capacity(1 << 16, file);
         Ok(Self::File { path: path.to_path_buf(), length: metadata.len(), reader })
     }

@@ -4,6 +4,7 @@
 mod diagnostics;
 mod document;
 mod load;
+mod nesting;
 mod overrides;
 mod read;
 

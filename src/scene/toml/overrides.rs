@@ -10,6 +10,7 @@ use crate::scene::value_types::{Span, SpannedValue, type_name};
 
 use super::diagnostics::{Diagnostics, SpannedError};
 use super::document::name_of;
+use super::nesting::{MAX_DEPTH, too_deep};
 
 /// A key of the scene with a value that replaces the one in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -189,6 +190,9 @@ impl ParsedOverride {
     }
 
     fn path(&self) -> Result<Vec<KeySegment>, SpannedError> {
+        if too_deep(&self.key).is_some() {
+            return Err(self.error(format!("the key has more than {MAX_DEPTH} parts")));
+        }
         let faulty = |message: &str| self.error(format!("the key cannot be read: {message}"));
         let parsed = DeTable::parse(&self.key).map_err(|error| faulty(error.message()))?;
         let mut steps = Vec::new();
@@ -208,6 +212,10 @@ impl ParsedOverride {
     }
 
     fn value(&self) -> Result<SpannedValue<'_>, SpannedError> {
+        if too_deep(&self.value).is_some() {
+            let message = format!("tables and lists are nested more than {MAX_DEPTH} deep");
+            return Err(SpannedError::value(self.value_span.clone(), message));
+        }
         let (mut table, errors) = DeTable::parse_recoverable(&self.value);
         let Some(error) = errors.first() else {
             let value =
