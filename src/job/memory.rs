@@ -13,6 +13,10 @@ use super::film_format::format_for_settings;
 
 /// Bytes per sphere: `[x, y, z, radius]` in f32.
 const SPHERE_BYTES: u64 = 16;
+/// Additional bytes per sphere in f64.
+const F64_BYTES: u64 = 16;
+/// Bytes per sphere for the emission of its row.
+const EMISSION_BYTES: u64 = 12;
 /// Bytes per sphere for its row.
 const ROW_BYTES: u64 = 4;
 /// Bytes per inline sphere, in the scene description and in copies of it.
@@ -37,6 +41,8 @@ pub struct MemoryPlan {
     pub rows: u64,
     /// Per-sphere colours.
     pub colors: u64,
+    /// Per-sphere emission.
+    pub emission: u64,
     /// The emitters and their light hierarchy.
     pub emitters: u64,
     /// The environment map.
@@ -81,8 +87,9 @@ impl MemoryPlan {
         let written_out = description.spheres.len() as u64;
         let bare = Self::for_spheres(file.sphere_count(), backends, threads);
         Self {
-            spheres: bare.spheres + written_out * INLINE_SPHERE_BYTES,
+            spheres: bare.spheres + file.f64_rows() * F64_BYTES + written_out * INLINE_SPHERE_BYTES,
             colors: color_bytes(file, colors),
+            emission: emission_bytes(file),
             emitters: emitter_count(file) * EMITTER_BYTES,
             background: file.environment_pixels() * ENVIRONMENT_PIXEL_BYTES,
             film: Film::bytes(&format) as u64
@@ -100,6 +107,7 @@ impl MemoryPlan {
             spheres: count * SPHERE_BYTES,
             rows: count * ROW_BYTES,
             colors: 0,
+            emission: 0,
             emitters: 0,
             background: 0,
             accel: trees.finished,
@@ -122,7 +130,8 @@ impl MemoryPlan {
 
     /// Peak memory within a phase, in bytes.
     pub fn bytes_in(&self, step: MemoryPhase) -> u64 {
-        let scene = self.spheres + self.rows + self.colors + self.background + self.program;
+        let tables = self.spheres + self.rows + self.colors + self.emission;
+        let scene = tables + self.background + self.program;
         match step {
             // Sorting holds the spheres in both the old and the new order.
             MemoryPhase::Sorting => scene + self.spheres,
@@ -155,11 +164,20 @@ fn color_bytes(file: &SceneFile, storage: Option<ColorStorage>) -> u64 {
     bytes.sum()
 }
 
+fn emission_bytes(file: &SceneFile) -> u64 {
+    let tables = file.description.tables.iter().zip(file.table_rows());
+    let emissive = tables.filter(|(table, _)| table.data.has_emission());
+    emissive.map(|(_, rows)| rows * EMISSION_BYTES).sum()
+}
+
+/// Number of emitters, if every row with its own emission shines.
 fn emitter_count(file: &SceneFile) -> u64 {
     let SceneDescription { materials, spheres, tables, .. } = &file.description;
     let shines = |material: usize| materials[material].emission.max_element() > 0.0;
     let written_out = spheres.iter().filter(|sphere| shines(sphere.material)).count() as u64;
     let of_tables = tables.iter().zip(file.table_rows());
-    let of_tables = of_tables.filter(|(table, _)| shines(table.material)).map(|(_, rows)| rows);
+    let of_tables = of_tables
+        .filter(|(table, _)| table.data.has_emission() || shines(table.material))
+        .map(|(_, rows)| rows);
     written_out + of_tables.sum::<u64>()
 }

@@ -6,9 +6,9 @@ use photosphere::color::Rgb;
 use photosphere::math::DVec3;
 use photosphere::scene::data::{Column, SphereArrays, SphereData};
 use photosphere::scene::description::{
-    BackgroundDescription, CameraDescription, ColorStorage, EnvironmentDescription,
-    LensDescription, MaterialDescription, ProjectionDescription, SceneDescription,
-    SphereDescription, SphereTable, SurfaceModel,
+    BackgroundDescription, CameraDescription, EnvironmentDescription, LensDescription,
+    MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
+    SurfaceModel,
 };
 use photosphere::scene::{ContentHash, Scene, SceneFile, read_text};
 use tempfile::TempDir;
@@ -83,8 +83,7 @@ fn grains() -> SphereArrays {
 
 fn table(arrays: SphereArrays) -> SphereTable {
     let name = Some("grains.f32".to_owned());
-    let colors = ColorStorage::Exact;
-    SphereTable { name, data: SphereData::Memory(arrays), material: 0, colors }
+    SphereTable { name, data: SphereData::Memory(arrays), ..SphereTable::default() }
 }
 
 /// [`TEXT`] as values.
@@ -141,18 +140,9 @@ fn a_scene_is_the_same_from_a_file_and_from_values() {
     let read = scene_of_text(TEXT, folder.path(), &[]);
     assert_eq!(read.content_hash(), identity(values()));
     // The file as a value, too, whatever the order of its columns.
-    let file = SphereData::File {
-        path: folder.path().join("grains.f32"),
-        columns: vec![
-            Column::Radius,
-            Column::X,
-            Column::Y,
-            Column::Z,
-            Column::Red,
-            Column::Green,
-            Column::Blue,
-        ],
-    };
+    use Column::{Blue, Green, Radius, Red, X, Y, Z};
+    let path = folder.path().join("grains.f32");
+    let file = SphereData::file(path, [Radius, X, Y, Z, Red, Green, Blue]);
     let tables = vec![SphereTable { data: file, ..table(grains()) }];
     assert_eq!(read.content_hash(), identity(SceneDescription { tables, ..values() }));
 }

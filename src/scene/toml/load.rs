@@ -76,13 +76,14 @@ pub fn read_text(
         let mut table = document::parse(text, report);
         let integrator_of_file = document::string_at(&table, ["render", "integrator"]);
         places.apply_overrides(&mut table);
-        let (description, settings) = read(&table, integrator_of_file.as_deref(), folder, report);
+        let (mut description, settings) =
+            read(&table, integrator_of_file.as_deref(), folder, report);
         let mut problems = description.validate();
         problems.0.extend(settings.validate().0);
         places.add_errors(problems, &table);
         // Examine the files even if there are other errors, except files that are not named.
         let mut problems = ValidationErrors::default();
-        let survey = ImportPlan::scan(&description, &mut problems);
+        let survey = ImportPlan::scan(&mut description, &mut problems);
         places.add_errors(problems, &table);
         report.finish()?;
         (description, settings, survey)
@@ -107,7 +108,12 @@ impl SceneFile {
 
     /// Number of rows of each table.
     pub fn table_rows(&self) -> impl Iterator<Item = u64> {
-        self.import_plan.rows.iter().copied()
+        self.import_plan.tables.iter().map(|table| table.rows)
+    }
+
+    /// Number of rows that are read in f64.
+    pub fn f64_rows(&self) -> u64 {
+        self.import_plan.f64_rows()
     }
 
     /// Number of spheres, including duplicates.
