@@ -53,8 +53,8 @@ fn descriptions(folder: &Path) -> Vec<SceneDescription> {
                 .into_iter()
                 .chain([Red, Green, Blue].map(Into::into))
                 .collect(),
-            skip_rows: 1,
-            skip_bytes: 28,
+            skip_rows: index as u64 % 2,
+            skip_bytes: 28 * (1 - index as u64 % 2),
         };
         let table = SphereTable {
             name: Some("grains".into()),
