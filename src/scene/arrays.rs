@@ -6,12 +6,13 @@ use rayon::prelude::*;
 
 use crate::math::DVec3;
 
+use super::column_limits::ColumnLimits;
 use super::columns::Column;
 use super::complaint::TableDiagnostic;
 use super::data::{SphereArrays, StridedArray};
 use super::description::ColorStorage;
 use super::storage::{reserve_colors, try_with_capacity};
-use super::table_reader::{ColumnLimits, Row, RowColors};
+use super::table_reader::{Row, RowColors};
 
 /// Appends every sphere, moved by `offset`, to `all`, and returns colours and emission if the arrays
 /// have any. No colour may exceed `max_color`. Every number is read and checked in one pass.

@@ -1,23 +1,22 @@
 //! Reads the rows of one table file in chunks, checks them, and appends them to the scene's array.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
-use std::ops::RangeInclusive;
 use std::path::Path;
 
 use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::geometry::Sphere;
-use crate::math::{DVec3, MAX_COORDINATE};
+use crate::math::DVec3;
 
 use super::colors::SphereColors;
+use super::column_limits::ColumnLimits;
 use super::columns::{Column, NumberType};
 use super::complaint::{TableDiagnostic, read_error};
 use super::description::ColorStorage;
-use super::keys::{MAX_RADIANCE, MIN_RADIUS};
 use super::storage::{reserve_colors, try_with_capacity};
-use super::table_layout::{CHUNK_BYTES, TableLayout};
+use super::table_chunk::{Chunk, ChunkColumn};
+use super::table_layout::TableLayout;
 
 /// Rows that one thread checks at a time, at least.
 const MIN_ROWS_PER_TASK: usize = 1024;
@@ -62,44 +61,6 @@ pub(super) struct TableReader<'r, T> {
     max_color: [f32; 3],
     all: &'r mut Vec<T>,
     pub(super) colors: RowColors,
-}
-
-/// Rows of the file in memory.
-#[derive(Default)]
-struct Chunk {
-    bytes: Vec<u8>,
-    rows: usize,
-    columns: Vec<ChunkColumn>,
-}
-
-/// The numbers of a column in a chunk.
-#[derive(Clone, Copy)]
-struct ChunkColumn {
-    number: NumberType,
-    first: usize,
-    stride: usize,
-}
-
-impl Chunk {
-    /// The number of a row; -0 becomes 0.
-    #[inline]
-    fn get(&self, ChunkColumn { number, first, stride }: ChunkColumn, row: usize) -> f64 {
-        let bytes = &self.bytes[first + row * stride..];
-        0.0 + match number {
-            NumberType::F32 => f64::from(f32::from_le_bytes(leading(bytes))),
-            NumberType::F64 => f64::from_le_bytes(leading(bytes)),
-        }
-    }
-
-    fn columns<const N: usize>(&self, indices: [usize; N]) -> [ChunkColumn; N] {
-        indices.map(|index| self.columns[index])
-    }
-}
-
-fn leading<const N: usize>(bytes: &[u8]) -> [u8; N] {
-    let mut number = [0; N];
-    number.copy_from_slice(&bytes[..N]);
-    number
 }
 
 /// Rows with invalid values.
@@ -156,12 +117,12 @@ impl<'r, T: Row> TableReader<'r, T> {
         let layout = self.layout;
         let trouble = |error| read_error(path, &error);
         let mut file = File::open(path).map_err(trouble)?;
-        let rows_per_chunk = rows_per_chunk(layout);
+        let rows_per_chunk = Chunk::max_rows(layout);
         let [mut current, mut upcoming] = [(); 2].map(|()| Chunk::default());
         let (mut flaws, mut first_flaw) = (InvalidRows::default(), None);
         let (mut done, mut left) = (0, layout.rows as usize);
         let mut next = rows_per_chunk.min(left);
-        load(layout, &mut file, 0, next, &mut upcoming).map_err(trouble)?;
+        upcoming.load(layout, &mut file, 0, next).map_err(trouble)?;
         while upcoming.rows > 0 {
             std::mem::swap(&mut current, &mut upcoming);
             left -= current.rows;
@@ -169,7 +130,7 @@ impl<'r, T: Row> TableReader<'r, T> {
             let first = layout.rows - left as u64;
             // Reads the next rows from disk while the current ones are checked.
             let (came, found) = rayon::join(
-                || load(layout, &mut file, first, next, &mut upcoming),
+                || upcoming.load(layout, &mut file, first, next),
                 || self.append_chunk(&current),
             );
             came.map_err(trouble)?;
@@ -195,7 +156,7 @@ impl<'r, T: Row> TableReader<'r, T> {
         let rows = || (0..chunk.rows).into_par_iter().with_min_len(MIN_ROWS_PER_TASK);
         let flaw = |row| InvalidRows::from_row(row, self.invalid_column(chunk, row).is_some());
         let flaws = rows().map(flaw).reduce(InvalidRows::default, InvalidRows::merge);
-        let [center @ .., radius] = chunk.columns(self.sphere);
+        let [center @ .., radius] = chunk.select(self.sphere);
         let offset = self.offset;
         let sphere = |row: usize| {
             let center = center.map(|column| chunk.get(column, row));
@@ -209,7 +170,7 @@ impl<'r, T: Row> TableReader<'r, T> {
         }
         let RowColors { albedo, emission } = &mut self.colors;
         let values = |columns: [usize; 3]| {
-            let columns = chunk.columns(columns);
+            let columns = chunk.select(columns);
             rows().map(move |row| columns.map(|column| chunk.get(column, row) as f32))
         };
         if let (Some(colors), Some(color)) = (albedo, self.color) {
@@ -243,106 +204,4 @@ impl<'r, T: Row> TableReader<'r, T> {
         let limits = self.limits[column].describe(value);
         format!("row {number} (the first is 0) has {name} = {shown} at byte {position}{limits}")
     }
-}
-
-/// Rows that are read at a time.
-fn rows_per_chunk(layout: &TableLayout) -> usize {
-    let row_bytes = match layout.interleaved {
-        Some((_, row_bytes)) => row_bytes,
-        None => layout.columns.iter().map(|column| column.number.bytes()).sum(),
-    };
-    (CHUNK_BYTES / row_bytes.max(1)).max(1)
-}
-
-/// Reads rows of the table, counted without those that are left out.
-fn load(
-    layout: &TableLayout,
-    file: &mut File,
-    first_row: u64,
-    rows: usize,
-    chunk: &mut Chunk,
-) -> io::Result<()> {
-    let Chunk { bytes, rows: held, columns } = chunk;
-    let first_row = layout.skip_rows + first_row;
-    *held = rows;
-    columns.clear();
-    if rows == 0 {
-        return Ok(());
-    }
-    if let Some((data_start, row_bytes)) = layout.interleaved {
-        bytes.resize(rows * row_bytes, 0);
-        file.seek(SeekFrom::Start(data_start + first_row * row_bytes as u64))?;
-        file.read_exact(bytes)?;
-        columns.extend(layout.columns.iter().map(|column| ChunkColumn {
-            number: column.number,
-            first: (column.first - data_start) as usize,
-            stride: row_bytes,
-        }));
-        return Ok(());
-    }
-    bytes.resize(layout.columns.iter().map(|column| rows * column.number.bytes()).sum(), 0);
-    let mut rest = &mut bytes[..];
-    let mut first = 0;
-    for column in &layout.columns {
-        let stride = column.number.bytes();
-        let (of_column, behind) = rest.split_at_mut(rows * stride);
-        file.seek(SeekFrom::Start(column.position(first_row)))?;
-        file.read_exact(of_column)?;
-        columns.push(ChunkColumn { number: column.number, first, stride });
-        first += rows * stride;
-        rest = behind;
-    }
-    Ok(())
-}
-
-/// Allowed values of a column.
-#[derive(Clone, Debug)]
-pub(super) struct ColumnLimits {
-    range: RangeInclusive<f64>,
-    /// Added to the value, which must stay in the range.
-    offset: f64,
-}
-
-impl ColumnLimits {
-    /// The limits of a column in a table that is moved by `offset`, with colours up to `max_color`.
-    pub(super) fn new(column: Column, offset: DVec3, max_color: [f32; 3]) -> Self {
-        let [red, green, blue] = max_color.map(f64::from);
-        let coordinate = -MAX_COORDINATE..=MAX_COORDINATE;
-        let (range, offset) = match column {
-            Column::X => (coordinate, offset.x),
-            Column::Y => (coordinate, offset.y),
-            Column::Z => (coordinate, offset.z),
-            Column::Radius => (MIN_RADIUS..=MAX_COORDINATE, 0.0),
-            Column::Red => (0.0..=red, 0.0),
-            Column::Green => (0.0..=green, 0.0),
-            Column::Blue => (0.0..=blue, 0.0),
-            Column::Emission
-            | Column::EmissionRed
-            | Column::EmissionGreen
-            | Column::EmissionBlue => (0.0..=MAX_RADIANCE, 0.0),
-        };
-        Self { range, offset }
-    }
-
-    /// Returns true if the column may hold this value.
-    #[inline]
-    pub(super) fn allow(&self, value: f64) -> bool {
-        self.range.contains(&value) && self.range.contains(&(value + self.offset))
-    }
-
-    /// Continues a sentence about a value that is not allowed.
-    pub(super) fn describe(&self, value: f64) -> String {
-        let moved = match self.range.contains(&value) {
-            true => format!(", which `offset` moves to {:?}", value + self.offset),
-            false => String::new(),
-        };
-        let [low, high] = [self.range.start(), self.range.end()].map(|limit| *limit as f32);
-        format!("{moved}; it must be from {} to {}", format_f32(low), format_f32(high))
-    }
-}
-
-/// The shortest number that reads back as the same f32.
-fn format_f32(x: f32) -> String {
-    let is_handy = x == 0.0 || (1e-4..1e6).contains(&x.abs());
-    if is_handy { x.to_string() } else { format!("{x:e}") }
 }
