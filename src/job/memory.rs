@@ -13,6 +13,10 @@ use super::spec::Job;
 
 /// Bytes per sphere: `[x, y, z, radius]` in f32.
 const SPHERE_BYTES: u64 = 16;
+/// Bytes per sphere in f64.
+const F64_BYTES: u64 = 32;
+/// Bytes per sphere for the emission of its row.
+const EMISSION_BYTES: u64 = 12;
 /// Bytes per sphere for its row.
 const ROW_BYTES: u64 = 4;
 /// Bytes per inline sphere, in the scene description and in copies of it.
@@ -37,6 +41,8 @@ pub struct MemoryPlan {
     pub rows: u64,
     /// Per-sphere colours.
     pub colors: u64,
+    /// Per-sphere emission.
+    pub emission: u64,
     /// The emitters and their light hierarchy.
     pub emitters: u64,
     /// The environment map.
@@ -81,8 +87,9 @@ impl MemoryPlan {
         };
         let spheres_only = Self::for_spheres(scene.spheres, backends, threads);
         Self {
-            spheres: spheres_only.spheres + scene.listed_spheres * INLINE_SPHERE_BYTES,
+            spheres: sphere_bytes(scene) + scene.listed_spheres * INLINE_SPHERE_BYTES,
             colors: scene.color_bytes,
+            emission: scene.emissive_rows * EMISSION_BYTES,
             emitters: scene.emitters * EMITTER_BYTES,
             background: scene.environment_pixels * ENVIRONMENT_PIXEL_BYTES,
             film: Film::bytes(&format) as u64
@@ -100,6 +107,7 @@ impl MemoryPlan {
             spheres: count * SPHERE_BYTES,
             rows: count * ROW_BYTES,
             colors: 0,
+            emission: 0,
             emitters: 0,
             background: 0,
             accel: accel.finished,
@@ -125,7 +133,8 @@ impl MemoryPlan {
 
     /// Peak memory within a phase, in bytes.
     pub fn bytes_in(&self, phase: MemoryPhase) -> u64 {
-        let scene = self.spheres + self.rows + self.colors + self.background + self.program;
+        let tables = self.spheres + self.rows + self.colors + self.emission;
+        let scene = tables + self.background + self.program;
         match phase {
             // Sorting holds the spheres in both the old and the new order.
             MemoryPhase::Sorting => scene + self.spheres,
@@ -147,5 +156,13 @@ impl AccelMemory {
         let estimate = backend.memory_estimate(spheres);
         self.peak = self.peak.max(self.finished + estimate.peak);
         self.finished += estimate.built;
+    }
+}
+
+/// Spheres stay in f32 or f64 as they are written. If some are in f32, all have a row there.
+fn sphere_bytes(scene: &SceneSize) -> u64 {
+    match scene.spheres - scene.f64_spheres {
+        0 => scene.spheres * F64_BYTES,
+        _ => scene.spheres * SPHERE_BYTES + scene.f64_spheres * F64_BYTES,
     }
 }

@@ -12,8 +12,12 @@ pub struct SceneSize {
     pub spheres: u64,
     /// Spheres that are listed one by one, outside tables.
     pub listed_spheres: u64,
-    /// Emissive spheres.
+    /// Spheres that are stored in f64: the listed ones and those of f64 tables.
+    pub f64_spheres: u64,
+    /// Emissive spheres, if every row with its own emission shines.
     pub emitters: u64,
+    /// Spheres of tables with an emission for each row.
+    pub emissive_rows: u64,
     /// Spheres of tables with a colour for each row.
     pub colors: u64,
     /// Bytes that these colours take.
@@ -28,13 +32,17 @@ impl SceneSize {
     pub(super) fn new(description: &SceneDescription, plan: &ImportPlan) -> Self {
         let SceneDescription { materials, spheres, tables, background, .. } = description;
         let shines = |material: usize| materials[material].emission.max_element() > 0.0;
-        let rows = || tables.iter().zip(plan.rows.iter().copied());
+        let rows = || tables.iter().zip(plan.tables.iter().map(|table| table.rows));
         let colored = || rows().filter(|(table, _)| table.data.has_colors());
-        let emissive = rows().filter(|(table, _)| shines(table.material));
+        let own_emission = || rows().filter(|(table, _)| table.data.has_emission());
+        let emissive =
+            rows().filter(|(table, _)| table.data.has_emission() || shines(table.material));
         let listed = spheres.iter().filter(|sphere| shines(sphere.material)).count() as u64;
         Self {
             spheres: plan.sphere_count(description),
             listed_spheres: spheres.len() as u64,
+            f64_spheres: spheres.len() as u64 + plan.f64_rows(),
+            emissive_rows: own_emission().map(|(_, rows)| rows).sum(),
             emitters: listed + emissive.map(|(_, rows)| rows).sum::<u64>(),
             colors: colored().map(|(_, rows)| rows).sum(),
             color_bytes: colored()
@@ -62,9 +70,11 @@ impl SceneDescription {
     pub fn size(&self) -> Result<SceneSize> {
         let mut problems = self.validate();
         if problems.0.is_empty() {
-            let plan = ImportPlan::scan(self, &mut problems);
+            // The headers of NumPy files complete their columns.
+            let mut complete = self.clone();
+            let plan = ImportPlan::scan(&mut complete, &mut problems);
             if problems.0.is_empty() {
-                return Ok(SceneSize::new(self, &plan));
+                return Ok(SceneSize::new(&complete, &plan));
             }
         }
         problems.into_result().map(|()| SceneSize::default())

@@ -135,7 +135,7 @@ fn read_from(
         places.add_errors(problems, &table);
         // Examine the files even if there are other errors, except files that are not named.
         let mut problems = ValidationErrors::default();
-        let survey = ImportPlan::scan(&description, &mut problems);
+        let survey = ImportPlan::scan(&mut description, &mut problems);
         places.add_errors(problems, &table);
         report.finish()?;
         (description, settings, survey)
