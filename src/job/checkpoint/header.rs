@@ -86,6 +86,9 @@ pub struct OutputSpec {
     pub files: Vec<FilePath>,
     /// View transform for display formats.
     pub look: ViewTransform,
+    /// Resolution of display formats, in pixels per inch.
+    #[serde(default)]
+    pub dpi: Option<u32>,
     /// True if picture files include the record of the run.
     pub with_run: bool,
     /// Time between checkpoint writes.
@@ -104,6 +107,7 @@ impl Default for OutputSpec {
         Self {
             files: Vec::new(),
             look: ViewTransform::default(),
+            dpi: None,
             with_run: true,
             save_every: Duration::from_secs(60),
             preview: None,

@@ -61,6 +61,7 @@ fn header(film: &FilmFormat) -> CheckpointHeader {
     let delivery = OutputSpec {
         files: vec![path()],
         look: ViewTransform::default(),
+        dpi: Some(300),
         with_run: true,
         save_every: Duration::from_secs(60),
         preview: Some(path()),
