@@ -60,7 +60,7 @@ impl Report {
         let cores = std::thread::available_parallelism()
             .map_or_else(|e| format!("unknown ({e})"), |cores| cores.to_string());
         self.row("threads", cores);
-        if let (Some(memory), Some(free)) = (system::memory(), system::available_memory()) {
+        if let (Some(memory), Some(free)) = (system::total_memory(), system::available_memory()) {
             let (memory, free) = (print::bytes(memory), print::bytes(free));
             self.row("memory", format!("{memory}, {free} available"));
         }

@@ -3,6 +3,8 @@
 
 use crate::error::{Error, Result};
 
+pub(super) use crate::task::{available_memory, peak_memory, total_memory};
+
 /// Runs `work` on a rayon pool of this many threads, by default one per core.
 ///
 /// # Errors
@@ -17,21 +19,6 @@ pub(super) fn on_threads<T: Send>(
             .with_help("ask for fewer with --threads")
     })?;
     pool.install(work)
-}
-
-/// Returns the peak memory of this process so far, in bytes.
-pub(super) fn peak_memory() -> Option<u64> {
-    kibibytes("/proc/self/status", "VmHWM:")
-}
-
-/// Returns the memory of this machine, in bytes.
-pub(super) fn memory() -> Option<u64> {
-    kibibytes("/proc/meminfo", "MemTotal:")
-}
-
-/// Returns the memory available without swapping, in bytes.
-pub(super) fn available_memory() -> Option<u64> {
-    kibibytes("/proc/meminfo", "MemAvailable:")
 }
 
 /// Returns the name of the processor.
@@ -55,23 +42,4 @@ pub(super) fn command_line() -> String {
     let words = std::iter::once("photosphere").chain(arguments.iter().map(String::as_str));
     // Only a zero byte cannot be quoted, and no argument contains one.
     shlex::try_join(words).unwrap_or_default()
-}
-
-/// Reads a line such as `VmHWM:    1234 kB` and returns bytes.
-fn kibibytes(file: &str, key: &str) -> Option<u64> {
-    let text = std::fs::read_to_string(file).ok()?;
-    let value = text.lines().find_map(|line| line.strip_prefix(key))?;
-    Some(1024 * value.split_whitespace().next()?.parse::<u64>().ok()?)
-}
-
-#[cfg(all(test, target_os = "linux"))]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn linux_says_all_of_it() {
-        let (peak, memory) = (peak_memory().unwrap(), memory().unwrap());
-        assert!(peak > 1 << 16 && peak < memory);
-        assert!(available_memory().unwrap() <= memory);
-    }
 }

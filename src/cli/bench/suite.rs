@@ -64,6 +64,6 @@ fn facts(rounds: BenchOptions) -> [(&'static str, String); 4] {
         ("program", format!("photosphere {}, {COMMIT}", env!("CARGO_PKG_VERSION"))),
         ("embree", embree),
         ("measured with", circumstances(rounds)),
-        ("memory", system::memory().map_or("unknown".to_owned(), print::bytes)),
+        ("memory", system::total_memory().map_or("unknown".to_owned(), print::bytes)),
     ]
 }
