@@ -9,9 +9,10 @@ use crate::accel::{
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use crate::math::{DVec3, Hit};
+use crate::task::memory_limits;
 
 use super::exit::Exit;
-use super::{memory_limits, print, system};
+use super::{print, system};
 
 /// Printed if the build lacks Embree.
 const HOW_TO_GET_EMBREE: [&str; 5] = [
@@ -60,7 +61,7 @@ impl Report {
         let cores = std::thread::available_parallelism()
             .map_or_else(|e| format!("unknown ({e})"), |cores| cores.to_string());
         self.row("threads", cores);
-        if let (Some(memory), Some(free)) = (system::memory(), memory_limits::free()) {
+        if let (Some(memory), Some(free)) = (system::total_memory(), memory_limits::free()) {
             let (memory, free) = (print::bytes(memory), print::bytes(free.bytes));
             self.row("memory", format!("{memory}, {free} available"));
         }

@@ -9,8 +9,10 @@ use crate::job::{Job, MemoryPhase, MemoryPlan};
 use crate::scene::SceneFile;
 use crate::scene::description::ColorStorage;
 
-use super::memory_limits::MemoryLimit;
-use super::{memory_limits, print};
+use crate::task::memory_limits;
+use crate::task::memory_limits::MemoryLimit;
+
+use super::print;
 
 /// What a command needs memory for, apart from the scene.
 pub(super) struct MemoryNeeds<'a> {

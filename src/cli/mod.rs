@@ -18,7 +18,6 @@ mod info;
 mod interrupt;
 mod manual;
 mod memory;
-mod memory_limits;
 mod merge;
 mod outputs;
 mod picture_file;

@@ -17,13 +17,15 @@ pub(super) struct Outputs {
     /// The checkpoint file (`.part`), which holds the sample sums.
     part: Option<PathBuf>,
     look: ViewTransform,
+    dpi: Option<u32>,
     layers: Vec<Aov>,
     with_run: bool,
 }
 
 impl Outputs {
-    /// Prepares all files. `--exposure`, `--tone` and `--dither` need a file for the screen. A
-    /// preview counts as one. `stdout` is the requested format of the standard output.
+    /// Prepares all files. `--exposure`, `--tone` and `--dither` need a file for the screen, and a
+    /// preview counts as one. `--dpi` needs a picture for the screen. `stdout` is the requested
+    /// format of the standard output.
     ///
     /// # Errors
     /// If a file cannot be written or is named twice, or no file can hold a requested layer.
@@ -56,11 +58,11 @@ impl Outputs {
         if part.is_none() && layers_given && !is_discarded {
             refuse_layers_without_place(layers, &pictures)?;
         }
-        if delivery.preview.is_none() && !is_discarded {
+        if !is_discarded {
             refuse_look_without_screen(delivery, &pictures)?;
         }
-        let OutputSpec { look, with_run_record: with_run, .. } = *delivery;
-        Ok(Self { pictures, part, look, layers: layers.to_vec(), with_run })
+        let OutputSpec { look, dpi, with_run_record: with_run, .. } = *delivery;
+        Ok(Self { pictures, part, look, dpi, layers: layers.to_vec(), with_run })
     }
 
     /// The `.part` file, which holds the sample sums.
@@ -102,6 +104,7 @@ impl Outputs {
         let notes = WriteOptions {
             crop_window: cropped_from,
             view_transform: self.look,
+            dpi: self.dpi,
             metadata: Vec::new(),
             fast: quickly,
         };
@@ -223,10 +226,12 @@ fn quoted(files: &[PictureFile]) -> String {
 
 fn refuse_look_without_screen(delivery: &OutputSpec, files: &[PictureFile]) -> Result<()> {
     let usual = ViewTransform::default();
+    let has_preview = delivery.preview.is_some();
     let given = [
-        ("--exposure", delivery.look.exposure != usual.exposure),
-        ("--tone", delivery.look.tone != usual.tone),
-        ("--dither", delivery.look.dither),
+        ("--exposure", delivery.look.exposure != usual.exposure && !has_preview),
+        ("--tone", delivery.look.tone != usual.tone && !has_preview),
+        ("--dither", delivery.look.dither && !has_preview),
+        ("--dpi", delivery.dpi.is_some()),
     ];
     let Some((option, _)) = given.into_iter().find(|(_, given)| *given) else { return Ok(()) };
     if files.iter().any(|file| file.is_display_referred()) {

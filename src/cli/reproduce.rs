@@ -10,12 +10,13 @@ use crate::job::reproduce::{
 };
 use crate::job::{Metadata, frame_crop, is_checkpoint};
 use crate::report::{describe_in_standard_errors, describe_in_steps};
+use crate::task::memory_limits;
 
 use super::args::ReproduceArgs;
 use super::exit::Exit;
 use super::progress::{ProgressDisplay, ProgressState};
 use super::system::on_threads;
-use super::{interrupt, memory_limits, print};
+use super::{interrupt, print};
 
 /// Runs the command.
 ///

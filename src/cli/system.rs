@@ -1,11 +1,9 @@
 //! Facts about this machine from the operating system (`None` where unknown), about this process,
 //! and thread pools.
 
-use std::path::Path;
-
 use crate::error::{Error, Result};
 
-use super::memory_limits::kibibytes;
+pub(super) use crate::task::{peak_memory, total_memory};
 
 /// Maximum number of threads. More than any machine has cores would not start.
 pub(super) const MAX_THREADS: u16 = 4096;
@@ -46,16 +44,6 @@ pub(super) fn on_threads<T: Send>(
     pool.map_err(no_threads)?.install(work)
 }
 
-/// Returns the peak memory of this process so far, in bytes.
-pub(super) fn peak_memory() -> Option<u64> {
-    kibibytes(Path::new("/proc/self/status"), "VmHWM:")
-}
-
-/// Returns the memory of this machine, in bytes.
-pub(super) fn memory() -> Option<u64> {
-    kibibytes(Path::new("/proc/meminfo"), "MemTotal:")
-}
-
 /// Returns the name of the processor.
 pub(super) fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
@@ -77,15 +65,4 @@ pub(super) fn command_line() -> String {
     let words = std::iter::once("photosphere").chain(arguments.iter().map(String::as_str));
     // Only a zero byte cannot be quoted, and no argument contains one.
     shlex::try_join(words).unwrap_or_default()
-}
-
-#[cfg(all(test, target_os = "linux"))]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn linux_says_all_of_it() {
-        let (peak, memory) = (peak_memory().unwrap(), memory().unwrap());
-        assert!(peak > 1 << 16 && peak < memory);
-    }
 }

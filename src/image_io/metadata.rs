@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 
 use super::format::FileFormat;
-use super::read::ordinary_length;
+use super::read::open_ordinary;
 use super::record::MetadataEntry;
 use super::{exr, png};
 
@@ -17,8 +17,8 @@ use super::{exr, png};
 pub fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>> {
     let trouble = |reason: String| Error::file("read", path, reason);
     let records = match FileFormat::from_path(path)? {
-        FileFormat::Png => ordinary_length(path).and_then(|_| png::read_metadata(path)),
-        FileFormat::Exr => ordinary_length(path).and_then(|_| exr::read_metadata(path)),
+        FileFormat::Png => open_ordinary(path).and_then(|_| png::read_metadata(path)),
+        FileFormat::Exr => open_ordinary(path).and_then(|_| exr::read_metadata(path)),
         _ => {
             let format = path.extension().unwrap_or_default().to_string_lossy();
             return Err(Error::input(format!(

@@ -38,6 +38,10 @@ pub struct OutputArgs {
     #[arg(long)]
     dither: bool,
 
+    /// The resolution that .png files state for print, in pixels per inch
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    dpi: Option<u32>,
+
     /// Leave the command, the time and the machine out of the file, so that equal pictures are
     /// equal files
     #[arg(long)]
@@ -66,6 +70,7 @@ impl OutputArgs {
         OutputSpec {
             files: self.files.iter().cloned().map(FilePath).collect(),
             look: self.look(),
+            dpi: self.dpi,
             with_run_record: !self.no_run_figures,
             save_every: Duration::from_secs(60),
             preview: None,
@@ -94,6 +99,9 @@ impl OutputArgs {
         }
         if let Some(tone) = self.tone {
             of_pictures.extend(["--tone".to_owned(), tone.name().to_owned()]);
+        }
+        if let Some(dpi) = self.dpi {
+            of_pictures.extend(["--dpi".to_owned(), dpi.to_string()]);
         }
         let flags = [("--dither", self.dither), ("--no-run-figures", self.no_run_figures)];
         let given = flags.into_iter().filter(|(_, given)| *given);

@@ -7,11 +7,12 @@ use crate::accel::{EmbreeInfo, embree_info};
 use crate::cli::args::BenchArgs;
 use crate::cli::exit::Exit;
 use crate::cli::interrupt::Interrupt;
-use crate::cli::{memory_limits, print, system};
+use crate::cli::{print, system};
 use crate::error::Result;
 use crate::image_io::AtomicFile;
 use crate::job::COMMIT;
 use crate::report::speed::{entries_json, page};
+use crate::task::memory_limits;
 use crate::verify::bench::{BenchOptions, Suite, SuiteEvent};
 
 use super::plan::{bench_plan, circumstances};
@@ -64,6 +65,6 @@ fn facts(rounds: BenchOptions) -> [(&'static str, String); 4] {
         ("program", format!("photosphere {}, {COMMIT}", env!("CARGO_PKG_VERSION"))),
         ("embree", embree),
         ("measured with", circumstances(rounds)),
-        ("memory", system::memory().map_or("unknown".to_owned(), print::bytes)),
+        ("memory", system::total_memory().map_or("unknown".to_owned(), print::bytes)),
     ]
 }

@@ -89,6 +89,9 @@ pub struct OutputSpec {
     pub files: Vec<FilePath>,
     /// View transform for display formats.
     pub look: ViewTransform,
+    /// Resolution of display formats, in pixels per inch.
+    #[serde(default)]
+    pub dpi: Option<u32>,
     /// True if picture files include the record of the run.
     pub with_run_record: bool,
     /// Time between checkpoint writes.
@@ -107,6 +110,7 @@ impl Default for OutputSpec {
         Self {
             files: Vec::new(),
             look: ViewTransform::default(),
+            dpi: None,
             with_run_record: true,
             save_every: Duration::from_secs(60),
             preview: None,

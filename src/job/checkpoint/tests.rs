@@ -63,6 +63,7 @@ fn header(film: &FilmFormat) -> CheckpointHeader {
     let output = OutputSpec {
         files: vec![path()],
         look: ViewTransform::default(),
+        dpi: Some(300),
         with_run_record: true,
         save_every: Duration::from_secs(60),
         preview: Some(path()),

@@ -9,14 +9,16 @@ const UNLIMITED: u64 = 1 << 60;
 
 /// Memory that is left, and what limits it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct FreeMemory {
-    pub(super) bytes: u64,
-    pub(super) limit: MemoryLimit,
+pub struct FreeMemory {
+    /// Number of bytes.
+    pub bytes: u64,
+    /// What limits it.
+    pub limit: MemoryLimit,
 }
 
 /// What limits memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum MemoryLimit {
+pub enum MemoryLimit {
     /// The memory of the machine that no process uses.
     Machine,
     /// The limit of the control group in this folder.
@@ -26,7 +28,7 @@ pub(super) enum MemoryLimit {
 }
 
 /// Returns the memory that this process may still take; `None` if unknown.
-pub(super) fn free() -> Option<FreeMemory> {
+pub fn free() -> Option<FreeMemory> {
     free_below(Path::new("/"))
 }
 
@@ -165,7 +167,7 @@ impl<'a> Mount<'a> {
 }
 
 /// Reads a line such as `VmHWM:    1234 kB` and returns bytes.
-pub(super) fn kibibytes(file: &Path, key: &str) -> Option<u64> {
+pub fn kibibytes(file: &Path, key: &str) -> Option<u64> {
     let text = read(file);
     let value = text.lines().find_map(|line| line.strip_prefix(key))?;
     Some(1024 * value.split_whitespace().next()?.parse::<u64>().ok()?)
