@@ -10,6 +10,7 @@ use crate::report::compare::{Comparison, ImagePair, VARIANCE};
 use super::args::CompareArgs;
 use super::exit::Exit;
 use super::print;
+use super::system::on_threads;
 
 /// Runs the command.
 ///
@@ -18,6 +19,10 @@ use super::print;
 pub(super) fn run(args: &CompareArgs) -> Result<Exit> {
     check_heatmap(args)?;
     let heatmap = args.heatmap.as_deref().map(ImageWriter::new).transpose()?;
+    on_threads(None, || compare(args, heatmap))
+}
+
+fn compare(args: &CompareArgs, heatmap: Option<ImageWriter>) -> Result<Exit> {
     let pair = read(args)?;
     let layers = layers(&pair, &args.layers)?;
     let options = args.options();
@@ -50,15 +55,19 @@ fn check_heatmap(args: &CompareArgs) -> Result<()> {
     }
 }
 
-/// Reads both pictures, and refuses pairs that cannot be compared.
+/// Reads both pictures, and refuses pairs that cannot be compared: the beauty and requested layers
+/// must be finite. Other layers that are not are left out.
 fn read(args: &CompareArgs) -> Result<ImagePair> {
     let (mut a, mut b) =
         (image_io::read_image(&args.picture)?, image_io::read_image(&args.reference)?);
     forget_equal_infinities(&mut a, &mut b);
-    let is_compared =
-        |name: &str| args.layers.is_empty() || args.layers.iter().any(|layer| layer == name);
-    check_finite(&args.picture, &a, is_compared)?;
-    check_finite(&args.reference, &b, is_compared)?;
+    for (path, picture, other) in [(&args.picture, &a, &b), (&args.reference, &b, &a)] {
+        let is_needed = |name: &str| match args.layers.is_empty() {
+            true => name == BEAUTY && other.layer(name).is_some(),
+            false => args.layers.iter().any(|layer| layer == name),
+        };
+        check_finite(path, picture, is_needed)?;
+    }
     let twin = args.twin.as_deref().map(image_io::read_image).transpose()?;
     if let Some((path, twin)) = args.twin.as_deref().zip(twin.as_ref()) {
         check_finite(path, twin, |name| name == BEAUTY)?;
@@ -81,13 +90,19 @@ fn read(args: &CompareArgs) -> Result<ImagePair> {
     Ok(ImagePair { a, b, twin })
 }
 
-/// Returns the layers to compare: the requested ones, or all that both pictures have.
+/// Returns the layers to compare: the requested ones, or all that both pictures have and that have
+/// a difference.
 fn layers(pair: &ImagePair, asked: &[String]) -> Result<Vec<String>> {
     let common = pair.common();
     let in_both = |name: &str| pair.a.layer(name).is_some() && pair.b.layer(name).is_some();
     if let Some(missing) = asked.iter().find(|name| !in_both(name)) {
         let error = Error::input(format!("not both pictures have a layer `{missing}`"));
         return Err(error.with_help(format!("both have: {}", common.join(", "))));
+    }
+    let comparable = pair.comparable();
+    if !common.is_empty() && comparable.is_empty() && asked.is_empty() {
+        let error = Error::input("no layer of both pictures can be compared");
+        return Err(error.with_help(pair.remarks().join("; ")));
     }
     if common.is_empty() {
         let of = |picture: &LayeredImage| {
@@ -97,15 +112,15 @@ fn layers(pair: &ImagePair, asked: &[String]) -> Result<Vec<String>> {
         return Err(error.with_help(format!("A has {}; B has {}", of(&pair.a), of(&pair.b))));
     }
     if asked.is_empty() {
-        return Ok(common.into_iter().map(str::to_owned).collect());
+        return Ok(comparable.into_iter().map(str::to_owned).collect());
     }
     Ok(asked.to_vec())
 }
 
 /// Sets values to 0 where both pictures have the same non-finite value, such as the infinite depth
-/// of a miss, so that they do not differ.
+/// of a miss, so that they do not differ. Not in the variance, where infinity means unknown.
 fn forget_equal_infinities(a: &mut LayeredImage, b: &mut LayeredImage) {
-    for ours in &mut a.layers {
+    for ours in a.layers.iter_mut().filter(|layer| layer.name != VARIANCE) {
         let Some(theirs) = b.layers.iter_mut().find(|layer| layer.name == ours.name) else {
             continue;
         };

@@ -186,8 +186,7 @@ fn choices(args: &ConvergeArgs) -> Vec<Choice> {
 }
 
 fn chosen(key: &str, name: &str) -> Override {
-    let (option, value) = (format!("--{key} {name}"), name.to_owned());
-    Override { option, key: format!("render.{key}"), value }
+    Override::new(format!("render.{key}"), name).with_option([&format!("--{key}"), name])
 }
 
 fn settings(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Result<Settings> {
@@ -196,10 +195,8 @@ fn settings(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> R
 
 /// Returns the overrides of the scene. `--set` comes last and wins.
 fn overrides(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Vec<Override> {
-    let samples = samples.map(|samples| Override {
-        option: format!("--spp {samples}"),
-        key: "render.samples_per_pixel".to_owned(),
-        value: samples.to_string(),
+    let samples = samples.map(|samples| samples.to_string()).map(|samples| {
+        Override::new("render.samples_per_pixel", &samples).with_option(["--spp", &samples])
     });
     let size = args.size.into_iter().flat_map(|size| size.overrides());
     chosen.iter().cloned().chain(size).chain(samples).chain(args.scene.overrides()).collect()

@@ -10,15 +10,15 @@ use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, SphereSet};
 use crate::math::{DVec3, NO_SPHERE};
-use crate::scene::{PreparedScene, Scene, read_file};
+use crate::scene::{PreparedScene, Scene};
 use crate::verify::crosscheck::{self, CrosscheckResult, Disagreement, TestedBackend};
 use crate::verify::rays;
 
 use super::args::CrosscheckArgs;
 use super::exit::Exit;
-use super::interrupt;
 use super::print::{self, row};
 use super::system::on_threads;
+use super::{interrupt, scene_file};
 
 /// Up to this many spheres, brute force is fast enough for a few thousand rays.
 const FEW_SPHERES: usize = 1000;
@@ -38,7 +38,7 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     // Created first, because the check takes a while.
     let create = |path| Ok((path, File::create(path).map_err(|e| Error::file("write", path, e))?));
     let dump = args.dump.as_deref().map(create).transpose()?;
-    let (scene, settings) = read_file(&args.scene.path, &args.scene.overrides())?.build()?;
+    let (scene, settings) = scene_file::read(&args.scene.path, &args.scene.overrides())?.build()?;
     let prepared = PreparedScene::new(&scene, settings)?;
     let spheres = scene.spheres();
     let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };

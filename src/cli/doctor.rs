@@ -9,6 +9,7 @@ use crate::accel::{
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use crate::math::{DVec3, Hit};
+use crate::task::memory_limits;
 
 use super::exit::Exit;
 use super::{print, system};
@@ -60,8 +61,8 @@ impl Report {
         let cores = std::thread::available_parallelism()
             .map_or_else(|e| format!("unknown ({e})"), |cores| cores.to_string());
         self.row("threads", cores);
-        if let (Some(memory), Some(free)) = (system::memory(), system::available_memory()) {
-            let (memory, free) = (print::bytes(memory), print::bytes(free));
+        if let (Some(memory), Some(free)) = (system::total_memory(), memory_limits::free()) {
+            let (memory, free) = (print::bytes(memory), print::bytes(free.bytes));
             self.row("memory", format!("{memory}, {free} available"));
         }
     }

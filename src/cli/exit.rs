@@ -55,7 +55,11 @@ Exit codes:
   101  a fault of photosphere itself; please report it. render has written the
        samples it had, if any
   130  stopped by Ctrl-C, SIGTERM, SIGHUP, SIGXCPU or SIGUSR2; render has
-       written the samples it had, if any";
+       written the samples it had, if any
+
+With --json, an error is also printed on the standard output, as one value:
+{\"error\": {...}} with exit_code, category, message, help and diagnostics, the
+mistakes in a scene, each with message, help, file, line and column.";
 
 impl Exit {
     pub(super) fn of(error: &Error) -> Self {

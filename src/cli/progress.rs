@@ -1,6 +1,7 @@
 //! Progress display: a bar on a terminal, a line every few seconds elsewhere.
 
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -144,8 +145,9 @@ impl Observer for ProgressDisplay {
         !matches!(self, Self::Quiet)
     }
 
-    fn on_progress(&self, progress: &job::RenderProgress) {
+    fn on_progress(&self, progress: &job::RenderProgress) -> ControlFlow<()> {
         self.show(&ProgressState::of(progress));
+        ControlFlow::Continue(())
     }
 
     fn on_warning(&self, text: &str) {

@@ -5,13 +5,13 @@ use crate::error::{Error, Result};
 use crate::image_io::AtomicFile;
 use crate::integrator::{self, RenderContext, SampleAddress};
 use crate::report::path;
-use crate::scene::{PreparedScene, read_file};
+use crate::scene::PreparedScene;
 use crate::task::CancelToken;
 
 use super::args::TraceArgs;
 use super::exit::Exit;
 use super::system::on_threads;
-use super::{interrupt, print};
+use super::{interrupt, print, scene_file};
 
 /// Runs the command.
 ///
@@ -25,7 +25,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
 }
 
 fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
-    let (scene, settings) = read_file(&args.scene.path, &args.overrides())?.build()?;
+    let (scene, settings) = scene_file::read(&args.scene.path, &args.overrides())?.build()?;
     let prepared = PreparedScene::new(&scene, settings)?;
     let address = address(args, &prepared)?;
     let (threads, quality) = (rayon::current_num_threads(), args.accel.build.quality);
@@ -38,14 +38,16 @@ fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
         Error::input(format!("the integrator `{name}` follows no paths"))
             .with_help("add --integrator path")
     })?;
+    if let Some(file) = file {
+        let svg = path::svg(&prepared, &trace);
+        file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
+    }
     if args.json {
         print::json(&path::json(&prepared, &trace))?;
     } else {
         print::result(&path::text(&prepared, &trace))?;
     }
-    if let (Some(file), Some(path)) = (file, &args.svg) {
-        let svg = path::svg(&prepared, &trace);
-        file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
+    if let Some(path) = &args.svg {
         print::note(format_args!("wrote {}", path.display()));
     }
     Ok(Exit::Done)

@@ -10,6 +10,7 @@ mod path_ray;
 mod rays;
 mod set;
 mod sphere;
+mod storage;
 
 pub use cone::{Cone, ConeSample};
 pub use path_ray::{PathRay, Side, SurfaceHit};

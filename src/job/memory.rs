@@ -1,18 +1,22 @@
-//! Predicts the memory of a render before any of it is allocated, from the scene description, the
-//! lengths of its tables, and the estimates of the intersectors.
+//! Predicts the memory of a render before any of it is allocated, from the size of the
+//! scene, the job, and the estimates of the intersectors.
 //!
 //! A render runs in phases: the tables are read, the spheres sorted, the acceleration structures
 //! built, the picture rendered. The peak is the maximum over the phases.
 
 use crate::accel::Backend;
-use crate::film::{Aov, Film, RadianceScale};
-use crate::scene::SceneFile;
-use crate::scene::description::{ColorStorage, SceneDescription};
+use crate::film::{Film, RadianceScale};
+use crate::scene::SceneSize;
 
 use super::film_format::format_for_settings;
+use super::spec::Job;
 
 /// Bytes per sphere: `[x, y, z, radius]` in f32.
 const SPHERE_BYTES: u64 = 16;
+/// Bytes per sphere in f64.
+const F64_BYTES: u64 = 32;
+/// Bytes per sphere for the emission of its row.
+const EMISSION_BYTES: u64 = 12;
 /// Bytes per sphere for its row.
 const ROW_BYTES: u64 = 4;
 /// Bytes per inline sphere, in the scene description and in copies of it.
@@ -37,6 +41,8 @@ pub struct MemoryPlan {
     pub rows: u64,
     /// Per-sphere colours.
     pub colors: u64,
+    /// Per-sphere emission.
+    pub emission: u64,
     /// The emitters and their light hierarchy.
     pub emitters: u64,
     /// The environment map.
@@ -63,28 +69,29 @@ pub enum MemoryPhase {
 }
 
 impl MemoryPlan {
-    /// Plans a scene whose tables have not been read yet. The backends are built one after the
-    /// other and kept; the picture has the layers `aovs`. `colors` overrides how table colours are
-    /// stored.
-    pub fn new(
-        file: &SceneFile,
-        backends: &[Backend],
-        aovs: &[Aov],
-        threads: usize,
-        colors: Option<ColorStorage>,
-    ) -> Self {
-        let description = &file.description;
+    /// Plans the render of a job, with the intersector that it selects.
+    pub fn new(scene: &SceneSize, job: &Job) -> Self {
+        let chosen = job.accel.select_for_count(scene.spheres as usize);
+        Self::with_backends(scene, job, &[chosen.backend])
+    }
+
+    /// Plans the render of a job with these intersectors, which are built one after the other and
+    /// kept.
+    pub fn with_backends(scene: &SceneSize, job: &Job, backends: &[Backend]) -> Self {
         // Emitter brightness does not affect the film size.
-        let transparent = description.background.transparent;
         let scale = RadianceScale::from_max_radiance(1.0);
-        let format = format_for_settings(&file.settings, transparent, scale, aovs);
-        let inline = description.spheres.len() as u64;
-        let spheres_only = Self::for_spheres(file.sphere_count(), backends, threads);
+        let format = format_for_settings(&job.settings, scene.is_transparent, scale, &job.layers);
+        let threads = match job.threads {
+            0 => rayon::current_num_threads(),
+            threads => threads,
+        };
+        let spheres_only = Self::for_spheres(scene.spheres, backends, threads);
         Self {
-            spheres: spheres_only.spheres + inline * INLINE_SPHERE_BYTES,
-            colors: color_bytes(file, colors),
-            emitters: emitter_count(file) * EMITTER_BYTES,
-            background: file.environment_pixels() * ENVIRONMENT_PIXEL_BYTES,
+            spheres: sphere_bytes(scene) + scene.listed_spheres * INLINE_SPHERE_BYTES,
+            colors: scene.color_bytes,
+            emission: scene.emissive_rows * EMISSION_BYTES,
+            emitters: scene.emitters * EMITTER_BYTES,
+            background: scene.environment_pixels * ENVIRONMENT_PIXEL_BYTES,
             film: Film::bytes(&format) as u64
                 + format.frame.pixel_count() as u64 * PICTURE_PIXEL_BYTES,
             ..spheres_only
@@ -100,6 +107,7 @@ impl MemoryPlan {
             spheres: count * SPHERE_BYTES,
             rows: count * ROW_BYTES,
             colors: 0,
+            emission: 0,
             emitters: 0,
             background: 0,
             accel: accel.finished,
@@ -125,7 +133,8 @@ impl MemoryPlan {
 
     /// Peak memory within a phase, in bytes.
     pub fn bytes_in(&self, phase: MemoryPhase) -> u64 {
-        let scene = self.spheres + self.rows + self.colors + self.background + self.program;
+        let tables = self.spheres + self.rows + self.colors + self.emission;
+        let scene = tables + self.background + self.program;
         match phase {
             // Sorting holds the spheres in both the old and the new order.
             MemoryPhase::Sorting => scene + self.spheres,
@@ -150,20 +159,10 @@ impl AccelMemory {
     }
 }
 
-fn color_bytes(file: &SceneFile, storage: Option<ColorStorage>) -> u64 {
-    let tables = file.description.tables.iter().zip(file.table_rows());
-    let colored = tables.filter(|(table, _)| table.data.has_colors());
-    let bytes = colored
-        .map(|(table, rows)| rows * storage.unwrap_or(table.colors).bytes_per_color() as u64);
-    bytes.sum()
-}
-
-fn emitter_count(file: &SceneFile) -> u64 {
-    let SceneDescription { materials, spheres, tables, .. } = &file.description;
-    let is_emissive = |material: usize| materials[material].emission.max_element() > 0.0;
-    let inline = spheres.iter().filter(|sphere| is_emissive(sphere.material)).count() as u64;
-    let table_rows = tables.iter().zip(file.table_rows());
-    let table_rows =
-        table_rows.filter(|(table, _)| is_emissive(table.material)).map(|(_, rows)| rows);
-    inline + table_rows.sum::<u64>()
+/// Spheres stay in f32 or f64 as they are written. If some are in f32, all have a row there.
+fn sphere_bytes(scene: &SceneSize) -> u64 {
+    match scene.spheres - scene.f64_spheres {
+        0 => scene.spheres * F64_BYTES,
+        _ => scene.spheres * SPHERE_BYTES + scene.f64_spheres * F64_BYTES,
+    }
 }

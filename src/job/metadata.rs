@@ -16,8 +16,6 @@ use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::Aov;
 use crate::image_io::MetadataEntry;
-use crate::scene::data::SphereData;
-use crate::scene::description::EnvironmentDescription;
 use crate::scene::settings::IntegratorSettings;
 use crate::scene::{ContentHash, FileHash, PreparedScene, Scene, SceneDescription, Settings};
 
@@ -277,28 +275,13 @@ pub(super) fn embedded_description(scene: &Scene) -> Option<SceneDescription> {
     }
     let mut description = scene.description().clone();
     let folder = scene.source().map_or(Path::new(""), |source| &source.folder);
-    for_each_file(&mut description, |file| {
+    description.for_each_file(|file| {
         if let Ok(relative) = file.strip_prefix(folder) {
             *file = relative.to_path_buf();
         }
     });
     let length = serde_json::to_vec(&description).ok()?.len();
     (length <= MAX_DESCRIPTION_BYTES).then_some(description)
-}
-
-/// Applies `change` to the path of every file in a scene.
-pub(super) fn for_each_file(
-    description: &mut SceneDescription,
-    mut change: impl FnMut(&mut PathBuf),
-) {
-    for table in &mut description.tables {
-        if let SphereData::File { path, .. } = &mut table.data {
-            change(path);
-        }
-    }
-    if let EnvironmentDescription::Image { file, .. } = &mut description.background.dome {
-        change(file);
-    }
 }
 
 fn relative_files(scene: &Scene) -> Vec<FileHash> {

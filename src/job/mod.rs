@@ -22,6 +22,7 @@ mod noise;
 mod observer;
 mod outcome;
 mod progressive;
+mod recorded;
 mod render_state;
 pub mod reproduce;
 mod resume;
@@ -38,7 +39,7 @@ pub use aovs::{develop, develop_without_scene, needs_scene};
 pub use budgeted_timer::BudgetedTimer;
 pub use checkpoint::{
     Checkpoint, CheckpointHeader, CumulativeStats, FilePath, OutputSpec, RenderStatus,
-    is_checkpoint, write_checkpoint,
+    encode_checkpoint, is_checkpoint, write_checkpoint,
 };
 pub use film_format::format_for_scene;
 pub use memory::{MemoryPhase, MemoryPlan};
@@ -59,8 +60,8 @@ use crate::image_io::Picture;
 use crate::scene::{PreparedScene, Scene};
 use crate::task::CancelToken;
 
-/// Renders a job and reports progress to `observer` on the calling thread. Pass `&()` for no
-/// reports.
+/// Renders a job and reports progress to `observer` on the calling thread, which may stop the
+/// render; the result then has the samples so far. Pass `&()` for no reports.
 ///
 /// # Errors
 /// If the job is invalid, the intersector cannot be built, the picture does not fit into memory, or

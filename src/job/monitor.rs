@@ -1,6 +1,7 @@
 //! Runs a render with monitoring. The calling thread handles the time limit, stop requests and the
 //! observer; another thread saves the samples periodically. Render threads never wait for either.
 
+use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -124,10 +125,14 @@ fn wait_for_end(
         } else if wants_progress && Instant::now() >= next_report {
             error_timer.run_if_due(|| error = state.estimate_error());
             let progress = state.progress(error);
-            // A panic in the observer does not end the render.
-            if catch_unwind(AssertUnwindSafe(|| observer.on_progress(&progress))).is_err() {
-                observer.on_warning(&panic_warning("reporting the progress"));
-                wants_progress = false;
+            match catch_unwind(AssertUnwindSafe(|| observer.on_progress(&progress))) {
+                Ok(ControlFlow::Continue(())) => {}
+                Ok(ControlFlow::Break(())) => state.stop_token().cancel(),
+                // A panic in the observer does not end the render.
+                Err(_) => {
+                    observer.on_warning(&panic_warning("reporting the progress"));
+                    wants_progress = false;
+                }
             }
             next_report = Instant::now() + PROGRESS_INTERVAL;
         }

@@ -1,6 +1,6 @@
 //! Callbacks during a render.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 use std::time::Duration;
 
 /// Receives reports about a running render, always on the thread that called `run`. `()` ignores
@@ -12,8 +12,11 @@ pub trait Observer {
         false
     }
 
-    /// Called about ten times per second with the progress.
-    fn on_progress(&self, _progress: &RenderProgress) {}
+    /// Called about ten times per second with the progress. `Break` stops the render as
+    /// [`Session::stop`](crate::job::Session::stop) does.
+    fn on_progress(&self, _progress: &RenderProgress) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 
     /// Called with a warning that the user should see at once, for example that a checkpoint cannot
     /// be written.

@@ -205,18 +205,15 @@ impl RenderState {
             command: self.command.clone(),
             scene_file: source
                 .and_then(|source| source.file.as_ref())
-                .map(|file| std::fs::canonicalize(file).unwrap_or_else(|_| file.clone())),
+                .map(|file| std::path::absolute(file).unwrap_or_else(|_| file.clone())),
             scene_text: source.and_then(|source| source.text.clone()),
         };
         let metadata = Metadata { run: Some(run), ..self.metadata.clone() };
         metadata.with_samples(samples, counts, MergedSamples::default())
     }
 
-    pub(super) fn write_checkpoint(
-        &self,
-        file: &AtomicFile,
-        outcome: Option<&RunOutcome>,
-    ) -> Result<()> {
+    /// The header of a checkpoint. `outcome` is the outcome if the render has ended.
+    pub(super) fn checkpoint_header(&self, outcome: Option<&RunOutcome>) -> CheckpointHeader {
         let mut metadata = self.metadata(&self.film);
         metadata.layers = Some(self.job.layers.clone());
         let is_ended = |outcome: &&RunOutcome| {
@@ -235,7 +232,7 @@ impl RenderState {
             source.file = source.file.map(|file| std::path::absolute(&file).unwrap_or(file));
             source
         });
-        let header = CheckpointHeader {
+        CheckpointHeader {
             film: self.film.format(),
             samples: self.samples.clone(),
             job: self.job.clone(),
@@ -245,8 +242,16 @@ impl RenderState {
             transparent: scene.description().background.transparent,
             source,
             output: self.output.clone(),
-        };
-        write_checkpoint(file, &self.film, &header)
+        }
+    }
+
+    /// Writes the samples so far. `outcome` is the outcome if the render has ended.
+    pub(super) fn write_checkpoint(
+        &self,
+        file: &AtomicFile,
+        outcome: Option<&RunOutcome>,
+    ) -> Result<()> {
+        write_checkpoint(file, &self.film, &self.checkpoint_header(outcome))
     }
 
     /// Remaining time of the job's time limit, counted over all its runs; `None` without a limit.

@@ -13,8 +13,9 @@ use crate::task::CancelToken;
 
 use super::aovs::develop;
 use super::film_format::format_for_scene;
-use super::metadata::{Metadata, for_each_file};
+use super::metadata::Metadata;
 use super::progressive::{Counters, ProgressiveRenderer};
+pub use super::recorded::ReproductionCost;
 use super::samples::{SampleRange, TileSampleCounts, WindowSamples};
 
 /// Options for [`reproduce`].
@@ -58,12 +59,13 @@ pub fn read_metadata(path: &Path) -> Result<Metadata> {
 /// total, from any thread.
 ///
 /// # Errors
-/// If the scene has changed or cannot be rendered.
+/// If the record is impossible, or if the scene has changed or cannot be rendered.
 pub fn reproduce(
     recorded: &Metadata,
     options: &ReproduceOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Reproduction> {
+    let cost = ReproductionCost::of(recorded)?;
     let scene = rebuild_scene(recorded, options)?;
     let prepared = PreparedScene::new(&scene, recorded.settings)?;
     let backend = choose_backend(recorded, options)?;
@@ -77,7 +79,7 @@ pub fn reproduce(
         format: format_for_scene(&prepared, &layers),
         cancel: &options.cancel,
         progress,
-        samples_total: total_samples(recorded),
+        samples_total: cost.samples,
         samples_done: AtomicU64::new(0),
     };
     let film = reproducer.film(recorded)?;
@@ -92,7 +94,7 @@ fn rebuild_scene(recorded: &Metadata, options: &ReproduceOptions) -> Result<Scen
             .with_help("render the scene file again, and compare the two pictures"));
     };
     let mut description = recorded_scene.clone();
-    for_each_file(&mut description, |file| *file = options.folder.join(&*file));
+    description.for_each_file(|file| *file = options.folder.join(&*file));
     let scene = Scene::build(description)?;
     if scene.content_hash() == recorded.scene_identity {
         // Record the file names as the picture gives them, not where they were found.
@@ -137,17 +139,6 @@ fn choose_backend(recorded: &Metadata, options: &ReproduceOptions) -> Result<Bac
     ))
     .with_help("use another intersector and compare the pictures")
     .with_suggestion(Suggestion::Intersector, "native"))
-}
-
-/// Approximate number of samples to render.
-fn total_samples(recorded: &Metadata) -> u64 {
-    let sample_count = |window: crate::math::Rect, max_count: u32| {
-        window.pixel_count() as u64 * u64::from(max_count)
-    };
-    if recorded.parts.is_empty() {
-        return sample_count(recorded.settings.image.pixel_bounds(), recorded.samples.max_count);
-    }
-    recorded.parts.0.iter().map(|part| sample_count(part.window, part.samples.max_count)).sum()
 }
 
 /// Renders the samples that a picture has.

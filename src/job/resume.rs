@@ -22,10 +22,11 @@ pub(super) fn load_film(
     samples: &Range<u32>,
     job: &Job,
 ) -> Result<(Film, CumulativeStats)> {
-    let path = checkpoint.path().to_path_buf();
-    let error = |reason: String| {
-        Error::input(format!("cannot resume `{}`: {reason}", path.display()))
-            .with_help("name another file, or remove this one to start over")
+    let path = checkpoint.path().map(|path| format!("`{}`", path.display()));
+    let error = |reason: String| match &path {
+        Some(path) => Error::input(format!("cannot resume {path}: {reason}"))
+            .with_help("name another file, or remove this one to start over"),
+        None => Error::input(format!("cannot resume the checkpoint: {reason}")),
     };
     let header = checkpoint.header().clone();
     check_matches((&header.metadata, &header.film), (metadata, format)).map_err(error)?;

@@ -16,7 +16,7 @@ use crate::scene::{PreparedScene, Scene};
 use crate::task::CancelToken;
 
 use super::aovs::develop;
-use super::checkpoint::{Checkpoint, CumulativeStats, OutputSpec};
+use super::checkpoint::{Checkpoint, CumulativeStats, OutputSpec, encode_checkpoint};
 use super::film_format::format_for_scene;
 use super::metadata::Metadata;
 use super::monitor::{self, Autosave};
@@ -136,8 +136,13 @@ impl Session {
     }
 
     /// Saves the samples to this file periodically during a run, on a separate thread.
-    pub fn autosave(&mut self, file: AtomicFile, interval: Duration) {
+    ///
+    /// # Errors
+    /// If a checkpoint of this render would have too long a header to be read again.
+    pub fn autosave(&mut self, file: AtomicFile, interval: Duration) -> Result<()> {
+        self.state.checkpoint_header(None).encode()?;
         self.autosave = Some(Autosave { file, interval });
+        Ok(())
     }
 
     /// Renders until the job is done, stopped or cancelled. Reports to `observer` on the calling
@@ -289,9 +294,18 @@ impl Session {
     /// Writes a checkpoint. `outcome` is the outcome if the render has ended.
     ///
     /// # Errors
-    /// If writing fails; an existing file is then unchanged.
+    /// If its header is too long, or writing fails; an existing file is then unchanged.
     pub fn write_checkpoint(&self, file: &AtomicFile, outcome: Option<&RunOutcome>) -> Result<()> {
         self.state.write_checkpoint(file, outcome)
+    }
+
+    /// Returns a checkpoint in memory, for [`Checkpoint::from_bytes`]. `reached` is the outcome if
+    /// the render has ended.
+    ///
+    /// # Errors
+    /// If its header is too long.
+    pub fn checkpoint_bytes(&self, reached: Option<&RunOutcome>) -> Result<Vec<u8>> {
+        encode_checkpoint(&self.state.film, &self.state.checkpoint_header(reached))
     }
 
     /// The full result of a run.

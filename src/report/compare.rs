@@ -115,6 +115,26 @@ impl ImagePair {
         names.filter(|name| *name != VARIANCE && self.b.layer(name).is_some()).collect()
     }
 
+    /// Names of the layers of [`Self::common`] that have a difference. A layer other than the
+    /// beauty has none if a pixel is infinite or NaN, such as the depth of a miss.
+    pub fn comparable(&self) -> Vec<&str> {
+        let mut names = self.common();
+        names.retain(|name| *name == BEAUTY || self.non_finite(name).is_none());
+        names
+    }
+
+    /// Describes the pixels of a layer that are infinite or NaN, if there are any.
+    fn non_finite(&self, layer: &str) -> Option<String> {
+        let of = |(name, picture): (&str, &LayeredImage)| {
+            let (count, first) = picture.layer(layer)?.count_non_finite()?;
+            let (x, y) = (first % picture.width, first / picture.width);
+            let pixels = if count == 1 { "pixel that is" } else { "pixels that are" };
+            let what = format!("{name} has {count} {pixels} infinite or not a number in it");
+            Some(format!("{what}, the first at {x}, {y}"))
+        };
+        [("A", &self.a), ("B", &self.b)].into_iter().find_map(of)
+    }
+
     /// Remarks on the files that help interpret the figures.
     pub fn remarks(&self) -> Vec<String> {
         let png = "a PNG is decoded from sRGB to linear light; it has 8 bits and is clamped at 1";
@@ -127,6 +147,11 @@ impl ImagePair {
             if !only_here.is_empty() {
                 remarks.push(format!("only {name} has: {}", only_here.join(", ")));
             }
+        }
+        let comparable = self.comparable();
+        for layer in self.common().into_iter().filter(|layer| !comparable.contains(layer)) {
+            let reason = self.non_finite(layer).unwrap_or_default();
+            remarks.push(format!("left out: `{layer}`; {reason}"));
         }
         remarks
     }
@@ -303,6 +328,9 @@ impl LayerDifference {
         let (a, b) = &self.means;
         let line = |(axis, channel): (usize, &str)| {
             let with_interval = |value: DVec3, half: Option<DVec3>| match half {
+                Some(half) if !half[axis].is_finite() => {
+                    format!("{} +- unknown", format_short(value[axis]))
+                }
                 Some(half) => format!("{} +- {:.1e}", format_short(value[axis]), half[axis]),
                 None => format_short(value[axis]),
             };

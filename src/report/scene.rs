@@ -18,7 +18,6 @@ pub struct SceneSummary<'a> {
     tables: usize,
     giants: usize,
     duplicates: usize,
-    coarse: usize,
     emitters: usize,
     materials: Vec<Material<'a>>,
     bounds: Bounds,
@@ -75,7 +74,6 @@ impl<'a> SceneSummary<'a> {
             tables: description.tables.len(),
             giants: spheres.giants().len(),
             duplicates: spheres.duplicates(),
-            coarse: spheres.displaced(),
             emitters: scene.emitter_count(),
             materials: materials
                 .map(|m| Material { name: &m.name, r#type: m.surface.kind().name() })
@@ -109,9 +107,8 @@ impl fmt::Display for SceneSummary<'_> {
         let mut row = |name: &str, value: String| writeln!(f, "{name:<12}{value}");
         row("spheres", self.spheres.to_string())?;
         row("tables", self.tables.to_string())?;
-        row("giants", format!("{} (kept in f64)", self.giants))?;
+        row("giants", format!("{} (traced in f64)", self.giants))?;
         row("duplicates", format!("{} (left out)", self.duplicates))?;
-        row("coarse", format!("{} (moved by rounding by more than 1 %)", self.coarse))?;
         row("emitters", self.emitters.to_string())?;
         let mut list = |name: &str, values: Vec<String>| {
             let names = std::iter::once(name).chain(std::iter::repeat(""));

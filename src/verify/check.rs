@@ -94,6 +94,8 @@ pub type CheckFn = Box<dyn Fn(&CancelToken) -> Result<CheckMeasurement> + Send +
 pub struct Check {
     /// Unique name.
     pub name: String,
+    /// Name of the closed form that the check renders in one of several variants, if any.
+    pub closed_form: Option<&'static str>,
     /// Group that the check belongs to.
     pub group: CheckGroup,
     /// Measures without judging; [`Self::run`] does both.
@@ -130,7 +132,14 @@ impl Check {
         work: impl Fn(&CancelToken) -> Result<CheckMeasurement> + Send + Sync + 'static,
     ) -> Self {
         let significance = FAMILY_SIGNIFICANCE;
-        Self { name: name.into(), group, measure: Box::new(work), significance }
+        let name = name.into();
+        Self { name, closed_form: None, group, measure: Box::new(work), significance }
+    }
+
+    /// Names the closed form that the check renders.
+    #[must_use]
+    pub fn of_closed_form(self, name: &'static str) -> Self {
+        Self { closed_form: Some(name), ..self }
     }
 
     /// Runs the check and compares its statistic with the limit.

@@ -187,7 +187,7 @@ impl<'a> RayCase<'a> {
         if id == self.ray.origin_sphere {
             return if t == self.ray.t_exit { 0.0 } else { f64::INFINITY };
         }
-        let sphere = self.spheres.sphere(id);
+        let sphere = self.written(id);
         let approach = ClosestApproach::new(self.ray.origin, self.ray.direction, &sphere);
         let half_chord = approach.half_chord(TwoFloat::from(sphere.radius));
         let tolerance = distance_tolerance(self.ray.origin, &sphere, half_chord.map(|h| h.hi()));
@@ -212,18 +212,23 @@ impl<'a> RayCase<'a> {
         if id == self.ray.origin_sphere {
             return Some(Side::Inside);
         }
-        let sphere = self.spheres.sphere(id);
+        let sphere = self.written(id);
         let approach = ClosestApproach::new(self.ray.origin, self.ray.direction, &sphere);
         let h = approach.half_chord(TwoFloat::from(sphere.radius))?.hi();
         let can_tell = h > 2.0 * distance_tolerance(self.ray.origin, &sphere, Some(h));
         can_tell.then(|| if approach.t < t { Side::Inside } else { Side::Outside })
     }
 
+    /// The sphere as the user wrote it: the judge does not read what the backends read.
+    fn written(&self, id: u32) -> Sphere {
+        self.spheres.sphere_as_written(id).relative_to(self.spheres.origin())
+    }
+
     fn find_candidates(&mut self, max_bound: &ErrorBound) {
         let prefilter = Prefilter::new(self.ray);
         let mut t_limit = self.t_end() * (1.0 + 2.0 * INTERVAL_ROUNDING);
         for id in 0..self.spheres.len() as u32 {
-            let sphere = self.spheres.sphere(id);
+            let sphere = self.written(id);
             let error = self.radius_error(id, &sphere, max_bound);
             if id == self.ray.origin_sphere
                 || id == self.ray.target_sphere
@@ -290,7 +295,7 @@ impl<'a> RayCase<'a> {
 
     /// Bound on the backend's error in the sphere's radius.
     fn radius_error(&self, id: u32, sphere: &Sphere, precision: &ErrorBound) -> f64 {
-        let is_particle = (id as usize) < self.spheres.particles().len();
+        let is_particle = (id as usize) < self.spheres.particle_count();
         let k = if is_particle { precision.particles } else { precision.giants };
         let scale = self.ray.origin.distance(sphere.center) + sphere.radius;
         let [split, rounded] = self.origin_errors;

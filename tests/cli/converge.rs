@@ -94,8 +94,8 @@ fn the_usual_samples_are_such_that_the_paper_can_take_them() {
     assert_eq!(samples(&told), [[1, 2, 4, 8, 16, 32, 64]]);
 }
 
-/// Aiming at the emitter of figure 2 is worth far more than finding it by chance: a factor of ten in
-/// the error, at the least.
+/// Aiming at the emitter of figure 2 is worth far more than finding it by chance: a factor of ten
+/// in the error, at the least.
 #[test]
 fn estimators_are_curves_of_their_own() {
     let desk = desk();

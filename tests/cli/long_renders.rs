@@ -3,9 +3,9 @@
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use crate::desk::{Desk, PROGRAM, SCENE, outcome};
+use crate::desk::{Desk, PROGRAM, SCENE, holds_samples, outcome, send, wait_until};
 
 /// The small scene with more samples than a block, and the last block unfinished.
 fn desk() -> Desk {
@@ -222,7 +222,7 @@ fn resume_keeps_the_options_of_the_command_and_says_what_it_cannot_do() {
     desk.run("resume a.state -o b.part").fails(3, &words);
     let told = desk.run("info a.state").succeeds();
     let way_on = told.row("resume");
-    assert!(way_on.contains("scene.toml to /") && way_on.contains("/a.exr, up to 41 samples"));
+    assert!(way_on.contains("scene.toml to a.exr, up to 41 samples"), "{way_on}");
     assert!(!told.stdout.contains('{'), "{}", told.stdout);
 }
 
@@ -270,11 +270,7 @@ fn begun(desk: &Desk, options: &str) -> std::process::Child {
     let command = format!("render scene.toml --spp 100000000 {options}");
     let child = desk.command(&command).stderr(Stdio::piped()).spawn().expect("it starts");
     let state = desk.path().join("a.state");
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !state.exists() {
-        assert!(Instant::now() < deadline, "no checkpoint");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_until("a checkpoint", || holds_samples(&state));
     child
 }
 
@@ -289,11 +285,7 @@ fn signals_are_heeded_where_others_are_ignored() {
     let script = format!("trap '' HUP INT; exec '{}' {render}", env!("CARGO_BIN_EXE_photosphere"));
     let mut child =
         Command::new("sh").args(["-c", &script]).current_dir(desk.path()).spawn().expect("a shell");
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !desk.path().join("a.state").exists() {
-        assert!(Instant::now() < deadline, "no checkpoint");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_until("a checkpoint", || holds_samples(&desk.path().join("a.state")));
     let kill = format!("kill -HUP {0}; kill -INT {0}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
     std::thread::sleep(Duration::from_millis(100));
@@ -331,27 +323,19 @@ fn a_folder_that_vanishes_does_not_end_a_render() {
     let state = desk.path().join("kept/a.state");
     let options = "-o a.pfm --checkpoint kept/a.state --checkpoint-every 20ms";
     let command = format!("render scene.toml --spp 100000000 {options}");
-    let child = desk.command(&command).stderr(Stdio::piped()).spawn().expect("it starts");
-    let wait = |what: &str, condition: &dyn Fn() -> bool| {
-        let deadline = Instant::now() + Duration::from_secs(60);
-        while !condition() {
-            assert!(Instant::now() < deadline, "{what}");
-            std::thread::sleep(Duration::from_millis(5));
-        }
-    };
-    wait("a checkpoint", &|| state.exists());
+    let mut child = desk.command(&command).stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
+    wait_until("a checkpoint", || holds_samples(&state));
     // While it is being removed, a new file may come into it.
     while fs::remove_dir_all(desk.path().join("kept")).is_err() {}
-    std::thread::sleep(Duration::from_millis(300));
+    let mut told = |words: &str| lines.any(|line| line.expect("text").contains(words));
+    assert!(told("the render goes on and tries again to write `kept/a.state`"));
     fs::create_dir(desk.path().join("kept")).expect("a folder again");
-    wait("another checkpoint", &|| state.exists());
-    let kill = format!("kill -INT {}", child.id());
-    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
-    let output = child.wait_with_output().expect("it ends");
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(130), "{told}");
-    assert!(told.contains("the render continues and retries `kept/a.state`"), "{told}");
-    assert!(told.contains("warning: writing `kept/a.state` works again"), "{told}");
+    assert!(told("warning: writing `kept/a.state` works again"));
+    assert!(state.exists());
+    send("INT", child.id());
+    assert!(told("wrote a.pfm, stopped after"));
+    assert_eq!(child.wait().expect("it ends").code(), Some(130));
 }
 
 /// A limit on the size of files stands for a full disk: it needs no rights, and can be lifted.
@@ -409,21 +393,12 @@ fn signals_of_batch_systems_save_and_stop_or_go_on() {
         let options = "--spp 100000000 -o a.pfm --checkpoint a.state --checkpoint-every 1h";
         let mut command = desk.command(&format!("render scene.toml {options}"));
         let child = command.stderr(Stdio::piped()).spawn().expect("it starts");
-        let send = |signal: &str| {
-            let kill = format!("kill -{signal} {}", child.id());
-            assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
-        };
-        let deadline = Instant::now() + Duration::from_secs(60);
-        while !is_heeded(child.id(), 10) {
-            assert!(Instant::now() < deadline, "SIGUSR1 is heeded");
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        while !desk.path().join("a.state").exists() {
-            send("USR1");
-            assert!(Instant::now() < deadline, "a checkpoint");
-            std::thread::sleep(Duration::from_millis(50));
-        }
-        send(signal);
+        wait_until("SIGUSR1 is heeded", || is_heeded(child.id(), 10));
+        wait_until("a checkpoint", || {
+            send("USR1", child.id());
+            holds_samples(&desk.path().join("a.state"))
+        });
+        send(signal, child.id());
         let output = child.wait_with_output().expect("it ends");
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(130), "{told}");
@@ -519,30 +494,73 @@ fn signals_while_the_last_files_are_written_let_them_be_finished() {
     assert_eq!(desk.names(), ["a.exr", "a.state", "scene.toml"]);
 }
 
+/// Everything goes with its folder; the message says where the samples are and what makes the
+/// picture again.
 #[test]
 fn what_cannot_be_saved_at_the_end_is_elsewhere_and_goes_on_from_there() {
     let desk = desk();
     fs::create_dir(desk.path().join("kept")).expect("a folder");
-    let options = "--spp 100000000 -o a.pfm --checkpoint kept/a.state --checkpoint-every 20ms";
+    let options = "--spp 100000000 -o a.pfm -o kept/b.pfm --checkpoint kept/a.state \
+                   --checkpoint-every 20ms";
     let mut command = desk.command(&format!("render scene.toml {options}"));
     let child = command.stderr(Stdio::piped()).spawn().expect("it starts");
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !desk.path().join("kept/a.state").exists() {
-        assert!(Instant::now() < deadline, "no checkpoint");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_until("a checkpoint", || holds_samples(&desk.path().join("kept/a.state")));
     while fs::remove_dir_all(desk.path().join("kept")).is_err() {}
-    let kill = format!("kill -TERM {}", child.id());
-    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+    send("TERM", child.id());
     let output = child.wait_with_output().expect("it ends");
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(4), "{told}");
-    assert!(told.contains("instead; written: `a.pfm`"), "{told}");
     let names = desk.names();
-    let rescued = names.iter().find(|name| name.starts_with("rescued-")).expect("it is there");
-    assert!(rescued.ends_with("-a.state") && told.contains(rescued.as_str()), "{told}");
+    let [picture, rescued, _] = names.as_slice() else { panic!("{names:?}") };
+    assert_eq!(picture, "a.pfm");
+    assert!(rescued.starts_with("rescued-") && rescued.ends_with("-a.state"), "{rescued}");
+    let rescued = desk.path().join(rescued).canonicalize().expect("it is there");
+    let rescued = rescued.display();
+    for words in [
+        "error: cannot write `kept/a.state`: the folder `kept` does not exist".to_owned(),
+        format!("`kept/a.state` is in `{rescued}` instead; "),
+        format!("photosphere resume '{rescued}' writes `kept/b.pfm`; written: `a.pfm`\n"),
+    ] {
+        assert!(told.contains(&words), "{words}: {told}");
+    }
     desk.run(&format!("merge {rescued} -o b.pfm --allow-gaps --quiet")).succeeds();
     assert!(desk.read("a.pfm") == desk.read("b.pfm"));
+}
+
+/// No file can be written anywhere, and no message says that one is there.
+#[test]
+fn on_a_full_disk_what_is_lost_is_called_lost() {
+    let desk = desk();
+    let limited = format!(
+        "ulimit -f 4; exec {PROGRAM} render scene.toml --size 160x120 --spp 100000000 -o a.pfm \
+         --checkpoint a.state --checkpoint-every 20ms"
+    );
+    let mut child = Command::new("env")
+        .args(["--default-signal=HUP,INT,TERM", "sh", "-c", &limited])
+        .current_dir(desk.path())
+        .env("TMPDIR", desk.path())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
+    let mut line = |start: &str| {
+        let line = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains(start)));
+        line.unwrap_or_else(|| panic!("{start}")).expect("text")
+    };
+    line("tries again to write `a.state`");
+    // Where nothing is finished yet, the time that is left is not known.
+    line(" left");
+    send("INT", child.id());
+    line("error: cannot write `a.state`: ");
+    let help = line("  help: ");
+    assert_eq!(child.wait().expect("it ends").code(), Some(4));
+    for name in ["a.state", "a.pfm"] {
+        assert!(help.contains(&format!("the content of `{name}` is lost: it could not")), "{help}");
+    }
+    for word in ["instead", "safe", "resume", "older", "written: "] {
+        assert!(!help.contains(word), "{help}");
+    }
+    assert_eq!(desk.names(), ["scene.toml"]);
 }
 
 #[test]

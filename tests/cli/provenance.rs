@@ -83,13 +83,15 @@ fn a_tone_is_for_the_screen_alone() {
     let desk = Desk::new(SCENE);
     let render = "render scene.toml --accel native --quiet";
     desk.run(&format!("{render} -o plain.exr -o plain.png --no-run-figures")).succeeds();
-    let toned = "--no-run-figures --tone agx --exposure 1.5 --dither";
+    let toned = "--no-run-figures --tone agx --exposure 1.5 --dither --dpi 300";
     desk.run(&format!("{render} -o agx.exr -o agx.png {toned}")).succeeds();
     assert_eq!(desk.read("plain.exr"), desk.read("agx.exr"));
     let (plain, agx) = (pixels(&desk, "plain.png"), pixels(&desk, "agx.png"));
     assert!(plain.pixels().zip(agx.pixels()).all(|(plain, agx)| plain.0[1] < agx.0[1]));
     let said = desk.run("info agx.png").succeeds();
     assert_eq!(said.row("look"), "agx, exposure 1.5, dithered");
+    let has_resolution = |name: &str| desk.read(name).windows(4).any(|bytes| bytes == b"pHYs");
+    assert!(has_resolution("agx.png") && !has_resolution("plain.png"));
     assert!(!desk.run("info plain.png").succeeds().stdout.contains("\nlook "));
 }
 
@@ -107,6 +109,8 @@ fn a_tone_without_a_screen_is_refused() {
     );
     refused("-o a.pfm -o a.hdr --exposure -1", 3, &["`--exposure`", "`a.pfm` and `a.hdr` hold"]);
     refused("-o a.exr --dither", 3, &["`--dither` is for .png files"]);
+    refused("-o a.exr --preview p.png --dpi 300", 3, &["`--dpi` is for .png files"]);
+    refused("-o a.png --dpi 0", 2, &["0 is not in 1..=100000"]);
     // A preview is for the screen.
     let preview = "--tone filmic --preview p.png --quiet";
     desk.run(&format!("render scene.toml -o a.exr {preview}")).succeeds();

@@ -59,14 +59,21 @@ fn a_material_that_makes_light_is_told_and_blamed() {
 }
 
 #[test]
-fn info_warns_of_spheres_that_rounding_moved() {
-    let far =
-        SCENE.replace("[0.0, 1.0, 0.0]\nradius = 1.0", "[1000000010.3, 0.3, 0.0]\nradius = 0.1");
-    let told = Desk::new(&far).run("info scene.toml").succeeds();
-    let told_all = format!("{}{}", told.stdout, told.stderr);
-    let expected = "warning: rounding to f32 moved 1 sphere by more than 1 % of the radius";
-    assert!(told.stderr.contains(expected), "{told_all}");
-    assert!(told.stdout.contains("coarse      1 "), "{told_all}");
+fn info_warns_of_a_camera_inside_an_opaque_sphere() {
+    let expected = "warning: the camera is inside the opaque sphere `ball` and sees only what is";
+    let warns = |scene: &str| {
+        let told = Desk::new(scene).run("info scene.toml").succeeds();
+        told.stderr.contains(expected)
+    };
+    assert!(!warns(SCENE));
+    // As large a ball around the same point as reaches the camera, and one that does not.
+    let ball = |radius: &str| {
+        SCENE.replace(
+            "[0.0, 1.0, 0.0]\nradius = 1.0",
+            &format!("[0.0, 1.0, 0.0]\nradius = {radius}"),
+        )
+    };
+    assert!(warns(&ball("100.0")) && !warns(&ball("1.5")));
 }
 
 #[test]
@@ -75,7 +82,7 @@ fn json_has_the_warnings_of_spheres_too() {
     let twin = &twin[..twin.find("[render]").expect("its end")];
     let desk = Desk::new(&format!("{SCENE}\n{}", twin.replace("ball", "twin")));
     let done = desk.run("render scene.toml -o a.png --accel native --json").succeeds();
-    let warning = "1 sphere left out: an earlier row is the same sphere after rounding to f32";
+    let warning = "1 sphere left out: an earlier row is the same sphere";
     assert!(done.stderr.contains(&format!("warning: {warning}\n")), "{}", done.stderr);
     assert_eq!(done.json()["warnings"], serde_json::json!([warning]));
 }

@@ -148,7 +148,7 @@ fn what_differs_is_told_in_standard_errors() {
     }
 }
 
-/// The same bytes, but that a seed of 4 is one of 0.
+/// A file with the seed 0 in place of 4.
 fn with_another_seed(bytes: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     let key = b"\"seed\":4";
@@ -157,16 +157,22 @@ fn with_another_seed(bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The same for a PNG file, where a text that is not short is compressed and has a checksum.
 fn png_with_another_seed(file: &[u8]) -> Vec<u8> {
+    let another = |text: &str| String::from_utf8(with_another_seed(text.as_bytes())).expect("text");
+    png_with(file, "settings", &another)
+}
+
+/// The same PNG file with another record of this name: a text that is not short is compressed and
+/// has a checksum.
+fn png_with(file: &[u8], record: &str, change: &dyn Fn(&str) -> String) -> Vec<u8> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a picture");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
     reader.next_frame(&mut pixels).expect("its pixels");
     let mut info = reader.info().clone();
     for chunk in &mut info.utf8_text {
         let text = chunk.get_text().expect("text");
-        if chunk.keyword.ends_with(":settings") {
-            let text = String::from_utf8(with_another_seed(text.as_bytes())).expect("text");
+        if chunk.keyword == format!("photosphere:{record}") {
+            let text = change(&text);
             *chunk = png::text_metadata::ITXtChunk::new(chunk.keyword.clone(), text);
         }
     }
@@ -176,6 +182,60 @@ fn png_with_another_seed(file: &[u8]) -> Vec<u8> {
     writer.write_image_data(&pixels).expect("there is memory");
     writer.finish().expect("there is memory");
     bytes
+}
+
+/// Pictures of strangers: a record that no render writes ends at once, and so does one that asks
+/// for too much.
+#[test]
+fn records_that_mislead_are_refused_before_anything_is_rendered() {
+    let desk = Desk::new(SCENE);
+    desk.run("render scene.toml -o a.png --accel native --quiet").succeeds();
+    let good = desk.read("a.png");
+    let with = |record: &str, from: &str, to: &str| {
+        let bytes = png_with(&good, record, &|text| {
+            assert!(text.contains(from), "{text}");
+            text.replace(from, to)
+        });
+        fs::write(desk.path().join("b.png"), bytes).expect("a picture");
+    };
+    with("settings", "\"width\":16", "\"width\":0");
+    let words = "record of how it was made is impossible: `image.width` must be";
+    desk.run("reproduce b.png").fails(3, &[words, "it is damaged, or was not written by"]);
+    with("settings", "\"width\":16", "\"width\":17");
+    desk.run("reproduce b.png --quiet")
+        .fails(3, &["`b.png` has 192 pixels, but was made with 204"]);
+    with("settings", "\"crop\":null", "\"crop\":{\"x\":5,\"y\":5,\"width\":0,\"height\":4}");
+    desk.run("reproduce b.png").fails(3, &["is impossible: `image.crop` must be"]);
+    with("samples", "\"first\":0", "\"first\":4294967280");
+    desk.run("reproduce b.png").fails(3, &["4 samples from 4294967280 on are not among 0..4"]);
+    with("samples", "\"fewest\":4", "\"fewest\":9");
+    desk.run("reproduce b.png").fails(3, &["is impossible: "]);
+
+    // More samples than one wants to wait for, and a picture that no machine holds.
+    desk.run("reproduce a.png --max-samples 767")
+        .fails(3, &["`a.png` says that it took 768 samples in 192 pixels", "--max-samples 768"]);
+    let told = desk.run("reproduce a.png --max-samples 768").succeeds().stderr;
+    assert!(told.contains("rendering it again: 192 pixels, 768 samples"), "{told}");
+    desk.run("reproduce a.png --memory-limit 1KiB").fails(3, &["of memory, more than 1.00 KiB"]);
+}
+
+/// The files that a picture's scene names: ordinary ones only, which do not block.
+#[cfg(unix)]
+#[test]
+fn pictures_and_scenes_read_no_pipes() {
+    let background = "[background.image]\nfile = \"sky.hdr\"";
+    let scene = SCENE.replace("[background]\nradiance = [0.5, 0.6, 0.7]", background);
+    let desk = Desk::new(&scene);
+    let sky = image::Rgb32FImage::from_pixel(4, 2, image::Rgb([1.0, 0.5, 0.25]));
+    sky.save(desk.path().join("sky.hdr")).expect("a picture");
+    desk.run("render scene.toml -o a.png --accel native --quiet").succeeds();
+    desk.run("reproduce a.png --quiet").succeeds();
+    fs::remove_file(desk.path().join("sky.hdr")).expect("it is there");
+    let pipe = Command::new("mkfifo").arg(desk.path().join("sky.hdr")).status();
+    assert!(pipe.expect("mkfifo runs").success());
+    for command in ["reproduce a.png --quiet", "info scene.toml"] {
+        desk.run(command).fails(3, &["sky.hdr` as background: it is not an ordinary file"]);
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ fn desk(scene: &str) -> Desk {
     desk_with(scene, "")
 }
 
-/// The same with more options.
+/// A small version of a scene of the repository, rendered with more options.
 fn desk_with(scene: &str, options: &str) -> Desk {
     let desk = Desk::of_file(scene);
     desk.run(&format!("render scene.toml {SMALL} --quiet -o one.exr {options}")).succeeds();

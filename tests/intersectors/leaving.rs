@@ -163,8 +163,8 @@ fn entering_always_finds_the_far_wall() {
     });
 }
 
-/// From any sphere to an emitter of any size at any distance, and inside an emitter to its far wall, with
-/// nothing else in the scene.
+/// From any sphere to an emitter of any size at any distance, and inside an emitter to its far
+/// wall, with nothing else in the scene.
 #[test]
 fn an_emitter_never_blocks_its_own_light() {
     (0..SPHERES).into_par_iter().for_each(|index| {

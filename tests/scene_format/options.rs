@@ -79,13 +79,18 @@ fn mistakes_in_options_are_shown_in_the_option() {
 
 #[test]
 fn an_option_of_its_own_name_is_shown_as_written() {
-    let spp = Override {
-        option: "--spp 0".into(),
-        key: "render.samples_per_pixel".into(),
-        value: "0".into(),
-    };
+    let spp = Override::new("render.samples_per_pixel", "0").with_option(["--spp", "0"]);
     let error = read_text("a.toml", SCENE, Path::new(""), &[spp]).expect_err("0 samples");
     let place = error.diagnostics()[0].location.as_ref().expect("a place");
     assert_eq!(place.source.text, "--spp 0");
     assert_eq!(place.span, 6..7);
+}
+
+#[test]
+fn an_override_of_a_program_is_shown_as_a_key_and_a_value() {
+    let spp = Override::new("render.samples_per_pixel", "0");
+    let error = read_text("a.toml", SCENE, Path::new(""), &[spp]).expect_err("0 samples");
+    let place = error.diagnostics()[0].location.as_ref().expect("a place");
+    assert_eq!(place.source.text, "render.samples_per_pixel=0");
+    assert!(error.to_string().starts_with("override:1:26: `render.samples_per_pixel`"), "{error}");
 }

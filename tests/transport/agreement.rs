@@ -122,8 +122,9 @@ fn boundaries_hidden_in_glass_let_light_through() {
 
 #[test]
 fn a_closed_room_stays_black_whatever_shines_outside() {
-    // Rooms of diffuse walls, one of them far off the origin and one huge, with a ball poking through
-    // the wall and one touching it from inside; two emitters outside. Not one path may see them.
+    // Rooms of diffuse walls, one of them far off the origin and one huge, with a ball poking
+    // through the wall and one touching it from inside; two emitters outside. Not one path may see
+    // them.
     for (x, r) in [(0.0, 1.0), (30.0, 1.0), (0.0, 1e5)] {
         let room = [
             ([x, 0.0, 0.0], r, GREY),

@@ -17,7 +17,8 @@ use photosphere::task::CancelToken;
 
 use crate::kit::{Judged, Kit, built, diffuse, glass, mirror, phong};
 
-/// A diffuse and a glossy ball, a mirror and a glass ball on a diffuse ground under two emitters and a sky.
+/// A diffuse and a glossy ball, a mirror and a glass ball on a diffuse ground under two emitters
+/// and a sky.
 fn still_life() -> Kit {
     let mut kit = Kit::new(12, 8, 16);
     kit.scene.camera([0.0, 1.5, 7.0], [0.0, 0.8, 0.0]).field_of_view(40.0);

@@ -23,8 +23,8 @@ fn emitter(kit: &mut Kit, albedo: [f32; 3], emission: [f32; 3]) -> MaterialHandl
     kit.scene.material(MaterialDescription { surface, emission, ..Default::default() })
 }
 
-/// A few emitters, one of them around the camera and all, over diffuse and other surfaces; and small
-/// emitters before them.
+/// A few emitters, one of them around the camera and all, over diffuse and other surfaces; and
+/// small emitters before them.
 fn emitters(small: impl Iterator<Item = [f64; 3]>) -> Kit {
     let mut kit = Kit::new(40, 30, 4);
     kit.scene.camera([0.0, 2.0, 9.0], [0.0, 1.0, 0.0]).field_of_view(50.0);
@@ -56,7 +56,7 @@ fn one_by_one(context: RenderContext<'_>, samples: &[SampleAddress]) -> (Vec<Pat
     (traces.into_iter().map(|trace| trace.radiance).collect(), rays)
 }
 
-/// The same, in batches.
+/// The picture's samples, followed in batches.
 fn in_batches(
     context: RenderContext<'_>,
     samples: &[SampleAddress],

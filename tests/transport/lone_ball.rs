@@ -38,8 +38,8 @@ fn raycasting_a_lone_ball_is_exact_and_shadows_can_be_left_out() {
 
 #[test]
 fn the_phong_highlight_has_the_published_value() {
-    // Looking along the mirror direction of the emitter's centre: cos(alpha) = 1, so the classic form
-    // sends specular E / cos and the normalised one specular (n + 2) / (2 pi) E.
+    // Looking along the mirror direction of the emitter's centre: cos(alpha) = 1, so the classic
+    // form sends specular E / cos and the normalised one specular (n + 2) / (2 pi) E.
     let irradiance = 7.0 * std::f64::consts::PI * (2.0f64 / 5.0).powi(2) * (4.0 / 5.0);
     let radiance = |normalized| {
         let mut kit = lone_ball(phong([0.0, 0.5], 30.0, normalized));

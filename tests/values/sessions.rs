@@ -1,5 +1,7 @@
 //! A session can be looked at while it runs, stopped, resumed and extended.
 
+use std::cell::Cell;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
@@ -238,7 +240,7 @@ fn an_observer_that_panics_does_not_end_the_render() {
         fn wants_progress(&self) -> bool {
             true
         }
-        fn on_progress(&self, _: &RenderProgress) {
+        fn on_progress(&self, _: &RenderProgress) -> ControlFlow<()> {
             panic!("the observer fails, as this test wants it");
         }
         fn on_warning(&self, text: &str) {
@@ -260,6 +262,73 @@ fn an_observer_that_panics_does_not_end_the_render() {
     let told = clumsy.0.into_inner().expect("no panic");
     assert_eq!(told, ["reporting the progress failed in an unexpected way; please report this"]);
     assert!(session.result(reached).samples > 0);
+}
+
+#[test]
+fn an_observer_stops_a_render_after_a_while() {
+    struct Impatient(Cell<u32>);
+    impl Observer for Impatient {
+        fn wants_progress(&self) -> bool {
+            true
+        }
+        fn on_progress(&self, _: &RenderProgress) -> ControlFlow<()> {
+            self.0.set(self.0.get() + 1);
+            if self.0.get() < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        }
+    }
+    let impatient = Impatient(Cell::new(0));
+    let job = session_job(100_000);
+    let result = photosphere::job::run(&session_scene(), &job, &impatient).expect("renders");
+    assert_eq!((result.stop_reason, impatient.0.get()), (StopReason::Stopped, 3));
+    assert!(result.samples < 48 * 36 * 100_000);
+}
+
+#[test]
+fn a_job_resumed_from_bytes_is_the_uninterrupted_one() {
+    let expected = finished(&opened(SAMPLES));
+    let session = opened(SAMPLES);
+    let mut on_the_way = Vec::new();
+    let reached = looked_at(&session, || {
+        on_the_way = session.checkpoint_bytes(None).expect("encoded");
+        session.stop();
+    });
+    assert_eq!(reached.stop_reason, StopReason::Stopped);
+    let at_the_end = session.checkpoint_bytes(Some(&reached)).expect("encoded");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.part");
+    let file = AtomicFile::new(&path).expect("can be written");
+    session.write_checkpoint(&file, Some(&reached)).expect("written");
+    assert!(std::fs::read(&path).expect("is there") == at_the_end, "files hold other bytes");
+    for bytes in [on_the_way, at_the_end.clone()] {
+        let checkpoint = Checkpoint::from_bytes(bytes).expect("a checkpoint");
+        assert_eq!(checkpoint.path(), None);
+        let (job, opening) = (session_job(SAMPLES), SessionOptions::default());
+        let session = Session::resume(&session_scene(), job, checkpoint, opening).expect("resumes");
+        assert!(session.progress().samples_done > 0);
+        must_be_outcome("resumed from bytes", &finished(&session), &expected);
+    }
+    let told = Checkpoint::from_bytes(at_the_end[..100].to_vec()).expect_err("cut off").to_string();
+    assert_eq!(told, "cannot read the checkpoint: it is cut off after 100 bytes");
+}
+
+#[test]
+fn a_header_that_could_not_be_read_again_is_refused_before_the_render() {
+    let command = Some("x".repeat(17 << 20));
+    let opening = SessionOptions { command, ..SessionOptions::default() };
+    let mut session = Session::new(&session_scene(), session_job(16), opening).expect("opens");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.part");
+    let file = AtomicFile::new(&path).expect("can be written");
+    let refused = [
+        session.autosave(file.clone(), Duration::from_secs(60)),
+        session.write_checkpoint(&file, None),
+        session.checkpoint_bytes(None).map(drop),
+    ];
+    for refusal in refused {
+        let told = refusal.expect_err("too long").to_string();
+        assert!(told.starts_with("the header of the checkpoint has "), "{told}");
+    }
+    assert!(!path.exists());
 }
 
 #[test]

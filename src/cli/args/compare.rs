@@ -19,7 +19,8 @@ Examples:
 
 B is the reference. Both may be .exr, .hdr, .pfm (linear light) or .png (decoded from sRGB to linear;
 8 bits, cut off at 1), ours or any other program's. Of .exr files every layer that both have is
-compared; R, G, B without a layer's name are the layer `beauty`.
+compared; R, G, B without a layer's name are the layer `beauty`. Layers that only one has are named
+and left out, as are those, other than the beauty, with pixels that are not finite.
 
   mse     mean over pixels and channels of (A - B)^2
   rmse    its square root
@@ -33,10 +34,11 @@ compared; R, G, B without a layer's name are the layer `beauty`.
 
 Means get 95 % confidence intervals where the noise of the pixels is known: from a layer `variance` in
 the file (the variance of each pixel's value), or for A from --twin. Both intervals take the pixels as
-independent of each other. Else there is no interval.
+independent of each other. Else there is no interval; it is unknown where a variance is infinite.
 
-A --max-... that is exceeded in any compared layer makes the exit code 1. Pictures of different sizes
-and pixels that are not finite are refused (3), as are files that cannot be read (4).")]
+A --max-... that is exceeded in any compared layer makes the exit code 1. Pictures of different sizes,
+and pixels of the beauty or of a --layer that are not finite, are refused (3), as are files that cannot
+be read (4).")]
 pub struct CompareArgs {
     /// The picture
     #[arg(value_name = "A")]

@@ -8,7 +8,7 @@ use clap::Args;
 use crate::math::Rect;
 
 use super::memory::MemoryArg;
-use super::output::OutputArgs;
+use super::output::{OutputArgs, StdoutArgs};
 use super::values::{duration, threads, window};
 
 /// How a render is kept from being lost.
@@ -32,16 +32,21 @@ Examples:
   photosphere resume fig2.part
   photosphere resume fig2.part --extend-to 16384 -o better.exr
 
-All that decides the picture, its files and who looks on is as in the interrupted command, but for what
-is given here. A scene that has changed since is refused.")]
+All that decides the picture and its files is as in the interrupted command, but for what is given here.
+A scene that has changed since is refused. A checkpoint may come from a stranger: a picture outside its
+folder is written only where -o names it, and tev is shown the picture only with --tev.")]
 pub struct ResumeArgs {
     /// The checkpoint, or the part
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
 
-    /// The picture, in place of the one that the interrupted command named; may be repeated
+    /// The picture, in place of the one that the interrupted command named, which must be in the
+    /// folder of FILE; may be repeated
     #[arg(short = 'o', long = "output", value_name = "FILE")]
     pub outputs: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub stdout: StdoutArgs,
 
     /// Render this many samples of every pixel, also where all that were asked for are there; in
     /// place of --noise and --time
@@ -51,6 +56,14 @@ pub struct ResumeArgs {
     /// The scene file, where it is somewhere else now
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
+
+    /// Keep a .png file of the picture so far [default: as before, in the folder of FILE]
+    #[arg(long, value_name = "FILE")]
+    pub preview: Option<PathBuf>,
+
+    /// Show the picture so far in the viewer tev, which listens there
+    #[arg(long, value_name = "HOST:PORT")]
+    pub tev: Option<String>,
 
     /// How often the checkpoint is written [default: as before]
     #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
@@ -93,6 +106,9 @@ pub struct MergeArgs {
 
     #[command(flatten)]
     pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub stdout: StdoutArgs,
 
     /// The window that parts of several windows make together, where that is not the whole picture
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = window)]

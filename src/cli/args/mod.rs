@@ -116,6 +116,31 @@ Examples:
     },
 }
 
+impl Command {
+    /// Returns true if the result is to be printed as JSON.
+    pub fn json(&self) -> bool {
+        match self {
+            Self::Render(args) => args.json,
+            Self::Resume(args) => args.json,
+            Self::Bench(args) => args.json,
+            Self::Compare(args) => args.json,
+            Self::Converge(args) => args.json,
+            Self::Trace(args) => args.json,
+            Self::Verify(args) => args.json,
+            Self::Info(args) => args.json,
+            Self::Merge(_)
+            | Self::Plan(_)
+            | Self::Crosscheck(_)
+            | Self::Reproduce(_)
+            | Self::Generate(_)
+            | Self::Doctor
+            | Self::Schema
+            | Self::Completions { .. }
+            | Self::Man { .. } => false,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,7 +9,7 @@ use clap::builder::TypedValueParser;
 
 use crate::color::{ToneCurve, ViewTransform};
 use crate::film::{AOVS, Aov};
-use crate::image_io::PICTURE_FORMATS;
+use crate::image_io::{FileFormat, PICTURE_FORMATS};
 use crate::job::{FilePath, OutputSpec};
 
 use super::values::{exposure, named, one_of};
@@ -37,6 +37,10 @@ pub struct OutputArgs {
     /// smooth gradients
     #[arg(long)]
     dither: bool,
+
+    /// The resolution that .png files state for print, in pixels per inch
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    dpi: Option<u32>,
 
     /// Leave the command, the time and the machine out of the file, so that equal pictures are
     /// equal files
@@ -66,6 +70,7 @@ impl OutputArgs {
         OutputSpec {
             files: self.files.iter().cloned().map(FilePath).collect(),
             look: self.look(),
+            dpi: self.dpi,
             with_run_record: !self.no_run_figures,
             save_every: Duration::from_secs(60),
             preview: None,
@@ -95,6 +100,9 @@ impl OutputArgs {
         if let Some(tone) = self.tone {
             of_pictures.extend(["--tone".to_owned(), tone.name().to_owned()]);
         }
+        if let Some(dpi) = self.dpi {
+            of_pictures.extend(["--dpi".to_owned(), dpi.to_string()]);
+        }
         let flags = [("--dither", self.dither), ("--no-run-figures", self.no_run_figures)];
         let given = flags.into_iter().filter(|(_, given)| *given);
         of_pictures.extend(given.map(|(flag, _)| flag.to_owned()));
@@ -102,10 +110,19 @@ impl OutputArgs {
     }
 }
 
+/// The format of a picture on the standard output.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct StdoutArgs {
+    /// The format of -o -, the picture on the standard output [default: png]
+    #[arg(long, value_name = "NAME", value_parser = one_of(named::<FileFormat>()))]
+    pub format: Option<FileFormat>,
+}
+
 fn files_help() -> String {
     format!(
         "The picture; its extension chooses the format: {PICTURE_FORMATS}; or .part, the sums \
-         themselves, to be merged. May be repeated"
+         themselves, to be merged. `-` is the standard output, and `none` discards the picture. May be \
+         repeated"
     )
 }
 

@@ -102,11 +102,9 @@ impl FromArgMatches for PictureArgs {
             };
             let Some(given) = given else { continue };
             let value = if is_a(&key, "array") { format!("[{given}]") } else { given.clone() };
-            self.given.push(Override {
-                option: format!("--{} {given}", option.name),
-                key: format!("{}.{}", key.table, key.name),
-                value,
-            });
+            let name = format!("{}.{}", key.table, key.name);
+            let words = [&*format!("--{}", option.name), &*given];
+            self.given.push(Override::new(name, value).with_option(words));
         }
         Ok(())
     }

@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 
+use crate::scene::Override;
+
 use super::accel::AccelArg;
 use super::output::OutputArgs;
 use super::picture::PictureArgs;
@@ -60,6 +62,14 @@ pub struct PlanArgs {
     /// How often each shard keeps what it has, as in 90s, 5m or 1h
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration, allow_hyphen_values = true)]
     pub checkpoint_every: Duration,
+}
+
+impl PlanArgs {
+    /// Returns the overrides of the scene.
+    pub fn overrides(&self) -> Vec<Override> {
+        let most = self.stop.overrides(self.picture.has_samples());
+        most.into_iter().chain(self.picture.overrides(&self.scene)).collect()
+    }
 }
 
 /// Who is to read the plan.

@@ -9,7 +9,7 @@ use crate::scene::Override;
 use super::accel::AccelArg;
 use super::keep::CheckpointArgs;
 use super::memory::MemoryArg;
-use super::output::OutputArgs;
+use super::output::{OutputArgs, StdoutArgs};
 use super::picture::PictureArgs;
 use super::scene::SceneArgs;
 use super::stop::{StopArgs, WatchArgs};
@@ -29,6 +29,7 @@ Examples:
   photosphere render fig2.toml -o fig2.exr --spp 65536 --checkpoint fig2.state
   photosphere render fig2.toml -o b.part --samples 0..64 --crop 320,0,640,480
   photosphere render fig2.toml -o fig2.exr --noise 2% --preview so-far.png
+  generate-scene | photosphere render - -o - --format exr | oiiotool - -o fig2.tif
 
 Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,
 stops at once and writes nothing. With --checkpoint FILE, `photosphere resume FILE` goes on, and so
@@ -39,6 +40,9 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub stdout: StdoutArgs,
 
     #[command(flatten)]
     pub accel: AccelArg,
@@ -104,7 +108,7 @@ mod tests {
         let overrides = args.overrides();
         let shown: Vec<_> = overrides
             .iter()
-            .map(|o| (o.option.as_str(), o.key.as_str(), o.value.as_str()))
+            .map(|o| (o.option().join(" "), o.key.as_str(), o.value.as_str()))
             .collect();
         let expected = [
             ("--size 64x48", "image.width", "64"),
@@ -116,7 +120,8 @@ mod tests {
             ("--set render.seed=3", "render.seed", "3"),
             ("--set materials.m.albedo=[0.1,0.2,0.3]", "materials.m.albedo", "[0.1,0.2,0.3]"),
         ];
-        assert_eq!(shown, expected);
+        assert_eq!(shown, expected.map(|(option, key, value)| (option.to_owned(), key, value)));
+        assert_eq!(overrides[0].option(), ["--size", "64x48"]);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::values::threads;
 /// Which scene, and how much of the machine.
 #[derive(Args, Debug)]
 pub struct SceneArgs {
-    /// The scene file
+    /// The scene file; for render, trace and crosscheck, - is the standard input
     #[arg(value_name = "SCENE")]
     pub path: PathBuf,
 
@@ -59,8 +59,7 @@ impl SceneOptions {
 fn setting(text: &str) -> Result<Override, String> {
     match text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
         Some((key, value)) if !key.is_empty() => {
-            let option = format!("--set {key}={value}");
-            Ok(Override { option, key: key.to_owned(), value: value.to_owned() })
+            Ok(Override::new(key, value).with_option(["--set", &format!("{key}={value}")]))
         }
         _ => Err("it must be KEY=VALUE, as in render.seed=7".to_owned()),
     }

@@ -66,12 +66,14 @@ impl StopArgs {
 
     /// What the options change in the scene: the most samples that there can be.
     pub fn overrides(&self, given_spp: bool) -> Option<Override> {
-        let (option, most) = match (self.noise, self.time) {
-            (Some(_), _) => (format!("--max-spp {}", self.max_spp), self.max_spp),
-            (None, Some(_)) if !given_spp => ("--time".to_owned(), UNLIMITED_SAMPLES),
-            _ => return None,
-        };
-        let key = "render.samples_per_pixel".to_owned();
-        Some(Override { option, key, value: most.to_string() })
+        let most = |samples: u32| Override::new("render.samples_per_pixel", samples.to_string());
+        match (self.noise, self.time) {
+            (Some(_), _) => {
+                let given = self.max_spp.to_string();
+                Some(most(self.max_spp).with_option(["--max-spp", &given]))
+            }
+            (None, Some(_)) if !given_spp => Some(most(UNLIMITED_SAMPLES).with_option(["--time"])),
+            _ => None,
+        }
     }
 }

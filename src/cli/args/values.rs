@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
+use crate::cli::system::MAX_THREADS;
 use crate::math::Rect;
 use crate::names::Named;
 use crate::scene::Override;
@@ -20,10 +21,9 @@ impl Size {
     /// Returns the overrides that `--size` stands for.
     pub fn overrides(self) -> [Override; 2] {
         let Self { width, height } = self;
-        [("image.width", width), ("image.height", height)].map(|(key, pixels)| Override {
-            option: format!("--size {width}x{height}"),
-            key: key.to_owned(),
-            value: pixels.to_string(),
+        let size = format!("{width}x{height}");
+        [("image.width", width), ("image.height", height)].map(|(key, pixels)| {
+            Override::new(key, pixels.to_string()).with_option(["--size", &size])
         })
     }
 }
@@ -67,7 +67,7 @@ pub fn size(text: &str) -> Result<Size, String> {
 /// Parses a number of threads. More threads than any machine has cores are a typing error, and
 /// would not start.
 pub fn threads() -> impl TypedValueParser<Value = usize> {
-    clap::value_parser!(u16).range(1..=4096).map(usize::from)
+    clap::value_parser!(u16).range(1..=i64::from(MAX_THREADS)).map(usize::from)
 }
 
 /// Parses a seed, with the range of the scene's seed.

@@ -21,7 +21,7 @@ Examples:
 Four groups of checks, each against something that is known without the renderer:
   crosscheck    every intersector against arithmetic of twice the digits of f64
   chi-square    every sampling routine against its density
-  materials     no material creates energy; each works the same in both directions
+  materials     no material creates energy, and every one is reciprocal
   closed forms  whole renders, for every estimator, sampler and intersector,
                 against answers known on paper (docs/verification.md)
 

@@ -1,5 +1,6 @@
 //! `photosphere bench`: measures how fast every intersector traces, builds and renders.
 
+mod plan;
 mod suite;
 
 use std::fmt::Write as _;
@@ -15,7 +16,7 @@ use crate::job::{COMMIT, VERSION};
 use crate::math::Ray;
 use crate::report::speed::SpeedReport;
 use crate::scene::{PreparedScene, SceneFile, read_file};
-use crate::verify::bench::{BenchOptions, BenchPlan, RAY_SETS, Record, bench_renders, camera_rays};
+use crate::verify::bench::{RAY_SETS, Record, bench_renders, camera_rays};
 
 use super::args::BenchArgs;
 use super::exit::Exit;
@@ -23,6 +24,7 @@ use super::interrupt::{self, Interrupt};
 use super::memory::{self, MemoryNeeds};
 use super::print;
 use super::system::{self, on_threads};
+use plan::{bench_plan, circumstances};
 
 /// Maximum number of camera rays. More would only take memory.
 const MOST_RAYS: usize = 1 << 20;
@@ -42,17 +44,6 @@ pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
         (None, None, None) => Err(Error::input("there is nothing to measure")
             .with_help("name a scene, or ask for --suite FILE.html or --record FILE.txt")),
     })
-}
-
-fn bench_plan(args: &BenchArgs, interrupt: &Interrupt) -> BenchPlan {
-    BenchPlan {
-        rounds: args.rounds.into(),
-        builds: args.builds.into(),
-        quality: args.build.quality,
-        batches: args.batches.iter().map(|&batch| batch as usize).collect(),
-        scaling: args.scaling,
-        cancel: interrupt.cancel(),
-    }
 }
 
 fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
@@ -130,15 +121,4 @@ fn bytes_of_rays(file: &SceneFile, backends: usize) -> u64 {
     let rays = 16 * u64::from(image.width) * u64::from(image.height);
     let each = RAY_SETS * (size_of::<PathRay>() + size_of::<Ray>() * (1 + 2 * backends));
     rays.min(MOST_RAYS as u64) * each as u64
-}
-
-/// Describes the machine and the measurement.
-fn circumstances(rounds: BenchOptions) -> String {
-    let threads = print::count(rayon::current_num_threads(), "thread");
-    let processor = system::processor().map_or(String::new(), |name| format!(" of {name}"));
-    let rays = print::count(rounds.batch, "ray");
-    format!(
-        "{threads}{processor}, {rays} a call, median of {}",
-        print::count(rounds.rounds, "round")
-    )
 }

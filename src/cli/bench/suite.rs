@@ -12,9 +12,10 @@ use crate::error::Result;
 use crate::image_io::AtomicFile;
 use crate::job::COMMIT;
 use crate::report::speed::{entries_json, page};
+use crate::task::memory_limits;
 use crate::verify::bench::{BenchOptions, Suite, SuiteEvent};
 
-use super::{bench_plan, circumstances};
+use super::plan::{bench_plan, circumstances};
 
 /// Sphere count of the largest scene, unless `--largest` is given.
 const LARGEST: u64 = 100_000_000;
@@ -29,7 +30,7 @@ pub(super) fn run(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Resul
         plan: bench_plan(args, interrupt),
         backends: args.accels.backends().to_vec(),
         max_spheres: args.largest.unwrap_or(LARGEST),
-        memory: args.memory.limit.or_else(system::available_memory),
+        memory: args.memory.limit.or_else(|| memory_limits::free().map(|free| free.bytes)),
     };
     let entries = suite.measure(&mut |event| {
         match event {
@@ -64,6 +65,6 @@ fn facts(rounds: BenchOptions) -> [(&'static str, String); 4] {
         ("program", format!("photosphere {}, {COMMIT}", env!("CARGO_PKG_VERSION"))),
         ("embree", embree),
         ("measured with", circumstances(rounds)),
-        ("memory", system::memory().map_or("unknown".to_owned(), print::bytes)),
+        ("memory", system::total_memory().map_or("unknown".to_owned(), print::bytes)),
     ]
 }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::error::{Error, Result};
 
-use super::ShardPlan;
+use super::commands::ShardPlan;
 use super::script::without_controls;
 use crate::cli::args::Division;
 

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::cli::print;
 use crate::error::{Error, Result};
 
-use super::ShardPlan;
+use super::commands::ShardPlan;
 
 /// The program as the scripts call it.
 const PROGRAM: &str = r#""${PHOTOSPHERE:-photosphere}""#;

@@ -1,7 +1,5 @@
 //! The header of a checkpoint. One declaration defines how it is written and read as JSON.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -9,19 +7,23 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::color::ViewTransform;
+use crate::error::{Error, Result};
 use crate::film::{BLOCK_SIZE, FilmFormat, Layer};
 use crate::math::Rect;
 use crate::scene::SceneSource;
 
 use super::super::metadata::Metadata;
 use super::super::outcome::NoiseStatus;
+use super::super::samples::TileSampleCounts;
 use super::super::spec::Job;
 use super::hashing::HashingStream;
 use super::read_error::ReadError;
+use super::source::Source;
 use super::version::{MAGIC, MIN_VERSION, VERSION};
 
-/// Maximum header length: a scene's description and its text, with a margin.
-const MAX_HEADER_BYTES: u32 = 16 << 20;
+/// Maximum header length: a scene's description and its text, with a margin. Longer headers are
+/// neither written nor read.
+const MAX_HEADER_BYTES: usize = 16 << 20;
 
 /// Maximum picture width or height in pixels.
 const MAX_SIDE: u32 = 1 << 24;
@@ -76,19 +78,23 @@ pub struct CumulativeStats {
     pub truncated_paths: u64,
 }
 
-/// Output files and previews of a render.
+/// Output files and previews of a render. A checkpoint records what the program that renders wants
+/// to find again; whoever resumes one decides what to trust.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutputSpec {
-    /// The picture files, as absolute paths.
+    /// The picture files. In a checkpoint, relative paths start at its folder.
     pub files: Vec<FilePath>,
     /// View transform for display formats.
     pub look: ViewTransform,
+    /// Resolution of display formats, in pixels per inch.
+    #[serde(default)]
+    pub dpi: Option<u32>,
     /// True if picture files include the record of the run.
     pub with_run_record: bool,
     /// Time between checkpoint writes.
     pub save_every: Duration,
-    /// The file for previews, as an absolute path.
+    /// The file for previews, likewise.
     pub preview: Option<FilePath>,
     /// Time between preview updates.
     pub preview_every: Duration,
@@ -102,6 +108,7 @@ impl Default for OutputSpec {
         Self {
             files: Vec::new(),
             look: ViewTransform::default(),
+            dpi: None,
             with_run_record: true,
             save_every: Duration::from_secs(60),
             preview: None,
@@ -117,6 +124,39 @@ impl Default for OutputSpec {
 pub struct FilePath(#[serde(with = "crate::scene::paths")] pub PathBuf);
 
 impl CheckpointHeader {
+    /// Encodes the header as JSON. The sample counts of a huge picture are left out if they would
+    /// make it too long: the film has them, too.
+    ///
+    /// # Errors
+    /// If the header is still too long to be read again.
+    pub(in crate::job) fn encode(&self) -> Result<String> {
+        let mut text = self.to_json()?;
+        if text.len() > MAX_HEADER_BYTES {
+            let mut shorter = self.clone();
+            shorter.metadata.counts = TileSampleCounts::default();
+            let parts = &mut shorter.metadata.parts.0;
+            parts.iter_mut().for_each(|part| part.counts = TileSampleCounts::default());
+            text = shorter.to_json()?;
+        }
+        if text.len() > MAX_HEADER_BYTES {
+            let message = format!(
+                "the header of the checkpoint has {} bytes, more than the {MAX_HEADER_BYTES} that \
+                 can be read again",
+                text.len()
+            );
+            return Err(Error::input(message).with_help(
+                "the header names all files and overrides of the scene: join its sphere tables, or \
+                 write the overrides into the scene",
+            ));
+        }
+        Ok(text)
+    }
+
+    fn to_json(&self) -> Result<String> {
+        serde_json::to_string(self)
+            .map_err(|e| Error::input(format!("a checkpoint cannot say what it is: {e}")))
+    }
+
     /// Returns true if the film format and sample range are consistent.
     fn is_valid(&self) -> bool {
         let FilmFormat { frame, first_sample, ref layers, .. } = self.film;
@@ -137,9 +177,9 @@ impl CheckpointHeader {
 }
 
 pub(super) fn read(
-    stream: &mut HashingStream<BufReader<File>>,
-    bytes: u64,
+    stream: &mut HashingStream<Source>,
 ) -> std::result::Result<CheckpointHeader, ReadError> {
+    let bytes = stream.inner.length();
     let mut magic = [0; 8];
     match stream.read_exact(&mut magic) {
         Ok(()) if magic == MAGIC => {}
@@ -154,7 +194,7 @@ pub(super) fn read(
         return Err(ReadError::TooOld(version));
     }
     let length = stream.read_u32()?;
-    if length > MAX_HEADER_BYTES {
+    if length as usize > MAX_HEADER_BYTES {
         return Err(ReadError::Corrupt("its header is too long"));
     }
     if u64::from(length) > bytes {

@@ -1,5 +1,5 @@
-//! Checkpoints: films stored as files, to be resumed or merged. A partial render is a checkpoint
-//! too.
+//! Checkpoints: films stored as files or bytes, to be resumed or merged. A partial render is a
+//! checkpoint too.
 //!
 //! All numbers are little-endian. A checkpoint consists of
 //!
@@ -14,14 +14,15 @@
 mod hashing;
 mod header;
 mod read_error;
+mod source;
 #[cfg(test)]
 mod tests;
 mod version;
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Write};
+use std::io::{self, Read, Write};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::film::Film;
@@ -32,6 +33,7 @@ pub use header::{CheckpointHeader, CumulativeStats, FilePath, OutputSpec, Render
 
 use hashing::HashingStream;
 use read_error::ReadError;
+use source::Source;
 use version::{MAGIC, VERSION};
 
 /// Maximum tile length; 64 pixels of about 30 numbers take a tenth of it.
@@ -43,10 +45,8 @@ const TILES_PER_CHUNK: usize = 64;
 /// A checkpoint being read, with a verified header.
 #[derive(Debug)]
 pub struct Checkpoint {
-    path: PathBuf,
     header: CheckpointHeader,
-    stream: HashingStream<BufReader<File>>,
-    bytes: u64,
+    stream: HashingStream<Source>,
 }
 
 /// Returns true if a file starts with the checkpoint magic bytes.
@@ -61,21 +61,34 @@ pub fn is_checkpoint(path: &Path) -> bool {
 /// state at that moment.
 ///
 /// # Errors
-/// If writing fails; an existing file is then unchanged.
+/// If the header is too long, or writing fails; an existing file is then unchanged.
 pub fn write_checkpoint(file: &AtomicFile, film: &Film, header: &CheckpointHeader) -> Result<()> {
-    let header_text = serde_json::to_string(header);
-    let header_text = header_text
-        .map_err(|e| Error::input(format!("cannot serialize the header of the checkpoint: {e}")))?;
-    file.write(|sink| {
-        let mut stream = HashingStream::new(sink);
-        stream.write_all(&MAGIC)?;
-        stream.write_all(&VERSION.to_le_bytes())?;
-        stream.write_all(&length_prefix(&header_text)?.to_le_bytes())?;
-        stream.write_all(header_text.as_bytes())?;
-        stream.write_hash()?;
-        write_tiles(film, &mut stream)?;
-        stream.write_hash()
-    })
+    let head = header.encode()?;
+    file.write(|sink| write(sink, film, &head))
+}
+
+/// Encodes a checkpoint in memory: the bytes that [`write_checkpoint`] writes to a file.
+///
+/// # Errors
+/// If the header is too long, or a tile of the film is.
+pub fn encode_checkpoint(film: &Film, header: &CheckpointHeader) -> Result<Vec<u8>> {
+    let head = header.encode()?;
+    let mut bytes = Vec::new();
+    write(&mut bytes, film, &head)
+        .map_err(|e| Error::input(format!("cannot encode the checkpoint: {e}")))?;
+    Ok(bytes)
+}
+
+/// Writes all of a checkpoint. `head` is the encoded header.
+fn write(sink: impl Write + Send, film: &Film, head: &str) -> io::Result<()> {
+    let mut stream = HashingStream::new(sink);
+    stream.write_all(&MAGIC)?;
+    stream.write_all(&VERSION.to_le_bytes())?;
+    stream.write_all(&length_prefix(head)?.to_le_bytes())?;
+    stream.write_all(head.as_bytes())?;
+    stream.write_hash()?;
+    write_tiles(film, &mut stream)?;
+    stream.write_hash()
 }
 
 /// Writes every tile. While some are being written to disk, idle threads encode the next ones.
@@ -124,17 +137,24 @@ impl Checkpoint {
     /// # Errors
     /// If the file cannot be read, is not a checkpoint, is damaged, or has an unsupported version.
     pub fn open(path: &Path) -> Result<Self> {
-        let io_error = |e: io::Error| Error::file("read", path, e);
-        let file = File::open(path).map_err(io_error)?;
-        let metadata = file.metadata().map_err(io_error)?;
-        if metadata.is_dir() {
-            return Err(Error::file("read", path, "it is a folder"));
+        Self::read(Source::open(path)?)
+    }
+
+    /// Opens a checkpoint in memory: the bytes of a file, or of
+    /// [`Session::checkpoint_bytes`](crate::job::Session::checkpoint_bytes).
+    ///
+    /// # Errors
+    /// If the bytes are not a checkpoint, are damaged, or have an unsupported version.
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self> {
+        Self::read(Source::from_bytes(bytes))
+    }
+
+    fn read(source: Source) -> Result<Self> {
+        let mut stream = HashingStream::new(source);
+        match header::read(&mut stream) {
+            Ok(header) => Ok(Self { header, stream }),
+            Err(error) => Err(error.into_error(stream.inner.path())),
         }
-        let bytes = metadata.len();
-        let inner = BufReader::with_capacity(1 << 16, file);
-        let mut stream = HashingStream::new(inner);
-        let header = header::read(&mut stream, bytes).map_err(|error| error.into_error(path))?;
-        Ok(Self { path: path.to_path_buf(), header, stream, bytes })
     }
 
     /// The header.
@@ -142,9 +162,9 @@ impl Checkpoint {
         &self.header
     }
 
-    /// Path of the checkpoint file.
-    pub fn path(&self) -> &Path {
-        &self.path
+    /// Path of the checkpoint file; `None` if it was read from memory.
+    pub fn path(&self) -> Option<&Path> {
+        self.stream.inner.path()
     }
 
     /// Reads the film.
@@ -152,15 +172,16 @@ impl Checkpoint {
     /// # Errors
     /// If the file cannot be read or is damaged.
     pub fn into_film(mut self) -> Result<Film> {
-        self.read_film().map_err(|error| error.into_error(&self.path))
+        self.read_film().map_err(|error| error.into_error(self.path()))
     }
 
     fn read_film(&mut self) -> std::result::Result<Film, ReadError> {
         let format = &self.header.film;
         let tiles = format.frame.tile_count();
         // A tile takes at least five bytes.
-        if tiles as u64 > self.bytes / 5 {
-            return Err(ReadError::Truncated(self.bytes));
+        let bytes = self.stream.inner.length();
+        if tiles as u64 > bytes / 5 {
+            return Err(ReadError::Truncated(bytes));
         }
         let mut film = Film::new_lazy(format);
         let mut bytes = Vec::new();

@@ -7,7 +7,7 @@ use crate::error::Error;
 
 use super::version::VERSION;
 
-/// Why a file cannot be read as a checkpoint.
+/// Why bytes cannot be read as a checkpoint.
 #[derive(Debug)]
 pub(super) enum ReadError {
     Io(io::Error),
@@ -20,8 +20,12 @@ pub(super) enum ReadError {
 }
 
 impl ReadError {
-    pub(super) fn into_error(self, path: &Path) -> Error {
-        let error = |reason: String| Error::file("read", path, reason);
+    /// Returns the error for the user. `path` is the file, if there is one.
+    pub(super) fn into_error(self, path: Option<&Path>) -> Error {
+        let error = |reason: String| match path {
+            Some(path) => Error::file("read", path, reason),
+            None => Error::input(format!("cannot read the checkpoint: {reason}")),
+        };
         match self {
             Self::Io(e) => error(e.to_string()),
             Self::NotACheckpoint => error("it is neither a checkpoint nor a part".to_owned())

@@ -4,12 +4,13 @@ use serde_json::{Value, json};
 
 use super::version::MIN_VERSION;
 use super::*;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::accel::Backend;
 use crate::color::{PathRadiance, Rgb, ViewTransform, VisibleSurface};
 use crate::film::{FilmFormat, FilmFrame, Layer, RadianceScale, SampleRun};
-use crate::job::{Job, Metadata};
+use crate::job::{Job, Metadata, TileSampleCounts};
 use crate::math::Rect;
 use crate::scene::description::{MaterialDescription, SphereDescription};
 use crate::scene::{PreparedScene, Scene, SceneDescription, SceneSource};
@@ -62,6 +63,7 @@ fn header(film: &FilmFormat) -> CheckpointHeader {
     let output = OutputSpec {
         files: vec![path()],
         look: ViewTransform::default(),
+        dpi: Some(300),
         with_run_record: true,
         save_every: Duration::from_secs(60),
         preview: Some(path()),
@@ -111,6 +113,19 @@ fn a_part_comes_back_as_it_was() {
     // Writing the film again produces the same bytes.
     let (_folder, path) = written(&read_film, &read_header);
     assert!(std::fs::read(path).unwrap() == bytes);
+}
+
+#[test]
+fn sample_counts_that_make_the_header_too_long_are_left_out() {
+    let (film, mut header, _) = part();
+    header.metadata.counts = TileSampleCounts((0..3 << 20).map(|tile| 16 + tile % 2).collect());
+    let bytes = encode_checkpoint(&film, &header).unwrap();
+    let back = Checkpoint::from_bytes(bytes).unwrap();
+    assert!(back.header().metadata.counts.is_uniform());
+    assert_eq!(back.into_film().unwrap().counts(), film.counts());
+    header.metadata.commit = "x".repeat(16 << 20);
+    let told = encode_checkpoint(&film, &header).unwrap_err().to_string();
+    assert!(told.ends_with("more than the 16777216 that can be read again"), "{told}");
 }
 
 #[test]

@@ -58,7 +58,8 @@ impl MergeInput {
             ));
         };
         let overrides = self.header.source.iter().flat_map(|source| &source.overrides);
-        let overrides: Vec<_> = overrides.map(crate::scene::Override::from_pair).collect();
+        let overrides: Vec<_> =
+            overrides.map(|(key, value)| crate::scene::Override::new(key, value)).collect();
         let (scene, _) = crate::scene::read_file(&path, &overrides)?.build()?;
         if scene.content_hash() != self.header.metadata.scene_identity {
             let message = format!("`{}` has changed since its parts were rendered", path.display());

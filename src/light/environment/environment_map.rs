@@ -61,22 +61,26 @@ impl EnvironmentMap {
     }
 
     /// Creates a map from an image in latitude and longitude, rows from the top. The image's centre
-    /// faces -z, its right side +x. Nodes are the pixel centres; the poles are the means of the
-    /// first and the last row.
+    /// faces -z, its right side +x.
+    ///
+    /// Pixels are areas: the interpolated light of each is its radiance times its exact solid
+    /// angle. A node's light is the mean distance to the heights above and below, so the middles
+    /// between the heights must be the edges between the rows, `cos(k d)` for rows of `d` radians.
+    /// The cosine of the row's centre divided by `cos(d / 2)` is that, by the theorem for the sum of
+    /// two cosines. The first and the last row reach the poles.
     ///
     /// # Panics
     /// Unless there are `width` times `height` pixels, and at least one.
     pub fn from_image(width: usize, height: usize, pixels: &[Rgb]) -> Self {
         assert!(width > 0 && height > 0 && pixels.len() == width * height);
-        let mean = |row: &[Rgb]| {
-            let sum: DVec3 = row.iter().map(|pixel| pixel.as_dvec3()).sum();
-            vec![(sum / width as f64).as_vec3(); width]
-        };
-        let (first, last) = (mean(&pixels[..width]), mean(&pixels[pixels.len() - width..]));
-        let angle = |row: usize| (row as f64 + 0.5) / height as f64 * PI;
-        let heights = (0..height).map(|row| cos(angle(row)));
-        let heights = std::iter::once(1.0).chain(heights).chain([-1.0]).collect();
-        Self::from_rows(width, heights, [&first, pixels, &last].concat())
+        if height == 1 {
+            return Self::from_rows(width, vec![1.0, -1.0], pixels.repeat(2));
+        }
+        let half = 0.5 * PI / height as f64;
+        let node = |row: usize| cos((2 * row + 1) as f64 * half) / cos(half);
+        let mut heights: Vec<f64> = (0..height).map(node).collect();
+        (heights[0], heights[height - 1]) = (1.0, -1.0);
+        Self::from_rows(width, heights, pixels.to_vec())
     }
 
     /// Creates a map from rows of nodes, whose first column lies half a column to the right of +z.
@@ -219,4 +223,44 @@ fn sample_linear(a: f64, b: f64, u: f64) -> f64 {
     // The root of the cumulative distribution, written to avoid cancellation where a is close to b.
     let t = u * (a + b) / (a + (a * a + u * (b * b - a * a)).max(0.0).sqrt());
     t.clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Integral over all directions by the midpoint rule, in W/m^2: exact up to the kinks at nodes.
+    fn integral(map: &EnvironmentMap, columns: usize) -> f64 {
+        let (rows, columns) = (4000, 8 * columns);
+        let mut sum = 0.0;
+        for row in 0..rows {
+            let height = 1.0 - (row as f64 + 0.5) / rows as f64 * 2.0;
+            let flat = ((1.0 - height) * (1.0 + height)).sqrt();
+            for column in 0..columns {
+                let (sin, cos) = sin_cos((column as f64 + 0.5) / columns as f64 * TAU);
+                sum += f64::from(map.radiance(DVec3::new(flat * sin, height, flat * cos)).y);
+            }
+        }
+        sum * 2.0 * TAU / (rows * columns) as f64
+    }
+
+    /// One bright pixel, in any row, holds its radiance times its solid angle, whether it is looked
+    /// up or sampled.
+    #[test]
+    fn pixels_are_areas() {
+        for (width, height) in [(2, 1), (4, 2), (6, 3), (16, 8)] {
+            for row in 0..height {
+                let mut pixels = vec![Rgb::ZERO; width * height];
+                pixels[row * width + 1] = Rgb::splat(100.0);
+                let map = EnvironmentMap::from_image(width, height, &pixels);
+                let edge = |k: usize| cos(k as f64 / height as f64 * PI);
+                let solid_angle = TAU / width as f64 * (edge(row) - edge(row + 1));
+                let expected = 100.0 * solid_angle;
+                let found = integral(&map, width);
+                assert!((found / expected - 1.0).abs() < 1e-4, "row {row} of {height}: {found}");
+                let mean = map.mean_luminance * 2.0 * TAU;
+                assert!((mean / expected - 1.0).abs() < 1e-6, "row {row} of {height}: {mean}");
+            }
+        }
+    }
 }

@@ -6,7 +6,7 @@ mod page;
 use serde_json::{Map, Value, json};
 
 use crate::draw::text::{count, row};
-use crate::verify::check::{Check, CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
+use crate::verify::check::{CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
 
 pub use entry::CheckEntry;
 pub use page::page;
@@ -24,9 +24,9 @@ pub fn table(entries: &[CheckEntry<'_>], seconds: f64) -> String {
             continue;
         }
         text += &line(group.name(), &group_entries);
-        if group == CheckGroup::ClosedForms {
-            for form_entries in group_entries.chunk_by(|a, b| family(a.0) == family(b.0)) {
-                text += &line(&format!("  {}", family(form_entries[0].0)), form_entries);
+        for form_entries in group_entries.chunk_by(|a, b| a.0.closed_form == b.0.closed_form) {
+            if let Some(form) = form_entries[0].0.closed_form {
+                text += &line(&format!("  {form}"), form_entries);
             }
         }
     }
@@ -36,11 +36,6 @@ pub fn table(entries: &[CheckEntry<'_>], seconds: f64) -> String {
     }
     notes.for_each(|note| text += &format!("  {note}\n"));
     text + &conclusion(entries, seconds)
-}
-
-/// The part of a check's name before the colon.
-fn family(check: &Check) -> &str {
-    check.name.split(": ").next().unwrap_or_default()
 }
 
 fn line(name: &str, entries: &[CheckEntry<'_>]) -> String {

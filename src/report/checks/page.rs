@@ -105,9 +105,8 @@ fn listing(entries: &[CheckEntry<'_>]) -> String {
 
 /// A closed form with its images, its derivation, and the variants rendered.
 fn closed_form(form: &ClosedForm, entries: &[CheckEntry<'_>]) -> String {
-    let prefix = format!("{}: ", form.name);
-    let form_entries: Vec<CheckEntry<'_>> =
-        entries.iter().copied().filter(|(check, _)| check.name.starts_with(&prefix)).collect();
+    let is_of_form = |(check, _): &CheckEntry<'_>| check.closed_form == Some(form.name);
+    let form_entries: Vec<CheckEntry<'_>> = entries.iter().copied().filter(is_of_form).collect();
     let Some((first, result)) = form_entries.first() else { return String::new() };
     let passed = form_entries.iter().filter(|(_, result)| result.passed).count();
     let count = format!("{passed} of {} variants", form_entries.len());

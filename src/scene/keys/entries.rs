@@ -1,7 +1,7 @@
 //! The keys of the tables that have no file of their own here, in the order of the manual.
 
 use crate::math::MAX_COORDINATE;
-use crate::scene::data::Column;
+use crate::scene::columns::ColumnValue;
 use crate::scene::description::{ColorStorage, ProjectionKind};
 use crate::scene::settings::FilterKind;
 use crate::scene::value_types::{
@@ -100,10 +100,14 @@ pub(in crate::scene) mod sphere {
 pub(in crate::scene) mod table {
     use super::*;
     keys! {
-        FILE: NonEmptyString = key("file", NonEmptyString, Required, "a file of raw little-endian f32 rows");
+        FILE: NonEmptyString = key("file", NonEmptyString, Required, "a file of raw little-endian rows, or a NumPy file (.npy)");
         NAME: NonEmptyString = key("name", NonEmptyString, Derived("the name of the file"), "used in the layers of Cryptomatte and to set keys of this table");
-        COLUMNS: ListOf<EnumValue<Column>> = key("columns", ListOf(EnumValue::NEW), Required, "what each number of a row is");
+        COLUMNS: ListOf<ColumnValue> = key("columns", ListOf(ColumnValue), Derived("the names of the fields"),
+            "the meaning and type of each number in a row; may be left out for a NumPy file of records");
         MATERIAL: NonEmptyString = key("material", NonEmptyString, Required, "the name of a material");
         COLORS: EnumValue<ColorStorage> = key("colors", EnumValue::NEW, Toml("\"exact\""), "how the colours of the rows are kept in memory");
+        OFFSET: Vector = key("offset", COORDINATE_VECTOR, Toml("[0, 0, 0]"), "added to each centre, in f64");
+        SKIP_ROWS: Integer<i64> = key("skip_rows", Integer(0..=i64::MAX), Toml("0"), "rows that are left out at the beginning");
+        SKIP_BYTES: Integer<i64> = key("skip_bytes", Integer(0..=i64::MAX), Toml("0"), "bytes before the first row of a raw file");
     }
 }

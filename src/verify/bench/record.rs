@@ -16,6 +16,7 @@ use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::generate::{Arrangement, Recipe, scene_text, write_rows};
 use crate::geometry::{PathRay, Sphere, SphereSet};
+use crate::image_io::temp_folder;
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 use crate::scene::description::{
     BackgroundDescription, EnvironmentDescription, SceneDescription, SurfaceModel,
@@ -280,7 +281,7 @@ impl Record {
             "outside (15 %)",
             "other pixels"
         );
-        let folder = tempfile::tempdir().map_err(|e| Error::file("write", Path::new("."), e))?;
+        let folder = temp_folder()?;
         let (scene, settings) = read_text("fig2.toml", TINY, folder.path(), &[])?.build()?;
         text += &self.one_render("three and an emitter", &scene, settings, 64, Some(TINY_RATIO))?;
         let rendered = RENDERED.into_iter().filter(|(_, spheres, _)| *spheres <= self.max_spheres);

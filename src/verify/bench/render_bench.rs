@@ -194,7 +194,7 @@ image = { width = 12, height = 8 }
 render = { samples_per_pixel = 4 }
 camera = { position = [0, 0, 5], look_at = [0, 0, 0], vertical_fov_degrees = 40 }
 background = { radiance = [1, 1, 1] }
-materials.matt = { type = "diffuse", albedo = [0.5, 0.5, 0.5] }
+materials.diffuse = { type = "diffuse", albedo = [0.5, 0.5, 0.5] }
 spheres = [
   { center = [-0.8, 0, 0], radius = 0.9, material = "diffuse" },
   { center = [0.8, 0, 0], radius = 0.6, material = "diffuse" },

@@ -21,7 +21,7 @@ use crate::accel::{Accel, Backend, BuildOptions};
 use crate::draw::{CellColors, Cells};
 use crate::error::{Error, Result};
 use crate::film::Aov;
-use crate::image_io::Picture;
+use crate::image_io::{Picture, temp_folder};
 use crate::job::render_with_accel;
 use crate::scene::{Override, PreparedScene, read_text};
 use crate::task::CancelToken;
@@ -70,7 +70,7 @@ fn table_folder(form: &ClosedForm) -> Result<Option<TempDir>> {
         return Ok(None);
     }
     let io_error = |error| Error::file("write in", &std::env::temp_dir(), error);
-    let folder = tempfile::tempdir().map_err(io_error)?;
+    let folder = temp_folder()?;
     for (name, bytes) in form.tables {
         std::fs::write(folder.path().join(name), bytes).map_err(io_error)?;
     }
@@ -95,7 +95,7 @@ fn prepared(
 
 fn parse_override(pair: &str) -> Option<Override> {
     let (key, value) = pair.split_once('=')?;
-    Some(Override { option: pair.to_owned(), key: key.into(), value: value.into() })
+    Some(Override::new(key, value))
 }
 
 fn picture(prepared: &PreparedScene, accel: &dyn Accel, cancel: &CancelToken) -> Result<Picture> {

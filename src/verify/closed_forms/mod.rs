@@ -40,4 +40,5 @@ pub fn check(
     Check::new(CheckGroup::ClosedForms, name, move |cancel| {
         comparison::measure(form, &variant, backend, effort, &seed_name, cancel)
     })
+    .of_closed_form(form.name)
 }

@@ -11,6 +11,7 @@ mod list;
 mod many_lights;
 mod mirrors;
 mod uniform;
+mod visibility;
 
 pub use list::CLOSED_FORMS;
 
