@@ -16,7 +16,7 @@ impl Metadata {
             differences.push(format!("the program's version is {own}, not {other_value}"));
         }
         if self.intersector != other.intersector {
-            let (own, other_value) = (&self.intersector, &other.intersector);
+            let (own, other_value) = (self.intersector.name(), other.intersector.name());
             differences.push(format!("the intersector is {own}, not {other_value}"));
         }
         if self.job_identity != other.job_identity {
@@ -58,7 +58,7 @@ impl Metadata {
     pub fn program_differences(&self, other: &Self) -> Vec<String> {
         let program = |metadata: &Self| {
             let Self { version, commit, intersector, .. } = metadata;
-            [version.clone(), commit.clone(), intersector.to_string()]
+            [version.clone(), commit.clone(), intersector.name().to_owned()]
         };
         let names = ["version", "commit", "intersector"];
         let pairs = names.into_iter().zip(program(self).into_iter().zip(program(other)));

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::accel::{self, Backend, Intersector};
+use crate::accel::{self, Backend};
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::Aov;
@@ -45,7 +45,7 @@ pub struct Metadata {
     /// Identity of the computation. Samples whose scene and job identities are equal may be merged.
     pub job_identity: ContentHash,
     /// The intersector that found the hits.
-    pub intersector: Intersector,
+    pub intersector: Backend,
     /// The settings, with the picture's number of samples per pixel.
     pub settings: Settings,
     /// The sample indices of the pixels.
@@ -115,24 +115,23 @@ pub struct RunRecord {
 
 /// The data whose hash is the job identity.
 #[derive(Serialize)]
-struct CanonicalJob<'a> {
+struct CanonicalJob {
     encoding: u32,
     version: &'static str,
-    intersector: &'a Intersector,
+    intersector: Backend,
     settings: Settings,
 }
 
 impl Metadata {
     /// Metadata of a picture without samples.
     pub(super) fn new(prepared: &PreparedScene, backend: Backend) -> Self {
-        let intersector = Intersector::for_backend(backend);
         let scene = prepared.scene();
         Self {
             version: VERSION.to_owned(),
             commit: COMMIT.to_owned(),
             scene_identity: scene.content_hash(),
-            job_identity: job_identity(prepared.settings(), &intersector),
-            intersector,
+            job_identity: job_identity(prepared.settings(), backend),
+            intersector: backend,
             settings: *prepared.settings(),
             samples: SampleRange::first_n(0),
             counts: TileSampleCounts::default(),
@@ -244,7 +243,7 @@ pub(super) fn set_sample_count(settings: &mut Settings, samples: u32) {
 
 /// Hash of everything besides the scene that affects the value of a sample. The choice of pixels
 /// and samples is excluded.
-pub(super) fn job_identity(settings: &Settings, intersector: &Intersector) -> ContentHash {
+pub(super) fn job_identity(settings: &Settings, intersector: Backend) -> ContentHash {
     let mut settings = *settings;
     settings.image.crop = None;
     let render = &settings.render;

@@ -133,7 +133,7 @@ fn memory(recorded: &Metadata) -> u64 {
     let films = if recorded.parts.is_empty() { 1 } else { 2 };
     let picture = format.frame.pixel_count() as u64 * LAYER_PIXEL_BYTES * (layers.len() as u64 + 1);
     let spheres = recorded.scene.as_ref().map_or(0, inline_spheres);
-    let backends: &[Backend] = &[recorded.intersector.backend];
+    let backends: &[Backend] = &[recorded.intersector];
     let plan = MemoryPlan::for_spheres(spheres, backends, rayon::current_num_threads());
     plan.peak() + films * Film::bytes(&format) as u64 + picture
 }
@@ -145,7 +145,6 @@ fn inline_spheres(scene: &SceneDescription) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::Intersector;
     use crate::job::samples::MergedSamples;
     use crate::scene::{ContentHash, Settings};
 
@@ -158,7 +157,7 @@ mod tests {
             commit: String::new(),
             scene_identity: ContentHash::default(),
             job_identity: ContentHash::default(),
-            intersector: Intersector::for_backend(Backend::Native),
+            intersector: Backend::Native,
             settings,
             samples: SampleRange::first_n(64),
             counts: TileSampleCounts::default(),

@@ -129,7 +129,7 @@ fn choose_backend(recorded: &Metadata, options: &ReproduceOptions) -> Result<Bac
     if let Some(backend) = options.backend {
         return Ok(backend);
     }
-    let backend = recorded.intersector.backend;
+    let backend = recorded.intersector;
     if Backend::AVAILABLE.contains(&backend) {
         return Ok(backend);
     }

@@ -178,7 +178,7 @@ impl Session {
         let samples = job.sample_range()?;
         let prepared =
             self.pool.install(|| PreparedScene::new(state.prepared.scene(), job.settings))?;
-        let metadata = Metadata::new(&prepared, state.metadata.intersector.backend);
+        let metadata = Metadata::new(&prepared, state.metadata.intersector);
         let format =
             FilmFormat { first_sample: samples.start, ..format_for_scene(&prepared, &job.layers) };
         let format_before = state.film.format();

@@ -110,7 +110,7 @@ impl FileRecords {
         let metadata = &self.metadata;
         let text = match record.name.as_str() {
             "settings" => return settings_records(metadata),
-            "intersector" => Some(metadata.intersector.to_string()),
+            "intersector" => Some(metadata.intersector.name().to_owned()),
             "samples" => Some(metadata.samples_to_string()),
             "counts" => Some(metadata.counts.to_string()),
             "parts" => Some(format!("{}\n", metadata.parts)),

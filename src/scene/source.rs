@@ -30,7 +30,7 @@ use super::environment::EnvironmentPixels;
 use super::import::RowGroup;
 
 /// Version of the encoding; it changes with everything that the hash depends on.
-const ENCODING: u32 = 3;
+const ENCODING: u32 = 4;
 
 /// A BLAKE3 hash: 32 bytes, or 64 hexadecimal digits as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

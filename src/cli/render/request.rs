@@ -86,7 +86,7 @@ impl RenderRequest {
             memory_limit: None,
             // Keep the intersector: on another machine the automatic choice may differ.
             job: Job {
-                accel: BackendChoice::Only(header.metadata.intersector.backend),
+                accel: BackendChoice::Only(header.metadata.intersector),
                 ..header.job.clone()
             },
             has_settings_of_file: false,

@@ -125,8 +125,7 @@ impl MergedRender {
         let (scene, mut settings) = self.first.scene()?;
         settings.image.crop = self.metadata.settings.image.crop;
         let prepared = PreparedScene::new(&scene, settings)?;
-        let accel =
-            self.metadata.intersector.backend.build(scene.spheres(), &BuildOptions::default())?;
+        let accel = self.metadata.intersector.build(scene.spheres(), &BuildOptions::default())?;
         Ok(develop(&prepared, accel.as_ref(), &self.film, &self.layers))
     }
 }
