@@ -27,9 +27,9 @@ pub(super) struct MemoryNeeds<'a> {
 /// Fails with the memory needed, and with a cheaper option if there is one.
 pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64>) -> Result<()> {
     let MemoryNeeds { backends, kinds, besides } = *needs;
-    let (limit, whose) = match (limit, system::available_memory()) {
-        (Some(limit), _) => (limit, "more than the limit of"),
-        (None, Some(free)) => (free, "but there is free only"),
+    let (limit, has_limit) = match (limit, system::available_memory()) {
+        (Some(limit), _) => (limit, true),
+        (None, Some(free)) => (free, false),
         (None, None) => return Ok(()),
     };
     let peak = |backends: &[Backend], colors| {
@@ -41,7 +41,11 @@ pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64
         return Ok(());
     }
     let (needed, shown) = (print::bytes(needed), print::bytes(limit));
-    let message = format!("this would need {needed} of memory at its peak, {whose} {shown}");
+    let reason = match has_limit {
+        true => format!("more than the limit of {shown}"),
+        false => format!("but only {shown} is free"),
+    };
+    let message = format!("this needs {needed} of memory at its peak, {reason}");
     Err(Error::input(message).with_help(cheaper(file, backends, limit, &peak)))
 }
 
@@ -66,9 +70,9 @@ fn cheaper(
     let fitting = choices.iter().find(|(words, bytes)| !words.is_empty() && *bytes <= limit);
     match fitting {
         Some((words, bytes)) => {
-            format!("{} would need {}", words.trim_end(), print::bytes(*bytes))
+            format!("{} needs {}", words.trim_end(), print::bytes(*bytes))
         }
-        None => "nothing cheaper fits: thin the tables out, or render a smaller picture".to_owned(),
+        None => "no option makes it fit; use smaller tables or a smaller picture".to_owned(),
     }
 }
 

@@ -181,7 +181,7 @@ fn details(state: &ProgressState) -> String {
     let squares = state.squares.map(|[done, all]| format!("{done} of {all} squares done"));
     let left = match &state.left {
         Some(left) => format!("{left} left"),
-        None => "just begun".to_owned(),
+        None => "estimating the time left".to_owned(),
     };
     let words: Vec<String> =
         [Some(rate), error, squares, Some(left)].into_iter().flatten().collect();
@@ -207,7 +207,7 @@ mod tests {
             "25 % of 4.00 Msamples, 100 ksamples/s, error 2.34 %, 3 of 40 squares done, 30 s left";
         assert_eq!(line(&state), expected);
         let begun = ProgressState { samples_total: 4_000_000, ..ProgressState::default() };
-        assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, just begun");
+        assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, estimating the time left");
     }
 
     #[test]

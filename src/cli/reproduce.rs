@@ -37,7 +37,7 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
         return Ok(Exit::Done);
     }
     let mut words =
-        format!("`{}` comes out differently, in {}\n", path.display(), wrong.join(", "));
+        format!("`{}` differs when rendered again, in {}\n", path.display(), wrong.join(", "));
     words += &reasons(&said.program_differences(&again.metadata));
     words += &match is_png(path) {
         true => in_steps(&then, &now),
@@ -53,9 +53,8 @@ fn refuse_part(path: &Path) -> Result<()> {
         return Ok(());
     }
     let path = path.display();
-    Err(Error::input(format!("`{path}` is a part, and a part is no picture")).with_help(format!(
-        "make a picture of it first: photosphere merge '{path}' -o picture.exr"
-    )))
+    Err(Error::input(format!("`{path}` is a part, not a picture"))
+        .with_help(format!("merge it first: photosphere merge '{path}' -o picture.exr")))
 }
 
 fn render(args: &ReproduceArgs, said: &Metadata) -> Result<Reproduction> {
@@ -115,8 +114,8 @@ fn differing(then: &[RawChannel], now: &[RawChannel]) -> Vec<String> {
 /// Explains why the picture may differ.
 fn reasons(differences: &[String]) -> String {
     if differences.is_empty() {
-        return "nothing that is known differs in how it was made: the file was changed since, or this is a \
-                mistake of photosphere; please report it\n"
+        return "no difference is known in how it was made: the file was modified, or this is a bug in \
+                photosphere; please report it\n"
             .to_owned();
     }
     differences.iter().map(|difference| format!("  {difference}\n")).collect()

@@ -16,15 +16,15 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
     let header = Checkpoint::open(&args.file)?.header().clone();
     let unknown = || {
         let path = args.file.display();
-        Error::input(format!("`{path}` does not say where its picture goes"))
-            .with_help("a part that was merged has no such place; name one: -o picture.exr")
+        Error::input(format!("`{path}` does not record where its picture goes"))
+            .with_help("name the picture: -o picture.exr")
     };
     let is_named = !args.outputs.is_empty();
     let named = || is_named.then(OutputSpec::default);
     let delivery = header.delivery.clone().or_else(named).ok_or_else(unknown)?;
     let no_scene = || {
         let path = args.file.display();
-        Error::input(format!("`{path}` is of a scene that is in no file"))
+        Error::input(format!("the scene of `{path}` was not read from a file"))
             .with_help("resume it with the program that made it")
     };
     let mut request =
@@ -51,10 +51,10 @@ pub(super) fn run(args: &ResumeArgs) -> Result<Exit> {
 fn delivered(args: &ResumeArgs, mut delivery: OutputSpec) -> Result<OutputSpec> {
     if let Some(part) = args.outputs.iter().find(|file| is_part(file) && **file != args.file) {
         let (part, kept) = (part.display(), args.file.display());
-        let message = format!("`{part}` is a part, but the samples stay in `{kept}`");
-        return Err(Error::input(message).with_help(format!(
-            "name a picture; for another file with the samples, copy it: cp '{kept}' '{part}'"
-        )));
+        let message =
+            format!("the output `{part}` is a part, but the samples are saved in `{kept}`");
+        return Err(Error::input(message)
+            .with_help(format!("name a picture instead; to copy the part: cp '{kept}' '{part}'")));
     }
     if !args.outputs.is_empty() {
         delivery.files = args.outputs.iter().cloned().map(FilePath).collect();

@@ -164,10 +164,10 @@ fn read_table<T: Row>(
 pub(super) fn check_count(spheres: u64) -> Result<()> {
     if spheres > MAX_SPHERES {
         return Err(Error::input(format!(
-            "{spheres} spheres are more than the {MAX_SPHERES} that a scene can hold: their numbers \
+            "{spheres} spheres are more than the {MAX_SPHERES} that a scene can hold, because ids \
              have 32 bits"
         ))
-        .with_help("leave some tables out, or thin them out"));
+        .with_help("remove tables or rows"));
     }
     Ok(())
 }
@@ -181,8 +181,8 @@ fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, TableDiagnost
         return refused("is a folder".into(), "name the file with the rows");
     }
     if !metadata.is_file() {
-        let help = "its length must be known beforehand: write the rows into a file";
-        return refused("is not an ordinary file".into(), help);
+        let help = "the length must be known in advance: write the rows to a file";
+        return refused("is not a regular file".into(), help);
     }
     let (bytes, row) = (metadata.len(), row as u64);
     match (bytes / row, bytes % row) {
@@ -190,7 +190,7 @@ fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, TableDiagnost
         (rows, 0) => Ok(rows),
         (rows, over) => refused(
             format!(
-                "has {}, which is no whole number of rows: {} of {row} bytes and {} over",
+                "has {}, which is not a whole number of rows: {} of {row} bytes and {} left over",
                 pluralize(bytes, "byte"),
                 pluralize(rows, "row"),
                 pluralize(over, "byte"),

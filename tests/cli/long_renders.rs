@@ -104,7 +104,7 @@ fn ranges_that_do_not_fit_are_refused() {
     refused("0..40", &["must end on a multiple of 16, or at the last sample, 41", "try 0..41"]);
     refused("16..17", &["try 16..32"]);
     refused("32..64", &["end behind the last sample, of 41 per pixel", "per pixel: --spp 64"]);
-    desk.run("render scene.toml -o a.part --samples 9").fails(2, &["as in 0..64"]);
+    desk.run("render scene.toml -o a.part --samples 9").fails(2, &["such as 0..64"]);
     assert_eq!(desk.names(), ["scene.toml"]);
 }
 
@@ -197,7 +197,7 @@ fn a_merged_part_is_gone_on_with_by_naming_it() {
         desk.run(&format!("render scene.toml -o {range}.part --samples {range}")).succeeds();
     }
     desk.run("merge 0..16.part 16..32.part -o both.part").succeeds();
-    let words = ["`both.part` does not say where its picture goes", "-o picture.exr"];
+    let words = ["`both.part` does not record where its picture goes", "-o picture.exr"];
     desk.run("resume both.part").fails(3, &words);
     let options = "--checkpoint both.part --spp 73 --no-run-figures";
     desk.run(&format!("render scene.toml -o a.exr {options}")).succeeds();
@@ -213,7 +213,8 @@ fn resume_keeps_the_options_of_the_command_and_says_what_it_cannot_do() {
     let again = desk.run("resume a.state --extend-to 41 --json --quiet").succeeds();
     assert_eq!(again.stderr, "");
     assert_eq!(again.json()["threads"], 1);
-    let words = ["`b.part` is a part, but the samples stay in `a.state`", "cp 'a.state' 'b.part'"];
+    let words =
+        ["`b.part` is a part, but the samples are saved in `a.state`", "cp 'a.state' 'b.part'"];
     desk.run("resume a.state -o b.part").fails(3, &words);
     let told = desk.run("info a.state").succeeds();
     let way_on = told.row("resume");
@@ -239,7 +240,7 @@ fn a_render_goes_on_without_those_who_looked_on() {
     fs::remove_dir_all(desk.path().join("seen")).expect("it was there");
     let told = resume(48);
     assert!(told.starts_with("warning: cannot write `") && told.contains("seen` does not exist"));
-    assert!(told.contains("; the render goes on without it"), "{told}");
+    assert!(told.contains("; continuing without it"), "{told}");
     assert!(desk.path().join("a.exr").exists());
 }
 
@@ -491,7 +492,7 @@ fn merged_parts_that_begin_later_are_resumed() {
     }
     desk.run("merge 16-32.part 32-48.part -o n.part -q").succeeds();
     desk.run("resume n.part -q")
-        .fails(3, &["does not say where its picture goes", "-o picture.exr"]);
+        .fails(3, &["does not record where its picture goes", "-o picture.exr"]);
     desk.run("resume n.part -o z.pfm -q").succeeds();
     desk.run("render scene.toml -o one.pfm --spp 64 --samples 16..48 -q").succeeds();
     assert!(desk.read("z.pfm") == desk.read("one.pfm"), "other samples");

@@ -75,7 +75,7 @@ fn json_has_the_warnings_of_spheres_too() {
     let twin = &twin[..twin.find("[render]").expect("its end")];
     let desk = Desk::new(&format!("{SCENE}\n{}", twin.replace("ball", "twin")));
     let done = desk.run("render scene.toml -o a.png --accel native --json").succeeds();
-    let warning = "1 sphere left out: an earlier row is the same sphere after rounding to f32";
+    let warning = "1 sphere left out: after rounding to f32 each equals an earlier row";
     assert!(done.stderr.contains(&format!("warning: {warning}\n")), "{}", done.stderr);
     assert_eq!(done.json()["warnings"], serde_json::json!([warning]));
 }

@@ -141,8 +141,8 @@ fn what_differs_is_told_in_standard_errors() {
         fs::write(desk.path().join(name), bytes).expect("a file");
         let said = desk.run(&format!("reproduce {name} --quiet"));
         assert_eq!(said.code, Some(1), "{}", said.stderr);
-        assert!(said.stdout.contains(&format!("`{name}` comes out differently, in ")));
-        assert!(said.stdout.contains("nothing that is known differs"), "{}", said.stdout);
+        assert!(said.stdout.contains(&format!("`{name}` differs when rendered again, in ")));
+        assert!(said.stdout.contains("no difference is known"), "{}", said.stdout);
         let measure = if name == "a.exr" { "standard errors" } else { "of 255 steps" };
         assert!(said.stdout.contains(measure), "{}", said.stdout);
     }
@@ -199,11 +199,8 @@ fn pictures_that_say_nothing_cannot_be_reproduced() {
     image::RgbImage::new(2, 2).save(desk.path().join("foreign.png")).expect("a picture");
     desk.run("reproduce foreign.png").fails(3, &["`foreign.png` does not say how it was made"]);
     desk.run("reproduce missing.exr").fails(4, &["cannot read `missing.exr`"]);
-    desk.run("reproduce a.pfm").fails(3, &[".pfm files hold pixels only"]);
+    desk.run("reproduce a.pfm").fails(3, &[".pfm files hold only pixels"]);
     desk.run("render scene.toml -o a.part --accel native --quiet").succeeds();
-    let words = [
-        "`a.part` is a part, and a part is no picture",
-        "photosphere merge 'a.part' -o picture.exr",
-    ];
+    let words = ["`a.part` is a part, not a picture", "photosphere merge 'a.part' -o picture.exr"];
     desk.run("reproduce a.part").fails(3, &words);
 }

@@ -61,7 +61,7 @@ fn mistakes_in_backgrounds_say_what_to_do() {
         ),
         (
             &["background.sun={direction=[0,1,0],elevation_degrees=3,irradiance=[1,1,1]}"],
-            "`background.sun` has a direction and angles",
+            "`background.sun` has both a direction and angles",
         ),
         (&["background.gradient={zenith=[1,1,1]}"], "`background.gradient.horizon` is missing"),
         (&["background.up=[0,0,0]"], "`background.up` must not be [0, 0, 0]"),

@@ -132,13 +132,15 @@ fn the_file_must_be_there_and_whole() {
     let short = Desk::new().table("a.f32", COLUMNS, "diffuse").bytes("a.f32", &[0; 37]);
     assert_eq!(
         short.told(),
-        ["`a.f32` has 37 bytes, which is no whole number of rows: 2 rows of 16 bytes and 5 bytes \
-          over"]
+        [
+            "`a.f32` has 37 bytes, which is not a whole number of rows: 2 rows of 16 bytes and 5 bytes \
+          left over"
+        ]
     );
     assert_eq!(
         Desk::new().table("a.f32", COLUMNS, "diffuse").bytes("a.f32", &[0; 17]).told(),
         [
-            "`a.f32` has 17 bytes, which is no whole number of rows: 1 row of 16 bytes and 1 byte over"
+            "`a.f32` has 17 bytes, which is not a whole number of rows: 1 row of 16 bytes and 1 byte left over"
         ]
     );
 }
@@ -147,7 +149,7 @@ fn the_file_must_be_there_and_whole() {
 #[test]
 fn an_endless_file_is_refused() {
     let endless = Desk::new().table("/dev/zero", COLUMNS, "diffuse");
-    assert_eq!(endless.told(), ["`/dev/zero` is not an ordinary file"]);
+    assert_eq!(endless.told(), ["`/dev/zero` is not a regular file"]);
 }
 
 #[test]
@@ -199,14 +201,14 @@ fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
     assert_told(
         &values,
         "`a.f32`: row 300000 (the first is 0) has radius = -1.0 at byte 4800012; it must be \
-         from 1e-15 to 1e15; 2 more rows are wrong",
+         from 1e-15 to 1e15; 2 more rows are invalid",
     );
     let two = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0];
     let scene = Desk::new().table("a.f32", COLUMNS, "diffuse").values("a.f32", &two);
-    assert!(scene.told()[0].ends_with("from 1e-15 to 1e15; 1 more row is wrong"));
+    assert!(scene.told()[0].ends_with("from 1e-15 to 1e15; 1 more row is invalid"));
     let mistake = scene.load().expect_err("a mistake").diagnostics()[0].clone();
     let help = mistake.help.expect("a help");
-    assert!(help.starts_with("a row is 4 little-endian f32 numbers, as `columns` says"), "{help}");
+    assert!(help.contains("a row is 4 little-endian f32 numbers"), "{help}");
 }
 
 #[test]
@@ -272,7 +274,7 @@ fn packed_colours_are_nearly_the_same() {
 fn only_tables_with_colours_say_how_they_are_kept() {
     let mut scene = Desk::new().table("a.f32", COLUMNS, "diffuse").values("a.f32", &[0.0; 4]);
     scene.text += "colors = \"packed\"\n";
-    assert_eq!(scene.told(), ["`sphere_tables.0.colors` is for tables with colours"]);
+    assert_eq!(scene.told(), ["`sphere_tables.0.colors` applies only to tables with colours"]);
 }
 
 #[test]

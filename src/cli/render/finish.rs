@@ -76,7 +76,7 @@ impl RenderFinisher<'_> {
             self.keep.map(|keep| self.errand_of(keep, reached)).into_iter().collect();
         let help = self.keep.map(|keep| {
             let path = keep.path.display();
-            format!("the samples are safe: photosphere resume '{path}' writes it again")
+            format!("the samples are saved; to write it again: photosphere resume '{path}'")
         });
         let pictures = self.outputs.pictures().iter().map(|file| SaveTask {
             path: file.path.clone(),

@@ -249,11 +249,11 @@ impl CheckpointTarget {
         let path = match (&request.checkpoint, outputs.part()) {
             (Some(checkpoint), Some(part)) if checkpoint != part => {
                 let message = format!(
-                    "`{}` is kept as a checkpoint already, so there is no need of `{}`",
+                    "`{}` is its own checkpoint, so `{}` is not needed",
                     part.display(),
                     checkpoint.display()
                 );
-                return Err(Error::input(message).with_help("leave out --checkpoint"));
+                return Err(Error::input(message).with_help("remove --checkpoint"));
             }
             (Some(path), _) => path.clone(),
             (None, Some(path)) => path.to_path_buf(),
@@ -281,7 +281,7 @@ pub(super) fn about_spheres(spheres: &SphereSet) -> Vec<String> {
     let mut warnings = Vec::new();
     if spheres.duplicates() > 0 {
         warnings.push(format!(
-            "{} left out: an earlier row is the same sphere after rounding to f32",
+            "{} left out: after rounding to f32 each equals an earlier row",
             print::count(spheres.duplicates(), "sphere"),
         ));
     }

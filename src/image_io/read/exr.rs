@@ -51,10 +51,10 @@ fn check_header(path: &Path, length: u64) -> Result<(), String> {
         let channels = &header.channels.list;
         check_samples(size.0 as u64, size.1 as u64, channels.len() as u64)?;
         if channels.iter().any(|channel| channel.sampling.0 != 1 || channel.sampling.1 != 1) {
-            return Err("it has channels of fewer pixels (chroma), which are not read".to_owned());
+            return Err("it has subsampled channels, which are not supported".to_owned());
         }
         if header.total_pixel_bytes() as u64 / MAX_ZIP_RATIO > length {
-            return Err("it is shorter than its header promises".to_owned());
+            return Err("it is shorter than its header says".to_owned());
         }
     }
     Ok(())

@@ -52,7 +52,7 @@ pub(super) fn check_samples(width: u64, height: u64, channels: u64) -> Result<()
     }
     match width.checked_mul(height).and_then(|pixels| pixels.checked_mul(channels)) {
         Some(samples) if samples <= MAX_SAMPLES => Ok(()),
-        _ => Err(format!("{width} x {height} pixels are more than can be held")),
+        _ => Err(format!("{width} x {height} pixels are too many")),
     }
 }
 

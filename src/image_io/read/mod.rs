@@ -46,7 +46,7 @@ pub fn read_image(path: &Path) -> Result<LayeredImage> {
         FileFormat::Hdr => pixels::read_hdr(path),
     };
     let layered = layered.map_err(|reason| {
-        trouble(reason).with_help("is it whole, and what its name says? Another program may tell")
+        trouble(reason).with_help("check that the file is complete and that its extension is right")
     })?;
     let count = layered.width * layered.height;
     debug_assert!(layered.layers.iter().all(|layer| layer.pixels.len() == count));
@@ -121,10 +121,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.pfm");
         fs::write(&path, "PF\n4000000000 4000000000\n-1.0\n").unwrap();
-        assert!(read_image(&path).unwrap_err().to_string().contains("more than can be held"));
+        assert!(read_image(&path).unwrap_err().to_string().contains("too many"));
         let path = folder.path().join("a.hdr");
         let header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4000000 +X 4000000\n";
         fs::write(&path, header).unwrap();
-        assert!(read_image(&path).unwrap_err().to_string().contains("more than can be held"));
+        assert!(read_image(&path).unwrap_err().to_string().contains("too many"));
     }
 }

@@ -19,14 +19,14 @@ struct PfmHeader {
 pub(super) fn read(path: &Path, length: u64) -> Result<LayeredImage, String> {
     // Four bytes for each sample allowed, and a header.
     if length > 4 * MAX_SAMPLES + 4096 {
-        return Err("it is larger than any picture that can be held".to_owned());
+        return Err("it is too large".to_owned());
     }
     let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
     let PfmHeader { width, height, channels, is_little_endian, length } = header(&bytes)?;
     let expected = 4 * width * height * channels;
     let found = bytes.len() - length;
     if found < expected {
-        return Err(format!("{expected} bytes must follow its header, and {found} do"));
+        return Err(format!("{expected} bytes must follow its header, but {found} do"));
     }
     let float = |b: &[u8]| {
         let b = [b[0], b[1], b[2], b[3]];
@@ -51,7 +51,7 @@ fn header(bytes: &[u8]) -> Result<PfmHeader, String> {
     };
     let mut words = [""; 4];
     for place in &mut words {
-        *place = word().ok_or("it has no header of a portable float map")?;
+        *place = word().ok_or("it has no PFM header")?;
     }
     let [kind, width, height, scale] = words;
     let channels = match kind {
@@ -60,10 +60,10 @@ fn header(bytes: &[u8]) -> Result<PfmHeader, String> {
         _ => return Err("it does not begin with PF or Pf".to_owned()),
     };
     let size =
-        |word: &str| word.parse::<u32>().map_err(|_| format!("its size `{word}` is no number"));
+        |word: &str| word.parse::<u32>().map_err(|_| format!("its size `{word}` is not a number"));
     let (width, height) = (size(width)?, size(height)?);
     check_samples(width.into(), height.into(), channels as u64)?;
-    let scale: f32 = scale.parse().map_err(|_| format!("its scale `{scale}` is no number"))?;
+    let scale: f32 = scale.parse().map_err(|_| format!("its scale `{scale}` is not a number"))?;
     if scale == 0.0 || !scale.is_finite() {
         return Err(format!("its scale is {scale}"));
     }

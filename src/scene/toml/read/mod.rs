@@ -69,7 +69,9 @@ fn read_format(root: &Table<'_>) {
         return;
     };
     if format != FORMAT {
-        let message = format!("this is format {format}; this photosphere reads format {FORMAT}");
+        let message = format!(
+            "format {format} is not supported; this version of photosphere reads format {FORMAT}"
+        );
         root.error_at("format", message, None);
     }
 }
@@ -123,8 +125,8 @@ fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path
     let lacks_colors =
         columns.as_ref().is_some_and(|columns| !columns.iter().any(|column| column.is_color()));
     if colors.is_some() && lacks_colors {
-        let message = format!("`{}` is for tables with colours", table.path_to("colors"));
-        let help = "drop it, or add r, g and b to `columns`".to_owned();
+        let message = format!("`{}` applies only to tables with colours", table.path_to("colors"));
+        let help = "remove it, or add r, g and b to `columns`".to_owned();
         table.error_at("colors", message, help);
     }
     let usual = vec![Column::X, Column::Y, Column::Z, Column::Radius];
