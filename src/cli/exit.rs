@@ -48,8 +48,8 @@ Exit codes:
        or render or merge did not reach --noise (the picture is written)
   2    the command line is invalid: an unknown option, or a missing or invalid
        value
-  3    the scene, a table or the value of an option is invalid, a table cannot be
-       read, or pictures cannot be compared
+  3    the scene, a table or the value of an option is invalid, a table cannot
+       be read, or pictures cannot be compared
   4    another file could not be read or written
   5    the intersector is missing or failed
   101  a bug in photosphere; please report it. render has written the samples so

@@ -88,7 +88,7 @@ fn tables_follow_each_other_behind_the_exact_spheres() {
         .table("b.f32", COLORED, "diffuse")
         .values("a.f32", &[1.0, 2.0, 3.0, 0.5, 4.0, 5.0, 6.0, 0.25])
         .values("b.f32", &[0.0, 0.5, 1.0, 0.125, 9.0, 8.0, 7.0]);
-    scene.text += "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nmaterial = \"matt\"\n";
+    scene.text += "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nmaterial = \"diffuse\"\n";
     let scene = scene.load().expect("good tables");
     let rows =
         [[0.0, 0.0, 0.0, 1.0], [1.0, 2.0, 3.0, 0.5], [4.0, 5.0, 6.0, 0.25], [7.0, 8.0, 9.0, 0.125]];
