@@ -54,8 +54,8 @@ Exit codes:
   5    the intersector is missing or failed
   101  a bug in photosphere; please report it. render has written the samples so
        far, if any
-  130  stopped by Ctrl-C, SIGTERM, SIGHUP, SIGXCPU or SIGUSR2; render has written
-       the samples so far, if any";
+  130  stopped by Ctrl-C, SIGTERM, SIGHUP, SIGXCPU or SIGUSR2; render has
+       written the samples so far, if any";
 
 impl Exit {
     pub(super) fn of(error: &Error) -> Self {
