@@ -118,7 +118,7 @@ fn a_checkpoint_calls_nobody_and_reads_ordinary_files() {
     assert_eq!(called, Err(std::io::ErrorKind::WouldBlock));
 
     mislead(&desk, |header| header["source"]["file"] = json!("/dev/zero"));
-    let words = ["cannot read the scene `/dev/zero`: it is not an ordinary file", "--scene FILE"];
+    let words = ["cannot read the scene `/dev/zero`: it is not a regular file", "--scene FILE"];
     desk.run("resume kept/a.state").fails(4, &words);
 }
 

@@ -175,14 +175,14 @@ fn a_numpy_file_that_does_not_fit_is_told() {
         "'<f4'",
         "(2, 4)",
         &four,
-        "`a.npy` has 16 bytes behind its header, which promises 2 rows of 16 bytes",
+        "`a.npy` has 16 bytes after its header, which promises 2 rows of 16 bytes",
     );
     told(
         COLUMNS,
         "'<f4'",
         "(9999999999999, 9999999999999)",
         &four,
-        "`a.npy` has 16 bytes behind its header, which promises 9999999999999 rows of \
+        "`a.npy` has 16 bytes after its header, which promises 9999999999999 rows of \
          39999999999996 bytes",
     );
     told(
@@ -190,7 +190,7 @@ fn a_numpy_file_that_does_not_fit_is_told() {
         "'<f4'",
         "(9223372036854775807, 9223372036854775807)",
         &four,
-        "`a.npy` has 16 bytes behind its header, which promises 9223372036854775807 rows of too \
+        "`a.npy` has 16 bytes after its header, which promises 9223372036854775807 rows of too \
          many bytes",
     );
     told(COLUMNS, "'<f4'", "(0, 4)", &[], "`a.npy` has no rows");
