@@ -136,5 +136,5 @@ fn a_scene_that_has_moved_is_named_and_must_be_the_same() {
     let other = SCENE.replace("0.2, 0.6, 0.2", "0.3, 0.6, 0.2");
     fs::write(desk.path().join("other.toml"), other).expect("a scene");
     desk.run("resume kept/a.state --extend-to 64 --scene other.toml")
-        .fails(3, &["it is of another render: `materials.grass.albedo` is"]);
+        .fails(3, &["it belongs to another render: `materials.grass.albedo` is"]);
 }

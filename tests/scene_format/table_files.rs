@@ -278,7 +278,7 @@ fn an_offset_is_added_in_f64() {
     description.tables[0].data = SphereData::Memory(SphereArrays::from_rows(rows));
     assert_eq!(Scene::build(description).expect("good values").content_hash(), of_file);
     let said = "`a.f32`: row 0 (the first is 0) has x = 0.1 at byte 0, which `offset` moves to \
-                1000000000000000.1; it must be from -1e15 to 1e15; 1 more row is wrong";
+                1000000000000000.1; it must be from -1e15 to 1e15; 1 more row is invalid";
     let told = with("[1e15, 0, 0]").told();
     assert!(told[0].contains("which `offset` moves to"), "{told:?} {said}");
     assert!(with("[2e15, 0, 0]").told()[0].starts_with("`sphere_tables.0.offset` must be"));

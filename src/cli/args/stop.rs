@@ -13,8 +13,8 @@ use super::values::{confidence, duration, noise};
 /// When the picture is good enough.
 #[derive(Args, Debug)]
 pub struct StopArgs {
-    /// Render each tile of 16 x 16 pixels until its relative error is below this, such as 1% or 0.01
-    /// (docs/stopping.md)
+    /// Render each tile of 16 x 16 pixels until its relative error is below this, such as 1% or
+    /// 0.01 (docs/stopping.md)
     #[arg(long, value_name = "ERROR", value_parser = noise, conflicts_with = "spp", allow_hyphen_values = true)]
     pub noise: Option<f64>,
 
