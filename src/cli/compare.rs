@@ -84,7 +84,9 @@ fn read(args: &CompareArgs) -> Result<ImagePair> {
                 other.width,
                 other.height
             ))
-            .with_help("only pictures of one size can be compared; render both with one --size"));
+            .with_help(
+                "compared pictures must have the same size; render both with the same --size",
+            ));
         }
     }
     Ok(ImagePair { a, b, twin })
@@ -96,8 +98,8 @@ fn layers(pair: &ImagePair, asked: &[String]) -> Result<Vec<String>> {
     let common = pair.common();
     let in_both = |name: &str| pair.a.layer(name).is_some() && pair.b.layer(name).is_some();
     if let Some(missing) = asked.iter().find(|name| !in_both(name)) {
-        let error = Error::input(format!("not both pictures have a layer `{missing}`"));
-        return Err(error.with_help(format!("both have: {}", common.join(", "))));
+        let error = Error::input(format!("the layer `{missing}` is not in both pictures"));
+        return Err(error.with_help(format!("layers in both: {}", common.join(", "))));
     }
     let comparable = pair.comparable();
     if !common.is_empty() && comparable.is_empty() && asked.is_empty() {
@@ -146,12 +148,12 @@ pub(super) fn check_finite(
         if let Some((count, first)) = layer.count_non_finite() {
             let (x, y) = (first % picture.width, first / picture.width);
             return Err(Error::input(format!(
-                "`{}` has {} that are infinite or not a number in its layer `{}`, the first at {x}, {y}",
+                "`{}` has {} that are infinite or not a number in layer `{}`, the first at {x},{y}",
                 path.display(),
                 print::count(count, "pixel"),
                 layer.name,
             ))
-            .with_help("no difference can be computed from them; choose others with --layer"));
+            .with_help("their error is undefined; choose other layers with --layer"));
         }
     }
     Ok(())

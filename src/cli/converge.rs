@@ -77,12 +77,12 @@ fn converge(args: &ConvergeArgs, file: AtomicFile) -> Result<Exit> {
 /// Returns the error that explains why there is nothing to plot.
 fn nothing_to_plot(reference: &Reference, metric: ErrorMetric) -> Error {
     match reference.noise(metric) {
-        Some(0.0) | None => Error::input(
-            "every picture equals the reference: there is no error to plot",
-        )
-        .with_help("each sample of this scene gives the same, so it needs one; try another scene"),
+        Some(0.0) | None => {
+            Error::input("every picture equals the reference: there is no error to plot")
+                .with_help("every sample of this scene has the same value; try another scene")
+        }
         Some(_) => Error::input("there is no error above the reference's own noise to plot")
-            .with_help("make the reference better with --reference-spp"),
+            .with_help("raise --reference-spp"),
     }
 }
 
@@ -140,7 +140,7 @@ fn read_reference(path: &Path, image: &ImageSettings) -> Result<Reference> {
         .with_help(format!("add --size {}x{}", picture.width, picture.height)));
     }
     let beauty = picture.layer(BEAUTY).ok_or_else(|| {
-        Error::input(format!("`{}` has no layer for the whole picture", path.display()))
+        Error::input(format!("`{}` has no beauty layer (channels R, G, B)", path.display()))
     })?;
     let variance = picture.layer("variance").map(|layer| layer.pixels.as_slice());
     Ok(Reference::from_picture(beauty.pixels.clone(), variance))
@@ -238,8 +238,8 @@ fn must_share_a_mean(integrators: &[String], reference: &str) -> Result<()> {
             "`{other}` and `{reference}` converge to different pictures: no reference serves both"
         ))
         .with_help(
-            "compare them one by one, or say with --reference-integrator NAME or --reference FILE \
-             which picture is right",
+            "compare them one by one, or choose the correct picture with --reference-integrator NAME \
+             or --reference FILE",
         )),
     }
 }

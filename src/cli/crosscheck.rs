@@ -94,10 +94,9 @@ fn about_ambiguity(of_scene: &CrosscheckResult) -> Option<String> {
     let share = of_scene.ambiguous_fraction();
     (share > TOLERABLE_AMBIGUITY).then(|| {
         format!(
-            "{:.1} % of the answers of `{}` to rays of the camera and their bounces are ambiguous: \
-             spheres so small, for how far away they are, that its rounding may exchange \
-             neighbours and blur outlines. Render such a scene with `--accel native`, which computes \
-             in f64",
+            "{:.1} % of the answers of `{}` to camera rays and their bounces are ambiguous: the \
+             spheres are so small for their distance that its rounding may swap neighbours and blur \
+             outlines. Render this scene with `--accel native`, which decides in f64",
             100.0 * share,
             of_scene.name,
         )
@@ -152,8 +151,8 @@ fn table(results: &[CrosscheckResult]) -> String {
         text += &row(COLUMNS, [&result.name, a, b, c, d, e, f, g, h, i, j, &error]);
     }
     let failures: usize = results.iter().map(CrosscheckResult::failures).sum();
-    text += "passed over: those of the ambiguous that lie behind another sphere\n\
-             t error: the largest error of a distance, in units of what is allowed\n";
+    text += "passed over: ambiguous answers behind another sphere\n\
+             t error: the largest error of a distance, relative to the tolerance\n";
     text += &match failures {
         0 => "every answer is within the stated tolerance\n".to_owned(),
         _ => format!("{} beyond the stated tolerance\n", print::count(failures, "answer")),
@@ -181,8 +180,8 @@ fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
 }
 
 /// Explanation at the head of a dump.
-const ABOUT_DUMP: &str = "spheres by their ids, and behind them what they are in the scene: rows count \
-    from 0 through [[spheres]] and then the tables";
+const ABOUT_DUMP: &str = "spheres by id, followed by their rows in the scene, counted from 0 through \
+    [[spheres]] and then the tables";
 
 fn write_dump(to: File, results: &[CrosscheckResult], scene: &Scene) -> std::io::Result<()> {
     let mut to = BufWriter::new(to);

@@ -23,7 +23,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
                 option.option().join(" "),
                 args.scene.path.display()
             );
-            return Err(Error::input(message).with_help("leave it out"));
+            return Err(Error::input(message).with_help("remove the option"));
         }
         let records = FileRecords::read(&args.scene.path)?;
         match args.json {

@@ -57,7 +57,7 @@ pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64
             format!("but the limit of the {name} (ulimit {option}) leaves only {shown}")
         }
     };
-    let message = format!("this would need {needed} of memory at its peak, {reason}");
+    let message = format!("this needs {needed} of memory at its peak, {reason}");
     Err(Error::input(message).with_help(cheaper(file, backends, limit, &peak)))
 }
 
@@ -87,9 +87,9 @@ fn cheaper(
     let fitting = choices.iter().find(|(words, bytes)| !words.is_empty() && *bytes <= limit);
     match fitting {
         Some((words, bytes)) => {
-            format!("{} would need {}", words.trim_end(), print::bytes(*bytes))
+            format!("{} needs {}", words.trim_end(), print::bytes(*bytes))
         }
-        None => "nothing cheaper fits: thin the tables out, or render a smaller picture".to_owned(),
+        None => "no option makes it fit; use smaller tables or a smaller picture".to_owned(),
     }
 }
 

@@ -54,7 +54,7 @@ fn write(
         let parts = print::count(args.parts.len(), "part");
         let files = outputs::in_words(&args.output.files);
         let samples = merged.metadata.samples_to_string();
-        print::note(format_args!("wrote {files}, samples {samples} of {parts}"));
+        print::note(format_args!("wrote {files}, samples {samples} from {parts}"));
     }
     Ok(())
 }

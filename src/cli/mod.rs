@@ -3,7 +3,7 @@
 //! Only this module prints. Every command returns an `Exit` or an error. Both become the exit code
 //! here, and an error is printed here, once.
 
-#[allow(unreachable_pub, reason = "the arguments are read all over this room")]
+#[allow(unreachable_pub, reason = "the arguments are read throughout this module")]
 mod args;
 mod bench;
 mod compare;

@@ -48,7 +48,9 @@ impl Outputs {
                 if let Some(earlier) = part.replace(path.clone()) {
                     let (a, b) = (earlier.display(), path.display());
                     let message = format!("`{a}` and `{b}` are both parts");
-                    return Err(Error::input(message).with_help("one holds all there is"));
+                    return Err(
+                        Error::input(message).with_help("remove one; a part holds everything")
+                    );
                 }
                 continue;
             }
@@ -125,7 +127,7 @@ fn check_streams(delivery: &OutputSpec, stdout: Option<FileFormat>) -> Result<()
         return refused("the standard output is a terminal, which shows no picture", help);
     }
     if stdout.is_some() && !has(is_stdout) {
-        let help = "the ending of a file's name chooses its format";
+        let help = "the extension of a file name chooses its format";
         return refused("`--format` is for the standard output, `-o -`", help);
     }
     Ok(())
@@ -137,7 +139,7 @@ pub(super) fn refuse_streams(files: &[PathBuf]) -> Result<()> {
         return Ok(());
     };
     Err(Error::input(format!("`-o {}` names no file", stream.display()))
-        .with_help("name a picture, as in -o picture.exr"))
+        .with_help("name a picture, such as -o picture.exr"))
 }
 
 /// Returns the plain paths.
@@ -158,7 +160,7 @@ pub(super) fn refuse_duplicate_paths(files: &[(&str, &Path)]) -> Result<()> {
         let (first_option, first) = files[earlier];
         let (first, file) = (first.display(), file.display());
         let message = format!("{first_option} {first} and {option} {file} are the same file");
-        return Err(Error::input(message).with_help("leave one out, or give it another name"));
+        return Err(Error::input(message).with_help("remove one, or give it another name"));
     }
     Ok(())
 }
@@ -213,9 +215,8 @@ fn refuse_layers_without_place(layers: &[Aov], files: &[PictureFile]) -> Result<
     };
     let Some(homeless) = layers.iter().find(|kind| !has_place(kind)) else { return Ok(()) };
     let (layer, names) = (homeless.info().name, quoted(files));
-    let verb = if files.len() == 1 { "has" } else { "have" };
-    Err(Error::input(format!("{names} {verb} no place for the layer `{layer}`"))
-        .with_help("layers go into .exr files; name one beside it where you want both"))
+    Err(Error::input(format!("{names} cannot hold the layer `{layer}`"))
+        .with_help("layers need an .exr file; add one: -o a.exr"))
 }
 
 fn quoted(files: &[PictureFile]) -> String {
@@ -237,12 +238,10 @@ fn refuse_look_without_screen(delivery: &OutputSpec, files: &[PictureFile]) -> R
     if files.iter().any(|file| file.is_display_referred()) {
         return Ok(());
     }
-    let verb = if delivery.files.len() == 1 { "holds" } else { "hold" };
+    let verb = if delivery.files.len() == 1 { "is" } else { "are" };
     let names: Vec<String> =
         delivery.files.iter().map(|FilePath(path)| format!("`{}`", path.display())).collect();
     let names = names.join(" and ");
-    Err(Error::input(format!(
-        "`{option}` is for .png files, but {names} {verb} light, which stays as it is"
-    ))
-    .with_help("name a .png file, beside it where you want both: -o a.exr -o a.png"))
+    Err(Error::input(format!("`{option}` applies only to .png files, and {names} {verb} not"))
+        .with_help("add a .png file: -o a.exr -o a.png"))
 }

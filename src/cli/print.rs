@@ -14,7 +14,7 @@ use crate::draw::printable::{printable, printable_json, printable_line};
 
 pub(super) use crate::draw::text::{count, field, percent, row, si};
 
-/// Prints a result. A closed pipe (`photosphere info x | head -1`) is no failure.
+/// Prints a result. A closed pipe, as in `photosphere info x | head -1`, is no failure.
 ///
 /// # Errors
 /// If the standard output cannot be written for any other reason, such as a full disk.

@@ -183,7 +183,7 @@ fn details(state: &ProgressState) -> String {
     let tiles = state.tiles.map(|[done, all]| format!("{done} of {all} tiles converged"));
     let left = match &state.left {
         Some(left) => format!("{left} left"),
-        None => "just begun".to_owned(),
+        None => "estimating the time left".to_owned(),
     };
     let words: Vec<String> = [Some(rate), error, tiles, Some(left)].into_iter().flatten().collect();
     words.join(", ")
@@ -207,7 +207,7 @@ mod tests {
         let expected = "25 % of 4.00 Msamples, 100 ksamples/s, error 2.34 %, 3 of 40 tiles converged, 30 s left";
         assert_eq!(line(&state), expected);
         let begun = ProgressState { samples_total: 4_000_000, ..ProgressState::default() };
-        assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, just begun");
+        assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, estimating the time left");
     }
 
     #[test]

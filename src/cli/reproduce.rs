@@ -44,7 +44,7 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
         return Ok(Exit::Done);
     }
     let mut words =
-        format!("`{}` comes out differently, in {}\n", path.display(), wrong.join(", "));
+        format!("`{}` differs when rendered again, in {}\n", path.display(), wrong.join(", "));
     words += &reasons(&said.program_differences(&again.metadata));
     words += &match is_png(path) {
         true => describe_in_steps(&then, &now),
@@ -60,47 +60,48 @@ fn refuse_part(path: &Path) -> Result<()> {
         return Ok(());
     }
     let (shown, path) = (path.display(), print::shell_path(path));
-    Err(Error::input(format!("`{shown}` is a part, and a part is no picture"))
-        .with_help(format!("make a picture of it first: photosphere merge {path} -o picture.exr")))
+    Err(Error::input(format!("`{shown}` is a part, not a picture"))
+        .with_help(format!("merge it first: photosphere merge {path} -o picture.exr")))
 }
 
-/// Says how much work it is, and refuses too much of it.
+/// Prints how much work a reproduction is, and refuses too much of it.
 fn allow(args: &ReproduceArgs, cost: &ReproductionCost) -> Result<()> {
     let ReproductionCost { pixels, samples, memory } = *cost;
     let path = args.picture.display();
     if samples > args.max_samples {
         let message = format!(
-            "`{path}` says that it took {samples} samples in {pixels} pixels, and at most {} are \
-             rendered unless more are asked for",
+            "`{path}` records {samples} samples in {pixels} pixels, but at most {} are rendered \
+             unless you allow more",
             args.max_samples
         );
-        let help = format!("if you trust it and have the time: --max-samples {samples}");
+        let help = format!("if you trust the picture and have the time: --max-samples {samples}");
         return Err(Error::input(message).with_help(help));
     }
     let available = || memory_limits::free().map(|free| free.bytes);
     if let Some(limit) = args.memory.limit.or_else(available) {
         if memory > limit {
             let (needed, limit) = (print::bytes(memory), print::bytes(limit));
-            let message = format!("`{path}` would need {needed} of memory, more than {limit}");
-            return Err(Error::input(message).with_help("it takes a larger machine"));
+            let message = format!("`{path}` needs {needed} of memory, more than {limit}");
+            return Err(Error::input(message).with_help("use a machine with more memory"));
         }
     }
     if !args.quiet {
         let all = print::count(pixels as usize, "pixel");
         let samples = print::count(samples as usize, "sample");
-        print::note(format_args!("rendering it again: {all}, {samples}"));
+        print::note(format_args!("re-rendering {all}, {samples}"));
     }
     Ok(())
 }
 
-/// Refuses a picture of another size than its record says: nothing could agree.
+/// Refuses a picture whose size differs from its record: no pixel could agree.
 fn refuse_other_size(path: &Path, cost: &ReproductionCost, then: &[RawChannel]) -> Result<()> {
     let Some(other) = then.iter().find(|channel| channel.bits.len() as u64 != cost.pixels) else {
         return Ok(());
     };
     let (path, pixels, said) = (path.display(), other.bits.len(), cost.pixels);
-    let message = format!("`{path}` has {pixels} pixels, but was made with {said}");
-    Err(Error::input(message).with_help("another program has resized it, or changed its record"))
+    let message = format!("`{path}` has {pixels} pixels, but records {said}");
+    Err(Error::input(message)
+        .with_help("another program resized the picture or changed its record"))
 }
 
 fn render(args: &ReproduceArgs, said: &Metadata) -> Result<Reproduction> {
@@ -160,8 +161,8 @@ fn differing(then: &[RawChannel], now: &[RawChannel]) -> Vec<String> {
 /// Explains why the picture may differ.
 fn reasons(differences: &[String]) -> String {
     if differences.is_empty() {
-        return "nothing that is known differs in how it was made: the file was changed since, or this is a \
-                mistake of photosphere; please report it\n"
+        return "no difference is known in how it was made: the file was modified, or this is a bug in \
+                photosphere; please report it\n"
             .to_owned();
     }
     differences.iter().map(|difference| format!("  {difference}\n")).collect()

@@ -49,7 +49,7 @@ fn scene(args: &ResumeArgs, header: &CheckpointHeader) -> Result<PathBuf> {
     }
     let Some(scene) = header.source.as_ref().and_then(|source| source.file.clone()) else {
         let path = args.file.display();
-        let message = format!("`{path}` is of a scene that is in no file");
+        let message = format!("the scene of `{path}` was not read from a file");
         return Err(Error::input(message).with_help(
             "name a file of that scene with --scene, or resume it with the program that made it",
         ));
@@ -59,7 +59,7 @@ fn scene(args: &ResumeArgs, header: &CheckpointHeader) -> Result<PathBuf> {
     };
     match scene.metadata() {
         Ok(found) if found.is_file() => Ok(scene),
-        Ok(_) => Err(refused("it is not an ordinary file".to_owned())),
+        Ok(_) => Err(refused("it is not a regular file".to_owned())),
         Err(e) => Err(refused(e.to_string())),
     }
 }
@@ -68,11 +68,11 @@ fn scene(args: &ResumeArgs, header: &CheckpointHeader) -> Result<PathBuf> {
 fn outputs(args: &ResumeArgs, recorded: Option<OutputSpec>) -> Result<OutputSpec> {
     if let Some(part) = args.outputs.iter().find(|file| is_part(file) && **file != args.file) {
         let (shown, kept) = (part.display(), args.file.display());
-        let message = format!("`{shown}` is a part, but the samples stay in `{kept}`");
+        let message =
+            format!("the output `{shown}` is a part, but the samples are saved in `{kept}`");
         let [part, kept] = [part, &args.file].map(|file| print::shell_path(file));
-        return Err(Error::input(message).with_help(format!(
-            "name a picture; for another file with the samples, copy it: cp {kept} {part}"
-        )));
+        return Err(Error::input(message)
+            .with_help(format!("name a picture instead; to copy the part: cp {kept} {part}")));
     }
     let mut outputs = recorded.unwrap_or_default();
     if !args.outputs.is_empty() {
@@ -89,8 +89,8 @@ fn outputs(args: &ResumeArgs, recorded: Option<OutputSpec>) -> Result<OutputSpec
     }
     if outputs.files.is_empty() {
         let path = args.file.display();
-        let message = format!("`{path}` does not say where its picture goes");
-        return Err(Error::input(message).with_help("name a place: -o picture.exr"));
+        let message = format!("`{path}` does not record where its picture goes");
+        return Err(Error::input(message).with_help("name the picture: -o picture.exr"));
     }
     outputs.preview = args.preview.clone().map(FilePath).or(outputs.preview);
     outputs.tev.clone_from(&args.tev);

@@ -35,7 +35,7 @@ fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
     let context = RenderContext::new(&prepared, &*accel, &cancel);
     let trace = integrator::create(&prepared).trace_path(context, address).ok_or_else(|| {
         let name = prepared.render_settings().integrator.kind().name();
-        Error::input(format!("the integrator `{name}` follows no paths"))
+        Error::input(format!("the integrator `{name}` traces no paths"))
             .with_help("add --integrator path")
     })?;
     if let Some(file) = file {
@@ -66,8 +66,11 @@ fn address(args: &TraceArgs, prepared: &PreparedScene) -> Result<SampleAddress> 
     }
     let count = prepared.render_settings().samples_per_pixel;
     if args.sample >= count {
-        return Err(Error::input(format!("each pixel has {count} samples, counted from 0"))
-            .with_help(format!("the last is --sample {}", count - 1)));
+        return Err(Error::input(format!(
+            "there is no sample {}: each pixel has {count}",
+            args.sample
+        ))
+        .with_help(format!("samples run from 0 to {}", count - 1)));
     }
     Ok(SampleAddress { x, y, sample: args.sample })
 }

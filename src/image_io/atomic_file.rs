@@ -63,7 +63,7 @@ impl AtomicFile {
         if !path.extension().unwrap_or_default().eq_ignore_ascii_case(extension) {
             let (path, upper) = (path.display(), extension.to_ascii_uppercase());
             return Err(Error::input(format!("`{path}` does not end in .{extension}"))
-                .with_help(format!("what is written there is {upper}; name it so")));
+                .with_help(format!("the output is {upper}; use the extension .{extension}")));
         }
         Self::new(path)
     }

@@ -7,7 +7,7 @@ use crate::names::named_enum;
 
 /// The formats and what they hold, for the help of options.
 pub const PICTURE_FORMATS: &str =
-    ".png (8 bit for the screen), .exr (linear, with layers), .hdr or .pfm (linear)";
+    ".png (8 bits, for the screen), .exr (linear, with layers), .hdr or .pfm (linear)";
 
 /// The file formats, named by their extensions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,8 +30,8 @@ impl FileFormat {
         Self::known(path).ok_or_else(|| {
             let message = format!("`{}` does not end in .png, .exr, .hdr or .pfm", path.display());
             Error::input(message).with_help(
-                "the ending chooses the format: .png for the screen (sRGB, 8 bit), .exr for linear \
-                 light with its layers, .hdr or .pfm for linear light",
+                "the extension chooses the format: .png for the screen (sRGB, 8 bits), .exr for linear \
+                 light with layers, .hdr or .pfm for linear light",
             )
         })
     }
@@ -51,7 +51,7 @@ impl FileFormat {
     }
 }
 
-/// Returns true if a file has, by its extension, one of the formats of this room.
+/// Returns true if the extension of the file is that of a supported format.
 pub fn has_picture_extension(path: &Path) -> bool {
     FileFormat::known(path).is_some()
 }

@@ -22,13 +22,15 @@ pub fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>> {
         _ => {
             let format = path.extension().unwrap_or_default().to_string_lossy();
             return Err(Error::input(format!(
-                "`{}` cannot say how it was made: .{format} files hold pixels only",
+                "`{}` does not record how it was made: .{format} files hold only pixels",
                 path.display()
             ))
-            .with_help("ask a .png or .exr file"));
+            .with_help("use a .png or .exr file"));
         }
     };
-    records.map_err(|reason| trouble(reason).with_help("is it whole, and what its name says?"))
+    records.map_err(|reason| {
+        trouble(reason).with_help("check that the file is complete and that its extension is right")
+    })
 }
 
 #[cfg(test)]
@@ -81,6 +83,6 @@ mod tests {
     #[test]
     fn formats_without_records_say_so() {
         let error = super::read_metadata(Path::new("a.pfm")).unwrap_err().to_string();
-        assert_eq!(error, "`a.pfm` cannot say how it was made: .pfm files hold pixels only");
+        assert_eq!(error, "`a.pfm` does not record how it was made: .pfm files hold only pixels");
     }
 }

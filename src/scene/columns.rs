@@ -193,7 +193,7 @@ impl<'de> Deserialize<'de> for FileColumn {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let text = String::deserialize(from)?;
         Self::parse(&text)
-            .map_err(|_| serde::de::Error::custom(format_args!("`{text}` is no column")))
+            .map_err(|_| serde::de::Error::custom(format_args!("`{text}` is not a column")))
     }
 }
 

@@ -243,10 +243,10 @@ fn read_table<T: Row>(
 pub(super) fn check_count(spheres: u64) -> Result<()> {
     if spheres > MAX_SPHERES {
         return Err(Error::input(format!(
-            "{spheres} spheres are more than the {MAX_SPHERES} that a scene can hold: their numbers \
+            "{spheres} spheres are more than the {MAX_SPHERES} that a scene can hold, because ids \
              have 32 bits"
         ))
-        .with_help("leave some tables out, or thin them out"));
+        .with_help("remove tables or rows"));
     }
     Ok(())
 }

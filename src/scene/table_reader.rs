@@ -145,8 +145,8 @@ impl<'r, T: Row> TableReader<'r, T> {
         };
         let others = match flaws.count - 1 {
             0 => String::new(),
-            1 => "; 1 more row is wrong".to_owned(),
-            count => format!("; {count} more rows are wrong"),
+            1 => "; 1 more row is invalid".to_owned(),
+            count => format!("; {count} more rows are invalid"),
         };
         Err((format!("`{}`: {first}{others}", path.display()), Some(layout.help.clone())))
     }

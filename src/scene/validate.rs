@@ -65,7 +65,7 @@ impl SceneDescription {
             let problem = problems.add(KeyPath::root("spheres"), "the scene has no spheres");
             problem
                 .with_related(KeyPath::root("sphere_tables"))
-                .with_help("add one, or a table of them".to_owned());
+                .with_help("add a sphere or a table of spheres".to_owned());
         }
         problems
     }
@@ -222,7 +222,7 @@ fn check_axes(at: &KeyPath, camera: &CameraDescription, problems: &mut Validatio
             let key = if camera.up == CameraDescription::default().up { "look_at" } else { "up" };
             problems
                 .add(at.key(key), "`camera.up` must not be parallel to the view")
-                .with_help(format!("any other direction will do, as in `up = {other}`"))
+                .with_help(format!("use another direction, such as `up = {other}`"))
         }
         _ => return,
     };
@@ -257,7 +257,7 @@ fn check_background(background: &BackgroundDescription, problems: &mut Validatio
         let message = "`background.camera_visible` is true, but `background.transparent` leaves the \
                        background out of the picture";
         let problem = problems.add(at.key("camera_visible"), message);
-        problem.with_related(at.key("transparent")).with_help("leave one out".to_owned());
+        problem.with_related(at.key("transparent")).with_help("remove one of them".to_owned());
     }
 }
 
@@ -268,9 +268,9 @@ fn check_sky_sun(
 ) {
     match &background.sun {
         None => {
-            let message = "`background.sky` needs `[background.sun]`, which says where the sun is";
+            let message = "`background.sky` needs `[background.sun]` for the direction of the sun";
             let problem = problems.add(at.key("sky"), message).with_related(at.key("sun"));
-            problem.with_help("an irradiance of [0, 0, 0] leaves the sun itself out".to_owned());
+            problem.with_help("an irradiance of [0, 0, 0] hides the sun itself".to_owned());
         }
         Some(sun) if sun.direction.dot(background.up) <= 0.0 => {
             let problem =
@@ -397,8 +397,8 @@ pub(super) fn check_columns(at: &KeyPath, columns: &[FileColumn], problems: &mut
     };
     let key = at.key("columns");
     let mut add = |message: String| {
-        let help = "x, y, z and radius once each; r, g, b all or none; emission, or emission_r, \
-                    emission_g and emission_b, or neither";
+        let help = "give x, y, z and radius once each, r, g, b all or none, and emission, or \
+                    emission_r, emission_g and emission_b, or neither";
         problems.add(key.clone(), message).with_help(help.to_owned());
     };
     let missing = words(&|c| count(c) == 0 && is_required(c));
@@ -441,8 +441,7 @@ fn check_arrays(at: &KeyPath, arrays: &SphereArrays, problems: &mut ValidationEr
         if !ids.fits() {
             problems.add(at.clone(), format!("the ids of `{at}` reach beyond their array"));
         } else if ids.iter().take(distinct).any(|id| id == NO_SPHERE) {
-            problems
-                .add(at.clone(), format!("`{at}` has the id 2^32 - 1, which stands for nothing"));
+            problems.add(at.clone(), format!("`{at}` has the id 2^32 - 1, which is reserved"));
         }
     }
 }

@@ -33,7 +33,7 @@ fn the_place_of_the_picture_is_checked_before_anything_else() {
     refused("folder", 4, &["it is a folder", "help: name a file in it", "folder/picture.png"]);
     refused("scene.toml/a.png", 4, &["nothing can be created in `scene.toml` (Not a dir"]);
     refused("out.bmp", 3, &["error: `out.bmp` does not end in .png, .exr, .hdr or .pfm\n"]);
-    refused("out", 3, &["does not end in", "help: the ending chooses the format"]);
+    refused("out", 3, &["does not end in", "help: the extension chooses the format"]);
     if cfg!(target_os = "linux") {
         let message = "cannot write `/proc/a.png`: nothing can be created in `/proc` (No such \
                            file or directory (os error 2))\n";

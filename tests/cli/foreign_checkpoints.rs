@@ -118,7 +118,7 @@ fn a_checkpoint_calls_nobody_and_reads_ordinary_files() {
     assert_eq!(called, Err(std::io::ErrorKind::WouldBlock));
 
     mislead(&desk, |header| header["source"]["file"] = json!("/dev/zero"));
-    let words = ["cannot read the scene `/dev/zero`: it is not an ordinary file", "--scene FILE"];
+    let words = ["cannot read the scene `/dev/zero`: it is not a regular file", "--scene FILE"];
     desk.run("resume kept/a.state").fails(4, &words);
 }
 
@@ -136,5 +136,5 @@ fn a_scene_that_has_moved_is_named_and_must_be_the_same() {
     let other = SCENE.replace("0.2, 0.6, 0.2", "0.3, 0.6, 0.2");
     fs::write(desk.path().join("other.toml"), other).expect("a scene");
     desk.run("resume kept/a.state --extend-to 64 --scene other.toml")
-        .fails(3, &["it is of another render: `materials.grass.albedo` is"]);
+        .fails(3, &["it belongs to another render: `materials.grass.albedo` is"]);
 }

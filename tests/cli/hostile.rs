@@ -29,7 +29,7 @@ fn of_a_line_without_end_the_part_with_the_mistake_is_shown() {
     let told = desk.run("info scene.toml").fails(3, &["[scene.toml:1:100", "xxx\" b\n", "...xxx"]);
     assert!(told.stderr.lines().all(|line| line.len() < 1100), "{}", told.stderr);
     let desk = Desk::new(&format!("{} = 1\n{SCENE}", "x".repeat(100_000)));
-    let told = desk.run("info scene.toml").fails(3, &["is not a key of a scene", "xxx...\n"]);
+    let told = desk.run("info scene.toml").fails(3, &["unknown key `xxx", "xxx...\n"]);
     assert!(told.stderr.lines().all(|line| line.len() < 1100), "{}", told.stderr);
 }
 
@@ -100,7 +100,7 @@ fn pictures_are_read_from_ordinary_files_only() {
         ("merge a.part -o sum.png", 4),
         ("render scene.toml -o b.png", 3),
     ] {
-        desk.run(command).fails(code, &["not an ordinary file"]);
+        desk.run(command).fails(code, &["not a regular file"]);
     }
 }
 
@@ -195,7 +195,7 @@ fn with_json_a_failure_is_one_json_value_and_keeps_its_exit_code() {
 fn a_limit_of_the_address_space_is_seen_before_anything_is_loaded() {
     let desk = Desk::new(SCENE);
     let render = "render scene.toml -o a.png --accel native --threads 1 --size 20000x20000";
-    let words = ["this would need ", "but the limit of the address space (ulimit -v) leaves only "];
+    let words = ["this needs ", "but the limit of the address space (ulimit -v) leaves only "];
     limited(&desk, "-v 2000000", &[], render).fails(3, &words);
     assert_eq!(desk.names(), ["scene.toml"]);
 }

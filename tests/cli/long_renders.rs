@@ -108,7 +108,7 @@ fn ranges_that_do_not_fit_are_refused() {
     refused("0..40", &["must end on a multiple of 16, or at the last sample, 41", "try 0..41"]);
     refused("16..17", &["try 16..32"]);
     refused("32..64", &["exceed the 41 samples per pixel", "per pixel: --spp 64"]);
-    desk.run("render scene.toml -o a.part --samples 9").fails(2, &["as in 0..64"]);
+    desk.run("render scene.toml -o a.part --samples 9").fails(2, &["such as 0..64"]);
     assert_eq!(desk.names(), ["scene.toml"]);
 }
 
@@ -158,9 +158,9 @@ fn what_is_not_this_render_is_not_gone_on_with() {
         let words = ["cannot resume `a.state`", words];
         refused(&format!("{render} {options}"), &words);
     };
-    other("--seed 3", "it is of another render: `render.seed` is 0, not 3");
+    other("--seed 3", "it belongs to another render: `render.seed` is 0, not 3");
     other("--max-depth 3", "`render.max_depth` is 6, not 3");
-    other("--crop 0,0,5,5", "it is of the crop 0,0,16,12, not 0,0,5,5");
+    other("--crop 0,0,5,5", "its crop is 0,0,16,12, not 0,0,5,5");
     other("--samples 16..41", "its samples start at 0, not at 16");
     other("--spp 32", "it has samples up to 41, more than the 32 that are requested");
     other("--spp 64 --sampler stratified", "`render.sampler` is \"sobol\", not \"stratified\"");
@@ -202,7 +202,7 @@ fn a_merged_part_is_gone_on_with_by_naming_it() {
         desk.run(&format!("render scene.toml -o {range}.part --samples {range}")).succeeds();
     }
     desk.run("merge 0..16.part 16..32.part -o both.part").succeeds();
-    let words = ["`both.part` does not say where its picture goes", "-o picture.exr"];
+    let words = ["`both.part` does not record where its picture goes", "-o picture.exr"];
     desk.run("resume both.part").fails(3, &words);
     let options = "--checkpoint both.part --spp 73 --no-run-figures";
     desk.run(&format!("render scene.toml -o a.exr {options}")).succeeds();
@@ -218,7 +218,8 @@ fn resume_keeps_the_options_of_the_command_and_says_what_it_cannot_do() {
     let again = desk.run("resume a.state --extend-to 41 --json --quiet").succeeds();
     assert_eq!(again.stderr, "");
     assert_eq!(again.json()["threads"], 1);
-    let words = ["`b.part` is a part, but the samples stay in `a.state`", "cp 'a.state' 'b.part'"];
+    let words =
+        ["`b.part` is a part, but the samples are saved in `a.state`", "cp 'a.state' 'b.part'"];
     desk.run("resume a.state -o b.part").fails(3, &words);
     let told = desk.run("info a.state").succeeds();
     let way_on = told.row("resume");
@@ -244,7 +245,7 @@ fn a_render_goes_on_without_those_who_looked_on() {
     fs::remove_dir_all(desk.path().join("seen")).expect("it was there");
     let told = resume(48);
     assert!(told.starts_with("warning: cannot write `") && told.contains("seen` does not exist"));
-    assert!(told.contains("; the render goes on without it"), "{told}");
+    assert!(told.contains("; continuing without it"), "{told}");
     assert!(desk.path().join("a.exr").exists());
 }
 
@@ -329,7 +330,7 @@ fn a_folder_that_vanishes_does_not_end_a_render() {
     // While it is being removed, a new file may come into it.
     while fs::remove_dir_all(desk.path().join("kept")).is_err() {}
     let mut told = |words: &str| lines.any(|line| line.expect("text").contains(words));
-    assert!(told("the render goes on and tries again to write `kept/a.state`"));
+    assert!(told("the render continues and retries `kept/a.state`"));
     fs::create_dir(desk.path().join("kept")).expect("a folder again");
     assert!(told("warning: writing `kept/a.state` works again"));
     assert!(state.exists());
@@ -468,7 +469,7 @@ fn merged_parts_that_begin_later_are_resumed() {
     }
     desk.run("merge 16-32.part 32-48.part -o n.part -q").succeeds();
     desk.run("resume n.part -q")
-        .fails(3, &["does not say where its picture goes", "-o picture.exr"]);
+        .fails(3, &["does not record where its picture goes", "-o picture.exr"]);
     desk.run("resume n.part -o z.pfm -q").succeeds();
     desk.run("render scene.toml -o one.pfm --spp 64 --samples 16..48 -q").succeeds();
     assert!(desk.read("z.pfm") == desk.read("one.pfm"), "other samples");
@@ -547,7 +548,7 @@ fn on_a_full_disk_what_is_lost_is_called_lost() {
         let line = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains(start)));
         line.unwrap_or_else(|| panic!("{start}")).expect("text")
     };
-    line("tries again to write `a.state`");
+    line("the render continues and retries `a.state`");
     // Where nothing is finished yet, the time that is left is not known.
     line(" left");
     send("INT", child.id());

@@ -128,7 +128,7 @@ fn crosscheck_is_right_at_the_limits_of_size() {
 fn crosscheck_warns_of_spheres_too_small_for_their_distance() {
     let far = SCENE.replace("[1.0, 2.0, 9.0]", "[1e6, 2.0, 9e6]").replace("36.0", "1e-5");
     let told = Desk::new(&far).run("crosscheck scene.toml --rays 3000").succeeds();
-    assert!(told.stderr.contains("% of the answers of `embree` to rays of"), "{}", told.stderr);
+    assert!(told.stderr.contains("% of the answers of `embree` to camera rays"), "{}", told.stderr);
     assert!(!told.stderr.contains("answers of `native`"), "{}", told.stderr);
 }
 

@@ -141,8 +141,8 @@ fn what_differs_is_told_in_standard_errors() {
         fs::write(desk.path().join(name), bytes).expect("a file");
         let said = desk.run(&format!("reproduce {name} --quiet"));
         assert_eq!(said.code, Some(1), "{}", said.stderr);
-        assert!(said.stdout.contains(&format!("`{name}` comes out differently, in ")));
-        assert!(said.stdout.contains("nothing that is known differs"), "{}", said.stdout);
+        assert!(said.stdout.contains(&format!("`{name}` differs when rendered again, in ")));
+        assert!(said.stdout.contains("no difference is known"), "{}", said.stdout);
         let measure = if name == "a.exr" { "standard errors" } else { "of 255 steps" };
         assert!(said.stdout.contains(measure), "{}", said.stdout);
     }
@@ -202,8 +202,7 @@ fn records_that_mislead_are_refused_before_anything_is_rendered() {
     let words = "record of how it was made is impossible: `image.width` must be";
     desk.run("reproduce b.png").fails(3, &[words, "it is damaged, or was not written by"]);
     with("settings", "\"width\":16", "\"width\":17");
-    desk.run("reproduce b.png --quiet")
-        .fails(3, &["`b.png` has 192 pixels, but was made with 204"]);
+    desk.run("reproduce b.png --quiet").fails(3, &["`b.png` has 192 pixels, but records 204"]);
     with("settings", "\"crop\":null", "\"crop\":{\"x\":5,\"y\":5,\"width\":0,\"height\":4}");
     desk.run("reproduce b.png").fails(3, &["is impossible: `image.crop` must be"]);
     with("samples", "\"first\":0", "\"first\":4294967280");
@@ -213,9 +212,9 @@ fn records_that_mislead_are_refused_before_anything_is_rendered() {
 
     // More samples than one wants to wait for, and a picture that no machine holds.
     desk.run("reproduce a.png --max-samples 767")
-        .fails(3, &["`a.png` says that it took 768 samples in 192 pixels", "--max-samples 768"]);
+        .fails(3, &["`a.png` records 768 samples in 192 pixels", "--max-samples 768"]);
     let told = desk.run("reproduce a.png --max-samples 768").succeeds().stderr;
-    assert!(told.contains("rendering it again: 192 pixels, 768 samples"), "{told}");
+    assert!(told.contains("re-rendering 192 pixels, 768 samples"), "{told}");
     desk.run("reproduce a.png --memory-limit 1KiB").fails(3, &["of memory, more than 1.00 KiB"]);
 }
 
@@ -234,7 +233,7 @@ fn pictures_and_scenes_read_no_pipes() {
     let pipe = Command::new("mkfifo").arg(desk.path().join("sky.hdr")).status();
     assert!(pipe.expect("mkfifo runs").success());
     for command in ["reproduce a.png --quiet", "info scene.toml"] {
-        desk.run(command).fails(3, &["sky.hdr` as background: it is not an ordinary file"]);
+        desk.run(command).fails(3, &["sky.hdr` as background: it is not a regular file"]);
     }
 }
 
@@ -257,13 +256,10 @@ fn tables_must_be_there_and_be_the_same() {
 fn pictures_that_say_nothing_cannot_be_reproduced() {
     let desk = Desk::new(SCENE);
     image::RgbImage::new(2, 2).save(desk.path().join("foreign.png")).expect("a picture");
-    desk.run("reproduce foreign.png").fails(3, &["`foreign.png` does not say how it was made"]);
+    desk.run("reproduce foreign.png").fails(3, &["`foreign.png` has no metadata of photosphere"]);
     desk.run("reproduce missing.exr").fails(4, &["cannot read `missing.exr`"]);
-    desk.run("reproduce a.pfm").fails(3, &[".pfm files hold pixels only"]);
+    desk.run("reproduce a.pfm").fails(3, &[".pfm files hold only pixels"]);
     desk.run("render scene.toml -o a.part --accel native --quiet").succeeds();
-    let words = [
-        "`a.part` is a part, and a part is no picture",
-        "photosphere merge 'a.part' -o picture.exr",
-    ];
+    let words = ["`a.part` is a part, not a picture", "photosphere merge 'a.part' -o picture.exr"];
     desk.run("reproduce a.part").fails(3, &words);
 }

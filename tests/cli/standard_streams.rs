@@ -60,7 +60,7 @@ fn streams_that_cannot_be_are_refused() {
     let message = "`-o none` discards the picture, and there are other files";
     refused("render missing.toml -o none -o a.png", message);
     refused("render missing.toml -o - -o -", "-o - and -o - are the same file");
-    refused("render missing.toml -o - --layers normal", "`-` has no place for the layer `normal`");
+    refused("render missing.toml -o - --layers normal", "`-` cannot hold the layer `normal`");
     refused("plan scene.toml --shards 2 -o -", "`-o -` names no file");
     refused("plan scene.toml --shards 2 -o none", "`-o none` names no file");
     let message = "a scene on the standard input cannot be read again, to resume its checkpoint";
@@ -92,12 +92,12 @@ fn a_part_of_a_scene_from_a_pipe_is_resumed_by_naming_the_scene() {
     assert_eq!(piped(&desk, "render - -o a.part --spp 16 --quiet").status.code(), Some(0));
     desk.run("merge a.part -o a.pfm").succeeds();
     desk.run("resume a.part --extend-to 32 -o b.pfm")
-        .fails(3, &["`a.part` is of a scene that is in no file", "with --scene"]);
+        .fails(3, &["the scene of `a.part` was not read from a file", "with --scene"]);
     desk.run("resume a.part --extend-to 32 --scene scene.toml -o b.pfm").succeeds();
     desk.run("render scene.toml --spp 32 -o c.pfm --quiet").succeeds();
     assert!(desk.read("b.pfm") == desk.read("c.pfm"));
 
     // A picture on the standard output is not a place for a later run.
     desk.command("render scene.toml -o - --checkpoint s.state").output().expect("it starts");
-    desk.run("resume s.state").fails(3, &["`s.state` does not say where its picture goes"]);
+    desk.run("resume s.state").fails(3, &["`s.state` does not record where its picture goes"]);
 }

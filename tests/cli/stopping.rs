@@ -91,15 +91,15 @@ fn what_makes_no_sense_together_is_refused() {
     refused("--noise 1% --spp 64", 2, "'--noise <ERROR>' cannot be used with '--spp <N>'");
     refused("--noise 1% --samples 0..64", 2, "cannot be used with");
     refused("--max-spp 64", 2, "--noise <ERROR>");
-    refused("--noise 1", 2, "it must be a share up to 50%, as in 1% or 0.01");
-    refused("--noise -1%", 2, "it must be a share up to 50%, as in 1% or 0.01");
+    refused("--noise 1", 2, "expected a fraction up to 50%, such as 1% or 0.01");
+    refused("--noise -1%", 2, "expected a fraction up to 50%, such as 1% or 0.01");
     refused("--confidence 90%", 2, "--noise <ERROR>");
-    refused("--noise 1% --confidence -5%", 2, "it must be a share from 50% to 99.99%");
-    refused("--time -3s", 2, "it must be a time, as in 30s, 5m or 1h");
-    refused("--preview-every -3s", 2, "it must be a time, as in 30s, 5m or 1h");
-    refused("--checkpoint-every -3s", 2, "it must be a time, as in 30s, 5m or 1h");
+    refused("--noise 1% --confidence -5%", 2, "expected a fraction from 50% to 99.99%");
+    refused("--time -3s", 2, "expected a time, such as 30s, 5m or 1h");
+    refused("--preview-every -3s", 2, "expected a time, such as 30s, 5m or 1h");
+    refused("--checkpoint-every -3s", 2, "expected a time, such as 30s, 5m or 1h");
     refused("--noise 1% --max-spp 63", 2, "63 is not in 64..");
-    refused("--time soon", 2, "it must be a time, as in 30s, 5m or 1h");
+    refused("--time soon", 2, "expected a time, such as 30s, 5m or 1h");
     let counted =
         "a noise target decides when to stop, but stratified sampling needs the number of samples";
     refused("--noise 1% --sampler stratified", 3, counted);
@@ -308,7 +308,7 @@ fn a_tev_that_goes_away_is_told_of_once_and_changes_nothing() {
         let render = format!("render scene.toml -o a.pfm --accel native {options}");
         let done = desk.run(&render).succeeds();
         viewer.join().expect("it went away");
-        done.stderr.matches("warning: tev does not take the picture any more").count()
+        done.stderr.matches("warning: tev no longer accepts the picture").count()
     };
     // What is sent first may still reach the buffers of the system.
     assert_eq!(TIMES.into_iter().map(warnings).find(|warnings| *warnings > 0), Some(1));
@@ -330,7 +330,7 @@ fn a_render_goes_on_without_a_tev_that_is_gone() {
     let again = again.succeeds();
     let warning = format!("warning: cannot reach tev at `127.0.0.1:{port}`");
     assert!(again.stderr.starts_with(&warning), "{}", again.stderr);
-    assert!(again.stderr.contains("; the render goes on without it"), "{}", again.stderr);
+    assert!(again.stderr.contains("; continuing without it"), "{}", again.stderr);
     // The command itself still means what it says.
     let words = ["cannot reach tev", "help: start tev first"];
     desk.run(&format!("render scene.toml -o b.pfm --tev 127.0.0.1:{port}")).fails(3, &words);
@@ -358,7 +358,7 @@ fn a_tev_that_hangs_keeps_nothing_from_being_saved() {
     }
     let output = child.wait_with_output().expect("it ends");
     let told = String::from_utf8_lossy(&output.stderr);
-    assert!(told.contains("warning: tev does not take the picture any more"), "{told}");
+    assert!(told.contains("warning: tev no longer accepts the picture"), "{told}");
     assert_eq!(output.status.code(), Some(0));
     drop(viewer);
 }

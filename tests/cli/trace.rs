@@ -220,10 +220,10 @@ fn what_is_not_there_cannot_be_traced() {
     let desk = desk("paper/fig2.toml");
     for (arguments, code, told) in [
         ("--pixel 16,0", 3, "there is no pixel 16,0: the picture has 16 x 12"),
-        ("--pixel 1,1 --sample 1", 3, "the last is --sample 0"),
-        ("--pixel 1", 2, "as in 320,240"),
+        ("--pixel 1,1 --sample 1", 3, "there is no sample 1: each pixel has 1"),
+        ("--pixel 1", 2, "such as 320,240"),
         ("", 2, "--pixel"),
-        ("--pixel 1,1 --integrator raycast", 3, "`raycast` follows no paths"),
+        ("--pixel 1,1 --integrator raycast", 3, "`raycast` traces no paths"),
         ("--pixel 1,1 --svg none/a.svg", 4, "does not exist"),
         ("--pixel 1,1 --svg a.png", 3, "`a.png` does not end in .svg"),
     ] {

@@ -61,7 +61,7 @@ fn mistakes_in_backgrounds_say_what_to_do() {
         ),
         (
             &["background.sun={direction=[0,1,0],elevation_degrees=3,irradiance=[1,1,1]}"],
-            "`background.sun` has a direction and angles",
+            "`background.sun` has both a direction and angles",
         ),
         (&["background.gradient={zenith=[1,1,1]}"], "`background.gradient.horizon` is missing"),
         (&["background.up=[0,0,0]"], "`background.up` must not be [0, 0, 0]"),
@@ -115,7 +115,7 @@ fn images_that_are_no_background_say_why() {
             "1 of its pixels are negative, infinite or not a number, first the one in column 1, row 1, which is [2, -2, 2]",
         ),
         ("nan.exr", "which is [2, NaN, 2]"),
-        ("bomb.exr", "it is shorter than its header promises: 1073741825 x 8 pixels"),
+        ("bomb.exr", "it is shorter than its header says: 1073741825 x 8 pixels"),
         ("empty.exr", "as background: "),
         ("text.hdr", "as background: "),
     ] {

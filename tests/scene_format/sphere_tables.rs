@@ -202,11 +202,11 @@ fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
     assert_told(
         &values,
         "`a.f32`: row 300000 (the first is 0) has radius = -1.0 at byte 4800012; it must be \
-         from 1e-15 to 1e15; 2 more rows are wrong",
+         from 1e-15 to 1e15; 2 more rows are invalid",
     );
     let two = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0];
     let scene = Desk::new().table("a.f32", COLUMNS, "diffuse").values("a.f32", &two);
-    assert!(scene.told()[0].ends_with("from 1e-15 to 1e15; 1 more row is wrong"));
+    assert!(scene.told()[0].ends_with("from 1e-15 to 1e15; 1 more row is invalid"));
     let mistake = scene.load().expect_err("a mistake").diagnostics()[0].clone();
     let help = mistake.help.expect("a help");
     let expected = "according to `columns`, a row is 4 little-endian numbers in 16 bytes";
@@ -279,7 +279,7 @@ fn packed_colours_are_nearly_the_same() {
 fn only_tables_with_colours_say_how_they_are_kept() {
     let mut scene = Desk::new().table("a.f32", COLUMNS, "diffuse").values("a.f32", &[0.0; 4]);
     scene.text += "colors = \"packed\"\n";
-    assert_eq!(scene.told(), ["`sphere_tables.0.colors` is for tables with colours"]);
+    assert_eq!(scene.told(), ["`sphere_tables.0.colors` applies only to tables with colours"]);
 }
 
 #[test]

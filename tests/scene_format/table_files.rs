@@ -175,14 +175,14 @@ fn a_numpy_file_that_does_not_fit_is_told() {
         "'<f4'",
         "(2, 4)",
         &four,
-        "`a.npy` has 16 bytes behind its header, which promises 2 rows of 16 bytes",
+        "`a.npy` has 16 bytes after its header, which promises 2 rows of 16 bytes",
     );
     told(
         COLUMNS,
         "'<f4'",
         "(9999999999999, 9999999999999)",
         &four,
-        "`a.npy` has 16 bytes behind its header, which promises 9999999999999 rows of \
+        "`a.npy` has 16 bytes after its header, which promises 9999999999999 rows of \
          39999999999996 bytes",
     );
     told(
@@ -190,7 +190,7 @@ fn a_numpy_file_that_does_not_fit_is_told() {
         "'<f4'",
         "(9223372036854775807, 9223372036854775807)",
         &four,
-        "`a.npy` has 16 bytes behind its header, which promises 9223372036854775807 rows of too \
+        "`a.npy` has 16 bytes after its header, which promises 9223372036854775807 rows of too \
          many bytes",
     );
     told(COLUMNS, "'<f4'", "(0, 4)", &[], "`a.npy` has no rows");
@@ -278,7 +278,7 @@ fn an_offset_is_added_in_f64() {
     description.tables[0].data = SphereData::Memory(SphereArrays::from_rows(rows));
     assert_eq!(Scene::build(description).expect("good values").content_hash(), of_file);
     let said = "`a.f32`: row 0 (the first is 0) has x = 0.1 at byte 0, which `offset` moves to \
-                1000000000000000.1; it must be from -1e15 to 1e15; 1 more row is wrong";
+                1000000000000000.1; it must be from -1e15 to 1e15; 1 more row is invalid";
     let told = with("[1e15, 0, 0]").told();
     assert!(told[0].contains("which `offset` moves to"), "{told:?} {said}");
     assert!(with("[2e15, 0, 0]").told()[0].starts_with("`sphere_tables.0.offset` must be"));

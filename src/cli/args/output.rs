@@ -21,29 +21,28 @@ pub struct OutputArgs {
     #[arg(short = 'o', long = "output", value_name = "FILE", required = true, help = files_help())]
     pub files: Vec<PathBuf>,
 
-    /// The layers of .exr files beside the beauty, as in --layers direct,albedo,normal
+    /// The layers (AOVs) of .exr files, such as direct,albedo,normal [default: direct,indirect]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = kinds())]
     layers: Option<Vec<Aov>>,
 
-    /// Brighten .png files by this many stops, each of which doubles the light
+    /// The exposure of .png files in stops; each stop doubles the light
     #[arg(long, value_name = "EV", value_parser = exposure)]
     exposure: Option<f32>,
 
-    /// How .png files show bright light: srgb (cut off at 1), filmic or agx
+    /// The tone curve of .png files: srgb (clips at 1), filmic or agx
     #[arg(long, value_name = "NAME", value_parser = one_of(named::<ToneCurve>()))]
     tone: Option<ToneCurve>,
 
-    /// Spread the rounding of .png files to 8 bits over neighbouring pixels, which hides steps in
-    /// smooth gradients
+    /// Dither .png files, which hides steps in smooth gradients
     #[arg(long)]
     dither: bool,
 
-    /// The resolution that .png files state for print, in pixels per inch
+    /// The resolution for print that .png files record, in pixels per inch
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     dpi: Option<u32>,
 
-    /// Leave the command, the time and the machine out of the file, so that equal pictures are
-    /// equal files
+    /// Omit the command, the time and the machine from the files, so that equal pictures are equal
+    /// files
     #[arg(long)]
     pub no_run_figures: bool,
 }
@@ -120,8 +119,8 @@ pub struct StdoutArgs {
 
 fn files_help() -> String {
     format!(
-        "The picture; its extension chooses the format: {PICTURE_FORMATS}; or .part, the sums \
-         themselves, to be merged. `-` is the standard output, and `none` discards the picture. May be \
+        "The picture; its extension chooses the format: {PICTURE_FORMATS}; or .part, the sums of \
+         the film, for merge. `-` is the standard output, and `none` discards the picture. May be \
          repeated"
     )
 }

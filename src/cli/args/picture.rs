@@ -73,7 +73,7 @@ impl Args for PictureArgs {
         let size = Arg::new(SIZE)
             .long(SIZE)
             .value_name("WxH")
-            .help("The size of the picture in pixels, as in 640x480")
+            .help("The size of the picture in pixels, such as 640x480")
             .value_parser(size);
         let with_keys =
             options().fold(command, |command, (key, option)| command.arg(argument(&key, &option)));

@@ -31,9 +31,9 @@ Examples:
   photosphere render fig2.toml -o fig2.exr --noise 2% --preview so-far.png
   generate-scene | photosphere render - -o - --format exr | oiiotool - -o fig2.tif
 
-Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,
-stops at once and writes nothing. With --checkpoint FILE, `photosphere resume FILE` goes on, and so
-does the same command.")]
+Ctrl-C stops the render and writes the samples so far. A second Ctrl-C, or one before
+rendering starts, exits at once and writes nothing. To resume a render with --checkpoint FILE, use
+`photosphere resume FILE` or repeat the command.")]
 pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -53,8 +53,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub picture: PictureArgs,
 
-    /// Render these samples of each pixel only, as in 0..64; a range starts on a multiple of 16,
-    /// and ends on one unless it is the last
+    /// Render only these samples of each pixel, such as 0..64; a range starts on a multiple of 16
+    /// and, unless it is the last, ends on one
     #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with = "noise")]
     pub samples: Option<Range<u32>>,
 
@@ -67,11 +67,11 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub watch: WatchArgs,
 
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(short, long)]
     pub quiet: bool,
 
-    /// Print one JSON object with the figures of the render on the standard output
+    /// Print the statistics of the render as one JSON object on the standard output
     #[arg(long)]
     pub json: bool,
 }

@@ -101,8 +101,9 @@ fn record(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> 
         KernelIsa::best().name()
     );
     let _ = writeln!(text, "command: {}", system::command_line());
-    let _ = writeln!(text, "medians of {rounds} interleaved rounds, +- the middle half of them;");
-    let _ = writeln!(text, "ratio: how much faster than Embree; in brackets what is asked for");
+    let _ =
+        writeln!(text, "medians of {rounds} interleaved rounds, +- half the interquartile range;");
+    let _ = writeln!(text, "ratio: rate relative to Embree, with our target in brackets");
     print::note(text.trim_end());
     let largest = args.largest.unwrap_or(LARGEST_OF_RECORD);
     Record { max_spheres: largest, rounds, cancel: interrupt.cancel() }.measure(&mut |table| {

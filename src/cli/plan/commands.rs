@@ -126,7 +126,7 @@ fn options(args: &PlanArgs, division: Division, accel: &str) -> Vec<String> {
 fn text(path: &Path) -> Result<String> {
     let text = path.to_str().ok_or_else(|| {
         Error::input(format!("the name `{}` is not UTF-8 text", path.display()))
-            .with_help("a plan can only name files whose names are; rename it")
+            .with_help("plans need file names in UTF-8; rename the file")
     })?;
     Ok(if text.starts_with('-') { format!("./{text}") } else { text.to_owned() })
 }

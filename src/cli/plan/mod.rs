@@ -73,14 +73,14 @@ fn division(stop: &StopArgs, asked: Option<Division>) -> Result<Division> {
     match (stop.noise, stop.limit_option(), asked) {
         (_, Some(limit), _) => refused(
             &format!(
-                "{limit} ends each shard wherever its machine is by then, so that no two plans make \
-                 the same picture"
+                "{limit} stops each shard after as many samples as its machine gets done, so the \
+                 picture cannot be reproduced"
             ),
-            "use --spp N or --noise ERROR; sbatch and render farms have limits of time of their own",
+            "use --spp N or --noise ERROR; set a time limit in sbatch or in the render farm",
         ),
         (Some(_), None, Some(Division::Samples)) => refused(
-            "--noise decides from all samples of a tile when to stop, so they cannot be shared out",
-            "share out the pixels: --by crop",
+            "--noise decides from all samples of a tile, so sample ranges cannot be separate shards",
+            "divide the pixels: --by crop",
         ),
         (Some(_), None, _) => Ok(Division::Crop),
         (None, None, asked) => Ok(asked.unwrap_or(Division::Samples)),

@@ -18,11 +18,11 @@ impl CheckpointTarget {
         let path = match (checkpoint, outputs.part()) {
             (Some(checkpoint), Some(part)) if checkpoint != part => {
                 let message = format!(
-                    "`{}` is kept as a checkpoint already, so there is no need of `{}`",
+                    "`{}` is its own checkpoint, so `{}` is not needed",
                     part.display(),
                     checkpoint.display()
                 );
-                return Err(Error::input(message).with_help("leave out --checkpoint"));
+                return Err(Error::input(message).with_help("remove --checkpoint"));
             }
             (Some(path), _) | (None, Some(path)) => path.to_path_buf(),
             (None, None) => return Ok(None),

@@ -84,7 +84,7 @@ impl RenderFinisher<'_> {
             pictures: pictures.collect(),
             remake: &|samples, pictures| {
                 let command = resume_command(&self.request.delivery, samples);
-                format!("the samples are safe: {command} writes {pictures}")
+                format!("the samples are saved: {command} writes {pictures}")
             },
         };
         let warn = |text: String| self.progress.suspend(|| print::warning(&text));

@@ -155,19 +155,19 @@ fn open(path: &Path, colors: u64) -> Result<(BufReader<File>, u64), String> {
 /// parts that cannot be read.
 fn announced(header: &Header, colors: u64) -> Result<Announced, String> {
     if header.deep {
-        return Err("it has deep data, which is not read".to_owned());
+        return Err("it has deep data, which is not supported".to_owned());
     }
     let channels = &header.channels.list;
     let is_chroma = |name: &str| matches!(name.rsplit('.').next(), Some("RY" | "BY"));
     if channels.iter().any(|channel| is_chroma(&channel.name.to_string())) {
         return Err(
-            "its colors are stored as luminance and chroma (Y, RY, BY), which is not read; \
+            "its colors are stored as luminance and chroma (Y, RY, BY), which is not supported; \
                     convert it to R, G, B first"
                 .to_owned(),
         );
     }
     if channels.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
-        return Err("it has channels of fewer pixels, which are not read".to_owned());
+        return Err("it has subsampled channels, which are not supported".to_owned());
     }
     // Smaller versions of the picture, which tiles may hold, are not read and not counted.
     let sizes = channels.iter().map(|channel| channel.sample_type.bytes_per_sample() as u64);
@@ -350,7 +350,7 @@ mod tests {
             [read_light(path).map(drop), read_layers(path).map(drop), read_parts(path).map(drop)];
         for error in errors {
             let error = error.expect_err("a lie");
-            assert!(error.contains("shorter than its header promises"), "{error}");
+            assert!(error.contains("shorter than its header says"), "{error}");
         }
     }
 
@@ -420,7 +420,7 @@ mod tests {
         let crop_window = Some(CropWindow { full_size: [1 << 20, 1 << 19], offset: [0, 0] });
         let notes = WriteOptions { crop_window, ..WriteOptions::default() };
         ImageWriter::new(&path).unwrap().write_with(&picture, &notes).unwrap();
-        assert!(read_light(&path).unwrap_err().contains("shorter than its header promises"));
+        assert!(read_light(&path).unwrap_err().contains("shorter than its header says"));
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub(super) struct Announced {
     pub(super) max_ratio: u64,
 }
 
-/// Opens an ordinary file; returns it with its length. A device may never end, and opening a pipe
+/// Opens a regular file and returns it with its length. A device may never end, and opening a pipe
 /// waits for a writer.
 pub(in crate::image_io) fn open(path: &Path) -> Result<(File, u64), String> {
     let info = path.metadata().map_err(|e| e.to_string())?;
@@ -34,7 +34,7 @@ pub(in crate::image_io) fn open(path: &Path) -> Result<(File, u64), String> {
         return Err("it is a folder".to_owned());
     }
     if !info.is_file() {
-        return Err("it is not an ordinary file".to_owned());
+        return Err("it is not a regular file".to_owned());
     }
     let file = File::open(path).map_err(|e| e.to_string())?;
     Ok((file, info.len()))
@@ -57,10 +57,10 @@ fn check_with(parts: &[Announced], length: u64, memory: u64) -> Result<(), Strin
         stored = stored.saturating_add(pixels.saturating_mul(bits) / 8 / max_ratio);
         let size = format!("{width} x {height} pixels");
         if stored > length {
-            return Err(format!("it is shorter than its header promises: {size}"));
+            return Err(format!("it is shorter than its header says: {size}"));
         }
         if held > memory {
-            return Err(format!("its {size} are more than can be held in memory"));
+            return Err(format!("its {size} do not fit into memory"));
         }
     }
     Ok(())

@@ -44,7 +44,7 @@ pub fn read_image(path: &Path) -> Result<LayeredImage> {
         FileFormat::Hdr => hdr::read(path).map(LayeredImage::from),
     };
     let layered = layered.map_err(|reason| {
-        trouble(reason).with_help("is it whole, and what its name says? Another program may tell")
+        trouble(reason).with_help("check that the file is complete and that its extension is right")
     })?;
     let count = layered.width * layered.height;
     debug_assert!(layered.layers.iter().all(|layer| layer.pixels.len() == count));
@@ -123,7 +123,7 @@ mod tests {
             let path = folder.path().join(name);
             fs::write(&path, bytes).unwrap();
             let error = read_image(&path).unwrap_err().to_string();
-            assert!(error.contains("shorter than its header promises"), "{name}: {error}");
+            assert!(error.contains("shorter than its header says"), "{name}: {error}");
         };
         refused("a.pfm", b"PF\n4000000000 4000000000\n-1.0\n");
         refused("a.pfm", b"Pf\n10 10\n-1.0\n0123");
@@ -143,7 +143,7 @@ mod tests {
             let path = folder.path().join(name);
             std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
             let error = read_image(&path).unwrap_err().to_string();
-            assert!(error.contains("it is no regular file"), "{name}: {error}");
+            assert!(error.contains("it is not a regular file"), "{name}: {error}");
         }
     }
 }

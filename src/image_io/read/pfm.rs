@@ -42,7 +42,7 @@ pub(super) fn read(path: &Path) -> Result<LayeredImage, String> {
     bytes.clear();
     file.take(expected).read_to_end(&mut bytes).map_err(|e| e.to_string())?;
     if (bytes.len() as u64) < expected {
-        return Err(format!("{expected} bytes must follow its header, and {} do", bytes.len()));
+        return Err(format!("{expected} bytes must follow its header, but {} do", bytes.len()));
     }
     let float = |b: &[u8]| {
         let b = [b[0], b[1], b[2], b[3]];
@@ -68,7 +68,7 @@ fn header(bytes: &[u8]) -> Result<PfmHeader, String> {
     };
     let mut words = [""; 4];
     for place in &mut words {
-        *place = word().ok_or("it has no header of a portable float map")?;
+        *place = word().ok_or("it has no PFM header")?;
     }
     let [kind, width, height, scale] = words;
     let channels = match kind {
@@ -77,9 +77,9 @@ fn header(bytes: &[u8]) -> Result<PfmHeader, String> {
         _ => return Err("it does not begin with PF or Pf".to_owned()),
     };
     let size =
-        |word: &str| word.parse::<u32>().map_err(|_| format!("its size `{word}` is no number"));
+        |word: &str| word.parse::<u32>().map_err(|_| format!("its size `{word}` is not a number"));
     let (width, height) = (size(width)?, size(height)?);
-    let scale: f32 = scale.parse().map_err(|_| format!("its scale `{scale}` is no number"))?;
+    let scale: f32 = scale.parse().map_err(|_| format!("its scale `{scale}` is not a number"))?;
     if scale == 0.0 || !scale.is_finite() {
         return Err(format!("its scale is {scale}"));
     }

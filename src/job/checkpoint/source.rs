@@ -17,7 +17,7 @@ impl Source {
     /// Opens a file.
     ///
     /// # Errors
-    /// If the file cannot be opened, or is no ordinary file.
+    /// If the file cannot be opened, or is not a regular file.
     pub(super) fn open(path: &Path) -> Result<Self> {
         let trouble = |e: io::Error| Error::file("read", path, e);
         let metadata = path.metadata().map_err(trouble)?;
@@ -26,7 +26,7 @@ impl Source {
         }
         // Opening a pipe waits for a writer.
         if !metadata.is_file() {
-            return Err(Error::file("read", path, "it is not an ordinary file"));
+            return Err(Error::file("read", path, "it is not a regular file"));
         }
         let file = File::open(path).map_err(trouble)?;
         let reader = BufReader::with_capacity(1 << 16, file);

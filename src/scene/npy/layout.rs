@@ -32,7 +32,7 @@ impl FileTable<'_> {
         if row_bytes.and_then(|row| row.checked_mul(rows)) != Some(held) {
             let row_bytes = row_bytes.map_or("too many".to_owned(), |bytes| bytes.to_string());
             let says = format!(
-                "has {} behind its header, which promises {} of {row_bytes} bytes",
+                "has {} after its header, which promises {} of {row_bytes} bytes",
                 plural(held, "byte"),
                 plural(rows, "row"),
             );

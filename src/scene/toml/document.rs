@@ -292,12 +292,12 @@ impl<'d> Table<'d> {
             if known.contains(&name) {
                 continue;
             }
-            let message = format!("`{}` is not a key of a scene", self.path_to(name));
-            let all = || format!("known here: {}", known.join(", "));
+            let message = format!("unknown key `{}`", self.path_to(name));
+            let all = || format!("known keys: {}", known.join(", "));
             let help = did_you_mean(name, known.iter().copied())
                 .or_else(|| (known.len() <= MAX_LISTED_KEYS).then(all));
             self.diagnostics
-                .add(SpannedError::value(key.span(), message).label("unknown key").help(help));
+                .add(SpannedError::value(key.span(), message).label("unknown").help(help));
         }
     }
 

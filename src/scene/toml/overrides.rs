@@ -183,7 +183,7 @@ impl ParsedOverride {
             }
             [first, ..] => {
                 let message = format!("{} entries of `{path}` are named {name:?}", named.len());
-                let help = format!("say which by its number, as in `{path}.{first}`");
+                let help = format!("use its number, such as `{path}.{first}`");
                 Err(self.error(message).help(help))
             }
         }
@@ -220,7 +220,7 @@ impl ParsedOverride {
         let Some(error) = errors.first() else {
             let value =
                 table.get_mut().remove(PLACEHOLDER_KEY).filter(|_| table.get_ref().is_empty());
-            let message = "the value must be a single one";
+            let message = "the value must be a single TOML value";
             return value.ok_or_else(|| SpannedError::value(self.value_span.clone(), message));
         };
         let word = self.bare_word.trim();

@@ -69,7 +69,9 @@ fn read_format(root: &Table<'_>) {
         return;
     };
     if format != FORMAT {
-        let message = format!("this is format {format}; this photosphere reads format {FORMAT}");
+        let message = format!(
+            "format {format} is not supported; this version of photosphere reads format {FORMAT}"
+        );
         root.error_at("format", message, None);
     }
 }
@@ -122,8 +124,8 @@ fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path
     let colors = table.get(&keys::table::COLORS);
     let is_color = |column: &FileColumn| column.column.is_some_and(Column::is_color);
     if colors.is_some() && !columns.is_empty() && !columns.iter().any(is_color) {
-        let message = format!("`{}` is for tables with colours", table.path_to("colors"));
-        let help = "drop it, or add r, g and b to `columns`".to_owned();
+        let message = format!("`{}` applies only to tables with colours", table.path_to("colors"));
+        let help = "remove it, or add r, g and b to `columns`".to_owned();
         table.error_at("colors", message, help);
     }
     let of_count = |count: Option<i64>| count.unwrap_or_default().unsigned_abs();
