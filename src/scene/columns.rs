@@ -147,40 +147,39 @@ impl FileColumn {
             Some((name, number)) => (name, Some(number)),
             None => (text, None),
         };
+        Self::named(name, number).ok_or_else(|| suggestion(name, number))
+    }
+
+    /// The column with this name and type; `None` if one of them is unknown.
+    fn named(name: &str, number: Option<&str>) -> Option<Self> {
         let column = Column::named(name);
-        let is_known = column.is_some() || name == SKIPPED;
-        match number.map(NumberType::named) {
-            Some(None) => Err(suggestion(name, number)),
-            _ if !is_known => Err(suggestion(name, number)),
-            number => Ok(Self { column, number: number.flatten() }),
-        }
+        let number = match number {
+            Some(number) => Some(NumberType::named(number)?),
+            None => None,
+        };
+        (column.is_some() || name == SKIPPED).then_some(Self { column, number })
     }
 }
 
 /// The column that may be meant by an unknown name or type.
 fn suggestion(name: &str, number: Option<&str>) -> Option<String> {
-    let alias = |word: &str, is_known: &dyn Fn(&str) -> bool| {
-        let known = ALIASES.iter().find(|(alias, meant)| *alias == word && is_known(meant));
+    let alias = |word: &str| {
+        let known = ALIASES.iter().find(|(alias, _)| *alias == word);
         known.map_or_else(|| word.to_owned(), |(_, meant)| (*meant).to_owned())
     };
-    let is_name = |word: &str| word == SKIPPED || Column::named(word).is_some();
-    let meant_name = if is_name(name) { name.to_owned() } else { alias(name, &is_name) };
-    let meant_number =
-        number.map(|number| alias(number, &|word| NumberType::named(word).is_some()));
-    let meant = meant_number.map_or(meant_name.clone(), |number| format!("{meant_name}:{number}"));
-    if FileColumn::parse(&meant).is_ok() {
-        return Some(format!("did you mean `{meant}`?"));
+    let (name, number) = (alias(name), number.map(alias));
+    let text = number.iter().fold(name.clone(), |name, number| format!("{name}:{number}"));
+    if FileColumn::named(&name, number.as_deref()).is_some() {
+        return Some(format!("did you mean `{text}`?"));
     }
     let names = Column::NAMES.iter().map(|(name, _)| *name).chain([SKIPPED]);
     let known: Vec<String> = match number {
         None => names.map(str::to_owned).collect(),
         Some(_) => names
-            .flat_map(|name| {
-                NumberType::NAMES.iter().map(move |(number, _)| format!("{name}:{number}"))
-            })
+            .flat_map(|name| NumberType::NAMES.iter().map(move |(n, _)| format!("{name}:{n}")))
             .collect(),
     };
-    did_you_mean(&meant, known.iter().map(String::as_str))
+    did_you_mean(&text, known.iter().map(String::as_str))
 }
 
 impl Serialize for FileColumn {
