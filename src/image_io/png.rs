@@ -14,7 +14,7 @@ use png::chunk::ChunkType;
 use png::text_metadata::ITXtChunk;
 use png::{
     BitDepth, ColorType, Compression, Decoder, Encoder, EncodingError, Filter, PixelDimensions,
-    SrgbRenderingIntent, Unit, Writer,
+    ScaledFloat, SrgbRenderingIntent, Unit, Writer,
 };
 
 use crate::task::parallel;
@@ -34,6 +34,8 @@ const ROWS_PER_TASK: usize = 16;
 const CICP: ChunkType = ChunkType(*b"cICP");
 /// Rec. 709 primaries, the sRGB curve, RGB, and the full range of values.
 const SRGB_CODE_POINTS: [u8; 4] = [1, 13, 0, 1];
+/// The exponent that is closest to the sRGB curve, in steps of 1e-5 (PNG third edition, section 11.3.2.5).
+const SRGB_GAMMA: u32 = 45_455;
 
 const METERS_PER_INCH: f64 = 0.0254;
 
@@ -70,13 +72,14 @@ pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> i
     Ok(())
 }
 
-/// Writes the chunks before the pixels, which are 8-bit sRGB. `gAMA` and `cHRM` are for programs
-/// that do not know `sRGB`.
+/// Writes the chunks before the pixels, which are 8-bit sRGB. `gAMA` is for programs that do not
+/// know `sRGB`.
 fn write_srgb_header<W: io::Write>(
     mut encoder: Encoder<'_, W>,
 ) -> Result<Writer<W>, EncodingError> {
     encoder.set_depth(BitDepth::Eight);
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    encoder.set_source_gamma(ScaledFloat::from_scaled(SRGB_GAMMA));
     let mut writer = encoder.write_header()?;
     writer.write_chunk(CICP, &SRGB_CODE_POINTS)?;
     Ok(writer)
@@ -225,11 +228,11 @@ mod tests {
             assert_eq!(chunk(&file, "sRGB").unwrap(), [0]);
             assert_eq!(chunk(&file, "gAMA").unwrap(), 45_455u32.to_be_bytes());
             assert_eq!(chunk(&file, "cICP").unwrap(), [1, 13, 0, 1]);
-            assert!(chunk(&file, "cHRM").is_some() && chunk(&file, "pHYs").is_none());
+            assert_eq!(chunk(&file, "pHYs"), None);
             // All of them must stand before the pixels.
             let names: Vec<_> = chunks(&file).into_iter().map(|(name, _)| name).collect();
             let pixels = names.iter().position(|name| name == "IDAT").unwrap();
-            for name in ["sRGB", "gAMA", "cICP", "cHRM"] {
+            for name in ["sRGB", "gAMA", "cICP"] {
                 assert!(names.iter().position(|n| n == name).unwrap() < pixels, "{names:?}");
             }
         }

@@ -356,7 +356,7 @@ mod tests {
 
     #[test]
     fn a_size_beyond_any_compression_is_refused() {
-        let (_folder, path) = patched(1, DATA_WINDOW, &window(1 << 30, 8));
+        let (_folder, path) = patched(1, DATA_WINDOW, &window(1 << 29, 8));
         let stored = std::fs::read(&path).unwrap();
         let name = b"compression\0compression\0";
         let at =
