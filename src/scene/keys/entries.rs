@@ -89,7 +89,7 @@ pub(in crate::scene) mod camera {
 pub(in crate::scene) mod sphere {
     use super::*;
     keys! {
-        NAME: NonEmptyString = key("name", NonEmptyString, Derived("none"), "used in messages and by --set");
+        NAME: NonEmptyString = key("name", NonEmptyString, Derived("none"), "used in messages and to address the sphere");
         CENTER: Vector = key("center", COORDINATE_VECTOR, Required, "the centre");
         RADIUS: Number = key("radius", Number(NumberRange::Closed(MIN_RADIUS, MAX_COORDINATE)), Required, "the radius");
         MATERIAL: NonEmptyString = key("material", NonEmptyString, Required, "the name of a material");
@@ -101,7 +101,7 @@ pub(in crate::scene) mod table {
     use super::*;
     keys! {
         FILE: NonEmptyString = key("file", NonEmptyString, Required, "a file of raw little-endian rows, or a NumPy file (.npy)");
-        NAME: NonEmptyString = key("name", NonEmptyString, Derived("the name of the file"), "used in the layers of Cryptomatte and by --set");
+        NAME: NonEmptyString = key("name", NonEmptyString, Derived("the name of the file"), "used in the layers of Cryptomatte and to address the table");
         COLUMNS: ListOf<ColumnValue> = key("columns", ListOf(ColumnValue), Derived("the names of the fields"),
             "the meaning and type of each number in a row; may be left out for a NumPy file of records");
         MATERIAL: NonEmptyString = key("material", NonEmptyString, Required, "the name of a material");
