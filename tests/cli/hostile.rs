@@ -84,7 +84,7 @@ fn control_characters_of_files_and_names_do_not_reach_the_terminal() {
 
 #[test]
 fn pictures_are_read_from_ordinary_files_only() {
-    let scene = SCENE.replace("radiance = [0.5, 0.6, 0.7]", "environment = { file = \"e.hdr\" }");
+    let scene = SCENE.replace("radiance = [0.5, 0.6, 0.7]", "image = { file = \"e.hdr\" }");
     let desk = Desk::new(&scene);
     for name in ["a.pfm", "a.exr", "a.png", "e.hdr", "a.part"] {
         let pipe = desk.path().join(name);
