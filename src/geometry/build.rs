@@ -1,9 +1,9 @@
 //! Builds a [`SphereSet`] from the user's rows: chooses the origin, separates the giants, sorts the
 //! rest along a Morton curve, and removes duplicates.
 //!
-//! Sorting takes 8 bytes per sphere for the keys, then 4 for the row of each id and 16 or 32 for the
-//! reordered spheres: less than any tree that is built afterwards, so this is never the peak. Only
-//! two arrays are kept, the spheres and their rows.
+//! Sorting takes 8 bytes per sphere for the keys, then 4 for the row of each id and 16 or 32 for
+//! the reordered spheres: less than any tree that is built afterwards, so this is never the peak.
+//! Only two arrays are kept, the spheres and their rows.
 
 use std::collections::HashSet;
 

@@ -7,8 +7,8 @@ const DIGITS: usize = 1 << 16;
 /// Numbers counted per task; each task costs a table of [`DIGITS`] counts.
 const CHUNK_SIZE: usize = 1 << 22;
 
-/// Returns the lower median, by `f32::total_cmp`, of the values of `items` items, which are given by
-/// index; 0 if there are none.
+/// Returns the lower median, by `f32::total_cmp`, of the values of `items` items, which are given
+/// by index; 0 if there are none.
 pub(super) fn lower_median(items: usize, value: impl Fn(usize) -> Option<f32> + Sync) -> f32 {
     let high = |key: u32| Some((key >> 16) as usize);
     let counts = count(items, &value, high);

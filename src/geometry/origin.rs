@@ -1,10 +1,10 @@
 //! The choice of a scene's origin, such that f32 places its spheres well enough to find candidates.
 //!
-//! Spheres are stored as written, so the origin affects speed only. It stays 0 where that serves all
-//! spheres: then the f32 spheres of a table are also those of the acceleration structure. Otherwise
-//! it is the per-axis median of the centres: unlike the middle of the bounding box, one huge ground
-//! sphere cannot drag it away from the rest. If that leaves small spheres badly placed as well, as
-//! for one ball on one ground sphere, whose median is a tie, other origins are tried.
+//! Spheres are stored as written, so the origin affects speed only. It stays 0 where that serves
+//! all spheres: then the f32 spheres of a table are also those of the acceleration structure.
+//! Otherwise it is the per-axis median of the centres: unlike the middle of the bounding box, one
+//! huge ground sphere cannot drag it away from the rest. If that leaves small spheres badly placed
+//! as well, as for one ball on one ground sphere, whose median is a tie, other origins are tried.
 
 use rayon::prelude::*;
 

@@ -16,15 +16,6 @@ use super::morton::MortonCurve;
 use super::storage::{SphereStorage, to_f32, to_f64};
 use super::{PathRay, Side, Sphere, SurfaceHit};
 
-/// The spheres as the user gave them. Rows are numbered consecutively: `exact` first, then `table`.
-#[derive(Clone, Debug, Default)]
-pub struct SphereRows {
-    /// Spheres written out in the scene or given in f64.
-    pub exact: Vec<Sphere>,
-    /// Spheres from f32 tables, `[x, y, z, radius]`; becomes the set's own storage.
-    pub table: Vec<[f32; 4]>,
-}
-
 /// All the spheres of a scene. Immutable.
 #[derive(Debug)]
 pub struct SphereSet {
@@ -195,6 +186,7 @@ impl SphereSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::SphereRows;
     use crate::geometry::storage::to_f64;
 
     fn ball(x: f64, y: f64, z: f64, radius: f64) -> Sphere {

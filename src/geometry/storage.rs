@@ -8,7 +8,16 @@ use rayon::prelude::*;
 
 use crate::math::DVec3;
 
-use super::{Sphere, SphereRows};
+use super::Sphere;
+
+/// The spheres as the user gave them. Rows are numbered consecutively: `exact` first, then `table`.
+#[derive(Clone, Debug, Default)]
+pub struct SphereRows {
+    /// Spheres written out in the scene or given in f64.
+    pub exact: Vec<Sphere>,
+    /// Spheres from f32 tables, `[x, y, z, radius]`; becomes the set's own storage.
+    pub table: Vec<[f32; 4]>,
+}
 
 /// Spheres by index, in the user's coordinates.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,7 +76,8 @@ impl SphereStorage {
         }
     }
 
-    /// Returns the address of a sphere, for prefetching only; meaningless if the index is too large.
+    /// Returns the address of a sphere, for prefetching only; meaningless if the index is too
+    /// large.
     #[inline(always)]
     pub(super) fn address(&self, index: usize) -> *const u8 {
         match self {

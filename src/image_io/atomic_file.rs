@@ -34,8 +34,8 @@ impl AtomicFile {
     /// Prepares to write `path`, and removes stale temporary files of processes that died.
     ///
     /// # Errors
-    /// When `path` is a folder, not a regular file or write-protected, when its folder is missing or
-    /// not writable, or when the name is too long.
+    /// When `path` is a folder, not a regular file or write-protected, when its folder is missing
+    /// or not writable, or when the name is too long.
     pub fn new(path: &Path) -> Result<Self> {
         reject_folder(path, "file")?;
         if path.exists() && !path.is_file() {

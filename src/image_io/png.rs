@@ -34,7 +34,8 @@ const ROWS_PER_TASK: usize = 16;
 const CICP: ChunkType = ChunkType(*b"cICP");
 /// Rec. 709 primaries, the sRGB curve, RGB, and the full range of values.
 const SRGB_CODE_POINTS: [u8; 4] = [1, 13, 0, 1];
-/// The exponent that is closest to the sRGB curve, in steps of 1e-5 (PNG third edition, section 11.3.2.5).
+/// The exponent that is closest to the sRGB curve, in steps of 1e-5 (PNG third edition, section
+/// 11.3.2.5).
 const SRGB_GAMMA: u32 = 45_455;
 
 const METERS_PER_INCH: f64 = 0.0254;

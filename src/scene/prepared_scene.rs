@@ -137,8 +137,8 @@ fn find_camera_media(scene: &Scene, camera: &Camera, margin: f64) -> Vec<(Sphere
     found
 }
 
-/// Returns the smallest opaque sphere in which the ray through the centre of the picture starts. Such
-/// a camera sees only what is inside that sphere.
+/// Returns the smallest opaque sphere in which the ray through the centre of the picture starts.
+/// Such a camera sees only what is inside that sphere.
 pub fn opaque_sphere_around_camera(scene: &Scene, image: &ImageSettings) -> Option<u32> {
     let spheres = scene.spheres();
     let camera = build_camera(&scene.description().camera, image, spheres.origin());

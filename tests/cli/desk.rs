@@ -164,8 +164,8 @@ pub(crate) fn outcome(command: &mut Command) -> Outcome {
     }
 }
 
-/// Waits until something is so. The bound is far above what the busiest machine needs: it only ends a
-/// test that would wait for ever.
+/// Waits until something is so. The bound is far above what the busiest machine needs: it only ends
+/// a test that would wait for ever.
 #[cfg(unix)]
 #[track_caller]
 pub(crate) fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
@@ -183,7 +183,8 @@ pub(crate) fn holds_samples(checkpoint: &Path) -> bool {
     film.is_ok_and(|film| film.sample_count() > 0)
 }
 
-/// Sends a signal with the shell's own `kill`: the program of that name is not installed everywhere.
+/// Sends a signal with the shell's own `kill`: the program of that name is not installed
+/// everywhere.
 #[cfg(unix)]
 #[track_caller]
 pub(crate) fn send(signal: &str, process: u32) {

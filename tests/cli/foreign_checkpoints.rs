@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::desk::{Desk, SCENE, outcome};
 
-/// The same checkpoint with another header, and its hashes as they must be.
+/// A checkpoint with another header, and its hashes as they must be.
 fn with_header(checkpoint: &[u8], change: impl FnOnce(&mut Value)) -> Vec<u8> {
     let length = u32::from_le_bytes(checkpoint[12..16].try_into().expect("four bytes")) as usize;
     let mut header = serde_json::from_slice(&checkpoint[16..16 + length]).expect("JSON");

@@ -162,7 +162,7 @@ fn png_with_another_seed(file: &[u8]) -> Vec<u8> {
     png_with(file, "settings", &another)
 }
 
-/// The same PNG file with another record of this name: a text that is not short is compressed and
+/// A PNG file with another record of this name: a text that is not short is compressed and
 /// has a checksum.
 fn png_with(file: &[u8], record: &str, change: &dyn Fn(&str) -> String) -> Vec<u8> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a picture");

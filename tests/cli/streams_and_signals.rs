@@ -105,8 +105,8 @@ fn a_large_picture_that_is_stopped_equals_its_checkpoint() {
     desk.run("compare a.exr again.exr --max-rmse 0").succeeds();
 }
 
-/// The picture is so large that writing it takes hundreds of times the work that this test has to do
-/// between the two interrupts, however that is shared out.
+/// The picture is so large that writing it takes hundreds of times the work that this test has to
+/// do between the two interrupts, however that is shared out.
 #[test]
 fn the_second_interrupt_ends_the_program_at_once_and_cleanly() {
     let desk = Desk::new(SCENE);

@@ -1,5 +1,5 @@
-//! Files of sphere tables: types of columns, NumPy files, and what is left out or added. Scenes with
-//! equal identities have equal numbers, to the last bit of f64.
+//! Files of sphere tables: types of columns, NumPy files, and what is left out or added. Scenes
+//! with equal identities have equal numbers, to the last bit of f64.
 
 use photosphere::math::DVec3;
 use photosphere::scene::Scene;

@@ -23,12 +23,12 @@
 //!
 //! The sum is at most `e (3 |m| + 46 H)`. Radii and boxes are enlarged by `E = 16 e (|m| + 4 H)`.
 //! What is enlarged is hit earlier and left later: the roots move by at most
-//! `sqrt((R + 2 E)^2 - R^2)`, the half chord at a tangent, plus `2 E`. That is the *slack* by which a
-//! ray starts earlier and ends later for Embree.
+//! `sqrt((R + 2 E)^2 - R^2)`, the half chord at a tangent, plus `2 E`. That is the *slack* by which
+//! a ray starts earlier and ends later for Embree.
 //!
 //! The slack grows with the largest radius of a group, so a few large spheres among many small ones
-//! are a group of user geometry together with the giants. User geometry has no roots in f32, and its
-//! slack is `2 E`.
+//! are a group of user geometry together with the giants. User geometry has no roots in f32, and
+//! its slack is `2 E`.
 
 use std::ptr;
 use std::sync::Arc;
@@ -38,7 +38,6 @@ use rayon::prelude::*;
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::{DVec3, F32_UNIT_ROUNDOFF};
 
-use super::ParticleGeometry;
 use super::sys;
 
 /// A particle larger than this many times the median radius is a large sphere.
@@ -48,6 +47,13 @@ const MAX_LARGE: usize = 1 << 16;
 const POINT_STRIDE: usize = sys::PS_POINT_STRIDE as usize;
 /// Spheres sampled for the median radius.
 const SAMPLES: usize = 1 << 12;
+
+/// How particles are represented in Embree. Large spheres are always user geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::accel) enum ParticleGeometry {
+    Points,
+    User,
+}
 
 /// A group as the shim reads it. Never moves or changes once inside its `Arc`.
 pub(super) struct SphereGroup {

@@ -1,11 +1,11 @@
 //! Intel Embree, behind our own C shim (`ffi/shim.c`).
 //!
 //! Particles are sphere points, or user geometry on request. Giants and other large spheres are
-//! always user geometry ([`group`]). Embree finds candidates, which are judged in C, in f64, with the
-//! operations of [`crate::geometry::Sphere::first_root`] on the spheres that the user wrote. So the
-//! hits are those of all other backends, whatever instructions Embree uses. Rays are traced in a
-//! loop in C. That loop does not check Embree's error state: only invalid rays could cause an error,
-//! and they never reach Embree.
+//! always user geometry ([`group`]). Embree finds candidates, which are judged in C, in f64, with
+//! the operations of [`crate::geometry::Sphere::first_root`] on the spheres that the user wrote. So
+//! the hits are those of all other backends, whatever instructions Embree uses. Rays are traced in
+//! a loop in C. That loop does not check Embree's error state: only invalid rays could cause an
+//! error, and they never reach Embree.
 //!
 //! Only this module and the native kernel contain `unsafe` code. No Embree types appear here:
 //! `ffi/shim.h` uses only handles and plain numbers.
@@ -28,7 +28,7 @@ use super::info::EmbreeInfo;
 use super::intersector::{Accel, ErrorBound};
 use super::options::BuildOptions;
 
-pub(super) use scene::ParticleGeometry;
+pub(super) use group::ParticleGeometry;
 
 use device::Device;
 use group::SphereGroup;

@@ -14,15 +14,8 @@ use crate::error::Result;
 use crate::math::{Hit, Ray};
 
 use super::device::Device;
-use super::group::SphereGroup;
+use super::group::{ParticleGeometry, SphereGroup};
 use super::sys;
-
-/// How particles are represented in Embree. Large spheres are always user geometry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::accel) enum ParticleGeometry {
-    Points,
-    User,
-}
 
 /// Owns a geometry.
 pub(super) struct Geometry {

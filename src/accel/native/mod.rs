@@ -1,10 +1,10 @@
 //! The bounding volume hierarchy in Rust: eight boxes per node, eight spheres per leaf, sixteen
 //! rays at a time.
 //!
-//! Boxes and the spheres in leaves are f32 and only select candidates, with bounded error. The final
-//! hit test is done in f64 by [`crate::geometry::Sphere::first_root`] on the spheres that the user
-//! wrote, as in the brute-force backend, so both backends and all kernel variants return the same
-//! ids.
+//! Boxes and the spheres in leaves are f32 and only select candidates, with bounded error. The
+//! final hit test is done in f64 by [`crate::geometry::Sphere::first_root`] on the spheres that the
+//! user wrote, as in the brute-force backend, so both backends and all kernel variants return the
+//! same ids.
 
 mod aggregate;
 mod build;

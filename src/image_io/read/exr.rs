@@ -14,8 +14,8 @@ use exr::prelude::{
 
 use crate::color::Rgb;
 
+use super::image::Image;
 use super::layered::{BEAUTY, ImageLayer, LayeredImage};
-use super::light::Image;
 use super::limits::{self, Announced, DEFLATE_RATIO};
 
 /// Ratio of DWA, whose blocks of 64 equal pixels, or runs of bytes, are then deflated.

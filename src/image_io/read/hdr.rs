@@ -12,7 +12,7 @@ use image::codecs::hdr::{HdrDecoder, HdrMetadata};
 
 use crate::color::Rgb;
 
-use super::light::Image;
+use super::image::Image;
 use super::limits::{self, Announced};
 
 /// Bytes of pixels that one byte in the file can stand for: in the older encoding, a pixel and two
@@ -237,8 +237,8 @@ mod tests {
         let picture = Picture { width, height, direct, indirect, ..Picture::default() };
         let (_folder, path) = written(&picture, "a.hdr");
         let pixels = read(&path).unwrap().pixels;
-        let mean = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<crate::math::DVec3>()
-            / pixels.len() as f64;
+        let sum = pixels.iter().map(|pixel| pixel.as_dvec3()).reduce(|a, b| a + b).unwrap();
+        let mean = sum / pixels.len() as f64;
         let ratio = mean / picture.mean();
         assert!((ratio - 1.0).abs().max_element() < 2e-4, "{ratio}");
     }

@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 
-use super::light::Image;
+use super::image::Image;
 
 /// The name of the layer with the picture itself.
 pub const BEAUTY: &str = "beauty";

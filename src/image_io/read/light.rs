@@ -2,20 +2,8 @@
 
 use std::path::Path;
 
-use crate::color::Rgb;
-
+use super::image::Image;
 use super::{exr, hdr};
-
-/// The pixels of an image: linear Rec. 709, rows from top to bottom, pixels from left to right.
-#[derive(Clone, Debug)]
-pub struct Image {
-    /// Width in pixels.
-    pub width: usize,
-    /// Height in pixels.
-    pub height: usize,
-    /// `width * height` values, possibly negative or not finite.
-    pub pixels: Vec<Rgb>,
-}
 
 /// Reads a `.exr` or `.hdr` file. An OpenEXR file whose data window differs from its display window
 /// gives the display window, black where there are no data.

@@ -11,6 +11,7 @@
 
 mod exr;
 mod hdr;
+mod image;
 mod layered;
 mod light;
 mod limits;
@@ -24,8 +25,9 @@ use crate::error::{Error, Result};
 
 use super::format::FileFormat;
 
+pub use image::Image;
 pub use layered::{BEAUTY, ImageLayer, LayeredImage};
-pub use light::{Image, read_light};
+pub use light::read_light;
 pub(super) use limits::open as open_ordinary;
 pub use raw::{RawChannel, read_raw_channels};
 

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use crate::color::Rgb;
 
+use super::image::Image;
 use super::layered::LayeredImage;
-use super::light::Image;
 use super::limits::{self, Announced};
 
 /// Longest header, in bytes.

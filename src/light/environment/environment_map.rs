@@ -66,8 +66,8 @@ impl EnvironmentMap {
     /// Pixels are areas: the interpolated light of each is its radiance times its exact solid
     /// angle. A node's light is the mean distance to the heights above and below, so the middles
     /// between the heights must be the edges between the rows, `cos(k d)` for rows of `d` radians.
-    /// The cosine of the row's centre divided by `cos(d / 2)` is that, by the theorem for the sum of
-    /// two cosines. The first and the last row reach the poles.
+    /// The cosine of the row's centre divided by `cos(d / 2)` is that, by the theorem for the sum
+    /// of two cosines. The first and the last row reach the poles.
     ///
     /// # Panics
     /// Unless there are `width` times `height` pixels, and at least one.

@@ -7,8 +7,8 @@
 //! rounding `u` by `e`. So the error of the computed `v` is at most `e (|v| + |o|)`, of `b`
 //! `e (5 |v| + |o|)`, and of `p` `e (9 |v| + 2 |o|)`, where the error of `b` is left out, because
 //! it runs along the line; its square adds `2 e |p|`. As `u` is not exactly unit, `b` and `p` have
-//! an additional error of `13 e |b|`. The sphere `(c, R)` of a leaf is a rounded copy of the one that
-//! the user wrote, whose surface is at most `e (|c| + R)` away, and `|c| <= |o| + |v|`. With
+//! an additional error of `13 e |b|`. The sphere `(c, R)` of a leaf is a rounded copy of the one
+//! that the user wrote, whose surface is at most `e (|c| + R)` away, and `|c| <= |o| + |v|`. With
 //! `|v| <= |b| + |p|`, and `|p| <= R` for a hit, the length of `p` is known to within
 //!
 //! `E' = e (26 (|b| + R) + 3 |o|)`, which is at most 3/4 of `E = 36 e (|b| + R + |o|)`.
@@ -30,8 +30,8 @@
 //!
 //! A candidate is *certain* if it is certainly hit, beyond `t_min` and, for occlusion, before
 //! `t_max`. The smallest upper bound of a certain hit limits the search. Every candidate whose
-//! lower bound is within the limit is kept, and those that remain at the end are tested in f64, with
-//! the numbers that the user wrote.
+//! lower bound is within the limit is kept, and those that remain at the end are tested in f64,
+//! with the numbers that the user wrote.
 
 use crate::accel::native::node::SphereLeaf;
 
