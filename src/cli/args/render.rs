@@ -29,7 +29,7 @@ Examples:
   photosphere render fig2.toml -o fig2.exr --spp 65536 --checkpoint fig2.state
   photosphere render fig2.toml -o b.part --samples 0..64 --crop 320,0,640,480
   photosphere render fig2.toml -o fig2.exr --noise 2% --preview so-far.png
-  generate-scene | photosphere render - -o - --format exr | oiiotool - -o fig2.tif
+  sed s/0.2/0.3/ fig2.toml | photosphere render - -o - > fig3.png
 
 Ctrl-C stops the render and writes the samples so far. A second Ctrl-C, or one before
 rendering starts, exits at once and writes nothing. To resume a render with --checkpoint FILE, use
