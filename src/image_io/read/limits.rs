@@ -79,7 +79,7 @@ mod tests {
         let check = |parts: &[Announced], length| check_with(parts, length, 48_000_000);
         assert_eq!(check(&[part(1000, 1000)], 12_000), Ok(()));
         assert!(check(&[part(1000, 1000)], 11_999).unwrap_err().contains("shorter"));
-        assert!(check(&[part(1000, 1001)], 1 << 40).unwrap_err().contains("held in memory"));
+        assert!(check(&[part(1000, 1001)], 1 << 40).unwrap_err().contains("fit into memory"));
         assert!(check(&[part(0, 5)], 100).unwrap_err().contains("no pixels"));
         assert!(check(&[part(u64::MAX, 2)], u64::MAX).is_err());
     }
