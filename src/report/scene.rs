@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
 use crate::scene::settings::{IntegratorKind, IntegratorSettings, PathTermination};
-use crate::scene::{Scene, Settings};
+use crate::scene::{CameraEnclosure, Scene, Settings};
 
 /// Contents of a scene and its render settings, as text and as the fields of a JSON object.
 #[derive(Debug, Serialize)]
@@ -19,6 +19,7 @@ pub struct SceneSummary<'a> {
     giants: usize,
     duplicates: usize,
     emitters: usize,
+    camera_inside: Option<String>,
     materials: Vec<Material<'a>>,
     bounds: Bounds,
     radius: Radii,
@@ -75,6 +76,8 @@ impl<'a> SceneSummary<'a> {
             giants: spheres.giants().len(),
             duplicates: spheres.duplicates(),
             emitters: scene.emitter_count(),
+            camera_inside: CameraEnclosure::find(scene, image)
+                .map(|enclosure| scene.name_of_row(spheres.row(enclosure.sphere))),
             materials: materials
                 .map(|m| Material { name: &m.name, r#type: m.surface.kind().name() })
                 .collect(),
@@ -110,6 +113,9 @@ impl fmt::Display for SceneSummary<'_> {
         row("giants", format!("{} (traced in f64)", self.giants))?;
         row("duplicates", format!("{} (left out)", self.duplicates))?;
         row("emitters", self.emitters.to_string())?;
+        if let Some(name) = &self.camera_inside {
+            row("camera", format!("inside the opaque sphere `{name}`"))?;
+        }
         let mut list = |name: &str, values: Vec<String>| {
             let names = std::iter::once(name).chain(std::iter::repeat(""));
             names.zip(values).try_for_each(|(name, value)| row(name, value))

@@ -38,7 +38,7 @@ mod value_types;
 pub use builder::{MaterialHandle, SceneBuilder};
 pub use data::{SphereArrays, SphereData};
 pub use description::SceneDescription;
-pub use prepared_scene::{PreparedScene, opaque_sphere_around_camera};
+pub use prepared_scene::{CameraEnclosure, PreparedScene};
 pub use scene::Scene;
 pub use settings::Settings;
 pub use size::SceneSize;

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use crate::error::{Error, Result};
 use crate::job::{Checkpoint, Job, Session, SessionOptions, UNLIMITED_SAMPLES};
 use crate::scene::settings::ImageSettings;
-use crate::scene::{Scene, Settings, opaque_sphere_around_camera};
+use crate::scene::{CameraEnclosure, Scene, Settings};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
@@ -152,10 +152,12 @@ fn tell_of_samples(session: &Session, path: &Path) {
 pub(super) fn about_spheres(scene: &Scene, image: &ImageSettings) -> Vec<String> {
     let spheres = scene.spheres();
     let mut warnings = Vec::new();
-    if let Some(id) = opaque_sphere_around_camera(scene, image) {
+    // A sphere with others inside is a room.
+    let enclosure = CameraEnclosure::find(scene, image).filter(|enclosure| enclosure.is_empty);
+    if let Some(CameraEnclosure { sphere, .. }) = enclosure {
         warnings.push(format!(
-            "the camera is inside the opaque sphere `{}` and sees only what is in there",
-            scene.name_of_row(spheres.row(id)),
+            "the camera is inside the opaque sphere `{}` and sees nothing else",
+            scene.name_of_row(spheres.row(sphere)),
         ));
     }
     if spheres.duplicates() > 0 {
