@@ -14,8 +14,8 @@ use super::description::ColorStorage;
 use super::storage::{reserve_colors, try_with_capacity};
 use super::table_reader::{Row, RowColors};
 
-/// Appends every sphere, moved by `offset`, to `all`, and returns colours and emission if the arrays
-/// have any. No colour may exceed `max_color`. Every number is read and checked in one pass.
+/// Appends every sphere, moved by `offset`, to `all`, and returns colours and emission if the
+/// arrays have any. No colour may exceed `max_color`. Every number is read and checked in one pass.
 ///
 /// # Errors
 /// Names the first invalid number, or if the colours do not fit into memory.
@@ -55,8 +55,8 @@ pub(super) fn read_spheres<T: Row>(
     }
 }
 
-/// Returns a function that reads the numbers of a row. If one is not allowed, all are 0, and the row
-/// becomes `first_wrong` unless an earlier one is.
+/// Returns a function that reads the numbers of a row. If one is not allowed, all are 0, and the
+/// row becomes `first_wrong` unless an earlier one is.
 fn checked<'a, const N: usize>(
     limits: [ColumnLimits; N],
     columns: [&'a StridedArray; N],

@@ -1,7 +1,7 @@
 //! Reads the header of a NumPy file (`.npy`): the type, shape and order of its numbers.
 //!
-//! This covers what sphere tables need, and not the numbers themselves, which are read in chunks like
-//! those of any other table. The format is that of `numpy.lib.format`, versions 1.0 to 3.0.
+//! This covers what sphere tables need, and not the numbers themselves, which are read in chunks
+//! like those of any other table. The format is that of `numpy.lib.format`, versions 1.0 to 3.0.
 
 use std::io::{self, Read};
 
