@@ -75,7 +75,7 @@ fn columns_have_types_and_may_be_skipped() {
     let desk = Desk::new().table("a.f32", same, "diffuse").values("a.f32", &values);
     must_hold(&desk, "f32", SphereArrays::from_rows(vec![values]));
     // Only f64 tells them apart.
-    let one_bit_off = ROWS.map(|[x, y, z, r]| [x, y, z.next_up(), r]);
+    let one_bit_off = ROWS.map(|[x, y, z, r]| [x, y, f64::from_bits(z.to_bits() + 1), r]);
     let columns = r#"["x:f64", "y:f64", "z:f64", "radius:f64"]"#;
     for rows in [ROWS, one_bit_off] {
         let bytes = f64_bytes(rows.into_iter().flatten());
@@ -277,10 +277,8 @@ fn an_offset_is_added_in_f64() {
     let of_file = Scene::build(description.clone()).expect("good values").content_hash();
     description.tables[0].data = SphereData::Memory(SphereArrays::from_rows(rows));
     assert_eq!(Scene::build(description).expect("good values").content_hash(), of_file);
-    let said = "`a.f32`: row 0 (the first is 0) has x = 0.1 at byte 0, which `offset` moves to \
-                1000000000000000.1; it must be from -1e15 to 1e15; 1 more row is invalid";
     let told = with("[1e15, 0, 0]").told();
-    assert!(told[0].contains("which `offset` moves to"), "{told:?} {said}");
+    assert!(told[0].contains("has x = 0.1 at byte 0, which `offset` moves to"), "{told:?}");
     assert!(with("[2e15, 0, 0]").told()[0].starts_with("`sphere_tables.0.offset` must be"));
 }
 
