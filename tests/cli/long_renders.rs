@@ -158,9 +158,9 @@ fn what_is_not_this_render_is_not_gone_on_with() {
         let words = ["cannot resume `a.state`", words];
         refused(&format!("{render} {options}"), &words);
     };
-    other("--seed 3", "it is of another render: `render.seed` is 0, not 3");
+    other("--seed 3", "it belongs to another render: `render.seed` is 0, not 3");
     other("--max-depth 3", "`render.max_depth` is 6, not 3");
-    other("--crop 0,0,5,5", "it is of the crop 0,0,16,12, not 0,0,5,5");
+    other("--crop 0,0,5,5", "its crop is 0,0,16,12, not 0,0,5,5");
     other("--samples 16..41", "its samples start at 0, not at 16");
     other("--spp 32", "it has samples up to 41, more than the 32 that are requested");
     other("--spp 64 --sampler stratified", "`render.sampler` is \"sobol\", not \"stratified\"");

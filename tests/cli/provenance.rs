@@ -69,7 +69,7 @@ fn equal_pictures_are_equal_files_without_the_figures_of_the_run() {
 fn what_has_no_records_says_so() {
     let desk = Desk::new(SCENE);
     RgbImage::new(2, 2).save(desk.path().join("foreign.png")).expect("a picture");
-    desk.run("info foreign.png").fails(3, &["`foreign.png` does not say how it was made"]);
+    desk.run("info foreign.png").fails(3, &["`foreign.png` has no metadata of photosphere"]);
     desk.run("render scene.toml -o a.hdr --accel native").succeeds();
     desk.run("info a.hdr").fails(3, &[".hdr files hold pixels only", "help: ask a .png or .exr"]);
     desk.run("info missing.exr").fails(4, &["cannot read `missing.exr`"]);

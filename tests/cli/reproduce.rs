@@ -197,7 +197,7 @@ fn tables_must_be_there_and_be_the_same() {
 fn pictures_that_say_nothing_cannot_be_reproduced() {
     let desk = Desk::new(SCENE);
     image::RgbImage::new(2, 2).save(desk.path().join("foreign.png")).expect("a picture");
-    desk.run("reproduce foreign.png").fails(3, &["`foreign.png` does not say how it was made"]);
+    desk.run("reproduce foreign.png").fails(3, &["`foreign.png` has no metadata of photosphere"]);
     desk.run("reproduce missing.exr").fails(4, &["cannot read `missing.exr`"]);
     desk.run("reproduce a.pfm").fails(3, &[".pfm files hold pixels only"]);
     desk.run("render scene.toml -o a.part --accel native --quiet").succeeds();

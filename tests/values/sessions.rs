@@ -277,5 +277,5 @@ fn a_checkpoint_of_another_scene_is_refused() {
     let checkpoint = Checkpoint::open(&path).expect("a checkpoint");
     let told = Session::resume(&other, session_job(16), checkpoint, SessionOptions::default());
     let told = told.err().expect("it is of another scene").to_string();
-    assert!(told.contains("it is of another render"), "{told}");
+    assert!(told.contains("it belongs to another render"), "{told}");
 }
