@@ -135,7 +135,7 @@ impl fmt::Display for SceneSummary<'_> {
         let note = |EnergyCreatingMaterial { name, max_albedo }: &EnergyCreatingMaterial<'_>| {
             format!("{name} (reflects more than it receives: up to {max_albedo:.2} of it)")
         };
-        list("creates energy", self.creates_energy.iter().map(note).collect())
+        list("adds energy", self.creates_energy.iter().map(note).collect())
     }
 }
 

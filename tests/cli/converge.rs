@@ -64,7 +64,7 @@ fn a_picture_can_be_the_reference_and_its_error_is_then_not_known() {
     let outcome = run(&desk, &format!("{arguments} --size 16x12 --metric relmse"));
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     for told in
-        ["reference: best.exr; its own error is not known", "relMSE", "slope against samples -"]
+        ["reference: best.exr; its own error is unknown", "relMSE", "slope against samples -"]
     {
         assert!(outcome.stdout.contains(told), "{told}: {}", outcome.stdout);
     }

@@ -45,14 +45,14 @@ material = "wall"
 fn a_material_that_makes_light_is_told_and_blamed() {
     let desk = Desk::new(ROOM);
     let told = desk.run("info scene.toml").succeeds().stdout;
-    let note = "creates energy wall (reflects more than it receives: up to 1.40 of it)\n";
+    let note = "adds energy wall (reflects more than it receives: up to 1.40 of it)\n";
     assert!(told.contains(note), "{told}");
     assert_eq!(
-        desk.run("info scene.toml --json").succeeds().json()["makes_light"][0]["name"],
+        desk.run("info scene.toml --json").succeeds().json()["creates_energy"][0]["name"],
         "wall"
     );
     let fair = desk.run("info scene.toml --set materials.wall.normalized=true").succeeds().stdout;
-    assert!(!fair.contains("creates energy"), "{fair}");
+    assert!(!fair.contains("adds energy"), "{fair}");
     let endless = desk.run("render scene.toml -o a.png --spp 64");
     endless.fails(3, &["a material may create energy", "photosphere info", "`max_depth`"]);
     desk.run("render scene.toml -o a.png --spp 16 --max-depth 4").succeeds();

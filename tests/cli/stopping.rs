@@ -103,7 +103,7 @@ fn what_makes_no_sense_together_is_refused() {
     let counted =
         "a noise target decides when to stop, but stratified sampling needs the number of samples";
     refused("--noise 1% --sampler stratified", 3, counted);
-    refused("--time 1s --sampler stratified", 3, "a time decides when to stop");
+    refused("--time 1s --sampler stratified", 3, "a time limit decides when to stop");
     let cells = "3 x 3 sub-pixels do not fit into its blocks of 16 samples";
     refused("--time 1s --integrator paper --set render.paper.subpixels=3", 3, cells);
     refused("--preview a.jpg", 3, "the preview `a.jpg` is not a .png file");
