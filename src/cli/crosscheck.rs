@@ -22,8 +22,6 @@ use super::{interrupt, scene_file};
 
 /// Up to this many spheres, brute force is fast enough for a few thousand rays.
 const FEW_SPHERES: usize = 1000;
-/// The fraction of ambiguous answers to the scene's own rays above which a warning is printed.
-const TOLERABLE_AMBIGUITY: f64 = 0.01;
 
 /// Runs the command.
 ///
@@ -58,7 +56,6 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     let mut random = rays::coherent(spheres, left / 4, args.seed);
     random.extend(rays::random(spheres, left - random.len(), args.seed));
     let mut results = crosscheck::compare(spheres, &contenders, &of_scene, &build.cancel)?;
-    results.iter().filter_map(about_ambiguity).for_each(print::warning);
     let about_random = crosscheck::compare(spheres, &contenders, &random, &build.cancel)?;
     results.iter_mut().zip(about_random).for_each(|(result, random)| result.merge(random));
     print::result(&table(&results))?;
@@ -87,20 +84,6 @@ fn rays_of_shot(
     rays.extend(rays::secondary(spheres, accel, &rays, args.seed));
     rays.retain(|ray| rays::is_traceable(spheres, ray));
     rays
-}
-
-/// Returns a warning if an intersector often cannot tell the scene's spheres apart.
-fn about_ambiguity(of_scene: &CrosscheckResult) -> Option<String> {
-    let share = of_scene.ambiguous_fraction();
-    (share > TOLERABLE_AMBIGUITY).then(|| {
-        format!(
-            "{:.1} % of the answers of `{}` to camera rays and their bounces are ambiguous: the \
-             spheres are so small for their distance that its rounding may swap neighbours and blur \
-             outlines. Render this scene with `--accel native`, which decides in f64",
-            100.0 * share,
-            of_scene.name,
-        )
-    })
 }
 
 fn camera_rays(prepared: &PreparedScene, count: usize, seed: u64) -> Vec<PathRay> {

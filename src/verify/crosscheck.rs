@@ -168,11 +168,6 @@ impl CrosscheckResult {
         ids + self.wrong_distances + self.wrong_sides + self.wrong_occlusions
     }
 
-    /// Fraction of rays whose id differs from the exact one within the error bound.
-    pub fn ambiguous_fraction(&self) -> f64 {
-        self.ambiguous as f64 / self.rays.max(1) as f64
-    }
-
     fn count(&mut self, case: &RayCase<'_>, resolved: &ResolvedHit, occluded: bool) {
         self.rays += 1;
         let exact_hit = case.first_hit().map(|ExactHit { id, t }| (id, t));

@@ -131,7 +131,7 @@ fn giants(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
 /// Pairs of balls with a gap or an overlap of 1e-7 to 1e-2 of a radius: beside each other, and one
 /// inside the other. What protrudes from a ball is a cap as high as the overlap.
 fn gaps(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
-    let mut pair = |index: usize| {
+    let pair = |index: usize| {
         let center = random_point(rng) * 20.0;
         let [radius, gap, size] = [(-2.0, 0.0), (-7.0, -2.0), (-1.0, 0.0)]
             .map(|(low, high)| libm::pow(10.0, rng.random_range(low..high)));
@@ -141,17 +141,17 @@ fn gaps(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
         let beside = center + rays::uniform_direction(rng) * apart;
         [Sphere { center, radius }, Sphere { center: beside, radius: other }]
     };
-    (0..count / 2).flat_map(|index| pair(index)).collect()
+    (0..count / 2).flat_map(pair).collect()
 }
 
 /// Concentric shells in pairs, with a relative thickness of 1e-9 to 1e-3.
 fn thin_shells(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
-    let mut pair = |index: usize| {
+    let pair = |index: usize| {
         let (center, radius) = (DVec3::splat(0.3), 0.1 + 0.03 * index as f64);
         let thickness = libm::pow(10.0, rng.random_range(-9.0..-3.0));
         [radius, radius * (1.0 + thickness)].map(|radius| Sphere { center, radius })
     };
-    (0..count / 2).flat_map(|index| pair(index)).collect()
+    (0..count / 2).flat_map(pair).collect()
 }
 
 /// A sphere as large as the Earth in metres, and pebbles that lie on it around one place.

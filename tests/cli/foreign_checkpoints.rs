@@ -74,7 +74,7 @@ fn a_checkpoint_cannot_choose_what_is_written() {
     let outside = |file: &str| {
         let desk = desk();
         let name = file.replace("FOLDER", &desk.path().display().to_string());
-        mislead(&desk, |header| header["delivery"]["files"] = json!([name]));
+        mislead(&desk, |header| header["output"]["files"] = json!([name]));
         desk.run("resume kept/a.state --extend-to 32").fails(3, &["names a picture outside"]);
         assert!(!desk.path().join("b.pfm").exists(), "{file}");
         // What the user names is written.
@@ -89,11 +89,11 @@ fn a_checkpoint_cannot_choose_what_is_written() {
     // Through a link in its folder, and for the preview, which is left out.
     let desk = desk();
     std::os::unix::fs::symlink("..", desk.path().join("kept/up")).expect("a link");
-    mislead(&desk, |header| header["delivery"]["files"] = json!(["up/b.pfm"]));
+    mislead(&desk, |header| header["output"]["files"] = json!(["up/b.pfm"]));
     desk.run("resume kept/a.state --extend-to 32").fails(3, &["names a picture outside"]);
     mislead(&desk, |header| {
-        header["delivery"]["files"] = json!(["a.pfm"]);
-        header["delivery"]["preview"] = json!("../q.png");
+        header["output"]["files"] = json!(["a.pfm"]);
+        header["output"]["preview"] = json!("../q.png");
     });
     let told = desk.run("resume kept/a.state --extend-to 32").succeeds().stderr;
     assert!(told.contains("q.png` is outside the checkpoint's folder"), "{told}");
@@ -109,7 +109,7 @@ fn a_checkpoint_calls_nobody_and_reads_ordinary_files() {
     listener.set_nonblocking(true).expect("it can be asked");
     let viewer = listener.local_addr().expect("an address").to_string();
     mislead(&desk, |header| {
-        header["delivery"]["tev"] = json!(viewer);
+        header["output"]["tev"] = json!(viewer);
         header["job"]["threads"] = json!(1_000_000_000);
     });
     let told = desk.run("resume kept/a.state --extend-to 32").succeeds().stderr;

@@ -32,7 +32,7 @@ fn parts_add_up_to_the_very_bytes_of_one_render() {
         desk.run(&format!("render scene.toml -o {name}.part {options}")).succeeds();
     }
     let told = desk.run("merge d.part a.part e.part c.part b.part -o sum.exr --no-run-figures");
-    assert!(told.succeeds().stderr.contains("wrote sum.exr, samples 0..41 of 5 parts"));
+    assert!(told.succeeds().stderr.contains("wrote sum.exr, samples 0..41 from 5 parts"));
     assert!(desk.read("sum.exr") == whole);
 
     // Parts of parts, in another order.

@@ -100,7 +100,10 @@ fn pictures_of_parts_with_gaps_say_what_they_hold_and_come_out_again() {
         (told, desk.run(&format!("info {name}.exr")).succeeds())
     };
     let (told, info) = merge("c.part a.part", "gap");
-    assert!(told.contains("wrote gap.exr and gap.png, samples 0..16, 32..57 of 2 parts"), "{told}");
+    assert!(
+        told.contains("wrote gap.exr and gap.png, samples 0..16, 32..57 from 2 parts"),
+        "{told}"
+    );
     assert_eq!(info.row("samples"), "0..16, 32..57");
     let parts = "\nparts:\n    0,0,16,12: 0..16\n    0,0,16,12: 32..57\n";
     assert!(info.stdout.contains(parts), "{}", info.stdout);
@@ -207,7 +210,7 @@ fn records_that_mislead_are_refused_before_anything_is_rendered() {
     desk.run("reproduce b.png").fails(3, &["is impossible: `image.crop` must be"]);
     with("samples", "\"first\":0", "\"first\":4294967280");
     desk.run("reproduce b.png").fails(3, &["4 samples from 4294967280 on are not among 0..4"]);
-    with("samples", "\"fewest\":4", "\"fewest\":9");
+    with("samples", "\"min_count\":4", "\"min_count\":9");
     desk.run("reproduce b.png").fails(3, &["is impossible: "]);
 
     // More samples than one wants to wait for, and a picture that no machine holds.

@@ -53,8 +53,10 @@ fn streams_that_cannot_be_are_refused() {
     let refused = |command: &str, words: &str| {
         desk.run(command).fails(3, &[words]);
     };
+    let both = desk.run("render missing.toml -o - --json");
+    assert_eq!(both.code, Some(3));
     let message = "`-o -` and `--json` both write to the standard output";
-    refused("render missing.toml -o - --json", message);
+    assert_eq!(both.json()["error"]["message"], message);
     let message = "`--format` is for the standard output, `-o -`";
     refused("render missing.toml -o a.png --format exr", message);
     let message = "`-o none` discards the picture, and there are other files";

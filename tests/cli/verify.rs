@@ -79,7 +79,7 @@ fn checks_of_a_closed_form_are_listed_under_it_whatever_they_are_called() {
     let [furnace] = forms[..] else { panic!("{table}") };
     let words: Vec<&str> = furnace.split_whitespace().collect();
     assert_eq!(words[..3], ["furnace", "2", "0"], "{table}");
-    assert!(report::checks::page(&[], &judged).contains("2 of 2 ways"));
+    assert!(report::checks::page(&[], &judged).contains("2 of 2 variants"));
 }
 
 #[test]

@@ -217,7 +217,7 @@ fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
 fn columns_must_make_a_sphere() {
     let told = |columns: &str, expected: &[&str]| {
         // As many numbers as make whole rows of any of these columns.
-        let desk = Desk::new().table("a.f32", columns, "diffuse").values("a.f32", &[1.0; 60]);
+        let desk = Desk::new().table("a.f32", columns, "diffuse").values("a.f32", &[1.0; 420]);
         assert_eq!(desk.told(), expected);
     };
     told(r#"["x", "y", "z"]"#, &["`sphere_tables.0.columns` lacks \"radius\""]);

@@ -270,8 +270,8 @@ fn an_offset_is_added_in_f64() {
     let [plain, zero] = [plain(), with("[0, -0.0, 0]")].map(|desk| desk.load().expect("good"));
     assert_eq!(plain.content_hash(), zero.content_hash());
     // Arrays in memory move alike.
-    let mut description =
-        with("[1000000000.3, -0.1, 3]").load().expect("good").description().clone();
+    let desk = with("[1000000000.3, -0.1, 3]");
+    let mut description = desk.load().expect("good").description().clone();
     let rows = values.chunks_exact(4).map(|row| [row[0], row[1], row[2], row[3]]).collect();
     description.tables[0].name = Some("a.f32".into());
     let of_file = Scene::build(description.clone()).expect("good values").content_hash();

@@ -308,7 +308,7 @@ fn a_job_resumed_from_bytes_is_the_uninterrupted_one() {
         must_be_outcome("resumed from bytes", &finished(&session), &expected);
     }
     let told = Checkpoint::from_bytes(at_the_end[..100].to_vec()).expect_err("cut off").to_string();
-    assert_eq!(told, "cannot read the checkpoint: it is cut off after 100 bytes");
+    assert_eq!(told, "cannot read the checkpoint: it is truncated after 100 bytes");
 }
 
 #[test]
