@@ -166,7 +166,7 @@ fn samples(keys: &[&str]) -> u32 {
 fn outcome(keys: &[&str], seed: u64) -> Result<RenderedImage> {
     let set = |pair: &str| {
         let (key, value) = pair.split_once('=').expect("key=value");
-        Override { option: format!("--set {pair}"), key: key.into(), value: value.into() }
+        Override::new(key, value)
     };
     let mut overrides = vec![set("image.width=8"), set("image.height=6")];
     overrides.extend(keys.iter().map(|pair| set(&format!("render.{pair}"))));

@@ -99,11 +99,7 @@ fn picture(
     samples: u32,
     seed: u32,
 ) -> photosphere::Result<(Picture, f64)> {
-    let set = |key: &str, value: String| Override {
-        option: format!("{key}={value}"),
-        key: format!("render.{key}"),
-        value,
-    };
+    let set = |key: &str, value: String| Override::new(format!("render.{key}"), value);
     let overrides = [
         set("light_choice", choice.into()),
         set("samples_per_pixel", samples.to_string()),

@@ -55,11 +55,7 @@ fn mean_square_error(scene: &str, sampler: &str, samples: u32) -> Result<f64> {
 }
 
 fn picture(scene: &str, sampler: &str, samples: u32, seed: usize) -> Result<Picture> {
-    let set = |key: &str, value: String| Override {
-        option: format!("--set {key}={value}"),
-        key: key.into(),
-        value,
-    };
+    let set = |key: &str, value: String| Override::new(key, value);
     let overrides = [
         set("image.width", "64".into()),
         set("image.height", "48".into()),

@@ -1,9 +1,14 @@
 /* shim.h over Embree 4 or 3, whichever build.rs found (EMBREE_MAJOR says which).
  *
  * Two things are done here and nowhere else. The difference between the two versions is hidden in
- * the first section. And every candidate hit, of a sphere point or of user geometry, is judged by
- * one function, accept(): so exclusion, the open interval and ties have one rule, and the answer
- * does not depend on the order in which Embree visits the spheres.
+ * the first section. And Embree only finds candidates: every one of them, a sphere point or user
+ * geometry, is judged by one function, accept(), in f64 and on the numbers that the user wrote. So
+ * hits, exclusion, the open interval and ties have one rule, and the answer does not depend on the
+ * order in which Embree visits the spheres, nor on its arithmetic.
+ *
+ * No candidate is lost, because everything that Embree sees is enlarged by a bound on its errors in
+ * f32 (PsGroup, derived in src/accel/embree/group.rs), and because a ray starts, for Embree, where it
+ * enters the ball around the group, so that these errors do not grow with the ray's length.
  */
 #include "shim.h"
 
@@ -17,6 +22,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 _Static_assert(sizeof(PsRay) == 64, "a ray is one cache line");
 _Static_assert(FLT_EVAL_METHOD == 0, "the same arithmetic as on the Rust side");
@@ -35,8 +41,10 @@ typedef struct RTCIntersectContext Context;
 typedef struct Query {
     Context context;
     const PsRay *ray;
-    /* The ray to 48 bits. */
-    double origin[3], direction[3];
+    /* The ray to 48 bits; the length of its direction, and one over that and over its square. */
+    double origin[3], direction[3], length, per_length, per_length_squared;
+    /* Where the ray starts for Embree, and the slack of the group that is being asked. */
+    double start, slack;
     /* The first hit so far. */
     double t;
     uint32_t id;
@@ -97,13 +105,37 @@ typedef struct Sphere {
     double center[3], radius;
 } Sphere;
 
+static Sphere relative_to_origin(const PsSpheres *spheres, double x, double y, double z, double r) {
+    const double *origin = spheres->origin;
+    return (Sphere){{x - origin[0], y - origin[1], z - origin[2]}, r};
+}
+
+/* `SphereSet::sphere` of photosphere's geometry. */
 static Sphere sphere_at(const PsSpheres *spheres, uint32_t id) {
-    if (id < spheres->particle_count) {
-        const float *s = &spheres->particles[4 * (size_t)id];
-        return (Sphere){{s[0], s[1], s[2]}, s[3]};
+    const double *s;
+    if (id >= spheres->particle_count) {
+        s = &spheres->giants[4 * (size_t)(id - spheres->particle_count)];
+    } else if (spheres->f32_rows) {
+        const float *row = &spheres->f32_rows[4 * (size_t)id];
+        if (row[3] >= 0.0f) return relative_to_origin(spheres, row[0], row[1], row[2], row[3]);
+        uint32_t index;
+        memcpy(&index, &row[0], sizeof index);
+        s = &spheres->f64_rows[4 * (size_t)index];
+    } else {
+        s = &spheres->f64_rows[4 * (size_t)id];
     }
-    const double *s = &spheres->giants[4 * (size_t)(id - spheres->particle_count)];
-    return (Sphere){{s[0], s[1], s[2]}, s[3]};
+    return relative_to_origin(spheres, s[0], s[1], s[2], s[3]);
+}
+
+static uint32_t id_of(const PsGroup *group, uint32_t index) {
+    return group->ids ? group->ids[index] : index;
+}
+
+/* The sphere with this index in the group. */
+static Sphere sphere_in(const PsGroup *group, uint32_t index) {
+    if (!group->points || !group->is_exact) return sphere_at(&group->spheres, id_of(group, index));
+    const float *point = &group->points[PS_POINT_STRIDE * (size_t)index];
+    return (Sphere){{point[0], point[1], point[2]}, point[4]};
 }
 
 static double dot(const double a[3], const double b[3]) {
@@ -112,10 +144,11 @@ static double dot(const double a[3], const double b[3]) {
 
 /* `Sphere::first_root` of photosphere's geometry, operation by operation, so that it gives the same
  * bits. The far root where the near one is not beyond t_min; NAN where the line passes by. */
-static double first_root(const Sphere *sphere, const Query *query) {
+static double first_root(const PsGroup *group, uint32_t index, const Query *query) {
+    const Sphere found = sphere_in(group, index), *sphere = &found;
     const double *o = query->origin, *d = query->direction, *c = sphere->center;
     const double to_center[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
-    double per_length_squared = 1.0 / dot(d, d);
+    double per_length_squared = query->per_length_squared;
     double t = dot(to_center, d) * per_length_squared;
     const double perpendicular[3] = {to_center[0] - d[0] * t, to_center[1] - d[1] * t,
                                      to_center[2] - d[2] * t};
@@ -143,69 +176,78 @@ static bool accept(Query *query, uint32_t id, double t) {
     return true;
 }
 
-/* Filters of the sphere points. Embree has put its distance into the ray; setting `valid` to 0
- * rejects the hit, upon which Embree offers the sphere's far wall. The callbacks are only ever
- * called for one ray, where RTCRayN and RTCHitN are RTCRay and RTCHit. */
+/* Not less than x >= 0. */
+static float round_up(double x) { return (float)x * (1.0f + 2.0f * FLT_EPSILON); }
+
+/* fmin, without its care for NAN, which costs a call. */
+static double least(double a, double b) { return a < b ? a : b; }
+
+/* Where Embree may stop looking for a sphere whose exact distance is below t. */
+static float search_until(const Query *query, double t) {
+    return round_up((t - query->start) * query->length + query->slack);
+}
+
+/* Filters of the sphere points. Setting `valid` to 0 rejects the candidate, upon which Embree offers
+ * the sphere's far wall and restores the ray. The callbacks are only ever called for one ray, where
+ * RTCRayN and RTCHitN are RTCRay and RTCHit. Embree allows a filter to change `tfar` and takes what
+ * it finds there, which is never more than it was before the candidate. */
 
 static void filter_closest(const struct RTCFilterFunctionNArguments *arguments) {
-    const struct RTCRay *ray = (const struct RTCRay *)arguments->ray;
+    const PsGroup *group = arguments->geometryUserPtr;
+    struct RTCRay *ray = (struct RTCRay *)arguments->ray;
     const struct RTCHit *hit = (const struct RTCHit *)arguments->hit;
     Query *query = (Query *)arguments->context;
-    if (!accept(query, hit->primID, ray->tfar)) arguments->valid[0] = 0;
+    uint32_t id = id_of(group, hit->primID);
+    if (accept(query, id, first_root(group, hit->primID, query)))
+        ray->tfar = search_until(query, query->t);
+    else
+        arguments->valid[0] = 0;
 }
 
 static void filter_occluded(const struct RTCFilterFunctionNArguments *arguments) {
-    const struct RTCRay *ray = (const struct RTCRay *)arguments->ray;
+    const PsGroup *group = arguments->geometryUserPtr;
     const struct RTCHit *hit = (const struct RTCHit *)arguments->hit;
     const Query *query = (const Query *)arguments->context;
-    if (!counts(query->ray, hit->primID, ray->tfar)) arguments->valid[0] = 0;
+    uint32_t id = id_of(group, hit->primID);
+    if (!counts(query->ray, id, first_root(group, hit->primID, query))) arguments->valid[0] = 0;
 }
 
 /* ---- User geometry ---- */
 
-static float round_up(double x) {
-    float nearest = (float)x;
-    return nearest < x ? nextafterf(nearest, INFINITY) : nearest;
-}
-
-/* Always outwards by at least half an ulp, which covers the rounding of the f64 sums as well. */
+/* The enlargement covers the rounding to f32. */
 static void user_bounds(const struct RTCBoundsFunctionArguments *arguments) {
-    const PsSpheres *spheres = arguments->geometryUserPtr;
-    Sphere sphere = sphere_at(spheres, spheres->first_user_id + arguments->primID);
+    const PsGroup *group = arguments->geometryUserPtr;
+    Sphere sphere = sphere_at(&group->spheres, id_of(group, arguments->primID));
+    double reach = sphere.radius + group->enlargement;
     float lower[3], upper[3];
     for (int axis = 0; axis < 3; axis++) {
-        lower[axis] = nextafterf((float)(sphere.center[axis] - sphere.radius), -INFINITY);
-        upper[axis] = nextafterf((float)(sphere.center[axis] + sphere.radius), INFINITY);
+        lower[axis] = (float)(sphere.center[axis] - reach);
+        upper[axis] = (float)(sphere.center[axis] + reach);
     }
     struct RTCBounds *bounds = arguments->bounds_o;
     bounds->lower_x = lower[0], bounds->lower_y = lower[1], bounds->lower_z = lower[2];
     bounds->upper_x = upper[0], bounds->upper_y = upper[1], bounds->upper_z = upper[2];
 }
 
-/* The exact first hit stays in the query. Embree, which compares boxes and sphere points with
- * `tfar`, is given the distance rounded up, so that it skips nothing that is nearer. */
 static void user_closest(const struct RTCIntersectFunctionNArguments *arguments) {
     if (!arguments->valid[0]) return;
-    const PsSpheres *spheres = arguments->geometryUserPtr;
+    const PsGroup *group = arguments->geometryUserPtr;
     struct RTCRayHit *rayhit = (struct RTCRayHit *)arguments->rayhit;
     Query *query = (Query *)arguments->context;
-    uint32_t id = spheres->first_user_id + arguments->primID;
-    Sphere sphere = sphere_at(spheres, id);
-    double t = first_root(&sphere, query);
-    if (!accept(query, id, t)) return;
-    rayhit->ray.tfar = round_up(t);
+    uint32_t id = id_of(group, arguments->primID);
+    if (!accept(query, id, first_root(group, arguments->primID, query))) return;
+    rayhit->ray.tfar = search_until(query, query->t);
     rayhit->hit.primID = arguments->primID;
     rayhit->hit.geomID = arguments->geomID;
 }
 
 static void user_occluded(const struct RTCOccludedFunctionNArguments *arguments) {
     if (!arguments->valid[0]) return;
-    const PsSpheres *spheres = arguments->geometryUserPtr;
+    const PsGroup *group = arguments->geometryUserPtr;
     struct RTCRay *ray = (struct RTCRay *)arguments->ray;
     const Query *query = (const Query *)arguments->context;
-    uint32_t id = spheres->first_user_id + arguments->primID;
-    Sphere sphere = sphere_at(spheres, id);
-    if (counts(query->ray, id, first_root(&sphere, query))) ray->tfar = -INFINITY;
+    uint32_t id = id_of(group, arguments->primID);
+    if (counts(query->ray, id, first_root(group, arguments->primID, query))) ray->tfar = -INFINITY;
 }
 
 /* ---- Devices ---- */
@@ -254,20 +296,21 @@ void ps_device_describe(PsDevice *device, PsDescription *description) {
 
 /* ---- Geometries ---- */
 
-PsGeometry *ps_points_new(PsDevice *device, const PsSpheres *spheres) {
+PsGeometry *ps_points_new(PsDevice *device, const PsGroup *group) {
     RTCGeometry geometry = rtcNewGeometry((RTCDevice)device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                               spheres->particles, 0, 4 * sizeof(float), spheres->first_user_id);
+                               group->points, 0, PS_POINT_STRIDE * sizeof(float),
+                               group->count);
+    rtcSetGeometryUserData(geometry, (void *)group);
     rtcSetGeometryIntersectFilterFunction(geometry, filter_closest);
     rtcSetGeometryOccludedFilterFunction(geometry, filter_occluded);
     return (PsGeometry *)geometry;
 }
 
-PsGeometry *ps_user_new(PsDevice *device, const PsSpheres *spheres) {
+PsGeometry *ps_user_new(PsDevice *device, const PsGroup *group) {
     RTCGeometry geometry = rtcNewGeometry((RTCDevice)device, RTC_GEOMETRY_TYPE_USER);
-    uint32_t count = spheres->particle_count + spheres->giant_count - spheres->first_user_id;
-    rtcSetGeometryUserPrimitiveCount(geometry, count);
-    rtcSetGeometryUserData(geometry, (void *)spheres);
+    rtcSetGeometryUserPrimitiveCount(geometry, group->count);
+    rtcSetGeometryUserData(geometry, (void *)group);
     rtcSetGeometryBoundsFunction(geometry, user_bounds, NULL);
     rtcSetGeometryIntersectFunction(geometry, user_closest);
     rtcSetGeometryOccludedFunction(geometry, user_occluded);
@@ -299,7 +342,7 @@ void ps_scene_commit(PsScene *scene) { rtcCommitScene((RTCScene)scene); }
 
 void ps_scene_release(PsScene *scene) { rtcReleaseScene((RTCScene)scene); }
 
-/* ---- Questions ---- */
+/* ---- Queries ---- */
 
 /* Whether Embree may be asked at all: `math::Ray::is_valid`, and its limit, 4 MAX_COORDINATE. */
 static bool is_valid(const PsRay *ray) {
@@ -316,50 +359,81 @@ static void begin(Query *query, const PsRay *ray) {
         query->origin[axis] = (double)ray->origin[axis] + ray->origin_low[axis];
         query->direction[axis] = (double)ray->direction[axis] + ray->direction_low[axis];
     }
+    double squared = dot(query->direction, query->direction);
+    query->length = sqrt(squared);
+    query->per_length = 1.0 / query->length;
+    query->per_length_squared = 1.0 / squared;
     query->t = INFINITY;
     query->id = PS_NO_SPHERE;
 }
 
-static struct RTCRay embree_ray(const PsRay *ray) {
-    return (struct RTCRay){
-        .org_x = ray->origin[0],
-        .org_y = ray->origin[1],
-        .org_z = ray->origin[2],
-        .tnear = ray->t_min,
-        .dir_x = ray->direction[0],
-        .dir_y = ray->direction[1],
-        .dir_z = ray->direction[2],
-        .tfar = ray->t_max,
+/* Makes the ray for a group: of unit direction, from where it enters the ball around the group to
+ * where it leaves that or its first hit so far. Returns false if that is nowhere. */
+static bool embree_ray(Query *query, const PsGroup *group, struct RTCRay *ray) {
+    const double *o = query->origin, *d = query->direction, *c = group->center;
+    const double to_center[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
+    double per_length_squared = query->per_length_squared;
+    double middle = dot(to_center, d) * per_length_squared;
+    const double perpendicular[3] = {to_center[0] - d[0] * middle, to_center[1] - d[1] * middle,
+                                     to_center[2] - d[2] * middle};
+    double squared = group->radius * group->radius - dot(perpendicular, perpendicular);
+    if (!(squared >= 0.0)) return false;
+    double half = sqrt(squared * per_length_squared), margin = group->slack * query->per_length;
+    double until = least(query->t, query->ray->t_max), t_min = query->ray->t_min;
+    double enter = middle - half > t_min ? middle - half : t_min;
+    double leave = least(middle + half, until);
+    if (!(enter - margin <= leave + margin)) return false;
+    query->start = enter - margin;
+    query->slack = group->slack;
+    float origin[3], direction[3];
+    for (int axis = 0; axis < 3; axis++) {
+        origin[axis] = (float)(o[axis] + d[axis] * query->start);
+        direction[axis] = (float)(d[axis] * query->per_length);
+    }
+    *ray = (struct RTCRay){
+        .org_x = origin[0],
+        .org_y = origin[1],
+        .org_z = origin[2],
+        .tnear = 0.0f,
+        .dir_x = direction[0],
+        .dir_y = direction[1],
+        .dir_z = direction[2],
+        .tfar = search_until(query, leave),
         .mask = UINT32_MAX,
     };
+    return true;
 }
 
-void ps_closest(PsScene *scene, const PsRay *rays, size_t count, PsHit *hits) {
+void ps_closest(const PsTarget *targets, size_t target_count, const PsRay *rays, size_t count,
+                PsHit *hits) {
     Query query;
     ClosestArguments arguments;
     prepare_closest(&arguments, &query);
     for (size_t i = 0; i < count; i++) {
         begin(&query, &rays[i]);
-        if (is_valid(&rays[i])) {
-            struct RTCRayHit rayhit = {.ray = embree_ray(&rays[i])};
+        for (size_t k = 0; k < target_count && is_valid(&rays[i]); k++) {
+            struct RTCRayHit rayhit;
+            if (!embree_ray(&query, targets[k].group, &rayhit.ray)) continue;
             rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
             rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-            trace_closest((RTCScene)scene, &arguments, &rayhit);
+            trace_closest((RTCScene)targets[k].scene, &arguments, &rayhit);
         }
         hits[i] = (PsHit){.t = (float)query.t, .id = query.id};
     }
 }
 
-void ps_occluded(PsScene *scene, const PsRay *rays, size_t count, bool *blocked) {
+void ps_occluded(const PsTarget *targets, size_t target_count, const PsRay *rays, size_t count,
+                 bool *blocked) {
     Query query;
     OccludedArguments arguments;
     prepare_occluded(&arguments, &query);
     for (size_t i = 0; i < count; i++) {
         begin(&query, &rays[i]);
         blocked[i] = false;
-        if (is_valid(&rays[i])) {
-            struct RTCRay ray = embree_ray(&rays[i]);
-            trace_occluded((RTCScene)scene, &arguments, &ray);
+        for (size_t k = 0; k < target_count && is_valid(&rays[i]) && !blocked[i]; k++) {
+            struct RTCRay ray;
+            if (!embree_ray(&query, targets[k].group, &ray)) continue;
+            trace_occluded((RTCScene)targets[k].scene, &arguments, &ray);
             blocked[i] = ray.tfar < 0.0f;
         }
     }

@@ -37,17 +37,39 @@ typedef struct PsHit {
     uint32_t id;
 } PsHit;
 
-/* All the spheres of a scene. The ids of giants follow those of the particles. Must not move or
- * change as long as a geometry or a scene made from it lives. */
+/* All the spheres of a scene as the user wrote them, by id: x, y, z, radius of each. The ids of
+ * giants follow those of the particles. */
 typedef struct PsSpheres {
-    /* x, y, z, radius of each. */
-    const float *particles;
+    /* The particles in f32; a negative radius marks one that is in `f64_rows`, at the index that the
+     * bits of x are. NULL if all are in `f64_rows`. */
+    const float *f32_rows;
+    const double *f64_rows;
     const double *giants;
+    /* What rays are relative to. */
+    double origin[3];
     uint32_t particle_count;
-    uint32_t giant_count;
-    /* Spheres below this id are sphere points, the others are user geometry. */
-    uint32_t first_user_id;
 } PsSpheres;
+
+/* Numbers of a sphere point: two in a cache line of 16, so that Embree has fetched what a filter needs. */
+#define PS_POINT_STRIDE 8
+
+/* Spheres of similar size, which have an Embree scene of their own. Must not move or change as long
+ * as a geometry or a scene made from it lives. */
+typedef struct PsGroup {
+    PsSpheres spheres;
+    /* The ids of the spheres; NULL if they are the first ones. */
+    const uint32_t *ids;
+    uint32_t count;
+    /* The spheres as sphere points, PS_POINT_STRIDE numbers each: x, y, z relative to the origin, the
+     * enlarged radius, and the radius as written. */
+    const float *points;
+    /* Whether x, y, z and the last number of each point are exact. */
+    bool is_exact;
+    /* A ball that contains all spheres of the group. */
+    double center[3], radius;
+    /* How far f32 may displace a surface, and how far a candidate's distance may be off. */
+    double enlargement, slack;
+} PsGroup;
 
 /* ---- Devices ---- */
 
@@ -87,10 +109,10 @@ void ps_device_describe(PsDevice *device, PsDescription *description);
 
 /* ---- Geometries ---- */
 
-/* The particles, as sphere points that share the array. */
-PsGeometry *ps_points_new(PsDevice *device, const PsSpheres *spheres);
-/* The spheres from `first_user_id` on, as user geometry. */
-PsGeometry *ps_user_new(PsDevice *device, const PsSpheres *spheres);
+/* The spheres of a group, as sphere points that share the array. */
+PsGeometry *ps_points_new(PsDevice *device, const PsGroup *group);
+/* The spheres of a group, as user geometry. */
+PsGeometry *ps_user_new(PsDevice *device, const PsGroup *group);
 void ps_geometry_commit(PsGeometry *geometry);
 void ps_geometry_release(PsGeometry *geometry);
 
@@ -105,11 +127,19 @@ void ps_scene_on_progress(PsScene *scene, PsProgressListener go_on, void *listen
 void ps_scene_commit(PsScene *scene);
 void ps_scene_release(PsScene *scene);
 
-/* ---- Questions to a committed scene, from any number of threads ---- */
+/* ---- Queries of committed scenes, from any number of threads ---- */
+
+/* A committed scene and the group that it was made from. */
+typedef struct PsTarget {
+    PsScene *scene;
+    const PsGroup *group;
+} PsTarget;
 
 /* The first sphere that each ray hits; invalid rays hit nothing. */
-void ps_closest(PsScene *scene, const PsRay *rays, size_t count, PsHit *hits);
+void ps_closest(const PsTarget *targets, size_t target_count, const PsRay *rays, size_t count,
+                PsHit *hits);
 /* Whether each ray hits anything; invalid rays do not. */
-void ps_occluded(PsScene *scene, const PsRay *rays, size_t count, bool *blocked);
+void ps_occluded(const PsTarget *targets, size_t target_count, const PsRay *rays, size_t count,
+                 bool *blocked);
 
 #endif

@@ -89,10 +89,10 @@ pub struct SourceLocation {
     pub label: String,
 }
 
-/// A named text: a scene file, or a command line option.
+/// A named text: a scene file, an override of one of its keys, or a command line option.
 #[derive(Debug)]
 pub struct SourceText {
-    /// File name or option name.
+    /// The name of the file, or where the text comes from.
     pub name: String,
     /// The full text.
     pub text: String,

@@ -42,7 +42,7 @@ macro_rules! named_enum {
                 let name = <std::borrow::Cow<'de, str>>::deserialize(from)?;
                 Self::named(&name).ok_or_else(|| {
                     serde::de::Error::custom(format_args!(
-                        "`{name}` is no {}",
+                        "`{name}` is not a {}",
                         stringify!($type)
                     ))
                 })

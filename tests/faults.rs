@@ -4,6 +4,7 @@
 //! Needs the feature `faults`: `cargo test --release --features faults --test faults`. A mistake is
 //! switched on for the whole process, so there is one test function.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use photosphere::accel::Backend;
@@ -27,6 +28,7 @@ const FOUND_BY: &[(Fault, &str)] = &[
     (Fault::ExclusionLost, "sphere-light: path"),
     (Fault::EmitterOccludesItself, "sphere-light: path"),
     (Fault::NormalFacesAway, "furnace: path"),
+    (Fault::SpheresRoundedToF32, "balls with narrow gaps"),
     (Fault::RayRoundedToF32, "clusters inside clusters"),
     (Fault::NotClosestHit, "a gas of balls"),
     (Fault::PrunedTooEarly, "a gas of balls"),
@@ -70,11 +72,14 @@ fn every_mistake_is_found_and_nothing_fails_without_one() {
     assert_eq!(listed, Fault::ALL, "a check for each mistake, in their order");
     let mut wrong = Vec::new();
     let mut table = Vec::new();
-    for &(fault, check) in FOUND_BY {
+    // Some checks find several mistakes; without any, once is enough.
+    for check in FOUND_BY.iter().map(|(_, check)| *check).collect::<BTreeSet<_>>() {
         let without = run(check, None);
         if !without.passed {
             wrong.push(format!("{check} fails without a mistake: {}", without.detail));
         }
+    }
+    for &(fault, check) in FOUND_BY {
         let with = run(check, Some(fault));
         if with.passed {
             wrong.push(format!("{fault:?} is not found by {check}: {}", with.detail));
@@ -103,7 +108,7 @@ struct Row {
     mistake: String,
     /// What is wrong, and the check that finds it.
     text: [String; 2],
-    /// The check's statistic, in standard deviations or wrong answers.
+    /// The check's statistic, in standard deviations or number of errors.
     statistic: f64,
     unit: String,
 }
@@ -114,7 +119,7 @@ impl Row {
             mistake: format!("`{fault:?}`"),
             text: [fault.breaks().to_owned(), check.to_owned()],
             statistic: outcome.statistic.round(),
-            unit: if outcome.is_random { "sigma" } else { "wrong" }.to_owned(),
+            unit: if outcome.is_random { "sigma" } else { "errors" }.to_owned(),
         }
     }
 
@@ -126,8 +131,8 @@ impl Row {
         Some(Self { mistake, text: [wrong, check], statistic: statistic.ok()?, unit })
     }
 
-    /// Whether both say the same, but for a factor of two in the statistic: it moves with the
-    /// samples.
+    /// Returns true if both say the same, but for a factor of two in the statistic: it moves with
+    /// the samples.
     fn agrees(&self, other: &Self) -> bool {
         let ratio = self.statistic / other.statistic;
         let alike = |row: &Self| (row.mistake.clone(), row.text.clone(), row.unit.clone());

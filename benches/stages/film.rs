@@ -15,7 +15,7 @@ pub(crate) fn bench(criterion: &mut Criterion) {
         first_sample: 0,
         scale: RadianceScale::from_max_radiance(1.0),
         layers: required_layers(&Aov::DEFAULT),
-        squares: true,
+        sums_squares: true,
     };
     let mut group = criterion.benchmark_group("film");
     group.throughput(Throughput::Elements(u64::from(SIDE * SIDE * BLOCK_SIZE)));

@@ -24,11 +24,7 @@ pub(crate) fn bench(criterion: &mut Criterion) {
         ("cornell", scenes.join("cornell-spheres.toml")),
         ("gas, 1e5", generated(folder.path())),
     ] {
-        let overrides = KEYS.map(|(key, value)| Override {
-            option: format!("{key}={value}"),
-            key: key.to_owned(),
-            value: value.to_owned(),
-        });
+        let overrides = KEYS.map(|(key, value)| Override::new(key, value));
         let file = read_file(&path, &overrides).expect("a scene of ours");
         let (scene, settings) = file.build().expect("spheres of ours");
         let prepared = PreparedScene::new(&scene, settings).expect("settings of ours");

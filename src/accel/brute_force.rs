@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use crate::geometry::{PathRay, PathRays, RayBlock, SphereSet};
-use crate::math::{Hit, Isa, LANES, Lanes, NO_SPHERE, Ray, SimdKernel};
+use crate::math::{Hit, Isa, LANES, Lanes, NO_SPHERE, Ray, SimdKernel, rounded_interval};
 
 use super::intersector::{Accel, ErrorBound};
 
@@ -123,6 +123,8 @@ fn to_path_rays(rays: &[Ray]) -> PathRays {
 #[derive(Default)]
 struct BlockHits {
     inv_length_squared: Lanes<f64>,
+    /// Hits at or before this distance do not count.
+    t_min: Lanes<f64>,
     /// Distance to the closest hit so far; initially the end of the ray's interval.
     t: Lanes<f64>,
     /// The sphere hit, or `NO_SPHERE`.
@@ -141,7 +143,9 @@ impl SimdKernel for InitHits<'_> {
         let Self { rays, found } = self;
         for lane in 0..LANES {
             found.inv_length_squared.0[lane] = 1.0 / rays.direction.get(lane).length_squared();
-            found.t.0[lane] = rays.t_end(lane);
+            let [t_min, t_end] = rounded_interval(rays.t_min.0[lane], rays.t_end(lane));
+            found.t_min.0[lane] = t_min.into();
+            found.t.0[lane] = t_end.into();
             found.id.0[lane] = NO_SPHERE;
         }
     }
@@ -164,7 +168,7 @@ impl SimdKernel for IntersectSpheres<'_> {
             for lane in 0..LANES {
                 let (origin, direction) = (rays.origin.get(lane), rays.direction.get(lane));
                 let (t_min, nearest, id_before) =
-                    (rays.t_min.0[lane], found.t.0[lane], found.id.0[lane]);
+                    (found.t_min.0[lane], found.t.0[lane], found.id.0[lane]);
                 let per_length_squared = found.inv_length_squared.0[lane];
                 let t = sphere.nearer_root(origin, direction, per_length_squared, t_min);
                 // No branches, which would prevent vectorisation.

@@ -7,7 +7,6 @@ mod brute_force;
 #[cfg(feature = "embree")]
 #[allow(unsafe_code, reason = "the fence around Embree")]
 mod embree;
-mod identity;
 mod info;
 mod intersector;
 mod memory_estimate;
@@ -16,7 +15,6 @@ mod options;
 
 pub use backend::{Backend, embree_info};
 pub use backend_choice::{BackendChoice, SelectedBackend};
-pub use identity::{EmbreeBuild, Intersector};
 pub use info::EmbreeInfo;
 pub use intersector::{Accel, ErrorBound};
 pub use memory_estimate::MemoryEstimate;

@@ -52,12 +52,13 @@ impl Aperture {
         0.5 * n * sin_cos(TAU / n).0 * square
     }
 
-    /// In the triangle from the centre to an edge, lines parallel to the edge grow linearly with
-    /// their distance, so the square root of a uniform number is the right distance.
+    /// Samples a triangle from the centre to an edge. The length of its sections parallel to the
+    /// edge grows linearly with their distance, so the distance is the square root of a uniform
+    /// number.
     fn sample_polygon(&self, u: [f64; 2]) -> [f64; 2] {
-        let place = u[0] * f64::from(self.blades);
-        let sector = place.floor().min(f64::from(self.blades - 1));
-        let (along, r) = (place - sector, u[1].sqrt());
+        let position = u[0] * f64::from(self.blades);
+        let sector = position.floor().min(f64::from(self.blades - 1));
+        let (along, r) = (position - sector, u[1].sqrt());
         let (a, b) = (self.corner(sector), self.corner(sector + 1.0));
         [0, 1].map(|axis| r * ((1.0 - along) * a[axis] + along * b[axis]))
     }
@@ -114,12 +115,12 @@ fn invert_concentric_disk(point: [f64; 2]) -> [f64; 2] {
     let angle = atan2(point[1], point[0]);
     // Starts at -45 degrees, so that each quarter belongs to one side of the square.
     let angle = if angle < -FRAC_PI_4 { angle + TAU } else { angle };
-    let share = |from: f64| (angle - from) / FRAC_PI_4 * r;
+    let scaled = |from: f64| (angle - from) / FRAC_PI_4 * r;
     let [a, b] = match (angle / FRAC_PI_2 + 0.5).floor() as u32 {
-        0 => [r, share(0.0)],
-        1 => [-share(FRAC_PI_2), r],
-        2 => [-r, -share(PI)],
-        _ => [share(3.0 * FRAC_PI_2), -r],
+        0 => [r, scaled(0.0)],
+        1 => [-scaled(FRAC_PI_2), r],
+        2 => [-r, -scaled(PI)],
+        _ => [scaled(3.0 * FRAC_PI_2), -r],
     };
     [a, b].map(|x| (x + 1.0) / 2.0)
 }

@@ -73,7 +73,7 @@ pub enum CameraModel {
     },
 }
 
-/// A thin lens: all rays from a point at the focus distance meet in one point of the picture.
+/// A thin lens: all rays from a point in the focal plane converge at one point of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
     /// The lens aperture.
@@ -92,27 +92,29 @@ pub fn axes(towards: DVec3, up: DVec3) -> [DVec3; 3] {
 
 impl Camera {
     /// Creates a camera.
-    pub fn new(mount: &CameraPose, projection: CameraModel) -> Self {
-        let [width, height] = mount.resolution.map(f64::from);
-        let [right, up, forward] = axes(mount.view_direction, mount.up);
-        let square = |half_height: f64| [half_height * width / height, half_height];
-        let half = match projection {
-            CameraModel::Perspective { vertical_fov, .. } => square(libm::tan(vertical_fov / 2.0)),
-            CameraModel::Orthographic { height } => square(height / 2.0),
+    pub fn new(pose: &CameraPose, model: CameraModel) -> Self {
+        let [width, height] = pose.resolution.map(f64::from);
+        let [right, up, forward] = axes(pose.view_direction, pose.up);
+        let square_pixels = |half_height: f64| [half_height * width / height, half_height];
+        let half_extent = match model {
+            CameraModel::Perspective { vertical_fov, .. } => {
+                square_pixels(libm::tan(vertical_fov / 2.0))
+            }
+            CameraModel::Orthographic { height } => square_pixels(height / 2.0),
             CameraModel::Panoramic { horizontal, vertical } => [horizontal / 2.0, vertical / 2.0],
         };
         Self {
-            position: mount.position,
+            position: pose.position,
             forward,
             right,
             up,
-            half_extent: half,
-            right_edge: right * half[0],
-            top_edge: up * half[1],
-            model: projection,
+            half_extent,
+            right_edge: right * half_extent[0],
+            top_edge: up * half_extent[1],
+            model,
             resolution: [width, height],
             ndc_per_pixel: [2.0 / width, 2.0 / height],
-            near: mount.near,
+            near: pose.near,
         }
     }
 
@@ -138,10 +140,11 @@ impl Camera {
             CameraModel::Panoramic { .. } => {
                 let (sin_longitude, cos_longitude) = sin_cos(self.half_extent[0] * across);
                 let (sin_latitude, cos_latitude) = sin_cos(self.half_extent[1] * upwards);
-                let level = self.forward * cos_longitude + self.right * sin_longitude;
-                let direction = level * cos_latitude + self.up * sin_latitude;
-                let free = PathRay::new(self.position, direction.normalize());
-                PathRay { t_min: self.near, ..free }
+                let horizontal_direction =
+                    self.forward * cos_longitude + self.right * sin_longitude;
+                let direction = horizontal_direction * cos_latitude + self.up * sin_latitude;
+                let ray = PathRay::new(self.position, direction.normalize());
+                PathRay { t_min: self.near, ..ray }
             }
         }
     }
@@ -160,7 +163,7 @@ impl Camera {
         [self.ndc_per_pixel[0] * x - 1.0, 1.0 - self.ndc_per_pixel[1] * y]
     }
 
-    /// Returns true if all rays come from one point, through a flat picture.
+    /// Returns true for a perspective camera without a lens: all rays have the same origin.
     pub fn is_pinhole(&self) -> bool {
         matches!(self.model, CameraModel::Perspective { lens: None, .. })
     }
@@ -201,25 +204,24 @@ impl Camera {
     }
 
     /// Returns true if a ray that passes the picture at most `margin` pixels outside may start
-    /// inside a sphere. Conservative: sometimes true where none can, never false where one does.
+    /// inside a sphere. Conservative: may return true although no ray does, never the reverse.
     pub fn may_start_inside(&self, sphere: &Sphere, margin: f64) -> bool {
-        let reach = self.max_start_distance(margin);
-        let from = sphere.center - self.position;
-        let distance = from.length();
+        let max_start = self.max_start_distance(margin);
+        let to_center = sphere.center - self.position;
+        let distance = to_center.length();
         // All rays start at one depth, or in a panorama at one distance. The slack is for rounding.
-        let off = match self.model {
+        let offset = match self.model {
             CameraModel::Panoramic { .. } => distance - self.near,
-            _ => from.dot(self.forward) - self.near,
+            _ => to_center.dot(self.forward) - self.near,
         };
-        let radius = sphere.radius + 1e-12 * (distance + reach);
-        off.abs() <= radius && distance <= radius + reach
+        let radius = sphere.radius + 1e-12 * (distance + max_start);
+        offset.abs() <= radius && distance <= radius + max_start
     }
 
     /// Spawns a ray that starts at depth `near`, in a direction whose component along the view axis
     /// is 1.
     #[inline(always)]
     fn spawn_from_lens(&self, origin: DVec3, direction: DVec3) -> PathRay {
-        // The direction's component along the axis is 1.
         let length = direction.length();
         let direction = direction * (1.0 / length);
         PathRay { t_min: self.near * length, ..PathRay::new(origin, direction) }

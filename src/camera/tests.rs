@@ -7,15 +7,15 @@ use crate::sampling::Sampler;
 
 const PINHOLE: CameraModel = CameraModel::Perspective { vertical_fov: FRAC_PI_2, lens: None };
 
-fn camera(projection: CameraModel, near: f64) -> Camera {
-    let mount = CameraPose {
+fn camera(model: CameraModel, near: f64) -> Camera {
+    let pose = CameraPose {
         position: DVec3::new(0.0, 0.0, 5.0),
         view_direction: DVec3::new(0.0, 0.0, -2.0),
         up: DVec3::Y,
         near,
         resolution: [200, 100],
     };
-    Camera::new(&mount, projection)
+    Camera::new(&pose, model)
 }
 
 fn thin_lens(radius: f64, focus_distance: f64) -> CameraModel {
@@ -48,9 +48,9 @@ fn the_middle_of_the_picture_is_the_view_axis_and_the_corners_are_symmetric() {
 
 #[test]
 fn near_is_a_depth_along_the_axis_and_no_start_is_farther_than_stated() {
-    for projection in EVERY {
+    for model in EVERY {
         for near in [0.0, 2.0] {
-            let camera = camera(projection, near);
+            let camera = camera(model, near);
             let margin = 3.0;
             let reach = camera.max_start_distance(margin) * (1.0 + 1e-12);
             for i in 0..1000 {
@@ -59,7 +59,7 @@ fn near_is_a_depth_along_the_axis_and_no_start_is_farther_than_stated() {
                 let y = -3.0 + 106.0 * sampler.get(1);
                 let ray = camera.generate_ray(x, y, sampler.get_2d(2));
                 let from = ray.at(ray.t_min) - camera.position();
-                let depth = match projection {
+                let depth = match model {
                     CameraModel::Panoramic { .. } => from.length(),
                     _ => -from.z,
                 };
@@ -83,11 +83,11 @@ fn rays_through_a_lens_meet_where_it_is_focused() {
     let (sharp, pinhole) = (camera(thin_lens(0.7, 4.0), 0.0), camera(PINHOLE, 0.0));
     for (x, y) in [(100.0, 50.0), (0.0, 0.0), (13.0, 87.0)] {
         let axis = pinhole.generate_ray(x, y, [0.0; 2]);
-        let meeting = axis.at(4.0 / -axis.direction.z);
+        let focus = axis.at(4.0 / -axis.direction.z);
         for lens in [[0.1, 0.2], [0.5, 0.5], [0.99, 0.3]] {
             let ray = sharp.generate_ray(x, y, lens);
             let at = ray.at(4.0 / -ray.direction.z);
-            assert!((at - meeting).length() < 1e-12, "{at} {meeting}");
+            assert!((at - focus).length() < 1e-12, "{at} {focus}");
             assert_eq!(ray.origin.z, 5.0);
         }
     }

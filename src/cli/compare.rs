@@ -5,11 +5,12 @@ use std::path::Path;
 use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::image_io::{self, BEAUTY, ImageWriter, LayeredImage};
-use crate::report::compare::{Comparison, Pair, VARIANCE};
+use crate::report::compare::{Comparison, ImagePair, VARIANCE};
 
 use super::args::CompareArgs;
 use super::exit::Exit;
 use super::print;
+use super::system::on_threads;
 
 /// Runs the command.
 ///
@@ -18,10 +19,14 @@ use super::print;
 pub(super) fn run(args: &CompareArgs) -> Result<Exit> {
     check_heatmap(args)?;
     let heatmap = args.heatmap.as_deref().map(ImageWriter::new).transpose()?;
+    on_threads(None, || compare(args, heatmap))
+}
+
+fn compare(args: &CompareArgs, heatmap: Option<ImageWriter>) -> Result<Exit> {
     let pair = read(args)?;
     let layers = layers(&pair, &args.layers)?;
-    let wanted = args.wanted();
-    let comparison = Comparison::of(&pair, &wanted, &layers);
+    let options = args.options();
+    let comparison = Comparison::of(&pair, &options, &layers);
     if let Some(target) = heatmap {
         let (picture, words) = pair.heatmap(&layers[0], args.heatmap_of);
         target.write(&picture)?;
@@ -50,15 +55,19 @@ fn check_heatmap(args: &CompareArgs) -> Result<()> {
     }
 }
 
-/// Reads both pictures, and refuses pairs that cannot be compared.
-fn read(args: &CompareArgs) -> Result<Pair> {
+/// Reads both pictures, and refuses pairs that cannot be compared: the beauty and requested layers
+/// must be finite. Other layers that are not are left out.
+fn read(args: &CompareArgs) -> Result<ImagePair> {
     let (mut a, mut b) =
         (image_io::read_image(&args.picture)?, image_io::read_image(&args.reference)?);
     forget_equal_infinities(&mut a, &mut b);
-    let is_compared =
-        |name: &str| args.layers.is_empty() || args.layers.iter().any(|layer| layer == name);
-    check_finite(&args.picture, &a, is_compared)?;
-    check_finite(&args.reference, &b, is_compared)?;
+    for (path, picture, other) in [(&args.picture, &a, &b), (&args.reference, &b, &a)] {
+        let is_needed = |name: &str| match args.layers.is_empty() {
+            true => name == BEAUTY && other.layer(name).is_some(),
+            false => args.layers.iter().any(|layer| layer == name),
+        };
+        check_finite(path, picture, is_needed)?;
+    }
     let twin = args.twin.as_deref().map(image_io::read_image).transpose()?;
     if let Some((path, twin)) = args.twin.as_deref().zip(twin.as_ref()) {
         check_finite(path, twin, |name| name == BEAUTY)?;
@@ -75,19 +84,27 @@ fn read(args: &CompareArgs) -> Result<Pair> {
                 other.width,
                 other.height
             ))
-            .with_help("only pictures of one size can be compared; render both with one --size"));
+            .with_help(
+                "compared pictures must have the same size; render both with the same --size",
+            ));
         }
     }
-    Ok(Pair { a, b, twin })
+    Ok(ImagePair { a, b, twin })
 }
 
-/// Returns the layers to compare: the requested ones, or all that both pictures have.
-fn layers(pair: &Pair, asked: &[String]) -> Result<Vec<String>> {
+/// Returns the layers to compare: the requested ones, or all that both pictures have and that have
+/// a difference.
+fn layers(pair: &ImagePair, asked: &[String]) -> Result<Vec<String>> {
     let common = pair.common();
     let in_both = |name: &str| pair.a.layer(name).is_some() && pair.b.layer(name).is_some();
     if let Some(missing) = asked.iter().find(|name| !in_both(name)) {
-        let error = Error::input(format!("not both pictures have a layer `{missing}`"));
-        return Err(error.with_help(format!("both have: {}", common.join(", "))));
+        let error = Error::input(format!("the layer `{missing}` is not in both pictures"));
+        return Err(error.with_help(format!("layers in both: {}", common.join(", "))));
+    }
+    let comparable = pair.comparable();
+    if !common.is_empty() && comparable.is_empty() && asked.is_empty() {
+        let error = Error::input("no layer of both pictures can be compared");
+        return Err(error.with_help(pair.remarks().join("; ")));
     }
     if common.is_empty() {
         let of = |picture: &LayeredImage| {
@@ -97,15 +114,15 @@ fn layers(pair: &Pair, asked: &[String]) -> Result<Vec<String>> {
         return Err(error.with_help(format!("A has {}; B has {}", of(&pair.a), of(&pair.b))));
     }
     if asked.is_empty() {
-        return Ok(common.into_iter().map(str::to_owned).collect());
+        return Ok(comparable.into_iter().map(str::to_owned).collect());
     }
     Ok(asked.to_vec())
 }
 
 /// Sets values to 0 where both pictures have the same non-finite value, such as the infinite depth
-/// of a miss, so that they do not differ.
+/// of a miss, so that they do not differ. Not in the variance, where infinity means unknown.
 fn forget_equal_infinities(a: &mut LayeredImage, b: &mut LayeredImage) {
-    for ours in &mut a.layers {
+    for ours in a.layers.iter_mut().filter(|layer| layer.name != VARIANCE) {
         let Some(theirs) = b.layers.iter_mut().find(|layer| layer.name == ours.name) else {
             continue;
         };
@@ -131,12 +148,12 @@ pub(super) fn check_finite(
         if let Some((count, first)) = layer.count_non_finite() {
             let (x, y) = (first % picture.width, first / picture.width);
             return Err(Error::input(format!(
-                "`{}` has {} that are infinite or not a number in its layer `{}`, the first at {x}, {y}",
+                "`{}` has {} that are infinite or not a number in layer `{}`, the first at {x},{y}",
                 path.display(),
                 print::count(count, "pixel"),
                 layer.name,
             ))
-            .with_help("no difference can be computed from them; choose others with --layer"));
+            .with_help("their error is undefined; choose other layers with --layer"));
         }
     }
     Ok(())

@@ -10,7 +10,7 @@ use crate::image_io::{self, AtomicFile, BEAUTY};
 use crate::report::convergence::{ConvergenceReport, ReferenceOrigin};
 use crate::scene::settings::{ImageSettings, IntegratorKind, IntegratorSettings};
 use crate::scene::{Override, Settings, read_file};
-use crate::verify::converge::{ErrorMetric, Reference, ReferenceFrom, Series, Study, Variant};
+use crate::verify::converge::{ErrorMetric, Reference, ReferenceSource, Series, Study, Variant};
 
 use super::args::ConvergeArgs;
 use super::compare::check_finite;
@@ -33,7 +33,7 @@ fn converge(args: &ConvergeArgs, file: AtomicFile) -> Result<Exit> {
     let metric = args.metric;
     let (study, reference_integrator) = study(args)?;
     let progress = ProgressDisplay::new(args.quiet);
-    let (done, total, began) = (AtomicU64::new(0), study.samples_in_all(), Instant::now());
+    let (done, total, began) = (AtomicU64::new(0), study.total_samples(), Instant::now());
     let result = study.measure(&|rendered| {
         let before = done.fetch_add(rendered.samples, Ordering::Relaxed);
         progress.show(&ProgressState::since(began, before + rendered.samples, total));
@@ -77,12 +77,12 @@ fn converge(args: &ConvergeArgs, file: AtomicFile) -> Result<Exit> {
 /// Returns the error that explains why there is nothing to plot.
 fn nothing_to_plot(reference: &Reference, metric: ErrorMetric) -> Error {
     match reference.noise(metric) {
-        Some(0.0) | None => Error::input(
-            "every picture equals the reference: there is no error to plot",
-        )
-        .with_help("each sample of this scene gives the same, so it needs one; try another scene"),
+        Some(0.0) | None => {
+            Error::input("every picture equals the reference: there is no error to plot")
+                .with_help("every sample of this scene has the same value; try another scene")
+        }
         Some(_) => Error::input("there is no error above the reference's own noise to plot")
-            .with_help("make the reference better with --reference-spp"),
+            .with_help("raise --reference-spp"),
     }
 }
 
@@ -116,12 +116,12 @@ fn study(args: &ConvergeArgs) -> Result<(Study, String)> {
     let variants = choices.into_iter().map(variant).collect::<Result<_>>()?;
     let integrator = reference_integrator(args, own_integrator)?;
     let reference = match &args.reference {
-        Some(path) => ReferenceFrom::Picture(read_reference(path, &own.image)?),
+        Some(path) => ReferenceSource::Picture(read_reference(path, &own.image)?),
         None => {
             let most = samples.last().copied().unwrap_or(1);
             let choice = [chosen("integrator", &integrator)];
             let half = Some(args.reference_half(most));
-            ReferenceFrom::Halves(settings(args, &choice, half)?)
+            ReferenceSource::Halves(settings(args, &choice, half)?)
         }
     };
     let seeds = args.seed..args.seed + u64::from(args.seeds);
@@ -140,7 +140,7 @@ fn read_reference(path: &Path, image: &ImageSettings) -> Result<Reference> {
         .with_help(format!("add --size {}x{}", picture.width, picture.height)));
     }
     let beauty = picture.layer(BEAUTY).ok_or_else(|| {
-        Error::input(format!("`{}` has no layer for the whole picture", path.display()))
+        Error::input(format!("`{}` has no beauty layer (channels R, G, B)", path.display()))
     })?;
     let variance = picture.layer("variance").map(|layer| layer.pixels.as_slice());
     Ok(Reference::from_picture(beauty.pixels.clone(), variance))
@@ -186,8 +186,7 @@ fn choices(args: &ConvergeArgs) -> Vec<Choice> {
 }
 
 fn chosen(key: &str, name: &str) -> Override {
-    let (option, value) = (format!("--{key} {name}"), name.to_owned());
-    Override { option, key: format!("render.{key}"), value }
+    Override::new(format!("render.{key}"), name).with_option([&format!("--{key}"), name])
 }
 
 fn settings(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Result<Settings> {
@@ -196,10 +195,8 @@ fn settings(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> R
 
 /// Returns the overrides of the scene. `--set` comes last and wins.
 fn overrides(args: &ConvergeArgs, chosen: &[Override], samples: Option<u32>) -> Vec<Override> {
-    let samples = samples.map(|samples| Override {
-        option: format!("--spp {samples}"),
-        key: "render.samples_per_pixel".to_owned(),
-        value: samples.to_string(),
+    let samples = samples.map(|samples| samples.to_string()).map(|samples| {
+        Override::new("render.samples_per_pixel", &samples).with_option(["--spp", &samples])
     });
     let size = args.size.into_iter().flat_map(|size| size.overrides());
     chosen.iter().cloned().chain(size).chain(samples).chain(args.scene.overrides()).collect()
@@ -241,8 +238,8 @@ fn must_share_a_mean(integrators: &[String], reference: &str) -> Result<()> {
             "`{other}` and `{reference}` converge to different pictures: no reference serves both"
         ))
         .with_help(
-            "compare them one by one, or say with --reference-integrator NAME or --reference FILE \
-             which picture is right",
+            "compare them one by one, or choose the correct picture with --reference-integrator NAME \
+             or --reference FILE",
         )),
     }
 }

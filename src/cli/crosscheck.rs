@@ -10,20 +10,18 @@ use crate::accel::{Accel, Backend, BuildOptions};
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, SphereSet};
 use crate::math::{DVec3, NO_SPHERE};
-use crate::scene::{PreparedScene, Scene, read_file};
+use crate::scene::{PreparedScene, Scene};
 use crate::verify::crosscheck::{self, CrosscheckResult, Disagreement, TestedBackend};
 use crate::verify::rays;
 
 use super::args::CrosscheckArgs;
 use super::exit::Exit;
-use super::interrupt;
 use super::print::{self, row};
 use super::system::on_threads;
+use super::{interrupt, scene_file};
 
 /// Up to this many spheres, brute force is fast enough for a few thousand rays.
 const FEW_SPHERES: usize = 1000;
-/// The fraction of ambiguous answers to the scene's own rays above which a warning is printed.
-const TOLERABLE_AMBIGUITY: f64 = 0.01;
 
 /// Runs the command.
 ///
@@ -38,7 +36,7 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     // Created first, because the check takes a while.
     let create = |path| Ok((path, File::create(path).map_err(|e| Error::file("write", path, e))?));
     let dump = args.dump.as_deref().map(create).transpose()?;
-    let (scene, settings) = read_file(&args.scene.path, &args.scene.overrides())?.build()?;
+    let (scene, settings) = scene_file::read(&args.scene.path, &args.scene.overrides())?.build()?;
     let prepared = PreparedScene::new(&scene, settings)?;
     let spheres = scene.spheres();
     let build = BuildOptions { threads: rayon::current_num_threads(), ..Default::default() };
@@ -58,7 +56,6 @@ fn check(args: &CrosscheckArgs) -> Result<Exit> {
     let mut random = rays::coherent(spheres, left / 4, args.seed);
     random.extend(rays::random(spheres, left - random.len(), args.seed));
     let mut results = crosscheck::compare(spheres, &contenders, &of_scene, &build.cancel)?;
-    results.iter().filter_map(about_ambiguity).for_each(print::warning);
     let about_random = crosscheck::compare(spheres, &contenders, &random, &build.cancel)?;
     results.iter_mut().zip(about_random).for_each(|(result, random)| result.merge(random));
     print::result(&table(&results))?;
@@ -87,21 +84,6 @@ fn rays_of_shot(
     rays.extend(rays::secondary(spheres, accel, &rays, args.seed));
     rays.retain(|ray| rays::is_traceable(spheres, ray));
     rays
-}
-
-/// Returns a warning if an intersector often cannot tell the scene's spheres apart.
-fn about_ambiguity(of_scene: &CrosscheckResult) -> Option<String> {
-    let share = of_scene.ambiguous_share();
-    (share > TOLERABLE_AMBIGUITY).then(|| {
-        format!(
-            "{:.1} % of the answers of `{}` to rays of the camera and their bounces are ambiguous: \
-             spheres so small, for how far away they are, that its rounding may exchange \
-             neighbours and blur outlines. Render such a scene with `--accel native`, which computes \
-             in f64",
-            100.0 * share,
-            of_scene.name,
-        )
-    })
 }
 
 fn camera_rays(prepared: &PreparedScene, count: usize, seed: u64) -> Vec<PathRay> {
@@ -152,8 +134,8 @@ fn table(results: &[CrosscheckResult]) -> String {
         text += &row(COLUMNS, [&result.name, a, b, c, d, e, f, g, h, i, j, &error]);
     }
     let failures: usize = results.iter().map(CrosscheckResult::failures).sum();
-    text += "passed over: those of the ambiguous that lie behind another sphere\n\
-             t error: the largest error of a distance, in units of what is allowed\n";
+    text += "passed over: ambiguous answers behind another sphere\n\
+             t error: the largest error of a distance, relative to the tolerance\n";
     text += &match failures {
         0 => "every answer is within the stated tolerance\n".to_owned(),
         _ => format!("{} beyond the stated tolerance\n", print::count(failures, "answer")),
@@ -181,8 +163,8 @@ fn in_the_scene(disagreement: &Disagreement, scene: &Scene) -> String {
 }
 
 /// Explanation at the head of a dump.
-const ABOUT_DUMP: &str = "spheres by their ids, and behind them what they are in the scene: rows count \
-    from 0 through [[spheres]] and then the tables";
+const ABOUT_DUMP: &str = "spheres by id, followed by their rows in the scene, counted from 0 through \
+    [[spheres]] and then the tables";
 
 fn write_dump(to: File, results: &[CrosscheckResult], scene: &Scene) -> std::io::Result<()> {
     let mut to = BufWriter::new(to);

@@ -9,17 +9,18 @@ use crate::accel::{
 use crate::error::{Error, Result};
 use crate::geometry::{PathRay, Sphere, SphereRows, SphereSet};
 use crate::math::{DVec3, Hit};
+use crate::task::memory_limits;
 
 use super::exit::Exit;
 use super::{print, system};
 
 /// Printed if the build lacks Embree.
 const HOW_TO_GET_EMBREE: [&str; 5] = [
-    "to have it, install its headers and libclang, then build again:",
+    "to get it, install its headers and libclang, then build again:",
     "  Debian, Ubuntu:  sudo apt-get install libembree-dev libclang-dev",
-    "  elsewhere:       Embree 3 or 4 as your system packages it, or its folder in EMBREE_DIR",
+    "  elsewhere:       the package of Embree 3 or 4, or set EMBREE_DIR to its folder",
     "  then:            cargo build --release",
-    "the intersector `native` needs none of it",
+    "the intersector `native` works without Embree",
 ];
 
 /// Runs the command.
@@ -60,8 +61,8 @@ impl Report {
         let cores = std::thread::available_parallelism()
             .map_or_else(|e| format!("unknown ({e})"), |cores| cores.to_string());
         self.row("threads", cores);
-        if let (Some(memory), Some(free)) = (system::memory(), system::available_memory()) {
-            let (memory, free) = (print::bytes(memory), print::bytes(free));
+        if let (Some(memory), Some(free)) = (system::total_memory(), memory_limits::free()) {
+            let (memory, free) = (print::bytes(memory), print::bytes(free.bytes));
             self.row("memory", format!("{memory}, {free} available"));
         }
     }
@@ -89,7 +90,7 @@ impl Report {
         }
         if info.culls_sphere_back_faces == Some(true) {
             self.healthy = false;
-            self.row("", "BROKEN: this Embree overlooks spheres from inside (back-face culling)");
+            self.row("", "BROKEN: this Embree misses spheres from inside (back-face culling)");
             self.row("", "use --accel embree-user or native, or another build of Embree");
         }
     }

@@ -3,28 +3,75 @@
 //! miette draws the excerpts. Without a terminal, or with `NO_COLOR`, they are plain ASCII on
 //! unwrapped lines, so that scripts and tests can search them.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::io::IsTerminal;
 
 use miette::{
-    GraphicalTheme, LabeledSpan, MietteDiagnostic, MietteHandler, MietteHandlerOpts, NamedSource,
-    Report, ReportHandler,
+    GraphicalTheme, MietteDiagnostic, MietteHandler, MietteHandlerOpts, Report, ReportHandler,
 };
+use serde_json::{Value, json};
 
-use crate::error::{Diagnostic, Error, SourceLocation, Suggestion};
+use crate::draw::printable::{printable, printable_line};
+use crate::error::{Category, Diagnostic, Error, Suggestion};
 
+use super::excerpt::Excerpt;
+use super::exit::Exit;
 use super::print;
 
-/// Prints the error with all its diagnostics.
-pub(super) fn print(error: &Error) {
-    print::note(report(error, &handler()).trim_end());
+/// Maximum number of characters of a message; it may quote a value of any length.
+const MAX_MESSAGE: usize = 1000;
+
+/// Prints the error with all its diagnostics, and with `as_json` also as one JSON value on the
+/// standard output.
+pub(super) fn print(error: &Error, as_json: bool) {
+    print::drawn(report(error, &handler()).trim_end());
+    if as_json {
+        print_json(&to_json(error));
+    }
+}
+
+/// Prints a failure as the JSON value of a command. Nothing can be done if that fails, too.
+pub(super) fn print_json(failure: &Value) {
+    let _ = print::json(failure);
+}
+
+/// Returns the error as JSON: the exit code, its category, the message, the help, and the
+/// diagnostics of a scene.
+fn to_json(error: &Error) -> Value {
+    let category = match error.category() {
+        Category::Input => "input",
+        Category::File => "file",
+        Category::Backend => "intersector",
+        Category::Cancelled => "stopped",
+    };
+    let diagnostics: Vec<Value> = error.diagnostics().iter().map(diagnostic_json).collect();
+    json!({ "error": {
+        "exit_code": Exit::of(error) as u8,
+        "category": category,
+        "message": error.to_string(),
+        "help": help(error),
+        "diagnostics": diagnostics,
+    }})
+}
+
+fn diagnostic_json(mistake: &Diagnostic) -> Value {
+    let place = mistake.location.as_ref();
+    let position = place.map(|place| place.source.line_and_column(place.span.start));
+    json!({
+        "message": mistake.message,
+        "help": mistake.help,
+        "file": place.map(|place| &place.source.name),
+        "line": position.map(|(line, _)| line),
+        "column": position.map(|(_, column)| column),
+    })
 }
 
 /// Formats the complete error report.
 fn report(error: &Error, handler: &MietteHandler) -> String {
     let mistakes = error.diagnostics();
     if mistakes.is_empty() {
-        return drawn(&bare(error.to_string(), help(error).as_deref()).into(), handler);
+        return drawn(&bare(&error.to_string(), help(error).as_deref()).into(), handler);
     }
     mistakes.iter().map(|mistake| drawn(&diagnostic(mistake), handler)).collect()
 }
@@ -46,7 +93,9 @@ fn way_of((setting, value): (Suggestion, &str)) -> String {
         Suggestion::SamplesPerPixel => "--spp",
         Suggestion::Folder => "--folder",
         Suggestion::AllowGaps => "--allow-gaps",
-        Suggestion::Resume => return format!("photosphere resume '{value}'"),
+        Suggestion::Resume => {
+            return format!("photosphere resume {}", print::shell_path(value.as_ref()));
+        }
         Suggestion::Info => "photosphere info",
     };
     format!("{option} {value}").trim_end().to_owned()
@@ -59,31 +108,34 @@ fn drawn(diagnostic: &Report, handler: &MietteHandler) -> String {
 }
 
 fn diagnostic(mistake: &Diagnostic) -> Report {
-    let bare = bare(mistake.message.clone(), mistake.help.as_deref());
+    let bare = bare(&mistake.message, mistake.help.as_deref());
     match &mistake.location {
         None => bare.into(),
         Some(place) => {
-            // miette draws no marker under the end of a last line that lacks a newline.
-            let text = format!("{}\n", place.source.text.trim_end_matches('\n'));
-            let source = NamedSource::new(&place.source.name, text);
-            Report::from(bare.with_label(label(place))).with_source_code(source)
+            let excerpt = Excerpt::of(place);
+            Report::from(bare.with_label(excerpt.caret())).with_source_code(excerpt)
         }
     }
 }
 
-fn bare(message: String, help: Option<&str>) -> MietteDiagnostic {
-    let bare = MietteDiagnostic::new(message);
+/// Creates a diagnostic without a place. File names and values in its texts are escaped.
+fn bare(message: &str, help: Option<&str>) -> MietteDiagnostic {
+    let bare = MietteDiagnostic::new(printable_line(&shortened(message)));
     match help {
-        Some(help) => bare.with_help(help),
+        Some(help) => bare.with_help(printable(help)),
         None => bare,
     }
 }
 
-fn label(place: &SourceLocation) -> LabeledSpan {
-    let end = place.span.end.min(place.source.text.trim_end_matches('\n').len());
-    let start = place.span.start.min(end);
-    let words = Some(place.label.clone()).filter(|words| !words.is_empty());
-    LabeledSpan::new(words, start, end - start)
+/// Leaves the middle of a long message out.
+fn shortened(message: &str) -> Cow<'_, str> {
+    let mut starts = message.char_indices().map(|(at, _)| at);
+    let Some(cut) = starts.by_ref().nth(MAX_MESSAGE / 2) else { return message.into() };
+    let mut ends = message.char_indices().rev().map(|(at, _)| at);
+    match ends.nth(MAX_MESSAGE / 2) {
+        Some(end) if end > cut => format!("{}...{}", &message[..cut], &message[end..]).into(),
+        _ => message.into(),
+    }
 }
 
 /// Creates miette's handler, with colour and the terminal's width if there is a terminal.
@@ -121,7 +173,7 @@ impl fmt::Display for Drawing<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::SourceText;
+    use crate::error::{SourceLocation, SourceText};
     use std::sync::Arc;
 
     fn mistake(text: &str, span: std::ops::Range<usize>) -> Diagnostic {
@@ -159,6 +211,43 @@ error: the radius is 0
             let report = report(&Error::from_diagnostics(vec![mistake(text, span)]), &plain());
             assert!(report.contains("[a.toml:") && report.contains("not positive"), "{report}");
         }
+    }
+
+    #[test]
+    fn a_long_line_and_a_long_message_are_cut() {
+        let text = format!("a\n{}\nb", "x".repeat(100_000));
+        let mut mistake = mistake(&text, 70_000..70_001);
+        mistake.message = format!("{} ends", "long ".repeat(20_000));
+        let report = report(&Error::from_diagnostics(vec![mistake]), &plain());
+        assert!(report.contains(",-[a.toml:2:69999]"), "{report}");
+        assert!(report.contains("\n 2 | ...xxx") && report.contains("xxx...\n"), "{report}");
+        assert!(report.contains(" 1 | a\n") && report.contains(" 3 | b\n"), "{report}");
+        assert!(report.contains("ends\n"), "{report}");
+        assert!(report.lines().all(|line| line.len() < MAX_MESSAGE + 20), "{report}");
+    }
+
+    #[test]
+    fn control_characters_of_a_file_are_escaped() {
+        let mut mistake = mistake("a = \"\u{1b}[2J\u{9b}\"\r\n", 4..12);
+        mistake.message = "`\u{1b}]0;x\u{7}\nerror` is wrong".into();
+        let report = report(&Error::from_diagnostics(vec![mistake]), &plain());
+        assert!(report.contains(r"`\u{1b}]0;x\u{7}\nerror` is wrong"), "{report}");
+        assert!(report.contains("a = \"\\u{1b}[2J\\u{9b}\""), "{report}");
+        assert!(!report.contains(|c: char| c.is_control() && c != '\n'), "{report:?}");
+    }
+
+    #[test]
+    fn a_failure_is_one_json_value() {
+        let json = to_json(&Error::from_diagnostics(vec![mistake("[a]\nradius = 0\n", 13..14)]));
+        let error = &json["error"];
+        assert_eq!((&error["exit_code"], &error["category"]), (&json!(3), &json!("input")));
+        let expected = json!({
+            "message": "the radius is 0", "help": "give it a size",
+            "file": "a.toml", "line": 2, "column": 10,
+        });
+        assert_eq!(error["diagnostics"], json!([expected]));
+        let error = &to_json(&Error::cancelled().with_help("wait"))["error"];
+        assert_eq!((&error["exit_code"], &error["help"]), (&json!(130), &json!("wait")));
     }
 
     #[test]

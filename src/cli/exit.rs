@@ -44,18 +44,22 @@ pub(super) fn leave_with(code: u8) {
 pub(super) const EXIT_CODES: &str = "\
 Exit codes:
   0    done
-  1    a check failed: crosscheck found a wrong answer, verify an error, compare
-       a difference beyond a --max-..., or render or merge did not meet --noise
-       (the picture is written)
-  2    the command line is wrong: an unknown option, a missing or wrong value
-  3    the scene, a table or the value of an option says something impossible;
-       also where a table cannot be read, or pictures cannot be compared
-  4    any other file could not be read or written
+  1    a check failed (crosscheck, verify, reproduce, or compare with a limit),
+       or render or merge did not reach --noise (the picture is written)
+  2    the command line is invalid: an unknown option, or a missing or invalid
+       value
+  3    the scene, a table or the value of an option is invalid, a table cannot
+       be read, or pictures cannot be compared
+  4    another file could not be read or written
   5    the intersector is missing or failed
-  101  a fault of photosphere itself; please report it. render has written the
-       samples it had, if any
+  101  a bug in photosphere; please report it. render has written the samples so
+       far, if any
   130  stopped by Ctrl-C, SIGTERM, SIGHUP, SIGXCPU or SIGUSR2; render has
-       written the samples it had, if any";
+       written the samples so far, if any
+
+With --json, an error is also printed on the standard output, as one value:
+{\"error\": {...}} with exit_code, category, message, help and diagnostics, the
+errors in a scene, each with message, help, file, line and column.";
 
 impl Exit {
     pub(super) fn of(error: &Error) -> Self {

@@ -20,15 +20,15 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
         if let Some(option) = args.scene.overrides().first() {
             let message = format!(
                 "`{}` changes scenes, but `{}` is a picture",
-                option.option,
+                option.option().join(" "),
                 args.scene.path.display()
             );
-            return Err(Error::input(message).with_help("leave it out"));
+            return Err(Error::input(message).with_help("remove the option"));
         }
         let records = FileRecords::read(&args.scene.path)?;
         match args.json {
             true => print::json(&records.json()?)?,
-            false => print::result(&records.words()?)?,
+            false => print::result(&records.to_text()?)?,
         }
         return Ok(Exit::Done);
     }
@@ -39,11 +39,11 @@ pub(super) fn run(args: &InfoArgs) -> Result<Exit> {
             // Printed before loading, for which there may not be enough memory.
             print::result(&memory::table(&file))?;
         }
-        let backends = [args.accel.choice.select_for_count(file.sphere_count() as usize).backend];
+        let backends = [args.accel.choice.select_for_count(file.size().spheres as usize).backend];
         let needs = MemoryNeeds { backends: &backends, kinds: &Aov::DEFAULT, besides: 0 };
         memory::check(&file, &needs, args.memory.limit)?;
         let (scene, settings) = file.build()?;
-        render::about_spheres(scene.spheres()).iter().for_each(print::warning);
+        render::about_spheres(&scene, &settings.image).iter().for_each(print::warning);
         let summary = SceneSummary::of(&scene, &settings);
         match args.json {
             true => print::json(&summary.with_memory_plan(plan))?,

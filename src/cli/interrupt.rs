@@ -80,7 +80,7 @@ pub(super) fn listen() -> Interrupt {
             Meaning::Stop => {
                 ours.is_asked.store(true, Ordering::Relaxed);
                 ours.cancel.cancel();
-                print::note("stopping; press Ctrl-C again to stop at once and write nothing");
+                print::note("stopping; press Ctrl-C again to exit at once and write nothing");
             }
             Meaning::Save => ours.save_request.request(),
             Meaning::Nothing => {}

@@ -5,11 +5,14 @@ use serde_json::{Value, json};
 use crate::accel::Backend;
 use crate::error::{Error, Result};
 use crate::film::Aov;
-use crate::job::{MemoryPhase, MemoryPlan};
+use crate::job::{Job, MemoryPhase, MemoryPlan};
 use crate::scene::SceneFile;
 use crate::scene::description::ColorStorage;
 
-use super::{print, system};
+use crate::task::memory_limits;
+use crate::task::memory_limits::MemoryLimit;
+
+use super::print;
 
 /// What a command needs memory for, apart from the scene.
 pub(super) struct MemoryNeeds<'a> {
@@ -21,28 +24,47 @@ pub(super) struct MemoryNeeds<'a> {
     pub(super) besides: u64,
 }
 
-/// Refuses a scene that needs more memory than `limit` or, without a limit, than is free.
+/// Refuses a scene that needs more memory than `limit` or, without a limit, than this process may
+/// still take.
 ///
 /// # Errors
 /// Fails with the memory needed, and with a cheaper option if there is one.
 pub(super) fn check(file: &SceneFile, needs: &MemoryNeeds<'_>, limit: Option<u64>) -> Result<()> {
     let MemoryNeeds { backends, kinds, besides } = *needs;
-    let (limit, whose) = match (limit, system::available_memory()) {
-        (Some(limit), _) => (limit, "more than the limit of"),
-        (None, Some(free)) => (free, "but there is free only"),
+    let (limit, free) = match (limit, memory_limits::free()) {
+        (Some(limit), _) => (limit, None),
+        (None, Some(free)) => (free.bytes, Some(free.limit)),
         (None, None) => return Ok(()),
     };
-    let peak = |backends: &[Backend], colors| {
-        let threads = rayon::current_num_threads();
-        MemoryPlan::new(file, backends, kinds, threads, colors).peak() + besides
+    let job = job(file, kinds);
+    let (exact, packed) = (file.size(), file.size().with_packed_colors());
+    let peak = |backends: &[Backend], is_packed| {
+        let size = if is_packed { &packed } else { &exact };
+        MemoryPlan::with_backends(size, &job, backends).peak() + besides
     };
-    let needed = peak(backends, None);
+    let needed = peak(backends, false);
     if needed <= limit {
         return Ok(());
     }
     let (needed, shown) = (print::bytes(needed), print::bytes(limit));
-    let message = format!("this would need {needed} of memory at its peak, {whose} {shown}");
+    let reason = match free {
+        None => format!("more than the limit of {shown}"),
+        Some(MemoryLimit::Machine) => format!("but only {shown} is free"),
+        Some(MemoryLimit::ControlGroup(group)) => {
+            format!("but the limit of the control group `{}` leaves only {shown}", group.display())
+        }
+        Some(MemoryLimit::Resource(name, option)) => {
+            format!("but the limit of the {name} (ulimit {option}) leaves only {shown}")
+        }
+    };
+    let message = format!("this needs {needed} of memory at its peak, {reason}");
     Err(Error::input(message).with_help(cheaper(file, backends, limit, &peak)))
+}
+
+/// Returns the job whose memory is planned.
+fn job(file: &SceneFile, layers: &[Aov]) -> Job {
+    let threads = rayon::current_num_threads();
+    Job { layers: layers.to_vec(), threads, ..Job::from_settings(file.settings) }
 }
 
 /// Returns the smallest change that makes the scene fit.
@@ -50,25 +72,24 @@ fn cheaper(
     file: &SceneFile,
     backends: &[Backend],
     limit: u64,
-    peak: &dyn Fn(&[Backend], Option<ColorStorage>) -> u64,
+    peak: &dyn Fn(&[Backend], bool) -> u64,
 ) -> String {
-    let packed = Some(ColorStorage::Packed);
     let others: &[Backend] = if backends.len() > 1 { backends } else { Backend::AVAILABLE };
-    let mut choices = vec![(pack_colors(file), peak(backends, packed))];
-    for colors in [None, packed] {
+    let mut choices = vec![(pack_colors(file), peak(backends, true))];
+    for is_packed in [false, true] {
         // Brute force is too slow to suggest for a large scene.
         for &backend in others.iter().filter(|&&backend| backend != Backend::BruteForce) {
-            let pack = if colors.is_some() { pack_colors(file) } else { String::new() };
+            let pack = if is_packed { pack_colors(file) } else { String::new() };
             let words = format!("--accel {} {pack}", backend.name());
-            choices.push((words, peak(&[backend], colors)));
+            choices.push((words, peak(&[backend], is_packed)));
         }
     }
     let fitting = choices.iter().find(|(words, bytes)| !words.is_empty() && *bytes <= limit);
     match fitting {
         Some((words, bytes)) => {
-            format!("{} would need {}", words.trim_end(), print::bytes(*bytes))
+            format!("{} needs {}", words.trim_end(), print::bytes(*bytes))
         }
-        None => "nothing cheaper fits: thin the tables out, or render a smaller picture".to_owned(),
+        None => "no option makes it fit; use smaller tables or a smaller picture".to_owned(),
     }
 }
 
@@ -81,11 +102,10 @@ fn pack_colors(file: &SceneFile) -> String {
     options.collect::<Vec<_>>().join(" ")
 }
 
-fn plans(file: &SceneFile) -> impl Iterator<Item = (&'static str, MemoryPlan)> {
+fn plans(file: &SceneFile) -> impl Iterator<Item = (&'static str, MemoryPlan)> + use<> {
+    let (size, job) = (file.size(), job(file, &Aov::DEFAULT));
     let plan = move |&backend: &Backend| {
-        let threads = rayon::current_num_threads();
-        let plan = MemoryPlan::new(file, &[backend], &Aov::DEFAULT, threads, None);
-        (backend.name(), plan)
+        (backend.name(), MemoryPlan::with_backends(&size, &job, &[backend]))
     };
     Backend::AVAILABLE.iter().map(plan)
 }
@@ -101,6 +121,7 @@ pub(super) fn table(file: &SceneFile) -> String {
             ("spheres", plan.spheres),
             ("rows", plan.rows),
             ("colours", plan.colors),
+            ("emission", plan.emission),
             ("emitters", plan.emitters),
             ("background", plan.background),
             ("film", plan.film),
@@ -127,6 +148,7 @@ pub(super) fn json(file: &SceneFile) -> Value {
             spheres,
             rows,
             colors,
+            emission,
             emitters: emitter_bytes,
             background,
             accel: tree,
@@ -139,6 +161,7 @@ pub(super) fn json(file: &SceneFile) -> Value {
             "sphere_bytes": spheres,
             "row_bytes": rows,
             "color_bytes": colors,
+            "emission_bytes": emission,
             "emitter_bytes": emitter_bytes,
             "background_bytes": background,
             "tree_bytes": tree,

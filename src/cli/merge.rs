@@ -7,7 +7,8 @@ use crate::job::merge::{MergeOptions, MergedRender, merge};
 use super::args::MergeArgs;
 use super::exit::Exit;
 use super::outputs::{self, Outputs};
-use super::{interrupt, print, system};
+use super::system::{self, on_threads};
+use super::{interrupt, print};
 
 /// Runs the command.
 ///
@@ -19,7 +20,8 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
     outputs::refuse_duplicate_paths(&files)?;
     let layers = args.output.has_layers().then(|| args.output.kinds());
     let given = layers.as_deref().unwrap_or_default();
-    let mut outputs = Outputs::new(&args.output.output_spec(), given, layers.is_some())?;
+    let (spec, format) = (args.output.output_spec(), args.stdout.format);
+    let mut outputs = Outputs::new(&spec, given, layers.is_some(), format)?;
     let part = outputs.part().map(AtomicFile::new).transpose()?;
     interrupt::listen();
     let plan = MergeOptions {
@@ -30,19 +32,31 @@ pub(super) fn run(args: &MergeArgs) -> Result<Exit> {
         writes_checkpoint: part.is_some(),
         command: Some(system::command_line()),
     };
-    let merged = merge(&args.parts, &plan)?;
+    on_threads(None, || {
+        let merged = merge(&args.parts, &plan)?;
+        write(args, &merged, &mut outputs, part.as_ref())?;
+        Ok(tell_missed(&merged))
+    })
+}
+
+fn write(
+    args: &MergeArgs,
+    merged: &MergedRender,
+    outputs: &mut Outputs,
+    part: Option<&AtomicFile>,
+) -> Result<()> {
     outputs.set_layers(&merged.layers);
     if let Some(part) = part {
-        merged.write_checkpoint(&part)?;
+        merged.write_checkpoint(part)?;
     }
-    write_pictures(&merged, &outputs)?;
+    write_pictures(merged, outputs)?;
     if !args.quiet {
         let parts = print::count(args.parts.len(), "part");
         let files = outputs::in_words(&args.output.files);
         let samples = merged.metadata.samples_to_string();
-        print::note(format_args!("wrote {files}, samples {samples} of {parts}"));
+        print::note(format_args!("wrote {files}, samples {samples} from {parts}"));
     }
-    Ok(tell_missed(&merged))
+    Ok(())
 }
 
 fn write_pictures(merged: &MergedRender, outputs: &Outputs) -> Result<()> {

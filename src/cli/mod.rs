@@ -3,7 +3,7 @@
 //! Only this module prints. Every command returns an `Exit` or an error. Both become the exit code
 //! here, and an error is printed here, once.
 
-#[allow(unreachable_pub, reason = "the arguments are read all over this room")]
+#[allow(unreachable_pub, reason = "the arguments are read throughout this module")]
 mod args;
 mod bench;
 mod compare;
@@ -11,6 +11,7 @@ mod converge;
 mod crosscheck;
 mod doctor;
 mod error;
+mod excerpt;
 mod exit;
 mod generate;
 mod info;
@@ -19,14 +20,18 @@ mod manual;
 mod memory;
 mod merge;
 mod outputs;
+mod picture_file;
 mod plan;
 mod print;
 mod progress;
+mod recorded_outputs;
 mod render;
 mod reproduce;
 mod resume;
+mod scene_file;
 mod system;
 mod trace;
+mod usage;
 mod verify;
 mod watch;
 
@@ -50,15 +55,18 @@ pub fn main() -> ExitCode {
     let left = exit::last_word();
     let work = || {
         let exit = catch_unwind(|| match read() {
-            Ok(cli) => exit_of(run(&cli.command)),
-            Err(answer) => help_or_wrong_usage(&answer),
+            Ok(cli) => {
+                let outcome = system::prepare_threads().and_then(|()| run(&cli.command));
+                exit_of(outcome, cli.command.json())
+            }
+            Err(answer) => usage::answer(answer),
         });
         exit::leave_with(exit.unwrap_or(Exit::Fault) as u8);
     };
     let command = std::thread::Builder::new().name("command".to_owned()).stack_size(STACK);
     match command.spawn(work) {
         Ok(_) => ExitCode::from(left.recv().unwrap_or(Exit::Fault as u8)),
-        Err(e) => exit_of(Err(Error::input(format!("cannot start a thread: {e}")))).into(),
+        Err(e) => exit_of(Err(Error::input(format!("cannot start a thread: {e}"))), false).into(),
     }
 }
 
@@ -66,9 +74,9 @@ pub fn main() -> ExitCode {
 const STACK: usize = 8 << 20;
 
 /// Returns the exit code for the outcome of a command, and prints its error.
-fn exit_of(outcome: Result<Exit>) -> Exit {
+fn exit_of(outcome: Result<Exit>, as_json: bool) -> Exit {
     outcome.unwrap_or_else(|e| {
-        error::print(&e);
+        error::print(&e, as_json);
         Exit::of(&e)
     })
 }
@@ -100,12 +108,4 @@ fn run(command: &Command) -> Result<Exit> {
         Command::Completions { shell } => manual::completions(*shell),
         Command::Man { command } => manual::page(command.as_deref()),
     }
-}
-
-/// Prints what clap answers: `--help` and `--version` arrive as errors, too. clap chooses the
-/// stream and the colours.
-fn help_or_wrong_usage(answer: &clap::Error) -> Exit {
-    // On a closed stream nothing can be reported.
-    let _ = answer.print();
-    if answer.use_stderr() { Exit::Usage } else { Exit::Done }
 }

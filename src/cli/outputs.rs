@@ -1,13 +1,15 @@
 //! The output files of a picture: prepared before rendering, written after it.
 
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::{Aov, FilmFrame, Layer};
-use crate::image_io::Picture;
-use crate::image_io::{ImageWriter, WriteOptions};
+use crate::image_io::{FileFormat, WriteOptions};
 use crate::job::{FilePath, Metadata, OutputSpec, frame_crop};
+
+use super::picture_file::{PictureFile, PictureNotes};
 
 /// The output files of a picture.
 pub(super) struct Outputs {
@@ -15,51 +17,54 @@ pub(super) struct Outputs {
     /// The checkpoint file (`.part`), which holds the sample sums.
     part: Option<PathBuf>,
     look: ViewTransform,
+    dpi: Option<u32>,
     layers: Vec<Aov>,
     with_run: bool,
 }
 
-/// One picture file.
-pub(super) struct PictureFile {
-    pub(super) path: PathBuf,
-    target: ImageWriter,
-}
-
-/// What is written beside the pixels of a picture file.
-pub(super) struct PictureNotes {
-    notes: WriteOptions,
-    metadata: Metadata,
-    layers: Vec<Aov>,
-}
-
 impl Outputs {
-    /// Prepares all files. `--exposure`, `--tone` and `--dither` need a file for the screen. A
-    /// preview counts as one.
+    /// Prepares all files. `--exposure`, `--tone` and `--dither` need a file for the screen, and a
+    /// preview counts as one. `--dpi` needs a picture for the screen. `stdout` is the requested
+    /// format of the standard output.
     ///
     /// # Errors
     /// If a file cannot be written or is named twice, or no file can hold a requested layer.
-    pub(super) fn new(delivery: &OutputSpec, layers: &[Aov], layers_given: bool) -> Result<Self> {
+    pub(super) fn new(
+        delivery: &OutputSpec,
+        layers: &[Aov],
+        layers_given: bool,
+        stdout: Option<FileFormat>,
+    ) -> Result<Self> {
+        check_streams(delivery, stdout)?;
         let mut pictures: Vec<PictureFile> = Vec::new();
         let mut part = None;
-        for FilePath(path) in &delivery.files {
+        let named = |path: &&FilePath| !is_discarded(&path.0);
+        for FilePath(path) in delivery.files.iter().filter(named) {
+            if is_stdout(path) {
+                pictures.push(PictureFile::stdout(path, stdout.unwrap_or(FileFormat::Png)));
+                continue;
+            }
             if is_part(path) {
                 if let Some(earlier) = part.replace(path.clone()) {
                     let (a, b) = (earlier.display(), path.display());
                     let message = format!("`{a}` and `{b}` are both parts");
-                    return Err(Error::input(message).with_help("one holds all there is"));
+                    return Err(
+                        Error::input(message).with_help("remove one; a part holds everything")
+                    );
                 }
                 continue;
             }
-            pictures.push(PictureFile { path: path.clone(), target: ImageWriter::new(path)? });
+            pictures.push(PictureFile::new(path)?);
         }
-        if part.is_none() && layers_given {
+        let is_discarded = pictures.is_empty() && part.is_none();
+        if part.is_none() && layers_given && !is_discarded {
             refuse_layers_without_place(layers, &pictures)?;
         }
-        if delivery.preview.is_none() {
+        if !is_discarded {
             refuse_look_without_screen(delivery, &pictures)?;
         }
-        let OutputSpec { look, with_run, .. } = *delivery;
-        Ok(Self { pictures, part, look, layers: layers.to_vec(), with_run })
+        let OutputSpec { look, dpi, with_run_record: with_run, .. } = *delivery;
+        Ok(Self { pictures, part, look, dpi, layers: layers.to_vec(), with_run })
     }
 
     /// The `.part` file, which holds the sample sums.
@@ -70,6 +75,11 @@ impl Outputs {
     /// Returns true if at least one of the files is a picture.
     pub(super) fn has_pictures(&self) -> bool {
         !self.pictures.is_empty()
+    }
+
+    /// Returns true if there is a `.part` file and no picture.
+    pub(super) fn is_part_alone(&self) -> bool {
+        self.part.is_some() && !self.has_pictures()
     }
 
     /// The picture files.
@@ -96,6 +106,7 @@ impl Outputs {
         let notes = WriteOptions {
             crop_window: cropped_from,
             view_transform: self.look,
+            dpi: self.dpi,
             metadata: Vec::new(),
             fast: quickly,
         };
@@ -103,29 +114,32 @@ impl Outputs {
     }
 }
 
-impl PictureFile {
-    /// Writes the picture, to its own path or to another.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub(super) fn write(
-        &self,
-        place: Option<&Path>,
-        picture: &Picture,
-        of: &PictureNotes,
-    ) -> Result<()> {
-        let usual = of.notes.view_transform == ViewTransform::default();
-        let metadata = Metadata {
-            look: (self.target.is_display_referred() && !usual).then_some(of.notes.view_transform),
-            layers: self.target.has_layers().then(|| of.layers.clone()),
-            ..of.metadata.clone()
-        };
-        let notes = WriteOptions { metadata: metadata.to_records()?, ..of.notes.clone() };
-        match place {
-            None => self.target.write_with(picture, &notes),
-            Some(place) => ImageWriter::new(place)?.write_with(picture, &notes),
-        }
+/// Refuses pictures that nobody could read, and a format for no picture.
+fn check_streams(delivery: &OutputSpec, stdout: Option<FileFormat>) -> Result<()> {
+    let has = |test: fn(&Path) -> bool| delivery.files.iter().any(|FilePath(file)| test(file));
+    let refused = |message: &str, help: &str| Err(Error::input(message).with_help(help));
+    if has(is_discarded) && delivery.files.len() > 1 {
+        let help = "leave it out, or the other files";
+        return refused("`-o none` discards the picture, and there are other files", help);
     }
+    if has(is_stdout) && io::stdout().is_terminal() {
+        let help = "redirect it: -o - > picture.png";
+        return refused("the standard output is a terminal, which shows no picture", help);
+    }
+    if stdout.is_some() && !has(is_stdout) {
+        let help = "the extension of a file name chooses its format";
+        return refused("`--format` is for the standard output, `-o -`", help);
+    }
+    Ok(())
+}
+
+/// Refuses the standard output and no output where files are needed.
+pub(super) fn refuse_streams(files: &[PathBuf]) -> Result<()> {
+    let Some(stream) = files.iter().find(|file| is_stdout(file) || is_discarded(file)) else {
+        return Ok(());
+    };
+    Err(Error::input(format!("`-o {}` names no file", stream.display()))
+        .with_help("name a picture, such as -o picture.exr"))
 }
 
 /// Returns the plain paths.
@@ -146,16 +160,20 @@ pub(super) fn refuse_duplicate_paths(files: &[(&str, &Path)]) -> Result<()> {
         let (first_option, first) = files[earlier];
         let (first, file) = (first.display(), file.display());
         let message = format!("{first_option} {first} and {option} {file} are the same file");
-        return Err(Error::input(message).with_help("leave one out, or give it another name"));
+        return Err(Error::input(message).with_help("remove one, or give it another name"));
     }
     Ok(())
 }
 
 /// Returns the absolute path of a file, with links resolved as far as the path exists.
-fn place(file: &Path) -> PathBuf {
+pub(super) fn place(file: &Path) -> PathBuf {
     let full = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
-    let beside = || Some(full.parent()?.canonicalize().ok()?.join(full.file_name()?));
-    full.canonicalize().ok().or_else(beside).unwrap_or_else(|| full.clone())
+    let there = |ancestor: &Path| {
+        let rest = full.strip_prefix(ancestor).ok()?;
+        let folder = ancestor.canonicalize().ok()?;
+        Some(if rest.as_os_str().is_empty() { folder } else { folder.join(rest) })
+    };
+    full.ancestors().find_map(there).unwrap_or_else(|| full.clone())
 }
 
 /// Returns true if the path names a `.part` file, which holds the sample sums.
@@ -163,29 +181,42 @@ pub(super) fn is_part(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("part"))
 }
 
+/// Returns true if the path stands for the standard output.
+pub(super) fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Returns true if the path stands for no file: the picture is discarded.
+pub(super) fn is_discarded(path: &Path) -> bool {
+    path.as_os_str() == "none"
+}
+
 /// Joins file names for a message: `a.png and b.exr`.
 pub(super) fn in_words(files: &[PathBuf]) -> String {
-    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-    names.join(" and ")
+    let name = |file: &PathBuf| match file {
+        file if is_stdout(file) => "the standard output".to_owned(),
+        file if is_discarded(file) => "nothing".to_owned(),
+        file => file.display().to_string(),
+    };
+    files.iter().map(name).collect::<Vec<_>>().join(" and ")
 }
 
 /// Refuses layers that no file can hold: `.png` stores beauty and alpha, the linear formats store
 /// only the beauty.
 fn refuse_layers_without_place(layers: &[Aov], files: &[PictureFile]) -> Result<()> {
-    let any = |test: fn(&ImageWriter) -> bool| files.iter().any(|file| test(&file.target));
-    if any(ImageWriter::has_layers) {
+    let any = |test: fn(&PictureFile) -> bool| files.iter().any(test);
+    if any(PictureFile::has_layers) {
         return Ok(());
     }
     let has_place = |kind: &&Aov| match kind {
         Aov::Beauty => true,
-        Aov::Mean(Layer::Alpha) => any(ImageWriter::is_display_referred),
+        Aov::Mean(Layer::Alpha) => any(PictureFile::is_display_referred),
         _ => false,
     };
     let Some(homeless) = layers.iter().find(|kind| !has_place(kind)) else { return Ok(()) };
     let (layer, names) = (homeless.info().name, quoted(files));
-    let verb = if files.len() == 1 { "has" } else { "have" };
-    Err(Error::input(format!("{names} {verb} no place for the layer `{layer}`"))
-        .with_help("layers go into .exr files; name one beside it where you want both"))
+    Err(Error::input(format!("{names} cannot hold the layer `{layer}`"))
+        .with_help("layers need an .exr file; add one: -o a.exr"))
 }
 
 fn quoted(files: &[PictureFile]) -> String {
@@ -196,21 +227,21 @@ fn quoted(files: &[PictureFile]) -> String {
 
 fn refuse_look_without_screen(delivery: &OutputSpec, files: &[PictureFile]) -> Result<()> {
     let usual = ViewTransform::default();
+    let has_preview = delivery.preview.is_some();
     let given = [
-        ("--exposure", delivery.look.exposure != usual.exposure),
-        ("--tone", delivery.look.tone != usual.tone),
-        ("--dither", delivery.look.dither),
+        ("--exposure", delivery.look.exposure != usual.exposure && !has_preview),
+        ("--tone", delivery.look.tone != usual.tone && !has_preview),
+        ("--dither", delivery.look.dither && !has_preview),
+        ("--dpi", delivery.dpi.is_some()),
     ];
     let Some((option, _)) = given.into_iter().find(|(_, given)| *given) else { return Ok(()) };
-    if files.iter().any(|file| file.target.is_display_referred()) {
+    if files.iter().any(|file| file.is_display_referred()) {
         return Ok(());
     }
-    let verb = if delivery.files.len() == 1 { "holds" } else { "hold" };
+    let verb = if delivery.files.len() == 1 { "is" } else { "are" };
     let names: Vec<String> =
         delivery.files.iter().map(|FilePath(path)| format!("`{}`", path.display())).collect();
     let names = names.join(" and ");
-    Err(Error::input(format!(
-        "`{option}` is for .png files, but {names} {verb} light, which stays as it is"
-    ))
-    .with_help("name a .png file, beside it where you want both: -o a.exr -o a.png"))
+    Err(Error::input(format!("`{option}` applies only to .png files, and {names} {verb} not"))
+        .with_help("add a .png file: -o a.exr -o a.png"))
 }

@@ -1,6 +1,7 @@
 //! Progress display: a bar on a terminal, a line every few seconds elsewhere.
 
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -27,7 +28,7 @@ pub(super) struct ProgressState {
     /// The relative error of the picture so far.
     pub(super) error: Option<f64>,
     /// Tiles that have reached the noise target, and all tiles.
-    pub(super) squares: Option<[usize; 2]>,
+    pub(super) tiles: Option<[usize; 2]>,
     /// The estimated time left, as text.
     pub(super) left: Option<String>,
 }
@@ -53,7 +54,7 @@ impl ProgressState {
             samples_total: progress.samples_total,
             rate: progress.rate,
             error: progress.error,
-            squares: progress.tiles_converged,
+            tiles: progress.tiles_converged,
             left: progress.time_left.as_ref().map(eta::format_time_range),
         }
     }
@@ -144,8 +145,9 @@ impl Observer for ProgressDisplay {
         !matches!(self, Self::Quiet)
     }
 
-    fn on_progress(&self, progress: &job::RenderProgress) {
+    fn on_progress(&self, progress: &job::RenderProgress) -> ControlFlow<()> {
         self.show(&ProgressState::of(progress));
+        ControlFlow::Continue(())
     }
 
     fn on_warning(&self, text: &str) {
@@ -178,13 +180,12 @@ fn line(state: &ProgressState) -> String {
 fn details(state: &ProgressState) -> String {
     let rate = format!("{}samples/s", print::si(state.rate));
     let error = state.error.map(|error| format!("error {}", print::percent(error)));
-    let squares = state.squares.map(|[done, all]| format!("{done} of {all} squares done"));
+    let tiles = state.tiles.map(|[done, all]| format!("{done} of {all} tiles converged"));
     let left = match &state.left {
         Some(left) => format!("{left} left"),
-        None => "just begun".to_owned(),
+        None => "estimating the time left".to_owned(),
     };
-    let words: Vec<String> =
-        [Some(rate), error, squares, Some(left)].into_iter().flatten().collect();
+    let words: Vec<String> = [Some(rate), error, tiles, Some(left)].into_iter().flatten().collect();
     words.join(", ")
 }
 
@@ -202,12 +203,11 @@ mod tests {
             ..ProgressState::default()
         };
         assert_eq!(line(&state), "25 % of 4.00 Msamples, 100 ksamples/s, 30 s left");
-        let state = ProgressState { error: Some(0.0234), squares: Some([3, 40]), ..state };
-        let expected =
-            "25 % of 4.00 Msamples, 100 ksamples/s, error 2.34 %, 3 of 40 squares done, 30 s left";
+        let state = ProgressState { error: Some(0.0234), tiles: Some([3, 40]), ..state };
+        let expected = "25 % of 4.00 Msamples, 100 ksamples/s, error 2.34 %, 3 of 40 tiles converged, 30 s left";
         assert_eq!(line(&state), expected);
         let begun = ProgressState { samples_total: 4_000_000, ..ProgressState::default() };
-        assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, just begun");
+        assert_eq!(line(&begun), "0 % of 4.00 Msamples, 0.00 samples/s, estimating the time left");
     }
 
     #[test]

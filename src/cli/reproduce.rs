@@ -4,10 +4,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::error::{Error, Result};
-use crate::image_io::{self, ImageWriter, RawChannel, WriteOptions};
-use crate::job::reproduce::{ReproduceOptions, Reproduction, read_metadata, reproduce};
+use crate::image_io::{self, ImageWriter, RawChannel, WriteOptions, temp_folder};
+use crate::job::reproduce::{
+    ReproduceOptions, Reproduction, ReproductionCost, read_metadata, reproduce,
+};
 use crate::job::{Metadata, frame_crop, is_checkpoint};
-use crate::report::{in_standard_errors, in_steps};
+use crate::report::{describe_in_standard_errors, describe_in_steps};
+use crate::task::memory_limits;
 
 use super::args::ReproduceArgs;
 use super::exit::Exit;
@@ -24,10 +27,14 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
     let path = &args.picture;
     refuse_part(path)?;
     let said = read_metadata(path)?;
+    let cost = ReproductionCost::of(&said)?;
+    allow(args, &cost)?;
     let then = image_io::read_raw_channels(path)?;
+    refuse_other_size(path, &cost, &then)?;
+    let temporary = temp_folder()?;
     let (again, now) = on_threads(args.threads, || {
         let again = render(args, &said)?;
-        let now = channels(args, &said, &again)?;
+        let now = channels(args, &said, &again, temporary.path())?;
         Ok((again, now))
     })?;
     let wrong = differing(&then, &now);
@@ -37,11 +44,11 @@ pub(super) fn run(args: &ReproduceArgs) -> Result<Exit> {
         return Ok(Exit::Done);
     }
     let mut words =
-        format!("`{}` comes out differently, in {}\n", path.display(), wrong.join(", "));
+        format!("`{}` differs when rendered again, in {}\n", path.display(), wrong.join(", "));
     words += &reasons(&said.program_differences(&again.metadata));
     words += &match is_png(path) {
-        true => in_steps(&then, &now),
-        false => in_standard_errors(&then, &now, &again.film),
+        true => describe_in_steps(&then, &now),
+        false => describe_in_standard_errors(&then, &now, &again.film),
     };
     print::result(&words)?;
     Ok(Exit::CheckFailed)
@@ -52,10 +59,49 @@ fn refuse_part(path: &Path) -> Result<()> {
     if !is_checkpoint(path) {
         return Ok(());
     }
-    let path = path.display();
-    Err(Error::input(format!("`{path}` is a part, and a part is no picture")).with_help(format!(
-        "make a picture of it first: photosphere merge '{path}' -o picture.exr"
-    )))
+    let (shown, path) = (path.display(), print::shell_path(path));
+    Err(Error::input(format!("`{shown}` is a part, not a picture"))
+        .with_help(format!("merge it first: photosphere merge {path} -o picture.exr")))
+}
+
+/// Prints how much work a reproduction is, and refuses too much of it.
+fn allow(args: &ReproduceArgs, cost: &ReproductionCost) -> Result<()> {
+    let ReproductionCost { pixels, samples, memory } = *cost;
+    let path = args.picture.display();
+    if samples > args.max_samples {
+        let message = format!(
+            "`{path}` records {samples} samples in {pixels} pixels, but at most {} are rendered \
+             unless you allow more",
+            args.max_samples
+        );
+        let help = format!("if you trust the picture and have the time: --max-samples {samples}");
+        return Err(Error::input(message).with_help(help));
+    }
+    let available = || memory_limits::free().map(|free| free.bytes);
+    if let Some(limit) = args.memory.limit.or_else(available) {
+        if memory > limit {
+            let (needed, limit) = (print::bytes(memory), print::bytes(limit));
+            let message = format!("`{path}` needs {needed} of memory, more than {limit}");
+            return Err(Error::input(message).with_help("use a machine with more memory"));
+        }
+    }
+    if !args.quiet {
+        let all = print::count(pixels as usize, "pixel");
+        let samples = print::count(samples as usize, "sample");
+        print::note(format_args!("re-rendering {all}, {samples}"));
+    }
+    Ok(())
+}
+
+/// Refuses a picture whose size differs from its record: no pixel could agree.
+fn refuse_other_size(path: &Path, cost: &ReproductionCost, then: &[RawChannel]) -> Result<()> {
+    let Some(other) = then.iter().find(|channel| channel.bits.len() as u64 != cost.pixels) else {
+        return Ok(());
+    };
+    let (path, pixels, said) = (path.display(), other.bits.len(), cost.pixels);
+    let message = format!("`{path}` has {pixels} pixels, but records {said}");
+    Err(Error::input(message)
+        .with_help("another program resized the picture or changed its record"))
 }
 
 fn render(args: &ReproduceArgs, said: &Metadata) -> Result<Reproduction> {
@@ -87,15 +133,15 @@ fn channels(
     args: &ReproduceArgs,
     said: &Metadata,
     again: &Reproduction,
+    folder: &Path,
 ) -> Result<Vec<RawChannel>> {
     let notes = WriteOptions {
         crop_window: frame_crop(again.film.frame()),
         view_transform: said.look.unwrap_or_default(),
         ..WriteOptions::default()
     };
-    let temporary = tempfile::tempdir().map_err(|e| Error::file("write", &args.picture, e))?;
     let name = if is_png(&args.picture) { "again.png" } else { "again.exr" };
-    let file = temporary.path().join(name);
+    let file = folder.join(name);
     ImageWriter::new(&file)?.write_with(&again.picture, &notes)?;
     image_io::read_raw_channels(&file)
 }
@@ -115,8 +161,8 @@ fn differing(then: &[RawChannel], now: &[RawChannel]) -> Vec<String> {
 /// Explains why the picture may differ.
 fn reasons(differences: &[String]) -> String {
     if differences.is_empty() {
-        return "nothing that is known differs in how it was made: the file was changed since, or this is a \
-                mistake of photosphere; please report it\n"
+        return "no difference is known in how it was made: the file was modified, or this is a bug in \
+                photosphere; please report it\n"
             .to_owned();
     }
     differences.iter().map(|difference| format!("  {difference}\n")).collect()

@@ -3,6 +3,35 @@
 
 use crate::error::{Error, Result};
 
+pub(super) use crate::task::{peak_memory, total_memory};
+
+/// Maximum number of threads. More than any machine has cores would not start.
+pub(super) const MAX_THREADS: u16 = 4096;
+
+/// Checks the number of threads that the environment asks for, and starts the thread for parallel
+/// work outside any pool, which rayon would otherwise start itself, or panic.
+///
+/// # Errors
+/// If the number is too large, or no thread can be started.
+pub(super) fn prepare_threads() -> Result<()> {
+    for name in ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"] {
+        let asked = std::env::var(name).unwrap_or_default();
+        let is_number = !asked.is_empty() && asked.bytes().all(|digit| digit.is_ascii_digit());
+        if is_number && asked.parse().map_or(true, |threads: u64| threads > MAX_THREADS.into()) {
+            let message = format!(
+                "the environment variable {name} asks for {asked} threads, more than {MAX_THREADS}"
+            );
+            return Err(Error::input(message).with_help("set it to a smaller number, or unset it"));
+        }
+    }
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global().map_err(no_threads)
+}
+
+fn no_threads(e: rayon::ThreadPoolBuildError) -> Error {
+    Error::input(format!("cannot start the threads: {e}"))
+        .with_help("ask for fewer with --threads, or raise the limits of the system (ulimit -a)")
+}
+
 /// Runs `work` on a rayon pool of this many threads, by default one per core.
 ///
 /// # Errors
@@ -12,26 +41,7 @@ pub(super) fn on_threads<T: Send>(
     work: impl FnOnce() -> Result<T> + Send,
 ) -> Result<T> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    let pool = pool.map_err(|e| {
-        Error::input(format!("cannot start the threads: {e}"))
-            .with_help("ask for fewer with --threads")
-    })?;
-    pool.install(work)
-}
-
-/// Returns the peak memory of this process so far, in bytes.
-pub(super) fn peak_memory() -> Option<u64> {
-    kibibytes("/proc/self/status", "VmHWM:")
-}
-
-/// Returns the memory of this machine, in bytes.
-pub(super) fn memory() -> Option<u64> {
-    kibibytes("/proc/meminfo", "MemTotal:")
-}
-
-/// Returns the memory available without swapping, in bytes.
-pub(super) fn available_memory() -> Option<u64> {
-    kibibytes("/proc/meminfo", "MemAvailable:")
+    pool.map_err(no_threads)?.install(work)
 }
 
 /// Returns the name of the processor.
@@ -55,23 +65,4 @@ pub(super) fn command_line() -> String {
     let words = std::iter::once("photosphere").chain(arguments.iter().map(String::as_str));
     // Only a zero byte cannot be quoted, and no argument contains one.
     shlex::try_join(words).unwrap_or_default()
-}
-
-/// Reads a line such as `VmHWM:    1234 kB` and returns bytes.
-fn kibibytes(file: &str, key: &str) -> Option<u64> {
-    let text = std::fs::read_to_string(file).ok()?;
-    let value = text.lines().find_map(|line| line.strip_prefix(key))?;
-    Some(1024 * value.split_whitespace().next()?.parse::<u64>().ok()?)
-}
-
-#[cfg(all(test, target_os = "linux"))]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn linux_says_all_of_it() {
-        let (peak, memory) = (peak_memory().unwrap(), memory().unwrap());
-        assert!(peak > 1 << 16 && peak < memory);
-        assert!(available_memory().unwrap() <= memory);
-    }
 }

@@ -5,13 +5,13 @@ use crate::error::{Error, Result};
 use crate::image_io::AtomicFile;
 use crate::integrator::{self, RenderContext, SampleAddress};
 use crate::report::path;
-use crate::scene::{PreparedScene, read_file};
+use crate::scene::PreparedScene;
 use crate::task::CancelToken;
 
 use super::args::TraceArgs;
 use super::exit::Exit;
 use super::system::on_threads;
-use super::{interrupt, print};
+use super::{interrupt, print, scene_file};
 
 /// Runs the command.
 ///
@@ -25,7 +25,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<Exit> {
 }
 
 fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
-    let (scene, settings) = read_file(&args.scene.path, &args.overrides())?.build()?;
+    let (scene, settings) = scene_file::read(&args.scene.path, &args.overrides())?.build()?;
     let prepared = PreparedScene::new(&scene, settings)?;
     let address = address(args, &prepared)?;
     let (threads, quality) = (rayon::current_num_threads(), args.accel.build.quality);
@@ -35,17 +35,19 @@ fn trace(args: &TraceArgs, file: Option<AtomicFile>) -> Result<Exit> {
     let context = RenderContext::new(&prepared, &*accel, &cancel);
     let trace = integrator::create(&prepared).trace_path(context, address).ok_or_else(|| {
         let name = prepared.render_settings().integrator.kind().name();
-        Error::input(format!("the integrator `{name}` follows no paths"))
+        Error::input(format!("the integrator `{name}` traces no paths"))
             .with_help("add --integrator path")
     })?;
+    if let Some(file) = file {
+        let svg = path::svg(&prepared, &trace);
+        file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
+    }
     if args.json {
         print::json(&path::json(&prepared, &trace))?;
     } else {
-        print::result(&path::words(&prepared, &trace))?;
+        print::result(&path::text(&prepared, &trace))?;
     }
-    if let (Some(file), Some(path)) = (file, &args.svg) {
-        let svg = path::svg(&prepared, &trace);
-        file.write(|to| std::io::Write::write_all(to, svg.as_bytes()))?;
+    if let Some(path) = &args.svg {
         print::note(format_args!("wrote {}", path.display()));
     }
     Ok(Exit::Done)
@@ -64,8 +66,11 @@ fn address(args: &TraceArgs, prepared: &PreparedScene) -> Result<SampleAddress> 
     }
     let count = prepared.render_settings().samples_per_pixel;
     if args.sample >= count {
-        return Err(Error::input(format!("each pixel has {count} samples, counted from 0"))
-            .with_help(format!("the last is --sample {}", count - 1)));
+        return Err(Error::input(format!(
+            "there is no sample {}: each pixel has {count}",
+            args.sample
+        ))
+        .with_help(format!("samples run from 0 to {}", count - 1)));
     }
     Ok(SampleAddress { x, y, sample: args.sample })
 }

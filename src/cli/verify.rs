@@ -83,10 +83,9 @@ fn chosen(args: &VerifyArgs) -> Result<Vec<Check>> {
         split_significance(&mut checks);
     }
     if checks.is_empty() {
-        return Err(Error::input("no check has a name that contains what --only asks for")
-            .with_help(
-                "`photosphere verify --list` prints the groups and the names of all checks",
-            ));
+        return Err(Error::input("no check matches --only").with_help(
+            "`photosphere verify --list` prints the groups and the names of all checks",
+        ));
     }
     Ok(checks)
 }

@@ -11,6 +11,7 @@ mod cells;
 mod heat;
 mod lines;
 pub mod page;
+pub mod printable;
 mod side;
 pub mod text;
 

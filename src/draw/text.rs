@@ -2,12 +2,14 @@
 
 use std::fmt::Display;
 
+use super::printable::printable_line;
+
 /// Formats a table row. Each column has a width in characters: positive aligns right, negative
-/// left. Longer cells shift the rest; trailing blanks are removed.
+/// left. Longer cells shift the rest; trailing blanks are removed. Control characters are escaped.
 pub fn row<const N: usize>(columns: [i32; N], cells: [&str; N]) -> String {
     let mut line = String::new();
     for (column, cell) in columns.into_iter().zip(cells) {
-        let width = column.unsigned_abs() as usize;
+        let (width, cell) = (column.unsigned_abs() as usize, printable_line(cell));
         line += &if column < 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") };
     }
     format!("{}\n", line.trim_end())

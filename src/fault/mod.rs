@@ -56,6 +56,7 @@ registry! {
     ExclusionLost: "a ray may hit the sphere that it leaves",
     EmitterOccludesItself: "a shadow ray may hit its target emitter",
     NormalFacesAway: "inside a sphere the normal still points outwards",
+    SpheresRoundedToF32: "spheres are rounded to f32, relative to the origin",
     RayRoundedToF32: "the ray passed to an intersector is rounded to f32",
     // Intersectors
     NotClosestHit: "the last sphere tested is the hit, instead of the closest",

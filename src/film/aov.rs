@@ -39,9 +39,9 @@ pub enum MergeRule {
     Sums,
     /// Sums of samples are added exactly and divided by the number of samples that hit a surface.
     HitSums,
-    /// Sums of squares are added, exactly.
+    /// Sums of squares are added exactly.
     SumsOfSquares,
-    /// Numbers are added.
+    /// Sample counts are added.
     Counts,
     /// Per sphere, the numbers of samples that see it are added and divided by the number of
     /// samples.
@@ -66,15 +66,15 @@ pub struct AovInfo {
 
 const RGB: &[&str] = &["R", "G", "B"];
 const XYZ: &[&str] = &["X", "Y", "Z"];
-const ONE: &[&str] = &[];
+const SCALAR: &[&str] = &[];
 
 const fn aov_info(
-    kind: Aov,
+    aov: Aov,
     name: &'static str,
     channels: &'static [&'static str],
     merge: MergeRule,
 ) -> AovInfo {
-    AovInfo { aov: kind, name, channels, merge }
+    AovInfo { aov, name, channels, merge }
 }
 
 /// Every AOV. docs/layers.md documents them for users.
@@ -85,21 +85,26 @@ pub const AOVS: [AovInfo; 16] = [
     aov_info(Aov::Mean(Layer::Emission), "emission", RGB, MergeRule::Sums),
     aov_info(Aov::Mean(Layer::Albedo), "albedo", RGB, MergeRule::Sums),
     aov_info(Aov::Mean(Layer::Normal), "normal", XYZ, MergeRule::Sums),
-    aov_info(Aov::Mean(Layer::Depth), "depth", ONE, MergeRule::HitSums),
+    aov_info(Aov::Mean(Layer::Depth), "depth", SCALAR, MergeRule::HitSums),
     aov_info(Aov::Mean(Layer::Position), "position", XYZ, MergeRule::HitSums),
-    aov_info(Aov::SphereId, "sphere_id", ONE, MergeRule::Invariant),
-    aov_info(Aov::MaterialId, "material_id", ONE, MergeRule::Invariant),
-    aov_info(Aov::SampleCount, "sample_count", ONE, MergeRule::Counts),
+    aov_info(Aov::SphereId, "sphere_id", SCALAR, MergeRule::Invariant),
+    aov_info(Aov::MaterialId, "material_id", SCALAR, MergeRule::Invariant),
+    aov_info(Aov::SampleCount, "sample_count", SCALAR, MergeRule::Counts),
     aov_info(Aov::Variance, "variance", RGB, MergeRule::SumsOfSquares),
-    aov_info(Aov::Mean(Layer::Alpha), "alpha", ONE, MergeRule::Sums),
-    aov_info(Aov::Cryptomatte(CryptomatteKind::Sphere), "crypto_sphere", ONE, MergeRule::Coverage),
+    aov_info(Aov::Mean(Layer::Alpha), "alpha", SCALAR, MergeRule::Sums),
+    aov_info(
+        Aov::Cryptomatte(CryptomatteKind::Sphere),
+        "crypto_sphere",
+        SCALAR,
+        MergeRule::Coverage,
+    ),
     aov_info(
         Aov::Cryptomatte(CryptomatteKind::Material),
         "crypto_material",
-        ONE,
+        SCALAR,
         MergeRule::Coverage,
     ),
-    aov_info(Aov::Cryptomatte(CryptomatteKind::Table), "crypto_table", ONE, MergeRule::Coverage),
+    aov_info(Aov::Cryptomatte(CryptomatteKind::Table), "crypto_table", SCALAR, MergeRule::Coverage),
 ];
 
 impl Aov {
@@ -109,48 +114,48 @@ impl Aov {
     /// Normal of the first surface.
     pub const NORMAL: Self = Self::Mean(Layer::Normal);
 
-    /// The AOVs of a picture unless others are requested.
+    /// The default AOVs of a picture.
     pub const DEFAULT: [Self; 2] = [Self::Mean(Layer::Direct), Self::Mean(Layer::Indirect)];
 
     /// Returns the entry in [`AOVS`].
     pub fn info(self) -> &'static AovInfo {
-        AOVS.iter().find(|row| row.aov == self).unwrap_or(&AOVS[0])
+        AOVS.iter().find(|info| info.aov == self).unwrap_or(&AOVS[0])
     }
 
     /// Returns the AOV with this name.
     pub fn named(name: &str) -> Option<Self> {
-        AOVS.iter().find(|row| row.name == name).map(|row| row.aov)
+        AOVS.iter().find(|info| info.name == name).map(|info| info.aov)
     }
 }
 
 impl serde::Serialize for Aov {
-    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(self.info().name)
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.info().name)
     }
 }
 
 impl<'de> serde::Deserialize<'de> for Aov {
-    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        let name = <std::borrow::Cow<'de, str>>::deserialize(from)?;
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = <std::borrow::Cow<'de, str>>::deserialize(deserializer)?;
         let unknown = || serde::de::Error::custom(format_args!("there is no layer `{name}`"));
         Self::named(&name).ok_or_else(unknown)
     }
 }
 
-/// Returns the layers that a film must sum for the given AOVs: always light, because it is the
-/// picture.
-pub fn required_layers(kinds: &[Aov]) -> Vec<Layer> {
-    let is_wanted = |layer: &Layer| match layer {
+/// Returns the layers that a film must sum for the given AOVs. Direct and indirect light are always
+/// included: their sum is the picture.
+pub fn required_layers(aovs: &[Aov]) -> Vec<Layer> {
+    let is_required = |layer: &Layer| match layer {
         Layer::Direct | Layer::Indirect => true,
         // Depth and position are divided by alpha.
-        Layer::Alpha => kinds.iter().any(|kind| match kind {
+        Layer::Alpha => aovs.iter().any(|aov| match aov {
             Aov::Mean(layer) => layer.is_hit_mean() || *layer == Layer::Alpha,
             _ => false,
         }),
-        Layer::Coverage => kinds.iter().any(|kind| matches!(kind, Aov::Cryptomatte(_))),
-        layer => kinds.contains(&Aov::Mean(*layer)),
+        Layer::Coverage => aovs.iter().any(|aov| matches!(aov, Aov::Cryptomatte(_))),
+        layer => aovs.contains(&Aov::Mean(*layer)),
     };
-    Layer::ALL.iter().copied().filter(is_wanted).collect()
+    Layer::ALL.iter().copied().filter(is_required).collect()
 }
 
 #[cfg(test)]
@@ -160,11 +165,11 @@ mod tests {
     #[test]
     fn every_layer_that_is_summed_has_its_row() {
         for layer in Layer::ALL.iter().filter(|layer| **layer != Layer::Coverage) {
-            let row = Aov::Mean(*layer).info();
-            assert_eq!(row.name, layer.name());
-            assert_eq!(row.channels.len().max(1), layer.channels());
-            assert_eq!(row.merge == MergeRule::HitSums, layer.is_hit_mean());
-            assert_eq!(Aov::named(row.name), Some(row.aov));
+            let info = Aov::Mean(*layer).info();
+            assert_eq!(info.name, layer.name());
+            assert_eq!(info.channels.len().max(1), layer.channels());
+            assert_eq!(info.merge == MergeRule::HitSums, layer.is_hit_mean());
+            assert_eq!(Aov::named(info.name), Some(info.aov));
         }
         assert_eq!(Aov::named("shadow"), None);
     }

@@ -64,9 +64,9 @@ impl ExactSum for U192 {
     const BITS: i32 = 191 - MAX_BLOCKS_LOG2;
 
     fn quantize(x: f64, step: i32) -> Self {
-        let parts = ScaledMantissa::of(x, step);
-        let [low, high] = parts.words();
-        Self(match parts.shift / 64 {
+        let scaled = ScaledMantissa::of(x, step);
+        let [low, high] = scaled.words();
+        Self(match scaled.shift / 64 {
             0 => [low, high, 0],
             1 => [0, low, high],
             _ => [0, 0, low],
@@ -76,9 +76,9 @@ impl ExactSum for U192 {
     fn add_overflowing(self, other: Self) -> (Self, bool) {
         let low = |Self([low, middle, _]): Self| u128::from(middle) << 64 | u128::from(low);
         let (sum, carry) = low(self).overflowing_add(low(other));
-        let (high, over) = self.0[2].overflowing_add(other.0[2]);
-        let (high, over_again) = high.overflowing_add(u64::from(carry));
-        (Self([sum as u64, (sum >> 64) as u64, high]), over || over_again)
+        let (high, overflows) = self.0[2].overflowing_add(other.0[2]);
+        let (high, carry_overflows) = high.overflowing_add(u64::from(carry));
+        (Self([sum as u64, (sum >> 64) as u64, high]), overflows || carry_overflows)
     }
 
     fn to_f64(self, step: i32) -> f64 {
@@ -156,19 +156,19 @@ mod tests {
 
     #[test]
     fn as_many_blocks_as_there_can_be_do_not_overflow() {
-        let most = f64::from_bits(limit::<i128>(-10).to_bits() - 1);
-        let addend = i128::quantize(most, -10);
+        let max_addend = f64::from_bits(limit::<i128>(-10).to_bits() - 1);
+        let addend = i128::quantize(max_addend, -10);
         assert!(addend.checked_mul(1 << MAX_BLOCKS_LOG2).is_some());
         assert!(addend.checked_mul(1 << (MAX_BLOCKS_LOG2 + 2)).is_none());
         // Doubling 28 times adds 2^28 of them.
         let mut sum = U192::quantize(f64::from_bits(limit::<U192>(7).to_bits() - 1), 7);
         for _ in 0..MAX_BLOCKS_LOG2 {
-            let (double, over) = sum.add_overflowing(sum);
-            assert!(!over);
+            let (double, overflows) = sum.add_overflowing(sum);
+            assert!(!overflows);
             sum = double;
         }
-        let (double, over) = sum.add_overflowing(sum);
-        assert!(!over && double.add_overflowing(double).1);
+        let (double, overflows) = sum.add_overflowing(sum);
+        assert!(!overflows && double.add_overflowing(double).1);
         assert!(i128::MAX.add_overflowing(1).1 && i128::MIN.add_overflowing(-1).1);
     }
 

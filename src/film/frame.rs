@@ -55,22 +55,25 @@ impl FilmFrame {
         let Rect { x, y, width, height } = self.window;
         let is_within = (x..x + width).contains(&column) && (y..y + height).contains(&row);
         let across = self.tile_grid()[0];
-        let at = |place: u32, first: u32, tile: u32| (place / tile - first / tile) as usize;
-        is_within.then(|| at(row, y, TILE_SIZE[1]) * across + at(column, x, TILE_SIZE[0]))
+        let tile_offset =
+            |position: u32, first: u32, tile: u32| (position / tile - first / tile) as usize;
+        is_within.then(|| {
+            tile_offset(row, y, TILE_SIZE[1]) * across + tile_offset(column, x, TILE_SIZE[0])
+        })
     }
 
     /// Returns the rectangle of a tile. Tiles at the edges may be smaller.
     pub fn tile(&self, index: usize) -> Rect {
         let Rect { x, y, width, height } = self.window;
         let across = self.tile_grid()[0];
-        let span = |first: u32, length: u32, tile: u32, at: usize| {
-            let begin = (first / tile + at as u32) * tile;
+        let extent = |first: u32, length: u32, tile: u32, index: usize| {
+            let begin = (first / tile + index as u32) * tile;
             let end = begin.saturating_add(tile).min(first + length);
             let begin = begin.max(first);
             (begin, end - begin)
         };
-        let (x, width) = span(x, width, TILE_SIZE[0], index % across);
-        let (y, height) = span(y, height, TILE_SIZE[1], index / across);
+        let (x, width) = extent(x, width, TILE_SIZE[0], index % across);
+        let (y, height) = extent(y, height, TILE_SIZE[1], index / across);
         Rect { x, y, width, height }
     }
 }
@@ -94,12 +97,12 @@ mod tests {
             places.sort_by_key(|[x, y]| (*y, *x));
             assert_eq!(places, window.pixel_coords().collect::<Vec<_>>());
             for tile in 0..frame.tile_count() {
-                let place = frame.tile(tile);
+                let rect = frame.tile(tile);
                 assert!(
-                    place.pixel_coords().all(|pixel| frame.tile_containing(pixel) == Some(tile))
+                    rect.pixel_coords().all(|pixel| frame.tile_containing(pixel) == Some(tile))
                 );
-                let wholes = |of: &usize| whole.tile(*of).intersection(&place).is_some();
-                assert_eq!((0..whole.tile_count()).filter(wholes).count(), 1, "{place:?}");
+                let wholes = |of: &usize| whole.tile(*of).intersection(&rect).is_some();
+                assert_eq!((0..whole.tile_count()).filter(wholes).count(), 1, "{rect:?}");
             }
         }
         assert_eq!(whole.tile_containing([50, 3]), None);

@@ -7,10 +7,10 @@ use super::exact_sum::{U192, step_for_exponent};
 
 /// A layer whose pixels are means over their samples.
 ///
-/// To add one, add a variant, let the compiler find its places below, and give [`PathRadiance`] or
-/// [`VisibleSurface`] the value that an integrator fills in. A film without the layer spends
-/// nothing on it. A quantity that is not a mean, such as the id at a pixel's centre, is not a film
-/// layer: it does not depend on the samples and can be computed when the picture is written.
+/// To add one, add a variant, complete the matches that the compiler reports, and give
+/// [`PathRadiance`] or [`VisibleSurface`] a field that the integrators fill in. A film without the
+/// layer has no cost. A quantity that is not a mean, such as the id at a pixel's centre, is not a
+/// film layer: it does not depend on the samples and can be computed when the picture is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Layer {
     /// Emission and environment seen by the camera, and light scattered once.
@@ -29,7 +29,7 @@ pub enum Layer {
     Depth,
     /// Position on the first surface, summed over the samples that hit one.
     Position,
-    /// Number of samples that see each sphere first. Has no channels: its counts are kept
+    /// Number of samples whose first hit is each sphere. Has no channels: its counts are stored
     /// separately.
     Coverage,
 }
@@ -108,17 +108,21 @@ impl Layer {
     }
 
     /// Returns true if a sample's value is finite.
-    pub(super) fn is_finite(self, light: &PathRadiance, seen: Option<&VisibleSurface>) -> bool {
-        let seen = seen.unwrap_or(&VisibleSurface::NONE);
+    pub(super) fn is_finite(
+        self,
+        radiance: &PathRadiance,
+        surface: Option<&VisibleSurface>,
+    ) -> bool {
+        let surface = surface.unwrap_or(&VisibleSurface::NONE);
         match self {
-            Self::Direct => light.direct.is_finite(),
-            Self::Indirect => light.indirect.is_finite(),
-            Self::Alpha => light.alpha.is_finite(),
-            Self::Emission => seen.emission.is_finite(),
-            Self::Albedo => seen.albedo.is_finite(),
-            Self::Normal => seen.normal.is_finite(),
-            Self::Depth => seen.distance.is_finite(),
-            Self::Position => seen.position.is_finite(),
+            Self::Direct => radiance.direct.is_finite(),
+            Self::Indirect => radiance.indirect.is_finite(),
+            Self::Alpha => radiance.alpha.is_finite(),
+            Self::Emission => surface.emission.is_finite(),
+            Self::Albedo => surface.albedo.is_finite(),
+            Self::Normal => surface.normal.is_finite(),
+            Self::Depth => surface.distance.is_finite(),
+            Self::Position => surface.position.is_finite(),
             Self::Coverage => true,
         }
     }
@@ -126,17 +130,19 @@ impl Layer {
     /// Adds each pixel's samples, in order, to its running sums; `sums` are the planes of the
     /// layer's channels.
     pub(super) fn add(self, sums: &mut [f64], runs: &[SampleRun<'_>]) {
-        let (light, seen) = (SampleRun::radiance, SampleRun::visible_surfaces);
+        let (radiance, surface) = (SampleRun::radiance, SampleRun::visible_surfaces);
         // The layer is matched outside of the loops.
         match self {
-            Self::Direct => add_all(sums, runs, light, |light| rgb_to_f64(light.direct)),
-            Self::Indirect => add_all(sums, runs, light, |light| rgb_to_f64(light.indirect)),
-            Self::Alpha => add_all(sums, runs, light, |light| [f64::from(light.alpha)]),
-            Self::Emission => add_all(sums, runs, seen, |seen| rgb_to_f64(seen.emission)),
-            Self::Albedo => add_all(sums, runs, seen, |seen| rgb_to_f64(seen.albedo)),
-            Self::Normal => add_all(sums, runs, seen, |seen| rgb_to_f64(seen.normal)),
-            Self::Depth => add_all(sums, runs, seen, |seen| [f64::from(seen.distance)]),
-            Self::Position => add_all(sums, runs, seen, |seen| rgb_to_f64(seen.position)),
+            Self::Direct => add_all(sums, runs, radiance, |radiance| rgb_to_f64(radiance.direct)),
+            Self::Indirect => {
+                add_all(sums, runs, radiance, |radiance| rgb_to_f64(radiance.indirect))
+            }
+            Self::Alpha => add_all(sums, runs, radiance, |radiance| [f64::from(radiance.alpha)]),
+            Self::Emission => add_all(sums, runs, surface, |surface| rgb_to_f64(surface.emission)),
+            Self::Albedo => add_all(sums, runs, surface, |surface| rgb_to_f64(surface.albedo)),
+            Self::Normal => add_all(sums, runs, surface, |surface| rgb_to_f64(surface.normal)),
+            Self::Depth => add_all(sums, runs, surface, |surface| [f64::from(surface.distance)]),
+            Self::Position => add_all(sums, runs, surface, |surface| rgb_to_f64(surface.position)),
             Self::Coverage => {}
         }
     }
@@ -170,12 +176,12 @@ impl<'a> SampleRun<'a> {
 
     /// Splits into the first `count` samples and the rest.
     pub fn split_at(&self, count: usize) -> (Self, Self) {
-        let (light, other_light) = self.radiance.split_at(count);
-        let (seen, other_seen) =
+        let (radiance, other_radiance) = self.radiance.split_at(count);
+        let (surface, other_surfaces) =
             self.visible_surfaces.split_at(count.min(self.visible_surfaces.len()));
         (
-            Self { radiance: light, visible_surfaces: seen },
-            Self { radiance: other_light, visible_surfaces: other_seen },
+            Self { radiance, visible_surfaces: surface },
+            Self { radiance: other_radiance, visible_surfaces: other_surfaces },
         )
     }
 }
@@ -188,14 +194,14 @@ fn add_all<'a, S: 'a, const CHANNELS: usize>(
     sums: &mut [f64],
     runs: &[SampleRun<'a>],
     samples: impl Fn(&SampleRun<'a>) -> &'a [S],
-    of: impl Fn(&S) -> [f64; CHANNELS],
+    channels: impl Fn(&S) -> [f64; CHANNELS],
 ) {
     let pixels = runs.len();
     for (pixel, run) in runs.iter().enumerate() {
         let mut running: [f64; CHANNELS] =
             std::array::from_fn(|channel| sums[channel * pixels + pixel]);
         for sample in samples(run) {
-            let values = of(sample);
+            let values = channels(sample);
             for channel in 0..CHANNELS {
                 running[channel] += values[channel];
             }
@@ -206,17 +212,17 @@ fn add_all<'a, S: 'a, const CHANNELS: usize>(
     }
 }
 
-/// A block may be `2^HEADROOM` times as bright as the brightest light of the scene: each of its 16
-/// samples 2^30 times. (A sample exceeds the lights where a path has a weight above 1, because a
-/// light was sampled with a small probability.)
+/// Headroom of a block above the brightest light of the scene, as a power of two: 2^30 for each of
+/// its 16 samples. (A sample exceeds the lights where its path weight is above 1, because a light
+/// was sampled with a small probability.)
 pub(super) const HEADROOM: i32 = 34;
 
 /// The magnitude of a scene's radiance: the power of two above its brightest light.
 ///
 /// A block of light is rounded to steps of `2^(brightest + 34 - 98)`, that is of 2^-64 of the
-/// brightest light, once for 16 samples. So the mean of a pixel is off by at most 2^-69 of that
-/// light. An f32 has 24 bits; all of them are right down to 2^-45 of the brightest light: 3e-14
-/// next to an emitter of radiance 1, or 1e-6 next to the sun's disc of 4e7 W/(sr m^2).
+/// brightest light, once for 16 samples. So the error of a pixel's mean is at most 2^-69 of that
+/// light. All 24 bits of an f32 are correct down to 2^-45 of the brightest light: 3e-14 next to an
+/// emitter of radiance 1, or 1e-6 next to the sun's disc of 4e7 W/(sr m^2).
 ///
 /// The squares of blocks of the beauty, which is the sum of two layers, are summed in steps of
 /// `2^(2 brightest + 70 - 163)`.

@@ -32,36 +32,36 @@ impl Film {
     /// Depth and position are means over the samples that hit a surface, which requires alpha to be
     /// summed too; if none does, depth is infinite and position is 0.
     pub fn mean(&self, layer: Layer) -> Option<Vec<[f32; 3]>> {
-        let plane = self.plan.first_plane(layer)?;
+        let plane = self.layout.first_plane(layer)?;
         let hits = match layer.is_hit_mean() {
-            true => Some(self.plan.first_plane(Layer::Alpha)?),
+            true => Some(self.layout.first_plane(Layer::Alpha)?),
             false => None,
         };
         Some(self.map_pixels(|sums, pixel| {
             let count = match hits {
-                Some(hits) => sums.sum(&self.plan, hits, pixel),
+                Some(hits) => sums.sum(&self.layout, hits, pixel),
                 None => f64::from(divisor(sums.finite_samples(pixel))),
             };
             if count == 0.0 {
-                let nowhere = if layer == Layer::Depth { f32::INFINITY } else { 0.0 };
-                return [nowhere, 0.0, 0.0];
+                let no_hit = if layer == Layer::Depth { f32::INFINITY } else { 0.0 };
+                return [no_hit, 0.0, 0.0];
             }
             let mut mean = [0.0; 3];
             for (channel, mean) in mean.iter_mut().take(layer.channels()).enumerate() {
-                *mean = (sums.sum(&self.plan, plane + channel, pixel) / count) as f32;
+                *mean = (sums.sum(&self.layout, plane + channel, pixel) / count) as f32;
             }
-            let lost = sums.finite_samples(pixel) == 0 && sums.counts[pixel] > 0;
-            if lost { [f32::NAN; 3] } else { mean }
+            let all_non_finite = sums.finite_samples(pixel) == 0 && sums.counts[pixel] > 0;
+            if all_non_finite { [f32::NAN; 3] } else { mean }
         }))
     }
 
     /// Returns the variance of the beauty's mean, per channel, from the differences between
     /// finished blocks. This is the variance for independent blocks; for jointly stratified ones
-    /// the error is smaller. Infinite for fewer than two finished blocks; `None` if squares are not
-    /// summed.
+    /// the error is smaller. Infinite for fewer than two finished blocks; `None` if the film sums
+    /// no squares.
     pub fn variance(&self) -> Option<Vec<[f32; 3]>> {
-        let direct = self.plan.first_plane(Layer::Direct)?;
-        let indirect = self.plan.first_plane(Layer::Indirect)?;
+        let direct = self.layout.first_plane(Layer::Direct)?;
+        let indirect = self.layout.first_plane(Layer::Indirect)?;
         let of_pixel = |sums: &Tile, pixel: usize| {
             let blocks = f64::from(sums.counts[pixel] / BLOCK_SIZE);
             let samples = f64::from(sums.finite_samples(pixel));
@@ -69,22 +69,24 @@ impl Film {
                 if blocks < 2.0 {
                     return f32::INFINITY;
                 }
-                let plane = |first: usize| sums.finished_sum(&self.plan, first + axis, pixel);
-                let sum = plane(direct) + plane(indirect);
-                let squares = sums.sum_of_squares(&self.plan, axis, pixel);
+                let channel_sum =
+                    |first: usize| sums.finished_sum(&self.layout, first + axis, pixel);
+                let sum = channel_sum(direct) + channel_sum(indirect);
+                let sum_of_squares = sums.sum_of_squares(&self.layout, axis, pixel);
                 // Variance of a block's sum: 16 times the variance of a sample.
-                let of_block = (squares - sum * (sum / blocks)).max(0.0) / (blocks - 1.0);
-                (of_block / f64::from(BLOCK_SIZE) / samples) as f32
+                let block_variance =
+                    (sum_of_squares - sum * (sum / blocks)).max(0.0) / (blocks - 1.0);
+                (block_variance / f64::from(BLOCK_SIZE) / samples) as f32
             })
         };
-        self.plan.squares.then(|| self.map_pixels(of_pixel))
+        self.layout.sums_squares.then(|| self.map_pixels(of_pixel))
     }
 
-    /// Returns, for every pixel, row by row, how many samples see each row of the scene first,
-    /// ordered by row; `None` if coverage is not counted.
+    /// Returns, for every pixel, row by row, the number of samples whose first hit is each row of
+    /// the scene, ordered by row; `None` if coverage is not counted.
     pub fn coverage(&self) -> Option<Vec<Vec<(u32, u32)>>> {
         let of_pixel = |sums: &Tile, pixel: usize| sums.coverage.get(pixel).cloned();
-        let is_counted = self.plan.layers.contains(&Layer::Coverage);
+        let is_counted = self.layout.layers.contains(&Layer::Coverage);
         is_counted.then(|| self.map_pixels(|sums, pixel| of_pixel(sums, pixel).unwrap_or_default()))
     }
 
@@ -96,13 +98,13 @@ impl Film {
     /// Maps every pixel of the window, row by row.
     fn map_pixels<T: Clone + Default + Send>(
         &self,
-        of: impl Fn(&Tile, usize) -> T + Send + Sync,
+        f: impl Fn(&Tile, usize) -> T + Send + Sync,
     ) -> Vec<T> {
-        let mut all = vec![T::default(); self.frame.pixel_count()];
+        let mut values = vec![T::default(); self.frame.pixel_count()];
         let width = self.frame.window.width as usize;
         let across = self.frame.tiles_across();
         // The pixels of each row of tiles are contiguous.
-        let mut rest = all.as_mut_slice();
+        let mut rest = values.as_mut_slice();
         let mut rows = Vec::new();
         for first in (0..self.tiles.len()).step_by(across) {
             let height = self.frame.tile(first).height as usize;
@@ -113,21 +115,21 @@ impl Film {
         parallel::map(rows, |(first, row): (usize, &mut [T])| {
             let Rect { x: left, y: top, .. } = self.frame.tile(first);
             for tile in first..first + across {
-                let place = self.frame.tile(tile);
+                let rect = self.frame.tile(tile);
                 let sums = self.lock(tile);
                 let mut pixel = 0;
-                for line in
-                    row.chunks_exact_mut(width).take((place.y + place.height - top) as usize)
+                for pixel_row in
+                    row.chunks_exact_mut(width).take((rect.y + rect.height - top) as usize)
                 {
-                    let begin = (place.x - left) as usize;
-                    for value in &mut line[begin..begin + place.width as usize] {
-                        *value = of(&sums, pixel);
+                    let begin = (rect.x - left) as usize;
+                    for target in &mut pixel_row[begin..begin + rect.width as usize] {
+                        *target = f(&sums, pixel);
                         pixel += 1;
                     }
                 }
             }
         });
-        all
+        values
     }
 }
 

@@ -48,8 +48,8 @@ pub struct FilmFormat {
     pub scale: RadianceScale,
     /// The summed layers.
     pub layers: Vec<Layer>,
-    /// True if squares are summed as well, so that the error of the means is known.
-    pub squares: bool,
+    /// True if squares are summed too, for error estimates.
+    pub sums_squares: bool,
 }
 
 /// The sums of a picture.
@@ -57,7 +57,7 @@ pub struct FilmFormat {
 pub struct Film {
     frame: FilmFrame,
     first_sample: u32,
-    plan: FilmLayout,
+    layout: FilmLayout,
     tiles: Vec<Mutex<Tile>>,
 }
 
@@ -67,36 +67,36 @@ impl Film {
     /// # Errors
     /// If there is not enough memory for it.
     pub fn new(format: &FilmFormat) -> Result<Self> {
-        let FilmFormat { frame, first_sample, scale, ref layers, squares } = *format;
+        let FilmFormat { frame, first_sample, scale, ref layers, sums_squares } = *format;
         debug_assert!(first_sample % BLOCK_SIZE == 0);
-        let plan = FilmLayout::new(scale, layers, squares);
+        let layout = FilmLayout::new(scale, layers, sums_squares);
         let no_memory = || {
             let bytes = Self::bytes(format);
-            Error::input(format!("there is no memory for a film of {bytes} bytes"))
+            Error::input(format!("not enough memory for a film of {bytes} bytes"))
                 .with_help("render a smaller picture")
         };
         let mut tiles = Vec::new();
         tiles.try_reserve_exact(frame.tile_count()).map_err(|_| no_memory())?;
         for tile in 0..frame.tile_count() {
-            let tile = Tile::new(&plan, frame.tile(tile).pixel_count()).ok_or_else(no_memory)?;
+            let tile = Tile::new(&layout, frame.tile(tile).pixel_count()).ok_or_else(no_memory)?;
             tiles.push(Mutex::new(tile));
         }
-        Ok(Self { frame, first_sample, plan, tiles })
+        Ok(Self { frame, first_sample, layout, tiles })
     }
 
     /// Creates an empty film that allocates memory for sums on demand. Its frame must fit its full
     /// size.
     pub fn new_lazy(format: &FilmFormat) -> Self {
-        let FilmFormat { frame, first_sample, scale, ref layers, squares } = *format;
-        let plan = FilmLayout::new(scale, layers, squares);
+        let FilmFormat { frame, first_sample, scale, ref layers, sums_squares } = *format;
+        let layout = FilmLayout::new(scale, layers, sums_squares);
         let tile = |tile| Mutex::new(Tile::new_lazy(frame.tile(tile).pixel_count()));
-        Self { frame, first_sample, plan, tiles: (0..frame.tile_count()).map(tile).collect() }
+        Self { frame, first_sample, layout, tiles: (0..frame.tile_count()).map(tile).collect() }
     }
 
     /// Returns the bytes that such a film holds, except for partial blocks.
     pub fn bytes(format: &FilmFormat) -> usize {
-        let plan = FilmLayout::new(format.scale, &format.layers, format.squares);
-        format.frame.pixel_count() * plan.bytes_per_pixel()
+        let layout = FilmLayout::new(format.scale, &format.layers, format.sums_squares);
+        format.frame.pixel_count() * layout.bytes_per_pixel()
             + format.frame.tile_count() * size_of::<Tile>()
     }
 
@@ -105,8 +105,8 @@ impl Film {
     #[must_use]
     pub fn snapshot(&self) -> Self {
         let tiles = (0..self.tiles.len()).map(|tile| Mutex::new(self.lock(tile).clone())).collect();
-        let Self { frame, first_sample, ref plan, .. } = *self;
-        Self { frame, first_sample, plan: plan.clone(), tiles }
+        let Self { frame, first_sample, ref layout, .. } = *self;
+        Self { frame, first_sample, layout: layout.clone(), tiles }
     }
 
     /// Returns the format.
@@ -114,9 +114,9 @@ impl Film {
         FilmFormat {
             frame: self.frame,
             first_sample: self.first_sample,
-            scale: self.plan.scale,
-            layers: self.plan.layers.clone(),
-            squares: self.plan.squares,
+            scale: self.layout.scale,
+            layers: self.layout.layers.clone(),
+            sums_squares: self.layout.sums_squares,
         }
     }
 
@@ -149,10 +149,10 @@ impl Film {
 
     /// Returns the smallest and the largest sample count of all pixels.
     pub fn sample_count_range(&self) -> (u32, u32) {
-        (0..self.tiles.len()).fold((u32::MAX, 0), |(fewest, most), tile| {
+        (0..self.tiles.len()).fold((u32::MAX, 0), |(min, max), tile| {
             let counts = &self.lock(tile).counts;
             let all = || counts.iter().copied();
-            (fewest.min(all().min().unwrap_or(fewest)), most.max(all().max().unwrap_or(0)))
+            (min.min(all().min().unwrap_or(min)), max.max(all().max().unwrap_or(0)))
         })
     }
 
@@ -160,35 +160,35 @@ impl Film {
     /// in the same order.
     ///
     /// # Errors
-    /// If a block is too bright for the sums; neither it nor a later one is added then.
+    /// If a block is too bright for the sums. That block and later ones are not added.
     pub fn add(&self, tile: usize, counts: &[u32], samples: SampleRun<'_>) -> Result<()> {
-        let added = self.lock(tile).add(&self.plan, counts, samples);
-        added.map_err(|over| self.overflow_error(tile, over))
+        let added = self.lock(tile).add(&self.layout, counts, samples);
+        added.map_err(|overflow| self.overflow_error(tile, overflow))
     }
 
     /// Adds another film of the same format, with other samples of some of these pixels.
     ///
     /// # Errors
-    /// If the other has pixels that this one lacks, if both hold a partial block of the same pixel,
+    /// If `other` has pixels outside this film, if both have a partial block of the same pixel,
     /// or on overflow, which films of one scene cannot cause. This film is unusable afterwards.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         let window = self.frame.window;
-        if other.plan != self.plan
+        if other.layout != self.layout
             || other.frame.window.intersection(&window) != Some(other.frame.window)
         {
-            return Err(Error::input("films of different kinds cannot be added"));
+            return Err(Error::input("films of different formats cannot be merged"));
         }
-        for theirs in 0..other.tiles.len() {
-            let their_place = other.frame.tile(theirs);
-            // Tiles are aligned, so no tile of theirs has pixels of two of ours.
-            let Some(ours) = self.frame.tile_containing([their_place.x, their_place.y]) else {
+        for other_tile in 0..other.tiles.len() {
+            let other_rect = other.frame.tile(other_tile);
+            // Tiles are aligned, so no tile of the other film overlaps two tiles of this one.
+            let Some(own_tile) = self.frame.tile_containing([other_rect.x, other_rect.y]) else {
                 continue;
             };
-            let place = self.frame.tile(ours);
-            let (mut sums, theirs) = (self.lock(ours), other.lock(theirs));
-            for (their_pixel, [x, y]) in their_place.pixel_coords().enumerate() {
-                let pixel = (y - place.y) * place.width + (x - place.x);
-                sums.merge_pixel(&self.plan, pixel as usize, &theirs, their_pixel)?;
+            let rect = self.frame.tile(own_tile);
+            let (mut sums, other_sums) = (self.lock(own_tile), other.lock(other_tile));
+            for (other_pixel, [x, y]) in other_rect.pixel_coords().enumerate() {
+                let pixel = (y - rect.y) * rect.width + (x - rect.x);
+                sums.merge_pixel(&self.layout, pixel as usize, &other_sums, other_pixel)?;
             }
         }
         Ok(())
@@ -196,8 +196,9 @@ impl Film {
 
     /// Returns the total number of samples.
     pub fn sample_count(&self) -> u64 {
-        let of_tile = |tile| self.lock(tile).counts.iter().map(|&count| u64::from(count)).sum();
-        (0..self.tiles.len()).map(|tile| -> u64 { of_tile(tile) }).sum()
+        let tile_samples =
+            |tile| self.lock(tile).counts.iter().map(|&count| u64::from(count)).sum();
+        (0..self.tiles.len()).map(|tile| -> u64 { tile_samples(tile) }).sum()
     }
 
     /// Returns the number of non-finite samples, which were left out, and one of their pixels.
@@ -205,11 +206,11 @@ impl Film {
         let mut found = None;
         for tile in 0..self.tiles.len() {
             let sums = self.lock(tile);
-            for (&count, place) in
+            for (&count, pixel) in
                 sums.non_finite_counts.iter().zip(self.frame.tile(tile).pixel_coords())
             {
                 if count > 0 {
-                    let (total, first) = found.unwrap_or((0, place));
+                    let (total, first) = found.unwrap_or((0, pixel));
                     found = Some((total + u64::from(count), first));
                 }
             }
@@ -217,26 +218,27 @@ impl Film {
         found
     }
 
-    /// A panic elsewhere leaves the sums of a tile between two blocks, which is a valid state.
+    /// Locks a tile. Poisoning is ignored: a panic leaves the sums between two blocks, which is a
+    /// valid state.
     fn lock(&self, tile: usize) -> MutexGuard<'_, Tile> {
         self.tiles[tile].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn overflow_error(&self, tile: usize, over: BlockOverflow) -> Error {
-        let BlockOverflow { pixel, first_sample, value, limit } = over;
+    fn overflow_error(&self, tile: usize, overflow: BlockOverflow) -> Error {
+        let BlockOverflow { pixel, first_sample, value, limit } = overflow;
         let [x, y] = self.frame.tile(tile).pixel_coords().nth(pixel).unwrap_or_default();
         let first = self.first_sample + first_sample;
         Error::input(format!(
-            "samples {first} to {} of the pixel in column {x}, row {y} add up to {value:.1e}, and the \
-             film holds less than {limit:.1e}, 2^{} times the brightest light of the scene",
+            "samples {first} to {} of the pixel in column {x}, row {y} add up to {value:.1e}; the \
+             film's limit is {limit:.1e}, 2^{} times the brightest light of the scene",
             first + BLOCK_SIZE - 1,
             layer::HEADROOM,
         ))
         .with_help(
-            "either light was found with a tiny probability: choose `estimator = \"mis\"`, or bound what \
-             one path brings with `clamp_indirect`. Or a material makes light, as classic Phong \
-             (`normalized = false`) does: choose another, or end paths with `max_depth`. `max_depth` and \
-             `clamp_indirect` bias the picture. To see which materials make light",
+            "a light may have been sampled with a tiny probability: use `estimator = \"mis\"`, or limit the \
+             contribution of a path with `clamp_indirect`. Or a material may create energy, as classic \
+             Phong (`normalized = false`) does: use another, or limit paths with `max_depth`. `max_depth` \
+             and `clamp_indirect` bias the picture. To see which materials create energy",
         )
         .with_suggestion(Suggestion::Info, "")
     }

@@ -10,9 +10,9 @@ const WIDTH: u32 = 21;
 const HEIGHT: u32 = 9;
 
 /// Samples without visible surfaces.
-fn light(samples: &[PathRadiance]) -> SampleRun<'_> {
-    static SEEN: [VisibleSurface; 1024] = [VisibleSurface::NONE; 1024];
-    SampleRun { radiance: samples, visible_surfaces: &SEEN[..samples.len()] }
+fn run(samples: &[PathRadiance]) -> SampleRun<'_> {
+    static NO_SURFACES: [VisibleSurface; 1024] = [VisibleSurface::NONE; 1024];
+    SampleRun { radiance: samples, visible_surfaces: &NO_SURFACES[..samples.len()] }
 }
 
 /// A sample of any magnitude and sign that the scale allows, from its address alone.
@@ -29,8 +29,8 @@ fn sample([x, y]: [u32; 2], index: u32) -> PathRadiance {
 }
 
 /// A sample's visible surface, derived from its radiance.
-fn seen(place: [u32; 2], index: u32) -> VisibleSurface {
-    let PathRadiance { direct, indirect, alpha } = sample(place, index);
+fn visible_surface(pixel: [u32; 2], index: u32) -> VisibleSurface {
+    let PathRadiance { direct, indirect, alpha } = sample(pixel, index);
     VisibleSurface {
         emission: direct,
         albedo: indirect.abs().min(Rgb::ONE),
@@ -47,7 +47,7 @@ fn format(window: Rect, first_sample: u32) -> FilmFormat {
         first_sample,
         scale: RadianceScale::from_max_radiance(3.0),
         layers: Layer::ALL.to_vec(),
-        squares: true,
+        sums_squares: true,
     }
 }
 
@@ -65,14 +65,16 @@ fn fill(film: &Film, end: u32, steps: &[u32], tiles: &[usize]) {
         let mut counts = Vec::new();
         film.tile_counts(tile, &mut counts);
         let mut samples = Vec::new();
-        for (count, place) in counts.iter_mut().zip(film.frame().tile(tile).pixel_coords()) {
+        for (count, pixel) in counts.iter_mut().zip(film.frame().tile(tile).pixel_coords()) {
             let next = film.first_sample() + *count;
             let range = next..next.saturating_add(step).min(end);
             *count = range.len() as u32;
-            samples.extend(range.map(|index| (sample(place, index), seen(place, index))));
+            samples
+                .extend(range.map(|index| (sample(pixel, index), visible_surface(pixel, index))));
         }
-        let (light, seen): (Vec<_>, Vec<_>) = samples.into_iter().unzip();
-        film.add(tile, &counts, SampleRun { radiance: &light, visible_surfaces: &seen }).unwrap();
+        let (radiance, surfaces): (Vec<_>, Vec<_>) = samples.into_iter().unzip();
+        film.add(tile, &counts, SampleRun { radiance: &radiance, visible_surfaces: &surfaces })
+            .unwrap();
     }
 }
 
@@ -85,7 +87,7 @@ fn filled(window: Rect, samples: std::ops::Range<u32>, steps: &[u32]) -> Film {
 
 /// Everything observable of a film, to the bit.
 fn bits(film: &Film) -> Vec<u32> {
-    let layers = film.plan.layers.iter().map(|&layer| film.mean(layer).unwrap());
+    let layers = film.layout.layers.iter().map(|&layer| film.mean(layer).unwrap());
     let all = layers.chain(film.variance()).flatten().flatten().map(f32::to_bits);
     all.chain(film.counts()).collect()
 }
@@ -97,10 +99,11 @@ fn assert_same(a: &Film, b: &Film) {
         let (a, b) = (a.lock(tile).clone(), b.lock(tile).clone());
         assert_eq!((a.sums, a.sums_of_squares, a.counts), (b.sums, b.sums_of_squares, b.counts));
         assert_eq!(a.coverage, b.coverage);
-        let open = |open: Vec<f64>| open.iter().map(|sum| sum.to_bits()).collect::<Vec<_>>();
-        let (a, b) = (open(a.partial_blocks), open(b.partial_blocks));
+        let partial =
+            |partial: Vec<f64>| partial.iter().map(|sum| sum.to_bits()).collect::<Vec<_>>();
+        let (a, b) = (partial(a.partial_blocks), partial(b.partial_blocks));
         // Room allocated for a partial block stays for the next.
-        let unused = |open: &[u64]| open.iter().all(|&bits| bits == 0);
+        let unused = |partial: &[u64]| partial.iter().all(|&bits| bits == 0);
         assert!(a == b || unused(&a) && unused(&b));
     }
 }
@@ -109,21 +112,22 @@ fn assert_same(a: &Film, b: &Film) {
 fn means_and_variances_are_those_of_the_samples() {
     let film = filled(whole(), 0..37, &[37]);
     let (direct, variance) = (film.mean(Layer::Direct).unwrap(), film.variance().unwrap());
-    for (pixel, place) in whole().pixel_coords().enumerate() {
-        let samples: Vec<PathRadiance> = (0..37).map(|index| sample(place, index)).collect();
-        let of = |axis: usize| samples.iter().map(move |s| f64::from(s.direct[axis]));
+    for (index, pixel) in whole().pixel_coords().enumerate() {
+        let samples: Vec<PathRadiance> =
+            (0..37).map(|sample_index| sample(pixel, sample_index)).collect();
+        let values = |axis: usize| samples.iter().map(move |s| f64::from(s.direct[axis]));
         for axis in 0..3 {
-            let mean = of(axis).sum::<f64>() / 37.0;
+            let mean = values(axis).sum::<f64>() / 37.0;
             // 2^-69 of the brightest light, and one rounding to f32.
-            assert!((f64::from(direct[pixel][axis]) - mean).abs() <= 1e-7 * mean.abs() + 1e-15);
+            assert!((f64::from(direct[index][axis]) - mean).abs() <= 1e-7 * mean.abs() + 1e-15);
             let beauty =
                 || samples.iter().map(|s| f64::from(s.direct[axis]) + f64::from(s.indirect[axis]));
             // Variance of the mean over 37 samples, from the two finished blocks among them.
             let beauty: Vec<f64> = beauty().collect();
-            let [a, b] = [0, 16].map(|at| beauty[at..at + 16].iter().sum::<f64>());
-            let of_block = (a - b).powi(2) / 2.0;
-            let expected = of_block / 16.0 / 37.0;
-            assert!((f64::from(variance[pixel][axis]) / expected - 1.0).abs() < 1e-6);
+            let [a, b] = [0, 16].map(|start| beauty[start..start + 16].iter().sum::<f64>());
+            let block_variance = (a - b).powi(2) / 2.0;
+            let expected = block_variance / 16.0 / 37.0;
+            assert!((f64::from(variance[index][axis]) / expected - 1.0).abs() < 1e-6);
         }
     }
     let empty = Film::new(&format(whole(), 0)).unwrap();
@@ -139,14 +143,14 @@ fn samples_that_are_not_finite_are_left_out_and_counted() {
     let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY]
         .map(|value| PathRadiance { indirect: Rgb::new(0.0, value, 0.0), ..good });
     assert_eq!(film.non_finite_samples(), None);
-    film.add(0, &[5], light(&[bad[0], good, bad[1], good, bad[2]])).unwrap();
+    film.add(0, &[5], run(&[bad[0], good, bad[1], good, bad[2]])).unwrap();
     assert_eq!(film.picture().direct[0], Rgb::splat(2.0));
     assert_eq!(film.non_finite_samples(), Some((3, [0, 0])));
-    film.add(0, &[27], light(&[good; 27])).unwrap();
+    film.add(0, &[27], run(&[good; 27])).unwrap();
     assert_eq!((film.picture().direct[0], film.counts()[0]), (Rgb::splat(2.0), 32));
 
     let film = Film::new(&FilmFormat { frame, ..format(frame.window, 0) }).unwrap();
-    film.add(0, &[3], light(&bad)).unwrap();
+    film.add(0, &[3], run(&bad)).unwrap();
     assert!(film.picture().direct[0].is_nan(), "no light is known, which is not darkness");
 }
 
@@ -160,18 +164,18 @@ fn what_is_too_bright_is_an_error_and_never_wraps() {
     let tile = 5;
     let mut counts = vec![0; film.frame().tile(tile).pixel_count()];
     counts[2] = 16;
-    let most = 2f32.powi(32);
-    let mut block = [bright(most); 16];
-    block[0] = bright(0.5 * most);
-    film.add(tile, &counts, light(&block)).unwrap();
-    film.add(tile, &counts, light(&block)).unwrap();
-    let error = film.add(tile, &counts, light(&[bright(most); 16])).unwrap_err();
-    let expected = "samples 32 to 47 of the pixel in column 34, row 4 add up to 6.9e10, and the film \
-                    holds less than 6.9e10, 2^34 times the brightest light of the scene";
+    let limit = 2f32.powi(32);
+    let mut block = [bright(limit); 16];
+    block[0] = bright(0.5 * limit);
+    film.add(tile, &counts, run(&block)).unwrap();
+    film.add(tile, &counts, run(&block)).unwrap();
+    let error = film.add(tile, &counts, run(&[bright(limit); 16])).unwrap_err();
+    let expected = "samples 32 to 47 of the pixel in column 34, row 4 add up to 6.9e10; the film's \
+                    limit is 6.9e10, 2^34 times the brightest light of the scene";
     assert_eq!(error.to_string(), expected);
     assert!(error.help().unwrap().contains("clamp_indirect"));
     // The same magnitude, negative: lights are never negative, but wrapping would be as wrong.
-    assert!(film.add(tile, &counts, light(&[bright(-most); 16])).is_err());
+    assert!(film.add(tile, &counts, run(&[bright(-limit); 16])).is_err());
 }
 
 proptest! {
@@ -245,7 +249,7 @@ fn films_come_back_from_bytes_and_go_on() {
         let bad = PathRadiance { direct: Rgb::splat(f32::NAN), ..PathRadiance::default() };
         let mut counts = vec![0; film.frame().tile(2).pixel_count()];
         counts[..3].copy_from_slice(&[1, 0, 2]);
-        film.add(2, &counts, light(&[bad, bad, sample([9, 9], 1)])).unwrap();
+        film.add(2, &counts, run(&[bad, bad, sample([9, 9], 1)])).unwrap();
         let copy = copied(&film);
         assert_same(&copy, &film);
         assert_eq!(copy.non_finite_samples(), film.non_finite_samples());
@@ -270,14 +274,14 @@ fn bytes_that_no_film_wrote_are_refused_or_harmless() {
     assert_same(&target, &Film::new(&format(window, 0)).unwrap());
     // Whatever else is read, more samples can be added to it.
     let mut read = 0;
-    for at in 0..bytes.len() {
+    for index in 0..bytes.len() {
         for flip in [0x01, 0x80, 0xff] {
             let mut forged = bytes.clone();
-            forged[at] ^= flip;
+            forged[index] ^= flip;
             let mut film = Film::new(&format(window, 0)).unwrap();
             if film.read_tile(0, &forged) {
                 read += 1;
-                film.add(0, &[40; 15], light(&[sample([0, 0], 0); 600])).unwrap();
+                film.add(0, &[40; 15], run(&[sample([0, 0], 0); 600])).unwrap();
                 assert!(film.picture().direct[0].is_finite());
             }
         }

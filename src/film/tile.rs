@@ -1,4 +1,4 @@
-//! Sums of a tile: a few neighbouring pixels.
+//! Sums of a tile of neighbouring pixels.
 
 use crate::color::{PathRadiance, VisibleSurface};
 use crate::error::{Error, Result};
@@ -7,7 +7,7 @@ use crate::fault::fault;
 use super::exact_sum::{ExactSum, U192, limit};
 use super::layer::{Layer, RadianceScale, SampleRun};
 
-/// Samples are summed in blocks of this many consecutive ones, in index order.
+/// Number of consecutive samples in a block; each block is summed in index order.
 pub const BLOCK_SIZE: u32 = 16;
 
 /// Number of colour channels whose squares are summed.
@@ -19,19 +19,19 @@ const COLOR: usize = 3;
 pub(super) struct FilmLayout {
     pub(super) scale: RadianceScale,
     pub(super) layers: Vec<Layer>,
-    pub(super) squares: bool,
+    pub(super) sums_squares: bool,
     steps: Vec<i32>,
     limits: Vec<f64>,
 }
 
 impl FilmLayout {
-    pub(super) fn new(scale: RadianceScale, layers: &[Layer], squares: bool) -> Self {
+    pub(super) fn new(scale: RadianceScale, layers: &[Layer], sums_squares: bool) -> Self {
         let steps: Vec<i32> = layers
             .iter()
             .flat_map(|layer| std::iter::repeat_n(layer.step(scale), layer.channels()))
             .collect();
         let limits = steps.iter().map(|&step| limit::<i128>(step)).collect();
-        Self { scale, layers: layers.to_vec(), squares, steps, limits }
+        Self { scale, layers: layers.to_vec(), sums_squares, steps, limits }
     }
 
     /// Number of 128-bit sums per pixel.
@@ -41,13 +41,13 @@ impl FilmLayout {
 
     /// Number of 192-bit sums per pixel.
     pub(super) fn square_count(&self) -> usize {
-        if self.squares { COLOR } else { 0 }
+        if self.sums_squares { COLOR } else { 0 }
     }
 
     /// Returns the plane of a layer's first channel.
     pub(super) fn first_plane(&self, layer: Layer) -> Option<usize> {
-        let at = self.layers.iter().position(|kept| *kept == layer)?;
-        Some(self.layers[..at].iter().map(|layer| layer.channels()).sum())
+        let index = self.layers.iter().position(|kept| *kept == layer)?;
+        Some(self.layers[..index].iter().map(|layer| layer.channels()).sum())
     }
 
     /// Returns the bytes per pixel without partial blocks.
@@ -72,7 +72,7 @@ impl FilmLayout {
     /// Returns the planes of direct and indirect light if their squares are summed.
     pub(super) fn square_planes(&self) -> Option<[usize; 2]> {
         let planes = [self.first_plane(Layer::Direct)?, self.first_plane(Layer::Indirect)?];
-        self.squares.then_some(planes)
+        self.sums_squares.then_some(planes)
     }
 
     /// Returns true if all sums, plane after plane, are finite and below the limits.
@@ -81,8 +81,8 @@ impl FilmLayout {
         planes.into_iter().all(|(plane, limit)| plane.iter().all(|sum| sum.abs() < *limit))
     }
 
-    fn is_finite(&self, light: &PathRadiance, seen: Option<&VisibleSurface>) -> bool {
-        self.layers.iter().all(|layer| layer.is_finite(light, seen))
+    fn is_finite(&self, radiance: &PathRadiance, surfaces: Option<&VisibleSurface>) -> bool {
+        self.layers.iter().all(|layer| layer.is_finite(radiance, surfaces))
     }
 }
 
@@ -108,17 +108,18 @@ pub(super) struct Tile {
     pub(super) partial_blocks: Vec<f64>,
     /// Number of non-finite samples of each pixel; empty if there are none.
     pub(super) non_finite_counts: Vec<u32>,
-    /// How many samples of each pixel see each row first, ordered by row; empty if not counted.
+    /// Number of samples of each pixel whose first hit is each row, ordered by row; empty if not
+    /// counted.
     pub(super) coverage: Vec<Vec<(u32, u32)>>,
 }
 
 impl Tile {
     /// Creates an empty tile that reserves all memory needed for finished blocks. `None` if there
     /// is not enough.
-    pub(super) fn new(plan: &FilmLayout, pixels: usize) -> Option<Self> {
+    pub(super) fn new(layout: &FilmLayout, pixels: usize) -> Option<Self> {
         let mut tile = Self::new_lazy(pixels);
-        tile.sums.try_reserve_exact(pixels * plan.sum_count()).ok()?;
-        tile.sums_of_squares.try_reserve_exact(pixels * plan.square_count()).ok()?;
+        tile.sums.try_reserve_exact(pixels * layout.sum_count()).ok()?;
+        tile.sums_of_squares.try_reserve_exact(pixels * layout.square_count()).ok()?;
         Some(tile)
     }
 
@@ -128,14 +129,14 @@ impl Tile {
     }
 
     /// Adds the next samples of all pixels: `counts` of each, one pixel after the other. On failure
-    /// nothing is added from the block that does not fit onwards.
+    /// the overflowing block and everything after it is not added.
     pub(super) fn add(
         &mut self,
-        plan: &FilmLayout,
+        layout: &FilmLayout,
         counts: &[u32],
         samples: SampleRun<'_>,
     ) -> std::result::Result<(), BlockOverflow> {
-        self.allocate(plan);
+        self.allocate(layout);
         let mut rest = samples;
         let mut own: Vec<SampleRun<'_>> = counts
             .iter()
@@ -151,22 +152,22 @@ impl Tile {
                 .iter_mut()
                 .zip(&self.counts)
                 .map(|(samples, count)| {
-                    let left = (BLOCK_SIZE - count % BLOCK_SIZE) as usize;
-                    let (run, others) = samples.split_at(samples.len().min(left));
+                    let remaining = (BLOCK_SIZE - count % BLOCK_SIZE) as usize;
+                    let (run, others) = samples.split_at(samples.len().min(remaining));
                     *samples = others;
                     run
                 })
                 .collect();
-            self.add_runs(plan, &runs)?;
+            self.add_runs(layout, &runs)?;
         }
         Ok(())
     }
 
-    fn allocate(&mut self, plan: &FilmLayout) {
+    fn allocate(&mut self, layout: &FilmLayout) {
         let pixels = self.counts.len();
-        self.sums.resize(pixels * plan.sum_count(), 0);
-        self.sums_of_squares.resize(pixels * plan.square_count(), U192::default());
-        if plan.layers.contains(&Layer::Coverage) {
+        self.sums.resize(pixels * layout.sum_count(), 0);
+        self.sums_of_squares.resize(pixels * layout.square_count(), U192::default());
+        if layout.layers.contains(&Layer::Coverage) {
             self.coverage.resize(pixels, Vec::new());
         }
     }
@@ -174,32 +175,34 @@ impl Tile {
     /// Adds samples to every pixel, each within one block.
     fn add_runs(
         &mut self,
-        plan: &FilmLayout,
+        layout: &FilmLayout,
         runs: &[SampleRun<'_>],
     ) -> std::result::Result<(), BlockOverflow> {
         let pixels = self.counts.len();
         let mut running = self.partial_blocks.clone();
-        running.resize(pixels * plan.sum_count(), 0.0);
-        plan.accumulate(&mut running, runs);
-        if !plan.fits(&running, pixels) {
-            let left_out = self.resum_finite(plan, &mut running, runs);
-            self.check_limits(plan, &running)?;
+        running.resize(pixels * layout.sum_count(), 0.0);
+        layout.accumulate(&mut running, runs);
+        if !layout.fits(&running, pixels) {
+            let non_finite = self.resum_finite(layout, &mut running, runs);
+            self.check_limits(layout, &running)?;
             self.non_finite_counts.resize(pixels, 0);
             self.non_finite_counts
                 .iter_mut()
-                .zip(left_out)
-                .for_each(|(total, more)| *total += more);
+                .zip(non_finite)
+                .for_each(|(total, count)| *total += count);
         }
         if fault!(FirstBlockDropped) {
             let is_first = |pixel: usize| self.counts[pixel % pixels] == 0;
-            (0..running.len()).filter(|&at| is_first(at)).for_each(|at| running[at] = 0.0);
+            (0..running.len())
+                .filter(|&index| is_first(index))
+                .for_each(|index| running[index] = 0.0);
         }
 
         for (count, run) in self.counts.iter_mut().zip(runs) {
             *count += run.len() as u32;
         }
         for (rows, run) in self.coverage.iter_mut().zip(runs) {
-            run.visible_surfaces.iter().for_each(|seen| add_coverage(rows, seen.row, 1));
+            run.visible_surfaces.iter().for_each(|surface| add_coverage(rows, surface.row, 1));
         }
         // Finished blocks move to the sums; the others stay partial.
         let finished: Vec<bool> = runs
@@ -207,10 +210,10 @@ impl Tile {
             .zip(&self.counts)
             .map(|(run, count)| !run.is_empty() && count % BLOCK_SIZE == 0)
             .collect();
-        self.add_squares(plan, &running, &finished);
+        self.add_squares(layout, &running, &finished);
         let all_finished = finished.iter().all(|&finished| finished);
         let planes = running.chunks_exact_mut(pixels).zip(self.sums.chunks_exact_mut(pixels));
-        for ((block, totals), &step) in planes.zip(&plan.steps) {
+        for ((block, totals), &step) in planes.zip(&layout.steps) {
             if all_finished {
                 add_all(block, totals, step);
             } else {
@@ -222,16 +225,16 @@ impl Tile {
     }
 
     /// Adds the squares of the finished blocks of the beauty.
-    fn add_squares(&mut self, plan: &FilmLayout, blocks: &[f64], finished: &[bool]) {
-        let Some([direct, indirect]) = plan.square_planes() else { return };
+    fn add_squares(&mut self, layout: &FilmLayout, blocks: &[f64], finished: &[bool]) {
+        let Some([direct, indirect]) = layout.square_planes() else { return };
         let pixels = self.counts.len();
-        let step = plan.scale.square_step();
+        let step = layout.scale.square_step();
         for (axis, totals) in self.sums_of_squares.chunks_exact_mut(pixels).enumerate() {
             let plane = |first: usize| &blocks[(first + axis) * pixels..][..pixels];
-            let light = plane(direct).iter().zip(plane(indirect)).zip(finished);
-            let squares = light.map(|((a, b), &finished)| {
-                let light = if finished { a + b } else { 0.0 };
-                light * light
+            let radiance = plane(direct).iter().zip(plane(indirect)).zip(finished);
+            let squares = radiance.map(|((a, b), &finished)| {
+                let radiance = if finished { a + b } else { 0.0 };
+                radiance * radiance
             });
             add_each(squares, totals, step);
         }
@@ -241,35 +244,36 @@ impl Tile {
     /// pixel.
     fn resum_finite(
         &self,
-        plan: &FilmLayout,
+        layout: &FilmLayout,
         running: &mut [f64],
         runs: &[SampleRun<'_>],
     ) -> Vec<u32> {
         running.fill(0.0);
         running[..self.partial_blocks.len()].copy_from_slice(&self.partial_blocks);
-        let good = |run: &SampleRun<'_>| -> (Vec<PathRadiance>, Vec<VisibleSurface>) {
-            let (light, seen) = (run.radiance, run.visible_surfaces);
-            let is_good = |&at: &usize| plan.is_finite(&light[at], seen.get(at));
-            let good: Vec<usize> = (0..run.len()).filter(is_good).collect();
-            let seen = good.iter().filter_map(|&at| seen.get(at).copied());
-            (good.iter().map(|&at| light[at]).collect(), seen.collect())
+        let finite = |run: &SampleRun<'_>| -> (Vec<PathRadiance>, Vec<VisibleSurface>) {
+            let (radiance, surfaces) = (run.radiance, run.visible_surfaces);
+            let is_finite_sample =
+                |&index: &usize| layout.is_finite(&radiance[index], surfaces.get(index));
+            let finite: Vec<usize> = (0..run.len()).filter(is_finite_sample).collect();
+            let surfaces = finite.iter().filter_map(|&index| surfaces.get(index).copied());
+            (finite.iter().map(|&index| radiance[index]).collect(), surfaces.collect())
         };
-        let good: Vec<_> = runs.iter().map(good).collect();
-        let good: Vec<SampleRun<'_>> = good
+        let finite: Vec<_> = runs.iter().map(finite).collect();
+        let finite: Vec<SampleRun<'_>> = finite
             .iter()
-            .map(|(light, seen)| SampleRun { radiance: light, visible_surfaces: seen })
+            .map(|(radiance, surfaces)| SampleRun { radiance, visible_surfaces: surfaces })
             .collect();
-        plan.accumulate(running, &good);
-        runs.iter().zip(good).map(|(run, good)| (run.len() - good.len()) as u32).collect()
+        layout.accumulate(running, &finite);
+        runs.iter().zip(finite).map(|(run, finite)| (run.len() - finite.len()) as u32).collect()
     }
 
     fn check_limits(
         &self,
-        plan: &FilmLayout,
+        layout: &FilmLayout,
         running: &[f64],
     ) -> std::result::Result<(), BlockOverflow> {
         let pixels = self.counts.len();
-        for (plane, &limit) in running.chunks_exact(pixels).zip(&plan.limits) {
+        for (plane, &limit) in running.chunks_exact(pixels).zip(&layout.limits) {
             if let Some(pixel) = plane.iter().position(|sum| sum.abs() >= limit) {
                 let first_sample = self.counts[pixel] / BLOCK_SIZE * BLOCK_SIZE;
                 return Err(BlockOverflow { pixel, first_sample, value: plane[pixel], limit });
@@ -284,53 +288,54 @@ impl Tile {
     /// If both have a partial block, and on overflow.
     pub(super) fn merge_pixel(
         &mut self,
-        plan: &FilmLayout,
+        layout: &FilmLayout,
         pixel: usize,
         other: &Self,
         other_pixel: usize,
     ) -> Result<()> {
         let (pixels, other_pixels) = (self.counts.len(), other.counts.len());
-        let at = |plane: usize| (plane * pixels + pixel, plane * other_pixels + other_pixel);
+        let index = |plane: usize| (plane * pixels + pixel, plane * other_pixels + other_pixel);
         if other.counts[other_pixel] == 0 {
             return Ok(());
         }
         let unfinished = other.counts[other_pixel] % BLOCK_SIZE != 0;
         if unfinished && self.counts[pixel] % BLOCK_SIZE != 0 {
-            return Err(Error::input("two films have an unfinished block of the same pixel"));
+            return Err(Error::input("both films have a partial block of the same pixel"));
         }
-        self.allocate(plan);
+        self.allocate(layout);
         let mut overflows = false;
-        for plane in 0..plan.sum_count() {
-            let (to, from) = at(plane);
-            let (sum, over) = self.sums[to].add_overflowing(other.sums[from]);
-            self.sums[to] = sum;
-            overflows |= over;
+        for plane in 0..layout.sum_count() {
+            let (target, source) = index(plane);
+            let (sum, overflow) = self.sums[target].add_overflowing(other.sums[source]);
+            self.sums[target] = sum;
+            overflows |= overflow;
         }
-        for plane in 0..plan.square_count() {
-            let (to, from) = at(plane);
-            let (sum, over) = self.sums_of_squares[to].add_overflowing(other.sums_of_squares[from]);
-            self.sums_of_squares[to] = sum;
-            overflows |= over;
+        for plane in 0..layout.square_count() {
+            let (target, source) = index(plane);
+            let (sum, overflow) =
+                self.sums_of_squares[target].add_overflowing(other.sums_of_squares[source]);
+            self.sums_of_squares[target] = sum;
+            overflows |= overflow;
         }
         if unfinished {
-            self.partial_blocks.resize(pixels * plan.sum_count(), 0.0);
-            for plane in 0..plan.sum_count() {
-                let (to, from) = at(plane);
-                self.partial_blocks[to] = other.partial_blocks[from];
+            self.partial_blocks.resize(pixels * layout.sum_count(), 0.0);
+            for plane in 0..layout.sum_count() {
+                let (target, source) = index(plane);
+                self.partial_blocks[target] = other.partial_blocks[source];
             }
         }
         for &(row, count) in other.coverage.get(other_pixel).into_iter().flatten() {
             add_coverage(&mut self.coverage[pixel], row, count);
         }
-        let left_out = other.non_finite_counts.get(other_pixel).copied().unwrap_or(0);
-        if left_out > 0 {
+        let non_finite = other.non_finite_counts.get(other_pixel).copied().unwrap_or(0);
+        if non_finite > 0 {
             self.non_finite_counts.resize(pixels, 0);
-            self.non_finite_counts[pixel] += left_out;
+            self.non_finite_counts[pixel] += non_finite;
         }
-        let (count, over) = self.counts[pixel].overflowing_add(other.counts[other_pixel]);
+        let (count, overflow) = self.counts[pixel].overflowing_add(other.counts[other_pixel]);
         self.counts[pixel] = count;
-        match overflows || over {
-            true => Err(Error::input("the sums of these films are too large to be added")),
+        match overflows || overflow {
+            true => Err(Error::input("the sums of these films are too large to be merged")),
             false => Ok(()),
         }
     }
@@ -341,30 +346,31 @@ impl Tile {
     }
 
     /// Returns the sum of one channel of a layer over a pixel's samples.
-    pub(super) fn sum(&self, plan: &FilmLayout, plane: usize, pixel: usize) -> f64 {
-        let at = plane * self.counts.len() + pixel;
-        self.finished_sum(plan, plane, pixel) + self.partial_blocks.get(at).copied().unwrap_or(0.0)
+    pub(super) fn sum(&self, layout: &FilmLayout, plane: usize, pixel: usize) -> f64 {
+        let index = plane * self.counts.len() + pixel;
+        self.finished_sum(layout, plane, pixel)
+            + self.partial_blocks.get(index).copied().unwrap_or(0.0)
     }
 
     /// Returns the sum of one channel of a layer over a pixel's finished blocks.
-    pub(super) fn finished_sum(&self, plan: &FilmLayout, plane: usize, pixel: usize) -> f64 {
-        let at = plane * self.counts.len() + pixel;
-        self.sums.get(at).map_or(0.0, |sum| sum.to_f64(plan.steps[plane]))
+    pub(super) fn finished_sum(&self, layout: &FilmLayout, plane: usize, pixel: usize) -> f64 {
+        let index = plane * self.counts.len() + pixel;
+        self.sums.get(index).map_or(0.0, |sum| sum.to_f64(layout.steps[plane]))
     }
 
     /// Returns the sum of squares of a pixel's finished blocks, for one channel of the beauty.
-    pub(super) fn sum_of_squares(&self, plan: &FilmLayout, axis: usize, pixel: usize) -> f64 {
+    pub(super) fn sum_of_squares(&self, layout: &FilmLayout, axis: usize, pixel: usize) -> f64 {
         let pixels = self.counts.len();
         let finished = self.sums_of_squares.get(axis * pixels + pixel);
-        finished.map_or(0.0, |sum| sum.to_f64(plan.scale.square_step()))
+        finished.map_or(0.0, |sum| sum.to_f64(layout.scale.square_step()))
     }
 }
 
-/// Counts more samples that see a row.
-fn add_coverage(rows: &mut Vec<(u32, u32)>, row: u32, more: u32) {
+/// Adds to the sample count of a row.
+fn add_coverage(rows: &mut Vec<(u32, u32)>, row: u32, count: u32) {
     match rows.binary_search_by_key(&row, |(row, _)| *row) {
-        Ok(at) => rows[at].1 = rows[at].1.saturating_add(more),
-        Err(at) => rows.insert(at, (row, more)),
+        Ok(index) => rows[index].1 = rows[index].1.saturating_add(count),
+        Err(index) => rows.insert(index, (row, count)),
     }
 }
 
@@ -375,20 +381,20 @@ fn add_all<S: ExactSum>(blocks: &[f64], totals: &mut [S], step: i32) {
 
 /// Moves the finished blocks of one plane to its sums, leaving zeros in their place.
 fn move_finished<S: ExactSum>(blocks: &mut [f64], totals: &mut [S], finished: &[bool], step: i32) {
-    let taken = blocks
+    let finished_blocks = blocks
         .iter_mut()
         .zip(finished)
         .map(|(block, &finished)| if finished { std::mem::take(block) } else { 0.0 });
-    add_each(taken, totals, step);
+    add_each(finished_blocks, totals, step);
 }
 
 fn add_each<S: ExactSum>(values: impl Iterator<Item = f64>, totals: &mut [S], step: i32) {
     let mut overflows = false;
     for (total, value) in totals.iter_mut().zip(values) {
-        let (sum, over) = total.add_overflowing(S::quantize(value, step));
+        let (sum, overflow) = total.add_overflowing(S::quantize(value, step));
         *total = sum;
-        overflows |= over;
+        overflows |= overflow;
     }
-    // The limits exclude overflow, and larger sums are rejected when reading files.
+    // The limits exclude overflow, and reading rejects larger sums.
     debug_assert!(!overflows, "the limits leave room for every block");
 }

@@ -51,14 +51,14 @@ impl Recipe {
     pub fn new(arrangement: Arrangement, count: u64, seed: u64, colors: bool) -> Result<Self> {
         if count == 0 {
             return Err(Error::input("a table has at least one sphere")
-                .with_help("ask for more")
+                .with_help("use a larger count")
                 .with_suggestion(Suggestion::Count, "1"));
         }
         if count > MAX_SPHERES {
             let message =
                 format!("{count} spheres are more than the {MAX_SPHERES} that a scene can hold");
             return Err(Error::input(message)
-                .with_help("ask for fewer")
+                .with_help("use a smaller count")
                 .with_suggestion(Suggestion::Count, MAX_SPHERES.to_string()));
         }
         let places = Placement::new(arrangement, count, seed);

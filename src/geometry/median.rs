@@ -7,8 +7,9 @@ const DIGITS: usize = 1 << 16;
 /// Numbers counted per task; each task costs a table of [`DIGITS`] counts.
 const CHUNK_SIZE: usize = 1 << 22;
 
-/// Returns the lower median, by `f32::total_cmp`, of the values of `items`; 0 if there are none.
-pub(super) fn lower_median<T: Sync>(items: &[T], value: impl Fn(&T) -> Option<f32> + Sync) -> f32 {
+/// Returns the lower median, by `f32::total_cmp`, of the values of `items` items, which are given
+/// by index; 0 if there are none.
+pub(super) fn lower_median(items: usize, value: impl Fn(usize) -> Option<f32> + Sync) -> f32 {
     let high = |key: u32| Some((key >> 16) as usize);
     let counts = count(items, &value, high);
     let all: u64 = counts.iter().sum();
@@ -20,14 +21,15 @@ pub(super) fn lower_median<T: Sync>(items: &[T], value: impl Fn(&T) -> Option<f3
 }
 
 /// Counts the items with each digit.
-fn count<T: Sync>(
-    items: &[T],
-    value: &(impl Fn(&T) -> Option<f32> + Sync),
+fn count(
+    items: usize,
+    value: &(impl Fn(usize) -> Option<f32> + Sync),
     digit: impl Fn(u32) -> Option<usize> + Sync,
 ) -> Vec<u64> {
-    let of_chunk = |items: &[T]| {
+    let of_chunk = |chunk: usize| {
         let mut counts = vec![0u64; DIGITS];
-        let digits = items.iter().filter_map(|item| digit(to_key(value(item)?)));
+        let items = chunk * CHUNK_SIZE..items.min((chunk + 1) * CHUNK_SIZE);
+        let digits = items.filter_map(|item| digit(to_key(value(item)?)));
         digits.for_each(|digit| counts[digit] += 1);
         counts
     };
@@ -35,7 +37,8 @@ fn count<T: Sync>(
         a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         a
     };
-    items.par_chunks(CHUNK_SIZE).map(of_chunk).reduce_with(added).unwrap_or_else(|| vec![0; DIGITS])
+    let chunks = (0..items.div_ceil(CHUNK_SIZE)).into_par_iter();
+    chunks.map(of_chunk).reduce_with(added).unwrap_or_else(|| vec![0; DIGITS])
 }
 
 /// Returns the digit of the item with this rank, and its rank among those of the same digit.
@@ -66,15 +69,14 @@ mod tests {
 
     #[test]
     fn of_none_it_is_0() {
-        assert_eq!(lower_median(&[1.0, 2.0], |_| None), 0.0);
+        assert_eq!(lower_median(2, |_| None), 0.0);
     }
 
     #[test]
     fn more_numbers_than_are_counted_at_once_are_counted_together() {
         // A full table of one number and half a table of a smaller one.
-        let items: Vec<bool> = (0..CHUNK_SIZE + CHUNK_SIZE / 2).map(|i| i < CHUNK_SIZE).collect();
-        let value = |&is_large: &bool| Some(if is_large { 5.0 } else { -7.0 });
-        assert_eq!(lower_median(&items, value), 5.0);
+        let value = |i: usize| Some(if i < CHUNK_SIZE { 5.0 } else { -7.0 });
+        assert_eq!(lower_median(CHUNK_SIZE + CHUNK_SIZE / 2, value), 5.0);
     }
 
     proptest! {
@@ -82,7 +84,7 @@ mod tests {
         fn it_is_what_sorting_finds(
             mut values in proptest::collection::vec(prop_oneof![-1f32..1.0, any::<f32>(), Just(-0.0)], 1..300),
         ) {
-            let found = lower_median(&values, |&value| Some(value));
+            let found = lower_median(values.len(), |i| Some(values[i]));
             values.sort_unstable_by(f32::total_cmp);
             prop_assert_eq!(found.to_bits(), values[(values.len() - 1) / 2].to_bits());
         }

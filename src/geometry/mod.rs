@@ -10,9 +10,11 @@ mod path_ray;
 mod rays;
 mod set;
 mod sphere;
+mod storage;
 
 pub use cone::{Cone, ConeSample};
 pub use path_ray::{PathRay, Side, SurfaceHit};
 pub use rays::{PathRays, RayBlock};
-pub use set::{SphereRows, SphereSet};
+pub use set::SphereSet;
 pub use sphere::{Roots, Sphere};
+pub use storage::SphereRows;

@@ -4,38 +4,43 @@ use rayon::prelude::*;
 
 use crate::math::Vec3;
 
-/// Returns the rows of `spheres` in Morton order, and the curve. Equal spheres are adjacent, the
-/// one with the smaller row first. Spheres selected by `last` come at the end, in index order.
+/// Spheres to sort, by index.
+pub(super) trait SortableSpheres: Sync {
+    /// Number of spheres.
+    fn len(&self) -> usize;
+    /// The sphere in f32, for its place along the curve.
+    fn rounded(&self, index: usize) -> [f32; 4];
+    /// All bits of the sphere as written, and its row: breaks ties between equal places.
+    fn rank(&self, index: usize) -> ([u64; 4], u32);
+    /// Returns true if the sphere belongs at the end.
+    fn is_last(&self, index: usize) -> bool;
+}
+
+/// Returns the indices of the spheres in Morton order, and the curve. Equal spheres are adjacent,
+/// the one with the smaller row first. Spheres that are last are in index order.
 ///
 /// Sorts 8-byte keys (a 30-bit code and the index) and breaks ties with a 63-bit code, so that a
 /// cluster far smaller than the bounding box is sorted too.
-pub(super) fn morton_order(
-    spheres: &[[f32; 4]],
-    row_of: impl Fn(u32) -> u32 + Sync,
-    last: impl Fn(u32) -> bool + Sync,
-) -> (Vec<u32>, MortonCurve) {
+pub(super) fn morton_order(spheres: &impl SortableSpheres) -> (Vec<u32>, MortonCurve) {
     let curve = MortonCurve::fit(spheres);
-    let row = |&key: &u64| row_of(index_of(key));
-    let keys = sorted_keys(spheres, curve, &row_of, last);
-    (keys.par_iter().map(row).collect(), curve)
+    let keys = sorted_keys(spheres, curve);
+    (keys.par_iter().map(|&key| index_of(key) as u32).collect(), curve)
 }
 
-fn sorted_keys(
-    spheres: &[[f32; 4]],
-    curve: MortonCurve,
-    row_of: &(impl Fn(u32) -> u32 + Sync),
-    last: impl Fn(u32) -> bool + Sync,
-) -> Vec<u64> {
+fn sorted_keys(spheres: &impl SortableSpheres, curve: MortonCurve) -> Vec<u64> {
     let key = |index: u32| {
-        let code = if last(index) { u32::MAX } else { curve.coarse_code(&spheres[index as usize]) };
+        let code = match spheres.is_last(index as usize) {
+            true => u32::MAX,
+            false => curve.coarse_code(&spheres.rounded(index as usize)),
+        };
         u64::from(code) << 32 | u64::from(index)
     };
     let count = u32::try_from(spheres.len()).expect("the scene checks the number of spheres");
     let mut keys: Vec<u64> = (0..count).into_par_iter().map(key).collect();
     keys.par_sort_unstable();
     let rank = |&key: &u64| {
-        let sphere = &spheres[index_of(key) as usize];
-        (curve.fine_code(sphere), sphere.map(f32::to_bits), row_of(index_of(key)))
+        let index = index_of(key);
+        (curve.fine_code(&spheres.rounded(index)), spheres.rank(index))
     };
     keys.par_chunk_by_mut(|a, b| a >> 32 == b >> 32)
         .filter(|cell| cell.len() > 1 && cell[0] >> 32 != u64::from(u32::MAX))
@@ -43,8 +48,8 @@ fn sorted_keys(
     keys
 }
 
-fn index_of(key: u64) -> u32 {
-    (key & u64::from(u32::MAX)) as u32
+fn index_of(key: u64) -> usize {
+    (key & u64::from(u32::MAX)) as usize
 }
 
 /// A Morton curve over a box, which contains nearly all centres: a single distant emitter must not
@@ -62,8 +67,9 @@ const SAMPLE_SIZE: usize = 1 << 14;
 const OUTLIER_DIVISOR: usize = 1000;
 
 impl MortonCurve {
-    fn fit(spheres: &[[f32; 4]]) -> Self {
-        let sampled = || spheres.iter().step_by(spheres.len().div_ceil(SAMPLE_SIZE).max(1));
+    fn fit(spheres: &impl SortableSpheres) -> Self {
+        let step = spheres.len().div_ceil(SAMPLE_SIZE).max(1);
+        let sampled = || (0..spheres.len()).step_by(step).map(|index| spheres.rounded(index));
         let ends = |axis: usize| {
             let mut values: Vec<f32> = sampled().map(|sphere| sphere[axis]).collect();
             values.sort_unstable_by(f32::total_cmp);
@@ -104,6 +110,31 @@ fn spread_bits(bits: u32) -> u64 {
 mod tests {
     use super::*;
 
+    /// Spheres in f32, and the index of those that come last.
+    struct Listed<'a>(&'a [[f32; 4]], fn(usize) -> bool);
+
+    impl SortableSpheres for Listed<'_> {
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+
+        fn rounded(&self, index: usize) -> [f32; 4] {
+            self.0[index]
+        }
+
+        fn rank(&self, index: usize) -> ([u64; 4], u32) {
+            (self.0[index].map(|x| x.to_bits().into()), index as u32)
+        }
+
+        fn is_last(&self, index: usize) -> bool {
+            self.1(index)
+        }
+    }
+
+    fn order(spheres: &[[f32; 4]], is_last: fn(usize) -> bool) -> Vec<u32> {
+        morton_order(&Listed(spheres, is_last)).0
+    }
+
     #[test]
     fn spreading_leaves_two_gaps_between_bits() {
         assert_eq!(spread_bits(0b111), 0b1_001_001);
@@ -115,7 +146,7 @@ mod tests {
     fn order_is_a_permutation_with_equal_spheres_side_by_side() {
         let at = |x: f32| [x, 0.0, 0.0, 1.0];
         let spheres = [at(0.9), at(0.1), at(0.5), at(0.1), at(0.0), at(1.0)];
-        assert_eq!(morton_order(&spheres, |i| i, |i| i == 2).0, [4, 1, 3, 0, 5, 2]);
+        assert_eq!(order(&spheres, |i| i == 2), [4, 1, 3, 0, 5, 2]);
     }
 
     #[test]
@@ -123,11 +154,8 @@ mod tests {
         let mut spheres: Vec<_> =
             (0..100u32).map(|i| [(i * 37 % 100) as f32, 0.0, 0.0, 1.0]).collect();
         spheres.push([1e6, 0.0, 0.0, 1.0]);
-        let xs: Vec<_> = morton_order(&spheres, |i| i, |_| false)
-            .0
-            .iter()
-            .map(|&i| spheres[i as usize][0])
-            .collect();
+        let xs: Vec<_> =
+            order(&spheres, |_| false).iter().map(|&i| spheres[i as usize][0]).collect();
         assert!(xs.is_sorted());
     }
 
@@ -147,7 +175,7 @@ mod tests {
         let mut expected: Vec<u32> = (0..cells.pow(3)).collect();
         expected.sort_by_key(|&i| code(i));
         expected.push(cells.pow(3));
-        assert_eq!(morton_order(&spheres, |i| i, |_| false).0, expected, "steps of {step}");
+        assert_eq!(order(&spheres, |_| false), expected, "steps of {step}");
     }
 
     #[test]
@@ -161,7 +189,8 @@ mod tests {
     #[test]
     fn one_in_a_thousand_may_lie_outside_of_the_box() {
         let at = |i: u32| [i as f32, 2.0 * i as f32, 0.0, 1.0];
-        let MortonCurve { low, high } = MortonCurve::fit(&(0..5000).map(at).collect::<Vec<_>>());
+        let MortonCurve { low, high } =
+            MortonCurve::fit(&Listed(&(0..5000).map(at).collect::<Vec<_>>(), |_| false));
         assert_eq!(low.to_array(), [5.0, 10.0, 0.0]);
         assert_eq!(high.to_array(), [4994.0, 9988.0, 0.0]);
         let outside = [-1e6, 1e6].map(|x| MortonCurve { low, high }.fine_code(&[x, x, x, 1.0]));
@@ -171,7 +200,7 @@ mod tests {
     #[test]
     fn what_comes_last_keeps_the_order_of_its_indices() {
         let spheres = [0.5, 0.1, 0.9, 0.3].map(|x| [x, 0.0, 0.0, 1.0]);
-        assert_eq!(morton_order(&spheres, |i| i, |i| i != 2).0, [2, 0, 1, 3]);
+        assert_eq!(order(&spheres, |i| i != 2), [2, 0, 1, 3]);
     }
 
     #[test]

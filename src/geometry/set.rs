@@ -1,9 +1,10 @@
 //! All the spheres of a scene, as one array.
 //!
-//! Spheres arrive in f64 and are stored as `[x, y, z, radius]` in f32, relative to the per-axis
-//! median of their centres (see [`super::origin`]), sorted along a Morton curve, without
-//! duplicates. Embree uses that array as its vertex buffer without a copy. Giants (see
-//! [`super::giants`]) stay in f64 behind it: ids below `particles().len()` are particles, all
+//! Spheres are stored as the user wrote them ([`super::storage`]), sorted along a Morton curve,
+//! without duplicates. Hits are decided on those numbers, for all backends. What leaves this module
+//! is relative to an origin ([`super::origin`]) near most spheres, subtracted in f64, so that f32
+//! copies in acceleration structures are good at finding candidates. Giants ([`super::giants`]) are
+//! those that f32 places too coarsely for that: ids below `particle_count()` are particles, all
 //! further ids are giants.
 
 use std::hint::black_box;
@@ -11,28 +12,33 @@ use std::hint::black_box;
 use crate::fault::fault;
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
-use super::{PathRay, Side, Sphere, SurfaceHit, morton::MortonCurve};
-
-/// The spheres as the user gave them. Rows are numbered consecutively: `exact` first, then `table`.
-#[derive(Clone, Debug, Default)]
-pub struct SphereRows {
-    /// Spheres written out in the scene.
-    pub exact: Vec<Sphere>,
-    /// Spheres from tables, `[x, y, z, radius]`; becomes the set's own storage.
-    pub table: Vec<[f32; 4]>,
-}
+use super::morton::MortonCurve;
+use super::storage::{SphereStorage, to_f32, to_f64};
+use super::{PathRay, Side, Sphere, SurfaceHit};
 
 /// All the spheres of a scene. Immutable.
 #[derive(Debug)]
 pub struct SphereSet {
     pub(super) origin: DVec3,
-    pub(super) particles: Vec<[f32; 4]>,
+    /// The spheres that are not giants, in the user's coordinates.
+    pub(super) spheres: SphereStorage,
+    /// The giants, in the user's coordinates.
     pub(super) giants: Vec<Sphere>,
     /// The user's row of each id.
     pub(super) rows: Vec<u32>,
     pub(super) curve: MortonCurve,
     pub(super) duplicates: usize,
-    pub(super) displaced: usize,
+    pub(super) is_exact_in_f32: bool,
+}
+
+/// Spheres as a [`SphereSet`] stores them.
+#[cfg(feature = "embree")]
+pub(crate) struct RawRows<'a> {
+    /// Particles in f32; a negative radius marks one that is in `f64`, at the index given by the
+    /// bits of x. `None` if all are in `f64`.
+    pub(crate) f32: Option<&'a [[f32; 4]]>,
+    pub(crate) f64: &'a [Sphere],
+    pub(crate) giants: &'a [Sphere],
 }
 
 impl SphereSet {
@@ -51,9 +57,22 @@ impl SphereSet {
         self.origin
     }
 
-    /// Returns the spheres stored in f32: `[x, y, z, radius]`, relative to the origin.
-    pub fn particles(&self) -> &[[f32; 4]] {
-        &self.particles
+    /// Number of spheres that are not giants; their ids come first.
+    pub fn particle_count(&self) -> usize {
+        self.spheres.len()
+    }
+
+    /// Returns a particle rounded to f32, relative to the origin: `[x, y, z, radius]`. Rounding
+    /// moves its centre by at most `2^-24 |c|` and its surface by at most `2^-24 (|c| + r)`.
+    #[inline(always)]
+    pub fn rounded_particle(&self, id: u32) -> [f32; 4] {
+        let sphere = self.spheres.sphere(id as usize).relative_to(self.origin);
+        to_f32(&sphere)
+    }
+
+    /// Returns true if [`Self::rounded_particle`] is exact for all particles.
+    pub fn is_exact_in_f32(&self) -> bool {
+        self.is_exact_in_f32
     }
 
     /// Returns a sphere's position along the Morton curve; particles are in ascending order. Three
@@ -62,9 +81,9 @@ impl SphereSet {
         self.curve.fine_code(sphere)
     }
 
-    /// Returns the spheres stored in f64, relative to the origin; their ids follow the particles'.
-    pub fn giants(&self) -> &[Sphere] {
-        &self.giants
+    /// Returns the giants relative to the origin; their ids follow the particles'.
+    pub fn giants(&self) -> impl ExactSizeIterator<Item = Sphere> {
+        self.giants.iter().map(|giant| giant.relative_to(self.origin))
     }
 
     /// Returns the user's row of a sphere.
@@ -77,37 +96,59 @@ impl SphereSet {
         &self.rows
     }
 
-    /// Returns the number of rows removed because an earlier row is the same sphere after rounding.
+    /// Returns the number of rows removed because an earlier row is the same sphere.
     pub fn duplicates(&self) -> usize {
         self.duplicates
     }
 
-    /// Returns the number of spheres that rounding moved by more than 1 % of their radius.
-    pub fn displaced(&self) -> usize {
-        self.displaced
+    /// Returns the sphere as written, relative to the origin.
+    #[inline(always)]
+    pub fn sphere(&self, id: u32) -> Sphere {
+        match (id as usize).checked_sub(self.spheres.len()) {
+            Some(giant) => self.giants[giant].relative_to(self.origin),
+            None if fault!(SpheresRoundedToF32) => to_f64(&self.rounded_particle(id)),
+            None => self.spheres.sphere(id as usize).relative_to(self.origin),
+        }
     }
 
-    /// Returns the sphere as stored, relative to the origin.
-    pub fn sphere(&self, id: u32) -> Sphere {
-        match (id as usize).checked_sub(self.particles.len()) {
+    /// Returns the sphere as written, in the user's coordinates.
+    pub fn sphere_as_written(&self, id: u32) -> Sphere {
+        match (id as usize).checked_sub(self.spheres.len()) {
             Some(giant) => self.giants[giant],
-            None => to_f64(&self.particles[id as usize]),
+            None => self.spheres.sphere(id as usize),
+        }
+    }
+
+    /// Returns the addresses of a sphere and its row, for prefetching only; meaningless for giants.
+    #[inline(always)]
+    pub(crate) fn addresses(&self, id: u32) -> [*const u8; 2] {
+        let index = id as usize;
+        [self.spheres.address(index), self.rows.as_ptr().wrapping_add(index).cast()]
+    }
+
+    /// Returns all spheres as stored, in the user's coordinates.
+    #[cfg(feature = "embree")]
+    pub(crate) fn raw_rows(&self) -> RawRows<'_> {
+        match &self.spheres {
+            SphereStorage::F32 { rows, wide } => {
+                RawRows { f32: Some(rows), f64: wide, giants: &self.giants }
+            }
+            SphereStorage::F64(spheres) => {
+                RawRows { f32: None, f64: spheres, giants: &self.giants }
+            }
         }
     }
 
     /// Prefetches spheres into the cache before they are needed one by one: no read here waits for
     /// another.
     pub fn prefetch(&self, ids: impl Iterator<Item = u32>) {
-        let read = |id: u32| {
-            let particle = self.particles.get(id as usize);
-            self.row(id) ^ particle.map_or(0, |[x, ..]| x.to_bits())
-        };
+        let read = |id: u32| u64::from(self.row(id)) ^ self.sphere(id).radius.to_bits();
         black_box(ids.fold(0, |all, id| all ^ read(id)));
     }
 
     /// Returns the bytes held.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.particles) + size_of_val(&*self.giants) + size_of_val(&*self.rows)
+        self.spheres.bytes() + size_of_val(&*self.giants) + size_of_val(&*self.rows)
     }
 
     /// Converts a path ray to a backend query: the first hit before its own far wall.
@@ -142,14 +183,11 @@ impl SphereSet {
     }
 }
 
-pub(super) fn to_f64(&[x, y, z, radius]: &[f32; 4]) -> Sphere {
-    let center = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
-    Sphere { center, radius: f64::from(radius) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::SphereRows;
+    use crate::geometry::storage::to_f64;
 
     fn ball(x: f64, y: f64, z: f64, radius: f64) -> Sphere {
         Sphere { center: DVec3::new(x, y, z), radius }
@@ -197,10 +235,11 @@ mod tests {
         assert_eq!(set.rows(), [2, 4, 1, 5, 0, 9]);
         let stored: Vec<f64> = (0..6).map(|id| (set.sphere(id).center + set.origin()).x).collect();
         assert_eq!(stored, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
-        let in_f32: Vec<f64> = set.particles().iter().map(|&[x, ..]| f64::from(x)).collect();
-        assert_eq!(in_f32.len(), 6);
-        assert!(in_f32.into_iter().map(|x| x + set.origin().x).eq(stored));
-        let places: Vec<u64> = set.particles().iter().map(|s| set.morton_code(s)).collect();
+        let in_f32 = |id| f64::from(set.rounded_particle(id)[0]) + set.origin().x;
+        assert_eq!(set.particle_count(), 6);
+        assert!((0..6).map(in_f32).eq(stored));
+        let places: Vec<u64> =
+            (0..6).map(|id| set.morton_code(&set.rounded_particle(id))).collect();
         assert!(places.is_sorted_by(|a, b| a < b), "{places:?}");
     }
 
@@ -234,30 +273,35 @@ mod tests {
     }
 
     #[test]
-    fn coarse_rounding_is_counted() {
-        let far = |x: f64| ball(1e9 + x, 0.0, 0.0, 1.0);
-        assert_eq!(set(vec![far(0.0), far(10.3)], vec![]).displaced(), 0, "the origin moves there");
-        assert_eq!(
-            set(vec![ball(0.0, 0.0, 0.0, 1.0), ball(1.0, 0.0, 0.0, 1.0), far(0.3)], vec![])
-                .displaced(),
-            1
-        );
-        // Moved by less than 1, a hundredth of this radius.
-        let large = ball(1e9 + 0.3, 0.0, 0.0, 100.0);
-        let near = [0.0, 1.0].map(|x| ball(x, 0.0, 0.0, 1.0));
-        assert_eq!(set([near.to_vec(), vec![large]].concat(), vec![]).displaced(), 0);
-        // Moved by exactly a hundredth of its radius.
-        let moved_by_1 = ball(1e9 + 1.0, 0.0, 0.0, 100.0);
-        let around_0 = [-1.0, 0.0].map(|x| ball(x, 0.0, 0.0, 1.0));
-        assert_eq!(set([around_0.to_vec(), vec![moved_by_1]].concat(), vec![]).displaced(), 0);
-        // A radius so small that f32 has few digits for it.
-        assert_eq!(set(vec![ball(0.0, 0.0, 0.0, 2e-45)], vec![]).displaced(), 1);
+    fn spheres_stay_as_written_whatever_f32_can_hold() {
+        // The last digits of f64, beside an f32 table and alone.
+        let written = [ball(0.1, 1e9 + 0.3, -1e-9, 1.0 + 1e-15), ball(0.1, 1e9 + 0.3, -1e-9, 1.0)];
+        for table in [vec![], vec![[0.5f32, 2.0, 3.0, 0.25]; 1], vec![[1e9, 0.3, 0.0, 1e-3]; 3]] {
+            let set = set(written.to_vec(), table.clone());
+            assert_eq!(set.len(), 2 + table.len().min(1), "shells in the last digit are two");
+            for id in 0..set.len() as u32 {
+                let row = set.row(id) as usize;
+                let given = written.get(row).copied().unwrap_or_else(|| to_f64(&table[row - 2]));
+                assert_eq!(set.sphere_as_written(id), given);
+                assert_eq!(set.sphere(id).center, given.center - set.origin());
+                assert_eq!(set.sphere(id).radius, given.radius);
+            }
+        }
+    }
+
+    #[test]
+    fn f32_spheres_near_the_origin_are_exact_in_f32_and_others_are_not() {
+        let is_exact = |exact, table| set(exact, table).is_exact_in_f32();
+        assert!(is_exact(vec![], vec![[0.1, 0.2, 0.3, 0.4], [0.5, 0.1, 0.7, 0.3]]));
+        assert!(is_exact(vec![ball(0.5, 0.25, 0.0, 1.0)], vec![[0.1, 0.2, 0.3, 0.4]]));
+        assert!(!is_exact(vec![ball(0.1, 0.0, 0.0, 1.0)], vec![[0.1, 0.2, 0.3, 0.4]]));
+        assert!(!is_exact(vec![], vec![[1e6, 0.1, 0.0, 1e-3], [1e6, 0.3, 0.0, 1e-3]]));
     }
 
     #[test]
     fn an_answer_lies_on_the_sphere_and_knows_its_side() {
         let set = set(vec![ball(10.0, 0.0, 0.0, 2.0)], vec![]);
-        let ray = PathRay::new(DVec3::new(-5.0, 0.0, 0.0), DVec3::X);
+        let ray = PathRay::new(DVec3::new(5.0, 0.0, 0.0) - set.origin(), DVec3::X);
         let hit = set.resolve_hit(&ray, Hit { t: 99.0, id: 0 }).expect("hits");
         assert_eq!((hit.t, hit.normal, hit.side), (3.0, -DVec3::X, Side::Outside));
         let inward = hit.spawn_ray(DVec3::X).expect("a chord");

@@ -3,8 +3,9 @@
 use crate::fault::fault;
 use crate::math::DVec3;
 
-/// A sphere in f64.
+/// A sphere in f64: four numbers in this order, also for C.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Sphere {
     /// Centre.
     pub center: DVec3,
@@ -22,6 +23,12 @@ pub struct Roots {
 }
 
 impl Sphere {
+    /// Returns the sphere with its centre relative to `origin`.
+    #[inline(always)]
+    pub fn relative_to(&self, origin: DVec3) -> Self {
+        Self { center: self.center - origin, radius: self.radius }
+    }
+
     /// Returns the two roots of the line `origin + t * direction`, or `None` if it misses.
     ///
     /// The discriminant comes from the centre's distance to the line and not from `b^2 - 4ac`,

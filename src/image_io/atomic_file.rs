@@ -1,6 +1,6 @@
 //! Atomic file writes: a file appears complete or not at all.
 
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -14,7 +14,8 @@ use crate::error::{Error, Result};
 pub type Sink<'a> = BufWriter<&'a mut File>;
 
 /// A writable file path, checked when created. The content goes into a temporary file in the same
-/// folder, which is renamed once all bytes are on the disk. You can write repeatedly.
+/// folder, which is renamed once all bytes are on the disk. An existing file keeps its permissions.
+/// You can write repeatedly.
 #[derive(Clone, Debug)]
 pub struct AtomicFile {
     path: PathBuf,
@@ -33,16 +34,24 @@ impl AtomicFile {
     /// Prepares to write `path`, and removes stale temporary files of processes that died.
     ///
     /// # Errors
-    /// When `path` is a folder or not a regular file, or when its folder is missing or not
-    /// writable.
+    /// When `path` is a folder, not a regular file or write-protected, when its folder is missing
+    /// or not writable, or when the name is too long.
     pub fn new(path: &Path) -> Result<Self> {
         reject_folder(path, "file")?;
         if path.exists() && !path.is_file() {
             return Err(Error::file("write", path, "it is not a regular file"));
         }
         let path = resolve_symlink(path)?;
+        reject_protected(&path)?;
         remove_stale(&path);
         drop(TempFile::create(&path)?);
+        // The name of the temporary file is short; that of the file itself may be too long.
+        match fs::symlink_metadata(&path) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => {
+                return Err(Error::file("write", &path, os_message(&e)));
+            }
+            _ => {}
+        }
         Ok(Self { path })
     }
 
@@ -54,7 +63,7 @@ impl AtomicFile {
         if !path.extension().unwrap_or_default().eq_ignore_ascii_case(extension) {
             let (path, upper) = (path.display(), extension.to_ascii_uppercase());
             return Err(Error::input(format!("`{path}` does not end in .{extension}"))
-                .with_help(format!("what is written there is {upper}; name it so")));
+                .with_help(format!("the output is {upper}; use the extension .{extension}")));
         }
         Self::new(path)
     }
@@ -98,6 +107,7 @@ impl AtomicFile {
             file.sync_all().map_err(failed)?;
         }
         let TempFile { file, registration: known_as } = unfinished;
+        keep_permissions(&self.path, file.as_file()).map_err(failed)?;
         file.persist(&self.path).map_err(|e| failed(e.error))?;
         drop(known_as);
         if is_synced {
@@ -189,6 +199,40 @@ pub(super) fn reject_folder(path: &Path, example: &str) -> Result<()> {
         .with_help(format!("name a file in it, such as `{}`", example.display())))
 }
 
+/// Returns an error if an existing file is write-protected: renaming would replace it all the same,
+/// because only the permissions of the folder matter to that.
+fn reject_protected(path: &Path) -> Result<()> {
+    let Ok(metadata) = fs::metadata(path) else { return Ok(()) };
+    let reason = match OpenOptions::new().write(true).open(path) {
+        Ok(_) if !metadata.permissions().readonly() => return Ok(()),
+        // The system may let the administrator write it.
+        Ok(_) => "it is write-protected".to_owned(),
+        Err(e) => os_message(&e),
+    };
+    Err(Error::file("write", path, reason).with_help("make it writable, or name another file"))
+}
+
+/// Gives a new file the permissions and, where possible, the group of the file that it replaces.
+#[cfg(unix)]
+fn keep_permissions(old: &Path, new: &File) -> io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
+    let Ok(metadata) = fs::metadata(old) else { return Ok(()) };
+    let mut mode = metadata.mode() & 0o777;
+    let has_group =
+        new.metadata()?.gid() == metadata.gid() || fchown(new, None, Some(metadata.gid())).is_ok();
+    if !has_group {
+        // Another group gets no more than everybody.
+        mode = mode & 0o707 | (mode & 0o7) << 3;
+    }
+    new.set_permissions(fs::Permissions::from_mode(mode))
+}
+
+/// On other systems, new files inherit their permissions from the folder.
+#[cfg(not(unix))]
+fn keep_permissions(_: &Path, _: &File) -> io::Result<()> {
+    Ok(())
+}
+
 /// Resolves a symbolic link, so that writing replaces its target and keeps the link.
 fn resolve_symlink(path: &Path) -> Result<PathBuf> {
     let Ok(link) = fs::read_link(path) else {
@@ -252,6 +296,27 @@ mod tests {
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
         }
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_keeps_its_permissions_and_a_protected_one_its_content() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.part");
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        fs::write(&path, "old").unwrap();
+        for bits in [0o660, 0o600, 0o606, 0o777] {
+            fs::set_permissions(&path, fs::Permissions::from_mode(bits)).unwrap();
+            let file = AtomicFile::new(&path).unwrap();
+            file.write(|to| to.write_all(b"new")).unwrap();
+            assert_eq!(mode(&path), bits);
+        }
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+        let error = AtomicFile::new(&path).unwrap_err();
+        assert!(error.to_string().starts_with("cannot write `"), "{error}");
+        assert_eq!(error.help(), Some("make it writable, or name another file"));
+        assert_eq!((fs::read(&path).unwrap(), mode(&path)), (b"new".to_vec(), 0o444));
     }
 
     #[test]

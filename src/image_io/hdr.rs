@@ -1,5 +1,5 @@
 //! Radiance RGBE: linear light in 32 bits per pixel, three mantissas and one exponent (Ward 1991,
-//! "Real Pixels"). Mantissas are truncated, not rounded, as Ward defined.
+//! "Real Pixels"). Mantissas are truncated, not rounded, as Ward defined; readers add half a step.
 
 use std::io;
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 
 use super::format::FileFormat;
+use super::read::open_ordinary;
 use super::record::MetadataEntry;
 use super::{exr, png};
 
@@ -16,18 +17,20 @@ use super::{exr, png};
 pub fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>> {
     let trouble = |reason: String| Error::file("read", path, reason);
     let records = match FileFormat::from_path(path)? {
-        FileFormat::Png => png::read_metadata(path),
-        FileFormat::Exr => exr::read_metadata(path),
+        FileFormat::Png => open_ordinary(path).and_then(|_| png::read_metadata(path)),
+        FileFormat::Exr => open_ordinary(path).and_then(|_| exr::read_metadata(path)),
         _ => {
             let format = path.extension().unwrap_or_default().to_string_lossy();
             return Err(Error::input(format!(
-                "`{}` cannot say how it was made: .{format} files hold pixels only",
+                "`{}` does not record how it was made: .{format} files hold only pixels",
                 path.display()
             ))
-            .with_help("ask a .png or .exr file"));
+            .with_help("use a .png or .exr file"));
         }
     };
-    records.map_err(|reason| trouble(reason).with_help("is it whole, and what its name says?"))
+    records.map_err(|reason| {
+        trouble(reason).with_help("check that the file is complete and that its extension is right")
+    })
 }
 
 #[cfg(test)]
@@ -66,8 +69,20 @@ mod tests {
     }
 
     #[test]
+    fn texts_that_could_not_be_read_again_are_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let metadata = vec![MetadataEntry::new("scene", "x".repeat((64 << 20) + 1))];
+        let notes = WriteOptions { metadata, ..WriteOptions::default() };
+        let refusal = ImageWriter::new(&path).unwrap().write_with(&picture(), &notes);
+        let told = refusal.unwrap_err().to_string();
+        assert!(told.contains("its metadata has 67108865 bytes, more than"), "{told}");
+        assert!(!path.exists());
+    }
+
+    #[test]
     fn formats_without_records_say_so() {
         let error = super::read_metadata(Path::new("a.pfm")).unwrap_err().to_string();
-        assert_eq!(error, "`a.pfm` cannot say how it was made: .pfm files hold pixels only");
+        assert_eq!(error, "`a.pfm` does not record how it was made: .pfm files hold only pixels");
     }
 }

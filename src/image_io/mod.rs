@@ -20,11 +20,12 @@ mod png;
 mod read;
 mod record;
 mod target;
+mod temp_folder;
 #[cfg(test)]
 mod tests;
 
 pub use atomic_file::{AtomicFile, Sink, remove_temp_files};
-pub use format::{PICTURE_FORMATS, has_picture_extension};
+pub use format::{FileFormat, PICTURE_FORMATS, has_picture_extension};
 pub use metadata::read_metadata;
 pub use notes::{CropWindow, WriteOptions};
 pub use picture::{ChannelValues, ImageChannel, Picture};
@@ -33,4 +34,5 @@ pub use read::{
     BEAUTY, Image, ImageLayer, LayeredImage, RawChannel, read_image, read_light, read_raw_channels,
 };
 pub use record::MetadataEntry;
-pub use target::ImageWriter;
+pub use target::{ImageWriter, write_to_stream};
+pub(crate) use temp_folder::temp_folder;

@@ -11,6 +11,8 @@ pub struct WriteOptions {
     pub crop_window: Option<CropWindow>,
     /// View transform for PNG files.
     pub view_transform: ViewTransform,
+    /// Resolution in pixels per inch, for PNG files; none by default.
+    pub dpi: Option<u32>,
     /// How the picture was made; written to PNG and EXR files.
     pub metadata: Vec<MetadataEntry>,
     /// True if speed matters more than size: compresses less and does not sync to the disk.

@@ -1,5 +1,6 @@
 //! PNG: 8 bits per channel for display, through the [`ViewTransform`](crate::color::ViewTransform).
-//! The default is the sRGB curve, clipped to white above 1.
+//! The default is the sRGB curve, clipped to white above 1. Whatever the tone curve, the pixels are
+//! values for an sRGB display, and the file says so.
 //!
 //! A picture with alpha becomes RGBA with colors that are not premultiplied, as the specification
 //! requires (PNG third edition, section 6.2).
@@ -9,10 +10,12 @@ use std::io::{self, BufReader};
 use std::ops::Range;
 use std::path::Path;
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use png::chunk::ChunkType;
 use png::text_metadata::ITXtChunk;
-use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter};
+use png::{
+    BitDepth, ColorType, Compression, Decoder, Encoder, EncodingError, Filter, PixelDimensions,
+    ScaledFloat, SrgbRenderingIntent, Unit, Writer,
+};
 
 use crate::task::parallel;
 
@@ -27,20 +30,39 @@ const COMPRESS_TEXT_ABOVE: usize = 512;
 /// Rows encoded by one task.
 const ROWS_PER_TASK: usize = 16;
 
-/// Maximum length of a text to read, in bytes.
+/// Chunk with code points of ITU-T H.273, which takes precedence over the other chunks about color.
+const CICP: ChunkType = ChunkType(*b"cICP");
+/// Rec. 709 primaries, the sRGB curve, RGB, and the full range of values.
+const SRGB_CODE_POINTS: [u8; 4] = [1, 13, 0, 1];
+/// The exponent that is closest to the sRGB curve, in steps of 1e-5 (PNG third edition, section
+/// 11.3.2.5).
+const SRGB_GAMMA: u32 = 45_455;
+
+const METERS_PER_INCH: f64 = 0.0254;
+
+/// Maximum length of all texts together, in bytes. Longer ones are neither written nor read.
 const MAX_TEXT_BYTES: usize = 64 << 20;
 
 /// Writes the beauty for display, rounded to the nearest of 256 levels.
 pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> io::Result<()> {
+    let length: usize = notes.metadata.iter().map(|record| record.text.len()).sum();
+    if length > MAX_TEXT_BYTES {
+        return Err(io::Error::other(format!(
+            "its metadata has {length} bytes, more than the {MAX_TEXT_BYTES} that can be read again"
+        )));
+    }
     let mut encoder = Encoder::new(to, picture.width as u32, picture.height as u32);
-    encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(if notes.fast { Filter::Up } else { Filter::Adaptive });
     encoder.set_color(match picture.alpha {
         None => ColorType::Rgb,
         Some(_) => ColorType::Rgba,
     });
-    let mut writer = encoder.write_header()?;
+    encoder.set_pixel_dims(notes.dpi.map(|dpi| {
+        let per_meter = (f64::from(dpi) / METERS_PER_INCH).round() as u32;
+        PixelDimensions { xppu: per_meter, yppu: per_meter, unit: Unit::Meter }
+    }));
+    let mut writer = write_srgb_header(encoder)?;
     for record in &notes.metadata {
         let mut chunk = ITXtChunk::new(record.key(), &record.text);
         chunk.compressed = record.text.len() > COMPRESS_TEXT_ABOVE;
@@ -49,6 +71,19 @@ pub(super) fn write(picture: &Picture, notes: &WriteOptions, to: &mut Sink) -> i
     writer.write_image_data(&encode_pixels(picture, notes))?;
     writer.finish()?;
     Ok(())
+}
+
+/// Writes the chunks before the pixels, which are 8-bit sRGB. `gAMA` is for programs that do not
+/// know `sRGB`.
+fn write_srgb_header<W: io::Write>(
+    mut encoder: Encoder<'_, W>,
+) -> Result<Writer<W>, EncodingError> {
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    encoder.set_source_gamma(ScaledFloat::from_scaled(SRGB_GAMMA));
+    let mut writer = encoder.write_header()?;
+    writer.write_chunk(CICP, &SRGB_CODE_POINTS)?;
+    Ok(writer)
 }
 
 /// Encodes the pixels, row by row.
@@ -82,7 +117,11 @@ fn encode_rows(picture: &Picture, notes: &WriteOptions, rows: Range<usize>) -> V
 /// Encodes 8-bit RGBA pixels as a PNG file in memory; `None` if `bytes` does not match the size.
 pub fn rgba_png(width: u32, height: u32, bytes: &[u8]) -> Option<Vec<u8>> {
     let mut file = Vec::new();
-    PngEncoder::new(&mut file).write_image(bytes, width, height, ExtendedColorType::Rgba8).ok()?;
+    let mut encoder = Encoder::new(&mut file, width, height);
+    encoder.set_color(ColorType::Rgba);
+    let mut writer = write_srgb_header(encoder).ok()?;
+    writer.write_image_data(bytes).ok()?;
+    writer.finish().ok()?;
     Some(file)
 }
 
@@ -95,13 +134,13 @@ pub(super) fn read_metadata(path: &Path) -> Result<Vec<MetadataEntry>, String> {
     for chunk in &info.uncompressed_latin1_text {
         found.extend(MetadataEntry::from_key(&chunk.keyword, chunk.text.clone()));
     }
-    for chunk in &info.utf8_text {
+    let mut left = MAX_TEXT_BYTES;
+    for chunk in info.utf8_text.iter().filter(|chunk| MetadataEntry::is_ours(&chunk.keyword)) {
         let mut chunk = chunk.clone();
-        chunk.decompress_text_with_limit(MAX_TEXT_BYTES).map_err(|e| e.to_string())?;
-        found.extend(MetadataEntry::from_key(
-            &chunk.keyword,
-            chunk.get_text().map_err(|e| e.to_string())?,
-        ));
+        chunk.decompress_text_with_limit(left).map_err(|e| e.to_string())?;
+        let text = chunk.get_text().map_err(|e| e.to_string())?;
+        left = left.checked_sub(text.len()).ok_or("its texts are too long")?;
+        found.extend(MetadataEntry::from_key(&chunk.keyword, text));
     }
     Ok(found)
 }
@@ -162,6 +201,78 @@ mod tests {
             let (x, y) = (x as usize, y as usize);
             assert_eq!(read.0, look.to_display_8bit(picture.beauty(13 * y + x), 31 + x, 17 + y));
         }
+    }
+
+    /// The types and contents of all chunks.
+    fn chunks(file: &[u8]) -> Vec<(String, Vec<u8>)> {
+        let mut chunks = Vec::new();
+        let mut rest = &file[8..];
+        while !rest.is_empty() {
+            let length = u32::from_be_bytes(rest[..4].try_into().unwrap()) as usize;
+            let name = String::from_utf8(rest[4..8].to_vec()).unwrap();
+            chunks.push((name, rest[8..8 + length].to_vec()));
+            rest = &rest[12 + length..];
+        }
+        chunks
+    }
+
+    fn chunk(file: &[u8], name: &str) -> Option<Vec<u8>> {
+        chunks(file).into_iter().find(|(its, _)| its == name).map(|(_, content)| content)
+    }
+
+    #[test]
+    fn the_colour_space_is_srgb() {
+        let (_folder, path) = written(&picture(), "a.png");
+        let chart = super::rgba_png(2, 1, &[7; 8]).unwrap();
+        assert_eq!(image::load_from_memory(&chart).unwrap().into_rgba8().into_raw(), [7; 8]);
+        for file in [std::fs::read(path).unwrap(), chart] {
+            assert_eq!(chunk(&file, "sRGB").unwrap(), [0]);
+            assert_eq!(chunk(&file, "gAMA").unwrap(), 45_455u32.to_be_bytes());
+            assert_eq!(chunk(&file, "cICP").unwrap(), [1, 13, 0, 1]);
+            assert_eq!(chunk(&file, "pHYs"), None);
+            // All of them must stand before the pixels.
+            let names: Vec<_> = chunks(&file).into_iter().map(|(name, _)| name).collect();
+            let pixels = names.iter().position(|name| name == "IDAT").unwrap();
+            for name in ["sRGB", "gAMA", "cICP"] {
+                assert!(names.iter().position(|n| n == name).unwrap() < pixels, "{names:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_resolution_is_written_in_pixels_per_metre() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let notes = WriteOptions { dpi: Some(300), ..WriteOptions::default() };
+        ImageWriter::new(&path).unwrap().write_with(&picture(), &notes).unwrap();
+        let expected = [&11_811u32.to_be_bytes()[..], &11_811u32.to_be_bytes(), &[1]].concat();
+        assert_eq!(chunk(&std::fs::read(path).unwrap(), "pHYs").unwrap(), expected);
+    }
+
+    /// Texts that together are longer than allowed, each a thousandth in the file, are refused
+    /// without being held; the texts of other programs are not even decompressed.
+    #[test]
+    fn texts_that_swell_are_refused() {
+        let write = |prefix: &str, count: usize| {
+            let mut file = Vec::new();
+            let mut writer = png::Encoder::new(&mut file, 1, 1).write_header().unwrap();
+            for i in 0..count {
+                let text = "0".repeat(40 << 20);
+                let mut chunk = png::text_metadata::ITXtChunk::new(format!("{prefix}{i}"), text);
+                chunk.compressed = true;
+                writer.write_text_chunk(&chunk).unwrap();
+            }
+            writer.write_image_data(&[0]).unwrap();
+            writer.finish().unwrap();
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("a.png");
+            std::fs::write(&path, &file).unwrap();
+            assert!(file.len() < 1 << 20);
+            super::read_metadata(&path)
+        };
+        assert_eq!(write("photosphere:", 1).unwrap().len(), 1);
+        assert!(write("photosphere:", 2).is_err());
+        assert_eq!(write("other", 2).unwrap(), []);
     }
 
     #[test]

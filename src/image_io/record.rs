@@ -24,6 +24,11 @@ impl MetadataEntry {
         format!("{PREFIX}{}", self.name)
     }
 
+    /// Returns true if a name in a file is one of ours.
+    pub(super) fn is_ours(key: &str) -> bool {
+        key.starts_with(PREFIX)
+    }
+
     /// Creates an entry from a name and text in a file; `None` if another program wrote it.
     pub(super) fn from_key(key: &str, text: String) -> Option<Self> {
         Some(Self { name: key.strip_prefix(PREFIX)?.to_owned(), text })

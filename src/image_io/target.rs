@@ -1,5 +1,6 @@
 //! Writes pictures to files.
 
+use std::io::{self, Seek, Write};
 use std::path::Path;
 
 use crate::error::Result;
@@ -55,15 +56,45 @@ impl ImageWriter {
     /// # Errors
     /// As [`Self::write`].
     pub fn write_with(&self, picture: &Picture, notes: &WriteOptions) -> Result<()> {
-        let content = |sink: &mut Sink<'_>| match self.format {
-            FileFormat::Png => png::write(picture, notes, sink),
-            FileFormat::Exr => exr::write(picture, notes, sink),
-            FileFormat::Hdr => hdr::write(picture, sink),
-            FileFormat::Pfm => pfm::write(picture, sink),
-        };
+        let content = |sink: &mut Sink<'_>| encode(self.format, picture, notes, sink);
         match notes.fast {
             true => self.file.write_unsynced(content),
             false => self.file.write(content),
         }
+    }
+}
+
+/// Writes the picture to a stream, which need not be able to seek.
+///
+/// # Errors
+/// On I/O errors, after which the stream may hold a part of the picture.
+pub fn write_to_stream(
+    format: FileFormat,
+    picture: &Picture,
+    notes: &WriteOptions,
+    stream: &mut dyn Write,
+) -> io::Result<()> {
+    // Some formats are written out of order.
+    let mut whole = tempfile::tempfile()?;
+    let mut sink = Sink::new(&mut whole);
+    encode(format, picture, notes, &mut sink)?;
+    sink.flush()?;
+    drop(sink);
+    whole.rewind()?;
+    io::copy(&mut whole, stream)?;
+    stream.flush()
+}
+
+fn encode(
+    format: FileFormat,
+    picture: &Picture,
+    notes: &WriteOptions,
+    sink: &mut Sink<'_>,
+) -> io::Result<()> {
+    match format {
+        FileFormat::Png => png::write(picture, notes, sink),
+        FileFormat::Exr => exr::write(picture, notes, sink),
+        FileFormat::Hdr => hdr::write(picture, sink),
+        FileFormat::Pfm => pfm::write(picture, sink),
     }
 }

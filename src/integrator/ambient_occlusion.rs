@@ -35,15 +35,15 @@ impl Integrator for AmbientOcclusion {
     ) -> RenderStats {
         let RenderContext { prepared, scene, accel, .. } = context;
         let mut stats = RenderStats::default();
-        let found =
+        let primary_hits =
             trace_primary_rays(context, Strata::UNSTRATIFIED, samples, workspace, &mut stats);
 
         // One ray per sample, except where the sphere itself blocks it.
-        let Workspace { rays, occluded: blocked, .. } = workspace;
+        let Workspace { rays, occluded, .. } = workspace;
         rays.clear();
         let mut ray_samples = Vec::with_capacity(samples.len());
-        for ((index, first), &address) in found.iter().enumerate().zip(samples) {
-            let ray = first.hit.map(|surface| self.occlusion_ray(prepared, address, &surface));
+        for ((index, primary), &address) in primary_hits.iter().enumerate().zip(samples) {
+            let ray = primary.hit.map(|surface| self.occlusion_ray(prepared, address, &surface));
             let (direct, alpha) = match ray {
                 Some(_) => (Rgb::ZERO, 1.0),
                 None if scene.camera_sees_background() => (Rgb::ONE, 0.0),
@@ -55,11 +55,13 @@ impl Integrator for AmbientOcclusion {
                 ray_samples.push(index);
             }
         }
-        blocked.clear();
-        blocked.resize(rays.len(), false);
-        accel.occluded(rays, blocked);
+        occluded.clear();
+        occluded.resize(rays.len(), false);
+        accel.occluded(rays, occluded);
         stats.count_rays(rays);
-        for (index, _) in ray_samples.into_iter().zip(&*blocked).filter(|(_, blocked)| !**blocked) {
+        for (index, _) in
+            ray_samples.into_iter().zip(&*occluded).filter(|(_, occluded)| !**occluded)
+        {
             radiance[index].direct = Rgb::ONE;
         }
         stats

@@ -7,20 +7,20 @@ use crate::geometry::SurfaceHit;
 use crate::scene::Scene;
 
 /// Records the first surface that a camera ray hits.
-pub(super) fn record_surface(seen: &mut VisibleSurface, scene: &Scene, hit: &SurfaceHit) {
+pub(super) fn record_surface(record: &mut VisibleSurface, scene: &Scene, hit: &SurfaceHit) {
     let surface = scene.sphere_material(hit.id);
-    *seen = VisibleSurface {
-        emission: seen.emission,
+    *record = VisibleSurface {
+        emission: record.emission,
         albedo: surface.material.base_color(surface.albedo),
         normal: hit.facing_normal().as_vec3(),
-        // Adds to the length of the segments already passed straight through.
-        distance: seen.distance + hit.t as f32,
+        // Includes the segments in front of surfaces that the ray passed straight through.
+        distance: record.distance + hit.t as f32,
         position: (hit.point + scene.spheres().origin()).as_vec3(),
         row: scene.spheres().row(hit.id),
     };
 }
 
 /// Adds directly visible emission.
-pub(super) fn add_emission(seen: &mut VisibleSurface, light: Rgb) {
-    seen.emission += light;
+pub(super) fn add_emission(record: &mut VisibleSurface, light: Rgb) {
+    record.emission += light;
 }

@@ -65,8 +65,8 @@ pub(super) fn generate_camera_ray(
     sampler: Sampler,
     [pixel, lens]: [u32; 2],
 ) -> PathRay {
-    let place = strata.warp(address.sample, sampler.get_2d(pixel));
-    let [dx, dy] = prepared.filter().sample(place);
+    let stratified = strata.warp(address.sample, sampler.get_2d(pixel));
+    let [dx, dy] = prepared.filter().sample(stratified);
     let half = if fault!(PixelCornerForCenter) { 0.0 } else { 0.5 };
     let (x, y) = (f64::from(address.x) + half + dx, f64::from(address.y) + half + dy);
     let camera = prepared.camera();
@@ -84,8 +84,8 @@ mod tests {
         assert_eq!(strata.warp(0, [0.0, 0.0]), [0.0, 0.0]);
         assert_eq!(strata.warp(5, [0.5, 0.5]), [0.75, 0.25]);
         assert_eq!(strata.warp(2, [0.0, 0.0]), [0.0, 0.5]);
-        let still = Strata { subpixels: 2, jitter: 0.0 };
-        assert_eq!(still.warp(3, [0.1, 0.9]), [0.75, 0.75]);
+        let centered = Strata { subpixels: 2, jitter: 0.0 };
+        assert_eq!(centered.warp(3, [0.1, 0.9]), [0.75, 0.75]);
     }
 
     #[test]

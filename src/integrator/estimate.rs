@@ -20,7 +20,11 @@ pub trait Integrator: Send + Sync {
 
     /// Traces the path of one sample event by event: exactly the path that [`Self::estimate`]
     /// takes. `None` for integrators that do not follow paths.
-    fn trace_path(&self, _world: RenderContext<'_>, _address: SampleAddress) -> Option<PathTrace> {
+    fn trace_path(
+        &self,
+        _context: RenderContext<'_>,
+        _address: SampleAddress,
+    ) -> Option<PathTrace> {
         None
     }
 }

@@ -28,7 +28,7 @@ pub use trace::{Contribution, PathEvent, PathTrace, Termination};
 pub use workspace::Workspace;
 
 use crate::scene::PreparedScene;
-use crate::scene::settings::IntegratorSettings as Kind;
+use crate::scene::settings::IntegratorSettings;
 
 use ambient_occlusion::AmbientOcclusion;
 use normals::Normals;
@@ -38,14 +38,16 @@ use raycast::Raycast;
 pub fn create(prepared: &PreparedScene) -> Box<dyn Integrator> {
     let render = prepared.render_settings();
     match render.integrator {
-        Kind::Path => Box::new(path::new(render)),
-        Kind::Direct => Box::new(direct::new(render)),
-        Kind::Paper(paper) => Box::new(paper::new(&paper, render)),
-        Kind::AmbientOcclusion { distance } => {
+        IntegratorSettings::Path => Box::new(path::new(render)),
+        IntegratorSettings::Direct => Box::new(direct::new(render)),
+        IntegratorSettings::Paper(paper) => Box::new(paper::new(&paper, render)),
+        IntegratorSettings::AmbientOcclusion { distance } => {
             let distance = distance.unwrap_or(f64::INFINITY);
             Box::new(AmbientOcclusion { distance })
         }
-        Kind::Normals => Box::new(Normals::new(render.samples_per_pixel)),
-        Kind::Raycast { shadows } => Box::new(Raycast::new(shadows, render.samples_per_pixel)),
+        IntegratorSettings::Normals => Box::new(Normals::new(render.samples_per_pixel)),
+        IntegratorSettings::Raycast { shadows } => {
+            Box::new(Raycast::new(shadows, render.samples_per_pixel))
+        }
     }
 }

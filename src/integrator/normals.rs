@@ -32,10 +32,10 @@ impl Integrator for Normals {
         workspace: &mut Workspace,
     ) -> RenderStats {
         let mut stats = RenderStats::default();
-        let found = trace_primary_rays(context, self.strata, samples, workspace, &mut stats);
-        for (radiance, first) in radiance.iter_mut().zip(found) {
-            let direct = first.hit.map_or(Rgb::ZERO, |surface| color(surface.normal));
-            let alpha = f32::from(u8::from(first.hit.is_some()));
+        let primary_hits = trace_primary_rays(context, self.strata, samples, workspace, &mut stats);
+        for (radiance, primary) in radiance.iter_mut().zip(primary_hits) {
+            let direct = primary.hit.map_or(Rgb::ZERO, |surface| color(surface.normal));
+            let alpha = f32::from(u8::from(primary.hit.is_some()));
             *radiance = PathRadiance { direct, indirect: Rgb::ZERO, alpha };
         }
         stats

@@ -32,27 +32,27 @@ pub(super) fn trace_primary_rays(
 ) -> Vec<PrimaryHit> {
     let RenderContext { prepared, scene, accel, .. } = context;
     let spheres = scene.spheres();
-    let ray_of = |&address: &SampleAddress| {
+    let camera_ray = |&address: &SampleAddress| {
         let sampler = sampler_for(prepared, strata, address);
         generate_camera_ray(prepared, strata, address, sampler, [dimension::PIXEL, dimension::LENS])
     };
-    let mut found: Vec<PrimaryHit> =
-        samples.iter().map(|at| PrimaryHit { ray: ray_of(at), hit: None }).collect();
+    let mut primary_hits: Vec<PrimaryHit> =
+        samples.iter().map(|address| PrimaryHit { ray: camera_ray(address), hit: None }).collect();
     let Workspace { rays, hits, .. } = workspace;
     rays.clear();
-    rays.extend(found.iter().map(|first| spheres.to_query(&first.ray)));
+    rays.extend(primary_hits.iter().map(|primary| spheres.to_query(&primary.ray)));
     hits.clear();
     hits.resize(rays.len(), Hit::MISS);
     accel.closest(rays, hits);
     stats.count_rays(rays);
-    for (first, hit) in found.iter_mut().zip(&*hits) {
-        first.hit = spheres.resolve_hit(&first.ray, *hit);
+    for (primary, hit) in primary_hits.iter_mut().zip(&*hits) {
+        primary.hit = spheres.resolve_hit(&primary.ray, *hit);
     }
     workspace.reset_visible_surfaces(samples.len());
-    for (record, first) in workspace.visible_surfaces.iter_mut().zip(&found) {
-        if let Some(hit) = &first.hit {
+    for (record, primary) in workspace.visible_surfaces.iter_mut().zip(&primary_hits) {
+        if let Some(hit) = &primary.hit {
             aov::record_surface(record, scene, hit);
         }
     }
-    found
+    primary_hits
 }

@@ -55,37 +55,42 @@ impl Integrator for Raycast {
         let RenderContext { prepared, scene, accel, .. } = context;
         let spheres = scene.spheres();
         let mut stats = RenderStats::default();
-        let found = trace_primary_rays(context, self.strata, samples, workspace, &mut stats);
-        let Workspace { rays, occluded: blocked, visible_surfaces: seen, .. } = workspace;
+        let primary_hits = trace_primary_rays(context, self.strata, samples, workspace, &mut stats);
+        let Workspace { rays, occluded, visible_surfaces, .. } = workspace;
 
-        for (index, PrimaryHit { ray, hit: surface }) in found.into_iter().enumerate() {
+        for (index, PrimaryHit { ray, hit: surface }) in primary_hits.into_iter().enumerate() {
             let radiance = &mut radiance[index];
-            let mut see = |light| seen.get_mut(index).map(|seen| aov::add_emission(seen, light));
+            let mut record_emission = |light| {
+                visible_surfaces.get_mut(index).map(|record| aov::add_emission(record, light))
+            };
             let Some(surface) = surface else {
                 *radiance = scene.camera_background(ray.direction);
-                see(radiance.direct);
+                record_emission(radiance.direct);
                 continue;
             };
             let mut light = scene.sphere_material(surface.id).material.emission;
-            see(light);
+            record_emission(light);
             let emitters = prepared.lights().emitters().iter();
-            let mut lit: Vec<DirectLight> = emitters
+            let mut direct_lights: Vec<DirectLight> = emitters
                 .filter_map(|emitter| shade_light(scene, &surface, ray.direction, emitter))
                 .collect();
             if self.shadows {
-                lit.retain(|from| from.shadow_ray.is_some());
+                direct_lights.retain(|direct_light| direct_light.shadow_ray.is_some());
                 rays.clear();
                 rays.extend(
-                    lit.iter().filter_map(|from| from.shadow_ray).map(|ray| spheres.to_query(&ray)),
+                    direct_lights
+                        .iter()
+                        .filter_map(|direct_light| direct_light.shadow_ray)
+                        .map(|ray| spheres.to_query(&ray)),
                 );
-                blocked.clear();
-                blocked.resize(rays.len(), false);
-                accel.occluded(rays, blocked);
+                occluded.clear();
+                occluded.resize(rays.len(), false);
+                accel.occluded(rays, occluded);
                 stats.count_rays(rays);
-                let mut answers = blocked.iter();
-                lit.retain(|_| answers.next() == Some(&false));
+                let mut results = occluded.iter();
+                direct_lights.retain(|_| results.next() == Some(&false));
             }
-            light += lit.iter().map(|from| from.radiance).sum::<Rgb>();
+            light += direct_lights.iter().map(|direct_light| direct_light.radiance).sum::<Rgb>();
             *radiance = PathRadiance { direct: light, indirect: Rgb::ZERO, alpha: 1.0 };
         }
         stats

@@ -19,9 +19,6 @@ pub struct SampleAddress {
 pub struct RenderStats {
     /// Rays traced, shadow rays included.
     pub rays: u64,
-    /// Paths that were inside more dielectric spheres than a [`crate::material::MediumStack`]
-    /// holds.
-    pub media_overflows: u64,
     /// Paths cut off at the hard path length limit.
     pub truncated_paths: u64,
 }
@@ -46,7 +43,6 @@ impl std::ops::Add for RenderStats {
     fn add(self, other: Self) -> Self {
         Self {
             rays: self.rays + other.rays,
-            media_overflows: self.media_overflows + other.media_overflows,
             truncated_paths: self.truncated_paths + other.truncated_paths,
         }
     }

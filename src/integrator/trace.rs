@@ -2,7 +2,7 @@
 //!
 //! The stages of [`crate::integrator`] report their events to a [`PathRecorder`]. Renders use
 //! [`NullRecorder`], which ignores events at no cost: they are not even computed. The other
-//! recorder keeps a list, so a trace shows the very path that contributes to the picture, not a
+//! recorder keeps a list, so a trace shows exactly the path that contributes to the picture, not a
 //! reconstruction.
 
 use crate::color::{PathRadiance, Rgb};
@@ -170,7 +170,7 @@ pub(super) trait PathRecorder {
     const ENABLED: bool;
 
     /// Records an event. The closure is not evaluated where recording is disabled.
-    fn record(&mut self, step: impl FnOnce() -> PathEvent);
+    fn record(&mut self, event: impl FnOnce() -> PathEvent);
 }
 
 /// A recorder that ignores all events.
@@ -186,8 +186,8 @@ impl PathRecorder for NullRecorder {
 impl PathRecorder for Vec<PathEvent> {
     const ENABLED: bool = true;
 
-    fn record(&mut self, step: impl FnOnce() -> PathEvent) {
-        self.push(step());
+    fn record(&mut self, event: impl FnOnce() -> PathEvent) {
+        self.push(event());
     }
 }
 
@@ -195,12 +195,13 @@ impl PathTrace {
     /// Sums the contributions of the events in order.
     pub fn sum(&self) -> PathRadiance {
         let mut sum = PathRadiance::default();
-        for step in &self.events {
-            if let PathEvent::Emission { contribution: added, .. }
-            | PathEvent::ShadowRay { contribution: added, .. } = step
+        for event in &self.events {
+            if let PathEvent::Emission { contribution, .. }
+            | PathEvent::ShadowRay { contribution, .. } = event
             {
-                let layer = if added.is_direct { &mut sum.direct } else { &mut sum.indirect };
-                *layer += added.radiance;
+                let layer =
+                    if contribution.is_direct { &mut sum.direct } else { &mut sum.indirect };
+                *layer += contribution.radiance;
             }
         }
         sum

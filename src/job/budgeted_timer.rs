@@ -1,4 +1,4 @@
-//! Periodic work during a render, limited to a share of the processor time.
+//! Periodic work during a render, limited to a fraction of the processor time.
 
 use std::time::{Duration, Instant};
 
@@ -7,7 +7,7 @@ pub struct BudgetedTimer {
     start: Instant,
     /// Desired time between two runs.
     interval: Duration,
-    /// Largest share of the time of all threads that the work may use.
+    /// Maximum fraction of the time of all threads that the work may use.
     budget: f64,
     threads: usize,
     /// Cost of one run: a guess at first, then the measured cost of the last run.
@@ -17,15 +17,14 @@ pub struct BudgetedTimer {
 }
 
 impl BudgetedTimer {
-    /// Starts a timer for work that runs once per `every` and may use the fraction `share` of the
-    /// time of `threads` threads. `guess` is its estimated cost.
-    pub fn new(every: Duration, share: f64, threads: usize, guess: Duration) -> Self {
-        let began = Instant::now();
-        let (cost, spent) = (guess, Duration::ZERO);
-        let mut turns =
-            Self { start: began, interval: every, budget: share, threads, cost, spent, due: began };
-        turns.due = turns.next_due(began);
-        turns
+    /// Starts a timer for work that runs once per `interval` and may use the fraction `budget` of
+    /// the time of `threads` threads. `initial_cost` is the estimated cost of the first run.
+    pub fn new(interval: Duration, budget: f64, threads: usize, initial_cost: Duration) -> Self {
+        let start = Instant::now();
+        let (cost, spent) = (initial_cost, Duration::ZERO);
+        let mut timer = Self { start, interval, budget, threads, cost, spent, due: start };
+        timer.due = timer.next_due(start);
+        timer
     }
 
     /// Runs the work if it is due.
@@ -56,24 +55,24 @@ mod tests {
     #[test]
     fn turns_come_as_wished_or_when_they_are_paid_for() {
         let second = Duration::from_secs(1);
-        let mut turns = BudgetedTimer::new(2 * second, 0.02, 2, second / 100);
+        let mut timer = BudgetedTimer::new(2 * second, 0.02, 2, second / 100);
         // Two hundredths of a second are 2 % of half a second on two threads.
-        assert_eq!(turns.next_due(turns.start), turns.start + 2 * second);
-        turns.cost = second / 10;
-        assert_eq!(turns.next_due(turns.start), turns.start + 5 * second);
-        turns.spent = 3 * second / 10;
-        let last = turns.start + 10 * second;
-        assert_eq!(turns.next_due(last), turns.start + 25 * second / 2);
-        assert_eq!(turns.next_due(last + 10 * second), last + 12 * second);
+        assert_eq!(timer.next_due(timer.start), timer.start + 2 * second);
+        timer.cost = second / 10;
+        assert_eq!(timer.next_due(timer.start), timer.start + 5 * second);
+        timer.spent = 3 * second / 10;
+        let last = timer.start + 10 * second;
+        assert_eq!(timer.next_due(last), timer.start + 25 * second / 2);
+        assert_eq!(timer.next_due(last + 10 * second), last + 12 * second);
     }
 
     #[test]
     fn a_turn_that_is_not_due_is_left_out() {
-        let mut turns = BudgetedTimer::new(Duration::from_secs(1000), 1.0, 1, Duration::ZERO);
-        turns.run_if_due(|| panic!("it is too early"));
-        turns.due = turns.start;
+        let mut timer = BudgetedTimer::new(Duration::from_secs(1000), 1.0, 1, Duration::ZERO);
+        timer.run_if_due(|| panic!("it is too early"));
+        timer.due = timer.start;
         let mut done = false;
-        turns.run_if_due(|| done = true);
-        assert!(done && turns.due > turns.start);
+        timer.run_if_due(|| done = true);
+        assert!(done && timer.due > timer.start);
     }
 }

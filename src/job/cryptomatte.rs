@@ -3,7 +3,7 @@
 //! Motion Blur and Transparency", SIGGRAPH 2015; specification version 1.2.1).
 //!
 //! An id is the hash of a name. The ids of a pixel are ranked by coverage, the fraction of its
-//! samples that see them. Each layer of four channels holds two ids.
+//! samples that hit them first. Each layer of four channels holds two ids.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -19,18 +19,18 @@ const RANKS: usize = 6;
 const MAX_MANIFEST_NAMES: usize = 100_000;
 
 /// Adds the Cryptomatte layers and their attributes to a picture.
-pub(super) fn add_layers(picture: &mut Picture, scene: &Scene, film: &Film, by: CryptomatteKind) {
+pub(super) fn add_layers(picture: &mut Picture, scene: &Scene, film: &Film, kind: CryptomatteKind) {
     let Some(coverage) = film.coverage() else { return };
-    let mut names = MatteIds { scene, by, ids: HashMap::new(), hashes: BTreeMap::new() };
+    let mut matte_ids = MatteIds { scene, kind, ids: HashMap::new(), hashes: BTreeMap::new() };
     let counts = film.counts();
     let mut ranked = vec![[[0.0f32; 2]; RANKS]; counts.len()];
-    for ((ranked, rows), count) in ranked.iter_mut().zip(coverage).zip(counts) {
-        let shares = names.ranked_coverage(&rows);
-        for (rank, (id, seen)) in ranked.iter_mut().zip(shares) {
-            *rank = [f32::from_bits(id), (f64::from(seen) / f64::from(count)) as f32];
+    for ((ranked, rows), samples) in ranked.iter_mut().zip(coverage).zip(counts) {
+        let ranking = matte_ids.ranked_coverage(&rows);
+        for (rank, (id, count)) in ranked.iter_mut().zip(ranking) {
+            *rank = [f32::from_bits(id), (f64::from(count) / f64::from(samples)) as f32];
         }
     }
-    let name = layer_name(by);
+    let name = layer_name(kind);
     for layer in 0..RANKS / 2 {
         for (channel, letter) in ["R", "G", "B", "A"].into_iter().enumerate() {
             let (rank, value) = (2 * layer + channel / 2, channel % 2);
@@ -39,12 +39,12 @@ pub(super) fn add_layers(picture: &mut Picture, scene: &Scene, film: &Film, by: 
             picture.channels.push(ImageChannel { name, values: ChannelValues::Float(values) });
         }
     }
-    picture.attributes.extend(attributes(name, &names.hashes));
+    picture.attributes.extend(attributes(name, &matte_ids.hashes));
 }
 
 /// Name prefix of the layers.
-fn layer_name(by: CryptomatteKind) -> &'static str {
-    match by {
+fn layer_name(kind: CryptomatteKind) -> &'static str {
+    match kind {
         CryptomatteKind::Sphere => "CryptoSphere",
         CryptomatteKind::Material => "CryptoMaterial",
         CryptomatteKind::Table => "CryptoTable",
@@ -68,10 +68,10 @@ fn attributes(name: &str, hashes: &BTreeMap<String, u32>) -> Vec<(String, String
     attributes.into_iter().map(full).collect()
 }
 
-/// Ids of the names seen so far.
+/// Ids of the names used so far.
 struct MatteIds<'a> {
     scene: &'a Scene,
-    by: CryptomatteKind,
+    kind: CryptomatteKind,
     /// The id of each row.
     ids: HashMap<u32, u32>,
     /// The id of each name.
@@ -81,23 +81,23 @@ struct MatteIds<'a> {
 impl MatteIds<'_> {
     /// The ids of a pixel with their sample counts, largest count first.
     fn ranked_coverage(&mut self, rows: &[(u32, u32)]) -> Vec<(u32, u32)> {
-        let mut shares: Vec<(u32, u32)> = Vec::new();
-        for &(row, seen) in rows.iter().filter(|(row, _)| *row != NO_ROW) {
+        let mut ranking: Vec<(u32, u32)> = Vec::new();
+        for &(row, count) in rows.iter().filter(|(row, _)| *row != NO_ROW) {
             let id = self.id(row);
-            match shares.iter_mut().find(|(known, _)| *known == id) {
-                Some((_, total)) => *total += seen,
-                None => shares.push((id, seen)),
+            match ranking.iter_mut().find(|(known, _)| *known == id) {
+                Some((_, total)) => *total += count,
+                None => ranking.push((id, count)),
             }
         }
-        shares.sort_by_key(|&(id, seen)| (std::cmp::Reverse(seen), id));
-        shares
+        ranking.sort_by_key(|&(id, count)| (std::cmp::Reverse(count), id));
+        ranking
     }
 
     fn id(&mut self, row: u32) -> u32 {
         if let Some(id) = self.ids.get(&row) {
             return *id;
         }
-        let name = match self.by {
+        let name = match self.kind {
             CryptomatteKind::Sphere => self.scene.name_of_row(row),
             CryptomatteKind::Material => {
                 let material = self.scene.material_of_row(row);

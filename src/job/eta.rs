@@ -43,8 +43,8 @@ pub fn expected_samples(time: Duration, samples: u64, elapsed: Duration) -> u64 
 /// Total number of samples when the time limit expires: `expected`, but at least `min_samples`, and
 /// within `total`.
 pub fn total_at_deadline(total: &Range<u64>, expected: u64, min_samples: u64) -> Range<u64> {
-    let most = expected.max(min_samples);
-    total.start.min(most)..total.end.min(most)
+    let max_total = expected.max(min_samples);
+    total.start.min(max_total)..total.end.min(max_total)
 }
 
 /// Formats a time range, as in `3 min` or `50 to 80 s`, with two digits in the unit that suits the
@@ -67,18 +67,18 @@ fn format_number(x: f64) -> String {
 mod tests {
     use super::*;
 
-    fn pace(elapsed: f64, samples: u64, left: u64) -> Eta {
+    fn eta(elapsed: f64, samples: u64, left: u64) -> Eta {
         Eta { elapsed: Duration::from_secs_f64(elapsed), samples, samples_left: left..left }
     }
 
     #[test]
     fn a_range_is_told_in_the_unit_of_its_end() {
-        let words = |low: f64, high: f64| {
+        let text = |low: f64, high: f64| {
             format_time_range(&(Duration::from_secs_f64(low)..Duration::from_secs_f64(high)))
         };
-        let shown = [(0.0, 0.0), (3.0, 3.0), (12.4, 118.0), (50.0, 150.0), (9e3, 9e3), (1e5, 1e6)];
+        let ranges = [(0.0, 0.0), (3.0, 3.0), (12.4, 118.0), (50.0, 150.0), (9e3, 9e3), (1e5, 1e6)];
         assert_eq!(
-            shown.map(|(low, high)| words(low, high)),
+            ranges.map(|(low, high)| text(low, high)),
             ["0 s", "3 s", "0.2 to 2 min", "0.8 to 2.5 min", "2.5 h", "1.2 to 12 d"]
         );
     }
@@ -107,7 +107,7 @@ mod tests {
         for trace in TRACES {
             let (end, total) = trace[trace.len() - 1];
             for &(at, samples) in &trace[trace.len() / 2 - 2..trace.len() / 2 + 2] {
-                let left = pace(at, samples, total - samples).time_left().unwrap().start;
+                let left = eta(at, samples, total - samples).time_left().unwrap().start;
                 let ratio = left.as_secs_f64() / (end - at);
                 assert!((ratio - 1.0).abs() < 0.1, "{ratio} at {at} of {end}");
             }
@@ -120,7 +120,7 @@ mod tests {
         // The time is up after 300 of 1000 required samples: the rest takes as long as it takes.
         let total = total_at_deadline(&endless, 300, 1000);
         assert_eq!(total, 1000..1000);
-        let left = pace(3.0, 300, total.end - 300).time_left().unwrap();
+        let left = eta(3.0, 300, total.end - 300).time_left().unwrap();
         assert_eq!(left, Duration::from_secs(7)..Duration::from_secs(7));
         assert_eq!(total_at_deadline(&endless, 5000, 1000), 5000..5000);
         assert_eq!(total_at_deadline(&(2000..6000), 5000, 1000), 2000..5000);
@@ -128,8 +128,8 @@ mod tests {
 
     #[test]
     fn nothing_is_told_before_the_first_sample() {
-        assert_eq!(pace(3.0, 0, 100).time_left(), None);
-        let left = pace(2.0, 100, 300).time_left().unwrap();
+        assert_eq!(eta(3.0, 0, 100).time_left(), None);
+        let left = eta(2.0, 100, 300).time_left().unwrap();
         assert_eq!(left, Duration::from_secs(6)..Duration::from_secs(6));
     }
 }

@@ -4,7 +4,7 @@ use crate::film::{Aov, FilmFormat, FilmFrame, Layer, RadianceScale, required_lay
 use crate::math::Rect;
 use crate::scene::{PreparedScene, Settings};
 
-/// Film format for a picture of this shot with these AOVs, starting at sample 0.
+/// Film format for a picture of the prepared scene with these AOVs, starting at sample 0.
 pub fn format_for_scene(prepared: &PreparedScene, layers: &[Aov]) -> FilmFormat {
     let transparent = prepared.scene().description().background.transparent;
     format_for_settings(
@@ -15,7 +15,7 @@ pub fn format_for_scene(prepared: &PreparedScene, layers: &[Aov]) -> FilmFormat 
     )
 }
 
-/// Film format from settings alone, before the scene's emitters are known.
+/// Film format from the settings, before the scene's emitters are known.
 pub(super) fn format_for_settings(
     settings: &Settings,
     transparent: bool,
@@ -35,6 +35,6 @@ pub(super) fn format_for_settings(
         first_sample: 0,
         scale,
         layers,
-        squares: true,
+        sums_squares: true,
     }
 }

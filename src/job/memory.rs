@@ -1,18 +1,22 @@
-//! Predicts the memory of a render before any of it is allocated, from the scene description, the
-//! lengths of its tables, and the intersectors' own estimates.
+//! Predicts the memory of a render before any of it is allocated, from the size of the
+//! scene, the job, and the estimates of the intersectors.
 //!
-//! A render runs in phases: the tables are read, the spheres sorted, the tree built, the picture
-//! rendered. The peak is the maximum over the phases.
+//! A render runs in phases: the tables are read, the spheres sorted, the acceleration structures
+//! built, the picture rendered. The peak is the maximum over the phases.
 
 use crate::accel::Backend;
-use crate::film::{Aov, Film, RadianceScale};
-use crate::scene::SceneFile;
-use crate::scene::description::{ColorStorage, SceneDescription};
+use crate::film::{Film, RadianceScale};
+use crate::scene::SceneSize;
 
 use super::film_format::format_for_settings;
+use super::spec::Job;
 
 /// Bytes per sphere: `[x, y, z, radius]` in f32.
 const SPHERE_BYTES: u64 = 16;
+/// Bytes per sphere in f64.
+const F64_BYTES: u64 = 32;
+/// Bytes per sphere for the emission of its row.
+const EMISSION_BYTES: u64 = 12;
 /// Bytes per sphere for its row.
 const ROW_BYTES: u64 = 4;
 /// Bytes per inline sphere, in the scene description and in copies of it.
@@ -37,13 +41,15 @@ pub struct MemoryPlan {
     pub rows: u64,
     /// Per-sphere colours.
     pub colors: u64,
+    /// Per-sphere emission.
+    pub emission: u64,
     /// The emitters and their light hierarchy.
     pub emitters: u64,
     /// The environment map.
     pub background: u64,
-    /// The finished trees of all intersectors.
+    /// The finished acceleration structures of all intersectors.
     pub accel: u64,
-    /// Peak memory of the trees during construction.
+    /// Peak memory of the acceleration structures during construction.
     pub accel_build: u64,
     /// Film and picture.
     pub film: u64,
@@ -56,54 +62,56 @@ pub struct MemoryPlan {
 pub enum MemoryPhase {
     /// The spheres are sorted.
     Sorting,
-    /// The trees are built.
+    /// The acceleration structures are built.
     Building,
     /// The picture is rendered.
     Rendering,
 }
 
 impl MemoryPlan {
-    /// Plans a scene whose tables have not been read yet. The backends are built one after the
-    /// other and kept; the picture has the layers `aovs`. `colors` overrides how table colours are
-    /// stored.
-    pub fn new(
-        file: &SceneFile,
-        backends: &[Backend],
-        aovs: &[Aov],
-        threads: usize,
-        colors: Option<ColorStorage>,
-    ) -> Self {
-        let description = &file.description;
+    /// Plans the render of a job, with the intersector that it selects.
+    pub fn new(scene: &SceneSize, job: &Job) -> Self {
+        let chosen = job.accel.select_for_count(scene.spheres as usize);
+        Self::with_backends(scene, job, &[chosen.backend])
+    }
+
+    /// Plans the render of a job with these intersectors, which are built one after the other and
+    /// kept.
+    pub fn with_backends(scene: &SceneSize, job: &Job, backends: &[Backend]) -> Self {
         // Emitter brightness does not affect the film size.
-        let transparent = description.background.transparent;
         let scale = RadianceScale::from_max_radiance(1.0);
-        let format = format_for_settings(&file.settings, transparent, scale, aovs);
-        let written_out = description.spheres.len() as u64;
-        let bare = Self::for_spheres(file.sphere_count(), backends, threads);
+        let format = format_for_settings(&job.settings, scene.is_transparent, scale, &job.layers);
+        let threads = match job.threads {
+            0 => rayon::current_num_threads(),
+            threads => threads,
+        };
+        let spheres_only = Self::for_spheres(scene.spheres, backends, threads);
         Self {
-            spheres: bare.spheres + written_out * INLINE_SPHERE_BYTES,
-            colors: color_bytes(file, colors),
-            emitters: emitter_count(file) * EMITTER_BYTES,
-            background: file.environment_pixels() * ENVIRONMENT_PIXEL_BYTES,
+            spheres: sphere_bytes(scene) + scene.listed_spheres * INLINE_SPHERE_BYTES,
+            colors: scene.color_bytes,
+            emission: scene.emissive_rows * EMISSION_BYTES,
+            emitters: scene.emitters * EMITTER_BYTES,
+            background: scene.environment_pixels * ENVIRONMENT_PIXEL_BYTES,
             film: Film::bytes(&format) as u64
                 + format.frame.pixel_count() as u64 * PICTURE_PIXEL_BYTES,
-            ..bare
+            ..spheres_only
         }
     }
 
     /// Plans for `count` spheres and these intersectors, without film, colours or emitters.
     pub fn for_spheres(count: u64, backends: &[Backend], threads: usize) -> Self {
-        let mut trees = AccelMemory::default();
-        backends.iter().for_each(|backend| trees.build(*backend, count));
+        let mut accel = AccelMemory::default();
+        backends.iter().for_each(|backend| accel.build(*backend, count));
         let with_embree = backends.iter().any(|backend| backend.uses_embree());
         Self {
             spheres: count * SPHERE_BYTES,
             rows: count * ROW_BYTES,
             colors: 0,
+            emission: 0,
             emitters: 0,
             background: 0,
-            accel: trees.finished,
-            accel_build: trees.peak,
+            accel: accel.finished,
+            accel_build: accel.peak,
             film: 0,
             program: PROGRAM_BYTES[usize::from(with_embree)] + threads as u64 * THREAD_BYTES,
         }
@@ -116,14 +124,18 @@ impl MemoryPlan {
 
     /// The phase with the peak memory.
     pub fn peak_phase(&self) -> MemoryPhase {
-        let steps = [MemoryPhase::Sorting, MemoryPhase::Building, MemoryPhase::Rendering];
-        steps.into_iter().max_by_key(|&step| self.bytes_in(step)).unwrap_or(MemoryPhase::Rendering)
+        let phases = [MemoryPhase::Sorting, MemoryPhase::Building, MemoryPhase::Rendering];
+        phases
+            .into_iter()
+            .max_by_key(|&phase| self.bytes_in(phase))
+            .unwrap_or(MemoryPhase::Rendering)
     }
 
     /// Peak memory within a phase, in bytes.
-    pub fn bytes_in(&self, step: MemoryPhase) -> u64 {
-        let scene = self.spheres + self.rows + self.colors + self.background + self.program;
-        match step {
+    pub fn bytes_in(&self, phase: MemoryPhase) -> u64 {
+        let tables = self.spheres + self.rows + self.colors + self.emission;
+        let scene = tables + self.background + self.program;
+        match phase {
             // Sorting holds the spheres in both the old and the new order.
             MemoryPhase::Sorting => scene + self.spheres,
             MemoryPhase::Building => scene + self.emitters + self.accel_build,
@@ -132,7 +144,7 @@ impl MemoryPlan {
     }
 }
 
-/// Memory of trees that are built one after the other.
+/// Memory of acceleration structures that are built one after the other.
 #[derive(Default)]
 struct AccelMemory {
     finished: u64,
@@ -141,25 +153,16 @@ struct AccelMemory {
 
 impl AccelMemory {
     fn build(&mut self, backend: Backend, spheres: u64) {
-        let planned = backend.memory_estimate(spheres);
-        self.peak = self.peak.max(self.finished + planned.peak);
-        self.finished += planned.built;
+        let estimate = backend.memory_estimate(spheres);
+        self.peak = self.peak.max(self.finished + estimate.peak);
+        self.finished += estimate.built;
     }
 }
 
-fn color_bytes(file: &SceneFile, storage: Option<ColorStorage>) -> u64 {
-    let tables = file.description.tables.iter().zip(file.table_rows());
-    let colored = tables.filter(|(table, _)| table.data.has_colors());
-    let bytes = colored
-        .map(|(table, rows)| rows * storage.unwrap_or(table.colors).bytes_per_color() as u64);
-    bytes.sum()
-}
-
-fn emitter_count(file: &SceneFile) -> u64 {
-    let SceneDescription { materials, spheres, tables, .. } = &file.description;
-    let shines = |material: usize| materials[material].emission.max_element() > 0.0;
-    let written_out = spheres.iter().filter(|sphere| shines(sphere.material)).count() as u64;
-    let of_tables = tables.iter().zip(file.table_rows());
-    let of_tables = of_tables.filter(|(table, _)| shines(table.material)).map(|(_, rows)| rows);
-    written_out + of_tables.sum::<u64>()
+/// Spheres stay in f32 or f64 as they are written. If some are in f32, all have a row there.
+fn sphere_bytes(scene: &SceneSize) -> u64 {
+    match scene.spheres - scene.f64_spheres {
+        0 => scene.spheres * F64_BYTES,
+        _ => scene.spheres * SPHERE_BYTES + scene.f64_spheres * F64_BYTES,
+    }
 }

@@ -11,13 +11,11 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::accel::{self, Backend, Intersector};
+use crate::accel::{self, Backend};
 use crate::color::ViewTransform;
 use crate::error::{Error, Result};
 use crate::film::Aov;
 use crate::image_io::MetadataEntry;
-use crate::scene::data::SphereData;
-use crate::scene::description::EnvironmentDescription;
 use crate::scene::settings::IntegratorSettings;
 use crate::scene::{ContentHash, FileHash, PreparedScene, Scene, SceneDescription, Settings};
 
@@ -47,7 +45,7 @@ pub struct Metadata {
     /// Identity of the computation. Samples whose scene and job identities are equal may be merged.
     pub job_identity: ContentHash,
     /// The intersector that found the hits.
-    pub intersector: Intersector,
+    pub intersector: Backend,
     /// The settings, with the picture's number of samples per pixel.
     pub settings: Settings,
     /// The sample indices of the pixels.
@@ -117,24 +115,23 @@ pub struct RunRecord {
 
 /// The data whose hash is the job identity.
 #[derive(Serialize)]
-struct CanonicalJob<'a> {
+struct CanonicalJob {
     encoding: u32,
     version: &'static str,
-    intersector: &'a Intersector,
+    intersector: Backend,
     settings: Settings,
 }
 
 impl Metadata {
     /// Metadata of a picture without samples.
     pub(super) fn new(prepared: &PreparedScene, backend: Backend) -> Self {
-        let intersector = Intersector::for_backend(backend);
         let scene = prepared.scene();
         Self {
             version: VERSION.to_owned(),
             commit: COMMIT.to_owned(),
             scene_identity: scene.content_hash(),
-            job_identity: job_identity(prepared.settings(), &intersector),
-            intersector,
+            job_identity: job_identity(prepared.settings(), backend),
+            intersector: backend,
             settings: *prepared.settings(),
             samples: SampleRange::first_n(0),
             counts: TileSampleCounts::default(),
@@ -158,7 +155,7 @@ impl Metadata {
     ) -> Self {
         let mut settings = self.settings;
         if !settings.render.sampler.depends_on_sample_count() {
-            set_sample_count(&mut settings, samples.first + samples.most);
+            set_sample_count(&mut settings, samples.first + samples.max_count);
         }
         Self { settings, samples, counts, parts, ..self }
     }
@@ -172,7 +169,7 @@ impl Metadata {
         let ranges = self.parts.ranges_to_string();
         match self.parts.all_cover(&self.settings.image.pixel_bounds()) {
             true => ranges,
-            false => format!("{ranges} (some pixels lack some)"),
+            false => format!("{ranges} (some pixels have fewer)"),
         }
     }
 
@@ -182,7 +179,8 @@ impl Metadata {
     /// If a path cannot be serialized.
     pub fn to_records(&self) -> Result<Vec<MetadataEntry>> {
         let value = serde_json::to_value(self);
-        let value = value.map_err(|e| Error::input(format!("cannot say how it was made: {e}")))?;
+        let value =
+            value.map_err(|e| Error::input(format!("cannot serialize the metadata: {e}")))?;
         let Value::Object(fields) = value else { return Ok(Vec::new()) };
         Ok(fields
             .into_iter()
@@ -195,22 +193,21 @@ impl Metadata {
     /// # Errors
     /// If a record is missing or invalid. The message names the picture.
     pub fn from_records(picture: &Path, records: &[MetadataEntry]) -> Result<Self> {
-        let shown = picture.display();
+        let path = picture.display();
         if !records.iter().any(|record| record.name == "scene-identity") {
-            let message = format!("`{shown}` does not say how it was made");
-            let is_old = records.iter().any(|record| record.name == "identity");
-            let help = match is_old {
-                true => "it is of an older version of photosphere: use that version",
-                false => "other programs may drop it on saving",
+            let message = format!("`{path}` has no metadata of photosphere");
+            let has_old_records = records.iter().any(|record| record.name == "identity");
+            let help = match has_old_records {
+                true => "an older version of photosphere wrote it: use that version",
+                false => "other programs may drop the metadata when they save a picture",
             };
             return Err(Error::input(message).with_help(help));
         }
         let fields: Map<String, Value> =
             records.iter().map(|record| (record.name.clone(), record_value(record))).collect();
         serde_json::from_value(Value::Object(fields)).map_err(|e| {
-            let message =
-                format!("`{shown}` says how it was made in a way that is not understood: {e}");
-            Error::input(message).with_help("it may be of another version of photosphere")
+            let message = format!("the metadata of `{path}` is not understood: {e}");
+            Error::input(message).with_help("another version of photosphere may have written it")
         })
     }
 }
@@ -246,7 +243,7 @@ pub(super) fn set_sample_count(settings: &mut Settings, samples: u32) {
 
 /// Hash of everything besides the scene that affects the value of a sample. The choice of pixels
 /// and samples is excluded.
-pub(super) fn job_identity(settings: &Settings, intersector: &Intersector) -> ContentHash {
+pub(super) fn job_identity(settings: &Settings, intersector: Backend) -> ContentHash {
     let mut settings = *settings;
     settings.image.crop = None;
     let render = &settings.render;
@@ -266,7 +263,7 @@ pub(super) fn job_identity(settings: &Settings, intersector: &Intersector) -> Co
     set_sample_count(&mut settings, samples);
     let canonical = CanonicalJob { encoding: 2, version: VERSION, intersector, settings };
     let bytes = serde_json::to_vec(&canonical);
-    ContentHash::of_bytes(&bytes.expect("plain values with names as their keys are JSON"))
+    ContentHash::of_bytes(&bytes.expect("plain values with string keys serialize to JSON"))
 }
 
 /// The scene description to embed, with file names as the scene gives them.
@@ -277,7 +274,7 @@ pub(super) fn embedded_description(scene: &Scene) -> Option<SceneDescription> {
     }
     let mut description = scene.description().clone();
     let folder = scene.source().map_or(Path::new(""), |source| &source.folder);
-    for_each_file(&mut description, |file| {
+    description.for_each_file(|file| {
         if let Ok(relative) = file.strip_prefix(folder) {
             *file = relative.to_path_buf();
         }
@@ -286,28 +283,13 @@ pub(super) fn embedded_description(scene: &Scene) -> Option<SceneDescription> {
     (length <= MAX_DESCRIPTION_BYTES).then_some(description)
 }
 
-/// Applies `change` to the path of every file in a scene.
-pub(super) fn for_each_file(
-    description: &mut SceneDescription,
-    mut change: impl FnMut(&mut PathBuf),
-) {
-    for table in &mut description.tables {
-        if let SphereData::File { path, .. } = &mut table.data {
-            change(path);
-        }
-    }
-    if let EnvironmentDescription::Image { file, .. } = &mut description.background.dome {
-        change(file);
-    }
-}
-
 fn relative_files(scene: &Scene) -> Vec<FileHash> {
     let folder = scene.source().map_or(Path::new(""), |source| &source.folder);
-    let named = |FileHash { file, hash }: &FileHash| FileHash {
+    let relative = |FileHash { file, hash }: &FileHash| FileHash {
         file: file.strip_prefix(folder).unwrap_or(file).to_path_buf(),
         hash: *hash,
     };
-    scene.files().iter().map(named).collect()
+    scene.files().iter().map(relative).collect()
 }
 
 /// Versions and configuration of the Embree in use.

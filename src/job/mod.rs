@@ -1,6 +1,6 @@
 //! Render jobs: describe a render as a value, run it, save it, merge it and reproduce it.
 //!
-//! A [`Job`] says what to compute and when to stop; [`run`] renders it. To watch, stop, extend,
+//! A [`Job`] says what to compute and when to stop; [`run`] renders it. To monitor, stop, extend,
 //! save or resume a render, open a [`Session`]. Rendered samples are stored in a [`Checkpoint`]:
 //! [`Session::resume`] continues one, [`merge`] adds several. [`Metadata`] is the record in a
 //! picture's file of how it was made; [`reproduce`] renders the picture again from it.
@@ -22,6 +22,7 @@ mod noise;
 mod observer;
 mod outcome;
 mod progressive;
+mod recorded;
 mod render_state;
 pub mod reproduce;
 mod resume;
@@ -38,7 +39,7 @@ pub use aovs::{develop, develop_without_scene, needs_scene};
 pub use budgeted_timer::BudgetedTimer;
 pub use checkpoint::{
     Checkpoint, CheckpointHeader, CumulativeStats, FilePath, OutputSpec, RenderStatus,
-    is_checkpoint, write_checkpoint,
+    encode_checkpoint, is_checkpoint, write_checkpoint,
 };
 pub use film_format::format_for_scene;
 pub use memory::{MemoryPhase, MemoryPlan};
@@ -59,16 +60,16 @@ use crate::image_io::Picture;
 use crate::scene::{PreparedScene, Scene};
 use crate::task::CancelToken;
 
-/// Renders a job and reports progress to `observer` on the calling thread. Pass `&()` for no
-/// reports.
+/// Renders a job and reports progress to `observer` on the calling thread, which may stop the
+/// render; the result then has the samples so far. Pass `&()` for no reports.
 ///
 /// # Errors
 /// If the job is invalid, the intersector cannot be built, the picture does not fit into memory, or
 /// a pixel is too bright for the film.
 pub fn run(scene: &Scene, job: &Job, observer: &dyn Observer) -> Result<RenderResult> {
     let session = Session::new(scene, job.clone(), SessionOptions::default())?;
-    let reached = session.run(observer)?;
-    Ok(session.result(reached))
+    let outcome = session.run(observer)?;
+    Ok(session.result(outcome))
 }
 
 /// A picture rendered by [`render_with_accel`].
@@ -86,8 +87,9 @@ pub struct RenderedImage {
     pub warnings: Vec<String>,
 }
 
-/// Renders all samples of a shot on the current rayon thread pool with an existing intersector. Use
-/// this to render many pictures of one scene. If cancelled, returns the picture so far.
+/// Renders all samples of a prepared scene on the current rayon thread pool with an existing
+/// intersector. Use this to render many pictures of one scene. If cancelled, returns the picture so
+/// far.
 ///
 /// # Errors
 /// If the picture does not fit into memory, or a pixel is too bright for the film.
@@ -100,8 +102,8 @@ pub fn render_with_accel(
     let film = Film::new(&format_for_scene(prepared, aovs))?;
     let samples = prepared.render_settings().samples_per_pixel;
     let counters = Counters::new(&film, film.frame().pixel_count() as u64 * u64::from(samples));
-    let passes = ProgressiveRenderer::new(prepared, accel, &film, &counters, cancel);
-    let complete = passes.render_to_sample(samples, &|_| true)?;
+    let renderer = ProgressiveRenderer::new(prepared, accel, &film, &counters, cancel);
+    let complete = renderer.render_to_sample(samples, &|_| true)?;
     Ok(RenderedImage {
         picture: develop(prepared, accel, &film, aovs),
         samples: counters.samples_done(),

@@ -1,4 +1,4 @@
-//! Error statistics that decide when a square of the picture is good enough.
+//! Error statistics that decide when a tile of the picture has converged.
 //!
 //! All statistics are here, from the estimate of each value (one channel of a pixel) to the
 //! decision. `docs/stopping.md` derives them and shows measurements.
@@ -6,13 +6,13 @@
 //! The mean of a value over `k` blocks of 16 samples has the variance `v` estimated from the
 //! blocks, with `k - 1` degrees of freedom. If light arrives by rare bright paths, a pixel that has
 //! not sampled one yet looks quiet, but its neighbours reveal the variance. A sixteenth of the
-//! square's mean variance `V` is therefore mixed in: `w = 15/16 v + 1/16 V`. The degrees of freedom
+//! tile's mean variance `V` is therefore mixed in: `w = 15/16 v + 1/16 V`. The degrees of freedom
 //! follow (Welch 1947, Satterthwaite 1946; `V` is treated as exact): `f = (k - 1) (w / (15/16
 //! v))^2`. The true value lies within `t_f sqrt(w)` of the mean with the requested confidence.
 //!
-//! A square of 256 pixels decides as a whole. If pixels stopped individually, those that happened
-//! to look quiet or bright would stop too early, and the picture would be biased; over a square
-//! such errors cancel.
+//! A tile of 256 pixels decides as a whole. If pixels stopped individually, those that happened to
+//! look quiet or bright would stop too early, and the picture would be biased; over a tile such
+//! errors cancel.
 
 use std::fmt;
 
@@ -22,11 +22,11 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::error::{Error, Result};
 use crate::film::PixelEstimate;
 
-/// Weight of the square's mean variance in the variance of each value.
+/// Weight of the tile's mean variance in the variance of each value.
 const SHARED_VARIANCE_WEIGHT: f64 = 1.0 / 16.0;
 
-/// Minimum brightness used for relative errors, as a fraction of the square's mean brightness.
-/// Darker pixels need no higher absolute accuracy.
+/// Minimum brightness used for relative errors, as a fraction of the tile's mean brightness. Darker
+/// pixels need no higher absolute accuracy.
 const MIN_RELATIVE_BRIGHTNESS: f64 = 0.1;
 
 /// A noise target.
@@ -54,8 +54,8 @@ impl NoiseTarget {
     /// States the two numbers.
     pub(super) fn validate(self) -> Result<()> {
         let Self { error, confidence } = self;
-        let is_share = |x: f64| x > 0.0 && x < 1.0;
-        if is_share(error) && is_share(confidence) {
+        let is_fraction = |x: f64| x > 0.0 && x < 1.0;
+        if is_fraction(error) && is_fraction(confidence) {
             return Ok(());
         }
         Err(Error::input(format!(
@@ -80,10 +80,10 @@ struct StandardError {
     degrees_of_freedom: f64,
 }
 
-/// The weighted mean variance of a square, per channel, which all of its values share.
+/// The weighted mean variance of a tile, per channel, which all of its values share.
 struct PooledVariance([f64; 3]);
 
-/// Noise statistics of one square.
+/// Noise statistics of one tile.
 #[derive(Debug, Default)]
 pub(super) struct TileNoise {
     channels: Vec<ChannelNoise>,
@@ -113,27 +113,30 @@ impl PooledVariance {
             let blocks = f64::from(pixel.blocks);
             // A pixel without variance of its own has only the shared one, which is treated as
             // exact.
-            let freedom = if ratio < 1e6 { (blocks - 1.0) * ratio * ratio } else { f64::INFINITY };
-            StandardError { std_dev: variance.sqrt(), degrees_of_freedom: freedom }
+            let degrees_of_freedom =
+                if ratio < 1e6 { (blocks - 1.0) * ratio * ratio } else { f64::INFINITY };
+            StandardError { std_dev: variance.sqrt(), degrees_of_freedom }
         })
     }
 }
 
-/// Half-width of the confidence interval around each pixel's mean in a square, per channel.
-/// Infinite where the error is unknown.
+/// Half-width of the confidence interval around each pixel's mean in a tile, per channel. Infinite
+/// where the error is unknown.
 pub(super) fn confidence_half_widths(pixels: &[PixelEstimate], confidence: f64) -> Vec<[f64; 3]> {
     let known: Vec<&PixelEstimate> = pixels.iter().filter(|pixel| pixel.is_known()).collect();
-    let shared = PooledVariance::new(&known);
+    let pooled = PooledVariance::new(&known);
     let sigmas = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);
-    let of_pixel = |pixel: &PixelEstimate| match pixel.is_known() {
-        true => shared.standard_errors(pixel).map(|spread| spread.half_width(sigmas)),
+    let pixel_noise = |pixel: &PixelEstimate| match pixel.is_known() {
+        true => {
+            pooled.standard_errors(pixel).map(|standard_error| standard_error.half_width(sigmas))
+        }
         false => [f64::INFINITY; 3],
     };
-    pixels.iter().map(of_pixel).collect()
+    pixels.iter().map(pixel_noise).collect()
 }
 
 impl TileNoise {
-    /// Builds the statistics from the estimates of a square's pixels. Pixels with fewer than two
+    /// Builds the statistics from the estimates of a tile's pixels. Pixels with fewer than two
     /// blocks and non-finite pixels are left out.
     pub(super) fn new(pixels: &[PixelEstimate]) -> Self {
         Self::with_stride(pixels, 1)
@@ -143,15 +146,15 @@ impl TileNoise {
     /// pixels.
     pub(super) fn with_stride(pixels: &[PixelEstimate], stride: usize) -> Self {
         let known: Vec<&PixelEstimate> = pixels.iter().filter(|pixel| pixel.is_known()).collect();
-        let darkest = MIN_RELATIVE_BRIGHTNESS * mean(&known, brightness);
-        let shared = PooledVariance::new(&known);
-        let of_pixel = |pixel: &&PixelEstimate| {
-            let brightness = brightness(pixel).max(darkest);
-            shared
+        let min_brightness = MIN_RELATIVE_BRIGHTNESS * mean(&known, brightness);
+        let pooled = PooledVariance::new(&known);
+        let pixel_noise = |pixel: &&PixelEstimate| {
+            let brightness = brightness(pixel).max(min_brightness);
+            pooled
                 .standard_errors(pixel)
-                .map(|spread| ChannelNoise { brightness, standard_error: spread })
+                .map(|standard_error| ChannelNoise { brightness, standard_error })
         };
-        Self { channels: known.iter().step_by(stride).flat_map(of_pixel).collect() }
+        Self { channels: known.iter().step_by(stride).flat_map(pixel_noise).collect() }
     }
 
     /// Returns true if the target is met.
@@ -172,19 +175,19 @@ impl TileNoise {
     }
 }
 
-/// The error that a fraction `confidence` of the values of all squares stay below, to three digits;
+/// The error that a fraction `confidence` of the values of all tiles stay below, to three digits;
 /// `None` if nothing is known.
-pub(super) fn error_quantile(squares: &[TileNoise], confidence: f64) -> Option<f64> {
-    let values: usize = squares.iter().map(|square| square.channels.len()).sum();
+pub(super) fn error_quantile(tiles: &[TileNoise], confidence: f64) -> Option<f64> {
+    let values: usize = tiles.iter().map(|tile| tile.channels.len()).sum();
     if values == 0 {
         return None;
     }
-    let outside = |error: f64| {
-        let each = |square: &TileNoise| square.fraction_above(error) * square.channels.len() as f64;
-        squares.iter().map(each).sum::<f64>() / values as f64
+    let fraction_above = |error: f64| {
+        let exceeding = |tile: &TileNoise| tile.fraction_above(error) * tile.channels.len() as f64;
+        tiles.iter().map(exceeding).sum::<f64>() / values as f64
     };
-    let all = squares.iter().flat_map(|square| &square.channels);
-    let largest = all.map(|value| value.relative_error()).fold(0.0, f64::max);
+    let channels = tiles.iter().flat_map(|tile| &tile.channels);
+    let largest = channels.map(|value| value.relative_error()).fold(0.0, f64::max);
     if !(largest > 0.0 && largest.is_finite()) {
         return Some(largest);
     }
@@ -193,7 +196,7 @@ pub(super) fn error_quantile(squares: &[TileNoise], confidence: f64) -> Option<f
     let (mut low, mut high) = (1e-9 * largest, 1e3 * largest);
     while high / low > 1.0005 {
         let middle = (low * high).sqrt();
-        if outside(middle) > 1.0 - confidence { low = middle } else { high = middle }
+        if fraction_above(middle) > 1.0 - confidence { low = middle } else { high = middle }
     }
     Some(high)
 }
@@ -214,11 +217,11 @@ impl ChannelNoise {
 
     /// Probability that the error exceeds `error` times the brightness.
     fn exceedance_probability(&self, error: f64) -> f64 {
-        let StandardError { std_dev: deviation, degrees_of_freedom: freedom } = self.standard_error;
+        let StandardError { std_dev: deviation, degrees_of_freedom } = self.standard_error;
         if deviation == 0.0 {
             return 0.0;
         }
-        let sigmas = normal_from_student_t(error * self.brightness / deviation, freedom);
+        let sigmas = normal_from_student_t(error * self.brightness / deviation, degrees_of_freedom);
         libm::erfc(sigmas * std::f64::consts::FRAC_1_SQRT_2)
     }
 }
@@ -237,24 +240,25 @@ fn brightness(pixel: &PixelEstimate) -> f64 {
 /// to a few hundredths from three degrees of freedom on (Wallace 1959, "Bounds on normal
 /// approximations to Student's and the chi-square distributions"). Uses a closed form and the
 /// `libm` crate so that decisions are identical on every machine.
-fn normal_from_student_t(t: f64, freedom: f64) -> f64 {
-    if freedom.is_infinite() {
+fn normal_from_student_t(t: f64, degrees_of_freedom: f64) -> f64 {
+    if degrees_of_freedom.is_infinite() {
         return t;
     }
-    wallace_factor(freedom) * (freedom * libm::log1p(t * t / freedom)).sqrt()
+    wallace_factor(degrees_of_freedom)
+        * (degrees_of_freedom * libm::log1p(t * t / degrees_of_freedom)).sqrt()
 }
 
 /// The inverse of [`normal_from_student_t`].
-fn student_t_from_normal(sigmas: f64, freedom: f64) -> f64 {
-    if freedom.is_infinite() {
+fn student_t_from_normal(sigmas: f64, degrees_of_freedom: f64) -> f64 {
+    if degrees_of_freedom.is_infinite() {
         return sigmas;
     }
-    let u = sigmas / wallace_factor(freedom);
-    (freedom * libm::expm1(u * u / freedom)).sqrt()
+    let u = sigmas / wallace_factor(degrees_of_freedom);
+    (degrees_of_freedom * libm::expm1(u * u / degrees_of_freedom)).sqrt()
 }
 
-fn wallace_factor(freedom: f64) -> f64 {
-    (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0)
+fn wallace_factor(degrees_of_freedom: f64) -> f64 {
+    (8.0 * degrees_of_freedom + 1.0) / (8.0 * degrees_of_freedom + 3.0)
 }
 
 #[cfg(test)]
@@ -269,15 +273,15 @@ mod tests {
 
     #[test]
     fn the_closed_form_is_near_students_distribution() {
-        for freedom in [3.0, 7.0, 15.0, 63.0, 1023.0] {
-            let student = StudentsT::new(0.0, 1.0, freedom).unwrap();
-            for (confidence, off) in [(0.8, 0.01), (0.95, 0.013), (0.99, 0.04)] {
+        for degrees_of_freedom in [3.0, 7.0, 15.0, 63.0, 1023.0] {
+            let student = StudentsT::new(0.0, 1.0, degrees_of_freedom).unwrap();
+            for (confidence, tolerance) in [(0.8, 0.01), (0.95, 0.013), (0.99, 0.04)] {
                 let p = 0.5 + 0.5 * confidence;
                 let sigmas = Normal::standard().inverse_cdf(p);
-                let t = student_t_from_normal(sigmas, freedom);
-                assert_relative_eq!(t, student.inverse_cdf(p), max_relative = off);
+                let t = student_t_from_normal(sigmas, degrees_of_freedom);
+                assert_relative_eq!(t, student.inverse_cdf(p), max_relative = tolerance);
                 assert_relative_eq!(
-                    normal_from_student_t(t, freedom),
+                    normal_from_student_t(t, degrees_of_freedom),
                     sigmas,
                     max_relative = 1e-12
                 );
@@ -288,14 +292,14 @@ mod tests {
 
     #[test]
     fn equal_pixels_are_done_when_their_interval_is_as_narrow_as_the_target() {
-        let square = |deviation| TileNoise::new(&[pixel(2.0, deviation, 1 << 20); 256]);
+        let tile = |deviation| TileNoise::new(&[pixel(2.0, deviation, 1 << 20); 256]);
         let target = NoiseTarget { error: 0.01, confidence: 0.95 };
         // 1.96 standard deviations are 1 % of 2.
         let edge = 0.02 / 1.959964;
-        assert!(square(0.999 * edge).meets(target));
-        assert!(!square(1.001 * edge).meets(target));
-        assert_relative_eq!(square(edge).error_quantile(0.95).unwrap(), 0.01, max_relative = 1e-3);
-        let both = [square(edge), square(edge)];
+        assert!(tile(0.999 * edge).meets(target));
+        assert!(!tile(1.001 * edge).meets(target));
+        assert_relative_eq!(tile(edge).error_quantile(0.95).unwrap(), 0.01, max_relative = 1e-3);
+        let both = [tile(edge), tile(edge)];
         assert_relative_eq!(error_quantile(&both, 0.95).unwrap(), 0.01, max_relative = 1e-3);
     }
 
@@ -310,8 +314,8 @@ mod tests {
         let target = NoiseTarget { error: 3.3e-4, confidence: 0.95 };
         assert!(with_noisy(50).meets(target));
         assert!(!with_noisy(100).meets(target));
-        let off = with_noisy(50).fraction_above(target.error) - 0.05 * 0.74;
-        assert!(off.abs() < 1e-3, "{off}");
+        let difference = with_noisy(50).fraction_above(target.error) - 0.05 * 0.74;
+        assert!(difference.abs() < 1e-3, "{difference}");
     }
 
     #[test]
@@ -319,8 +323,8 @@ mod tests {
         let mut pixels = vec![pixel(1.0, 0.1, 4); 255];
         pixels.push(pixel(1.0, 0.0, 4));
         let widths = confidence_half_widths(&pixels, 0.95);
-        let shared = 0.1 * (SHARED_VARIANCE_WEIGHT * 255.0 / 256.0).sqrt();
-        assert_relative_eq!(widths[255][0], 1.959964 * shared, max_relative = 1e-5);
+        let pooled = 0.1 * (SHARED_VARIANCE_WEIGHT * 255.0 / 256.0).sqrt();
+        assert_relative_eq!(widths[255][0], 1.959964 * pooled, max_relative = 1e-5);
         // The other pixels have slightly more than 3 degrees of freedom.
         assert!((0.29..0.322).contains(&widths[0][0]), "{:?}", widths[0]);
     }
@@ -335,8 +339,8 @@ mod tests {
         );
         pixels[0] = pixel(f64::NAN, f64::NAN, 8);
         pixels[1] = pixel(1.0, f64::NAN, 1);
-        let square = TileNoise::new(&pixels);
-        assert_eq!((square.channels.len(), square.error_quantile(0.95)), (3 * 98, Some(0.0)));
+        let tile = TileNoise::new(&pixels);
+        assert_eq!((tile.channels.len(), tile.error_quantile(0.95)), (3 * 98, Some(0.0)));
         assert_eq!(confidence_half_widths(&pixels, 0.95)[1], [f64::INFINITY; 3]);
         assert_eq!(TileNoise::new(&[]).error_quantile(0.95), None);
         let black = TileNoise::new(&[pixel(0.0, 0.0, 4); 4]);

@@ -1,6 +1,6 @@
 //! Callbacks during a render.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 use std::time::Duration;
 
 /// Receives reports about a running render, always on the thread that called `run`. `()` ignores
@@ -12,10 +12,13 @@ pub trait Observer {
         false
     }
 
-    /// Called about ten times per second with the progress.
-    fn on_progress(&self, _progress: &RenderProgress) {}
+    /// Called about ten times per second with the progress. `Break` stops the render as
+    /// [`Session::stop`](crate::job::Session::stop) does.
+    fn on_progress(&self, _progress: &RenderProgress) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 
-    /// Called with warnings that the user should see at once, for example that a checkpoint cannot
+    /// Called with a warning that the user should see at once, for example that a checkpoint cannot
     /// be written.
     fn on_warning(&self, _text: &str) {}
 }
@@ -33,8 +36,8 @@ pub struct RenderProgress {
     pub rate: f64,
     /// Error of the picture so far, relative to the brightness of its pixels.
     pub error: Option<f64>,
-    /// Number of squares that meet the noise target, and of all squares.
+    /// Number of tiles that meet the noise target, and of all tiles.
     pub tiles_converged: Option<[usize; 2]>,
-    /// Lower and upper bound of the remaining time; `None` before anything is known.
+    /// Lower and upper bound of the remaining time; `None` if unknown.
     pub time_left: Option<Range<Duration>>,
 }

@@ -21,7 +21,7 @@ use super::noise::NoiseTarget;
 pub struct RenderResult {
     /// The picture with its layers.
     pub picture: Picture,
-    /// How the picture was made.
+    /// The record of how the picture was made.
     pub metadata: Metadata,
     /// Why the render ended.
     pub stop_reason: StopReason,
@@ -59,7 +59,7 @@ pub enum StopReason {
     Finished,
     /// The time limit was reached.
     TimeLimit,
-    /// The maximum number of samples was reached, but some squares miss the noise target.
+    /// The maximum number of samples was reached, but some tiles miss the noise target.
     NoiseTargetMissed,
     /// The render was stopped or cancelled.
     Stopped,
@@ -67,18 +67,18 @@ pub enum StopReason {
     Failed,
 }
 
-/// How far a noise target is met.
+/// Status of a noise target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NoiseStatus {
     /// The noise target.
     pub target: NoiseTarget,
-    /// Number of 16 x 16 pixel squares in the picture.
-    pub squares: usize,
-    /// Squares that meet the target.
-    pub done: usize,
-    /// The largest error of any square; `None` if some square's error is unknown.
-    pub worst: Option<f64>,
+    /// Number of 16 x 16 pixel tiles in the picture.
+    pub tiles: usize,
+    /// Tiles that meet the target.
+    pub tiles_converged: usize,
+    /// The largest error of any tile; `None` if some tile's error is unknown.
+    pub worst_error: Option<f64>,
 }
 
 impl RenderResult {
@@ -94,7 +94,7 @@ impl RenderResult {
             metadata.layers = None;
         }
         let crop = metadata.settings.image.crop;
-        let cropped_from = crop.map(|crop| CropWindow {
+        let crop_window = crop.map(|crop| CropWindow {
             full_size: [metadata.settings.image.width, metadata.settings.image.height]
                 .map(|pixels| pixels as usize),
             offset: [crop.x, crop.y].map(|pixels| pixels as usize),
@@ -102,56 +102,57 @@ impl RenderResult {
         let records = metadata.to_records()?;
         target.write_with(
             &self.picture,
-            &WriteOptions {
-                crop_window: cropped_from,
-                metadata: records,
-                ..WriteOptions::default()
-            },
+            &WriteOptions { crop_window, metadata: records, ..WriteOptions::default() },
         )
     }
 }
 
 impl NoiseStatus {
-    /// Returns true if all squares meet the target.
+    /// Returns true if all tiles meet the target.
     pub fn is_met(&self) -> bool {
-        self.done == self.squares
+        self.tiles_converged == self.tiles
     }
 }
 
 impl From<&NoiseProgress> for NoiseStatus {
-    fn from(standing: &NoiseProgress) -> Self {
-        let NoiseProgress {
-            target, tiles: squares, tiles_converged: done, worst_error: worst, ..
-        } = *standing;
-        Self { target, squares, done, worst: worst.is_finite().then_some(worst) }
+    fn from(progress: &NoiseProgress) -> Self {
+        let NoiseProgress { target, tiles, tiles_converged, worst_error, .. } = *progress;
+        Self {
+            target,
+            tiles,
+            tiles_converged,
+            worst_error: worst_error.is_finite().then_some(worst_error),
+        }
     }
 }
 
 /// The message for a missed target.
 impl fmt::Display for NoiseStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { target, squares, done, worst } = self;
+        let Self { target, tiles, tiles_converged, worst_error } = self;
         let target = format_percent(target.error);
         write!(
             f,
-            "the noise target of {target} is not met in {} of {squares} squares; ",
-            squares - done
+            "the noise target of {target} is not met in {} of {tiles} tiles; ",
+            tiles - tiles_converged
         )?;
-        match worst {
-            Some(worst) => write!(f, "the worst has an error of {}", format_percent(*worst)),
+        match worst_error {
+            Some(worst_error) => {
+                write!(f, "the worst has an error of {}", format_percent(*worst_error))
+            }
             None => f.write_str("their errors are not known yet"),
         }
     }
 }
 
 /// Formats a fraction as a percentage with three digits: `1.23 %`.
-pub(crate) fn format_percent(share: f64) -> String {
-    let decimals = match 100.0 * share {
+pub(crate) fn format_percent(fraction: f64) -> String {
+    let decimals = match 100.0 * fraction {
         x if x < 9.995 => 2,
         x if x < 99.95 => 1,
         _ => 0,
     };
-    format!("{:.decimals$} %", 100.0 * share)
+    format!("{:.decimals$} %", 100.0 * fraction)
 }
 
 /// The film's window within the full picture; `None` if the film covers all of it.
@@ -163,7 +164,7 @@ pub fn frame_crop(frame: &FilmFrame) -> Option<CropWindow> {
     })
 }
 
-/// Warnings for the user about a film of this shot.
+/// Warnings for the user about a film of the prepared scene.
 pub fn render_warnings(prepared: &PreparedScene, stats: &RenderStats, film: &Film) -> Vec<String> {
     let mut warnings = Vec::new();
     if prepared.render_settings().clamp_indirect.is_some() {
@@ -175,10 +176,6 @@ pub fn render_warnings(prepared: &PreparedScene, stats: &RenderStats, film: &Fil
             "{count} samples were infinite or not a number and were left out, such as in column {x}, \
              row {y}: please report this"
         ));
-    }
-    if stats.media_overflows > 0 {
-        let count = stats.media_overflows;
-        warnings.push(format!("{count} paths were inside more than 8 dielectric spheres at once"));
     }
     if stats.truncated_paths > 0 {
         let count = stats.truncated_paths;

@@ -1,8 +1,8 @@
 //! Progressive rendering: fills a film pass by pass on all threads of the current pool.
 //!
-//! A pass brings the selected pixels to the end of a block of samples, in tasks of several tiles.
-//! The film is exact, so the picture is bit-identical for any order of pixels and any assignment to
-//! threads.
+//! A pass renders the selected pixels up to the end of a block of samples, in tasks of several
+//! tiles. The film is exact, so the picture is bit-identical for any order of pixels and any
+//! assignment to threads.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -80,12 +80,12 @@ struct ThreadScratch {
     workspace: Workspace,
     samples: Vec<SampleAddress>,
     radiance: Vec<PathRadiance>,
-    /// Samples that each pixel has; then samples that it will get.
+    /// Sample count of each pixel, then the number of samples to add.
     counts: Vec<u32>,
 }
 
 impl<'a> ProgressiveRenderer<'a> {
-    /// Renders into a film of this shot. The film may be empty or hold samples of the same shot.
+    /// Renders into a film of the prepared scene, which may already have samples.
     pub fn new(
         prepared: &'a PreparedScene,
         accel: &'a dyn Accel,
@@ -107,8 +107,9 @@ impl<'a> ProgressiveRenderer<'a> {
         self.counters
     }
 
-    /// Brings the tiles selected by `include` to sample `end` (exclusive), from wherever each of
-    /// them is. Returns true if it got there. If cancelled, every tile ends at a whole block.
+    /// Renders the tiles selected by `include` up to sample `end` (exclusive), whatever their
+    /// current sample counts. Returns true if complete. If cancelled, every tile ends at a whole
+    /// block.
     ///
     /// # Errors
     /// If a pixel is too bright for the film.
@@ -117,16 +118,19 @@ impl<'a> ProgressiveRenderer<'a> {
         end: u32,
         include: &(dyn Fn(usize) -> bool + Sync),
     ) -> Result<bool> {
-        let chosen = (0..self.film.frame().tile_count()).filter(|&tile| include(tile)).collect();
-        let chosen = golden_ratio_order(chosen);
+        let selected = (0..self.film.frame().tile_count()).filter(|&tile| include(tile)).collect();
+        let selected = golden_ratio_order(selected);
         // The first sample that some pixel lacks.
-        while let Some(next) = chosen.iter().map(|&tile| self.next_sample(tile)).min() {
+        while let Some(next) = selected.iter().map(|&tile| self.next_sample(tile)).min() {
             if next >= end {
                 return Ok(true);
             }
-            self.render_pass(&chosen, end.min((next / BLOCK_SIZE + 1).saturating_mul(BLOCK_SIZE)))?;
+            self.render_pass(
+                &selected,
+                end.min((next / BLOCK_SIZE + 1).saturating_mul(BLOCK_SIZE)),
+            )?;
             if self.cancel_token().is_cancelled() {
-                return Ok(chosen.iter().all(|&tile| self.next_sample(tile) >= end));
+                return Ok(selected.iter().all(|&tile| self.next_sample(tile) >= end));
             }
         }
         Ok(true)
@@ -142,7 +146,7 @@ impl<'a> ProgressiveRenderer<'a> {
         self.film.first_sample() + self.film.min_tile_samples(tile)
     }
 
-    /// Brings tiles to sample `end`. No tile is more than one block behind.
+    /// Renders tiles up to sample `end`. No tile is more than one block behind.
     fn render_pass(&self, tiles: &[usize], end: u32) -> Result<()> {
         let pending: Vec<usize> =
             tiles.iter().copied().filter(|&tile| self.next_sample(tile) < end).collect();
@@ -150,16 +154,16 @@ impl<'a> ProgressiveRenderer<'a> {
         let tiles_per_job = BATCH_SAMPLES / (TILE_SIZE[0] * TILE_SIZE[1] * block) as usize;
         pending
             .par_chunks(tiles_per_job.max(1))
-            .try_for_each_init(ThreadScratch::default, |desk, tiles| {
-                self.render_tiles(desk, tiles, end)
+            .try_for_each_init(ThreadScratch::default, |scratch, tiles| {
+                self.render_tiles(scratch, tiles, end)
             })
     }
 
-    fn render_tiles(&self, desk: &mut ThreadScratch, tiles: &[usize], end: u32) -> Result<()> {
+    fn render_tiles(&self, scratch: &mut ThreadScratch, tiles: &[usize], end: u32) -> Result<()> {
         if self.cancel_token().is_cancelled() {
             return Ok(());
         }
-        let ThreadScratch { workspace, samples, radiance, counts } = desk;
+        let ThreadScratch { workspace, samples, radiance, counts } = scratch;
         samples.clear();
         counts.clear();
         let first = self.film.first_sample();
@@ -169,9 +173,9 @@ impl<'a> ProgressiveRenderer<'a> {
             for (count, [x, y]) in
                 counts[begin..].iter_mut().zip(self.film.frame().tile(tile).pixel_coords())
             {
-                let lacks = first + *count..end;
-                *count = lacks.len() as u32;
-                samples.extend(lacks.map(|sample| SampleAddress { x, y, sample }));
+                let missing = first + *count..end;
+                *count = missing.len() as u32;
+                samples.extend(missing.map(|sample| SampleAddress { x, y, sample }));
             }
         }
         radiance.clear();
@@ -181,7 +185,7 @@ impl<'a> ProgressiveRenderer<'a> {
         );
         let stats = self.integrator.estimate(self.context, samples, radiance, workspace);
         if self.cancel_token().is_cancelled() {
-            return Ok(()); // stopped half-way: what there is of these samples is not used
+            return Ok(()); // the samples are incomplete
         }
         self.add_to_film(
             tiles,
@@ -196,19 +200,20 @@ impl<'a> ProgressiveRenderer<'a> {
     fn add_to_film(&self, tiles: &[usize], counts: &[u32], samples: SampleRun<'_>) -> Result<()> {
         let (mut counts, mut samples) = (counts, samples);
         for &tile in tiles {
-            let (own, others) = counts.split_at(self.film.frame().tile(tile).pixel_count());
-            let many: u32 = own.iter().sum();
-            let (values, rest) = samples.split_at(many as usize);
-            self.film.add(tile, own, values)?;
-            (counts, samples) = (others, rest);
+            let (tile_counts, other_counts) =
+                counts.split_at(self.film.frame().tile(tile).pixel_count());
+            let sample_count: u32 = tile_counts.iter().sum();
+            let (values, rest) = samples.split_at(sample_count as usize);
+            self.film.add(tile, tile_counts, values)?;
+            (counts, samples) = (other_counts, rest);
         }
         Ok(())
     }
 }
 
 /// Orders the tiles in steps of about the golden ratio of their number, so that any consecutive run
-/// of them is spread over the picture. The progress within a pass then predicts the rest of it,
-/// however much the regions of the picture differ.
+/// of them is spread over the picture. The progress within a pass then predicts the rest of the
+/// pass, even if the cost varies over the picture.
 fn golden_ratio_order(tiles: Vec<usize>) -> Vec<usize> {
     let count = tiles.len();
     let has_common_factor = |step: usize| {

@@ -71,9 +71,9 @@ pub(super) struct RunGuard<'a>(&'a RenderState);
 impl Drop for RunGuard<'_> {
     fn drop(&mut self) {
         let state = self.0;
-        let mut timing = lock(&state.clock);
-        if let Some(since) = timing.running_since.take() {
-            timing.elapsed += since.elapsed();
+        let mut clock = lock(&state.clock);
+        if let Some(since) = clock.running_since.take() {
+            clock.elapsed += since.elapsed();
         }
         // Abandoned threads still hold the old token.
         *lock(&state.stop_token) = CancelToken::default();
@@ -90,7 +90,7 @@ impl RenderState {
     /// Renders until the job is done or cancelled. Returns true if it is done.
     pub(super) fn render(&self) -> Result<bool> {
         let stop = self.stop_token();
-        let passes = ProgressiveRenderer::new(
+        let renderer = ProgressiveRenderer::new(
             &self.prepared,
             &*self.accel,
             &self.film,
@@ -98,19 +98,22 @@ impl RenderState {
             &stop,
         );
         match self.job.until.noise {
-            None => passes.render_to_sample(self.samples.end, &|_| true),
+            None => renderer.render_to_sample(self.samples.end, &|_| true),
             Some(target) => {
-                let tell = |standing: &NoiseProgress| self.set_noise_progress(standing.clone());
-                render_adaptive(&passes, target, self.samples.end, &tell).map(|(_, ended)| ended)
+                let on_progress = |noise_progress: &NoiseProgress| {
+                    self.set_noise_progress(noise_progress.clone())
+                };
+                render_adaptive(&renderer, target, self.samples.end, &on_progress)
+                    .map(|(_, is_done)| is_done)
             }
         }
     }
 
-    /// The outcome of a run. `ended` is true if the job is done and was not only stopped.
-    pub(super) fn outcome(&self, ended: bool) -> RunOutcome {
+    /// The outcome of a run. `is_done` is true if the job is done and was not only stopped.
+    pub(super) fn outcome(&self, is_done: bool) -> RunOutcome {
         let noise = self.noise_progress().as_ref().map(NoiseStatus::from);
         let is_met = noise.is_none_or(|noise| noise.is_met());
-        let end = match (ended, self.is_timed_out.load(Ordering::Relaxed)) {
+        let end = match (is_done, self.is_timed_out.load(Ordering::Relaxed)) {
             (true, _) if is_met => StopReason::Finished,
             (true, _) => StopReason::NoiseTargetMissed,
             (false, true) => StopReason::TimeLimit,
@@ -119,8 +122,8 @@ impl RenderState {
         RunOutcome { stop_reason: end, noise, error: self.estimate_error() }
     }
 
-    fn set_noise_progress(&self, standing: NoiseProgress) {
-        *lock(&self.noise_progress) = Some(standing);
+    fn set_noise_progress(&self, noise_progress: NoiseProgress) {
+        *lock(&self.noise_progress) = Some(noise_progress);
     }
 
     pub(super) fn noise_progress(&self) -> Option<NoiseProgress> {
@@ -134,10 +137,10 @@ impl RenderState {
     pub(super) fn start_clock(&self) -> Result<RunGuard<'_>> {
         if self.is_abandoned.load(Ordering::Relaxed) {
             let message = "threads of a run that was stopped are still rendering";
-            return Err(Error::input(message).with_help("save a checkpoint, and resume that"));
+            return Err(Error::input(message).with_help("save a checkpoint and resume it"));
         }
         if self.is_running.swap(true, Ordering::AcqRel) {
-            return Err(Error::input("this session is running already"));
+            return Err(Error::input("this session is already running"));
         }
         self.is_timed_out.store(false, Ordering::Relaxed);
         lock(&self.clock).running_since = Some(Instant::now());
@@ -160,8 +163,8 @@ impl RenderState {
 
     /// Render time in this session.
     pub(super) fn elapsed(&self) -> Duration {
-        let timing = lock(&self.clock);
-        timing.elapsed + timing.running_since.map_or(Duration::ZERO, |since| since.elapsed())
+        let clock = lock(&self.clock);
+        clock.elapsed + clock.running_since.map_or(Duration::ZERO, |since| since.elapsed())
     }
 
     /// Render time of all sessions, in seconds.
@@ -176,8 +179,8 @@ impl RenderState {
 
     /// Statistics of this session and earlier ones.
     pub(super) fn stats(&self) -> RenderStats {
-        let CumulativeStats { rays, media_overflows, cut_off, .. } = self.previous;
-        self.counters.stats() + RenderStats { rays, media_overflows, truncated_paths: cut_off }
+        let CumulativeStats { rays, truncated_paths, .. } = self.previous;
+        self.counters.stats() + RenderStats { rays, truncated_paths }
     }
 
     pub(super) fn estimate_error(&self) -> Option<f64> {
@@ -202,29 +205,26 @@ impl RenderState {
             command: self.command.clone(),
             scene_file: source
                 .and_then(|source| source.file.as_ref())
-                .map(|file| std::fs::canonicalize(file).unwrap_or_else(|_| file.clone())),
+                .map(|file| std::path::absolute(file).unwrap_or_else(|_| file.clone())),
             scene_text: source.and_then(|source| source.text.clone()),
         };
         let metadata = Metadata { run: Some(run), ..self.metadata.clone() };
         metadata.with_samples(samples, counts, MergedSamples::default())
     }
 
-    pub(super) fn write_checkpoint(
-        &self,
-        file: &AtomicFile,
-        reached: Option<&RunOutcome>,
-    ) -> Result<()> {
+    /// The header of a checkpoint. `outcome` is the outcome if the render has ended.
+    pub(super) fn checkpoint_header(&self, outcome: Option<&RunOutcome>) -> CheckpointHeader {
         let mut metadata = self.metadata(&self.film);
         metadata.layers = Some(self.job.layers.clone());
-        let is_ended = |reached: &&RunOutcome| {
-            !matches!(reached.stop_reason, StopReason::Stopped | StopReason::Failed)
+        let is_ended = |outcome: &&RunOutcome| {
+            !matches!(outcome.stop_reason, StopReason::Stopped | StopReason::Failed)
         };
-        let status = reached.filter(is_ended).map_or(RenderStatus::Unfinished, |reached| {
+        let status = outcome.filter(is_ended).map_or(RenderStatus::Unfinished, |outcome| {
             RenderStatus::Ended {
-                missed: reached.noise.filter(|noise| !noise.is_met()).into_iter().collect(),
+                missed_targets: outcome.noise.filter(|noise| !noise.is_met()).into_iter().collect(),
             }
         });
-        let RenderStats { rays, media_overflows, truncated_paths: cut_off } = self.stats();
+        let RenderStats { rays, truncated_paths } = self.stats();
         let scene = self.prepared.scene();
         let source = scene.source().map(|source| {
             let mut source = source.clone();
@@ -232,23 +232,26 @@ impl RenderState {
             source.file = source.file.map(|file| std::path::absolute(&file).unwrap_or(file));
             source
         });
-        let header = CheckpointHeader {
+        CheckpointHeader {
             film: self.film.format(),
             samples: self.samples.clone(),
             job: self.job.clone(),
             metadata,
             status,
-            statistics: CumulativeStats {
-                rays,
-                seconds: self.total_seconds(),
-                media_overflows,
-                cut_off,
-            },
+            statistics: CumulativeStats { rays, seconds: self.total_seconds(), truncated_paths },
             transparent: scene.description().background.transparent,
             source,
-            delivery: self.output.clone(),
-        };
-        write_checkpoint(file, &self.film, &header)
+            output: self.output.clone(),
+        }
+    }
+
+    /// Writes the samples so far. `outcome` is the outcome if the render has ended.
+    pub(super) fn write_checkpoint(
+        &self,
+        file: &AtomicFile,
+        outcome: Option<&RunOutcome>,
+    ) -> Result<()> {
+        write_checkpoint(file, &self.film, &self.checkpoint_header(outcome))
     }
 
     /// Remaining time of the job's time limit, counted over all its runs; `None` without a limit.
@@ -269,7 +272,7 @@ impl RenderState {
         if self.should_stop() {
             return;
         }
-        let is_up = self.time_left().is_some_and(|left| left.is_zero());
+        let is_up = self.time_left().is_some_and(|time_left| time_left.is_zero());
         if is_up && self.counters.samples_done() >= self.min_samples() {
             self.is_timed_out.store(true, Ordering::Relaxed);
             self.stop_token().cancel();
@@ -279,31 +282,34 @@ impl RenderState {
     /// Progress of the render. `error` is the last error estimate.
     pub(super) fn progress(&self, error: Option<f64>) -> RenderProgress {
         let done = self.counters.samples_done().max(self.initial_samples);
-        let standing = self.noise_progress();
-        let mut total = match &standing {
-            Some(standing) => standing.expected_samples.clone(),
+        let noise_progress = self.noise_progress();
+        let mut total = match &noise_progress {
+            Some(noise_progress) => noise_progress.expected_samples.clone(),
             None => {
                 let total = self.counters.samples_total();
                 total..total
             }
         };
         let (elapsed, samples) = (self.elapsed(), done - self.initial_samples);
-        let rest = self.time_left();
-        if let Some(rest) = rest {
-            let in_time = done + eta::expected_samples(rest, samples, elapsed);
-            total = eta::total_at_deadline(&total, in_time, self.min_samples());
+        let time_left = self.time_left();
+        if let Some(time_left) = time_left {
+            let expected = done + eta::expected_samples(time_left, samples, elapsed);
+            total = eta::total_at_deadline(&total, expected, self.min_samples());
         }
-        let left = total.start.saturating_sub(done)..total.end.saturating_sub(done);
-        let estimate = Eta { elapsed, samples, samples_left: left };
+        let samples_left = total.start.saturating_sub(done)..total.end.saturating_sub(done);
+        let estimate = Eta { elapsed, samples, samples_left };
         // The time left is unknown before the first noise decisions.
-        let is_known = standing.as_ref().is_none_or(|standing| standing.worst_error.is_finite());
+        let is_known = noise_progress
+            .as_ref()
+            .is_none_or(|noise_progress| noise_progress.worst_error.is_finite());
         RenderProgress {
             samples_done: done,
             samples_total: total.end,
             rate: estimate.rate(),
             error,
-            tiles_converged: standing.map(|standing| [standing.tiles_converged, standing.tiles]),
-            time_left: estimate.time_left().filter(|_| is_known || rest.is_some()),
+            tiles_converged: noise_progress
+                .map(|noise_progress| [noise_progress.tiles_converged, noise_progress.tiles]),
+            time_left: estimate.time_left().filter(|_| is_known || time_left.is_some()),
         }
     }
 }

@@ -13,8 +13,9 @@ use crate::task::CancelToken;
 
 use super::aovs::develop;
 use super::film_format::format_for_scene;
-use super::metadata::{Metadata, for_each_file};
+use super::metadata::Metadata;
 use super::progressive::{Counters, ProgressiveRenderer};
+pub use super::recorded::ReproductionCost;
 use super::samples::{SampleRange, TileSampleCounts, WindowSamples};
 
 /// Options for [`reproduce`].
@@ -58,12 +59,13 @@ pub fn read_metadata(path: &Path) -> Result<Metadata> {
 /// total, from any thread.
 ///
 /// # Errors
-/// If the scene has changed or cannot be rendered.
+/// If the record is impossible, or if the scene has changed or cannot be rendered.
 pub fn reproduce(
     recorded: &Metadata,
     options: &ReproduceOptions,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Reproduction> {
+    let cost = ReproductionCost::of(recorded)?;
     let scene = rebuild_scene(recorded, options)?;
     let prepared = PreparedScene::new(&scene, recorded.settings)?;
     let backend = choose_backend(recorded, options)?;
@@ -71,81 +73,72 @@ pub fn reproduce(
     let build = BuildOptions { threads, cancel: options.cancel.clone(), ..Default::default() };
     let accel = backend.build(scene.spheres(), &build)?;
     let layers = recorded.layers.clone().unwrap_or_default();
-    let work = Reproducer {
+    let reproducer = Reproducer {
         prepared: &prepared,
         accel: accel.as_ref(),
         format: format_for_scene(&prepared, &layers),
         cancel: &options.cancel,
         progress,
-        samples_total: total_samples(recorded),
+        samples_total: cost.samples,
         samples_done: AtomicU64::new(0),
     };
-    let film = work.film(recorded)?;
+    let film = reproducer.film(recorded)?;
     let picture = develop(&prepared, accel.as_ref(), &film, &layers);
     Ok(Reproduction { picture, film, metadata: Metadata::new(&prepared, backend) })
 }
 
 /// Rebuilds the scene of a picture with its files in the given folder.
-fn rebuild_scene(then: &Metadata, again: &ReproduceOptions) -> Result<Scene> {
-    let Some(named) = then.scene.clone() else {
-        return Err(Error::input("the scene was too long for the picture")
+fn rebuild_scene(recorded: &Metadata, options: &ReproduceOptions) -> Result<Scene> {
+    let Some(recorded_scene) = recorded.scene.clone() else {
+        return Err(Error::input("the scene was too large to be stored in the picture")
             .with_help("render the scene file again, and compare the two pictures"));
     };
-    let mut description = named.clone();
-    for_each_file(&mut description, |file| *file = again.folder.join(&*file));
+    let mut description = recorded_scene.clone();
+    description.for_each_file(|file| *file = options.folder.join(&*file));
     let scene = Scene::build(description)?;
-    if scene.content_hash() == then.scene_identity {
+    if scene.content_hash() == recorded.scene_identity {
         // Record the file names as the picture gives them, not where they were found.
-        return Ok(scene.with_description(named));
+        return Ok(scene.with_description(recorded_scene));
     }
-    let is_changed = |said: &&crate::scene::FileHash| {
-        let file = again.folder.join(&said.file);
+    let is_changed = |file_hash: &&crate::scene::FileHash| {
+        let file = options.folder.join(&file_hash.file);
         let found = scene.files().iter().find(|found| found.file == file);
-        found.is_some_and(|found| found.hash != said.hash)
+        found.is_some_and(|found| found.hash != file_hash.hash)
     };
-    let changed: Vec<String> = then
+    let changed: Vec<String> = recorded
         .files
         .iter()
         .filter(is_changed)
-        .map(|said| format!("`{}`", again.folder.join(&said.file).display()))
+        .map(|file_hash| format!("`{}`", options.folder.join(&file_hash.file).display()))
         .collect();
     if changed.is_empty() {
-        let (then, now) = (&then.version, super::VERSION);
+        let (version, own_version) = (&recorded.version, super::VERSION);
         let message = format!(
-            "the scene of the picture is not what it was: it was made by version {then}, and this is {now}"
+            "this version reads the scene of the picture differently: version {version} made it, and this is {own_version}"
         );
         return Err(Error::input(message));
     }
     let verb = if changed.len() == 1 { "is" } else { "are" };
     let message = format!("{} {verb} not what the picture was made of", changed.join(", "));
     Err(Error::input(message)
-        .with_help("name the folder where the files are as they were")
+        .with_help("name the folder that has the original files")
         .with_suggestion(Suggestion::Folder, ""))
 }
 
-fn choose_backend(then: &Metadata, again: &ReproduceOptions) -> Result<Backend> {
-    if let Some(backend) = again.backend {
+fn choose_backend(recorded: &Metadata, options: &ReproduceOptions) -> Result<Backend> {
+    if let Some(backend) = options.backend {
         return Ok(backend);
     }
-    let backend = then.intersector.backend;
+    let backend = recorded.intersector;
     if Backend::AVAILABLE.contains(&backend) {
         return Ok(backend);
     }
     Err(Error::backend(format!(
-        "the picture was made with `{}`, which this build has not",
+        "the picture was made with `{}`, which this build does not include",
         backend.name()
     ))
-    .with_help("take another intersector and see by how much it differs")
+    .with_help("use another intersector and compare the pictures")
     .with_suggestion(Suggestion::Intersector, "native"))
-}
-
-/// Approximate number of samples to render.
-fn total_samples(then: &Metadata) -> u64 {
-    let of = |window: crate::math::Rect, most: u32| window.pixel_count() as u64 * u64::from(most);
-    if then.parts.is_empty() {
-        return of(then.settings.image.pixel_bounds(), then.samples.most);
-    }
-    then.parts.0.iter().map(|share| of(share.window, share.samples.most)).sum()
 }
 
 /// Renders the samples that a picture has.
@@ -164,15 +157,15 @@ struct Reproducer<'a> {
 impl Reproducer<'_> {
     /// Renders a film with the same samples per pixel as the picture. For a picture merged with
     /// gaps, each part is rendered separately.
-    fn film(&self, then: &Metadata) -> Result<Film> {
-        let first_sample = then.samples.first;
-        if then.parts.is_empty() {
+    fn film(&self, recorded: &Metadata) -> Result<Film> {
+        let first_sample = recorded.samples.first;
+        if recorded.parts.is_empty() {
             let film = Film::new(&FilmFormat { first_sample, ..self.format.clone() })?;
-            self.fill(&film, &then.samples, &then.counts)?;
+            self.fill(&film, &recorded.samples, &recorded.counts)?;
             return Ok(film);
         }
         let mut sum = Film::new_lazy(&FilmFormat { first_sample, ..self.format.clone() });
-        for &WindowSamples { window, samples, ref counts } in &then.parts.0 {
+        for &WindowSamples { window, samples, ref counts } in &recorded.parts.0 {
             let frame = FilmFrame { window, ..self.format.frame };
             let format = FilmFormat { frame, first_sample: samples.first, ..self.format.clone() };
             let film = Film::new(&format)?;
@@ -186,15 +179,15 @@ impl Reproducer<'_> {
     /// Fills a film. If a noise target, a time limit or a signal ended the render, tiles have
     /// different numbers of samples, and `counts` holds the number for each tile.
     fn fill(&self, film: &Film, samples: &SampleRange, counts: &TileSampleCounts) -> Result<()> {
-        let SampleRange { first, fewest, most } = *samples;
+        let SampleRange { first, min_count, max_count } = *samples;
         let tiles = film.frame().tile_count();
         let counts = match counts.0.as_slice() {
-            [] if fewest == most => vec![most; tiles],
+            [] if min_count == max_count => vec![max_count; tiles],
             counts if counts.len() == tiles => counts.to_vec(),
             _ => return Err(missing_counts()),
         };
         let counters = Counters::new(film, self.samples_total);
-        let passes =
+        let renderer =
             ProgressiveRenderer::new(self.prepared, self.accel, film, &counters, self.cancel);
         let mut steps = counts.clone();
         steps.sort_unstable();
@@ -206,7 +199,7 @@ impl Reproducer<'_> {
                 end = (end / crate::film::BLOCK_SIZE + 1)
                     .saturating_mul(crate::film::BLOCK_SIZE)
                     .min(first + step);
-                passes.render_to_sample(end, &|tile| counts[tile] >= step)?;
+                renderer.render_to_sample(end, &|tile| counts[tile] >= step)?;
                 self.cancel.check()?;
                 let done = self.samples_done.load(Ordering::Relaxed) + counters.samples_done();
                 (self.progress)(done, self.samples_total);
@@ -217,10 +210,10 @@ impl Reproducer<'_> {
 }
 
 fn missing_counts() -> Error {
-    let what = "it cannot be rendered again: pixels of one tile have different numbers of samples, and the \
-                picture does not say which";
-    Error::input(what).with_help(
-        "that is so where parts whose windows cut tiles were resumed after a merge, and in pictures of \
+    let message = "it cannot be reproduced: pixels of one tile have different numbers of samples, and the \
+                picture does not record them";
+    Error::input(message).with_help(
+        "this happens if parts whose windows cut tiles were resumed after a merge, and in pictures of \
          older versions of photosphere",
     )
 }

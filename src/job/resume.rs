@@ -22,52 +22,58 @@ pub(super) fn load_film(
     samples: &Range<u32>,
     job: &Job,
 ) -> Result<(Film, CumulativeStats)> {
-    let path = checkpoint.path().to_path_buf();
-    let refused = |what: String| {
-        Error::input(format!("cannot resume `{}`: {what}", path.display()))
-            .with_help("name another file, or remove this one to start anew")
+    let path = checkpoint.path().map(|path| format!("`{}`", path.display()));
+    let error = |reason: String| match &path {
+        Some(path) => Error::input(format!("cannot resume {path}: {reason}"))
+            .with_help("name another file, or remove this one to start over"),
+        None => Error::input(format!("cannot resume the checkpoint: {reason}")),
     };
     let header = checkpoint.header().clone();
-    check_matches((&header.metadata, &header.film), (metadata, format)).map_err(refused)?;
+    check_matches((&header.metadata, &header.film), (metadata, format)).map_err(error)?;
     let film = checkpoint.into_film()?;
-    check_can_continue(&film, header.job.until.noise, samples, job).map_err(refused)?;
+    check_can_continue(&film, header.job.until.noise, samples, job).map_err(error)?;
     Ok((film, header.statistics))
 }
 
-/// Rejects a job that asks for less than the film holds. `then` is the film's noise target.
+/// Rejects a job that asks for less than the film holds. `recorded_target` is the film's noise
+/// target.
 ///
 /// # Errors
 /// Describes what the job lacks.
 pub(super) fn check_can_continue(
     film: &Film,
-    then: Option<NoiseTarget>,
+    recorded_target: Option<NoiseTarget>,
     samples: &Range<u32>,
     job: &Job,
 ) -> std::result::Result<(), String> {
-    let most = film.sample_count_range().1;
-    let now = job.until.noise;
-    if now.is_some_and(|now| most > MIN_ADAPTIVE_SAMPLES && !is_at_least_as_strict(now, then)) {
-        let words = |noise: Option<NoiseTarget>| {
+    let max_count = film.sample_count_range().1;
+    let target = job.until.noise;
+    if target.is_some_and(|target| {
+        max_count > MIN_ADAPTIVE_SAMPLES && !is_at_least_as_strict(target, recorded_target)
+    }) {
+        let describe = |noise: Option<NoiseTarget>| {
             noise.map_or("none".to_owned(), |target| target.to_string())
         };
-        let (then, now) = (words(then), words(now));
+        let (recorded_target, target) = (describe(recorded_target), describe(target));
         return Err(format!(
-            "its noise target was {then}, and some squares are beyond {now} already"
+            "its noise target was {recorded_target}, and some tiles already have more samples than {target} needs"
         ));
     }
-    if most > samples.len() as u32 {
-        let (has, asked) = (samples.start + most, samples.end);
+    if max_count > samples.len() as u32 {
+        let (end, requested) = (samples.start + max_count, samples.end);
         return Err(format!(
-            "it has samples up to {has}, more than the {asked} that are asked for"
+            "it has samples up to {end}, more than the {requested} that are requested"
         ));
     }
     Ok(())
 }
 
-/// Returns true if `now` is at least as strict as `then`. Every decision to continue under `then`
-/// is then also valid under `now`.
-fn is_at_least_as_strict(now: NoiseTarget, then: Option<NoiseTarget>) -> bool {
-    then.is_some_and(|then| now.confidence == then.confidence && now.error <= then.error)
+/// Returns true if `target` is at least as strict as `recorded_target`. Every decision to continue
+/// under `recorded_target` is then also valid under `target`.
+fn is_at_least_as_strict(target: NoiseTarget, recorded_target: Option<NoiseTarget>) -> bool {
+    recorded_target.is_some_and(|recorded_target| {
+        target.confidence == recorded_target.confidence && target.error <= recorded_target.error
+    })
 }
 
 /// Rejects samples of another render.
@@ -75,21 +81,26 @@ fn is_at_least_as_strict(now: NoiseTarget, then: Option<NoiseTarget>) -> bool {
 /// # Errors
 /// Describes the difference.
 pub(super) fn check_matches(
-    (then, their_film): (&Metadata, &FilmFormat),
-    (now, our_film): (&Metadata, &FilmFormat),
+    (recorded, recorded_film): (&Metadata, &FilmFormat),
+    (requested, film): (&Metadata, &FilmFormat),
 ) -> std::result::Result<(), String> {
-    if (then.scene_identity, then.job_identity) != (now.scene_identity, now.job_identity) {
-        return Err(format!("it is of another render: {}", then.describe_difference(now)));
-    }
-    if their_film.frame != our_film.frame {
-        let (theirs, ours) = (their_film.frame.window, our_film.frame.window);
-        return Err(format!("it is of the crop {theirs}, not {ours}"));
-    }
-    if their_film.first_sample != our_film.first_sample {
+    if (recorded.scene_identity, recorded.job_identity)
+        != (requested.scene_identity, requested.job_identity)
+    {
         return Err(format!(
-            "its samples start at {}, not at {}",
-            their_film.first_sample, our_film.first_sample
+            "it belongs to another render: {}",
+            recorded.describe_difference(requested)
         ));
     }
-    (their_film == our_film).then_some(()).ok_or_else(|| "it keeps other layers".to_owned())
+    if recorded_film.frame != film.frame {
+        let (recorded_crop, crop) = (recorded_film.frame.window, film.frame.window);
+        return Err(format!("its crop is {recorded_crop}, not {crop}"));
+    }
+    if recorded_film.first_sample != film.first_sample {
+        return Err(format!(
+            "its samples start at {}, not at {}",
+            recorded_film.first_sample, film.first_sample
+        ));
+    }
+    (recorded_film == film).then_some(()).ok_or_else(|| "it has different layers".to_owned())
 }

@@ -16,9 +16,9 @@ pub struct SampleRange {
     /// First sample index of every pixel.
     pub first: u32,
     /// Minimum number of samples over all pixels.
-    pub fewest: u32,
+    pub min_count: u32,
     /// Maximum number of samples over all pixels.
-    pub most: u32,
+    pub max_count: u32,
 }
 
 /// Samples per pixel in each film tile, in tile order; empty if all tiles have the same.
@@ -48,22 +48,22 @@ pub struct MergedSamples(pub Vec<WindowSamples>);
 impl SampleRange {
     /// The first `count` samples of every pixel.
     pub fn first_n(count: u32) -> Self {
-        Self { first: 0, fewest: count, most: count }
+        Self { first: 0, min_count: count, max_count: count }
     }
 
     /// The samples of a film, starting at `first`.
     pub fn from_film(film: &Film, first: u32) -> Self {
-        let (fewest, most) = film.sample_count_range();
-        Self { first, fewest, most }
+        let (min_count, max_count) = film.sample_count_range();
+        Self { first, min_count, max_count }
     }
 }
 
 /// `0..64`, or `0..64 to 512` if pixels have from 64 to 512 samples.
 impl fmt::Display for SampleRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { first, fewest, most } = self;
-        write!(f, "{first}..{}", first + fewest)?;
-        if most > fewest { write!(f, " to {}", first + most) } else { Ok(()) }
+        let Self { first, min_count, max_count } = self;
+        write!(f, "{first}..{}", first + min_count)?;
+        if max_count > min_count { write!(f, " to {}", first + max_count) } else { Ok(()) }
     }
 }
 
@@ -108,10 +108,10 @@ impl From<Vec<(u32, u32)>> for TileSampleCounts {
 impl fmt::Display for TileSampleCounts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, run) in self.0.chunk_by(|a, b| a == b).enumerate() {
-            let gap = if index > 0 { " " } else { "" };
+            let separator = if index > 0 { " " } else { "" };
             match run.len() {
-                1 => write!(f, "{gap}{}", run[0])?,
-                tiles => write!(f, "{gap}{tiles}x{}", run[0])?,
+                1 => write!(f, "{separator}{}", run[0])?,
+                tiles => write!(f, "{separator}{tiles}x{}", run[0])?,
             }
         }
         Ok(())
@@ -120,12 +120,12 @@ impl fmt::Display for TileSampleCounts {
 
 impl WindowSamples {
     fn is_uniform(&self) -> bool {
-        self.samples.fewest == self.samples.most
+        self.samples.min_count == self.samples.max_count
     }
 
     /// Returns true if `other` has the same window and continues where this range ends.
     fn is_continued_by(&self, other: &Self) -> bool {
-        let is_next = other.samples.first == self.samples.first + self.samples.most;
+        let is_next = other.samples.first == self.samples.first + self.samples.max_count;
         self.window == other.window && self.is_uniform() && other.is_uniform() && is_next
     }
 }
@@ -134,18 +134,18 @@ impl MergedSamples {
     /// Sorts parts by window and samples, joins consecutive ones, and drops empty ones, so that the
     /// result does not depend on how the work was divided.
     pub fn new(mut all: Vec<WindowSamples>) -> Self {
-        all.retain(|share| share.samples.most > 0);
+        all.retain(|part| part.samples.max_count > 0);
         all.sort_by_key(|WindowSamples { window: w, samples, .. }| {
             (w.y, w.x, w.height, w.width, samples.first)
         });
         let mut kept: Vec<WindowSamples> = Vec::new();
-        for share in all {
+        for part in all {
             match kept.last_mut() {
-                Some(last) if last.is_continued_by(&share) => {
-                    last.samples.fewest += share.samples.most;
-                    last.samples.most += share.samples.most;
+                Some(last) if last.is_continued_by(&part) => {
+                    last.samples.min_count += part.samples.max_count;
+                    last.samples.max_count += part.samples.max_count;
                 }
-                _ => kept.push(share),
+                _ => kept.push(part),
             }
         }
         Self(kept)
@@ -158,23 +158,23 @@ impl MergedSamples {
 
     /// Returns true if every part covers the window `whole` with a uniform number of samples.
     pub(super) fn all_cover(&self, whole: &Rect) -> bool {
-        self.0.iter().all(|share| share.window == *whole && share.is_uniform())
+        self.0.iter().all(|part| part.window == *whole && part.is_uniform())
     }
 
-    /// The smallest range that holds all samples. `fewest` is the minimum over the parts.
+    /// The smallest range that holds all samples. `min_count` is the minimum over the parts.
     pub fn bounding_range(&self) -> SampleRange {
-        let ends = |share: &WindowSamples| share.samples.first + share.samples.most;
-        let first = self.0.iter().map(|share| share.samples.first).min().unwrap_or(0);
+        let ends = |part: &WindowSamples| part.samples.first + part.samples.max_count;
+        let first = self.0.iter().map(|part| part.samples.first).min().unwrap_or(0);
         let end = self.0.iter().map(ends).max().unwrap_or(first);
-        let fewest = self.0.iter().map(|share| share.samples.fewest).min().unwrap_or(0);
-        SampleRange { first, fewest, most: end - first }
+        let min_count = self.0.iter().map(|part| part.samples.min_count).min().unwrap_or(0);
+        SampleRange { first, min_count, max_count: end - first }
     }
 
     /// The indices of all samples that some pixel has, as in `0..16, 32..64`.
     pub(super) fn ranges_to_string(&self) -> String {
-        let range = |share: &WindowSamples| {
-            let SampleRange { first, most, .. } = share.samples;
-            first..first + most
+        let range = |part: &WindowSamples| {
+            let SampleRange { first, max_count, .. } = part.samples;
+            first..first + max_count
         };
         let mut ranges: Vec<_> = self.0.iter().map(range).collect();
         ranges.sort_by_key(|range| range.start);
@@ -185,9 +185,9 @@ impl MergedSamples {
                 _ => joined.push(range),
             }
         }
-        let words: Vec<String> =
+        let texts: Vec<String> =
             joined.iter().map(|range| format!("{}..{}", range.start, range.end)).collect();
-        words.join(", ")
+        texts.join(", ")
     }
 }
 
@@ -195,8 +195,8 @@ impl MergedSamples {
 impl fmt::Display for MergedSamples {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, WindowSamples { window, samples, counts }) in self.0.iter().enumerate() {
-            let gap = if index > 0 { "\n" } else { "" };
-            write!(f, "{gap}{window}: {samples}")?;
+            let separator = if index > 0 { "\n" } else { "" };
+            write!(f, "{separator}{window}: {samples}")?;
             if !counts.is_uniform() {
                 write!(f, ": {counts}")?;
             }
@@ -209,9 +209,9 @@ impl fmt::Display for MergedSamples {
 mod tests {
     use super::*;
 
-    fn share(x: u32, first: u32, count: u32) -> WindowSamples {
+    fn part(x: u32, first: u32, count: u32) -> WindowSamples {
         let window = Rect { x, y: 2, width: 9, height: 12 };
-        let samples = SampleRange { first, fewest: count, most: count };
+        let samples = SampleRange { first, min_count: count, max_count: count };
         WindowSamples { window, samples, counts: TileSampleCounts::default() }
     }
 
@@ -228,15 +228,15 @@ mod tests {
 
     #[test]
     fn shares_that_follow_one_another_are_one_and_are_read_back() {
-        let all = vec![share(9, 32, 32), share(0, 16, 16), share(0, 0, 16), share(0, 48, 0)];
-        let mut shares = MergedSamples::new(all);
-        assert_eq!(shares.to_string(), "0,2,9,14: 0..32\n9,2,18,14: 32..64");
-        assert_eq!(shares.ranges_to_string(), "0..64");
-        assert_eq!(shares.bounding_range(), SampleRange { first: 0, fewest: 32, most: 64 });
-        shares.0[1].samples = SampleRange { first: 96, fewest: 16, most: 64 };
-        shares.0[1].counts = TileSampleCounts(vec![16, 64, 64]);
-        assert_eq!(shares.ranges_to_string(), "0..32, 96..160");
-        let text = serde_json::to_string(&shares).unwrap();
-        assert_eq!(serde_json::from_str::<MergedSamples>(&text).unwrap(), shares);
+        let all = vec![part(9, 32, 32), part(0, 16, 16), part(0, 0, 16), part(0, 48, 0)];
+        let mut parts = MergedSamples::new(all);
+        assert_eq!(parts.to_string(), "0,2,9,14: 0..32\n9,2,18,14: 32..64");
+        assert_eq!(parts.ranges_to_string(), "0..64");
+        assert_eq!(parts.bounding_range(), SampleRange { first: 0, min_count: 32, max_count: 64 });
+        parts.0[1].samples = SampleRange { first: 96, min_count: 16, max_count: 64 };
+        parts.0[1].counts = TileSampleCounts(vec![16, 64, 64]);
+        assert_eq!(parts.ranges_to_string(), "0..32, 96..160");
+        let text = serde_json::to_string(&parts).unwrap();
+        assert_eq!(serde_json::from_str::<MergedSamples>(&text).unwrap(), parts);
     }
 }

@@ -1,5 +1,5 @@
-//! A render session, which owns everything it needs. Any thread can run, watch, stop, extend, save
-//! and resume it.
+//! A render session, which owns everything it needs. Any thread can run, monitor, stop, extend,
+//! save and resume it.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::scene::{PreparedScene, Scene};
 use crate::task::CancelToken;
 
 use super::aovs::develop;
-use super::checkpoint::{Checkpoint, CumulativeStats, OutputSpec};
+use super::checkpoint::{Checkpoint, CumulativeStats, OutputSpec, encode_checkpoint};
 use super::film_format::format_for_scene;
 use super::metadata::Metadata;
 use super::monitor::{self, Autosave};
@@ -58,8 +58,8 @@ impl Session {
     /// # Errors
     /// If the job is invalid, the film does not fit into memory, or the intersector cannot be
     /// built.
-    pub fn new(scene: &Scene, job: Job, opening: SessionOptions) -> Result<Self> {
-        Self::create(scene, job, None, opening)
+    pub fn new(scene: &Scene, job: Job, options: SessionOptions) -> Result<Self> {
+        Self::create(scene, job, None, options)
     }
 
     /// Opens a render that continues from a checkpoint. The job may ask for more samples or less
@@ -72,29 +72,28 @@ impl Session {
         scene: &Scene,
         job: Job,
         checkpoint: Checkpoint,
-        opening: SessionOptions,
+        options: SessionOptions,
     ) -> Result<Self> {
-        Self::create(scene, job, Some(checkpoint), opening)
+        Self::create(scene, job, Some(checkpoint), options)
     }
 
     fn create(
         scene: &Scene,
         job: Job,
         checkpoint: Option<Checkpoint>,
-        opening: SessionOptions,
+        options: SessionOptions,
     ) -> Result<Self> {
         job.validate()?;
         let job = job.without_repeated_layers();
-        let SessionOptions { cancel, save_request, build_progress, output: delivery, command } =
-            opening;
+        let SessionOptions { cancel, save_request, build_progress, output, command } = options;
         let pool = thread_pool(job.threads)?;
         let prepared = pool.install(|| PreparedScene::new(scene, job.settings))?;
         let samples = job.sample_range()?;
-        let chosen = job.accel.select(scene.spheres());
-        let metadata = Metadata::new(&prepared, chosen.backend);
+        let selection = job.accel.select(scene.spheres());
+        let metadata = Metadata::new(&prepared, selection.backend);
         let format =
             FilmFormat { first_sample: samples.start, ..format_for_scene(&prepared, &job.layers) };
-        let (film, before) = match checkpoint {
+        let (film, previous) = match checkpoint {
             None => (Film::new(&format)?, CumulativeStats::default()),
             Some(checkpoint) => resume::load_film(checkpoint, &metadata, &format, &samples, &job)?,
         };
@@ -105,10 +104,10 @@ impl Session {
             cancel: cancel.clone(),
             ..Default::default()
         };
-        let began = Instant::now();
-        let accel = pool.install(|| chosen.backend.build(scene.spheres(), &build))?;
-        let build_seconds = began.elapsed().as_secs_f64();
-        let accel_words = describe_accel(chosen.backend, &chosen.reason, &*accel);
+        let start = Instant::now();
+        let accel = pool.install(|| selection.backend.build(scene.spheres(), &build))?;
+        let build_seconds = start.elapsed().as_secs_f64();
+        let accel_summary = describe_accel(selection.backend, &selection.reason, &*accel);
         let total = film.frame().pixel_count() as u64 * samples.len() as u64;
         let state = RenderState {
             counters: Counters::new(&film, total),
@@ -126,19 +125,24 @@ impl Session {
             is_timed_out: AtomicBool::new(false),
             is_abandoned: AtomicBool::new(false),
             threads: pool.current_num_threads(),
-            previous: before,
+            previous,
             clock: Default::default(),
             metadata,
-            accel_summary: accel_words,
-            output: delivery,
+            accel_summary,
+            output,
             command,
         };
         Ok(Self { state: Arc::new(state), pool, autosave: None, build_seconds })
     }
 
     /// Saves the samples to this file periodically during a run, on a separate thread.
-    pub fn autosave(&mut self, file: AtomicFile, every: Duration) {
-        self.autosave = Some(Autosave { file, interval: every });
+    ///
+    /// # Errors
+    /// If a checkpoint of this render would have too long a header to be read again.
+    pub fn autosave(&mut self, file: AtomicFile, interval: Duration) -> Result<()> {
+        self.state.checkpoint_header(None).encode()?;
+        self.autosave = Some(Autosave { file, interval });
+        Ok(())
     }
 
     /// Renders until the job is done, stopped or cancelled. Reports to `observer` on the calling
@@ -168,19 +172,20 @@ impl Session {
         job.validate()?;
         let Some(state) = Arc::get_mut(&mut self.state) else {
             let message = "threads of a run that was stopped are still rendering";
-            return Err(Error::input(message).with_help("save a checkpoint, and resume that"));
+            return Err(Error::input(message).with_help("save a checkpoint and resume it"));
         };
-        let refused = |what: String| Error::input(format!("cannot extend the render: {what}"));
+        let error = |reason: String| Error::input(format!("cannot extend the render: {reason}"));
         let samples = job.sample_range()?;
         let prepared =
             self.pool.install(|| PreparedScene::new(state.prepared.scene(), job.settings))?;
-        let metadata = Metadata::new(&prepared, state.metadata.intersector.backend);
+        let metadata = Metadata::new(&prepared, state.metadata.intersector);
         let format =
             FilmFormat { first_sample: samples.start, ..format_for_scene(&prepared, &job.layers) };
-        let then = state.film.format();
-        resume::check_matches((&state.metadata, &then), (&metadata, &format)).map_err(refused)?;
+        let format_before = state.film.format();
+        resume::check_matches((&state.metadata, &format_before), (&metadata, &format))
+            .map_err(error)?;
         resume::check_can_continue(&state.film, state.job.until.noise, &samples, &job)
-            .map_err(refused)?;
+            .map_err(error)?;
         state
             .counters
             .set_samples_total(state.film.frame().pixel_count() as u64 * samples.len() as u64);
@@ -250,12 +255,12 @@ impl Session {
     /// from one copy of the film, which doubles the film's memory.
     pub fn snapshot(&self) -> (Picture, Metadata) {
         let RenderState { prepared, accel, film, job, .. } = &*self.state;
-        let of = |film: &Film| {
+        let develop_film = |film: &Film| {
             (develop(prepared, &**accel, film, &job.layers), self.state.metadata(film))
         };
         match self.state.is_running.load(Ordering::Acquire) {
-            true => of(&film.snapshot()),
-            false => of(film),
+            true => develop_film(&film.snapshot()),
+            false => develop_film(film),
         }
     }
 
@@ -277,7 +282,8 @@ impl Session {
         self.state.metadata(&self.state.film)
     }
 
-    /// Samples and rays of this session alone, and warnings for the user about the picture.
+    /// Samples and rays of this session, without earlier ones, and warnings for the user about the
+    /// picture.
     pub fn statistics(&self) -> (u64, u64, Vec<String>) {
         let state = &*self.state;
         let samples = state.counters.samples_done() - state.initial_samples;
@@ -285,17 +291,26 @@ impl Session {
         (samples, state.counters.stats().rays, warnings)
     }
 
-    /// Writes a checkpoint. `reached` is the outcome if the render has ended.
+    /// Writes a checkpoint. `outcome` is the outcome if the render has ended.
     ///
     /// # Errors
-    /// If writing fails; an existing file is then unchanged.
-    pub fn write_checkpoint(&self, file: &AtomicFile, reached: Option<&RunOutcome>) -> Result<()> {
-        self.state.write_checkpoint(file, reached)
+    /// If its header is too long, or writing fails; an existing file is then unchanged.
+    pub fn write_checkpoint(&self, file: &AtomicFile, outcome: Option<&RunOutcome>) -> Result<()> {
+        self.state.write_checkpoint(file, outcome)
+    }
+
+    /// Returns a checkpoint in memory, for [`Checkpoint::from_bytes`]. `reached` is the outcome if
+    /// the render has ended.
+    ///
+    /// # Errors
+    /// If its header is too long.
+    pub fn checkpoint_bytes(&self, reached: Option<&RunOutcome>) -> Result<Vec<u8>> {
+        encode_checkpoint(&self.state.film, &self.state.checkpoint_header(reached))
     }
 
     /// The full result of a run.
-    pub fn result(&self, reached: RunOutcome) -> RenderResult {
-        let RunOutcome { stop_reason: end, noise, error } = reached;
+    pub fn result(&self, outcome: RunOutcome) -> RenderResult {
+        let RunOutcome { stop_reason: end, noise, error } = outcome;
         let (_, _, mut warnings) = self.statistics();
         warnings.extend(noise.filter(|noise| !noise.is_met()).map(|noise| noise.to_string()));
         RenderResult {
@@ -318,7 +333,7 @@ impl Session {
         }
         match thread_pool(self.state.job.threads) {
             Ok(pool) => pool.install(work),
-            // If no threads can be started, this thread does the work alone.
+            // If no threads can be started, run on this thread.
             Err(_) => work(),
         }
     }
@@ -335,7 +350,7 @@ fn thread_pool(threads: usize) -> Result<ThreadPool> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map_err(|e| {
         Error::input(format!("cannot start the threads: {e}"))
-            .with_help("ask for fewer threads")
+            .with_help("use fewer threads")
             .with_suggestion(Suggestion::Threads, "")
     })
 }
@@ -357,8 +372,8 @@ mod tests {
             hits.fill(Hit::MISS);
         }
 
-        fn occluded(&self, _: &[Ray], blocked: &mut [bool]) {
-            blocked.fill(false);
+        fn occluded(&self, _: &[Ray], occluded: &mut [bool]) {
+            occluded.fill(false);
         }
 
         fn error_bound(&self) -> ErrorBound {
@@ -380,12 +395,12 @@ mod tests {
         job.threads = 1;
         let mut session = Session::new(&scene, job, SessionOptions::default()).unwrap();
         Arc::get_mut(&mut session.state).unwrap().accel = Box::new(Failing(AtomicUsize::new(0)));
-        let reached = session.run(&()).unwrap();
+        let outcome = session.run(&()).unwrap();
         let samples = session.film().sample_count();
         assert!(
-            reached.stop_reason == super::super::StopReason::Failed && samples > 0,
-            "{reached:?}"
+            outcome.stop_reason == super::super::StopReason::Failed && samples > 0,
+            "{outcome:?}"
         );
-        assert_eq!(session.result(reached).samples, samples);
+        assert_eq!(session.result(outcome).samples, samples);
     }
 }

@@ -45,7 +45,7 @@ pub struct Job {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StopCriteria {
-    /// Each square of 16 x 16 pixels ends when it meets this target.
+    /// Each tile of 16 x 16 pixels ends when it meets this target.
     pub noise: Option<NoiseTarget>,
     /// Time limit, counted over all runs of the render. Every pixel gets at least 16 samples.
     pub time: Option<Duration>,
@@ -104,11 +104,11 @@ impl Job {
         self.at_most_by_default(UNLIMITED_SAMPLES)
     }
 
-    /// Replaces the default number of samples per pixel by `most`.
-    fn at_most_by_default(self, most: u32) -> Self {
+    /// Replaces the default number of samples per pixel by `max_samples`.
+    fn at_most_by_default(self, max_samples: u32) -> Self {
         let default = RenderSettings::default().samples_per_pixel;
         let is_default = self.settings.render.samples_per_pixel == default;
-        if is_default { self.samples_per_pixel(most) } else { self }
+        if is_default { self.samples_per_pixel(max_samples) } else { self }
     }
 
     /// Replaces the default AOVs by these, besides the beauty.
@@ -121,10 +121,10 @@ impl Job {
     /// Removes repeated layers, keeping the first of each.
     #[must_use]
     pub(super) fn without_repeated_layers(mut self) -> Self {
-        let mut seen = Vec::new();
+        let mut kept = Vec::new();
         self.layers.retain(|layer| {
-            let is_new = !seen.contains(layer);
-            seen.push(*layer);
+            let is_new = !kept.contains(layer);
+            kept.push(*layer);
             is_new
         });
         self
@@ -143,36 +143,36 @@ impl Job {
     pub fn sample_range(&self) -> Result<Range<u32>> {
         let last = self.settings.render.samples_per_pixel;
         let Some(Range { start, end }) = self.samples.clone() else { return Ok(0..last) };
-        let invalid = |what: String, help: String| {
-            Err(Error::input(format!("the samples {start}..{end} {what}")).with_help(help))
+        let invalid = |reason: String, help: String| {
+            Err(Error::input(format!("the samples {start}..{end} {reason}")).with_help(help))
         };
         if start >= end {
             return invalid(
-                "are none".to_owned(),
-                "ask for the first and the one behind the last".to_owned(),
+                "are empty".to_owned(),
+                "give the first sample and the one after the last".to_owned(),
             );
         }
         if start % BLOCK_SIZE != 0 {
-            let near = start / BLOCK_SIZE * BLOCK_SIZE;
+            let suggestion = start / BLOCK_SIZE * BLOCK_SIZE;
             return invalid(
                 format!("must start on a multiple of {BLOCK_SIZE}"),
-                format!("samples are summed in blocks of {BLOCK_SIZE}; try {near}..{end}"),
+                format!("samples are summed in blocks of {BLOCK_SIZE}; try {suggestion}..{end}"),
             );
         }
         if end > last {
-            let refusal = invalid(
-                format!("end behind the last sample, of {last} per pixel"),
-                "ask for so many samples per pixel".to_owned(),
+            let error = invalid(
+                format!("exceed the {last} samples per pixel"),
+                "raise the samples per pixel".to_owned(),
             );
-            return refusal.map_err(|error| {
+            return error.map_err(|error| {
                 error.with_suggestion(Suggestion::SamplesPerPixel, end.to_string())
             });
         }
         if end % BLOCK_SIZE != 0 && end != last {
-            let near = end.next_multiple_of(BLOCK_SIZE).min(last);
+            let suggestion = end.next_multiple_of(BLOCK_SIZE).min(last);
             return invalid(
                 format!("must end on a multiple of {BLOCK_SIZE}, or at the last sample, {last}"),
-                format!("samples are summed in blocks of {BLOCK_SIZE}; try {start}..{near}"),
+                format!("samples are summed in blocks of {BLOCK_SIZE}; try {start}..{suggestion}"),
             );
         }
         Ok(start..end)
@@ -192,8 +192,7 @@ impl Job {
         self.sample_range()?;
         self.until.validate(&self.settings.render)?;
         if self.until.noise.is_some() && self.samples.is_some() {
-            let message =
-                "a noise target decides from all samples of a pixel, not from a part of them";
+            let message = "a noise target needs all samples of a pixel, not a range of them";
             return Err(
                 Error::input(message).with_help("leave out the noise target or the samples")
             );
@@ -209,21 +208,21 @@ impl StopCriteria {
     /// Rejects samplers and sub-pixel grids that need to know the number of samples in advance.
     ///
     /// # Errors
-    /// Says what is unsuitable, and what to use instead.
+    /// Names the unsuitable setting and an alternative.
     pub fn validate(&self, render: &RenderSettings) -> Result<()> {
-        let what = match (self.noise, self.time) {
+        let criterion = match (self.noise, self.time) {
             (None, None) => return Ok(()),
             (Some(_), _) => "a noise target",
-            (None, Some(_)) => "a time",
+            (None, Some(_)) => "a time limit",
         };
         self.noise.map_or(Ok(()), NoiseTarget::validate)?;
-        let refuse = |why: &str, help: &str| {
-            let message = format!("{what} decides when to stop, but {why}");
+        let reject = |reason: &str, help: &str| {
+            let message = format!("{criterion} decides when to stop, but {reason}");
             Err(Error::input(message).with_help(help))
         };
         if render.sampler == SamplerKind::Stratified {
-            let why = "stratified samples are spread over a number that is known before";
-            return refuse(why, "choose the sampler `sobol` or `independent`");
+            let reason = "stratified sampling needs the number of samples in advance";
+            return reject(reason, "choose the sampler `sobol` or `independent`");
         }
         // The settings are not validated yet and may hold any number.
         let fit = |cells: u32| cells > 0 && BLOCK_SIZE % cells == 0;
@@ -231,22 +230,21 @@ impl StopCriteria {
             IntegratorSettings::Paper(PaperSettings { subpixels: k, .. })
                 if !k.checked_pow(2).is_some_and(fit) =>
             {
-                let why = format!(
+                let reason = format!(
                     "{k} x {k} sub-pixels do not fit into its blocks of {BLOCK_SIZE} samples"
                 );
-                refuse(&why, "use 1, 2 or 4 sub-pixels along each side")
+                reject(&reason, "use 1, 2 or 4 sub-pixels along each side")
             }
             _ => Ok(()),
         }
     }
 
-    /// Removes what ends each run of a render by itself, as its time does: that of one part says
-    /// nothing of all parts.
+    /// Removes the time limit. The limit of one part does not apply to a merged render.
     pub fn clear_limits(&mut self) {
         self.time = None;
     }
 
-    /// The share of the values that an error is told for.
+    /// The fraction of the values that a reported error covers.
     pub fn confidence(&self) -> f64 {
         self.noise.map_or(NoiseTarget::CONFIDENCE, |target| target.confidence)
     }

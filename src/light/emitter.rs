@@ -30,8 +30,8 @@ pub(super) enum VisibleEmitter {
 
 impl VisibleEmitter {
     /// `None` if the emitter is not visible.
-    pub(super) fn new(from: &LightSampleContext, id: u32, emitter: &Sphere) -> Option<Self> {
-        let LightSampleContext { hit, is_two_sided } = *from;
+    pub(super) fn new(ctx: &LightSampleContext, id: u32, emitter: &Sphere) -> Option<Self> {
+        let LightSampleContext { hit, is_two_sided } = *ctx;
         let inside = |normal, is_two_sided| {
             let frame = Frame::from_z(normal);
             Some(Self::Inside { frame, is_two_sided, point: hit.point, sphere: *emitter })

@@ -35,12 +35,12 @@ pub(super) struct LightItem {
 }
 
 impl LightBounds {
-    /// Bounds all `items` with a sphere around `middle`.
-    pub(super) fn enclosing(middle: DVec3, items: &[LightItem]) -> Self {
-        let center = middle.as_vec3();
-        let reach =
+    /// Bounds all `items` with a sphere around `center_f64`.
+    pub(super) fn enclosing(center_f64: DVec3, items: &[LightItem]) -> Self {
+        let center = center_f64.as_vec3();
+        let extent =
             |item: &LightItem| item.sphere.center.distance(center.as_dvec3()) + item.sphere.radius;
-        let radius = items.iter().map(reach).fold(0.0, f64::max);
+        let radius = items.iter().map(extent).fold(0.0, f64::max);
         let power: f64 = items.iter().map(|item| item.power).sum();
         Self {
             center: center.to_array(),
@@ -50,26 +50,25 @@ impl LightBounds {
         }
     }
 
-    /// Expected irradiance, in units of the power. 0 only if nothing of the cluster is above the
-    /// shading point's horizon.
-    pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
+    /// Expected irradiance, in units of the power. 0 only if the whole cluster is below the shading
+    /// point's horizon.
+    pub(super) fn importance(&self, ctx: &LightSampleContext) -> f64 {
         let center = DVec3::from_array(self.center.map(f64::from));
         let (radius, power) = (f64::from(self.radius), f64::from(self.power));
-        let to_center = center - from.hit.point;
-        let squared = to_center.length_squared();
-        if squared <= radius * radius {
+        let to_center = center - ctx.hit.point;
+        let distance_squared = to_center.length_squared();
+        if distance_squared <= radius * radius {
             return power / (radius * radius);
         }
-        let distance = squared.sqrt();
-        let cos = to_center.dot(from.hit.facing_normal()) / distance;
-        let cos = if from.is_two_sided { cos.abs() } else { cos };
-        power / squared * clipped_cosine(cos, radius / distance)
+        let distance = distance_squared.sqrt();
+        let cos = to_center.dot(ctx.hit.facing_normal()) / distance;
+        let cos = if ctx.is_two_sided { cos.abs() } else { cos };
+        power / distance_squared * clipped_cosine(cos, radius / distance)
     }
 }
 
-/// Mean cosine over a ball whose centre is seen at cosine `cos` and whose rim at sine `sin_rim`
-/// from there: the cosine of the centre while the horizon does not cut the ball, then falling
-/// smoothly to 0 where the ball is below the horizon.
+/// Mean clamped cosine over a sphere that subtends a cone with axis cosine `cos` and half-angle
+/// sine `sin_rim`: `cos` if the cone is above the horizon, falling smoothly to 0 where it is below.
 pub(super) fn clipped_cosine(cos: f64, sin_rim: f64) -> f64 {
     if cos >= sin_rim {
         return cos;

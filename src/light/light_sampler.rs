@@ -55,7 +55,7 @@ enum Strategy {
 }
 
 impl LightSampler {
-    pub(super) fn new(emitters: &[Emitter], spheres: &SphereSet, by: LightSamplerKind) -> Self {
+    pub(super) fn new(emitters: &[Emitter], spheres: &SphereSet, kind: LightSamplerKind) -> Self {
         let power = |emitter: &Emitter| {
             let radius = spheres.sphere(emitter.id).radius;
             PI * radius * radius * f64::from(luminance(emitter.emission))
@@ -67,78 +67,80 @@ impl LightSampler {
             emitter_index: i,
         };
         let items: Vec<LightItem> = emitters.iter().zip(0..).map(item).collect();
-        let by = if items.len() > MAX_LIGHTS { LightSamplerKind::Power } else { by };
-        let chooser = match by {
+        let kind = if items.len() > MAX_LIGHTS { LightSamplerKind::Power } else { kind };
+        let strategy = match kind {
             _ if items.is_empty() => Strategy::Empty,
             _ if items.len() == 1 => Strategy::Single(total_bounds(&items)),
             LightSamplerKind::Hierarchy if items.len() <= MAX_EXHAUSTIVE => {
-                let alone = |item: &LightItem| LightBounds::enclosing(item.sphere.center, &[*item]);
-                Strategy::Exhaustive(items.iter().map(alone).collect())
+                let bounds =
+                    |item: &LightItem| LightBounds::enclosing(item.sphere.center, &[*item]);
+                Strategy::Exhaustive(items.iter().map(bounds).collect())
             }
             LightSamplerKind::Hierarchy => Strategy::Tree(LightTree::new(items)),
             LightSamplerKind::Power => fixed_strategy(&items, |item| item.power),
             LightSamplerKind::Uniform => fixed_strategy(&items, |_| 1.0),
         };
-        Self { strategy: chooser, total_power }
+        Self { strategy, total_power }
     }
 
     /// Expected irradiance from all emitters.
-    pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
+    pub(super) fn importance(&self, ctx: &LightSampleContext) -> f64 {
         self.total_power
             * match &self.strategy {
                 Strategy::Empty => 0.0,
-                Strategy::Single(emitter) => emitter.importance(from),
-                Strategy::Fixed(_, all) => all.importance(from),
+                Strategy::Single(emitter) => emitter.importance(ctx),
+                Strategy::Fixed(_, all) => all.importance(ctx),
                 Strategy::Exhaustive(emitters) => {
-                    emitters.iter().map(|emitter| emitter.importance(from)).sum()
+                    emitters.iter().map(|emitter| emitter.importance(ctx)).sum()
                 }
-                Strategy::Tree(tree) => tree.importance(from),
+                Strategy::Tree(tree) => tree.importance(ctx),
             }
     }
 
-    /// Selects an emitter by `u` in `[0, 1)`; returns its index and probability. `None` if the
-    /// selected emitters are below the horizon.
-    pub(super) fn sample(&self, from: &LightSampleContext, u: f64) -> Option<(usize, f64)> {
+    /// Selects an emitter by `u` in `[0, 1)`; returns its index and probability. `None` if all
+    /// candidates are below the horizon.
+    pub(super) fn sample(&self, ctx: &LightSampleContext, u: f64) -> Option<(usize, f64)> {
         match &self.strategy {
             Strategy::Empty => None,
             Strategy::Single(_) => Some((0, 1.0)),
-            Strategy::Fixed(choice, _) => {
-                let emitter = choice.sample(u);
-                Some((emitter, choice.pmf(emitter)))
+            Strategy::Fixed(distribution, _) => {
+                let emitter = distribution.sample(u);
+                Some((emitter, distribution.pmf(emitter)))
             }
-            Strategy::Exhaustive(emitters) => ExhaustiveSampler::new(emitters, from)?.sample(u),
+            Strategy::Exhaustive(emitters) => ExhaustiveSampler::new(emitters, ctx)?.sample(u),
             Strategy::Tree(tree) => {
-                tree.sample(from, u).map(|(emitter, pmf)| (emitter as usize, pmf))
+                tree.sample(ctx, u).map(|(emitter, pmf)| (emitter as usize, pmf))
             }
         }
     }
 
     /// Returns the probability with which [`Self::sample`] selects an emitter.
-    pub(super) fn pmf(&self, from: &LightSampleContext, emitter: usize) -> f64 {
+    pub(super) fn pmf(&self, ctx: &LightSampleContext, emitter: usize) -> f64 {
         match &self.strategy {
             Strategy::Empty => 0.0,
             Strategy::Single(_) => 1.0,
-            Strategy::Fixed(choice, _) => choice.pmf(emitter),
+            Strategy::Fixed(distribution, _) => distribution.pmf(emitter),
             Strategy::Exhaustive(emitters) if fault!(LightPmfUniform) => {
                 1.0 / emitters.len() as f64
             }
             Strategy::Exhaustive(emitters) => {
-                ExhaustiveSampler::new(emitters, from).map_or(0.0, |few| few.pmf(emitter))
+                ExhaustiveSampler::new(emitters, ctx).map_or(0.0, |sampler| sampler.pmf(emitter))
             }
-            Strategy::Tree(tree) => tree.pmf(from, emitter as u32),
+            Strategy::Tree(tree) => tree.pmf(ctx, emitter as u32),
         }
     }
 }
 
 fn fixed_strategy(items: &[LightItem], weight: impl Fn(&LightItem) -> f64) -> Strategy {
-    let choice = DiscreteDistribution::new(items.iter().map(weight));
-    choice.map_or(Strategy::Empty, |choice| Strategy::Fixed(choice, total_bounds(items)))
+    let distribution = DiscreteDistribution::new(items.iter().map(weight));
+    distribution
+        .map_or(Strategy::Empty, |distribution| Strategy::Fixed(distribution, total_bounds(items)))
 }
 
 /// Bounds all emitters as one cluster.
 fn total_bounds(items: &[LightItem]) -> LightBounds {
-    let middle = items.iter().map(|item| item.sphere.center / items.len() as f64).sum();
-    LightBounds::enclosing(middle, items)
+    let center = items.iter().map(|item| item.sphere.center / items.len() as f64).sum();
+    LightBounds::enclosing(center, items)
 }
 
 /// A few emitters with their importance at a shading point.
@@ -150,10 +152,10 @@ struct ExhaustiveSampler {
 }
 
 impl ExhaustiveSampler {
-    fn new(emitters: &[LightBounds], from: &LightSampleContext) -> Option<Self> {
+    fn new(emitters: &[LightBounds], ctx: &LightSampleContext) -> Option<Self> {
         let mut importance = [0.0; MAX_EXHAUSTIVE];
         for (importance, emitter) in importance.iter_mut().zip(emitters) {
-            *importance = emitter.importance(from);
+            *importance = emitter.importance(ctx);
         }
         let total = importance.iter().sum();
         let above_horizon = importance.iter().filter(|&&importance| importance > 0.0).count();

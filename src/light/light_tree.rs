@@ -2,8 +2,8 @@
 //!
 //! A binary tree of clusters. From the root down, each step picks one of two children with
 //! probabilities proportional to their importance at the shading point. A single random number
-//! serves all steps: it is remapped to a uniform number after each. The probability of an emitter
-//! is the product along its path, which is recomputed for an emitter found by BSDF sampling.
+//! serves all steps and is remapped to a uniform number after each. The probability of an emitter
+//! is the product along its path; it is recomputed for emitters found by BSDF sampling.
 //!
 //! The build splits along the axis and plane with the least `power x surface area` of the two
 //! boxes, weighted by the flatness of the box (Conty Estevez and Kulla 2018, section 4.4, without
@@ -36,8 +36,8 @@ struct LightNode {
 /// The light tree.
 #[derive(Debug)]
 pub(super) struct LightTree {
-    /// The root; then, for every inner node, its two children, all nodes below the first of them
-    /// and all below the second.
+    /// The root; then, for every inner node, its two children, all descendants of the first and all
+    /// descendants of the second.
     nodes: Vec<LightNode>,
     /// Leaf node of every emitter.
     leaves: Vec<u32>,
@@ -47,28 +47,28 @@ impl LightTree {
     /// Builds a tree over at least one emitter; emitter indices count from 0.
     pub(super) fn new(mut items: Vec<LightItem>) -> Self {
         let mut nodes = vec![LightNode::default(); 2 * items.len() - 1];
-        let (root, below) = nodes.split_at_mut(1);
-        root[0] = build_node(&mut items, 1, below);
+        let (root, descendants) = nodes.split_at_mut(1);
+        root[0] = build_node(&mut items, 1, descendants);
         let mut leaves = vec![0; items.len()];
-        for (place, node) in nodes.iter().enumerate() {
+        for (index, node) in nodes.iter().enumerate() {
             if node.child_or_emitter & LEAF != 0 {
-                leaves[(node.child_or_emitter ^ LEAF) as usize] = place as u32;
+                leaves[(node.child_or_emitter ^ LEAF) as usize] = index as u32;
             }
         }
         Self { nodes, leaves }
     }
 
     /// Expected irradiance from all emitters.
-    pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
-        self.nodes[0].bounds.importance(from)
+    pub(super) fn importance(&self, ctx: &LightSampleContext) -> f64 {
+        self.nodes[0].bounds.importance(ctx)
     }
 
     /// Selects an emitter by `u` in `[0, 1)`; returns its index and probability.
-    pub(super) fn sample(&self, from: &LightSampleContext, mut u: f64) -> Option<(u32, f64)> {
+    pub(super) fn sample(&self, ctx: &LightSampleContext, mut u: f64) -> Option<(u32, f64)> {
         let mut next = self.nodes[0].child_or_emitter;
         let mut pmf = 1.0;
         while next & LEAF == 0 {
-            let first = self.first_child_probability(from, next)?;
+            let first = self.first_child_probability(ctx, next)?;
             if u < first {
                 u /= first;
                 pmf *= first;
@@ -83,17 +83,17 @@ impl LightTree {
     }
 
     /// Returns the probability with which [`Self::sample`] selects an emitter.
-    pub(super) fn pmf(&self, from: &LightSampleContext, emitter: u32) -> f64 {
+    pub(super) fn pmf(&self, ctx: &LightSampleContext, emitter: u32) -> f64 {
         let leaf = self.leaves[emitter as usize];
         let mut next = self.nodes[0].child_or_emitter;
         let mut pmf = 1.0;
         while next & LEAF == 0 {
-            let Some(first) = self.first_child_probability(from, next) else { return 0.0 };
+            let Some(first) = self.first_child_probability(ctx, next) else { return 0.0 };
             let first = if fault!(LightTreePmfHalf) { 0.5 } else { first };
             let second = self.nodes[next as usize + 1];
-            let is_below_second =
+            let is_in_second =
                 second.child_or_emitter & LEAF == 0 && leaf >= second.child_or_emitter;
-            if leaf == next + 1 || is_below_second {
+            if leaf == next + 1 || is_in_second {
                 pmf *= 1.0 - first;
                 next = second.child_or_emitter;
             } else {
@@ -106,32 +106,32 @@ impl LightTree {
 
     /// Returns the probability of the first of two children; `None` if neither can illuminate the
     /// shading point.
-    fn first_child_probability(&self, from: &LightSampleContext, children: u32) -> Option<f64> {
+    fn first_child_probability(&self, ctx: &LightSampleContext, children: u32) -> Option<f64> {
         let [first, second] = [0, 1].map(|i| self.nodes[children as usize + i].bounds);
-        let (first, second) = (first.importance(from), second.importance(from));
-        let both = first + second;
-        (both > 0.0).then(|| first / both)
+        let (first, second) = (first.importance(ctx), second.importance(ctx));
+        let total = first + second;
+        (total > 0.0).then(|| first / total)
     }
 }
 
-/// Builds the node over some emitters. The nodes below it go into `below`, which begins at index
-/// `start`.
-fn build_node(items: &mut [LightItem], start: u32, below: &mut [LightNode]) -> LightNode {
+/// Builds the node over some emitters. The nodes below it go into `descendants`, which begins at
+/// index `start`.
+fn build_node(items: &mut [LightItem], start: u32, descendants: &mut [LightNode]) -> LightNode {
     let cluster = LightBounds::enclosing(LightAabb::of_spheres(items).center(), items);
     if let [item] = items {
         return LightNode { bounds: cluster, child_or_emitter: item.emitter_index | LEAF };
     }
-    let middle = partition(items);
-    let (first, second) = items.split_at_mut(middle);
-    let (children, below) = below.split_at_mut(2);
-    let start_of_second = start + 2 * first.len() as u32;
-    let (below_first, below_second) = below.split_at_mut(2 * first.len() - 2);
+    let split = partition(items);
+    let (first, second) = items.split_at_mut(split);
+    let (children, descendants) = descendants.split_at_mut(2);
+    let second_start = start + 2 * first.len() as u32;
+    let (first_descendants, second_descendants) = descendants.split_at_mut(2 * first.len() - 2);
     let is_large = first.len() + second.len() > PARALLEL_MIN_LIGHTS;
-    let mut fill_first = || build_node(first, start + 2, below_first);
-    let mut fill_second = || build_node(second, start_of_second, below_second);
+    let mut build_first = || build_node(first, start + 2, first_descendants);
+    let mut build_second = || build_node(second, second_start, second_descendants);
     let nodes = match is_large {
-        true => rayon::join(fill_first, fill_second),
-        false => (fill_first(), fill_second()),
+        true => rayon::join(build_first, build_second),
+        false => (build_first(), build_second()),
     };
     children.copy_from_slice(&[nodes.0, nodes.1]);
     LightNode { bounds: cluster, child_or_emitter: start }
@@ -141,8 +141,8 @@ fn build_node(items: &mut [LightItem], start: u32, below: &mut [LightNode]) -> L
 /// not all.
 fn partition(items: &mut [LightItem]) -> usize {
     let centers = LightAabb::of_centers(items);
-    let plane = (0..3).filter_map(|axis| best_split(items, axis, &centers));
-    let Some(LightSplit { axis, bin, .. }) = plane.min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
+    let splits = (0..3).filter_map(|axis| best_split(items, axis, &centers));
+    let Some(LightSplit { axis, bin, .. }) = splits.min_by(|a, b| a.cost.total_cmp(&b.cost)) else {
         return items.len() / 2; // all at the same position
     };
     let mut count = 0;
@@ -172,18 +172,18 @@ fn best_split(items: &[LightItem], axis: usize, centers: &LightAabb) -> Option<L
     for item in items {
         bins[centers.bin(axis, item)].add(item);
     }
-    // From the right, what lies behind each plane; then from the left, what lies in front of it.
-    let mut behind = [0.0; BINS];
+    // Sweep from the right for the cost behind each plane, then from the left for the total cost.
+    let mut right_costs = [0.0; BINS];
     let mut sum = Bin::EMPTY;
     for bin in (1..BINS).rev() {
         sum.merge(&bins[bin]);
-        behind[bin - 1] = sum.cost();
+        right_costs[bin - 1] = sum.cost();
     }
     let flatness = extent.max_element() / extent[axis];
     let mut sum = Bin::EMPTY;
     let costs = (0..BINS - 1).map(|bin| {
         sum.merge(&bins[bin]);
-        LightSplit { axis, bin, cost: flatness * (sum.cost() + behind[bin]) }
+        LightSplit { axis, bin, cost: flatness * (sum.cost() + right_costs[bin]) }
     });
     costs.min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
@@ -222,8 +222,8 @@ impl LightAabb {
 
     /// Returns the bin along an axis that contains an emitter's centre.
     fn bin(&self, axis: usize, item: &LightItem) -> usize {
-        let place = (item.sphere.center[axis] - self.min[axis]) / self.extent()[axis];
-        ((place * BINS as f64) as usize).min(BINS - 1)
+        let index = (item.sphere.center[axis] - self.min[axis]) / self.extent()[axis];
+        ((index * BINS as f64) as usize).min(BINS - 1)
     }
 
     fn area(&self) -> f64 {
@@ -253,7 +253,8 @@ impl Bin {
         self.power += other.power;
     }
 
-    /// The first and the last bin are never empty, so neither side of a plane is.
+    /// Returns the cost of one side of a plane. The first and the last bin are never empty, so
+    /// neither side is.
     fn cost(&self) -> f64 {
         self.power * self.bounds.area()
     }
@@ -261,18 +262,18 @@ impl Bin {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{items, receivers};
+    use super::super::tests::{contexts, items};
     use super::*;
 
     #[test]
     fn the_probabilities_of_all_emitters_add_up_to_one() {
         for count in [1, 2, 3, 17, 1000] {
             let tree = LightTree::new(items(count));
-            for from in receivers() {
-                let sum: f64 = (0..count as u32).map(|emitter| tree.pmf(&from, emitter)).sum();
+            for ctx in contexts() {
+                let sum: f64 = (0..count as u32).map(|emitter| tree.pmf(&ctx, emitter)).sum();
                 // The sampling may end at a node whose emitters are all below the horizon.
                 assert!(sum <= 1.0 + 1e-12);
-                if from.is_two_sided {
+                if ctx.is_two_sided {
                     assert!((sum - 1.0).abs() < 1e-12, "{count} emitters: {sum}");
                 }
             }
@@ -282,12 +283,12 @@ mod tests {
     #[test]
     fn a_sample_says_the_probability_that_pmf_says() {
         let tree = LightTree::new(items(1000));
-        for from in receivers() {
+        for ctx in contexts() {
             for i in 0..1000 {
-                let Some((emitter, pmf)) = tree.sample(&from, f64::from(i) / 1000.0) else {
+                let Some((emitter, pmf)) = tree.sample(&ctx, f64::from(i) / 1000.0) else {
                     continue;
                 };
-                assert_eq!(pmf, tree.pmf(&from, emitter));
+                assert_eq!(pmf, tree.pmf(&ctx, emitter));
                 assert!(pmf > 0.0);
             }
         }
@@ -297,12 +298,12 @@ mod tests {
     fn an_emitter_above_the_horizon_can_always_be_chosen() {
         let emitters = items(1000);
         let tree = LightTree::new(emitters.clone());
-        for from in receivers() {
+        for ctx in contexts() {
             for item in &emitters {
-                let to_center = item.sphere.center - from.hit.point;
-                let height = to_center.dot(from.hit.facing_normal()) + item.sphere.radius;
-                if from.is_two_sided || height > 1e-9 {
-                    assert!(tree.pmf(&from, item.emitter_index) > 0.0);
+                let to_center = item.sphere.center - ctx.hit.point;
+                let height = to_center.dot(ctx.hit.facing_normal()) + item.sphere.radius;
+                if ctx.is_two_sided || height > 1e-9 {
+                    assert!(tree.pmf(&ctx, item.emitter_index) > 0.0);
                 }
             }
         }
@@ -324,7 +325,7 @@ mod tests {
             item.sphere.center = DVec3::ONE;
         }
         let tree = LightTree::new(emitters);
-        let from = receivers().next().expect("some");
-        assert!((0..50).all(|emitter| tree.pmf(&from, emitter) > 0.0));
+        let ctx = contexts().next().expect("some");
+        assert!((0..50).all(|emitter| tree.pmf(&ctx, emitter) > 0.0));
     }
 }

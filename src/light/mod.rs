@@ -2,8 +2,8 @@
 //!
 //! A shading point ([`LightSampleContext`]) requests a direction towards a light
 //! ([`Lights::sample`]) or, for a direction that it obtained otherwise, the pdf with which light
-//! sampling would have returned it ([`Lights::pdf`]). That pdf may be 0 for light that is best left
-//! to BSDF sampling, such as a constant environment; BSDF sampling must then find it.
+//! sampling would have returned it ([`Lights::pdf`]). That pdf is 0 for light that is left to BSDF
+//! sampling, such as a constant environment.
 
 mod category;
 mod context;
@@ -74,26 +74,26 @@ impl LightSource {
 impl Lights {
     /// Creates the lights of a scene from the emitters among `spheres` and the environment, with
     /// the default light sampler.
-    pub fn new(mut emitters: Vec<Emitter>, spheres: &SphereSet, background: Environment) -> Self {
+    pub fn new(mut emitters: Vec<Emitter>, spheres: &SphereSet, environment: Environment) -> Self {
         emitters.sort_unstable_by_key(|emitter| emitter.id);
         Self::with_sampler(
             LightSamplerKind::Hierarchy,
             emitters.into(),
             spheres,
-            Arc::new(background),
+            Arc::new(environment),
         )
     }
 
     /// Creates lights from emitters sorted by id, with the given light sampler.
     pub fn with_sampler(
-        by: LightSamplerKind,
+        kind: LightSamplerKind,
         emitters: Arc<[Emitter]>,
         spheres: &SphereSet,
-        background: Arc<Environment>,
+        environment: Arc<Environment>,
     ) -> Self {
         debug_assert!(emitters.is_sorted_by_key(|emitter| emitter.id));
-        let choice = LightSampler::new(&emitters, spheres, by);
-        Self { emitters, sampler: choice, environment: background }
+        let sampler = LightSampler::new(&emitters, spheres, kind);
+        Self { emitters, sampler, environment }
     }
 
     /// Number of emitters.
@@ -127,23 +127,25 @@ impl Lights {
     }
 
     /// Samples a direction towards a light, from `u_select` and `u` in `[0, 1)`; `None` if the
-    /// selected light is not visible from there.
+    /// selected light is not visible from the shading point.
     pub fn sample(
         &self,
         spheres: &SphereSet,
-        from: &LightSampleContext,
+        ctx: &LightSampleContext,
         u_select: f64,
         u: [f64; 2],
     ) -> Option<LightSample> {
-        let shares = self.shares(from)?;
-        let (kind, share, choose) = shares.sample(u_select);
-        let direction = match kind {
-            LightCategory::Emitters => return self.sample_emitter(spheres, from, share, choose, u),
+        let category_pmf = self.category_pmf(ctx)?;
+        let (category, probability, u_select) = category_pmf.sample(u_select);
+        let direction = match category {
+            LightCategory::Emitters => {
+                return self.sample_emitter(spheres, ctx, probability, u_select, u);
+            }
             LightCategory::EnvironmentMap => self.environment.sample(u)?,
             LightCategory::Sun => self.environment.sun()?.sample(u),
         };
         let source = LightSource::Environment;
-        let pdf = self.environment_pdf(&shares, direction);
+        let pdf = self.environment_pdf(&category_pmf, direction);
         let radiance = self.environment.radiance(direction);
         let sample = LightSample { source, direction, distance: f64::INFINITY, radiance, pdf };
         (pdf > 0.0).then_some(sample)
@@ -152,16 +154,16 @@ impl Lights {
     fn sample_emitter(
         &self,
         spheres: &SphereSet,
-        from: &LightSampleContext,
-        share: f64,
+        ctx: &LightSampleContext,
+        probability: f64,
         u_select: f64,
         u: [f64; 2],
     ) -> Option<LightSample> {
-        let (index, pmf) = self.sampler.sample(from, u_select)?;
+        let (index, pmf) = self.sampler.sample(ctx, u_select)?;
         let Emitter { id, emission } = self.emitters[index];
-        let view = VisibleEmitter::new(from, id, &spheres.sphere(id))?;
-        let (direction, distance, pdf) = view.sample(u);
-        let pdf = pdf * pmf * share;
+        let visible = VisibleEmitter::new(ctx, id, &spheres.sphere(id))?;
+        let (direction, distance, pdf) = visible.sample(u);
+        let pdf = pdf * pmf * probability;
         let source = LightSource::Emitter(id);
         (pdf > 0.0).then_some(LightSample { source, direction, distance, radiance: emission, pdf })
     }
@@ -172,41 +174,41 @@ impl Lights {
     pub fn pdf(
         &self,
         spheres: &SphereSet,
-        from: &LightSampleContext,
+        ctx: &LightSampleContext,
         source: LightSource,
         direction: DVec3,
     ) -> f64 {
-        let Some(shares) = self.shares(from) else { return 0.0 };
+        let Some(category_pmf) = self.category_pmf(ctx) else { return 0.0 };
         let LightSource::Emitter(id) = source else {
-            return self.environment_pdf(&shares, direction);
+            return self.environment_pdf(&category_pmf, direction);
         };
         let Ok(index) = self.emitters.binary_search_by_key(&id, |emitter| emitter.id) else {
             return 0.0;
         };
-        let view = VisibleEmitter::new(from, id, &spheres.sphere(id));
-        let pmf = || shares.pmf(LightCategory::Emitters) * self.sampler.pmf(from, index);
-        view.map_or(0.0, |view| view.pdf(direction) * pmf())
+        let visible = VisibleEmitter::new(ctx, id, &spheres.sphere(id));
+        let pmf = || category_pmf.pmf(LightCategory::Emitters) * self.sampler.pmf(ctx, index);
+        visible.map_or(0.0, |visible| visible.pdf(direction) * pmf())
     }
 
     /// Returns the probability that [`Self::sample`] selects the environment rather than an
     /// emitter.
-    pub fn environment_probability(&self, from: &LightSampleContext) -> f64 {
-        let share = |shares: CategoryPmf| {
-            shares.pmf(LightCategory::EnvironmentMap) + shares.pmf(LightCategory::Sun)
+    pub fn environment_probability(&self, ctx: &LightSampleContext) -> f64 {
+        let probability = |category_pmf: CategoryPmf| {
+            category_pmf.pmf(LightCategory::EnvironmentMap) + category_pmf.pmf(LightCategory::Sun)
         };
-        self.shares(from).map_or(0.0, share)
+        self.category_pmf(ctx).map_or(0.0, probability)
     }
 
-    fn shares(&self, from: &LightSampleContext) -> Option<CategoryPmf> {
-        CategoryPmf::new(&self.sampler, !self.is_empty(), &self.environment, from)
+    fn category_pmf(&self, ctx: &LightSampleContext) -> Option<CategoryPmf> {
+        CategoryPmf::new(&self.sampler, !self.is_empty(), &self.environment, ctx)
     }
 
     /// A direction to the sun is also one to the environment map, so their pdfs add up.
-    fn environment_pdf(&self, shares: &CategoryPmf, direction: DVec3) -> f64 {
-        let dome = shares.pmf(LightCategory::EnvironmentMap);
-        let dome = if dome > 0.0 { dome * self.environment.pdf(direction) } else { 0.0 };
+    fn environment_pdf(&self, category_pmf: &CategoryPmf, direction: DVec3) -> f64 {
+        let map = category_pmf.pmf(LightCategory::EnvironmentMap);
+        let map = if map > 0.0 { map * self.environment.pdf(direction) } else { 0.0 };
         let sun = self.environment.sun().map_or(0.0, |sun| sun.pdf(direction));
-        dome + shares.pmf(LightCategory::Sun) * sun
+        map + category_pmf.pmf(LightCategory::Sun) * sun
     }
 }
 
@@ -234,7 +236,7 @@ mod tests {
 
     /// Shading points among the emitters and far from them, facing anywhere, one-sided and
     /// two-sided.
-    pub(super) fn receivers() -> impl Iterator<Item = LightSampleContext> {
+    pub(super) fn contexts() -> impl Iterator<Item = LightSampleContext> {
         (0..40u32).map(|i| {
             let u: [f64; 6] =
                 std::array::from_fn(|d| Sampler::independent(1, i.into(), 0).get(d as u32));

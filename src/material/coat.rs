@@ -43,11 +43,11 @@ impl Coat {
             Some(ggx) => rough_transmittance(ggx, ior),
             None => EnergyCompensation::new([0.5; 2], |wo| reflectance(wo.z)),
         };
-        let mean_through = match ggx {
+        let mean_transmittance = match ggx {
             Some(_) => table.mean_missing(),
             None => hemispherical_mean(|cos| 1.0 - reflectance(cos)),
         };
-        Self { ior, ggx, compensation: Box::new(table), mean_transmittance: mean_through }
+        Self { ior, ggx, compensation: Box::new(table), mean_transmittance }
     }
 
     /// Returns the transmitted fraction `1 - E` for a direction of this cosine.
@@ -85,7 +85,7 @@ impl Coat {
         self.ggx.is_none()
     }
 
-    /// Samples the coat's reflection alone; `None` if a facet reflects light into the surface.
+    /// Samples only the coat's reflection; `None` if a facet reflects light into the surface.
     pub(super) fn sample(&self, wo: DVec3, u: [f64; 2]) -> Option<BsdfSample> {
         let Some(ggx) = self.ggx else {
             let weight = Rgb::splat(fresnel(wo.z.min(1.0), self.ior).reflectance as f32);
@@ -99,42 +99,42 @@ impl Coat {
         Some(BsdfSample { wi, weight, pdf, lobe, eta: 1.0 })
     }
 
-    /// Samples a rough coat over a white diffuse base, exactly in proportion to their light: a
-    /// facet by `facet` and, if its light is not reflected out, the base by `base`. For a smooth
-    /// coat, whose reflection is a delta lobe, samples the base alone.
+    /// Samples a rough coat over a white diffuse base, exactly in proportion to their contribution:
+    /// a facet with `u_facet` and, unless the light leaves by reflection, the base with `u_base`.
+    /// For a smooth coat, whose reflection is a delta lobe, samples only the base.
     pub(super) fn sample_with_base(
         &self,
         wo: DVec3,
-        choice: f64,
-        facet: impl FnOnce() -> [f64; 2],
-        base: [f64; 2],
+        u_lobe: f64,
+        u_facet: impl FnOnce() -> [f64; 2],
+        u_base: [f64; 2],
     ) -> (DVec3, Lobe) {
         let reflected = self.ggx.and_then(|ggx| {
-            let (wi, m) = ggx.sample_reflection(wo, facet())?;
+            let (wi, m) = ggx.sample_reflection(wo, u_facet())?;
             let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.ior).reflectance;
-            (choice < reflectance * ggx.shadowing(wo, wi)).then_some(wi)
+            (u_lobe < reflectance * ggx.shadowing(wo, wi)).then_some(wi)
         });
-        let beneath = || (self.compensation.sample(base), Lobe::Diffuse);
-        reflected.map_or_else(beneath, |wi| (wi, Lobe::Glossy))
+        let base_sample = || (self.compensation.sample(u_base), Lobe::Diffuse);
+        reflected.map_or_else(base_sample, |wi| (wi, Lobe::Glossy))
     }
 
     /// Returns the pdf of [`Self::sample_with_base`].
     pub(super) fn pdf_with_base(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let of_base = if self.is_delta() { 1.0 } else { self.transmittance(wo.z) };
-        self.eval(wo, wi) * wi.z + of_base * self.compensation.pdf(wi.z)
+        let base_weight = if self.is_delta() { 1.0 } else { self.transmittance(wo.z) };
+        self.eval(wo, wi) * wi.z + base_weight * self.compensation.pdf(wi.z)
     }
 }
 
-/// Tabulates what a rough coat transmits: everything that its facets do not reflect directly.
+/// Tabulates the transmittance of a rough coat: 1 minus the singly scattered reflection.
 fn rough_transmittance(ggx: Ggx, ior: f64) -> EnergyCompensation {
-    // Facets mask one another below a cosine of about alpha, and Fresnel reflectance bends below
-    // one of about 1/4, whatever the roughness.
+    // Masking sets in at cosines below about alpha; Fresnel reflectance changes fast below about
+    // 1/4, whatever the roughness.
     EnergyCompensation::new([2.0 * ggx.alpha(), f64::max(0.5, 2.0 * ggx.alpha())], |wo| {
         mean_over_visible_normals(ggx, wo, |m| {
             let cos = wo.dot(m).clamp(0.0, 1.0);
             let wi = m * (2.0 * cos) - wo;
-            let share = fresnel(cos, ior).reflectance;
-            if wi.z > 0.0 { share * ggx.shadowing(wo, wi) } else { 0.0 }
+            let reflectance = fresnel(cos, ior).reflectance;
+            if wi.z > 0.0 { reflectance * ggx.shadowing(wo, wi) } else { 0.0 }
         })
     })
 }

@@ -105,10 +105,10 @@ impl ConductorFresnel {
 
 impl RoughConductor {
     /// Returns the colour of light scattered multiply between such facets.
-    fn multiscatter_tint(&self, facets: &ConductorFresnel) -> Rgb {
+    fn multiscatter_tint(&self, fresnel: &ConductorFresnel) -> Rgb {
         let missing = self.compensation.mean_missing();
-        let tint = |mean: f32| multiscatter_tint(f64::from(mean), missing) as f32;
-        Rgb::from_array(facets.mean_reflectance().to_array().map(tint))
+        let multiscatter_tint = |mean: f32| multiscatter_tint(f64::from(mean), missing) as f32;
+        Rgb::from_array(fresnel.mean_reflectance().to_array().map(multiscatter_tint))
     }
 }
 
@@ -123,25 +123,30 @@ impl Conductor {
         Self::from_fresnel(ConductorFresnel::Schlick(color), roughness)
     }
 
-    fn from_fresnel(facets: ConductorFresnel, roughness: f64) -> Self {
+    fn from_fresnel(fresnel: ConductorFresnel, roughness: f64) -> Self {
         let rough = |ggx| {
             Box::new(RoughConductor { ggx, compensation: EnergyCompensation::for_reflection(ggx) })
         };
         let rough = Ggx::new(roughness).map(rough);
-        let tint = rough.as_ref().map_or(Rgb::ZERO, |rough| rough.multiscatter_tint(&facets));
-        Self { fresnel: facets, multiscatter_tint: tint, rough }
+        let multiscatter_tint =
+            rough.as_ref().map_or(Rgb::ZERO, |rough| rough.multiscatter_tint(&fresnel));
+        Self { fresnel, multiscatter_tint, rough }
     }
 
     /// Returns the BSDF at a point; `color` is the sphere's own colour, if it has one.
     pub(super) fn bsdf(&self, color: Option<Rgb>) -> ConductorBsdf<'_> {
-        let Self { fresnel: facets, multiscatter_tint: tint, rough } = self;
+        let Self { fresnel, multiscatter_tint, rough } = self;
         let rough = rough.as_deref();
         let Some(color) = color else {
-            return ConductorBsdf { fresnel: *facets, multiscatter_tint: *tint, rough };
+            return ConductorBsdf {
+                fresnel: *fresnel,
+                multiscatter_tint: *multiscatter_tint,
+                rough,
+            };
         };
-        let facets = ConductorFresnel::Schlick(color);
-        let tint = rough.map_or(Rgb::ZERO, |rough| rough.multiscatter_tint(&facets));
-        ConductorBsdf { fresnel: facets, multiscatter_tint: tint, rough }
+        let fresnel = ConductorFresnel::Schlick(color);
+        let multiscatter_tint = rough.map_or(Rgb::ZERO, |rough| rough.multiscatter_tint(&fresnel));
+        ConductorBsdf { fresnel, multiscatter_tint, rough }
     }
 }
 
@@ -176,8 +181,8 @@ impl ConductorBsdf<'_> {
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let often = rough.compensation.missing(wo.z) * rough.compensation.pdf(wi.z);
-        rough.ggx.eval_reflection(wo, wi) * wi.z + often
+        let multiple = rough.compensation.missing(wo.z) * rough.compensation.pdf(wi.z);
+        rough.ggx.eval_reflection(wo, wi) * wi.z + multiple
     }
 
     /// Samples a facet visible from `wo`; if its light hits another facet, samples the
@@ -193,9 +198,9 @@ impl ConductorBsdf<'_> {
             let (wi, weight) = (reflect(wo), self.fresnel.reflectance(wo.z));
             return Some(BsdfSample { wi, weight, pdf: 1.0, lobe: Lobe::Delta, eta: 1.0 });
         };
-        let once = rough.ggx.sample_reflection(wo, u).map(|(wi, _)| wi);
-        let once = once.filter(|wi| u_lobe < rough.ggx.shadowing(wo, *wi));
-        let wi = once.unwrap_or_else(|| rough.compensation.sample(extra()));
+        let single = rough.ggx.sample_reflection(wo, u).map(|(wi, _)| wi);
+        let single = single.filter(|wi| u_lobe < rough.ggx.shadowing(wo, *wi));
+        let wi = single.unwrap_or_else(|| rough.compensation.sample(extra()));
         let pdf = self.pdf(wo, wi);
         let weight = self.eval(wo, wi) * (wi.z / pdf) as f32;
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, lobe: Lobe::Glossy, eta: 1.0 })
@@ -269,16 +274,16 @@ mod tests {
         let n = 20_000u32;
         let weights = (0..n).map(|i| {
             let sampler = Sampler::independent(5, u64::from(i), 0);
-            let again = || sampler.get_2d(4);
+            let extra = || sampler.get_2d(4);
             let conductor = conductor.bsdf(None);
-            let sample = conductor.sample(wo, sampler.get(0), sampler.get_2d(1), &again);
+            let sample = conductor.sample(wo, sampler.get(0), sampler.get_2d(1), &extra);
             sample.map_or(Rgb::ZERO, |sample| sample.weight)
         });
-        let (sum, squares) = weights.fold((Rgb::ZERO, 0.0), |(sum, squares), weight| {
-            (sum + weight, squares + f64::from(weight.x).powi(2))
+        let (sum, sum_squares) = weights.fold((Rgb::ZERO, 0.0), |(sum, sum_squares), weight| {
+            (sum + weight, sum_squares + f64::from(weight.x).powi(2))
         });
         let mean = sum / n as f32;
-        let variance = squares / f64::from(n) - f64::from(mean.x).powi(2);
+        let variance = sum_squares / f64::from(n) - f64::from(mean.x).powi(2);
         (mean, (variance.max(0.0) / f64::from(n)).sqrt())
     }
 
@@ -289,8 +294,8 @@ mod tests {
             let conductor = Conductor::new(LOSSLESS, roughness);
             for cos in COSINES {
                 let (mean, error) = albedo(&conductor, direction(cos));
-                let off = (f64::from(mean.x) - 1.0).abs();
-                assert!(off < 5e-4 + 5.0 * error, "roughness {roughness}, cos {cos}: {mean}");
+                let deviation = (f64::from(mean.x) - 1.0).abs();
+                assert!(deviation < 5e-4 + 5.0 * error, "roughness {roughness}, cos {cos}: {mean}");
             }
         }
     }
@@ -302,8 +307,8 @@ mod tests {
                 let conductor = Conductor::new(metal, roughness);
                 for cos in COSINES {
                     let (mean, error) = albedo(&conductor, direction(cos));
-                    let most = 1.0 + 5e-4 + 5.0 * error as f32;
-                    assert!(mean.max_element() < most, "roughness {roughness}, cos {cos}: {mean}");
+                    let max = 1.0 + 5e-4 + 5.0 * error as f32;
+                    assert!(mean.max_element() < max, "roughness {roughness}, cos {cos}: {mean}");
                 }
             }
         }

@@ -3,15 +3,15 @@
 //!
 //! Each facet reflects by Fresnel's equations and refracts the rest (Walter et al. 2007,
 //! "Microfacet Models for Refraction through Rough Surfaces"). Multiple scattering between facets
-//! is compensated on both sides (see [`super::energy_compensation`]): no light is lost, within 2e-3
-//! at every angle as evaluated, and exactly as sampled. This matters inside dense glass: a path is
-//! reflected about `ior^2` times before it leaves, and if the variance of a weight exceeded about
-//! `1 / ior^2`, the variance of their product would be unbounded.
+//! is compensated on both sides (see [`super::energy_compensation`]): energy is conserved, within
+//! 2e-3 at every angle when evaluated, and exactly when sampled. This matters inside dense glass: a
+//! path is reflected about `ior^2` times before it leaves, and if the variance of a weight exceeded
+//! about `1 / ior^2`, the variance of their product would be unbounded.
 //!
 //! **Radiance between media.** An interface conserves radiance over the squared index (Veach 1997,
-//! section 5.2). Here `wo` leads to the camera and `eta` is the index beyond over the index on its
-//! side, so refraction divides by `eta^2`, and reciprocity takes the form
-//! `eta^2 f(wo, wi) = f(wi, wo)`, with the right hand side seen from beyond.
+//! section 5.2). Here `wo` leads to the camera and `eta` is the index beyond over the index on the
+//! side of `wo`, so refraction divides by `eta^2`, and reciprocity takes the form `eta^2 f(wo, wi)
+//! = f(wi, wo)`, with the right-hand side evaluated from the other side.
 
 use std::sync::{Arc, OnceLock};
 
@@ -26,8 +26,8 @@ use super::{
     BsdfSample, DielectricCompensation, DielectricCompensationSide, ExtraUniforms, Ggx, Lobe,
 };
 
-/// Relative index difference below which media have no rough boundary: facets would bend light by
-/// less than a degree, which broad lobes do not resemble.
+/// Relative index difference below which a rough boundary is ignored: its facets would bend light
+/// by less than a degree, far from the broad lobes of energy compensation.
 const INDEX_MATCHED: f64 = 0.01;
 
 /// A dielectric such as glass.
@@ -60,10 +60,11 @@ impl Dielectric {
     /// Creates a dielectric with a roughness in `[0, 1]`. `adjacent_iors` are the indices of all
     /// media that it may border on: its compensation tables are computed once for each.
     pub fn new(ior: f64, priority: i32, roughness: f64, adjacent_iors: &[f64]) -> Self {
-        let energies =
-            || adjacent_iors.iter().map(|other| (ior / other, OnceLock::new())).collect();
+        let compensations = || {
+            adjacent_iors.iter().map(|adjacent_ior| (ior / adjacent_ior, OnceLock::new())).collect()
+        };
         let rough = Ggx::new(roughness)
-            .map(|ggx| Arc::new(RoughDielectric { ggx, compensations: energies() }));
+            .map(|ggx| Arc::new(RoughDielectric { ggx, compensations: compensations() }));
         Self { ior, priority, rough }
     }
 
@@ -81,13 +82,15 @@ impl Dielectric {
 impl RoughDielectric {
     /// Returns the compensation for the ratio `eta`, tolerating rounding.
     fn compensation(&self, eta: f64) -> Option<DielectricCompensationSide<'_>> {
-        let off = |ratio: f64| f64::min((ratio - eta).abs(), (1.0 / ratio - eta).abs());
-        let nearest =
-            self.compensations.iter().min_by(|(a, _), (b, _)| off(*a).total_cmp(&off(*b)));
+        let difference = |ratio: f64| f64::min((ratio - eta).abs(), (1.0 / ratio - eta).abs());
+        let nearest = self
+            .compensations
+            .iter()
+            .min_by(|(a, _), (b, _)| difference(*a).total_cmp(&difference(*b)));
         let (ratio, energy) = nearest?;
         let energy = energy.get_or_init(|| DielectricCompensation::new(self.ggx, *ratio));
-        let is_told_from_here = (*ratio > 1.0) == (eta > 1.0);
-        Some(if is_told_from_here { energy.near_side() } else { energy.far_side() })
+        let is_near_side = (*ratio > 1.0) == (eta > 1.0);
+        Some(if is_near_side { energy.near_side() } else { energy.far_side() })
     }
 }
 
@@ -163,8 +166,8 @@ impl DielectricBsdf<'_> {
         extra: ExtraUniforms<'_>,
     ) -> Option<BsdfSample> {
         let Some((ggx, energy)) = &self.rough else { return Some(self.sample_smooth(wo, u_lobe)) };
-        let once = self.sample_single_scattering(ggx, wo, u_lobe, u);
-        let wi = once.unwrap_or_else(|side| energy.sample(side, extra()));
+        let single = self.sample_single_scattering(ggx, wo, u_lobe, u);
+        let wi = single.unwrap_or_else(|side| energy.sample(side, extra()));
         let pdf = self.pdf(wo, wi);
         let weight = Rgb::splat((self.eval(wo, wi) * wi.z.abs() / pdf) as f32);
         let eta = if wi.z < 0.0 { self.eta } else { 1.0 };
@@ -182,16 +185,20 @@ impl DielectricBsdf<'_> {
     ) -> Result<DVec3, f64> {
         let m = ggx.sample_visible_normal(wo, u);
         let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), self.eta).reflectance;
-        let (wi, rest) = if u_lobe < reflectance {
+        let (wi, u_rest) = if u_lobe < reflectance {
             let wi = (m * (2.0 * wo.dot(m)) - wo).normalize();
             (Some(wi).filter(|wi| wi.z > 0.0), u_lobe / reflectance)
         } else {
             let wi = refract(wo, m, self.eta).filter(|wi| wi.z < 0.0);
             (wi, (u_lobe - reflectance) / (1.0 - reflectance))
         };
-        let Some(wi) = wi else { return Err(rest) };
+        let Some(wi) = wi else { return Err(u_rest) };
         let seen = ggx.shadowing(wo, wi);
-        if rest < seen { Ok(wi) } else { Err((rest - seen) / (1.0 - seen).max(f64::MIN_POSITIVE)) }
+        if u_rest < seen {
+            Ok(wi)
+        } else {
+            Err((u_rest - seen) / (1.0 - seen).max(f64::MIN_POSITIVE))
+        }
     }
 
     /// The weight is 1 except for the change of radiance between media.
@@ -250,9 +257,9 @@ mod tests {
             let sample = |eta: f64, wo| glass.bsdf(eta).sample(wo, 0.999, [0.5, 0.0], &|| [0.5; 2]);
             let into = sample(1.5, wo).expect("a direction").wi;
             assert_relative_eq!(into.x, -0.4, max_relative = 1e-3);
-            let back = DVec3::new(into.x, into.y, -into.z);
-            let back = sample(1.0 / 1.5, back).expect("a direction").wi;
-            assert_relative_eq!(back.x, 0.6, max_relative = 1e-3);
+            let exit = DVec3::new(into.x, into.y, -into.z);
+            let exit = sample(1.0 / 1.5, exit).expect("a direction").wi;
+            assert_relative_eq!(exit.x, 0.6, max_relative = 1e-3);
         }
     }
 
@@ -268,11 +275,11 @@ mod tests {
     #[test]
     fn what_is_prepared_is_found_from_both_sides() {
         let (wo, wi) = (DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.0, 0.28, -0.96));
-        let (many, ggx) = (glass(0.7), Ggx::new(0.7).expect("rough"));
+        let (shared, ggx) = (glass(0.7), Ggx::new(0.7).expect("rough"));
         for eta in [1.5, 1.0 / 1.5, 1.5 / 1.33, 1.33 / 1.5] {
             let energy = DielectricCompensation::new(ggx, eta);
             let fresh = DielectricBsdf { eta, rough: Some((ggx, energy.near_side())) };
-            assert_relative_eq!(many.bsdf(eta).eval(wo, wi), fresh.eval(wo, wi));
+            assert_relative_eq!(shared.bsdf(eta).eval(wo, wi), fresh.eval(wo, wi));
         }
     }
 
@@ -288,8 +295,8 @@ mod tests {
                     let variance = |i: u32| {
                         let u = Sampler::independent(3, 0, i);
                         let glass = glass.bsdf(eta);
-                        let drawn = glass.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(4));
-                        let weight = drawn.map_or(0.0, |s| f64::from(s.weight.x) * s.eta * s.eta);
+                        let sample = glass.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(4));
+                        let weight = sample.map_or(0.0, |s| f64::from(s.weight.x) * s.eta * s.eta);
                         (weight - 1.0) * (weight - 1.0)
                     };
                     let variance = (0..n).map(variance).sum::<f64>() / f64::from(n);
@@ -309,9 +316,9 @@ mod tests {
                     for lobe in [0.0, 0.3, 1.0 - f64::EPSILON] {
                         let sample = glass.sample(wo, lobe, u, &|| u);
                         let Some(sample) = sample else { continue };
-                        let most = 10.0 * f64::max(1.0, 1.0 / (eta * eta)) as f32;
+                        let max = 10.0 * f64::max(1.0, 1.0 / (eta * eta)) as f32;
                         assert!(sample.wi.is_normalized() && sample.pdf.is_finite());
-                        assert!(sample.weight.x >= 0.0 && sample.weight.x < most, "{sample:?}");
+                        assert!(sample.weight.x >= 0.0 && sample.weight.x < max, "{sample:?}");
                     }
                 }
             }

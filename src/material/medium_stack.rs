@@ -6,13 +6,15 @@
 //! The medium that fills the space also absorbs: the fraction `1 - exp(-absorption x distance)` of
 //! the light (Beer-Lambert).
 
+use smallvec::SmallVec;
+
 use crate::color::Rgb;
 use crate::sampling::exp;
 
 use crate::fault::fault;
 
-/// Maximum number of dielectric spheres that a path can be inside of at once.
-const CAPACITY: usize = 8;
+/// Number of media stored without an allocation.
+const INLINE: usize = 4;
 
 /// A transparent medium: the inside of one dielectric sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,15 +30,13 @@ pub struct Medium {
 }
 
 /// The media that a path is inside of, in the order in which they were entered.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct MediumStack {
-    entered: [Medium; CAPACITY],
-    count: u8,
-    overflowed: bool,
+    entered: SmallVec<[Medium; INLINE]>,
 }
 
 /// The boundary that a path crosses at a dielectric sphere.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Boundary {
     /// Index of refraction beyond over that in front; `None` if the boundary is hidden in a medium
     /// of higher priority, so that light passes straight through.
@@ -47,84 +47,70 @@ pub struct Boundary {
 
 impl MediumStack {
     /// Vacuum: outside of every medium.
-    pub const VACUUM: Self = Self {
-        entered: [Medium { sphere: u32::MAX, priority: 0, ior: 1.0, absorption: Rgb::ZERO };
-            CAPACITY],
-        count: 0,
-        overflowed: false,
-    };
+    pub const VACUUM: Self = Self { entered: SmallVec::new_const() };
 
     /// Returns the boundary of `medium`, hit from outside (`entering`) or from inside.
     pub fn boundary(&self, medium: Medium, entering: bool) -> Boundary {
         let (outside, inside) = if entering {
-            (*self, self.with(medium))
+            (self.clone(), self.with(medium))
         } else {
-            // A path that missed its entry, at a tangent, is assumed to be inside.
-            let inside = if self.contains(medium.sphere) { *self } else { self.with(medium) };
+            // A path whose entry was missed, near a tangent, is assumed to be inside.
+            let inside =
+                if self.contains(medium.sphere) { self.clone() } else { self.with(medium) };
             (self.without(medium.sphere), inside)
         };
-        let fills = inside.current().is_some_and(|filling| filling.sphere == medium.sphere);
-        let ior = outside.current().map_or(1.0, |filling| filling.ior);
+        let is_visible = inside.current().is_some_and(|current| current.sphere == medium.sphere);
+        let ior = outside.current().map_or(1.0, |current| current.ior);
         let eta = if entering { medium.ior / ior } else { ior / medium.ior };
         let eta = if fault!(IorSwapped) { 1.0 / eta } else { eta };
-        let beyond = if entering || fault!(MediumStackNotPopped) { inside } else { outside };
-        Boundary { eta: fills.then_some(eta), transmitted_media: beyond }
+        let transmitted_media =
+            if entering || fault!(MediumStackNotPopped) { inside } else { outside };
+        Boundary { eta: is_visible.then_some(eta), transmitted_media }
     }
 
-    /// Returns these media and one more, entered last. If there is no room left it is dropped, and
-    /// [`Self::overflowed`] returns true.
-    pub fn with(mut self, medium: Medium) -> Self {
-        match self.entered.get_mut(usize::from(self.count)) {
-            Some(free) => {
-                *free = medium;
-                self.count += 1;
-            }
-            None => self.overflowed = true,
-        }
-        self
+    /// Returns the stack with `medium` pushed.
+    #[must_use]
+    pub fn with(&self, medium: Medium) -> Self {
+        let mut media = self.clone();
+        media.entered.push(medium);
+        media
     }
 
-    /// Returns true if a medium was ever dropped for lack of room.
-    pub fn overflowed(&self) -> bool {
-        self.overflowed
-    }
-
-    /// Returns the transmittance over a distance. An infinite distance gives 1: only rounding lets
-    /// a ray leave a sphere unnoticed.
+    /// Returns the transmittance over a distance. An infinite distance gives 1: only rounding makes
+    /// a ray miss the sphere that it is inside of.
     pub fn transmittance(&self, distance: f64) -> Rgb {
         match self.current() {
             Some(medium) if medium.absorption != Rgb::ZERO && distance.is_finite() => {
                 let distance = if fault!(AbsorbedTwice) { 2.0 * distance } else { distance };
-                let share = |absorption: f32| exp(-f64::from(absorption) * distance) as f32;
-                Rgb::from_array(medium.absorption.to_array().map(share))
+                let transmittance = |absorption: f32| exp(-f64::from(absorption) * distance) as f32;
+                Rgb::from_array(medium.absorption.to_array().map(transmittance))
             }
             _ => Rgb::ONE,
         }
     }
 
-    /// Returns true if a path is in no dielectric, and never overflowed.
+    /// Returns true if a path is in no dielectric.
     pub fn is_vacuum(&self) -> bool {
-        self.count == 0 && !self.overflowed
+        self.entered.is_empty()
     }
 
-    fn without(mut self, sphere: u32) -> Self {
-        let count = usize::from(self.count);
-        if let Some(at) = self.entered[..count].iter().rposition(|m| m.sphere == sphere) {
-            self.entered.copy_within(at + 1..count, at);
-            self.count -= 1;
+    fn without(&self, sphere: u32) -> Self {
+        let mut media = self.clone();
+        if let Some(index) = media.entered.iter().rposition(|medium| medium.sphere == sphere) {
+            media.entered.remove(index);
         }
-        self
+        media
     }
 
     /// Returns true if a path is inside this sphere.
     pub fn contains(&self, sphere: u32) -> bool {
-        self.entered[..usize::from(self.count)].iter().any(|medium| medium.sphere == sphere)
+        self.entered.iter().any(|medium| medium.sphere == sphere)
     }
 
     /// Returns the medium that fills the space; `None` is vacuum. `max_by_key` keeps the last of
     /// equals.
     fn current(&self) -> Option<&Medium> {
-        self.entered[..usize::from(self.count)].iter().max_by_key(|medium| medium.priority)
+        self.entered.iter().max_by_key(|medium| medium.priority)
     }
 }
 
@@ -173,9 +159,18 @@ mod tests {
     }
 
     #[test]
-    fn overflow_is_remembered() {
-        let full = (0..8).fold(MediumStack::VACUUM, |m, i| m.with(Medium { sphere: i, ..WATER }));
-        assert!(!full.overflowed());
-        assert!(full.with(GLASS).overflowed());
+    fn any_number_of_media_nest() {
+        let shell = |i: u32| Medium { sphere: i, ior: 1.0 + 0.01 * f64::from(i), ..WATER };
+        let mut media = MediumStack::VACUUM;
+        for i in 0..100 {
+            let boundary = media.boundary(shell(i), true);
+            let outside = if i == 0 { 1.0 } else { shell(i - 1).ior };
+            assert_eq!(boundary.eta, Some(shell(i).ior / outside));
+            media = boundary.transmitted_media;
+        }
+        for i in (0..100).rev() {
+            media = media.boundary(shell(i), false).transmitted_media;
+        }
+        assert!(media.is_vacuum());
     }
 }

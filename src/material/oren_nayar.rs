@@ -59,8 +59,8 @@ impl OrenNayar {
     /// Returns the colour of multiply scattered light: the geometric series over the facets'
     /// albedo, of which the mean of `E` escapes each time.
     fn multiscatter_albedo(&self) -> Rgb {
-        let escapes = ((1.0 + C2 * self.roughness) / (1.0 + C1 * self.roughness)) as f32;
-        self.albedo * self.albedo * escapes / (Rgb::ONE - self.albedo * (1.0 - escapes))
+        let escape = ((1.0 + C2 * self.roughness) / (1.0 + C1 * self.roughness)) as f32;
+        self.albedo * self.albedo * escape / (Rgb::ONE - self.albedo * (1.0 - escape))
     }
 
     /// Samples a direction over the hemisphere, as for a Lambertian surface.

@@ -62,8 +62,8 @@ impl Phong {
     pub(super) fn sample(&self, wo: DVec3, u_lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
         let is_glossy = u_lobe < self.glossy_probability();
         let wi = if is_glossy {
-            let around = Frame::from_z(reflect(wo));
-            around.to_world(hemisphere::sample_power_cosine(self.exponent, u))
+            let frame = Frame::from_z(reflect(wo));
+            frame.to_world(hemisphere::sample_power_cosine(self.exponent, u))
         } else {
             Hemisphere::Cosine.sample(u)
         };

@@ -49,17 +49,18 @@ impl PlasticBsdf<'_> {
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let glossy = self.coat_probability(wo);
-        (1.0 - glossy) * Hemisphere::Cosine.pdf(wi.z) + glossy * self.coat.pdf(wo, wi)
+        let coat_probability = self.coat_probability(wo);
+        (1.0 - coat_probability) * Hemisphere::Cosine.pdf(wi.z)
+            + coat_probability * self.coat.pdf(wo, wi)
     }
 
     pub(super) fn sample(&self, wo: DVec3, u_lobe: f64, u: [f64; 2]) -> Option<BsdfSample> {
-        let glossy = self.coat_probability(wo);
-        let (wi, lobe) = if u_lobe < glossy {
+        let coat_probability = self.coat_probability(wo);
+        let (wi, lobe) = if u_lobe < coat_probability {
             let coat = self.coat.sample(wo, u)?;
             if coat.lobe == Lobe::Delta {
-                let weight = coat.weight / glossy as f32;
-                return Some(BsdfSample { weight, pdf: glossy, ..coat });
+                let weight = coat.weight / coat_probability as f32;
+                return Some(BsdfSample { weight, pdf: coat_probability, ..coat });
             }
             (coat.wi, coat.lobe)
         } else {
@@ -72,15 +73,15 @@ impl PlasticBsdf<'_> {
 
     /// Returns the colour of the base as seen through the coat.
     fn base_albedo(&self) -> Rgb {
-        let escaping = self.coat.internal_escape() as f32;
-        self.albedo * escaping / (Rgb::ONE - self.albedo * (1.0 - escaping))
+        let escape = self.coat.internal_escape() as f32;
+        self.albedo * escape / (Rgb::ONE - self.albedo * (1.0 - escape))
     }
 
     /// Returns the probability of sampling the coat.
     fn coat_probability(&self, wo: DVec3) -> f64 {
-        let through = self.coat.transmittance(wo.z);
-        let base = f64::from(luminance(self.base_albedo())) * through;
-        let sum = 1.0 - through + base;
-        if sum > 0.0 { (1.0 - through) / sum } else { 0.0 }
+        let transmittance = self.coat.transmittance(wo.z);
+        let base = f64::from(luminance(self.base_albedo())) * transmittance;
+        let sum = 1.0 - transmittance + base;
+        if sum > 0.0 { (1.0 - transmittance) / sum } else { 0.0 }
     }
 }

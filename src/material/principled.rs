@@ -1,5 +1,5 @@
-//! The principled material: one material for most things, with the parameters that other renderers
-//! share (Burley 2012 and 2015, "Physically Based Shading at Disney"). A mixture of the other
+//! The principled material: one material for most surfaces, with the parameters used by other
+//! renderers (Burley 2012 and 2015, "Physically Based Shading at Disney"). A mixture of the other
 //! models.
 //!
 //! With the fractions `metal = metallic`, `glass = (1 - metallic) transmission` and `base`, the
@@ -11,7 +11,7 @@
 //!
 //! - conductor: GGX of `roughness`, with `base_color` as its reflectance at normal incidence;
 //! - dielectric: glass of `ior` and `roughness`; transmitted light is multiplied by the square root
-//!   of `base_color`, so that light that crosses a body has its colour;
+//!   of `base_color`, so that light refracted in and out has that colour;
 //! - gloss: a [`Coat`] of `roughness`, with the index that reflects `2 specular` times as much as
 //!   `ior`; E is the fraction that it reflects;
 //! - diffuse: seen through the gloss and the coat as by [`Coat::eval_base`], with the colour
@@ -117,9 +117,9 @@ struct DiffuseBase {
 enum Component {
     Coat,
     Conductor,
-    /// The gloss alone.
+    /// Only the gloss.
     Gloss,
-    /// The diffuse base and, if it is rough, the gloss over it, as if the base were white.
+    /// The diffuse base and, if it is rough, the gloss over it, sampled as if the base were white.
     Diffuse,
     Dielectric,
 }
@@ -133,22 +133,23 @@ const COMPONENTS: [Component; 5] = [
 ];
 
 impl Principled {
-    /// Creates the surface; `others` are the indices of the media that it may border on, as for
-    /// [`Dielectric::new`].
-    pub fn new(parameters: PrincipledParameters, others: &[f64]) -> Self {
+    /// Creates the surface; `adjacent_iors` are the indices of the media that it may border on, as
+    /// for [`Dielectric::new`].
+    pub fn new(parameters: PrincipledParameters, adjacent_iors: &[f64]) -> Self {
         let PrincipledParameters { base_color, metallic, roughness, ior, .. } = parameters;
         let transmission = parameters.transmission;
         let glass = (1.0 - metallic) * transmission;
         let diffuse = (1.0 - metallic) * (1.0 - transmission);
         let coat = weighted(parameters.coat, || Coat::new(COAT_IOR, parameters.coat_roughness));
         let gloss = || Coat::new(gloss_ior(ior, parameters.specular), roughness);
-        let diffuse = weighted(diffuse, gloss).map(|(share, gloss)| {
-            let through = |cos| gloss.transmittance(cos) * coat_transmittance(coat.as_ref(), cos);
-            let mean_through = hemispherical_mean(through);
-            DiffuseBase { weight: share, gloss, mean_transmittance: mean_through }
+        let diffuse = weighted(diffuse, gloss).map(|(weight, gloss)| {
+            let transmittance =
+                |cos| gloss.transmittance(cos) * coat_transmittance(coat.as_ref(), cos);
+            let mean_transmittance = hemispherical_mean(transmittance);
+            DiffuseBase { weight, gloss, mean_transmittance }
         });
         let metal = weighted(metallic, || Conductor::from_color(base_color, roughness));
-        let glass = weighted(glass, || Dielectric::new(ior, 0, roughness, others));
+        let glass = weighted(glass, || Dielectric::new(ior, 0, roughness, adjacent_iors));
         Self {
             base_color,
             conductor: metal,
@@ -172,16 +173,16 @@ impl Principled {
     pub(super) fn bsdf(&self, color: Option<Rgb>, eta: f64) -> PrincipledBsdf<'_> {
         PrincipledBsdf {
             base_color: color.unwrap_or(self.base_color),
-            conductor: self.conductor.as_ref().map(|(share, metal)| (*share, metal.bsdf(color))),
-            dielectric: self.dielectric.as_ref().map(|(share, glass)| (*share, glass.bsdf(eta))),
+            conductor: self.conductor.as_ref().map(|(weight, metal)| (*weight, metal.bsdf(color))),
+            dielectric: self.dielectric.as_ref().map(|(weight, glass)| (*weight, glass.bsdf(eta))),
             layers: &self.layers,
         }
     }
 }
 
 /// Returns a part with its weight, unless the weight is 0.
-fn weighted<T>(share: f64, make: impl FnOnce() -> T) -> Option<(f64, T)> {
-    (share > 0.0).then(|| (share, make()))
+fn weighted<T>(weight: f64, make: impl FnOnce() -> T) -> Option<(f64, T)> {
+    (weight > 0.0).then(|| (weight, make()))
 }
 
 /// Returns the index that reflects `2 specular` times as much at normal incidence as `ior` does.
@@ -196,7 +197,7 @@ fn coat_transmittance(coat: Option<&(f64, Coat)>, cos: f64) -> f64 {
     if fault!(CoatWithoutBaseAttenuation) {
         return 1.0;
     }
-    coat.map_or(1.0, |(share, coat)| 1.0 - share * (1.0 - coat.transmittance(cos)))
+    coat.map_or(1.0, |(weight, coat)| 1.0 - weight * (1.0 - coat.transmittance(cos)))
 }
 
 impl PrincipledBsdf<'_> {
@@ -225,76 +226,81 @@ impl PrincipledBsdf<'_> {
     }
 
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let beneath = self.base_attenuation(wo.z, wi.z.abs());
-        let glass =
-            self.dielectric.map_or(0.0, |(share, glass)| share * beneath * glass.eval(wo, wi));
+        let attenuation = self.base_attenuation(wo.z, wi.z.abs());
+        let glass = self
+            .dielectric
+            .map_or(0.0, |(weight, glass)| weight * attenuation * glass.eval(wo, wi));
         if wi.z <= 0.0 {
             return self.transmission_tint() * glass as f32;
         }
         let PrincipledLayers { coat, diffuse } = self.layers;
         let mut white = glass;
         let mut f = Rgb::ZERO;
-        if let Some((share, coat)) = coat {
-            white += share * coat.eval(wo, wi);
+        if let Some((weight, coat)) = coat {
+            white += weight * coat.eval(wo, wi);
         }
-        if let Some((share, metal)) = &self.conductor {
-            f += metal.eval(wo, wi) * (share * beneath) as f32;
+        if let Some((weight, metal)) = &self.conductor {
+            f += metal.eval(wo, wi) * (weight * attenuation) as f32;
         }
-        if let Some(DiffuseBase { weight: share, gloss, mean_transmittance: mean_through }) =
-            diffuse
-        {
-            white += share * beneath * gloss.eval(wo, wi);
-            let through = |cos| gloss.transmittance(cos) * coat_transmittance(coat.as_ref(), cos);
-            let diffuse = share * through(wo.z) * through(wi.z) * FRAC_1_PI / mean_through;
+        if let Some(DiffuseBase { weight, gloss, mean_transmittance }) = diffuse {
+            white += weight * attenuation * gloss.eval(wo, wi);
+            let transmittance =
+                |cos| gloss.transmittance(cos) * coat_transmittance(coat.as_ref(), cos);
+            let diffuse =
+                weight * transmittance(wo.z) * transmittance(wi.z) * FRAC_1_PI / mean_transmittance;
             f += self.base_color * diffuse as f32;
         }
         f + Rgb::splat(white as f32)
     }
 
-    /// Returns the probability of sampling each of [`COMPONENTS`], about in proportion to its
-    /// light.
+    /// Returns the probability of sampling each of [`COMPONENTS`], roughly in proportion to its
+    /// contribution.
     ///
-    /// Without a coat the parts of a white surface are sampled exactly in proportion to their
-    /// light, so that every weight is 1: a path is reflected hundreds of times inside a ball of a
-    /// high index, and the product of weights that are right only on average would be unbounded
-    /// (see [`super::Dielectric`]). A darker base reflects less, and the difference goes to the
-    /// gloss alone.
+    /// Without a coat the components of a white surface are sampled exactly in proportion to their
+    /// contribution, so that every weight is 1: a path is reflected hundreds of times inside a
+    /// sphere of high index, and the product of weights that are 1 only on average would be
+    /// unbounded (see [`super::Dielectric`]). A darker base reflects less, and the difference goes
+    /// to the gloss component.
     fn component_probabilities(&self, wo: DVec3) -> [f64; 5] {
         let PrincipledLayers { coat, diffuse } = self.layers;
-        let beneath = coat_transmittance(coat.as_ref(), wo.z);
-        let of_coat =
-            coat.as_ref().map_or(0.0, |(share, coat)| share * (1.0 - coat.transmittance(wo.z)));
-        let of_metal = self.conductor.map_or(0.0, |(share, metal)| {
-            share * beneath * f64::from(luminance(metal.mean_reflectance()))
+        let attenuation = coat_transmittance(coat.as_ref(), wo.z);
+        let coat_energy =
+            coat.as_ref().map_or(0.0, |(weight, coat)| weight * (1.0 - coat.transmittance(wo.z)));
+        let metal_energy = self.conductor.map_or(0.0, |(weight, metal)| {
+            weight * attenuation * f64::from(luminance(metal.mean_reflectance()))
         });
-        let [of_gloss, of_diffuse] =
-            diffuse.as_ref().map_or([0.0; 2], |DiffuseBase { weight: share, gloss, .. }| {
-                let through = gloss.transmittance(wo.z);
+        let [gloss_energy, diffuse_energy] =
+            diffuse.as_ref().map_or([0.0; 2], |DiffuseBase { weight, gloss, .. }| {
+                let transmittance = gloss.transmittance(wo.z);
                 let color = f64::from(luminance(self.base_color));
-                let [alone, both] = if gloss.is_delta() {
-                    [1.0 - through, through * color]
+                let [gloss_only, both] = if gloss.is_delta() {
+                    [1.0 - transmittance, transmittance * color]
                 } else {
-                    [(1.0 - through) * (1.0 - color), color]
+                    [(1.0 - transmittance) * (1.0 - color), color]
                 };
-                [share * beneath * alone, share * beneath * both]
+                [weight * attenuation * gloss_only, weight * attenuation * both]
             });
-        let of_glass = self.dielectric.map_or(0.0, |(share, _)| share * beneath);
-        let shares = [of_coat, of_metal, of_gloss, of_diffuse, of_glass];
-        let sum: f64 = shares.iter().sum();
-        shares.map(|share| if sum > 0.0 { share / sum } else { 0.0 })
+        let glass_energy = self.dielectric.map_or(0.0, |(weight, _)| weight * attenuation);
+        let energies = [coat_energy, metal_energy, gloss_energy, diffuse_energy, glass_energy];
+        let sum: f64 = energies.iter().sum();
+        energies.map(|energy| if sum > 0.0 { energy / sum } else { 0.0 })
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let shares = self.component_probabilities(wo);
-        let of = |(part, share): (Component, f64)| {
-            if share > 0.0 { share * self.component_pdf(part, wo, wi) } else { 0.0 }
+        let probabilities = self.component_probabilities(wo);
+        let of = |(component, probability): (Component, f64)| {
+            if probability > 0.0 {
+                probability * self.component_pdf(component, wo, wi)
+            } else {
+                0.0
+            }
         };
-        COMPONENTS.into_iter().zip(shares).map(of).sum()
+        COMPONENTS.into_iter().zip(probabilities).map(of).sum()
     }
 
-    fn component_pdf(&self, part: Component, wo: DVec3, wi: DVec3) -> f64 {
+    fn component_pdf(&self, component: Component, wo: DVec3, wi: DVec3) -> f64 {
         let PrincipledLayers { coat, diffuse } = self.layers;
-        let pdf = match part {
+        let pdf = match component {
             Component::Dielectric => {
                 return self.dielectric.map_or(0.0, |(_, glass)| glass.pdf(wo, wi));
             }
@@ -317,60 +323,62 @@ impl PrincipledBsdf<'_> {
         u: [f64; 2],
         extra: ExtraUniforms<'_>,
     ) -> Option<BsdfSample> {
-        let shares = self.component_probabilities(wo);
+        let probabilities = self.component_probabilities(wo);
         let mut rest = u_lobe;
-        let mut chosen = None;
-        for (part, share) in COMPONENTS.into_iter().zip(shares).filter(|(_, share)| *share > 0.0) {
-            rest -= chosen.map_or(0.0, |(_, before): (Component, f64)| before);
-            chosen = Some((part, share));
-            if rest < share {
+        let mut selected = None;
+        for (component, probability) in
+            COMPONENTS.into_iter().zip(probabilities).filter(|(_, probability)| *probability > 0.0)
+        {
+            rest -= selected.map_or(0.0, |(_, previous): (Component, f64)| previous);
+            selected = Some((component, probability));
+            if rest < probability {
                 break;
             }
         }
-        let (part, share) = chosen?;
-        let within = (rest / share).clamp(0.0, 1.0 - f64::EPSILON);
-        let (drawn, scale) = self.sample_component(part, wo, within, u, extra)?;
-        if drawn.lobe == Lobe::Delta {
-            let beneath = self.base_attenuation(wo.z, drawn.wi.z.abs());
-            let scale = if part == Component::Coat { scale } else { scale * beneath };
-            let tint = if drawn.wi.z < 0.0 { self.transmission_tint() } else { Rgb::ONE };
-            let weight = drawn.weight * tint * (scale / share) as f32;
-            return Some(BsdfSample { weight, pdf: share * drawn.pdf, ..drawn });
+        let (component, probability) = selected?;
+        let u_component = (rest / probability).clamp(0.0, 1.0 - f64::EPSILON);
+        let (sample, scale) = self.sample_component(component, wo, u_component, u, extra)?;
+        if sample.lobe == Lobe::Delta {
+            let attenuation = self.base_attenuation(wo.z, sample.wi.z.abs());
+            let scale = if component == Component::Coat { scale } else { scale * attenuation };
+            let tint = if sample.wi.z < 0.0 { self.transmission_tint() } else { Rgb::ONE };
+            let weight = sample.weight * tint * (scale / probability) as f32;
+            return Some(BsdfSample { weight, pdf: probability * sample.pdf, ..sample });
         }
-        let pdf = self.pdf(wo, drawn.wi);
-        let weight = self.eval(wo, drawn.wi) * (drawn.wi.z.abs() / pdf) as f32;
-        (pdf > 0.0).then_some(BsdfSample { weight, pdf, ..drawn })
+        let pdf = self.pdf(wo, sample.wi);
+        let weight = self.eval(wo, sample.wi) * (sample.wi.z.abs() / pdf) as f32;
+        (pdf > 0.0).then_some(BsdfSample { weight, pdf, ..sample })
     }
 
-    /// Samples a component as if it were alone; also returns the component's factor.
+    /// Samples a component as if it were the only one; also returns the component's weight.
     fn sample_component(
         &self,
-        part: Component,
+        component: Component,
         wo: DVec3,
         u_lobe: f64,
         u: [f64; 2],
         extra: ExtraUniforms<'_>,
     ) -> Option<(BsdfSample, f64)> {
         let PrincipledLayers { coat, diffuse } = self.layers;
-        match part {
+        match component {
             Component::Coat => {
-                coat.as_ref().and_then(|(share, coat)| Some((coat.sample(wo, u)?, *share)))
+                coat.as_ref().and_then(|(weight, coat)| Some((coat.sample(wo, u)?, *weight)))
             }
             Component::Conductor => self
                 .conductor
-                .and_then(|(share, metal)| Some((metal.sample(wo, u_lobe, u, extra)?, share))),
+                .and_then(|(weight, metal)| Some((metal.sample(wo, u_lobe, u, extra)?, weight))),
             Component::Gloss => diffuse
                 .as_ref()
                 .and_then(|diffuse| Some((diffuse.gloss.sample(wo, u)?, diffuse.weight))),
-            // The first pair is for the base, which most light comes from.
+            // The first pair goes to the base, which contributes most of the light.
             Component::Diffuse => diffuse.as_ref().map(|diffuse| {
                 let (wi, lobe) = diffuse.gloss.sample_with_base(wo, u_lobe, extra, u);
-                let drawn = BsdfSample { wi, weight: Rgb::ONE, pdf: 1.0, lobe, eta: 1.0 };
-                (drawn, diffuse.weight)
+                let sample = BsdfSample { wi, weight: Rgb::ONE, pdf: 1.0, lobe, eta: 1.0 };
+                (sample, diffuse.weight)
             }),
             Component::Dielectric => self
                 .dielectric
-                .and_then(|(share, glass)| Some((glass.sample(wo, u_lobe, u, extra)?, share))),
+                .and_then(|(weight, glass)| Some((glass.sample(wo, u_lobe, u, extra)?, weight))),
         }
     }
 }
@@ -409,8 +417,8 @@ mod tests {
         let expected = Dielectric::new(1.5, 0, roughness, &[1.0]);
         let expected = expected.bsdf(1.5);
         assert_relative_eq!(eval(glass, WI).x, expected.eval(WO, WI) as f32);
-        let through = eval(glass, -WI).x / expected.eval(WO, -WI) as f32;
-        assert_relative_eq!(through * through, base_color.x, max_relative = 1e-6);
+        let transmittance = eval(glass, -WI).x / expected.eval(WO, -WI) as f32;
+        assert_relative_eq!(transmittance * transmittance, base_color.x, max_relative = 1e-6);
     }
 
     /// Otherwise the product of the weights along a path inside a dense ball would diverge.
@@ -425,8 +433,8 @@ mod tests {
                 let n = 4000;
                 let square = |i: u32| {
                     let (u, surface) = (Sampler::independent(3, 0, i), white.bsdf(None, eta));
-                    let drawn = surface.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(4));
-                    let weight = drawn.map_or(0.0, |s| f64::from(s.weight.x) * s.eta * s.eta);
+                    let sample = surface.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(4));
+                    let weight = sample.map_or(0.0, |s| f64::from(s.weight.x) * s.eta * s.eta);
                     (weight - 1.0) * (weight - 1.0)
                 };
                 let variance = (0..n).map(square).sum::<f64>() / f64::from(n);

@@ -11,7 +11,7 @@ pub use frame::{Frame, renormalize};
 pub use glam::{DVec2, DVec3, Vec3};
 pub use isa::{Isa, SimdKernel};
 pub use lanes::{LANES, Lanes, Lanes3};
-pub use ray::{Hit, MAX_COORDINATE, NO_SPHERE, Ray};
+pub use ray::{Hit, MAX_COORDINATE, NO_SPHERE, Ray, rounded_interval};
 pub use rect::Rect;
 
 /// Half the distance from 1 to the next larger f32: the relative error of one f32 rounding.

@@ -64,7 +64,7 @@ impl Ray {
     pub fn new(origin: DVec3, direction: DVec3, t_min: f64, t_max: f64, exclude: [u32; 2]) -> Self {
         let (origin, origin_low) = split(origin);
         let (direction, direction_low) = split(direction);
-        let (t_min, t_max) = (round_down(t_min), round_up(t_max));
+        let [t_min, t_max] = rounded_interval(t_min, t_max);
         Self { origin, t_min, direction, t_max, exclude, origin_low, direction_low }
     }
 
@@ -110,13 +110,21 @@ fn join(high: [f32; 3], low: [f32; 3]) -> DVec3 {
     DVec3::from_array(high.map(f64::from)) + DVec3::from_array(low.map(f64::from))
 }
 
+/// Rounds the interval in which a ray may hit outwards to f32. All backends use it rounded.
+#[inline(always)]
+pub fn rounded_interval(t_min: f64, t_max: f64) -> [f32; 2] {
+    [round_down(t_min), round_up(t_max)]
+}
+
 /// Returns the smallest f32 that is not below a distance `x >= 0`.
+#[inline(always)]
 fn round_up(x: f64) -> f32 {
     let nearest = x as f32;
     if f64::from(nearest) < x { f32::from_bits(nearest.to_bits() + 1) } else { nearest }
 }
 
 /// Returns the largest f32 that is not above a distance `x >= 0`.
+#[inline(always)]
 fn round_down(x: f64) -> f32 {
     let nearest = x as f32;
     if f64::from(nearest) > x { f32::from_bits(nearest.to_bits() - 1) } else { nearest }

@@ -14,7 +14,7 @@ use crate::job::{Checkpoint, CheckpointHeader, FilePath, Metadata, RenderStatus,
 const RESUME: &str = "resume";
 
 /// Longer lists are not written out in text.
-const LONGEST_LIST: usize = 100;
+const MAX_LIST_LENGTH: usize = 100;
 
 /// Records of how a file was made.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ impl FileRecords {
         }
         let part = Checkpoint::open(path)?;
         let header = part.header().clone();
-        // Damage behind the header must not go unnoticed.
+        // Detects damage after the header.
         part.into_film()?;
         Ok(Self { metadata: header.metadata.clone(), header: Some(header) })
     }
@@ -63,23 +63,23 @@ impl FileRecords {
     ///
     /// # Errors
     /// If the records cannot be written.
-    pub fn words(&self) -> Result<String> {
+    pub fn to_text(&self) -> Result<String> {
         let records = self.records()?;
         let (texts, rows): (Vec<MetadataEntry>, Vec<MetadataEntry>) = records
             .iter()
-            .flat_map(|record| self.words_of(record))
+            .flat_map(|record| self.format_record(record))
             .partition(|record| record.text.contains('\n'));
-        let longest = rows.iter().map(|record| record.name.len()).max().unwrap_or(0);
-        let mut words = String::new();
-        for MetadataEntry { name, text } in rows {
-            words += &format!("{name:<longest$}  {text}\n");
+        let name_width = rows.iter().map(|record| record.name.len()).max().unwrap_or(0);
+        let mut text = String::new();
+        for row in rows {
+            text += &format!("{:<name_width$}  {}\n", row.name, row.text);
         }
-        for MetadataEntry { name, text } in texts {
-            words += &format!("{name}:\n");
-            text.lines()
-                .for_each(|line| words += &format!("{}\n", format!("    {line}").trim_end()));
+        for MetadataEntry { name, text: body } in texts {
+            text += &format!("{name}:\n");
+            body.lines()
+                .for_each(|line| text += &format!("{}\n", format!("    {line}").trim_end()));
         }
-        Ok(words)
+        Ok(text)
     }
 
     fn records(&self) -> Result<Vec<MetadataEntry>> {
@@ -87,45 +87,46 @@ impl FileRecords {
         let Some(header) = &self.header else { return Ok(records) };
         let is_ended = matches!(header.status, RenderStatus::Ended { .. });
         records.push(MetadataEntry::new("ended", is_ended.to_string()));
-        if let RenderStatus::Ended { missed } = &header.status {
-            let words: Vec<String> = missed.iter().map(ToString::to_string).collect();
-            let said = (!words.is_empty()).then(|| MetadataEntry::new("missed", words.join("; ")));
-            records.extend(said);
+        if let RenderStatus::Ended { missed_targets } = &header.status {
+            let missed: Vec<String> = missed_targets.iter().map(ToString::to_string).collect();
+            let record =
+                (!missed.is_empty()).then(|| MetadataEntry::new("missed", missed.join("; ")));
+            records.extend(record);
         }
-        if let Some(delivery) = &header.delivery {
-            let way_on = json!({
+        if let Some(output) = &header.output {
+            let resume = json!({
                 "scene": header.source.as_ref().map(|source| &source.name),
-                "files": delivery.files.iter().map(name_of).collect::<Vec<_>>(),
-                "preview": delivery.preview.as_ref().map(name_of),
+                "files": output.files.iter().map(name_of).collect::<Vec<_>>(),
+                "preview": output.preview.as_ref().map(name_of),
                 "samples_per_pixel": header.samples.end,
             });
-            records.push(MetadataEntry::new(RESUME, way_on.to_string()));
+            records.push(MetadataEntry::new(RESUME, resume.to_string()));
         }
         Ok(records)
     }
 
     /// Formats a record as text instead of JSON. Settings start with the ones asked for most.
-    fn words_of(&self, record: &MetadataEntry) -> Vec<MetadataEntry> {
+    fn format_record(&self, record: &MetadataEntry) -> Vec<MetadataEntry> {
         let metadata = &self.metadata;
         let text = match record.name.as_str() {
-            "settings" => return settings_in_words(metadata),
-            "intersector" => Some(metadata.intersector.to_string()),
+            "settings" => return settings_records(metadata),
+            "intersector" => Some(metadata.intersector.name().to_owned()),
             "samples" => Some(metadata.samples_to_string()),
             "counts" => Some(metadata.counts.to_string()),
             "parts" => Some(format!("{}\n", metadata.parts)),
             "biased" => Some(metadata.biased.join(", ")),
             "look" => metadata.look.map(|look| look.to_string()),
-            "layers" => listed(&record_value(record)),
+            "layers" => join_list(&record_value(record)),
             "noise" => {
                 metadata.run.as_ref().and_then(|run| run.noise).map(|noise| noise.to_string())
             }
-            // The user's own text already says it.
+            // The scene text contains it.
             "scene" if metadata.run.as_ref().is_some_and(|run| run.scene_text.is_some()) => {
                 return Vec::new();
             }
             "scene" => metadata.scene.as_ref().map(|scene| line_by_line(&scene.to_keys())),
             "files" => Some(line_by_line(&record_value(record))),
-            RESUME => self.header.as_ref().and_then(way_on),
+            RESUME => self.header.as_ref().and_then(describe_resume),
             _ => None,
         };
         vec![MetadataEntry::new(&record.name, text.unwrap_or_else(|| record.text.clone()))]
@@ -137,16 +138,16 @@ fn name_of(FilePath(path): &FilePath) -> String {
 }
 
 /// Describes how to resume a part, and where its image goes.
-fn way_on(header: &CheckpointHeader) -> Option<String> {
-    let (source, delivery) = (header.source.as_ref()?, header.delivery.as_ref()?);
-    let files: Vec<String> = delivery.files.iter().map(name_of).collect();
+fn describe_resume(header: &CheckpointHeader) -> Option<String> {
+    let (source, output) = (header.source.as_ref()?, header.output.as_ref()?);
+    let files: Vec<String> = output.files.iter().map(name_of).collect();
     let (scene, files, samples) = (&source.name, files.join(" and "), header.samples.end);
-    let preview = delivery.preview.as_ref().map(name_of);
-    let preview = preview.map_or(String::new(), |preview| format!(", previewed in {preview}"));
+    let preview = output.preview.as_ref().map(name_of);
+    let preview = preview.map_or(String::new(), |preview| format!(", preview in {preview}"));
     Some(format!("renders {scene} to {files}, up to {samples} samples per pixel{preview}"))
 }
 
-fn settings_in_words(metadata: &Metadata) -> Vec<MetadataEntry> {
+fn settings_records(metadata: &Metadata) -> Vec<MetadataEntry> {
     let image = &metadata.settings.image;
     let mut records = vec![MetadataEntry::new("size", format!("{}x{}", image.width, image.height))];
     records.extend(image.crop.map(|crop| MetadataEntry::new("crop", crop.to_string())));
@@ -155,7 +156,7 @@ fn settings_in_words(metadata: &Metadata) -> Vec<MetadataEntry> {
 }
 
 /// The texts of a list.
-fn listed(value: &Value) -> Option<String> {
+fn join_list(value: &Value) -> Option<String> {
     let texts: Option<Vec<&str>> = value.as_array()?.iter().map(Value::as_str).collect();
     Some(texts?.join(","))
 }
@@ -168,23 +169,23 @@ fn line_by_line(value: &Value) -> String {
 }
 
 fn add_lines(path: &str, value: &Value, lines: &mut String) {
-    let inner = |step: &str| match path {
-        "" => step.to_owned(),
-        _ => format!("{path}.{step}"),
+    let inner = |key: &str| match path {
+        "" => key.to_owned(),
+        _ => format!("{path}.{key}"),
     };
     match value {
         Value::Null => {}
         Value::Object(fields) => {
             fields.iter().for_each(|(name, value)| add_lines(&inner(name), value, lines));
         }
-        Value::Array(list) if list.len() > LONGEST_LIST => {
+        Value::Array(list) if list.len() > MAX_LIST_LENGTH => {
             *lines += &format!("{path} = a list of {}\n", list.len());
         }
         Value::Array(list) if list.iter().any(Value::is_object) => {
             let numbered = list.iter().enumerate();
-            numbered.for_each(|(at, value)| add_lines(&inner(&at.to_string()), value, lines));
+            numbered.for_each(|(index, value)| add_lines(&inner(&index.to_string()), value, lines));
         }
         Value::Array(list) if list.is_empty() => {}
-        one => *lines += &format!("{path} = {}\n", format_json(one)),
+        other => *lines += &format!("{path} = {}\n", format_json(other)),
     }
 }

@@ -11,6 +11,6 @@ pub mod path;
 mod scene;
 pub mod speed;
 
-pub use difference::{in_standard_errors, in_steps};
+pub use difference::{describe_in_standard_errors, describe_in_steps};
 pub use file::{FileRecords, is_picture};
 pub use scene::SceneSummary;

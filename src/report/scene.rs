@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::geometry::{Sphere, SphereSet};
 use crate::math::DVec3;
 use crate::scene::settings::{IntegratorKind, IntegratorSettings, PathTermination};
-use crate::scene::{Scene, Settings};
+use crate::scene::{CameraEnclosure, Scene, Settings};
 
 /// Contents of a scene and its render settings, as text and as the fields of a JSON object.
 #[derive(Debug, Serialize)]
@@ -18,8 +18,8 @@ pub struct SceneSummary<'a> {
     tables: usize,
     giants: usize,
     duplicates: usize,
-    coarse: usize,
     emitters: usize,
+    camera_inside: Option<String>,
     materials: Vec<Material<'a>>,
     bounds: Bounds,
     radius: Radii,
@@ -31,7 +31,7 @@ pub struct SceneSummary<'a> {
     max_depth: Option<u32>,
     seed: u64,
     biased_by: Vec<String>,
-    makes_light: Vec<MakesLight<'a>>,
+    creates_energy: Vec<EnergyCreatingMaterial<'a>>,
     #[serde(skip)]
     settings: &'a Settings,
 }
@@ -57,9 +57,9 @@ struct Radii {
 
 /// A material that reflects more light than it receives.
 #[derive(Debug, Serialize)]
-struct MakesLight<'a> {
+struct EnergyCreatingMaterial<'a> {
     name: &'a str,
-    up_to: f32,
+    max_albedo: f32,
 }
 
 impl<'a> SceneSummary<'a> {
@@ -69,14 +69,15 @@ impl<'a> SceneSummary<'a> {
         let Settings { image, render } = settings;
         let (bounds, radius) = extent(spheres);
         let materials = description.materials.iter();
-        let makes_light = description.energy_creating_materials().into_iter();
+        let creates_energy = description.energy_creating_materials().into_iter();
         Self {
             spheres: spheres.len(),
             tables: description.tables.len(),
             giants: spheres.giants().len(),
             duplicates: spheres.duplicates(),
-            coarse: spheres.displaced(),
             emitters: scene.emitter_count(),
+            camera_inside: CameraEnclosure::find(scene, image)
+                .map(|enclosure| scene.name_of_row(spheres.row(enclosure.sphere))),
             materials: materials
                 .map(|m| Material { name: &m.name, r#type: m.surface.kind().name() })
                 .collect(),
@@ -90,7 +91,9 @@ impl<'a> SceneSummary<'a> {
             max_depth: render.max_depth,
             seed: render.seed,
             biased_by: render.biases(),
-            makes_light: makes_light.map(|(name, up_to)| MakesLight { name, up_to }).collect(),
+            creates_energy: creates_energy
+                .map(|(name, max_albedo)| EnergyCreatingMaterial { name, max_albedo })
+                .collect(),
             settings,
         }
     }
@@ -107,10 +110,12 @@ impl fmt::Display for SceneSummary<'_> {
         let mut row = |name: &str, value: String| writeln!(f, "{name:<12}{value}");
         row("spheres", self.spheres.to_string())?;
         row("tables", self.tables.to_string())?;
-        row("giants", format!("{} (kept in f64)", self.giants))?;
+        row("giants", format!("{} (traced in f64)", self.giants))?;
         row("duplicates", format!("{} (left out)", self.duplicates))?;
-        row("coarse", format!("{} (moved by rounding by more than 1 %)", self.coarse))?;
         row("emitters", self.emitters.to_string())?;
+        if let Some(name) = &self.camera_inside {
+            row("camera", format!("inside the opaque sphere `{name}`"))?;
+        }
         let mut list = |name: &str, values: Vec<String>| {
             let names = std::iter::once(name).chain(std::iter::repeat(""));
             names.zip(values).try_for_each(|(name, value)| row(name, value))
@@ -127,30 +132,30 @@ impl fmt::Display for SceneSummary<'_> {
         list("max_depth", vec![depth])?;
         list("seed", vec![self.seed.to_string()])?;
         list("biased by", self.biased_by.clone())?;
-        let note = |MakesLight { name, up_to }: &MakesLight<'_>| {
-            format!("{name} (reflects more than it receives: up to {up_to:.2} of it)")
+        let note = |EnergyCreatingMaterial { name, max_albedo }: &EnergyCreatingMaterial<'_>| {
+            format!("{name} (reflects more than it receives: up to {max_albedo:.2} of it)")
         };
-        list("makes light", self.makes_light.iter().map(note).collect())
+        list("adds energy", self.creates_energy.iter().map(note).collect())
     }
 }
 
 fn extent(spheres: &SphereSet) -> (Bounds, Radii) {
-    let nothing = || {
+    let empty = || {
         let bounds = Bounds { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
         (bounds, Radii { smallest: f64::INFINITY, largest: 0.0 })
     };
-    let one = |id| {
+    let sphere_extent = |id| {
         let Sphere { center, radius } = spheres.sphere(id);
         let center = center + spheres.origin();
         let bounds = Bounds { low: center - radius, high: center + radius };
         (bounds, Radii { smallest: radius, largest: radius })
     };
-    let joined = |(a, r): (Bounds, Radii), (b, s): (Bounds, Radii)| {
+    let union = |(a, r): (Bounds, Radii), (b, s): (Bounds, Radii)| {
         let bounds = Bounds { low: a.low.min(b.low), high: a.high.max(b.high) };
         let (smallest, largest) = (r.smallest.min(s.smallest), r.largest.max(s.largest));
         (bounds, Radii { smallest, largest })
     };
-    (0..spheres.len() as u32).into_par_iter().map(one).reduce(nothing, joined)
+    (0..spheres.len() as u32).into_par_iter().map(sphere_extent).reduce(empty, union)
 }
 
 fn integrator(integrator: &IntegratorSettings) -> String {

@@ -38,7 +38,7 @@ impl DiscreteDistribution {
         self.cumulative[index] - below
     }
 
-    /// Remaps `u` within the part of `[0, 1)` that selects `index`: uniform in `[0, 1)` again.
+    /// Remaps `u` within the interval that selects `index`, to a number uniform in `[0, 1)`.
     pub fn remap(&self, index: usize, u: f64) -> f64 {
         let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
         ((u - below) / self.pmf(index)).clamp(0.0, 1.0 - f64::EPSILON)
@@ -52,15 +52,15 @@ mod tests {
 
     #[test]
     fn indices_come_with_their_probabilities() {
-        let choice = DiscreteDistribution::new([1.0, 0.0, 3.0]).expect("valid");
-        assert_relative_eq!(choice.pmf(0), 0.25);
-        assert_relative_eq!(choice.pmf(1), 0.0);
-        assert_relative_eq!(choice.pmf(2), 0.75);
-        assert_eq!([0.0, 0.2499, 0.25, 0.999_999].map(|u| choice.sample(u)), [0, 0, 2, 2]);
-        assert_relative_eq!(choice.remap(2, 0.625), 0.5);
+        let distribution = DiscreteDistribution::new([1.0, 0.0, 3.0]).expect("valid");
+        assert_relative_eq!(distribution.pmf(0), 0.25);
+        assert_relative_eq!(distribution.pmf(1), 0.0);
+        assert_relative_eq!(distribution.pmf(2), 0.75);
+        assert_eq!([0.0, 0.2499, 0.25, 0.999_999].map(|u| distribution.sample(u)), [0, 0, 2, 2]);
+        assert_relative_eq!(distribution.remap(2, 0.625), 0.5);
         // Rounding may bring a number to the end of its interval, and no further.
-        assert_eq!(choice.sample(1.0), 2);
-        assert_eq!([(0, 0.25), (2, 1.0)].map(|(i, u)| choice.remap(i, u) < 1.0), [true; 2]);
+        assert_eq!(distribution.sample(1.0), 2);
+        assert_eq!([(0, 0.25), (2, 1.0)].map(|(i, u)| distribution.remap(i, u) < 1.0), [true; 2]);
     }
 
     #[test]

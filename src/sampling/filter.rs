@@ -1,7 +1,7 @@
 //! The pixel reconstruction filter h(p), importance-sampled.
 //!
-//! A sample's position in the pixel is drawn with density h, so every sample has the same weight
-//! and affects one pixel only, and a constant scene gives that constant under every filter.
+//! Sample positions in a pixel have density h, so every sample has the same weight and affects one
+//! pixel only, and a constant scene gives that constant under every filter.
 
 use std::f64::consts::PI;
 
@@ -129,9 +129,9 @@ impl Profile {
             Self::Tent => 1.0 - (1.0 - x) * (1.0 - x) / 2.0,
             Self::Tabulated(bins) => {
                 let bin = bin_index(x);
-                let below: f64 = (0..bin).map(|i| bins.pmf(i)).sum();
-                let inside = (x + 1.0) / 2.0 * BINS as f64 - bin as f64;
-                below + inside * bins.pmf(bin)
+                let cumulative: f64 = (0..bin).map(|i| bins.pmf(i)).sum();
+                let fraction = (x + 1.0) / 2.0 * BINS as f64 - bin as f64;
+                cumulative + fraction * bins.pmf(bin)
             }
         }
     }
@@ -186,12 +186,12 @@ mod tests {
         ] {
             let filter = Filter::new(kind, 2.0);
             // Within a bin the density is constant.
-            let share = |x: f64| filter.pdf([0.0, x]) / filter.pdf([0.0, 0.0]);
+            let ratio = |x: f64| filter.pdf([0.0, x]) / filter.pdf([0.0, 0.0]);
             for (x, expected) in [(1.0, at_half), (-1.0, at_half), (2.0, at_edge), (-2.0, at_edge)]
             {
-                assert!((share(x) - expected).abs() < 5e-3, "{kind:?} at {x}: {}", share(x));
+                assert!((ratio(x) - expected).abs() < 5e-3, "{kind:?} at {x}: {}", ratio(x));
             }
-            assert_eq!([2.001, -2.001].map(share), [0.0; 2], "{kind:?} ends at its radius");
+            assert_eq!([2.001, -2.001].map(ratio), [0.0; 2], "{kind:?} ends at its radius");
         }
         let boxes = [0.25, 3.0].map(|radius| Filter::new(FilterKind::Box, radius));
         assert_eq!(boxes[0].pdf([0.1, -0.2]), 4.0);

@@ -19,8 +19,8 @@ pub enum Hemisphere {
     Cosine,
     /// Density `1 / (2 pi)`.
     UniformSolidAngle,
-    /// Azimuth and elevation both uniform, as the paper words it: density `1 / (pi^2 cos e)` with
-    /// the elevation `e` measured from the tangent plane.
+    /// Azimuth and elevation both uniform, as in the paper: density `1 / (pi^2 cos e)` with the
+    /// elevation `e` measured from the tangent plane.
     UniformAngle,
 }
 
@@ -73,8 +73,8 @@ impl Hemisphere {
     }
 }
 
-/// Samples a direction uniformly over the solid angle of the cap around +z whose rim has this
-/// `1 - cos`, of any size. The pdf is `1 / (2 pi (1 - cos))`.
+/// Samples a direction uniformly over the cone (spherical cap) around +z with the given `1 -
+/// cos_max`, up to the whole sphere. The pdf is `1 / (2 pi (1 - cos))`.
 pub fn sample_uniform_cone(one_minus_cos_max: f64, u: [f64; 2]) -> DVec3 {
     let one_minus_cos = u[0] * one_minus_cos_max;
     let sin = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
@@ -147,13 +147,13 @@ mod tests {
         for rim in [1e-12, 0.3, 1.0, 2.0] {
             for i in 0..50 {
                 let u = [f64::from(i) / 50.0, f64::from(i * 7 % 50) / 50.0];
-                let drawn = sample_uniform_cone(rim, u);
-                assert!((drawn.length() - 1.0).abs() < 1e-15);
-                let chord_squared = drawn.distance_squared(DVec3::Z);
+                let direction = sample_uniform_cone(rim, u);
+                assert!((direction.length() - 1.0).abs() < 1e-15);
+                let chord_squared = direction.distance_squared(DVec3::Z);
                 let expected = 2.0 * u[0] * rim;
                 assert!((chord_squared - expected).abs() <= 1e-14 * expected.max(1e-3 * rim));
                 if i > 0 && rim < 2.0 {
-                    let turns = Hemisphere::Cosine.invert(drawn)[1];
+                    let turns = Hemisphere::Cosine.invert(direction)[1];
                     assert!((turns - u[1]).abs() < 1e-12, "{turns} {}", u[1]);
                 }
             }

@@ -1,7 +1,7 @@
 //! Weights for multiple importance sampling.
 
-/// The power heuristic with exponent 2 for a sample drawn with density `pdf`, which the other
-/// strategy would have drawn with density `other_pdf` (Veach 1997, section 9.2.4).
+/// The power heuristic with exponent 2 for a sample with density `pdf` under its own strategy and
+/// `other_pdf` under the other strategy (Veach 1997, section 9.2.4).
 ///
 /// Written with the ratio of the densities: their squares overflow for a distant emitter.
 #[inline(always)]

@@ -54,7 +54,7 @@ impl Sampler {
     }
 
     /// Creates numbers of any kind at an address. Only stratified ones depend on `samples`, the
-    /// pixel's total sample count; they are best if exactly that many are taken.
+    /// pixel's total sample count; they are best if exactly that many samples are taken.
     pub fn with_kind(kind: SamplerKind, seed: u64, pixel: u64, sample: u32, samples: u32) -> Self {
         match kind {
             SamplerKind::Sobol => Self(SamplerState::Sobol(Sobol::new(seed, pixel, sample))),
@@ -75,8 +75,8 @@ impl Sampler {
     #[inline(always)]
     pub fn store_in_lane(self, lanes: &mut SobolLanes, lane: usize) -> bool {
         match self.0 {
-            SamplerState::Sobol(numbers) => {
-                lanes.set_lane(lane, numbers);
+            SamplerState::Sobol(sampler) => {
+                lanes.set_lane(lane, sampler);
                 true
             }
             _ => false,
@@ -86,10 +86,10 @@ impl Sampler {
     /// Returns the number of one dimension, in `[0, 1)`.
     pub fn get(self, dimension: u32) -> f64 {
         match self.0 {
-            SamplerState::Independent(numbers) => numbers.get(dimension),
-            SamplerState::Sobol(numbers) => numbers.get(dimension),
-            SamplerState::Stratified(numbers) => {
-                numbers.pair(dimension / 2)[dimension as usize % 2].min(BELOW_ONE)
+            SamplerState::Independent(sampler) => sampler.get(dimension),
+            SamplerState::Sobol(sampler) => sampler.get(dimension),
+            SamplerState::Stratified(sampler) => {
+                sampler.pair(dimension / 2)[dimension as usize % 2].min(BELOW_ONE)
             }
         }
     }
@@ -98,9 +98,9 @@ impl Sampler {
     /// jointly stratified over the square.
     pub fn get_2d(self, dimension: u32) -> [f64; 2] {
         match self.0 {
-            SamplerState::Sobol(numbers) if dimension % 2 == 0 => numbers.get_2d(dimension),
-            SamplerState::Stratified(numbers) if dimension % 2 == 0 => {
-                numbers.pair(dimension / 2).map(|u| u.min(BELOW_ONE))
+            SamplerState::Sobol(sampler) if dimension % 2 == 0 => sampler.get_2d(dimension),
+            SamplerState::Stratified(sampler) if dimension % 2 == 0 => {
+                sampler.pair(dimension / 2).map(|u| u.min(BELOW_ONE))
             }
             _ => [self.get(dimension), self.get(dimension + 1)],
         }
@@ -132,9 +132,9 @@ mod tests {
     fn only_numbers_of_sobol_go_into_lanes_and_they_come_back() {
         for kind in KINDS {
             let mut lanes = SobolLanes::default();
-            let numbers = Sampler::with_kind(kind, 1, 2, 3, 16);
-            assert_eq!(numbers.store_in_lane(&mut lanes, 5), kind == SamplerKind::Sobol);
-            assert_eq!(Sampler::from_lane(&lanes, 5) == numbers, kind == SamplerKind::Sobol);
+            let sampler = Sampler::with_kind(kind, 1, 2, 3, 16);
+            assert_eq!(sampler.store_in_lane(&mut lanes, 5), kind == SamplerKind::Sobol);
+            assert_eq!(Sampler::from_lane(&lanes, 5) == sampler, kind == SamplerKind::Sobol);
         }
     }
 }

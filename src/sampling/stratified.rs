@@ -12,7 +12,7 @@
 
 use super::independent::{GAMMA, pixel_key, split_mix};
 
-/// Maximum number of cells of a pair; further samples fill them again.
+/// Maximum number of cells of a pair; further samples start another round.
 const MAX_CELLS: u32 = 1 << 30;
 
 /// The random numbers of one sample.
@@ -33,8 +33,8 @@ impl Stratified {
         let columns = samples.isqrt();
         let rows = samples.div_ceil(columns);
         let cells = columns * rows;
-        let (round, place) = (sample / cells, sample % cells);
-        Self { key: split_mix(pixel_key(seed, pixel), round), cell: place, columns, rows }
+        let (round, cell) = (sample / cells, sample % cells);
+        Self { key: split_mix(pixel_key(seed, pixel), round), cell, columns, rows }
     }
 
     /// Returns the numbers of dimensions `2 pair` and `2 pair + 1`, in `[0, 1]`.
@@ -44,14 +44,16 @@ impl Stratified {
         let cell = permute(self.cell, columns * rows, key);
         let (column, row) = (cell % columns, cell / columns);
         // Each column of cells, and each row, is permuted on its own.
-        let [of_column, of_row] = [(0, column), (1, row)]
-            .map(|(axis, place)| split_mix(split_mix(key, MAX_CELLS + axis), place));
-        let within = [permute(row, rows, of_column), permute(column, columns, of_row)];
+        let [column_key, row_key] = [(0, column), (1, row)]
+            .map(|(axis, cell)| split_mix(split_mix(key, MAX_CELLS + axis), cell));
+        let substratum = [permute(row, rows, column_key), permute(column, columns, row_key)];
         let jitter = split_mix(key, self.cell);
         let [x, y] = [jitter as u32, (jitter >> 32) as u32].map(to_unit_interval);
         [
-            (f64::from(column) + (f64::from(within[0]) + x) / f64::from(rows)) / f64::from(columns),
-            (f64::from(row) + (f64::from(within[1]) + y) / f64::from(columns)) / f64::from(rows),
+            (f64::from(column) + (f64::from(substratum[0]) + x) / f64::from(rows))
+                / f64::from(columns),
+            (f64::from(row) + (f64::from(substratum[1]) + y) / f64::from(columns))
+                / f64::from(rows),
         ]
     }
 }
@@ -67,7 +69,7 @@ fn to_unit_interval(bits: u32) -> f64 {
 fn permute(index: u32, length: u32, key: u64) -> u32 {
     let mask = length.next_power_of_two() - 1;
     let half = mask.count_ones().div_ceil(2);
-    let turn = ((key.wrapping_mul(GAMMA) >> 32) * u64::from(length)) >> 32;
+    let rotation = ((key.wrapping_mul(GAMMA) >> 32) * u64::from(length)) >> 32;
     let mut x = index;
     loop {
         for round in 0..4 {
@@ -79,7 +81,7 @@ fn permute(index: u32, length: u32, key: u64) -> u32 {
             x ^= x >> half;
         }
         if x < length {
-            return (x + turn as u32) % length;
+            return (x + rotation as u32) % length;
         }
     }
 }

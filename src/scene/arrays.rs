@@ -4,66 +4,73 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::colors::SphereColors;
+use crate::math::DVec3;
+
+use super::column_limits::ColumnLimits;
+use super::columns::Column;
 use super::complaint::TableDiagnostic;
-use super::data::{Column, SphereArrays, StridedArray};
+use super::data::{SphereArrays, StridedArray};
 use super::description::ColorStorage;
 use super::storage::{reserve_colors, try_with_capacity};
-use super::table_reader::{Row, column_range, format_f32};
+use super::table_reader::{Row, RowColors};
 
-/// Appends every sphere to `all`, and returns the colours if the arrays have any. No colour may
-/// exceed `brightest`. Every number is read and checked in one pass.
+/// Appends every sphere, moved by `offset`, to `all`, and returns colours and emission if the
+/// arrays have any. No colour may exceed `max_color`. Every number is read and checked in one pass.
 ///
 /// # Errors
 /// Names the first invalid number, or if the colours do not fit into memory.
-pub(super) fn read_f32<T: Row>(
+pub(super) fn read_spheres<T: Row>(
     arrays: &SphereArrays,
     storage: ColorStorage,
-    brightest: [f32; 3],
+    offset: DVec3,
+    max_color: [f32; 3],
     all: &mut Vec<T>,
-) -> Result<Option<SphereColors>, TableDiagnostic> {
-    let SphereArrays { center: [x, y, z], radius, color, .. } = arrays;
+) -> Result<RowColors, TableDiagnostic> {
+    let SphereArrays { center: [x, y, z], radius, color, emission, .. } = arrays;
+    let rows = || (0..arrays.len()).into_par_iter();
+    let limits = |column| ColumnLimits::new(column, offset, max_color);
     let first_wrong = AtomicUsize::new(usize::MAX);
-    let numbers = {
-        use Column::{Radius, X, Y, Z};
-        let is_allowed = within([X, Y, Z, Radius], brightest);
-        let columns = [x, y, z, radius].map(StridedArray::reader);
-        move |row: usize| {
-            let numbers = columns.each_ref().map(|column| column.get(row));
-            (numbers, is_allowed(&numbers))
-        }
-    };
-    let sphere = |row: usize| {
-        let (numbers, is_allowed) = numbers(row);
-        if !is_allowed {
-            first_wrong.fetch_min(row, Ordering::Relaxed);
-        }
-        T::of(numbers)
-    };
-    all.par_extend((0..arrays.len()).into_par_iter().map(sphere));
-    let colors = match color {
-        None => None,
-        Some(color) => {
-            use Column::{Blue, Green, Red};
-            let is_allowed = within([Red, Green, Blue], brightest);
-            let columns = color.each_ref().map(StridedArray::reader);
-            let mut colors = reserve_colors(storage, arrays.len() as u64).map_err(complaint)?;
-            let color = |row: usize| {
-                let numbers = columns.each_ref().map(|column| column.get(row));
-                if is_allowed(&numbers) {
-                    return numbers.map(|number| number as f32);
-                }
-                first_wrong.fetch_min(row, Ordering::Relaxed);
-                // Only valid colours can be packed.
-                [0.0; 3]
-            };
-            colors.extend((0..arrays.len()).into_par_iter().map(color), brightest);
-            Some(colors)
-        }
-    };
-    match first_wrong.into_inner() {
+    let numbers = checked(Column::SPHERE.map(limits), [x, y, z, radius], &first_wrong);
+    all.par_extend(rows().map(|row| {
+        let [x, y, z, radius] = numbers(row);
+        let [x, y, z] = (DVec3::new(x, y, z) + offset).to_array();
+        T::of([x, y, z, radius])
+    }));
+    let mut colors = RowColors::default();
+    if let Some(color) = color {
+        let given = checked(Column::COLOR.map(limits), color.each_ref(), &first_wrong);
+        let mut all = reserve_colors(storage, arrays.len() as u64).map_err(complaint)?;
+        all.extend(rows().map(|row| given(row).map(|number| number as f32)), max_color);
+        colors.albedo = Some(all);
+    }
+    if let Some(emission) = emission {
+        let given = checked(Column::EMISSION.map(limits), emission.each_ref(), &first_wrong);
+        let mut all = try_with_capacity(arrays.len() as u64).map_err(complaint)?;
+        all.par_extend(rows().map(|row| given(row).map(|number| number as f32)));
+        colors.emission = Some(all);
+    }
+    match first_wrong.load(Ordering::Relaxed) {
         usize::MAX => Ok(colors),
-        row => Err(tell(arrays, brightest, row)),
+        row => Err(tell(arrays, limits, row)),
+    }
+}
+
+/// Returns a function that reads the numbers of a row. If one is not allowed, all are 0, and the
+/// row becomes `first_wrong` unless an earlier one is.
+fn checked<'a, const N: usize>(
+    limits: [ColumnLimits; N],
+    columns: [&'a StridedArray; N],
+    first_wrong: &'a AtomicUsize,
+) -> impl Fn(usize) -> [f64; N] + Sync + 'a {
+    let columns = columns.map(StridedArray::reader);
+    move |row| {
+        let numbers = columns.each_ref().map(|column| column.get(row));
+        if limits.iter().zip(numbers).all(|(limits, number)| limits.allow(number)) {
+            return numbers;
+        }
+        first_wrong.fetch_min(row, Ordering::Relaxed);
+        // Only valid colours can be packed.
+        [0.0; N]
     }
 }
 
@@ -78,32 +85,19 @@ pub(super) fn read_ids(arrays: &SphereArrays) -> Result<Option<Vec<u32>>, TableD
     Ok(Some(ids))
 }
 
-/// Returns a predicate that is true for numbers these columns may hold. Files have the same limits.
-fn within<const N: usize>(
-    columns: [Column; N],
-    brightest: [f32; 3],
-) -> impl Fn(&[f64; N]) -> bool + Sync {
-    let limits = columns.map(|column| {
-        let allowed = column_range(column, brightest);
-        f64::from(*allowed.start())..=f64::from(*allowed.end())
-    });
-    move |numbers| limits.iter().zip(numbers).all(|(limits, number)| limits.contains(number))
-}
-
 /// Describes the first invalid number of a row.
-fn tell(arrays: &SphereArrays, brightest: [f32; 3], row: usize) -> TableDiagnostic {
+fn tell(
+    arrays: &SphereArrays,
+    limits: impl Fn(Column) -> ColumnLimits,
+    row: usize,
+) -> TableDiagnostic {
     let wrong = arrays.columns().find_map(|(column, array)| {
-        let number = array.reader().get(row);
-        (!within([column], brightest)(&[number])).then_some((column, number))
+        let (number, limits) = (array.reader().get(row), limits(column));
+        (!limits.allow(number)).then(|| (column, number, limits.describe(number)))
     });
-    let (column, number) = wrong.expect("the row has a number that is not allowed");
-    let allowed = column_range(column, brightest);
-    let message = format!(
-        "row {row} (the first is 0) has {} = {number:?}; it must be from {} to {}",
-        column.name(),
-        format_f32(*allowed.start()),
-        format_f32(*allowed.end()),
-    );
+    let (column, number, limits) = wrong.expect("the row has a number that is not allowed");
+    let name = column.name();
+    let message = format!("row {row} (the first is 0) has {name} = {number:?}{limits}");
     (message, (column == Column::Radius).then(|| "radii are positive".to_owned()))
 }
 

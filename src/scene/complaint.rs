@@ -16,9 +16,9 @@ pub(super) fn read_error(path: &Path, error: &io::Error) -> TableDiagnostic {
 }
 
 /// Help text for an unexpected row layout.
-pub(super) fn layout_help(columns: u64) -> String {
+pub(super) fn layout_help(columns: usize, row_bytes: u64) -> String {
     format!(
-        "a row is {columns} little-endian f32 numbers, as `columns` says, and there is no header: \
-         mend `columns` or the file"
+        "according to `columns`, a row is {columns} little-endian numbers in {row_bytes} bytes, and \
+         there is no header; correct `columns` or the file"
     )
 }

@@ -9,55 +9,32 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::names::named_enum;
+pub use super::columns::{Column, FileColumn, NumberType};
 
 /// The values of many spheres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(clippy::large_enum_variant, reason = "a scene has few of them")]
 pub enum SphereData {
-    /// Rows of raw little-endian f32 numbers.
+    /// A file of raw little-endian numbers, or a NumPy file.
     File {
         /// The file.
         #[serde(with = "super::paths")]
         path: PathBuf,
-        /// Meaning of each number in a row.
-        columns: Vec<Column>,
+        /// Meaning and type of each number in a row. Empty for a NumPy array of records whose
+        /// fields have the names of columns; the scene lists them.
+        columns: Vec<FileColumn>,
+        /// Number of rows that are left out at the beginning.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        skip_rows: u64,
+        /// Bytes before the first row of a raw file.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        skip_bytes: u64,
     },
-    /// Arrays in memory. Serialized only as the number of spheres and whether they have colours.
+    /// Arrays in memory. Serialized only as the number of spheres and whether they have colours and
+    /// emission.
     #[serde(serialize_with = "serialize_arrays", deserialize_with = "deserialize_arrays")]
     Memory(SphereArrays),
-}
-
-/// A column of a sphere table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Column {
-    /// Centre, x.
-    X,
-    /// Centre, y.
-    Y,
-    /// Centre, z.
-    Z,
-    /// Radius.
-    Radius,
-    /// Linear albedo, red.
-    Red,
-    /// Linear albedo, green.
-    Green,
-    /// Linear albedo, blue.
-    Blue,
-}
-
-named_enum! {
-    Column {
-        X = "x",
-        Y = "y",
-        Z = "z",
-        Radius = "radius",
-        Red = "r",
-        Green = "g",
-        Blue = "b",
-    }
 }
 
 /// Spheres as arrays in memory, each with its own type and layout. All arrays have the same length.
@@ -69,6 +46,8 @@ pub struct SphereArrays {
     pub radius: StridedArray,
     /// Linear colours in `[0, 1]` (red, green, blue), which replace the material's colour.
     pub color: Option<[StridedArray; 3]>,
+    /// Emitted radiance in W/(sr m^2) (red, green, blue), which replaces the material's emission.
+    pub emission: Option<[StridedArray; 3]>,
     /// User-defined sphere ids, which replace the rows in the AOV `sphere_id` and in names. 2^32 -
     /// 1 means "no sphere" and is not allowed.
     pub ids: Option<StridedArray<Ids>>,
@@ -124,41 +103,46 @@ impl Default for SphereData {
     }
 }
 
-impl Column {
-    /// Returns true if the column is a colour channel.
-    pub fn is_color(self) -> bool {
-        matches!(self, Self::Red | Self::Green | Self::Blue)
-    }
-}
-
 impl SphereData {
+    /// A whole file with these columns.
+    pub fn file<C: Into<FileColumn>>(
+        path: impl Into<PathBuf>,
+        columns: impl IntoIterator<Item = C>,
+    ) -> Self {
+        let columns = columns.into_iter().map(Into::into).collect();
+        Self::File { path: path.into(), columns, skip_rows: 0, skip_bytes: 0 }
+    }
+
     /// Returns true if the spheres have colours of their own.
     pub fn has_colors(&self) -> bool {
         match self {
-            Self::File { columns, .. } => columns.iter().any(|column| column.is_color()),
+            Self::File { columns, .. } => has_any(columns, Column::is_color),
             Self::Memory(arrays) => arrays.color.is_some(),
         }
     }
 
-    /// Returns true if centres and radii need more than f32.
-    pub(super) fn is_f64(&self) -> bool {
+    /// Returns true if the spheres have emission of their own.
+    pub fn has_emission(&self) -> bool {
         match self {
-            Self::File { .. } => false,
-            Self::Memory(SphereArrays { center: [x, y, z], radius, .. }) => {
-                let is_f64 = |values: &ArrayValues| {
-                    matches!(values, ArrayValues::F64(_) | ArrayValues::F64Bytes(_))
-                };
-                [x, y, z, radius].iter().any(|array| is_f64(&array.values))
-            }
+            Self::File { columns, .. } => has_any(columns, Column::is_emission),
+            Self::Memory(arrays) => arrays.emission.is_some(),
         }
     }
 
     /// Releases arrays in memory and keeps only their number of spheres.
     pub(super) fn let_go(&mut self) {
         if let Self::Memory(arrays) = self {
-            *arrays = SphereArrays::placeholder(arrays.len(), arrays.color.is_some());
+            *arrays = SphereArrays::placeholder(&ArraysSummary::of(arrays));
         }
     }
+}
+
+fn has_any(columns: &[FileColumn], is_wanted: impl Fn(Column) -> bool) -> bool {
+    columns.iter().filter_map(|column| column.column).any(is_wanted)
+}
+
+fn is_zero(number: &u64) -> bool {
+    *number == 0
 }
 
 impl SphereArrays {
@@ -168,7 +152,7 @@ impl SphereArrays {
         let values = ArrayValues::F32(SharedSlice::new(FlatRows(rows)));
         let column =
             |first: usize| StridedArray { values: values.clone(), offset: first, stride: 4, len };
-        Self { center: [0, 1, 2].map(column), radius: column(3), color: None, ids: None }
+        Self { center: [0, 1, 2].map(column), radius: column(3), ..Self::default() }
     }
 
     /// From centres and radii, in f32 or f64.
@@ -186,6 +170,12 @@ impl SphereArrays {
         Self { color: Some(StridedArray::columns_from(colors)), ..self }
     }
 
+    /// Sets the emitted radiance of each sphere, in W/(sr m^2).
+    #[must_use]
+    pub fn with_emission<T: Scalar>(self, emission: Vec<[T; 3]>) -> Self {
+        Self { emission: Some(StridedArray::columns_from(emission)), ..self }
+    }
+
     /// Sets an id for each sphere.
     #[must_use]
     pub fn with_ids(self, ids: Vec<u32>) -> Self {
@@ -193,11 +183,22 @@ impl SphereArrays {
     }
 
     /// Arrays without data. Their numbers are out of bounds, so no scene can be built from them.
-    pub(super) fn placeholder(len: usize, has_colors: bool) -> Self {
+    fn placeholder(
+        &ArraysSummary { spheres: len, has_colors, has_emission }: &ArraysSummary,
+    ) -> Self {
         let gone = || StridedArray { len, ..StridedArray::default() };
         let three = || std::array::from_fn(|_| gone());
-        let color = has_colors.then(three);
-        Self { center: three(), radius: gone(), color, ids: None }
+        let (color, emission) = (has_colors.then(three), has_emission.then(three));
+        Self { center: three(), radius: gone(), color, emission, ids: None }
+    }
+
+    /// Returns true if centres or radii are in f64.
+    pub(super) fn is_f64(&self) -> bool {
+        let Self { center: [x, y, z], radius, .. } = self;
+        let is_f64 = |array: &&StridedArray| {
+            matches!(array.values, ArrayValues::F64(_) | ArrayValues::F64Bytes(_))
+        };
+        [x, y, z, radius].iter().any(is_f64)
     }
 
     /// Number of spheres.
@@ -211,11 +212,15 @@ impl SphereArrays {
     }
 
     /// Each array with its column.
-    pub(super) fn columns(&self) -> impl Iterator<Item = (Column, &StridedArray)> {
-        use Column::{Blue, Green, Radius, Red, X, Y, Z};
-        let color = self.color.iter().flat_map(|color| [Red, Green, Blue].into_iter().zip(color));
-        let center = [X, Y, Z].into_iter().zip(&self.center);
-        center.chain([(Radius, &self.radius)]).chain(color)
+    pub(super) fn columns<'a>(&'a self) -> impl Iterator<Item = (Column, &'a StridedArray)> {
+        let three = |columns: [Column; 3], arrays: &'a Option<[StridedArray; 3]>| {
+            arrays.iter().flat_map(move |arrays| columns.into_iter().zip(arrays))
+        };
+        let center = [Column::X, Column::Y, Column::Z].into_iter().zip(&self.center);
+        center
+            .chain([(Column::Radius, &self.radius)])
+            .chain(three(Column::COLOR, &self.color))
+            .chain(three(Column::EMISSION, &self.emission))
     }
 }
 
@@ -420,13 +425,21 @@ impl<T: PartialEq> PartialEq for SharedSlice<T> {
 struct ArraysSummary {
     spheres: usize,
     has_colors: bool,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    has_emission: bool,
+}
+
+impl ArraysSummary {
+    fn of(arrays: &SphereArrays) -> Self {
+        let (has_colors, has_emission) = (arrays.color.is_some(), arrays.emission.is_some());
+        Self { spheres: arrays.len(), has_colors, has_emission }
+    }
 }
 
 fn serialize_arrays<S: Serializer>(arrays: &SphereArrays, to: S) -> Result<S::Ok, S::Error> {
-    ArraysSummary { spheres: arrays.len(), has_colors: arrays.color.is_some() }.serialize(to)
+    ArraysSummary::of(arrays).serialize(to)
 }
 
 fn deserialize_arrays<'de, D: Deserializer<'de>>(from: D) -> Result<SphereArrays, D::Error> {
-    let ArraysSummary { spheres, has_colors } = ArraysSummary::deserialize(from)?;
-    Ok(SphereArrays::placeholder(spheres, has_colors))
+    ArraysSummary::deserialize(from).map(|summary| SphereArrays::placeholder(&summary))
 }

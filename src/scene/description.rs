@@ -2,6 +2,8 @@
 //! file reader. [`Scene::build`](super::Scene::build) validates a description and builds a scene
 //! from it. `docs/scene-format.md` explains the corresponding keys.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 use crate::color::Rgb;
@@ -185,6 +187,13 @@ pub struct SphereTable {
     pub material: usize,
     /// Storage of the rows' colours, if any (`colors`).
     pub colors: ColorStorage,
+    /// Added to each centre, in f64.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub offset: DVec3,
+}
+
+fn is_zero(offset: &DVec3) -> bool {
+    *offset == DVec3::ZERO
 }
 
 /// How table colours are stored in memory.
@@ -210,6 +219,18 @@ impl ColorStorage {
 }
 
 impl SceneDescription {
+    /// Applies `change` to the path of every file of the scene.
+    pub(crate) fn for_each_file(&mut self, mut change: impl FnMut(&mut PathBuf)) {
+        for table in &mut self.tables {
+            if let SphereData::File { path, .. } = &mut table.data {
+                change(path);
+            }
+        }
+        if let EnvironmentDescription::Image { file, .. } = &mut self.background.dome {
+            change(file);
+        }
+    }
+
     /// The name of a table: its own; otherwise its file name without folder; otherwise, for a table
     /// in memory, its index, as in `table 3`.
     ///
@@ -227,9 +248,9 @@ impl SceneDescription {
     }
 
     /// Brings equivalent values into one canonical form: a lens with radius 0 becomes a pinhole,
-    /// and a coordinate or angle of -0 becomes 0.
+    /// and a coordinate, offset or angle of -0 becomes 0.
     pub(super) fn make_canonical(&mut self) {
-        let Self { camera, background, materials: _, spheres, tables: _ } = self;
+        let Self { camera, background, materials: _, spheres, tables } = self;
         let CameraDescription { position, look_at, up, near: _, projection } = camera;
         if let ProjectionDescription::Perspective { lens, .. } = projection {
             *lens = lens.filter(|lens| lens.radius > 0.0);
@@ -243,7 +264,9 @@ impl SceneDescription {
         }
         let sun = sun.as_mut().map(|sun| &mut sun.direction);
         let centers = spheres.iter_mut().map(|sphere| &mut sphere.center);
-        let vectors = [position, look_at, up, zenith].into_iter().chain(sun).chain(centers);
+        let offsets = tables.iter_mut().map(|table| &mut table.offset);
+        let vectors = [position, look_at, up, zenith].into_iter();
+        let vectors = vectors.chain(sun).chain(centers).chain(offsets);
         vectors.for_each(|vector| *vector += 0.0);
     }
 }

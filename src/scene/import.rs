@@ -1,23 +1,28 @@
-//! Imports sphere tables (raw files of little-endian f32 rows, or arrays in memory) into one array.
+//! Imports sphere tables (files of rows, or arrays in memory) into one array.
 //!
 //! A table may be larger than half the memory, so nothing is ever held twice: the array is
 //! allocated once, in its final size, from the actual lengths of files and arrays.
 
 use std::path::Path;
 
+use rayon::prelude::*;
+
+use crate::color::Rgb;
 use crate::error::{Error, Result};
 use crate::geometry::{Sphere, SphereRows};
-use crate::math::NO_SPHERE;
+use crate::math::{DVec3, NO_SPHERE};
 
 use super::arrays;
 use super::colors::SphereColors;
-use super::complaint::{TableDiagnostic, layout_help, read_error};
+use super::complaint::TableDiagnostic;
 use super::data::SphereData;
 use super::description::{EnvironmentDescription, SceneDescription, SphereTable};
 use super::environment::{self, EnvironmentPixels};
 use super::storage::try_with_capacity;
-use super::table_reader::{Row, RowLayout, TableReader, VALUE_BYTES};
-use super::validation_errors::{self, ValidationErrors};
+use super::table_layout::{FileTable, LayoutError, TableLayout};
+use super::table_reader::{Row, RowColors, TableReader};
+use super::validate::check_columns;
+use super::validation_errors::{KeyPath, ValidationErrors};
 
 /// Maximum number of spheres, so that rows and ids fit in 32 bits.
 const MAX_SPHERES: u64 = NO_SPHERE as u64 - 2;
@@ -33,58 +38,129 @@ pub(super) struct RowGroup {
     pub(super) material: usize,
     /// Linear colour of each row in `[0, 1]`, if the table has colours.
     pub(super) colors: Option<SphereColors>,
+    /// Emitted radiance of each row, if the table has emission.
+    pub(super) emission: Option<Vec<[f32; 3]>>,
     /// Id of each row, if the table has ids.
     pub(super) ids: Option<Vec<u32>>,
+}
+
+impl RowGroup {
+    /// The colour of a row, counted within the table.
+    #[inline(always)]
+    pub(super) fn color(&self, row: usize) -> Option<Rgb> {
+        self.colors.as_ref().map(|colors| colors.get(row))
+    }
+
+    /// The emission of a row, counted within the table.
+    #[inline(always)]
+    pub(super) fn emission(&self, row: usize) -> Option<Rgb> {
+        self.emission.as_ref().map(|emission| Rgb::from_array(emission[row]))
+    }
+
+    /// The largest emission of a row in any channel.
+    pub(super) fn max_emission(&self) -> f32 {
+        let rows = self.emission.as_deref().unwrap_or_default();
+        rows.par_iter().flatten_iter().copied().reduce(|| 0.0, f32::max)
+    }
 }
 
 /// Facts about a scene's files and arrays before table data is read.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ImportPlan {
-    /// Number of rows of each table.
-    pub(super) rows: Vec<u64>,
+    /// The tables.
+    pub(super) tables: Vec<TablePlan>,
     /// Pixels of the environment map.
     pub(super) environment: Option<EnvironmentPixels>,
 }
 
+/// Facts about one table.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TablePlan {
+    /// Number of rows.
+    pub(super) rows: u64,
+    /// True if centres or radii need more than f32.
+    is_f64: bool,
+    /// Where the numbers of a file are.
+    layout: Option<TableLayout>,
+}
+
 impl ImportPlan {
-    /// Examines the files of a description. Errors are added to `problems`.
-    pub(super) fn scan(description: &SceneDescription, problems: &mut ValidationErrors) -> Self {
+    /// Examines the files of a description, and lists the columns of files that name them. Errors
+    /// are added to `problems`.
+    pub(super) fn scan(
+        description: &mut SceneDescription,
+        problems: &mut ValidationErrors,
+    ) -> Self {
         let environment = match &description.background.dome {
             EnvironmentDescription::Image { file, .. } => read_environment(file, problems),
             _ => None,
         };
-        let mut count = |(index, table): (usize, &SphereTable)| match &table.data {
-            SphereData::Memory(arrays) => arrays.len() as u64,
-            SphereData::File { path, columns } => {
-                let counted = count_rows(path, RowLayout::new(columns).row_bytes());
-                counted.unwrap_or_else(|(message, help)| {
-                    problems.add(table_path(index).key("file"), message).with_help(help);
-                    0
-                })
-            }
-        };
-        let rows = description.tables.iter().enumerate().map(&mut count).collect();
-        Self { rows, environment }
+        let tables = description.tables.iter_mut().enumerate();
+        let tables = tables.map(|(index, table)| TablePlan::scan(index, table, problems)).collect();
+        Self { tables, environment }
     }
 
     /// Number of spheres, including duplicates.
     pub(super) fn sphere_count(&self, description: &SceneDescription) -> u64 {
         // Arrays may claim any length, for example if all spheres share one number.
-        self.rows
+        self.tables
             .iter()
-            .fold(description.spheres.len() as u64, |sum, &rows| sum.saturating_add(rows))
+            .fold(description.spheres.len() as u64, |sum, table| sum.saturating_add(table.rows))
+    }
+
+    /// Number of tables that are read in f64. Spheres in f64 come first in row order, so these are
+    /// all up to the last f64 table.
+    fn f64_tables(&self) -> usize {
+        self.tables.iter().rposition(|table| table.is_f64).map_or(0, |last| last + 1)
+    }
+
+    /// Number of table rows that are read in f64.
+    pub(super) fn f64_rows(&self) -> u64 {
+        self.tables[..self.f64_tables()].iter().map(|table| table.rows).sum()
     }
 }
 
-fn table_path(index: usize) -> validation_errors::KeyPath {
-    validation_errors::KeyPath::root("sphere_tables").entry(index, None)
+impl TablePlan {
+    fn scan(index: usize, table: &mut SphereTable, problems: &mut ValidationErrors) -> Self {
+        let is_moved = table.offset != DVec3::ZERO;
+        let (path, columns, skip_rows, skip_bytes) = match &mut table.data {
+            SphereData::Memory(arrays) => {
+                let is_f64 = is_moved || arrays.is_f64();
+                return Self { rows: arrays.len() as u64, is_f64, layout: None };
+            }
+            SphereData::File { path, columns, skip_rows, skip_bytes } => {
+                (path, columns, *skip_rows, *skip_bytes)
+            }
+        };
+        let at = table_path(index);
+        let file = FileTable { at: at.to_string(), path, columns, skip_rows, skip_bytes };
+        match file.layout() {
+            Ok((layout, unlisted)) => {
+                if let Some(unlisted) = unlisted {
+                    check_columns(&at, &unlisted, problems);
+                    *columns = unlisted;
+                }
+                let is_f64 = is_moved || layout.is_f64();
+                Self { rows: layout.rows, is_f64, layout: Some(layout) }
+            }
+            Err(LayoutError { key, message, help }) => {
+                let problem = problems.add(at.key(key), message).with_help(help);
+                problem.with_related(at.key("file")).with_related(at.key("columns"));
+                Self::default()
+            }
+        }
+    }
+}
+
+fn table_path(index: usize) -> KeyPath {
+    KeyPath::root("sphere_tables").entry(index, None)
 }
 
 fn read_environment(file: &Path, problems: &mut ValidationErrors) -> Option<EnvironmentPixels> {
     environment::read(file)
         .map_err(|trouble| {
             let message = format!("cannot use `{}` as background: {trouble}", file.display());
-            let at = validation_errors::KeyPath::root("background").key("image").key("file");
+            let at = KeyPath::root("background").key("image").key("file");
             problems.add(at, message);
         })
         .ok()
@@ -101,12 +177,8 @@ pub(super) fn load_tables(
     problems: &mut ValidationErrors,
 ) -> Result<(SphereRows, Vec<RowGroup>)> {
     check_count(survey.sphere_count(description))?;
-    // Spheres in f64 come first in row order, so all tables up to the last f64 table are read as
-    // f64.
-    let f64_tables = description.tables.iter().rposition(|table| table.data.is_f64());
-    let wide = f64_tables.map_or(0, |last| last + 1);
-    let listed = description.spheres.len() as u64;
-    let f64_count = listed + survey.rows[..wide].iter().sum::<u64>();
+    let wide = survey.f64_tables();
+    let f64_count = description.spheres.len() as u64 + survey.f64_rows();
     let mut exact: Vec<Sphere> = try_with_capacity(f64_count)?;
     exact.extend(
         description.spheres.iter().map(|row| Sphere { center: row.center, radius: row.radius }),
@@ -114,12 +186,12 @@ pub(super) fn load_tables(
     // The exact spheres will be appended to this array.
     let mut all = try_with_capacity(survey.sphere_count(description))?;
     let mut groups = Vec::with_capacity(description.tables.len());
-    for (index, (table, &rows)) in description.tables.iter_mut().zip(&survey.rows).enumerate() {
+    for (index, (table, plan)) in description.tables.iter_mut().zip(&survey.tables).enumerate() {
         let first_row = (exact.len() + all.len()) as u32;
         let brightest = description.materials[table.material].surface.max_row_color();
         let read = match index < wide {
-            true => read_table(table, rows, brightest, &mut exact)?,
-            false => read_table(table, rows, brightest, &mut all)?,
+            true => read_table(table, plan, brightest, &mut exact)?,
+            false => read_table(table, plan, brightest, &mut all)?,
         };
         let is_file = matches!(table.data, SphereData::File { .. });
         table.data.let_go();
@@ -128,9 +200,9 @@ pub(super) fn load_tables(
                 let key = if is_file { "file" } else { "data" };
                 problems.add(table_path(index).key(key), message).with_help(help);
             }
-            Ok((colors, ids)) => {
-                let (count, material) = (rows as u32, table.material);
-                groups.push(RowGroup { first_row, count, material, colors, ids });
+            Ok((RowColors { albedo: colors, emission }, ids)) => {
+                let (count, material) = (plan.rows as u32, table.material);
+                groups.push(RowGroup { first_row, count, material, colors, emission, ids });
             }
         }
     }
@@ -138,22 +210,29 @@ pub(super) fn load_tables(
 }
 
 /// Optional colours and ids of a table's spheres.
-type OwnValues = (Option<SphereColors>, Option<Vec<u32>>);
+type OwnValues = (RowColors, Option<Vec<u32>>);
 
 /// Appends the spheres of one table, and returns their colours and ids, or a diagnostic.
 fn read_table<T: Row>(
     table: &SphereTable,
-    rows: u64,
+    plan: &TablePlan,
     brightest: [f32; 3],
     to: &mut Vec<T>,
 ) -> Result<std::result::Result<OwnValues, TableDiagnostic>> {
-    Ok(match &table.data {
-        SphereData::File { path, columns } => {
-            let mut reader = TableReader::new(columns, table.colors, rows, brightest, to)?;
+    let SphereTable { data, colors, offset, .. } = table;
+    Ok(match (data, &plan.layout) {
+        (SphereData::File { path, .. }, Some(layout)) => {
+            let mut reader = TableReader::new(layout, *colors, *offset, brightest, to)?;
             reader.read(path).map(|()| (reader.colors, None))
         }
-        SphereData::Memory(arrays) => arrays::read_f32(arrays, table.colors, brightest, to)
-            .and_then(|colors| Ok((colors, arrays::read_ids(arrays)?))),
+        (SphereData::File { path, .. }, None) => {
+            let message = format!("`{}` has not been examined", path.display());
+            Err((message, None))
+        }
+        (SphereData::Memory(arrays), _) => {
+            arrays::read_spheres(arrays, *colors, *offset, brightest, to)
+                .and_then(|colors| Ok((colors, arrays::read_ids(arrays)?)))
+        }
     })
 }
 
@@ -164,46 +243,12 @@ fn read_table<T: Row>(
 pub(super) fn check_count(spheres: u64) -> Result<()> {
     if spheres > MAX_SPHERES {
         return Err(Error::input(format!(
-            "{spheres} spheres are more than the {MAX_SPHERES} that a scene can hold: their numbers \
+            "{spheres} spheres are more than the {MAX_SPHERES} that a scene can hold, because ids \
              have 32 bits"
         ))
-        .with_help("leave some tables out, or thin them out"));
+        .with_help("remove tables or rows"));
     }
     Ok(())
-}
-
-/// How many whole rows the file has, or what is wrong with it.
-fn count_rows(path: &Path, row: usize) -> std::result::Result<u64, TableDiagnostic> {
-    let shown = path.display();
-    let metadata = path.metadata().map_err(|error| read_error(path, &error))?;
-    let refused = |why: String, help: &str| Err((format!("`{shown}` {why}"), Some(help.into())));
-    if metadata.is_dir() {
-        return refused("is a folder".into(), "name the file with the rows");
-    }
-    if !metadata.is_file() {
-        let help = "its length must be known beforehand: write the rows into a file";
-        return refused("is not an ordinary file".into(), help);
-    }
-    let (bytes, row) = (metadata.len(), row as u64);
-    match (bytes / row, bytes % row) {
-        (0, 0) => refused("is empty".into(), "a table has at least one row"),
-        (rows, 0) => Ok(rows),
-        (rows, over) => refused(
-            format!(
-                "has {}, which is no whole number of rows: {} of {row} bytes and {} over",
-                pluralize(bytes, "byte"),
-                pluralize(rows, "row"),
-                pluralize(over, "byte"),
-            ),
-            &layout_help(row / VALUE_BYTES as u64),
-        ),
-    }
-}
-
-/// Formats a count, as in `1 row` or `2 rows`.
-fn pluralize(number: u64, singular: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {singular}{plural}")
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::data::{Column, SphereData};
+use super::data::{FileColumn, SphereData};
 use super::description::{
     BackgroundDescription, CameraDescription, EnvironmentDescription, LensDescription,
     MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
@@ -87,17 +87,23 @@ impl SceneDescription {
                 Value::from(section)
             };
         root.add("spheres", spheres.iter().map(of_sphere).collect::<Vec<_>>());
-        let of_table = |(index, SphereTable { name: _, data, material, colors }): (_, &_)| {
-            use keys::table as keys;
-            let mut section = Section::default();
-            section.set(&keys::NAME, self.name_of_table(index));
-            let (file, columns) = file_and_columns(data);
-            section.set(&keys::FILE, file);
-            section.set(&keys::COLUMNS, columns);
-            section.set_if_given(&keys::MATERIAL, name_of(*material));
-            section.set_if_given(&keys::COLORS, data.has_colors().then_some(*colors));
-            Value::from(section)
-        };
+        let of_table =
+            |(index, SphereTable { name: _, data, material, colors, offset }): (_, &_)| {
+                use keys::table as keys;
+                let mut section = Section::default();
+                section.set(&keys::NAME, self.name_of_table(index));
+                let (file, columns) = file_and_columns(data);
+                section.set(&keys::FILE, file);
+                section.set(&keys::COLUMNS, columns);
+                section.set_if_given(&keys::MATERIAL, name_of(*material));
+                section.set_if_given(&keys::COLORS, data.has_colors().then_some(*colors));
+                section.set(&keys::OFFSET, offset);
+                if let SphereData::File { skip_rows, skip_bytes, .. } = data {
+                    section.set(&keys::SKIP_ROWS, skip_rows);
+                    section.set(&keys::SKIP_BYTES, skip_bytes);
+                }
+                Value::from(section)
+            };
         root.add("sphere_tables", tables.iter().enumerate().map(of_table).collect::<Vec<_>>());
         root.into()
     }
@@ -185,11 +191,11 @@ fn of_material(material: &MaterialDescription) -> Section {
 }
 
 /// File and columns of a table.
-fn file_and_columns(data: &SphereData) -> (String, Vec<Column>) {
+fn file_and_columns(data: &SphereData) -> (String, Vec<FileColumn>) {
     match data {
-        SphereData::File { path, columns } => (path.display().to_string(), columns.clone()),
+        SphereData::File { path, columns, .. } => (path.display().to_string(), columns.clone()),
         SphereData::Memory(arrays) => {
-            let columns = arrays.columns().map(|(column, _)| column).collect();
+            let columns = arrays.columns().map(|(column, _)| column.into()).collect();
             (format!("{} spheres in memory", arrays.len()), columns)
         }
     }

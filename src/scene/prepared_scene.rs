@@ -137,6 +137,37 @@ fn find_camera_media(scene: &Scene, camera: &Camera, margin: f64) -> Vec<(Sphere
     found
 }
 
+/// An opaque sphere around the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CameraEnclosure {
+    /// Id of the sphere.
+    pub sphere: u32,
+    /// True if no other sphere reaches into it, so that the camera sees only its inner wall.
+    pub is_empty: bool,
+}
+
+impl CameraEnclosure {
+    /// Finds the smallest opaque sphere in which the ray through the centre of the picture starts.
+    pub fn find(scene: &Scene, image: &ImageSettings) -> Option<Self> {
+        let spheres = scene.spheres();
+        let camera = build_camera(&scene.description().camera, image, spheres.origin());
+        let [x, y] = [image.width, image.height].map(|pixels| 0.5 * f64::from(pixels));
+        let ray = camera.generate_ray(x, y, [0.5; 2]);
+        let start = ray.at(ray.t_min);
+        let ids = || (0..spheres.len() as u32).into_par_iter();
+        let around = ids()
+            .filter(|&id| spheres.sphere(id).contains(start))
+            .filter(|&id| scene.sphere_material(id).is_opaque())
+            .min_by(|a, b| spheres.sphere(*a).radius.total_cmp(&spheres.sphere(*b).radius))?;
+        let wall = spheres.sphere(around);
+        let reaches_in = |id: u32| {
+            let Sphere { center, radius } = spheres.sphere(id);
+            id != around && center.distance(wall.center) - radius < wall.radius
+        };
+        Some(Self { sphere: around, is_empty: !ids().any(reaches_in) })
+    }
+}
+
 fn build_camera(
     of: &description::CameraDescription,
     image: &ImageSettings,

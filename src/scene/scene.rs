@@ -15,8 +15,9 @@ use crate::math::{DVec3, Hit};
 use super::description::SceneDescription;
 use super::environment;
 use super::import::{ImportPlan, RowGroup, load_tables};
+use super::size::SceneSize;
 use super::source::{ContentHash, FileHash, SceneHashes, SceneSource};
-use super::sphere_material::{SphereMaterial, build_materials};
+use super::sphere_material::{EmissiveMaterial, NOT_PLAIN, SphereMaterial, build_materials};
 use super::validation_errors::ValidationErrors;
 
 /// Fewer spheres than this stay in the processor's cache without prefetching.
@@ -28,11 +29,14 @@ pub struct Scene {
     description: Arc<SceneDescription>,
     source: Option<Arc<SceneSource>>,
     content_hash: ContentHash,
+    size: SceneSize,
     files: Arc<[FileHash]>,
     spheres: Arc<SphereSet>,
     materials: Arc<[Material]>,
     has_opacity: bool,
     has_media: bool,
+    /// The largest emission of a table's rows.
+    max_row_emission: f32,
     groups: Arc<[RowGroup]>,
     emitters: Arc<[Emitter]>,
     background: Arc<Environment>,
@@ -44,10 +48,10 @@ impl Scene {
     ///
     /// # Errors
     /// Reports all errors at once; also if the spheres do not fit into memory.
-    pub fn build(description: SceneDescription) -> Result<Self> {
+    pub fn build(mut description: SceneDescription) -> Result<Self> {
         let mut problems = description.validate();
         if problems.0.is_empty() {
-            let survey = ImportPlan::scan(&description, &mut problems);
+            let survey = ImportPlan::scan(&mut description, &mut problems);
             if problems.0.is_empty() {
                 return Self::assemble(description, survey, None, ValidationErrors::into_result);
             }
@@ -65,6 +69,7 @@ impl Scene {
     ) -> Result<Self> {
         description.make_canonical();
         let mut problems = ValidationErrors::default();
+        let size = SceneSize::new(&description, &survey);
         let (rows, groups) = load_tables(&mut description, &survey, &mut problems)?;
         if !problems.0.is_empty() {
             refuse(problems)?;
@@ -76,16 +81,19 @@ impl Scene {
         let materials = build_materials(&description.materials);
         let has_opacity = materials.iter().any(|material| material.opacity < 1.0);
         let has_media = materials.iter().any(|material| material.dielectric().is_some());
+        let max_row_emission = groups.iter().map(RowGroup::max_emission).fold(0.0, f32::max);
         let background = environment::build_background(&description.background, environment);
         let mut scene = Self {
             description: Arc::new(description),
             source: source.map(Arc::new),
             content_hash: identity,
+            size,
             files: hashes.files.into(),
             spheres,
             materials: materials.into(),
             has_opacity,
             has_media,
+            max_row_emission,
             groups: groups.into(),
             emitters: Vec::new().into(),
             background: Arc::new(background),
@@ -120,6 +128,11 @@ impl Scene {
         self.content_hash
     }
 
+    /// The size of the scene, as it was known before its tables were read.
+    pub fn size(&self) -> SceneSize {
+        self.size
+    }
+
     /// All spheres.
     pub fn spheres(&self) -> &Arc<SphereSet> {
         &self.spheres
@@ -149,6 +162,7 @@ impl Scene {
     pub fn max_radiance(&self) -> f32 {
         let emissions = self.materials.iter().map(|material| material.emission.max_element());
         let brightest = emissions.fold(self.background.max_radiance(), f32::max);
+        let brightest = brightest.max(self.max_row_emission);
         // The environment map and the sun are each finite, but their sum may overflow.
         brightest.min(f32::MAX)
     }
@@ -171,11 +185,23 @@ impl Scene {
 
     /// The material of a sphere.
     pub fn sphere_material(&self, id: u32) -> SphereMaterial<'_> {
-        let (material, color) = self.material_and_color(id);
+        let row = self.spheres.row(id);
+        let (material, color, emission) = match self.description.spheres.get(row as usize) {
+            Some(sphere) => (&self.materials[sphere.material], None, None),
+            None => {
+                let group = self.group_of(row);
+                let in_table = (row - group.first_row) as usize;
+                let material = &self.materials[group.material];
+                (material, group.color(in_table), group.emission(in_table))
+            }
+        };
+        let material = EmissiveMaterial::new(material, emission);
         SphereMaterial::new(material, color, || self.spheres.sphere(id).radius)
     }
 
-    /// The material of a sphere, and its own colour if a table gives one.
+    /// The material of a sphere, and its own colour if a table gives one. For a sphere with its own
+    /// emission, which a material does not have, returns one that is not diffuse: callers must not
+    /// shade it, and take [`Self::sphere_material`].
     #[inline(always)]
     pub(crate) fn material_and_color(&self, id: u32) -> (&Material, Option<Rgb>) {
         let row = self.spheres.row(id);
@@ -183,9 +209,10 @@ impl Scene {
             return (&self.materials[sphere.material], None);
         }
         let group = self.group_of(row);
-        let in_table = (row - group.first_row) as usize;
-        let color = group.colors.as_ref().map(|colors| colors.get(in_table));
-        (&self.materials[group.material], color)
+        if group.emission.is_some() {
+            return (&NOT_PLAIN, None);
+        }
+        (&self.materials[group.material], group.color((row - group.first_row) as usize))
     }
 
     /// Prefetches the data of the spheres that were hit, unless all spheres fit into the cache; see
@@ -196,12 +223,14 @@ impl Scene {
         }
         let ids = || hits.iter().filter(|hit| !hit.is_miss()).map(|hit| hit.id);
         self.spheres.prefetch(ids());
-        if self.groups.iter().any(|group| group.colors.is_some()) {
+        if self.groups.iter().any(|group| group.colors.is_some() || group.emission.is_some()) {
             let read = |id: u32| {
                 let row = self.spheres.row(id);
                 let group =
                     (row as usize >= self.description.spheres.len()).then(|| self.group_of(row))?;
-                Some(group.colors.as_ref()?.get((row - group.first_row) as usize).x.to_bits())
+                let in_table = (row - group.first_row) as usize;
+                let first = |color: Option<Rgb>| color.map_or(0, |color| color.x.to_bits());
+                Some(first(group.color(in_table)) ^ first(group.emission(in_table)))
             };
             black_box(ids().filter_map(read).fold(0, |all, bits| all ^ bits));
         }
@@ -299,7 +328,10 @@ impl Scene {
     }
 
     fn find_emitters(&self) -> Vec<Emitter> {
-        if !self.materials.iter().any(Material::is_emissive) {
+        let has_emission = |group: &RowGroup| group.emission.is_some();
+        if !self.materials.iter().any(Material::is_emissive)
+            && !self.groups.iter().any(has_emission)
+        {
             return Vec::new();
         }
         let emitter = |id| {

@@ -30,7 +30,7 @@ use super::environment::EnvironmentPixels;
 use super::import::RowGroup;
 
 /// Version of the encoding; it changes with everything that the hash depends on.
-const ENCODING: u32 = 3;
+const ENCODING: u32 = 4;
 
 /// A BLAKE3 hash: 32 bytes, or 64 hexadecimal digits as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -202,7 +202,7 @@ impl SceneHashes {
             file.clear();
         }
         let table = |(index, (table, numbers)): (usize, (&SphereTable, &ContentHash))| {
-            let SphereTable { name: _, data, material, colors } = table;
+            let SphereTable { name: _, data, material, colors, offset: _ } = table;
             let name = description.name_of_table(index);
             let colors = data.has_colors().then_some(*colors);
             CanonicalTable { name, material: *material, colors, numbers: *numbers }
@@ -265,6 +265,11 @@ fn hash_group(rows: &SphereRows, group: &RowGroup) -> ContentHash {
     if let Some(colors) = &group.colors {
         let color = |row| colors.get(row).to_array().map(f32::to_le_bytes);
         hash_rows(&mut hasher, colors.len(), color);
+    }
+    if let Some(emission) = &group.emission {
+        // Tells emission from colours; tables without emission keep the hash that they had.
+        hasher.update(b"emission");
+        hash_rows(&mut hasher, emission.len(), |row| emission[row].map(f32::to_le_bytes));
     }
     if let Some(ids) = &group.ids {
         let ids = ids.as_slice();

@@ -1,8 +1,10 @@
 //! What spheres are made of: the materials of a scene, and what light finds on a sphere.
 
+use std::ops::Deref;
+
 use crate::color::Rgb;
 use crate::geometry::Side;
-use crate::material::{Dielectric, Material, Medium, MediumStack, Model};
+use crate::material::{Dielectric, Material, Medium, MediumStack, Mirror, Model};
 use crate::sampling::ln;
 
 use super::description::MaterialDescription;
@@ -10,22 +12,59 @@ use super::description::MaterialDescription;
 /// Minimum transmittance of coloured glass.
 const MIN_TRANSMITTANCE: f64 = 1e-30;
 
-/// The material of one sphere, with its own colour.
+/// The material of one sphere, with its own colour and emission.
 #[derive(Clone, Copy, Debug)]
 pub struct SphereMaterial<'a> {
     /// The material.
-    pub material: &'a Material,
+    pub material: EmissiveMaterial<'a>,
     /// The sphere's own colour, if a table gives one.
     pub albedo: Option<Rgb>,
     /// Absorption inside, per unit length.
     pub absorption: Rgb,
 }
 
+/// A material with the emission of one sphere, which may differ from that of the material: use
+/// [`Self::emission`] rather than the field of the dereferenced [`Material`], which it hides.
+#[derive(Clone, Copy, Debug)]
+pub struct EmissiveMaterial<'a> {
+    material: &'a Material,
+    /// Emitted radiance, in W/(sr m^2) per channel: the sphere's own, if a table gives one.
+    pub emission: Rgb,
+}
+
+impl<'a> EmissiveMaterial<'a> {
+    pub(super) fn new(material: &'a Material, own_emission: Option<Rgb>) -> Self {
+        Self { material, emission: own_emission.unwrap_or(material.emission) }
+    }
+
+    /// Returns true if the sphere emits light.
+    pub fn is_emissive(&self) -> bool {
+        self.emission.max_element() > 0.0
+    }
+}
+
+impl Deref for EmissiveMaterial<'_> {
+    type Target = Material;
+
+    fn deref(&self) -> &Material {
+        self.material
+    }
+}
+
+/// Stands for the material of a sphere with its own emission where only plain materials are
+/// supported: no diffuse surface, and thus never shaded as one.
+pub(super) static NOT_PLAIN: Material = Material {
+    model: Model::Mirror(Mirror { reflectance: Rgb::ZERO }),
+    emission: Rgb::ZERO,
+    opacity: 1.0,
+    absorption: Rgb::ZERO,
+};
+
 impl<'a> SphereMaterial<'a> {
     /// Combines a material with a sphere's own colour. For a pure dielectric, the colour is the
     /// transmittance along a diameter.
     pub(super) fn new(
-        material: &'a Material,
+        material: EmissiveMaterial<'a>,
         color: Option<Rgb>,
         radius: impl Fn() -> f64,
     ) -> Self {
@@ -51,6 +90,11 @@ impl<'a> SphereMaterial<'a> {
             absorption: self.absorption,
         };
         glass.map(of)
+    }
+
+    /// Returns true if no light passes through the surface.
+    pub fn is_opaque(&self) -> bool {
+        self.material.opacity >= 1.0 && self.material.dielectric().is_none()
     }
 
     /// Probability that light arriving from `side` within `media` interacts with the sphere. A

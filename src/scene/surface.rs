@@ -130,7 +130,7 @@ impl SurfaceModel {
             Self::Phong { albedo, specular, normalized: true, .. } => Some(AddedShares {
                 keys: ["specular", "albedo"],
                 sum: specular + albedo,
-                help: "lower one of them; `normalized = false` is Phong's own form",
+                help: "lower one of them, or set `normalized = false` for Phong's original form",
             }),
             _ => None,
         }

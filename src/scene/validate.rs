@@ -3,7 +3,7 @@
 
 use crate::math::{DVec3, MAX_COORDINATE, NO_SPHERE, Rect};
 
-use super::data::{Column, SphereArrays, SphereData, StridedArray};
+use super::data::{Column, FileColumn, SphereArrays, SphereData, StridedArray};
 use super::description::{
     BackgroundDescription, CameraDescription, EnvironmentDescription, LensDescription,
     MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
@@ -65,7 +65,7 @@ impl SceneDescription {
             let problem = problems.add(KeyPath::root("spheres"), "the scene has no spheres");
             problem
                 .with_related(KeyPath::root("sphere_tables"))
-                .with_help("add one, or a table of them".to_owned());
+                .with_help("add a sphere or a table of spheres".to_owned());
         }
         problems
     }
@@ -73,6 +73,14 @@ impl SceneDescription {
 
 impl Settings {
     /// Validates the settings.
+    ///
+    /// # Errors
+    /// Reports all problems.
+    pub(crate) fn check(&self) -> crate::error::Result<()> {
+        self.validate().into_result()
+    }
+
+    /// Collects the problems of the settings.
     pub(super) fn validate(&self) -> ValidationErrors {
         let mut problems = ValidationErrors::default();
         check_image(&self.image, &mut problems);
@@ -214,7 +222,7 @@ fn check_axes(at: &KeyPath, camera: &CameraDescription, problems: &mut Validatio
             let key = if camera.up == CameraDescription::default().up { "look_at" } else { "up" };
             problems
                 .add(at.key(key), "`camera.up` must not be parallel to the view")
-                .with_help(format!("any other direction will do, as in `up = {other}`"))
+                .with_help(format!("use another direction, such as `up = {other}`"))
         }
         _ => return,
     };
@@ -249,7 +257,7 @@ fn check_background(background: &BackgroundDescription, problems: &mut Validatio
         let message = "`background.camera_visible` is true, but `background.transparent` leaves the \
                        background out of the picture";
         let problem = problems.add(at.key("camera_visible"), message);
-        problem.with_related(at.key("transparent")).with_help("leave one out".to_owned());
+        problem.with_related(at.key("transparent")).with_help("remove one of them".to_owned());
     }
 }
 
@@ -260,9 +268,9 @@ fn check_sky_sun(
 ) {
     match &background.sun {
         None => {
-            let message = "`background.sky` needs `[background.sun]`, which says where the sun is";
+            let message = "`background.sky` needs `[background.sun]` for the direction of the sun";
             let problem = problems.add(at.key("sky"), message).with_related(at.key("sun"));
-            problem.with_help("an irradiance of [0, 0, 0] leaves the sun itself out".to_owned());
+            problem.with_help("an irradiance of [0, 0, 0] hides the sun itself".to_owned());
         }
         Some(sun) if sun.direction.dot(background.up) <= 0.0 => {
             let problem =
@@ -345,15 +353,18 @@ fn check_table(
     materials: usize,
     problems: &mut ValidationErrors,
 ) {
-    let SphereTable { name, data, material, colors: _ } = table;
+    let SphereTable { name, data, material, colors: _, offset } = table;
     let at = KeyPath::root("sphere_tables").entry(index, None);
     if let Some(name) = name {
         problems.check(&at, &keys::table::NAME, name);
     }
     match data {
-        SphereData::File { path: _, columns } => check_columns(&at, columns, problems),
+        // Columns that are not listed are those that the file names.
+        SphereData::File { columns, .. } if columns.is_empty() => {}
+        SphereData::File { columns, .. } => check_columns(&at, columns, problems),
         SphereData::Memory(arrays) => check_arrays(&at, arrays, problems),
     }
+    problems.check(&at, &keys::table::OFFSET, offset);
     check_index(&at, *material, materials, problems);
 }
 
@@ -369,22 +380,36 @@ fn check_index(at: &KeyPath, material: usize, materials: usize, problems: &mut V
 }
 
 /// Checks that all required columns are present, and none twice.
-fn check_columns(at: &KeyPath, columns: &[Column], problems: &mut ValidationErrors) {
-    let count = |column: Column| columns.iter().filter(|&&c| c == column).count();
+pub(super) fn check_columns(at: &KeyPath, columns: &[FileColumn], problems: &mut ValidationErrors) {
+    let read = || columns.iter().filter_map(|column| column.column);
+    let count = |column: Column| read().filter(|&c| c == column).count();
     let words = |wrong: &dyn Fn(Column) -> bool| {
         let wrong = Column::NAMES.iter().filter(|(_, column)| wrong(*column));
         wrong.map(|(word, _)| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")
     };
-    let has_color = columns.iter().any(|c| c.is_color());
-    let missing = words(&|c| count(c) == 0 && (has_color || !c.is_color()));
+    let has_color = read().any(Column::is_color);
+    let has_channels = read().any(|column| Column::EMISSION.contains(&column));
+    let is_required = |column: Column| match column {
+        Column::Emission => false,
+        column if column.is_color() => has_color,
+        column if column.is_emission() => has_channels,
+        _ => true,
+    };
+    let key = at.key("columns");
+    let mut add = |message: String| {
+        let help = "give x, y, z and radius once each, r, g, b all or none, and emission, or \
+                    emission_r, emission_g and emission_b, or neither";
+        problems.add(key.clone(), message).with_help(help.to_owned());
+    };
+    let missing = words(&|c| count(c) == 0 && is_required(c));
     let repeated = words(&|c| count(c) > 1);
     for (what, which) in [("lacks", &missing), ("repeats", &repeated)] {
         if !which.is_empty() {
-            let key = at.key("columns");
-            let message = format!("`{key}` {what} {which}");
-            let help = "x, y, z and radius once each; r, g, b all or none".to_owned();
-            problems.add(key, message).with_help(help);
+            add(format!("`{key}` {what} {which}"));
         }
+    }
+    if has_channels && count(Column::Emission) > 0 {
+        add(format!("`{key}` has \"emission\", and its channels one by one"));
     }
 }
 
@@ -416,8 +441,7 @@ fn check_arrays(at: &KeyPath, arrays: &SphereArrays, problems: &mut ValidationEr
         if !ids.fits() {
             problems.add(at.clone(), format!("the ids of `{at}` reach beyond their array"));
         } else if ids.iter().take(distinct).any(|id| id == NO_SPHERE) {
-            problems
-                .add(at.clone(), format!("`{at}` has the id 2^32 - 1, which stands for nothing"));
+            problems.add(at.clone(), format!("`{at}` has the id 2^32 - 1, which is reserved"));
         }
     }
 }

@@ -59,7 +59,7 @@ pub(super) struct InvalidValue {
 }
 
 impl InvalidValue {
-    fn new(node: &SpannedValue<'_>, found: impl Into<String>) -> Self {
+    pub(super) fn new(node: &SpannedValue<'_>, found: impl Into<String>) -> Self {
         Self { span: node.span(), found: found.into(), help: None, is_unknown_name: false }
     }
 

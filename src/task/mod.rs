@@ -1,8 +1,11 @@
-//! Support for long-running operations: cancellation, progress and parallel helpers.
+//! Support for long-running operations: cancellation, progress, free memory and parallel helpers.
 
 mod cancel;
+mod memory;
+pub mod memory_limits;
 pub(crate) mod parallel;
 mod progress;
 
 pub use cancel::CancelToken;
+pub use memory::{available_memory, peak_memory, total_memory};
 pub use progress::ProgressCallback;

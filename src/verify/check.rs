@@ -68,7 +68,7 @@ impl CheckGroup {
 /// Test statistic of a check.
 #[derive(Clone, Debug)]
 pub enum TestStatistic {
-    /// Probability that a correct program gives a result at least this far off.
+    /// Probability that a correct program gives a result at least this extreme.
     PValue(f64),
     /// Number of wrong answers.
     ErrorCount(usize),
@@ -94,6 +94,8 @@ pub type CheckFn = Box<dyn Fn(&CancelToken) -> Result<CheckMeasurement> + Send +
 pub struct Check {
     /// Unique name.
     pub name: String,
+    /// Name of the closed form that the check renders in one of several variants, if any.
+    pub closed_form: Option<&'static str>,
     /// Group that the check belongs to.
     pub group: CheckGroup,
     /// Measures without judging; [`Self::run`] does both.
@@ -130,7 +132,14 @@ impl Check {
         work: impl Fn(&CancelToken) -> Result<CheckMeasurement> + Send + Sync + 'static,
     ) -> Self {
         let significance = FAMILY_SIGNIFICANCE;
-        Self { name: name.into(), group, measure: Box::new(work), significance }
+        let name = name.into();
+        Self { name, closed_form: None, group, measure: Box::new(work), significance }
+    }
+
+    /// Names the closed form that the check renders.
+    #[must_use]
+    pub fn of_closed_form(self, name: &'static str) -> Self {
+        Self { closed_form: Some(name), ..self }
     }
 
     /// Runs the check and compares its statistic with the limit.
@@ -140,45 +149,45 @@ impl Check {
     /// built.
     pub fn run(&self, cancel: &CancelToken) -> Result<CheckResult> {
         cancel.check()?;
-        let measured = (self.measure)(cancel)?;
+        let measurement = (self.measure)(cancel)?;
         cancel.check()?;
-        Ok(measured.judge(self.significance))
+        Ok(measurement.judge(self.significance))
     }
 }
 
 impl CheckMeasurement {
     /// Creates a result without images.
-    pub fn new(finding: TestStatistic, detail: impl Into<String>) -> Self {
-        Self { statistic: finding, detail: detail.into(), images: Vec::new(), note: None }
+    pub fn new(statistic: TestStatistic, detail: impl Into<String>) -> Self {
+        Self { statistic, detail: detail.into(), images: Vec::new(), note: None }
     }
 
     /// Adds images.
     #[must_use]
-    pub fn with_images(self, pictures: Vec<Cells>) -> Self {
-        Self { images: pictures, ..self }
+    pub fn with_images(self, images: Vec<Cells>) -> Self {
+        Self { images, ..self }
     }
 
     /// Adds a remark.
     #[must_use]
-    pub fn with_note(self, remark: impl Into<String>) -> Self {
-        Self { note: Some(remark.into()), ..self }
+    pub fn with_note(self, note: impl Into<String>) -> Self {
+        Self { note: Some(note.into()), ..self }
     }
 
     fn judge(self, significance: f64) -> CheckResult {
-        let Self { statistic: finding, detail, images: pictures, note: remark } = self;
-        let (statistic, limit, is_random) = match finding {
+        let Self { statistic, detail, images, note } = self;
+        let (statistic, limit, is_random) = match statistic {
             TestStatistic::PValue(p) => (sigmas(p), sigmas(significance), true),
             TestStatistic::ErrorCount(count) => (count as f64, 0.0, false),
         };
         let passed = statistic <= limit;
-        CheckResult { passed, statistic, limit, is_random, detail, images: pictures, note: remark }
+        CheckResult { passed, statistic, limit, is_random, detail, images, note }
     }
 }
 
 /// Gives each check its share of the family-wise significance.
 pub fn split_significance(checks: &mut [Check]) {
-    let each = bonferroni(FAMILY_SIGNIFICANCE, checks.len());
-    checks.iter_mut().for_each(|check| check.significance = each);
+    let significance = bonferroni(FAMILY_SIGNIFICANCE, checks.len());
+    checks.iter_mut().for_each(|check| check.significance = significance);
 }
 
 /// Progress of a running suite.
@@ -206,10 +215,10 @@ pub fn run_all(
 ) -> Result<Vec<CheckResult>> {
     let done = std::sync::atomic::AtomicUsize::new(0);
     let run = |check: &Check| {
-        let outcome = check.run(cancel)?;
+        let result = check.run(cancel)?;
         let done = 1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        progress(SuiteProgress { done, total: checks.len(), check, result: &outcome });
-        Ok(outcome)
+        progress(SuiteProgress { done, total: checks.len(), check, result: &result });
+        Ok(result)
     };
     // No batching, so that a long check at the end of one thread's share does not delay the rest.
     checks.par_iter().with_max_len(1).map(run).collect()
@@ -227,15 +236,16 @@ pub fn seed(name: &str, index: u64) -> u64 {
 mod tests {
     use super::*;
 
-    fn check(finding: TestStatistic) -> Check {
+    fn check(statistic: TestStatistic) -> Check {
         Check::new(CheckGroup::ChiSquare, "a check", move |_| {
-            Ok(CheckMeasurement::new(finding.clone(), ""))
+            Ok(CheckMeasurement::new(statistic.clone(), ""))
         })
     }
 
     #[test]
     fn a_check_passes_up_to_its_limit() {
-        let passes = |finding| check(finding).run(&CancelToken::default()).expect("runs").passed;
+        let passes =
+            |statistic| check(statistic).run(&CancelToken::default()).expect("runs").passed;
         assert!(passes(TestStatistic::PValue(1.0)) && passes(TestStatistic::PValue(0.01)));
         assert!(!passes(TestStatistic::PValue(0.0)) && !passes(TestStatistic::PValue(0.9e-3)));
         assert!(passes(TestStatistic::ErrorCount(0)) && !passes(TestStatistic::ErrorCount(1)));
@@ -245,8 +255,8 @@ mod tests {
     fn a_family_of_checks_is_judged_more_gently() {
         let mut checks: Vec<_> = (0..100).map(|_| check(TestStatistic::PValue(1e-4))).collect();
         let passes = |checks: &[Check]| {
-            let outcomes = run_all(checks, &CancelToken::default(), &|_| ()).expect("runs");
-            outcomes.iter().filter(|outcome| outcome.passed).count()
+            let results = run_all(checks, &CancelToken::default(), &|_| ()).expect("runs");
+            results.iter().filter(|result| result.passed).count()
         };
         assert_eq!(passes(&checks), 0);
         split_significance(&mut checks);
@@ -257,13 +267,13 @@ mod tests {
     fn a_request_to_stop_is_an_error_and_progress_counts_to_the_end() {
         let cancel = CancelToken::default();
         let checks: Vec<_> = (0..7).map(|_| check(TestStatistic::ErrorCount(0))).collect();
-        let most = std::sync::Mutex::new(0);
+        let max_done = std::sync::Mutex::new(0);
         let count = |p: SuiteProgress<'_>| {
-            let mut most = most.lock().expect("nobody panics");
-            *most = p.done.max(*most);
+            let mut max_done = max_done.lock().expect("nobody panics");
+            *max_done = p.done.max(*max_done);
         };
         assert_eq!(run_all(&checks, &cancel, &count).expect("runs").len(), 7);
-        assert_eq!(*most.lock().expect("nobody panics"), 7);
+        assert_eq!(*max_done.lock().expect("nobody panics"), 7);
         cancel.cancel();
         assert!(run_all(&checks, &cancel, &|_| ()).is_err());
     }

@@ -13,16 +13,16 @@ const FULL_COLOR: f64 = 4.0;
 /// Returns one check per row of the table.
 pub(super) fn checks(effort: Effort) -> Vec<Check> {
     let points = effort.select(SAMPLES);
-    sampling_tests().into_iter().map(|pair| check(pair, points)).collect()
+    sampling_tests().into_iter().map(|test| check(test, points)).collect()
 }
 
-fn check(pair: SamplingTest, points: u32) -> Check {
-    Check::new(CheckGroup::ChiSquare, pair.name.clone(), move |_| {
-        let verdict = chi_square_test(&pair, points, 0);
-        let ChiSquareResult { p_value, statistic, degrees_of_freedom: freedom, histogram } =
-            &verdict;
-        let detail =
-            format!("chi-square {statistic:.1} of {freedom} degrees of freedom, {points} points");
+fn check(test: SamplingTest, points: u32) -> Check {
+    Check::new(CheckGroup::ChiSquare, test.name.clone(), move |_| {
+        let result = chi_square_test(&test, points, 0);
+        let ChiSquareResult { p_value, statistic, degrees_of_freedom, histogram } = &result;
+        let detail = format!(
+            "chi-square {statistic:.1} of {degrees_of_freedom} degrees of freedom, {points} points"
+        );
         Ok(CheckMeasurement::new(TestStatistic::PValue(*p_value), detail)
             .with_images(figures(histogram)))
     })
@@ -31,21 +31,21 @@ fn check(pair: SamplingTest, points: u32) -> Check {
 fn figures(histogram: &Histogram) -> Vec<Cells> {
     let Histogram { cells, expected, observed } = histogram;
     let observed: Vec<f64> = observed.iter().map(|&count| count as f64).collect();
-    let most = expected.iter().chain(&observed).copied().fold(1.0, f64::max);
-    let off = |(&expected, &observed): (&f64, &f64)| {
+    let max_count = expected.iter().chain(&observed).copied().fold(1.0, f64::max);
+    let deviation = |(&expected, &observed): (&f64, &f64)| {
         if expected >= 1.0 { (observed - expected) / expected.sqrt() } else { f64::NAN }
     };
-    let difference = expected.iter().zip(&observed).map(off).collect();
+    let difference = expected.iter().zip(&observed).map(deviation).collect();
     let figure = |caption: &str, values, colors| Cells {
         caption: caption.to_owned(),
         width: cells[1],
         values,
         colors,
     };
-    let light = CellColors::Light(most);
+    let light = CellColors::Light(max_count);
     vec![
-        figure("drawn", observed, light),
-        figure("density", expected.clone(), light),
+        figure("observed", observed, light),
+        figure("expected", expected.clone(), light),
         figure(
             "difference: red too many, blue too few, full colour at 4 standard deviations",
             difference,

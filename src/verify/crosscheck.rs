@@ -99,15 +99,15 @@ pub enum Mismatch {
 /// On cancellation.
 pub fn compare(
     spheres: &SphereSet,
-    contenders: &[TestedBackend<'_>],
+    backends: &[TestedBackend<'_>],
     rays: &[PathRay],
     cancel: &CancelToken,
 ) -> Result<Vec<CrosscheckResult>> {
     let batches: Vec<Vec<CrosscheckResult>> = rays
         .par_chunks(BATCH_RAYS)
-        .map(|rays| cancel.check().map(|()| compare_batch(spheres, contenders, rays)))
+        .map(|rays| cancel.check().map(|()| compare_batch(spheres, backends, rays)))
         .collect::<Result<_>>()?;
-    let mut results: Vec<CrosscheckResult> = contenders.iter().map(CrosscheckResult::new).collect();
+    let mut results: Vec<CrosscheckResult> = backends.iter().map(CrosscheckResult::new).collect();
     for batch in batches {
         results.iter_mut().zip(batch).for_each(|(result, part)| result.merge(part));
     }
@@ -116,27 +116,26 @@ pub fn compare(
 
 fn compare_batch(
     spheres: &SphereSet,
-    contenders: &[TestedBackend<'_>],
+    backends: &[TestedBackend<'_>],
     rays: &[PathRay],
 ) -> Vec<CrosscheckResult> {
-    let precision =
-        covering_precision(contenders.iter().map(|contender| contender.accel.error_bound()));
+    let precision = covering_precision(backends.iter().map(|backend| backend.accel.error_bound()));
     let cases: Vec<RayCase<'_>> =
         rays.iter().map(|ray| RayCase::new(spheres, ray, &precision)).collect();
     let queries: Vec<Ray> = rays.iter().map(|ray| spheres.to_query(ray)).collect();
-    let judged = |contender: &TestedBackend<'_>| {
+    let check_backend = |backend: &TestedBackend<'_>| {
         let mut hits = vec![Hit::MISS; rays.len()];
-        contender.accel.closest(&queries, &mut hits);
-        let mut blocked = vec![false; rays.len()];
-        contender.accel.occluded(&queries, &mut blocked);
-        let mut result = CrosscheckResult::new(contender);
+        backend.accel.closest(&queries, &mut hits);
+        let mut occluded = vec![false; rays.len()];
+        backend.accel.occluded(&queries, &mut occluded);
+        let mut result = CrosscheckResult::new(backend);
         for (i, case) in cases.iter().enumerate() {
-            let answer = resolve(spheres, &rays[i], hits[i]);
-            result.count(case, &answer, blocked[i]);
+            let resolved = resolve(spheres, &rays[i], hits[i]);
+            result.count(case, &resolved, occluded[i]);
         }
         result
     };
-    contenders.iter().map(judged).collect()
+    backends.iter().map(check_backend).collect()
 }
 
 /// A hit as an integrator sees it.
@@ -158,9 +157,9 @@ fn resolve(spheres: &SphereSet, ray: &PathRay, hit: Hit) -> ResolvedHit {
 }
 
 impl CrosscheckResult {
-    fn new(contender: &TestedBackend<'_>) -> Self {
-        let precision = contender.accel.error_bound();
-        Self { name: contender.name.to_owned(), precision, ..Self::default() }
+    fn new(backend: &TestedBackend<'_>) -> Self {
+        let precision = backend.accel.error_bound();
+        Self { name: backend.name.to_owned(), precision, ..Self::default() }
     }
 
     /// Number of answers beyond the error bound; 0 if the backend is correct.
@@ -169,41 +168,36 @@ impl CrosscheckResult {
         ids + self.wrong_distances + self.wrong_sides + self.wrong_occlusions
     }
 
-    /// Fraction of rays whose id differs from the exact one within the error bound.
-    pub fn ambiguous_share(&self) -> f64 {
-        self.ambiguous as f64 / self.rays.max(1) as f64
-    }
-
-    fn count(&mut self, case: &RayCase<'_>, answer: &ResolvedHit, blocked: bool) {
+    fn count(&mut self, case: &RayCase<'_>, resolved: &ResolvedHit, occluded: bool) {
         self.rays += 1;
-        let judged = case.first_hit().map(|ExactHit { id, t }| (id, t));
-        let about_hit = self.count_id(case, answer).or_else(|| self.count_hit(case, answer));
-        let about_occlusion = self.count_occlusion(case, blocked);
-        if let Some(about) = about_hit.or(about_occlusion) {
+        let exact_hit = case.first_hit().map(|ExactHit { id, t }| (id, t));
+        let hit_mismatch = self.count_id(case, resolved).or_else(|| self.count_hit(case, resolved));
+        let occlusion_mismatch = self.count_occlusion(case, occluded);
+        if let Some(mismatch) = hit_mismatch.or(occlusion_mismatch) {
             if self.disagreements.len() < MAX_DISAGREEMENTS {
                 let (backend, ray) = (self.name.clone(), *case.ray());
-                let answered = answer.hit;
+                let backend_hit = resolved.hit;
                 self.disagreements.push(Disagreement {
                     backend,
-                    mismatch: about,
+                    mismatch,
                     ray,
-                    backend_hit: answered,
-                    exact_hit: judged,
+                    backend_hit,
+                    exact_hit,
                 });
             }
         }
     }
 
-    fn count_id(&mut self, case: &RayCase<'_>, answer: &ResolvedHit) -> Option<Mismatch> {
-        match case.judge_closest(answer.found, answer.hit.map(|(id, _)| id), &self.precision) {
+    fn count_id(&mut self, case: &RayCase<'_>, resolved: &ResolvedHit) -> Option<Mismatch> {
+        match case.judge_closest(resolved.found, resolved.hit.map(|(id, _)| id), &self.precision) {
             Verdict::Equal => self.exact += 1,
             Verdict::Ambiguous => {
                 self.ambiguous += 1;
-                let passes = |(id, t)| case.is_hidden(id, t, &self.precision);
-                self.hidden_hits += usize::from(answer.hit.is_some_and(passes));
+                let is_hidden = |(id, t)| case.is_hidden(id, t, &self.precision);
+                self.hidden_hits += usize::from(resolved.hit.is_some_and(is_hidden));
             }
             Verdict::Wrong => {
-                match (answer.hit, case.first_hit()) {
+                match (resolved.hit, case.first_hit()) {
                     (None, _) => self.false_misses += 1,
                     (_, None) => self.false_hits += 1,
                     _ => self.wrong_ids += 1,
@@ -215,21 +209,21 @@ impl CrosscheckResult {
     }
 
     /// Checks distance and side of a hit whose id is accepted.
-    fn count_hit(&mut self, case: &RayCase<'_>, answer: &ResolvedHit) -> Option<Mismatch> {
-        let ((id, t), side) = (answer.hit?, answer.side?);
+    fn count_hit(&mut self, case: &RayCase<'_>, resolved: &ResolvedHit) -> Option<Mismatch> {
+        let ((id, t), side) = (resolved.hit?, resolved.side?);
         let error = case.distance_error(id, t);
         self.max_distance_error = self.max_distance_error.max(error);
         if error > 1.0 || error.is_nan() {
             self.wrong_distances += 1;
             return Some(Mismatch::Distance);
         }
-        let is_wrong = case.side(id, t).is_some_and(|judged| judged != side);
+        let is_wrong = case.side(id, t).is_some_and(|exact| exact != side);
         self.wrong_sides += usize::from(is_wrong);
         is_wrong.then_some(Mismatch::Side)
     }
 
-    fn count_occlusion(&mut self, case: &RayCase<'_>, blocked: bool) -> Option<Mismatch> {
-        let verdict = case.judge_occluded(blocked, &self.precision);
+    fn count_occlusion(&mut self, case: &RayCase<'_>, occluded: bool) -> Option<Mismatch> {
+        let verdict = case.judge_occluded(occluded, &self.precision);
         self.ambiguous_occlusions += usize::from(verdict == Verdict::Ambiguous);
         self.wrong_occlusions += usize::from(verdict == Verdict::Wrong);
         (verdict == Verdict::Wrong).then_some(Mismatch::Occlusion)
@@ -257,13 +251,13 @@ impl CrosscheckResult {
 /// Formats one line of a dump. Decimal numbers are the shortest that read back as the same f64.
 impl fmt::Display for Disagreement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { backend, mismatch: about, ray, .. } = self;
+        let Self { backend, mismatch, ray, .. } = self;
         let vector = |v: DVec3| format!("{:?} {:?} {:?}", v.x, v.y, v.z);
         let sphere = |id: u32| if id == NO_SPHERE { "none".to_owned() } else { id.to_string() };
         let hit = |hit: Option<(u32, f64)>| {
             hit.map_or("miss".to_owned(), |(id, t)| format!("{id} at {t:?}"))
         };
-        let about = match about {
+        let mismatch = match mismatch {
             Mismatch::Id => "id",
             Mismatch::Distance => "distance",
             Mismatch::Side => "side",
@@ -271,8 +265,8 @@ impl fmt::Display for Disagreement {
         };
         write!(
             f,
-            "{backend} {about}: origin {} direction {} t_min {:?} t_max {:?} leaves {} target {} \
-             far_wall {:?} answered {} judged {}",
+            "{backend} {mismatch}: origin {} direction {} t_min {:?} t_max {:?} origin_sphere {} target_sphere {} \
+             t_exit {:?} backend_hit {} exact_hit {}",
             vector(ray.origin),
             vector(ray.direction),
             ray.t_min,
@@ -295,22 +289,22 @@ mod tests {
     use std::sync::Arc;
 
     /// A backend with an injected fault.
-    struct Broken {
-        sound: Box<dyn Accel>,
-        break_ray: fn(&mut Ray),
-        break_hit: fn(&mut Hit),
-        break_occlusion: fn(&mut bool),
+    struct FaultyAccel {
+        correct: Box<dyn Accel>,
+        alter_ray: fn(&mut Ray),
+        alter_hit: fn(&mut Hit),
+        alter_occlusion: fn(&mut bool),
     }
 
-    impl Accel for Broken {
+    impl Accel for FaultyAccel {
         fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-            self.sound.closest(&self.broken(rays), hits);
-            hits.iter_mut().for_each(self.break_hit);
+            self.correct.closest(&self.faulty(rays), hits);
+            hits.iter_mut().for_each(self.alter_hit);
         }
 
-        fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-            self.sound.occluded(&self.broken(rays), blocked);
-            blocked.iter_mut().for_each(self.break_occlusion);
+        fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+            self.correct.occluded(&self.faulty(rays), occluded);
+            occluded.iter_mut().for_each(self.alter_occlusion);
         }
 
         fn error_bound(&self) -> ErrorBound {
@@ -318,14 +312,14 @@ mod tests {
         }
 
         fn bytes(&self) -> usize {
-            self.sound.bytes()
+            self.correct.bytes()
         }
     }
 
-    impl Broken {
-        fn broken(&self, rays: &[Ray]) -> Vec<Ray> {
+    impl FaultyAccel {
+        fn faulty(&self, rays: &[Ray]) -> Vec<Ray> {
             let mut rays = rays.to_vec();
-            rays.iter_mut().for_each(self.break_ray);
+            rays.iter_mut().for_each(self.alter_ray);
             rays
         }
     }
@@ -340,25 +334,26 @@ mod tests {
     }
 
     fn result(
-        break_ray: fn(&mut Ray),
-        break_hit: fn(&mut Hit),
-        break_occlusion: fn(&mut bool),
+        alter_ray: fn(&mut Ray),
+        alter_hit: fn(&mut Hit),
+        alter_occlusion: fn(&mut bool),
     ) -> CrosscheckResult {
         let spheres = spheres();
-        let sound = Backend::BruteForce.build(&spheres, &BuildOptions::default()).expect("builds");
-        let broken = Broken { sound, break_ray, break_hit, break_occlusion };
-        let contender = TestedBackend { name: "broken", accel: &broken };
+        let correct =
+            Backend::BruteForce.build(&spheres, &BuildOptions::default()).expect("builds");
+        let faulty = FaultyAccel { correct, alter_ray, alter_hit, alter_occlusion };
+        let backend = TestedBackend { name: "broken", accel: &faulty };
         let rays = rays::random(&spheres, 3000, 7);
-        compare(&spheres, &[contender], &rays, &CancelToken::default())
+        compare(&spheres, &[backend], &rays, &CancelToken::default())
             .expect("not cancelled")
             .remove(0)
     }
 
     #[test]
     fn a_sound_backend_has_no_failures() {
-        let sound = result(|_| (), |_| (), |_| ());
-        assert_eq!((sound.rays, sound.failures()), (3000, 0));
-        assert!(sound.exact > 2800 && sound.disagreements.is_empty());
+        let correct = result(|_| (), |_| (), |_| ());
+        assert_eq!((correct.rays, correct.failures()), (3000, 0));
+        assert!(correct.exact > 2800 && correct.disagreements.is_empty());
     }
 
     #[test]
@@ -369,7 +364,7 @@ mod tests {
         assert!(ghosts.false_hits > 100 && ghosts.wrong_ids > 1000 && ghosts.false_misses == 0);
         let shifted = result(|ray| ray.origin[0] += 1e-3, |_| (), |_| ());
         assert!(shifted.failures() > 10);
-        let blind = result(|_| (), |_| (), |blocked| *blocked = !*blocked);
+        let blind = result(|_| (), |_| (), |occluded| *occluded = !*occluded);
         assert!(blind.wrong_occlusions > 2800 && blind.wrong_ids + blind.false_misses == 0);
         let unknown = result(|_| (), |hit| hit.id = 4_000_000, |_| ());
         assert_eq!(unknown.wrong_ids + unknown.false_hits, 3000);
@@ -383,7 +378,9 @@ mod tests {
         let numbers: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
         assert_eq!(numbers[..3], disagreement.ray.origin.to_array());
         assert_eq!(numbers[3..6], disagreement.ray.direction.to_array());
-        assert!(line.starts_with("broken id: origin ") && line.contains("answered miss judged"));
+        assert!(
+            line.starts_with("broken id: origin ") && line.contains("backend_hit miss exact_hit")
+        );
     }
 
     #[test]

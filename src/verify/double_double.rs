@@ -42,8 +42,8 @@ impl ClosestApproach {
 
     /// Half the chord cut by a sphere of this radius, in units of t; `None` if the line misses.
     pub(super) fn half_chord(&self, radius: TwoFloat) -> Option<TwoFloat> {
-        let squared = quotient(radius * radius - self.distance_squared, self.length_squared);
-        (squared >= 0.0).then(|| squared.sqrt())
+        let half_squared = quotient(radius * radius - self.distance_squared, self.length_squared);
+        (half_squared >= 0.0).then(|| half_squared.sqrt())
     }
 }
 

@@ -13,8 +13,8 @@
 //! of *possible* first hits, one for each radius in `[R - e, R + e]`. Its hit is *certain* if every
 //! such radius gives one. An answer B is accepted if B has a possible hit and no other sphere has a
 //! certain hit that lies before B's earliest possible one whatever the radius. A miss is accepted
-//! if no sphere has a certain hit. The far wall of the sphere that a ray leaves is part of the ray
-//! and exact. An accepted answer that is not the exact one is *ambiguous*: a silhouette or another
+//! if no sphere has a certain hit. The exit point of a ray's origin sphere is part of the ray and
+//! exact. An accepted answer that is not the exact one is *ambiguous*: a silhouette or another
 //! sphere lies within the band.
 //!
 //! No tree is involved: a linear, conservative f64 pass over all spheres selects the candidates for
@@ -45,7 +45,7 @@ pub enum Verdict {
 /// The exact first hit.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactHit {
-    /// Sphere index. If the ray hits the far wall of the sphere that it leaves, the index of that
+    /// Sphere index. If the ray reaches its exit point from its origin sphere, the index of that
     /// sphere.
     pub id: u32,
     /// Distance along the ray, rounded to f64.
@@ -97,9 +97,9 @@ pub fn covering_precision(precisions: impl IntoIterator<Item = ErrorBound>) -> E
 }
 
 impl<'a> RayCase<'a> {
-    /// Finds the exact hits and the candidates of a ray. `widest` must cover the error bound of
+    /// Finds the exact hits and the candidates of a ray. `max_bound` must cover the error bound of
     /// every backend to be judged.
-    pub fn new(spheres: &'a SphereSet, ray: &'a PathRay, widest: &ErrorBound) -> Self {
+    pub fn new(spheres: &'a SphereSet, ray: &'a PathRay, max_bound: &ErrorBound) -> Self {
         let mut case = Self {
             spheres,
             ray,
@@ -108,7 +108,7 @@ impl<'a> RayCase<'a> {
             occluded: false,
             origin_errors: origin_errors(ray.origin),
         };
-        case.find_candidates(widest);
+        case.find_candidates(max_bound);
         case.find_first_hit();
         case
     }
@@ -123,26 +123,26 @@ impl<'a> RayCase<'a> {
         self.first_hit
     }
 
-    /// Returns true if any sphere lies between the ray's ends. The far wall of the sphere that the
-    /// ray leaves is an end, not an occluder.
+    /// Returns true if any sphere lies between the ray's ends. The exit point from the origin
+    /// sphere is an end, not an occluder.
     pub fn occluded(&self) -> bool {
         self.occluded
     }
 
-    /// Judges a backend's closest hit: the sphere `found` (`None` for a miss) and the `answer` that
-    /// [`SphereSet::resolve_hit`] made of it, which may be the far wall instead.
+    /// Judges a backend's closest hit: the sphere `found` (`None` for a miss) and the sphere
+    /// `resolved` by [`SphereSet::resolve_hit`], which may be the origin sphere instead.
     pub fn judge_closest(
         &self,
         found: Option<u32>,
-        answer: Option<u32>,
+        resolved: Option<u32>,
         precision: &ErrorBound,
     ) -> Verdict {
-        if answer == self.first_hit.map(|first| first.id) {
+        if resolved == self.first_hit.map(|first| first.id) {
             return Verdict::Equal;
         }
-        let far_wall = (self.ray.t_exit < self.ray.t_max).then_some(self.ray.t_exit.into());
+        let exit = (self.ray.t_exit < self.ray.t_max).then_some(self.ray.t_exit.into());
         let earliest = match found {
-            None => far_wall,
+            None => exit,
             Some(id) => match self.earliest_possible_hit(id, precision) {
                 Some(t) => Some(t),
                 None => return Verdict::Wrong,
@@ -151,7 +151,7 @@ impl<'a> RayCase<'a> {
         let is_wrong = match earliest {
             Some(earliest) => {
                 self.is_behind_other(found, earliest, precision)
-                    || far_wall.is_some_and(|far_wall| far_wall < earliest)
+                    || exit.is_some_and(|exit| exit < earliest)
             }
             None => self.has_certain_hit(precision),
         };
@@ -166,12 +166,12 @@ impl<'a> RayCase<'a> {
     }
 
     /// Judges a backend's occlusion result.
-    pub fn judge_occluded(&self, blocked: bool, precision: &ErrorBound) -> Verdict {
-        let mut bands =
+    pub fn judge_occluded(&self, occluded: bool, precision: &ErrorBound) -> Verdict {
+        let mut intervals =
             self.candidates.iter().map(|candidate| self.hit_interval(candidate, precision));
-        let accepted = match blocked {
-            _ if blocked == self.occluded => return Verdict::Equal,
-            true => bands.any(|band| band.earliest_possible.is_some()),
+        let accepted = match occluded {
+            _ if occluded == self.occluded => return Verdict::Equal,
+            true => intervals.any(|interval| interval.earliest_possible.is_some()),
             false => !self.has_certain_hit(precision),
         };
         if accepted { Verdict::Ambiguous } else { Verdict::Wrong }
@@ -182,59 +182,64 @@ impl<'a> RayCase<'a> {
     /// With `s = |o - c| + R` and `h` half the chord, the tolerance is `8 eps s (1 + |o - c| / h)`.
     /// At a tangent `h` is itself the root of a rounding error, and the tolerance is `d + sqrt(2 (R
     /// + d) d)` with `d = 8 eps s`: the effect of changing the radius by `d` on a chord of length
-    /// 0. The far wall is part of the ray and must come back unchanged.
+    /// 0. The exit point is part of the ray and must come back unchanged.
     pub fn distance_error(&self, id: u32, t: f64) -> f64 {
         if id == self.ray.origin_sphere {
             return if t == self.ray.t_exit { 0.0 } else { f64::INFINITY };
         }
-        let sphere = self.spheres.sphere(id);
+        let sphere = self.written(id);
         let approach = ClosestApproach::new(self.ray.origin, self.ray.direction, &sphere);
         let half_chord = approach.half_chord(TwoFloat::from(sphere.radius));
-        let allowed = distance_tolerance(self.ray.origin, &sphere, half_chord.map(|h| h.hi()));
+        let tolerance = distance_tolerance(self.ray.origin, &sphere, half_chord.map(|h| h.hi()));
         let h = half_chord.unwrap_or(TwoFloat::from(0.0));
         let error = |root: TwoFloat| {
             let expected = if root < self.ray.t_min { self.ray.t_min.into() } else { root };
-            ((expected - t).abs().hi()) / allowed
+            ((expected - t).abs().hi()) / tolerance
         };
         let (near, far) = (approach.t - h, approach.t + h);
         // If the near root equals t_min within rounding, either root is correct.
         let gap = (near - self.ray.t_min).hi();
         match () {
-            () if gap.abs() <= allowed => error(near).min(error(far)),
+            () if gap.abs() <= tolerance => error(near).min(error(far)),
             () if gap > 0.0 => error(near),
             () => error(far),
         }
     }
 
     /// Side on which the ray arrives at a sphere at the resolved distance `t`; `None` if the chord
-    /// is too short for f64 to tell. A far wall is always reached from inside.
+    /// is too short for f64 to tell. An exit point is always reached from inside.
     pub fn side(&self, id: u32, t: f64) -> Option<Side> {
         if id == self.ray.origin_sphere {
             return Some(Side::Inside);
         }
-        let sphere = self.spheres.sphere(id);
+        let sphere = self.written(id);
         let approach = ClosestApproach::new(self.ray.origin, self.ray.direction, &sphere);
         let h = approach.half_chord(TwoFloat::from(sphere.radius))?.hi();
         let can_tell = h > 2.0 * distance_tolerance(self.ray.origin, &sphere, Some(h));
         can_tell.then(|| if approach.t < t { Side::Inside } else { Side::Outside })
     }
 
-    fn find_candidates(&mut self, widest: &ErrorBound) {
+    /// The sphere as the user wrote it: the judge does not read what the backends read.
+    fn written(&self, id: u32) -> Sphere {
+        self.spheres.sphere_as_written(id).relative_to(self.spheres.origin())
+    }
+
+    fn find_candidates(&mut self, max_bound: &ErrorBound) {
         let prefilter = Prefilter::new(self.ray);
-        let mut until = self.t_end() * (1.0 + 2.0 * INTERVAL_ROUNDING);
+        let mut t_limit = self.t_end() * (1.0 + 2.0 * INTERVAL_ROUNDING);
         for id in 0..self.spheres.len() as u32 {
-            let sphere = self.spheres.sphere(id);
-            let error = self.radius_error(id, &sphere, widest);
+            let sphere = self.written(id);
+            let error = self.radius_error(id, &sphere, max_bound);
             if id == self.ray.origin_sphere
                 || id == self.ray.target_sphere
-                || !prefilter.may_hit(&sphere, error, until)
+                || !prefilter.may_hit(&sphere, error, t_limit)
             {
                 continue;
             }
             let approach = ClosestApproach::new(self.ray.origin, self.ray.direction, &sphere);
             let candidate = Candidate { id, sphere, approach };
-            if let Some(t) = self.hit_interval(&candidate, widest).latest_certain {
-                until = until.min(t.hi() * (1.0 + f64::EPSILON));
+            if let Some(t) = self.hit_interval(&candidate, max_bound).latest_certain {
+                t_limit = t_limit.min(t.hi() * (1.0 + f64::EPSILON));
             }
             self.candidates.push(candidate);
         }
@@ -274,7 +279,7 @@ impl<'a> RayCase<'a> {
         let others = self.candidates.iter().filter(|candidate| Some(candidate.id) != id);
         others
             .filter_map(|other| self.hit_interval(other, precision).latest_certain)
-            .any(|until| until < t)
+            .any(|latest| latest < t)
     }
 
     fn has_certain_hit(&self, precision: &ErrorBound) -> bool {
@@ -290,7 +295,7 @@ impl<'a> RayCase<'a> {
 
     /// Bound on the backend's error in the sphere's radius.
     fn radius_error(&self, id: u32, sphere: &Sphere, precision: &ErrorBound) -> f64 {
-        let is_particle = (id as usize) < self.spheres.particles().len();
+        let is_particle = (id as usize) < self.spheres.particle_count();
         let k = if is_particle { precision.particles } else { precision.giants };
         let scale = self.ray.origin.distance(sphere.center) + sphere.radius;
         let [split, rounded] = self.origin_errors;
@@ -355,19 +360,19 @@ fn narrowest_half_chord(candidate: &Candidate, error: f64) -> Option<TwoFloat> {
 /// keep 48 bits of each coordinate, then with origin and boxes rounded to one f32.
 fn origin_errors(origin: DVec3) -> [f64; 2] {
     let unit = F32_UNIT_ROUNDOFF * origin.length();
-    let moved = origin.distance(origin.as_vec3().as_dvec3());
-    [2.0 * F32_UNIT_ROUNDOFF * unit, moved + unit]
+    let error = origin.distance(origin.as_vec3().as_dvec3());
+    [2.0 * F32_UNIT_ROUNDOFF * unit, error + unit]
 }
 
 /// Tolerance of a resolved distance; `half_chord` is `None` if the line misses.
 fn distance_tolerance(origin: DVec3, sphere: &Sphere, half_chord: Option<f64>) -> f64 {
     let distance = origin.distance(sphere.center);
-    let moved = 8.0 * f64::EPSILON * (distance + sphere.radius);
-    let tangent = (2.0 * (sphere.radius + moved) * moved).sqrt();
+    let error = 8.0 * f64::EPSILON * (distance + sphere.radius);
+    let tangent = (2.0 * (sphere.radius + error) * error).sqrt();
     match half_chord {
-        Some(h) if h > tangent => moved * (1.0 + distance / h),
-        Some(h) if h > 0.0 => (moved * (1.0 + distance / h)).max(moved + tangent),
-        _ => moved + tangent,
+        Some(h) if h > tangent => error * (1.0 + distance / h),
+        Some(h) if h > 0.0 => (error * (1.0 + distance / h)).max(error + tangent),
+        _ => error + tangent,
     }
 }
 
@@ -393,15 +398,15 @@ impl Prefilter {
         }
     }
 
-    /// Returns true if a hit before `until` is possible for any radius off by at most `error`.
-    fn may_hit(&self, sphere: &Sphere, error: f64, until: f64) -> bool {
+    /// Returns true if a hit before `t_limit` is possible for any radius off by at most `error`.
+    fn may_hit(&self, sphere: &Sphere, error: f64, t_limit: f64) -> bool {
         let to_center = sphere.center - self.origin;
         let t = to_center.dot(self.direction) / (self.length * self.length);
-        let miss = (to_center - self.direction * t).length();
+        let distance = (to_center - self.direction * t).length();
         let margin = Self::MARGIN * (to_center.length() + sphere.radius);
-        let reach = sphere.radius + error + margin;
-        let half_chord = reach / self.length + Self::MARGIN * t.abs();
-        miss <= reach && t + half_chord >= self.t_min && t - half_chord <= until
+        let bound = sphere.radius + error + margin;
+        let half_chord = bound / self.length + Self::MARGIN * t.abs();
+        distance <= bound && t + half_chord >= self.t_min && t - half_chord <= t_limit
     }
 }
 

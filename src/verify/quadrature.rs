@@ -26,14 +26,14 @@ fn node(n: usize, i: usize) -> (f64, f64) {
 
 /// The Legendre polynomial of degree `n` and its derivative, by the three-term recurrence.
 fn legendre(n: usize, x: f64) -> (f64, f64) {
-    let (mut before, mut value) = (0.0, 1.0);
+    let (mut previous, mut value) = (0.0, 1.0);
     for k in 0..n {
         let k = k as f64;
-        let next = ((2.0 * k + 1.0) * x * value - k * before) / (k + 1.0);
-        before = value;
+        let next = ((2.0 * k + 1.0) * x * value - k * previous) / (k + 1.0);
+        previous = value;
         value = next;
     }
-    (value, n as f64 * (x * value - before) / (x * x - 1.0))
+    (value, n as f64 * (x * value - previous) / (x * x - 1.0))
 }
 
 /// Integrates `f` over `[low, high]` with `n` nodes.

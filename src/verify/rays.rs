@@ -18,21 +18,21 @@ const MAX_POSITION: f64 = 3.5 * MAX_COORDINATE;
 /// silhouettes, from inside, axis-parallel, leaving surfaces in all directions, towards emitters,
 /// and clipped at both ends. All rays are [traceable](is_traceable). Reproducible from the seed.
 pub fn random(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
-    let mut source = RayGenerator { spheres, rng: StdRng::seed_from_u64(seed) };
-    let kinds = RayGenerator::GENERATORS.iter().cycle().take(count);
-    let drawn = kinds.map(|kind| {
-        let ray = kind(&mut source).filter(|ray| is_traceable(spheres, ray));
-        ray.unwrap_or_else(|| source.fallback())
+    let mut generator = RayGenerator { spheres, rng: StdRng::seed_from_u64(seed) };
+    let generators = RayGenerator::GENERATORS.iter().cycle().take(count);
+    let rays = generators.map(|generate| {
+        let ray = generate(&mut generator).filter(|ray| is_traceable(spheres, ray));
+        ray.unwrap_or_else(|| generator.fallback())
     });
-    drawn.collect()
+    rays.collect()
 }
 
 /// Generates groups of coherent rays, each as large as a block of samples: from one point or nearby
 /// points, in nearly the same direction. Returns as many whole groups as fit into `count`.
 /// Reproducible from the seed.
 pub fn coherent(spheres: &SphereSet, count: usize, seed: u64) -> Vec<PathRay> {
-    let mut source = RayGenerator { spheres, rng: StdRng::seed_from_u64(seed) };
-    (0..count / GROUP_SIZE).flat_map(|number| source.coherent_group(number)).collect()
+    let mut generator = RayGenerator { spheres, rng: StdRng::seed_from_u64(seed) };
+    (0..count / GROUP_SIZE).flat_map(|number| generator.coherent_group(number)).collect()
 }
 
 /// Returns true if a backend accepts the ray. Scenes of the largest possible size contain points
@@ -73,9 +73,9 @@ pub fn shadow(spheres: &SphereSet, accel: &dyn Accel, rays: &[PathRay], seed: u6
 }
 
 fn first_hits(spheres: &SphereSet, accel: &dyn Accel, rays: &[PathRay]) -> Vec<Hit> {
-    let asked: Vec<Ray> = rays.iter().map(|ray| spheres.to_query(ray)).collect();
+    let queries: Vec<Ray> = rays.iter().map(|ray| spheres.to_query(ray)).collect();
     let mut hits = vec![Hit::MISS; rays.len()];
-    accel.closest(&asked, &mut hits);
+    accel.closest(&queries, &mut hits);
     hits
 }
 
@@ -130,22 +130,22 @@ impl RayGenerator<'_> {
 
     /// A point near a sphere or between two spheres, at any of the scene's scales.
     fn random_point(&mut self) -> DVec3 {
-        let farthest = DVec3::splat(MAX_POSITION);
-        self.unclamped_point().clamp(-farthest, farthest)
+        let limit = DVec3::splat(MAX_POSITION);
+        self.unclamped_point().clamp(-limit, limit)
     }
 
     fn unclamped_point(&mut self) -> DVec3 {
         let a = self.spheres.sphere(self.random_id());
         if self.rng.random() {
-            let away = a.radius * self.log_uniform(1e-2, 1e4);
-            return a.center + uniform_direction(&mut self.rng) * away;
+            let distance = a.radius * self.log_uniform(1e-2, 1e4);
+            return a.center + uniform_direction(&mut self.rng) * distance;
         }
         let b = self.spheres.sphere(self.random_id());
         a.center.lerp(b.center, self.rng.random_range(-1.0..2.0))
             + uniform_direction(&mut self.rng) * a.radius
     }
 
-    fn aimed(&mut self, origin: DVec3, target: DVec3) -> PathRay {
+    fn towards(&mut self, origin: DVec3, target: DVec3) -> PathRay {
         let any = uniform_direction(&mut self.rng);
         PathRay::new(origin, (target - origin).try_normalize().unwrap_or(any))
     }
@@ -158,17 +158,17 @@ impl RayGenerator<'_> {
 
     fn towards_sphere(&mut self) -> Option<PathRay> {
         let (origin, target) = (self.random_point(), self.random_hit(Side::Outside));
-        Some(self.aimed(origin, target.point))
+        Some(self.towards(origin, target.point))
     }
 
     /// Passes a sphere at `R (1 +- 10^-u)`, down to f64 precision and below.
     fn silhouette(&mut self) -> Option<PathRay> {
         let origin = self.random_point();
         let sphere = self.spheres.sphere(self.random_id());
-        let off = self.log_uniform(1e-16, 1e-1);
-        let off = if self.rng.random() { off } else { -off };
+        let offset = self.log_uniform(1e-16, 1e-1);
+        let offset = if self.rng.random() { offset } else { -offset };
         let distance = origin.distance(sphere.center);
-        let sin = sphere.radius * (1.0 + off) / distance;
+        let sin = sphere.radius * (1.0 + offset) / distance;
         let frame = Frame::from_z((sphere.center - origin).try_normalize()?);
         let (sin_phi, cos_phi) = sampling::sin_cos(self.rng.random_range(0.0..6.3));
         let cos = (1.0 - sin * sin).max(0.0).sqrt();
@@ -220,31 +220,33 @@ impl RayGenerator<'_> {
 
     /// Rays around a central ray, within an angle and a distance from it.
     fn coherent_group(&mut self, number: usize) -> Vec<PathRay> {
-        let leads =
+        let generators =
             [Self::towards_sphere, Self::axis_parallel, Self::ray_from_surface, Self::clipped];
-        let lead = leads[number % leads.len()](self).filter(|ray| is_traceable(self.spheres, ray));
-        let lead = lead.unwrap_or_else(|| self.fallback());
+        let central = generators[number % generators.len()](self)
+            .filter(|ray| is_traceable(self.spheres, ray));
+        let central = central.unwrap_or_else(|| self.fallback());
         let angle = self.log_uniform(1e-9, 1e-1);
         let sphere = self.spheres.sphere(self.random_id());
-        let away = if number % 2 == 0 { 0.0 } else { sphere.radius * self.log_uniform(1e-6, 1.0) };
+        let distance =
+            if number % 2 == 0 { 0.0 } else { sphere.radius * self.log_uniform(1e-6, 1.0) };
         let is_straight = number % 3 == 0;
-        let one = |_| {
-            let turned = lead.direction + uniform_direction(&mut self.rng) * angle;
-            let turned = if is_straight { lead.direction } else { turned.normalize() };
-            let origin = lead.origin + uniform_direction(&mut self.rng) * away;
-            let ray = PathRay { origin, direction: turned, ..lead };
-            if is_traceable(self.spheres, &ray) { ray } else { lead }
+        let member = |_| {
+            let direction = central.direction + uniform_direction(&mut self.rng) * angle;
+            let direction = if is_straight { central.direction } else { direction.normalize() };
+            let origin = central.origin + uniform_direction(&mut self.rng) * distance;
+            let ray = PathRay { origin, direction, ..central };
+            if is_traceable(self.spheres, &ray) { ray } else { central }
         };
-        (0..GROUP_SIZE).map(one).collect()
+        (0..GROUP_SIZE).map(member).collect()
     }
 
     /// A ray with both ends clipped, as by a camera's near plane or a limited range.
     fn clipped(&mut self) -> Option<PathRay> {
         let (origin, target) = (self.random_point(), self.random_hit(Side::Outside));
-        let reach = origin.distance(target.point);
-        let t_min = reach * self.rng.random_range(0.0..1.0);
-        let t_max = reach * self.rng.random_range(1.0..2.0);
-        Some(PathRay { t_min, t_max, ..self.aimed(origin, target.point) })
+        let distance = origin.distance(target.point);
+        let t_min = distance * self.rng.random_range(0.0..1.0);
+        let t_max = distance * self.rng.random_range(1.0..2.0);
+        Some(PathRay { t_min, t_max, ..self.towards(origin, target.point) })
     }
 }
 
@@ -269,8 +271,8 @@ mod tests {
             assert!(rays.iter().all(|ray| is_traceable(&spheres, ray)));
             for backend in Backend::AVAILABLE {
                 let accel = backend.build(&spheres, &BuildOptions::default()).expect("builds");
-                let contender = TestedBackend { name: backend.name(), accel: accel.as_ref() };
-                let result = compare(&spheres, &[contender], &rays, &CancelToken::default());
+                let tested = TestedBackend { name: backend.name(), accel: accel.as_ref() };
+                let result = compare(&spheres, &[tested], &rays, &CancelToken::default());
                 let result = result.expect("nobody cancels").remove(0);
                 assert_eq!(result.failures(), 0, "{result:?}");
             }

@@ -27,28 +27,32 @@ impl MeanEstimate {
     pub fn from_values(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-        let standard_error = (squares / (n - 1.0) / n).sqrt();
+        let sum_of_squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+        let standard_error = (sum_of_squares / (n - 1.0) / n).sqrt();
         Self { mean, standard_error, seeds: values.len() }
     }
 
     /// Probability that a correct program misses `expected` by at least this much, beyond
     /// [`ROUNDING`]; 0 if the mean is NaN.
     pub fn p_value(&self, expected: f64) -> f64 {
-        let off = (self.mean - expected).abs() - ROUNDING * expected.abs();
-        two_sided(off, self.standard_error, self.seeds as f64 - 1.0)
+        let deviation = (self.mean - expected).abs() - ROUNDING * expected.abs();
+        two_sided(deviation, self.standard_error, self.seeds as f64 - 1.0)
     }
 
     /// Probability that two estimates of the same value differ by at least this much, beyond
     /// [`ROUNDING`].
     pub fn welch_p_value(&self, other: &Self) -> f64 {
         let largest = self.mean.abs().max(other.mean.abs());
-        let off = (self.mean - other.mean).abs() - ROUNDING * largest;
+        let deviation = (self.mean - other.mean).abs() - ROUNDING * largest;
         let [a, b] = [self, other].map(|e| e.standard_error * e.standard_error);
         // Welch-Satterthwaite degrees of freedom; any value will do if nothing varies.
         let [m, n] = [self, other].map(|e| e.seeds as f64 - 1.0);
-        let freedom = (a + b) * (a + b) / (a * a / m + b * b / n);
-        two_sided(off, (a + b).sqrt(), if freedom.is_finite() { freedom } else { m + n })
+        let degrees_of_freedom = (a + b) * (a + b) / (a * a / m + b * b / n);
+        two_sided(
+            deviation,
+            (a + b).sqrt(),
+            if degrees_of_freedom.is_finite() { degrees_of_freedom } else { m + n },
+        )
     }
 
     /// Half-width of the interval that contains the true mean with probability `confidence`, in (0,
@@ -59,26 +63,27 @@ impl MeanEstimate {
 }
 
 /// Probability of `|t| >= off / standard_error`.
-fn two_sided(off: f64, standard_error: f64, freedom: f64) -> f64 {
-    if off.is_nan() || standard_error.is_nan() {
+fn two_sided(deviation: f64, standard_error: f64, degrees_of_freedom: f64) -> f64 {
+    if deviation.is_nan() || standard_error.is_nan() {
         return 0.0;
     }
-    if off <= 0.0 {
+    if deviation <= 0.0 {
         return 1.0;
     }
     if standard_error == 0.0 {
         return 0.0;
     }
-    (2.0 * student_t(freedom).sf(off / standard_error)).min(1.0)
+    (2.0 * student_t(degrees_of_freedom).sf(deviation / standard_error)).min(1.0)
 }
 
-/// Quantile of Student's t distribution for a probability `p` in (0, 1); `freedom` is positive.
-pub fn student_t_quantile(p: f64, freedom: f64) -> f64 {
-    student_t(freedom).inverse_cdf(p)
+/// Quantile of Student's t distribution for a probability `p` in (0, 1); `degrees_of_freedom` is
+/// positive.
+pub fn student_t_quantile(p: f64, degrees_of_freedom: f64) -> f64 {
+    student_t(degrees_of_freedom).inverse_cdf(p)
 }
 
-fn student_t(freedom: f64) -> StudentsT {
-    StudentsT::new(0.0, 1.0, freedom).expect("positive degrees of freedom")
+fn student_t(degrees_of_freedom: f64) -> StudentsT {
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).expect("positive degrees of freedom")
 }
 
 /// Converts a two-sided p-value to standard deviations of a normal distribution: 0.05 is 1.96, 1e-6
@@ -129,11 +134,11 @@ mod tests {
 
     #[test]
     fn what_never_varies_must_be_equal_up_to_rounding() {
-        let still = MeanEstimate::from_values(&[2.0, 2.0, 2.0]);
-        assert_eq!(still.p_value(2.0 * (1.0 + 0.9 * ROUNDING)), 1.0);
-        assert_eq!(still.p_value(2.0 * (1.0 + 2.0 * ROUNDING)), 0.0);
-        assert_eq!(still.welch_p_value(&still), 1.0);
-        assert_eq!(still.welch_p_value(&MeanEstimate { mean: 2.1, ..still }), 0.0);
+        let constant = MeanEstimate::from_values(&[2.0, 2.0, 2.0]);
+        assert_eq!(constant.p_value(2.0 * (1.0 + 0.9 * ROUNDING)), 1.0);
+        assert_eq!(constant.p_value(2.0 * (1.0 + 2.0 * ROUNDING)), 0.0);
+        assert_eq!(constant.welch_p_value(&constant), 1.0);
+        assert_eq!(constant.welch_p_value(&MeanEstimate { mean: 2.1, ..constant }), 0.0);
         assert_eq!(MeanEstimate::from_values(&[f64::NAN, 1.0]).p_value(1.0), 0.0);
         assert_eq!(MeanEstimate::from_values(&[f64::INFINITY, 1.0]).p_value(1.0), 0.0);
     }

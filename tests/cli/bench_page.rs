@@ -59,9 +59,9 @@ fn batches_threads_and_whole_renders_are_compared() {
     assert!(is_positive(&swept["arithmetic_passes_per_s"]), "{swept}");
     for render in found["renders"].as_array().expect("a list") {
         assert_eq!(render["samples"], 16 * 12 * 2);
-        assert_eq!(render["other_pixels"], 0);
+        assert_eq!(render["differing_pixels"], 0);
         assert!(is_positive(&render["seconds"]), "{render}");
-        assert!(render["intersector_share"].as_f64().is_some_and(|share| share < 1.0), "{render}");
+        assert!(render["intersector_fraction"].as_f64().is_some_and(|f| f < 1.0), "{render}");
     }
 }
 

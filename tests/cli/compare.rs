@@ -4,8 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use photosphere::color::Rgb;
-use photosphere::image_io::ImageWriter;
-use photosphere::image_io::Picture;
+use photosphere::image_io::{ChannelValues, ImageChannel, ImageWriter, Picture};
 use serde_json::Value;
 
 use crate::desk::{Desk, Outcome};
@@ -79,7 +78,7 @@ fn every_metric_of_every_layer_is_told() {
     close(&layers[0]["relmse"], (0.25f64 / 0.76).powi(2));
     close(&layers[0]["psnr"], 10.0 * (4.0f64 / 0.0625).log10());
     close(&layers[0]["mean_ratio"][1], 0.5 / 0.75);
-    assert_eq!(layers[0]["mean_a_half_interval_95"], Value::Null);
+    assert_eq!(layers[0]["mean_a_half_width_95"], Value::Null);
     assert_eq!(layers[1]["flip"], 0.0);
     assert_eq!(layers[1]["psnr"], Value::Null); // infinite
     close(&layers[2]["mean_a"][0], 0.25);
@@ -129,9 +128,9 @@ fn a_twin_tells_the_interval_of_the_mean() {
     let told = json(&desk, "a.exr b.exr --twin b.exr --metric mean");
     // Every pixel's variance is 0.25^2 / 2; there are 200 pixels.
     let expected = 1.959_964 * (0.25f64 * 0.25 / 2.0 / 200.0).sqrt();
-    close(&told["layers"][0]["mean_a_half_interval_95"][0], expected);
-    close(&told["layers"][0]["mean_ratio_half_interval_95"][0], expected / 0.75);
-    assert_eq!(told["layers"][0]["mean_b_half_interval_95"], Value::Null);
+    close(&told["layers"][0]["mean_a_half_width_95"][0], expected);
+    close(&told["layers"][0]["mean_ratio_half_width_95"][0], expected / 0.75);
+    assert_eq!(told["layers"][0]["mean_b_half_width_95"], Value::Null);
 }
 
 #[test]
@@ -144,13 +143,13 @@ fn what_cannot_be_compared_is_refused() {
         ("a.exr small.exr", 3, "`a.exr` has 20 x 10 pixels and `small.exr` has 10 x 10"),
         ("a.exr b.exr --twin small.exr", 3, "`small.exr` has 10 x 10"),
         ("a.exr nan.exr", 3, "`nan.exr` has 200 pixels that are infinite or not a number"),
-        ("a.exr nan.exr", 3, "the first at 0, 0"),
+        ("a.exr nan.exr", 3, "the first at 0,0"),
         ("a.exr text.exr", 4, "cannot read `text.exr`"),
         ("a.exr none.exr", 4, "cannot read `none.exr`"),
         ("a.exr b.tiff", 3, "`b.tiff` does not end in .png, .exr, .hdr or .pfm"),
-        ("a.exr b.exr --layer alpha", 3, "not both pictures have a layer `alpha`"),
-        ("a.exr b.exr --layer alpha", 3, "both have: beauty, direct, indirect"),
-        ("a.exr b.exr --max-mse -1", 2, "from 0"),
+        ("a.exr b.exr --layer alpha", 3, "the layer `alpha` is not in both pictures"),
+        ("a.exr b.exr --layer alpha", 3, "layers in both: beauty, direct, indirect"),
+        ("a.exr b.exr --max-mse -1", 2, "not below 0"),
         ("a.exr b.exr --peak 0", 2, "above 0"),
         ("a.exr b.exr --metric ssim", 2, "ssim"),
         ("a.exr b.exr --heatmap none/h.png", 4, "does not exist"),
@@ -191,4 +190,70 @@ fn values_that_are_infinite_by_their_meaning_are_no_obstacle() {
     let outcome = run(&desk, "far.exr far2.exr --json");
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     assert_eq!(run(&desk, "far.exr a.exr").code, Some(3));
+}
+
+/// Writes a picture with these channels beside the beauty of 0.5.
+fn write_with(desk: &Desk, name: &str, channels: &[(&str, Vec<f32>)]) {
+    let layer = vec![Rgb::splat(0.25); SIZE.0 * SIZE.1];
+    let channel = |(name, values): &(&str, Vec<f32>)| {
+        ImageChannel::new(name, ChannelValues::Float(values.clone()))
+    };
+    let picture = Picture {
+        width: SIZE.0,
+        height: SIZE.1,
+        direct: layer.clone(),
+        indirect: layer,
+        hidden_layers: vec!["direct", "indirect"],
+        channels: channels.iter().map(channel).collect(),
+        ..Picture::default()
+    };
+    let path = desk.path().join(name);
+    ImageWriter::new(&path).expect("a writable place").write(&picture).expect("written");
+}
+
+#[test]
+fn layers_without_a_difference_are_left_out_and_named() {
+    let desk = Desk::empty();
+    let mut depth = vec![1.0; SIZE.0 * SIZE.1];
+    write_with(&desk, "hit.exr", &[("depth", depth.clone()), ("id", depth.clone())]);
+    depth[23] = f32::INFINITY;
+    write_with(&desk, "miss.exr", &[("depth", depth.clone()), ("id", vec![2.0; depth.len()])]);
+    write_with(&desk, "plain.pfm", &[]);
+
+    let outcome = run(&desk, "hit.exr miss.exr").succeeds();
+    let told = "left out: `depth`; B has 1 pixel that is infinite or not a number in it, the first at 3, 1";
+    assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    assert!(!outcome.stdout.contains("depth"), "{}", outcome.stdout);
+    let told = json(&desk, "hit.exr miss.exr");
+    let names: Vec<_> = told["layers"].as_array().expect("a list").iter().collect();
+    assert_eq!(names.iter().map(|layer| &layer["layer"]).collect::<Vec<_>>(), ["beauty", "id"]);
+    assert!(told["remarks"].to_string().contains("left out: `depth`"), "{told}");
+    // Who asks for the layer is told that it has no difference.
+    run(&desk, "hit.exr miss.exr --layer depth").fails(3, &["infinite or not a number", "`depth`"]);
+
+    // A layer that only one file has does not matter, whatever is in it.
+    for pair in ["miss.exr plain.pfm", "plain.pfm miss.exr"] {
+        let outcome = run(&desk, &format!("{pair} --max-rmse 0")).succeeds();
+        assert!(outcome.stderr.contains("has: depth, id"), "{}", outcome.stderr);
+    }
+}
+
+#[test]
+fn an_unknown_variance_is_no_certainty() {
+    let desk = Desk::empty();
+    let mut variance = vec![0.04; SIZE.0 * SIZE.1];
+    let channels = |values: &Vec<f32>| {
+        ["variance.R", "variance.G", "variance.B"].map(|name| (name, values.clone()))
+    };
+    write_with(&desk, "known.exr", &channels(&variance));
+    variance[7] = f32::INFINITY;
+    write_with(&desk, "a.exr", &channels(&variance));
+    write_with(&desk, "b.exr", &channels(&variance));
+    let outcome = run(&desk, "known.exr known.exr --metric mean").succeeds();
+    assert!(outcome.stdout.contains("0.50000 +- 2.8e-2"), "{}", outcome.stdout);
+    let outcome = run(&desk, "a.exr b.exr --metric mean").succeeds();
+    let count = outcome.stdout.matches("+- unknown").count();
+    assert_eq!(count, 9, "{}", outcome.stdout);
+    let told = json(&desk, "a.exr b.exr --metric mean");
+    assert_eq!(told["layers"][0]["mean_ratio_half_interval_95"][0], Value::Null);
 }

@@ -33,7 +33,7 @@ fn independent_samples_have_the_slope_of_one_half_for_every_estimator() {
     assert_eq!(names, ["paper, independent", "path, independent"]);
     for series in told["series"].as_array().unwrap() {
         let slope = &series["slope_against_samples"];
-        let (mean, half) = (number(&slope["mean"]), number(&slope["half_interval_95"]));
+        let (mean, half) = (number(&slope["mean"]), number(&slope["half_width_95"]));
         assert!((mean + 0.5).abs() < 2.4 * half, "{series}");
         assert!(half < 0.2, "{series}");
         let points = series["points"].as_array().unwrap();
@@ -45,7 +45,7 @@ fn independent_samples_have_the_slope_of_one_half_for_every_estimator() {
     assert_eq!(told["reference"]["integrator"], "path");
     assert_eq!(told["reference"]["samples_per_pixel"], 1024);
     let svg = fs::read_to_string(desk.path().join("noise.svg")).expect("written");
-    for text in ["scene.toml", "paper, independent", "samples per pixel", "is taken away"] {
+    for text in ["scene.toml", "paper, independent", "samples per pixel", "is subtracted"] {
         assert!(svg.contains(text), "{text}");
     }
 }
@@ -64,7 +64,7 @@ fn a_picture_can_be_the_reference_and_its_error_is_then_not_known() {
     let outcome = run(&desk, &format!("{arguments} --size 16x12 --metric relmse"));
     assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
     for told in
-        ["reference: best.exr; its own error is not known", "relMSE", "slope against samples -"]
+        ["reference: best.exr; its own error is unknown", "relMSE", "slope against samples -"]
     {
         assert!(outcome.stdout.contains(told), "{told}: {}", outcome.stdout);
     }

@@ -3,7 +3,9 @@
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+use std::time::{Duration, Instant};
 
+use photosphere::job::Checkpoint;
 use tempfile::TempDir;
 
 pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_photosphere");
@@ -160,6 +162,34 @@ pub(crate) fn outcome(command: &mut Command) -> Outcome {
         stdout: String::from_utf8(output.stdout).expect("text"),
         stderr: String::from_utf8(output.stderr).expect("text"),
     }
+}
+
+/// Waits until something is so. The bound is far above what the busiest machine needs: it only ends
+/// a test that would wait for ever.
+#[cfg(unix)]
+#[track_caller]
+pub(crate) fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
+    let deadline = Instant::now() + Duration::from_secs(1800);
+    while !condition() {
+        assert!(Instant::now() < deadline, "{what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Returns true once a checkpoint holds samples; the first may be written before there are any.
+#[cfg(unix)]
+pub(crate) fn holds_samples(checkpoint: &Path) -> bool {
+    let film = Checkpoint::open(checkpoint).and_then(Checkpoint::into_film);
+    film.is_ok_and(|film| film.sample_count() > 0)
+}
+
+/// Sends a signal with the shell's own `kill`: the program of that name is not installed
+/// everywhere.
+#[cfg(unix)]
+#[track_caller]
+pub(crate) fn send(signal: &str, process: u32) {
+    let kill = format!("kill -{signal} {process}");
+    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
 }
 
 /// A render of the scene with one piece of it replaced.

@@ -71,7 +71,7 @@ fn what_cannot_be_made_is_refused() {
     };
     refused("generate gas -n 0 -o t.f32", 3, "a table has at least one sphere");
     refused("generate gas -n 1e10 -o t.f32", 3, "more than the 4294967293 that a scene can hold");
-    refused("generate gas -n 1.5 -o t.f32", 2, "whole number, as in 250000 or 1e6");
+    refused("generate gas -n 1.5 -o t.f32", 2, "whole number, such as 250000 or 1e6");
     refused("generate gas -n 9 -o t.f32 --scene t.f32", 3, "cannot be the same file");
     refused("generate gas -n 9 -o no/t.f32", 4, "the folder `no` does not exist");
 }

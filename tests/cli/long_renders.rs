@@ -3,9 +3,9 @@
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use crate::desk::{Desk, PROGRAM, SCENE, outcome};
+use crate::desk::{Desk, PROGRAM, SCENE, holds_samples, outcome, send, wait_until};
 
 /// The small scene with more samples than a block, and the last block unfinished.
 fn desk() -> Desk {
@@ -32,7 +32,7 @@ fn parts_add_up_to_the_very_bytes_of_one_render() {
         desk.run(&format!("render scene.toml -o {name}.part {options}")).succeeds();
     }
     let told = desk.run("merge d.part a.part e.part c.part b.part -o sum.exr --no-run-figures");
-    assert!(told.succeeds().stderr.contains("wrote sum.exr, samples 0..41 of 5 parts"));
+    assert!(told.succeeds().stderr.contains("wrote sum.exr, samples 0..41 from 5 parts"));
     assert!(desk.read("sum.exr") == whole);
 
     // Parts of parts, in another order.
@@ -69,22 +69,26 @@ fn what_does_not_add_up_is_refused_with_the_reason() {
         desk.run(&format!("merge {parts} -o sum.pfm")).fails(3, words);
         assert!(!desk.path().join("sum.pfm").exists(), "{parts}");
     };
-    let overlap = "`a.part` and `b.part` both hold samples 16..32 of the pixels 0,0,16,12";
+    let overlap = "`a.part` and `b.part` both have samples 16..32 of the pixels 0,0,16,12";
     refused("a.part b.part", &[overlap, "leave one of them out"]);
     refused("b.part a.part c.part", &[overlap]);
-    refused("a.part a.part", &["both hold samples 0..32"]);
+    refused("a.part a.part", &["both have samples 0..32"]);
     refused("a.part", &["samples 32..41 of the pixels 0,0,16,12 are missing", "--allow-gaps"]);
     refused("b.part", &["samples 0..16 of the pixels 0,0,16,12 are missing"]);
     refused("left.part b.part", &["samples 0..16 of the pixels 9,0,16,12 are missing"]);
-    refused("a.part seed.part", &["are no parts of one picture", "`render.seed` is 5, not 0"]);
+    refused(
+        "a.part seed.part",
+        &["are not parts of the same picture", "`render.seed` is 5, not 0"],
+    );
     refused("a.part size.part", &["`image.height` is 13, not 12"]);
     refused("a.part accel.part", &["the intersector is native, not "]);
     let albedo = "`materials.grass.albedo` is [0.3, 0.6, 0.2], not [0.2, 0.6, 0.2]";
     refused("a.part other.part", &[albedo]);
-    let within = "`short.part` ends within a block, at sample 20, so that `c.part` cannot follow";
+    let within = "`short.part` ends within a block, at sample 20, so `c.part` cannot continue";
     refused("c.part short.part", &[within]);
     desk.run("merge a.part missing.part -o sum.pfm").fails(4, &["cannot read `missing.part`"]);
-    desk.run("merge a.part scene.toml -o sum.pfm").fails(4, &["it is no part"]);
+    desk.run("merge a.part scene.toml -o sum.pfm")
+        .fails(4, &["it is neither a checkpoint nor a part"]);
 
     let error = "the following required arguments were not provided:\n  <PART>";
     desk.run("merge -o sum.pfm").fails(2, &[error]);
@@ -103,8 +107,8 @@ fn ranges_that_do_not_fit_are_refused() {
     refused("8..41", &["must start on a multiple of 16", "try 0..41"]);
     refused("0..40", &["must end on a multiple of 16, or at the last sample, 41", "try 0..41"]);
     refused("16..17", &["try 16..32"]);
-    refused("32..64", &["end behind the last sample, of 41 per pixel", "per pixel: --spp 64"]);
-    desk.run("render scene.toml -o a.part --samples 9").fails(2, &["as in 0..64"]);
+    refused("32..64", &["exceed the 41 samples per pixel", "per pixel: --spp 64"]);
+    desk.run("render scene.toml -o a.part --samples 9").fails(2, &["such as 0..64"]);
     assert_eq!(desk.names(), ["scene.toml"]);
 }
 
@@ -154,21 +158,21 @@ fn what_is_not_this_render_is_not_gone_on_with() {
         let words = ["cannot resume `a.state`", words];
         refused(&format!("{render} {options}"), &words);
     };
-    other("--seed 3", "it is of another render: `render.seed` is 0, not 3");
+    other("--seed 3", "it belongs to another render: `render.seed` is 0, not 3");
     other("--max-depth 3", "`render.max_depth` is 6, not 3");
-    other("--crop 0,0,5,5", "it is of the crop 0,0,16,12, not 0,0,5,5");
+    other("--crop 0,0,5,5", "its crop is 0,0,16,12, not 0,0,5,5");
     other("--samples 16..41", "its samples start at 0, not at 16");
-    other("--spp 32", "it has samples up to 41, more than the 32 that are asked for");
+    other("--spp 32", "it has samples up to 41, more than the 32 that are requested");
     other("--spp 64 --sampler stratified", "`render.sampler` is \"sobol\", not \"stratified\"");
 
     let stratified = "render scene.toml -o a.pfm --checkpoint s.state --sampler stratified";
     desk.run(stratified).succeeds();
     desk.run("resume s.state --extend-to 64")
-        .fails(3, &["the number of samples per pixel changes each"]);
+        .fails(3, &["the number of samples per pixel differs"]);
 
     let at = |name: &str, bytes: &[u8]| fs::write(desk.path().join(name), bytes).expect("written");
     at("cut.state", &kept[..kept.len() / 2]);
-    desk.run("resume cut.state").fails(4, &["cannot read `cut.state`: it is cut off after"]);
+    desk.run("resume cut.state").fails(4, &["cannot read `cut.state`: it is truncated after"]);
     let mut damaged = kept.clone();
     let middle = kept.len() - 100;
     damaged[middle] ^= 4;
@@ -176,10 +180,11 @@ fn what_is_not_this_render_is_not_gone_on_with() {
     desk.run("resume damaged.state").fails(4, &["it is damaged"]);
     let newer = [&kept[..8], &9u32.to_le_bytes(), &kept[12..]].concat();
     at("newer.state", &newer);
-    let words = ["it is written in version 9 of the format", "use the photosphere that wrote it"];
+    let words = ["its format has version 9", "use the photosphere that wrote it"];
     desk.run("resume newer.state").fails(4, &words);
-    desk.run("resume scene.toml").fails(4, &["it is no part and no checkpoint"]);
-    desk.run("render scene.toml -o a.pfm --checkpoint scene.toml").fails(4, &["it is no part"]);
+    desk.run("resume scene.toml").fails(4, &["it is neither a checkpoint nor a part"]);
+    desk.run("render scene.toml -o a.pfm --checkpoint scene.toml")
+        .fails(4, &["it is neither a checkpoint nor a part"]);
 
     fs::write(desk.path().join("scene.toml"), SCENE.replace("0.2, 0.6", "0.3, 0.6"))
         .expect("written");
@@ -197,7 +202,7 @@ fn a_merged_part_is_gone_on_with_by_naming_it() {
         desk.run(&format!("render scene.toml -o {range}.part --samples {range}")).succeeds();
     }
     desk.run("merge 0..16.part 16..32.part -o both.part").succeeds();
-    let words = ["`both.part` does not say where its picture goes", "-o picture.exr"];
+    let words = ["`both.part` does not record where its picture goes", "-o picture.exr"];
     desk.run("resume both.part").fails(3, &words);
     let options = "--checkpoint both.part --spp 73 --no-run-figures";
     desk.run(&format!("render scene.toml -o a.exr {options}")).succeeds();
@@ -213,11 +218,12 @@ fn resume_keeps_the_options_of_the_command_and_says_what_it_cannot_do() {
     let again = desk.run("resume a.state --extend-to 41 --json --quiet").succeeds();
     assert_eq!(again.stderr, "");
     assert_eq!(again.json()["threads"], 1);
-    let words = ["`b.part` is a part, but the samples stay in `a.state`", "cp 'a.state' 'b.part'"];
+    let words =
+        ["`b.part` is a part, but the samples are saved in `a.state`", "cp 'a.state' 'b.part'"];
     desk.run("resume a.state -o b.part").fails(3, &words);
     let told = desk.run("info a.state").succeeds();
     let way_on = told.row("resume");
-    assert!(way_on.contains("scene.toml to /") && way_on.contains("/a.exr, up to 41 samples"));
+    assert!(way_on.contains("scene.toml to a.exr, up to 41 samples"), "{way_on}");
     assert!(!told.stdout.contains('{'), "{}", told.stdout);
 }
 
@@ -239,7 +245,7 @@ fn a_render_goes_on_without_those_who_looked_on() {
     fs::remove_dir_all(desk.path().join("seen")).expect("it was there");
     let told = resume(48);
     assert!(told.starts_with("warning: cannot write `") && told.contains("seen` does not exist"));
-    assert!(told.contains("; the render goes on without it"), "{told}");
+    assert!(told.contains("; continuing without it"), "{told}");
     assert!(desk.path().join("a.exr").exists());
 }
 
@@ -265,11 +271,7 @@ fn begun(desk: &Desk, options: &str) -> std::process::Child {
     let command = format!("render scene.toml --spp 100000000 {options}");
     let child = desk.command(&command).stderr(Stdio::piped()).spawn().expect("it starts");
     let state = desk.path().join("a.state");
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !state.exists() {
-        assert!(Instant::now() < deadline, "no checkpoint");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_until("a checkpoint", || holds_samples(&state));
     child
 }
 
@@ -284,11 +286,7 @@ fn signals_are_heeded_where_others_are_ignored() {
     let script = format!("trap '' HUP INT; exec '{}' {render}", env!("CARGO_BIN_EXE_photosphere"));
     let mut child =
         Command::new("sh").args(["-c", &script]).current_dir(desk.path()).spawn().expect("a shell");
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !desk.path().join("a.state").exists() {
-        assert!(Instant::now() < deadline, "no checkpoint");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_until("a checkpoint", || holds_samples(&desk.path().join("a.state")));
     let kill = format!("kill -HUP {0}; kill -INT {0}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
     std::thread::sleep(Duration::from_millis(100));
@@ -326,27 +324,19 @@ fn a_folder_that_vanishes_does_not_end_a_render() {
     let state = desk.path().join("kept/a.state");
     let options = "-o a.pfm --checkpoint kept/a.state --checkpoint-every 20ms";
     let command = format!("render scene.toml --spp 100000000 {options}");
-    let child = desk.command(&command).stderr(Stdio::piped()).spawn().expect("it starts");
-    let wait = |what: &str, condition: &dyn Fn() -> bool| {
-        let deadline = Instant::now() + Duration::from_secs(60);
-        while !condition() {
-            assert!(Instant::now() < deadline, "{what}");
-            std::thread::sleep(Duration::from_millis(5));
-        }
-    };
-    wait("a checkpoint", &|| state.exists());
+    let mut child = desk.command(&command).stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
+    wait_until("a checkpoint", || holds_samples(&state));
     // While it is being removed, a new file may come into it.
     while fs::remove_dir_all(desk.path().join("kept")).is_err() {}
-    std::thread::sleep(Duration::from_millis(300));
+    let mut told = |words: &str| lines.any(|line| line.expect("text").contains(words));
+    assert!(told("the render continues and retries `kept/a.state`"));
     fs::create_dir(desk.path().join("kept")).expect("a folder again");
-    wait("another checkpoint", &|| state.exists());
-    let kill = format!("kill -INT {}", child.id());
-    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
-    let output = child.wait_with_output().expect("it ends");
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(130), "{told}");
-    assert!(told.contains("the render goes on and tries again to write `kept/a.state`"), "{told}");
-    assert!(told.contains("warning: can write `kept/a.state` again"), "{told}");
+    assert!(told("warning: writing `kept/a.state` works again"));
+    assert!(state.exists());
+    send("INT", child.id());
+    assert!(told("wrote a.pfm, stopped after"));
+    assert_eq!(child.wait().expect("it ends").code(), Some(130));
 }
 
 /// A limit on the size of files stands for a full disk: it needs no rights, and can be lifted.
@@ -375,14 +365,11 @@ fn a_full_disk_does_not_end_a_render() {
         line.unwrap_or_else(|| panic!("{start}")).expect("text")
     };
     let warning = told("warning: cannot write `a.state`: ");
-    assert!(
-        warning.ends_with("the render goes on and tries again to write `a.state`"),
-        "{warning}"
-    );
+    assert!(warning.ends_with("the render continues and retries `a.state`"), "{warning}");
     assert!(!desk.path().join("a.state").exists());
     let limit = ["--pid", &child.id().to_string(), "--fsize=unlimited:"].map(str::to_owned);
     assert!(Command::new("prlimit").args(limit).status().expect("it runs").success());
-    told("warning: can write `a.state` again");
+    told("warning: writing `a.state` works again");
     let kill = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
     told("wrote a.pfm, stopped after");
@@ -407,21 +394,12 @@ fn signals_of_batch_systems_save_and_stop_or_go_on() {
         let options = "--spp 100000000 -o a.pfm --checkpoint a.state --checkpoint-every 1h";
         let mut command = desk.command(&format!("render scene.toml {options}"));
         let child = command.stderr(Stdio::piped()).spawn().expect("it starts");
-        let send = |signal: &str| {
-            let kill = format!("kill -{signal} {}", child.id());
-            assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
-        };
-        let deadline = Instant::now() + Duration::from_secs(60);
-        while !is_heeded(child.id(), 10) {
-            assert!(Instant::now() < deadline, "SIGUSR1 is heeded");
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        while !desk.path().join("a.state").exists() {
-            send("USR1");
-            assert!(Instant::now() < deadline, "a checkpoint");
-            std::thread::sleep(Duration::from_millis(50));
-        }
-        send(signal);
+        wait_until("SIGUSR1 is heeded", || is_heeded(child.id(), 10));
+        wait_until("a checkpoint", || {
+            send("USR1", child.id());
+            holds_samples(&desk.path().join("a.state"))
+        });
+        send(signal, child.id());
         let output = child.wait_with_output().expect("it ends");
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(130), "{told}");
@@ -491,7 +469,7 @@ fn merged_parts_that_begin_later_are_resumed() {
     }
     desk.run("merge 16-32.part 32-48.part -o n.part -q").succeeds();
     desk.run("resume n.part -q")
-        .fails(3, &["does not say where its picture goes", "-o picture.exr"]);
+        .fails(3, &["does not record where its picture goes", "-o picture.exr"]);
     desk.run("resume n.part -o z.pfm -q").succeeds();
     desk.run("render scene.toml -o one.pfm --spp 64 --samples 16..48 -q").succeeds();
     assert!(desk.read("z.pfm") == desk.read("one.pfm"), "other samples");
@@ -517,30 +495,73 @@ fn signals_while_the_last_files_are_written_let_them_be_finished() {
     assert_eq!(desk.names(), ["a.exr", "a.state", "scene.toml"]);
 }
 
+/// Everything goes with its folder; the message says where the samples are and what makes the
+/// picture again.
 #[test]
 fn what_cannot_be_saved_at_the_end_is_elsewhere_and_goes_on_from_there() {
     let desk = desk();
     fs::create_dir(desk.path().join("kept")).expect("a folder");
-    let options = "--spp 100000000 -o a.pfm --checkpoint kept/a.state --checkpoint-every 20ms";
+    let options = "--spp 100000000 -o a.pfm -o kept/b.pfm --checkpoint kept/a.state \
+                   --checkpoint-every 20ms";
     let mut command = desk.command(&format!("render scene.toml {options}"));
     let child = command.stderr(Stdio::piped()).spawn().expect("it starts");
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !desk.path().join("kept/a.state").exists() {
-        assert!(Instant::now() < deadline, "no checkpoint");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    wait_until("a checkpoint", || holds_samples(&desk.path().join("kept/a.state")));
     while fs::remove_dir_all(desk.path().join("kept")).is_err() {}
-    let kill = format!("kill -TERM {}", child.id());
-    assert!(Command::new("sh").args(["-c", &kill]).status().expect("a shell").success());
+    send("TERM", child.id());
     let output = child.wait_with_output().expect("it ends");
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(4), "{told}");
-    assert!(told.contains("instead; written: `a.pfm`"), "{told}");
     let names = desk.names();
-    let rescued = names.iter().find(|name| name.starts_with("rescued-")).expect("it is there");
-    assert!(rescued.ends_with("-a.state") && told.contains(rescued.as_str()), "{told}");
+    let [picture, rescued, _] = names.as_slice() else { panic!("{names:?}") };
+    assert_eq!(picture, "a.pfm");
+    assert!(rescued.starts_with("rescued-") && rescued.ends_with("-a.state"), "{rescued}");
+    let rescued = desk.path().join(rescued).canonicalize().expect("it is there");
+    let rescued = rescued.display();
+    for words in [
+        "error: cannot write `kept/a.state`: the folder `kept` does not exist".to_owned(),
+        format!("`kept/a.state` is in `{rescued}` instead; "),
+        format!("photosphere resume '{rescued}' writes `kept/b.pfm`; written: `a.pfm`\n"),
+    ] {
+        assert!(told.contains(&words), "{words}: {told}");
+    }
     desk.run(&format!("merge {rescued} -o b.pfm --allow-gaps --quiet")).succeeds();
     assert!(desk.read("a.pfm") == desk.read("b.pfm"));
+}
+
+/// No file can be written anywhere, and no message says that one is there.
+#[test]
+fn on_a_full_disk_what_is_lost_is_called_lost() {
+    let desk = desk();
+    let limited = format!(
+        "ulimit -f 4; exec {PROGRAM} render scene.toml --size 160x120 --spp 100000000 -o a.pfm \
+         --checkpoint a.state --checkpoint-every 20ms"
+    );
+    let mut child = Command::new("env")
+        .args(["--default-signal=HUP,INT,TERM", "sh", "-c", &limited])
+        .current_dir(desk.path())
+        .env("TMPDIR", desk.path())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
+    let mut line = |start: &str| {
+        let line = lines.find(|line| line.as_ref().is_ok_and(|line| line.contains(start)));
+        line.unwrap_or_else(|| panic!("{start}")).expect("text")
+    };
+    line("the render continues and retries `a.state`");
+    // Where nothing is finished yet, the time that is left is not known.
+    line(" left");
+    send("INT", child.id());
+    line("error: cannot write `a.state`: ");
+    let help = line("  help: ");
+    assert_eq!(child.wait().expect("it ends").code(), Some(4));
+    for name in ["a.state", "a.pfm"] {
+        assert!(help.contains(&format!("the content of `{name}` is lost: it could not")), "{help}");
+    }
+    for word in ["instead", "safe", "resume", "older", "written: "] {
+        assert!(!help.contains(word), "{help}");
+    }
+    assert_eq!(desk.names(), ["scene.toml"]);
 }
 
 #[test]
@@ -549,7 +570,7 @@ fn info_and_merge_tell_what_is_missing_or_damaged() {
     desk.run("render scene.toml -o a.part --samples 0..16").succeeds();
     desk.run("render scene.toml -o b.part --samples 16..32 --crop 0,0,9,12").succeeds();
     let told = desk.run("merge a.part b.part -o c.png --allow-gaps").succeeds().stderr;
-    let words = "0..32 (some pixels lack some)";
+    let words = "0..32 (some pixels have fewer)";
     assert!(told.contains(words), "{told}");
     assert!(desk.run("info c.png").succeeds().stdout.contains(words));
     // A part of which a part has gaps is none, whatever else is asked for.

@@ -8,7 +8,10 @@ mod converge;
 mod desk;
 #[cfg(unix)]
 mod files;
+mod foreign_checkpoints;
 mod generate;
+#[cfg(unix)]
+mod hostile;
 #[cfg(unix)]
 mod kill;
 #[cfg(unix)]
@@ -30,6 +33,8 @@ mod python;
 mod reports;
 #[cfg(unix)]
 mod reproduce;
+#[cfg(unix)]
+mod standard_streams;
 #[cfg(unix)]
 mod stopping;
 #[cfg(unix)]

@@ -37,6 +37,31 @@ fn a_render_takes_what_was_planned_within_ten_percent() {
 }
 
 #[test]
+fn emission_and_f64_are_part_of_the_plan() {
+    let desk = desk("gas -n 1000");
+    let scene = std::fs::read_to_string(desk.path().join("s.toml")).expect("generated");
+    let planned = |columns: &str, row_bytes: usize| {
+        let row = [&[0u8; 12][..], &1f32.to_le_bytes(), &vec![0; row_bytes - 16]].concat();
+        std::fs::write(desk.path().join("t.f32"), row.repeat(1000)).expect("a table");
+        let is_columns = |line: &str| line.starts_with("columns");
+        let lines = scene.lines().map(|line| if is_columns(line) { columns } else { line });
+        let text = lines.collect::<Vec<_>>().join("\n");
+        std::fs::write(desk.path().join("s.toml"), text).expect("a scene");
+        let info = desk.run("info s.toml --json").succeeds().json();
+        let plan = &info["memory_plan"][0];
+        ["sphere_bytes", "emission_bytes", "emitter_bytes"].map(|key| plan[key].as_u64())
+    };
+    let plain = planned("columns = ['x', 'y', 'z', 'radius']", 16);
+    let [Some(spheres), Some(0), Some(emitters)] = plain else { panic!("{plain:?}") };
+    let light = planned("columns = ['x', 'y', 'z', 'radius', 'emission']", 20);
+    assert_eq!(light, [spheres, 12_000, emitters + 288_000].map(Some));
+    let wide = planned("columns = ['x', 'y', 'z', 'radius', '_', '_:f64']", 28);
+    assert_eq!(wide, plain);
+    let wide = planned("columns = ['x:f32', '_:f64', 'radius', 'y', 'z:f64']", 28);
+    assert_eq!(wide, [spheres + 16_000, 0, emitters].map(Some));
+}
+
+#[test]
 fn what_is_larger_than_the_limit_is_refused_with_the_cheaper_choice() {
     let desk = desk("gas -n 2e5 --colors");
     let info = desk.run("info s.toml --json").succeeds().json();
@@ -50,10 +75,10 @@ fn what_is_larger_than_the_limit_is_refused_with_the_cheaper_choice() {
         outcome.stderr
     };
     let told = refused(peak - 1);
-    assert!(told.contains("this would need ") && told.contains("more than the limit of"), "{told}");
-    assert!(told.contains("help: --set sphere_tables.0.colors=packed would need "), "{told}");
+    assert!(told.contains("this needs ") && told.contains("more than the limit of"), "{told}");
+    assert!(told.contains("help: --set sphere_tables.0.colors=packed needs "), "{told}");
     let told = refused(1 << 20);
-    assert!(told.contains("nothing cheaper fits"), "{told}");
+    assert!(told.contains("no option makes it fit"), "{told}");
     // The cheaper choice is really taken.
     let packed = format!("--set sphere_tables.0.colors=packed --memory-limit {}B", peak - 1);
     let words = "render s.toml -o x.png --accel native --size 16x16 --spp 1 --quiet";

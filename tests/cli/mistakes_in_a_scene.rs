@@ -16,12 +16,12 @@ error: `spheres.ball.radius` must be a number from 1e-15 to 1e15, not nan
     `----
 "#;
     let width = r"
-error: `image.widht` is not a key of a scene
+error: unknown key `image.widht`
    ,-[scene.toml:4:1]
  3 | [image]
  4 | widht = 16
    : ^^|^^
-   :   `-- unknown key
+   :   `-- unknown
  5 | height = 12
    `----
   help: did you mean `width`?

@@ -150,16 +150,12 @@ fn what_cannot_be_shared_out_is_refused() {
     refused("--shards many", 2, &["invalid digit"]);
     let few = "41 samples per pixel are 3 blocks of 16, too few for 4 shards";
     refused("--shards 4", 3, &[few, "fewer shards, more samples (--spp)", "--by crop"]);
-    let few = "the picture has 5 squares of 16 x 16 pixels, too few for 6 shards";
+    let few = "the picture has 5 tiles of 16 x 16 pixels, too few for 6 shards";
     refused("--shards 6 --by crop", 3, &[few, "--by samples"]);
     refused("--shards 6 --noise 1%", 3, &["too few for 6 shards", "use fewer shards"]);
-    let whole = "--noise decides from all samples of a square when to stop";
+    let whole = "--noise decides from all samples of a tile";
     refused("--shards 2 --noise 1% --by samples", 3, &[whole, "--by crop"]);
-    refused(
-        "--shards 2 --time 5m",
-        3,
-        &["no two plans make the same picture", "--spp N or --noise"],
-    );
+    refused("--shards 2 --time 5m", 3, &["the picture cannot be reproduced", "--spp N or --noise"]);
     refused(
         "--shards 2 --noise 1% --sampler stratified",
         3,
@@ -168,7 +164,7 @@ fn what_cannot_be_shared_out_is_refused() {
     refused("--shards 2 --noise 1% --spp 64", 2, &["cannot be used with"]);
     refused("--shards 2 --format pbs", 2, &["[possible values: shell, slurm, openjd]"]);
     refused("--shards 2 -o a.jpg", 3, &["does not end in .png, .exr, .hdr or .pfm"]);
-    refused("--shards 2 -o a.png --layers normal", 3, &["`a.png` has no place for the layer"]);
+    refused("--shards 2 -o a.png --layers normal", 3, &["`a.png` cannot hold the layer"]);
     refused("--shards 2 -o nowhere/a.png", 4, &["nowhere` does not exist"]);
     refused("--shards 2 --spp 0", 3, &["--spp 0"]);
     refused("--shards 1025 --spp 65536 --format openjd", 3, &["at most 1024 tasks"]);
@@ -184,10 +180,12 @@ fn merged_windows_are_those_that_are_asked_for() {
     }
     desk.run("merge a.part b.part -o c.pfm").fails(3, &["the pixels 32,0,70,14 are missing"]);
     desk.run("merge a.part b.part -o c.pfm --crop 0,0,33,14").fails(3, &["32,0,33,14 are missing"]);
-    let words =
-        ["the parts hold the pixels 0,0,32,14, more than the crop 1,0,32,14", "this window"];
+    let words = [
+        "the parts cover the pixels 0,0,32,14, which reach outside the crop 1,0,32,14",
+        "inside the crop",
+    ];
     desk.run("merge a.part b.part -o c.pfm --crop 1,0,32,14").fails(3, &words);
-    desk.run("merge a.part b.part -o c.pfm --crop 5").fails(2, &["as in 0,0,320,240"]);
+    desk.run("merge a.part b.part -o c.pfm --crop 5").fails(2, &["such as 0,0,320,240"]);
     desk.run("merge a.part b.part -o c.pfm --crop 0,0,32,14").succeeds();
     desk.run("render scene.toml -o whole.pfm --crop 0,0,32,14 --quiet").succeeds();
     assert!(desk.read("c.pfm") == desk.read("whole.pfm"));

@@ -69,9 +69,9 @@ fn equal_pictures_are_equal_files_without_the_figures_of_the_run() {
 fn what_has_no_records_says_so() {
     let desk = Desk::new(SCENE);
     RgbImage::new(2, 2).save(desk.path().join("foreign.png")).expect("a picture");
-    desk.run("info foreign.png").fails(3, &["`foreign.png` does not say how it was made"]);
+    desk.run("info foreign.png").fails(3, &["`foreign.png` has no metadata of photosphere"]);
     desk.run("render scene.toml -o a.hdr --accel native").succeeds();
-    desk.run("info a.hdr").fails(3, &[".hdr files hold pixels only", "help: ask a .png or .exr"]);
+    desk.run("info a.hdr").fails(3, &[".hdr files hold only pixels", "help: use a .png or .exr"]);
     desk.run("info missing.exr").fails(4, &["cannot read `missing.exr`"]);
     fs::write(desk.path().join("broken.png"), "no picture").expect("a file");
     desk.run("info broken.png").fails(4, &["cannot read `broken.png`"]);
@@ -83,13 +83,15 @@ fn a_tone_is_for_the_screen_alone() {
     let desk = Desk::new(SCENE);
     let render = "render scene.toml --accel native --quiet";
     desk.run(&format!("{render} -o plain.exr -o plain.png --no-run-figures")).succeeds();
-    let toned = "--no-run-figures --tone agx --exposure 1.5 --dither";
+    let toned = "--no-run-figures --tone agx --exposure 1.5 --dither --dpi 300";
     desk.run(&format!("{render} -o agx.exr -o agx.png {toned}")).succeeds();
     assert_eq!(desk.read("plain.exr"), desk.read("agx.exr"));
     let (plain, agx) = (pixels(&desk, "plain.png"), pixels(&desk, "agx.png"));
     assert!(plain.pixels().zip(agx.pixels()).all(|(plain, agx)| plain.0[1] < agx.0[1]));
     let said = desk.run("info agx.png").succeeds();
     assert_eq!(said.row("look"), "agx, exposure 1.5, dithered");
+    let has_resolution = |name: &str| desk.read(name).windows(4).any(|bytes| bytes == b"pHYs");
+    assert!(has_resolution("agx.png") && !has_resolution("plain.png"));
     assert!(!desk.run("info plain.png").succeeds().stdout.contains("\nlook "));
 }
 
@@ -103,10 +105,12 @@ fn a_tone_without_a_screen_is_refused() {
     refused(
         "-o a.exr --tone filmic",
         3,
-        &["`--tone` is for .png files, but `a.exr` holds light", "help: name a .png file"],
+        &["`--tone` applies only to .png files, and `a.exr` is not", "help: add a .png file"],
     );
-    refused("-o a.pfm -o a.hdr --exposure -1", 3, &["`--exposure`", "`a.pfm` and `a.hdr` hold"]);
-    refused("-o a.exr --dither", 3, &["`--dither` is for .png files"]);
+    refused("-o a.pfm -o a.hdr --exposure -1", 3, &["`--exposure`", "`a.pfm` and `a.hdr` are not"]);
+    refused("-o a.exr --dither", 3, &["`--dither` applies only to .png files"]);
+    refused("-o a.exr --preview p.png --dpi 300", 3, &["`--dpi` applies only to .png files"]);
+    refused("-o a.png --dpi 0", 2, &["0 is not in 1..=100000"]);
     // A preview is for the screen.
     let preview = "--tone filmic --preview p.png --quiet";
     desk.run(&format!("render scene.toml -o a.exr {preview}")).succeeds();
@@ -135,13 +139,9 @@ fn layers_need_a_file_with_a_place_for_them() {
     refused(
         "-o a.png --layers beauty,normal",
         3,
-        &["`a.png` has no place for the layer `normal`", "help: layers go into .exr files"],
+        &["`a.png` cannot hold the layer `normal`", "help: layers need an .exr file"],
     );
-    refused(
-        "-o a.pfm -o b.hdr --layers alpha",
-        3,
-        &["`a.pfm` and `b.hdr` have no place", "`alpha`"],
-    );
+    refused("-o a.pfm -o b.hdr --layers alpha", 3, &["`a.pfm` and `b.hdr` cannot hold", "`alpha`"]);
     desk.run("render scene.toml -o a.png -o a.exr --layers depth,alpha,sphere_id").succeeds();
     assert_eq!(desk.run("info a.exr").succeeds().row("layers"), "depth,alpha,sphere_id");
     assert!(!desk.run("info a.png").succeeds().stdout.contains("\nlayers"));

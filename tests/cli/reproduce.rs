@@ -100,7 +100,10 @@ fn pictures_of_parts_with_gaps_say_what_they_hold_and_come_out_again() {
         (told, desk.run(&format!("info {name}.exr")).succeeds())
     };
     let (told, info) = merge("c.part a.part", "gap");
-    assert!(told.contains("wrote gap.exr and gap.png, samples 0..16, 32..57 of 2 parts"), "{told}");
+    assert!(
+        told.contains("wrote gap.exr and gap.png, samples 0..16, 32..57 from 2 parts"),
+        "{told}"
+    );
     assert_eq!(info.row("samples"), "0..16, 32..57");
     let parts = "\nparts:\n    0,0,16,12: 0..16\n    0,0,16,12: 32..57\n";
     assert!(info.stdout.contains(parts), "{}", info.stdout);
@@ -141,14 +144,14 @@ fn what_differs_is_told_in_standard_errors() {
         fs::write(desk.path().join(name), bytes).expect("a file");
         let said = desk.run(&format!("reproduce {name} --quiet"));
         assert_eq!(said.code, Some(1), "{}", said.stderr);
-        assert!(said.stdout.contains(&format!("`{name}` comes out differently, in ")));
-        assert!(said.stdout.contains("nothing that is known differs"), "{}", said.stdout);
+        assert!(said.stdout.contains(&format!("`{name}` differs when rendered again, in ")));
+        assert!(said.stdout.contains("no difference is known"), "{}", said.stdout);
         let measure = if name == "a.exr" { "standard errors" } else { "of 255 steps" };
         assert!(said.stdout.contains(measure), "{}", said.stdout);
     }
 }
 
-/// The same bytes, but that a seed of 4 is one of 0.
+/// A file with the seed 0 in place of 4.
 fn with_another_seed(bytes: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     let key = b"\"seed\":4";
@@ -157,16 +160,22 @@ fn with_another_seed(bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The same for a PNG file, where a text that is not short is compressed and has a checksum.
 fn png_with_another_seed(file: &[u8]) -> Vec<u8> {
+    let another = |text: &str| String::from_utf8(with_another_seed(text.as_bytes())).expect("text");
+    png_with(file, "settings", &another)
+}
+
+/// A PNG file with another record of this name: a text that is not short is compressed and
+/// has a checksum.
+fn png_with(file: &[u8], record: &str, change: &dyn Fn(&str) -> String) -> Vec<u8> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a picture");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a small picture")];
     reader.next_frame(&mut pixels).expect("its pixels");
     let mut info = reader.info().clone();
     for chunk in &mut info.utf8_text {
         let text = chunk.get_text().expect("text");
-        if chunk.keyword.ends_with(":settings") {
-            let text = String::from_utf8(with_another_seed(text.as_bytes())).expect("text");
+        if chunk.keyword == format!("photosphere:{record}") {
+            let text = change(&text);
             *chunk = png::text_metadata::ITXtChunk::new(chunk.keyword.clone(), text);
         }
     }
@@ -178,6 +187,59 @@ fn png_with_another_seed(file: &[u8]) -> Vec<u8> {
     bytes
 }
 
+/// Pictures of strangers: a record that no render writes ends at once, and so does one that asks
+/// for too much.
+#[test]
+fn records_that_mislead_are_refused_before_anything_is_rendered() {
+    let desk = Desk::new(SCENE);
+    desk.run("render scene.toml -o a.png --accel native --quiet").succeeds();
+    let good = desk.read("a.png");
+    let with = |record: &str, from: &str, to: &str| {
+        let bytes = png_with(&good, record, &|text| {
+            assert!(text.contains(from), "{text}");
+            text.replace(from, to)
+        });
+        fs::write(desk.path().join("b.png"), bytes).expect("a picture");
+    };
+    with("settings", "\"width\":16", "\"width\":0");
+    let words = "record of how it was made is impossible: `image.width` must be";
+    desk.run("reproduce b.png").fails(3, &[words, "it is damaged, or was not written by"]);
+    with("settings", "\"width\":16", "\"width\":17");
+    desk.run("reproduce b.png --quiet").fails(3, &["`b.png` has 192 pixels, but records 204"]);
+    with("settings", "\"crop\":null", "\"crop\":{\"x\":5,\"y\":5,\"width\":0,\"height\":4}");
+    desk.run("reproduce b.png").fails(3, &["is impossible: `image.crop` must be"]);
+    with("samples", "\"first\":0", "\"first\":4294967280");
+    desk.run("reproduce b.png").fails(3, &["4 samples from 4294967280 on are not among 0..4"]);
+    with("samples", "\"min_count\":4", "\"min_count\":9");
+    desk.run("reproduce b.png").fails(3, &["is impossible: "]);
+
+    // More samples than one wants to wait for, and a picture that no machine holds.
+    desk.run("reproduce a.png --max-samples 767")
+        .fails(3, &["`a.png` records 768 samples in 192 pixels", "--max-samples 768"]);
+    let told = desk.run("reproduce a.png --max-samples 768").succeeds().stderr;
+    assert!(told.contains("re-rendering 192 pixels, 768 samples"), "{told}");
+    desk.run("reproduce a.png --memory-limit 1KiB").fails(3, &["of memory, more than 1.00 KiB"]);
+}
+
+/// The files that a picture's scene names: ordinary ones only, which do not block.
+#[cfg(unix)]
+#[test]
+fn pictures_and_scenes_read_no_pipes() {
+    let background = "[background.image]\nfile = \"sky.hdr\"";
+    let scene = SCENE.replace("[background]\nradiance = [0.5, 0.6, 0.7]", background);
+    let desk = Desk::new(&scene);
+    let sky = image::Rgb32FImage::from_pixel(4, 2, image::Rgb([1.0, 0.5, 0.25]));
+    sky.save(desk.path().join("sky.hdr")).expect("a picture");
+    desk.run("render scene.toml -o a.png --accel native --quiet").succeeds();
+    desk.run("reproduce a.png --quiet").succeeds();
+    fs::remove_file(desk.path().join("sky.hdr")).expect("it is there");
+    let pipe = Command::new("mkfifo").arg(desk.path().join("sky.hdr")).status();
+    assert!(pipe.expect("mkfifo runs").success());
+    for command in ["reproduce a.png --quiet", "info scene.toml"] {
+        desk.run(command).fails(3, &["sky.hdr` as background: it is not a regular file"]);
+    }
+}
+
 #[test]
 fn tables_must_be_there_and_be_the_same() {
     let desk = desk_with_table(0.5);
@@ -185,7 +247,7 @@ fn tables_must_be_there_and_be_the_same() {
     write_table(&desk, "grains.f32", 0.25);
     let message = "grains.f32` is not what the picture was made of";
     desk.run("reproduce a.png --quiet")
-        .fails(3, &[message, "help: name the folder where the files are as they were: --folder"]);
+        .fails(3, &[message, "help: name the folder that has the original files: --folder"]);
     fs::remove_file(desk.path().join("grains.f32")).expect("it is there");
     desk.run("reproduce a.png --quiet").fails(3, &["cannot read", "grains.f32`"]);
     fs::create_dir(desk.path().join("moved")).expect("a folder");
@@ -197,13 +259,10 @@ fn tables_must_be_there_and_be_the_same() {
 fn pictures_that_say_nothing_cannot_be_reproduced() {
     let desk = Desk::new(SCENE);
     image::RgbImage::new(2, 2).save(desk.path().join("foreign.png")).expect("a picture");
-    desk.run("reproduce foreign.png").fails(3, &["`foreign.png` does not say how it was made"]);
+    desk.run("reproduce foreign.png").fails(3, &["`foreign.png` has no metadata of photosphere"]);
     desk.run("reproduce missing.exr").fails(4, &["cannot read `missing.exr`"]);
-    desk.run("reproduce a.pfm").fails(3, &[".pfm files hold pixels only"]);
+    desk.run("reproduce a.pfm").fails(3, &[".pfm files hold only pixels"]);
     desk.run("render scene.toml -o a.part --accel native --quiet").succeeds();
-    let words = [
-        "`a.part` is a part, and a part is no picture",
-        "photosphere merge 'a.part' -o picture.exr",
-    ];
+    let words = ["`a.part` is a part, not a picture", "photosphere merge 'a.part' -o picture.exr"];
     desk.run("reproduce a.part").fails(3, &words);
 }

@@ -36,7 +36,7 @@ fn a_table_that_is_no_whole_number_of_rows_is_refused() {
 fn a_table_with_bad_numbers_is_refused() {
     for bad in [f32::NAN, 0.0, -1.0] {
         let desk = desk(&[0.0, 3.0, 0.0, 0.5, 2.0, 3.0, 0.0, bad], 0);
-        desk.run("info scene.toml --json").fails(3, &["error: ", "grains.f32", "radius"]);
+        desk.run("render scene.toml -o a.png").fails(3, &["error: ", "grains.f32", "radius"]);
     }
 }
 

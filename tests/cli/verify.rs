@@ -58,10 +58,28 @@ fn a_failure_is_told_with_its_pictures_and_names() {
     let judged: Vec<_> = checks.iter().zip(&outcomes).collect();
     let page = report::checks::page(&[("machine", "a & b".to_owned())], &judged);
     for sign in
-        ["1 of 2 checks FAILED", "What failed", "bad &lt;wrong&gt;", "a &amp; b", "&lt;why&gt;"]
+        ["1 of 2 checks FAILED", "Failed checks", "bad &lt;wrong&gt;", "a &amp; b", "&lt;why&gt;"]
     {
         assert!(page.contains(sign), "{sign}");
     }
+}
+
+#[test]
+fn checks_of_a_closed_form_are_listed_under_it_whatever_they_are_called() {
+    let check = |name: &str| {
+        let nothing = || CheckMeasurement::new(TestStatistic::ErrorCount(0), "");
+        Check::new(CheckGroup::ClosedForms, name, move |_| Ok(nothing()))
+    };
+    let of_form = |name| check(name).of_closed_form("furnace");
+    let checks = [of_form("one way"), of_form("sun: another"), check("furnace: of none")];
+    let outcomes = run_all(&checks, &CancelToken::default(), &|_| ()).expect("runs");
+    let judged: Vec<_> = checks.iter().zip(&outcomes).collect();
+    let table = report::checks::table(&judged, 1.0);
+    let forms: Vec<&str> = table.lines().filter(|line| line.starts_with("  ")).skip(1).collect();
+    let [furnace] = forms[..] else { panic!("{table}") };
+    let words: Vec<&str> = furnace.split_whitespace().collect();
+    assert_eq!(words[..3], ["furnace", "2", "0"], "{table}");
+    assert!(report::checks::page(&[], &judged).contains("2 of 2 variants"));
 }
 
 #[test]

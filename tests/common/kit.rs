@@ -43,7 +43,7 @@ impl Kit {
         let overrides: Vec<Override> = overrides
             .iter()
             .map(|pair| pair.split_once('=').expect("key=value"))
-            .map(|(key, value)| Override::from_pair(&(key.to_owned(), value.to_owned())))
+            .map(|(key, value)| Override::new(key, value))
             .collect();
         let file = read_file(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
         Self { scene: SceneBuilder::from(file.description), settings: file.settings }
@@ -155,7 +155,7 @@ impl Kit {
         MeanEstimate::from_values(&means.collect::<Vec<_>>())
     }
 
-    /// The same, by brute force, for scenes of few spheres.
+    /// The mean of the picture's green channel by brute force, for scenes of few spheres.
     pub(crate) fn mean(&self) -> MeanEstimate {
         self.estimate(Backend::BruteForce)
     }

@@ -9,27 +9,26 @@ const POINTERS: [&str; 5] = ["The same", "It ", "They ", "Its ", "Whether "];
 /// Columns of a line of comment.
 const WIDTH: usize = 100;
 
+/// The folders with code.
+const FOLDERS: [&str; 4] = ["src", "tests", "benches", "examples"];
+
 #[test]
 fn doc_comments_stand_alone() {
-    let found: Vec<String> = sources_in("src")
-        .iter()
-        .flat_map(|(file, code)| {
-            let begins = beginnings(code).into_iter();
-            let pointing = begins.filter(|(_, text)| POINTERS.iter().any(|p| text.starts_with(p)));
-            pointing.map(move |(line, text)| format!("{file}:{line}: {text}")).collect::<Vec<_>>()
-        })
-        .collect();
+    let mut found = Vec::new();
+    for (file, code) in FOLDERS.into_iter().flat_map(sources_in) {
+        let begins = beginnings(&code).into_iter();
+        let pointing = begins.filter(|(_, text)| POINTERS.iter().any(|p| text.starts_with(p)));
+        found.extend(pointing.map(|(line, text)| format!("{file}:{line}: {text}")));
+    }
     assert!(found.is_empty(), "these begin with {POINTERS:?}:\n{}", found.join("\n"));
 }
 
 #[test]
 fn comments_wrap() {
     let mut found = Vec::new();
-    for folder in ["src", "tests", "benches", "examples"] {
-        for (file, code) in sources_in(folder) {
-            let long = code.lines().enumerate().filter(|(_, line)| is_long_comment(line));
-            found.extend(long.map(|(at, _)| format!("{file}:{}", at + 1)));
-        }
+    for (file, code) in FOLDERS.into_iter().flat_map(sources_in) {
+        let long = code.lines().enumerate().filter(|(_, line)| is_long_comment(line));
+        found.extend(long.map(|(at, _)| format!("{file}:{}", at + 1)));
     }
     assert!(found.is_empty(), "comments beyond column {WIDTH}:\n{}", found.join("\n"));
 }

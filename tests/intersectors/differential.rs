@@ -30,9 +30,9 @@ struct Trial {
 
 /// Three times the largest share of ambiguous ids that was recorded (twice for `tangent`).
 struct Recorded {
-    /// For backends whose stated error is that of f64.
+    /// For all backends.
     f64: f64,
-    /// For the others.
+    /// For brute force on rays rounded to f32, which tests the judge.
     f32: f64,
 }
 
@@ -288,6 +288,99 @@ fn far_spheres() {
         spheres
     };
     check("far", Recorded { f64: 2.5e-2, f32: 0.4 }, 3000, trials(8, far));
+}
+
+/// Moves a trial away from the origin.
+fn moved(Trial { mut spheres, mut rays }: Trial, away: DVec3) -> Trial {
+    spheres.iter_mut().for_each(|sphere| sphere.center += away);
+    rays.iter_mut().for_each(|(from, to)| (*from, *to) = (*from + away, *to + away));
+    Trial { spheres, rays }
+}
+
+/// Where trials of a family stand, by turns.
+fn places() -> [DVec3; 4] {
+    [0.0, 1e3, 1e6, 1e8].map(|away| DVec3::new(1.0, -0.7, 0.3) * away)
+}
+
+/// Spheres of radius 1 to 1e6 and neighbours with a gap or an overlap of 1e-7 to 1e-2 of a radius,
+/// outside and inside. Rays go through the place where the two are closest, as near to it as the
+/// gap is wide.
+fn narrow_gap(seed: u64) -> Trial {
+    let mut rng = StdRng::seed_from_u64(seed);
+    let radius = 10f64.powf(rng.random_range(0.0..6.0));
+    let other = radius * 10f64.powf(rng.random_range(-1.0..0.0));
+    let gap = radius * 10f64.powf(rng.random_range(-7.0..-2.0));
+    let gap = if seed % 2 == 0 { gap } else { -gap };
+    let normal = rays::uniform_direction(&mut rng);
+    let apart = if seed / 2 % 2 == 0 { radius + other + gap } else { radius - other - gap };
+    let spheres = vec![
+        Sphere { center: DVec3::ZERO, radius },
+        Sphere { center: normal * apart, radius: other },
+        Sphere { center: -normal * (3.0 * radius), radius: 0.1 * radius },
+    ];
+    let along = normal.any_orthonormal_vector();
+    let cap = (2.0 * other * gap.abs()).sqrt();
+    let rays = (0..100).map(|_| {
+        let mut near = || rng.random_range(-3.0..3.0);
+        let at = normal * (radius + near() * gap) + along * (near() * cap);
+        let from = at + rays::uniform_direction(&mut rng) * (radius * 0.5);
+        (from, at)
+    });
+    Trial { rays: rays.collect(), spheres }
+}
+
+#[test]
+fn narrow_gaps() {
+    let trial = |seed: u64| moved(narrow_gap(seed), places()[seed as usize % 4]);
+    check("gaps", Recorded { f64: 1.7e-2, f32: 1.0 }, 90, (0..400).map(trial).collect());
+}
+
+/// Concentric shells of relative thickness 1e-9 to 1e-3, from inside and outside.
+#[test]
+fn thin_shells() {
+    let shells = |seed: u64| {
+        let mut rng = StdRng::seed_from_u64(seed);
+        let radius = 10f64.powf(rng.random_range(0.0..6.0));
+        let shell = |i: i32| {
+            let thickness = 10f64.powf(rng.random_range(-9.0..-3.0));
+            let radius = radius * (1.0 + 0.02 * f64::from(i));
+            [radius, radius * (1.0 + thickness)]
+        };
+        let radii: Vec<f64> = (0..20).flat_map(shell).collect();
+        let mut point = || anywhere(&mut rng, 2.0 * radius);
+        let rays = (0..500).map(|_| (point(), point())).collect();
+        let spheres = radii.iter().map(|&radius| Sphere { center: DVec3::ZERO, radius }).collect();
+        moved(Trial { spheres, rays }, places()[seed as usize % 4])
+    };
+    check("shells", Recorded { f64: 9e-2, f32: 1.0 }, 500, (0..16).map(shells).collect());
+}
+
+/// An observer 0.02 to 2e4 above a planet, looking at and near its horizon, with pebbles around.
+#[test]
+fn planet_and_observer() {
+    let planet = |seed: u64| {
+        let mut rng = StdRng::seed_from_u64(seed);
+        let radius = 6_371_008.771_4;
+        let height = 2.0 * 10f64.powf(rng.random_range(-2.0..4.0));
+        let up = rays::uniform_direction(&mut rng);
+        let eye = up * (radius + height);
+        let mut spheres = vec![Sphere { center: DVec3::ZERO, radius }];
+        for _ in 0..30 {
+            let size = 10f64.powf(rng.random_range(-2.0..2.0));
+            let at = (up + anywhere(&mut rng, 1e-4)).normalize();
+            spheres.push(Sphere { center: at * (radius + size), radius: size });
+        }
+        let horizon = (1.0 - (radius / (radius + height)).powi(2)).sqrt();
+        let rays = (0..1000).map(|_| {
+            let side = anywhere(&mut rng, 1.0).reject_from(up).normalize();
+            let off = 10f64.powf(rng.random_range(-12.0..-1.0));
+            let off = if rng.random() { off } else { -off };
+            (eye, eye + side - up * (horizon / (1.0 - horizon * horizon).sqrt() * (1.0 + off)))
+        });
+        let rays = rays.collect();
+        moved(Trial { spheres, rays }, places()[seed as usize % 4])
+    };
+    check("planet", Recorded { f64: 6e-3, f32: 1.0 }, 500, (0..16).map(planet).collect());
 }
 
 /// Radius and distance over 1e-6 to 1e8, each against each: 33 x 33 scenes, one sphere of the

@@ -40,7 +40,7 @@ fn kit() -> Kit {
     kit
 }
 
-/// The same, with the ball that is half there as a whole.
+/// The scene with an opaque ball in place of the one that is half there.
 fn solid_kit() -> Kit {
     kit().with(|kit| kit.scene.description.materials[5].opacity = 1.0)
 }

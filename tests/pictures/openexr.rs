@@ -81,7 +81,7 @@ fn its_own_package_reads_every_layer() {
         let line = format!("{} {kind} 24 18 {digits}", channel.name);
         assert!(read.lines().any(|read| read == line), "{}", channel.name);
     }
-    let samples = r#"= photosphere:samples '{"first":0,"fewest":16,"most":16}'"#;
+    let samples = r#"= photosphere:samples '{"first":0,"min_count":16,"max_count":16}'"#;
     assert!(read.contains(samples), "attributes are read too");
     assert!(read.contains(r#"= photosphere:layers '["direct","indirect","emission","#));
 }

@@ -108,7 +108,7 @@ fn fill_with(
     render_adaptive(&passes, target, most, &|_| {}).expect("no light so bright")
 }
 
-/// The same with nobody to cancel it.
+/// Adds samples to the film until they meet the target; nobody cancels it.
 fn fill(prepared: &PreparedScene, film: &Film, target: NoiseTarget, most: u32) -> NoiseProgress {
     let accel = accel(prepared);
     let (standing, complete) =
@@ -140,7 +140,7 @@ struct Run {
     samples: f64,
 }
 
-/// The same scene with very many samples.
+/// A film of the scene with very many samples.
 fn long_reference() -> Film {
     let mut settings = settings();
     settings.render.seed = 1000;
@@ -270,7 +270,7 @@ fn threads_stops_and_windows_change_no_bit() {
     }
 }
 
-/// The same, in many pieces: each is cancelled after some more rays.
+/// A film that meets the target, filled in many pieces: each is cancelled after some more rays.
 fn stopped_and_resumed(prepared: &PreparedScene, target: NoiseTarget) -> Film {
     let film = empty_film(prepared);
     let mut pieces = 1;

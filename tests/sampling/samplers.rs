@@ -33,7 +33,8 @@ fn shares(total: u32, axes: usize) -> Vec<Vec<u32>> {
     (0..=total).flat_map(with).map(|(first, rest)| [vec![first], rest].concat()).collect()
 }
 
-/// Whether the 2^m points are a (t, m, s)-net: every box of volume 2^(t - m) holds 2^t of them.
+/// Returns true if the 2^m points are a (t, m, s)-net: every box of volume 2^(t - m) holds 2^t of
+/// them.
 fn is_net(points: &[Vec<f64>], t: u32) -> bool {
     let m = points.len().ilog2();
     let axes = points[0].len();

@@ -33,7 +33,7 @@ proptest! {
             let end = (start + cut).min(text.len());
             text.replace_range(start..end, &insert);
         }
-        let option = Override { option: format!("--set {key}={value}"), key, value };
+        let option = Override::new(&key, &value).with_option(["--set", &format!("{key}={value}")]);
         let file = read_text("edited.toml", &text, Path::new("tests/data"), &[option]);
         if let Err(error) = file.and_then(SceneFile::build) {
             let shows_text = |mistake: &Diagnostic| {

@@ -61,7 +61,7 @@ fn mistakes_in_backgrounds_say_what_to_do() {
         ),
         (
             &["background.sun={direction=[0,1,0],elevation_degrees=3,irradiance=[1,1,1]}"],
-            "`background.sun` has a direction and angles",
+            "`background.sun` has both a direction and angles",
         ),
         (&["background.gradient={zenith=[1,1,1]}"], "`background.gradient.horizon` is missing"),
         (&["background.up=[0,0,0]"], "`background.up` must not be [0, 0, 0]"),
@@ -94,6 +94,13 @@ fn images_that_are_no_background_say_why() {
     write("nan.exr", 4, 2, f32::NAN);
     write("good.exr", 4, 2, 3.0);
     write("good.hdr", 4, 2, 3.0);
+    // A header that announces eight rows of half a billion pixels.
+    let mut bytes = std::fs::read(folder.path().join("good.exr")).unwrap();
+    let name = b"dataWindow\0box2i\0";
+    let at = (0..bytes.len()).find(|&i| bytes[i..].starts_with(name)).unwrap() + name.len() + 4;
+    bytes[at + 8..at + 12].copy_from_slice(&(1i32 << 29).to_le_bytes());
+    bytes[at + 12..at + 16].copy_from_slice(&7i32.to_le_bytes());
+    std::fs::write(folder.path().join("bomb.exr"), bytes).unwrap();
     std::fs::write(folder.path().join("empty.exr"), "").unwrap();
     std::fs::write(folder.path().join("text.hdr"), "no picture").unwrap();
     let load = |name: &str| {
@@ -108,6 +115,7 @@ fn images_that_are_no_background_say_why() {
             "1 of its pixels are negative, infinite or not a number, first the one in column 1, row 1, which is [2, -2, 2]",
         ),
         ("nan.exr", "which is [2, NaN, 2]"),
+        ("bomb.exr", "it is shorter than its header says: 536870913 x 8 pixels"),
         ("empty.exr", "as background: "),
         ("text.hdr", "as background: "),
     ] {
@@ -116,8 +124,8 @@ fn images_that_are_no_background_say_why() {
     }
     for name in ["good.exr", "good.hdr"] {
         let (scene, _) = load(name).expect("a good image");
-        // Pixel (1, 1) is seen in the middle of its quarter, at 45 degrees below the horizon.
-        let seen = scene.background_radiance(DVec3::new(-0.5, -0.5f64.sqrt(), -0.5));
+        // Pixel (1, 1) is seen in the middle of its quarter. The lower of two rows is at the nadir.
+        let seen = scene.background_radiance(DVec3::new(-1e-9, -1.0, -1e-9));
         assert!((seen - Rgb::new(2.0, 4.0, 2.0)).length() < 0.04, "{name}: {seen}");
     }
 }

@@ -6,9 +6,9 @@ use photosphere::color::Rgb;
 use photosphere::math::DVec3;
 use photosphere::scene::data::{Column, SphereArrays, SphereData};
 use photosphere::scene::description::{
-    BackgroundDescription, CameraDescription, ColorStorage, EnvironmentDescription,
-    LensDescription, MaterialDescription, ProjectionDescription, SceneDescription,
-    SphereDescription, SphereTable, SurfaceModel,
+    BackgroundDescription, CameraDescription, EnvironmentDescription, LensDescription,
+    MaterialDescription, ProjectionDescription, SceneDescription, SphereDescription, SphereTable,
+    SurfaceModel,
 };
 use photosphere::scene::{ContentHash, Scene, SceneFile, read_text};
 use tempfile::TempDir;
@@ -83,8 +83,7 @@ fn grains() -> SphereArrays {
 
 fn table(arrays: SphereArrays) -> SphereTable {
     let name = Some("grains.f32".to_owned());
-    let colors = ColorStorage::Exact;
-    SphereTable { name, data: SphereData::Memory(arrays), material: 0, colors }
+    SphereTable { name, data: SphereData::Memory(arrays), ..SphereTable::default() }
 }
 
 /// [`TEXT`] as values.
@@ -141,18 +140,9 @@ fn a_scene_is_the_same_from_a_file_and_from_values() {
     let read = scene_of_text(TEXT, folder.path(), &[]);
     assert_eq!(read.content_hash(), identity(values()));
     // The file as a value, too, whatever the order of its columns.
-    let file = SphereData::File {
-        path: folder.path().join("grains.f32"),
-        columns: vec![
-            Column::Radius,
-            Column::X,
-            Column::Y,
-            Column::Z,
-            Column::Red,
-            Column::Green,
-            Column::Blue,
-        ],
-    };
+    use Column::{Blue, Green, Radius, Red, X, Y, Z};
+    let path = folder.path().join("grains.f32");
+    let file = SphereData::file(path, [Radius, X, Y, Z, Red, Green, Blue]);
     let tables = vec![SphereTable { data: file, ..table(grains()) }];
     assert_eq!(read.content_hash(), identity(SceneDescription { tables, ..values() }));
 }
@@ -271,6 +261,11 @@ fn each_number_of_a_table_is_part_of_the_scene() {
     add(with(arrays_of(&[second, first])), "the order");
     add(with(arrays_of(&[first])), "leaving one out");
     add(with(SphereArrays { color: None, ..grains() }), "having no colours");
+    let colors = || GRAINS.iter().map(|&[.., r, g, b]| [r, g, b]).collect::<Vec<[f32; 3]>>();
+    let dark = SphereArrays { color: None, ..grains() };
+    add(with(dark.clone().with_emission(colors())), "emission in place of colours");
+    add(with(grains().with_emission(colors())), "having emission");
+    add(with(grains().with_emission(vec![[0.0f32; 3]; 2])), "having no light of one's own");
     add(with(grains().with_ids(vec![0, 1])), "having numbers of one's own");
     add(with(grains().with_ids(vec![0, 2])), "other numbers of one's own");
 }
@@ -279,6 +274,23 @@ fn arrays_of(grains: &[[f32; 7]]) -> SphereArrays {
     let rows = grains.iter().map(|&[x, y, z, radius, ..]| [x, y, z, radius]).collect();
     let colors = grains.iter().map(|&[.., r, g, b]| [r, g, b]).collect::<Vec<[f32; 3]>>();
     SphereArrays::from_rows(rows).with_colors(colors)
+}
+
+/// Whatever changes it must change the version of the encoding.
+#[test]
+fn the_identity_of_a_scene_stays() {
+    let text = r#"
+format = 1
+camera = { position = [0, 0, 10], look_at = [0, 0, 0] }
+materials.m = { type = "diffuse", albedo = [0.5, 0.5, 0.5] }
+spheres = [{ center = [0, 0, 0], radius = 1, material = "m" }]
+[[sphere_tables]]
+file = "grains.f32"
+columns = ["x", "y", "z", "radius", "r", "g", "b"]
+material = "m"
+"#;
+    let identity = scene_of_text(text, Path::new("tests/data"), &[]).content_hash().to_string();
+    assert_eq!(identity, "5a37e27318df496bf8f16e622539fdb5fd0ea0957f9f03fe5276b64217b5d457");
 }
 
 /// How numbers lie in memory does not matter, and their type only where it holds more.

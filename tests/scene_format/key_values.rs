@@ -6,7 +6,7 @@ use std::path::Path;
 
 use photosphere::color::Rgb;
 use photosphere::math::{DVec3, Rect};
-use photosphere::scene::data::{Column, SphereArrays, SphereData};
+use photosphere::scene::data::{Column, FileColumn, NumberType, SphereArrays, SphereData};
 use photosphere::scene::description::{
     BackgroundDescription, CameraDescription, EnvironmentDescription, MaterialDescription,
     SceneDescription, SphereDescription, SphereTable, SunDescription,
@@ -45,12 +45,24 @@ fn descriptions(folder: &Path) -> Vec<SceneDescription> {
             irradiance: Rgb::ONE,
         };
         use Column::{Blue, Green, Radius, Red, X, Y, Z};
+        let of_f32 = |column| FileColumn { number: Some(NumberType::F32), ..column };
+        let [x, y, z, radius] = [X, Y, Z, Radius].map(|column| of_f32(column.into()));
         let data = SphereData::File {
             path: folder.join("grains.f32"),
-            columns: vec![X, Y, Z, Radius, Red, Green, Blue],
+            columns: [x, y, z, radius]
+                .into_iter()
+                .chain([Red, Green, Blue].map(Into::into))
+                .collect(),
+            skip_rows: index as u64 % 2,
+            skip_bytes: 28 * (1 - index as u64 % 2),
         };
-        let table =
-            SphereTable { name: Some("grains".into()), data, material: 2, ..Default::default() };
+        let table = SphereTable {
+            name: Some("grains".into()),
+            data,
+            material: 2,
+            offset: DVec3::new(0.1, -1e9, 0.0),
+            ..Default::default()
+        };
         let (center, radius) = (DVec3::new(1.0, -2.0, 0.1), 0.5);
         let sphere = SphereDescription { name: Some("ball".into()), center, radius, material: 1 };
         SceneDescription {

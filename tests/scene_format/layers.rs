@@ -38,11 +38,11 @@ fn glass_is_named_or_given_by_its_index() {
     );
     told(
         "ior = 1.5\nglass = \"bk7\"",
-        "13:7: `materials.grass.ior` says again what `glass` says already | remove one of them",
+        "13:7: `materials.grass.ior` and `glass` both set the index of refraction | remove one of them",
     );
     told(
         "ior = 1.5\nroughnes = 0.1",
-        "14:1: `materials.grass.roughnes` is not a key of a scene | did you mean `roughness`?",
+        "14:1: unknown key `materials.grass.roughnes` | did you mean `roughness`?",
     );
     told(
         "ior = 1.5\nroughness = -0.1",
@@ -96,7 +96,7 @@ fn a_principled_material_has_only_a_base_color_that_must_be_told() {
         &[
             "11:1: `materials.grass.base_color` is missing \
              | add `base_color = ...`, three numbers from 0 to 1",
-            "13:1: `materials.grass.metalic` is not a key of a scene | did you mean `metallic`?",
+            "13:1: unknown key `materials.grass.metalic` | did you mean `metallic`?",
             "14:16: `materials.grass.transmission` must be a number from 0 to 1, not 2",
             "15:7: `materials.grass.ior` must be a number from 1 to 10, not 0.9",
         ],

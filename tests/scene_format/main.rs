@@ -14,3 +14,4 @@ mod reading;
 mod scenes;
 mod schema;
 mod sphere_tables;
+mod table_files;

@@ -31,7 +31,7 @@ fn metals_are_named_or_given_by_their_index() {
     told("metal = \"golt\"", &[&(wrong + "| did you mean `gold`?")]);
     told(
         "metal = \"gold\"\nextinction = [3, 4, 5]",
-        &["14:14: `materials.grass.extinction` says again what `metal` says already \
+        &["14:14: `materials.grass.extinction` and `metal` both set the index of refraction \
            | remove `metal`, or both `ior` and `extinction`"],
     );
     told(

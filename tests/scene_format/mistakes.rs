@@ -11,7 +11,7 @@ fn all_mistakes_are_told_at_once_in_the_order_of_the_file() {
         .replace("material = \"glass\"", "material = \"gras\"")
         .replace("seed = 7", "seed = -7");
     let expected = [
-        "4:1: `image.widht` is not a key of a scene | did you mean `width`?",
+        "4:1: unknown key `image.widht` | did you mean `width`?",
         "13:16: `materials.grass.albedo` must be three numbers from 0 to 1, not 1.6",
         "22:10: `spheres.ground.radius` must be a number from 1e-15 to 1e15, not nan",
         "28:12: `spheres.1.material` must be the name of a material, not \"gras\" \
@@ -29,7 +29,7 @@ fn syntax_errors_come_several_at_once_and_hide_only_what_follows() {
         .replace("seed = 7", "seed = ");
     let told = told(&text, &[]);
     assert_eq!(told.len(), 3, "{told:#?}");
-    assert!(told[0].starts_with("4:1: `image.widht`"), "{told:#?}");
+    assert!(told[0].starts_with("4:1: unknown key `image.widht`"), "{told:#?}");
     assert!(told[1].starts_with("22:10: this is not TOML: "), "{told:#?}");
     assert!(told[2].starts_with("31:"), "{told:#?}");
     let twice = with("width = 64", "width = 64\nwidth = 65");
@@ -40,7 +40,7 @@ fn syntax_errors_come_several_at_once_and_hide_only_what_follows() {
 #[rustfmt::skip]
 const MISTAKES: &[(&str, &str, &str)] = &[
     ("format = 1", "", "1:1: `format` is missing | add `format = 1` as the first line"),
-    ("format = 1", "format = 2", "1:10: this is format 2; this photosphere reads format 1"),
+    ("format = 1", "format = 2", "1:10: format 2 is not supported; this version of photosphere reads format 1"),
     ("format = 1", "format = \"1\"", "1:10: `format` must be a whole number from 1 to 2^63 - 1, not a string"),
     ("width = 64", "width = 0", "4:9: `image.width` must be a whole number from 1 to 65536, not 0"),
     ("width = 64", "width = 64.0", "4:9: `image.width` must be a whole number from 1 to 65536, not 64.0"),
@@ -54,18 +54,18 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("position = [0, 1, 5]", "position = [0, 1e999, 5]", "8:16: `camera.position` must be three numbers from -1e15 to 1e15, not 1e999"),
     ("position = [0, 1, 5]", "position = [0, true, 5]", "8:16: `camera.position` must be three numbers from -1e15 to 1e15, not a boolean"),
     ("position = [0, 1, 5]", "position = [0, 1, 0]", "9:11: `camera.look_at` must not be `camera.position`"),
-    ("position = [0, 1, 5]", "position = [0, 3, 0]", "9:11: `camera.up` must not be parallel to the view | any other direction will do, as in `up = [0, 0, 1]`"),
+    ("position = [0, 1, 5]", "position = [0, 3, 0]", "9:11: `camera.up` must not be parallel to the view | use another direction, such as `up = [0, 0, 1]`"),
     ("position = [0, 1, 5]", "", "7:1: `camera.position` is missing | add `position = ...`, three numbers from -1e15 to 1e15"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nup = [0, 0, 0]", "10:6: `camera.up` must not be [0, 0, 0]"),
-    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nup = [0, 0, 3]", "10:6: `camera.up` must not be parallel to the view | any other direction will do, as in `up = [0, 1, 0]`"),
+    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nup = [0, 0, 3]", "10:6: `camera.up` must not be parallel to the view | use another direction, such as `up = [0, 1, 0]`"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nvertical_fov_degrees = 180", "10:24: `camera.vertical_fov_degrees` must be a number above 0 and below 180, not 180"),
     ("type = \"diffuse\"", "", "11:1: `materials.grass.type` is missing | add `type = ...`, \"diffuse\" or \"mirror\" or \"conductor\" or \"dielectric\" or \"plastic\" or \"principled\" or \"phong\""),
-    ("type = \"diffuse\"", "type = \"mirror\"\nreflectance = [1, 1, 1]", "14:1: `materials.grass.albedo` is not a key of a scene | known here: type, reflectance, emission, opacity"),
-    ("type = \"diffuse\"", "type = \"phong\"\nspecular = [0.9, 0, 0]\nexponent = 9", "13:12: `materials.grass.specular` and albedo add up to more than 1, so that the surface would create light | lower one of them; `normalized = false` is Phong's own form"),
+    ("type = \"diffuse\"", "type = \"mirror\"\nreflectance = [1, 1, 1]", "14:1: unknown key `materials.grass.albedo` | known keys: type, reflectance, emission, opacity"),
+    ("type = \"diffuse\"", "type = \"phong\"\nspecular = [0.9, 0, 0]\nexponent = 9", "13:12: `materials.grass.specular` and albedo add up to more than 1, so that the surface would create light | lower one of them, or set `normalized = false` for Phong's original form"),
     ("type = \"diffuse\"", "type = \"diffuse\"\nemission = [-1, 0, 0]", "13:13: `materials.grass.emission` must be three numbers from 0 to 1e15, not -1"),
     ("type = \"diffuse\"", "type = \"diffuse\"\nroughness = 2", "13:13: `materials.grass.roughness` must be a number from 0 to 1, not 2"),
     ("type = \"diffuse\"", "type = \"diffuse\"\nopacity = 1.5", "13:11: `materials.grass.opacity` must be a number from 0 to 1, not 1.5"),
-    ("type = \"diffuse\"", "type = \"diffuse\"\nabsorption = [1, 1, 1]", "13:1: `materials.grass.absorption` is not a key of a scene | known here: type, albedo, roughness, emission, opacity"),
+    ("type = \"diffuse\"", "type = \"diffuse\"\nabsorption = [1, 1, 1]", "13:1: unknown key `materials.grass.absorption` | known keys: type, albedo, roughness, emission, opacity"),
     ("type = \"diffuse\"", "type = \"plastic\"\nior = 0.9", "13:7: `materials.grass.ior` must be a number from 1 to 10, not 0.9"),
     ("type = \"diffuse\"", "type = \"plastic\"\nroughness = -1", "13:13: `materials.grass.roughness` must be a number from 0 to 1, not -1"),
     ("ior = 1.5", "ior = 1.5\nabsorption = [0, 0, -1]", "18:21: `materials.glass.absorption` must be three numbers from 0 to 1e15, not -1"),
@@ -75,7 +75,7 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("radius = 10\n", "radius = 0\n", "22:10: `spheres.ground.radius` must be a number from 1e-15 to 1e15, not 0"),
     ("radius = 10\n", "radius = -inf\n", "22:10: `spheres.ground.radius` must be a number from 1e-15 to 1e15, not -inf"),
     ("material = \"grass\"", "material = \"water\"", "23:12: `spheres.ground.material` must be the name of a material, not \"water\" | add a table `[materials.water]`"),
-    ("[render]", "[rendr]", "30:2: `rendr` is not a key of a scene | did you mean `render`?"),
+    ("[render]", "[rendr]", "30:2: unknown key `rendr` | did you mean `render`?"),
     ("[render]", "[render]\nmax_depth = 0", "31:13: `render.max_depth` must be a whole number from 1 to 4294967295, not 0"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\ntype = \"fisheye\"", "10:8: `camera.type` must be \"perspective\" or \"orthographic\" or \"panoramic\", not \"fisheye\""),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\ntype = \"orthographic\"", "7:1: `camera.height` is missing | add `height = ...`, a number above 0 and at most 1e15"),
@@ -83,14 +83,14 @@ const MISTAKES: &[(&str, &str, &str)] = &[
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\naperture_radius = -1", "10:19: `camera.aperture_radius` must be a number from 0 to 1e15, not -1"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nblades = 2", "10:10: `camera.blades` must be 0 for a disk, or at least 3, not 2"),
     ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nfocus_on = \"grond\"", "10:12: `camera.focus_on` must be the name of a sphere, not \"grond\" | did you mean `ground`?"),
-    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nfocus_on = \"ground\"\nfocus_distance = 2", "10:12: `camera.focus_on` and `camera.focus_distance` say the same; leave one out"),
+    ("look_at = [0, 1, 0]", "look_at = [0, 1, 0]\nfocus_on = \"ground\"\nfocus_distance = 2", "10:12: `camera.focus_on` and `camera.focus_distance` both set the focus; remove one"),
     ("[render]", "[render]\nestimator = \"mix\"", "31:13: `render.estimator` must be \"mis\" or \"light\" or \"bsdf\", not \"mix\" | did you mean `mis`?"),
     ("[render]", "[render]\nclamp_indirect = 0", "31:18: `render.clamp_indirect` must be a number above 0 and at most 1e15, not 0"),
     ("[render]", "[render]\nambient_occlusion.distance = -1", "31:30: `render.ambient_occlusion.distance` must be a number above 0 and at most 1e15, not -1"),
     ("[render]", "[render]\nsamples_per_pixel = 0", "31:21: `render.samples_per_pixel` must be a whole number from 1 to 4294967295, not 0"),
     ("[render]", "[render]\npaper = 3", "31:9: `render.paper` must be a table, not an integer"),
     ("[render]", "[render]\nraycast.shadows = 1", "31:19: `render.raycast.shadows` must be true or false, not an integer"),
-    ("[render]", "[render]\npaper.threshold = 0.1", "31:19: `render.paper.threshold` means nothing without `stop = \"threshold\"`"),
+    ("[render]", "[render]\npaper.threshold = 0.1", "31:19: `render.paper.threshold` needs `stop = \"threshold\"`"),
     ("[render]", "[render]\npaper.jitter = 1.1", "31:16: `render.paper.jitter` must be a number from 0 to 1, not 1.1"),
     ("[render]", "[render]\nsampler = \"sobl\"", "31:11: `render.sampler` must be \"sobol\" or \"independent\" or \"stratified\", not \"sobl\" | did you mean `sobol`?"),
     ("[render]", "[render]\nintegrator = \"paper\"\npaper.stop = \"depth\"", "32:14: `render.paper.stop = \"depth\"` needs `render.max_depth` | add `max_depth = 6` to `[render]`"),
@@ -109,8 +109,8 @@ fn every_mistake_has_its_place_and_its_words() {
 fn a_scene_without_its_parts_says_which() {
     let text = "format = 1\n[camera]\nposition=[0,0,1]\nlook_at=[0,0,0]\nspheres = []\n";
     let expected = [
-        "5:1: `camera.spheres` is not a key of a scene \
-         | known here: type, position, look_at, up, near, vertical_fov_degrees, aperture_radius, focus_distance, focus_on, blades, rotation_degrees",
+        "5:1: unknown key `camera.spheres` \
+         | known keys: type, position, look_at, up, near, vertical_fov_degrees, aperture_radius, focus_distance, focus_on, blades, rotation_degrees",
         "5:13: the scene has no spheres | add `[[spheres]]` with center, radius and material",
     ];
     assert_told(text, &[], &expected);

@@ -49,8 +49,8 @@ fn options_reach_quoted_names_and_whole_tables() {
 /// What is set, and what is said of it.
 #[rustfmt::skip]
 const MISTAKES_IN_OPTIONS: &[(&str, &str)] = &[
-    ("image.widht=3", "1:7: `image.widht` is not a key of a scene | did you mean `width`?"),
-    ("images.width=3", "1:7: `images` is not a key of a scene | did you mean `image`?"),
+    ("image.widht=3", "1:7: unknown key `image.widht` | did you mean `width`?"),
+    ("images.width=3", "1:7: unknown key `images` | did you mean `image`?"),
     ("image.width=0", "1:19: `image.width` must be a whole number from 1 to 65536, not 0"),
     ("image.width=", "1:19: the value is missing"),
     ("image.width=wide", "1:19: `image.width` must be a whole number from 1 to 65536, not a string"),
@@ -63,7 +63,7 @@ const MISTAKES_IN_OPTIONS: &[(&str, &str)] = &[
     ("spheres.grund.radius=1", "1:7: no entry of `spheres` is named \"grund\" | did you mean `ground`?"),
     ("spheres.'0'.radius=1", "1:7: no entry of `spheres` is named \"0\""),
     ("render.seed.x=1", "1:7: `render.seed` is an integer and has no keys"),
-    ("render.seed=1\nrender.max_depth=2", "1:19: the value must be a single one"),
+    ("render.seed=1\nrender.max_depth=2", "1:19: the value must be a single TOML value"),
 ];
 
 #[test]
@@ -73,19 +73,24 @@ fn mistakes_in_options_are_shown_in_the_option() {
     }
     let twin = "[[spheres]]\nname='ground'\ncenter=[0,0,0]\nradius=1\nmaterial='grass'\n";
     let expected = "command line:1:7: 2 entries of `spheres` are named \"ground\" \
-                    | say which by its number, as in `spheres.0`";
+                    | use its number, such as `spheres.0`";
     assert_told(&format!("{SCENE}{twin}"), &["spheres.ground.radius=1"], &[expected]);
 }
 
 #[test]
 fn an_option_of_its_own_name_is_shown_as_written() {
-    let spp = Override {
-        option: "--spp 0".into(),
-        key: "render.samples_per_pixel".into(),
-        value: "0".into(),
-    };
+    let spp = Override::new("render.samples_per_pixel", "0").with_option(["--spp", "0"]);
     let error = read_text("a.toml", SCENE, Path::new(""), &[spp]).expect_err("0 samples");
     let place = error.diagnostics()[0].location.as_ref().expect("a place");
     assert_eq!(place.source.text, "--spp 0");
     assert_eq!(place.span, 6..7);
+}
+
+#[test]
+fn an_override_of_a_program_is_shown_as_a_key_and_a_value() {
+    let spp = Override::new("render.samples_per_pixel", "0");
+    let error = read_text("a.toml", SCENE, Path::new(""), &[spp]).expect_err("0 samples");
+    let place = error.diagnostics()[0].location.as_ref().expect("a place");
+    assert_eq!(place.source.text, "render.samples_per_pixel=0");
+    assert!(error.to_string().starts_with("override:1:26: `render.samples_per_pixel`"), "{error}");
 }

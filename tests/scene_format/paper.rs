@@ -45,13 +45,13 @@ fn the_papers_samples_must_not_contradict_each_other() {
         "samples_per_pixel = 20\npaper.samples = 4",
         &[],
         "32:21: `render.samples_per_pixel` is 20, but 2 x 2 sub-pixels of 4 samples make 16 \
-         | `render.paper.samples` is set in test.toml:33:17; leave one of the two out",
+         | `render.paper.samples` is set in test.toml:33:17; remove one of them",
     );
     said(
         "paper.samples = 4",
         &["render.samples_per_pixel=36"],
         "command line:1:32: `render.samples_per_pixel` is 36, but 2 x 2 sub-pixels of 4 samples \
-         make 16 | `render.paper.samples` is set in test.toml:32:17; leave one of the two out",
+         make 16 | `render.paper.samples` is set in test.toml:32:17; remove one of them",
     );
     said(
         "paper.samples = 4000000000",

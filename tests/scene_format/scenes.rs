@@ -50,7 +50,7 @@ pub(crate) fn load(text: &str, options: &[&str]) -> Result<SceneFile, Error> {
 /// An override as `--set` makes it.
 pub(crate) fn set(assignment: &str) -> Override {
     let (key, value) = assignment.split_once('=').expect("an assignment");
-    Override { option: format!("--set {assignment}"), key: key.into(), value: value.into() }
+    Override::new(key, value).with_option(["--set", assignment])
 }
 
 /// `SCENE` with one line in place of another.

@@ -171,6 +171,20 @@ fn every_scene_of_ours_fits_the_schema() {
 }
 
 #[test]
+fn columns_have_types_in_the_schema() {
+    let with = |column: &str| {
+        let table = format!("{{ file = \"a\", columns = [{column:?}], material = \"grass\" }}");
+        check_text(&format!("sphere_tables = [{table}]\n{SCENE}"))
+    };
+    for column in ["x", "x:f64", "_", "_:f64", "emission", "emission_b:f32"] {
+        with(column).unwrap_or_else(|wrong| panic!("{column}: {wrong}"));
+    }
+    for column in ["x:f8", "f64", "x:", "emission_blue"] {
+        assert!(with(column).is_err(), "{column} fits");
+    }
+}
+
+#[test]
 fn mistakes_do_not_fit_the_schema() {
     for (old, new) in [
         ("width = 64", "widht = 64"),

@@ -7,7 +7,7 @@ use photosphere::error::Result;
 use photosphere::scene::{Scene, SceneFile, read_file};
 use tempfile::TempDir;
 
-const COLUMNS: &str = r#"["x", "y", "z", "radius"]"#;
+pub(crate) const COLUMNS: &str = r#"["x", "y", "z", "radius"]"#;
 const COLORED: &str = r#"["r", "g", "b", "radius", "z", "y", "x"]"#;
 
 const MATERIALS: &str = r#"
@@ -28,37 +28,37 @@ exponent = 10
 "#;
 
 /// A scene file in its own folder, with tables beside it.
-struct Desk {
-    folder: TempDir,
-    text: String,
+pub(crate) struct Desk {
+    pub(crate) folder: TempDir,
+    pub(crate) text: String,
 }
 
 impl Desk {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let text = format!(
             "format = 1\ncamera = {{ position = [0, 0, 9], look_at = [0, 0, 0] }}\n{MATERIALS}"
         );
         Self { folder: tempfile::tempdir().expect("a folder"), text }
     }
 
-    fn table(mut self, file: &str, columns: &str, material: &str) -> Self {
+    pub(crate) fn table(mut self, file: &str, columns: &str, material: &str) -> Self {
         self.text += &format!(
             "[[sphere_tables]]\nfile = \"{file}\"\ncolumns = {columns}\nmaterial = \"{material}\"\n"
         );
         self
     }
 
-    fn bytes(self, file: &str, bytes: &[u8]) -> Self {
+    pub(crate) fn bytes(self, file: &str, bytes: &[u8]) -> Self {
         fs::write(self.folder.path().join(file), bytes).expect("a file");
         self
     }
 
-    fn values(self, file: &str, values: &[f32]) -> Self {
+    pub(crate) fn values(self, file: &str, values: &[f32]) -> Self {
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         self.bytes(file, &bytes)
     }
 
-    fn load(&self) -> Result<Scene> {
+    pub(crate) fn load(&self) -> Result<Scene> {
         let path = self.folder.path().join("scene.toml");
         fs::write(&path, &self.text).expect("a file");
         let (scene, _) = read_file(&path, &[]).and_then(SceneFile::build)?;
@@ -66,7 +66,7 @@ impl Desk {
     }
 
     /// The mistakes without their places, and without the name of the folder.
-    fn told(&self) -> Vec<String> {
+    pub(crate) fn told(&self) -> Vec<String> {
         let error = self.load().expect_err("a mistake");
         let folder = format!("{}/", self.folder.path().display());
         let messages =
@@ -132,13 +132,16 @@ fn the_file_must_be_there_and_whole() {
     let short = Desk::new().table("a.f32", COLUMNS, "diffuse").bytes("a.f32", &[0; 37]);
     assert_eq!(
         short.told(),
-        ["`a.f32` has 37 bytes, which is no whole number of rows: 2 rows of 16 bytes and 5 bytes \
-          over"]
+        [
+            "`a.f32` has 37 bytes, which is not a whole number of rows: 2 rows of 16 bytes and 5 bytes \
+          left over"
+        ]
     );
     assert_eq!(
         Desk::new().table("a.f32", COLUMNS, "diffuse").bytes("a.f32", &[0; 17]).told(),
         [
-            "`a.f32` has 17 bytes, which is no whole number of rows: 1 row of 16 bytes and 1 byte over"
+            "`a.f32` has 17 bytes, which is not a whole number of rows: 1 row of 16 bytes and 1 byte \
+             left over"
         ]
     );
 }
@@ -147,7 +150,7 @@ fn the_file_must_be_there_and_whole() {
 #[test]
 fn an_endless_file_is_refused() {
     let endless = Desk::new().table("/dev/zero", COLUMNS, "diffuse");
-    assert_eq!(endless.told(), ["`/dev/zero` is not an ordinary file"]);
+    assert_eq!(endless.told(), ["`/dev/zero` is not a regular file"]);
 }
 
 #[test]
@@ -199,21 +202,22 @@ fn the_first_of_many_bad_rows_is_told_and_the_rest_counted() {
     assert_told(
         &values,
         "`a.f32`: row 300000 (the first is 0) has radius = -1.0 at byte 4800012; it must be \
-         from 1e-15 to 1e15; 2 more rows are wrong",
+         from 1e-15 to 1e15; 2 more rows are invalid",
     );
     let two = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0];
     let scene = Desk::new().table("a.f32", COLUMNS, "diffuse").values("a.f32", &two);
-    assert!(scene.told()[0].ends_with("from 1e-15 to 1e15; 1 more row is wrong"));
+    assert!(scene.told()[0].ends_with("from 1e-15 to 1e15; 1 more row is invalid"));
     let mistake = scene.load().expect_err("a mistake").diagnostics()[0].clone();
     let help = mistake.help.expect("a help");
-    assert!(help.starts_with("a row is 4 little-endian f32 numbers, as `columns` says"), "{help}");
+    let expected = "according to `columns`, a row is 4 little-endian numbers in 16 bytes";
+    assert!(help.starts_with(expected), "{help}");
 }
 
 #[test]
 fn columns_must_make_a_sphere() {
     let told = |columns: &str, expected: &[&str]| {
         // As many numbers as make whole rows of any of these columns.
-        let desk = Desk::new().table("a.f32", columns, "diffuse").values("a.f32", &[1.0; 60]);
+        let desk = Desk::new().table("a.f32", columns, "diffuse").values("a.f32", &[1.0; 420]);
         assert_eq!(desk.told(), expected);
     };
     told(r#"["x", "y", "z"]"#, &["`sphere_tables.0.columns` lacks \"radius\""]);
@@ -222,15 +226,18 @@ fn columns_must_make_a_sphere() {
         &["`sphere_tables.0.columns` lacks \"z\"", "`sphere_tables.0.columns` repeats \"y\""],
     );
     told(r#"["x", "y", "z", "radius", "g"]"#, &["`sphere_tables.0.columns` lacks \"r\", \"b\""]);
+    let list = "`sphere_tables.0.columns` must be a list, each entry \"x\" or \"y\" or \"z\" or \
+                \"radius\" or \"r\" or \"g\" or \"b\" or \"emission\" or \"emission_r\" or \
+                \"emission_g\" or \"emission_b\" or \"_\" for a number that is not read, with an \
+                optional type, \":f32\" or \":f64\", not";
+    told(r#"["x", "y", "z", "radios"]"#, &[&format!("{list} \"radios\"")]);
+    told("[]", &[&format!("{list} an empty one")]);
     told(
-        r#"["x", "y", "z", "radios"]"#,
-        &["`sphere_tables.0.columns` must be a list, each entry \"x\" or \"y\" or \"z\" or \
-           \"radius\" or \"r\" or \"g\" or \"b\", not \"radios\""],
-    );
-    told(
-        "[]",
-        &["`sphere_tables.0.columns` must be a list, each entry \"x\" or \"y\" or \"z\" or \
-           \"radius\" or \"r\" or \"g\" or \"b\", not an empty one"],
+        r#"["x", "y", "z", "radius", "emission_g", "emission_r", "emission"]"#,
+        &[
+            "`sphere_tables.0.columns` lacks \"emission_b\"",
+            "`sphere_tables.0.columns` has \"emission\", and its channels one by one",
+        ],
     );
 }
 
@@ -272,7 +279,7 @@ fn packed_colours_are_nearly_the_same() {
 fn only_tables_with_colours_say_how_they_are_kept() {
     let mut scene = Desk::new().table("a.f32", COLUMNS, "diffuse").values("a.f32", &[0.0; 4]);
     scene.text += "colors = \"packed\"\n";
-    assert_eq!(scene.told(), ["`sphere_tables.0.colors` is for tables with colours"]);
+    assert_eq!(scene.told(), ["`sphere_tables.0.colors` applies only to tables with colours"]);
 }
 
 #[test]

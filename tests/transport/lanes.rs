@@ -56,7 +56,7 @@ fn one_by_one(context: RenderContext<'_>, samples: &[SampleAddress]) -> (Vec<Pat
     (traces.into_iter().map(|trace| trace.radiance).collect(), rays)
 }
 
-/// The same, in batches.
+/// The picture's samples, followed in batches.
 fn in_batches(
     context: RenderContext<'_>,
     samples: &[SampleAddress],

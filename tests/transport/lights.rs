@@ -117,7 +117,8 @@ fn skies_shine_on_a_plane_like_their_integrals() {
 }
 
 /// An image whose rows differ and whose columns differ, with a pixel that outshines all others. Its
-/// light is linear in the height between the rows' means, whatever the columns are.
+/// light is linear in the height between the rows' means, whatever the columns are. The rows' nodes
+/// lie where each holds the light of its area.
 #[test]
 fn an_image_shines_on_a_plane_like_its_interpolation() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -139,8 +140,8 @@ fn an_image_shines_on_a_plane_like_its_interpolation() {
     };
     // Heights and means from the zenith down to the horizon, half-way between rows 3 and 4.
     let angle = |row: usize| (row as f64 + 0.5) / height as f64 * PI;
-    let mut nodes = vec![(1.0, row_mean(0))];
-    nodes.extend((0..height / 2).map(|row| (angle(row).cos(), row_mean(row))));
+    let node = |row: usize| (angle(row).cos() / angle(0).cos(), row_mean(row));
+    let mut nodes: Vec<_> = (0..height / 2).map(node).collect();
     nodes.push((0.0, 0.5 * (row_mean(3) + row_mean(4))));
     let band = |pair: &[(f64, f64)]| {
         // Simpson's rule is exact for the parabola that linear radiance times height is.

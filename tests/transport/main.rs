@@ -19,6 +19,7 @@ mod opacity;
 mod paper;
 mod paper_and_path;
 mod pixels;
+mod published_box;
 mod recursion;
 mod reproducible;
 mod rough;

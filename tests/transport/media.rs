@@ -95,3 +95,15 @@ fn emitters_are_aimed_at_through_the_medium() {
         kit.mean().must_be(expected, &kit.how());
     }
 }
+
+/// A ball whose index grows in 70 steps to 1.7 at its centre, in a uniform field: light in a medium
+/// has the square of its index times the radiance outside, however deep the media nest.
+#[test]
+fn seventy_shells_are_seventy_media() {
+    let mut kit = Kit::new(4, 4, 16);
+    kit.scene.camera([0.0; 3], [0.0, 0.0, -1.0]).background([1.0; 3]);
+    for shell in 1..=70 {
+        kit.ball([0.0; 3], f64::from(71 - shell), glass(1.0 + 0.01 * f64::from(shell)));
+    }
+    kit.mean().must_be(1.7 * 1.7, "seventy shells");
+}

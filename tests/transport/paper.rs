@@ -155,7 +155,8 @@ fn the_mirror_ball_reflects_by_the_closed_form() {
         let d = (hit.point - prepared.camera().position()).normalize();
         let n = (hit.point - center) / row.radius;
         let frame = Frame::from_z(hit.facing_normal());
-        let bsdf = scene.sphere_material(hit.id).material.bsdf(None, 1.0, Hemisphere::Cosine);
+        let surface = scene.sphere_material(hit.id);
+        let bsdf = surface.material.bsdf(None, 1.0, Hemisphere::Cosine);
         let sample = bsdf.sample(frame.to_local(-d), 0.5, [0.5, 0.5], &|| [0.5, 0.5]);
         let sample = sample.expect("reflects");
         let expected = d - 2.0 * d.dot(n) * n;

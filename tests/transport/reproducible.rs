@@ -1,4 +1,4 @@
-//! The same bits for any threads, batch and order.
+//! Pictures have equal bits for any threads, batch and order.
 
 use photosphere::accel::Backend;
 

@@ -75,7 +75,7 @@ fn the_densest_and_roughest_glass_vanishes_in_a_uniform_field() {
     }
 }
 
-/// The same of balls that are partly diffuse: their gloss and what is beneath it throw light back
+/// Balls that are partly diffuse vanish, too: their gloss and what is beneath it throw light back
 /// as often.
 #[test]
 fn dense_mixtures_vanish_in_a_uniform_field() {
@@ -122,7 +122,7 @@ fn in_the_dark(surface: SurfaceModel) -> Kit {
     })
 }
 
-/// The same with an emitter.
+/// A ball that only an emitter lights.
 fn beside_an_emitter(center: [f64; 3], radius: f64, surface: SurfaceModel) -> Kit {
     in_the_dark(surface).with(|kit| {
         kit.glowing_ball(center, radius, diffuse(0.0), 9.0);
@@ -149,7 +149,7 @@ fn they_agree_where_the_emitter_is_behind_rough_glass_or_in_it() {
     both_ways_agree(inside(0.7).ball([0.0; 3], 2.0, mixture(0.5)));
 }
 
-/// The same picture of a rough ball by aiming at emitters and by chance.
+/// Fails unless pictures of a rough ball agree by light sampling and by chance.
 fn both_ways_agree(kit: &Kit) {
     let aimed = kit.clone().samples(64).mean();
     let by_chance = kit.clone().paper(PaperSettings::default()).samples(256).mean();

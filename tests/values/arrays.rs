@@ -3,11 +3,14 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use photosphere::film::Aov;
+use photosphere::color::Rgb;
+use photosphere::film::{Aov, Layer};
 use photosphere::geometry::Sphere;
 use photosphere::image_io::Picture;
 use photosphere::job::run;
 use photosphere::scene::data::{ArrayValues, Ids, SharedSlice, StridedArray};
+use photosphere::scene::description::{MaterialDescription, SurfaceModel};
+use photosphere::scene::settings::{Estimator, IntegratorSettings, PaperSettings};
 use photosphere::scene::{Scene, Settings, SphereArrays};
 
 use super::{balls, color_of, job, narrow, of_arrays, rows, sphere_ids, view};
@@ -34,12 +37,17 @@ fn picture(scene: &Scene) -> Picture {
     run(scene, &job(settings, &kinds), &()).expect("renders").picture
 }
 
+fn spheres(scene: &Scene) -> Vec<Sphere> {
+    let spheres = scene.spheres();
+    (0..spheres.len() as u32).map(|id| spheres.sphere_as_written(id)).collect()
+}
+
 /// Fails unless both are the same spheres in the same order, and look the same.
 fn must_be_same(name: &str, a: &Scene, b: &Scene) {
     let (of_a, of_b) = (a.spheres(), b.spheres());
     assert_eq!(of_a.origin(), of_b.origin(), "{name}");
-    assert_eq!(of_a.particles(), of_b.particles(), "{name}");
-    assert_eq!(of_a.giants(), of_b.giants(), "{name}");
+    assert_eq!(spheres(a), spheres(b), "{name}");
+    assert_eq!(of_a.particle_count(), of_b.particle_count(), "{name}");
     assert_eq!(of_a.rows(), of_b.rows(), "{name}");
     assert!(picture(a) == picture(b), "{name}: pictures");
 }
@@ -97,7 +105,7 @@ fn structured<const N: usize>(
     arrays(std::array::from_fn(|column| strided(values.clone(), 1 + N * column, stride, len)))
 }
 
-/// The same spheres in every layout that arrays may have.
+/// These spheres in every layout that arrays may have.
 fn layouts(balls: &[Sphere], is_f64: bool) -> Vec<(&'static str, SphereArrays)> {
     let rows = rows(balls);
     let centers: Vec<[f64; 3]> = balls.iter().map(|ball| ball.center.to_array()).collect();
@@ -181,6 +189,76 @@ fn spheres_of_an_array_can_have_colors() {
     }
 }
 
+/// A scene with emission of its own for each ball: in one table, or a material for each.
+fn glowing(is_table: bool, surface: SurfaceModel, opacity: f64) -> Scene {
+    let balls = balls(false);
+    let light = |row: usize| match row % 3 {
+        0 => [0.0; 3],
+        part => [0.25, 0.5, 2.0].map(|channel| channel * part as f32 + row as f32 / 64.0),
+    };
+    let mut scene = view();
+    scene.background([0.1, 0.2, 0.3]);
+    let ground = scene.diffuse([0.7; 3]);
+    scene.sphere(ground, [0.0, -103.0, 0.0], 100.0);
+    let material =
+        |emission: Rgb| MaterialDescription { surface, emission, opacity, ..Default::default() };
+    if is_table {
+        // Each row replaces what the material emits.
+        let own = scene.material(material(Rgb::splat(0.5)));
+        let arrays = SphereArrays::from_rows(narrow(&rows(&balls)));
+        scene.spheres(own, arrays.with_emission((0..balls.len()).map(light).collect()));
+    } else {
+        for (row, ball) in balls.iter().enumerate() {
+            let own = scene.material(material(light(row).into()));
+            scene.sphere(own, ball.center, ball.radius);
+        }
+    }
+    scene.build().expect("good values")
+}
+
+/// Whatever reads the emission: paths that find it by chance or sample it, in lanes or one by one,
+/// through what is partly opaque or glass; and the layer of emission.
+#[test]
+fn rows_with_emission_look_like_spheres_with_a_material_each() {
+    let albedo = Rgb::splat(0.5);
+    let glass =
+        SurfaceModel::Dielectric { ior: 1.5, roughness: 0.0, priority: 0, absorption: Rgb::ZERO };
+    let surfaces = [
+        (SurfaceModel::Diffuse { albedo, roughness: 0.0 }, 1.0),
+        (SurfaceModel::Diffuse { albedo, roughness: 0.0 }, 0.5),
+        (SurfaceModel::Plastic { albedo, ior: 1.5, roughness: 0.25 }, 1.0),
+        (glass, 0.5),
+    ];
+    for (surface, opacity) in surfaces {
+        let [table, one_by_one] = [true, false].map(|is_table| glowing(is_table, surface, opacity));
+        assert_eq!(table.emitter_count(), one_by_one.emitter_count());
+        assert_eq!(table.emitter_count(), 40);
+        assert_eq!(table.max_radiance(), one_by_one.max_radiance());
+        for integrator in [
+            IntegratorSettings::Path,
+            IntegratorSettings::Direct,
+            IntegratorSettings::Raycast { shadows: true },
+            IntegratorSettings::Paper(PaperSettings::default()),
+        ] {
+            for estimator in [Estimator::Mis, Estimator::Light, Estimator::Bsdf] {
+                let mut settings = Settings::default();
+                (settings.image.width, settings.image.height) = (24, 16);
+                settings.render.integrator = integrator;
+                settings.render.estimator = estimator;
+                settings.render.samples_per_pixel = 16;
+                let layers = [Aov::SphereId, Aov::Variance, Aov::Mean(Layer::Emission)];
+                let picture =
+                    |scene| run(scene, &job(settings, &layers), &()).expect("renders").picture;
+                let [of_table, expected] = [picture(&table), picture(&one_by_one)];
+                let what = format!("{surface:?}, {integrator:?}, {estimator:?}");
+                assert!(of_table == expected, "{what}");
+                let is_lit = expected.direct.iter().any(|pixel| pixel.max_element() > 1.0);
+                assert!(is_lit, "{what}: no emitter is in sight");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_layer_of_ids_shows_the_numbers_of_an_array() {
     let balls = balls(false);
@@ -230,7 +308,7 @@ fn several_tables_lie_behind_each_other() {
         .spheres(grey, wide.with_colors(colors(20, 45)).with_ids(ids))
         .spheres(grey, SphereArrays::from_rows(narrow_rows(45, 60)).with_colors(colors(45, 60)));
     let scene = scene.build().expect("good arrays");
-    assert_eq!(scene.spheres().particles(), expected.spheres().particles());
+    assert_eq!(spheres(&scene), spheres(&expected));
     assert_eq!(scene.spheres().rows(), expected.spheres().rows());
     let (shown, plain) = (picture(&scene), picture(&expected));
     assert_eq!(shown.direct, plain.direct);
@@ -246,6 +324,7 @@ fn several_tables_lie_behind_each_other() {
 fn flawed(change: impl FnOnce(&mut SphereArrays)) -> String {
     let mut arrays = SphereArrays::from_rows(vec![[0.0, 1.0, 2.0, 0.5]; 4])
         .with_colors(vec![[0.5f32; 3]; 4])
+        .with_emission(vec![[0.5f32; 3]; 4])
         .with_ids(vec![1, 2, 3, 4]);
     change(&mut arrays);
     let error = of_arrays(arrays).expect_err("it must be refused");
@@ -264,6 +343,9 @@ fn arrays_that_cannot_be_are_refused() {
     is_refused("2 radii, but 4 numbers in its column y", &|a| a.radius = array(0, 1, 2));
     is_refused("4 radii, but 1 numbers in its column g", &|a| {
         a.color.as_mut().expect("colours")[1] = array(0, 1, 1);
+    });
+    is_refused("4 radii, but 3 numbers in its column emission_r", &|a| {
+        a.emission.as_mut().expect("emission")[0] = array(0, 1, 3);
     });
     is_refused("4 radii, but 3 ids", &|a| a.ids = Some(StridedArray::of_ids(vec![1, 2, 3])));
     is_refused("the ids of `sphere_tables.0` reach beyond", &|a| {
@@ -308,10 +390,12 @@ fn numbers_that_cannot_be_are_refused() {
             let bad = strided(array(vec![0.5, 0.5, number, 0.5]), 0, 1, 4);
             let told = flawed(|arrays| {
                 let color = arrays.color.as_mut().expect("colours");
+                let emission = arrays.emission.as_mut().expect("emission");
                 match column {
                     "x" => arrays.center[0] = bad,
                     "radius" => arrays.radius = bad,
-                    _ => color[2] = bad,
+                    "b" => color[2] = bad,
+                    _ => emission[2] = bad,
                 }
             });
             let words = format!("row 2 (the first is 0) has {column} = ");
@@ -326,6 +410,9 @@ fn numbers_that_cannot_be_are_refused() {
     }
     for number in [f64::NAN, f64::INFINITY, -0.25, 1.5] {
         is_refused("b", number);
+    }
+    for number in [f64::NAN, f64::INFINITY, -0.25, 1e16] {
+        is_refused("emission_b", number);
     }
 }
 

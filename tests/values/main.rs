@@ -3,6 +3,7 @@
 //! extended.
 
 mod arrays;
+mod memory;
 mod sessions;
 mod text;
 

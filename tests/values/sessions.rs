@@ -1,5 +1,7 @@
 //! A session can be looked at while it runs, stopped, resumed and extended.
 
+use std::cell::Cell;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Duration;
@@ -162,7 +164,7 @@ fn a_session_runs_once_at_a_time_and_goes_on_after_a_stop() {
             }
             if !running.is_finished() {
                 let told = session.run(&()).expect_err("it is running").to_string();
-                assert!(told.contains("running already"), "{told}");
+                assert!(told.contains("already running"), "{told}");
             }
             session.stop();
             running.join().expect("no panic").expect("renders")
@@ -216,7 +218,7 @@ fn a_snapshot_of_a_running_session_is_consistent() {
                 (fewest.min(*count), most.max(*count))
             });
             let said = metadata.samples;
-            assert_eq!((f64::from(said.fewest), f64::from(said.most)), (fewest, most));
+            assert_eq!((f64::from(said.min_count), f64::from(said.max_count)), (fewest, most));
             let shares = ["CryptoSphere00.G", "CryptoSphere00.A"].map(channel);
             for (pixel, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0.0) {
                 for share in &shares {
@@ -238,7 +240,7 @@ fn an_observer_that_panics_does_not_end_the_render() {
         fn wants_progress(&self) -> bool {
             true
         }
-        fn on_progress(&self, _: &RenderProgress) {
+        fn on_progress(&self, _: &RenderProgress) -> ControlFlow<()> {
             panic!("the observer fails, as this test wants it");
         }
         fn on_warning(&self, text: &str) {
@@ -258,8 +260,75 @@ fn an_observer_that_panics_does_not_end_the_render() {
     });
     assert_eq!(reached.stop_reason, StopReason::Stopped);
     let told = clumsy.0.into_inner().expect("no panic");
-    assert_eq!(told, ["telling the progress failed in an unexpected way; please report this"]);
+    assert_eq!(told, ["reporting the progress failed in an unexpected way; please report this"]);
     assert!(session.result(reached).samples > 0);
+}
+
+#[test]
+fn an_observer_stops_a_render_after_a_while() {
+    struct Impatient(Cell<u32>);
+    impl Observer for Impatient {
+        fn wants_progress(&self) -> bool {
+            true
+        }
+        fn on_progress(&self, _: &RenderProgress) -> ControlFlow<()> {
+            self.0.set(self.0.get() + 1);
+            if self.0.get() < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        }
+    }
+    let impatient = Impatient(Cell::new(0));
+    let job = session_job(100_000);
+    let result = photosphere::job::run(&session_scene(), &job, &impatient).expect("renders");
+    assert_eq!((result.stop_reason, impatient.0.get()), (StopReason::Stopped, 3));
+    assert!(result.samples < 48 * 36 * 100_000);
+}
+
+#[test]
+fn a_job_resumed_from_bytes_is_the_uninterrupted_one() {
+    let expected = finished(&opened(SAMPLES));
+    let session = opened(SAMPLES);
+    let mut on_the_way = Vec::new();
+    let reached = looked_at(&session, || {
+        on_the_way = session.checkpoint_bytes(None).expect("encoded");
+        session.stop();
+    });
+    assert_eq!(reached.stop_reason, StopReason::Stopped);
+    let at_the_end = session.checkpoint_bytes(Some(&reached)).expect("encoded");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.part");
+    let file = AtomicFile::new(&path).expect("can be written");
+    session.write_checkpoint(&file, Some(&reached)).expect("written");
+    assert!(std::fs::read(&path).expect("is there") == at_the_end, "files hold other bytes");
+    for bytes in [on_the_way, at_the_end.clone()] {
+        let checkpoint = Checkpoint::from_bytes(bytes).expect("a checkpoint");
+        assert_eq!(checkpoint.path(), None);
+        let (job, opening) = (session_job(SAMPLES), SessionOptions::default());
+        let session = Session::resume(&session_scene(), job, checkpoint, opening).expect("resumes");
+        assert!(session.progress().samples_done > 0);
+        must_be_outcome("resumed from bytes", &finished(&session), &expected);
+    }
+    let told = Checkpoint::from_bytes(at_the_end[..100].to_vec()).expect_err("cut off").to_string();
+    assert_eq!(told, "cannot read the checkpoint: it is truncated after 100 bytes");
+}
+
+#[test]
+fn a_header_that_could_not_be_read_again_is_refused_before_the_render() {
+    let command = Some("x".repeat(17 << 20));
+    let opening = SessionOptions { command, ..SessionOptions::default() };
+    let mut session = Session::new(&session_scene(), session_job(16), opening).expect("opens");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.part");
+    let file = AtomicFile::new(&path).expect("can be written");
+    let refused = [
+        session.autosave(file.clone(), Duration::from_secs(60)),
+        session.write_checkpoint(&file, None),
+        session.checkpoint_bytes(None).map(drop),
+    ];
+    for refusal in refused {
+        let told = refusal.expect_err("too long").to_string();
+        assert!(told.starts_with("the header of the checkpoint has "), "{told}");
+    }
+    assert!(!path.exists());
 }
 
 #[test]
@@ -277,5 +346,5 @@ fn a_checkpoint_of_another_scene_is_refused() {
     let checkpoint = Checkpoint::open(&path).expect("a checkpoint");
     let told = Session::resume(&other, session_job(16), checkpoint, SessionOptions::default());
     let told = told.err().expect("it is of another scene").to_string();
-    assert!(told.contains("it is of another render"), "{told}");
+    assert!(told.contains("it belongs to another render"), "{told}");
 }

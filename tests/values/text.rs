@@ -1,4 +1,4 @@
-//! The same scene as text and as values, and values that cannot be a scene.
+//! One scene as text and as values, and values that cannot be a scene.
 
 use std::path::Path;
 
@@ -139,7 +139,7 @@ fn scene_of_values() -> SceneBuilder {
     scene.description.spheres[0].name = Some("ground".to_owned());
     scene.description.tables.push(SphereTable {
         name: Some("grains".to_owned()),
-        data: SphereData::File { path: FILE.into(), columns: COLUMNS.to_vec() },
+        data: SphereData::file(FILE, COLUMNS),
         ..SphereTable::default()
     });
     scene
@@ -284,10 +284,10 @@ fn tables_have_one_zero() {
         let bytes: Vec<u8> =
             [zero, 1.0, zero, 0.5].into_iter().flat_map(f32::to_le_bytes).collect();
         std::fs::write(&path, bytes).expect("written");
-        let columns = vec![Column::X, Column::Y, Column::Z, Column::Radius];
+        let columns = [Column::X, Column::Y, Column::Z, Column::Radius];
         let mut scene = view();
         scene.diffuse([0.5; 3]);
-        let data = SphereData::File { path, columns };
+        let data = SphereData::file(path, columns);
         scene.description.tables.push(SphereTable { data, ..SphereTable::default() });
         scene.build().expect("a good table")
     };

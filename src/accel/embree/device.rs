@@ -39,7 +39,12 @@ impl Device {
     /// Creates a device that builds with this many threads; 0 means all.
     pub(super) fn new(threads: usize) -> Result<Arc<Self>> {
         let config = if threads == 0 { String::new() } else { format!("threads={threads}") };
-        let config = CString::new(config).expect("a number holds no NUL");
+        Self::with_config(&config)
+    }
+
+    /// Creates a device with a configuration in Embree's words.
+    pub(super) fn with_config(config: &str) -> Result<Arc<Self>> {
+        let config = CString::new(config).expect("a configuration holds no NUL");
         // SAFETY: `config` is a C string that outlives the call, which copies it.
         let raw = unsafe { sys::ps_device_new(config.as_ptr()) };
         let device = Self::adopt(raw)?;

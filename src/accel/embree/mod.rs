@@ -1,15 +1,17 @@
 //! Intel Embree, behind our own C shim (`ffi/shim.c`).
 //!
-//! Particles are sphere points that share the array of the [`SphereSet`], or user geometry on
-//! request. Giants are always user geometry. User geometry is intersected in C, in f64, with the
-//! operations of [`crate::geometry::Sphere::first_root`]. Rays are traced in a loop in C. That loop
-//! does not check Embree's error state: only invalid rays could cause an error, and they never
-//! reach Embree.
+//! Particles are sphere points, or user geometry on request. Giants and other large spheres are
+//! always user geometry ([`group`]). Embree finds candidates, which are judged in C, in f64, with
+//! the operations of [`crate::geometry::Sphere::first_root`] on the spheres that the user wrote. So
+//! the hits are those of all other backends, whatever instructions Embree uses. Rays are traced in
+//! a loop in C. That loop does not check Embree's error state: only invalid rays could cause an
+//! error, and they never reach Embree.
 //!
 //! Only this module and the native kernel contain `unsafe` code. No Embree types appear here:
 //! `ffi/shim.h` uses only handles and plain numbers.
 
 mod device;
+mod group;
 mod scene;
 mod sys;
 
@@ -26,15 +28,15 @@ use super::info::EmbreeInfo;
 use super::intersector::{Accel, ErrorBound};
 use super::options::BuildOptions;
 
-pub(super) use scene::ParticleGeometry;
+pub(super) use group::ParticleGeometry;
 
 use device::Device;
-use scene::{EmbreeScene, EmbreeSceneBuilder, Geometry, SphereBuffers};
+use group::SphereGroup;
+use scene::{EmbreeScene, EmbreeSceneBuilder, Geometry};
 
-/// The backend: spheres in an Embree scene.
+/// The backend: a scene for each group of spheres.
 pub(super) struct Embree {
-    scene: EmbreeScene,
-    particles: ParticleGeometry,
+    scenes: Vec<EmbreeScene>,
 }
 
 impl Embree {
@@ -45,67 +47,35 @@ impl Embree {
     ) -> Result<Self> {
         let device = Device::new(options.threads)?;
         check_support(&describe(&device)?, particles)?;
-        let spheres = SphereBuffers::new(set, particles);
-        let mut builder = EmbreeSceneBuilder::new(&device)?;
-        if spheres.point_count() > 0 {
-            builder = builder.attach(&Geometry::points(&device, &spheres)?)?;
-        }
-        if spheres.user_count() > 0 {
-            builder = builder.attach(&Geometry::user(&device, &spheres)?)?;
-        }
-        Ok(Self { scene: builder.commit(options)?, particles })
+        let scene = |group: &Arc<SphereGroup>| {
+            let geometry = Geometry::new(&device, group)?;
+            EmbreeSceneBuilder::new(&device)?.attach(&geometry)?.commit(options)
+        };
+        let groups = SphereGroup::divide(set, particles);
+        Ok(Self { scenes: groups.iter().map(scene).collect::<Result<_>>()? })
     }
 }
 
 impl Accel for Embree {
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-        self.scene.closest(rays, hits);
+        scene::closest(&self.scenes, rays, hits);
     }
 
     fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        self.scene.occluded(rays, blocked);
+        scene::occluded(&self.scenes, rays, blocked);
     }
 
+    /// Candidates are judged in f64 from the 48-bit ray, and none is lost ([`group`]). So the error
+    /// is that of the other backends, `k 2^-24 = 2^-44`.
     fn error_bound(&self) -> ErrorBound {
-        let particles = match self.particles {
-            ParticleGeometry::Points => POINTS_ERROR,
-            ParticleGeometry::User => USER_ERROR,
-        };
-        ErrorBound { particles, giants: USER_ERROR, rounds_origin: true }
+        let k = 2f64.powi(-20);
+        ErrorBound { particles: k, giants: k, rounds_origin: false }
     }
 
     fn bytes(&self) -> usize {
-        self.scene.bytes()
+        self.scenes.iter().map(EmbreeScene::bytes).sum()
     }
 }
-
-/// `k` of sphere points, which Embree intersects in f32. With `u = 2^-24`, `e = c - o` and all
-/// vectors as rounded, Embree computes `s = (e.d) rcp(d.d)`, `p = e - s d`, and where `p.p <= R^2`,
-/// `t = s -+ sqrt((R^2 - p.p) rcp(d.d))`. Each rounding moves the apparent surface by a multiple of
-/// `u |e|` or of `u R`:
-///
-/// | step | `u \|e\|` | `u R` |
-/// |---|---|---|
-/// | the direction, rounded to f32 | 1 | |
-/// | `e` | 1 | |
-/// | `s`: two dot products of 3, a reciprocal by one Newton step (4), a product | 11 | |
-/// | `p`: a product and a difference (one rounding only where there is FMA) | 2 | |
-/// | `p.p` and `R^2`, halved by the root | | 2 |
-/// | half the chord: (difference, `rcp(d.d)` 7, product) halved, and the root | | 5.5 |
-/// | `s -+ h` | 1 | 1 |
-///
-/// The largest column sums to 16. An error of `s` moves `p` along the ray, perpendicular to `p`, so
-/// near the silhouette most of the 11 is a second-order effect and real errors are far smaller.
-///
-/// Embree's tree is traversed with the robust flag, which misses nothing. Embree does round the
-/// boxes of sphere points to nearest at the scale of `|c| + R`, but the ray's origin was rounded at
-/// that scale too.
-const POINTS_ERROR: f64 = 16.0;
-
-/// `k` of user geometry. Distances are computed and compared in f64 from the 48-bit ray. Only
-/// Embree's tree traversal uses the ray in f32, so a sphere may be missed at the very edge of its
-/// box: 1 for the rounded direction, and 1 for the reciprocals in the box test.
-const USER_ERROR: f64 = 2.0;
 
 /// Version and features of the Embree in use.
 pub(super) fn info() -> Result<EmbreeInfo> {

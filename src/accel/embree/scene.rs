@@ -11,99 +11,43 @@ use std::sync::Arc;
 
 use crate::accel::options::BuildOptions;
 use crate::error::Result;
-use crate::geometry::SphereSet;
 use crate::math::{Hit, Ray};
 
 use super::device::Device;
+use super::group::{ParticleGeometry, SphereGroup};
 use super::sys;
-
-/// How particles are represented in Embree. Giants are always user geometry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::accel) enum ParticleGeometry {
-    Points,
-    User,
-}
-
-/// The spheres as the shim reads them. Never moves or changes once inside its `Arc`.
-pub(super) struct SphereBuffers {
-    pub(super) table: sys::PsSpheres,
-    /// Owns what the table points to.
-    _set: Arc<SphereSet>,
-    _giants: Vec<[f64; 4]>,
-}
-
-// SAFETY: the table's pointers lead to memory that this value owns and that is never written.
-unsafe impl Send for SphereBuffers {}
-// SAFETY: as above.
-unsafe impl Sync for SphereBuffers {}
-
-impl SphereBuffers {
-    pub(super) fn new(set: &Arc<SphereSet>, particles_as: ParticleGeometry) -> Arc<Self> {
-        let giants: Vec<[f64; 4]> = set
-            .giants()
-            .iter()
-            .map(|giant| [giant.center.x, giant.center.y, giant.center.z, giant.radius])
-            .collect();
-        let particles = set.particles();
-        let table = sys::PsSpheres {
-            particles: particles.as_ptr().cast(),
-            giants: giants.as_ptr().cast(),
-            // A set has less than 2^32 spheres.
-            particle_count: particles.len() as u32,
-            giant_count: giants.len() as u32,
-            first_user_id: match particles_as {
-                ParticleGeometry::Points => particles.len() as u32,
-                ParticleGeometry::User => 0,
-            },
-        };
-        Arc::new(Self { table, _set: set.clone(), _giants: giants })
-    }
-
-    pub(super) fn point_count(&self) -> u32 {
-        self.table.first_user_id
-    }
-
-    pub(super) fn user_count(&self) -> u32 {
-        self.table.particle_count + self.table.giant_count - self.table.first_user_id
-    }
-}
 
 /// Owns a geometry.
 pub(super) struct Geometry {
     raw: NonNull<sys::PsGeometry>,
     device: Arc<Device>,
-    spheres: Arc<SphereBuffers>,
+    group: Arc<SphereGroup>,
 }
 
 // SAFETY: a geometry may be used and released by any one thread.
 unsafe impl Send for Geometry {}
 
 impl Geometry {
-    /// Creates committed sphere points.
-    pub(super) fn points(device: &Arc<Device>, spheres: &Arc<SphereBuffers>) -> Result<Self> {
-        // SAFETY: device and table are alive, and the geometry keeps them alive.
-        let raw = unsafe { sys::ps_points_new(device.raw(), &spheres.table) };
-        Self::uncommitted(raw, device, spheres, "share the spheres")?.commit()
-    }
-
-    /// Creates committed user geometry.
-    pub(super) fn user(device: &Arc<Device>, spheres: &Arc<SphereBuffers>) -> Result<Self> {
-        // SAFETY: device and table are alive, and the geometry keeps them alive.
-        let raw = unsafe { sys::ps_user_new(device.raw(), &spheres.table) };
-        Self::uncommitted(raw, device, spheres, "take the spheres")?.commit()
+    /// Creates the committed geometry of a group.
+    pub(super) fn new(device: &Arc<Device>, group: &Arc<SphereGroup>) -> Result<Self> {
+        // SAFETY: device and group are alive, and the geometry keeps them alive.
+        let raw = unsafe {
+            match group.geometry {
+                ParticleGeometry::Points => sys::ps_points_new(device.raw(), &group.raw),
+                ParticleGeometry::User => sys::ps_user_new(device.raw(), &group.raw),
+            }
+        };
+        Self::uncommitted(raw, device, group, "take the spheres")?.commit()
     }
 
     pub(super) fn uncommitted(
         raw: *mut sys::PsGeometry,
         device: &Arc<Device>,
-        spheres: &Arc<SphereBuffers>,
+        group: &Arc<SphereGroup>,
         doing: &str,
     ) -> Result<Self> {
-        let owned = NonNull::new(raw).map(|raw| Self {
-            raw,
-            device: device.clone(),
-            spheres: spheres.clone(),
-        });
+        let owned =
+            NonNull::new(raw).map(|raw| Self { raw, device: device.clone(), group: group.clone() });
         device.check(doing)?;
         Ok(owned.expect("Embree reports an error where it gives no geometry"))
     }
@@ -126,7 +70,7 @@ impl Drop for Geometry {
 /// Owns a scene's handle, and everything that Embree reads through it.
 struct SceneHandle {
     raw: NonNull<sys::PsScene>,
-    spheres: Vec<Arc<SphereBuffers>>,
+    group: Option<Arc<SphereGroup>>,
     device: Arc<Device>,
 }
 
@@ -152,14 +96,15 @@ impl EmbreeSceneBuilder {
     pub(super) fn new(device: &Arc<Device>) -> Result<Self> {
         // SAFETY: the device is alive.
         let raw = NonNull::new(unsafe { sys::ps_scene_new(device.raw()) });
-        let owned = raw.map(|raw| SceneHandle { raw, spheres: Vec::new(), device: device.clone() });
+        let owned = raw.map(|raw| SceneHandle { raw, group: None, device: device.clone() });
         device.check("begin a scene")?;
         Ok(Self { handle: owned.expect("Embree reports an error where it gives no scene") })
     }
 
-    /// Adds a geometry of the same device. The geometry's own handle may be dropped afterwards.
+    /// Takes the geometry, which is of the same device. The geometry's own handle may be dropped
+    /// afterwards.
     pub(super) fn attach(mut self, geometry: &Geometry) -> Result<Self> {
-        self.handle.spheres.push(geometry.spheres.clone());
+        self.handle.group = Some(geometry.group.clone());
         // SAFETY: both handles are alive, and `self` is the only user of the scene.
         unsafe { sys::ps_scene_attach(self.handle.raw.as_ptr(), geometry.raw.as_ptr()) }
         self.handle.device.check("add the spheres to the scene")?;
@@ -178,7 +123,8 @@ impl EmbreeSceneBuilder {
             sys::ps_scene_on_progress(raw, None, ptr::null_mut());
         }
         self.handle.device.check("build its tree")?;
-        Ok(EmbreeScene { handle: self.handle })
+        let group = self.handle.group.clone().expect("a scene has a geometry");
+        Ok(EmbreeScene { handle: self.handle, group })
     }
 }
 
@@ -192,42 +138,55 @@ unsafe extern "C" fn on_progress(options: *mut c_void, done: f64) -> bool {
 /// A committed scene, which can only be queried.
 pub(super) struct EmbreeScene {
     handle: SceneHandle,
+    group: Arc<SphereGroup>,
 }
 
 impl EmbreeScene {
-    /// # Panics
-    /// When the slices differ in length.
-    pub(super) fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
-        assert_eq!(rays.len(), hits.len(), "one hit for each ray");
-        // SAFETY: the scene is committed and may be queried from any thread. `sys` proves that the
-        // layouts of rays and hits agree; the shim reads and writes `len` of each.
-        unsafe {
-            sys::ps_closest(
-                self.handle.raw.as_ptr(),
-                rays.as_ptr().cast(),
-                rays.len(),
-                hits.as_mut_ptr().cast(),
-            );
-        }
-    }
-
-    /// # Panics
-    /// When the slices differ in length.
-    pub(super) fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        assert_eq!(rays.len(), blocked.len(), "one answer for each ray");
-        // SAFETY: as in `closest`; C's bool is Rust's, and only 0 and 1 are written.
-        unsafe {
-            sys::ps_occluded(
-                self.handle.raw.as_ptr(),
-                rays.as_ptr().cast(),
-                rays.len(),
-                blocked.as_mut_ptr(),
-            );
-        }
-    }
-
-    /// Bytes held by Embree, see [`Device::bytes`].
+    /// Bytes held by Embree, see [`Device::bytes`], and by the group.
     pub(super) fn bytes(&self) -> usize {
-        self.handle.device.bytes()
+        self.handle.device.bytes() + self.group.bytes()
+    }
+
+    fn target(&self) -> sys::PsTarget {
+        sys::PsTarget { scene: self.handle.raw.as_ptr(), group: &self.group.raw }
+    }
+}
+
+/// Finds the closest hit of each ray in any of the scenes.
+///
+/// # Panics
+/// When the slices differ in length.
+pub(super) fn closest(scenes: &[EmbreeScene], rays: &[Ray], hits: &mut [Hit]) {
+    assert_eq!(rays.len(), hits.len(), "one hit for each ray");
+    let targets: Vec<sys::PsTarget> = scenes.iter().map(EmbreeScene::target).collect();
+    // SAFETY: the scenes are committed and may be queried from any thread. `sys` proves that the
+    // layouts of rays and hits agree; the shim reads and writes as many as it is told.
+    unsafe {
+        sys::ps_closest(
+            targets.as_ptr(),
+            targets.len(),
+            rays.as_ptr().cast(),
+            rays.len(),
+            hits.as_mut_ptr().cast(),
+        );
+    }
+}
+
+/// Sets each flag to true if the ray is occluded in any of the scenes.
+///
+/// # Panics
+/// When the slices differ in length.
+pub(super) fn occluded(scenes: &[EmbreeScene], rays: &[Ray], blocked: &mut [bool]) {
+    assert_eq!(rays.len(), blocked.len(), "one answer for each ray");
+    let targets: Vec<sys::PsTarget> = scenes.iter().map(EmbreeScene::target).collect();
+    // SAFETY: as in `closest`; C's bool is Rust's, and only 0 and 1 are written.
+    unsafe {
+        sys::ps_occluded(
+            targets.as_ptr(),
+            targets.len(),
+            rays.as_ptr().cast(),
+            rays.len(),
+            blocked.as_mut_ptr(),
+        );
     }
 }

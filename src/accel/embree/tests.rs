@@ -8,7 +8,8 @@ use crate::geometry::{SphereRows, SphereSet};
 use crate::math::{DVec3, Hit, NO_SPHERE, Ray};
 
 use super::device::Device;
-use super::scene::{EmbreeScene, EmbreeSceneBuilder, Geometry, SphereBuffers};
+use super::group::SphereGroup;
+use super::scene::{self, EmbreeScene, EmbreeSceneBuilder, Geometry};
 use super::{ParticleGeometry, check_support, describe, sys};
 
 /// A grid of spheres of radius 0.25 above a giant.
@@ -21,24 +22,31 @@ fn grid(side: i32) -> Arc<SphereSet> {
     Arc::new(set)
 }
 
-fn commit(device: &Arc<Device>, spheres: &Arc<SphereBuffers>) -> EmbreeScene {
-    let points = Geometry::points(device, spheres).expect("shares");
-    let user = Geometry::user(device, spheres).expect("takes");
-    let builder = EmbreeSceneBuilder::new(device).expect("begins");
-    let builder = builder.attach(&points).and_then(|b| b.attach(&user)).expect("attaches");
-    builder.commit(&BuildOptions::default()).expect("builds")
+/// The ground, and the grid as sphere points.
+fn groups(set: &Arc<SphereSet>) -> [Arc<SphereGroup>; 2] {
+    SphereGroup::divide(set, ParticleGeometry::Points).try_into().ok().expect("two groups")
+}
+
+fn commit(device: &Arc<Device>, groups: &[Arc<SphereGroup>]) -> Vec<EmbreeScene> {
+    let scene = |group| {
+        let geometry = Geometry::new(device, group).expect("takes");
+        let builder = EmbreeSceneBuilder::new(device).expect("begins");
+        let builder = builder.attach(&geometry).expect("attaches");
+        builder.commit(&BuildOptions::default()).expect("builds")
+    };
+    groups.iter().map(scene).collect()
 }
 
 /// A ray down through the middle of the grid hits a sphere, and a ray beside the grid hits the
 /// ground.
-fn ask(scene: &EmbreeScene) {
+fn ask(scenes: &[EmbreeScene]) {
     let down =
         |x: f64| Ray::new(DVec3::new(x, 100.0, 0.0), -DVec3::Y, 0.0, f64::INFINITY, [NO_SPHERE; 2]);
     let mut hits = [Hit::MISS; 2];
-    scene.closest(&[down(0.0), down(50.0)], &mut hits);
+    scene::closest(scenes, &[down(0.0), down(500.0)], &mut hits);
     assert!(!hits[0].is_miss() && !hits[1].is_miss() && hits[0].t < hits[1].t, "{hits:?}");
     let mut blocked = [false; 2];
-    scene.occluded(&[down(0.0), down(50.0)], &mut blocked);
+    scene::occluded(scenes, &[down(0.0), down(500.0)], &mut blocked);
     assert_eq!(blocked, [true; 2]);
 }
 
@@ -48,8 +56,8 @@ fn owners_may_go_in_any_order() {
     for order in orders {
         let set = grid(3);
         let device = Device::new(1).expect("starts");
-        let spheres = SphereBuffers::new(&set, ParticleGeometry::Points);
-        let geometry = Geometry::points(&device, &spheres).expect("shares");
+        let spheres = groups(&set);
+        let geometry = Geometry::new(&device, &spheres[1]).expect("takes");
         let unused =
             EmbreeSceneBuilder::new(&device).and_then(|b| b.attach(&geometry)).expect("attaches");
         let scene = commit(&device, &spheres);
@@ -74,8 +82,7 @@ fn threads_build_ask_and_drop_at_once() {
             scope.spawn(|| {
                 for _ in 0..25 {
                     let device = Device::new(1).expect("starts");
-                    let scene =
-                        commit(&device, &SphereBuffers::new(&set, ParticleGeometry::Points));
+                    let scene = commit(&device, &groups(&set));
                     drop(device);
                     std::thread::scope(|inner| {
                         inner.spawn(|| ask(&scene));
@@ -93,12 +100,12 @@ fn threads_build_ask_and_drop_at_once() {
 fn a_refused_buffer_is_told_in_embrees_words() {
     let set = grid(3);
     let device = Device::new(1).expect("starts");
-    let spheres = SphereBuffers::new(&set, ParticleGeometry::Points);
+    let spheres = groups(&set);
     // An address that is not a multiple of 4; Embree rejects it before reading.
-    let table = sys::PsSpheres { particles: std::ptr::without_provenance(2), ..spheres.table };
-    // SAFETY: the device is alive; Embree rejects the address and keeps nothing of the table.
-    let raw = unsafe { sys::ps_points_new(device.raw(), &table) };
-    let refused = Geometry::uncommitted(raw, &device, &spheres, "share the spheres");
+    let group = sys::PsGroup { points: std::ptr::without_provenance(2), ..spheres[1].raw };
+    // SAFETY: the device is alive; Embree rejects the address and keeps nothing of the group.
+    let raw = unsafe { sys::ps_points_new(device.raw(), &group) };
+    let refused = Geometry::uncommitted(raw, &device, &spheres[1], "share the spheres");
     let error = refused.err().expect("refused");
     assert_eq!(error.category(), Category::Backend);
     let text = error.to_string();
@@ -111,11 +118,11 @@ fn a_refused_buffer_is_told_in_embrees_words() {
 fn a_build_that_fails_in_the_middle_says_why_and_leaves_nothing_behind() {
     let set = grid(3);
     let device = Device::new(1).expect("starts");
-    let spheres = SphereBuffers::new(&set, ParticleGeometry::Points);
-    let good = Geometry::user(&device, &spheres).expect("takes");
-    // SAFETY: device and table are alive.
-    let raw = unsafe { sys::ps_points_new(device.raw(), &spheres.table) };
-    let raw = Geometry::uncommitted(raw, &device, &spheres, "share").expect("shares");
+    let spheres = groups(&set);
+    let good = Geometry::new(&device, &spheres[0]).expect("takes");
+    // SAFETY: device and group are alive.
+    let raw = unsafe { sys::ps_points_new(device.raw(), &spheres[1].raw) };
+    let raw = Geometry::uncommitted(raw, &device, &spheres[1], "take").expect("takes");
     let builder = EmbreeSceneBuilder::new(&device).and_then(|b| b.attach(&good)).expect("attaches");
     let builder = builder.attach(&raw).expect("attaches");
     let error =
@@ -131,8 +138,8 @@ fn a_build_that_fails_in_the_middle_says_why_and_leaves_nothing_behind() {
 fn a_commit_stops_when_asked_and_a_later_one_works() {
     let set = grid(60);
     let device = Device::new(1).expect("starts");
-    let spheres = SphereBuffers::new(&set, ParticleGeometry::Points);
-    let points = Geometry::points(&device, &spheres).expect("shares");
+    let spheres = groups(&set);
+    let points = Geometry::new(&device, &spheres[1]).expect("takes");
     let builder =
         EmbreeSceneBuilder::new(&device).and_then(|b| b.attach(&points)).expect("attaches");
     let options = BuildOptions::default();
@@ -163,12 +170,52 @@ fn an_embree_that_would_answer_wrongly_is_refused() {
     assert!(text.contains("filter functions"), "{text}");
 }
 
+/// Embree's kernels round differently for each instruction set. The hits must not.
+#[test]
+fn hits_do_not_depend_on_the_instruction_set() {
+    let mut table = Vec::new();
+    for i in 0..3000u32 {
+        let coordinate = |stride: u32| (i * stride % 2999) as f32 / 300.0;
+        let radius = 10f32.powf((i * 13 % 97) as f32 / 30.0 - 3.0);
+        table.push([coordinate(7), coordinate(131), coordinate(1777), radius]);
+    }
+    let ground = crate::geometry::Sphere { center: DVec3::new(0.0, -1e6, 0.0), radius: 1e6 };
+    let set = SphereSet::new(SphereRows { exact: vec![ground], table }).expect("few spheres");
+    let set = Arc::new(set);
+    let number = |i: u32| f64::from(i.wrapping_mul(2_654_435_761)) / 2f64.powi(32);
+    let point = |i: u32| DVec3::new(number(3 * i), number(3 * i + 1), number(3 * i + 2));
+    // Past the silhouettes of spheres, by down to 1e-9 of their radius.
+    let ray = |i: u32| {
+        let sphere = set.sphere(i % set.len() as u32);
+        let normal = (point(2 * i) - 0.5).normalize();
+        let off = 10f64.powf(-9.0 * number(i)).copysign(number(7 * i) - 0.5);
+        let at = sphere.center + normal * (sphere.radius * (1.0 + off));
+        let along = normal.any_orthonormal_vector();
+        let from = at - along * (20.0 * number(5 * i));
+        Ray::new(from, along, 0.0, f64::INFINITY, [NO_SPHERE; 2])
+    };
+    let rays: Vec<Ray> = (0..6000).map(ray).collect();
+    let mut expected = vec![Hit::MISS; rays.len()];
+    let options = BuildOptions::default();
+    let oracle = crate::accel::Backend::BruteForce.build(&set, &options).expect("builds");
+    oracle.closest(&rays, &mut expected);
+    for isa in ["sse2", "sse4.2", "avx", "avx2", "avx512"] {
+        let device = Device::with_config(&format!("threads=1,isa={isa}")).expect("starts");
+        for geometry in [ParticleGeometry::Points, ParticleGeometry::User] {
+            let scenes = commit(&device, &SphereGroup::divide(&set, geometry));
+            let mut hits = vec![Hit::MISS; rays.len()];
+            scene::closest(&scenes, &rays, &mut hits);
+            assert!(hits == expected, "{isa}, {geometry:?}");
+        }
+    }
+}
+
 #[test]
 fn bytes_are_counted_and_given_back() {
     let set = grid(20);
     let device = Device::new(1).expect("starts");
     let before = device.bytes();
-    let scene = commit(&device, &SphereBuffers::new(&set, ParticleGeometry::Points));
+    let scene = commit(&device, &groups(&set));
     let held = device.bytes() - before;
     assert!((16 * set.len()..1000 * set.len()).contains(&held), "{held} bytes");
     drop(scene);

@@ -1,4 +1,4 @@
-//! The spheres that stay in f64: a plain list, or a small tree of their own beyond 64.
+//! The giants, in f64: a plain list, or a small tree of their own beyond 64.
 //!
 //! The tree is binary and implicit: the spheres are split in halves along the longest extent of
 //! their centres down to eight, and a node's children follow from its range. Boxes are f64 and need
@@ -45,9 +45,13 @@ impl Giants {
     ///
     /// # Errors
     /// On cancellation.
-    pub(super) fn build(giants: &[Sphere], first_id: usize, cancel: &CancelToken) -> Result<Self> {
-        let giant = |(i, &sphere)| Giant { sphere, id: (first_id + i) as u32 };
-        let mut giants: Box<[Giant]> = giants.iter().enumerate().map(giant).collect();
+    pub(super) fn build(
+        giants: impl Iterator<Item = Sphere>,
+        first_id: usize,
+        cancel: &CancelToken,
+    ) -> Result<Self> {
+        let giant = |(i, sphere)| Giant { sphere, id: (first_id + i) as u32 };
+        let mut giants: Box<[Giant]> = giants.enumerate().map(giant).collect();
         let mut nodes = Vec::new();
         if giants.len() > MAX_LIST_SIZE {
             build_node(&mut giants, 0, &mut nodes, cancel)?;

@@ -1,9 +1,10 @@
 //! The bounding volume hierarchy in Rust: eight boxes per node, eight spheres per leaf, sixteen
 //! rays at a time.
 //!
-//! Boxes are f32 and only select candidates, as does a first test of the spheres with bounded
-//! error. The final hit test is done in f64 by [`crate::geometry::Sphere::first_root`], as in the
-//! brute-force backend, so both backends and all kernel variants return the same ids.
+//! Boxes and the spheres in leaves are f32 and only select candidates, with bounded error. The
+//! final hit test is done in f64 by [`crate::geometry::Sphere::first_root`] on the spheres that the
+//! user wrote, as in the brute-force backend, so both backends and all kernel variants return the
+//! same ids.
 
 mod aggregate;
 mod build;
@@ -40,7 +41,7 @@ impl NativeAccel {
     /// Builds on the current rayon pool and ignores `options.threads`.
     pub(super) fn new(spheres: Arc<SphereSet>, options: &BuildOptions) -> Result<Self> {
         let (tree, shape) = build::build(&spheres, options)?;
-        let first_giant = spheres.particles().len();
+        let first_giant = spheres.particle_count();
         let giants = Giants::build(spheres.giants(), first_giant, &options.cancel)?;
         let instance = options.isa.unwrap_or_else(KernelIsa::best);
         Ok(Self { bvh: Aggregate { tree, giants, spheres }, stats: shape, isa: instance })

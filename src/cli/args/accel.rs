@@ -22,7 +22,7 @@ pub struct AccelArg {
 /// How an intersector is built.
 #[derive(Args, Debug)]
 pub struct BuildArg {
-    /// How much care the native intersector takes
+    /// How to build the tree of the native intersector
     #[arg(long = "build", value_name = "HOW", default_value = BuildQuality::default().name())]
     #[arg(value_parser = one_of(explained(care)))]
     pub quality: BuildQuality,
@@ -31,7 +31,7 @@ pub struct BuildArg {
 /// Which intersectors.
 #[derive(Args, Debug)]
 pub struct AccelsArg {
-    /// This intersector only; may be repeated. All by default
+    /// Use only this intersector; may be repeated [default: all]
     #[arg(long = "accel", value_name = "NAME", value_parser = backends())]
     chosen: Vec<Backend>,
 }
@@ -50,7 +50,7 @@ pub fn backends() -> impl TypedValueParser<Value = Backend> {
 
 fn choices() -> impl TypedValueParser<Value = BackendChoice> {
     let auto = PossibleValue::new(BackendChoice::Auto.name())
-        .help("whatever is fastest for the scene on this processor");
+        .help("the fastest for this scene and processor");
     let others = named_backends().map(|(name, backend)| (name, BackendChoice::Only(backend)));
     one_of([(auto, BackendChoice::Auto)].into_iter().chain(others))
 }
@@ -70,9 +70,9 @@ fn care(quality: BuildQuality) -> &'static str {
 
 fn meaning(backend: Backend) -> &'static str {
     match backend {
-        Backend::Embree => "Embree, with spheres as points",
-        Backend::EmbreeUser => "Embree, with our own arithmetic for every sphere",
-        Backend::Native => "our own bounding volume hierarchy",
+        Backend::Embree => "Embree, with its sphere points",
+        Backend::EmbreeUser => "Embree, with spheres as user geometry",
+        Backend::Native => "photosphere's own bounding volume hierarchy",
         Backend::BruteForce => "every ray against every sphere, in f64; for tiny scenes",
     }
 }

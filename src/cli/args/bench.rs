@@ -9,7 +9,7 @@ use super::memory::MemoryArg;
 use super::scene::SceneOptions;
 use super::values::count;
 
-/// Measure how fast every intersector answers, builds and renders
+/// Measure ray rates, build times, memory and whole renders for every intersector
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -20,13 +20,13 @@ Examples:
   photosphere bench --suite speed.html --largest 1e6
   photosphere bench --record record.txt --rounds 9
 
-Rays come from the camera, sixteen to a pixel, from one and from two diffuse bounces, and as shadow
-rays from what the camera sees towards any sphere. Intersectors take turns, so that a busy machine hinders all alike;
-a figure is the median over the rounds, `+-` the spread of the middle half of them. `ratio` compares
-with the first intersector. `other ids` counts rays, of some thousands of each kind, that the first
-intersector answers otherwise.
+The rays are camera rays (sixteen per pixel), first and second diffuse bounces, and shadow rays from
+visible surfaces to random spheres. Intersectors take turns, so that other load slows all of them
+alike. Each figure is the median over the rounds, followed by half the interquartile range (`+-`).
+`ratio` compares with the first intersector. `other ids` counts the rays, out of some thousands of
+each kind, for which an intersector disagrees with the first one.
 
-Ctrl-C ends a suite early: the page then holds the scenes that are finished.")]
+Ctrl-C ends a suite early; the page then holds the finished scenes.")]
 pub struct BenchArgs {
     /// The scene file
     #[arg(value_name = "SCENE", required_unless_present_any = ["suite", "record"])]
@@ -44,28 +44,28 @@ pub struct BenchArgs {
     #[command(flatten)]
     pub build: BuildArg,
 
-    /// Rounds in which all take turns; each figure is the median over them
+    /// Rounds; each figure is their median
     #[arg(long, value_name = "N", default_value_t = 5)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     pub rounds: u16,
 
-    /// Builds of each intersector, in turns
+    /// Builds of each intersector
     #[arg(long, value_name = "N", default_value_t = 1)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     pub builds: u16,
 
-    /// Rays in one call; an integrator has 256 to 1024. Several, as in 1,16,64,512, are compared on
-    /// rays of the second bounce; the first is used for all else
+    /// Rays per call; integrators use 256 to 1024. A list, such as 1,16,64,512, is compared on rays
+    /// of the second bounce; its first number is used for everything else
     #[arg(long = "batch", value_name = "N[,N...]", default_value = "512", value_delimiter = ',')]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub batches: Vec<u32>,
 
-    /// Compare 1, 2, 4 and so on up to all threads on rays of the second bounce, beside a loop of
-    /// arithmetic that shows what this machine's threads are worth
+    /// Measure rays of the second bounce with 1, 2, 4, ... threads, beside a loop of arithmetic
+    /// that shows how well the threads of this machine scale
     #[arg(long)]
     pub scaling: bool,
 
-    /// Render the picture with every intersector as well; with brute force only up to 10000 spheres
+    /// Also render the picture with every intersector (brute force: up to 10000 spheres only)
     #[arg(long, conflicts_with = "suite")]
     pub render: bool,
 
@@ -73,17 +73,17 @@ pub struct BenchArgs {
     #[arg(long)]
     pub json: bool,
 
-    /// Draw the figures as bars
+    /// Draw the figures as a bar chart
     #[arg(long, value_name = "FILE.svg", conflicts_with = "suite")]
     pub svg: Option<PathBuf>,
 
-    /// Measure the standard scenes in place of one, and write a page about them: gas, packed
-    /// spheres, clusters and a lattice of 3, 100, 1000 spheres and so on, as far as memory allows
+    /// Measure standard scenes instead of SCENE and write an HTML page: gas, packed, clusters and
+    /// lattice, with 3, 100, 1000, ... spheres, as far as memory allows
     #[arg(long, value_name = "FILE.html", conflicts_with_all = ["path", "set", "scaling"])]
     pub suite: Option<PathBuf>,
 
-    /// Measure native against Embree, in place of a scene, and write the tables that
-    /// benches/record/ keeps, with the ratios that we ask for: about a quarter of an hour
+    /// Measure native against Embree instead of SCENE and write the tables that benches/record/
+    /// keeps, with our targets: about a quarter of an hour
     #[arg(long, value_name = "FILE.txt")]
     #[arg(conflicts_with_all = [
         "path", "suite", "set", "scaling", "render", "svg", "chosen", "builds", "batches", "quality",
@@ -91,8 +91,8 @@ pub struct BenchArgs {
     ])]
     pub record: Option<PathBuf>,
 
-    /// The most spheres of the suite or of the record, as in 1e6 [default: 1e8, or 1e7 for the
-    /// record]
+    /// The largest number of spheres in the suite or the record, such as 1e6 [default: 1e8 for the
+    /// suite, 1e7 for the record]
     #[arg(long, value_name = "N", value_parser = count, conflicts_with = "path")]
     pub largest: Option<u64>,
 }

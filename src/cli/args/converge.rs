@@ -15,7 +15,7 @@ use super::values::{Size, one_of, seed, size};
 /// How many numbers of samples are compared where none are asked for.
 const USUAL_POINTS: u32 = 7;
 
-/// Plot how the error of a scene falls with samples and with time
+/// Plot error against samples and against time
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -26,41 +26,42 @@ Examples:
   photosphere converge fig2.toml --reference best.exr -o noise.svg --json
   photosphere converge fig2.toml --accel native,embree -o speed.svg
 
-Every combination of --integrator, --estimator, --sampler and --accel is one curve; where none is
-named the scene decides. Each point is the mean over --seeds renders with its 95 % interval (Student's t), and so is
-each slope, fitted by least squares in log-log for every seed. Independent samples have the slope
--0.5 (RMSE), or -1 (relMSE, the mean of ((A - B) / (|B| + 0.01))^2). `cost` is squared error times
-seconds: what a method costs, whatever the number of samples.
+Every combination of --integrator, --estimator, --sampler and --accel is one curve; the scene decides
+what is not given. Each point is the mean over --seeds renders with its 95 % interval (Student's t).
+So is each slope, which is fitted to every seed by least squares in log-log. Independent samples have
+the slope -0.5 (RMSE) or -1 (relMSE, the mean of ((A - B) / (|B| + 0.01))^2). `cost` is squared error
+times seconds, which does not depend on the number of samples if they are independent.
 
-The reference is rendered in two halves with other seeds. Half their difference tells its own error,
-which is printed and taken away from every point. That of a --reference FILE is known only if the
-file has a layer `variance`; else it stays in every point, and curves flatten where they meet it.
+The reference is rendered in two halves with other seeds. Half their difference estimates its own
+error, which is printed and subtracted from every point. The error of a --reference FILE is known only
+if the file has a layer `variance`; otherwise it stays in every point, and curves flatten when they
+reach it.
 
-Seconds are of this machine as it is now: close other programs, or look only at ratios. The integrator
-`paper` needs samples that are a multiple of its k x k sub-pixels, as in --spp 4,40,400.")]
+Seconds depend on what else the machine does: close other programs, or compare only ratios. The
+integrator `paper` needs sample counts that are multiples of its k x k sub-pixels: --spp 4,40,400.")]
 pub struct ConvergeArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
 
-    /// The plot, an .svg
+    /// The plot, an .svg file
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 
-    /// Samples per pixel, one point each; by default 1,2,4,8,16,32,64, times the sub-pixels where
-    /// `paper` is compared
+    /// Samples per pixel, one point each [default: 1,2,4,8,16,32,64, times the number of sub-pixels
+    /// if `paper` is compared]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     spp: Vec<u32>,
 
-    /// Estimators of light to compare
+    /// Integrators to compare
     #[arg(long = "integrator", value_name = "LIST", value_delimiter = ',')]
     pub integrators: Vec<String>,
 
-    /// Ways to find lights to compare
+    /// Estimators to compare
     #[arg(long = "estimator", value_name = "LIST", value_delimiter = ',')]
     pub estimators: Vec<String>,
 
-    /// Sources of random numbers to compare
+    /// Samplers to compare
     #[arg(long = "sampler", value_name = "LIST", value_delimiter = ',')]
     pub samplers: Vec<String>,
 
@@ -68,16 +69,16 @@ pub struct ConvergeArgs {
     #[arg(long = "accel", value_name = "LIST", value_delimiter = ',', value_parser = backends())]
     pub accels: Vec<Backend>,
 
-    /// Which error
+    /// The error metric
     #[arg(long, value_name = "NAME", value_parser = metrics(), default_value = "rmse")]
     pub metric: ErrorMetric,
 
-    /// Independent renders behind every point
+    /// Independent renders per point
     #[arg(long, value_name = "K", default_value_t = 8)]
     #[arg(value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub seeds: u32,
 
-    /// Chooses the random numbers; the renders take this seed and those after it
+    /// The first seed; the renders use this one and those that follow
     #[arg(long, value_name = "S", default_value_t = 0)]
     #[arg(value_parser = seed())]
     pub seed: u64,
@@ -86,21 +87,22 @@ pub struct ConvergeArgs {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["reference_spp", "reference_integrator"])]
     pub reference: Option<PathBuf>,
 
-    /// Samples per pixel of the reference, both halves together; 16 times the most by default
+    /// Samples per pixel of the reference, both halves together [default: 16 times the largest
+    /// --spp]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
     reference_spp: Option<u32>,
 
-    /// The reference's estimator: by default `path` if it or `paper` is compared, else the one that
-    /// is. Only `path` and `paper` converge to the same picture; others are compared with each
-    /// other where this or --reference says which picture is right
+    /// The integrator of the reference [default: `path` if `path` or `paper` is compared, otherwise
+    /// the integrator that is compared]. Only these two converge to the same picture; to compare
+    /// others with each other, set this or --reference
     #[arg(long, value_name = "NAME")]
     pub reference_integrator: Option<String>,
 
-    /// The size of the pictures, as in 80x60; noise needs no large ones
+    /// The size of the pictures, such as 80x60; small ones suffice to measure noise
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<Size>,
 
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(short, long)]
     pub quiet: bool,
 

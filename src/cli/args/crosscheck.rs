@@ -8,18 +8,19 @@ use super::accel::AccelsArg;
 use super::scene::SceneArgs;
 use super::values::seed;
 
-/// Check every intersector against exact arithmetic, on rays of the scene
+/// Test every intersector against double-double arithmetic, on rays of the scene
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
   photosphere crosscheck scenes/cornell-spheres.toml
   photosphere crosscheck grains.toml --rays 3000 --dump wrong-rays.txt
 
-A third each are rays of the camera, their bounces, and random rays at difficult places. `equal` and
-`ambiguous` (within the rounding that the intersector states for itself) are right; anything else
-makes the exit code 1: another sphere (wrong), none (lost) or one where there is none (ghosts), and a
-wrong distance, side of the sphere or occlusion. More than 1 % of ambiguous answers to the rays of the
-camera and their bounces is worth a warning: spheres are then too small for how far away they are.")]
+A third of the rays are camera rays, a third their bounces, and a third random rays at difficult
+places. `equal` and `ambiguous` answers (within the rounding error that the intersector states) are
+correct. Any other answer makes the exit code 1: another sphere (wrong), no sphere (lost), a sphere
+where there is none (ghosts), or a wrong distance, side or occlusion. A warning is printed if more than
+1 % of the answers to camera rays and bounces are ambiguous: the spheres are then too small for their
+distance.")]
 pub struct CrosscheckArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -32,12 +33,12 @@ pub struct CrosscheckArgs {
     #[arg(value_parser = clap::value_parser!(u32).range(3..=10_000_000))]
     pub rays: u32,
 
-    /// Chooses the random rays
+    /// The seed of the random rays
     #[arg(long, value_name = "S", default_value_t = 0)]
     #[arg(value_parser = seed())]
     pub seed: u64,
 
-    /// Write the rays that were answered wrongly to a file
+    /// Write the rays with wrong answers to a file
     #[arg(long, value_name = "FILE")]
     pub dump: Option<PathBuf>,
 }

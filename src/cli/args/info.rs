@@ -6,7 +6,7 @@ use super::accel::AccelArg;
 use super::memory::MemoryArg;
 use super::scene::SceneArgs;
 
-/// Say what is in a scene and what of it deserves attention, or how a picture was made
+/// Summarise a scene (contents, memory, likely mistakes) or a picture (how it was made)
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -15,8 +15,8 @@ Examples:
   photosphere info grains.toml --json | jq .spheres
   photosphere info grains.toml --memory-limit 8GiB
 
-What comes first is the memory that a render will take with each intersector: from the lengths of the
-tables and the scene alone, before anything is loaded.")]
+The memory plan comes first: what a render takes with each intersector, predicted from the scene file
+and the lengths of its tables before anything is loaded.")]
 pub struct InfoArgs {
     #[command(flatten)]
     pub scene: SceneArgs,

@@ -7,7 +7,7 @@ use super::values::bytes;
 /// How much memory may be used.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct MemoryArg {
-    /// Refuse, before anything is loaded, what would need more memory than this, as in 8GiB
+    /// Refuse a scene that needs more memory than this, such as 8GiB, before loading it
     #[arg(long = "memory-limit", value_name = "SIZE", value_parser = bytes)]
     pub limit: Option<u64>,
 }

@@ -56,8 +56,8 @@ Examples:
 
 /// Renders scenes made of spheres by Monte Carlo path tracing.
 ///
-/// A scene is a TOML file (docs/scene-format.md), beside it perhaps tables of many spheres. Each
-/// command explains itself: photosphere render --help.
+/// A scene is a TOML file (docs/scene-format.md), with binary tables for very many spheres. Every
+/// command has a help page with examples: photosphere render --help.
 #[derive(Debug, Parser)]
 #[command(name = "photosphere", version, max_term_width = 100)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{EXIT_CODES}"))]
@@ -81,20 +81,21 @@ pub enum Command {
     Verify(VerifyArgs),
     Generate(GenerateArgs),
     Info(InfoArgs),
-    /// Say what this build and this machine can do, and what is missing
+    /// Report the Embree version, the instruction set, and what is missing
     #[command(after_help = "\
 Examples:
   photosphere doctor
 
-Prints the version of Embree at compile time and at run time and the instruction set it uses, or
-why there is none and which packages to install; then traces one ray with every intersector.")]
+Prints Embree's versions (at compile time and at run time) and instruction set, or how to install
+Embree. Then tests every intersector with two rays.")]
     Doctor,
-    /// Print the JSON schema of scene files, which editors complete and check them by
+    /// Print the JSON schema of scene files, for completion and checks in an editor
     #[command(after_help = "\
 Examples:
   photosphere schema > photosphere.schema.json
 
-An editor with taplo, such as VS Code with Even Better TOML, takes it from the first line of a scene:
+Editors with taplo, such as VS Code with Even Better TOML, find the schema by the first line of a
+scene:
 #:schema ./photosphere.schema.json")]
     Schema,
     /// Print the completion script for a shell
@@ -111,9 +112,34 @@ Examples:
   photosphere man | man -l -
   photosphere man render > photosphere-render.1")]
     Man {
-        /// The command; left out, the page is that of the whole program
+        /// The command [default: the whole program]
         command: Option<String>,
     },
+}
+
+impl Command {
+    /// Returns true if the result is to be printed as JSON.
+    pub fn json(&self) -> bool {
+        match self {
+            Self::Render(args) => args.json,
+            Self::Resume(args) => args.json,
+            Self::Bench(args) => args.json,
+            Self::Compare(args) => args.json,
+            Self::Converge(args) => args.json,
+            Self::Trace(args) => args.json,
+            Self::Verify(args) => args.json,
+            Self::Info(args) => args.json,
+            Self::Merge(_)
+            | Self::Plan(_)
+            | Self::Crosscheck(_)
+            | Self::Reproduce(_)
+            | Self::Generate(_)
+            | Self::Doctor
+            | Self::Schema
+            | Self::Completions { .. }
+            | Self::Man { .. } => false,
+        }
+    }
 }
 
 #[cfg(test)]

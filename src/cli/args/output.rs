@@ -9,7 +9,7 @@ use clap::builder::TypedValueParser;
 
 use crate::color::{ToneCurve, ViewTransform};
 use crate::film::{AOVS, Aov};
-use crate::image_io::PICTURE_FORMATS;
+use crate::image_io::{FileFormat, PICTURE_FORMATS};
 use crate::job::{FilePath, OutputSpec};
 
 use super::values::{exposure, named, one_of};
@@ -21,25 +21,28 @@ pub struct OutputArgs {
     #[arg(short = 'o', long = "output", value_name = "FILE", required = true, help = files_help())]
     pub files: Vec<PathBuf>,
 
-    /// The layers of .exr files beside the beauty, as in --layers direct,albedo,normal
+    /// The layers (AOVs) of .exr files, such as direct,albedo,normal [default: direct,indirect]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = kinds())]
     layers: Option<Vec<Aov>>,
 
-    /// Brighten .png files by this many stops, each of which doubles the light
+    /// The exposure of .png files in stops; each stop doubles the light
     #[arg(long, value_name = "EV", value_parser = exposure)]
     exposure: Option<f32>,
 
-    /// How .png files show bright light: srgb (cut off at 1), filmic or agx
+    /// The tone curve of .png files: srgb (clips at 1), filmic or agx
     #[arg(long, value_name = "NAME", value_parser = one_of(named::<ToneCurve>()))]
     tone: Option<ToneCurve>,
 
-    /// Spread the rounding of .png files to 8 bits over neighbouring pixels, which hides steps in
-    /// smooth gradients
+    /// Dither .png files, which hides steps in smooth gradients
     #[arg(long)]
     dither: bool,
 
-    /// Leave the command, the time and the machine out of the file, so that equal pictures are
-    /// equal files
+    /// The resolution for print that .png files record, in pixels per inch
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    dpi: Option<u32>,
+
+    /// Omit the command, the time and the machine from the files, so that equal pictures are equal
+    /// files
     #[arg(long)]
     pub no_run_figures: bool,
 }
@@ -66,7 +69,8 @@ impl OutputArgs {
         OutputSpec {
             files: self.files.iter().cloned().map(FilePath).collect(),
             look: self.look(),
-            with_run: !self.no_run_figures,
+            dpi: self.dpi,
+            with_run_record: !self.no_run_figures,
             save_every: Duration::from_secs(60),
             preview: None,
             preview_every: Duration::from_secs(2),
@@ -95,6 +99,9 @@ impl OutputArgs {
         if let Some(tone) = self.tone {
             of_pictures.extend(["--tone".to_owned(), tone.name().to_owned()]);
         }
+        if let Some(dpi) = self.dpi {
+            of_pictures.extend(["--dpi".to_owned(), dpi.to_string()]);
+        }
         let flags = [("--dither", self.dither), ("--no-run-figures", self.no_run_figures)];
         let given = flags.into_iter().filter(|(_, given)| *given);
         of_pictures.extend(given.map(|(flag, _)| flag.to_owned()));
@@ -102,10 +109,19 @@ impl OutputArgs {
     }
 }
 
+/// The format of a picture on the standard output.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct StdoutArgs {
+    /// The format of -o -, the picture on the standard output [default: png]
+    #[arg(long, value_name = "NAME", value_parser = one_of(named::<FileFormat>()))]
+    pub format: Option<FileFormat>,
+}
+
 fn files_help() -> String {
     format!(
-        "The picture; its extension chooses the format: {PICTURE_FORMATS}; or .part, the sums \
-         themselves, to be merged. May be repeated"
+        "The picture; its extension chooses the format: {PICTURE_FORMATS}; or .part, the sums of \
+         the film, for merge. `-` is the standard output, and `none` discards the picture. May be \
+         repeated"
     )
 }
 

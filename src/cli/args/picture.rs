@@ -73,7 +73,7 @@ impl Args for PictureArgs {
         let size = Arg::new(SIZE)
             .long(SIZE)
             .value_name("WxH")
-            .help("The size of the picture in pixels, as in 640x480")
+            .help("The size of the picture in pixels, such as 640x480")
             .value_parser(size);
         let with_keys =
             options().fold(command, |command, (key, option)| command.arg(argument(&key, &option)));
@@ -102,11 +102,9 @@ impl FromArgMatches for PictureArgs {
             };
             let Some(given) = given else { continue };
             let value = if is_a(&key, "array") { format!("[{given}]") } else { given.clone() };
-            self.given.push(Override {
-                option: format!("--{} {given}", option.name),
-                key: format!("{}.{}", key.table, key.name),
-                value,
-            });
+            let name = format!("{}.{}", key.table, key.name);
+            let words = [&*format!("--{}", option.name), &*given];
+            self.given.push(Override::new(name, value).with_option(words));
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use crate::scene::Override;
 use super::accel::AccelArg;
 use super::keep::CheckpointArgs;
 use super::memory::MemoryArg;
-use super::output::OutputArgs;
+use super::output::{OutputArgs, StdoutArgs};
 use super::picture::PictureArgs;
 use super::scene::SceneArgs;
 use super::stop::{StopArgs, WatchArgs};
@@ -29,16 +29,20 @@ Examples:
   photosphere render fig2.toml -o fig2.exr --spp 65536 --checkpoint fig2.state
   photosphere render fig2.toml -o b.part --samples 0..64 --crop 320,0,640,480
   photosphere render fig2.toml -o fig2.exr --noise 2% --preview so-far.png
+  sed s/0.2/0.3/ fig2.toml | photosphere render - -o - > fig3.png
 
-Ctrl-C stops and writes the samples done so far; a second one, or one before the first sample,
-stops at once and writes nothing. With --checkpoint FILE, `photosphere resume FILE` goes on, and so
-does the same command.")]
+Ctrl-C stops the render and writes the samples so far. A second Ctrl-C, or one before
+rendering starts, exits at once and writes nothing. To resume a render with --checkpoint FILE, use
+`photosphere resume FILE` or repeat the command.")]
 pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
 
     #[command(flatten)]
     pub output: OutputArgs,
+
+    #[command(flatten)]
+    pub stdout: StdoutArgs,
 
     #[command(flatten)]
     pub accel: AccelArg,
@@ -49,8 +53,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub picture: PictureArgs,
 
-    /// Render these samples of each pixel only, as in 0..64; a range starts on a multiple of 16,
-    /// and ends on one unless it is the last
+    /// Render only these samples of each pixel, such as 0..64; a range starts on a multiple of 16
+    /// and, unless it is the last, ends on one
     #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with = "noise")]
     pub samples: Option<Range<u32>>,
 
@@ -63,11 +67,11 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub watch: WatchArgs,
 
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(short, long)]
     pub quiet: bool,
 
-    /// Print one JSON object with the figures of the render on the standard output
+    /// Print the statistics of the render as one JSON object on the standard output
     #[arg(long)]
     pub json: bool,
 }
@@ -104,7 +108,7 @@ mod tests {
         let overrides = args.overrides();
         let shown: Vec<_> = overrides
             .iter()
-            .map(|o| (o.option.as_str(), o.key.as_str(), o.value.as_str()))
+            .map(|o| (o.option().join(" "), o.key.as_str(), o.value.as_str()))
             .collect();
         let expected = [
             ("--size 64x48", "image.width", "64"),
@@ -116,7 +120,8 @@ mod tests {
             ("--set render.seed=3", "render.seed", "3"),
             ("--set materials.m.albedo=[0.1,0.2,0.3]", "materials.m.albedo", "[0.1,0.2,0.3]"),
         ];
-        assert_eq!(shown, expected);
+        assert_eq!(shown, expected.map(|(option, key, value)| (option.to_owned(), key, value)));
+        assert_eq!(overrides[0].option(), ["--size", "64x48"]);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use super::values::threads;
 /// Which scene, and how much of the machine.
 #[derive(Args, Debug)]
 pub struct SceneArgs {
-    /// The scene file
+    /// The scene file; for render, trace and crosscheck, - is the standard input
     #[arg(value_name = "SCENE")]
     pub path: PathBuf,
 
@@ -22,11 +22,11 @@ pub struct SceneArgs {
 /// What is changed in the scene, and how much of the machine is used.
 #[derive(Args, Debug)]
 pub struct SceneOptions {
-    /// Set any key of the scene, as in --set materials.grass.albedo=[0.1,0.5,0.1]; may be repeated
+    /// Set any key of the scene, such as materials.grass.albedo=[0.1,0.5,0.1]; may be repeated
     #[arg(long, value_name = "KEY=VALUE", value_parser = setting)]
     set: Vec<Override>,
 
-    /// Threads to use; all cores by default. The picture does not depend on it
+    /// Threads to use [default: all cores]; pictures do not depend on it
     #[arg(long, value_name = "T", value_parser = threads())]
     threads: Option<usize>,
 }
@@ -59,9 +59,8 @@ impl SceneOptions {
 fn setting(text: &str) -> Result<Override, String> {
     match text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
         Some((key, value)) if !key.is_empty() => {
-            let option = format!("--set {key}={value}");
-            Ok(Override { option, key: key.to_owned(), value: value.to_owned() })
+            Ok(Override::new(key, value).with_option(["--set", &format!("{key}={value}")]))
         }
-        _ => Err("it must be KEY=VALUE, as in render.seed=7".to_owned()),
+        _ => Err("expected KEY=VALUE, such as render.seed=7".to_owned()),
     }
 }

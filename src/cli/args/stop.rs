@@ -13,24 +13,23 @@ use super::values::{confidence, duration, noise};
 /// When the picture is good enough.
 #[derive(Args, Debug)]
 pub struct StopArgs {
-    /// Render each square of 16 x 16 pixels until the error is below this share of the brightness,
-    /// as in 1% or 0.01 (docs/stopping.md)
+    /// Render each tile of 16 x 16 pixels until its relative error is below this, such as 1% or
+    /// 0.01 (docs/stopping.md)
     #[arg(long, value_name = "ERROR", value_parser = noise, conflicts_with = "spp", allow_hyphen_values = true)]
     pub noise: Option<f64>,
 
-    /// The share of the values of each square whose error must be below --noise
+    /// The fraction of the values of each tile whose error must be below --noise
     #[arg(long, value_name = "SHARE", value_parser = confidence, requires = "noise", default_value = "95%", allow_hyphen_values = true)]
     pub confidence: f64,
 
-    /// With --noise, the most samples per pixel, from 64: where they are not enough, the picture is
-    /// written all the same, and the exit code is 1
+    /// The maximum samples per pixel with --noise, from 64. If they do not suffice, the picture is
+    /// written anyway, and the exit code is 1
     #[arg(long, value_name = "N", requires = "noise", default_value_t = 65536)]
     #[arg(value_parser = clap::value_parser!(u32).range(64..))]
     pub max_spp: u32,
 
-    /// Stop after this time, as in 30s, 5m or 1h, with as many samples as there are then; at least
-    /// 16 per pixel. Without --spp, the time alone decides. A render that goes on has what is left
-    /// of it
+    /// Stop after this time, such as 30s, 5m or 1h, with at least 16 samples per pixel. Without
+    /// --spp, only the time decides. A resumed render has what is left of its time
     #[arg(long, value_name = "TIME", value_parser = duration, allow_hyphen_values = true)]
     pub time: Option<Duration>,
 }
@@ -38,16 +37,16 @@ pub struct StopArgs {
 /// Who looks on.
 #[derive(Args, Debug)]
 pub struct WatchArgs {
-    /// Keep a .png file of the picture so far
+    /// Update this .png file with the picture so far
     #[arg(long, value_name = "FILE")]
     pub preview: Option<PathBuf>,
 
-    /// The time between two pictures for --preview and --tev
+    /// The time between two updates of --preview and --tev
     #[arg(long, value_name = "TIME", value_parser = duration, default_value = "2s", allow_hyphen_values = true)]
     pub preview_every: Duration,
 
-    /// Show the picture so far in the viewer tev, which listens there; its own default is
-    /// 127.0.0.1:14158
+    /// Show the picture so far in the viewer tev, which listens at this address; tev's own default
+    /// is 127.0.0.1:14158
     #[arg(long, value_name = "HOST:PORT")]
     pub tev: Option<String>,
 }
@@ -66,12 +65,14 @@ impl StopArgs {
 
     /// What the options change in the scene: the most samples that there can be.
     pub fn overrides(&self, given_spp: bool) -> Option<Override> {
-        let (option, most) = match (self.noise, self.time) {
-            (Some(_), _) => (format!("--max-spp {}", self.max_spp), self.max_spp),
-            (None, Some(_)) if !given_spp => ("--time".to_owned(), UNLIMITED_SAMPLES),
-            _ => return None,
-        };
-        let key = "render.samples_per_pixel".to_owned();
-        Some(Override { option, key, value: most.to_string() })
+        let most = |samples: u32| Override::new("render.samples_per_pixel", samples.to_string());
+        match (self.noise, self.time) {
+            (Some(_), _) => {
+                let given = self.max_spp.to_string();
+                Some(most(self.max_spp).with_option(["--max-spp", &given]))
+            }
+            (None, Some(_)) if !given_spp => Some(most(UNLIMITED_SAMPLES).with_option(["--time"])),
+            _ => None,
+        }
     }
 }

@@ -11,7 +11,7 @@ use super::picture::PictureArgs;
 use super::scene::SceneArgs;
 use super::values::pixel;
 
-/// Tell one path step by step, and draw it
+/// Explain one path step by step, and draw it
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -19,20 +19,20 @@ Examples:
   photosphere trace scenes/cornell-spheres.toml --pixel 200,330 --svg path.svg
   photosphere trace fig2.toml --pixel 320,240 --integrator paper --json
 
-The path is the very one that render takes there with the same options: same seed, same random
-numbers, same light to the bit. It is told in the letters of the rendering equation
+The path is the one that `render` traces with the same options: the same random numbers and bit-identical
+light. The symbols are those of the rendering equation
 
   L_o = L_e + integral of f_r L_i |cos| over the sphere of directions
 
-x_k is the path's vertex number k, p the density of a direction (per solid angle), w the weight of
-multiple importance sampling, and T the product of f_r |cos| / p so far. V is what surfaces that are
-not opaque let pass on the way to a light, tau what a medium does on a way that T has not counted yet,
-and L_e is already multiplied with the emitter's opacity. Each line that begins with `+` adds light to
-the sample; their sum is the sample's L_o at the camera.
+x_k is vertex k of the path, p the pdf of a direction (per solid angle), w the weight of multiple
+importance sampling, and T the throughput: the product of f_r |cos| / p so far. V is the transmittance
+of translucent surfaces on the way to a light, tau that of a medium along a segment that T does not
+include yet, and L_e includes the opacity of the emitter. Each line that begins with `+` adds light to
+the sample; their sum is L_o at the camera.
 
-The drawing looks at the path from the side: upright, on the plane in which the path is largest.
-Spheres that the path meets or aims at are named. Rays towards emitters are drawn through where they
-arrive and dashed where something is in the way.")]
+The drawing shows the path from the side, on the upright plane in which it is largest, and names the
+spheres that the path hits or samples. Shadow rays are solid if they reach the emitter and dashed if
+they are blocked.")]
 pub struct TraceArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -45,7 +45,7 @@ pub struct TraceArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub sample: u32,
 
-    /// Draw the path into this .svg file
+    /// Draw the path to this .svg file
     #[arg(long, value_name = "FILE.svg")]
     pub svg: Option<PathBuf>,
 

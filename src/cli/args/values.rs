@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
+use crate::cli::system::MAX_THREADS;
 use crate::math::Rect;
 use crate::names::Named;
 use crate::scene::Override;
@@ -20,10 +21,9 @@ impl Size {
     /// Returns the overrides that `--size` stands for.
     pub fn overrides(self) -> [Override; 2] {
         let Self { width, height } = self;
-        [("image.width", width), ("image.height", height)].map(|(key, pixels)| Override {
-            option: format!("--size {width}x{height}"),
-            key: key.to_owned(),
-            value: pixels.to_string(),
+        let size = format!("{width}x{height}");
+        [("image.width", width), ("image.height", height)].map(|(key, pixels)| {
+            Override::new(key, pixels.to_string()).with_option(["--size", &size])
         })
     }
 }
@@ -35,7 +35,7 @@ pub fn one_of<T: Clone + Send + Sync + 'static>(
     let (names, values): (Vec<PossibleValue>, Vec<T>) = choices.into_iter().unzip();
     PossibleValuesParser::new(names.clone()).try_map(move |given| {
         let place = names.iter().position(|name| name.get_name() == given);
-        place.map(|place| values[place].clone()).ok_or("there is no such name")
+        place.map(|place| values[place].clone()).ok_or("unknown name")
     })
 }
 
@@ -53,7 +53,7 @@ pub fn explained<T: Named>(
 
 /// Parses any integer. The scene checks the range.
 pub fn whole(text: &str) -> Result<i128, String> {
-    text.parse().map_err(|_| "it must be a whole number".to_owned())
+    text.parse().map_err(|_| "expected a whole number".to_owned())
 }
 
 pub fn size(text: &str) -> Result<Size, String> {
@@ -61,13 +61,13 @@ pub fn size(text: &str) -> Result<Size, String> {
         let (width, height) = text.split_once(['x', 'X'])?;
         Some(Size { width: width.parse().ok()?, height: height.parse().ok()? })
     };
-    read().ok_or_else(|| "it must be WIDTHxHEIGHT, as in 640x480".to_owned())
+    read().ok_or_else(|| "expected WIDTHxHEIGHT, such as 640x480".to_owned())
 }
 
 /// Parses a number of threads. More threads than any machine has cores are a typing error, and
 /// would not start.
 pub fn threads() -> impl TypedValueParser<Value = usize> {
-    clap::value_parser!(u16).range(1..=4096).map(usize::from)
+    clap::value_parser!(u16).range(1..=i64::from(MAX_THREADS)).map(usize::from)
 }
 
 /// Parses a seed, with the range of the scene's seed.
@@ -84,7 +84,7 @@ pub fn duration(text: &str) -> Result<Duration, String> {
     let seconds = units.into_iter().find_map(with_unit).or_else(|| text.parse().ok());
     match seconds {
         Some(seconds) if (0.001..1e9).contains(&seconds) => Ok(Duration::from_secs_f64(seconds)),
-        _ => Err("it must be a time, as in 30s, 5m or 1h".to_owned()),
+        _ => Err("expected a time, such as 30s, 5m or 1h".to_owned()),
     }
 }
 
@@ -92,7 +92,7 @@ pub fn duration(text: &str) -> Result<Duration, String> {
 pub fn exposure(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(stops) if (-100.0..=100.0).contains(&stops) => Ok(stops),
-        _ => Err("it must be a number of stops from -100 to 100".to_owned()),
+        _ => Err("expected a number of stops from -100 to 100".to_owned()),
     }
 }
 
@@ -105,7 +105,7 @@ pub fn window(text: &str) -> Result<Rect, String> {
         (width > 0 && height > 0).then_some(Rect { x, y, width, height })
     };
     corners().ok_or_else(|| {
-        "it must be the first column and row and the ones behind the last, as in 0,0,320,240"
+        "expected X0,Y0,X1,Y1, columns X0 to X1 - 1 and rows Y0 to Y1 - 1, such as 0,0,320,240"
             .to_owned()
     })
 }
@@ -117,9 +117,9 @@ pub fn samples(text: &str) -> Result<Range<u32>, String> {
         Some(first.trim().parse().ok()?..end.trim().parse().ok()?)
     };
     let range: Option<Range<u32>> = range();
-    range.filter(|range| !range.is_empty()).ok_or_else(|| {
-        "it must be the first sample and the one behind the last, as in 0..64".to_owned()
-    })
+    range
+        .filter(|range| !range.is_empty())
+        .ok_or_else(|| "expected A..B, samples A to B - 1, such as 0..64".to_owned())
 }
 
 /// Parses a count: an integer, optionally with an exponent.
@@ -130,7 +130,7 @@ pub fn count(text: &str) -> Result<u64, String> {
         // Above 2^53, not every integer is representable as f64.
         ((0.0..9e15).contains(&number) && number.fract() == 0.0).then_some(number as u64)
     };
-    let refused = "it must be a whole number, as in 250000 or 1e6";
+    let refused = "expected a whole number, such as 250000 or 1e6";
     whole().or_else(with_exponent).ok_or_else(|| refused.to_owned())
 }
 
@@ -147,7 +147,7 @@ pub fn bytes(text: &str) -> Result<u64, String> {
         ("TB", 1e12),
         ("B", 1.0),
     ];
-    let refused = || "it must be a size with its unit, as in 8GiB or 500MB".to_owned();
+    let refused = || "expected a size with its unit, such as 8GiB or 500MB".to_owned();
     let (number, unit) = UNITS
         .iter()
         .find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit)))
@@ -159,12 +159,12 @@ pub fn bytes(text: &str) -> Result<u64, String> {
 
 pub fn noise(text: &str) -> Result<f64, String> {
     share(text, 1e-6..=0.5)
-        .ok_or_else(|| "it must be a share up to 50%, as in 1% or 0.01".to_owned())
+        .ok_or_else(|| "expected a fraction up to 50%, such as 1% or 0.01".to_owned())
 }
 
 pub fn confidence(text: &str) -> Result<f64, String> {
     share(text, 0.5..=0.9999)
-        .ok_or_else(|| "it must be a share from 50% to 99.99%, as in 95% or 0.95".to_owned())
+        .ok_or_else(|| "expected a fraction from 50% to 99.99%, such as 95% or 0.95".to_owned())
 }
 
 /// Parses a fraction: `1%` or `0.01`.
@@ -177,11 +177,11 @@ fn share(text: &str, allowed: RangeInclusive<f64>) -> Option<f64> {
 }
 
 pub fn positive(text: &str) -> Result<f64, String> {
-    number(text, |value| value > 0.0).ok_or_else(|| "it must be a number above 0".to_owned())
+    number(text, |value| value > 0.0).ok_or_else(|| "expected a number above 0".to_owned())
 }
 
 pub fn positive_or_zero(text: &str) -> Result<f64, String> {
-    number(text, |value| value >= 0.0).ok_or_else(|| "it must be a number from 0".to_owned())
+    number(text, |value| value >= 0.0).ok_or_else(|| "expected a number not below 0".to_owned())
 }
 
 fn number(text: &str, is_allowed: impl Fn(f64) -> bool) -> Option<f64> {
@@ -193,7 +193,7 @@ pub fn pixel(text: &str) -> Result<(u32, u32), String> {
         let (x, y) = text.split_once(',')?;
         Some((x.trim().parse().ok()?, y.trim().parse().ok()?))
     };
-    read().ok_or_else(|| "it must be X,Y, as in 320,240".to_owned())
+    read().ok_or_else(|| "expected X,Y, such as 320,240".to_owned())
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use crate::verify::check::Effort;
 use super::accel::AccelsArg;
 use super::values::threads;
 
-/// Check this program on this machine: its intersectors, its sampling, its materials and its light
+/// Test the installation: intersectors, sampling, materials, and whole renders
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
@@ -18,18 +18,18 @@ Examples:
   photosphere verify --full --accel native --report native.html
   photosphere verify --list --only glass
 
-Four groups of checks, each against something that is known without the renderer:
-  crosscheck    every intersector against arithmetic of twice the digits of f64
-  chi-square    every sampling routine against its density
-  materials     no material makes light; each works the same in both directions
+There are four groups of checks, each against answers that are known without the renderer:
+  crosscheck    every intersector against double-double arithmetic
+  chi-square    every sampling routine against its pdf
+  materials     energy conservation and reciprocity of every material
   closed forms  whole renders, for every estimator, sampler and intersector,
-                against answers known on paper (docs/verification.md)
+                against answers derived on paper (docs/verification.md)
 
-What is random is judged by how far it is from the answer, in standard deviations (sigma). The limit
-is the same for all and so high that a right program fails any of the checks by chance with a
-probability of at most 1 in 1000. The random numbers are fixed: the same build gives the same result
-on every run. A failure by chance would be one check a little over its limit that is gone with other
-samples (another of --quick and --full); an error is far over, or comes back.
+Statistical checks are judged by their deviation from the answer in standard deviations (sigma). All
+share one limit, so high that a correct build fails by chance with probability at most 0.001. Random
+numbers are fixed: the same build gives the same result on every run. A failure by chance is a single
+check a little over the limit that passes with other samples (--quick, the default or --full); a bug
+is far over the limit, or fails again.
 
 The exit code is 1 if a check failed. Ctrl-C stops at once and writes no report.")]
 pub struct VerifyArgs {
@@ -37,26 +37,26 @@ pub struct VerifyArgs {
     #[arg(long, conflicts_with = "full")]
     quick: bool,
 
-    /// Every combination with four times the samples of the default: half an hour or more
+    /// Every combination, and four times the default samples: half an hour or more
     #[arg(long)]
     full: bool,
 
-    /// Write a report with pictures, one HTML file that needs nothing beside it
+    /// Write a self-contained HTML report with pictures
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
 
     #[command(flatten)]
     pub accels: AccelsArg,
 
-    /// Only checks whose name or group contains this, as in --only occluder; may be repeated
+    /// Run only checks whose name or group contains this, such as occluder; may be repeated
     #[arg(long, value_name = "TEXT")]
     pub only: Vec<String>,
 
-    /// Print the group and the name of each check, and run none
+    /// Print the group and the name of each check without running it
     #[arg(long, conflicts_with_all = ["report", "json"])]
     pub list: bool,
 
-    /// Threads to use; all cores by default. The result does not depend on it
+    /// Threads to use [default: all cores]; the result does not depend on it
     #[arg(long, value_name = "T", value_parser = threads())]
     pub threads: Option<usize>,
 

@@ -1,5 +1,6 @@
 //! `photosphere bench`: measures how fast every intersector traces, builds and renders.
 
+mod plan;
 mod suite;
 
 use std::fmt::Write as _;
@@ -15,7 +16,7 @@ use crate::job::{COMMIT, VERSION};
 use crate::math::Ray;
 use crate::report::speed::SpeedReport;
 use crate::scene::{PreparedScene, SceneFile, read_file};
-use crate::verify::bench::{BenchOptions, Measuring, RAY_SETS, Record, bench_renders, camera_rays};
+use crate::verify::bench::{RAY_SETS, Record, bench_renders, camera_rays};
 
 use super::args::BenchArgs;
 use super::exit::Exit;
@@ -23,6 +24,7 @@ use super::interrupt::{self, Interrupt};
 use super::memory::{self, MemoryNeeds};
 use super::print;
 use super::system::{self, on_threads};
+use plan::{bench_plan, circumstances};
 
 /// Maximum number of camera rays. More would only take memory.
 const MOST_RAYS: usize = 1 << 20;
@@ -44,17 +46,6 @@ pub(super) fn run(args: &BenchArgs) -> Result<Exit> {
     })
 }
 
-fn measuring(args: &BenchArgs, interrupt: &Interrupt) -> Measuring {
-    Measuring {
-        rounds: args.rounds.into(),
-        builds: args.builds.into(),
-        quality: args.build.quality,
-        batches: args.batches.iter().map(|&batch| batch as usize).collect(),
-        scaling: args.scaling,
-        cancel: interrupt.cancel(),
-    }
-}
-
 fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
     let svg = |path| AtomicFile::with_extension(path, "svg");
     let drawing = args.svg.as_deref().map(svg).transpose()?;
@@ -65,15 +56,16 @@ fn measure_file(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<
     memory::check(&scene_file, &MemoryNeeds { backends, kinds, besides }, args.memory.limit)?;
     let (scene, settings) = scene_file.build()?;
     let prepared = PreparedScene::new(&scene, settings)?;
-    let measuring = measuring(args, interrupt);
-    let field = measuring.field(scene.spheres(), backends)?;
+    let plan = bench_plan(args, interrupt);
+    let backend_set = plan.backend_set(scene.spheres(), backends)?;
     let image = settings.image;
     let camera = camera_rays(prepared.camera(), [image.width, image.height], MOST_RAYS);
-    let mut measured = measuring.measure(&field, camera)?;
+    let mut measured = plan.measure(&backend_set, camera)?;
     if args.render {
-        measured.renders = bench_renders(&prepared, &field, args.rounds.into(), &measuring.cancel)?;
+        measured.renders =
+            bench_renders(&prepared, &backend_set, args.rounds.into(), &plan.cancel)?;
     }
-    let (spheres, rounds) = (scene.spheres().len(), measuring.rounds());
+    let (spheres, rounds) = (scene.spheres().len(), plan.rounds());
     if let Some(file) = drawing {
         let title = format!("{}: speed of the intersectors", path.display());
         let subtitle = format!("{}, {}", print::count(spheres, "sphere"), circumstances(rounds));
@@ -109,11 +101,12 @@ fn record(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> 
         KernelIsa::best().name()
     );
     let _ = writeln!(text, "command: {}", system::command_line());
-    let _ = writeln!(text, "medians of {rounds} interleaved rounds, +- the middle half of them;");
-    let _ = writeln!(text, "ratio: how much faster than Embree; in brackets what is asked for");
+    let _ =
+        writeln!(text, "medians of {rounds} interleaved rounds, +- half the interquartile range;");
+    let _ = writeln!(text, "ratio: rate relative to Embree, with our target in brackets");
     print::note(text.trim_end());
     let largest = args.largest.unwrap_or(LARGEST_OF_RECORD);
-    Record { largest, rounds, cancel: interrupt.cancel() }.measure(&mut |table| {
+    Record { max_spheres: largest, rounds, cancel: interrupt.cancel() }.measure(&mut |table| {
         print::note(format_args!("\n{}", table.trim_end()));
         text += "\n";
         text += table;
@@ -129,15 +122,4 @@ fn bytes_of_rays(file: &SceneFile, backends: usize) -> u64 {
     let rays = 16 * u64::from(image.width) * u64::from(image.height);
     let each = RAY_SETS * (size_of::<PathRay>() + size_of::<Ray>() * (1 + 2 * backends));
     rays.min(MOST_RAYS as u64) * each as u64
-}
-
-/// Describes the machine and the measurement.
-fn circumstances(rounds: BenchOptions) -> String {
-    let threads = print::count(rayon::current_num_threads(), "thread");
-    let processor = system::processor().map_or(String::new(), |name| format!(" of {name}"));
-    let rays = print::count(rounds.batch, "ray");
-    format!(
-        "{threads}{processor}, {rays} a call, median of {}",
-        print::count(rounds.rounds, "round")
-    )
 }

@@ -12,9 +12,10 @@ use crate::error::Result;
 use crate::image_io::AtomicFile;
 use crate::job::COMMIT;
 use crate::report::speed::{entries_json, page};
-use crate::verify::bench::{BenchOptions, Event, Suite};
+use crate::task::memory_limits;
+use crate::verify::bench::{BenchOptions, Suite, SuiteEvent};
 
-use super::{circumstances, measuring};
+use super::plan::{bench_plan, circumstances};
 
 /// Sphere count of the largest scene, unless `--largest` is given.
 const LARGEST: u64 = 100_000_000;
@@ -26,31 +27,31 @@ const LARGEST: u64 = 100_000_000;
 pub(super) fn run(args: &BenchArgs, path: &Path, interrupt: &Interrupt) -> Result<Exit> {
     let file = AtomicFile::with_extension(path, "html")?;
     let suite = Suite {
-        measuring: measuring(args, interrupt),
+        plan: bench_plan(args, interrupt),
         backends: args.accels.backends().to_vec(),
-        largest: args.largest.unwrap_or(LARGEST),
-        memory: args.memory.limit.or_else(system::available_memory),
+        max_spheres: args.largest.unwrap_or(LARGEST),
+        memory: args.memory.limit.or_else(|| memory_limits::free().map(|free| free.bytes)),
     };
     let entries = suite.measure(&mut |event| {
         match event {
-            Event::LeftOut(backend, spheres) => {
+            SuiteEvent::Skipped(backend, spheres) => {
                 let name = backend.name();
                 print::note(format_args!("{spheres} spheres with {name} do not fit into memory"));
             }
-            Event::Finished(entry) => {
+            SuiteEvent::Finished(entry) => {
                 print::note(entry);
                 interrupt.enable_saving();
             }
         };
     })?;
-    let rounds = suite.measuring.rounds();
+    let rounds = suite.plan.rounds();
     let text = page(&facts(rounds), &entries)?;
     file.write(|to| to.write_all(text.as_bytes()))?;
     print::note(format_args!("wrote {}", path.display()));
     if args.json {
         print::json(&entries_json(&entries, rounds))?;
     }
-    Ok(if suite.measuring.cancel.is_cancelled() { Exit::Stopped } else { Exit::Done })
+    Ok(if suite.plan.cancel.is_cancelled() { Exit::Stopped } else { Exit::Done })
 }
 
 fn facts(rounds: BenchOptions) -> [(&'static str, String); 4] {
@@ -64,6 +65,6 @@ fn facts(rounds: BenchOptions) -> [(&'static str, String); 4] {
         ("program", format!("photosphere {}, {COMMIT}", env!("CARGO_PKG_VERSION"))),
         ("embree", embree),
         ("measured with", circumstances(rounds)),
-        ("memory", system::memory().map_or("unknown".to_owned(), print::bytes)),
+        ("memory", system::total_memory().map_or("unknown".to_owned(), print::bytes)),
     ]
 }

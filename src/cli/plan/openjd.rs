@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::error::{Error, Result};
 
-use super::ShardPlan;
+use super::commands::ShardPlan;
 use super::script::without_controls;
 use crate::cli::args::Division;
 
@@ -34,7 +34,7 @@ pub(super) fn template(plan: &ShardPlan) -> Result<String> {
     let mut names = [&plan.name, &plan.scene].into_iter().chain(&plan.options).chain(&plan.outputs);
     if let Some(name) = names.find(|name| name.contains("{{")) {
         return Err(Error::input(format!("`{name}` contains `{{{{`, which a template replaces"))
-            .with_help("rename the file, or say it in another way"));
+            .with_help("rename the file, or change the value"));
     }
     let shown = match plan.division {
         Division::Samples => "Samples",
@@ -45,7 +45,7 @@ pub(super) fn template(plan: &ShardPlan) -> Result<String> {
     let template = json!({
         "specificationVersion": "jobtemplate-2023-09",
         "name": without_controls(&plan.name).chars().take(LONGEST_NAME).collect::<String>(),
-        "description": "Planned by photosphere: shards, then the merge. Each task may be run again.",
+        "description": "Planned by photosphere: shards, then the merge. Every task can be run again.",
         "parameterDefinitions": parameters(),
         "steps": [
             {
@@ -75,13 +75,13 @@ fn parameters() -> Value {
             "objectType": "DIRECTORY",
             "dataFlow": "INOUT",
             "default": ".",
-            "description": "The folder that relative names refer to: of the scene, the parts and the picture. By default the one of this template.",
+            "description": "The folder where relative names start: those of the scene, the parts and the picture. By default the folder of this template.",
         },
         {
             "name": "Program",
             "type": "STRING",
             "default": "photosphere",
-            "description": "The program: a name to be found in PATH, or a path.",
+            "description": "The program: a name in PATH, or a path.",
         },
     ])
 }

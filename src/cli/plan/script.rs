@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::cli::print;
 use crate::error::{Error, Result};
 
-use super::ShardPlan;
+use super::commands::ShardPlan;
 
 /// The program as the scripts call it.
 const PROGRAM: &str = r#""${PHOTOSPHERE:-photosphere}""#;
@@ -18,7 +18,7 @@ pub(super) fn shell(plan: &ShardPlan) -> Result<String> {
     let mut text = format!(
         "#!/bin/sh\n\
          # {}: {}, in any order and on any machine, then the merge.\n\
-         # Each may be run again: what is finished stays, what was stopped goes on.\n\
+         # Each may be run again: a finished shard does nothing, an interrupted one resumes.\n\
          set -e\n",
         without_controls(&plan.name),
         print::count(plan.shards.len(), "shard"),
@@ -44,8 +44,8 @@ pub(super) fn slurm(plan: &ShardPlan) -> Result<String> {
     let mut text = format!(
         r#"#!/bin/bash
 # Submit with `bash THIS_FILE`, in the folder of the plan; options after it go to sbatch, as in
-# `bash THIS_FILE --time=2:00:00 --cpus-per-task=16`. Do it again after a failure: shards that are
-# finished stay, others go on from where they were.
+# `bash THIS_FILE --time=2:00:00 --cpus-per-task=16`. Repeat it after a failure: finished shards do
+# nothing, others resume.
 #SBATCH --job-name=photosphere-{name}
 #SBATCH --array=0-{last}
 #SBATCH --output=photosphere-{name}-%A_%a.log

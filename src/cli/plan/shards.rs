@@ -8,7 +8,7 @@ use crate::film::BLOCK_SIZE;
 use crate::math::Rect;
 
 /// Side of the tiles that crops consist of, in pixels, on the grid of the full picture.
-const SQUARE: u32 = 16;
+const TILE_SIDE: u32 = 16;
 
 /// The part of the render that one command takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,19 +57,19 @@ pub(super) fn by_samples(samples: u32, shards: u32) -> Result<Vec<Shard>> {
 pub(super) fn by_crop(window: Rect, shards: u32) -> Result<Vec<Shard>> {
     let columns = window.x..window.x + window.width;
     let rows = window.y..window.y + window.height;
-    let (across, down) = (squares(&columns), squares(&rows));
+    let (across, down) = (tile_range(&columns), tile_range(&rows));
     let bands = shards.min(down.end - down.start);
     let pieces = |band: &Range<u32>| band.end - band.start;
     let all: Vec<_> = parts(down, bands).zip(parts(0..shards, bands)).collect();
     if all.iter().any(|(_, share)| pieces(share) > across.end - across.start) {
         let most = u64::from(bands) * u64::from(across.end - across.start);
         return Err(Error::input(format!(
-            "the picture has {most} squares of {SQUARE} x {SQUARE} pixels, too few for {shards} shards"
+            "the picture has {most} tiles of {TILE_SIDE} x {TILE_SIDE} pixels, too few for {shards} shards"
         ))
         .with_help("use fewer shards, or divide the samples with --by samples"));
     }
     let pixels = |part: Range<u32>, within: &Range<u32>| {
-        (part.start * SQUARE).max(within.start)..(part.end * SQUARE).min(within.end)
+        (part.start * TILE_SIDE).max(within.start)..(part.end * TILE_SIDE).min(within.end)
     };
     let of_band = |(band, share): (Range<u32>, Range<u32>)| {
         let rows = pixels(band, &rows);
@@ -80,8 +80,8 @@ pub(super) fn by_crop(window: Rect, shards: u32) -> Result<Vec<Shard>> {
 }
 
 /// Returns the tiles that overlap the pixels.
-fn squares(pixels: &Range<u32>) -> Range<u32> {
-    pixels.start / SQUARE..pixels.end.div_ceil(SQUARE)
+fn tile_range(pixels: &Range<u32>) -> Range<u32> {
+    pixels.start / TILE_SIDE..pixels.end.div_ceil(TILE_SIDE)
 }
 
 /// Divides the range into `count` nearly equal parts, in order.
@@ -117,7 +117,7 @@ mod tests {
             for crop in &crops {
                 let Shard::Crop { columns, rows } = crop else { panic!("{crop}") };
                 for (edge, outer) in [(columns.start, 10), (rows.start, 20)] {
-                    assert!(edge % SQUARE == 0 || edge == outer, "{crop}");
+                    assert!(edge % TILE_SIDE == 0 || edge == outer, "{crop}");
                 }
                 for y in rows.clone() {
                     columns.clone().for_each(|x| seen[(y * 200 + x) as usize] += 1);
@@ -128,6 +128,6 @@ mod tests {
             assert!(right, "{shards} shards");
         }
         let error = by_crop(window, 36).unwrap_err().to_string();
-        assert_eq!(error, "the picture has 35 squares of 16 x 16 pixels, too few for 36 shards");
+        assert_eq!(error, "the picture has 35 tiles of 16 x 16 pixels, too few for 36 shards");
     }
 }

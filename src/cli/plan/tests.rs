@@ -1,3 +1,5 @@
+use std::path::Path;
+
 use super::*;
 use crate::cli::args::{Cli, Command};
 use crate::scene::read_text;
@@ -24,7 +26,7 @@ fn plan(words: &[&str]) -> ShardPlan {
     let words = ["photosphere", "plan"].iter().chain(words);
     let Command::Plan(args) = Cli::try_parse_from(words).unwrap().command else { panic!() };
     let division = division(&args.stop, args.by).unwrap();
-    let file = read_text("a.toml", SCENE, Path::new(""), &overrides(&args)).unwrap();
+    let file = read_text("a.toml", SCENE, Path::new(""), &args.overrides()).unwrap();
     ShardPlan::new(&args, &outputs(&args), division, &file.settings, "native").unwrap()
 }
 

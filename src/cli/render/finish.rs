@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
 use crate::image_io::AtomicFile;
-use crate::job::save::{self, RetryPolicy, SaveTask};
+use crate::job::save::{self, RetryPolicy, SaveTask, SaveTasks};
 use crate::job::{RunOutcome, Session, StopReason};
 
 use super::super::exit::Exit;
@@ -13,9 +13,11 @@ use super::super::interrupt::Interrupt;
 use super::super::outputs::Outputs;
 use super::super::print;
 use super::super::progress::ProgressDisplay;
+use super::super::recorded_outputs::resume_command;
 use super::super::watch::FinalUpdate;
+use super::checkpoint::CheckpointTarget;
 use super::report::{Report, Times};
-use super::{CheckpointTarget, RenderRequest};
+use super::request::RenderRequest;
 
 /// What the end of a render needs.
 pub(super) struct RenderFinisher<'a> {
@@ -51,7 +53,7 @@ impl RenderFinisher<'_> {
             StopReason::Stopped => Exit::Stopped,
             StopReason::Failed => Exit::Fault,
             // If the render writes only a part, `merge` reports the missed target.
-            _ if !is_met(reached) && self.outputs.has_pictures() => Exit::CheckFailed,
+            _ if !is_met(reached) && !self.outputs.is_part_alone() => Exit::CheckFailed,
             _ => Exit::Done,
         })
     }
@@ -72,30 +74,30 @@ impl RenderFinisher<'_> {
         // After a signal somebody waits for the program to exit.
         let in_haste = self.interrupt.is_requested();
         let notes = self.outputs.notes(session.film().frame(), &session.metadata(), in_haste);
-        let part: Vec<SaveTask<'_>> =
-            self.keep.map(|keep| self.errand_of(keep, reached)).into_iter().collect();
-        let help = self.keep.map(|keep| {
-            let path = keep.path.display();
-            format!("the samples are safe: photosphere resume '{path}' writes it again")
-        });
         let pictures = self.outputs.pictures().iter().map(|file| SaveTask {
             path: file.path.clone(),
-            is_only_copy: self.keep.is_none(),
-            help: help.clone().unwrap_or_default(),
+            is_file: file.is_file(),
             write: Box::new(|place| file.write(place, shown(), &notes)),
         });
-        let pictures: Vec<SaveTask<'_>> = pictures.collect();
+        let tasks = SaveTasks {
+            checkpoint: self.keep.map(|keep| self.checkpoint_task(keep, reached)),
+            pictures: pictures.collect(),
+            remake: &|samples, pictures| {
+                let command = resume_command(&self.request.delivery, samples);
+                format!("the samples are saved: {command} writes {pictures}")
+            },
+        };
         let warn = |text: String| self.progress.suspend(|| print::warning(&text));
         let manner = RetryPolicy { skip_retries: &|| self.interrupt.is_requested(), warn: &warn };
-        let saved = save::save_all(&part, &pictures, &manner);
-        drop(pictures);
+        let saved = save::save_all(&tasks, &manner);
+        drop(tasks);
         if let Some(picture) = picture.into_inner() {
             last_look.set_picture(picture);
         }
         saved
     }
 
-    fn errand_of<'a>(
+    fn checkpoint_task<'a>(
         &'a self,
         keep: &'a CheckpointTarget,
         reached: &'a RunOutcome,
@@ -104,8 +106,7 @@ impl RenderFinisher<'_> {
             None => self.session.write_checkpoint(&keep.file, Some(reached)),
             Some(place) => self.session.write_checkpoint(&AtomicFile::new(place)?, Some(reached)),
         };
-        let (path, help) = (keep.path.clone(), String::new());
-        SaveTask { path, is_only_copy: true, help, write: Box::new(write) }
+        SaveTask { path: keep.path.clone(), is_file: true, write: Box::new(write) }
     }
 
     /// Prints the report.

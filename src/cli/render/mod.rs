@@ -1,69 +1,46 @@
 //! `photosphere render`: renders a scene to picture files. `resume` uses this module, too.
 
+mod checkpoint;
 mod finish;
 mod report;
+mod request;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
-use crate::accel::BackendChoice;
 use crate::error::{Error, Result};
-use crate::geometry::SphereSet;
-use crate::image_io::AtomicFile;
-use crate::job::{
-    Checkpoint, CheckpointHeader, FilePath, Job, OutputSpec, Session, SessionOptions,
-    UNLIMITED_SAMPLES,
-};
-use crate::scene::{Override, Scene, Settings, read_file};
+use crate::job::{Checkpoint, Job, Session, SessionOptions, UNLIMITED_SAMPLES};
+use crate::scene::settings::ImageSettings;
+use crate::scene::{CameraEnclosure, Scene, Settings};
 
 use super::args::RenderArgs;
 use super::exit::Exit;
 use super::interrupt::Interrupt;
 use super::memory::MemoryNeeds;
-use super::outputs::{self, Outputs, is_part};
+use super::outputs::{self, Outputs};
 use super::progress::{self, ProgressDisplay};
+use super::recorded_outputs::recorded;
 use super::system::on_threads;
 use super::watch::Viewers;
-use super::{interrupt, memory, print, system};
+use super::{interrupt, memory, print, scene_file, system};
 
+use checkpoint::CheckpointTarget;
 use finish::RenderFinisher;
 use report::Times;
 
-/// A render to execute, as the options or a checkpoint specify it.
-pub(super) struct RenderRequest {
-    pub(super) scene: PathBuf,
-    pub(super) overrides: Vec<Override>,
-    pub(super) memory_limit: Option<u64>,
-    /// What to render, and how.
-    pub(super) job: Job,
-    /// True if the settings come from the scene file, false if they come from `job`.
-    pub(super) has_settings_of_file: bool,
-    /// Samples per pixel, overriding the scene file.
-    pub(super) samples_per_pixel: Option<u32>,
-    /// True if `samples_per_pixel` exceeds the number of the original render.
-    pub(super) is_extended: bool,
-    pub(super) delivery: OutputSpec,
-    pub(super) layers_given: bool,
-    /// The checkpoint file.
-    pub(super) checkpoint: Option<PathBuf>,
-    /// True if the render continues without viewers that cannot be reached.
-    pub(super) is_resumed: bool,
-    pub(super) quiet: bool,
-    pub(super) json: bool,
-}
-
-/// The checkpoint file, ready to be written.
-struct CheckpointTarget {
-    path: PathBuf,
-    file: AtomicFile,
-}
+pub(super) use request::RenderRequest;
 
 /// Runs the command.
 ///
 /// # Errors
 /// Any error between the scene and the picture. The output paths are checked first.
 pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
-    execute(&args.request())
+    if scene_file::is_stdin(&args.scene.path) && args.keep.checkpoint.is_some() {
+        let message =
+            "a scene on the standard input cannot be read again, to resume its checkpoint";
+        return Err(Error::input(message).with_help("write the scene into a file, and render that"));
+    }
+    execute(&RenderRequest::of_args(args))
 }
 
 /// Executes a render.
@@ -71,9 +48,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<Exit> {
 /// # Errors
 /// See [`run`].
 pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
-    outputs::refuse_duplicate_paths(&places(request))?;
-    let outputs = Outputs::new(&request.delivery, &request.job.layers, request.layers_given)?;
-    let keep = CheckpointTarget::new(request, &outputs)?;
+    outputs::refuse_duplicate_paths(&request.output_paths())?;
+    request.check_stdout()?;
+    let (layers, format) = (&request.job.layers, request.stdout_format);
+    let outputs = Outputs::new(&request.delivery, layers, request.layers_given, format)?;
+    let keep = CheckpointTarget::new(request.checkpoint.as_deref(), &outputs)?;
     let name = outputs::in_words(&outputs::paths(&request.delivery.files));
     let viewers = Viewers::new(&request.delivery, name, request.is_resumed)?;
     let interrupt = interrupt::listen();
@@ -81,7 +60,7 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
     let threads = (request.job.threads > 0).then_some(request.job.threads);
     let (scene, settings) = on_threads(threads, || load(request))?;
     let load_s = clock.lap();
-    let about_spheres = about_spheres(scene.spheres());
+    let about_spheres = about_spheres(&scene, &settings.image);
     about_spheres.iter().for_each(print::warning);
 
     let session = open(request, &scene, settings, keep.as_ref(), &interrupt)?;
@@ -108,12 +87,12 @@ pub(super) fn execute(request: &RenderRequest) -> Result<Exit> {
 
 /// Loads the scene and its settings, if they fit into memory.
 fn load(request: &RenderRequest) -> Result<(Scene, Settings)> {
-    let mut file = read_file(&request.scene, &request.overrides)?;
+    let mut file = scene_file::read(&request.scene, &request.overrides)?;
     if !request.has_settings_of_file {
         file.settings = request.job.settings;
     }
     // Duplicate spheres are still counted here.
-    let chosen = request.job.accel.select_for_count(file.sphere_count() as usize);
+    let chosen = request.job.accel.select_for_count(file.size().spheres as usize);
     let needs = MemoryNeeds { backends: &[chosen.backend], kinds: &request.job.layers, besides: 0 };
     memory::check(&file, &needs, request.memory_limit)?;
     file.build()
@@ -139,7 +118,7 @@ fn open(
         cancel: interrupt.cancel(),
         save_request: interrupt.save_request(),
         build_progress: progress::build_progress(request.quiet),
-        output: Some(from_the_root(&request.delivery)),
+        output: keep.map(|keep| recorded(&request.delivery, &keep.path)),
         command: Some(system::command_line()),
     };
     let keep_every = request.delivery.save_every;
@@ -154,20 +133,8 @@ fn open(
             session
         }
     };
-    session.autosave(keep.file.clone(), keep_every);
+    session.autosave(keep.file.clone(), keep_every)?;
     Ok(session)
-}
-
-/// Returns the outputs with absolute paths: a checkpoint may be resumed in another folder.
-fn from_the_root(delivery: &OutputSpec) -> OutputSpec {
-    let absolute = |FilePath(file): &FilePath| {
-        FilePath(std::path::absolute(file).unwrap_or_else(|_| file.clone()))
-    };
-    OutputSpec {
-        files: delivery.files.iter().map(absolute).collect(),
-        preview: delivery.preview.as_ref().map(absolute),
-        ..delivery.clone()
-    }
 }
 
 fn tell_of_samples(session: &Session, path: &Path) {
@@ -181,115 +148,22 @@ fn tell_of_samples(session: &Session, path: &Path) {
     print::note(format_args!("resuming `{path}`: {each:.1}{all} samples per pixel"));
 }
 
-impl RenderArgs {
-    fn request(&self) -> RenderRequest {
-        let job = Job {
-            samples: self.samples.clone(),
-            until: self.stop.stop_criteria(),
-            layers: self.output.kinds(),
-            accel: self.accel.choice,
-            quality: self.accel.build.quality,
-            threads: self.scene.threads().unwrap_or(0),
-            ..Job::default()
-        };
-        let delivery = OutputSpec {
-            save_every: self.keep.checkpoint_every,
-            preview: self.watch.preview.clone().map(FilePath),
-            preview_every: self.watch.preview_every,
-            tev: self.watch.tev.clone(),
-            ..self.output.output_spec()
-        };
-        RenderRequest {
-            scene: self.scene.path.clone(),
-            overrides: self.overrides(),
-            has_settings_of_file: true,
-            memory_limit: self.memory.limit,
-            job,
-            samples_per_pixel: None,
-            is_extended: false,
-            delivery,
-            layers_given: self.output.has_layers(),
-            checkpoint: self.keep.checkpoint.clone(),
-            is_resumed: false,
-            quiet: self.quiet,
-            json: self.json,
-        }
-    }
-}
-
-impl RenderRequest {
-    /// Returns the render that a checkpoint belongs to, or `None` if the checkpoint names no scene.
-    pub(super) fn of_header(header: &CheckpointHeader, delivery: OutputSpec) -> Option<Self> {
-        let source = header.source.as_ref()?;
-        Some(Self {
-            scene: source.file.clone()?,
-            overrides: source.overrides.iter().map(Override::from_pair).collect(),
-            memory_limit: None,
-            // Keep the intersector: on another machine the automatic choice may differ.
-            job: Job {
-                accel: BackendChoice::Only(header.metadata.intersector.backend),
-                ..header.job.clone()
-            },
-            has_settings_of_file: false,
-            samples_per_pixel: Some(header.job.settings.render.samples_per_pixel),
-            is_extended: false,
-            delivery,
-            layers_given: false,
-            checkpoint: None,
-            is_resumed: true,
-            quiet: false,
-            json: false,
-        })
-    }
-}
-
-impl CheckpointTarget {
-    /// Returns the checkpoint or the requested `.part` file, if there is one.
-    fn new(request: &RenderRequest, outputs: &Outputs) -> Result<Option<Self>> {
-        let path = match (&request.checkpoint, outputs.part()) {
-            (Some(checkpoint), Some(part)) if checkpoint != part => {
-                let message = format!(
-                    "`{}` is kept as a checkpoint already, so there is no need of `{}`",
-                    part.display(),
-                    checkpoint.display()
-                );
-                return Err(Error::input(message).with_help("leave out --checkpoint"));
-            }
-            (Some(path), _) => path.clone(),
-            (None, Some(path)) => path.to_path_buf(),
-            (None, None) => return Ok(None),
-        };
-        let file = AtomicFile::new(&path)?;
-        Ok(Some(Self { path, file }))
-    }
-}
-
-/// Returns the output paths, each with its option. A `.part` file named by both `-o` and
-/// `--checkpoint` counts once.
-fn places(request: &RenderRequest) -> Vec<(&'static str, &Path)> {
-    let OutputSpec { files, preview, .. } = &request.delivery;
-    let named = files.iter().map(|FilePath(file)| ("-o", file.as_path()));
-    let checkpoint = request.checkpoint.as_deref().map(|file| ("--checkpoint", file));
-    let is_part = |file: &&Path| files.iter().any(|FilePath(part)| part == file && is_part(part));
-    let checkpoint = checkpoint.filter(|(_, file)| !is_part(file));
-    let preview = preview.as_ref().map(|FilePath(file)| ("--preview", file.as_path()));
-    named.chain(checkpoint).chain(preview).collect()
-}
-
-/// Returns warnings about duplicate spheres and spheres that f32 cannot represent well.
-pub(super) fn about_spheres(spheres: &SphereSet) -> Vec<String> {
+/// Returns warnings about duplicate spheres and a camera inside a sphere.
+pub(super) fn about_spheres(scene: &Scene, image: &ImageSettings) -> Vec<String> {
+    let spheres = scene.spheres();
     let mut warnings = Vec::new();
-    if spheres.duplicates() > 0 {
+    // A sphere with others inside is a room.
+    let enclosure = CameraEnclosure::find(scene, image).filter(|enclosure| enclosure.is_empty);
+    if let Some(CameraEnclosure { sphere, .. }) = enclosure {
         warnings.push(format!(
-            "{} left out: an earlier row is the same sphere after rounding to f32",
-            print::count(spheres.duplicates(), "sphere"),
+            "the camera is inside the opaque sphere `{}` and sees nothing else",
+            scene.name_of_row(spheres.row(sphere)),
         ));
     }
-    if spheres.displaced() > 0 {
+    if spheres.duplicates() > 0 {
         warnings.push(format!(
-            "rounding to f32 moved {} by more than 1 % of the radius; they are small and far from \
-             most others",
-            print::count(spheres.displaced(), "sphere"),
+            "{} left out: an earlier row is the same sphere",
+            print::count(spheres.duplicates(), "sphere"),
         ));
     }
     warnings

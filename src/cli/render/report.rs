@@ -8,8 +8,9 @@ use serde_json::{Value, json};
 use crate::error::Result;
 use crate::job::{NoiseStatus, RunOutcome, Session, StopReason};
 
-use super::super::{outputs, print, system};
-use super::RenderRequest;
+use super::super::recorded_outputs::resume_command;
+use super::super::{outputs, print, scene_file, system};
+use super::request::RenderRequest;
 
 /// Times of the steps before rendering, in seconds.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +59,13 @@ impl Report<'_> {
             let per_pixel = film.sample_count() as f64 / film.frame().pixel_count() as f64;
             text += &format!(", stopped after {per_pixel:.1} samples per pixel");
             if let Some(kept) = self.kept {
-                text += &format!("\nresume it with: photosphere resume '{}'", kept.display());
+                let command = resume_command(&self.request.delivery, kept);
+                // A scene that was in no file is in one by then.
+                let scene = match scene_file::is_stdin(&self.request.scene) {
+                    true => " --scene FILE",
+                    false => "",
+                };
+                text += &format!("\nresume it with: {command}{scene}");
             }
         }
         text
@@ -130,8 +137,8 @@ fn noise_in_json(noise: NoiseStatus) -> Value {
     json!({
         "target": noise.target.error,
         "confidence": noise.target.confidence,
-        "squares": noise.squares,
-        "squares_done": noise.done,
-        "worst": noise.worst,
+        "tiles": noise.tiles,
+        "tiles_converged": noise.tiles_converged,
+        "worst_error": noise.worst_error,
     })
 }

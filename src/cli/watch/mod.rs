@@ -69,7 +69,7 @@ impl Viewers {
             preview.write(picture, frame_crop(frame));
         }
         if let Some(Err(e)) = self.tev.as_mut().map(|tev| tev.show(picture)) {
-            print::warning(format_args!("tev does not take the picture any more: {e}"));
+            print::warning(format_args!("tev no longer accepts the picture: {e}"));
             self.tev = None;
         }
     }
@@ -102,7 +102,7 @@ impl Viewers {
             // The name lets benches/record/ measure the thread's share of the time.
             let watcher = std::thread::Builder::new().name("watch".to_owned());
             if let Err(e) = watcher.spawn_scoped(threads, watch) {
-                print::warning(format_args!("nobody can look on: {e}"));
+                print::warning(format_args!("cannot start the preview thread: {e}"));
             }
             // Moved here, so that a panic of `work` also ends the viewer thread.
             let last_look = last_look;
@@ -140,7 +140,7 @@ impl Viewers {
 fn there<T>(found: Option<Result<T>>, is_resumed: bool) -> Result<Option<T>> {
     match found {
         Some(Err(e)) if is_resumed => {
-            print::warning(format_args!("{e}; the render goes on without it"));
+            print::warning(format_args!("{e}; continuing without it"));
             Ok(None)
         }
         found => found.transpose(),

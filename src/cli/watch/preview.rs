@@ -28,7 +28,7 @@ impl Preview {
                 "the preview `{}` is not a .png file",
                 path.display()
             ))
-            .with_help("a preview is for the screen; -o chooses the format of the picture"));
+            .with_help("name a .png file; -o chooses the format of the picture"));
         }
         ImageWriter::new(path)?;
         Ok(Self { path: path.to_owned(), look, is_failing: false })
@@ -47,7 +47,7 @@ impl Preview {
         let written =
             ImageWriter::new(&self.path).and_then(|target| target.write_with(picture, &notes));
         if let (Err(e), false) = (&written, self.is_failing) {
-            print::warning(format_args!("no preview for now: {e}"));
+            print::warning(format_args!("cannot update the preview: {e}"));
         }
         self.is_failing = written.is_err();
     }

@@ -32,10 +32,10 @@ impl Tev {
     pub(super) fn connect(place: &str, name: String) -> Result<Self> {
         let failed = |e: io::Error| {
             Error::input(format!("cannot reach tev at `{place}`: {e}"))
-                .with_help("start tev first; it listens at 127.0.0.1:14158 unless told otherwise")
+                .with_help("start tev first; by default it listens at 127.0.0.1:14158")
         };
         let connect = || {
-            let mut failure = io::Error::other("the name stands for no address");
+            let mut failure = io::Error::other("the name has no address");
             for address in place.to_socket_addrs()? {
                 match TcpStream::connect_timeout(&address, PATIENCE) {
                     Ok(stream) => {

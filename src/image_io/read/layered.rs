@@ -2,10 +2,10 @@
 
 use crate::color::Rgb;
 
+use super::image::Image;
+
 /// The name of the layer with the picture itself.
 pub const BEAUTY: &str = "beauty";
-/// More samples than this would not fit into memory twice.
-pub(super) const MAX_SAMPLES: u64 = 1 << 30;
 
 /// A picture file: named layers of equal size.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,23 +36,20 @@ impl LayeredImage {
     }
 }
 
+impl From<Image> for LayeredImage {
+    /// Creates a picture of linear light with one layer.
+    fn from(Image { width, height, pixels }: Image) -> Self {
+        let layers = vec![ImageLayer { name: BEAUTY.to_owned(), pixels }];
+        Self { width, height, layers, is_display_referred: false }
+    }
+}
+
 impl ImageLayer {
     /// Number of infinite or NaN pixels and the index of the first; `None` if all are finite.
     pub fn count_non_finite(&self) -> Option<(usize, usize)> {
         let mut bad = (0..self.pixels.len()).filter(|&i| !self.pixels[i].is_finite());
         let first = bad.next()?;
         Some((1 + bad.count(), first))
-    }
-}
-
-/// Rejects sizes whose f32 samples would not fit into memory.
-pub(super) fn check_samples(width: u64, height: u64, channels: u64) -> Result<(), String> {
-    if width == 0 || height == 0 {
-        return Err("it has no pixels".to_owned());
-    }
-    match width.checked_mul(height).and_then(|pixels| pixels.checked_mul(channels)) {
-        Some(samples) if samples <= MAX_SAMPLES => Ok(()),
-        _ => Err(format!("{width} x {height} pixels are more than can be held")),
     }
 }
 

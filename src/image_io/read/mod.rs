@@ -6,24 +6,29 @@
 //! with one channel is grey, and `A` is a separate grey layer. All values are linear; a `.png` is
 //! decoded from sRGB, regardless of its color profile.
 //!
-//! A damaged or malicious file is an error: sizes in headers are checked against the file's length.
+//! A damaged or malicious file is an error: sizes in headers are checked against the file's length
+//! and against free memory.
 
 mod exr;
+mod hdr;
+mod image;
 mod layered;
 mod light;
+mod limits;
 mod pfm;
-mod pixels;
+mod png;
 mod raw;
 
-use std::fs;
 use std::path::Path;
 
 use crate::error::{Error, Result};
 
 use super::format::FileFormat;
 
+pub use image::Image;
 pub use layered::{BEAUTY, ImageLayer, LayeredImage};
-pub use light::{Image, read_light};
+pub use light::read_light;
+pub(super) use limits::open as open_ordinary;
 pub use raw::{RawChannel, read_raw_channels};
 
 /// Reads a picture; the extension selects the format.
@@ -34,19 +39,14 @@ pub use raw::{RawChannel, read_raw_channels};
 pub fn read_image(path: &Path) -> Result<LayeredImage> {
     let format = FileFormat::from_path(path)?;
     let trouble = |reason: String| Error::file("read", path, reason);
-    let length = fs::metadata(path).map_err(|e| trouble(e.to_string()))?;
-    if length.is_dir() {
-        return Err(trouble("it is a folder".to_owned()));
-    }
-    let length = length.len();
     let layered = match format {
-        FileFormat::Exr => exr::read(path, length),
-        FileFormat::Pfm => pfm::read(path, length),
-        FileFormat::Png => pixels::read_png(path),
-        FileFormat::Hdr => pixels::read_hdr(path),
+        FileFormat::Exr => exr::read_layers(path),
+        FileFormat::Pfm => pfm::read(path),
+        FileFormat::Png => png::read(path),
+        FileFormat::Hdr => hdr::read(path).map(LayeredImage::from),
     };
     let layered = layered.map_err(|reason| {
-        trouble(reason).with_help("is it whole, and what its name says? Another program may tell")
+        trouble(reason).with_help("check that the file is complete and that its extension is right")
     })?;
     let count = layered.width * layered.height;
     debug_assert!(layered.layers.iter().all(|layer| layer.pixels.len() == count));
@@ -55,6 +55,8 @@ pub fn read_image(path: &Path) -> Result<LayeredImage> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::super::tests::{picture, written};
     use super::*;
     use crate::color::Rgb;
@@ -62,7 +64,7 @@ mod tests {
     #[test]
     fn linear_formats_come_back_to_the_bit_or_to_their_step() {
         let picture = picture();
-        for (name, steps) in [("a.exr", 0.0), ("a.pfm", 0.0), ("a.hdr", 1.0 / 128.0)] {
+        for (name, steps) in [("a.exr", 0.0), ("a.pfm", 0.0), ("a.hdr", 1.0 / 256.0)] {
             let (_folder, path) = written(&picture, name);
             let read = read_image(&path).unwrap();
             assert_eq!((read.width, read.height, read.is_display_referred), (13, 5, false));
@@ -117,14 +119,33 @@ mod tests {
     }
 
     #[test]
-    fn sizes_that_nobody_can_hold_are_refused() {
+    fn sizes_that_cannot_be_in_the_file_are_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.pfm");
-        fs::write(&path, "PF\n4000000000 4000000000\n-1.0\n").unwrap();
-        assert!(read_image(&path).unwrap_err().to_string().contains("more than can be held"));
-        let path = folder.path().join("a.hdr");
-        let header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4000000 +X 4000000\n";
-        fs::write(&path, header).unwrap();
-        assert!(read_image(&path).unwrap_err().to_string().contains("more than can be held"));
+        let refused = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            fs::write(&path, bytes).unwrap();
+            let error = read_image(&path).unwrap_err().to_string();
+            assert!(error.contains("shorter than its header says"), "{name}: {error}");
+        };
+        refused("a.pfm", b"PF\n4000000000 4000000000\n-1.0\n");
+        refused("a.pfm", b"Pf\n10 10\n-1.0\n0123");
+        let header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4000000 +X 4000000\n";
+        refused("a.hdr", header);
+        // The header of a PNG: 30,000 x 30,000 pixels of one bit.
+        let mut png = Vec::new();
+        ::png::Encoder::new(&mut png, 30_000, 30_000).write_header().unwrap();
+        refused("a.png", &png);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_never_ends_is_not_read() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.exr", "a.pfm", "a.png", "a.hdr"] {
+            let path = folder.path().join(name);
+            std::os::unix::fs::symlink("/dev/zero", &path).unwrap();
+            let error = read_image(&path).unwrap_err().to_string();
+            assert!(error.contains("it is not a regular file"), "{name}: {error}");
+        }
     }
 }

@@ -1,11 +1,17 @@
 //! Portable float map: `PF` (color) or `Pf` (grey), the size, and a scale whose sign gives the byte
 //! order; then f32 rows from bottom to top.
 
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::color::Rgb;
 
-use super::layered::{BEAUTY, ImageLayer, LayeredImage, MAX_SAMPLES, check_samples};
+use super::image::Image;
+use super::layered::LayeredImage;
+use super::limits::{self, Announced};
+
+/// Longest header, in bytes.
+const MAX_HEADER_BYTES: u64 = 4096;
 
 struct PfmHeader {
     width: usize,
@@ -16,28 +22,39 @@ struct PfmHeader {
     length: usize,
 }
 
-pub(super) fn read(path: &Path, length: u64) -> Result<LayeredImage, String> {
-    // Four bytes for each sample allowed, and a header.
-    if length > 4 * MAX_SAMPLES + 4096 {
-        return Err("it is larger than any picture that can be held".to_owned());
-    }
-    let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
+pub(super) fn read(path: &Path) -> Result<LayeredImage, String> {
+    let (mut file, file_length) = limits::open(path)?;
+    let mut bytes = Vec::new();
+    file.by_ref().take(MAX_HEADER_BYTES).read_to_end(&mut bytes).map_err(|e| e.to_string())?;
     let PfmHeader { width, height, channels, is_little_endian, length } = header(&bytes)?;
-    let expected = 4 * width * height * channels;
-    let found = bytes.len() - length;
-    if found < expected {
-        return Err(format!("{expected} bytes must follow its header, and {found} do"));
+    let pixel_bytes = 4 * channels;
+    let announced = Announced {
+        width: width as u64,
+        height: height as u64,
+        bits: 8 * pixel_bytes as u64,
+        held: (pixel_bytes + size_of::<Rgb>()) as u64,
+        max_ratio: 1,
+    };
+    limits::check(&[announced], file_length)?;
+    let expected = (width * height * pixel_bytes) as u64;
+
+    file.seek(SeekFrom::Start(length as u64)).map_err(|e| e.to_string())?;
+    bytes.clear();
+    file.take(expected).read_to_end(&mut bytes).map_err(|e| e.to_string())?;
+    if (bytes.len() as u64) < expected {
+        return Err(format!("{expected} bytes must follow its header, but {} do", bytes.len()));
     }
     let float = |b: &[u8]| {
         let b = [b[0], b[1], b[2], b[3]];
         if is_little_endian { f32::from_le_bytes(b) } else { f32::from_be_bytes(b) }
     };
-    let values: Vec<f32> = bytes[length..length + expected].chunks_exact(4).map(float).collect();
-    let pixel = |v: &[f32]| if channels == 1 { Rgb::splat(v[0]) } else { Rgb::from_slice(v) };
-    let row = |y: usize| values.chunks_exact(channels).skip(y * width).take(width).map(pixel);
-    let pixels = (0..height).rev().flat_map(row).collect();
-    let layers = vec![ImageLayer { name: BEAUTY.to_owned(), pixels }];
-    Ok(LayeredImage { width, height, layers, is_display_referred: false })
+    let pixel = |bytes: &[u8]| match channels {
+        1 => Rgb::splat(float(bytes)),
+        _ => Rgb::new(float(bytes), float(&bytes[4..]), float(&bytes[8..])),
+    };
+    let rows = bytes.chunks_exact(pixel_bytes * width).rev();
+    let pixels = rows.flat_map(|row| row.chunks_exact(pixel_bytes).map(pixel)).collect();
+    Ok(Image { width, height, pixels }.into())
 }
 
 fn header(bytes: &[u8]) -> Result<PfmHeader, String> {
@@ -51,7 +68,7 @@ fn header(bytes: &[u8]) -> Result<PfmHeader, String> {
     };
     let mut words = [""; 4];
     for place in &mut words {
-        *place = word().ok_or("it has no header of a portable float map")?;
+        *place = word().ok_or("it has no PFM header")?;
     }
     let [kind, width, height, scale] = words;
     let channels = match kind {
@@ -60,10 +77,9 @@ fn header(bytes: &[u8]) -> Result<PfmHeader, String> {
         _ => return Err("it does not begin with PF or Pf".to_owned()),
     };
     let size =
-        |word: &str| word.parse::<u32>().map_err(|_| format!("its size `{word}` is no number"));
+        |word: &str| word.parse::<u32>().map_err(|_| format!("its size `{word}` is not a number"));
     let (width, height) = (size(width)?, size(height)?);
-    check_samples(width.into(), height.into(), channels as u64)?;
-    let scale: f32 = scale.parse().map_err(|_| format!("its scale `{scale}` is no number"))?;
+    let scale: f32 = scale.parse().map_err(|_| format!("its scale `{scale}` is not a number"))?;
     if scale == 0.0 || !scale.is_finite() {
         return Err(format!("its scale is {scale}"));
     }
@@ -84,7 +100,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.pfm");
         std::fs::write(&path, bytes).unwrap();
-        read(&path, bytes.len() as u64)
+        read(&path)
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use exr::prelude::{FlatSamples, read_all_flat_layers_from_file};
+use exr::prelude::FlatSamples;
 
 use crate::error::{Error, Result};
 
@@ -24,14 +24,14 @@ pub struct RawChannel {
 pub fn read_raw_channels(path: &Path) -> Result<Vec<RawChannel>> {
     let trouble = |reason: String| Error::file("read", path, reason);
     match FileFormat::from_path(path)? {
-        FileFormat::Exr => exr(path).map_err(trouble),
-        FileFormat::Png => png(path).map_err(trouble),
+        FileFormat::Exr => read_exr(path).map_err(trouble),
+        FileFormat::Png => read_png(path).map_err(trouble),
         _ => Err(trouble("it is neither .exr nor .png".to_owned())),
     }
 }
 
-fn exr(path: &Path) -> std::result::Result<Vec<RawChannel>, String> {
-    let image = read_all_flat_layers_from_file(path).map_err(|e| e.to_string())?;
+fn read_exr(path: &Path) -> std::result::Result<Vec<RawChannel>, String> {
+    let image = super::exr::read_parts(path)?;
     let channels = image.layer_data.iter().flat_map(|part| &part.channel_data.list);
     let raw = channels.map(|channel| {
         let bits = match &channel.sample_data {
@@ -46,8 +46,8 @@ fn exr(path: &Path) -> std::result::Result<Vec<RawChannel>, String> {
     Ok(raw)
 }
 
-fn png(path: &Path) -> std::result::Result<Vec<RawChannel>, String> {
-    let image = super::pixels::decode(path, image::ImageFormat::Png)?;
+fn read_png(path: &Path) -> std::result::Result<Vec<RawChannel>, String> {
+    let image = super::png::decode(path)?;
     let count = if image.color().has_alpha() { 4 } else { 3 };
     let image = image.into_rgba16();
     let channel = |(at, name): (usize, &str)| RawChannel {

@@ -9,8 +9,8 @@ use super::super::context::RenderContext;
 use super::super::sample::{RenderStats, SampleAddress};
 use super::super::trace::{Contribution, PathEvent, PathRecorder, Termination};
 use super::super::workspace::Workspace;
-use super::choices::PathTracer;
 use super::opacity;
+use super::path_tracer::PathTracer;
 use super::paths::{Path, PendingDirect, PrevVertex, ShadowQueue};
 
 /// A batch of samples that are estimated together.
@@ -64,24 +64,25 @@ impl<R: PathRecorder> PathBatch<'_, R> {
 
     /// Returns the media that a path is in.
     pub(super) fn media_of(&self, path: &Path) -> &MediumStack {
-        self.media.get(path.state.batch_index as usize).unwrap_or(&MediumStack::VACUUM)
+        static VACUUM: MediumStack = MediumStack::VACUUM;
+        self.media.get(path.state.batch_index as usize).unwrap_or(&VACUUM)
     }
 
     /// Advances every path by one edge: closest hits, shading, shadow rays. Paths that end are
     /// dropped.
     fn advance(&mut self, workspace: &mut Workspace) {
-        let (has_blocks, isa) = (self.uses_diffuse_batch(), workspace.isa);
-        let even_background = self.constant_environment();
+        let (use_lanes, isa) = (self.uses_diffuse_batch(), workspace.isa);
+        let constant_radiance = self.constant_environment();
         let Workspace {
             path_queue: paths,
             next_path_queue: next_paths,
-            diffuse_batch: block,
-            shadow_rays: shadows,
+            diffuse_batch,
+            shadow_rays,
             shadow_media,
             rays,
             hits,
-            occluded: blocked,
-            visibility: passed,
+            occluded,
+            visibility,
             ..
         } = workspace;
         let spheres = self.context.scene.spheres();
@@ -94,81 +95,89 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         self.context.scene.prefetch(hits);
 
         // Shade: add emission, sample a light, scatter.
-        shadows.clear();
+        shadow_rays.clear();
         shadow_media.clear();
-        let mut shadow_queue = ShadowQueue { shadow_rays: shadows, media: shadow_media };
+        let mut shadow_queue = ShadowQueue { shadow_rays, media: shadow_media };
         next_paths.clear();
         for (index, &hit) in hits.iter().enumerate() {
             if !self.visible_surfaces.is_empty() {
                 self.record_visible_surface(&paths.get(index), hit);
             }
             if hit.is_miss() && !paths.rays.is_inward(index) {
-                if let Some(radiance) = even_background {
+                if let Some(radiance) = constant_radiance {
                     self.shade_constant_miss(&paths.states[index], radiance);
                     continue;
                 }
             }
-            if let Some(diffuse) = self.diffuse_surface(paths, index, hit).filter(|_| has_blocks) {
-                self.enqueue_diffuse(block, paths, index, hit.id, diffuse);
-                if block.is_full() {
-                    self.flush_diffuse(isa, block, paths, next_paths, &mut shadow_queue);
+            if let Some(diffuse) = self.diffuse_surface(paths, index, hit).filter(|_| use_lanes) {
+                self.enqueue_diffuse(diffuse_batch, paths, index, hit.id, diffuse);
+                if diffuse_batch.is_full() {
+                    self.flush_diffuse(isa, diffuse_batch, paths, next_paths, &mut shadow_queue);
                 }
                 continue;
             }
             let mut path = paths.get(index);
-            let goes_on = match spheres.resolve_hit(&path.ray, hit) {
+            let continues = match spheres.resolve_hit(&path.ray, hit) {
                 Some(surface) => self.shade_hit(&mut path, surface, &mut shadow_queue),
                 None => self.shade_miss(&mut path),
             };
-            if goes_on {
+            if continues {
                 next_paths.push(&path);
             }
         }
-        self.flush_diffuse(isa, block, paths, next_paths, &mut shadow_queue);
+        self.flush_diffuse(isa, diffuse_batch, paths, next_paths, &mut shadow_queue);
         std::mem::swap(paths, next_paths);
 
         // Trace the shadow rays.
         if self.context.scene.has_opacity() {
-            let walked =
-                opacity::trace_visibility(self.context, shadows, shadow_media, rays, hits, passed);
-            self.stats = self.stats + walked;
-            shadows
+            let opacity_stats = opacity::trace_visibility(
+                self.context,
+                shadow_rays,
+                shadow_media,
+                rays,
+                hits,
+                visibility,
+            );
+            self.stats = self.stats + opacity_stats;
+            shadow_rays
                 .pending
                 .iter()
-                .zip(&*passed)
-                .for_each(|(pending, &share)| self.add_direct(pending, share));
+                .zip(&*visibility)
+                .for_each(|(pending, &visibility)| self.add_direct(pending, visibility));
         } else {
-            blocked.clear();
-            blocked.resize(shadows.pending.len(), false);
-            self.context.accel.occluded_path_rays(spheres, &shadows.rays, rays, blocked);
-            self.stats.count_path_rays(&shadows.rays, isa);
-            for (pending, &is_blocked) in shadows.pending.iter().zip(&*blocked) {
-                self.add_direct(pending, if is_blocked { 0.0 } else { 1.0 });
+            occluded.clear();
+            occluded.resize(shadow_rays.pending.len(), false);
+            self.context.accel.occluded_path_rays(spheres, &shadow_rays.rays, rays, occluded);
+            self.stats.count_path_rays(&shadow_rays.rays, isa);
+            for (pending, &is_occluded) in shadow_rays.pending.iter().zip(&*occluded) {
+                self.add_direct(pending, if is_occluded { 0.0 } else { 1.0 });
             }
         }
     }
 
     /// Adds the unoccluded part of a pending direct contribution.
     #[inline(always)]
-    fn add_direct(&mut self, pending: &PendingDirect, passed: f32) {
-        if passed == 0.0 && !R::ENABLED {
+    fn add_direct(&mut self, pending: &PendingDirect, visibility: f32) {
+        if visibility == 0.0 && !R::ENABLED {
             return;
         }
-        let added = self.clamp_contribution(pending.radiance * passed, pending.is_direct);
-        self.add_contribution(pending.batch_index, added);
-        self.recorder.record(|| PathEvent::ShadowRay { visibility: passed, contribution: added });
+        let contribution =
+            self.clamp_contribution(pending.radiance * visibility, pending.is_direct);
+        self.add_contribution(pending.batch_index, contribution);
+        self.recorder.record(|| PathEvent::ShadowRay { visibility, contribution });
     }
 
     /// Adds a contribution to a sample.
-    pub(super) fn add_contribution(&mut self, sample: u32, added: Contribution) {
+    pub(super) fn add_contribution(&mut self, sample: u32, contribution: Contribution) {
         let radiance = &mut self.radiance[sample as usize];
-        let layer = if added.is_direct { &mut radiance.direct } else { &mut radiance.indirect };
-        *layer += added.radiance;
+        let layer =
+            if contribution.is_direct { &mut radiance.direct } else { &mut radiance.indirect };
+        *layer += contribution.radiance;
     }
 
     /// Terminates a path.
-    pub(super) fn terminate(&mut self, why: Termination) -> bool {
-        self.recorder.record(|| PathEvent::End(why));
+    pub(super) fn terminate(&mut self, reason: Termination) -> bool {
+        self.recorder.record(|| PathEvent::End(reason));
         false
     }
 

@@ -12,10 +12,10 @@
 
 mod batch;
 mod camera_paths;
-mod choices;
 mod diffuse;
 mod next_event;
 mod opacity;
+mod path_tracer;
 mod paths;
 mod scatter;
 mod shade;
@@ -35,8 +35,8 @@ use super::workspace::Workspace;
 use batch::PathBatch;
 
 pub(super) use camera_paths::CameraRayBatch;
-pub(super) use choices::PathTracer;
 pub(super) use diffuse::DiffuseBatch;
+pub(super) use path_tracer::PathTracer;
 pub(super) use paths::{PathQueue, PrevVertex, ShadowRays};
 
 impl Integrator for PathTracer {
@@ -50,9 +50,9 @@ impl Integrator for PathTracer {
         let stats = RenderStats::default();
         let recorder = &mut NullRecorder;
         workspace.reset_visible_surfaces(samples.len());
-        let Workspace { media, visible_surfaces: seen, samplers, prev_vertices: drawn, .. } =
-            workspace;
-        let (media, seen, samplers, drawn) = (take(media), take(seen), take(samplers), take(drawn));
+        let Workspace { media, visible_surfaces, samplers, prev_vertices, .. } = workspace;
+        let (media, visible_surfaces, samplers, prev_vertices) =
+            (take(media), take(visible_surfaces), take(samplers), take(prev_vertices));
         let transport = self;
         PathBatch {
             integrator: transport,
@@ -60,9 +60,9 @@ impl Integrator for PathTracer {
             samples,
             radiance,
             media,
-            visible_surfaces: seen,
+            visible_surfaces,
             samplers,
-            prev_vertices: drawn,
+            prev_vertices,
             stats,
             recorder,
         }
@@ -70,7 +70,7 @@ impl Integrator for PathTracer {
     }
 
     fn trace_path(&self, context: RenderContext<'_>, address: SampleAddress) -> Option<PathTrace> {
-        let mut steps: Vec<PathEvent> = Vec::new();
+        let mut events: Vec<PathEvent> = Vec::new();
         let mut radiance = [PathRadiance::default()];
         let batch = PathBatch {
             integrator: self,
@@ -82,10 +82,10 @@ impl Integrator for PathTracer {
             samplers: Vec::new(),
             prev_vertices: Vec::new(),
             stats: RenderStats::default(),
-            recorder: &mut steps,
+            recorder: &mut events,
         };
         let stats = batch.run(&mut Workspace::default());
         let [radiance] = radiance;
-        Some(PathTrace { address, events: steps, radiance, stats })
+        Some(PathTrace { address, events, radiance, stats })
     }
 }

@@ -25,7 +25,7 @@ impl ShadowQueue<'_> {
         let Some((ray, pending, media)) = direct else { return };
         self.shadow_rays.push(&ray, pending);
         if scene.has_opacity() {
-            self.media.push(*media);
+            self.media.push(media.clone());
         }
     }
 }
@@ -49,20 +49,20 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let scene = self.context.scene;
         let lights = self.context.prepared.lights();
         let has_choice = lights.needs_selection();
-        let choose = if has_choice { sampler.get(vertex.light_selection()) } else { 0.0 };
-        let mut light = lights.sample(scene.spheres(), ctx, choose, u)?;
+        let u_select = if has_choice { sampler.get(vertex.light_selection()) } else { 0.0 };
+        let mut light = lights.sample(scene.spheres(), ctx, u_select, u)?;
         let wi = frame.to_local(light.direction);
         let f = bsdf.eval(wo, wi);
         if f.max_element() <= 0.0 {
             return None;
         }
-        let is_beyond = transmitted_media.filter(|_| wi.z < 0.0);
-        let media = is_beyond.unwrap_or_else(|| self.media_of(path));
-        let leave = match scene.has_opacity() {
+        let transmitted = transmitted_media.filter(|_| wi.z < 0.0);
+        let media = transmitted.unwrap_or_else(|| self.media_of(path));
+        let spawn = match scene.has_opacity() {
             true => SurfaceHit::spawn_ray_to,
             false => SurfaceHit::spawn_shadow_ray,
         };
-        let ray = leave(&ctx.hit, light.direction, light.distance, light.source.sphere_id())?;
+        let ray = spawn(&ctx.hit, light.direction, light.distance, light.source.sphere_id())?;
         light.radiance = opacity::emitter_radiance(scene, &light, ctx, media);
         let transmittance = match scene.has_media() {
             true => media.transmittance(light.distance),
@@ -85,7 +85,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             return None;
         }
         let is_direct = path.state.is_light_sample_direct();
-        let media = is_beyond.unwrap_or_else(|| self.media_of(path));
+        let media = transmitted.unwrap_or_else(|| self.media_of(path));
         Some((
             ray,
             PendingDirect { batch_index: path.state.batch_index, radiance: light, is_direct },

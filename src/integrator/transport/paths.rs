@@ -32,8 +32,8 @@ pub(super) struct PathState {
     /// True if the ray was sampled from a density; see
     /// [`PathBatch::pdf_light`](super::batch::PathBatch::pdf_light).
     pub(super) has_prev_vertex: bool,
-    /// Squared index of refraction at the path's current position: the factor that refraction took
-    /// from `throughput` and will give back.
+    /// Squared index of refraction at the path's current position: the factor by which refraction
+    /// has divided `throughput` so far.
     pub(super) eta_scale: f32,
 }
 

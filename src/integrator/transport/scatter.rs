@@ -81,15 +81,15 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     /// continues.
     #[inline(always)]
     pub(super) fn survives(&mut self, state: &mut PathState) -> bool {
-        let largest = state.throughput.max_element();
+        let brightest = state.throughput.max_element();
         let continues = match self.integrator.stop {
             PathTermination::Roulette if state.depth >= ROULETTE_MIN_DEPTH => {
                 let survivor = self.russian_roulette(*state);
                 state.throughput = survivor.unwrap_or(Rgb::ZERO);
                 survivor.is_some()
             }
-            PathTermination::Roulette | PathTermination::Depth => largest > 0.0,
-            PathTermination::Threshold(threshold) => f64::from(largest) >= threshold,
+            PathTermination::Roulette | PathTermination::Depth => brightest > 0.0,
+            PathTermination::Threshold(threshold) => f64::from(brightest) >= threshold,
         };
         continues || self.terminate(Termination::LowThroughput)
     }
@@ -97,9 +97,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     /// Russian roulette. Returns the throughput of a surviving path, `None` if it is terminated.
     ///
     /// The survival weight `w` is the throughput times the squared index of refraction at the
-    /// path's position, because light compressed by refraction will be spread again. A path with
-    /// `w` below 1 survives with probability `w` and then weighs 1; a path with a larger weight
-    /// always survives. So no weight ever exceeds the larger of 1 and its value without roulette,
+    /// path's position (`eta_scale`), which undoes the scaling of radiance by refraction. A path
+    /// with `w` below 1 survives with probability `w` and then has weight 1; a path with a larger
+    /// weight always survives. So no weight exceeds the larger of 1 and its value without roulette,
     /// and the square of a path's contribution grows by at most the factor `1 / w`, from `w^2` to
     /// `w`: the variance stays bounded. Terminating long paths with a fixed probability, as is
     /// often done, breaks this: weights would grow without limit in a room of albedo near 1.
@@ -120,9 +120,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     /// Switches to the media beyond a boundary, if they differ.
     fn set_media(&mut self, path: &Path, transmitted_media: Option<&MediumStack>) {
         let Some(media) = transmitted_media else { return };
-        if let Some(here) = self.media.get_mut(path.state.batch_index as usize) {
-            self.stats.media_overflows += u64::from(media.overflowed() && !here.overflowed());
-            *here = *media;
+        if let Some(current) = self.media.get_mut(path.state.batch_index as usize) {
+            current.clone_from(media);
         }
     }
 }

@@ -34,8 +34,8 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         } else {
             scene.background_radiance(direction)
         };
-        let is_lost = path.state.depth > 1 && fault!(BackgroundCameraOnly);
-        let radiance = if is_lost { Rgb::ZERO } else { radiance };
+        let is_dropped = path.state.depth > 1 && fault!(BackgroundCameraOnly);
+        let radiance = if is_dropped { Rgb::ZERO } else { radiance };
         self.add_emission(path, LightSource::Environment, radiance, true);
         self.terminate(Termination::Escaped)
     }
@@ -43,10 +43,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
     /// Returns the radiance of a constant environment, if [`Self::shade_constant_miss`] is
     /// sufficient to shade a miss.
     pub(super) fn constant_environment(&self) -> Option<Rgb> {
-        let is_plain = !R::ENABLED
+        let is_sufficient = !R::ENABLED
             && self.visible_surfaces.is_empty()
             && self.integrator.miss != MissPolicy::Redraw;
-        self.context.prepared.lights().environment().constant_radiance().filter(|_| is_plain)
+        self.context.prepared.lights().environment().constant_radiance().filter(|_| is_sufficient)
     }
 
     /// Terminates a path that misses in a scene with a constant environment, as
@@ -63,8 +63,9 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             radiance = Rgb::ZERO;
         }
         if radiance != Rgb::ZERO {
-            let added = self.clamp_contribution(state.throughput * radiance, state.is_direct());
-            self.add_contribution(state.batch_index, added);
+            let contribution =
+                self.clamp_contribution(state.throughput * radiance, state.is_direct());
+            self.add_contribution(state.batch_index, contribution);
         }
     }
 
@@ -83,27 +84,28 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         path.state.throughput *= transmittance;
         let PathState { depth, throughput, .. } = path.state;
         let surface = scene.sphere_material(hit.id);
-        let presence = surface.opacity(hit.id, hit.side, self.media_of(path));
+        let opacity = surface.opacity(hit.id, hit.side, self.media_of(path));
         let wo = -path.ray.direction;
-        let meet =
-            || PathEvent::Hit { depth, hit, wo, opacity: presence, transmittance, throughput };
-        self.recorder.record(meet);
+        let hit_event = || PathEvent::Hit { depth, hit, wo, opacity, transmittance, throughput };
+        self.recorder.record(hit_event);
         if surface.material.is_emissive() {
             let is_light_sampled_at =
-                !opacity::is_back_wall_of_emitter(scene, self.prev_vertex(path), &hit);
-            let radiance = surface.material.emission * presence;
+                !opacity::is_back_face_of_emitter(scene, self.prev_vertex(path), &hit);
+            let radiance = surface.material.emission * opacity;
             self.add_emission(path, LightSource::Emitter(hit.id), radiance, is_light_sampled_at);
         }
-        if presence < 1.0 && !opacity::passes_opacity_test(path, self.sampler(path), presence) {
+        if opacity < 1.0 && !opacity::passes_opacity_test(path, self.sampler(path), opacity) {
             return self.pass_transparent(path, &hit);
         }
 
         // Pass straight through a dielectric boundary that is hidden in another dielectric.
         let entering = hit.side == Side::Outside;
         let boundary = surface.medium(hit.id).map(|m| self.media_of(path).boundary(m, entering));
-        let beyond = boundary.as_ref().map(|boundary| &boundary.transmitted_media);
+        let transmitted_media = boundary.as_ref().map(|boundary| &boundary.transmitted_media);
         let eta = boundary.as_ref().map_or(Some(1.0), |boundary| boundary.eta);
-        let Some(eta) = eta else { return self.pass_hidden_boundary(path, &hit, beyond) };
+        let Some(eta) = eta else {
+            return self.pass_hidden_boundary(path, &hit, transmitted_media);
+        };
 
         // Is another edge allowed?
         if self.is_at_max_depth(&path.state) {
@@ -112,7 +114,7 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if depth >= MAX_PATH_EDGES {
             return self.terminate_at_length_limit();
         }
-        self.sample_light_and_bsdf(path, &hit, &surface, eta, beyond, shadow_queue)
+        self.sample_light_and_bsdf(path, &hit, &surface, eta, transmitted_media, shadow_queue)
     }
 
     /// Returns true if a path has reached `max_depth`.
@@ -145,17 +147,17 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let u = sampler.get_2d(vertex.bsdf_direction());
         let u = if fault!(RandomNumberReused) { [u[0]; 2] } else { u };
         let lobe = if bsdf.needs_lobe_sample() { sampler.get(vertex.lobe()) } else { 0.0 };
-        let again = || sampler.get_2d(bsdf_extra(path.state.depth));
-        let Some(sample) = bsdf.sample(wo, lobe, u, &again) else {
+        let extra_u = || sampler.get_2d(bsdf_extra(path.state.depth));
+        let Some(sample) = bsdf.sample(wo, lobe, u, &extra_u) else {
             return self.terminate(Termination::Absorbed);
         };
         if sample.lobe != Lobe::Delta && !may_scatter {
             return self.terminate(Termination::DirectOnly);
         }
-        let goes_on =
+        let continues =
             self.scatter(path, &ctx, &sample, frame.to_world(sample.wi), transmitted_media);
         path.state.depth += 1;
-        goes_on
+        continues
     }
 
     /// Adds emission found by BSDF sampling, with its MIS weight if light sampling could have found
@@ -170,10 +172,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         if radiance == Rgb::ZERO && !R::ENABLED {
             return;
         }
-        let drawn = self.prev_vertex(path);
-        let direct = drawn.filter(|_| is_light_sampled);
-        let pdf_light = direct.map_or(0.0, |drawn| self.pdf_light(path, drawn, source));
-        let pdf = drawn.map(|drawn| drawn.pdf);
+        let prev = self.prev_vertex(path);
+        let sampleable = prev.filter(|_| is_light_sampled);
+        let pdf_light = sampleable.map_or(0.0, |prev| self.pdf_light(path, prev, source));
+        let pdf = prev.map(|prev| prev.pdf);
         let weight = match (self.integrator.estimator, pdf) {
             (Estimator::Mis, Some(_)) if fault!(BsdfMisWeightMissing) => 1.0,
             (Estimator::Mis, Some(p)) if fault!(MisWeightsSwapped) => {
@@ -183,28 +185,28 @@ impl<R: PathRecorder> PathBatch<'_, R> {
             (Estimator::Light, Some(_)) if pdf_light > 0.0 => 0.0,
             _ => 1.0,
         };
-        let added = self
+        let contribution = self
             .clamp_contribution(path.state.throughput * radiance * weight, path.state.is_direct());
-        self.add_contribution(path.state.batch_index, added);
+        self.add_contribution(path.state.batch_index, contribution);
         self.recorder.record(|| PathEvent::Emission {
             source,
             radiance,
             pdf,
             pdf_light,
             weight,
-            contribution: added,
+            contribution,
         });
     }
 
     /// Returns the pdf with which light sampling would have sampled the path's current direction.
-    fn pdf_light(&self, path: &Path, drawn: &PrevVertex, source: LightSource) -> f64 {
+    fn pdf_light(&self, path: &Path, prev: &PrevVertex, source: LightSource) -> f64 {
         if self.integrator.estimator == Estimator::Bsdf {
             return 0.0;
         }
         let scene = self.context.scene;
         self.context.prepared.lights().pdf(
             scene.spheres(),
-            &drawn.light_sample_context(scene.spheres()),
+            &prev.light_sample_context(scene.spheres()),
             source,
             path.ray.direction,
         )

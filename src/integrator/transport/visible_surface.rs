@@ -13,8 +13,8 @@ use super::opacity;
 use super::paths::Path;
 
 impl<R: PathRecorder> PathBatch<'_, R> {
-    /// Records the hit of a path's edge, if requested and if the path comes straight from the
-    /// camera.
+    /// Records the hit of a path's edge, if recording is enabled and the path comes straight from
+    /// the camera.
     pub(super) fn record_visible_surface(&mut self, path: &Path, hit: Hit) {
         if self.visible_surfaces.is_empty() || path.state.depth > 1 {
             return;
@@ -23,10 +23,10 @@ impl<R: PathRecorder> PathBatch<'_, R> {
         let Some(hit) = scene.spheres().resolve_hit(&path.ray, hit) else { return };
         let surface = scene.sphere_material(hit.id);
         let media = self.media_of(path);
-        let presence = surface.opacity(hit.id, hit.side, media);
+        let opacity = surface.opacity(hit.id, hit.side, media);
         let throughput = path.state.throughput * media.transmittance(hit.t - path.ray.t_min);
-        let emission = throughput * (surface.material.emission * presence);
-        let is_seen = opacity::passes_opacity_test(path, self.sampler(path), presence)
+        let emission = throughput * (surface.material.emission * opacity);
+        let is_seen = opacity::passes_opacity_test(path, self.sampler(path), opacity)
             && !self.is_hidden_boundary(path, &hit);
         let record = &mut self.visible_surfaces[path.state.batch_index as usize];
         aov::add_emission(record, emission);

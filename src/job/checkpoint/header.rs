@@ -1,7 +1,5 @@
 //! The header of a checkpoint. One declaration defines how it is written and read as JSON.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -9,19 +7,23 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::color::ViewTransform;
+use crate::error::{Error, Result};
 use crate::film::{BLOCK_SIZE, FilmFormat, Layer};
 use crate::math::Rect;
 use crate::scene::SceneSource;
 
 use super::super::metadata::Metadata;
 use super::super::outcome::NoiseStatus;
+use super::super::samples::TileSampleCounts;
 use super::super::spec::Job;
 use super::hashing::HashingStream;
 use super::read_error::ReadError;
+use super::source::Source;
 use super::version::{MAGIC, MIN_VERSION, VERSION};
 
-/// Maximum header length: a scene's description and its text, with a margin.
-const MAX_HEADER_BYTES: u32 = 16 << 20;
+/// Maximum header length: a scene's description and its text, with a margin. Longer headers are
+/// neither written nor read.
+const MAX_HEADER_BYTES: usize = 16 << 20;
 
 /// Maximum picture width or height in pixels.
 const MAX_SIDE: u32 = 1 << 24;
@@ -46,8 +48,8 @@ pub struct CheckpointHeader {
     pub transparent: bool,
     /// The scene file, without its text.
     pub source: Option<SceneSource>,
-    /// Where the picture goes; `None` in a merged checkpoint.
-    pub delivery: Option<OutputSpec>,
+    /// Output files; `None` in a merged checkpoint.
+    pub output: Option<OutputSpec>,
 }
 
 /// Completion state of a render.
@@ -59,8 +61,8 @@ pub enum RenderStatus {
     Unfinished,
     /// The render has ended, possibly at its time limit.
     Ended {
-        /// The noise targets that were missed, one for each part that missed its own.
-        missed: Vec<NoiseStatus>,
+        /// The missed noise targets, one for each part that missed its own.
+        missed_targets: Vec<NoiseStatus>,
     },
 }
 
@@ -72,25 +74,27 @@ pub struct CumulativeStats {
     pub rays: u64,
     /// Render time in seconds.
     pub seconds: f64,
-    /// Paths that were inside more dielectric spheres than the medium stack can hold.
-    pub media_overflows: u64,
     /// Paths cut off at the hard limit on path length.
-    pub cut_off: u64,
+    pub truncated_paths: u64,
 }
 
-/// Output files and previews of a render.
+/// Output files and previews of a render. A checkpoint records what the program that renders wants
+/// to find again; whoever resumes one decides what to trust.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OutputSpec {
-    /// The picture files, as absolute paths.
+    /// The picture files. In a checkpoint, relative paths start at its folder.
     pub files: Vec<FilePath>,
     /// View transform for display formats.
     pub look: ViewTransform,
+    /// Resolution of display formats, in pixels per inch.
+    #[serde(default)]
+    pub dpi: Option<u32>,
     /// True if picture files include the record of the run.
-    pub with_run: bool,
+    pub with_run_record: bool,
     /// Time between checkpoint writes.
     pub save_every: Duration,
-    /// The file for previews, as an absolute path.
+    /// The file for previews, likewise.
     pub preview: Option<FilePath>,
     /// Time between preview updates.
     pub preview_every: Duration,
@@ -104,7 +108,8 @@ impl Default for OutputSpec {
         Self {
             files: Vec::new(),
             look: ViewTransform::default(),
-            with_run: true,
+            dpi: None,
+            with_run_record: true,
             save_every: Duration::from_secs(60),
             preview: None,
             preview_every: Duration::from_secs(2),
@@ -119,6 +124,39 @@ impl Default for OutputSpec {
 pub struct FilePath(#[serde(with = "crate::scene::paths")] pub PathBuf);
 
 impl CheckpointHeader {
+    /// Encodes the header as JSON. The sample counts of a huge picture are left out if they would
+    /// make it too long: the film has them, too.
+    ///
+    /// # Errors
+    /// If the header is still too long to be read again.
+    pub(in crate::job) fn encode(&self) -> Result<String> {
+        let mut text = self.to_json()?;
+        if text.len() > MAX_HEADER_BYTES {
+            let mut shorter = self.clone();
+            shorter.metadata.counts = TileSampleCounts::default();
+            let parts = &mut shorter.metadata.parts.0;
+            parts.iter_mut().for_each(|part| part.counts = TileSampleCounts::default());
+            text = shorter.to_json()?;
+        }
+        if text.len() > MAX_HEADER_BYTES {
+            let message = format!(
+                "the header of the checkpoint has {} bytes, more than the {MAX_HEADER_BYTES} that \
+                 can be read again",
+                text.len()
+            );
+            return Err(Error::input(message).with_help(
+                "the header names all files and overrides of the scene: join its sphere tables, or \
+                 write the overrides into the scene",
+            ));
+        }
+        Ok(text)
+    }
+
+    fn to_json(&self) -> Result<String> {
+        serde_json::to_string(self)
+            .map_err(|e| Error::input(format!("a checkpoint cannot say what it is: {e}")))
+    }
+
     /// Returns true if the film format and sample range are consistent.
     fn is_valid(&self) -> bool {
         let FilmFormat { frame, first_sample, ref layers, .. } = self.film;
@@ -128,50 +166,50 @@ impl CheckpointHeader {
                 && u64::from(first) + u64::from(length) <= u64::from(full)
                 && full <= MAX_SIDE
         };
-        let is_twice = |(at, layer): (usize, &Layer)| layers[..at].contains(layer);
+        let is_repeated = |(index, layer): (usize, &Layer)| layers[..index].contains(layer);
         fits(x, width, frame.full_size[0])
             && fits(y, height, frame.full_size[1])
             && first_sample % BLOCK_SIZE == 0
             && first_sample == self.samples.start
             && self.samples.start <= self.samples.end
-            && !layers.iter().enumerate().any(is_twice)
+            && !layers.iter().enumerate().any(is_repeated)
     }
 }
 
 pub(super) fn read(
-    from: &mut HashingStream<BufReader<File>>,
-    bytes: u64,
+    stream: &mut HashingStream<Source>,
 ) -> std::result::Result<CheckpointHeader, ReadError> {
+    let bytes = stream.inner.length();
     let mut magic = [0; 8];
-    match from.read_exact(&mut magic) {
+    match stream.read_exact(&mut magic) {
         Ok(()) if magic == MAGIC => {}
         Ok(()) | Err(ReadError::Truncated(_)) => return Err(ReadError::NotACheckpoint),
         Err(other) => return Err(other),
     }
-    let version = from.read_u32()?;
+    let version = stream.read_u32()?;
     if version > VERSION {
         return Err(ReadError::TooNew(version));
     }
     if version < MIN_VERSION {
         return Err(ReadError::TooOld(version));
     }
-    let length = from.read_u32()?;
-    if length > MAX_HEADER_BYTES {
+    let length = stream.read_u32()?;
+    if length as usize > MAX_HEADER_BYTES {
         return Err(ReadError::Corrupt("its header is too long"));
     }
     if u64::from(length) > bytes {
         return Err(ReadError::Truncated(bytes));
     }
     let mut text = vec![0; length as usize];
-    from.read_exact(&mut text)?;
-    from.verify_hash()?;
+    stream.read_exact(&mut text)?;
+    stream.verify_hash()?;
     let header: CheckpointHeader =
         serde_json::from_slice(&text).map_err(|e| match e.classify() {
             serde_json::error::Category::Data => {
-                ReadError::UnsupportedHeader(format!("its header says: {e}"))
+                ReadError::UnsupportedHeader(format!("its header is not supported: {e}"))
             }
-            _ => ReadError::Corrupt("its header is no JSON"),
+            _ => ReadError::Corrupt("its header is not JSON"),
         })?;
-    let is_possible = header.is_valid();
-    is_possible.then_some(header).ok_or(ReadError::Corrupt("its header says something impossible"))
+    let is_valid = header.is_valid();
+    is_valid.then_some(header).ok_or(ReadError::Corrupt("its header is inconsistent"))
 }

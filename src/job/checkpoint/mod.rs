@@ -1,5 +1,5 @@
-//! Checkpoints: films stored as files, to be resumed or merged. A partial render is a checkpoint
-//! too.
+//! Checkpoints: films stored as files or bytes, to be resumed or merged. A partial render is a
+//! checkpoint too.
 //!
 //! All numbers are little-endian. A checkpoint consists of
 //!
@@ -14,14 +14,15 @@
 mod hashing;
 mod header;
 mod read_error;
+mod source;
 #[cfg(test)]
 mod tests;
 mod version;
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Write};
+use std::io::{self, Read, Write};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::film::Film;
@@ -32,6 +33,7 @@ pub use header::{CheckpointHeader, CumulativeStats, FilePath, OutputSpec, Render
 
 use hashing::HashingStream;
 use read_error::ReadError;
+use source::Source;
 use version::{MAGIC, VERSION};
 
 /// Maximum tile length; 64 pixels of about 30 numbers take a tenth of it.
@@ -43,10 +45,8 @@ const TILES_PER_CHUNK: usize = 64;
 /// A checkpoint being read, with a verified header.
 #[derive(Debug)]
 pub struct Checkpoint {
-    path: PathBuf,
     header: CheckpointHeader,
-    stream: HashingStream<BufReader<File>>,
-    bytes: u64,
+    stream: HashingStream<Source>,
 }
 
 /// Returns true if a file starts with the checkpoint magic bytes.
@@ -61,61 +61,74 @@ pub fn is_checkpoint(path: &Path) -> bool {
 /// state at that moment.
 ///
 /// # Errors
-/// If writing fails; an existing file is then unchanged.
+/// If the header is too long, or writing fails; an existing file is then unchanged.
 pub fn write_checkpoint(file: &AtomicFile, film: &Film, header: &CheckpointHeader) -> Result<()> {
-    let head = serde_json::to_string(header);
-    let head =
-        head.map_err(|e| Error::input(format!("a checkpoint cannot say what it is: {e}")))?;
-    file.write(|sink| {
-        let mut to = HashingStream::new(sink);
-        to.write_all(&MAGIC)?;
-        to.write_all(&VERSION.to_le_bytes())?;
-        to.write_all(&length_prefix(&head)?.to_le_bytes())?;
-        to.write_all(head.as_bytes())?;
-        to.write_hash()?;
-        write_tiles(film, &mut to)?;
-        to.write_hash()
-    })
+    let head = header.encode()?;
+    file.write(|sink| write(sink, film, &head))
+}
+
+/// Encodes a checkpoint in memory: the bytes that [`write_checkpoint`] writes to a file.
+///
+/// # Errors
+/// If the header is too long, or a tile of the film is.
+pub fn encode_checkpoint(film: &Film, header: &CheckpointHeader) -> Result<Vec<u8>> {
+    let head = header.encode()?;
+    let mut bytes = Vec::new();
+    write(&mut bytes, film, &head)
+        .map_err(|e| Error::input(format!("cannot encode the checkpoint: {e}")))?;
+    Ok(bytes)
+}
+
+/// Writes all of a checkpoint. `head` is the encoded header.
+fn write(sink: impl Write + Send, film: &Film, head: &str) -> io::Result<()> {
+    let mut stream = HashingStream::new(sink);
+    stream.write_all(&MAGIC)?;
+    stream.write_all(&VERSION.to_le_bytes())?;
+    stream.write_all(&length_prefix(head)?.to_le_bytes())?;
+    stream.write_all(head.as_bytes())?;
+    stream.write_hash()?;
+    write_tiles(film, &mut stream)?;
+    stream.write_hash()
 }
 
 /// Writes every tile. While some are being written to disk, idle threads encode the next ones.
-fn write_tiles<S: Write + Send>(film: &Film, to: &mut HashingStream<S>) -> io::Result<()> {
+fn write_tiles<S: Write + Send>(film: &Film, stream: &mut HashingStream<S>) -> io::Result<()> {
     let tiles = film.frame().tile_count();
-    let at_once = 4 * TILES_PER_CHUNK * parallel::thread_count();
-    let bytes_from = |first: usize| -> io::Result<Vec<Vec<u8>>> {
-        let end = (first + at_once).min(tiles);
-        let pieces = (first..end)
+    let tiles_per_write = 4 * TILES_PER_CHUNK * parallel::thread_count();
+    let encode_from = |first: usize| -> io::Result<Vec<Vec<u8>>> {
+        let end = (first + tiles_per_write).min(tiles);
+        let chunks = (first..end)
             .step_by(TILES_PER_CHUNK)
             .map(|begin| begin..(begin + TILES_PER_CHUNK).min(end));
-        parallel::map(pieces.collect(), |tiles| encode_tiles(film, tiles)).into_iter().collect()
+        parallel::map(chunks.collect(), |tiles| encode_tiles(film, tiles)).into_iter().collect()
     };
-    let mut bytes = bytes_from(0)?;
-    let mut next = at_once;
+    let mut bytes = encode_from(0)?;
+    let mut next = tiles_per_write;
     while !bytes.is_empty() {
-        let write = || bytes.iter().try_for_each(|piece| to.write_all(piece));
-        let (written, following) = parallel::join(write, || bytes_from(next));
+        let write = || bytes.iter().try_for_each(|chunk| stream.write_all(chunk));
+        let (written, encoded) = parallel::join(write, || encode_from(next));
         written?;
-        bytes = following?;
-        next += at_once;
+        bytes = encoded?;
+        next += tiles_per_write;
     }
     Ok(())
 }
 
 /// Encodes tiles, each preceded by its length.
 fn encode_tiles(film: &Film, tiles: Range<usize>) -> io::Result<Vec<u8>> {
-    let mut all = Vec::new();
+    let mut bytes = Vec::new();
     for tile in tiles {
-        let begin = all.len();
-        all.extend([0; 4]);
-        film.write_tile(tile, &mut all);
-        let length = length_prefix(&all[begin + 4..])?;
-        all[begin..begin + 4].copy_from_slice(&length.to_le_bytes());
+        let begin = bytes.len();
+        bytes.extend([0; 4]);
+        film.write_tile(tile, &mut bytes);
+        let length = length_prefix(&bytes[begin + 4..])?;
+        bytes[begin..begin + 4].copy_from_slice(&length.to_le_bytes());
     }
-    Ok(all)
+    Ok(bytes)
 }
 
-fn length_prefix(of: impl AsRef<[u8]>) -> io::Result<u32> {
-    of.as_ref().len().try_into().map_err(io::Error::other)
+fn length_prefix(bytes: impl AsRef<[u8]>) -> io::Result<u32> {
+    bytes.as_ref().len().try_into().map_err(io::Error::other)
 }
 
 impl Checkpoint {
@@ -124,17 +137,24 @@ impl Checkpoint {
     /// # Errors
     /// If the file cannot be read, is not a checkpoint, is damaged, or has an unsupported version.
     pub fn open(path: &Path) -> Result<Self> {
-        let trouble = |e: io::Error| Error::file("read", path, e);
-        let file = File::open(path).map_err(trouble)?;
-        let metadata = file.metadata().map_err(trouble)?;
-        if metadata.is_dir() {
-            return Err(Error::file("read", path, "it is a folder"));
+        Self::read(Source::open(path)?)
+    }
+
+    /// Opens a checkpoint in memory: the bytes of a file, or of
+    /// [`Session::checkpoint_bytes`](crate::job::Session::checkpoint_bytes).
+    ///
+    /// # Errors
+    /// If the bytes are not a checkpoint, are damaged, or have an unsupported version.
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self> {
+        Self::read(Source::from_bytes(bytes))
+    }
+
+    fn read(source: Source) -> Result<Self> {
+        let mut stream = HashingStream::new(source);
+        match header::read(&mut stream) {
+            Ok(header) => Ok(Self { header, stream }),
+            Err(error) => Err(error.into_error(stream.inner.path())),
         }
-        let bytes = metadata.len();
-        let inner = BufReader::with_capacity(1 << 16, file);
-        let mut from = HashingStream::new(inner);
-        let header = header::read(&mut from, bytes).map_err(|bad| bad.into_error(path))?;
-        Ok(Self { path: path.to_path_buf(), header, stream: from, bytes })
     }
 
     /// The header.
@@ -142,9 +162,9 @@ impl Checkpoint {
         &self.header
     }
 
-    /// Path of the checkpoint file.
-    pub fn path(&self) -> &Path {
-        &self.path
+    /// Path of the checkpoint file; `None` if it was read from memory.
+    pub fn path(&self) -> Option<&Path> {
+        self.stream.inner.path()
     }
 
     /// Reads the film.
@@ -152,33 +172,34 @@ impl Checkpoint {
     /// # Errors
     /// If the file cannot be read or is damaged.
     pub fn into_film(mut self) -> Result<Film> {
-        self.read_film().map_err(|bad| bad.into_error(&self.path))
+        self.read_film().map_err(|error| error.into_error(self.path()))
     }
 
     fn read_film(&mut self) -> std::result::Result<Film, ReadError> {
         let format = &self.header.film;
         let tiles = format.frame.tile_count();
         // A tile takes at least five bytes.
-        if tiles as u64 > self.bytes / 5 {
-            return Err(ReadError::Truncated(self.bytes));
+        let bytes = self.stream.inner.length();
+        if tiles as u64 > bytes / 5 {
+            return Err(ReadError::Truncated(bytes));
         }
         let mut film = Film::new_lazy(format);
         let mut bytes = Vec::new();
         for tile in 0..tiles {
             let length = self.stream.read_u32()?;
             if length > MAX_TILE_BYTES {
-                return Err(ReadError::Corrupt("a length makes no sense"));
+                return Err(ReadError::Corrupt("the length of a tile is invalid"));
             }
             bytes.resize(length as usize, 0);
             self.stream.read_exact(&mut bytes)?;
             if !film.read_tile(tile, &bytes) {
-                return Err(ReadError::Corrupt("some sums make no sense"));
+                return Err(ReadError::Corrupt("the data of a tile is invalid"));
             }
         }
         self.stream.verify_hash()?;
         match self.stream.inner.read(&mut [0]) {
             Ok(0) => Ok(film),
-            Ok(_) => Err(ReadError::Corrupt("something follows its end")),
+            Ok(_) => Err(ReadError::Corrupt("data follows its end")),
             Err(e) => Err(ReadError::Io(e)),
         }
     }

@@ -7,7 +7,7 @@ use crate::error::Error;
 
 use super::version::VERSION;
 
-/// Why a file cannot be read as a checkpoint.
+/// Why bytes cannot be read as a checkpoint.
 #[derive(Debug)]
 pub(super) enum ReadError {
     Io(io::Error),
@@ -20,27 +20,31 @@ pub(super) enum ReadError {
 }
 
 impl ReadError {
-    pub(super) fn into_error(self, path: &Path) -> Error {
-        let refused = |reason: String| Error::file("read", path, reason);
+    /// Returns the error for the user. `path` is the file, if there is one.
+    pub(super) fn into_error(self, path: Option<&Path>) -> Error {
+        let error = |reason: String| match path {
+            Some(path) => Error::file("read", path, reason),
+            None => Error::input(format!("cannot read the checkpoint: {reason}")),
+        };
         match self {
-            Self::Io(e) => refused(e.to_string()),
-            Self::NotACheckpoint => refused("it is no part and no checkpoint".to_owned())
-                .with_help("name a checkpoint or a part that photosphere wrote"),
-            Self::TooNew(version) => refused(format!(
-                "it is written in version {version} of the format, and this program knows versions up \
-                 to {VERSION}"
+            Self::Io(e) => error(e.to_string()),
+            Self::NotACheckpoint => error("it is neither a checkpoint nor a part".to_owned())
+                .with_help("name a checkpoint or a part written by photosphere"),
+            Self::TooNew(version) => error(format!(
+                "its format has version {version}, and this program reads versions up to {VERSION}"
             ))
             .with_help("use the photosphere that wrote it, or a newer one"),
-            Self::TooOld(version) => refused(format!(
-                "it is written in version {version} of the format, which this program does not read any \
-                 more"
+            Self::TooOld(version) => error(format!(
+                "its format has version {version}, which this program no longer reads"
             ))
-            .with_help("finish it with the photosphere that wrote it, or render it anew"),
-            Self::Truncated(at) => refused(format!("it is cut off after {at} bytes"))
+            .with_help("finish it with the photosphere that wrote it, or render it again"),
+            Self::Truncated(at) => error(format!("it is truncated after {at} bytes"))
                 .with_help("copy it again, or render this part again"),
-            Self::Corrupt(what) => refused(format!("it is damaged: {what}"))
+            Self::Corrupt(reason) => error(format!("it is damaged: {reason}"))
                 .with_help("copy it again, or render this part again"),
-            Self::UnsupportedHeader(what) => refused(what).with_help("use the photosphere that wrote it"),
+            Self::UnsupportedHeader(reason) => {
+                error(reason).with_help("use the photosphere that wrote it")
+            }
         }
     }
 }

@@ -5,17 +5,17 @@ use std::ops::Range;
 use super::super::samples::WindowSamples;
 use crate::math::Rect;
 
-/// Divides `within` into rectangles, each of which lies completely inside or outside every window.
-pub(super) fn cells(windows: &[Rect], within: Rect) -> Vec<Rect> {
-    let cuts = |from: u32, to: u32, of: &dyn Fn(&Rect) -> [u32; 2]| {
-        let mut cuts: Vec<u32> = windows.iter().flat_map(of).collect();
-        cuts.extend([from, to]);
-        cuts.retain(|cut| (from..=to).contains(cut));
+/// Divides `bounds` into rectangles, each completely inside or outside every window.
+pub(super) fn cells(windows: &[Rect], bounds: Rect) -> Vec<Rect> {
+    let cuts = |start: u32, end: u32, edges: &dyn Fn(&Rect) -> [u32; 2]| {
+        let mut cuts: Vec<u32> = windows.iter().flat_map(edges).collect();
+        cuts.extend([start, end]);
+        cuts.retain(|cut| (start..=end).contains(cut));
         cuts.sort_unstable();
         cuts.dedup();
         cuts
     };
-    let Rect { x, y, width, height } = within;
+    let Rect { x, y, width, height } = bounds;
     let columns = cuts(x, x + width, &|window| [window.x, window.x + window.width]);
     let rows = cuts(y, y + height, &|window| [window.y, window.y + window.height]);
     let cell = |row: &[u32], column: &[u32]| Rect {
@@ -24,11 +24,11 @@ pub(super) fn cells(windows: &[Rect], within: Rect) -> Vec<Rect> {
         width: column[1] - column[0],
         height: row[1] - row[0],
     };
-    let of_row = |row| columns.windows(2).map(move |column| cell(row, column));
-    rows.windows(2).flat_map(of_row).collect()
+    let row_cells = |row| columns.windows(2).map(move |column| cell(row, column));
+    rows.windows(2).flat_map(row_cells).collect()
 }
 
-/// The first samples of `all` that none of the ranges holds.
+/// The first samples of `all` that no range contains.
 pub(super) fn first_missing(mut ranges: Vec<Range<u32>>, all: &Range<u32>) -> Option<Range<u32>> {
     ranges.retain(|range| !range.is_empty());
     ranges.sort_by_key(|range| range.start);
@@ -44,20 +44,20 @@ pub(super) fn first_missing(mut ranges: Vec<Range<u32>>, all: &Range<u32>) -> Op
 
 /// Returns true if the samples of every pixel start at `first` and have no gap. The number of
 /// samples then identifies them.
-pub(super) fn is_contiguous_from(shares: &[WindowSamples], within: Rect, first: u32) -> bool {
-    let windows: Vec<Rect> = shares.iter().map(|share| share.window).collect();
-    cells(&windows, within).iter().all(|cell| {
-        let here =
-            shares.iter().zip(&windows).filter(|(_, window)| window.intersection(cell).is_some());
-        let mut samples: Vec<_> = here.map(|(share, _)| share.samples).collect();
-        samples.retain(|samples| samples.most > 0);
+pub(super) fn is_contiguous_from(parts: &[WindowSamples], bounds: Rect, first: u32) -> bool {
+    let windows: Vec<Rect> = parts.iter().map(|part| part.window).collect();
+    cells(&windows, bounds).iter().all(|cell| {
+        let overlapping =
+            parts.iter().zip(&windows).filter(|(_, window)| window.intersection(cell).is_some());
+        let mut samples: Vec<_> = overlapping.map(|(part, _)| part.samples).collect();
+        samples.retain(|samples| samples.max_count > 0);
         samples.sort_by_key(|samples| samples.first);
         let mut next = Some(first);
         samples.into_iter().all(|samples| {
             let follows = next == Some(samples.first);
             // Nothing can follow pixels with different sample counts.
-            let end = samples.first + samples.most;
-            next = (samples.fewest == samples.most).then_some(end);
+            let end = samples.first + samples.max_count;
+            next = (samples.min_count == samples.max_count).then_some(end);
             follows
         })
     })
@@ -70,11 +70,11 @@ mod tests {
 
     const WHOLE: Rect = Rect { x: 0, y: 0, width: 16, height: 12 };
 
-    fn share(x: u32, width: u32, first: u32, fewest: u32, most: u32) -> WindowSamples {
+    fn part(x: u32, width: u32, first: u32, min_count: u32, max_count: u32) -> WindowSamples {
         let window = Rect { x, y: 0, width, height: 12 };
         WindowSamples {
             window,
-            samples: SampleRange { first, fewest, most },
+            samples: SampleRange { first, min_count, max_count },
             counts: TileSampleCounts::default(),
         }
     }
@@ -102,12 +102,12 @@ mod tests {
 
     #[test]
     fn gaps_and_early_ends_are_told_from_a_plain_range() {
-        let plain = |shares: &[WindowSamples]| is_contiguous_from(shares, WHOLE, 0);
-        assert!(plain(&[share(0, 16, 16, 16, 16), share(0, 16, 0, 16, 16)]));
-        assert!(plain(&[share(0, 9, 0, 16, 16), share(9, 7, 0, 32, 48)]));
-        assert!(plain(&[share(0, 9, 0, 16, 16)]));
-        assert!(!plain(&[share(0, 9, 0, 16, 16), share(9, 7, 16, 16, 16)]));
-        assert!(!plain(&[share(0, 16, 0, 16, 16), share(0, 16, 32, 16, 16)]));
-        assert!(!plain(&[share(0, 16, 0, 0, 16), share(0, 16, 16, 16, 16)]));
+        let plain = |parts: &[WindowSamples]| is_contiguous_from(parts, WHOLE, 0);
+        assert!(plain(&[part(0, 16, 16, 16, 16), part(0, 16, 0, 16, 16)]));
+        assert!(plain(&[part(0, 9, 0, 16, 16), part(9, 7, 0, 32, 48)]));
+        assert!(plain(&[part(0, 9, 0, 16, 16)]));
+        assert!(!plain(&[part(0, 9, 0, 16, 16), part(9, 7, 16, 16, 16)]));
+        assert!(!plain(&[part(0, 16, 0, 16, 16), part(0, 16, 32, 16, 16)]));
+        assert!(!plain(&[part(0, 16, 0, 0, 16), part(0, 16, 16, 16, 16)]));
     }
 }

@@ -13,9 +13,9 @@ use super::super::metadata::{Metadata, RunRecord};
 use super::super::noise::NoiseTarget;
 use super::super::samples::{MergedSamples, SampleRange, TileSampleCounts, WindowSamples};
 use super::cells::{cells, first_missing, is_contiguous_from};
-use super::piece::MergeInput;
+use super::input::MergeInput;
 
-/// Side in pixels of a square that adaptive sampling decides on.
+/// Side in pixels of a tile that adaptive sampling decides on.
 const ADAPTIVE_TILE: u32 = 16;
 
 /// Common film format and sample range of the parts.
@@ -26,32 +26,34 @@ pub(super) struct MergedExtent {
 }
 
 impl MergedExtent {
-    /// The smallest window and sample range that hold all parts. `crop`, if given, replaces the
+    /// The smallest window and sample range that contain all parts. `crop`, if given, replaces the
     /// window.
     ///
     /// # Errors
     /// If a part reaches beyond `crop`.
-    pub(super) fn new(pieces: &[MergeInput], crop: Option<Rect>) -> Result<Self> {
-        let around = pieces.iter().map(MergeInput::window).reduce(|a, b| {
+    pub(super) fn new(inputs: &[MergeInput], crop: Option<Rect>) -> Result<Self> {
+        let union = inputs.iter().map(MergeInput::window).reduce(|a, b| {
             let (x, y) = (a.x.min(b.x), a.y.min(b.y));
             let width = (a.x + a.width).max(b.x + b.width) - x;
             let height = (a.y + a.height).max(b.y + b.height) - y;
             Rect { x, y, width, height }
         });
-        let format = &pieces[0].header.film;
-        let around = around.unwrap_or(format.frame.window);
-        let window = crop.unwrap_or(around);
-        if window.intersection(&around) != Some(around) {
-            let what = format!("the parts hold the pixels {around}, more than the crop {window}");
-            return Err(Error::input(what).with_help("name the parts of this window only"));
+        let format = &inputs[0].header.film;
+        let union = union.unwrap_or(format.frame.window);
+        let window = crop.unwrap_or(union);
+        if window.intersection(&union) != Some(union) {
+            let message = format!(
+                "the parts cover the pixels {union}, which reach outside the crop {window}"
+            );
+            return Err(Error::input(message).with_help("name only parts inside the crop"));
         }
-        let start = pieces.iter().map(|piece| piece.samples().start).min().unwrap_or(0);
-        let end = pieces.iter().map(|piece| piece.samples().end).max().unwrap_or(0);
+        let start = inputs.iter().map(|input| input.samples().start).min().unwrap_or(0);
+        let end = inputs.iter().map(|input| input.samples().end).max().unwrap_or(0);
         let frame = FilmFrame { window, ..format.frame };
         Ok(Self {
             format: FilmFormat { frame, first_sample: start, ..format.clone() },
             samples: start..end,
-            samples_per_pixel: pieces
+            samples_per_pixel: inputs
                 .iter()
                 .map(MergeInput::samples_per_pixel)
                 .max()
@@ -59,33 +61,33 @@ impl MergedExtent {
         })
     }
 
-    /// Rejects parts with a noise target whose window edges cut squares: each half would decide
-    /// separately, unlike a square in a single render.
+    /// Rejects parts with a noise target whose window edges cut adaptive tiles: each half would
+    /// decide separately, unlike a tile in a single render.
     ///
     /// # Errors
     /// Names the first such part.
-    pub(super) fn check_tile_alignment(&self, pieces: &[MergeInput]) -> Result<()> {
-        let whole = self.format.frame.window;
-        let cuts = |at: u32, from: u32, length: u32| {
-            at > from && at < from + length && at % ADAPTIVE_TILE != 0
+    pub(super) fn check_tile_alignment(&self, inputs: &[MergeInput]) -> Result<()> {
+        let bounds = self.format.frame.window;
+        let cuts = |edge: u32, start: u32, length: u32| {
+            edge > start && edge < start + length && edge % ADAPTIVE_TILE != 0
         };
-        for piece in pieces.iter().filter(|piece| piece.header.job.until.noise.is_some()) {
-            let Rect { x, y, width, height } = piece.window();
-            if [x, x + width].iter().any(|at| cuts(*at, whole.x, whole.width))
-                || [y, y + height].iter().any(|at| cuts(*at, whole.y, whole.height))
+        for input in inputs.iter().filter(|input| input.header.job.until.noise.is_some()) {
+            let Rect { x, y, width, height } = input.window();
+            if [x, x + width].iter().any(|edge| cuts(*edge, bounds.x, bounds.width))
+                || [y, y + height].iter().any(|edge| cuts(*edge, bounds.y, bounds.height))
             {
-                let (path, window) = (piece.path.display(), piece.window());
-                let what = format!(
-                    "`{path}` has a noise target, and its window {window} cuts squares of {ADAPTIVE_TILE} pixels"
+                let (path, window) = (input.path.display(), input.window());
+                let message = format!(
+                    "`{path}` has a noise target, and its window {window} cuts tiles of {ADAPTIVE_TILE} x {ADAPTIVE_TILE} pixels"
                 );
                 let help = format!("render crops whose sides are multiples of {ADAPTIVE_TILE}");
-                return Err(Error::input(what).with_help(help));
+                return Err(Error::input(message).with_help(help));
             }
         }
         Ok(())
     }
 
-    /// Rejects pixels or samples that no part holds. A picture that must be complete has stricter
+    /// Rejects pixels or samples that are in no part. A picture that must be complete has stricter
     /// requirements than a checkpoint: parts of several windows must fill the whole picture or
     /// `crop`, and all samples that the scene asks for must be present. Parts of a single window
     /// make a picture of that window.
@@ -94,13 +96,13 @@ impl MergedExtent {
     /// Names the first gap.
     pub(super) fn check_gaps(
         &self,
-        pieces: &[MergeInput],
+        inputs: &[MergeInput],
         must_be_complete: bool,
         has_pictures: bool,
         crop: Option<Rect>,
     ) -> Result<()> {
         let is_picture = must_be_complete && has_pictures;
-        let one_window = pieces.iter().all(|piece| piece.window() == pieces[0].window());
+        let one_window = inputs.iter().all(|input| input.window() == inputs[0].window());
         let FilmFrame { full_size: [width, height], window } = self.format.frame;
         let window = match is_picture && !one_window && crop.is_none() {
             true => Rect { x: 0, y: 0, width, height },
@@ -110,47 +112,47 @@ impl MergedExtent {
             true => 0..self.samples_per_pixel.max(self.samples.end),
             false => self.samples.clone(),
         };
-        let Some((pixels, missing)) = first_gap(pieces, window, &samples) else { return Ok(()) };
-        let what = format!(
+        let Some((pixels, missing)) = first_gap(inputs, window, &samples) else { return Ok(()) };
+        let message = format!(
             "samples {}..{} of the pixels {pixels} are missing",
             missing.start, missing.end,
         );
         let help = match (is_picture, must_be_complete) {
-            (true, _) => "name the parts that hold them, or allow gaps",
-            (false, true) => "name the parts that hold them",
+            (true, _) => "add the parts that have them, or allow gaps",
+            (false, true) => "add the parts that have them",
             (false, false) => {
-                "gaps are for pictures: a part cannot have any; name the parts that hold them, or leave \
-                 the part out"
+                "only pictures may have gaps: add the parts that have them, or write no part"
             }
         };
-        let error = Error::input(what).with_help(help);
+        let error = Error::input(message).with_help(help);
         Err(if is_picture { error.with_suggestion(Suggestion::AllowGaps, "") } else { error })
     }
 
-    /// Metadata of the merged render. `shares` lists the samples that each part contributes.
+    /// Metadata of the merged render. `window_samples` lists the samples that each part
+    /// contributes.
     pub(super) fn metadata(
         &self,
-        pieces: &[MergeInput],
-        shares: Vec<WindowSamples>,
+        inputs: &[MergeInput],
+        window_samples: Vec<WindowSamples>,
         sum: &Film,
         command: Option<String>,
     ) -> Metadata {
         let FilmFrame { full_size, window } = self.format.frame;
-        let is_whole = FilmFrame::full(full_size[0], full_size[1]).window == window;
-        let mut metadata = pieces[0].header.metadata.clone();
-        metadata.settings.image.crop = (!is_whole).then_some(window);
-        let of_first = metadata.run.unwrap_or_default();
+        let covers_picture = FilmFrame::full(full_size[0], full_size[1]).window == window;
+        let mut metadata = inputs[0].header.metadata.clone();
+        metadata.settings.image.crop = (!covers_picture).then_some(window);
+        let first_run = metadata.run.unwrap_or_default();
         metadata.run = Some(RunRecord {
-            rays: total(pieces, |header| header.statistics.rays),
-            seconds: total(pieces, |header| header.statistics.seconds),
+            rays: total(inputs, |header| header.statistics.rays),
+            seconds: total(inputs, |header| header.statistics.seconds),
             threads: 1,
             error: estimate_error(sum, NoiseTarget::CONFIDENCE),
             command,
-            ..of_first
+            ..first_run
         });
         let start = self.samples.start;
         match TileSampleCounts::from_film(sum)
-            .filter(|_| is_contiguous_from(&shares, window, start))
+            .filter(|_| is_contiguous_from(&window_samples, window, start))
         {
             Some(counts) => metadata.with_samples(
                 SampleRange::from_film(sum, start),
@@ -158,8 +160,12 @@ impl MergedExtent {
                 MergedSamples::default(),
             ),
             None => {
-                let shares = MergedSamples::new(shares);
-                metadata.with_samples(shares.bounding_range(), TileSampleCounts::default(), shares)
+                let window_samples = MergedSamples::new(window_samples);
+                metadata.with_samples(
+                    window_samples.bounding_range(),
+                    TileSampleCounts::default(),
+                    window_samples,
+                )
             }
         }
     }
@@ -167,22 +173,23 @@ impl MergedExtent {
     /// Checkpoint header of the merged render.
     pub(super) fn header(
         &self,
-        pieces: &[MergeInput],
+        inputs: &[MergeInput],
         metadata: &Metadata,
         layers: &[Aov],
         is_ended: bool,
     ) -> CheckpointHeader {
-        let first = &pieces[0].header;
+        let first = &inputs[0].header;
         let mut job = first.job.clone();
         // If samples are missing, the result is still a part. The time limit of one part does not
         // apply to all.
-        let is_all = self.samples == (0..self.samples_per_pixel);
-        job.samples = (!is_all).then(|| self.samples.clone());
+        let is_complete = self.samples == (0..self.samples_per_pixel);
+        job.samples = (!is_complete).then(|| self.samples.clone());
         job.until.clear_limits();
         job.settings.image.crop = metadata.settings.image.crop;
         job.settings.render.samples_per_pixel = self.samples_per_pixel;
         job.layers = layers.to_vec();
-        let missed = pieces.iter().flat_map(|piece| piece.missed_targets().to_vec()).collect();
+        let missed_targets =
+            inputs.iter().flat_map(|input| input.missed_targets().to_vec()).collect();
         CheckpointHeader {
             film: self.format.clone(),
             samples: self.samples.clone(),
@@ -190,38 +197,38 @@ impl MergedExtent {
             metadata: Metadata { layers: Some(layers.to_vec()), ..metadata.clone() },
             // All parts have the same status.
             status: if is_ended {
-                RenderStatus::Ended { missed }
+                RenderStatus::Ended { missed_targets }
             } else {
                 RenderStatus::Unfinished
             },
             statistics: CumulativeStats {
-                rays: total(pieces, |header| header.statistics.rays),
-                seconds: total(pieces, |header| header.statistics.seconds),
-                media_overflows: total(pieces, |header| header.statistics.media_overflows),
-                cut_off: total(pieces, |header| header.statistics.cut_off),
+                rays: total(inputs, |header| header.statistics.rays),
+                seconds: total(inputs, |header| header.statistics.seconds),
+                truncated_paths: total(inputs, |header| header.statistics.truncated_paths),
             },
             transparent: first.transparent,
             source: first.source.clone(),
-            delivery: None,
+            output: None,
         }
     }
 }
 
 /// Sums a figure over the parts.
-fn total<N: Sum<N>>(pieces: &[MergeInput], of: impl Fn(&CheckpointHeader) -> N) -> N {
-    pieces.iter().map(|piece| of(&piece.header)).sum()
+fn total<N: Sum<N>>(inputs: &[MergeInput], field: impl Fn(&CheckpointHeader) -> N) -> N {
+    inputs.iter().map(|input| field(&input.header)).sum()
 }
 
-/// The first pixels and samples in a window that no part holds.
+/// The first pixels and samples in a window that are in no part.
 fn first_gap(
-    pieces: &[MergeInput],
+    inputs: &[MergeInput],
     window: Rect,
     samples: &Range<u32>,
 ) -> Option<(Rect, Range<u32>)> {
-    let windows: Vec<Rect> = pieces.iter().map(MergeInput::window).collect();
+    let windows: Vec<Rect> = inputs.iter().map(MergeInput::window).collect();
     cells(&windows, window).into_iter().find_map(|cell| {
-        let here = pieces.iter().filter(|piece| piece.window().intersection(&cell).is_some());
-        let ranges = here.map(|piece| piece.samples().clone()).collect();
+        let overlapping =
+            inputs.iter().filter(|input| input.window().intersection(&cell).is_some());
+        let ranges = overlapping.map(|input| input.samples().clone()).collect();
         Some((cell, first_missing(ranges, samples)?))
     })
 }

@@ -2,7 +2,7 @@
 
 mod cells;
 mod extent;
-mod piece;
+mod input;
 
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ use super::metadata::Metadata;
 use super::outcome::NoiseStatus;
 
 use extent::MergedExtent;
-use piece::MergeInput;
+use input::MergeInput;
 
 /// Options for [`merge`].
 #[derive(Clone, Debug, Default)]
@@ -60,43 +60,45 @@ pub struct MergedRender {
 /// If a part is damaged or belongs to another render, if parts overlap, or if pixels or samples are
 /// missing.
 pub fn merge(paths: &[PathBuf], options: &MergeOptions) -> Result<MergedRender> {
-    let mut pieces: Vec<MergeInput> =
+    let mut inputs: Vec<MergeInput> =
         paths.iter().map(|path| MergeInput::open(path)).collect::<Result<_>>()?;
-    let Some(first) = pieces.first() else { return Err(Error::input("there is no part to merge")) };
-    pieces.iter().try_for_each(|piece| piece.check_compatible(first))?;
-    check_overlaps(&pieces)?;
-    let own = || first.header.metadata.layers.clone().unwrap_or_default();
-    let layers = options.layers.clone().unwrap_or_else(own);
+    let Some(first) = inputs.first() else {
+        return Err(Error::input("there are no parts to merge"));
+    };
+    inputs.iter().try_for_each(|input| input.check_compatible(first))?;
+    check_overlaps(&inputs)?;
+    let stored = || first.header.metadata.layers.clone().unwrap_or_default();
+    let layers = options.layers.clone().unwrap_or_else(stored);
     check_aovs(&layers, first)?;
-    let whole = MergedExtent::new(&pieces, options.crop)?;
-    whole.check_tile_alignment(&pieces)?;
-    let must_be_whole = !options.allow_gaps || options.writes_checkpoint;
-    if must_be_whole {
+    let extent = MergedExtent::new(&inputs, options.crop)?;
+    extent.check_tile_alignment(&inputs)?;
+    let must_be_complete = !options.allow_gaps || options.writes_checkpoint;
+    if must_be_complete {
         // If the picture may have gaps, only the checkpoint must be complete.
-        whole.check_gaps(&pieces, !options.allow_gaps, options.writes_picture, options.crop)?;
+        extent.check_gaps(&inputs, !options.allow_gaps, options.writes_picture, options.crop)?;
     }
-    let mut film = Film::new_lazy(&whole.format);
-    let mut shares = Vec::new();
-    for piece in &pieces {
-        let part = Checkpoint::open(&piece.path)?.into_film()?;
-        if must_be_whole {
-            piece.check_continuation(&part, &pieces)?;
+    let mut film = Film::new_lazy(&extent.format);
+    let mut window_samples = Vec::new();
+    for input in &inputs {
+        let part = Checkpoint::open(&input.path)?.into_film()?;
+        if must_be_complete {
+            input.check_continuation(&part, &inputs)?;
         }
         if !options.allow_gaps {
-            piece.check_finished(&part)?;
+            input.check_finished(&part)?;
         }
-        shares.extend(piece.window_samples(&part));
+        window_samples.extend(input.window_samples(&part));
         film.merge(&part)?;
     }
-    let metadata = whole.metadata(&pieces, shares, &film, options.command.clone());
-    let missed: Vec<(PathBuf, Vec<NoiseStatus>)> = pieces
+    let metadata = extent.metadata(&inputs, window_samples, &film, options.command.clone());
+    let missed_targets: Vec<(PathBuf, Vec<NoiseStatus>)> = inputs
         .iter()
-        .map(|piece| (piece.path.clone(), piece.missed_targets().to_vec()))
-        .filter(|(_, missed)| !missed.is_empty())
+        .map(|input| (input.path.clone(), input.missed_targets().to_vec()))
+        .filter(|(_, missed_targets)| !missed_targets.is_empty())
         .collect();
-    let header = whole.header(&pieces, &metadata, &layers, !options.allow_gaps);
-    let first = pieces.swap_remove(0);
-    Ok(MergedRender { film, metadata, layers, missed_targets: missed, header, first })
+    let header = extent.header(&inputs, &metadata, &layers, !options.allow_gaps);
+    let first = inputs.swap_remove(0);
+    Ok(MergedRender { film, metadata, layers, missed_targets, header, first })
 }
 
 impl MergedRender {
@@ -113,7 +115,7 @@ impl MergedRender {
     /// # Errors
     /// If such ids are requested and the scene is missing or has changed.
     pub fn picture(&self) -> Result<Picture> {
-        if !self.layers.iter().any(|kind| needs_scene(*kind)) {
+        if !self.layers.iter().any(|aov| needs_scene(*aov)) {
             return Ok(develop_without_scene(
                 &self.film,
                 &self.layers,
@@ -123,27 +125,27 @@ impl MergedRender {
         let (scene, mut settings) = self.first.scene()?;
         settings.image.crop = self.metadata.settings.image.crop;
         let prepared = PreparedScene::new(&scene, settings)?;
-        let accel =
-            self.metadata.intersector.backend.build(scene.spheres(), &BuildOptions::default())?;
+        let accel = self.metadata.intersector.build(scene.spheres(), &BuildOptions::default())?;
         Ok(develop(&prepared, accel.as_ref(), &self.film, &self.layers))
     }
 }
 
-/// Rejects layers that the parts do not hold.
-fn check_aovs(kinds: &[Aov], first: &MergeInput) -> Result<()> {
-    let held = &first.header.film.layers;
-    let lacks = |kind: &&Aov| required_layers(&[**kind]).iter().any(|layer| !held.contains(layer));
-    let Some(kind) = kinds.iter().find(lacks) else { return Ok(()) };
-    let (layer, path) = (kind.info().name, first.path.display());
-    Err(Error::input(format!("`{path}` does not hold the layer `{layer}`"))
+/// Rejects layers that the parts do not have.
+fn check_aovs(aovs: &[Aov], first: &MergeInput) -> Result<()> {
+    let stored = &first.header.film.layers;
+    let is_missing =
+        |aov: &&Aov| required_layers(&[**aov]).iter().any(|layer| !stored.contains(layer));
+    let Some(aov) = aovs.iter().find(is_missing) else { return Ok(()) };
+    let (layer, path) = (aov.info().name, first.path.display());
+    Err(Error::input(format!("`{path}` does not have the layer `{layer}`"))
         .with_help("render all parts with this layer")
         .with_suggestion(Suggestion::Layers, layer))
 }
 
-/// Rejects samples held by two parts, and blocks split between two parts.
-fn check_overlaps(pieces: &[MergeInput]) -> Result<()> {
-    for (at, a) in pieces.iter().enumerate() {
-        for b in &pieces[..at] {
+/// Rejects samples that are in two parts, and blocks split between two parts.
+fn check_overlaps(inputs: &[MergeInput]) -> Result<()> {
+    for (index, a) in inputs.iter().enumerate() {
+        for b in &inputs[..index] {
             let Some(common) = a.window().intersection(&b.window()) else { continue };
             let (first, second) =
                 if a.samples().start < b.samples().start { (a, b) } else { (b, a) };
@@ -151,26 +153,26 @@ fn check_overlaps(pieces: &[MergeInput]) -> Result<()> {
             if early.is_empty() || late.is_empty() {
                 continue;
             }
-            let (x, y) = (first.path.display(), second.path.display());
+            let (first_path, second_path) = (first.path.display(), second.path.display());
             if late.start < early.end {
                 let end = early.end.min(late.end);
-                let what = format!(
-                    "`{x}` and `{y}` both hold samples {}..{end} of the pixels {common}",
+                let message = format!(
+                    "`{first_path}` and `{second_path}` both have samples {}..{end} of the pixels {common}",
                     late.start,
                 );
-                return Err(Error::input(what).with_help("leave one of them out"));
+                return Err(Error::input(message).with_help("leave one of them out"));
             }
             if early.end % BLOCK_SIZE != 0 {
-                let what = format!(
-                    "`{x}` ends within a block, at sample {}, so that `{y}` cannot follow it",
+                let message = format!(
+                    "`{first_path}` ends within a block, at sample {}, so `{second_path}` cannot continue it",
                     early.end
                 );
                 let help = format!(
                     "render it again up to a multiple of {BLOCK_SIZE}, or resume and extend it"
                 );
-                return Err(Error::input(what)
+                return Err(Error::input(message)
                     .with_help(help)
-                    .with_suggestion(Suggestion::Resume, x.to_string()));
+                    .with_suggestion(Suggestion::Resume, first_path.to_string()));
             }
         }
     }

@@ -1,15 +1,15 @@
 //! An environment map: interpolated radiance over all directions, with exact importance sampling.
 //!
-//! Nodes form a grid of rows, each at a height (the sine of its elevation), and of columns around.
-//! Between four nodes radiance is linear in the height and in the azimuth, the coordinates in which
-//! solid angle is uniform. The light of a cell is therefore the mean of its corners times its solid
+//! Nodes form a grid: each row has a height (the sine of its elevation), each column an azimuth.
+//! Between four nodes radiance is linear in height and azimuth, the coordinates in which solid
+//! angle is uniform. The weight of a cell is therefore the mean of its corners times its solid
 //! angle, directions are sampled by inverting two linear densities, and the resulting pdf is
 //! exactly proportional to the sampling function.
 //!
 //! That function is not luminance itself but its excess above the mean: BSDF sampling, with which
 //! it is combined, handles the constant part best (Karlik, Sik, Vevoda, Skrivan and Krivanek 2019,
-//! "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling"). A tenth of
-//! the luminance is kept everywhere, so that light sampling never neglects any light.
+//! "MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling"). Every
+//! direction keeps a tenth of its luminance, so that light sampling covers all light.
 
 use std::f64::consts::{PI, TAU};
 
@@ -61,49 +61,54 @@ impl EnvironmentMap {
     }
 
     /// Creates a map from an image in latitude and longitude, rows from the top. The image's centre
-    /// faces -z, its right side +x. Nodes are the pixel centres; the poles are the means of the
-    /// first and the last row.
+    /// faces -z, its right side +x.
+    ///
+    /// Pixels are areas: the interpolated light of each is its radiance times its exact solid
+    /// angle. A node's light is the mean distance to the heights above and below, so the middles
+    /// between the heights must be the edges between the rows, `cos(k d)` for rows of `d` radians.
+    /// The cosine of the row's centre divided by `cos(d / 2)` is that, by the theorem for the sum
+    /// of two cosines. The first and the last row reach the poles.
     ///
     /// # Panics
     /// Unless there are `width` times `height` pixels, and at least one.
     pub fn from_image(width: usize, height: usize, pixels: &[Rgb]) -> Self {
         assert!(width > 0 && height > 0 && pixels.len() == width * height);
-        let mean = |row: &[Rgb]| {
-            let sum: DVec3 = row.iter().map(|pixel| pixel.as_dvec3()).sum();
-            vec![(sum / width as f64).as_vec3(); width]
-        };
-        let (first, last) = (mean(&pixels[..width]), mean(&pixels[pixels.len() - width..]));
-        let angle = |row: usize| (row as f64 + 0.5) / height as f64 * PI;
-        let heights = (0..height).map(|row| cos(angle(row)));
-        let heights = std::iter::once(1.0).chain(heights).chain([-1.0]).collect();
-        Self::from_rows(width, heights, [&first, pixels, &last].concat())
+        if height == 1 {
+            return Self::from_rows(width, vec![1.0, -1.0], pixels.repeat(2));
+        }
+        let half = 0.5 * PI / height as f64;
+        let node = |row: usize| cos((2 * row + 1) as f64 * half) / cos(half);
+        let mut heights: Vec<f64> = (0..height).map(node).collect();
+        (heights[0], heights[height - 1]) = (1.0, -1.0);
+        Self::from_rows(width, heights, pixels.to_vec())
     }
 
     /// Creates a map from rows of nodes, whose first column lies half a column to the right of +z.
     pub(super) fn from_rows(columns: usize, heights: Vec<f64>, radiance: Vec<Rgb>) -> Self {
         let bands = heights.len() - 1;
-        let nothing = vec![None; bands];
-        let mut dome = Self {
+        let empty = vec![None; bands];
+        let mut map = Self {
             columns,
             heights,
             radiance,
             mean_luminance: 0.0,
             band_distribution: None,
-            cell_distributions: nothing,
+            cell_distributions: empty,
             total_weight: 0.0,
         };
-        let all: f64 = (0..bands).map(|band| dome.band_weights(band).iter().sum::<f64>()).sum();
-        if !dome.is_constant() {
-            dome.mean_luminance = all / (2.0 * TAU);
-            let light: Vec<Vec<f64>> =
-                (0..bands).into_par_iter().map(|band| dome.band_weights(band)).collect();
-            let of_bands: Vec<f64> = light.iter().map(|cells| cells.iter().sum()).collect();
-            dome.total_weight = of_bands.iter().sum();
-            dome.band_distribution = DiscreteDistribution::new(of_bands);
-            dome.cell_distributions =
-                light.into_par_iter().map(DiscreteDistribution::new).collect();
+        let total: f64 = (0..bands).map(|band| map.band_weights(band).iter().sum::<f64>()).sum();
+        if !map.is_constant() {
+            map.mean_luminance = total / (2.0 * TAU);
+            let cell_weights: Vec<Vec<f64>> =
+                (0..bands).into_par_iter().map(|band| map.band_weights(band)).collect();
+            let band_weights: Vec<f64> =
+                cell_weights.iter().map(|cells| cells.iter().sum()).collect();
+            map.total_weight = band_weights.iter().sum();
+            map.band_distribution = DiscreteDistribution::new(band_weights);
+            map.cell_distributions =
+                cell_weights.into_par_iter().map(DiscreteDistribution::new).collect();
         }
-        dome
+        map
     }
 
     /// Returns true if the radiance is constant, so that light sampling does not apply.
@@ -118,9 +123,9 @@ impl EnvironmentMap {
 
     /// Returns the radiance from a unit direction.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
-        let place = self.locate(direction);
+        let position = self.locate(direction);
         let mut sum = DVec3::ZERO;
-        for (node, weight) in self.bilinear_weights(&place) {
+        for (node, weight) in self.bilinear_weights(&position) {
             sum += self.radiance[node].as_dvec3() * weight;
         }
         sum.as_vec3()
@@ -138,8 +143,8 @@ impl EnvironmentMap {
         let across = sample_linear(left, right, cells.remap(column, u[1]));
         let height = self.heights[band] - down * (self.heights[band] - self.heights[band + 1]);
         let (sin, cos) = sin_cos((column as f64 + 0.5 + across) / self.columns as f64 * TAU);
-        let flat = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
-        Some(DVec3::new(-flat * sin, height, flat * cos))
+        let sin_theta = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
+        Some(DVec3::new(-sin_theta * sin, height, sin_theta * cos))
     }
 
     /// Returns the pdf of [`Self::sample`] per solid angle.
@@ -147,17 +152,17 @@ impl EnvironmentMap {
         if self.band_distribution.is_none() {
             return 0.0;
         }
-        let place = self.locate(direction);
-        let sampled: f64 = self
-            .bilinear_weights(&place)
+        let position = self.locate(direction);
+        let weight: f64 = self
+            .bilinear_weights(&position)
             .map(|(node, weight)| self.sampling_weight(node) * weight)
             .into_iter()
             .sum();
-        sampled / self.total_weight
+        weight / self.total_weight
     }
 
     /// Returns the integral of the sampling function over all directions, in W/m^2 of luminance; 0
-    /// if everything is left to BSDF sampling.
+    /// for a constant map, which is left to BSDF sampling.
     pub(super) fn total_weight(&self) -> f64 {
         self.total_weight
     }
@@ -172,11 +177,11 @@ impl EnvironmentMap {
     fn band_weights(&self, band: usize) -> Vec<f64> {
         let height = self.heights[band] - self.heights[band + 1];
         let solid_angle = TAU / self.columns as f64 * height;
-        let light = |column| {
+        let cell_weights = |column| {
             let corners = self.corner_nodes(band, column).map(|node| self.sampling_weight(node));
             0.25 * solid_angle * corners.iter().sum::<f64>()
         };
-        (0..self.columns).map(light).collect()
+        (0..self.columns).map(cell_weights).collect()
     }
 
     fn locate(&self, direction: DVec3) -> GridPosition {
@@ -185,18 +190,18 @@ impl EnvironmentMap {
         let band = below.clamp(1, self.heights.len() - 1) - 1;
         let [above, below] = [self.heights[band], self.heights[band + 1]];
         let down = ((above - height) / (above - below)).clamp(0.0, 1.0);
-        // Counted from +z, behind the viewer, around to the left: the image's left edge is behind.
+        // Azimuth from +z (behind the viewer, at the image's left edge) towards -x.
         let turns = atan2(-direction.x, direction.z) / TAU;
-        let at = (turns - turns.floor()) * self.columns as f64 - 0.5;
-        let column = at.floor();
-        let across = at - column;
+        let x = (turns - turns.floor()) * self.columns as f64 - 0.5;
+        let column = x.floor();
+        let across = x - column;
         let column = (column + self.columns as f64) as usize % self.columns;
         GridPosition { band, column, across, down }
     }
 
     /// Returns the four nodes around a grid position with their bilinear weights.
-    fn bilinear_weights(&self, place: &GridPosition) -> [(usize, f64); 4] {
-        let GridPosition { band, column, across, down } = *place;
+    fn bilinear_weights(&self, position: &GridPosition) -> [(usize, f64); 4] {
+        let GridPosition { band, column, across, down } = *position;
         let [a, b, c, d] = self.corner_nodes(band, column);
         let (up, back) = (1.0 - down, 1.0 - across);
         [(a, up * back), (b, up * across), (c, down * back), (d, down * across)]
@@ -218,4 +223,44 @@ fn sample_linear(a: f64, b: f64, u: f64) -> f64 {
     // The root of the cumulative distribution, written to avoid cancellation where a is close to b.
     let t = u * (a + b) / (a + (a * a + u * (b * b - a * a)).max(0.0).sqrt());
     t.clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Integral over all directions by the midpoint rule, in W/m^2: exact up to the kinks at nodes.
+    fn integral(map: &EnvironmentMap, columns: usize) -> f64 {
+        let (rows, columns) = (4000, 8 * columns);
+        let mut sum = 0.0;
+        for row in 0..rows {
+            let height = 1.0 - (row as f64 + 0.5) / rows as f64 * 2.0;
+            let flat = ((1.0 - height) * (1.0 + height)).sqrt();
+            for column in 0..columns {
+                let (sin, cos) = sin_cos((column as f64 + 0.5) / columns as f64 * TAU);
+                sum += f64::from(map.radiance(DVec3::new(flat * sin, height, flat * cos)).y);
+            }
+        }
+        sum * 2.0 * TAU / (rows * columns) as f64
+    }
+
+    /// One bright pixel, in any row, holds its radiance times its solid angle, whether it is looked
+    /// up or sampled.
+    #[test]
+    fn pixels_are_areas() {
+        for (width, height) in [(2, 1), (4, 2), (6, 3), (16, 8)] {
+            for row in 0..height {
+                let mut pixels = vec![Rgb::ZERO; width * height];
+                pixels[row * width + 1] = Rgb::splat(100.0);
+                let map = EnvironmentMap::from_image(width, height, &pixels);
+                let edge = |k: usize| cos(k as f64 / height as f64 * PI);
+                let solid_angle = TAU / width as f64 * (edge(row) - edge(row + 1));
+                let expected = 100.0 * solid_angle;
+                let found = integral(&map, width);
+                assert!((found / expected - 1.0).abs() < 1e-4, "row {row} of {height}: {found}");
+                let mean = map.mean_luminance * 2.0 * TAU;
+                assert!((mean / expected - 1.0).abs() < 1e-6, "row {row} of {height}: {mean}");
+            }
+        }
+    }
 }

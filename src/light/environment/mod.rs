@@ -35,7 +35,7 @@ impl Orientation {
     /// Creates the shortest rotation that brings y to `up`, a unit vector, applied after a rotation
     /// about y by `angle` in radians, counterclockwise when seen from above.
     pub fn new(up: DVec3, angle: f64) -> Self {
-        let lift = |v: DVec3| {
+        let rotate = |v: DVec3| {
             let axis = DVec3::Y.cross(up);
             if up.y <= -1.0 + 1e-12 {
                 return DVec3::new(v.x, -v.y, -v.z);
@@ -45,15 +45,15 @@ impl Orientation {
         };
         let (sin, cos) = sin_cos(angle);
         let [x, z] = [DVec3::new(cos, 0.0, -sin), DVec3::new(sin, 0.0, cos)];
-        Self { axes: Frame { x: lift(x), y: lift(DVec3::Y), z: lift(z) } }
+        Self { axes: Frame { x: rotate(x), y: rotate(DVec3::Y), z: rotate(z) } }
     }
 
     /// Returns the world direction at an elevation above the horizon and at an azimuth from the
     /// front (-z) to the right (+x), both in radians.
     pub fn direction(&self, elevation: f64, azimuth: f64) -> DVec3 {
-        let (height, flat) = sin_cos(elevation);
+        let (height, horizontal) = sin_cos(elevation);
         let (right, front) = sin_cos(azimuth);
-        self.axes.to_world(DVec3::new(flat * right, height, -flat * front)).normalize()
+        self.axes.to_world(DVec3::new(horizontal * right, height, -horizontal * front)).normalize()
     }
 
     /// Transforms a world direction to the map's frame.
@@ -75,17 +75,17 @@ impl Environment {
     }
 
     /// Creates an environment from an oriented map, optionally with a sun in front of it.
-    pub fn new(dome: EnvironmentMap, orientation: Orientation, sun: Option<SunLight>) -> Self {
-        let constant = dome.is_constant().then(|| dome.radiance(DVec3::Y));
-        Self { map: dome, constant, orientation, sun }
+    pub fn new(map: EnvironmentMap, orientation: Orientation, sun: Option<SunLight>) -> Self {
+        let constant = map.is_constant().then(|| map.radiance(DVec3::Y));
+        Self { map, constant, orientation, sun }
     }
 
     /// Returns the radiance that arrives from a unit direction.
     pub fn radiance(&self, direction: DVec3) -> Rgb {
-        let dome = self
+        let map = self
             .constant
             .unwrap_or_else(|| self.map.radiance(self.orientation.to_local(direction)));
-        self.sun.map_or(dome, |sun| dome + sun.radiance(direction))
+        self.sun.map_or(map, |sun| map + sun.radiance(direction))
     }
 
     /// Returns an upper bound on the radiance from any direction, in any channel.
@@ -116,10 +116,10 @@ impl Environment {
 
     /// Expected irradiance at a shading point from the sampled part of the environment map, in
     /// luminance.
-    pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
+    pub(super) fn importance(&self, ctx: &LightSampleContext) -> f64 {
         // Mean over all surface orientations.
-        let share = if from.is_two_sided { 0.5 } else { 0.25 };
-        share * self.map.total_weight()
+        let mean_cosine = if ctx.is_two_sided { 0.5 } else { 0.25 };
+        mean_cosine * self.map.total_weight()
     }
 
     /// Samples a direction of the environment map; `None` if it is constant.

@@ -55,9 +55,9 @@ impl Sky {
                 radiance.push((color * self.scale).as_vec3());
             }
         }
-        let light =
+        let ground_irradiance =
             irradiance(&heights, &radiance) + self.sun_irradiance.as_dvec3() * self.sun.y.max(0.0);
-        let ground = self.ground.as_dvec3() * light * FRAC_1_PI;
+        let ground = self.ground.as_dvec3() * ground_irradiance * FRAC_1_PI;
         heights.extend([0.0, -1.0]);
         radiance.extend(vec![ground.as_vec3(); 2 * COLUMNS]);
         EnvironmentMap::from_rows(COLUMNS, heights, radiance)
@@ -117,9 +117,9 @@ impl Perez {
     }
 
     /// Returns linear Rec. 709 radiance in W/(sr m^2), at a height and an angle from the sun.
-    fn radiance(&self, height: f64, from_sun: f64) -> DVec3 {
+    fn radiance(&self, height: f64, sun_angle: f64) -> DVec3 {
         let [luminance, x, y] =
-            [0, 1, 2].map(|i| self.scales[i] * perez(&self.coefficients[i], height, from_sun));
+            [0, 1, 2].map(|i| self.scales[i] * perez(&self.coefficients[i], height, sun_angle));
         let [x_, y_, z_] =
             [x / y, 1.0, (1.0 - x - y) / y].map(|v| v * luminance / LUMINOUS_EFFICACY);
         // XYZ to linear Rec. 709, IEC 61966-2-1.
@@ -133,9 +133,9 @@ impl Perez {
 }
 
 /// `(1 + A e^(B / cos)) (1 + C e^(D g) + E cos^2 g)`: equation 3 of Preetham et al.
-fn perez(&[a, b, c, d, e]: &[f64; 5], height: f64, from_sun: f64) -> f64 {
-    let (_, cos) = sin_cos(from_sun);
-    (1.0 + a * exp(b / height)) * (1.0 + c * exp(d * from_sun) + e * cos * cos)
+fn perez(&[a, b, c, d, e]: &[f64; 5], height: f64, sun_angle: f64) -> f64 {
+    let (_, cos) = sin_cos(sun_angle);
+    (1.0 + a * exp(b / height)) * (1.0 + c * exp(d * sun_angle) + e * cos * cos)
 }
 
 /// Zenith luminance in cd/m^2, and chromaticities.
@@ -189,13 +189,13 @@ mod tests {
     fn skies_are_positive_blue_and_brightest_at_the_sun() {
         for (turbidity, elevation) in [(2.0, 5.0), (3.0, 40.0), (6.0, 20.0), (10.0, 80.0)] {
             let sky = sky(turbidity, elevation);
-            let dome = sky.environment_map();
-            let at_sun = crate::color::luminance(dome.radiance(sky.sun));
+            let map = sky.environment_map();
+            let at_sun = crate::color::luminance(map.radiance(sky.sun));
             for i in 0..200 {
                 let (sin, cos) = sin_cos(f64::from(i) * 2.4);
                 let height = f64::from(i) / 200.0;
-                let flat = (1.0 - height * height).sqrt();
-                let color = dome.radiance(DVec3::new(flat * sin, height, flat * cos));
+                let horizontal = (1.0 - height * height).sqrt();
+                let color = map.radiance(DVec3::new(horizontal * sin, height, horizontal * cos));
                 assert!(color.is_finite() && color.min_element() >= 0.0);
                 assert!(crate::color::luminance(color) <= at_sun * 1.05);
             }
@@ -208,15 +208,15 @@ mod tests {
     fn ground_is_lit_by_all_of_the_sky_and_the_sun() {
         // A sky of constant radiance gives pi times that irradiance.
         let heights = [1.0, 0.7, 0.2, 0.0];
-        let even = irradiance(&heights, &vec![Rgb::ONE; 4 * COLUMNS]);
-        assert!((even - PI).length() < 1e-12);
-        let lit = Sky {
+        let uniform = irradiance(&heights, &vec![Rgb::ONE; 4 * COLUMNS]);
+        assert!((uniform - PI).length() < 1e-12);
+        let sky = Sky {
             sun_irradiance: Rgb::splat(10.0),
             ground: Rgb::ONE,
             scale: 0.0,
             ..sky(3.0, 30.0)
         };
-        let ground = lit.environment_map().radiance(-DVec3::Y);
+        let ground = sky.environment_map().radiance(-DVec3::Y);
         assert!((f64::from(ground.x) - 10.0 * 0.5 / PI).abs() < 1e-6);
     }
 }

@@ -59,13 +59,14 @@ impl SunLight {
     }
 
     /// Expected irradiance at a shading point, in luminance.
-    pub(in crate::light) fn importance(&self, from: &LightSampleContext) -> f64 {
-        let cos = self.frame.z.dot(from.hit.facing_normal());
-        let cos = if from.is_two_sided { cos.abs() } else { cos };
+    pub(in crate::light) fn importance(&self, ctx: &LightSampleContext) -> f64 {
+        let cos = self.frame.z.dot(ctx.hit.facing_normal());
+        let cos = if ctx.is_two_sided { cos.abs() } else { cos };
         self.irradiance * clipped_cosine(cos, self.sin_max)
     }
 
-    /// Compares squared chords, which resolve small angles where cosines do not.
+    /// Returns true if a direction is within the disc. Compares squared chords, which resolve small
+    /// angles where cosines do not.
     fn contains(&self, direction: DVec3) -> bool {
         direction.distance_squared(self.frame.z) <= 2.0 * self.one_minus_cos_max
     }

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! r M(o) M(i) / (pi m)          reflected to the side of wo,
-//! t M(o) M'(i) / (pi m')        transmitted to the other side (times cos: the share of light),
+//! t M(o) M'(i) / (pi m')        transmitted to the other side (times cos: the fraction of light),
 //! ```
 //!
 //! where m is the cosine-weighted mean of M, M' and m' are those of the other side, and
@@ -48,9 +48,9 @@ impl DielectricCompensation {
         let into = hemispherical_mean(|cos| 1.0 - fresnel(cos, dense).reflectance);
         let out_of = into / (dense * dense);
         let smooth = if eta > 1.0 { [into, out_of] } else { [out_of, into] };
-        let [here, beyond] = missing.map(|missing| missing.mean_missing());
-        let sum = (here + beyond).max(f64::MIN_POSITIVE);
-        Self { missing, transmitted_fraction: [smooth[0] * beyond / sum, smooth[1] * here / sum] }
+        let [near, far] = missing.map(|missing| missing.mean_missing());
+        let sum = (near + far).max(f64::MIN_POSITIVE);
+        Self { missing, transmitted_fraction: [smooth[0] * far / sum, smooth[1] * near / sum] }
     }
 
     /// Returns the compensation seen from the side that `eta` refers to.
@@ -78,13 +78,13 @@ impl DielectricCompensationSide<'_> {
     /// Evaluates the compensation lobes, without the change of radiance between media. The sign of
     /// `wi.z` gives the side.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let here = &self.both_sides.missing[self.side];
-        let beyond = &self.both_sides.missing[1 - self.side];
+        let near = &self.both_sides.missing[self.side];
+        let far = &self.both_sides.missing[1 - self.side];
         if wi.z > 0.0 {
-            (1.0 - self.transmitted_fraction()) * here.eval(wo.z, wi.z)
+            (1.0 - self.transmitted_fraction()) * near.eval(wo.z, wi.z)
         } else {
-            let of = if fault!(MultiscatterWrongSide) { here } else { beyond };
-            self.transmitted_fraction() * of.eval_scaled(here.missing(wo.z), -wi.z)
+            let lobe = if fault!(MultiscatterWrongSide) { near } else { far };
+            self.transmitted_fraction() * lobe.eval_scaled(near.missing(wo.z), -wi.z)
         }
     }
 
@@ -113,11 +113,13 @@ fn missing_energy(ggx: Ggx, eta: f64) -> EnergyCompensation {
     EnergyCompensation::new([2.0 * ggx.alpha(), 4.0], |wo| {
         mean_over_lattice(|u| {
             let m = ggx.sample_visible_normal(wo, u);
-            let (reflected, through) = (m * (2.0 * wo.dot(m)) - wo, refract(wo, m, eta));
+            let (reflected, transmitted) = (m * (2.0 * wo.dot(m)) - wo, refract(wo, m, eta));
             let reflectance = fresnel(wo.dot(m).clamp(0.0, 1.0), eta).reflectance;
-            let back = if reflected.z > 0.0 { ggx.shadowing(wo, reflected) } else { 0.0 };
-            let through = through.filter(|w| w.z < 0.0).map_or(0.0, |w| ggx.shadowing(wo, w));
-            reflectance * back + (1.0 - reflectance) * through
+            let reflected_fraction =
+                if reflected.z > 0.0 { ggx.shadowing(wo, reflected) } else { 0.0 };
+            let transmitted =
+                transmitted.filter(|w| w.z < 0.0).map_or(0.0, |w| ggx.shadowing(wo, w));
+            reflectance * reflected_fraction + (1.0 - reflectance) * transmitted
         })
     })
 }
@@ -126,11 +128,11 @@ fn missing_energy(ggx: Ggx, eta: f64) -> EnergyCompensation {
 /// where the few steep facets are.
 fn mean_over_lattice(f: impl Fn([f64; 2]) -> f64) -> f64 {
     let [before, count] = FIBONACCI;
-    let place = |i: usize| {
+    let term = |i: usize| {
         let t = (i as f64 + 0.5) / count as f64;
         3.0 * t * t * f([(i * before % count) as f64 / count as f64, 1.0 - t.powi(3)])
     };
-    (0..count).map(place).sum::<f64>() / count as f64
+    (0..count).map(term).sum::<f64>() / count as f64
 }
 
 #[cfg(test)]
@@ -154,17 +156,19 @@ mod tests {
             for (energy, eta) in sides {
                 for cos in [1e-3, 0.02, 0.2, 0.45, 0.72, 0.76, 0.93, 0.97] {
                     let (wo, n) = (direction(cos), 300);
-                    let place = |i: usize| {
+                    let term = |i: usize| {
                         let (t, u) = (((i / n) as f64 + 0.5) / n as f64, (i % n) as f64 / n as f64);
                         let m = ggx.sample_visible_normal(wo, [u, 1.0 - t.powi(3)]);
                         let f = fresnel(wo.dot(m), eta).reflectance;
                         let wi = (m * (2.0 * wo.dot(m)) - wo, refract(wo, m, eta));
-                        let back = if wi.0.z > 0.0 { f * ggx.shadowing(wo, wi.0) } else { 0.0 };
-                        let on = wi.1.filter(|wi| wi.z < 0.0);
-                        let on = on.map_or(0.0, |wi| (1.0 - f) * ggx.shadowing(wo, wi));
-                        3.0 * t * t * (back + on)
+                        let reflected_fraction =
+                            if wi.0.z > 0.0 { f * ggx.shadowing(wo, wi.0) } else { 0.0 };
+                        let transmitted = wi.1.filter(|wi| wi.z < 0.0);
+                        let transmitted =
+                            transmitted.map_or(0.0, |wi| (1.0 - f) * ggx.shadowing(wo, wi));
+                        3.0 * t * t * (reflected_fraction + transmitted)
                     };
-                    let albedo = (0..n * n).map(place).sum::<f64>() / (n * n) as f64;
+                    let albedo = (0..n * n).map(term).sum::<f64>() / (n * n) as f64;
                     assert_abs_diff_eq!(energy.missing(wo), 1.0 - albedo, epsilon = BOUND);
                 }
             }
@@ -174,8 +178,8 @@ mod tests {
     #[test]
     fn the_lobes_give_back_just_what_is_missing_and_go_both_ways() {
         let eta = 1.5;
-        let both = DielectricCompensation::new(Ggx::new(0.8).expect("rough"), eta);
-        let energy = both.near_side();
+        let compensation = DielectricCompensation::new(Ggx::new(0.8).expect("rough"), eta);
+        let energy = compensation.near_side();
         for cos in [0.01, 0.3, 1.0] {
             let wo = direction(cos);
             let share = |sign: f64| {
@@ -184,8 +188,12 @@ mod tests {
             };
             assert_abs_diff_eq!(share(1.0) + share(-1.0), energy.missing(wo), epsilon = 1e-5);
             let wi = direction(0.6);
-            let back = both.far_side().eval(wi, -wo);
-            assert_relative_eq!(energy.eval(wo, -wi), eta * eta * back, max_relative = 1e-4);
+            let reflected_fraction = compensation.far_side().eval(wi, -wo);
+            assert_relative_eq!(
+                energy.eval(wo, -wi),
+                eta * eta * reflected_fraction,
+                max_relative = 1e-4
+            );
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Multiscatter energy compensation (Kulla-Conty): what single scattering on a microsurface loses,
-//! and how it is returned.
+//! Multiscatter energy compensation (Kulla-Conty): returns the energy that single scattering on a
+//! microsurface loses.
 //!
 //! The single-scattering model drops light that one facet sends into another; at roughness 1 that
 //! is more than half of it. Kulla and Conty (2017, "Revisiting Physically Based Shading at
@@ -10,9 +10,8 @@
 //! between materials; between the cosines of the table the error is below 5e-4, as a test shows.
 //!
 //! Sampling does not use the table: it samples a facet and, if the light does not escape directly,
-//! the broad lobe. So the broad lobe is sampled exactly as often as energy is missing, and sample
-//! weights are 1 except for colour: a path may bounce among rough surfaces hundreds of times
-//! without its weight growing.
+//! the broad lobe. So the probability of the broad lobe is exactly the missing energy, and sample
+//! weights are 1 except for colour: weights do not grow over hundreds of bounces.
 //!
 //! [`DielectricCompensation`] does this for rough glass, on both of its sides.
 
@@ -32,7 +31,7 @@ use table::CosineTable;
 
 /// Number of cosines in a table.
 const NODES: usize = 64;
-/// Number of bins of a broad lobe; each receives an equal share of its light.
+/// Number of bins of a broad lobe; each has equal energy.
 const LOBE_BINS: usize = 64;
 /// Quadrature over facets: rings of steepness, and sectors of half a turn.
 const RINGS: usize = 96;
@@ -46,7 +45,7 @@ pub struct EnergyCompensation {
     table: CosineTable<NODES>,
     /// Cosine-weighted mean over the hemisphere.
     mean_missing: f32,
-    /// Squared cosines that divide the lobe into bins of equal light.
+    /// Squared cosines that divide the lobe into bins of equal energy.
     bin_edges: [f32; LOBE_BINS + 1],
 }
 
@@ -63,14 +62,14 @@ impl EnergyCompensation {
     }
 
     /// Tabulates the complement to 1 of a directional albedo. The nodes are dense at cosines below
-    /// each of `bends`.
-    pub(super) fn new(bends: [f64; 2], albedo: impl Fn(DVec3) -> f64) -> Self {
+    /// each of `knees`.
+    pub(super) fn new(knees: [f64; 2], albedo: impl Fn(DVec3) -> f64) -> Self {
         let missing = |cos: f64| {
             let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
             (1.0 - albedo(wo)).clamp(0.0, 1.0)
         };
         let mut table = Self {
-            table: CosineTable::new(bends, missing),
+            table: CosineTable::new(knees, missing),
             mean_missing: 0.0,
             bin_edges: [0.0; LOBE_BINS + 1],
         };
@@ -101,43 +100,42 @@ impl EnergyCompensation {
         self.eval_scaled(self.missing(cos_o), cos_i)
     }
 
-    /// Samples the lobe in proportion to its light, except for its variation within each of 64
-    /// bins.
+    /// Samples the lobe in proportion to its value, up to the variation within each of 64 bins.
     pub fn sample(&self, u: [f64; 2]) -> DVec3 {
-        let place = u[0] * LOBE_BINS as f64;
-        let part = (place as usize).min(LOBE_BINS - 1);
-        let [low, high] = [part, part + 1].map(|i| f64::from(self.bin_edges[i]));
-        let square = low + (high - low) * (place - part as f64);
-        let square = if fault!(MultiscatterSampledByCosine) { u[0] } else { square };
+        let position = u[0] * LOBE_BINS as f64;
+        let bin = (position as usize).min(LOBE_BINS - 1);
+        let [low, high] = [bin, bin + 1].map(|i| f64::from(self.bin_edges[i]));
+        let cos_squared = low + (high - low) * (position - bin as f64);
+        let cos_squared = if fault!(MultiscatterSampledByCosine) { u[0] } else { cos_squared };
         let (sin_phi, cos_phi) = sin_cos(TAU * u[1]);
-        let sin = (1.0 - square).max(0.0).sqrt();
-        DVec3::new(sin * cos_phi, sin * sin_phi, square.sqrt())
+        let sin = (1.0 - cos_squared).max(0.0).sqrt();
+        DVec3::new(sin * cos_phi, sin * sin_phi, cos_squared.sqrt())
     }
 
     /// Returns the pdf of [`Self::sample`] at a cosine, per solid angle.
     pub fn pdf(&self, cos: f64) -> f64 {
-        let square = (cos * cos) as f32;
-        let part = self.bin_edges[1..LOBE_BINS].partition_point(|&edge| edge <= square);
-        let [low, high] = [part, part + 1].map(|i| f64::from(self.bin_edges[i]));
+        let cos_squared = (cos * cos) as f32;
+        let bin = self.bin_edges[1..LOBE_BINS].partition_point(|&edge| edge <= cos_squared);
+        let [low, high] = [bin, bin + 1].map(|i| f64::from(self.bin_edges[i]));
         // Where the squared cosine is uniform, the density is cos / pi.
-        if f64::from(square) > high {
+        if f64::from(cos_squared) > high {
             0.0
         } else {
             cos * FRAC_1_PI / (LOBE_BINS as f64 * (high - low))
         }
     }
 
-    /// Evaluates a lobe of the same shape that scatters the fraction `light` over the hemisphere.
-    fn eval_scaled(&self, light: f64, cos_i: f64) -> f64 {
+    /// Evaluates a lobe of this shape that scatters `fraction` of the light over the hemisphere.
+    fn eval_scaled(&self, fraction: f64, cos_i: f64) -> f64 {
         if self.mean_missing <= 0.0 {
             return 0.0;
         }
-        light * self.missing(cos_i) * FRAC_1_PI / self.mean_missing()
+        fraction * self.missing(cos_i) * FRAC_1_PI / self.mean_missing()
     }
 }
 
-/// Returns the squared cosines between equal shares of the sum of `terms`, which belong to equal
-/// steps of the eighth root of the square.
+/// Returns the squared cosines that split the sum of `terms` into equal parts. The terms belong to
+/// equal steps of the eighth root of the squared cosine.
 fn equal_energy_edges(terms: &[f64]) -> [f32; LOBE_BINS + 1] {
     let total: f64 = terms.iter().sum();
     let mut edges = std::array::from_fn(|i| i as f32 / LOBE_BINS as f32);
@@ -145,16 +143,16 @@ fn equal_energy_edges(terms: &[f64]) -> [f32; LOBE_BINS + 1] {
         return edges;
     }
     let mut next = 1;
-    let mut before = 0.0;
+    let mut accumulated = 0.0;
     for (i, term) in terms.iter().enumerate() {
-        while next <= LOBE_BINS && before + term >= total * next as f64 / LOBE_BINS as f64 {
-            let within = (total * next as f64 / LOBE_BINS as f64 - before) / term;
+        while next <= LOBE_BINS && accumulated + term >= total * next as f64 / LOBE_BINS as f64 {
+            let within = (total * next as f64 / LOBE_BINS as f64 - accumulated) / term;
             edges[next] = ((i as f64 + within.clamp(0.0, 1.0)) / terms.len() as f64).powi(8) as f32;
             next += 1;
         }
-        before += term;
+        accumulated += term;
     }
-    // The last bin ends where the light does.
+    // The last bin ends where the lobe becomes 0.
     let end = terms.iter().rposition(|&term| term > 0.0).map_or(terms.len(), |last| last + 1);
     edges[LOBE_BINS] = (end as f64 / terms.len() as f64).powi(8) as f32;
     edges
@@ -186,8 +184,8 @@ pub(super) fn hemispherical_mean(f: impl Fn(f64) -> f64) -> f64 {
 /// reflectance and the mean albedo of lossless ones: the sum of all further bounces (Kulla and
 /// Conty 2017).
 pub(super) fn multiscatter_tint(reflectance: f64, missing: f64) -> f64 {
-    let escaping = 1.0 - missing;
-    reflectance * reflectance * escaping / (1.0 - reflectance * missing).max(f64::MIN_POSITIVE)
+    let escape = 1.0 - missing;
+    reflectance * reflectance * escape / (1.0 - reflectance * missing).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -233,9 +231,9 @@ mod tests {
         for roughness in [0.05, 0.4, 1.0] {
             let missing = EnergyCompensation::for_reflection(Ggx::new(roughness).expect("rough"));
             for cos in [0.01, 0.3, 1.0] {
-                let given =
+                let returned =
                     std::f64::consts::PI * hemispherical_mean(|cos_i| missing.eval(cos, cos_i));
-                assert_abs_diff_eq!(given, missing.missing(cos), epsilon = 1e-5);
+                assert_abs_diff_eq!(returned, missing.missing(cos), epsilon = 1e-5);
             }
         }
     }

@@ -6,7 +6,7 @@ mod page;
 use serde_json::{Map, Value, json};
 
 use crate::draw::text::{count, row};
-use crate::verify::check::{Check, CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
+use crate::verify::check::{CheckGroup, CheckResult, FAMILY_SIGNIFICANCE};
 
 pub use entry::CheckEntry;
 pub use page::page;
@@ -15,39 +15,34 @@ pub use page::page;
 const COLUMNS: [i32; 5] = [-34, 8, 8, 3, -1];
 
 /// Formats one line per group and closed form, followed by the failed checks.
-pub fn table(judged: &[CheckEntry<'_>], seconds: f64) -> String {
+pub fn table(entries: &[CheckEntry<'_>], seconds: f64) -> String {
     let mut text = row(COLUMNS, ["", "checks", "failed", "", "largest statistic"]);
     for group in CheckGroup::ALL {
-        let of_group: Vec<CheckEntry<'_>> =
-            judged.iter().copied().filter(|(check, _)| check.group == group).collect();
-        if of_group.is_empty() {
+        let group_entries: Vec<CheckEntry<'_>> =
+            entries.iter().copied().filter(|(check, _)| check.group == group).collect();
+        if group_entries.is_empty() {
             continue;
         }
-        text += &line(group.name(), &of_group);
-        if group == CheckGroup::ClosedForms {
-            for of_form in of_group.chunk_by(|a, b| family(a.0) == family(b.0)) {
-                text += &line(&format!("  {}", family(of_form[0].0)), of_form);
+        text += &line(group.name(), &group_entries);
+        for form_entries in group_entries.chunk_by(|a, b| a.0.closed_form == b.0.closed_form) {
+            if let Some(form) = form_entries[0].0.closed_form {
+                text += &line(&format!("  {form}"), form_entries);
             }
         }
     }
-    let mut remarks = judged.iter().filter_map(|(_, outcome)| outcome.note.as_deref()).peekable();
-    if remarks.peek().is_some() {
-        text += "not scaled to conserve energy, and there to show it:\n";
+    let mut notes = entries.iter().filter_map(|(_, result)| result.note.as_deref()).peekable();
+    if notes.peek().is_some() {
+        text += "not energy-conserving by design:\n";
     }
-    remarks.for_each(|remark| text += &format!("  {remark}\n"));
-    text + &conclusion(judged, seconds)
+    notes.for_each(|note| text += &format!("  {note}\n"));
+    text + &conclusion(entries, seconds)
 }
 
-/// The part of a check's name before the colon.
-fn family(check: &Check) -> &str {
-    check.name.split(": ").next().unwrap_or_default()
-}
-
-fn line(name: &str, judged: &[CheckEntry<'_>]) -> String {
-    let failed = judged.iter().filter(|(_, outcome)| !outcome.passed).count();
-    let outcomes = judged.iter().map(|(_, outcome)| *outcome);
-    let largest = outcomes.max_by(|a, b| a.statistic.total_cmp(&b.statistic)).map(statistic);
-    let [checks, failed] = [judged.len(), failed].map(|count| count.to_string());
+fn line(name: &str, entries: &[CheckEntry<'_>]) -> String {
+    let failed = entries.iter().filter(|(_, result)| !result.passed).count();
+    let results = entries.iter().map(|(_, result)| *result);
+    let largest = results.max_by(|a, b| a.statistic.total_cmp(&b.statistic)).map(statistic);
+    let [checks, failed] = [entries.len(), failed].map(|count| count.to_string());
     row(COLUMNS, [name, &checks, &failed, "", &largest.unwrap_or_default()])
 }
 
@@ -55,41 +50,41 @@ fn statistic(CheckResult { statistic, limit, is_random, .. }: &CheckResult) -> S
     if *is_random {
         format!("{statistic:.2} of {limit:.2} sigma")
     } else {
-        format!("{statistic:.0} wrong")
+        format!("{statistic:.0} errors")
     }
 }
 
-fn conclusion(judged: &[CheckEntry<'_>], seconds: f64) -> String {
+fn conclusion(entries: &[CheckEntry<'_>], seconds: f64) -> String {
     let mut text = String::new();
     let mut failed = 0;
-    for (check, outcome) in judged.iter().filter(|(_, outcome)| !outcome.passed) {
+    for (check, result) in entries.iter().filter(|(_, result)| !result.passed) {
         failed += 1;
         let (group, name) = (check.group.name(), &check.name);
-        let (found, detail) = (statistic(outcome), &outcome.detail);
-        text += &format!("FAILED {group}, {name}: {found}; {detail}\n");
+        let (statistic_text, detail) = (statistic(result), &result.detail);
+        text += &format!("FAILED {group}, {name}: {statistic_text}; {detail}\n");
     }
-    let checks = count(judged.len(), "check");
+    let checks = count(entries.len(), "check");
     text + &match failed {
         0 => format!(
-            "{checks} passed in {seconds:.0} s; chance alone fails a right program in at most \
-             {FAMILY_SIGNIFICANCE} of all cases\n"
+            "{checks} passed in {seconds:.0} s; a correct build fails by chance with probability at most \
+             {FAMILY_SIGNIFICANCE}\n"
         ),
         _ => format!("{failed} of {checks} failed in {seconds:.0} s\n"),
     }
 }
 
 /// Reports all checks as JSON, with the facts in `about`.
-pub fn json(judged: &[CheckEntry<'_>], about: &[(&str, String)], seconds: f64) -> Value {
-    let check = |(check, outcome): &CheckEntry<'_>| {
+pub fn json(entries: &[CheckEntry<'_>], about: &[(&str, String)], seconds: f64) -> Value {
+    let check = |(check, result): &CheckEntry<'_>| {
         json!({
             "group": check.group.name(),
             "name": check.name,
-            "passed": outcome.passed,
-            "statistic": outcome.statistic,
-            "limit": outcome.limit,
-            "unit": if outcome.is_random { "sigma" } else { "wrong answers" },
-            "detail": outcome.detail,
-            "remark": outcome.note,
+            "passed": result.passed,
+            "statistic": result.statistic,
+            "limit": result.limit,
+            "unit": if result.is_random { "sigma" } else { "errors" },
+            "detail": result.detail,
+            "note": result.note,
         })
     };
     let fact = |(name, value): &(&str, String)| ((*name).to_owned(), value.as_str().into());
@@ -97,8 +92,8 @@ pub fn json(judged: &[CheckEntry<'_>], about: &[(&str, String)], seconds: f64) -
     json!({
         "facts": facts,
         "family_significance": FAMILY_SIGNIFICANCE,
-        "passed": judged.iter().all(|(_, outcome)| outcome.passed),
+        "passed": entries.iter().all(|(_, result)| result.passed),
         "seconds": seconds,
-        "checks": judged.iter().map(check).collect::<Vec<_>>(),
+        "checks": entries.iter().map(check).collect::<Vec<_>>(),
     })
 }

@@ -9,23 +9,23 @@ use crate::verify::closed_forms::{CLOSED_FORMS, ClosedForm};
 use super::entry::CheckEntry;
 
 /// Renders the page. `about` comes first: what was checked, where and how.
-pub fn page(about: &[(&str, String)], judged: &[CheckEntry<'_>]) -> String {
+pub fn page(about: &[(&str, String)], entries: &[CheckEntry<'_>]) -> String {
     let failed: Vec<CheckEntry<'_>> =
-        judged.iter().copied().filter(|(_, outcome)| !outcome.passed).collect();
+        entries.iter().copied().filter(|(_, result)| !result.passed).collect();
     let mut body = element("h1", "", "photosphere: verification report");
-    body += &verdict(judged.len(), failed.len());
+    body += &verdict(entries.len(), failed.len());
     body += &facts(about);
-    body += &summary(judged);
-    body += &how_to_read(judged);
+    body += &summary(entries);
+    body += &how_to_read(entries);
     if !failed.is_empty() {
-        body += &element("h2", "", "What failed");
-        body += &failed.iter().map(with_pictures).collect::<String>();
+        body += &element("h2", "", "Failed checks");
+        body += &failed.iter().map(entry_figures).collect::<String>();
     }
     for group in CheckGroup::ALL {
-        let of_group: Vec<CheckEntry<'_>> =
-            judged.iter().copied().filter(|(check, _)| check.group == group).collect();
-        if !of_group.is_empty() {
-            body += &section(group, &of_group);
+        let group_entries: Vec<CheckEntry<'_>> =
+            entries.iter().copied().filter(|(check, _)| check.group == group).collect();
+        if !group_entries.is_empty() {
+            body += &section(group, &group_entries);
         }
     }
     page_of("photosphere: verification report", &body)
@@ -35,50 +35,50 @@ fn verdict(total: usize, failed: usize) -> String {
     if failed == 0 {
         element("p", "class=verdict", &format!("All {total} checks passed."))
     } else {
-        let words = format!("{failed} of {total} checks FAILED.");
-        element("p", "class=\"verdict failed\"", &words)
+        let text = format!("{failed} of {total} checks FAILED.");
+        element("p", "class=\"verdict failed\"", &text)
     }
 }
 
 /// One row per group.
-fn summary(judged: &[CheckEntry<'_>]) -> String {
+fn summary(entries: &[CheckEntry<'_>]) -> String {
     let row = |group: CheckGroup| {
-        let of_group: Vec<_> = judged.iter().filter(|(check, _)| check.group == group).collect();
-        let passed = of_group.iter().filter(|(_, outcome)| outcome.passed).count();
-        let largest = of_group.iter().map(|(_, outcome)| outcome).max_by(|a, b| {
+        let group_entries: Vec<_> =
+            entries.iter().filter(|(check, _)| check.group == group).collect();
+        let passed = group_entries.iter().filter(|(_, result)| result.passed).count();
+        let largest = group_entries.iter().map(|(_, result)| result).max_by(|a, b| {
             (a.statistic / a.limit.max(1.0)).total_cmp(&(b.statistic / b.limit.max(1.0)))
         })?;
         let link = format!("<a href=\"#{}\">{}</a>", anchor(group), group.name());
-        let count = format!("{passed} of {}", of_group.len());
-        Some(vec![link, mark(passed == of_group.len(), &count), statistic(largest)])
+        let count = format!("{passed} of {}", group_entries.len());
+        Some(vec![link, mark(passed == group_entries.len(), &count), statistic(largest)])
     };
     table(&["group", "passed", "largest statistic"], CheckGroup::ALL.into_iter().filter_map(row))
 }
 
-fn how_to_read(judged: &[CheckEntry<'_>]) -> String {
-    let limit = judged.iter().find(|(_, outcome)| outcome.is_random);
-    let limit = limit.map_or(0.0, |(_, outcome)| outcome.limit);
-    let words = format!(
-        "What is exact must have no wrong answer. What is random is judged by how far off it is, in \
-         standard deviations of a normal distribution (σ): a right program is beyond 2 σ in one \
-         check of 22, and that is no sign of an error. The limit of {limit:.2} σ makes the whole \
-         family of {} checks fail by chance with a probability of at most {FAMILY_SIGNIFICANCE}. A \
-         failure by chance would be a single check a little over the limit; with other samples \
-         (a quick or a full run in place of this one) it would not come back. An error is far beyond the \
-         limit, or comes back.",
-        judged.len()
+fn how_to_read(entries: &[CheckEntry<'_>]) -> String {
+    let limit = entries.iter().find(|(_, result)| result.is_random);
+    let limit = limit.map_or(0.0, |(_, result)| result.limit);
+    let text = format!(
+        "Exact checks must have no errors. The statistic of a random check is in standard deviations \
+         of a normal distribution (σ): in a correct program it exceeds 2 σ in one check of 22, which is \
+         no sign of an error. The limit of {limit:.2} σ keeps the probability that any of the {} checks \
+         fails by chance at {FAMILY_SIGNIFICANCE} or less. A chance failure is a single check slightly \
+         over its limit that passes with other samples (a quick or a full run in place of this one). A \
+         real error is far beyond the limit, or recurs.",
+        entries.len()
     );
-    element("p", "class=soft", &words)
+    element("p", "class=soft", &text)
 }
 
-fn section(group: CheckGroup, judged: &[CheckEntry<'_>]) -> String {
+fn section(group: CheckGroup, entries: &[CheckEntry<'_>]) -> String {
     let heading = element("h2", &format!("id={}", anchor(group)), about(group));
     heading
         + &match group {
             CheckGroup::ClosedForms => {
-                CLOSED_FORMS.iter().map(|form| closed_form(form, judged)).collect::<String>()
+                CLOSED_FORMS.iter().map(|form| closed_form(form, entries)).collect::<String>()
             }
-            _ => listing(judged) + &all_pictures(judged),
+            _ => listing(entries) + &all_figures(entries),
         }
 }
 
@@ -88,29 +88,28 @@ fn anchor(group: CheckGroup) -> String {
 
 fn about(group: CheckGroup) -> &'static str {
     match group {
-        CheckGroup::Crosscheck => "Intersectors against arithmetic of twice the digits",
-        CheckGroup::ChiSquare => "Sampling routines against their densities",
-        CheckGroup::Materials => "Energy and reciprocity of the materials",
-        CheckGroup::ClosedForms => "Renders against answers known on paper",
+        CheckGroup::Crosscheck => "Intersectors against double-double arithmetic",
+        CheckGroup::ChiSquare => "Sampling routines against their pdfs",
+        CheckGroup::Materials => "Energy conservation and reciprocity of the materials",
+        CheckGroup::ClosedForms => "Renders against closed-form solutions",
     }
 }
 
 /// A table of checks.
-fn listing(judged: &[CheckEntry<'_>]) -> String {
-    let row = |(check, outcome): &CheckEntry<'_>| {
-        vec![mark(outcome.passed, &check.name), statistic(outcome), escape(&outcome.detail)]
+fn listing(entries: &[CheckEntry<'_>]) -> String {
+    let row = |(check, result): &CheckEntry<'_>| {
+        vec![mark(result.passed, &check.name), statistic(result), escape(&result.detail)]
     };
-    table(&["check", "statistic", "figures"], judged.iter().map(row))
+    table(&["check", "statistic", "figures"], entries.iter().map(row))
 }
 
 /// A closed form with its images, its derivation, and the variants rendered.
-fn closed_form(form: &ClosedForm, judged: &[CheckEntry<'_>]) -> String {
-    let prefix = format!("{}: ", form.name);
-    let of_form: Vec<CheckEntry<'_>> =
-        judged.iter().copied().filter(|(check, _)| check.name.starts_with(&prefix)).collect();
-    let Some((first, outcome)) = of_form.first() else { return String::new() };
-    let passed = of_form.iter().filter(|(_, outcome)| outcome.passed).count();
-    let count = format!("{passed} of {} ways", of_form.len());
+fn closed_form(form: &ClosedForm, entries: &[CheckEntry<'_>]) -> String {
+    let is_of_form = |(check, _): &CheckEntry<'_>| check.closed_form == Some(form.name);
+    let form_entries: Vec<CheckEntry<'_>> = entries.iter().copied().filter(is_of_form).collect();
+    let Some((first, result)) = form_entries.first() else { return String::new() };
+    let passed = form_entries.iter().filter(|(_, result)| result.passed).count();
+    let count = format!("{passed} of {} variants", form_entries.len());
     let mut text = element("h3", "", &escape(form.title));
     text += &element(
         "p",
@@ -118,21 +117,21 @@ fn closed_form(form: &ClosedForm, judged: &[CheckEntry<'_>]) -> String {
         &format!(
             "<code>{}</code><br>{} <span class=soft>({})</span>",
             escape(form.formula),
-            mark(passed == of_form.len(), &count),
+            mark(passed == form_entries.len(), &count),
             escape(&format!("scenes/verify/{}.toml", form.name)),
         ),
     );
-    let figures: String = outcome.images.iter().map(Cells::figure).collect();
-    let shown = format!(
-        "The pictures are those of {}: {}<br>{}",
+    let figures: String = result.images.iter().map(Cells::figure).collect();
+    let caption = format!(
+        "Images of {}: {}<br>{}",
         escape(&first.name),
-        escape(&outcome.detail),
-        statistic(outcome)
+        escape(&result.detail),
+        statistic(result)
     );
     text += &element("div", "", &figures);
-    text += &element("p", "class=soft", &shown);
+    text += &element("p", "class=soft", &caption);
     text += &details("the derivation", &element("pre", "", &escape(&derivation(form))));
-    text + &details("every way", &listing(&of_form))
+    text + &details("all variants", &listing(&form_entries))
 }
 
 /// The comments at the head of the scene file.
@@ -145,21 +144,21 @@ fn derivation(form: &ClosedForm) -> String {
 }
 
 /// The images of all checks that have some, collapsed.
-fn all_pictures(judged: &[CheckEntry<'_>]) -> String {
-    let seen = judged.iter().filter(|(_, outcome)| !outcome.images.is_empty());
-    let each: String = seen.map(with_pictures).collect();
-    if each.is_empty() { each } else { details("pictures", &each) }
+fn all_figures(entries: &[CheckEntry<'_>]) -> String {
+    let with_images = entries.iter().filter(|(_, result)| !result.images.is_empty());
+    let figures: String = with_images.map(entry_figures).collect();
+    if figures.is_empty() { figures } else { details("images", &figures) }
 }
 
-fn with_pictures((check, outcome): &CheckEntry<'_>) -> String {
-    let figures: String = outcome.images.iter().map(Cells::figure).collect();
-    let words = format!(
+fn entry_figures((check, result): &CheckEntry<'_>) -> String {
+    let figures: String = result.images.iter().map(Cells::figure).collect();
+    let text = format!(
         "{}<br>{} <span class=soft>{}</span>",
-        mark(outcome.passed, &check.name),
-        statistic(outcome),
-        escape(&outcome.detail)
+        mark(result.passed, &check.name),
+        statistic(result),
+        escape(&result.detail)
     );
-    element("p", "", &words) + &element("div", "", &figures)
+    element("p", "", &text) + &element("div", "", &figures)
 }
 
 /// Marks a text as success or failure, with a sign besides the colour.
@@ -169,10 +168,10 @@ fn mark(passed: bool, text: &str) -> String {
 }
 
 /// The statistic with a bar up to its limit.
-fn statistic(outcome: &CheckResult) -> String {
-    let CheckResult { statistic, limit, is_random, .. } = outcome;
+fn statistic(result: &CheckResult) -> String {
+    let CheckResult { statistic, limit, is_random, .. } = result;
     if !is_random {
-        return format!("<span class=nobr>{statistic:.0} wrong</span>");
+        return format!("<span class=nobr>{statistic:.0} errors</span>");
     }
     let share = 100.0 * (statistic / limit).min(1.0);
     let class = if statistic > limit { "bar over" } else { "bar" };

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::draw::text::row;
 use crate::error::Result;
 use crate::scene::settings::ImageSettings;
-use crate::verify::converge::{Axis, ChartPoint, ErrorMetric, Reference, Series};
+use crate::verify::converge::{Axis, ConvergencePoint, ErrorMetric, Reference, Series};
 use crate::verify::statistics;
 
 /// Confidence level of the intervals.
@@ -21,19 +21,19 @@ const CONFIDENCE: f64 = 0.95;
 #[derive(Serialize)]
 struct Estimate {
     mean: f64,
-    half_interval_95: f64,
+    half_width_95: f64,
 }
 
 impl From<statistics::MeanEstimate> for Estimate {
-    fn from(of: statistics::MeanEstimate) -> Self {
-        Self { mean: of.mean, half_interval_95: of.confidence_half_width(CONFIDENCE) }
+    fn from(estimate: statistics::MeanEstimate) -> Self {
+        Self { mean: estimate.mean, half_width_95: estimate.confidence_half_width(CONFIDENCE) }
     }
 }
 
 /// Formatted as `3.7200e-2 +- 1.2e-4`.
 impl fmt::Display for Estimate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.4e} +- {:.1e}", self.mean, self.half_interval_95)
+        write!(f, "{:.4e} +- {:.1e}", self.mean, self.half_width_95)
     }
 }
 
@@ -71,7 +71,7 @@ impl ConvergenceReport<'_> {
     /// # Errors
     /// If nothing can be drawn because no error is positive and finite.
     pub fn svg(&self) -> Result<String> {
-        plot::svg(self.series, self.metric, &self.title(), &self.about_reference())
+        plot::svg(self.series, self.metric, &self.title(), &self.reference_note())
     }
 
     fn title(&self) -> String {
@@ -80,28 +80,28 @@ impl ConvergenceReport<'_> {
         format!("{name}, {width} x {height} pixels, {} seeds", self.seeds)
     }
 
-    fn about_reference(&self) -> String {
-        let what = match self.origin {
+    fn reference_note(&self) -> String {
+        let source = match self.origin {
             ReferenceOrigin::File(path) => path.display().to_string(),
             ReferenceOrigin::Halves(integrator, samples) => {
                 format!("{integrator}, 2 x {samples} samples per pixel")
             }
         };
         match self.reference.noise(self.metric) {
-            Some(own) => {
+            Some(noise) => {
                 let metric = self.metric.name();
-                format!("reference: {what}; its own {metric} of {own:.3e} is taken away")
+                format!("reference: {source}; its own {metric} of {noise:.3e} is subtracted")
             }
-            None => format!("reference: {what}; its own error is not known and stays in"),
+            None => format!("reference: {source}; its own error is unknown and not subtracted"),
         }
     }
 
     /// Returns the report as JSON; `output` is the file that has the plot.
     pub fn json(&self, output: &Path) -> Value {
-        let estimate = |of: statistics::MeanEstimate| json!(Estimate::from(of));
-        let one = |one: &Series| {
-            let slope = |axis| one.fit(self.metric, axis).map(|fit| estimate(fit.slope));
-            let point = |point: &ChartPoint| {
+        let estimate = |estimate: statistics::MeanEstimate| json!(Estimate::from(estimate));
+        let curve = |curve: &Series| {
+            let slope = |axis| curve.fit(self.metric, axis).map(|fit| estimate(fit.slope));
+            let point = |point: &ConvergencePoint| {
                 json!({
                     "samples_per_pixel": point.samples,
                     "error": estimate(point.error(self.metric)),
@@ -110,8 +110,8 @@ impl ConvergenceReport<'_> {
                 })
             };
             json!({
-                "name": one.name,
-                "points": one.points.iter().map(point).collect::<Vec<_>>(),
+                "name": curve.name,
+                "points": curve.points.iter().map(point).collect::<Vec<_>>(),
                 "slope_against_samples": slope(Axis::Samples),
                 "slope_against_seconds": slope(Axis::Seconds),
             })
@@ -131,27 +131,28 @@ impl ConvergenceReport<'_> {
                 }),
             },
             "reference_error": self.reference.noise(self.metric),
-            "series": self.series.iter().map(one).collect::<Vec<_>>(),
+            "series": self.series.iter().map(curve).collect::<Vec<_>>(),
         })
     }
 }
 
 impl fmt::Display for ConvergenceReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}\n{}", self.title(), self.about_reference())?;
+        writeln!(f, "{}\n{}", self.title(), self.reference_note())?;
         writeln!(f, "means and slopes with 95 % intervals")?;
         let columns = [8, 2, -24, -24, -1];
-        for one in self.series {
-            let head = row(columns, ["spp", "", self.metric.name(), "seconds", "cost"]);
-            write!(f, "\n{}\n{head}", one.name)?;
-            for point in &one.points {
+        for curve in self.series {
+            let header = row(columns, ["spp", "", self.metric.name(), "seconds", "cost"]);
+            write!(f, "\n{}\n{header}", curve.name)?;
+            for point in &curve.points {
                 let figures = [point.error(self.metric), point.seconds(), point.cost(self.metric)];
-                let [error, seconds, cost] = figures.map(|of| Estimate::from(of).to_string());
+                let [error, seconds, cost] =
+                    figures.map(|estimate| Estimate::from(estimate).to_string());
                 let cells = [&point.samples.to_string(), "", &error, &seconds, &*cost];
                 f.write_str(&row(columns, cells))?;
             }
             let [samples, seconds] = [Axis::Samples, Axis::Seconds].map(|axis| {
-                one.fit(self.metric, axis).map_or("none".to_owned(), |fit| {
+                curve.fit(self.metric, axis).map_or("none".to_owned(), |fit| {
                     format!(
                         "{:.3} +- {:.3}",
                         fit.slope.mean,

@@ -4,7 +4,7 @@
 use crate::draw::{Axes, Course, Line, Mark, Panel, Panels, Value, panels};
 use crate::error::{Error, Result};
 
-use crate::verify::converge::{Axis, ChartPoint, ErrorMetric, LogLogFit, Series};
+use crate::verify::converge::{Axis, ConvergencePoint, ErrorMetric, LogLogFit, Series};
 use crate::verify::statistics::MeanEstimate;
 
 /// Draws the series, with a title and a note.
@@ -17,12 +17,12 @@ pub(super) fn svg(
     title: &str,
     subtitle: &str,
 ) -> Result<String> {
-    let of = |axis| panel(series, metric, axis);
-    let (Some(left), Some(right)) = (of(Axis::Samples), of(Axis::Seconds)) else {
-        return Err(Error::input("there is no error above the reference's own noise to plot"));
+    let panel_for = |axis| panel(series, metric, axis);
+    let (Some(left), Some(right)) = (panel_for(Axis::Samples), panel_for(Axis::Seconds)) else {
+        return Err(Error::input("no error exceeds the noise of the reference: nothing to plot"));
     };
-    let slopes = |one: &Series| {
-        [Axis::Samples, Axis::Seconds].map(|axis| match one.fit(metric, axis) {
+    let slopes = |curve: &Series| {
+        [Axis::Samples, Axis::Seconds].map(|axis| match curve.fit(metric, axis) {
             Some(LogLogFit { slope, .. }) => {
                 format!("{:.3} ± {:.3}", slope.mean, slope.confidence_half_width(0.95))
             }
@@ -40,24 +40,24 @@ pub(super) fn svg(
 
 /// One of the two plots; `None` if there is nothing to draw.
 fn panel(series: &[Series], metric: ErrorMetric, axis: Axis) -> Option<Panel> {
-    let line = |(color, one): (usize, &Series)| Line {
-        name: one.name.clone(),
-        marks: marks(one, metric, axis),
-        course: Course::Fitted(fitted(one, metric, axis)),
+    let line = |(color, curve): (usize, &Series)| Line {
+        name: curve.name.clone(),
+        marks: marks(curve, metric, axis),
+        course: Course::Fitted(fit_ends(curve, metric, axis)),
         color,
     };
     let lines: Vec<Line> = series.iter().enumerate().map(line).collect();
     let marks = lines.iter().flat_map(|line| &line.marks);
     // Intervals are drawn in full, except where they approach 0, which a logarithmic axis cannot
     // show.
-    let shown = |value: Value| [value.low.max(value.middle / 4.0), value.middle, value.high];
+    let bounds = |value: Value| [value.low.max(value.middle / 4.0), value.middle, value.high];
     let x_name = match axis {
         Axis::Samples => "samples per pixel",
         Axis::Seconds => "seconds",
     };
     let names = [x_name, metric.name()];
-    let xs = marks.clone().flat_map(|mark| shown(mark.x));
-    let axes = Axes::around(names, xs, marks.clone().flat_map(|mark| shown(mark.y)))?;
+    let xs = marks.clone().flat_map(|mark| bounds(mark.x));
+    let axes = Axes::around(names, xs, marks.clone().flat_map(|mark| bounds(mark.y)))?;
     Some(Panel { axes, lines })
 }
 
@@ -66,9 +66,9 @@ fn marks(series: &Series, metric: ErrorMetric, axis: Axis) -> Vec<Mark> {
         let (middle, margin) = (estimate.mean, estimate.confidence_half_width(0.95));
         Value { middle, low: middle - margin, high: middle + margin }
     };
-    let mark = |point: &ChartPoint| Mark {
+    let mark = |point: &ConvergencePoint| Mark {
         x: match axis {
-            Axis::Samples => Value::exact(place(point, axis)),
+            Axis::Samples => Value::exact(position(point, axis)),
             Axis::Seconds => with_interval(point.seconds()),
         },
         y: with_interval(point.error(metric)),
@@ -77,7 +77,7 @@ fn marks(series: &Series, metric: ErrorMetric, axis: Axis) -> Vec<Mark> {
     series.points.iter().map(mark).filter(is_shown).collect()
 }
 
-fn place(point: &ChartPoint, axis: Axis) -> f64 {
+fn position(point: &ConvergencePoint, axis: Axis) -> f64 {
     match axis {
         Axis::Samples => f64::from(point.samples),
         Axis::Seconds => point.seconds().mean,
@@ -85,10 +85,10 @@ fn place(point: &ChartPoint, axis: Axis) -> f64 {
 }
 
 /// End points of the fitted line.
-fn fitted(series: &Series, metric: ErrorMetric, axis: Axis) -> Option<[(f64, f64); 2]> {
+fn fit_ends(series: &Series, metric: ErrorMetric, axis: Axis) -> Option<[(f64, f64); 2]> {
     let LogLogFit { slope, intercept } = series.fit(metric, axis)?;
     let y = |x: f64| libm::exp10(intercept + slope.mean * libm::log10(x));
-    let xs = series.points.iter().map(|point| place(point, axis));
+    let xs = series.points.iter().map(|point| position(point, axis));
     let (low, high) = (xs.clone().fold(f64::INFINITY, f64::min), xs.fold(0.0, f64::max));
     Some([(low, y(low)), (high, y(high))])
 }
@@ -104,7 +104,7 @@ mod tests {
                 let mse = factor * (1.0 + 0.1 * f64::from(seed)) / f64::from(samples);
                 RunErrors { mse, relmse: mse, seconds: 1e-3 * f64::from(samples) }
             };
-            ChartPoint { samples, runs: (0..4).map(run).collect() }
+            ConvergencePoint { samples, runs: (0..4).map(run).collect() }
         };
         Series { name: name.into(), points: [1, 10, 100].map(point).into() }
     }

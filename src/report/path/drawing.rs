@@ -9,11 +9,11 @@ use crate::light::LightSource;
 use crate::math::{DVec2, DVec3};
 use crate::scene::{PreparedScene, Scene};
 
-use super::spheres::{answer, name, place};
-use super::words::number;
+use super::spheres::{name, shadow_result, to_scene};
+use super::text::number;
 
 /// More spheres than this only hide the path.
-const MOST_SPHERES: usize = 400;
+const MAX_SPHERES: usize = 400;
 
 /// Approximate size of a sphere label.
 const LABEL: DVec2 = DVec2::new(80.0, 16.0);
@@ -23,12 +23,12 @@ text { font: 13px sans-serif; fill: #222 }\n\
 .small { font-size: 11.5px; fill: #555 }\n\
 .halo { paint-order: stroke; stroke: #fff; stroke-width: 3px }\n\
 .sphere { fill: #eef1f4; fill-opacity: .75; stroke: #9aa5b1 }\n\
-.met { fill: #d5e3f0; stroke: #4a6f94; stroke-width: 1.4 }\n\
+.hit { fill: #d5e3f0; stroke: #4a6f94; stroke-width: 1.4 }\n\
 .emitter { fill: #ffe9a8; fill-opacity: .9; stroke: #b8860b; stroke-width: 1.4 }\n\
 .around { fill: none }\n\
 .path { stroke: #0b3c6f; stroke-width: 2.4; fill: none }\n\
-.free { stroke: #d98200; stroke-width: 1.6; fill: none }\n\
-.blocked { stroke: #c0392b; stroke-width: 1.4; stroke-dasharray: 5 4; fill: none }\n\
+.unoccluded { stroke: #d98200; stroke-width: 1.6; fill: none }\n\
+.occluded { stroke: #c0392b; stroke-width: 1.4; stroke-dasharray: 5 4; fill: none }\n\
 .vertex { fill: #0b3c6f; stroke: #fff }\n\
 .bar { stroke: #222; stroke-width: 2 }\n";
 
@@ -49,7 +49,7 @@ struct Sketch {
     camera: DVec3,
     /// Vertices of the path, starting at the camera.
     vertices: Vec<DVec3>,
-    met: Vec<u32>,
+    hit_ids: Vec<u32>,
     emitters: Vec<u32>,
 }
 
@@ -65,8 +65,8 @@ pub fn svg(prepared: &PreparedScene, trace: &PathTrace) -> String {
     for line in &sketch.lines {
         draw_line(&mut canvas, line, &view);
     }
-    for (at, name) in labels {
-        canvas.text("halo", "middle", at, &name);
+    for (position, name) in labels {
+        canvas.text("halo", "middle", position, &name);
     }
     draw_vertices(&mut canvas, &sketch, &view);
     canvas.leave_window();
@@ -77,16 +77,16 @@ pub fn svg(prepared: &PreparedScene, trace: &PathTrace) -> String {
 impl Sketch {
     fn of(scene: &Scene, trace: &PathTrace) -> Self {
         let mut sketch = Self::default();
-        for (at, step) in trace.events.iter().enumerate() {
-            match step {
+        for (index, event) in trace.events.iter().enumerate() {
+            match event {
                 PathEvent::CameraRay { ray, .. } => {
-                    sketch.camera = place(scene, ray.origin);
+                    sketch.camera = to_scene(scene, ray.origin);
                     sketch.vertices.push(sketch.camera);
                 }
                 PathEvent::Hit { hit, .. } => {
-                    let point = place(scene, hit.point);
-                    sketch.reach(point);
-                    sketch.met.push(hit.id);
+                    let point = to_scene(scene, hit.point);
+                    sketch.extend(point);
+                    sketch.hit_ids.push(hit.id);
                     if scene.sphere_material(hit.id).material.is_emissive() {
                         sketch.emitters.push(hit.id);
                     }
@@ -103,13 +103,15 @@ impl Sketch {
                     if let LightSource::Emitter(id) = sample.source {
                         sketch.emitters.push(id);
                     }
-                    let Some((passed, _)) = answer(&trace.events, at) else { continue };
+                    let Some((visibility, _)) = shadow_result(&trace.events, index) else {
+                        continue;
+                    };
                     let Some(&from) = sketch.vertices.last() else { continue };
-                    let is_near = sample.distance.is_finite();
+                    let is_finite = sample.distance.is_finite();
                     sketch.lines.push(Line {
-                        class: if passed == 0.0 { "blocked" } else { "free" },
+                        class: if visibility == 0.0 { "occluded" } else { "unoccluded" },
                         from,
-                        to: is_near.then(|| from + sample.distance * sample.direction),
+                        to: is_finite.then(|| from + sample.distance * sample.direction),
                         direction: sample.direction,
                     });
                 }
@@ -120,7 +122,7 @@ impl Sketch {
     }
 
     /// Extends the path to the next vertex.
-    fn reach(&mut self, to: DVec3) {
+    fn extend(&mut self, to: DVec3) {
         if let Some(&from) = self.vertices.last() {
             self.lines.push(Line { class: "path", from, to: Some(to), direction: DVec3::ZERO });
         }
@@ -136,10 +138,10 @@ fn draw_spheres(
     view: &SideView,
 ) -> Vec<(DVec2, String)> {
     let spheres = scene.spheres();
-    let is_named = |id: u32| sketch.met.contains(&id) || sketch.emitters.contains(&id);
+    let is_named = |id: u32| sketch.hit_ids.contains(&id) || sketch.emitters.contains(&id);
     let projected = |id: u32| {
         let sphere = spheres.sphere(id);
-        let center = view.project(place(scene, sphere.center));
+        let center = view.project(to_scene(scene, sphere.center));
         (id, center, sphere.radius * view.scale)
     };
     let in_view = |&(id, center, radius): &(u32, DVec2, f64)| {
@@ -147,39 +149,40 @@ fn draw_spheres(
     };
     let mut circles: Vec<_> = (0..spheres.len() as u32).map(projected).filter(in_view).collect();
     circles.sort_by(|a, b| is_named(b.0).cmp(&is_named(a.0)).then(b.2.total_cmp(&a.2)));
-    circles.truncate(MOST_SPHERES);
+    circles.truncate(MAX_SPHERES);
     circles.sort_by(|a, b| b.2.total_cmp(&a.2));
     let mut labels = Vec::new();
-    let mut taken = vertex_labels(sketch, view);
+    let mut occupied = vertex_labels(sketch, view);
     for (id, center, radius) in circles {
-        let class = match (sketch.emitters.contains(&id), sketch.met.contains(&id)) {
+        let class = match (sketch.emitters.contains(&id), sketch.hit_ids.contains(&id)) {
             (true, _) => "emitter",
-            (_, true) => "met",
+            (_, true) => "hit",
             _ => "sphere",
         };
         // A sphere around the camera would cover everything, so only its outline is drawn.
-        let around = match spheres.sphere(id).contains(sketch.camera - spheres.origin()) {
+        let outline = match spheres.sphere(id).contains(sketch.camera - spheres.origin()) {
             true => " around",
             false => "",
         };
-        canvas.circle(&format!("{class}{around}"), center, radius);
+        canvas.circle(&format!("{class}{outline}"), center, radius);
         if is_named(id) {
-            let at = below_all(view.label_place(center, radius), &taken);
-            taken.push(at);
-            labels.push((at, name(scene, id).trim_matches('`').to_owned()));
+            let position = avoid_overlap(view.label_place(center, radius), &occupied);
+            occupied.push(position);
+            labels.push((position, name(scene, id).trim_matches('`').to_owned()));
         }
     }
     labels
 }
 
 /// Moves a label down until it covers none of the others. Each of them moves it once.
-fn below_all(mut at: DVec2, others: &[DVec2]) -> DVec2 {
-    for _ in others {
-        let covered = others.iter().find(|other| (at - **other).abs().cmplt(LABEL).all());
-        let Some(other) = covered else { break };
-        at.y = other.y + LABEL.y + 1.0;
+fn avoid_overlap(mut position: DVec2, occupied: &[DVec2]) -> DVec2 {
+    for _ in occupied {
+        let overlapping =
+            occupied.iter().find(|other| (position - **other).abs().cmplt(LABEL).all());
+        let Some(other) = overlapping else { break };
+        position.y = other.y + LABEL.y + 1.0;
     }
-    at
+    position
 }
 
 fn draw_line(canvas: &mut Canvas, line: &Line, view: &SideView) {
@@ -193,15 +196,15 @@ fn draw_line(canvas: &mut Canvas, line: &Line, view: &SideView) {
 
 /// Positions of the vertex labels: away from the incoming path, and above the camera.
 fn vertex_labels(sketch: &Sketch, view: &SideView) -> Vec<DVec2> {
-    let places: Vec<DVec2> = sketch.vertices.iter().map(|&point| view.project(point)).collect();
-    let label = |(k, at): (usize, &DVec2)| {
-        let away = match places[..k].last() {
+    let points: Vec<DVec2> = sketch.vertices.iter().map(|&point| view.project(point)).collect();
+    let label = |(k, position): (usize, &DVec2)| {
+        let direction = match points[..k].last() {
             None => DVec2::new(0.0, -0.9),
-            Some(before) => (*at - *before).normalize_or(DVec2::Y),
+            Some(previous) => (*position - *previous).normalize_or(DVec2::Y),
         };
-        *at + 15.0 * away + DVec2::new(0.0, 4.0)
+        *position + 15.0 * direction + DVec2::new(0.0, 4.0)
     };
-    places.iter().enumerate().map(label).collect()
+    points.iter().enumerate().map(label).collect()
 }
 
 fn draw_vertices(canvas: &mut Canvas, sketch: &Sketch, view: &SideView) {
@@ -214,11 +217,11 @@ fn draw_vertices(canvas: &mut Canvas, sketch: &Sketch, view: &SideView) {
 
 /// Draws the line styles, the sample's position, and a scale bar of a round length.
 fn draw_legend(canvas: &mut Canvas, prepared: &PreparedScene, trace: &PathTrace, view: &SideView) {
-    let mut at = DVec2::new(16.0, view.window.y + 24.0);
-    let end = DVec2::new(view.window.x - 16.0, at.y);
+    let mut position = DVec2::new(16.0, view.window.y + 24.0);
+    let end = DVec2::new(view.window.x - 16.0, position.y);
     let unit = view.round_length();
     canvas.line("bar", end - DVec2::X * unit * view.scale, end);
-    canvas.text("", "end", end + DVec2::Y * 20.0, &format!("{} long", number(unit)));
+    canvas.text("", "end", end + DVec2::Y * 20.0, &format!("{} units", number(unit)));
     let address = trace.address;
     let [r, g, b] = (trace.radiance.direct + trace.radiance.indirect).to_array();
     let [r, g, b] = [r, g, b].map(|v| number(f64::from(v)));
@@ -229,13 +232,16 @@ fn draw_legend(canvas: &mut Canvas, prepared: &PreparedScene, trace: &PathTrace,
         address.sample,
         prepared.render_settings().seed
     );
-    canvas.text("small", "start", at + DVec2::Y * 27.0, &sample);
-    let entries =
-        [("path", "path"), ("free", "light arrives"), ("blocked", "something is in the way")];
+    canvas.text("small", "start", position + DVec2::Y * 27.0, &sample);
+    let entries = [
+        ("path", "path"),
+        ("unoccluded", "unoccluded light sample"),
+        ("occluded", "occluded light sample"),
+    ];
     for (class, text) in entries {
-        canvas.line(class, at, at + DVec2::X * 32.0);
-        canvas.text("", "start", at + DVec2::new(40.0, 4.5), text);
-        at.x += 64.0 + 7.2 * text.len() as f64;
+        canvas.line(class, position, position + DVec2::X * 32.0);
+        canvas.text("", "start", position + DVec2::new(40.0, 4.5), text);
+        position.x += 64.0 + 7.2 * text.len() as f64;
     }
 }
 
@@ -250,12 +256,12 @@ mod tests {
 
     #[test]
     fn labels_in_one_place_stand_below_each_other() {
-        let place = DVec2::new(100.0, 50.0);
-        let mut taken = vec![DVec2::new(300.0, 50.0)];
+        let start = DVec2::new(100.0, 50.0);
+        let mut occupied = vec![DVec2::new(300.0, 50.0)];
         for row in 0..4 {
-            let at = below_all(place + DVec2::new(f64::from(row), 0.0), &taken);
-            assert_eq!(at.y, 50.0 + (LABEL.y + 1.0) * f64::from(row));
-            taken.push(at);
+            let position = avoid_overlap(start + DVec2::new(f64::from(row), 0.0), &occupied);
+            assert_eq!(position.y, 50.0 + (LABEL.y + 1.0) * f64::from(row));
+            occupied.push(position);
         }
     }
 }

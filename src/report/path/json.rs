@@ -5,21 +5,21 @@ use serde_json::{Value, json};
 use crate::integrator::{PathEvent, PathTrace};
 use crate::scene::{PreparedScene, Scene};
 
-use super::spheres::{place, source_name};
-use super::words::why;
+use super::spheres::{source_name, to_scene};
+use super::text::reason;
 
 /// Returns the whole path as JSON.
 pub fn json(prepared: &PreparedScene, trace: &PathTrace) -> Value {
     let scene = prepared.scene();
     let address = trace.address;
-    let steps: Vec<Value> = trace.events.iter().map(|step| step_json(scene, step)).collect();
+    let events: Vec<Value> = trace.events.iter().map(|event| event_json(scene, event)).collect();
     let render = prepared.render_settings();
     json!({
         "pixel": [address.x, address.y],
         "sample": address.sample,
         "seed": render.seed,
         "integrator": render.integrator.kind().name(),
-        "steps": steps,
+        "events": events,
         "direct": trace.radiance.direct,
         "indirect": trace.radiance.indirect,
         "radiance": (trace.radiance.direct + trace.radiance.indirect),
@@ -27,51 +27,51 @@ pub fn json(prepared: &PreparedScene, trace: &PathTrace) -> Value {
     })
 }
 
-fn step_json(scene: &Scene, step: &PathEvent) -> Value {
-    match step {
+fn event_json(scene: &Scene, event: &PathEvent) -> Value {
+    match event {
         PathEvent::CameraRay { ray, redraws } => json!({
-            "step": "camera",
-            "origin": place(scene, ray.origin),
+            "event": "camera_ray",
+            "origin": to_scene(scene, ray.origin),
             "direction": ray.direction,
             "redraws": redraws,
         }),
-        PathEvent::Hit { depth, hit, wo, opacity: presence, transmittance, throughput } => json!({
-            "step": "hit",
+        PathEvent::Hit { depth, hit, wo, opacity, transmittance, throughput } => json!({
+            "event": "hit",
             "depth": depth,
             "sphere": scene.spheres().row(hit.id),
             "name": scene.name(hit.id),
-            "point": place(scene, hit.point),
+            "point": to_scene(scene, hit.point),
             "distance": hit.t,
             "normal": hit.normal,
             "side": format!("{:?}", hit.side).to_lowercase(),
             "wo": wo,
-            "opacity": presence,
+            "opacity": opacity,
             "transmittance": transmittance,
             "throughput": throughput,
         }),
         PathEvent::Miss { depth, wo, throughput } => json!({
-            "step": "miss",
+            "event": "miss",
             "depth": depth,
             "wo": wo,
             "throughput": throughput,
         }),
-        PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution: added } => {
+        PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution } => {
             json!({
-                "step": "light",
+                "event": "emission",
                 "source": source_name(scene, *source),
                 "L_e": radiance,
                 "p": pdf,
                 "p_light": pdf_light,
                 "weight": weight,
-                "clamp": added.clamp,
-                "added": added.radiance,
-                "is_direct": added.is_direct,
+                "clamp": contribution.clamp,
+                "contribution": contribution.radiance,
+                "is_direct": contribution.is_direct,
             })
         }
-        PathEvent::HiddenBoundary => json!({ "step": "hidden" }),
-        PathEvent::Transparent => json!({ "step": "absent" }),
+        PathEvent::HiddenBoundary => json!({ "event": "hidden_boundary" }),
+        PathEvent::Transparent => json!({ "event": "transparent" }),
         PathEvent::LightSample { sample, transmittance, f, cos, pdf_bsdf, weight } => json!({
-            "step": "light_sample",
+            "event": "light_sample",
             "source": source_name(scene, sample.source),
             "wi": sample.direction,
             "distance": sample.distance,
@@ -83,16 +83,16 @@ fn step_json(scene: &Scene, step: &PathEvent) -> Value {
             "p_bsdf": pdf_bsdf,
             "weight": weight,
         }),
-        PathEvent::ShadowRay { visibility: passed, contribution: added } => json!({
-            "step": "shadow",
-            "is_blocked": *passed == 0.0,
-            "V": passed,
-            "clamp": added.clamp,
-            "added": added.radiance,
-            "is_direct": added.is_direct,
+        PathEvent::ShadowRay { visibility, contribution } => json!({
+            "event": "shadow_ray",
+            "is_occluded": *visibility == 0.0,
+            "V": visibility,
+            "clamp": contribution.clamp,
+            "contribution": contribution.radiance,
+            "is_direct": contribution.is_direct,
         }),
         PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput } => json!({
-            "step": "scatter",
+            "event": "bsdf_sample",
             "lobe": format!("{lobe:?}").to_lowercase(),
             "wi": wi,
             "p": pdf,
@@ -101,11 +101,11 @@ fn step_json(scene: &Scene, step: &PathEvent) -> Value {
             "throughput": throughput,
         }),
         PathEvent::Roulette { survival, survives, throughput } => json!({
-            "step": "roulette",
+            "event": "roulette",
             "survival": survival,
             "survives": survives,
             "throughput": throughput,
         }),
-        PathEvent::End(end) => json!({ "step": "end", "why": why(*end) }),
+        PathEvent::End(end) => json!({ "event": "end", "reason": reason(*end) }),
     }
 }

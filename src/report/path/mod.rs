@@ -5,8 +5,8 @@
 mod drawing;
 mod json;
 mod spheres;
-mod words;
+mod text;
 
 pub use drawing::svg;
 pub use json::json;
-pub use words::words;
+pub use text::text;

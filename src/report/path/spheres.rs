@@ -21,17 +21,21 @@ pub(super) fn source_name(scene: &Scene, source: LightSource) -> String {
 }
 
 /// Converts a point to the coordinates of the scene file.
-pub(super) fn place(scene: &Scene, point: DVec3) -> DVec3 {
+pub(super) fn to_scene(scene: &Scene, point: DVec3) -> DVec3 {
     point + scene.spheres().origin()
 }
 
-/// Result of the light sample at event `light`: the unoccluded fraction and the contribution.
-/// `None` if no ray could be spawned.
-pub(super) fn answer(steps: &[PathEvent], light: usize) -> Option<(f32, Contribution)> {
-    let after = &steps[light + 1..];
-    let until_next = after.iter().take_while(|step| !matches!(step, PathEvent::LightSample { .. }));
-    until_next.into_iter().find_map(|step| match step {
-        PathEvent::ShadowRay { visibility: passed, contribution: added } => Some((*passed, *added)),
+/// Result of the light sample at event `light_sample`: the unoccluded fraction and the
+/// contribution. `None` if no ray could be spawned.
+pub(super) fn shadow_result(
+    events: &[PathEvent],
+    light_sample: usize,
+) -> Option<(f32, Contribution)> {
+    let later = &events[light_sample + 1..];
+    let before_next =
+        later.iter().take_while(|event| !matches!(event, PathEvent::LightSample { .. }));
+    before_next.into_iter().find_map(|event| match event {
+        PathEvent::ShadowRay { visibility, contribution } => Some((*visibility, *contribution)),
         _ => None,
     })
 }

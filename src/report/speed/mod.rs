@@ -32,10 +32,10 @@ const RATES: [i32; 8] = [-14, 10, 8, 8, 12, 8, 8, 12];
 impl fmt::Display for SpeedReport<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let BenchOptions { rounds, batch } = self.rounds;
-        let SelectedBackend { backend, reason } = self.choice();
+        let SelectedBackend { backend, reason } = self.selection();
         writeln!(
             f,
-            "{}, {}, {} a call; `auto` takes {} ({reason})\n",
+            "{}, {}, {} a call; `auto` selects {} ({reason})\n",
             count(self.spheres, "sphere"),
             count(rayon::current_num_threads(), "thread"),
             count(batch, "ray"),
@@ -52,22 +52,22 @@ impl fmt::Display for SpeedReport<'_> {
         let rounds = count(rounds, "round");
         writeln!(
             f,
-            "\nrays per second of all threads: median of {rounds}, and the spread of half of them"
+            "\nrays per second over all threads: median of {rounds}, +- half the interquartile range"
         )?;
-        for (kind, name) in self.measured.ray_sets.iter().enumerate() {
-            f.write_str(&head(name, "other ids"))?;
+        for (set, name) in self.measured.ray_sets.iter().enumerate() {
+            f.write_str(&header(name, "other ids"))?;
             for result in self.results() {
-                f.write_str(&self.of_kind(result, kind))?;
+                f.write_str(&self.backend_rates(result, set))?;
             }
         }
-        self.batches(f)?;
-        self.scaling(f)?;
+        self.batch_sweep(f)?;
+        self.thread_sweep(f)?;
         self.renders(f)
     }
 }
 
 impl SpeedReport<'_> {
-    fn choice(&self) -> SelectedBackend {
+    fn selection(&self) -> SelectedBackend {
         BackendChoice::Auto.select_for_count(self.spheres)
     }
 
@@ -76,47 +76,56 @@ impl SpeedReport<'_> {
     }
 
     /// Formats one backend's rates on one ray set, compared with the first backend's.
-    fn of_kind(&self, result: &BackendBench, kind: usize) -> String {
+    fn backend_rates(&self, result: &BackendBench, set: usize) -> String {
         let name = result.backend.name();
-        let Some(rates) = result.rates[kind] else {
+        let Some(rates) = result.rates[set] else {
             return row(RATES, [name, "-", "", "", "", "", "", ""]);
         };
-        let first = self.results()[0].rates[kind].unwrap_or(rates);
-        let both = [(rates.closest, first.closest), (rates.occluded, first.occluded)];
-        rates_row(name, both, &rates.differing_ids.to_string())
+        let first = self.results()[0].rates[set].unwrap_or(rates);
+        let rates_and_baselines =
+            [(rates.closest, first.closest), (rates.occluded, first.occluded)];
+        rates_row(name, rates_and_baselines, &rates.differing_ids.to_string())
     }
 
-    fn batches(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for swept in &self.measured.batch_sweep {
-            let rays = count(swept.point.batch, "ray");
-            write!(f, "\n{SECOND_BOUNCE} rays, {rays} a call{}", head("", ""))?;
-            f.write_str(&self.rows_of(swept, |_| swept.rates[0]))?;
+    fn batch_sweep(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for sweep_result in &self.measured.batch_sweep {
+            let rays = count(sweep_result.point.batch, "ray");
+            write!(f, "\n{SECOND_BOUNCE} rays, {rays} a call{}", header("", ""))?;
+            f.write_str(&self.sweep_rows(sweep_result, |_| sweep_result.rates[0]))?;
         }
         Ok(())
     }
 
-    fn scaling(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(one) = self.measured.thread_sweep.first() else { return Ok(()) };
-        for swept in &self.measured.thread_sweep {
-            let threads = count(swept.point.threads, "thread");
-            let gain = swept.arithmetic.median / one.arithmetic.median;
+    fn thread_sweep(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(single_thread) = self.measured.thread_sweep.first() else { return Ok(()) };
+        for sweep_result in &self.measured.thread_sweep {
+            let threads = count(sweep_result.point.threads, "thread");
+            let arithmetic_ratio = sweep_result.arithmetic.median / single_thread.arithmetic.median;
             write!(
                 f,
                 "\n{SECOND_BOUNCE} rays, {threads}; ratios to one thread; that of pure arithmetic is \
-                 {gain:.2}{}",
-                head("", "")
+                 {arithmetic_ratio:.2}{}",
+                header("", "")
             )?;
-            f.write_str(&self.rows_of(swept, |backend| one.rates[backend]))?;
+            f.write_str(&self.sweep_rows(sweep_result, |backend| single_thread.rates[backend]))?;
         }
         Ok(())
     }
 
-    /// Formats the rates at one setting; `with` gives the rates to compare each backend with.
-    fn rows_of(&self, swept: &SweepResult, with: impl Fn(usize) -> [Quartiles; 2]) -> String {
-        let backends = self.results().iter().zip(&swept.rates).enumerate();
+    /// Formats the rates at one setting; `baseline` gives the rates to compare each backend with.
+    fn sweep_rows(
+        &self,
+        sweep_result: &SweepResult,
+        baseline: impl Fn(usize) -> [Quartiles; 2],
+    ) -> String {
+        let backends = self.results().iter().zip(&sweep_result.rates).enumerate();
         let rows = backends.map(|(i, (result, [closest, occluded]))| {
-            let with = with(i);
-            rates_row(result.backend.name(), [(*closest, with[0]), (*occluded, with[1])], "")
+            let baseline = baseline(i);
+            rates_row(
+                result.backend.name(),
+                [(*closest, baseline[0]), (*occluded, baseline[1])],
+                "",
+            )
         });
         rows.collect()
     }
@@ -133,7 +142,7 @@ impl SpeedReport<'_> {
                 &format!("{median:.3}"),
                 &spread(render.seconds),
                 &format!("{:.2}", median / first.seconds.median),
-                &percent(render.intersector_share.median),
+                &percent(render.intersector_fraction.median),
                 &si(render.rays as f64 / median),
                 &render.differing_pixels.to_string(),
             ];
@@ -144,9 +153,11 @@ impl SpeedReport<'_> {
 
     /// Returns the figures as JSON.
     pub fn json(&self) -> Value {
-        let SelectedBackend { backend: auto, reason } = self.choice();
-        let SceneBench { results, batch_sweep: batches, thread_sweep: scaling, renders, .. } =
-            self.measured;
+        let SelectedBackend { backend: auto, reason } = self.selection();
+        let SceneBench { results, batch_sweep, thread_sweep, renders, .. } = self.measured;
+        let sweep = |results: &[SweepResult]| -> Vec<Value> {
+            results.iter().map(|result| self.sweep_result(result)).collect()
+        };
         json!({
             "spheres": self.spheres,
             "threads": rayon::current_num_threads(),
@@ -154,22 +165,22 @@ impl SpeedReport<'_> {
             "batch": self.rounds.batch,
             "auto": { "accel": auto.name(), "reason": reason },
             "backends": results.iter().map(|result| self.backend(result)).collect::<Vec<_>>(),
-            "batches": batches.iter().map(|swept| self.swept(swept)).collect::<Vec<_>>(),
-            "scaling": scaling.iter().map(|swept| self.swept(swept)).collect::<Vec<_>>(),
-            "renders": renders.iter().map(whole).collect::<Vec<_>>(),
+            "batches": sweep(batch_sweep),
+            "scaling": sweep(thread_sweep),
+            "renders": renders.iter().map(render_json).collect::<Vec<_>>(),
         })
     }
 
     fn backend(&self, result: &BackendBench) -> Value {
-        let rates = |kind: usize| {
-            result.rates[kind].map(|Rates { closest, occluded, differing_ids: other_ids }| {
+        let rates = |set: usize| {
+            result.rates[set].map(|Rates { closest, occluded, differing_ids }| {
                 let (closest, occluded) = (rate(closest), rate(occluded));
-                json!({ "closest": closest, "occluded": occluded, "other_ids": other_ids })
+                json!({ "closest": closest, "occluded": occluded, "differing_ids": differing_ids })
             })
         };
-        let kinds = self.measured.ray_sets.iter().enumerate();
+        let ray_sets = self.measured.ray_sets.iter().enumerate();
         let rays: Map<String, Value> =
-            kinds.map(|(kind, name)| (name.replace(' ', "_"), json!(rates(kind)))).collect();
+            ray_sets.map(|(set, name)| (name.replace(' ', "_"), json!(rates(set)))).collect();
         json!({
             "accel": result.backend.name(),
             "details": result.details,
@@ -180,8 +191,8 @@ impl SpeedReport<'_> {
         })
     }
 
-    fn swept(&self, swept: &SweepResult) -> Value {
-        let named = self.measured.results.iter().zip(&swept.rates);
+    fn sweep_result(&self, sweep_result: &SweepResult) -> Value {
+        let named = self.measured.results.iter().zip(&sweep_result.rates);
         let rates: Map<String, Value> = named
             .map(|(result, [closest, occluded])| {
                 let rates = json!({ "closest": rate(*closest), "occluded": rate(*occluded) });
@@ -189,10 +200,10 @@ impl SpeedReport<'_> {
             })
             .collect();
         json!({
-            "threads": swept.point.threads,
-            "batch": swept.point.batch,
+            "threads": sweep_result.point.threads,
+            "batch": sweep_result.point.batch,
             "second_bounce": rates,
-            "arithmetic_passes_per_s": swept.arithmetic.median,
+            "arithmetic_passes_per_s": sweep_result.arithmetic.median,
         })
     }
 }
@@ -201,35 +212,35 @@ impl SpeedReport<'_> {
 impl fmt::Display for SuiteEntry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { arrangement, spheres, bench: measured } = self;
-        let kind = measured.ray_set_index(SECOND_BOUNCE).unwrap_or(0);
+        let set = measured.ray_set_index(SECOND_BOUNCE).unwrap_or(0);
         let rates = measured.results.iter().filter_map(|result| {
-            let rate = si(result.rates[kind]?.closest.median);
+            let rate = si(result.rates[set]?.closest.median);
             Some(format!("{} {rate}rays/s", result.backend.name()))
         });
         let rates = rates.collect::<Vec<_>>().join(", ");
-        let rates = if rates.is_empty() { "no ray gets as far as a second bounce" } else { &rates };
+        let rates = if rates.is_empty() { "no ray reaches a second bounce" } else { &rates };
         write!(f, "{}, {}: {rates}", arrangement.name(), count(*spheres as usize, "sphere"))
     }
 }
 
 /// Returns the measurements of standard scenes as JSON.
 pub fn entries_json(entries: &[SuiteEntry], rounds: BenchOptions) -> Value {
-    let one = |SuiteEntry { arrangement, spheres, bench: measured }: &SuiteEntry| {
+    let entry = |SuiteEntry { arrangement, spheres, bench: measured }: &SuiteEntry| {
         let report = SpeedReport { spheres: *spheres as usize, rounds, measured };
         json!({ "arrangement": arrangement.name(), "measured": report.json() })
     };
-    entries.iter().map(one).collect()
+    entries.iter().map(entry).collect()
 }
 
-fn head(name: &str, last: &str) -> String {
+fn header(name: &str, last: &str) -> String {
     let cells = [name, "closest", "+-", "ratio", "occluded", "+-", "ratio", last];
     format!("\n{}", row(RATES, cells))
 }
 
 /// Formats two rates, each with the rate it is compared with.
 fn rates_row(name: &str, rates: [(Quartiles, Quartiles); 2], last: &str) -> String {
-    let [closest, occluded] = rates.map(|(rate, with)| {
-        [si(rate.median), spread(rate), format!("{:.2}", rate.median / with.median)]
+    let [closest, occluded] = rates.map(|(rate, baseline)| {
+        [si(rate.median), spread(rate), format!("{:.2}", rate.median / baseline.median)]
     });
     let ([a, b, c], [d, e, f]) = (&closest, &occluded);
     row(RATES, [name, a, b, c, d, e, f, last])
@@ -243,14 +254,14 @@ fn rate(rate: Quartiles) -> Value {
     json!({ "rays_per_s": rate.median, "spread": rate.relative_spread() })
 }
 
-fn whole(render: &RenderBench) -> Value {
+fn render_json(render: &RenderBench) -> Value {
     json!({
         "accel": render.backend.name(),
         "seconds": render.seconds.median,
         "spread": render.seconds.relative_spread(),
-        "intersector_share": render.intersector_share.median,
+        "intersector_fraction": render.intersector_fraction.median,
         "rays": render.rays,
         "samples": render.samples,
-        "other_pixels": render.differing_pixels,
+        "differing_pixels": render.differing_pixels,
     })
 }

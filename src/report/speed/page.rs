@@ -35,41 +35,43 @@ impl SceneBench {
     /// # Errors
     /// If the drawing fails.
     pub fn to_svg(&self, title: &str, subtitle: &str) -> Result<String> {
-        let mut groups = self.groups_of_kinds();
-        for swept in &self.batch_sweep {
-            let rays = count(swept.point.batch, "ray");
-            groups.extend(self.groups_of(swept, &format!("{rays} a call")));
+        let mut groups = self.ray_set_groups();
+        for sweep_result in &self.batch_sweep {
+            let rays = count(sweep_result.point.batch, "ray");
+            groups.extend(self.sweep_groups(sweep_result, &format!("{rays} a call")));
         }
-        for swept in &self.thread_sweep {
-            groups.extend(self.groups_of(swept, &count(swept.point.threads, "thread")));
+        for sweep_result in &self.thread_sweep {
+            groups.extend(
+                self.sweep_groups(sweep_result, &count(sweep_result.point.threads, "thread")),
+            );
         }
-        let whole = |render: &RenderBench| Bar {
+        let render_bar = |render: &RenderBench| Bar {
             name: render.backend.name().to_owned(),
             value: render.seconds.into(),
             words: format!("{} s", significant(render.seconds.median)),
             color: render.backend as usize,
         };
-        let bars_of_renders = self.renders.iter().map(whole).collect();
-        groups.push(BarGroup { name: "render, seconds".to_owned(), bars: bars_of_renders });
+        let render_bars = self.renders.iter().map(render_bar).collect();
+        groups.push(BarGroup { name: "render, seconds".to_owned(), bars: render_bars });
         groups.retain(|group| !group.bars.is_empty());
         bars(title, subtitle, &groups)
     }
 
-    fn groups_of_kinds(&self) -> Vec<BarGroup> {
-        let group = |(kind, question): (usize, QueryKind)| {
-            let rate = |result: &BackendBench| Some(result.rates[kind]?.get(question));
-            let name = format!("{} rays, {question}", self.ray_sets[kind]);
+    fn ray_set_groups(&self) -> Vec<BarGroup> {
+        let group = |(set, query): (usize, QueryKind)| {
+            let rate = |result: &BackendBench| Some(result.rates[set]?.get(query));
+            let name = format!("{} rays, {query}", self.ray_sets[set]);
             self.group(name, &self.results.iter().map(rate).collect::<Vec<_>>())
         };
-        let kinds = 0..self.ray_sets.len();
-        kinds.flat_map(|kind| QueryKind::ALL.map(|question| group((kind, question)))).collect()
+        let ray_sets = 0..self.ray_sets.len();
+        ray_sets.flat_map(|set| QueryKind::ALL.map(|query| group((set, query)))).collect()
     }
 
-    fn groups_of(&self, swept: &SweepResult, setting: &str) -> [BarGroup; 2] {
-        QueryKind::ALL.map(|question| {
-            let rate = |rates: &[Quartiles; 2]| Some(rates[question as usize]);
-            let name = format!("{SECOND_BOUNCE} rays, {question}, {setting}");
-            self.group(name, &swept.rates.iter().map(rate).collect::<Vec<_>>())
+    fn sweep_groups(&self, sweep_result: &SweepResult, setting: &str) -> [BarGroup; 2] {
+        QueryKind::ALL.map(|query| {
+            let rate = |rates: &[Quartiles; 2]| Some(rates[query as usize]);
+            let name = format!("{SECOND_BOUNCE} rays, {query}, {setting}");
+            self.group(name, &sweep_result.rates.iter().map(rate).collect::<Vec<_>>())
         })
     }
 
@@ -86,10 +88,10 @@ impl SceneBench {
     }
 }
 
-const HOW_TO_READ: &str = "Rays per second of all threads together, against the number of spheres. \
-    Intersectors take turns, so that a busy machine hinders all alike; each figure is the median over \
-    the rounds, and half of the rounds lie within the thin line. Rays of the second bounce come first: \
-    they go everywhere, and no cache helps them. Compare figures of one page only.";
+const HOW_TO_READ: &str = "Rays per second over all threads, against the number of spheres. \
+    Intersectors are interleaved, so that other load on the machine affects all of them equally; each \
+    figure is the median over the rounds, and the thin line is the interquartile range. Second-bounce \
+    rays come first: they are incoherent, so caches do not help. Compare only figures of one page.";
 
 /// Renders one page with all results; `about` comes first.
 ///
@@ -102,12 +104,12 @@ pub fn page(about: &[(&str, String)], entries: &[SuiteEntry]) -> Result<String> 
     body += &element("p", "class=soft", HOW_TO_READ);
     let charts = Charts::of(entries);
     for &(name, arrangement) in Arrangement::NAMES {
-        let of_scene: Vec<&SuiteEntry> =
+        let scene_entries: Vec<&SuiteEntry> =
             entries.iter().filter(|entry| entry.arrangement == arrangement).collect();
-        if !of_scene.is_empty() {
+        if !scene_entries.is_empty() {
             body += &element("h2", "", name);
-            body += &charts.section(&of_scene)?;
-            body += &element("div", "class=\"scroll figures\"", &figures(&of_scene));
+            body += &charts.section(&scene_entries)?;
+            body += &element("div", "class=\"scroll figures\"", &figures(&scene_entries));
         }
     }
     Ok(page_of(title, &body))
@@ -118,7 +120,7 @@ type FigureOf<'a> = &'a dyn Fn(&SuiteEntry, &BackendBench) -> Option<Quartiles>;
 
 /// Lines of a value against the number of spheres, one per intersector.
 fn lines_of(entries: &[&SuiteEntry], value: FigureOf<'_>) -> Vec<Line> {
-    let mut drawn: Vec<Line> = Vec::new();
+    let mut chart_lines: Vec<Line> = Vec::new();
     for entry in entries {
         for result in &entry.bench.results {
             let Some(y) = value(entry, result) else { continue };
@@ -129,25 +131,25 @@ fn lines_of(entries: &[&SuiteEntry], value: FigureOf<'_>) -> Vec<Line> {
             }
             let mark = Mark { x: Value::exact(entry.spheres as f64), y: y.into() };
             let name = result.backend.name();
-            match drawn.iter_mut().find(|line| line.name == name) {
+            match chart_lines.iter_mut().find(|line| line.name == name) {
                 Some(line) => line.marks.push(mark),
                 None => {
                     let color = result.backend as usize;
                     let (name, marks, course) = (name.to_owned(), vec![mark], Course::Through);
-                    drawn.push(Line { name, marks, course, color });
+                    chart_lines.push(Line { name, marks, course, color });
                 }
             }
         }
     }
-    drawn
+    chart_lines
 }
 
 fn millions(
-    kind: &str,
-    question: QueryKind,
+    set: &str,
+    query: QueryKind,
 ) -> impl Fn(&SuiteEntry, &BackendBench) -> Option<Quartiles> {
     move |entry, result| {
-        Some(result.rates[entry.bench.ray_set_index(kind)?]?.get(question).scaled(1e-6))
+        Some(result.rates[entry.bench.ray_set_index(set)?]?.get(query).scaled(1e-6))
     }
 }
 
@@ -161,7 +163,7 @@ fn bytes(_: &SuiteEntry, result: &BackendBench) -> Option<Quartiles> {
 
 /// Axes that the charts of all scenes share.
 struct Charts {
-    kinds: Vec<&'static str>,
+    ray_sets: Vec<&'static str>,
     rates: Option<Axes>,
     build: Option<Axes>,
     bytes: Option<Axes>,
@@ -170,10 +172,10 @@ struct Charts {
 impl Charts {
     fn of(entries: &[SuiteEntry]) -> Self {
         let all: Vec<&SuiteEntry> = entries.iter().collect();
-        let kinds = entries.first().map_or(Vec::new(), |entry| entry.bench.ray_sets.clone());
+        let ray_sets = entries.first().map_or(Vec::new(), |entry| entry.bench.ray_sets.clone());
         let mut rates = Vec::new();
-        for kind in &kinds {
-            rates.extend(QueryKind::ALL.map(|q| lines_of(&all, &millions(kind, q))));
+        for set in &ray_sets {
+            rates.extend(QueryKind::ALL.map(|q| lines_of(&all, &millions(set, q))));
         }
         let axes = |name, lines: &[Vec<Line>]| {
             let marks = lines.iter().flatten().flat_map(|line| &line.marks);
@@ -181,7 +183,7 @@ impl Charts {
             Axes::around(["spheres", name], xs, ys)
         };
         Self {
-            kinds,
+            ray_sets,
             rates: axes("million rays per second", &rates),
             build: axes("seconds", &[lines_of(&all, &build_seconds)]),
             bytes: axes("bytes per sphere", &[lines_of(&all, &bytes)]),
@@ -190,19 +192,19 @@ impl Charts {
 
     /// All charts of a scene: two kinds of figures visible, the rest collapsed.
     fn section(&self, entries: &[&SuiteEntry]) -> Result<String> {
-        let mut shown = String::new();
-        let mut folded = String::new();
-        for &kind in &self.kinds {
-            let text = if kind == SECOND_BOUNCE { &mut shown } else { &mut folded };
-            for question in QueryKind::ALL {
-                let title = format!("{kind} rays, {question}");
-                *text += &chart(&title, &self.rates, entries, &millions(kind, question))?;
+        let mut visible = String::new();
+        let mut collapsed = String::new();
+        for &set in &self.ray_sets {
+            let text = if set == SECOND_BOUNCE { &mut visible } else { &mut collapsed };
+            for query in QueryKind::ALL {
+                let title = format!("{set} rays, {query}");
+                *text += &chart(&title, &self.rates, entries, &millions(set, query))?;
             }
         }
-        shown += &chart("build", &self.build, entries, &build_seconds)?;
-        shown += &chart("size of the structure", &self.bytes, entries, &bytes)?;
+        visible += &chart("build", &self.build, entries, &build_seconds)?;
+        visible += &chart("memory", &self.bytes, entries, &bytes)?;
         let pairs = |charts: &str| element("div", "class=pairs", charts);
-        Ok(pairs(&shown) + &details("other rays", &pairs(&folded)))
+        Ok(pairs(&visible) + &details("other rays", &pairs(&collapsed)))
     }
 }
 
@@ -213,49 +215,49 @@ fn chart(
     entries: &[&SuiteEntry],
     value: FigureOf<'_>,
 ) -> Result<String> {
-    let drawn = lines_of(entries, value);
+    let chart_lines = lines_of(entries, value);
     match axes {
-        Some(axes) if !drawn.is_empty() => {
-            lines(title, &Panel { axes: axes.clone(), lines: drawn })
+        Some(axes) if !chart_lines.is_empty() => {
+            lines(title, &Panel { axes: axes.clone(), lines: chart_lines })
         }
         _ => Ok(String::new()),
     }
 }
 
 /// Placeholder for a missing figure.
-const NOTHING: &str = "–";
+const MISSING: &str = "–";
 
 /// Table of all figures.
 fn figures(entries: &[&SuiteEntry]) -> String {
-    let kinds = entries.first().map_or(&[][..], |entry| &entry.bench.ray_sets);
-    let mut head = vec!["spheres", "intersector", "build (s)", "bytes per sphere"];
-    head.extend(kinds);
-    head.extend(["other ids", "how it works"]);
+    let ray_sets = entries.first().map_or(&[][..], |entry| &entry.bench.ray_sets);
+    let mut header = vec!["spheres", "intersector", "build (s)", "bytes per sphere"];
+    header.extend(ray_sets);
+    header.extend(["other ids", "details"]);
     let rows = entries.iter().flat_map(|entry| {
         entry.bench.results.iter().map(|result| {
             let mut row = vec![
                 entry.spheres.to_string(),
                 escape(result.backend.name()),
-                build_seconds(entry, result).map_or(NOTHING.to_owned(), |s| significant(s.median)),
+                build_seconds(entry, result).map_or(MISSING.to_owned(), |s| significant(s.median)),
                 significant(result.bytes_per_sphere),
             ];
             row.extend(result.rates.iter().map(|rates| {
-                rates.map_or(NOTHING.to_owned(), |rates| {
-                    let [closest, occluded] = QueryKind::ALL
-                        .map(|question| significant(1e-6 * rates.get(question).median));
+                rates.map_or(MISSING.to_owned(), |rates| {
+                    let [closest, occluded] =
+                        QueryKind::ALL.map(|query| significant(1e-6 * rates.get(query).median));
                     format!("{closest} / {occluded}")
                 })
             }));
-            row.extend([other_ids(result), escape(&result.details)]);
+            row.extend([differing_ids(result), escape(&result.details)]);
             row
         })
     });
     let unit = "Rates in millions of rays per second, closest hit / occluded.";
-    element("p", "class=soft", unit) + &table(&head, rows)
+    element("p", "class=soft", unit) + &table(&header, rows)
 }
 
 /// Number of compared rays whose hit id differs from the first intersector's.
-fn other_ids(result: &BackendBench) -> String {
+fn differing_ids(result: &BackendBench) -> String {
     result.rates.iter().flatten().map(|rates| rates.differing_ids).sum::<usize>().to_string()
 }
 
@@ -296,18 +298,18 @@ mod tests {
     fn a_scene_is_drawn_with_every_figure_that_there_is() {
         let rates = vec![[figure(4e6), figure(5e6)]; 2];
         let setting = SweepPoint { threads: 2, batch: 1 };
-        let swept = vec![SweepResult { point: setting, rates, arithmetic: figure(1.0) }];
+        let sweep_result = vec![SweepResult { point: setting, rates, arithmetic: figure(1.0) }];
         let render = RenderBench {
             backend: Backend::Native,
             seconds: figure(12.34),
-            intersector_share: figure(0.9),
+            intersector_fraction: figure(0.9),
             rays: 1,
             samples: 1,
             differing_pixels: 0,
         };
         let measured = SceneBench {
-            batch_sweep: swept.clone(),
-            thread_sweep: swept,
+            batch_sweep: sweep_result.clone(),
+            thread_sweep: sweep_result,
             renders: vec![render],
             ..measured(1.5e6)
         };
@@ -346,7 +348,7 @@ mod tests {
 
     #[test]
     fn figures_have_three_digits() {
-        let shown = [0.0, 0.001_234, 9.876, 123.4, 98_765.0].map(significant);
-        assert_eq!(shown, ["0", "0.00123", "9.88", "123", "98765"]);
+        let visible = [0.0, 0.001_234, 9.876, 123.4, 98_765.0].map(significant);
+        assert_eq!(visible, ["0", "0.00123", "9.88", "123", "98765"]);
     }
 }

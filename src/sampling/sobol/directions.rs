@@ -4,7 +4,7 @@
 //! those of Joe and Kuo 2008, "Constructing Sobol sequences with better two-dimensional
 //! projections", SIAM J. Sci. Comput. 30(5), table `new-joe-kuo-6.21201`.
 
-/// Number of dimensions in the table: those of a set. More would not help, see `docs/sampling.md`.
+/// Number of dimensions in the table, equal to the size of a set; see `docs/sampling.md`.
 pub(super) const DIMENSIONS: usize = 4;
 
 /// One dimension: the degree `s` of its polynomial, the polynomial's inner coefficients `a` as

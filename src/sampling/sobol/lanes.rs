@@ -76,9 +76,9 @@ impl SobolLanes {
         while used != 0 {
             let bit = 31 - used.leading_zeros();
             used ^= 1 << bit;
-            let adds = direction_number(dimension, bit);
+            let direction = direction_number(dimension, bit);
             for lane in 0..LANES {
-                points.0[lane] ^= adds & 0u32.wrapping_sub(self.index.0[lane] >> bit & 1);
+                points.0[lane] ^= direction & 0u32.wrapping_sub(self.index.0[lane] >> bit & 1);
             }
         }
         points

@@ -9,7 +9,7 @@ use crate::scene::description::{ColorStorage, MaterialDescription, SphereDescrip
 /// Imports a valid description.
 fn imported(mut description: SceneDescription) -> (SphereRows, Vec<RowGroup>) {
     let mut problems = ValidationErrors::default();
-    let survey = ImportPlan::scan(&description, &mut problems);
+    let survey = ImportPlan::scan(&mut description, &mut problems);
     let read = load_tables(&mut description, &survey, &mut problems).expect("few spheres");
     assert!(problems.0.is_empty(), "{problems:?}");
     read
@@ -30,7 +30,7 @@ fn file_of(values: &[f32]) -> NamedTempFile {
 }
 
 fn table(file: &NamedTempFile, columns: &[Column]) -> SphereTable {
-    let data = SphereData::File { path: file.path().into(), columns: columns.to_vec() };
+    let data = SphereData::file(file.path(), columns.iter().copied());
     SphereTable { data, ..SphereTable::default() }
 }
 

@@ -10,7 +10,7 @@ use super::key::{DynKey, Key, KeyVisitor, TableSchema, key, keys, untyped_table}
 use super::limits::{ANGLE, RADIANCE, SCALE, UNIT_COLOR};
 
 keys! {
-    RADIANCE_EVERYWHERE: Color = key("radiance", RADIANCE, Toml("[0, 0, 0]"), "radiance from everywhere, in W/(sr m^2)");
+    RADIANCE_EVERYWHERE: Color = key("radiance", RADIANCE, Toml("[0, 0, 0]"), "a constant radiance from all directions, in W/(sr m^2)");
     UP: Vector = key("up", COORDINATE_VECTOR, Toml("[0, 1, 0]"), "the direction of the zenith, of any length");
     CAMERA_VISIBLE: Boolean = key("camera_visible", Boolean, Derived("true, unless transparent"),
         "whether camera rays that hit nothing see the background");
@@ -22,7 +22,7 @@ pub(in crate::scene) mod gradient {
     use super::*;
     keys! {
         ZENITH: Color = key("zenith", RADIANCE, Required, "radiance from straight above");
-        HORIZON: Color = key("horizon", RADIANCE, Required, "radiance from the sides");
+        HORIZON: Color = key("horizon", RADIANCE, Required, "radiance from the horizon");
         NADIR: Color = key("nadir", RADIANCE, Derived("horizon"), "radiance from straight below");
     }
 }
@@ -31,39 +31,39 @@ pub(in crate::scene) mod image {
     use super::*;
     keys! {
         FILE: NonEmptyString = key("file", NonEmptyString, Required, "an .exr or .hdr picture in latitude and longitude");
-        ROTATION: Number = key("rotation_degrees", ANGLE, Toml("0"), "turns the picture about up, counter-clockwise from above");
-        FACTOR: Number = key("scale", SCALE, Toml("1"), "a factor on its radiance");
+        ROTATION: Number = key("rotation_degrees", ANGLE, Toml("0"), "rotates the picture about up, counterclockwise when seen from above");
+        FACTOR: Number = key("scale", SCALE, Toml("1"), "multiplies the radiance of the picture");
     }
 }
 
 pub(in crate::scene) mod sky {
     use super::*;
     keys! {
-        TURBIDITY: Number = key("turbidity", Number(NumberRange::Closed(2.0, 10.0)), Toml("3"), "the air: 2 very clear, 10 hazy");
-        GROUND_ALBEDO: Color = key("ground_albedo", UNIT_COLOR, Toml("[0.2, 0.2, 0.2]"), "of the ground below the horizon");
-        FACTOR: Number = key("scale", SCALE, Toml("1"), "a factor on the sky's radiance");
+        TURBIDITY: Number = key("turbidity", Number(NumberRange::Closed(2.0, 10.0)), Toml("3"), "the turbidity of the air: 2 very clear, 10 hazy");
+        GROUND_ALBEDO: Color = key("ground_albedo", UNIT_COLOR, Toml("[0.2, 0.2, 0.2]"), "the albedo of the ground below the horizon");
+        FACTOR: Number = key("scale", SCALE, Toml("1"), "multiplies the radiance of the sky");
     }
 }
 
 pub(in crate::scene) mod sun {
     use super::*;
     keys! {
-        DIRECTION: Vector = key("direction", COORDINATE_VECTOR, Derived("from the angles"), "towards the sun, of any length");
+        DIRECTION: Vector = key("direction", COORDINATE_VECTOR, Derived("from the angles"), "the direction towards the sun, of any length");
         ELEVATION: Number = key("elevation_degrees", Number(NumberRange::Closed(-90.0, 90.0)), Toml("0"),
-            "in place of direction: the angle above the horizon");
-        AZIMUTH: Number = key("azimuth_degrees", ANGLE, Toml("0"), "in place of direction: the angle from -z to the right");
-        DIAMETER: Number = key("angular_diameter_degrees", Number(NumberRange::Closed(1e-3, 180.0)), Toml("0.533"), "how wide it is seen");
-        IRRADIANCE: Color = key("irradiance", RADIANCE, Required, "W/m^2 on a surface that faces it");
+            "instead of direction: the angle above the horizon");
+        AZIMUTH: Number = key("azimuth_degrees", ANGLE, Toml("0"), "instead of direction: the angle from -z to the right (+x)");
+        DIAMETER: Number = key("angular_diameter_degrees", Number(NumberRange::Closed(1e-3, 180.0)), Toml("0.533"), "the apparent diameter of the disc");
+        IRRADIANCE: Color = key("irradiance", RADIANCE, Required, "W/m^2 on a surface that faces the sun");
     }
 }
 
 /// `[background]` and its tables.
 pub(super) const TABLES: &[TableSchema] = &[
-    untyped_table("background", "what a ray sees that hits nothing", ALL),
-    untyped_table("background.gradient", "from above to below", gradient::ALL),
-    untyped_table("background.image", "a picture of the surroundings", image::ALL),
+    untyped_table("background", "what a ray sees when it hits nothing", ALL),
+    untyped_table("background.gradient", "a gradient from the zenith to the nadir", gradient::ALL),
+    untyped_table("background.image", "an environment map", image::ALL),
     untyped_table("background.sky", "a clear sky", sky::ALL),
-    untyped_table("background.sun", "the sun's disc", sun::ALL),
+    untyped_table("background.sun", "a sun", sun::ALL),
 ];
 
 impl EnvironmentDescription {

@@ -1,7 +1,7 @@
 //! The keys of the tables that have no file of their own here, in the order of the manual.
 
 use crate::math::MAX_COORDINATE;
-use crate::scene::data::Column;
+use crate::scene::columns::ColumnValue;
 use crate::scene::description::{ColorStorage, ProjectionKind};
 use crate::scene::settings::FilterKind;
 use crate::scene::value_types::{
@@ -25,17 +25,17 @@ pub(in crate::scene) mod root {
 pub(in crate::scene) mod image {
     use super::*;
     keys! {
-        WIDTH: Integer<u32> = key("width", Integer(1..=MAX_IMAGE_SIDE), Toml("640"), "pixels across");
-        HEIGHT: Integer<u32> = key("height", Integer(1..=MAX_IMAGE_SIDE), Toml("480"), "pixels down");
+        WIDTH: Integer<u32> = key("width", Integer(1..=MAX_IMAGE_SIDE), Toml("640"), "width in pixels");
+        HEIGHT: Integer<u32> = key("height", Integer(1..=MAX_IMAGE_SIDE), Toml("480"), "height in pixels");
         CROP: ListOf<Integer<u32>> = key_with_option("crop", ListOf(Integer(0..=MAX_IMAGE_SIDE)), Derived("the whole picture"),
-            "the part that is rendered: [x0, y0, x1, y1], columns x0 to x1 - 1 and rows y0 to y1 - 1",
+            "the part to render: [x0, y0, x1, y1], columns x0 to x1 - 1 and rows y0 to y1 - 1",
             CliOption {
-                help: Some("Render this part of the picture only: its first column and row, and the ones behind its last"),
+                help: Some("Render only this part of the picture: columns X0 to X1 - 1 and rows Y0 to Y1 - 1"),
                 ..option("crop", "X0,Y0,X1,Y1")
             });
-        FILTER: EnumValue<FilterKind> = key("filter", EnumValue::NEW, Toml("\"box\""), "the weight function of a pixel");
+        FILTER: EnumValue<FilterKind> = key("filter", EnumValue::NEW, Toml("\"box\""), "the pixel filter");
         FILTER_RADIUS: Number = key("filter_radius", Number(NumberRange::LeftOpen(0.0, 64.0)), Derived("that of the filter"),
-            "half the extent of the filter, in pixels");
+            "the radius of the filter, in pixels");
     }
 }
 
@@ -44,33 +44,33 @@ pub(in crate::scene) mod camera {
     use super::*;
 
     keys! {
-        TYPE: EnumValue<ProjectionKind> = key("type", EnumValue::NEW, Toml("\"perspective\""), "how directions become places in the picture");
-        POSITION: Vector = key("position", COORDINATE_VECTOR, Required, "where the camera is");
+        TYPE: EnumValue<ProjectionKind> = key("type", EnumValue::NEW, Toml("\"perspective\""), "the projection");
+        POSITION: Vector = key("position", COORDINATE_VECTOR, Required, "the centre of the lens or, for parallel rays, of the image plane");
         LOOK_AT: Vector = key("look_at", COORDINATE_VECTOR, Required, "the point in the middle of the picture");
-        UP: Vector = key("up", COORDINATE_VECTOR, Toml("[0, 1, 0]"), "the direction that is up in the picture, of any length");
+        UP: Vector = key("up", COORDINATE_VECTOR, Toml("[0, 1, 0]"), "the direction that points up in the picture, of any length");
         NEAR: Number = key("near", Number(NumberRange::Closed(0.0, MAX_COORDINATE)), Toml("0"),
-            "camera rays start at this depth and look through what is nearer");
+            "camera rays start at this depth and ignore everything nearer");
     }
 
     pub(in crate::scene) mod perspective {
         use super::*;
         keys! {
             FOV: Number = key("vertical_fov_degrees", Number(NumberRange::Open(0.0, 180.0)), Toml("36"),
-                "the angle from the bottom to the top of the picture");
+                "the vertical field of view");
             APERTURE_RADIUS: Number = key("aperture_radius", Number(NumberRange::Closed(0.0, MAX_COORDINATE)), Toml("0"),
-                "the opening of the lens, in scene units; 0 is a pinhole");
+                "the radius of the aperture, in scene units; 0 is a pinhole");
             FOCUS_DISTANCE: Number = key("focus_distance", LENGTH, Derived("that of look_at"),
-                "from the lens, along the view axis, to the plane in focus");
-            FOCUS_ON: NonEmptyString = key("focus_on", NonEmptyString, Derived("none"), "the name of a sphere to focus on, in place of a distance");
-            BLADES: Integer<u32> = key("blades", Integer(0..=64), Toml("0"), "corners of the opening; 0 is a disk");
-            ROTATION: Number = key("rotation_degrees", ANGLE, Toml("0"), "turns the opening counter-clockwise");
+                "the distance from the lens to the plane in focus, along the view axis");
+            FOCUS_ON: NonEmptyString = key("focus_on", NonEmptyString, Derived("none"), "instead of focus_distance: the name of a sphere to focus on");
+            BLADES: Integer<u32> = key("blades", Integer(0..=64), Toml("0"), "the number of corners of the aperture; 0 is a disk");
+            ROTATION: Number = key("rotation_degrees", ANGLE, Toml("0"), "rotates the aperture counterclockwise");
         }
     }
 
     pub(in crate::scene) mod orthographic {
         use super::*;
         keys! {
-            HEIGHT: Number = key("height", LENGTH, Required, "what fits between the bottom and the top of the picture, in scene units");
+            HEIGHT: Number = key("height", LENGTH, Required, "the height of the visible area, in scene units");
         }
     }
 
@@ -78,9 +78,9 @@ pub(in crate::scene) mod camera {
         use super::*;
         keys! {
             HORIZONTAL: Number = key("horizontal_extent_degrees", Number(NumberRange::LeftOpen(0.0, 360.0)), Toml("360"),
-                "from the left to the right of the picture");
+                "the horizontal extent of the picture");
             VERTICAL: Number = key("vertical_extent_degrees", Number(NumberRange::LeftOpen(0.0, 180.0)), Toml("180"),
-                "from the bottom to the top of the picture");
+                "the vertical extent of the picture");
         }
     }
 }
@@ -89,7 +89,7 @@ pub(in crate::scene) mod camera {
 pub(in crate::scene) mod sphere {
     use super::*;
     keys! {
-        NAME: NonEmptyString = key("name", NonEmptyString, Derived("none"), "used in messages and to set keys of this sphere");
+        NAME: NonEmptyString = key("name", NonEmptyString, Derived("none"), "used in messages and to address the sphere");
         CENTER: Vector = key("center", COORDINATE_VECTOR, Required, "the centre");
         RADIUS: Number = key("radius", Number(NumberRange::Closed(MIN_RADIUS, MAX_COORDINATE)), Required, "the radius");
         MATERIAL: NonEmptyString = key("material", NonEmptyString, Required, "the name of a material");
@@ -100,10 +100,14 @@ pub(in crate::scene) mod sphere {
 pub(in crate::scene) mod table {
     use super::*;
     keys! {
-        FILE: NonEmptyString = key("file", NonEmptyString, Required, "a file of raw little-endian f32 rows");
-        NAME: NonEmptyString = key("name", NonEmptyString, Derived("the name of the file"), "used in the layers of Cryptomatte and to set keys of this table");
-        COLUMNS: ListOf<EnumValue<Column>> = key("columns", ListOf(EnumValue::NEW), Required, "what each number of a row is");
+        FILE: NonEmptyString = key("file", NonEmptyString, Required, "a file of raw little-endian rows, or a NumPy file (.npy)");
+        NAME: NonEmptyString = key("name", NonEmptyString, Derived("the name of the file"), "used in the layers of Cryptomatte and to address the table");
+        COLUMNS: ListOf<ColumnValue> = key("columns", ListOf(ColumnValue), Derived("the names of the fields"),
+            "the meaning and type of each number in a row; may be left out for a NumPy file of records");
         MATERIAL: NonEmptyString = key("material", NonEmptyString, Required, "the name of a material");
-        COLORS: EnumValue<ColorStorage> = key("colors", EnumValue::NEW, Toml("\"exact\""), "how the colours of the rows are kept in memory");
+        COLORS: EnumValue<ColorStorage> = key("colors", EnumValue::NEW, Toml("\"exact\""), "how colours are stored in memory");
+        OFFSET: Vector = key("offset", COORDINATE_VECTOR, Toml("[0, 0, 0]"), "added to each centre, in f64");
+        SKIP_ROWS: Integer<i64> = key("skip_rows", Integer(0..=i64::MAX), Toml("0"), "rows to skip at the beginning");
+        SKIP_BYTES: Integer<i64> = key("skip_bytes", Integer(0..=i64::MAX), Toml("0"), "bytes before the first row of a raw file");
     }
 }

@@ -4,7 +4,7 @@ use crate::math::MAX_COORDINATE;
 use crate::scene::value_types::{Color, Number, NumberRange};
 
 /// The largest radiance.
-pub(super) const MAX_RADIANCE: f64 = 1e15;
+pub(in crate::scene) const MAX_RADIANCE: f64 = 1e15;
 /// The smallest radius; its square is still a normal f32 number.
 pub(in crate::scene) const MIN_RADIUS: f64 = 1e-15;
 /// The most pixels along one side.

@@ -13,22 +13,22 @@ use super::limits::{RADIANCE, UNIT_COLOR, UNIT_INTERVAL};
 
 keys! {
     TYPE: EnumValue<SurfaceKind> = key("type", EnumValue::NEW, Required, "the reflection model");
-    EMISSION: Color = key("emission", RADIANCE, Toml("[0, 0, 0]"), "radiance that the surface emits on both sides, in W/(sr m^2)");
-    OPACITY: Number = key("opacity", UNIT_INTERVAL, Toml("1"), "the probability that the surface is there for light");
+    EMISSION: Color = key("emission", RADIANCE, Toml("[0, 0, 0]"), "emitted radiance on both sides, in W/(sr m^2)");
+    OPACITY: Number = key("opacity", UNIT_INTERVAL, Toml("1"), "the fraction of light that interacts with the surface");
 }
 
 pub(in crate::scene) mod diffuse {
     use super::*;
     keys! {
-        ALBEDO: Color = key("albedo", UNIT_COLOR, Required, "the share of light that is scattered");
-        ROUGHNESS: Number = key("roughness", UNIT_INTERVAL, Toml("0"), "0 is Lambert's law, 1 as flat as chalk");
+        ALBEDO: Color = key("albedo", UNIT_COLOR, Required, "the fraction of light that is scattered");
+        ROUGHNESS: Number = key("roughness", UNIT_INTERVAL, Toml("0"), "0 is Lambertian, 1 looks as flat as chalk");
     }
 }
 
 pub(in crate::scene) mod mirror {
     use super::*;
     keys! {
-        REFLECTANCE: Color = key("reflectance", UNIT_COLOR, Required, "the share of light that is reflected");
+        REFLECTANCE: Color = key("reflectance", UNIT_COLOR, Required, "the fraction of light that is reflected");
     }
 }
 
@@ -36,7 +36,7 @@ pub(in crate::scene) mod conductor {
     use super::*;
     const INDEX: Color = Color(NumberRange::Closed(0.0, 100.0));
     keys! {
-        METAL: NamedValue<Metal> = key("metal", NamedValue(&Metal::NAMED), Derived("required, or ior and extinction"), "a metal by its name");
+        METAL: NamedValue<Metal> = key("metal", NamedValue(&Metal::NAMED), Derived("required, or ior and extinction"), "a metal, by name");
         IOR: Color = key("ior", INDEX, Derived("from metal"), "the real part of the complex index of refraction");
         EXTINCTION: Color = key("extinction", INDEX, Derived("from metal"), "the imaginary part of the index of refraction");
         ROUGHNESS: Number = key("roughness", UNIT_INTERVAL, Toml("0"), "the square root of the GGX distribution's alpha");
@@ -48,11 +48,11 @@ pub(in crate::scene) mod dielectric {
     keys! {
         IOR: Number = key("ior", Number(NumberRange::Closed(0.1, 10.0)), Derived("required, or glass"),
             "index of refraction relative to vacuum");
-        GLASS: NamedValue<f64> = key("glass", NamedValue(&NAMED_IORS), Derived("from ior"), "a glass, crystal or liquid by its name, in place of ior");
+        GLASS: NamedValue<f64> = key("glass", NamedValue(&NAMED_IORS), Derived("from ior"), "instead of ior: a glass, crystal or liquid by name");
         ROUGHNESS: Number = key("roughness", UNIT_INTERVAL, Toml("0"), "the square root of the GGX distribution's alpha");
         PRIORITY: Integer<i32> = key("priority", Integer(i32::MIN..=i32::MAX), Toml("0"),
-            "where such spheres overlap, the higher priority fills the common part");
-        ABSORPTION: Color = key("absorption", Color(NumberRange::Closed(0.0, 1e15)), Toml("[0, 0, 0]"), "what the inside absorbs per unit of length");
+            "where such spheres overlap, the one with the higher priority fills the common part");
+        ABSORPTION: Color = key("absorption", Color(NumberRange::Closed(0.0, 1e15)), Toml("[0, 0, 0]"), "the absorption coefficient per unit of length");
     }
 }
 
@@ -62,7 +62,7 @@ const COAT_IOR: Number = Number(NumberRange::Closed(1.0, 10.0));
 pub(in crate::scene) mod plastic {
     use super::*;
     keys! {
-        ALBEDO: Color = key("albedo", UNIT_COLOR, Required, "the share of light that the base under the coat scatters");
+        ALBEDO: Color = key("albedo", UNIT_COLOR, Required, "the albedo of the diffuse base under the coat");
         IOR: Number = key("ior", COAT_IOR, Toml("1.5"), "index of refraction of the coat");
         ROUGHNESS: Number = key("roughness", UNIT_INTERVAL, Toml("0"), "the roughness of the coat");
     }
@@ -72,22 +72,22 @@ pub(in crate::scene) mod principled {
     use super::*;
     keys! {
         BASE_COLOR: Color = key("base_color", UNIT_COLOR, Required, "the colour of the diffuse part, of metal and of transmitted light");
-        METALLIC: Number = key("metallic", UNIT_INTERVAL, Toml("0"), "the share that is metal");
-        ROUGHNESS: Number = key("roughness", UNIT_INTERVAL, Toml("0.5"), "of metal, gloss and glass alike");
-        SPECULAR: Number = key("specular", UNIT_INTERVAL, Toml("0.5"), "how strong the gloss is: 0.5 is what ior says");
+        METALLIC: Number = key("metallic", UNIT_INTERVAL, Toml("0"), "the fraction that is metal");
+        ROUGHNESS: Number = key("roughness", UNIT_INTERVAL, Toml("0.5"), "the roughness of metal, gloss and glass alike");
+        SPECULAR: Number = key("specular", UNIT_INTERVAL, Toml("0.5"), "the strength of the gloss: 0.5 as given by ior, 1 twice that");
         IOR: Number = key("ior", COAT_IOR, Toml("1.5"), "index of refraction of gloss and glass");
-        COAT: Number = key("coat", UNIT_INTERVAL, Toml("0"), "how much there is of a clear coat");
+        COAT: Number = key("coat", UNIT_INTERVAL, Toml("0"), "the strength of a clear coat");
         COAT_ROUGHNESS: Number = key("coat_roughness", UNIT_INTERVAL, Toml("0"), "the roughness of the coat");
-        TRANSMISSION: Number = key("transmission", UNIT_INTERVAL, Toml("0"), "the share of what is not metal that is glass");
+        TRANSMISSION: Number = key("transmission", UNIT_INTERVAL, Toml("0"), "the fraction of the non-metal part that is glass");
     }
 }
 
 pub(in crate::scene) mod phong {
     use super::*;
     keys! {
-        ALBEDO: Color = key("albedo", UNIT_COLOR, Required, "the diffuse share");
-        SPECULAR: Color = key("specular", UNIT_COLOR, Required, "the glossy share");
-        EXPONENT: Number = key("exponent", Number(NumberRange::Closed(0.0, 1e5)), Required, "how narrow the highlight is");
+        ALBEDO: Color = key("albedo", UNIT_COLOR, Required, "the diffuse albedo");
+        SPECULAR: Color = key("specular", UNIT_COLOR, Required, "the specular albedo");
+        EXPONENT: Number = key("exponent", Number(NumberRange::Closed(0.0, 1e5)), Required, "larger exponents give narrower highlights");
         NORMALIZED: Boolean = key("normalized", Boolean, Toml("true"), "whether the highlight is scaled to conserve energy");
     }
 }

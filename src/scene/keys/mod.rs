@@ -17,7 +17,7 @@ pub use schema::schema;
 
 pub(super) use entries::{camera, image, root, sphere, table};
 pub(super) use key::{Key, KeyVisitor};
-pub(super) use limits::MIN_RADIUS;
+pub(super) use limits::{MAX_RADIANCE, MIN_RADIUS};
 
 use key::TableSchema;
 

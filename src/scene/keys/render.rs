@@ -11,26 +11,26 @@ use super::key::{CliOption, DynKey, Key, KeyVisitor, key, key_with_option, keys,
 use super::limits::{LENGTH, MAX_RADIANCE, UNIT_INTERVAL};
 
 keys! {
-    INTEGRATOR: EnumValue<IntegratorKind> = key_with_option("integrator", EnumValue::NEW, Toml("\"path\""), "what is computed",
+    INTEGRATOR: EnumValue<IntegratorKind> = key_with_option("integrator", EnumValue::NEW, Toml("\"path\""), "the integrator",
         option("integrator", "NAME"));
-    ESTIMATOR: EnumValue<Estimator> = key_with_option("estimator", EnumValue::NEW, Toml("\"mis\""), "how lights are found",
+    ESTIMATOR: EnumValue<Estimator> = key_with_option("estimator", EnumValue::NEW, Toml("\"mis\""), "how light is sampled",
         option("estimator", "NAME"));
-    SAMPLER: EnumValue<SamplerKind> = key_with_option("sampler", EnumValue::NEW, Derived("sobol; independent for paper"), "how random numbers are spread",
+    SAMPLER: EnumValue<SamplerKind> = key_with_option("sampler", EnumValue::NEW, Derived("sobol; independent for paper"), "the sampler",
         option("sampler", "NAME"));
     SAMPLES: Integer<u32> = key_with_option("samples_per_pixel", Integer(1..=u32::MAX), Derived("64; 1 for normals and raycast; k^2 N for paper"),
-        "samples of each pixel", CliOption { help: Some("Samples per pixel, from 1"), ..option("spp", "N") });
-    SEED: Integer<i64> = key_with_option("seed", Integer(0..=i64::MAX), Toml("0"), "chooses the random numbers; equal seeds give equal pictures", option("seed", "S"));
+        "samples per pixel", CliOption { help: Some("Samples per pixel, from 1"), ..option("spp", "N") });
+    SEED: Integer<i64> = key_with_option("seed", Integer(0..=i64::MAX), Toml("0"), "the seed of the random numbers; equal seeds give equal pictures", option("seed", "S"));
     MAX_DEPTH: Integer<u32> = key_with_option("max_depth", Integer(1..=u32::MAX), Derived("no limit"),
-        "the longest path in edges: 1 sees emitters only, 2 adds direct light, 3 one bounce", option("max-depth", "D"));
+        "the longest path in edges: 1 shows emitters only, 2 adds direct light, 3 one indirect bounce", option("max-depth", "D"));
     CLAMP_INDIRECT: Number = key("clamp_indirect", Number(NumberRange::LeftOpen(0.0, MAX_RADIANCE)), Derived("no limit"),
-        "the most that one path may add to a channel of indirect light: biased");
-    LIGHT_CHOICE: EnumValue<LightSamplerKind> = key("light_choice", EnumValue::NEW, Toml("\"hierarchy\""), "which emitter is sampled at a point");
+        "the most that one path may add to a channel of indirect light (biased)");
+    LIGHT_CHOICE: EnumValue<LightSamplerKind> = key("light_choice", EnumValue::NEW, Toml("\"hierarchy\""), "how next-event estimation chooses an emitter");
 }
 
 pub(in crate::scene) mod ambient_occlusion {
     use super::*;
     keys! {
-        DISTANCE: Number = key("distance", LENGTH, Derived("no limit"), "only what is nearer than this occludes a point");
+        DISTANCE: Number = key("distance", LENGTH, Derived("no limit"), "only surfaces nearer than this occlude");
     }
 }
 
@@ -38,13 +38,13 @@ pub(in crate::scene) mod paper {
     use super::*;
     keys! {
         SUBPIXELS: Integer<u32> = key("subpixels", Integer(1..=256), Toml("2"), "k: a pixel is k x k sub-pixels");
-        SAMPLES: Integer<u32> = key("samples", Integer(1..=u32::MAX), Toml("4"), "N: paths of each sub-pixel");
-        HEMISPHERE: EnumValue<Hemisphere> = key("hemisphere", EnumValue::NEW, Toml("\"cosine\""), "how directions are drawn");
-        STOP: EnumValue<PathTerminationKind> = key("stop", EnumValue::NEW, Toml("\"roulette\""), "when a path ends");
+        SAMPLES: Integer<u32> = key("samples", Integer(1..=u32::MAX), Toml("4"), "N: paths per sub-pixel");
+        HEMISPHERE: EnumValue<Hemisphere> = key("hemisphere", EnumValue::NEW, Toml("\"cosine\""), "how directions are sampled");
+        STOP: EnumValue<PathTerminationKind> = key("stop", EnumValue::NEW, Toml("\"roulette\""), "how a path ends");
         THRESHOLD: Number = key("threshold", Number(NumberRange::LeftOpen(0.0, 1.0)), Toml("0.01"),
-            "with stop = \"threshold\": a path ends when its weight falls below this");
-        MISS: EnumValue<MissPolicy> = key("miss", EnumValue::NEW, Toml("\"background\""), "what becomes of a camera ray that hits nothing");
-        JITTER: Number = key("jitter", UNIT_INTERVAL, Toml("1"), "the size of the random shift in a sub-pixel");
+            "only with stop = \"threshold\": a path ends when its throughput falls below this");
+        MISS: EnumValue<MissPolicy> = key("miss", EnumValue::NEW, Toml("\"background\""), "how a camera ray that hits nothing is treated");
+        JITTER: Number = key("jitter", UNIT_INTERVAL, Toml("1"), "the size of the random offset in a sub-pixel");
     }
 }
 

@@ -16,7 +16,7 @@ const BEFORE_BACKGROUND: &[TableSchema] = &[
     untyped_table("image", "the picture", image::ALL),
     TableSchema {
         path: "camera",
-        help: "where the picture is seen from",
+        help: "the camera",
         keys: camera::ALL,
         types: &[
             (ProjectionKind::Perspective.name(), camera::perspective::ALL),
@@ -29,18 +29,18 @@ const BEFORE_BACKGROUND: &[TableSchema] = &[
 const AFTER_BACKGROUND: &[TableSchema] = &[
     TableSchema {
         path: "materials.NAME",
-        help: "a surface",
+        help: "a material",
         keys: material::ALL,
         types: material::TYPES,
     },
     untyped_table("spheres", "a sphere", sphere::ALL),
     untyped_table("sphere_tables", "many spheres from a file", table::ALL),
-    untyped_table("render", "how the light is computed", render::ALL),
+    untyped_table("render", "how light is computed", render::ALL),
     untyped_table(
         "render.ambient_occlusion",
-        "used only by ambient-occlusion",
+        "options for ambient-occlusion",
         render::ambient_occlusion::ALL,
     ),
-    untyped_table("render.paper", "used only by paper", render::paper::ALL),
-    untyped_table("render.raycast", "used only by raycast", render::raycast::ALL),
+    untyped_table("render.paper", "options for paper", render::paper::ALL),
+    untyped_table("render.raycast", "options for raycast", render::raycast::ALL),
 ];

@@ -176,7 +176,7 @@ impl Diagnostics {
         let untold = found.split_off(found.len().min(MAX_REPORTED)).len();
         let mut mistakes: Vec<_> = found.into_iter().map(|w| self.to_diagnostic(w)).collect();
         if untold > 0 {
-            let message = format!("there are {untold} more mistakes");
+            let message = format!("there are {untold} more errors");
             mistakes.push(Diagnostic { message, location: None, help: None });
         }
         Err(Error::from_diagnostics(mistakes))
@@ -232,6 +232,6 @@ mod tests {
         (0..250).for_each(|_| report.add(SpannedError::value(0..1, "again")));
         let error = report.finish().expect_err("mistakes");
         assert_eq!(error.diagnostics().len(), 101);
-        assert_eq!(error.diagnostics()[100].message, "there are 150 more mistakes");
+        assert_eq!(error.diagnostics()[100].message, "there are 150 more errors");
     }
 }

@@ -16,12 +16,20 @@ use crate::scene::value_types::{
 };
 
 use super::diagnostics::{Diagnostics, SpannedError};
+use super::nesting::{MAX_DEPTH, too_deep};
 
 /// Maximum number of known keys that a message lists.
 const MAX_LISTED_KEYS: usize = 12;
 
-/// Parses TOML. Syntax errors are added to the diagnostics, and the rest of the text is kept.
+/// Parses TOML. Syntax errors are added to the diagnostics, and the rest of the text is kept; of a
+/// text that nests too deeply, nothing is.
 pub(super) fn parse<'t>(text: &'t str, report: &Diagnostics) -> DeTable<'t> {
+    if let Some(at) = too_deep(text) {
+        let message = format!("tables and lists are nested more than {MAX_DEPTH} deep");
+        let help = "a scene needs no more than a few levels: [materials.NAME], for example";
+        report.add(SpannedError::syntax(at..at + 1, message).help(help.to_owned()));
+        return DeTable::new();
+    }
     let (root, errors) = DeTable::parse_recoverable(text);
     for error in errors {
         let span = error.span().unwrap_or_else(|| report.end_of_file());
@@ -284,12 +292,12 @@ impl<'d> Table<'d> {
             if known.contains(&name) {
                 continue;
             }
-            let message = format!("`{}` is not a key of a scene", self.path_to(name));
-            let all = || format!("known here: {}", known.join(", "));
+            let message = format!("unknown key `{}`", self.path_to(name));
+            let all = || format!("known keys: {}", known.join(", "));
             let help = did_you_mean(name, known.iter().copied())
                 .or_else(|| (known.len() <= MAX_LISTED_KEYS).then(all));
             self.diagnostics
-                .add(SpannedError::value(key.span(), message).label("unknown key").help(help));
+                .add(SpannedError::value(key.span(), message).label("unknown").help(help));
         }
     }
 

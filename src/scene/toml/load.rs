@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
@@ -12,7 +12,7 @@ use crate::scene::import::{ImportPlan, check_count};
 use crate::scene::settings::Settings;
 use crate::scene::source::{ContentHash, SceneSource};
 use crate::scene::validation_errors::{self, ValidationErrors};
-use crate::scene::{Override, Scene};
+use crate::scene::{Override, Scene, SceneSize};
 
 use super::diagnostics::Diagnostics;
 use super::document::{self, span_at};
@@ -52,9 +52,24 @@ struct ErrorLocator {
 pub fn read_file(path: &Path, overrides: &[Override]) -> Result<SceneFile> {
     let text = read_to_string(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut file = read_text(&path.display().to_string(), &text, folder, overrides)?;
+    let name = path.display().to_string();
+    let mut file = read_from(&name, &text, SceneFolder::of(path, folder), overrides)?;
     file.source.file = Some(path.to_path_buf());
     Ok(file)
+}
+
+/// Reads a scene from a stream, such as a pipe. The rest is as for [`read_text`].
+///
+/// # Errors
+/// As for [`read_file`].
+pub fn read_stream(
+    name: &str,
+    stream: impl Read,
+    folder: &Path,
+    overrides: &[Override],
+) -> Result<SceneFile> {
+    let text = read_bounded(Path::new(name), stream)?;
+    read_text(name, &text, folder, overrides)
 }
 
 /// Reads a scene from `text`. `name` identifies it in messages, and relative file paths start at
@@ -68,6 +83,42 @@ pub fn read_text(
     folder: &Path,
     overrides: &[Override],
 ) -> Result<SceneFile> {
+    read_from(name, text, SceneFolder { named: folder, linked: None }, overrides)
+}
+
+/// Where relative paths of a scene start.
+struct SceneFolder<'a> {
+    /// The folder of the path that was named.
+    named: &'a Path,
+    /// The folder of the file that a named link leads to.
+    linked: Option<PathBuf>,
+}
+
+impl<'a> SceneFolder<'a> {
+    fn of(path: &Path, named: &'a Path) -> Self {
+        let is_link = path.symlink_metadata().is_ok_and(|metadata| metadata.is_symlink());
+        let target = path.canonicalize().ok().filter(|_| is_link);
+        Self { named, linked: target.and_then(|file| Some(file.parent()?.to_path_buf())) }
+    }
+
+    /// Moves the files that are missing in the named folder and present in the other.
+    fn find_files(&self, description: &mut SceneDescription) {
+        let Some(linked) = &self.linked else { return };
+        description.for_each_file(|file| {
+            let moved = file.strip_prefix(self.named).ok().map(|relative| linked.join(relative));
+            if let Some(moved) = moved.filter(|moved| !file.exists() && moved.exists()) {
+                *file = moved;
+            }
+        });
+    }
+}
+
+fn read_from(
+    name: &str,
+    text: &str,
+    folder: SceneFolder<'_>,
+    overrides: &[Override],
+) -> Result<SceneFile> {
     let mut report = Diagnostics::new(name, text);
     let options = overrides.iter().map(|given| ParsedOverride::new(given, &mut report)).collect();
     let places = ErrorLocator { diagnostics: report, overrides: options };
@@ -76,13 +127,15 @@ pub fn read_text(
         let mut table = document::parse(text, report);
         let integrator_of_file = document::string_at(&table, ["render", "integrator"]);
         places.apply_overrides(&mut table);
-        let (description, settings) = read(&table, integrator_of_file.as_deref(), folder, report);
+        let (mut description, settings) =
+            read(&table, integrator_of_file.as_deref(), folder.named, report);
+        folder.find_files(&mut description);
         let mut problems = description.validate();
         problems.0.extend(settings.validate().0);
         places.add_errors(problems, &table);
         // Examine the files even if there are other errors, except files that are not named.
         let mut problems = ValidationErrors::default();
-        let survey = ImportPlan::scan(&description, &mut problems);
+        let survey = ImportPlan::scan(&mut description, &mut problems);
         places.add_errors(problems, &table);
         report.finish()?;
         (description, settings, survey)
@@ -91,7 +144,7 @@ pub fn read_text(
     let source = SceneSource {
         name: name.to_owned(),
         file: None,
-        folder: folder.to_path_buf(),
+        folder: folder.named.to_path_buf(),
         text: (text.len() <= MAX_EMBEDDED_TEXT).then(|| text.to_owned()),
         text_hash: ContentHash::of_bytes(text.as_bytes()),
         overrides: overrides.iter().map(|o| (o.key.clone(), o.value.clone())).collect(),
@@ -105,19 +158,9 @@ impl SceneFile {
         &self.source
     }
 
-    /// Number of rows of each table.
-    pub fn table_rows(&self) -> impl Iterator<Item = u64> {
-        self.import_plan.rows.iter().copied()
-    }
-
-    /// Number of spheres, including duplicates.
-    pub fn sphere_count(&self) -> u64 {
-        self.import_plan.sphere_count(&self.description)
-    }
-
-    /// Number of pixels of the environment map.
-    pub fn environment_pixels(&self) -> u64 {
-        self.import_plan.environment.as_ref().map_or(0, |pixels| pixels.len() as u64)
+    /// The size of the scene. The tables are not read for it.
+    pub fn size(&self) -> SceneSize {
+        SceneSize::new(&self.description, &self.import_plan)
     }
 
     /// Reads the tables and builds the scene.
@@ -163,8 +206,13 @@ fn read_to_string(path: &Path) -> Result<String> {
     if file.metadata().map_err(trouble)?.is_dir() {
         return Err(Error::file("read the scene", path, "it is a folder"));
     }
+    read_bounded(path, file)
+}
+
+fn read_bounded(path: &Path, stream: impl Read) -> Result<String> {
+    let trouble = |error: std::io::Error| Error::file("read the scene", path, error);
     let mut bytes = Vec::new();
-    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(trouble)?;
+    stream.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(trouble)?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(Error::file("read the scene", path, "it is longer than 256 MiB")
             .with_help("put the spheres into a sphere table"));

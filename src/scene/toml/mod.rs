@@ -4,8 +4,9 @@
 mod diagnostics;
 mod document;
 mod load;
+mod nesting;
 mod overrides;
 mod read;
 
-pub use load::{SceneFile, read_file, read_text};
+pub use load::{SceneFile, read_file, read_stream, read_text};
 pub use overrides::Override;

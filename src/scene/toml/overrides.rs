@@ -1,7 +1,7 @@
-//! Overrides of scene keys from the command line.
+//! Overrides of scene keys, by a program or from the command line.
 //!
-//! Overrides are written into the parsed document before it is read, with spans that point into the
-//! option's own text. Errors in them are therefore reported at the option.
+//! Overrides are written into the parsed document before it is read, with spans that point into
+//! their own text. Errors in them are therefore reported there.
 
 use toml::de::{DeArray, DeTable, DeValue};
 
@@ -10,27 +10,48 @@ use crate::scene::value_types::{Span, SpannedValue, type_name};
 
 use super::diagnostics::{Diagnostics, SpannedError};
 use super::document::name_of;
+use super::nesting::{MAX_DEPTH, too_deep};
 
 /// A key of the scene with a value that replaces the one in the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Override {
-    /// The option as the user wrote it, for messages: `--set render.seed=3` or `--spp 16`.
-    pub option: String,
     /// Dotted path of the key, as in `materials.grass.albedo` or `spheres.0.radius`. List entries
     /// are selected by index from 0, or by `name`.
     pub key: String,
     /// A TOML value; a bare word is taken as a string.
     pub value: String,
+    option: Vec<String>,
 }
 
 impl Override {
-    /// An override shown as `key=value`.
-    pub fn from_pair((key, value): &(String, String)) -> Self {
-        Self { option: format!("{key}={value}"), key: key.clone(), value: value.clone() }
+    /// Creates an override by a program. Messages show it as `key=value`.
+    pub fn new(key: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { key: key.into(), value: value.into(), option: Vec::new() }
+    }
+
+    /// Sets the words of the command line that the override comes from, such as an option and its
+    /// value. Messages then show these words.
+    #[must_use]
+    pub fn with_option<const N: usize>(mut self, words: [&str; N]) -> Self {
+        self.option = words.map(str::to_owned).to_vec();
+        self
+    }
+
+    /// The words of the command line that the override comes from; empty if a program made it.
+    pub fn option(&self) -> &[String] {
+        &self.option
+    }
+
+    /// Returns where the override comes from, and its text there.
+    fn origin(&self) -> (&'static str, String) {
+        match self.option.is_empty() {
+            true => ("override", format!("{}={}", self.key, self.value)),
+            false => ("command line", self.option.join(" ")),
+        }
     }
 }
 
-/// An [`Override`] arranged so that the spans of its parts point into the option's text.
+/// An [`Override`] arranged so that the spans of its parts point into its text in messages.
 #[derive(Debug)]
 pub(super) struct ParsedOverride {
     key: String,
@@ -44,14 +65,15 @@ pub(super) struct ParsedOverride {
 const PLACEHOLDER_KEY: &str = "v";
 
 impl ParsedOverride {
-    /// Adds the option's text to the diagnostics.
+    /// Adds the text of the override to the diagnostics.
     pub(super) fn new(given: &Override, report: &mut Diagnostics) -> Self {
-        let Override { option, key, value } = given;
-        let begins = report.add_source("command line", option);
-        let whole = begins..begins + option.len();
+        let Override { key, value, .. } = given;
+        let (origin, text) = given.origin();
+        let begins = report.add_source(origin, &text);
+        let whole = begins..begins + text.len();
         let behind = |at: usize, length: usize| begins + at..begins + at + length;
-        let key_span = option.find(&**key).map(|at| behind(at, key.len()));
-        let value_span = option.rfind(&**value).map(|at| behind(at, value.len()));
+        let key_span = text.find(&**key).map(|at| behind(at, key.len()));
+        let value_span = text.rfind(&**value).map(|at| behind(at, value.len()));
         let value_span = value_span.unwrap_or_else(|| whole.clone());
         // Leading blanks shift the spans to the position of the value.
         let blanks = value_span.start - PLACEHOLDER_KEY.len() - 1;
@@ -161,13 +183,16 @@ impl ParsedOverride {
             }
             [first, ..] => {
                 let message = format!("{} entries of `{path}` are named {name:?}", named.len());
-                let help = format!("say which by its number, as in `{path}.{first}`");
+                let help = format!("use its number, such as `{path}.{first}`");
                 Err(self.error(message).help(help))
             }
         }
     }
 
     fn path(&self) -> Result<Vec<KeySegment>, SpannedError> {
+        if too_deep(&self.key).is_some() {
+            return Err(self.error(format!("the key has more than {MAX_DEPTH} parts")));
+        }
         let faulty = |message: &str| self.error(format!("the key cannot be read: {message}"));
         let parsed = DeTable::parse(&self.key).map_err(|error| faulty(error.message()))?;
         let mut steps = Vec::new();
@@ -187,11 +212,15 @@ impl ParsedOverride {
     }
 
     fn value(&self) -> Result<SpannedValue<'_>, SpannedError> {
+        if too_deep(&self.value).is_some() {
+            let message = format!("tables and lists are nested more than {MAX_DEPTH} deep");
+            return Err(SpannedError::value(self.value_span.clone(), message));
+        }
         let (mut table, errors) = DeTable::parse_recoverable(&self.value);
         let Some(error) = errors.first() else {
             let value =
                 table.get_mut().remove(PLACEHOLDER_KEY).filter(|_| table.get_ref().is_empty());
-            let message = "the value must be a single one";
+            let message = "the value must be a single TOML value";
             return value.ok_or_else(|| SpannedError::value(self.value_span.clone(), message));
         };
         let word = self.bare_word.trim();

@@ -48,7 +48,8 @@ pub(super) struct BuiltBackend {
 }
 
 impl BackendSet {
-    /// Builds each backend `builds` times (at least once), interleaved, and keeps the last of each.
+    /// Builds each backend `builds` times (at least once), interleaved, and keeps the last build of
+    /// each.
     ///
     /// # Errors
     /// If a backend cannot be built, or on cancellation through `options`.
@@ -56,24 +57,25 @@ impl BackendSet {
         spheres: &Arc<SphereSet>,
         backends: &[Backend],
         options: &BuildOptions,
-        times: usize,
+        builds: usize,
     ) -> Result<Self> {
-        let timed = |backend: Backend| {
+        let timed_build = |backend: Backend| {
             let start = Instant::now();
             let accel = backend.build(spheres, options)?;
             Ok((accel, start.elapsed().as_secs_f64()))
         };
         let mut seconds = vec![Vec::new(); backends.len()];
-        for _ in 1..times {
+        for _ in 1..builds {
             for (&backend, seconds) in backends.iter().zip(&mut seconds) {
-                seconds.push(timed(backend)?.1);
+                seconds.push(timed_build(backend)?.1);
             }
         }
         let mut built = Vec::new();
-        for (&backend, mut all) in backends.iter().zip(seconds) {
-            let (accel, seconds) = timed(backend)?;
-            all.push(seconds);
-            let seconds = Quartiles::from_samples(all).unwrap_or(Quartiles::from_single(seconds));
+        for (&backend, mut samples) in backends.iter().zip(seconds) {
+            let (accel, seconds) = timed_build(backend)?;
+            samples.push(seconds);
+            let seconds =
+                Quartiles::from_samples(samples).unwrap_or(Quartiles::from_single(seconds));
             built.push(BuiltBackend { backend, accel, seconds });
         }
         Ok(Self { spheres: spheres.clone(), built })
@@ -101,36 +103,37 @@ impl BackendSet {
         let first = rays::secondary(spheres, accel, &camera, SEED);
         let second = rays::secondary(spheres, accel, &first, SEED + 1);
         let shadow = rays::shadow(spheres, accel, &camera, SEED + 2);
-        let kinds: [_; RAY_SETS] = [
+        let ray_sets: [_; RAY_SETS] = [
             (CAMERA, camera),
             ("first bounce", first),
             (SECOND_BOUNCE, second),
             ("shadow", shadow),
         ];
-        let ask = |(name, rays): (_, Vec<PathRay>)| RaySet {
+        let to_ray_set = |(name, rays): (_, Vec<PathRay>)| RaySet {
             name,
             rays: rays.iter().map(|ray| spheres.to_query(ray)).collect(),
         };
-        kinds.into_iter().map(ask).collect()
+        ray_sets.into_iter().map(to_ray_set).collect()
     }
 }
 
 /// Generates camera rays as a render does, 16 per pixel. Uses all pixels, or a regular grid of
-/// pixels if that would exceed `most` rays.
-pub fn camera_rays(camera: &Camera, [width, height]: [u32; 2], most: usize) -> Vec<PathRay> {
+/// pixels if that would exceed `max_rays` rays.
+pub fn camera_rays(camera: &Camera, [width, height]: [u32; 2], max_rays: usize) -> Vec<PathRay> {
     let side = (SAMPLES_PER_PIXEL as f64).sqrt() as u32;
     let rays = |step: u32| {
         (width.div_ceil(step) as usize * height.div_ceil(step) as usize) * SAMPLES_PER_PIXEL
     };
-    let step = (1..).find(|&step| step >= width.max(height) || rays(step) <= most).unwrap_or(1);
-    let place =
+    let step = (1..).find(|&step| step >= width.max(height) || rays(step) <= max_rays).unwrap_or(1);
+    let film_position =
         |pixel: u32, cell: u32| f64::from(pixel) + (f64::from(cell) + 0.5) / f64::from(side);
     let columns = || (0..width).step_by(step as usize);
     let pixels = (0..height).step_by(step as usize).flat_map(|y| columns().map(move |x| (x, y)));
     let cells = || (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
-    let ray =
-        |(x, y), (column, row)| camera.generate_ray(place(x, column), place(y, row), LENS_CENTER);
-    pixels.flat_map(|pixel| cells().map(move |cell| ray(pixel, cell))).collect()
+    let camera_ray = |(x, y), (column, row)| {
+        camera.generate_ray(film_position(x, column), film_position(y, row), LENS_CENTER)
+    };
+    pixels.flat_map(|pixel| cells().map(move |cell| camera_ray(pixel, cell))).collect()
 }
 
 /// Sample that maps to the centre of a lens, or close to it for a lens with blades.

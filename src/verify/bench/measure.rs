@@ -15,11 +15,11 @@ use super::{
 };
 
 /// Memory budget in bytes for the rays of a standard scene, per-intersector copies included.
-const RAYS: u64 = 1 << 30;
+const RAY_BUDGET: u64 = 1 << 30;
 
-/// What to measure, and how.
+/// Plan of a benchmark: what to measure, and how often.
 #[derive(Clone, Debug)]
-pub struct Measuring {
+pub struct BenchPlan {
     /// Measurement rounds. Every intersector runs once in each.
     pub rounds: usize,
     /// Builds of each intersector, interleaved between intersectors.
@@ -65,26 +65,26 @@ pub struct SuiteEntry {
 #[derive(Clone, Debug)]
 pub struct Suite {
     /// What to measure on each scene.
-    pub measuring: Measuring,
-    /// Intersectors to measure. One is left out of scenes for which it is far too slow or needs too
+    pub plan: BenchPlan,
+    /// Intersectors to measure. One is skipped on scenes for which it is far too slow or needs too
     /// much memory.
     pub backends: Vec<Backend>,
     /// Largest number of spheres in a scene.
-    pub largest: u64,
+    pub max_spheres: u64,
     /// Available memory in bytes; `None` if unknown.
     pub memory: Option<u64>,
 }
 
 /// Progress event of a running suite.
 #[derive(Clone, Copy, Debug)]
-pub enum Event<'a> {
+pub enum SuiteEvent<'a> {
     /// An intersector does not fit into memory for scenes of at least this many spheres.
-    LeftOut(Backend, u64),
+    Skipped(Backend, u64),
     /// A scene is finished.
     Finished(&'a SuiteEntry),
 }
 
-impl Measuring {
+impl BenchPlan {
     /// Returns the options for every measurement except the batch size sweep.
     pub fn rounds(&self) -> BenchOptions {
         BenchOptions { rounds: self.rounds, batch: self.batches.first().copied().unwrap_or(1) }
@@ -94,7 +94,11 @@ impl Measuring {
     ///
     /// # Errors
     /// Same as [`BackendSet::build`].
-    pub fn field(&self, spheres: &Arc<SphereSet>, backends: &[Backend]) -> Result<BackendSet> {
+    pub fn backend_set(
+        &self,
+        spheres: &Arc<SphereSet>,
+        backends: &[Backend],
+    ) -> Result<BackendSet> {
         let threads = rayon::current_num_threads();
         let (quality, cancel) = (self.quality, self.cancel.clone());
         let options = BuildOptions { threads, quality, cancel, ..Default::default() };
@@ -106,27 +110,27 @@ impl Measuring {
     ///
     /// # Errors
     /// On cancellation, or if threads cannot be started.
-    pub fn measure(&self, field: &BackendSet, camera: Vec<PathRay>) -> Result<SceneBench> {
-        let kinds = field.ray_sets(camera);
+    pub fn measure(&self, backend_set: &BackendSet, camera: Vec<PathRay>) -> Result<SceneBench> {
+        let ray_sets = backend_set.ray_sets(camera);
         let rounds = self.rounds();
-        let results = bench(field, &kinds, rounds, &self.cancel)?;
-        let bounced = kinds.iter().find(|kind| kind.name == SECOND_BOUNCE);
-        let bounced = bounced.map_or(&[][..], |kind| &kind.rays);
-        let swept = |settings: Vec<SweepPoint>| match &settings[..] {
+        let results = bench(backend_set, &ray_sets, rounds, &self.cancel)?;
+        let second_bounce = ray_sets.iter().find(|set| set.name == SECOND_BOUNCE);
+        let second_bounce = second_bounce.map_or(&[][..], |set| &set.rays);
+        let run_sweep = |points: Vec<SweepPoint>| match &points[..] {
             [] | [_] => Ok(Vec::new()),
-            settings => sweep(field, bounced, settings, rounds.rounds, &self.cancel),
+            points => sweep(backend_set, second_bounce, points, rounds.rounds, &self.cancel),
         };
         let threads = rayon::current_num_threads();
-        let of_batch = |&batch: &usize| SweepPoint { threads, batch };
-        let batches = swept(self.batches.iter().map(of_batch).collect())?;
-        let of_threads = |threads| SweepPoint { threads, batch: rounds.batch };
-        let most = if self.scaling { threads } else { 1 };
-        let scaling = swept(doubling(most).map(of_threads).collect())?;
-        let kinds = kinds.iter().map(|kind| kind.name).collect();
+        let batch_point = |&batch: &usize| SweepPoint { threads, batch };
+        let batch_sweep = run_sweep(self.batches.iter().map(batch_point).collect())?;
+        let thread_point = |threads| SweepPoint { threads, batch: rounds.batch };
+        let max_threads = if self.scaling { threads } else { 1 };
+        let scaling = run_sweep(thread_counts(max_threads).map(thread_point).collect())?;
+        let ray_sets = ray_sets.iter().map(|set| set.name).collect();
         Ok(SceneBench {
-            ray_sets: kinds,
+            ray_sets,
             results,
-            batch_sweep: batches,
+            batch_sweep,
             thread_sweep: scaling,
             renders: Vec::new(),
         })
@@ -136,7 +140,7 @@ impl Measuring {
 impl SceneBench {
     /// Returns the index of a ray set by its name.
     pub fn ray_set_index(&self, name: &str) -> Option<usize> {
-        self.ray_sets.iter().position(|&kind| kind == name)
+        self.ray_sets.iter().position(|&set| set == name)
     }
 }
 
@@ -146,23 +150,23 @@ impl Suite {
     ///
     /// # Errors
     /// If an intersector cannot be built.
-    pub fn measure(&self, report: &mut dyn FnMut(Event<'_>)) -> Result<Vec<SuiteEntry>> {
+    pub fn measure(&self, report: &mut dyn FnMut(SuiteEvent<'_>)) -> Result<Vec<SuiteEntry>> {
         let mut entries = Vec::new();
-        for count in sizes(self.largest) {
-            let wanted = backends_for(&self.backends, count);
-            let backends = those_that_fit(wanted.clone(), |backends| self.fits(count, backends));
-            for left_out in wanted.iter().filter(|backend| !backends.contains(backend)) {
-                report(Event::LeftOut(*left_out, count));
+        for count in scene_sizes(self.max_spheres) {
+            let requested = backends_for(&self.backends, count);
+            let backends = drop_until_fit(requested.clone(), |backends| self.fits(count, backends));
+            for skipped in requested.iter().filter(|backend| !backends.contains(backend)) {
+                report(SuiteEvent::Skipped(*skipped, count));
             }
             if backends.is_empty() {
                 break;
             }
             for &(_, arrangement) in Arrangement::NAMES {
                 match self.entry(arrangement, count, &backends) {
-                    Err(_) if self.measuring.cancel.is_cancelled() => return Ok(entries),
+                    Err(_) if self.plan.cancel.is_cancelled() => return Ok(entries),
                     entry => entries.push(entry?),
                 }
-                entries.last().map(Event::Finished).into_iter().for_each(&mut *report);
+                entries.last().map(SuiteEvent::Finished).into_iter().for_each(&mut *report);
             }
         }
         Ok(entries)
@@ -170,7 +174,7 @@ impl Suite {
 
     fn fits(&self, spheres: u64, backends: &[Backend]) -> bool {
         let plan = MemoryPlan::for_spheres(spheres, backends, rayon::current_num_threads());
-        self.memory.is_none_or(|memory| plan.peak() + RAYS <= memory)
+        self.memory.is_none_or(|memory| plan.peak() + RAY_BUDGET <= memory)
     }
 
     fn entry(
@@ -180,35 +184,35 @@ impl Suite {
         backends: &[Backend],
     ) -> Result<SuiteEntry> {
         let scene = StandardScene::new(arrangement, spheres)?;
-        let field = self.measuring.field(&scene.spheres, backends)?;
-        let measured = self.measuring.measure(&field, scene.camera_rays)?;
-        Ok(SuiteEntry { arrangement, spheres, bench: measured })
+        let backend_set = self.plan.backend_set(&scene.spheres, backends)?;
+        let bench = self.plan.measure(&backend_set, scene.camera_rays)?;
+        Ok(SuiteEntry { arrangement, spheres, bench })
     }
 }
 
-/// Thread counts 1, 2, 4, ..., ending with `most`.
-fn doubling(most: usize) -> impl Iterator<Item = usize> {
+/// Thread counts 1, 2, 4, ..., ending with `max_threads`.
+fn thread_counts(max_threads: usize) -> impl Iterator<Item = usize> {
     let powers = std::iter::successors(Some(1), |threads: &usize| Some(2 * threads));
-    powers.take_while(move |&threads| threads < most).chain([most])
+    powers.take_while(move |&threads| threads < max_threads).chain([max_threads])
 }
 
-/// Scene sizes: 3, then powers of ten from 100 up to `largest`.
-fn sizes(largest: u64) -> impl Iterator<Item = u64> {
+/// Scene sizes: 3, then powers of ten from 100 up to `max_spheres`.
+fn scene_sizes(max_spheres: u64) -> impl Iterator<Item = u64> {
     let powers = (2..10).map(|exponent| 10u64.pow(exponent));
-    [3].into_iter().chain(powers).take_while(move |&count| count <= largest)
+    [3].into_iter().chain(powers).take_while(move |&count| count <= max_spheres)
 }
 
 /// Returns the backends that finish in reasonable time with this many spheres.
 fn backends_for(backends: &[Backend], spheres: u64) -> Vec<Backend> {
-    let can =
+    let is_feasible =
         |backend: &Backend| *backend != Backend::BruteForce || spheres <= MAX_BRUTE_FORCE_SPHERES;
-    backends.iter().copied().filter(can).collect()
+    backends.iter().copied().filter(is_feasible).collect()
 }
 
 /// Drops backends, largest first, until the rest fit into memory.
-fn those_that_fit(mut backends: Vec<Backend>, fit: impl Fn(&[Backend]) -> bool) -> Vec<Backend> {
+fn drop_until_fit(mut backends: Vec<Backend>, fits: impl Fn(&[Backend]) -> bool) -> Vec<Backend> {
     let size = |backend: &Backend| MemoryPlan::for_spheres(1 << 20, &[*backend], 1).accel;
-    while !backends.is_empty() && !fit(&backends) {
+    while !backends.is_empty() && !fits(&backends) {
         let largest = (0..backends.len()).max_by_key(|&i| size(&backends[i]));
         largest.map(|i| backends.remove(i));
     }
@@ -221,7 +225,7 @@ mod tests {
 
     #[test]
     fn threads_double_up_to_the_most() {
-        let of = |most| doubling(most).collect::<Vec<_>>();
+        let of = |max_threads| thread_counts(max_threads).collect::<Vec<_>>();
         assert_eq!(of(1), [1]);
         assert_eq!(of(2), [1, 2]);
         assert_eq!(of(6), [1, 2, 4, 6]);
@@ -230,10 +234,10 @@ mod tests {
 
     #[test]
     fn sizes_grow_tenfold_up_to_the_largest() {
-        assert_eq!(sizes(1).count(), 0);
-        assert_eq!(sizes(3).collect::<Vec<_>>(), [3]);
-        assert_eq!(sizes(20_000).collect::<Vec<_>>(), [3, 100, 1000, 10_000]);
-        assert_eq!(sizes(100_000_000).last(), Some(100_000_000));
+        assert_eq!(scene_sizes(1).count(), 0);
+        assert_eq!(scene_sizes(3).collect::<Vec<_>>(), [3]);
+        assert_eq!(scene_sizes(20_000).collect::<Vec<_>>(), [3, 100, 1000, 10_000]);
+        assert_eq!(scene_sizes(100_000_000).last(), Some(100_000_000));
     }
 
     #[test]
@@ -246,8 +250,8 @@ mod tests {
     #[test]
     fn the_largest_are_left_out_first() {
         let all = vec![Backend::BruteForce, Backend::Native];
-        assert_eq!(those_that_fit(all.clone(), |_| true), all);
-        assert_eq!(those_that_fit(all.clone(), |b| b.len() < 2), [Backend::BruteForce]);
-        assert_eq!(those_that_fit(all, |b| b.is_empty()), []);
+        assert_eq!(drop_until_fit(all.clone(), |_| true), all);
+        assert_eq!(drop_until_fit(all.clone(), |b| b.len() < 2), [Backend::BruteForce]);
+        assert_eq!(drop_until_fit(all, |b| b.is_empty()), []);
     }
 }

@@ -75,9 +75,9 @@ impl QueryKind {
                 time_batches(rays, &mut hits, batch, |rays, hits| accel.closest(rays, hits))
             }
             Self::Occluded => {
-                let mut blocked = vec![false; rays.len()];
-                time_batches(rays, &mut blocked, batch, |rays, blocked| {
-                    accel.occluded(rays, blocked)
+                let mut occluded = vec![false; rays.len()];
+                time_batches(rays, &mut occluded, batch, |rays, occluded| {
+                    accel.occluded(rays, occluded)
                 })
             }
         }
@@ -96,17 +96,17 @@ pub(super) struct Measurement<'a> {
 impl<'a> Measurement<'a> {
     /// Creates a measurement with as many rays as fit into a round, found by growing the count.
     pub(super) fn calibrated(
-        question: QueryKind,
+        query: QueryKind,
         rays: &'a [Ray],
         batch: usize,
         accel: &dyn Accel,
     ) -> Self {
         let mut count = rays.len().min(1);
         loop {
-            let chosen = sample_evenly(rays, count);
-            let seconds = question.seconds_for(&chosen, batch, accel);
+            let subset = sample_evenly(rays, count);
+            let seconds = query.seconds_for(&subset, batch, accel);
             if count >= rays.len() || seconds > ROUND_SECONDS / 4.0 {
-                return Self { query: question, rays: chosen, batch, rates: Vec::new() };
+                return Self { query, rays: subset, batch, rates: Vec::new() };
             }
             count = (4 * count).min(rays.len());
         }
@@ -128,13 +128,13 @@ impl<'a> Measurement<'a> {
 
 fn time_batches<T: Send>(
     rays: &[Ray],
-    answers: &mut [T],
+    results: &mut [T],
     batch: usize,
-    ask: impl Fn(&[Ray], &mut [T]) + Sync,
+    trace: impl Fn(&[Ray], &mut [T]) + Sync,
 ) -> f64 {
     let start = Instant::now();
-    let batches = rays.par_chunks(batch).zip(answers.par_chunks_mut(batch));
-    batches.for_each(|(rays, answers)| ask(rays, answers));
+    let batches = rays.par_chunks(batch).zip(results.par_chunks_mut(batch));
+    batches.for_each(|(rays, results)| trace(rays, results));
     start.elapsed().as_secs_f64()
 }
 
@@ -163,11 +163,11 @@ mod tests {
     #[test]
     fn fewer_rays_come_from_everywhere() {
         let rays: Vec<_> = (0..10_000).map(|i| ray(f64::from(i))).collect();
-        let chosen = sample_evenly(&rays, 2048);
-        assert_eq!(chosen.len(), 2048);
-        assert_eq!(chosen[0], rays[0]);
-        assert_eq!(chosen[511], rays[511]);
-        assert!(chosen[2047].origin[0] > 7000.0);
+        let subset = sample_evenly(&rays, 2048);
+        assert_eq!(subset.len(), 2048);
+        assert_eq!(subset[0], rays[0]);
+        assert_eq!(subset[511], rays[511]);
+        assert!(subset[2047].origin[0] > 7000.0);
         assert_eq!(sample_evenly(&rays, 1).len(), 1);
         assert_eq!(*sample_evenly(&rays, 20_000), rays);
     }

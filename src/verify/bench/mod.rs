@@ -21,7 +21,7 @@ use backend_set::BuiltBackend;
 use measurement::{Measurement, sample_evenly};
 
 pub use backend_set::{BackendSet, CAMERA, RAY_SETS, RaySet, SECOND_BOUNCE, camera_rays};
-pub use measure::{Event, Measuring, SceneBench, Suite, SuiteEntry};
+pub use measure::{BenchPlan, SceneBench, Suite, SuiteEntry, SuiteEvent};
 pub use measurement::{Quartiles, QueryKind};
 pub use record::Record;
 pub use render_bench::{RenderBench, bench_renders};
@@ -45,7 +45,7 @@ pub struct BenchOptions {
 pub struct BackendBench {
     /// The backend.
     pub backend: Backend,
-    /// How the backend was built and works; see [`Accel::details`].
+    /// Build and traversal details; see [`Accel::details`].
     pub details: String,
     /// Build time in seconds.
     pub build_s: Quartiles,
@@ -68,8 +68,8 @@ pub struct Rates {
 
 impl Rates {
     /// Returns the rate for one query type.
-    pub fn get(&self, question: QueryKind) -> Quartiles {
-        match question {
+    pub fn get(&self, query: QueryKind) -> Quartiles {
+        match query {
             QueryKind::Closest => self.closest,
             QueryKind::Occluded => self.occluded,
         }
@@ -84,25 +84,25 @@ pub const MAX_BRUTE_FORCE_SPHERES: u64 = 10_000;
 /// # Errors
 /// On cancellation.
 pub fn bench(
-    field: &BackendSet,
-    kinds: &[RaySet],
+    backend_set: &BackendSet,
+    ray_sets: &[RaySet],
     rounds: BenchOptions,
     cancel: &CancelToken,
 ) -> Result<Vec<BackendBench>> {
-    let set_up = |built| BackendRun::new(built, kinds, rounds.batch);
-    let mut stands: Vec<BackendRun<'_>> = field.built.iter().map(set_up).collect();
+    let new_run = |built| BackendRun::new(built, ray_sets, rounds.batch);
+    let mut runs: Vec<BackendRun<'_>> = backend_set.built.iter().map(new_run).collect();
     for _ in 0..rounds.rounds.max(1) {
-        for kind in 0..kinds.len() {
-            for question in QueryKind::ALL {
-                for stand in &mut stands {
+        for set in 0..ray_sets.len() {
+            for query in QueryKind::ALL {
+                for run in &mut runs {
                     cancel.check()?;
-                    stand.measurements[kind][question as usize].repeat(&*stand.backend.accel);
+                    run.measurements[set][query as usize].repeat(&*run.backend.accel);
                 }
             }
         }
     }
-    let spheres = field.spheres.len();
-    Ok(stands.iter().map(|stand| stand.result(&stands[0], spheres)).collect())
+    let spheres = backend_set.spheres.len();
+    Ok(runs.iter().map(|run| run.result(&runs[0], spheres)).collect())
 }
 
 /// A backend with its measurements for each ray set.
@@ -114,29 +114,24 @@ struct BackendRun<'a> {
 }
 
 impl<'a> BackendRun<'a> {
-    fn new(built: &'a BuiltBackend, kinds: &'a [RaySet], batch: usize) -> Self {
+    fn new(built: &'a BuiltBackend, ray_sets: &'a [RaySet], batch: usize) -> Self {
         let accel = &*built.accel;
-        let calibrated = |kind: &'a RaySet| {
-            QueryKind::ALL
-                .map(|question| Measurement::calibrated(question, &kind.rays, batch, accel))
+        let calibrated = |set: &'a RaySet| {
+            QueryKind::ALL.map(|query| Measurement::calibrated(query, &set.rays, batch, accel))
         };
-        let measurements = kinds.iter().map(calibrated).collect();
-        let ids = kinds
+        let measurements = ray_sets.iter().map(calibrated).collect();
+        let ids = ray_sets
             .iter()
-            .map(|kind| ids(&sample_evenly(&kind.rays, COMPARED_RAYS), accel))
+            .map(|set| ids(&sample_evenly(&set.rays, COMPARED_RAYS), accel))
             .collect();
         Self { backend: built, measurements, ids }
     }
 
     fn result(&self, first: &Self, spheres: usize) -> BackendBench {
-        let rates = |(kind, [closest, occluded]): (usize, &[Measurement<'_>; 2])| {
-            let both = self.ids[kind].iter().zip(&first.ids[kind]);
-            let other_ids = both.filter(|(own, first)| own != first).count();
-            Some(Rates {
-                closest: closest.rate()?,
-                occluded: occluded.rate()?,
-                differing_ids: other_ids,
-            })
+        let rates = |(set, [closest, occluded]): (usize, &[Measurement<'_>; 2])| {
+            let pairs = self.ids[set].iter().zip(&first.ids[set]);
+            let differing_ids = pairs.filter(|(id, first)| id != first).count();
+            Some(Rates { closest: closest.rate()?, occluded: occluded.rate()?, differing_ids })
         };
         let BuiltBackend { backend, accel, seconds } = self.backend;
         BackendBench {
@@ -166,7 +161,7 @@ mod tests {
 
     const ROUNDS: BenchOptions = BenchOptions { rounds: 3, batch: 100 };
 
-    /// Rays that hit some of the spheres of [`field`].
+    /// Rays that hit some of the spheres of [`backend_set`].
     pub(super) fn rays() -> Vec<Ray> {
         let ray = |i: u32| {
             let origin = DVec3::new(f64::from(i) * 1e-2, 0.0, -9.0);
@@ -175,7 +170,7 @@ mod tests {
         (0..3000).map(ray).collect()
     }
 
-    pub(super) fn field(backends: &[Backend]) -> BackendSet {
+    pub(super) fn backend_set(backends: &[Backend]) -> BackendSet {
         let ball = |i: i32| Sphere { center: DVec3::X * f64::from(i), radius: 0.4 };
         let rows = SphereRows { exact: (0..20).map(ball).collect(), ..SphereRows::default() };
         let spheres = Arc::new(SphereSet::new(rows).expect("few spheres"));
@@ -184,15 +179,15 @@ mod tests {
 
     #[test]
     fn every_backend_gets_rates_for_the_rays_there_are() {
-        let kind = |name, rays| RaySet { name, rays };
-        let kinds = [kind("camera", rays()), kind("none", Vec::new())];
+        let set = |name, rays| RaySet { name, rays };
+        let ray_sets = [set("camera", rays()), set("none", Vec::new())];
         let backends = [Backend::Native, Backend::BruteForce];
-        let results = bench(&field(&backends), &kinds, ROUNDS, &CancelToken::default());
+        let results = bench(&backend_set(&backends), &ray_sets, ROUNDS, &CancelToken::default());
         let results = results.expect("nobody cancels");
         assert_eq!(results.iter().map(|result| result.backend).collect::<Vec<_>>(), backends);
         for result in results {
             let [Some(rates), None] = result.rates[..] else { panic!("one kind has rays") };
-            for rate in QueryKind::ALL.map(|question| rates.get(question)) {
+            for rate in QueryKind::ALL.map(|query| rates.get(query)) {
                 assert!(rate.median > 1.0 && rate.median.is_finite());
                 assert!(rate.low <= rate.median && rate.median <= rate.high);
             }
@@ -204,9 +199,9 @@ mod tests {
 
     #[test]
     fn it_can_be_cancelled() {
-        let kinds = [RaySet { name: CAMERA, rays: rays() }];
+        let ray_sets = [RaySet { name: CAMERA, rays: rays() }];
         let cancel = CancelToken::default();
         cancel.cancel();
-        assert!(bench(&field(&[Backend::Native]), &kinds, ROUNDS, &cancel).is_err());
+        assert!(bench(&backend_set(&[Backend::Native]), &ray_sets, ROUNDS, &cancel).is_err());
     }
 }

@@ -24,7 +24,7 @@ pub struct RenderBench {
     pub seconds: Quartiles,
     /// Fraction of thread time spent in the intersector. The rest is camera, shading, sampling and
     /// film.
-    pub intersector_share: Quartiles,
+    pub intersector_fraction: Quartiles,
     /// Rays per render, including shadow rays.
     pub rays: u64,
     /// Samples per render.
@@ -33,35 +33,37 @@ pub struct RenderBench {
     pub differing_pixels: usize,
 }
 
-/// Renders the scene with every intersector of `field`, interleaved, on the current rayon pool. The
-/// intersectors must be built over the scene's spheres. Brute force is skipped for scenes where it
-/// would take too long.
+/// Renders the scene with every intersector of `backend_set`, interleaved, on the current rayon
+/// pool. The intersectors must be built over the scene's spheres. Brute force is skipped for scenes
+/// where it would take too long.
 ///
 /// # Errors
 /// If a render fails, or on cancellation.
 pub fn bench_renders(
     prepared: &PreparedScene,
-    field: &BackendSet,
+    backend_set: &BackendSet,
     rounds: usize,
     cancel: &CancelToken,
 ) -> Result<Vec<RenderBench>> {
-    let few = field.spheres().len() as u64 <= MAX_BRUTE_FORCE_SPHERES;
-    let can = |(backend, _): &(Backend, &dyn Accel)| few || *backend != Backend::BruteForce;
-    let mut stands: Vec<RenderRun<'_>> = field.backends().filter(can).map(RenderRun::new).collect();
+    let is_small = backend_set.spheres().len() as u64 <= MAX_BRUTE_FORCE_SPHERES;
+    let is_feasible =
+        |(backend, _): &(Backend, &dyn Accel)| is_small || *backend != Backend::BruteForce;
+    let mut runs: Vec<RenderRun<'_>> =
+        backend_set.backends().filter(is_feasible).map(RenderRun::new).collect();
     for _ in 0..rounds.max(1) {
-        for stand in &mut stands {
-            stand.repeat(prepared, cancel)?;
+        for run in &mut runs {
+            run.repeat(prepared, cancel)?;
         }
     }
-    let first = stands.first().and_then(|stand| stand.picture.clone()).unwrap_or_default();
-    Ok(stands.iter().filter_map(|stand| stand.result(&first)).collect())
+    let first = runs.first().and_then(|run| run.picture.clone()).unwrap_or_default();
+    Ok(runs.iter().filter_map(|run| run.result(&first)).collect())
 }
 
 struct RenderRun<'a> {
     backend: Backend,
     accel: &'a dyn Accel,
     seconds: Vec<f64>,
-    inside: Vec<f64>,
+    fractions: Vec<f64>,
     picture: Option<Picture>,
     rays: u64,
     samples: u64,
@@ -69,40 +71,40 @@ struct RenderRun<'a> {
 
 impl<'a> RenderRun<'a> {
     fn new((backend, accel): (Backend, &'a dyn Accel)) -> Self {
-        let (seconds, inside) = (Vec::new(), Vec::new());
-        Self { backend, accel, seconds, inside, picture: None, rays: 0, samples: 0 }
+        let (seconds, fractions) = (Vec::new(), Vec::new());
+        Self { backend, accel, seconds, fractions, picture: None, rays: 0, samples: 0 }
     }
 
     fn repeat(&mut self, prepared: &PreparedScene, cancel: &CancelToken) -> Result<()> {
         let in_f64 = self.backend == Backend::BruteForce;
-        let clocked = TimedAccel { accel: self.accel, in_f64, nanoseconds: AtomicU64::new(0) };
+        let timed = TimedAccel { accel: self.accel, in_f64, nanoseconds: AtomicU64::new(0) };
         let start = Instant::now();
-        let outcome = render_with_accel(prepared, &clocked, &Aov::DEFAULT, cancel)?;
+        let image = render_with_accel(prepared, &timed, &Aov::DEFAULT, cancel)?;
         let seconds = start.elapsed().as_secs_f64().max(1e-9);
-        if !outcome.complete {
+        if !image.complete {
             return Err(Error::cancelled());
         }
-        let inside = 1e-9 * clocked.nanoseconds.into_inner() as f64;
-        self.inside.push(inside / (seconds * rayon::current_num_threads() as f64));
+        let inside = 1e-9 * timed.nanoseconds.into_inner() as f64;
+        self.fractions.push(inside / (seconds * rayon::current_num_threads() as f64));
         self.seconds.push(seconds);
-        (self.rays, self.samples) = (outcome.rays, outcome.samples);
-        self.picture.get_or_insert(outcome.picture);
+        (self.rays, self.samples) = (image.rays, image.samples);
+        self.picture.get_or_insert(image.picture);
         Ok(())
     }
 
     fn result(&self, first: &Picture) -> Option<RenderBench> {
-        let own = self.picture.as_ref()?;
-        let is_other = |&pixel: &usize| {
+        let picture = self.picture.as_ref()?;
+        let differs = |&pixel: &usize| {
             let bits = |picture: &Picture| picture.beauty(pixel).to_array().map(f32::to_bits);
-            bits(own) != bits(first)
+            bits(picture) != bits(first)
         };
         Some(RenderBench {
             backend: self.backend,
             seconds: Quartiles::from_samples(self.seconds.clone())?,
-            intersector_share: Quartiles::from_samples(self.inside.clone())?,
+            intersector_fraction: Quartiles::from_samples(self.fractions.clone())?,
             rays: self.rays,
             samples: self.samples,
-            differing_pixels: (0..own.len()).filter(is_other).count(),
+            differing_pixels: (0..picture.len()).filter(differs).count(),
         })
     }
 }
@@ -129,36 +131,36 @@ impl Accel for TimedAccel<'_> {
         self.time(|| self.accel.closest(rays, hits));
     }
 
-    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        self.time(|| self.accel.occluded(rays, blocked));
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.time(|| self.accel.occluded(rays, occluded));
     }
 
     fn closest_path_rays(
         &self,
         spheres: &SphereSet,
         rays: &PathRays,
-        asked: &mut Vec<Ray>,
+        queries: &mut Vec<Ray>,
         hits: &mut [Hit],
     ) {
         if self.in_f64 {
-            return self.time(|| self.accel.closest_path_rays(spheres, rays, asked, hits));
+            return self.time(|| self.accel.closest_path_rays(spheres, rays, queries, hits));
         }
-        ask(spheres, rays, asked);
-        self.closest(asked, hits);
+        to_queries(spheres, rays, queries);
+        self.closest(queries, hits);
     }
 
     fn occluded_path_rays(
         &self,
         spheres: &SphereSet,
         rays: &PathRays,
-        asked: &mut Vec<Ray>,
-        blocked: &mut [bool],
+        queries: &mut Vec<Ray>,
+        occluded: &mut [bool],
     ) {
         if self.in_f64 {
-            return self.time(|| self.accel.occluded_path_rays(spheres, rays, asked, blocked));
+            return self.time(|| self.accel.occluded_path_rays(spheres, rays, queries, occluded));
         }
-        ask(spheres, rays, asked);
-        self.occluded(asked, blocked);
+        to_queries(spheres, rays, queries);
+        self.occluded(queries, occluded);
     }
 
     fn error_bound(&self) -> ErrorBound {
@@ -174,9 +176,9 @@ impl Accel for TimedAccel<'_> {
     }
 }
 
-fn ask(spheres: &SphereSet, rays: &PathRays, asked: &mut Vec<Ray>) {
-    asked.clear();
-    asked.extend(rays.iter().map(|ray| spheres.to_query(&ray)));
+fn to_queries(spheres: &SphereSet, rays: &PathRays, queries: &mut Vec<Ray>) {
+    queries.clear();
+    queries.extend(rays.iter().map(|ray| spheres.to_query(&ray)));
 }
 
 #[cfg(test)]
@@ -206,20 +208,21 @@ spheres = [
         let prepared = PreparedScene::new(&scene, settings).unwrap();
         let backends = [Backend::Native, Backend::BruteForce];
         let options = BuildOptions::default();
-        let field = BackendSet::build(scene.spheres(), &backends, &options, 1).unwrap();
-        let results = bench_renders(&prepared, &field, 2, &options.cancel).unwrap();
+        let backend_set = BackendSet::build(scene.spheres(), &backends, &options, 1).unwrap();
+        let results = bench_renders(&prepared, &backend_set, 2, &options.cancel).unwrap();
         assert_eq!(results.iter().map(|result| result.backend).collect::<Vec<_>>(), backends);
         for result in &results {
             assert_eq!(result.samples, 12 * 8 * 4);
             assert!(result.rays >= result.samples, "{result:?}");
             assert!(result.seconds.median > 0.0);
             assert!(
-                result.intersector_share.median > 0.0 && result.intersector_share.median < 1.0,
+                result.intersector_fraction.median > 0.0
+                    && result.intersector_fraction.median < 1.0,
                 "{result:?}"
             );
             assert_eq!(result.differing_pixels, 0);
         }
         options.cancel.cancel();
-        assert!(bench_renders(&prepared, &field, 1, &options.cancel).is_err());
+        assert!(bench_renders(&prepared, &backend_set, 1, &options.cancel).is_err());
     }
 }

@@ -50,15 +50,15 @@ impl StandardScene {
         let table = (0..count).into_par_iter().map(|index| recipe.sphere(index).sphere).collect();
         let spheres = SphereSet::new(SphereRows { exact, table })?;
         let (position, look_at, fov) = recipe.viewpoint();
-        let mount = CameraPose {
+        let pose = CameraPose {
             position: DVec3::from_array(position) - spheres.origin(),
             view_direction: DVec3::from_array(look_at) - DVec3::from_array(position),
             up: DVec3::Y,
             near: 0.0,
             resolution: [SIDE; 2],
         };
-        let projection = CameraModel::Perspective { vertical_fov: fov.to_radians(), lens: None };
-        let camera = Camera::new(&mount, projection);
+        let model = CameraModel::Perspective { vertical_fov: fov.to_radians(), lens: None };
+        let camera = Camera::new(&pose, model);
         let camera = camera_rays(&camera, [SIDE; 2], (SIDE * SIDE) as usize);
         Ok(Self { spheres: Arc::new(spheres), camera_rays: camera })
     }
@@ -81,8 +81,8 @@ mod tests {
                     scene.camera_rays.iter().map(|ray| scene.spheres.to_query(ray)).collect();
                 let mut hits = vec![Hit::MISS; rays.len()];
                 accel.closest(&rays, &mut hits);
-                let met = hits.iter().filter(|hit| !hit.is_miss()).count();
-                assert!(met > 100, "{name} {count}: {met} of {}", rays.len());
+                let hit_count = hits.iter().filter(|hit| !hit.is_miss()).count();
+                assert!(hit_count > 100, "{name} {count}: {hit_count} of {}", rays.len());
             }
         }
     }

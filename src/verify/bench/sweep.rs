@@ -1,6 +1,6 @@
 //! Measures rates against batch size and thread count.
 //!
-//! Cores share caches, power and clock, so N threads are not N times as fast whatever the program.
+//! Cores share caches, power and clock, so N threads are not N times as fast for any program.
 //! Thread scaling is therefore compared with an arithmetic loop that touches no memory, measured in
 //! the same rounds.
 
@@ -47,9 +47,9 @@ pub struct SweepResult {
 /// # Errors
 /// If threads cannot be started, or on cancellation.
 pub fn sweep(
-    field: &BackendSet,
+    backend_set: &BackendSet,
     rays: &[Ray],
-    settings: &[SweepPoint],
+    points: &[SweepPoint],
     rounds: usize,
     cancel: &CancelToken,
 ) -> Result<Vec<SweepResult>> {
@@ -57,22 +57,22 @@ pub fn sweep(
     if rays.is_empty() {
         return Ok(Vec::new());
     }
-    let mut stands = Vec::new();
-    for &setting in settings {
-        stands.push(SweepRun::new(setting, field, &rays)?);
+    let mut runs = Vec::new();
+    for &point in points {
+        runs.push(SweepRun::new(point, backend_set, &rays)?);
     }
     for _ in 0..rounds.max(1) {
-        for stand in &mut stands {
+        for run in &mut runs {
             cancel.check()?;
-            stand.repeat(field);
+            run.repeat(backend_set);
         }
     }
-    Ok(stands.iter().filter_map(SweepRun::result).collect())
+    Ok(runs.iter().filter_map(SweepRun::result).collect())
 }
 
 /// A setting with its measurements for each backend.
 struct SweepRun<'a> {
-    setting: SweepPoint,
+    point: SweepPoint,
     pool: ThreadPool,
     measurements: Vec<[Measurement<'a>; 2]>,
     /// Passes per second in each round.
@@ -80,25 +80,26 @@ struct SweepRun<'a> {
 }
 
 impl<'a> SweepRun<'a> {
-    fn new(setting: SweepPoint, field: &BackendSet, rays: &'a [Ray]) -> Result<Self> {
-        let SweepPoint { threads, batch } = setting;
+    fn new(point: SweepPoint, backend_set: &BackendSet, rays: &'a [Ray]) -> Result<Self> {
+        let SweepPoint { threads, batch } = point;
         let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build().map_err(|e| {
             Error::input(format!("cannot start {threads} threads: {e}"))
-                .with_help("ask for fewer")
+                .with_help("use fewer threads")
                 .with_suggestion(error::Suggestion::Threads, "")
         })?;
         let measurements = pool.install(|| {
-            let of = |accel| QueryKind::ALL.map(|q| Measurement::calibrated(q, rays, batch, accel));
-            field.accels().map(of).collect()
+            let calibrate =
+                |accel| QueryKind::ALL.map(|q| Measurement::calibrated(q, rays, batch, accel));
+            backend_set.accels().map(calibrate).collect()
         });
-        Ok(Self { setting, pool, measurements, arithmetic: Vec::new() })
+        Ok(Self { point, pool, measurements, arithmetic: Vec::new() })
     }
 
-    fn repeat(&mut self, field: &BackendSet) {
+    fn repeat(&mut self, backend_set: &BackendSet) {
         let Self { pool, measurements, arithmetic, .. } = self;
         pool.install(|| {
-            for (accel, both) in field.accels().zip(measurements) {
-                both.iter_mut().for_each(|measurement| measurement.repeat(accel));
+            for (accel, pair) in backend_set.accels().zip(measurements) {
+                pair.iter_mut().for_each(|measurement| measurement.repeat(accel));
             }
             arithmetic.push(passes_per_second());
         });
@@ -108,7 +109,7 @@ impl<'a> SweepRun<'a> {
         let rates =
             |[closest, occluded]: &[Measurement<'_>; 2]| Some([closest.rate()?, occluded.rate()?]);
         Some(SweepResult {
-            point: self.setting,
+            point: self.point,
             rates: self.measurements.iter().map(rates).collect::<Option<_>>()?,
             arithmetic: Quartiles::from_samples(self.arithmetic.clone())?,
         })
@@ -136,20 +137,20 @@ fn passes_per_second() -> f64 {
 mod tests {
     use super::*;
     use crate::accel::Backend;
-    use crate::verify::bench::tests::{field, rays};
+    use crate::verify::bench::tests::{backend_set, rays};
 
     #[test]
     fn every_setting_is_measured_for_every_backend() {
-        let field = field(&[Backend::Native, Backend::BruteForce]);
-        let settings = [(1, 1), (1, 64), (2, 64)];
-        let settings = settings.map(|(threads, batch)| SweepPoint { threads, batch });
-        let swept = sweep(&field, &rays(), &settings, 1, &CancelToken::default()).unwrap();
-        assert_eq!(swept.iter().map(|one| one.point).collect::<Vec<_>>(), settings);
-        for one in &swept {
-            assert_eq!(one.rates.len(), 2);
-            let figures = one.rates.iter().flatten().chain([&one.arithmetic]);
-            assert!(figures.into_iter().all(|figure| figure.median > 1.0), "{one:?}");
+        let backend_set = backend_set(&[Backend::Native, Backend::BruteForce]);
+        let points = [(1, 1), (1, 64), (2, 64)];
+        let points = points.map(|(threads, batch)| SweepPoint { threads, batch });
+        let results = sweep(&backend_set, &rays(), &points, 1, &CancelToken::default()).unwrap();
+        assert_eq!(results.iter().map(|result| result.point).collect::<Vec<_>>(), points);
+        for result in &results {
+            assert_eq!(result.rates.len(), 2);
+            let figures = result.rates.iter().flatten().chain([&result.arithmetic]);
+            assert!(figures.into_iter().all(|figure| figure.median > 1.0), "{result:?}");
         }
-        assert_eq!(sweep(&field, &[], &settings, 1, &CancelToken::default()).unwrap(), []);
+        assert_eq!(sweep(&backend_set, &[], &points, 1, &CancelToken::default()).unwrap(), []);
     }
 }

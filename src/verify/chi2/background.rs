@@ -1,4 +1,4 @@
-//! Sampling of the environment, and of the choice between it and many emitters.
+//! Sampling of the environment, and selection between it and many emitters.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::sampling::{Sampler, sin_cos};
 use super::SamplingTest;
 
 pub(super) fn tests() -> Vec<SamplingTest> {
-    let mut pairs = vec![
+    let mut tests = vec![
         environment_test("gradient", EnvironmentMap::gradient(grey(4.0), grey(1.0), grey(0.0))),
         environment_test("image", image()),
         environment_test("sky", sky().environment_map()),
@@ -23,24 +23,24 @@ pub(super) fn tests() -> Vec<SamplingTest> {
         background_test("sky and sun beside emitters", false),
         background_test("sky and sun beside emitters, both sides", true),
     ];
-    for (name, place, is_two_sided) in [
+    for (name, point, is_two_sided) in [
         ("among them", DVec3::splat(0.4), false),
         ("among them, both sides", DVec3::new(0.1, 0.7, 0.4), true),
         ("far from them", DVec3::new(3.0, -8.0, 1.0), false),
     ] {
-        let context = context(place, is_two_sided);
-        pairs.push(light_choice(
+        let context = context(point, is_two_sided);
+        tests.push(selection_test(
             &format!("choice of 40 emitters, {name}"),
             Environment::default(),
             context,
         ));
-        pairs.push(light_choice(
+        tests.push(selection_test(
             &format!("choice of 40 emitters and a sky, {name}"),
             sky_and_sun(),
             context,
         ));
     }
-    pairs
+    tests
 }
 
 fn grey(radiance: f32) -> Rgb {
@@ -75,13 +75,13 @@ fn sky_and_sun() -> Environment {
 }
 
 /// The environment map's zenith is the pole of the cells.
-fn environment_test(name: &str, dome: EnvironmentMap) -> SamplingTest {
-    let dome = Arc::new(dome);
-    let of_pdf = dome.clone();
+fn environment_test(name: &str, map: EnvironmentMap) -> SamplingTest {
+    let map = Arc::new(map);
+    let pdf_map = map.clone();
     SamplingTest::over_sphere(
         format!("background: {name}"),
-        move |u| dome.sample([u[0], u[1]]).map(|w| DVec3::new(w.x, -w.z, w.y)),
-        move |w| of_pdf.pdf(DVec3::new(w.x, w.z, -w.y)),
+        move |u| map.sample([u[0], u[1]]).map(|w| DVec3::new(w.x, -w.z, w.y)),
+        move |w| pdf_map.pdf(DVec3::new(w.x, w.z, -w.y)),
     )
 }
 
@@ -105,7 +105,7 @@ fn context(point: DVec3, is_two_sided: bool) -> LightSampleContext {
 }
 
 /// Emitters of many sizes and distances, none touching a shading point.
-fn emitters(background: Environment) -> (SphereSet, Lights) {
+fn emitters(environment: Environment) -> (SphereSet, Lights) {
     let sphere = |i: u64| {
         let u: [f64; 4] = std::array::from_fn(|d| Sampler::independent(7, i, 0).get(d as u32));
         let center = DVec3::new(u[0], u[1], u[2]) * 2.0 - 0.5;
@@ -114,41 +114,45 @@ fn emitters(background: Environment) -> (SphereSet, Lights) {
     let exact = (0..40).map(sphere).collect();
     let spheres = SphereSet::new(SphereRows { exact, table: Vec::new() }).expect("few spheres");
     let emitter = |id: u32| Emitter { id, emission: grey(1.0 + spheres.row(id) as f32) };
-    let lights = Lights::new((0..40).map(emitter).collect(), &spheres, background);
+    let lights = Lights::new((0..40).map(emitter).collect(), &spheres, environment);
     (spheres, lights)
 }
 
 /// Sampling of a whole environment among emitters. Samples of the emitters are discarded.
 fn background_test(name: &str, is_two_sided: bool) -> SamplingTest {
-    let stage = Arc::new(emitters(sky_and_sun()));
-    let of_pdf = stage.clone();
+    let lit = Arc::new(emitters(sky_and_sun()));
+    let pdf_lit = lit.clone();
     let context = context(DVec3::splat(0.4), is_two_sided);
     let frame = Frame::from_z(context.hit.normal);
     SamplingTest::over_sphere(
         format!("background: {name}"),
         move |u| {
-            let sample = stage.1.sample(&stage.0, &context, u[2], [u[0], u[1]])?;
+            let sample = lit.1.sample(&lit.0, &context, u[2], [u[0], u[1]])?;
             (sample.source == LightSource::Environment).then(|| frame.to_local(sample.direction))
         },
         move |w| {
             let direction = frame.to_world(w).normalize();
-            of_pdf.1.pdf(&of_pdf.0, &context, LightSource::Environment, direction)
+            pdf_lit.1.pdf(&pdf_lit.0, &context, LightSource::Environment, direction)
         },
     )
 }
 
 /// Selection probability of each emitter, computed as `pdf` over the pdf of its cone. The last
 /// index is the environment.
-fn light_choice(name: &str, background: Environment, context: LightSampleContext) -> SamplingTest {
-    let (spheres, lights) = emitters(background);
+fn selection_test(
+    name: &str,
+    environment: Environment,
+    context: LightSampleContext,
+) -> SamplingTest {
+    let (spheres, lights) = emitters(environment);
     // The sphere set has moved its origin.
     let mut context = context;
     context.hit.point -= spheres.origin();
-    let of_emitter = |id: u32| {
+    let selection_pmf = |id: u32| {
         let cone = Cone::subtending(context.hit.point, &spheres.sphere(id)).expect("from outside");
         lights.pdf(&spheres, &context, LightSource::Emitter(id), DVec3::X) / cone.pdf()
     };
-    let mut probabilities: Vec<f64> = (0..40).map(of_emitter).collect();
+    let mut probabilities: Vec<f64> = (0..40).map(selection_pmf).collect();
     probabilities.push(lights.environment_probability(&context));
     SamplingTest::over_indices(name, probabilities, move |u| {
         let sample = lights.sample(&spheres, &context, u[2], [u[0], u[1]])?;

@@ -1,4 +1,4 @@
-//! Sampling of directions to emitters, and of the choice among them.
+//! Sampling of directions to emitters, and selection among them.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::math::{DVec3, Frame, Hit};
 use super::SamplingTest;
 
 pub(super) fn tests() -> Vec<SamplingTest> {
-    vec![inside_an_emitter(), choice_of_an_emitter()]
+    vec![inside_emitter(), light_selection()]
 }
 
 /// Spheres of which the first is lit by the others, which are emitters.
@@ -51,36 +51,36 @@ fn ball(x: f64, radius: f64) -> Sphere {
 }
 
 /// From a ball inside an emissive sphere, every direction above the surface hits the emitter.
-fn inside_an_emitter() -> SamplingTest {
-    let stage = LitScene::new(vec![ball(0.5, 1.0), ball(0.0, 10.0)], DVec3::new(0.0, 0.6, -0.8));
-    let emitter = LightSource::Emitter(id_of(&stage.spheres, 1));
-    let frame = Frame::from_z(stage.context.hit.facing_normal());
-    let of_pdf = stage.clone();
+fn inside_emitter() -> SamplingTest {
+    let scene = LitScene::new(vec![ball(0.5, 1.0), ball(0.0, 10.0)], DVec3::new(0.0, 0.6, -0.8));
+    let emitter = LightSource::Emitter(id_of(&scene.spheres, 1));
+    let frame = Frame::from_z(scene.context.hit.facing_normal());
+    let pdf_scene = scene.clone();
     SamplingTest::over_hemisphere(
         "light from inside an emitter",
         move |u| {
-            let LitScene { spheres, lights, context } = &*stage;
+            let LitScene { spheres, lights, context } = &*scene;
             let sample = lights.sample(spheres, context, u[2], [u[0], u[1]])?;
             Some(frame.to_local(sample.direction))
         },
-        move |w| of_pdf.pdf(emitter, frame.to_world(w)),
+        move |w| pdf_scene.pdf(emitter, frame.to_world(w)),
     )
 }
 
 /// Selection probability of three emitters of different power and distance, computed as `pdf` over
 /// the pdf of the cone.
-fn choice_of_an_emitter() -> SamplingTest {
+fn light_selection() -> SamplingTest {
     let spheres = vec![ball(0.0, 1.0), ball(5.0, 1.0), ball(9.0, 0.5), ball(-30.0, 8.0)];
-    let stage = LitScene::new(spheres, DVec3::new(0.0, 0.0, -1.0));
+    let scene = LitScene::new(spheres, DVec3::new(0.0, 0.0, -1.0));
     let probability = |row: u32| {
-        let id = id_of(&stage.spheres, row);
-        let sphere = stage.spheres.sphere(id);
-        let cone = Cone::subtending(stage.context.hit.point, &sphere).expect("from outside");
-        stage.pdf(LightSource::Emitter(id), DVec3::X) / cone.pdf()
+        let id = id_of(&scene.spheres, row);
+        let sphere = scene.spheres.sphere(id);
+        let cone = Cone::subtending(scene.context.hit.point, &sphere).expect("from outside");
+        scene.pdf(LightSource::Emitter(id), DVec3::X) / cone.pdf()
     };
     let probabilities = (1..4).map(probability).collect();
     SamplingTest::over_indices("choice among three emitters", probabilities, move |u| {
-        let LitScene { spheres, lights, context } = &*stage;
+        let LitScene { spheres, lights, context } = &*scene;
         let sample = lights.sample(spheres, context, u[2], [u[0], u[1]])?;
         Some(spheres.row(sample.source.sphere_id()) as usize - 1)
     })

@@ -68,20 +68,21 @@ pub fn sampling_tests() -> Vec<SamplingTest> {
         background::tests,
         camera::tests,
     ];
-    areas.into_iter().flat_map(|pairs| pairs()).collect()
+    areas.into_iter().flat_map(|tests| tests()).collect()
 }
 
 /// Draws `points` points and compares them with the pdf. Random numbers depend only on the test's
 /// name and `index`. A million points detect an error of one percent in a few cells.
-pub fn chi_square_test(pair: &SamplingTest, points: u32, index: u64) -> ChiSquareResult {
+pub fn chi_square_test(test: &SamplingTest, points: u32, index: u64) -> ChiSquareResult {
     let histogram = Histogram {
-        cells: pair.cells,
-        expected: expected_counts(pair, points),
-        observed: observed_counts(pair, points, index),
+        cells: test.cells,
+        expected: expected_counts(test, points),
+        observed: observed_counts(test, points, index),
     };
-    let (statistic, freedom) = pearson(&histogram, f64::from(points));
-    let p_value = ChiSquared::new(freedom.max(1) as f64).map_or(0.0, |law| law.sf(statistic));
-    ChiSquareResult { p_value, statistic, degrees_of_freedom: freedom, histogram }
+    let (statistic, degrees_of_freedom) = pearson(&histogram, f64::from(points));
+    let p_value = ChiSquared::new(degrees_of_freedom.max(1) as f64)
+        .map_or(0.0, |distribution| distribution.sf(statistic));
+    ChiSquareResult { p_value, statistic, degrees_of_freedom, histogram }
 }
 
 /// Returns the statistic and the degrees of freedom. The statistic is infinite if points lie where
@@ -89,17 +90,18 @@ pub fn chi_square_test(pair: &SamplingTest, points: u32, index: u64) -> ChiSquar
 fn pearson(histogram: &Histogram, points: f64) -> (f64, usize) {
     let Histogram { expected, observed, .. } = histogram;
     let total: f64 = expected.iter().sum();
-    let inside: u64 = observed.iter().sum();
+    let accepted: u64 = observed.iter().sum();
     // Samples that the routine rejected or put outside form one more cell.
-    let lost = (points - total, points - inside as f64);
-    if total.is_nan() || lost.0 < -SUM_ERROR * points {
+    let rejected = (points - total, points - accepted as f64);
+    if total.is_nan() || rejected.0 < -SUM_ERROR * points {
         return (f64::INFINITY, 1);
     }
-    let is_whole = lost.1 == 0.0 && lost.0 < SUM_ERROR * points;
-    let lost = if is_whole { (0.0, 0.0) } else { lost };
+    let is_complete = rejected.1 == 0.0 && rejected.0 < SUM_ERROR * points;
+    let rejected = if is_complete { (0.0, 0.0) } else { rejected };
     let cells = expected.iter().zip(observed).map(|(&e, &o)| (e, o as f64));
-    let all = cells.chain([(lost.0.max(0.0), lost.1)]);
-    let (small, mut large): (Vec<_>, Vec<_>) = all.partition(|cell| cell.0 < MIN_EXPECTED);
+    let with_rejected = cells.chain([(rejected.0.max(0.0), rejected.1)]);
+    let (small, mut large): (Vec<_>, Vec<_>) =
+        with_rejected.partition(|cell| cell.0 < MIN_EXPECTED);
     let pooled = small.iter().fold((0.0, 0.0), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1));
     if pooled.0 >= MIN_EXPECTED {
         large.push(pooled);
@@ -110,43 +112,43 @@ fn pearson(histogram: &Histogram, points: f64) -> (f64, usize) {
     (statistic, large.len().saturating_sub(1))
 }
 
-fn observed_counts(pair: &SamplingTest, points: u32, index: u64) -> Vec<u64> {
-    let mut rng = StdRng::seed_from_u64(check::seed(&pair.name, index));
-    let mut counts = vec![0; pair.cells[0] * pair.cells[1]];
+fn observed_counts(test: &SamplingTest, points: u32, index: u64) -> Vec<u64> {
+    let mut rng = StdRng::seed_from_u64(check::seed(&test.name, index));
+    let mut counts = vec![0; test.cells[0] * test.cells[1]];
     for _ in 0..points {
         let u = std::array::from_fn(|_| rng.random());
-        let cell = (pair.sample)(u).and_then(|at| cell_of(pair, at));
+        let cell = (test.sample)(u).and_then(|point| cell_of(test, point));
         if let Some([row, column]) = cell {
-            counts[row * pair.cells[1] + column] += 1;
+            counts[row * test.cells[1] + column] += 1;
         }
     }
     counts
 }
 
-fn cell_of(pair: &SamplingTest, at: [f64; 2]) -> Option<[usize; 2]> {
-    let along = |axis: usize| {
-        let place = (at[axis] - pair.low[axis]) / (pair.high[axis] - pair.low[axis]);
-        let cells = pair.cells[axis];
-        (0.0..=1.0).contains(&place).then(|| ((place * cells as f64) as usize).min(cells - 1))
+fn cell_of(test: &SamplingTest, point: [f64; 2]) -> Option<[usize; 2]> {
+    let cell_index = |axis: usize| {
+        let position = (point[axis] - test.low[axis]) / (test.high[axis] - test.low[axis]);
+        let cells = test.cells[axis];
+        (0.0..=1.0).contains(&position).then(|| ((position * cells as f64) as usize).min(cells - 1))
     };
-    Some([along(0)?, along(1)?])
+    Some([cell_index(0)?, cell_index(1)?])
 }
 
-fn expected_counts(pair: &SamplingTest, points: u32) -> Vec<f64> {
-    let [rows, columns] = pair.cells;
+fn expected_counts(test: &SamplingTest, points: u32) -> Vec<f64> {
+    let [rows, columns] = test.cells;
     let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| [row, column]));
-    cells.map(|cell| expected_in_cell(pair, cell, f64::from(points))).collect()
+    cells.map(|cell| expected_in_cell(test, cell, f64::from(points))).collect()
 }
 
 /// Expected number of points in one cell.
-fn expected_in_cell(pair: &SamplingTest, cell: [usize; 2], points: f64) -> f64 {
-    let mut side = pair.min_midpoints;
-    let mut coarse = points * integrate_midpoint(pair, cell, side);
+fn expected_in_cell(test: &SamplingTest, cell: [usize; 2], points: f64) -> f64 {
+    let mut side = test.min_midpoints;
+    let mut coarse = points * integrate_midpoint(test, cell, side);
     loop {
         side *= 2;
-        let fine = points * integrate_midpoint(pair, cell, side);
-        let moved = (fine - coarse).abs();
-        if side == MAX_MIDPOINTS || moved <= INTEGRATION_ERROR * fine.max(1.0).sqrt() {
+        let fine = points * integrate_midpoint(test, cell, side);
+        let change = (fine - coarse).abs();
+        if side == MAX_MIDPOINTS || change <= INTEGRATION_ERROR * fine.max(1.0).sqrt() {
             return fine;
         }
         coarse = fine;
@@ -154,13 +156,13 @@ fn expected_in_cell(pair: &SamplingTest, cell: [usize; 2], points: f64) -> f64 {
 }
 
 /// Integrates the pdf over a cell by the midpoint rule, with `side` points along each side.
-fn integrate_midpoint(pair: &SamplingTest, cell: [usize; 2], side: usize) -> f64 {
+fn integrate_midpoint(test: &SamplingTest, cell: [usize; 2], side: usize) -> f64 {
     let step: [f64; 2] = std::array::from_fn(|axis| {
-        (pair.high[axis] - pair.low[axis]) / (pair.cells[axis] * side) as f64
+        (test.high[axis] - test.low[axis]) / (test.cells[axis] * side) as f64
     });
-    let at = |axis: usize, i: usize| {
-        pair.low[axis] + ((cell[axis] * side + i) as f64 + 0.5) * step[axis]
+    let point = |axis: usize, i: usize| {
+        test.low[axis] + ((cell[axis] * side + i) as f64 + 0.5) * step[axis]
     };
-    let column = |i| (0..side).map(|j| (pair.pdf)([at(0, i), at(1, j)])).sum::<f64>();
+    let column = |i| (0..side).map(|j| (test.pdf)([point(0, i), point(1, j)])).sum::<f64>();
     (0..side).map(column).sum::<f64>() * step[0] * step[1]
 }

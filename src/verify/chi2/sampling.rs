@@ -5,16 +5,17 @@ use crate::sampling::{DiscreteDistribution, Filter, FilterKind, Hemisphere, hemi
 use super::SamplingTest;
 
 pub(super) fn tests() -> Vec<SamplingTest> {
-    let mut pairs = Vec::new();
-    for drawn in [Hemisphere::Cosine, Hemisphere::UniformSolidAngle, Hemisphere::UniformAngle] {
-        pairs.push(SamplingTest::over_hemisphere(
-            format!("hemisphere {drawn:?}"),
-            move |u| Some(drawn.sample([u[0], u[1]])),
-            move |w| drawn.pdf(w.z),
+    let mut tests = Vec::new();
+    for hemisphere in [Hemisphere::Cosine, Hemisphere::UniformSolidAngle, Hemisphere::UniformAngle]
+    {
+        tests.push(SamplingTest::over_hemisphere(
+            format!("hemisphere {hemisphere:?}"),
+            move |u| Some(hemisphere.sample([u[0], u[1]])),
+            move |w| hemisphere.pdf(w.z),
         ));
     }
     for (exponent, up_to) in [(1.0, 1.6), (20.0, 1.6), (1000.0, 0.2)] {
-        pairs.push(power_cosine(exponent, up_to));
+        tests.push(power_cosine(exponent, up_to));
     }
     for (name, kind, radius) in [
         ("box", FilterKind::Box, 0.5),
@@ -22,10 +23,10 @@ pub(super) fn tests() -> Vec<SamplingTest> {
         ("gaussian", FilterKind::Gaussian, 1.5),
         ("blackman-harris", FilterKind::BlackmanHarris, 2.0),
     ] {
-        pairs.push(filter(name, kind, radius));
+        tests.push(filter(name, kind, radius));
     }
-    pairs.push(discrete());
-    pairs
+    tests.push(discrete());
+    tests
 }
 
 fn power_cosine(exponent: f64, up_to: f64) -> SamplingTest {
@@ -49,7 +50,10 @@ fn filter(name: &str, kind: FilterKind, radius: f64) -> SamplingTest {
 }
 
 fn discrete() -> SamplingTest {
-    let choice = DiscreteDistribution::new([0.1, 3.0, 0.0, 0.7, 1e-3]).expect("valid weights");
-    let probabilities = (0..5).map(|i| choice.pmf(i)).collect();
-    SamplingTest::over_indices("discrete choice", probabilities, move |u| Some(choice.sample(u[0])))
+    let distribution =
+        DiscreteDistribution::new([0.1, 3.0, 0.0, 0.7, 1e-3]).expect("valid weights");
+    let probabilities = (0..5).map(|i| distribution.pmf(i)).collect();
+    SamplingTest::over_indices("discrete choice", probabilities, move |u| {
+        Some(distribution.sample(u[0]))
+    })
 }

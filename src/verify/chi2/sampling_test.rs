@@ -42,16 +42,8 @@ impl SamplingTest {
         pdf: impl Fn([f64; 2]) -> f64 + Send + Sync + 'static,
     ) -> Self {
         let (sample, density) = (Box::new(sample), Box::new(pdf));
-        let (cells, fewest_midpoints) = (CELLS, MIN_MIDPOINTS);
-        Self {
-            name: name.into(),
-            sample,
-            pdf: density,
-            low,
-            high,
-            cells,
-            min_midpoints: fewest_midpoints,
-        }
+        let (cells, min_midpoints) = (CELLS, MIN_MIDPOINTS);
+        Self { name: name.into(), sample, pdf: density, low, high, cells, min_midpoints }
     }
 
     /// Integrates every cell with the maximum number of midpoints. For pdfs with jumps inside
@@ -102,10 +94,10 @@ impl SamplingTest {
         sample: impl Fn([f64; 4]) -> Option<usize> + Send + Sync + 'static,
     ) -> Self {
         let count = probabilities.len();
-        let middle = move |u| Some([sample(u)? as f64 + 0.5, 0.5]);
+        let sample_center = move |u| Some([sample(u)? as f64 + 0.5, 0.5]);
         let range = [[0.0, 0.0], [count as f64, 1.0]];
         let pmf = move |[x, _]: [f64; 2]| probabilities[(x as usize).min(count - 1)];
-        Self { cells: [count, 1], ..Self::over_rectangle(name, range, middle, pmf) }
+        Self { cells: [count, 1], ..Self::over_rectangle(name, range, sample_center, pmf) }
     }
 }
 

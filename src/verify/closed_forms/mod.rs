@@ -21,23 +21,24 @@ use super::check::{Check, CheckGroup, Effort};
 
 /// Returns a check for every closed form and every combination of variants that the effort allows.
 pub fn checks(effort: Effort, backends: &[Backend]) -> Vec<Check> {
-    let of_form = |form: &'static ClosedForm| {
-        let ways = variants::combinations(form, effort, backends);
-        ways.into_iter().map(move |(way, backend)| check(form, &way, backend, effort))
+    let form_checks = |form: &'static ClosedForm| {
+        let variants = variants::combinations(form, effort, backends);
+        variants.into_iter().map(move |(variant, backend)| check(form, &variant, backend, effort))
     };
-    CLOSED_FORMS.iter().flat_map(of_form).collect()
+    CLOSED_FORMS.iter().flat_map(form_checks).collect()
 }
 
 /// Returns the check of one closed form in one variant.
 pub fn check(
     form: &'static ClosedForm,
-    way: &RenderVariant,
+    variant: &RenderVariant,
     backend: Backend,
     effort: Effort,
 ) -> Check {
-    let name = format!("{}: {}, {}", form.name, way.name(), backend.name());
-    let (seed_of, way) = (name.clone(), way.clone());
+    let name = format!("{}: {}, {}", form.name, variant.name(), backend.name());
+    let (seed_name, variant) = (name.clone(), variant.clone());
     Check::new(CheckGroup::ClosedForms, name, move |cancel| {
-        comparison::measure(form, &way, backend, effort, &seed_of, cancel)
+        comparison::measure(form, &variant, backend, effort, &seed_name, cancel)
     })
+    .of_closed_form(form.name)
 }

@@ -11,22 +11,22 @@ use crate::verify::quadrature::gauss_legendre;
 
 /// A ray: an origin and a direction.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ChartLine {
+pub(super) struct ReferenceRay {
     pub(super) origin: DVec3,
     /// Unit vector.
     pub(super) direction: DVec3,
 }
 
-/// The piece of the scene that a ray sees, and the radiance there, which varies smoothly within a
-/// piece.
+/// The region of the image that a ray falls in (a surface or the background), and the radiance
+/// there, which varies smoothly within a region.
 pub(super) type SurfaceRadiance = Option<(usize, f64)>;
 
-/// Margin around a pixel that is searched for other pieces, as a fraction of its side.
+/// Margin around a pixel that is searched for other regions, as a fraction of its side.
 const MARGIN: f64 = 0.05;
 /// Points tested along each edge.
 const ALONG_EDGE: usize = 12;
 
-impl ChartLine {
+impl ReferenceRay {
     pub(super) fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t
     }
@@ -37,24 +37,24 @@ impl ChartLine {
         Self { origin: at, direction }
     }
 
-    /// Distance to a sphere: the near wall from outside, the far wall from inside.
+    /// Distance to a sphere: the near root from outside, the far root from inside.
     pub(super) fn hit_distance(&self, sphere: &Sphere) -> Option<f64> {
         let to_center = sphere.center - self.origin;
         let along = to_center.dot(self.direction);
-        let off = (to_center - self.direction * along).length_squared();
-        let half = (sphere.radius * sphere.radius - off).sqrt();
+        let distance_squared = (to_center - self.direction * along).length_squared();
+        let half = (sphere.radius * sphere.radius - distance_squared).sqrt();
         let is_inside = to_center.length_squared() < sphere.radius * sphere.radius;
         let t = if is_inside { along + half } else { along - half };
         (t > 0.0).then_some(t) // not a number where the line misses
     }
 
-    /// Finds the nearest sphere, skipping the one that the line leaves.
+    /// Finds the nearest sphere, skipping the origin sphere.
     pub(super) fn nearest_hit(
         &self,
         spheres: &[Sphere],
-        leaves: Option<usize>,
+        origin_sphere: Option<usize>,
     ) -> Option<(usize, f64)> {
-        let others = spheres.iter().enumerate().filter(|(i, _)| Some(*i) != leaves);
+        let others = spheres.iter().enumerate().filter(|(i, _)| Some(*i) != origin_sphere);
         let hits = others.filter_map(|(i, sphere)| Some((i, self.hit_distance(sphere)?)));
         hits.min_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -76,7 +76,7 @@ pub(super) fn spheres(prepared: &PreparedScene) -> Vec<Sphere> {
 
 /// Rays of a perspective (pinhole), orthographic or panoramic camera, by image position in pixels
 /// from the upper left corner. For other cameras the rays hit nothing.
-pub(super) fn rays(prepared: &PreparedScene) -> impl Fn(f64, f64) -> ChartLine {
+pub(super) fn rays(prepared: &PreparedScene) -> impl Fn(f64, f64) -> ReferenceRay {
     let camera = &prepared.description().camera;
     let [width, height] =
         [prepared.image_settings().width, prepared.image_settings().height].map(f64::from);
@@ -99,41 +99,43 @@ pub(super) fn rays(prepared: &PreparedScene) -> impl Fn(f64, f64) -> ChartLine {
         _ => None,
     };
     move |x, y| {
-        if let Some([around, upwards]) = extents {
+        if let Some([horizontal, vertical]) = extents {
             // Longitude and latitude are linear in the image position, relative to the centre.
-            let (longitude, latitude) = (around * (x / width - 0.5), upwards * (0.5 - y / height));
-            let level = forward * libm::cos(longitude) + right * libm::sin(longitude);
-            let direction = level * libm::cos(latitude) + up * libm::sin(latitude);
-            return ChartLine { origin: position, direction };
+            let (longitude, latitude) =
+                (horizontal * (x / width - 0.5), vertical * (0.5 - y / height));
+            let horizontal_direction =
+                forward * libm::cos(longitude) + right * libm::sin(longitude);
+            let direction = horizontal_direction * libm::cos(latitude) + up * libm::sin(latitude);
+            return ReferenceRay { origin: position, direction };
         }
         let across = right * (half * (2.0 * x - width) / height);
-        let aside = across + up * (half * (height - 2.0 * y) / height);
+        let offset = across + up * (half * (height - 2.0 * y) / height);
         if is_parallel {
-            ChartLine { origin: position + aside, direction: forward }
+            ReferenceRay { origin: position + offset, direction: forward }
         } else {
-            ChartLine { origin: position, direction: (forward + aside).normalize() }
+            ReferenceRay { origin: position, direction: (forward + offset).normalize() }
         }
     }
 }
 
-/// Mean of `seen` over each pixel, by Gauss-Legendre quadrature with `nodes` squared points; `None`
-/// for a pixel with more than one piece or without a closed form.
+/// Mean of `shade` over each pixel, by Gauss-Legendre quadrature with `nodes` squared points;
+/// `None` for a pixel with more than one region or without a closed form.
 pub(super) fn pixel_means(
     prepared: &PreparedScene,
     nodes: usize,
-    ray: impl Fn(f64, f64) -> ChartLine,
-    seen: impl Fn(ChartLine) -> SurfaceRadiance,
+    ray: impl Fn(f64, f64) -> ReferenceRay,
+    shade: impl Fn(ReferenceRay) -> SurfaceRadiance,
 ) -> Vec<Option<f64>> {
     let rule = gauss_legendre(nodes);
     let pixel = |x: u32, y: u32| {
-        let look = |u: f64, v: f64| seen(ray(f64::from(x) + u, f64::from(y) + v));
-        let (piece, _) = look(0.5, 0.5)?;
-        let alone = |(u, v)| look(u, v).is_some_and(|(other, _)| other == piece);
-        if !edge_points().all(alone) {
+        let evaluate = |u: f64, v: f64| shade(ray(f64::from(x) + u, f64::from(y) + v));
+        let (region, _) = evaluate(0.5, 0.5)?;
+        let is_same_region = |(u, v)| evaluate(u, v).is_some_and(|(other, _)| other == region);
+        if !edge_points().all(is_same_region) {
             return None;
         }
         let row = |&(u, weight): &(f64, f64)| {
-            rule.iter().map(move |&(v, w)| weight * w * look(u, v).map_or(f64::NAN, |s| s.1))
+            rule.iter().map(move |&(v, w)| weight * w * evaluate(u, v).map_or(f64::NAN, |s| s.1))
         };
         Some(rule.iter().flat_map(row).sum())
     };

@@ -52,13 +52,14 @@ impl SubtendedCap {
     /// The irradiance with another disc in front. `None` if the edges of the two cross, or if the
     /// horizon cuts the one in front.
     pub(super) fn irradiance_occluded_by(&self, front: &Self) -> Option<f64> {
-        let between = libm::acos(self.direction.dot(front.direction).clamp(-1.0, 1.0));
+        let separation = libm::acos(self.direction.dot(front.direction).clamp(-1.0, 1.0));
         let (far, near) = (self.radius(), front.radius());
-        if between >= far + near {
+        if separation >= far + near {
             return Some(self.irradiance());
         }
-        let is_risen = libm::acos(front.cos.clamp(-1.0, 1.0)) + near <= FRAC_PI_2;
-        (between + near <= far && is_risen).then(|| self.irradiance() - front.irradiance())
+        let is_above_horizon = libm::acos(front.cos.clamp(-1.0, 1.0)) + near <= FRAC_PI_2;
+        (separation + near <= far && is_above_horizon)
+            .then(|| self.irradiance() - front.irradiance())
     }
 }
 

@@ -76,35 +76,36 @@ pub(super) fn combinations(
     effort: Effort,
     backends: &[Backend],
 ) -> Vec<(RenderVariant, Backend)> {
-    let mut all = Vec::new();
+    let mut variants = Vec::new();
     for (b, &backend) in backends.iter().enumerate() {
         for (s, sampler) in SAMPLERS.iter().enumerate() {
             for (e, estimator) in estimators(form).enumerate() {
-                let others = [b, s, e].iter().filter(|&&index| index > 0).count();
-                let is_wanted = match effort {
-                    Effort::Quick => others <= 1,
+                let non_default = [b, s, e].iter().filter(|&&index| index > 0).count();
+                let is_included = match effort {
+                    Effort::Quick => non_default <= 1,
                     Effort::Normal => b == 0 || s == 0,
                     Effort::Full => true,
                 };
-                if is_wanted {
-                    all.push((RenderVariant { estimator, sampler }, backend));
+                if is_included {
+                    variants.push((RenderVariant { estimator, sampler }, backend));
                 }
             }
         }
     }
-    all
+    variants
 }
 
 fn estimators(form: &ClosedForm) -> impl Iterator<Item = &'static NamedOverrides> {
-    let shows = form.transport;
-    let finds_all = move |(index, _): &(usize, &NamedOverrides)| match shows {
+    let transport = form.transport;
+    let is_applicable = move |(index, _): &(usize, &NamedOverrides)| match transport {
         LightTransport::Global => !DIRECT.contains(index),
         LightTransport::Direct => true,
         LightTransport::Integrator(_) => false,
     };
     let named = SCENE_INTEGRATORS
         .iter()
-        .filter(move |choice| shows == LightTransport::Integrator(choice.name));
-    let others = ESTIMATORS.iter().enumerate().filter(finds_all).map(|(_, estimator)| estimator);
-    named.chain(others)
+        .filter(move |integrator| transport == LightTransport::Integrator(integrator.name));
+    let estimators =
+        ESTIMATORS.iter().enumerate().filter(is_applicable).map(|(_, estimator)| estimator);
+    named.chain(estimators)
 }

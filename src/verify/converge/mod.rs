@@ -17,7 +17,7 @@ use crate::color::Rgb;
 use super::metrics::{mean_error, relative_squared, squared};
 use super::statistics::MeanEstimate;
 
-pub use study::{ReferenceFrom, Study, Variant};
+pub use study::{ReferenceSource, Study, Variant};
 
 /// Error metric.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +59,7 @@ pub struct RunErrors {
 
 /// All seeds at one sample count.
 #[derive(Clone, Debug)]
-pub struct ChartPoint {
+pub struct ConvergencePoint {
     /// Samples per pixel.
     pub samples: u32,
     /// Runs, one per seed.
@@ -73,7 +73,7 @@ pub struct Series {
     pub name: String,
     /// Points in order of increasing samples, at least one. All have the same number of seeds, at
     /// least two.
-    pub points: Vec<ChartPoint>,
+    pub points: Vec<ConvergencePoint>,
 }
 
 /// A straight line in log-log space.
@@ -94,7 +94,7 @@ impl ErrorMetric {
         }
     }
 
-    fn of(self, mse: f64, relmse: f64) -> f64 {
+    fn value(self, mse: f64, relmse: f64) -> f64 {
         match self {
             Self::Rmse => mse.sqrt(),
             Self::Relmse => relmse,
@@ -114,27 +114,30 @@ impl Reference {
     /// Uses an existing image, with the variance of its pixels if known.
     pub fn from_picture(pixels: Vec<Rgb>, variance: Option<&[Rgb]>) -> Self {
         let noise = variance.map(|variance| {
-            let off: Vec<Rgb> = pixels
+            let offset_pixels: Vec<Rgb> = pixels
                 .iter()
                 .zip(variance)
                 .map(|(&value, v)| value + v.max(Rgb::ZERO).map(f32::sqrt))
                 .collect();
-            [mean_error(&off, &pixels, squared), mean_error(&off, &pixels, relative_squared)]
+            [
+                mean_error(&offset_pixels, &pixels, squared),
+                mean_error(&offset_pixels, &pixels, relative_squared),
+            ]
         });
         Self { pixels, noise }
     }
 
     /// Error of the reference itself in this metric; `None` if unknown.
     pub fn noise(&self, metric: ErrorMetric) -> Option<f64> {
-        self.noise.map(|[mse, relmse]| metric.of(mse, relmse))
+        self.noise.map(|[mse, relmse]| metric.value(mse, relmse))
     }
 
     /// Measures an image of the same size that took this many seconds.
     pub fn measure(&self, picture: &[Rgb], seconds: f64) -> RunErrors {
-        let [own, own_relative] = self.noise.unwrap_or_default();
+        let [noise, relative_noise] = self.noise.unwrap_or_default();
         RunErrors {
-            mse: mean_error(picture, &self.pixels, squared) - own,
-            relmse: mean_error(picture, &self.pixels, relative_squared) - own_relative,
+            mse: mean_error(picture, &self.pixels, squared) - noise,
+            relmse: mean_error(picture, &self.pixels, relative_squared) - relative_noise,
             seconds,
         }
     }
@@ -143,11 +146,11 @@ impl Reference {
 impl RunErrors {
     /// Error in this metric; NaN if the reference is noisier than the image.
     pub fn error(&self, metric: ErrorMetric) -> f64 {
-        metric.of(self.mse, self.relmse)
+        metric.value(self.mse, self.relmse)
     }
 }
 
-impl ChartPoint {
+impl ConvergencePoint {
     /// Error over the seeds.
     pub fn error(&self, metric: ErrorMetric) -> MeanEstimate {
         self.estimate(|run| run.error(metric))
@@ -167,8 +170,8 @@ impl ChartPoint {
         })
     }
 
-    fn estimate(&self, of: impl Fn(&RunErrors) -> f64) -> MeanEstimate {
-        MeanEstimate::from_values(&self.runs.iter().map(of).collect::<Vec<_>>())
+    fn estimate(&self, value: impl Fn(&RunErrors) -> f64) -> MeanEstimate {
+        MeanEstimate::from_values(&self.runs.iter().map(value).collect::<Vec<_>>())
     }
 }
 
@@ -185,21 +188,21 @@ impl Series {
             return None;
         }
         // Use each seed's own seconds, so that timing noise enters the interval.
-        let line_of = |seed: usize| {
-            let x = |point: &ChartPoint| match axis {
+        let fit_seed = |seed: usize| {
+            let x = |point: &ConvergencePoint| match axis {
                 Axis::Samples => f64::from(point.samples),
                 Axis::Seconds => point.runs[seed].seconds,
             };
             let xs: Vec<f64> = self.points.iter().map(|point| libm::log10(x(point))).collect();
-            let y = |point: &ChartPoint| libm::log10(point.runs[seed].error(metric));
+            let y = |point: &ConvergencePoint| libm::log10(point.runs[seed].error(metric));
             line(&xs, &self.points.iter().map(y).collect::<Vec<_>>())
         };
-        let lines: Vec<(f64, f64)> = (0..self.points[0].runs.len()).map(line_of).collect();
+        let lines: Vec<(f64, f64)> = (0..self.points[0].runs.len()).map(fit_seed).collect();
         let slope = MeanEstimate::from_values(&lines.iter().map(|line| line.0).collect::<Vec<_>>());
         let intercept =
             MeanEstimate::from_values(&lines.iter().map(|line| line.1).collect::<Vec<_>>()).mean;
-        let is_real = slope.mean.is_finite() && intercept.is_finite();
-        is_real.then_some(LogLogFit { slope, intercept })
+        let is_finite = slope.mean.is_finite() && intercept.is_finite();
+        is_finite.then_some(LogLogFit { slope, intercept })
     }
 }
 
@@ -231,7 +234,8 @@ mod tests {
             (0..16).map(|_| reference.measure(&noisy(n, random), f64::from(n) * 1e-3)).collect()
         };
         let points = [4, 8, 16, 32];
-        let points = points.map(|samples| ChartPoint { samples, runs: runs(samples, random) });
+        let points =
+            points.map(|samples| ConvergencePoint { samples, runs: runs(samples, random) });
         Series { name: "uniform".into(), points: points.into() }
     }
 
@@ -243,8 +247,8 @@ mod tests {
         let mut random = StdRng::seed_from_u64(5);
         let halves = [64, 64].map(|n| noisy(n, &mut random));
         let reference = Reference::from_halves(&halves[0], &halves[1]);
-        let own = reference.noise(ErrorMetric::Rmse).unwrap();
-        assert!((own / (1.0f64 / 12.0 / 128.0).sqrt() - 1.0).abs() < 0.05, "{own}");
+        let noise = reference.noise(ErrorMetric::Rmse).unwrap();
+        assert!((noise / (1.0f64 / 12.0 / 128.0).sqrt() - 1.0).abs() < 0.05, "{noise}");
         let series = series(&reference, &mut random);
         for (metric, expected) in [(ErrorMetric::Rmse, -0.5), (ErrorMetric::Relmse, -1.0)] {
             for axis in [Axis::Samples, Axis::Seconds] {
@@ -266,7 +270,7 @@ mod tests {
         let (slope, intercept) = line(&[0.0, 1.0, 2.0], &[1.0, 0.5, 0.0]);
         assert!((slope + 0.5).abs() < 1e-15 && (intercept - 1.0).abs() < 1e-15);
         let run = RunErrors { mse: -1.0, relmse: 1.0, seconds: 1.0 };
-        let point = |samples| ChartPoint { samples, runs: vec![run; 3] };
+        let point = |samples| ConvergencePoint { samples, runs: vec![run; 3] };
         let series = Series { name: String::new(), points: vec![point(1), point(2)] };
         assert!(series.fit(ErrorMetric::Rmse, Axis::Samples).is_none());
         assert!(series.fit(ErrorMetric::Relmse, Axis::Samples).is_some());

@@ -61,12 +61,12 @@ const WITH_GLASS: Tolerance = Tolerance { sampled: 2e-3, ..GLASS };
 
 impl MaterialCase {
     /// An opaque material.
-    pub(super) fn opaque(name: impl Into<String>, model: Model, promise: EnergyBound) -> Self {
+    pub(super) fn opaque(name: impl Into<String>, model: Model, bound: EnergyBound) -> Self {
         Self {
             name: name.into(),
             material: model.into(),
             eta: 1.0,
-            energy_bound: promise,
+            energy_bound: bound,
             tolerance: EXACT,
             facet_roughnesses: Vec::new(),
             in_chi2_suite: true,
@@ -138,48 +138,48 @@ const RED: Rgb = Rgb::new(0.9, 0.5, 0.1);
 
 fn diffuse() -> Vec<MaterialCase> {
     let white = Model::Diffuse(Diffuse { albedo: Rgb::ONE });
-    let mut samples = vec![MaterialCase::opaque("white diffuse", white, Lossless)];
+    let mut cases = vec![MaterialCase::opaque("white diffuse", white, Lossless)];
     for roughness in [0.3, 1.0] {
-        for (color, albedo, promise) in [("white ", Rgb::ONE, Lossless), ("", RED, Passive)] {
+        for (color, albedo, bound) in [("white ", Rgb::ONE, Lossless), ("", RED, Passive)] {
             let name = format!("{color}rough diffuse {roughness}");
             let model = Model::OrenNayar(OrenNayar { albedo, roughness });
-            samples.push(MaterialCase::opaque(name, model, promise));
+            cases.push(MaterialCase::opaque(name, model, bound));
         }
     }
     let mirror = Model::Mirror(Mirror { reflectance: Rgb::ONE });
-    samples.push(MaterialCase::opaque("mirror", mirror, Lossless));
-    samples
+    cases.push(MaterialCase::opaque("mirror", mirror, Lossless));
+    cases
 }
 
 /// All named metals, and others.
 fn metals(roughness: &[f64]) -> Vec<MaterialCase> {
     let lossless = Metal { ior: Rgb::ZERO, extinction: Rgb::ONE };
-    let mut samples = Vec::new();
+    let mut cases = Vec::new();
     for &roughness in roughness {
-        let metal = |name: &str, metal, promise| {
+        let metal = |name: &str, metal, bound| {
             let name = format!("{name}, roughness {roughness}");
-            MaterialCase::opaque(name, Model::Conductor(metal), promise)
+            MaterialCase::opaque(name, Model::Conductor(metal), bound)
                 .with_roughness(roughness, METAL)
         };
         let is_tabled = roughness == 0.4 || roughness == 1.0;
-        for sample in [
+        for case in [
             metal("lossless metal", Conductor::new(lossless, roughness), Lossless),
             metal("white metal", Conductor::from_color(Rgb::ONE, roughness), Lossless),
             metal("red metal", Conductor::from_color(RED, roughness), Passive),
         ] {
-            samples.push(MaterialCase { in_chi2_suite: is_tabled, ..sample });
+            cases.push(MaterialCase { in_chi2_suite: is_tabled, ..case });
         }
         // Skip the other spelling of the same metal.
         for (name, constants) in Metal::NAMED.into_iter().filter(|(name, _)| *name != "aluminum") {
             let named = metal(name, Conductor::new(constants, roughness), Passive);
-            samples.push(MaterialCase { in_chi2_suite: is_tabled && name == "gold", ..named });
+            cases.push(MaterialCase { in_chi2_suite: is_tabled && name == "gold", ..named });
         }
     }
-    samples
+    cases
 }
 
 /// Both sides of a boundary with relative index `eta`, sharing their tables.
-fn both_sides(eta: f64, roughness: f64) -> [MaterialCase; 2] {
+fn from_both_sides(eta: f64, roughness: f64) -> [MaterialCase; 2] {
     let model = Model::Dielectric(Dielectric::new(eta, 0, roughness, &[1.0]));
     [eta, 1.0 / eta].map(|eta| {
         // Three digits where two would give two indices the same name.
@@ -194,12 +194,13 @@ fn both_sides(eta: f64, roughness: f64) -> [MaterialCase; 2] {
 /// Lobes of low roughness are narrower than the cells of the chi-square table, which has separate
 /// rows for nearly equal indices.
 fn glass() -> Vec<MaterialCase> {
-    let mut samples = Vec::new();
+    let mut cases = Vec::new();
     for roughness in [0.0, 0.01, 0.1, 0.3, 0.6, 1.0] {
         for eta in [1.5, 2.4, 1.05] {
             let is_tabled = roughness > 0.1 && eta != 1.05 && (eta < 2.0 || roughness == 0.6);
-            samples.extend(
-                both_sides(eta, roughness).map(|s| MaterialCase { in_chi2_suite: is_tabled, ..s }),
+            cases.extend(
+                from_both_sides(eta, roughness)
+                    .map(|s| MaterialCase { in_chi2_suite: is_tabled, ..s }),
             );
         }
     }
@@ -207,51 +208,50 @@ fn glass() -> Vec<MaterialCase> {
         [(1.1, 0.4), (1.1, 1.0), (2.5, 0.2), (2.5, 1.0), (3.0, 1.0), (10.0, 1.0)]
     {
         let is_tabled = eta == 3.0;
-        samples.extend(
-            both_sides(eta, roughness).map(|s| MaterialCase { in_chi2_suite: is_tabled, ..s }),
+        cases.extend(
+            from_both_sides(eta, roughness).map(|s| MaterialCase { in_chi2_suite: is_tabled, ..s }),
         );
     }
-    samples
+    cases
 }
 
 fn glass_of_many_indices(roughness: &[f64]) -> Vec<MaterialCase> {
-    let each = |&roughness: &f64| {
+    let at_roughness = |&roughness: &f64| {
         [1.02, 1.1, 1.2, 1.33, 1.8, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0]
             .into_iter()
             .filter(move |&eta| (eta, roughness) != (2.5, 0.2))
-            .flat_map(move |eta| both_sides(eta, roughness).map(MaterialCase::without_chi2))
+            .flat_map(move |eta| from_both_sides(eta, roughness).map(MaterialCase::without_chi2))
     };
-    roughness.iter().flat_map(each).collect()
+    roughness.iter().flat_map(at_roughness).collect()
 }
 
 fn named_glasses() -> Vec<MaterialCase> {
-    let of = |(name, ior): (&str, f64)| {
+    let case = |(name, ior): (&str, f64)| {
         [0.0, 0.25, 0.75].map(|roughness| {
             let model = Model::Dielectric(Dielectric::new(ior, 0, roughness, &[1.0]));
-            let sample =
+            let case =
                 MaterialCase::opaque(format!("{name}, roughness {roughness}"), model, Lossless);
             // Air is too close to vacuum to have a rough boundary.
             let facets = if ior < 1.01 { 0.0 } else { roughness };
-            MaterialCase { eta: ior, ..sample }.with_roughness(facets, GLASS).without_chi2()
+            MaterialCase { eta: ior, ..case }.with_roughness(facets, GLASS).without_chi2()
         })
     };
-    NAMED_IORS.into_iter().flat_map(of).collect()
+    NAMED_IORS.into_iter().flat_map(case).collect()
 }
 
 fn plastic(ior: f64, roughness: &[f64]) -> Vec<MaterialCase> {
-    let mut samples = Vec::new();
+    let mut cases = Vec::new();
     for &roughness in roughness {
-        for (color, albedo, promise) in [("white", Rgb::ONE, Lossless), ("red", RED, Passive)] {
+        for (color, albedo, bound) in [("white", Rgb::ONE, Lossless), ("red", RED, Passive)] {
             let model = Model::Plastic(Plastic { albedo, coat: Coat::new(ior, roughness) });
             let of_index = if ior == 1.5 { String::new() } else { format!("of index {ior}, ") };
             let name = format!("{color} plastic, {of_index}roughness {roughness}");
-            let sample =
-                MaterialCase::opaque(name, model, promise).with_roughness(roughness, COATED);
+            let case = MaterialCase::opaque(name, model, bound).with_roughness(roughness, COATED);
             let is_tabled = ior == 1.5 && roughness != 0.1;
-            samples.push(MaterialCase { in_chi2_suite: is_tabled, ..sample });
+            cases.push(MaterialCase { in_chi2_suite: is_tabled, ..case });
         }
     }
-    samples
+    cases
 }
 
 fn plastic_of_many_indices() -> Vec<MaterialCase> {
@@ -281,7 +281,7 @@ fn principled() -> Vec<MaterialCase> {
     let mixed = PrincipledParameters { metallic: 0.3, transmission: 0.4, ..plain };
     let dense = PrincipledParameters { roughness: 1.0, ior: 10.0, transmission: 0.5, ..plain };
     let coated = PrincipledParameters { coat: 0.5, roughness: 0.9, specular: 1.0, ..mixed };
-    let mut samples = Vec::new();
+    let mut cases = Vec::new();
     for (name, eta, parameters) in [
         ("diffuse", 1.0, plain),
         ("mixture", 1.5, mixed),
@@ -296,21 +296,21 @@ fn principled() -> Vec<MaterialCase> {
     ] {
         for (color, base_color) in [("white", Rgb::ONE), ("red", RED)] {
             let is_lossless = color == "white" && parameters.coat == 0.0;
-            let promise = if is_lossless { Lossless } else { Passive };
+            let bound = if is_lossless { Lossless } else { Passive };
             let parameters = PrincipledParameters { base_color, ..parameters };
             let model = Model::Principled(Principled::new(parameters, &[1.0]));
-            let sample = MaterialCase::opaque(format!("principled {color} {name}"), model, promise);
-            let sample = MaterialCase { eta, in_chi2_suite: color == "red", ..sample };
+            let case = MaterialCase::opaque(format!("principled {color} {name}"), model, bound);
+            let case = MaterialCase { eta, in_chi2_suite: color == "red", ..case };
             let is_coated = parameters.coat > 0.0;
             let coat = if is_coated { parameters.coat_roughness } else { 0.0 };
             let is_glassy = parameters.transmission > 0.0;
             let tables = if is_glassy { WITH_GLASS } else { COATED };
-            samples.push(
-                sample.with_roughness(coat, tables).with_roughness(parameters.roughness, tables),
+            cases.push(
+                case.with_roughness(coat, tables).with_roughness(parameters.roughness, tables),
             );
         }
     }
-    samples
+    cases
 }
 
 fn phong() -> Vec<MaterialCase> {
@@ -318,7 +318,7 @@ fn phong() -> Vec<MaterialCase> {
         let (albedo, specular) = (Rgb::splat(0.3), Rgb::splat(0.7));
         Model::Phong(Phong { albedo, specular, exponent, normalized })
     };
-    let of = |exponent: f64| {
+    let case = |exponent: f64| {
         MaterialCase::opaque(format!("phong, exponent {exponent}"), phong(exponent, true), Passive)
     };
     let classic = |exponent: f64| {
@@ -328,7 +328,7 @@ fn phong() -> Vec<MaterialCase> {
             NonPhysical,
         )
     };
-    let untabled = |sample: MaterialCase| sample.without_chi2();
-    let others = [classic(1.0), classic(30.0)].map(untabled);
-    [vec![of(3.0), of(30.0), of(300.0), classic(3.0)], others.into()].concat()
+    let without_table = |case: MaterialCase| case.without_chi2();
+    let others = [classic(1.0), classic(30.0)].map(without_table);
+    [vec![case(3.0), case(30.0), case(300.0), classic(3.0)], others.into()].concat()
 }

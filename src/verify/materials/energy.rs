@@ -31,30 +31,31 @@ pub(super) struct Energy {
 }
 
 /// Measures the energy for `wo`, with this many directions per mean, a power of 2.
-pub(super) fn energy(sample: &MaterialCase, wo: DVec3, directions: u32) -> Energy {
-    let bsdf = sample.bsdf();
-    let proposals = Proposals::new(sample, &bsdf);
+pub(super) fn energy(case: &MaterialCase, wo: DVec3, directions: u32) -> Energy {
+    let bsdf = case.bsdf();
+    let proposals = Proposals::new(case, &bsdf);
     let mut means = Vec::new();
     for index in 0..SEEDS {
-        let seed = seed(&sample.name, index);
+        let seed = seed(&case.name, index);
         let mut sums = [DVec3::ZERO; 2];
         for i in 0..directions {
             let u = Sampler::with_kind(SamplerKind::Sobol, seed, 0, i, directions);
-            let drawn = bsdf.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(8));
+            let sampled = bsdf.sample(wo, u.get(2), u.get_2d(0), &|| u.get_2d(8));
             let weight = |s: &BsdfSample| s.weight.as_dvec3() * (s.eta * s.eta);
-            sums[0] += drawn.as_ref().map_or(DVec3::ZERO, weight);
-            sums[1] += drawn.filter(|s| s.lobe == Lobe::Delta).as_ref().map_or(DVec3::ZERO, weight);
+            sums[0] += sampled.as_ref().map_or(DVec3::ZERO, weight);
+            sums[1] +=
+                sampled.filter(|s| s.lobe == Lobe::Delta).as_ref().map_or(DVec3::ZERO, weight);
             sums[1] += proposals.estimate(&bsdf, wo, u.get(6), u.get_2d(4));
         }
         means.push(sums.map(|sum| (sum / f64::from(directions)).to_array()));
     }
-    let of = |way: usize| {
+    let estimate = |method: usize| {
         std::array::from_fn(|channel| {
-            let values: Vec<f64> = means.iter().map(|mean| mean[way][channel]).collect();
+            let values: Vec<f64> = means.iter().map(|mean| mean[method][channel]).collect();
             MeanEstimate::from_values(&values)
         })
     };
-    Energy { sampled: of(0), evaluated: of(1) }
+    Energy { sampled: estimate(0), evaluated: estimate(1) }
 }
 
 /// Equally likely proposal distributions.
@@ -74,33 +75,32 @@ enum Proposal {
 
 impl Proposals {
     /// No proposals for a delta BSDF.
-    fn new(sample: &MaterialCase, bsdf: &Bsdf<'_>) -> Self {
-        let mut ways = Vec::new();
+    fn new(case: &MaterialCase, bsdf: &Bsdf<'_>) -> Self {
+        let mut proposals = Vec::new();
         if !bsdf.is_delta() {
-            ways.extend([Proposal::Cosine(1.0), Proposal::Horizon(1.0)]);
-            for ggx in sample.facet_roughnesses.iter().filter_map(|&roughness| Ggx::new(roughness))
-            {
-                ways.push(Proposal::Reflect(ggx));
+            proposals.extend([Proposal::Cosine(1.0), Proposal::Horizon(1.0)]);
+            for ggx in case.facet_roughnesses.iter().filter_map(|&roughness| Ggx::new(roughness)) {
+                proposals.push(Proposal::Reflect(ggx));
                 if bsdf.is_rough_transmissive() {
-                    ways.push(Proposal::Refract(ggx));
+                    proposals.push(Proposal::Refract(ggx));
                 }
             }
             if bsdf.is_rough_transmissive() {
-                ways.extend([Proposal::Cosine(-1.0), Proposal::Horizon(-1.0)]);
+                proposals.extend([Proposal::Cosine(-1.0), Proposal::Horizon(-1.0)]);
             }
         }
-        Self { proposals: ways, eta: sample.eta }
+        Self { proposals, eta: case.eta }
     }
 
     /// Estimates `f cos` over the pdf of a direction.
-    fn estimate(&self, bsdf: &Bsdf<'_>, wo: DVec3, choice: f64, u: [f64; 2]) -> DVec3 {
-        let way = (choice * self.proposals.len() as f64) as usize;
-        let wi = self.proposals.get(way).and_then(|way| way.sample(self.eta, wo, u));
+    fn estimate(&self, bsdf: &Bsdf<'_>, wo: DVec3, u_select: f64, u: [f64; 2]) -> DVec3 {
+        let proposal = (u_select * self.proposals.len() as f64) as usize;
+        let wi = self.proposals.get(proposal).and_then(|proposal| proposal.sample(self.eta, wo, u));
         let Some(wi) = wi.filter(|wi| wi.z != 0.0) else { return DVec3::ZERO };
-        let density: f64 = self.proposals.iter().map(|way| way.pdf(self.eta, wo, wi)).sum();
-        let density = density / self.proposals.len() as f64;
-        let squared = if wi.z < 0.0 { self.eta * self.eta } else { 1.0 };
-        bsdf.eval(wo, wi).as_dvec3() * (squared * wi.z.abs() / density)
+        let pdf: f64 = self.proposals.iter().map(|proposal| proposal.pdf(self.eta, wo, wi)).sum();
+        let pdf = pdf / self.proposals.len() as f64;
+        let radiance_scale = if wi.z < 0.0 { self.eta * self.eta } else { 1.0 };
+        bsdf.eval(wo, wi).as_dvec3() * (radiance_scale * wi.z.abs() / pdf)
     }
 }
 
@@ -112,8 +112,8 @@ impl Proposal {
                 let m = ggx.sample_visible_normal(wo, u);
                 let cos = wo.dot(m);
                 // Snell's law; NaN on total internal reflection.
-                let beyond = (1.0 - (1.0 - cos * cos) / (eta * eta)).sqrt();
-                let wi = m * (cos / eta - beyond) - wo / eta;
+                let cos_transmitted = (1.0 - (1.0 - cos * cos) / (eta * eta)).sqrt();
+                let wi = m * (cos / eta - cos_transmitted) - wo / eta;
                 (wi.z < 0.0).then(|| wi.normalize())
             }
             Self::Cosine(side) => Some(Hemisphere::Cosine.sample(u) * DVec3::new(1.0, 1.0, *side)),

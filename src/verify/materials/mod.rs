@@ -41,58 +41,60 @@ const ROUNDING: f32 = 1e-4;
 pub(super) fn checks(effort: Effort) -> Vec<Check> {
     let (directions, pairs) = (effort.select(DIRECTIONS), effort.select(PAIRS));
     let degrees: &[f64] = if effort == Effort::Full { &MORE_DEGREES } else { &DEGREES };
-    let of_sample = |sample: MaterialCase| {
-        let sample = Arc::new(sample);
-        let is_fair = sample.energy_bound != EnergyBound::NonPhysical;
-        let (name, of_energy) = (sample.name.clone(), sample.clone());
+    let case_checks = |case: MaterialCase| {
+        let case = Arc::new(case);
+        let is_physical = case.energy_bound != EnergyBound::NonPhysical;
+        let (name, energy_case) = (case.name.clone(), case.clone());
         let energy =
             Check::new(CheckGroup::Materials, format!("energy of {name}"), move |cancel| {
-                check_energy(&of_energy, degrees, directions, cancel)
+                check_energy(&energy_case, degrees, directions, cancel)
             });
-        let both_ways = is_fair.then(|| {
+        let reciprocity = is_physical.then(|| {
             let name = format!("both ways through {name}");
-            Check::new(CheckGroup::Materials, name, move |_| Ok(check_reciprocity(&sample, pairs)))
+            Check::new(CheckGroup::Materials, name, move |_| Ok(check_reciprocity(&case, pairs)))
         });
-        [Some(energy), both_ways]
+        [Some(energy), reciprocity]
     };
-    material_cases(effort).into_iter().flat_map(of_sample).flatten().collect()
+    material_cases(effort).into_iter().flat_map(case_checks).flatten().collect()
 }
 
 fn check_energy(
-    sample: &MaterialCase,
+    case: &MaterialCase,
     degrees: &[f64],
     directions: u32,
     cancel: &CancelToken,
 ) -> Result<CheckMeasurement> {
     let mut worst = 1.0f64;
-    let (mut drawn, mut evaluated) = (MinMax::NOTHING, MinMax::NOTHING);
+    let (mut sampled, mut evaluated) = (MinMax::NOTHING, MinMax::NOTHING);
     for &degrees in degrees {
         cancel.check()?;
-        let energy = energy::energy(sample, direction(degrees), directions);
-        energy.sampled.iter().for_each(|energy| drawn.include(energy.mean));
+        let energy = energy::energy(case, direction(degrees), directions);
+        energy.sampled.iter().for_each(|energy| sampled.include(energy.mean));
         energy.evaluated.iter().for_each(|energy| evaluated.include(energy.mean));
-        let Tolerance { sampled: of_drawn, evaluated: of_evaluated } = sample.tolerance;
-        for (energies, tolerance) in [(energy.sampled, of_drawn), (energy.evaluated, of_evaluated)]
+        let Tolerance { sampled: sampled_tolerance, evaluated: evaluated_tolerance } =
+            case.tolerance;
+        for (energies, tolerance) in
+            [(energy.sampled, sampled_tolerance), (energy.evaluated, evaluated_tolerance)]
         {
             let each =
-                energies.into_iter().map(|energy| p_value(energy, sample.energy_bound, tolerance));
+                energies.into_iter().map(|energy| p_value(energy, case.energy_bound, tolerance));
             worst = each.fold(worst, f64::min);
         }
     }
     let angles = degrees.len();
-    if sample.energy_bound == EnergyBound::NonPhysical {
-        let MinMax { min: least, max: most } = evaluated;
-        let text = format!("{}: sends back {least:.2} to {most:.2} of the light", sample.name);
+    if case.energy_bound == EnergyBound::NonPhysical {
+        let MinMax { min, max } = evaluated;
+        let text = format!("{}: albedo {min:.2} to {max:.2}", case.name);
         // The maximum of the formula, reached at normal incidence.
-        let expected = sample.material.max_albedo();
-        let wrong = usize::from((most - f64::from(expected.max_element())).abs() > 0.01);
-        let detail = format!("{text} over {angles} angles, as it is known to");
+        let expected = case.material.max_albedo();
+        let wrong = usize::from((max - f64::from(expected.max_element())).abs() > 0.01);
+        let detail = format!("{text} over {angles} angles, as expected");
         return Ok(CheckMeasurement::new(TestStatistic::ErrorCount(wrong), detail).with_note(text));
     }
     let detail = format!(
-        "drawn {drawn} (beside {:.0e}), evaluated {evaluated} (beside {:.0e}) of the light over \
+        "albedo {sampled} sampled (tolerance {:.0e}), {evaluated} evaluated (tolerance {:.0e}) over \
          {angles} angles",
-        sample.tolerance.sampled, sample.tolerance.evaluated
+        case.tolerance.sampled, case.tolerance.evaluated
     );
     // Each comparison gets its share of the significance (Bonferroni).
     let comparisons = 6.0 * angles as f64;
@@ -120,8 +122,8 @@ impl std::fmt::Display for MinMax {
 }
 
 /// The p-value of an energy under the bound, widened by the tolerance.
-fn p_value(energy: MeanEstimate, promise: EnergyBound, tolerance: f64) -> f64 {
-    let nearest = match promise {
+fn p_value(energy: MeanEstimate, bound: EnergyBound, tolerance: f64) -> f64 {
+    let nearest = match bound {
         EnergyBound::Lossless => energy.mean.clamp(1.0 - tolerance, 1.0 + tolerance),
         _ => energy.mean.min(1.0 + tolerance),
     };
@@ -129,9 +131,9 @@ fn p_value(energy: MeanEstimate, promise: EnergyBound, tolerance: f64) -> f64 {
 }
 
 /// Tests random pairs of directions both ways, and sampled directions with their weights.
-fn check_reciprocity(sample: &MaterialCase, pairs: u32) -> CheckMeasurement {
-    let (bsdf, behind) = (sample.bsdf(), sample.reversed_bsdf());
-    let seed = seed(&sample.name, 0);
+fn check_reciprocity(case: &MaterialCase, pairs: u32) -> CheckMeasurement {
+    let (bsdf, reversed) = (case.bsdf(), case.reversed_bsdf());
+    let seed = seed(&case.name, 0);
     let mut wrong = 0;
     for i in 0..pairs {
         let u = Sampler::independent(seed, 1, i);
@@ -142,15 +144,15 @@ fn check_reciprocity(sample: &MaterialCase, pairs: u32) -> CheckMeasurement {
             // From behind, both directions are upside down, and radiance is scaled by the squared
             // index.
             let flip = |w: DVec3| DVec3::new(w.x, w.y, -w.z);
-            let there = bsdf.eval(wo, flip(wi)) * (sample.eta * sample.eta) as f32;
-            wrong += usize::from(!is_near(there, behind.eval(wi, flip(wo))));
+            let forward = bsdf.eval(wo, flip(wi)) * (case.eta * case.eta) as f32;
+            wrong += usize::from(!is_near(forward, reversed.eval(wi, flip(wo))));
         }
-        let drawn = bsdf.sample(wo, u.get(2), u.get_2d(8), &|| u.get_2d(12));
-        let Some(drawn) = drawn else { continue };
-        if drawn.lobe != Lobe::Delta {
-            let cos = drawn.wi.z.abs();
-            let weight = bsdf.eval(wo, drawn.wi) * (cos / bsdf.pdf(wo, drawn.wi)) as f32;
-            wrong += usize::from(!is_near(weight, drawn.weight));
+        let sampled = bsdf.sample(wo, u.get(2), u.get_2d(8), &|| u.get_2d(12));
+        let Some(sampled) = sampled else { continue };
+        if sampled.lobe != Lobe::Delta {
+            let cos = sampled.wi.z.abs();
+            let weight = bsdf.eval(wo, sampled.wi) * (cos / bsdf.pdf(wo, sampled.wi)) as f32;
+            wrong += usize::from(!is_near(weight, sampled.weight));
         }
     }
     CheckMeasurement::new(
@@ -160,8 +162,8 @@ fn check_reciprocity(sample: &MaterialCase, pairs: u32) -> CheckMeasurement {
 }
 
 fn is_near(a: Rgb, b: Rgb) -> bool {
-    let allowed = a.abs().max(b.abs()) * ROUNDING + Rgb::splat(1e-12);
-    (a - b).abs().cmple(allowed).all()
+    let tolerance = a.abs().max(b.abs()) * ROUNDING + Rgb::splat(1e-12);
+    (a - b).abs().cmple(tolerance).all()
 }
 
 /// A direction at this angle from the normal.
@@ -180,12 +182,12 @@ mod tests {
     fn every_material_keeps_its_promise() {
         let mut checks = checks(Effort::Quick);
         split_significance(&mut checks);
-        let outcomes = run_all(&checks, &CancelToken::default(), &|_| ()).expect("nobody cancels");
+        let results = run_all(&checks, &CancelToken::default(), &|_| ()).expect("nobody cancels");
         let failed: Vec<String> = checks
             .iter()
-            .zip(&outcomes)
-            .filter(|(_, outcome)| !outcome.passed)
-            .map(|(check, outcome)| format!("{}: {}", check.name, outcome.detail))
+            .zip(&results)
+            .filter(|(_, result)| !result.passed)
+            .map(|(check, result)| format!("{}: {}", check.name, result.detail))
             .collect();
         assert!(failed.is_empty(), "{failed:#?}");
     }

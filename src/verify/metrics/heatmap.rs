@@ -6,31 +6,31 @@ use crate::draw::heat_color;
 use crate::image_io::Picture;
 
 /// Minimum width in pixels. Smaller maps are drawn with larger pixels.
-const NARROWEST: usize = 256;
+const MIN_WIDTH: usize = 256;
 /// Rows of the scale.
 const SCALE_ROWS: usize = 12;
 /// Rows between the map and its scale.
 const GAP: usize = 4;
 
-/// Draws `values`, in rows of `width`, from 0 to `most` (clamped), with a scale below: black at the
-/// left is 0, light yellow at the right is `most`.
-pub fn draw(values: &[f64], width: usize, most: f64) -> Picture {
+/// Draws `values`, in rows of `width`, from 0 to `max` (clamped), with a scale below: black at the
+/// left is 0, light yellow at the right is `max`.
+pub fn draw(values: &[f64], width: usize, max: f64) -> Picture {
     let height = values.len() / width;
-    let zoom = NARROWEST.div_ceil(width).max(1);
-    let (wide, high) = (width * zoom, height * zoom);
-    let total = high + GAP + SCALE_ROWS;
-    let share = |value: f64| if most > 0.0 { (value / most).clamp(0.0, 1.0) } else { 0.0 };
+    let zoom = MIN_WIDTH.div_ceil(width).max(1);
+    let (zoomed_width, zoomed_height) = (width * zoom, height * zoom);
+    let total = zoomed_height + GAP + SCALE_ROWS;
+    let fraction = |value: f64| if max > 0.0 { (value / max).clamp(0.0, 1.0) } else { 0.0 };
     let pixel = |i: usize| {
-        let (x, y) = (i % wide, i / wide);
-        match y.checked_sub(high) {
-            None => heat_color(share(values[y / zoom * width + x / zoom])),
+        let (x, y) = (i % zoomed_width, i / zoomed_width);
+        match y.checked_sub(zoomed_height) {
+            None => heat_color(fraction(values[y / zoom * width + x / zoom])),
             Some(below) if below < GAP => Rgb::ONE,
-            Some(_) => heat_color(x as f64 / (wide - 1) as f64),
+            Some(_) => heat_color(x as f64 / (zoomed_width - 1) as f64),
         }
     };
-    let direct: Vec<Rgb> = (0..wide * total).map(pixel).collect();
+    let direct: Vec<Rgb> = (0..zoomed_width * total).map(pixel).collect();
     let indirect = vec![Rgb::ZERO; direct.len()];
-    Picture { width: wide, height: total, direct, indirect, ..Picture::default() }
+    Picture { width: zoomed_width, height: total, direct, indirect, ..Picture::default() }
 }
 
 #[cfg(test)]

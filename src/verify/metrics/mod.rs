@@ -44,7 +44,8 @@ pub fn psnr(mse: f64, peak: f64) -> f64 {
 pub struct ImageMean {
     /// Mean value.
     pub value: DVec3,
-    /// Standard error of the mean, if the variance of the pixels is known.
+    /// Standard error of the mean, if the variance of the pixels is given; infinite where it is
+    /// unknown for some pixel.
     pub standard_error: Option<DVec3>,
 }
 
@@ -55,11 +56,14 @@ impl ImageMean {
         Self { value: sum / picture.len() as f64, standard_error: None }
     }
 
-    /// Mean of an image whose pixels have these variances. Assumes independent pixels, which does
-    /// not hold for samplers that share numbers between pixels.
+    /// Mean of an image whose pixels have these variances; one that is infinite or NaN is unknown.
+    /// Assumes independent pixels, which does not hold for samplers that share numbers between
+    /// pixels.
     pub fn with_variance(picture: &[Rgb], variance: &[Rgb]) -> Self {
         let sum: DVec3 = variance.iter().map(|v| v.as_dvec3()).sum();
-        let error = sum.max(DVec3::ZERO).map(f64::sqrt) / picture.len() as f64;
+        let count = picture.len() as f64;
+        let known = |sum: f64| if sum.is_finite() { sum.max(0.0).sqrt() } else { f64::INFINITY };
+        let error = sum.map(known) / count;
         Self { standard_error: Some(error), ..Self::of(picture) }
     }
 
@@ -77,8 +81,8 @@ impl ImageMean {
     }
 
     /// Ratio of `self` to `other`, with the half-width of its 95 % interval if at least one error
-    /// is known; an unknown one counts as zero. The ratio is 1 if both are 0. If only `other` is 0,
-    /// ratio and interval are infinite.
+    /// is given; one that is not counts as zero. The ratio is 1 if both are 0. If only `other` is
+    /// 0, or an error is unknown, the interval is infinite.
     pub fn ratio(&self, other: &Self) -> (DVec3, Option<DVec3>) {
         let of = |a: f64, b: f64| if a == b { 1.0 } else { a / b };
         let ratio = DVec3::from_array(std::array::from_fn(|c| of(self.value[c], other.value[c])));
@@ -89,11 +93,12 @@ impl ImageMean {
         let half = |c: usize| {
             let (a, b) = (self.value[c], other.value[c]);
             match (a == 0.0, b == 0.0) {
+                _ if !(error(self)[c] + error(other)[c]).is_finite() => f64::INFINITY,
                 (true, true) => 0.0,
                 (false, true) => f64::INFINITY,
                 _ => {
-                    let (own, others) = (error(self)[c], ratio[c] * error(other)[c]);
-                    NORMAL_95 * (own * own + others * others).sqrt() / b.abs()
+                    let (own_term, other_term) = (error(self)[c], ratio[c] * error(other)[c]);
+                    NORMAL_95 * (own_term * own_term + other_term * other_term).sqrt() / b.abs()
                 }
             }
         };
@@ -140,6 +145,21 @@ mod tests {
         assert_eq!(black.ratio(&black), (DVec3::ONE, Some(DVec3::ZERO)));
         let (ratio, half) = mean(2.0, 0.02).ratio(&black);
         assert_eq!((ratio, half), (DVec3::INFINITY, Some(DVec3::INFINITY)));
+    }
+
+    #[test]
+    fn a_variance_that_is_unknown_is_not_none() {
+        let picture = [Rgb::ONE, Rgb::ZERO];
+        for unknown in [f32::INFINITY, f32::NAN] {
+            let variance = [Rgb::new(unknown, 2.0, 0.0), Rgb::ZERO];
+            let mean = ImageMean::with_variance(&picture, &variance);
+            let expected = DVec3::new(f64::INFINITY, 0.5f64.sqrt(), 0.0);
+            assert_eq!(mean.standard_error, Some(expected));
+            let half = mean.ratio(&ImageMean::of(&picture)).1.unwrap();
+            assert!(half.x == f64::INFINITY && half.y.is_finite() && half.z == 0.0);
+        }
+        let black = ImageMean::with_variance(&[Rgb::ZERO], &[Rgb::INFINITY]);
+        assert_eq!(black.ratio(&black).1, Some(DVec3::INFINITY));
     }
 
     /// 400 images of 400 pixels with known variance: intervals from twins and from the variance

@@ -12,11 +12,20 @@ impl Aabb {
     pub(in crate::accel::native) const EMPTY: Self =
         Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
 
-    /// The box of `[x, y, z, radius]`, with the f32 rounding of `x - radius`;
-    /// [`crate::accel::native::node::BvhNode::set_child`] compensates for it.
+    /// The box of `[x, y, z, radius]` and of all spheres that round to it, whose surfaces are at
+    /// most `2^-24 (|x| + r)` away along an axis. Half of what is added here covers that, the other
+    /// half the rounding of the sum to `reach`; [`crate::accel::native::node::BvhNode::set_child`]
+    /// compensates for the rounding of `x - reach`.
     pub(in crate::accel::native) fn from_sphere(sphere: &[f32; 4]) -> Self {
+        const ROUNDING: f32 = 1.0 / (1u32 << 23) as f32;
         let radius = sphere[3];
-        Self { low: sphere.map(|x| x - radius), high: sphere.map(|x| x + radius) }
+        let reach = sphere.map(|x| radius + ROUNDING * (x.abs() + radius));
+        let [mut low, mut high] = [*sphere; 2];
+        for axis in 0..4 {
+            low[axis] -= reach[axis];
+            high[axis] += reach[axis];
+        }
+        Self { low, high }
     }
 
     /// The box of one point; the fourth coordinate is ignored.

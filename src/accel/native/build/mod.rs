@@ -66,12 +66,12 @@ struct Treelet {
 /// # Errors
 /// On cancellation, if out of memory, and beyond 2^31 leaves.
 pub(super) fn build(set: &SphereSet, options: &BuildOptions) -> Result<(Bvh, BuildStats)> {
-    let spheres = set.particles();
-    if spheres.len() <= MAX_LIST_SIZE {
+    let spheres = set.particle_count();
+    if spheres <= MAX_LIST_SIZE {
         return Ok((build_list(set)?, BuildStats::default()));
     }
     let cells = Treelets::new(set);
-    let (nodes, leaves) = estimate_counts(spheres.len());
+    let (nodes, leaves) = estimate_counts(spheres);
     let mut forest = BvhStorage {
         nodes: HugePageVec::with_capacity(nodes)?,
         leaves: HugePageVec::with_capacity(leaves)?,
@@ -90,7 +90,7 @@ pub(super) fn build(set: &SphereSet, options: &BuildOptions) -> Result<(Bvh, Bui
         shape.optimal_treelets += built.iter().filter(|cell| cell.is_optimal).count();
         roots.extend(forest.append_treelets(built)?);
         let done = wave.last().map_or(0, |range| range.end);
-        options.progress.report(done as f64 / spheres.len().max(1) as f64);
+        options.progress.report(done as f64 / spheres.max(1) as f64);
     }
     let root = match roots[..] {
         [] => None,
@@ -104,7 +104,7 @@ const MAX_LIST_SIZE: usize = 32;
 
 /// Builds a list of leaves for a few spheres, without a tree.
 fn build_list(set: &SphereSet) -> Result<Bvh> {
-    let items: Vec<PrimRef> = prim_refs(set, 0..set.particles().len()).collect();
+    let items: Vec<PrimRef> = prim_refs(set, 0..set.particle_count()).collect();
     let groups = || items.chunks(LEAF_SIZE);
     let mut leaves = HugePageVec::with_capacity(0)?;
     let mut ids = HugePageVec::with_capacity(0)?;
@@ -122,19 +122,18 @@ fn build_list(set: &SphereSet) -> Result<Bvh> {
 
 /// Spheres of the set with their ids.
 fn prim_refs(set: &SphereSet, range: Range<usize>) -> impl Iterator<Item = PrimRef> {
-    let start = range.start as u32;
-    let spheres = set.particles()[range].iter();
-    spheres.zip(start..).map(|(&sphere, id)| PrimRef { sphere, id })
+    let ids = range.start as u32..range.end as u32;
+    ids.map(|id| PrimRef { sphere: set.rounded_particle(id), id })
 }
 
 /// Builds one treelet.
 fn build_treelet(set: &SphereSet, range: Range<usize>, quality: BuildQuality) -> Treelet {
-    let spheres = &set.particles()[range.clone()];
     let mut items: Vec<PrimRef> = prim_refs(set, range).collect();
     let binary = match quality {
         BuildQuality::Best => BinaryBvh::build_sah(&mut items),
         BuildQuality::Fast => {
-            let codes: Vec<u64> = spheres.iter().map(|sphere| set.morton_code(sphere)).collect();
+            let code = |item: &PrimRef| set.morton_code(&item.sphere);
+            let codes: Vec<u64> = items.iter().map(code).collect();
             BinaryBvh::build_morton(&items, &codes)
         }
     };

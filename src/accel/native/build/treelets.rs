@@ -25,8 +25,8 @@ pub(super) struct Treelets {
 impl Treelets {
     pub(super) fn new(set: &SphereSet) -> Self {
         let mut cells = Self { ranges: Vec::new(), top_tree: Vec::new() };
-        if !set.particles().is_empty() {
-            cells.split(set, 0..set.particles().len(), 0);
+        if set.particle_count() > 0 {
+            cells.split(set, 0..set.particle_count(), 0);
         }
         cells
     }
@@ -77,12 +77,17 @@ impl Treelets {
 /// Returns the index where the highest differing bit of the Morton codes changes; the middle if all
 /// are equal.
 fn morton_split(set: &SphereSet, range: &Range<usize>, level: usize) -> usize {
-    let spheres = &set.particles()[range.clone()];
-    let code = |sphere: &[f32; 4]| set.morton_code(sphere);
-    let differing = code(&spheres[0]) ^ code(&spheres[spheres.len() - 1]);
+    let code = |index: usize| set.morton_code(&set.rounded_particle(index as u32));
+    let differing = code(range.start) ^ code(range.end - 1);
     if level >= MAX_MORTON_DEPTH || differing == 0 {
-        return spheres.len() / 2;
+        return range.len() / 2;
     }
     let bit = 1u64 << differing.ilog2();
-    spheres.partition_point(|sphere| code(sphere) & bit == 0)
+    // The codes ascend: bisects for the first that has the bit.
+    let (mut low, mut high) = (range.start, range.end);
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if code(middle) & bit == 0 { low = middle + 1 } else { high = middle }
+    }
+    low - range.start
 }

@@ -3,7 +3,6 @@
 use std::mem::MaybeUninit;
 
 use crate::accel::native::aggregate::Aggregate;
-use crate::accel::native::bvh::Bvh;
 use crate::accel::native::node::{NodeRef, mask_lanes};
 use crate::accel::native::query::ExactQuery;
 use crate::math::Ray;
@@ -16,13 +15,16 @@ use super::simd::Portable;
 ///
 /// # Safety
 /// The slot holds the ray, and its candidate leaves belong to the tree.
-pub(super) unsafe fn resolve_candidates(tree: &Bvh, ray: &Ray, slot: &mut RayState) {
+pub(super) unsafe fn resolve_candidates(bvh: &Aggregate, ray: &Ray, slot: &mut RayState) {
+    let tree = &bvh.tree;
     let mut query = ExactQuery::new(ray, slot.best);
     for number in 0..slot.candidate_count {
         // SAFETY: the number is below `candidate_count`.
         let (leaf, lanes) = unsafe { slot.candidate_leaf::<Portable>(number) };
         let (ids, leaf) = (&tree.ids()[leaf as usize], &tree.leaves()[leaf as usize]);
-        mask_lanes(lanes).for_each(|lane| query.consider(ids[lane], &leaf.sphere(lane)));
+        for lane in mask_lanes(lanes) {
+            query.consider(ids[lane], &bvh.sphere(leaf, lane, ids[lane]));
+        }
     }
     slot.best = query.best;
     slot.candidate_count = 0;
@@ -48,7 +50,7 @@ pub(super) fn trace_scalar<Q: QueryMode>(bvh: &Aggregate, ray: &Ray) -> Q::Outpu
             for (index, leaf) in tree.leaves().iter().enumerate() {
                 slot.intersect_leaf::<Portable, true>(leaf, index as u32);
             }
-            resolve_candidates(tree, ray, slot);
+            resolve_candidates(bvh, ray, slot);
             return Q::output(slot.best);
         }
         while slot.next != NodeRef::NONE && !(Q::ANY_HIT && slot.best.is_hit()) {
@@ -56,7 +58,7 @@ pub(super) fn trace_scalar<Q: QueryMode>(bvh: &Aggregate, ray: &Ray) -> Q::Outpu
             if next.is_leaf() {
                 let leaf = tree.leaves().as_ptr().add(next.index());
                 slot.intersect_leaf::<Portable, true>(leaf, next.index() as u32);
-                resolve_candidates(tree, ray, slot);
+                resolve_candidates(bvh, ray, slot);
                 slot.limit = slot.limit_for(slot.best.t);
             } else {
                 slot.intersect_node::<Portable, false>(tree.nodes().as_ptr().add(next.index()));

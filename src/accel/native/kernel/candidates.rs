@@ -6,6 +6,7 @@
 
 use std::mem::MaybeUninit;
 
+use crate::accel::native::aggregate::Aggregate;
 use crate::accel::native::limits::MAX_CANDIDATE_LEAVES;
 use crate::accel::native::node::mask_lanes;
 use crate::accel::native::query::{BestHit, ExactQuery};
@@ -120,6 +121,26 @@ impl CandidateQueue {
         self.count == MAX_RAYS || self.leaf_count > MAX_LEAVES - MAX_CANDIDATE_LEAVES
     }
 
+    /// Prefetches the spheres of all candidates.
+    ///
+    /// # Safety
+    /// All candidates belong to this tree, and the CPU supports `L`.
+    #[inline(always)]
+    unsafe fn prefetch_spheres<L: Simd8>(&self, bvh: &Aggregate) {
+        for kept in &self.leaves[..self.leaf_count] {
+            // SAFETY: entries below the count were written, with leaves of this tree; lanes are
+            // below 8.
+            unsafe {
+                let LeafCandidates { leaf, mask } = kept.assume_init();
+                let ids = bvh.tree.ids().get_unchecked(leaf as usize);
+                for lane in mask_lanes(mask) {
+                    let [sphere, _] = bvh.spheres.addresses(*ids.get_unchecked(lane));
+                    L::prefetch(sphere);
+                }
+            }
+        }
+    }
+
     /// Resolves all queued rays.
     ///
     /// The traversal does not check for excluded spheres, because they hardly ever matter: the
@@ -136,6 +157,10 @@ impl CandidateQueue {
     #[inline(always)]
     pub(super) unsafe fn resolve<L: Simd8, Q: QueryMode>(&mut self, batch: &mut RayBatch<'_, Q>) {
         let tree = &batch.bvh.tree;
+        if !batch.bvh.spheres.is_exact_in_f32() {
+            // SAFETY: as for this function.
+            unsafe { self.prefetch_spheres::<L>(batch.bvh) };
+        }
         let mut first = 0;
         for waiting in &self.rays[..self.count] {
             // SAFETY: entries below the counts were written, with leaves of this tree and rays of
@@ -161,7 +186,8 @@ impl CandidateQueue {
                         let ids = tree.ids().get_unchecked(leaf as usize);
                         let leaf = tree.leaves().get_unchecked(leaf as usize);
                         for lane in mask_lanes(lanes) {
-                            query.consider(*ids.get_unchecked(lane), &leaf.sphere(lane));
+                            let id = *ids.get_unchecked(lane);
+                            query.consider(id, &batch.bvh.sphere(leaf, lane, id));
                         }
                     }
                     best = query.best;
@@ -172,10 +198,9 @@ impl CandidateQueue {
                     if needs_retrace { trace_scalar::<Q>(batch.bvh, ray) } else { Q::output(best) };
                 *batch.outputs.get_unchecked_mut(waiting.ray as usize) = answer;
                 if !Q::ANY_HIT {
-                    let spheres = &batch.bvh.spheres;
-                    let at = best.id as usize;
-                    L::prefetch(spheres.particles().as_ptr().wrapping_add(at).cast());
-                    L::prefetch(spheres.rows().as_ptr().wrapping_add(at).cast());
+                    let [sphere, row] = batch.bvh.spheres.addresses(best.id);
+                    L::prefetch(sphere);
+                    L::prefetch(row);
                 }
             }
         }

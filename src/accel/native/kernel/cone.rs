@@ -9,7 +9,7 @@
 //! `|p| <= reach = ((R + r) (1 + s) + s |b|) / (1 - s)`,
 //!
 //! and the hit is at a distance between `b - R - r` and `b + reach`. The errors of `v`, `b` and `p`
-//! in f32 are at most `E = 32 e (|b| + reach + |o|)`, as in [`super::spheres`].
+//! in f32 are at most `E = 36 e (|b| + reach + |o|)`, as in [`super::spheres`].
 
 use crate::accel::native::build::fast_max;
 use crate::accel::native::bvh::Bvh;

@@ -134,9 +134,7 @@ pub(super) unsafe fn prefetch<L: Simd8>(tree: &Bvh, next: NodeRef) {
 #[inline(never)]
 unsafe fn flush_candidates<Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut RayState) -> bool {
     // SAFETY: upheld by the caller.
-    unsafe {
-        resolve_candidates(&batch.bvh.tree, batch.rays.get_unchecked(slot.ray as usize), slot)
-    };
+    unsafe { resolve_candidates(batch.bvh, batch.rays.get_unchecked(slot.ray as usize), slot) };
     let limit = slot.limit_for(slot.best.t);
     slot.limit = if Q::ANY_HIT || limit > slot.limit { slot.limit } else { limit };
     Q::ANY_HIT && slot.best.is_hit()

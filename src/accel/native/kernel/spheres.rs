@@ -7,36 +7,38 @@
 //! rounding `u` by `e`. So the error of the computed `v` is at most `e (|v| + |o|)`, of `b`
 //! `e (5 |v| + |o|)`, and of `p` `e (9 |v| + 2 |o|)`, where the error of `b` is left out, because
 //! it runs along the line; its square adds `2 e |p|`. As `u` is not exactly unit, `b` and `p` have
-//! an additional error of `13 e |b|`. With `|v| <= |b| + |p|`, and `|p| <= R` for a hit, the length
-//! of `p` is known to within
+//! an additional error of `13 e |b|`. The sphere `(c, R)` of a leaf is a rounded copy of the one
+//! that the user wrote, whose surface is at most `e (|c| + R)` away, and `|c| <= |o| + |v|`. With
+//! `|v| <= |b| + |p|`, and `|p| <= R` for a hit, the length of `p` is known to within
 //!
-//! `E' = e (24 (|b| + R) + 2 |o|)`, which is at most 3/4 of `E = 32 e (|b| + R + |o|)`.
+//! `E' = e (26 (|b| + R) + 3 |o|)`, which is at most 3/4 of `E = 36 e (|b| + R + |o|)`.
 //!
 //! This holds with fused and with separate roundings. It follows that
 //!
 //! * a sphere that is hit has `q = p.p <= (R + E)^2` as computed: all others are no candidates;
 //! * half the chord is at most `h = sqrt((R + E)^2 - q)`, including roundings, which take at most
-//!   `4 e R^2` of the margin `2 R (E - E')`;
+//!   `4 e R^2` of the margin `2 R (E - E')`, which is at least `18 e R^2`;
 //! * half the chord squared is at least `(R + E)^2 - q - 4 (R + E) E`, because `h^2` minus its true
 //!   value is at most `2 R E + E^2 + 2 (R + E) E' + E'^2` and the roundings again. If this is above
 //!   0, the sphere is certainly hit;
 //! * the roots lie in `b - h - E .. b - h' + E` and `b + h' - E .. b + h + E`, where `h'` is the
-//!   root of that lower bound: of each `E` the error of `b` takes 18/32, the length of `u` in half
-//!   the chord 7/32, and the roundings of the sums and the root 4/32.
+//!   root of that lower bound: of each `E` the error of `b` takes 20/36, of which the rounding of
+//!   the sphere is 2, the length of `u` in half the chord 7/36, and the roundings of the sums and
+//!   the root 4/36.
 //!
 //! `E` is at least 2^-60, so that underflow is far below the remaining margin.
 //!
 //! A candidate is *certain* if it is certainly hit, beyond `t_min` and, for occlusion, before
 //! `t_max`. The smallest upper bound of a certain hit limits the search. Every candidate whose
-//! lower bound is within the limit is kept, and those that remain at the end are tested in f64.
-//! beyond that is kept, and those that remain at the end are judged in f64.
+//! lower bound is within the limit is kept, and those that remain at the end are tested in f64,
+//! with the numbers that the user wrote.
 
 use crate::accel::native::node::SphereLeaf;
 
 use super::simd::Simd8;
 
-/// `32 e` of the module documentation.
-pub(super) const ERROR_SCALE: f32 = 1.0 / (1u32 << 19) as f32;
+/// `36 e` of the module documentation.
+pub(super) const ERROR_SCALE: f32 = 36.0 / (1u32 << 24) as f32;
 /// The smallest error bound.
 pub(super) const MIN_ERROR: f32 = f32::from_bits((127 - 60) << 23);
 

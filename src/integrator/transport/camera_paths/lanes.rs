@@ -8,12 +8,12 @@ use crate::scene::PreparedScene;
 
 use super::super::super::dimension;
 use super::super::super::sample::SampleAddress;
-use super::super::choices::PathTracer;
+use super::super::path_tracer::PathTracer;
 
 /// Returns true if the camera rays of a scene can be generated in lanes.
-pub(super) fn supports_lanes(prepared: &PreparedScene, transport: &PathTracer) -> bool {
+pub(super) fn supports_lanes(prepared: &PreparedScene, tracer: &PathTracer) -> bool {
     prepared.camera().is_pinhole()
-        && transport.strata.is_unstratified()
+        && tracer.strata.is_unstratified()
         && prepared.render_settings().sampler == SamplerKind::Sobol
 }
 
@@ -68,15 +68,15 @@ struct SamplePixel<'a> {
 impl SimdKernel for SamplePixel<'_> {
     #[inline(always)]
     fn run(self) {
-        let CameraRayBatch { pixel: [x, y], sample, sobol: numbers, u, offset, .. } = self.batch;
+        let CameraRayBatch { pixel: [x, y], sample, sobol, u, offset, .. } = self.batch;
         let width = u64::from(self.prepared.image_settings().width);
         let pixel = |lane: usize| u64::from(y.0[lane]) * width + u64::from(x.0[lane]);
-        numbers.start_pixel_samples(self.prepared.render_settings().seed, pixel, |lane| {
+        sobol.start_pixel_samples(self.prepared.render_settings().seed, pixel, |lane| {
             sample.0[lane]
         });
-        numbers.select_set(|_| dimension::PIXEL / SobolLanes::SET_SIZE);
+        sobol.select_set(|_| dimension::PIXEL / SobolLanes::SET_SIZE);
         for (dimension, u) in (dimension::PIXEL % SobolLanes::SET_SIZE..).zip(&mut *u) {
-            numbers.get(dimension, u);
+            sobol.get(dimension, u);
         }
         if let Some(radius) = self.prepared.filter().box_radius() {
             for (u, offset) in u.iter().zip(offset) {

@@ -24,15 +24,15 @@ const MAX_CAMERA_RETRIES: u32 = 1000;
 impl<R: PathRecorder> PathBatch<'_, R> {
     /// Generates the camera rays of all samples.
     pub(super) fn generate_camera_paths(&mut self, workspace: &mut Workspace) {
-        let Workspace { isa, camera_batch: start, path_queue: paths, .. } = workspace;
+        let Workspace { isa, camera_batch, path_queue: paths, .. } = workspace;
         self.samplers.clear();
         paths.clear();
         let samples = self.samples;
         if lanes::supports_lanes(self.context.prepared, self.integrator) {
             for samples in samples.chunks(LANES) {
                 let rays = paths.rays.push_block(samples.len());
-                start.run(*isa, self.context.prepared, samples, rays);
-                self.samplers.extend((0..samples.len()).map(|lane| start.sampler(lane)));
+                camera_batch.run(*isa, self.context.prepared, samples, rays);
+                self.samplers.extend((0..samples.len()).map(|lane| camera_batch.sampler(lane)));
             }
         } else {
             for &address in samples {

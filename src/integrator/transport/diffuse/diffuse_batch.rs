@@ -95,7 +95,7 @@ impl DiffuseBatch {
     #[inline(always)]
     pub(super) fn push(
         &mut self,
-        waiting: DiffuseVertex,
+        vertex: DiffuseVertex,
         ray: &PathRay,
         sphere: &Sphere,
         sampler: Sampler,
@@ -105,7 +105,7 @@ impl DiffuseBatch {
         if lane >= LANES {
             return;
         }
-        self.vertices[lane] = waiting;
+        self.vertices[lane] = vertex;
         self.origin.set(lane, ray.origin);
         self.direction.set(lane, ray.direction);
         self.t_min.0[lane] = ray.t_min;
@@ -131,7 +131,7 @@ impl LightSampleLanes {
 
 /// Computes the hit points and draws the random numbers for light sampling.
 pub(super) struct IntersectLanes<'a> {
-    pub(super) block: &'a mut DiffuseBatch,
+    pub(super) batch: &'a mut DiffuseBatch,
     pub(super) needs_selection: bool,
 }
 
@@ -139,32 +139,23 @@ impl SimdKernel for IntersectLanes<'_> {
     #[inline(always)]
     fn run(self) {
         let DiffuseBatch {
-            sobol: numbers,
-            depth,
-            origin,
-            direction,
-            t_min,
-            center,
-            radius,
-            hit: met,
-            light,
-            ..
-        } = self.block;
+            sobol, depth, origin, direction, t_min, center, radius, hit, light, ..
+        } = self.batch;
         for lane in 0..LANES {
             let sphere = Sphere { center: center.get(lane), radius: radius.0[lane] };
             let (origin, direction) = (origin.get(lane), direction.get(lane));
             let t = sphere.hit_distance(origin, direction, t_min.0[lane]);
             let (point, normal) = sphere.reproject(origin, direction, t);
-            met.point.set(lane, point);
-            met.normal.set(lane, normal);
-            met.cos.0[lane] = direction.dot(normal);
+            hit.point.set(lane, point);
+            hit.normal.set(lane, normal);
+            hit.cos.0[lane] = direction.dot(normal);
         }
-        draw_2d(numbers, depth, &mut light.u, |vertex| vertex.light_direction());
+        draw_2d(sobol, depth, &mut light.u, |vertex| vertex.light_direction());
         if self.needs_selection {
-            numbers.select_set(|lane| {
+            sobol.select_set(|lane| {
                 VertexDimensions::at(depth.0[lane]).light_selection() / SobolLanes::SET_SIZE
             });
-            numbers.get(
+            sobol.get(
                 VertexDimensions::at(1).light_selection() % SobolLanes::SET_SIZE,
                 &mut light.u_select,
             );
@@ -175,21 +166,20 @@ impl SimdKernel for IntersectLanes<'_> {
 /// Draws two consecutive dimensions; the set depends on a path's depth.
 #[inline(always)]
 fn draw_2d(
-    numbers: &mut SobolLanes,
+    sobol: &mut SobolLanes,
     depth: &Lanes<u32>,
     [first, second]: &mut [Lanes<f64>; 2],
     dimension: impl Fn(VertexDimensions) -> u32,
 ) {
-    let in_set = dimension(VertexDimensions::at(1)) % SobolLanes::SET_SIZE;
-    numbers
-        .select_set(|lane| dimension(VertexDimensions::at(depth.0[lane])) / SobolLanes::SET_SIZE);
-    numbers.get(in_set, first);
-    numbers.get(in_set + 1, second);
+    let first_in_set = dimension(VertexDimensions::at(1)) % SobolLanes::SET_SIZE;
+    sobol.select_set(|lane| dimension(VertexDimensions::at(depth.0[lane])) / SobolLanes::SET_SIZE);
+    sobol.get(first_in_set, first);
+    sobol.get(first_in_set + 1, second);
 }
 
 /// Samples the only emitter.
 pub(super) struct SampleSingleEmitter<'a> {
-    pub(super) block: &'a mut DiffuseBatch,
+    pub(super) batch: &'a mut DiffuseBatch,
     pub(super) emitter: Emitter,
     pub(super) sphere: Sphere,
 }
@@ -197,12 +187,12 @@ pub(super) struct SampleSingleEmitter<'a> {
 impl SimdKernel for SampleSingleEmitter<'_> {
     #[inline(always)]
     fn run(self) {
-        let DiffuseBatch { hit: met, light, .. } = self.block;
+        let DiffuseBatch { hit, light, .. } = self.batch;
         light.sampled =
             [SampledLight { radiance: self.emitter.emission, sphere_id: self.emitter.id }; LANES];
         let Sphere { center, radius } = self.sphere;
         for lane in 0..LANES {
-            let to_center = center - met.point.get(lane);
+            let to_center = center - hit.point.get(lane);
             let distance = to_center.length();
             let cone = Cone::from_axis(to_center, distance, radius);
             let sample = cone.sample([light.u[0].0[lane], light.u[1].0[lane]]);
@@ -215,17 +205,17 @@ impl SimdKernel for SampleSingleEmitter<'_> {
 
 /// Weights the light samples and samples the BSDF directions.
 pub(super) struct SampleBsdfLanes<'a> {
-    pub(super) block: &'a mut DiffuseBatch,
+    pub(super) batch: &'a mut DiffuseBatch,
     pub(super) estimator: Estimator,
 }
 
 impl SimdKernel for SampleBsdfLanes<'_> {
     #[inline(always)]
     fn run(self) {
-        let DiffuseBatch { sobol: numbers, depth, hit: met, light, bsdf: next, .. } = self.block;
-        draw_2d(numbers, depth, &mut next.u, |vertex| vertex.bsdf_direction());
+        let DiffuseBatch { sobol, depth, hit, light, bsdf, .. } = self.batch;
+        draw_2d(sobol, depth, &mut bsdf.u, |vertex| vertex.bsdf_direction());
         for lane in 0..LANES {
-            let normal = met.normal.get(lane);
+            let normal = hit.normal.get(lane);
             let wi = DVec3::new(0.0, 0.0, normal.dot(light.direction.get(lane)));
             let (pdf, pdf_bsdf) = (light.pdf.0[lane], Diffuse::pdf_cosine(wi));
             let weight = mis_weight(self.estimator, pdf, pdf_bsdf);
@@ -234,14 +224,14 @@ impl SimdKernel for SampleBsdfLanes<'_> {
             light.mis_factor.0[lane] = if wi.z > 0.0 { factor } else { 0.0 };
         }
         for lane in 0..LANES {
-            let normal = met.normal.get(lane);
-            let u = [next.u[0].0[lane], next.u[1].0[lane]];
+            let normal = hit.normal.get(lane);
+            let u = [bsdf.u[0].0[lane], bsdf.u[1].0[lane]];
             let u = if fault!(RandomNumberReused) { [u[0]; 2] } else { u };
             let (wi, pdf) = Diffuse::sample_cosine(u);
             let direction = renormalize(Frame::from_z(normal).to_world(wi));
-            next.direction.set(lane, direction);
-            next.pdf.0[lane] = pdf;
-            next.cos.0[lane] = direction.dot(normal);
+            bsdf.direction.set(lane, direction);
+            bsdf.pdf.0[lane] = pdf;
+            bsdf.cos.0[lane] = direction.dot(normal);
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Diffuse fast path: shades vertices on diffuse surfaces in lanes.
 //!
-//! Most vertices of most pictures are alike: an opaque diffuse surface, hit from outside, lit by
-//! emitters seen from outside. They are collected field by field in a [`DiffuseBatch`] and go
-//! through its stages, whose loops over the lanes compile to vector instructions (see
+//! Most vertices of most pictures lie on an opaque diffuse surface, hit from outside and lit by
+//! emitters seen from outside. A [`DiffuseBatch`] stores them as a structure of arrays and shades
+//! them in stages, whose loops over the lanes compile to vector instructions (see
 //! [`crate::math::Isa`]). The loop bodies are the functions that
-//! [`PathBatch::sample_light_and_bsdf`] calls for a single path, so both give the same bits.
-//! Vertices that turn out to be different fall back to [`PathBatch::sample_light_and_bsdf`].
+//! [`PathBatch::sample_light_and_bsdf`] calls for a single path, so both give the same bits. Other
+//! vertices fall back to [`PathBatch::sample_light_and_bsdf`].
 
 mod diffuse_batch;
 
@@ -27,8 +27,8 @@ use diffuse_batch::{
     DiffuseVertex, IntersectLanes, SampleBsdfLanes, SampleSingleEmitter, SampledLight,
 };
 
-/// A diffuse surface. Data passed between stages for every path is kept small, and is not written
-/// and read back in pieces of other sizes, which stalls store forwarding.
+/// A diffuse surface: only what the next stage needs. It stays small, and no stage reads its parts
+/// in other sizes than they were written, which would stall store forwarding.
 #[derive(Clone, Copy)]
 pub(super) struct DiffuseSurface<'a> {
     albedo: Rgb,
@@ -36,14 +36,14 @@ pub(super) struct DiffuseSurface<'a> {
 }
 
 impl<'a, R: PathRecorder> PathBatch<'a, R> {
-    /// Returns true if diffuse surfaces are shaded in lanes: not while recording, and not where the
-    /// scene or the integrator makes their vertices differ from each other.
+    /// Returns true if diffuse surfaces are shaded in lanes: nothing is recorded, and the scene and
+    /// the integrator treat all diffuse vertices alike.
     pub(super) fn uses_diffuse_batch(&self) -> bool {
-        let (scene, transport) = (self.context.scene, self.integrator);
+        let (scene, tracer) = (self.context.scene, self.integrator);
         !R::ENABLED
             && !scene.has_opacity()
-            && transport.hemisphere == Hemisphere::Cosine
-            && transport.max_scatterings == u32::MAX
+            && tracer.hemisphere == Hemisphere::Cosine
+            && tracer.max_scatterings == u32::MAX
             && self.context.prepared.render_settings().sampler == SamplerKind::Sobol
     }
 
@@ -74,7 +74,7 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
     #[inline(always)]
     pub(super) fn enqueue_diffuse(
         &mut self,
-        block: &mut DiffuseBatch,
+        batch: &mut DiffuseBatch,
         paths: &PathQueue,
         index: usize,
         id: u32,
@@ -91,77 +91,77 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
             self.terminate_at_length_limit();
             return;
         }
-        let waiting = DiffuseVertex { path_index: index as u32, id, albedo };
+        let vertex = DiffuseVertex { path_index: index as u32, id, albedo };
         let sphere = self.context.scene.spheres().sphere(id);
         let sampler = self.samplers[state.batch_index as usize];
-        block.push(waiting, &paths.rays.get(index), &sphere, sampler, state.depth);
+        batch.push(vertex, &paths.rays.get(index), &sphere, sampler, state.depth);
     }
 
     /// Shades the vertices of a batch and empties it. Continuing paths are appended to `next`.
     pub(super) fn flush_diffuse(
         &mut self,
         isa: Isa,
-        block: &mut DiffuseBatch,
+        batch: &mut DiffuseBatch,
         paths: &PathQueue,
         next: &mut PathQueue,
         shadow_queue: &mut ShadowQueue<'_>,
     ) {
-        if block.count == 0 {
+        if batch.count == 0 {
             return;
         }
         let scene = self.context.scene;
         let lights = self.context.prepared.lights();
         let estimator = self.integrator.estimator;
-        isa.run(IntersectLanes { block, needs_selection: lights.needs_selection() });
+        isa.run(IntersectLanes { batch, needs_selection: lights.needs_selection() });
         if estimator == Estimator::Bsdf {
-            block.light.pdf.0.fill(0.0);
+            batch.light.pdf.0.fill(0.0);
         } else if let Some(&emitter) = lights.single_emitter() {
             let sphere = scene.spheres().sphere(emitter.id);
-            isa.run(SampleSingleEmitter { block, emitter, sphere });
+            isa.run(SampleSingleEmitter { batch, emitter, sphere });
         } else {
-            for lane in 0..block.count {
-                let ctx = LightSampleContext { hit: lane_hit(block, lane), is_two_sided: false };
-                let u = [block.light.u[0].0[lane], block.light.u[1].0[lane]];
-                let choose = block.light.u_select.0[lane];
-                let sample = lights.sample(scene.spheres(), &ctx, choose, u);
-                block.light.set(lane, sample);
+            for lane in 0..batch.count {
+                let ctx = LightSampleContext { hit: lane_hit(batch, lane), is_two_sided: false };
+                let u = [batch.light.u[0].0[lane], batch.light.u[1].0[lane]];
+                let u_select = batch.light.u_select.0[lane];
+                let sample = lights.sample(scene.spheres(), &ctx, u_select, u);
+                batch.light.set(lane, sample);
             }
         }
-        isa.run(SampleBsdfLanes { block, estimator });
-        for lane in 0..block.count {
-            self.continue_lane(block, lane, paths, next, shadow_queue);
+        isa.run(SampleBsdfLanes { batch, estimator });
+        for lane in 0..batch.count {
+            self.continue_lane(batch, lane, paths, next, shadow_queue);
         }
-        block.count = 0;
+        batch.count = 0;
     }
 
     /// Applies the result of a lane to its path.
     #[inline(always)]
     fn continue_lane(
         &mut self,
-        block: &DiffuseBatch,
+        batch: &DiffuseBatch,
         lane: usize,
         paths: &PathQueue,
         next: &mut PathQueue,
         shadow_queue: &mut ShadowQueue<'_>,
     ) {
-        let DiffuseVertex { path_index: path, id, albedo } = block.vertices[lane];
-        let SampledLight { radiance, sphere_id: emitter } = block.light.sampled[lane];
-        let (pdf_light, pdf) = (block.light.pdf.0[lane], block.bsdf.pdf.0[lane]);
+        let DiffuseVertex { path_index: path, id, albedo } = batch.vertices[lane];
+        let SampledLight { radiance, sphere_id: emitter } = batch.light.sampled[lane];
+        let (pdf_light, pdf) = (batch.light.pdf.0[lane], batch.bsdf.pdf.0[lane]);
         let is_own_emitter = emitter == id;
         let is_inside_emitter = pdf_light < 0.0 && !is_own_emitter;
-        if block.hit.cos.0[lane] > 0.0 || is_inside_emitter || block.bsdf.cos.0[lane] < 0.0 {
+        if batch.hit.cos.0[lane] > 0.0 || is_inside_emitter || batch.bsdf.cos.0[lane] < 0.0 {
             return self.continue_scalar(id, paths.get(path as usize), next, shadow_queue);
         }
         let mut state = paths.states[path as usize];
-        let (point, normal) = (block.hit.point.get(lane), block.hit.normal.get(lane));
+        let (point, normal) = (batch.hit.point.get(lane), batch.hit.normal.get(lane));
         if pdf_light > 0.0 && !is_own_emitter {
             let f = Diffuse { albedo }.eval(DVec3::Z);
-            let light = state.throughput * f * radiance * block.light.mis_factor.0[lane];
+            let light = state.throughput * f * radiance * batch.light.mis_factor.0[lane];
             if light != Rgb::ZERO {
                 let (direction, t_max) =
-                    (block.light.direction.get(lane), block.light.distance.0[lane]);
-                let free = PathRay::new(point, direction);
-                let ray = PathRay { origin_sphere: id, target_sphere: emitter, t_max, ..free };
+                    (batch.light.direction.get(lane), batch.light.distance.0[lane]);
+                let unbounded = PathRay::new(point, direction);
+                let ray = PathRay { origin_sphere: id, target_sphere: emitter, t_max, ..unbounded };
                 let is_direct = state.is_light_sample_direct();
                 shadow_queue.shadow_rays.push(
                     &ray,
@@ -169,14 +169,14 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
                 );
             }
         }
-        let cos = if fault!(CosineTwice) { block.bsdf.cos.0[lane] as f32 } else { 1.0 };
+        let cos = if fault!(CosineTwice) { batch.bsdf.cos.0[lane] as f32 } else { 1.0 };
         state.throughput *= albedo * cos;
         state.scatter_count += 1;
         state.has_prev_vertex = true;
         if pdf > 0.0 && self.survives(&mut state) {
             state.depth += 1;
-            let free = PathRay::new(point, block.bsdf.direction.get(lane));
-            next.rays.push(&PathRay { origin_sphere: id, ..free });
+            let unbounded = PathRay::new(point, batch.bsdf.direction.get(lane));
+            next.rays.push(&PathRay { origin_sphere: id, ..unbounded });
             next.states.push(state);
             let (side, is_two_sided) = (Side::Outside, false);
             self.prev_vertices[state.batch_index as usize] =
@@ -209,13 +209,13 @@ impl<'a, R: PathRecorder> PathBatch<'a, R> {
 }
 
 /// Returns the hit of a lane's ray on its sphere, from outside.
-fn lane_hit(block: &DiffuseBatch, lane: usize) -> SurfaceHit {
-    let DiffuseVertex { id, .. } = block.vertices[lane];
+fn lane_hit(batch: &DiffuseBatch, lane: usize) -> SurfaceHit {
+    let DiffuseVertex { id, .. } = batch.vertices[lane];
     SurfaceHit {
         id,
         t: 0.0,
-        point: block.hit.point.get(lane),
-        normal: block.hit.normal.get(lane),
+        point: batch.hit.point.get(lane),
+        normal: batch.hit.normal.get(lane),
         radius: 0.0,
         side: Side::Outside,
     }

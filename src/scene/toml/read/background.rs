@@ -81,10 +81,10 @@ fn read_sun(table: &Table<'_>, up: DVec3) -> SunDescription {
         }
         (both, _) => {
             let message = match both {
-                true => "`background.sun` has a direction and angles",
+                true => "`background.sun` has both a direction and angles",
                 false => "`background.sun` needs `direction`, or `elevation_degrees`",
             };
-            let help = "give `direction` towards the sun, or `elevation_degrees` and \
+            let help = "set either `direction`, towards the sun, or `elevation_degrees` and \
                         `azimuth_degrees`";
             table.error_at("direction", message, help.to_owned());
             None

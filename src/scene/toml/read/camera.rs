@@ -63,7 +63,8 @@ fn read_lens(
         table.error_at("blades", message, None);
     }
     if distance.is_some() && sphere.is_some() {
-        let message = "`camera.focus_on` and `camera.focus_distance` say the same; leave one out";
+        let message =
+            "`camera.focus_on` and `camera.focus_distance` both set the focus; remove one";
         table.error_at("focus_on", message, None);
     }
     let view = view?;
@@ -111,8 +112,8 @@ impl ParseValue for SphereName<'_> {
         match (named.next(), named.next()) {
             (Some(index), None) => Ok(index),
             (Some(_), Some(_)) => {
-                let help = "give them different names, or say `focus_distance`".to_owned();
-                Err(unfit(format!("{name:?}, which several have"), Some(help)))
+                let help = "give them different names, or set `focus_distance`".to_owned();
+                Err(unfit(format!("{name:?}, which several spheres have"), Some(help)))
             }
             (None, _) => {
                 let names = self.0.iter().filter_map(|sphere| sphere.name.as_deref());

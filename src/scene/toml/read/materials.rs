@@ -48,8 +48,10 @@ fn read_conductor(table: &Table<'_>) -> SurfaceModel {
         let metal = table.required(keys::METAL.name, &keys::METAL.kind);
         for key in [&keys::IOR, &keys::EXTINCTION] {
             if table.get(key).is_some() {
-                let message =
-                    format!("`{}` says again what `metal` says already", table.path_to(key.name));
+                let message = format!(
+                    "`{}` and `metal` both set the index of refraction",
+                    table.path_to(key.name)
+                );
                 let help = "remove `metal`, or both `ior` and `extinction`".to_owned();
                 table.error_at(key.name, message, help);
             }
@@ -97,7 +99,8 @@ fn read_ior(table: &Table<'_>) -> Option<f64> {
     }
     let glass = table.get(&keys::GLASS);
     if table.get(ior).is_some() {
-        let message = format!("`{}` says again what `glass` says already", table.path_to("ior"));
+        let message =
+            format!("`{}` and `glass` both set the index of refraction", table.path_to("ior"));
         table.error_at("ior", message, "remove one of them".to_owned());
     }
     glass

@@ -13,7 +13,7 @@ use std::path::Path;
 use toml::de::DeTable;
 
 use crate::math::Rect;
-use crate::scene::data::{Column, SphereData};
+use crate::scene::data::{Column, FileColumn, SphereData};
 use crate::scene::description::{
     MaterialDescription, SceneDescription, SphereDescription, SphereTable,
 };
@@ -69,7 +69,9 @@ fn read_format(root: &Table<'_>) {
         return;
     };
     if format != FORMAT {
-        let message = format!("this is format {format}; this photosphere reads format {FORMAT}");
+        let message = format!(
+            "format {format} is not supported; this version of photosphere reads format {FORMAT}"
+        );
         root.error_at("format", message, None);
     }
 }
@@ -117,23 +119,39 @@ fn read_sphere(table: &Table<'_>, index_of: &BTreeMap<&str, usize>) -> SphereDes
 fn read_table(table: &Table<'_>, index_of: &BTreeMap<&str, usize>, folder: &Path) -> SphereTable {
     let name = table.get(&keys::table::NAME);
     let file = table.get(&keys::table::FILE);
-    let columns = table.get(&keys::table::COLUMNS);
+    let columns = read_columns(table, file.is_some());
     let material = table.required(keys::table::MATERIAL.name, &MaterialName(index_of));
     let colors = table.get(&keys::table::COLORS);
-    let lacks_colors =
-        columns.as_ref().is_some_and(|columns| !columns.iter().any(|column| column.is_color()));
-    if colors.is_some() && lacks_colors {
-        let message = format!("`{}` is for tables with colours", table.path_to("colors"));
-        let help = "drop it, or add r, g and b to `columns`".to_owned();
+    let is_color = |column: &FileColumn| column.column.is_some_and(Column::is_color);
+    if colors.is_some() && !columns.is_empty() && !columns.iter().any(is_color) {
+        let message = format!("`{}` applies only to tables with colours", table.path_to("colors"));
+        let help = "remove it, or add r, g and b to `columns`".to_owned();
         table.error_at("colors", message, help);
     }
-    let usual = vec![Column::X, Column::Y, Column::Z, Column::Radius];
+    let of_count = |count: Option<i64>| count.unwrap_or_default().unsigned_abs();
     let data = SphereData::File {
         path: folder.join(file.unwrap_or_default()),
-        columns: columns.unwrap_or(usual),
+        columns,
+        skip_rows: of_count(table.get(&keys::table::SKIP_ROWS)),
+        skip_bytes: of_count(table.get(&keys::table::SKIP_BYTES)),
     };
+    let offset = table.get(&keys::table::OFFSET).unwrap_or_default();
     let (material, colors) = (material.unwrap_or_default(), colors.unwrap_or_default());
-    SphereTable { name, data, material, colors }
+    SphereTable { name, data, material, colors, offset }
+}
+
+/// The columns of a table; none if its file, if there is one, may name them.
+fn read_columns(table: &Table<'_>, has_file: bool) -> Vec<FileColumn> {
+    let key = &keys::table::COLUMNS;
+    let columns = match has_file {
+        true => table.get(key),
+        false => table.required(key.name, &key.kind),
+    };
+    let usual = || match table.span_of(key.name) {
+        Some(_) => Column::SPHERE.map(FileColumn::from).to_vec(),
+        None => Vec::new(),
+    };
+    columns.unwrap_or_else(usual)
 }
 
 fn require_spheres(root: &Table<'_>) {

@@ -58,7 +58,7 @@ fn read_paper(table: &Table<'_>) -> PaperSettings {
     let threshold = table.get(&keys::paper::THRESHOLD);
     if stop != PathTerminationKind::Threshold && table.span_of("threshold").is_some() {
         let path = table.path_to("threshold");
-        let message = format!("`{path}` means nothing without `stop = \"threshold\"`");
+        let message = format!("`{path}` needs `stop = \"threshold\"`");
         table.error_at("threshold", message, None);
     }
     let stop = match stop {
@@ -109,7 +109,7 @@ fn reconcile_samples(
                 paper.samples_per_pixel()
             );
             let help = format!(
-                "`render.paper.samples` is set in {}; leave one of the two out",
+                "`render.paper.samples` is set in {}; remove one of them",
                 report.describe_span(&samples_span)
             );
             render.error_at("samples_per_pixel", message, help);

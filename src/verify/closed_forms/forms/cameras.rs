@@ -7,7 +7,7 @@ use crate::scene::description::ProjectionDescription;
 use crate::verify::closed_forms::reference_image::spheres;
 use crate::verify::quadrature::integral;
 
-use super::{emission, uniform_answer};
+use super::{emission, uniform_solution};
 
 /// The mean over the lens of the fraction of the focal plane that the emitter covers.
 pub(super) fn lens(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
@@ -15,7 +15,7 @@ pub(super) fn lens(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let ProjectionDescription::Perspective { vertical_fov_degrees, lens: Some(lens) } =
         camera.projection
     else {
-        return uniform_answer(prepared, f64::NAN);
+        return uniform_solution(prepared, f64::NAN);
     };
     let emitter = spheres(prepared)[0];
     let f = lens.focus_distance;
@@ -25,7 +25,7 @@ pub(super) fn lens(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
         let k_cubed = k_squared * k_squared.sqrt();
         PI * (f * emitter.radius) * (f * emitter.radius) * (p * p + k_squared).sqrt() / k_cubed
     };
-    let mean = integral(0.0, 1.0, nodes, |share| 2.0 * share * covered(share * lens.radius));
+    let mean = integral(0.0, 1.0, nodes, |radius| 2.0 * radius * covered(radius * lens.radius));
     let side = 2.0 * f * libm::tan(vertical_fov_degrees.to_radians() / 2.0);
-    uniform_answer(prepared, emission(prepared, "lamp") * mean / (side * side))
+    uniform_solution(prepared, emission(prepared, "lamp") * mean / (side * side))
 }

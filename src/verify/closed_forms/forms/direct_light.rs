@@ -15,9 +15,9 @@ use super::{albedo, emission, material};
 pub(super) fn inside_an_emitter(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(prepared);
     let [ball, emitter] = [albedo(prepared, "ball"), 1.0].map(|a| a * emission(prepared, "lamp"));
-    pixel_means(prepared, nodes, rays(prepared), |line| {
-        let (piece, _) = line.nearest_hit(&spheres, None)?;
-        Some((piece, [ball, emitter][piece]))
+    pixel_means(prepared, nodes, rays(prepared), |ray| {
+        let (region, _) = ray.nearest_hit(&spheres, None)?;
+        Some((region, [ball, emitter][region]))
     })
 }
 
@@ -32,17 +32,15 @@ pub(super) fn radiance_under_light(
     a * le * SubtendedCap::new(emitter, point, normal(ball, point)).irradiance() / PI
 }
 
-/// A diffuse ball with no occluder. Both walls of the emitter contribute in proportion to its
-/// opacity, and the far wall is seen through the near one.
+/// A diffuse ball with no occluder. The front and the back of the emitter contribute in proportion
+/// to its opacity, and the back is seen through the front.
 pub(super) fn sphere_light(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(prepared);
-    let through = 1.0 - material(prepared, "lamp").opacity;
+    let transmitted = 1.0 - material(prepared, "lamp").opacity;
     let (a, le) =
-        (albedo(prepared, "ball"), emission(prepared, "lamp") * (1.0 - through * through));
-    pixel_means(prepared, nodes, rays(prepared), |line| match line.nearest_hit(&spheres, None) {
-        Some((0, t)) => {
-            Some((0, radiance_under_light(&spheres[1], &spheres[0], line.at(t), a, le)))
-        }
+        (albedo(prepared, "ball"), emission(prepared, "lamp") * (1.0 - transmitted * transmitted));
+    pixel_means(prepared, nodes, rays(prepared), |ray| match ray.nearest_hit(&spheres, None) {
+        Some((0, t)) => Some((0, radiance_under_light(&spheres[1], &spheres[0], ray.at(t), a, le))),
         Some((_, _)) => Some((1, le)),
         None => Some((2, 0.0)),
     })
@@ -54,15 +52,15 @@ pub(super) fn occluder(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64
     let spheres = spheres(prepared);
     let (a, le) = (albedo(prepared, "ball"), emission(prepared, "lamp"));
     let opacity = material(prepared, "black").opacity;
-    let through = (1.0 - opacity) * (1.0 - opacity); // two walls
-    pixel_means(prepared, nodes, rays(prepared), |line| match line.nearest_hit(&spheres, None) {
+    let transmitted = (1.0 - opacity) * (1.0 - opacity); // front and back
+    pixel_means(prepared, nodes, rays(prepared), |ray| match ray.nearest_hit(&spheres, None) {
         Some((0, t)) => {
-            let point = line.at(t);
+            let point = ray.at(t);
             let n = normal(&spheres[0], point);
             let [emitter, front] = [1, 2].map(|i: usize| SubtendedCap::new(&spheres[i], point, n));
-            let behind = emitter.irradiance_occluded_by(&front)?;
-            let all = behind + through * (emitter.irradiance() - behind);
-            Some((0, a * le * all / PI))
+            let unoccluded = emitter.irradiance_occluded_by(&front)?;
+            let irradiance = unoccluded + transmitted * (emitter.irradiance() - unoccluded);
+            Some((0, a * le * irradiance / PI))
         }
         Some((1, _)) => Some((1, le)),
         Some(_) if opacity < 1.0 => None,
@@ -84,8 +82,8 @@ pub(super) fn sun_and_sky(prepared: &PreparedScene, nodes: usize) -> Vec<Option<
     let Some(sun) = prepared.description().background.sun else { return Vec::new() };
     let sin_radius = libm::sin(sun.angular_diameter_degrees.to_radians() / 2.0);
     let radiance = f64::from(sun.irradiance.y) / (PI * sin_radius * sin_radius);
-    pixel_means(prepared, nodes, rays(prepared), |line| {
-        let n = normal(&ball, line.at(line.hit_distance(&ball)?));
+    pixel_means(prepared, nodes, rays(prepared), |ray| {
+        let n = normal(&ball, ray.at(ray.hit_distance(&ball)?));
         let direction = sun.direction;
         let disc = SubtendedCap { direction, cos: direction.dot(n), sin_radius };
         let sky = horizon + 2.0 / 3.0 * (zenith - horizon) * n.y;

@@ -9,9 +9,9 @@ use super::DISTINCT_CHANNELS;
 /// One minus the form factor of the other ball, which the horizon may cut.
 pub(super) fn ambient_occlusion(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(prepared);
-    pixel_means(prepared, nodes, rays(prepared), |line| {
-        let Some((ball, t)) = line.nearest_hit(&spheres, None) else { return Some((2, 1.0)) };
-        let (point, other) = (line.at(t), &spheres[1 - ball]);
+    pixel_means(prepared, nodes, rays(prepared), |ray| {
+        let Some((ball, t)) = ray.nearest_hit(&spheres, None) else { return Some((2, 1.0)) };
+        let (point, other) = (ray.at(t), &spheres[1 - ball]);
         let covered = SubtendedCap::new(other, point, normal(&spheres[ball], point)).irradiance();
         Some((ball, 1.0 - covered / std::f64::consts::PI))
     })
@@ -20,11 +20,11 @@ pub(super) fn ambient_occlusion(prepared: &PreparedScene, nodes: usize) -> Vec<O
 /// Weighted mean of the three channels that encode a normal.
 pub(super) fn normals(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let spheres = spheres(prepared);
-    pixel_means(prepared, nodes, rays(prepared), |line| {
-        let Some((ball, t)) = line.nearest_hit(&spheres, None) else {
+    pixel_means(prepared, nodes, rays(prepared), |ray| {
+        let Some((ball, t)) = ray.nearest_hit(&spheres, None) else {
             return Some((spheres.len(), 0.0));
         };
-        let n = normal(&spheres[ball], line.at(t));
+        let n = normal(&spheres[ball], ray.at(t));
         Some((ball, 0.5 + 0.5 * n.dot(DISTINCT_CHANNELS.into())))
     })
 }

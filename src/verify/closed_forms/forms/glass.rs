@@ -19,27 +19,27 @@ pub(super) fn emitter_in_glass(prepared: &PreparedScene, nodes: usize) -> Vec<Op
             (prepared.image_settings().width * prepared.image_settings().height) as usize
         ];
     };
-    pixel_means(prepared, nodes, rays(prepared), |line| {
-        let Some(t) = line.hit_distance(&glass) else { return Some((0, 0.0)) };
-        let from_center = line.at(t) - glass.center;
-        let cos = -from_center.dot(line.direction) / glass.radius;
+    pixel_means(prepared, nodes, rays(prepared), |ray| {
+        let Some(t) = ray.hit_distance(&glass) else { return Some((0, 0.0)) };
+        let from_center = ray.at(t) - glass.center;
+        let cos = -from_center.dot(ray.direction) / glass.radius;
         let sin = (1.0 - cos * cos).sqrt();
         if glass.radius * sin >= ior * emitter.radius {
             return Some((0, 0.0));
         }
-        let (arriving, refracted) = (libm::asin(sin), libm::asin(sin / ior));
-        let off = glass.radius * sin / ior;
-        let half_chord = |radius: f64| (radius * radius - off * off).sqrt();
+        let (incident, refracted) = (libm::asin(sin), libm::asin(sin / ior));
+        let chord_distance = glass.radius * sin / ior;
+        let half_chord = |radius: f64| (radius * radius - chord_distance * chord_distance).sqrt();
         let length = half_chord(glass.radius) - half_chord(emitter.radius);
-        let left = libm::exp(-f64::from(absorption.y) * length);
-        Some((1, (1.0 - reflected(arriving, refracted)) * left * radiance / (ior * ior)))
+        let transmittance = libm::exp(-f64::from(absorption.y) * length);
+        Some((1, (1.0 - fresnel(incident, refracted)) * transmittance * radiance / (ior * ior)))
     })
 }
 
 /// Fresnel reflectance for unpolarised light, in the form of sines and tangents.
-fn reflected(arriving: f64, refracted: f64) -> f64 {
-    let (less, more) = (arriving - refracted, arriving + refracted);
-    let across = libm::sin(less) / libm::sin(more);
-    let along = libm::tan(less) / libm::tan(more);
-    (across * across + along * along) / 2.0
+fn fresnel(incident: f64, refracted: f64) -> f64 {
+    let (difference, sum) = (incident - refracted, incident + refracted);
+    let perpendicular = libm::sin(difference) / libm::sin(sum);
+    let parallel = libm::tan(difference) / libm::tan(sum);
+    (perpendicular * perpendicular + parallel * parallel) / 2.0
 }

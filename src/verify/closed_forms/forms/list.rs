@@ -4,22 +4,23 @@ use super::LightTransport::{Direct, Global, Integrator};
 use super::{ClosedForm, DISTINCT_CHANNELS, GREY};
 use super::{
     absorption, cameras, direct_light, exchange, first_hits, glass, many_lights, mirrors, uniform,
+    visibility,
 };
 
 /// A grey closed form: name (also of its scene), title, formula, light transport, samples per pixel
 /// in a quick check, and the function for its exact solution.
 macro_rules! form {
-    ($name:literal, $title:literal, $formula:literal, $shows:expr, $samples:literal, $answer:path) => {
+    ($name:literal, $title:literal, $formula:literal, $transport:expr, $samples:literal, $solution:path) => {
         ClosedForm {
             name: $name,
             title: $title,
             formula: $formula,
             scene_toml: include_str!(concat!("../../../../scenes/verify/", $name, ".toml")),
             tables: &[],
-            transport: $shows,
+            transport: $transport,
             channels: GREY,
             samples: $samples,
-            answer: $answer,
+            solution: $solution,
         }
     };
 }
@@ -186,6 +187,46 @@ pub static CLOSED_FORMS: &[ClosedForm] = &[
         Direct,
         16,
         direct_light::sun_and_sky
+    ),
+    form!(
+        "protruding-cap",
+        "an emitter that sticks out of a wall by a millionth of its radius",
+        "L = Le π a² / s², a the radius of the circle in which they intersect",
+        Direct,
+        1024,
+        visibility::protruding_cap
+    ),
+    form!(
+        "bubble",
+        "a camera in a bubble whose wall is a billionth of its radius",
+        "L = L0",
+        Direct,
+        4,
+        uniform::background
+    ),
+    form!(
+        "horizon",
+        "the horizon of the Earth at a height of 2 m",
+        "L = L0 (½ + ½ tan d / tan(v/2)), cos d = R / (R + h)",
+        Direct,
+        1024,
+        visibility::horizon
+    ),
+    form!(
+        "low-horizon",
+        "the horizon of the Earth at a height of 0.2 m",
+        "L = L0 (½ + ½ tan d / tan(v/2)), cos d = R / (R + h)",
+        Direct,
+        1024,
+        visibility::horizon
+    ),
+    form!(
+        "narrow-gap",
+        "a gap of 1e-6 between two balls of radius 10",
+        "L = L0 g / s",
+        Direct,
+        1024,
+        visibility::narrow_gap
     ),
     ClosedForm {
         tables: &[("many-lamps.f32", many_lights::LIGHT_TABLE)],

@@ -16,13 +16,13 @@ pub(super) const LIGHT_TABLE: &[u8] = include_bytes!("../../../../scenes/verify/
 pub(super) fn many_lights(prepared: &PreparedScene, nodes: usize) -> Vec<Option<f64>> {
     let ball = spheres(prepared)[0];
     let emitters = emitters();
-    let share = albedo(prepared, "ball") * emission(prepared, "lamp") / PI;
-    pixel_means(prepared, nodes, rays(prepared), |line| {
-        let point = line.at(line.hit_distance(&ball)?);
+    let scale = albedo(prepared, "ball") * emission(prepared, "lamp") / PI;
+    pixel_means(prepared, nodes, rays(prepared), |ray| {
+        let point = ray.at(ray.hit_distance(&ball)?);
         let n = normal(&ball, point);
-        let light: f64 =
+        let irradiance: f64 =
             emitters.iter().map(|emitter| SubtendedCap::new(emitter, point, n).irradiance()).sum();
-        Some((0, share * light))
+        Some((0, scale * irradiance))
     })
 }
 

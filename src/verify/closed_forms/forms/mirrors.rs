@@ -2,10 +2,12 @@
 
 use crate::geometry::Sphere;
 use crate::scene::PreparedScene;
-use crate::verify::closed_forms::reference_image::{ChartLine, normal, pixel_means, rays, spheres};
+use crate::verify::closed_forms::reference_image::{
+    ReferenceRay, normal, pixel_means, rays, spheres,
+};
 use crate::verify::closed_forms::sphere_light::SubtendedCap;
 
-use super::{albedo, emission, uniform_answer};
+use super::{albedo, emission, uniform_solution};
 
 /// The spheres are ball, emitter, mirror. The part of the ball seen in the mirror is lit by the
 /// emitter wherever the mirror does not occlude it.
@@ -13,13 +15,13 @@ pub(super) fn mirror_before_camera(prepared: &PreparedScene, nodes: usize) -> Ve
     let spheres = spheres(prepared);
     let (a, le) = (albedo(prepared, "ball"), emission(prepared, "lamp"));
     let rho = albedo(prepared, "mirror");
-    pixel_means(prepared, nodes, rays(prepared), |line| {
-        let (first, t) = line.nearest_hit(&spheres, None)?;
+    pixel_means(prepared, nodes, rays(prepared), |ray| {
+        let (first, t) = ray.nearest_hit(&spheres, None)?;
         if first != 2 {
             return None;
         }
-        let at = line.at(t);
-        let reflected = line.reflected(at, normal(&spheres[2], at));
+        let at = ray.at(t);
+        let reflected = ray.reflected(at, normal(&spheres[2], at));
         match reflected.nearest_hit(&spheres, Some(2)) {
             Some((0, t)) => {
                 let point = reflected.at(t);
@@ -42,10 +44,11 @@ pub(super) fn mirror_before_light(prepared: &PreparedScene, _: usize) -> Vec<Opt
     let spheres = spheres(prepared);
     let (ball, mirror) = (&spheres[0], &spheres[1]);
     let edge = mirror.radius / (mirror.center.distance(ball.center) - ball.radius);
-    let own = own_reflection(ball, mirror, edge);
-    let [beside, shown] = [1.0 - edge * edge, edge * edge - own * own];
-    let light = beside + albedo(prepared, "mirror") * shown;
-    uniform_answer(prepared, albedo(prepared, "ball") * emission(prepared, "lamp") * light)
+    let own_reflection_edge = own_reflection(ball, mirror, edge);
+    let [direct, reflected] =
+        [1.0 - edge * edge, edge * edge - own_reflection_edge * own_reflection_edge];
+    let light = direct + albedo(prepared, "mirror") * reflected;
+    uniform_solution(prepared, albedo(prepared, "ball") * emission(prepared, "lamp") * light)
 }
 
 /// The sine of the polar angle at which the reflected ray grazes the ball, by bisection between the
@@ -56,9 +59,9 @@ fn own_reflection(ball: &Sphere, mirror: &Sphere, edge: f64) -> f64 {
     let origin = ball.center + axis * ball.radius;
     let returns = |sin: f64| {
         let direction = side * sin + axis * (1.0 - sin * sin).sqrt();
-        let line = ChartLine { origin, direction };
-        let at = line.at(line.hit_distance(mirror).unwrap_or(f64::NAN));
-        line.reflected(at, normal(mirror, at)).hit_distance(ball).is_some()
+        let ray = ReferenceRay { origin, direction };
+        let at = ray.at(ray.hit_distance(mirror).unwrap_or(f64::NAN));
+        ray.reflected(at, normal(mirror, at)).hit_distance(ball).is_some()
     };
     let (mut low, mut high) = (0.0, edge * (1.0 - 1e-12));
     for _ in 0..60 {

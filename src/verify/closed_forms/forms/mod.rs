@@ -11,6 +11,7 @@ mod list;
 mod many_lights;
 mod mirrors;
 mod uniform;
+mod visibility;
 
 pub use list::CLOSED_FORMS;
 
@@ -38,7 +39,7 @@ pub struct ClosedForm {
     pub samples: u32,
     /// Exact value of each pixel, by quadratures with this many nodes; `None` where there is no
     /// closed form.
-    pub(super) answer: fn(&PreparedScene, usize) -> Vec<Option<f64>>,
+    pub(super) solution: fn(&PreparedScene, usize) -> Vec<Option<f64>>,
 }
 
 /// Light transport in a scene, and thus the estimators that capture all of it.
@@ -60,7 +61,7 @@ const DISTINCT_CHANNELS: [f64; 3] = [1.0 / 7.0, 2.0 / 7.0, 4.0 / 7.0];
 /// Returns the material with this name.
 fn material<'a>(prepared: &'a PreparedScene, name: &str) -> &'a MaterialDescription {
     let found = prepared.description().materials.iter().find(|material| material.name == name);
-    found.expect("the scenes of this program have the materials that their answers are made of")
+    found.expect("the scenes of this program define all materials of their solutions")
 }
 
 /// Radiance of a constant environment.
@@ -79,13 +80,14 @@ fn emission(prepared: &PreparedScene, name: &str) -> f64 {
 /// Albedo or reflectance of a grey surface.
 fn albedo(prepared: &PreparedScene, name: &str) -> f64 {
     match &material(prepared, name).surface {
-        SurfaceModel::Diffuse { albedo: share, .. }
-        | SurfaceModel::Mirror { reflectance: share, .. } => f64::from(share.y),
+        SurfaceModel::Diffuse { albedo, .. } | SurfaceModel::Mirror { reflectance: albedo, .. } => {
+            f64::from(albedo.y)
+        }
         _ => 0.0,
     }
 }
 
 /// A solution with one value for every pixel.
-fn uniform_answer(prepared: &PreparedScene, value: f64) -> Vec<Option<f64>> {
+fn uniform_solution(prepared: &PreparedScene, value: f64) -> Vec<Option<f64>> {
     vec![Some(value); (prepared.image_settings().width * prepared.image_settings().height) as usize]
 }

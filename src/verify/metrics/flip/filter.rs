@@ -38,28 +38,28 @@ impl ScalarImage {
 
     /// Correlates with `along_x` times `along_y`, clamping to the nearest pixel at the border.
     fn filtered(&self, along_x: &Kernel, along_y: &Kernel) -> Self {
-        let mut once = vec![0.0; self.values.len()];
-        once.par_chunks_mut(self.width).zip(self.values.par_chunks(self.width)).for_each(
-            |(to, row)| {
+        let mut horizontal = vec![0.0; self.values.len()];
+        horizontal.par_chunks_mut(self.width).zip(self.values.par_chunks(self.width)).for_each(
+            |(out, row)| {
                 let r = along_x.len() / 2;
                 let padded: Vec<f64> = (0..row.len() + 2 * r)
                     .map(|i| row[i.saturating_sub(r).min(row.len() - 1)])
                     .collect();
-                for (value, window) in to.iter_mut().zip(padded.windows(along_x.len())) {
+                for (value, window) in out.iter_mut().zip(padded.windows(along_x.len())) {
                     *value = window.iter().zip(along_x).map(|(v, w)| v * w).sum();
                 }
             },
         );
-        let mut twice = vec![0.0; self.values.len()];
-        twice.par_chunks_mut(self.width).enumerate().for_each(|(y, to)| {
+        let mut filtered = vec![0.0; self.values.len()];
+        filtered.par_chunks_mut(self.width).enumerate().for_each(|(y, out)| {
             let r = along_y.len() / 2;
             for (i, w) in along_y.iter().enumerate() {
-                let from = (y + i).saturating_sub(r).min(self.height() - 1);
-                let row = &once[from * self.width..(from + 1) * self.width];
-                to.iter_mut().zip(row).for_each(|(value, v)| *value += w * v);
+                let source_row = (y + i).saturating_sub(r).min(self.height() - 1);
+                let row = &horizontal[source_row * self.width..(source_row + 1) * self.width];
+                out.iter_mut().zip(row).for_each(|(value, v)| *value += w * v);
             }
         });
-        Self { width: self.width, values: twice }
+        Self { width: self.width, values: filtered }
     }
 }
 

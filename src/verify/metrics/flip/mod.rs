@@ -82,12 +82,12 @@ fn largest_difference() -> f64 {
 
 /// Colour difference in [0, 1].
 fn color_difference(a: DVec3, b: DVec3, largest: f64) -> f64 {
-    let (knee, share) = (KNEE.0 * largest, KNEE.1);
+    let (knee, knee_value) = (KNEE.0 * largest, KNEE.1);
     let difference = powf(color::hyab(a, b), COLOR_EXPONENT);
     if difference < knee {
-        share / knee * difference
+        knee_value / knee * difference
     } else {
-        share + (difference - knee) / (largest - knee) * (1.0 - share)
+        knee_value + (difference - knee) / (largest - knee) * (1.0 - knee_value)
     }
 }
 
@@ -126,12 +126,12 @@ mod tests {
     fn a_pattern_has_the_values_of_the_authors_program() {
         let at = |map: &[f64], x: usize, y: usize| map[y * SIZE.0 + x];
         let map = |ppd| super::map(&pattern(0), &pattern(1), SIZE.0, ppd);
-        let usual = map(PIXELS_PER_DEGREE);
-        close(usual.iter().sum::<f64>() / usual.len() as f64, 0.329_950);
-        close(at(&usual, 20, 15), 0.212_424);
-        close(at(&usual, 39, 29), 0.460_592);
-        close(at(&usual, 31, 7), 0.393_867);
-        close(at(&usual, 0, 0), 0.042_196);
+        let default = map(PIXELS_PER_DEGREE);
+        close(default.iter().sum::<f64>() / default.len() as f64, 0.329_950);
+        close(at(&default, 20, 15), 0.212_424);
+        close(at(&default, 39, 29), 0.460_592);
+        close(at(&default, 31, 7), 0.393_867);
+        close(at(&default, 0, 0), 0.042_196);
         let near = map(20.0);
         close(near.iter().sum::<f64>() / near.len() as f64, 0.717_270);
         close(at(&near, 20, 15), 0.750_925);

@@ -9,10 +9,10 @@ use crate::material::Lobe;
 use crate::math::DVec3;
 use crate::scene::{PreparedScene, Scene};
 
-use super::spheres::{answer, name, place, source_name};
+use super::spheres::{name, shadow_result, source_name, to_scene};
 
 /// Describes the whole path.
-pub fn words(prepared: &PreparedScene, trace: &PathTrace) -> String {
+pub fn text(prepared: &PreparedScene, trace: &PathTrace) -> String {
     let scene = prepared.scene();
     let address = trace.address;
     let render = prepared.render_settings();
@@ -26,11 +26,11 @@ pub fn words(prepared: &PreparedScene, trace: &PathTrace) -> String {
         render.integrator.kind().name()
     );
     let mut vertex = 0;
-    for (at, step) in trace.events.iter().enumerate() {
-        if let PathEvent::Hit { .. } = step {
+    for (index, event) in trace.events.iter().enumerate() {
+        if let PathEvent::Hit { .. } = event {
             vertex += 1;
         }
-        text += &one(scene, trace, at, vertex);
+        text += &event_text(scene, trace, index, vertex);
     }
     let radiance = trace.radiance;
     text + &format!(
@@ -42,101 +42,107 @@ pub fn words(prepared: &PreparedScene, trace: &PathTrace) -> String {
     )
 }
 
-fn one(scene: &Scene, trace: &PathTrace, at: usize, vertex: usize) -> String {
-    match &trace.events[at] {
+fn event_text(scene: &Scene, trace: &PathTrace, index: usize, vertex: usize) -> String {
+    match &trace.events[index] {
         PathEvent::CameraRay { ray, redraws } => {
-            let again = match redraws {
+            let redraw_note = match redraws {
                 0 => String::new(),
-                n => format!(", drawn again {n} times because it met nothing"),
+                n => format!("; redrawn {n} times after misses"),
             };
-            let origin = vector(place(scene, ray.origin));
-            format!("x_0  the camera at {origin} looks along {}{again}\n", vector(ray.direction))
+            let origin = vector(to_scene(scene, ray.origin));
+            let direction = vector(ray.direction);
+            format!("x_0  the camera at {origin} looks along {direction}{redraw_note}\n")
         }
-        PathEvent::Hit { hit, wo, opacity: presence, transmittance, throughput, .. } => {
+        PathEvent::Hit { hit, wo, opacity, transmittance, throughput, .. } => {
             let side = match hit.side {
                 Side::Outside => "outside",
                 Side::Inside => "inside",
             };
-            let opacity = match presence {
+            let opacity = match opacity {
                 1.0 => String::new(),
                 o => format!("; opacity {}", number(f64::from(*o))),
             };
             format!(
-                "\nx_{vertex}  {} met from {side} at {}, after {}{}{opacity}\n     n = {}, w_o = {}, \
-                 T = {}\n",
+                "\nx_{vertex}  {} hit from {side} at {}, distance {}{}{opacity}\n     \
+                 n = {}, w_o = {}, T = {}\n",
                 name(scene, hit.id),
-                vector(place(scene, hit.point)),
+                vector(to_scene(scene, hit.point)),
                 number(hit.t),
-                absorbed(*transmittance),
+                transmittance_text(*transmittance),
                 vector(hit.normal),
                 vector(*wo),
                 color(*throughput),
             )
         }
         PathEvent::Miss { throughput, .. } => {
-            format!("\n     nothing is met; T = {}\n", color(*throughput))
+            format!("\n     the ray misses; T = {}\n", color(*throughput))
         }
-        PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution: added } => {
-            let of = source_name(scene, *source);
-            let weighed = match pdf {
-                None => "no light sample could have found it: w = 1".to_owned(),
+        PathEvent::Emission { source, radiance, pdf, pdf_light, weight, contribution } => {
+            let emitter = source_name(scene, *source);
+            let mis_text = match pdf {
+                None => "not reachable by light sampling: w = 1".to_owned(),
                 Some(pdf) => format!(
-                    "p = {} by chance, {} by light sampling: w = {}",
+                    "p = {} by BSDF sampling, {} by light sampling: w = {}",
                     number(*pdf),
                     number(*pdf_light),
                     number(f64::from(*weight))
                 ),
             };
             let light = color(*radiance);
-            format!("     {of} shines: L_e = {light}; {weighed}\n{}", plus("T L_e w", *added))
+            format!("     {emitter} emits: L_e = {light}; {mis_text}\n")
+                + &contribution_text("T L_e w", *contribution)
         }
         PathEvent::HiddenBoundary => {
-            "     a boundary inside a medium of higher priority: straight through\n".to_owned()
+            "     boundary hidden by a medium of higher priority: passes straight through\n"
+                .to_owned()
         }
         PathEvent::Transparent => {
-            "     it is not there for this path: straight through\n".to_owned()
+            "     transparent for this path: passes straight through\n".to_owned()
         }
         PathEvent::LightSample { sample, transmittance, f, cos, pdf_bsdf, weight } => {
             let text =
                 light_sample_text(scene, sample, *transmittance, *f, *cos, *pdf_bsdf, *weight);
             let tau = if *transmittance == Rgb::ONE { "" } else { " tau" };
-            text + &arrival(tau, answer(&trace.events, at))
+            text + &shadow_text(tau, shadow_result(&trace.events, index))
         }
         PathEvent::ShadowRay { .. } => String::new(), // covered by the light sample
         PathEvent::BsdfSample { lobe, wi, pdf, weight, eta, throughput } => {
-            scatter(*lobe, *wi, *pdf, *weight, *eta) + &format!(", T = {}\n", color(*throughput))
+            bsdf_sample_text(*lobe, *wi, *pdf, *weight, *eta)
+                + &format!(", T = {}\n", color(*throughput))
         }
         PathEvent::Roulette { survival, survives, throughput } => {
             let survival = number(f64::from(*survival));
             if *survives {
                 format!(
-                    "     roulette: goes on, probability {survival}; T = {}\n",
+                    "     roulette: survives with probability {survival}; T = {}\n",
                     color(*throughput)
                 )
             } else {
-                format!("     roulette: stops; the probability to go on was {survival}\n")
+                format!("     roulette: terminated, survival probability {survival}\n")
             }
         }
-        PathEvent::End(end) => format!("     the path ends: {}\n", why(*end)),
+        PathEvent::End(termination) => format!("     the path ends: {}\n", reason(*termination)),
     }
 }
 
 /// Describes the result of a light sample; `tau` is the symbol of the medium's transmittance.
-fn arrival(tau: &str, answer: Option<(f32, Contribution)>) -> String {
-    match answer {
-        None => "     no ray leaves the surface so flat\n".to_owned(),
-        Some((0.0, _)) => "     something is in the way\n".to_owned(),
-        Some((1.0, added)) => plus(&format!("T f_r |cos| L_e{tau} w / p"), added),
-        Some((passed, added)) => {
-            let share = number(f64::from(passed));
-            format!("     surfaces that are not opaque are in the way and let pass V = {share}\n")
-                + &plus(&format!("T f_r |cos| L_e{tau} V w / p"), added)
+fn shadow_text(tau: &str, shadow_result: Option<(f32, Contribution)>) -> String {
+    match shadow_result {
+        None => "     grazing: no shadow ray leaves the surface\n".to_owned(),
+        Some((0.0, _)) => "     occluded\n".to_owned(),
+        Some((1.0, contribution)) => {
+            contribution_text(&format!("T f_r |cos| L_e{tau} w / p"), contribution)
+        }
+        Some((visibility, contribution)) => {
+            let visibility_text = number(f64::from(visibility));
+            format!("     partly occluded: V = {visibility_text}\n")
+                + &contribution_text(&format!("T f_r |cos| L_e{tau} V w / p"), contribution)
         }
     }
 }
 
 /// Describes a transmittance below 1.
-fn absorbed(transmittance: Rgb) -> String {
+fn transmittance_text(transmittance: Rgb) -> String {
     match transmittance {
         Rgb::ONE => String::new(),
         tau => format!(" through a medium, tau = {}", color(tau)),
@@ -152,15 +158,15 @@ fn light_sample_text(
     pdf_bsdf: f64,
     weight: f64,
 ) -> String {
-    let to = source_name(scene, sample.source);
+    let light = source_name(scene, sample.source);
     let distance = match sample.distance.is_finite() {
         true => format!(" at distance {}", number(sample.distance)),
         false => String::new(),
     };
     format!(
-        "     samples {to}{distance}{}: w_i = {}, L_e = {}\n     f_r = {}, |cos| = {}, p = {}, by \
-         chance {}: w = {}\n",
-        absorbed(transmittance),
+        "     samples {light}{distance}{}: w_i = {}, L_e = {}\n     \
+         f_r = {}, |cos| = {}, p = {}, {} by BSDF sampling: w = {}\n",
+        transmittance_text(transmittance),
         vector(sample.direction),
         color(sample.radiance),
         color(f),
@@ -171,11 +177,11 @@ fn light_sample_text(
     )
 }
 
-fn scatter(lobe: Lobe, wi: DVec3, pdf: f64, weight: Rgb, eta: f64) -> String {
+fn bsdf_sample_text(lobe: Lobe, wi: DVec3, pdf: f64, weight: Rgb, eta: f64) -> String {
     let (kind, density) = match lobe {
         Lobe::Diffuse => ("diffuse", "p ="),
         Lobe::Glossy => ("glossy", "p ="),
-        Lobe::Delta => ("a single direction", "chosen with probability"),
+        Lobe::Delta => ("delta", "probability"),
     };
     let refracted = match eta {
         1.0 => String::new(),
@@ -189,25 +195,27 @@ fn scatter(lobe: Lobe, wi: DVec3, pdf: f64, weight: Rgb, eta: f64) -> String {
     )
 }
 
-fn plus(formula: &str, added: Contribution) -> String {
-    let layer = if added.is_direct { "direct" } else { "indirect" };
-    let clamped = match added.clamp {
+fn contribution_text(formula: &str, contribution: Contribution) -> String {
+    let layer = if contribution.is_direct { "direct" } else { "indirect" };
+    let clamp_note = match contribution.clamp {
         1.0 => String::new(),
-        share => format!(", of which clamp_indirect left {}", number(f64::from(share))),
+        clamp => format!("; scaled by {} by clamp_indirect", number(f64::from(clamp))),
     };
-    format!("   + {formula} = {} ({layer}{clamped})\n", color(added.radiance))
+    format!("   + {formula} = {} ({layer}{clamp_note})\n", color(contribution.radiance))
 }
 
 /// Explains why a path ends.
-pub(super) fn why(end: Termination) -> &'static str {
-    match end {
-        Termination::Escaped => "it met nothing",
+pub(super) fn reason(termination: Termination) -> &'static str {
+    match termination {
+        Termination::Escaped => "the ray escapes",
         Termination::MaxDepth => "max_depth is reached",
-        Termination::LengthLimit => "it is longer than any path may be",
-        Termination::Absorbed => "the surface sends no light this way",
-        Termination::Grazing => "it leaves the surface too flat to go anywhere",
-        Termination::LowThroughput => "its weight has become too small, or roulette ended it",
-        Termination::DirectOnly => "this integrator follows light through one scattering only",
+        Termination::LengthLimit => "the hard limit on the path length is reached",
+        Termination::Absorbed => "the surface scatters no light in the sampled direction",
+        Termination::Grazing => "the sampled direction grazes the surface",
+        Termination::LowThroughput => {
+            "its throughput is too small, or Russian roulette terminated it"
+        }
+        Termination::DirectOnly => "this integrator computes direct light only",
     }
 }
 

@@ -37,7 +37,7 @@ impl MergeInput {
     pub(super) fn missed_targets(&self) -> &[NoiseStatus] {
         match &self.header.status {
             RenderStatus::Unfinished => &[],
-            RenderStatus::Ended { missed } => missed,
+            RenderStatus::Ended { missed_targets } => missed_targets,
         }
     }
 
@@ -53,12 +53,13 @@ impl MergeInput {
     pub(super) fn scene(&self) -> Result<(Scene, crate::scene::Settings)> {
         let file = self.header.source.as_ref().and_then(|source| source.file.clone());
         let Some(path) = file else {
-            return Err(Error::input("the parts are of a scene that is in no file").with_help(
+            return Err(Error::input("the scene of the parts was not read from a file").with_help(
                 "leave out the layers sphere_id and material_id, which need the scene",
             ));
         };
         let overrides = self.header.source.iter().flat_map(|source| &source.overrides);
-        let overrides: Vec<_> = overrides.map(crate::scene::Override::from_pair).collect();
+        let overrides: Vec<_> =
+            overrides.map(|(key, value)| crate::scene::Override::new(key, value)).collect();
         let (scene, _) = crate::scene::read_file(&path, &overrides)?.build()?;
         if scene.content_hash() != self.header.metadata.scene_identity {
             let message = format!("`{}` has changed since its parts were rendered", path.display());
@@ -81,64 +82,64 @@ impl MergeInput {
 
     /// Rejects a part of a different picture than `first`.
     pub(super) fn check_compatible(&self, first: &Self) -> Result<()> {
-        let (ours, theirs) = (self.path.display(), first.path.display());
-        let refused = |what: &str| {
+        let (path, other_path) = (self.path.display(), first.path.display());
+        let incompatible = |reason: &str| {
             Err(Error::input(format!(
-                "`{ours}` and `{theirs}` are no parts of one picture: {what}"
+                "`{path}` and `{other_path}` are not parts of the same picture: {reason}"
             ))
             .with_help("merge parts of the same scene, with the same options"))
         };
-        let (own, other) = (&self.header.metadata, &first.header.metadata);
+        let (metadata, other) = (&self.header.metadata, &first.header.metadata);
         let identity = |metadata: &Metadata| (metadata.scene_identity, metadata.job_identity);
-        if identity(own) != identity(other) {
-            return refused(&format!("in the first, {}", own.describe_difference(other)));
+        if identity(metadata) != identity(other) {
+            return incompatible(&format!("in the first, {}", metadata.describe_difference(other)));
         }
-        let kind = |piece: &Self| {
-            let FilmFormat { frame, scale, layers, squares, .. } = piece.header.film.clone();
-            (frame.full_size, scale, layers, squares)
+        let format = |input: &Self| {
+            let FilmFormat { frame, scale, layers, sums_squares, .. } = input.header.film.clone();
+            (frame.full_size, scale, layers, sums_squares)
         };
-        if kind(self) != kind(first) {
-            return refused("they keep other layers");
+        if format(self) != format(first) {
+            return incompatible("they have different layers");
         }
-        let noise = |piece: &Self| piece.header.job.until.noise;
+        let noise = |input: &Self| input.header.job.until.noise;
         if noise(self) != noise(first) {
-            let words = |piece: &Self| noise(piece).map_or("none".to_owned(), |n| n.to_string());
-            let (first, ours) = (words(first), words(self));
-            return refused(&format!("in the first, the noise target is {first}, not {ours}"));
+            let describe = |input: &Self| noise(input).map_or("none".to_owned(), |n| n.to_string());
+            let (first, own) = (describe(first), describe(self));
+            return incompatible(&format!("in the first, the noise target is {first}, not {own}"));
         }
         Ok(())
     }
 
     /// Rejects a part that ended before the samples at which another part continues. A film cannot
     /// represent such a gap in a pixel's samples.
-    pub(super) fn check_continuation(&self, film: &Film, pieces: &[Self]) -> Result<()> {
+    pub(super) fn check_continuation(&self, film: &Film, inputs: &[Self]) -> Result<()> {
         let end = self.samples().start + film.sample_count_range().0;
-        let follows = |other: &&Self| {
+        let is_next = |other: &&Self| {
             other.samples().start >= self.samples().end
                 && !other.samples().is_empty()
                 && other.window().intersection(&self.window()).is_some()
         };
-        let Some(other) = pieces.iter().find(follows).filter(|_| end < self.samples().end) else {
+        let Some(other) = inputs.iter().find(is_next).filter(|_| end < self.samples().end) else {
             return Ok(());
         };
-        let (ours, theirs) = (self.path.display(), other.path.display());
-        let what = format!(
-            "`{ours}` ended at sample {end} of {}, so `{theirs}` cannot follow it",
+        let (path, other_path) = (self.path.display(), other.path.display());
+        let reason = format!(
+            "`{path}` ended at sample {end} of {}, so `{other_path}` cannot continue it",
             self.samples().end
         );
-        Err(Error::input(what)
-            .with_help("render it again without a time and a noise target, or leave it out"))
+        Err(Error::input(reason)
+            .with_help("render it again without a time limit and a noise target, or leave it out"))
     }
 
     /// Rejects an unfinished part.
     pub(super) fn check_finished(&self, film: &Film) -> Result<()> {
-        let (fewest, all) = (film.sample_count_range().0, self.samples().len());
+        let (min_count, all) = (film.sample_count_range().0, self.samples().len());
         // A part that ended at a noise target or time limit may have fewer samples.
-        if fewest as usize == all || self.header.status != RenderStatus::Unfinished {
+        if min_count as usize == all || self.header.status != RenderStatus::Unfinished {
             return Ok(());
         }
         let path = self.path.display();
-        Err(Error::input(format!("`{path}` is not finished: it has {fewest} of {all} samples"))
+        Err(Error::input(format!("`{path}` is not finished: it has {min_count} of {all} samples"))
             .with_help("resume it, or allow gaps")
             .with_suggestion(Suggestion::Resume, path.to_string())
             .with_suggestion(Suggestion::AllowGaps, ""))

@@ -1,4 +1,4 @@
-//! The options in which path integrators differ.
+//! The path tracer and its options, in which the path integrators differ.
 
 use crate::sampling::Hemisphere;
 use crate::scene::settings::{Estimator, MissPolicy, PathTermination};

@@ -1,0 +1,193 @@
+//! Groups of spheres of similar size, each with an Embree scene of its own.
+//!
+//! # Bounds
+//!
+//! Embree only finds candidates; the shim judges them in f64. So no candidate may be lost to the
+//! rounding of what Embree sees. With `e = 2^-24`, let all spheres of a group lie in a ball around
+//! `m` with radius `H`. The shim starts each ray where it enters that ball, so its origin has
+//! `|o| <= |m| + H`, its length is at most `2 H`, and `v = c - o` has `|v| <= 2 H`. Embree computes
+//! `s = (v.d) rcp(d.d)`, `p = v - s d`, and where `p.p <= R^2`, `t = s -+ sqrt((R^2 - p.p)
+//! rcp(d.d))`. Each rounding moves the apparent surface by a multiple of `e |v|`, of `e R`, or of
+//! the size of the coordinates:
+//!
+//! | step | `e \|v\|` | `e R` | `e (\|m\| + H)` |
+//! |---|---|---|---|
+//! | the sphere, its box, and the ray's origin | | 2 | 3 |
+//! | the direction, rounded to f32 | 1 | | |
+//! | `v` | 1 | | |
+//! | `s`: two dot products of 3, a reciprocal by one Newton step (4), a product | 11 | | |
+//! | `p`: a product and a difference | 2 | | |
+//! | `p.p` and `R^2`, halved by the root | | 2 | |
+//! | half the chord: (difference, `rcp(d.d)` 7, product) halved, and the root | | 5.5 | |
+//! | `s -+ h` | 1 | 1 | |
+//!
+//! The sum is at most `e (3 |m| + 46 H)`. Radii and boxes are enlarged by `E = 16 e (|m| + 4 H)`.
+//! What is enlarged is hit earlier and left later: the roots move by at most
+//! `sqrt((R + 2 E)^2 - R^2)`, the half chord at a tangent, plus `2 E`. That is the *slack* by which
+//! a ray starts earlier and ends later for Embree.
+//!
+//! The slack grows with the largest radius of a group, so a few large spheres among many small ones
+//! are a group of user geometry together with the giants. User geometry has no roots in f32, and
+//! its slack is `2 E`.
+
+use std::ptr;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::geometry::{Sphere, SphereSet};
+use crate::math::{DVec3, F32_UNIT_ROUNDOFF};
+
+use super::sys;
+
+/// A particle larger than this many times the median radius is a large sphere.
+const LARGE: f64 = 16.0;
+/// If there are more large spheres, they are not separated from the others.
+const MAX_LARGE: usize = 1 << 16;
+const POINT_STRIDE: usize = sys::PS_POINT_STRIDE as usize;
+/// Spheres sampled for the median radius.
+const SAMPLES: usize = 1 << 12;
+
+/// How particles are represented in Embree. Large spheres are always user geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::accel) enum ParticleGeometry {
+    Points,
+    User,
+}
+
+/// A group as the shim reads it. Never moves or changes once inside its `Arc`.
+pub(super) struct SphereGroup {
+    pub(super) raw: sys::PsGroup,
+    pub(super) geometry: ParticleGeometry,
+    /// Owns what `raw` points to.
+    _set: Arc<SphereSet>,
+    _ids: Vec<u32>,
+    _points: Vec<[f32; POINT_STRIDE]>,
+}
+
+// SAFETY: the pointers lead to memory that this value owns and that is never written.
+unsafe impl Send for SphereGroup {}
+// SAFETY: as above.
+unsafe impl Sync for SphereGroup {}
+
+impl SphereGroup {
+    /// Divides the spheres of a set into at most two groups: particles, represented like this, and
+    /// large spheres.
+    pub(super) fn divide(set: &Arc<SphereSet>, particles: ParticleGeometry) -> Vec<Arc<Self>> {
+        let count = set.particle_count();
+        let mut large = large_particles(set);
+        let small: Vec<u32> = match large.is_empty() {
+            true => Vec::new(),
+            false => {
+                let is_small = |id: &u32| large.binary_search(id).is_err();
+                (0..count as u32).into_par_iter().filter(is_small).collect()
+            }
+        };
+        let small_count = count - large.len();
+        large.extend(count as u32..set.len() as u32);
+        let mut groups = Vec::with_capacity(2);
+        if !large.is_empty() {
+            let count = large.len();
+            groups.push(Self::new(set, large, count, ParticleGeometry::User));
+        }
+        if small_count > 0 {
+            groups.push(Self::new(set, small, small_count, particles));
+        }
+        groups
+    }
+
+    /// Creates the group of these ids, or of the first `count` if there are none.
+    fn new(
+        set: &Arc<SphereSet>,
+        ids: Vec<u32>,
+        count: usize,
+        geometry: ParticleGeometry,
+    ) -> Arc<Self> {
+        let id = |index: usize| ids.get(index).copied().unwrap_or(index as u32);
+        let spheres = (0..count).into_par_iter().map(|index| set.sphere(id(index)));
+        let Bounds { center, radius, largest } = Bounds::around(spheres.clone());
+        let enlargement = 16.0 * F32_UNIT_ROUNDOFF * (center.length() + 4.0 * radius);
+        let points: Vec<[f32; POINT_STRIDE]> = match geometry {
+            ParticleGeometry::Points => spheres.map(|s| point(&s, enlargement)).collect(),
+            ParticleGeometry::User => Vec::new(),
+        };
+        let tangent = match geometry {
+            ParticleGeometry::Points => (4.0 * enlargement * (largest + enlargement)).sqrt(),
+            ParticleGeometry::User => 0.0,
+        };
+        let raw = sys::PsGroup {
+            spheres: all_spheres(set),
+            ids: if ids.is_empty() { ptr::null() } else { ids.as_ptr() },
+            // A set has less than 2^32 spheres.
+            count: count as u32,
+            points: if points.is_empty() { ptr::null() } else { points.as_ptr().cast() },
+            is_exact: set.is_exact_in_f32(),
+            center: center.to_array(),
+            radius: radius + 2.0 * enlargement,
+            enlargement,
+            slack: 2.0 * enlargement + tangent,
+        };
+        Arc::new(Self { raw, geometry, _set: set.clone(), _ids: ids, _points: points })
+    }
+
+    /// Bytes held, without the spheres of the set.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self._ids) + size_of_val(&*self._points)
+    }
+}
+
+/// Returns the ids of the few particles that are much larger than most, ascending; none if they are
+/// not few.
+fn large_particles(set: &SphereSet) -> Vec<u32> {
+    let count = set.particle_count();
+    let step = count.div_ceil(SAMPLES).max(1);
+    let radius = |id: usize| set.sphere(id as u32).radius;
+    let mut radii: Vec<f64> = (0..count).step_by(step).map(radius).collect();
+    radii.sort_unstable_by(f64::total_cmp);
+    let Some(&median) = radii.get(radii.len() / 2) else { return Vec::new() };
+    let is_large = |&id: &u32| set.sphere(id).radius > LARGE * median;
+    let number = (0..count as u32).into_par_iter().filter(is_large).count();
+    if number > MAX_LARGE {
+        return Vec::new();
+    }
+    (0..count as u32).into_par_iter().filter(is_large).collect()
+}
+
+/// The sphere for Embree, with a radius that is enlarged, and for the filter.
+fn point(sphere: &Sphere, enlargement: f64) -> [f32; POINT_STRIDE] {
+    let [x, y, z] = sphere.center.as_vec3().to_array();
+    let radii = [sphere.radius + enlargement, sphere.radius].map(|radius| radius as f32);
+    [x, y, z, radii[0], radii[1], 0.0, 0.0, 0.0]
+}
+
+fn all_spheres(set: &SphereSet) -> sys::PsSpheres {
+    let rows = set.raw_rows();
+    sys::PsSpheres {
+        f32_rows: rows.f32.map_or(ptr::null(), |rows| rows.as_ptr().cast()),
+        f64_rows: rows.f64.as_ptr().cast(),
+        giants: rows.giants.as_ptr().cast(),
+        origin: set.origin().to_array(),
+        particle_count: set.particle_count() as u32,
+    }
+}
+
+/// A ball around spheres, and the largest of their radii.
+struct Bounds {
+    center: DVec3,
+    radius: f64,
+    largest: f64,
+}
+
+impl Bounds {
+    fn around(spheres: impl ParallelIterator<Item = Sphere> + Clone) -> Self {
+        let empty = || (DVec3::INFINITY, DVec3::NEG_INFINITY, 0.0f64);
+        let add = |a: (DVec3, DVec3, f64), b: (DVec3, DVec3, f64)| {
+            (a.0.min(b.0), a.1.max(b.1), a.2.max(b.2))
+        };
+        let extent = |s: Sphere| (s.center - s.radius, s.center + s.radius, s.radius);
+        let (low, high, largest) = spheres.clone().map(extent).reduce(empty, add);
+        let center = (low + high) * 0.5;
+        let reach = |s: Sphere| s.center.distance(center) + s.radius;
+        Self { center, radius: spheres.map(reach).reduce(|| 0.0, f64::max), largest }
+    }
+}

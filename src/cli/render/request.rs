@@ -1,0 +1,127 @@
+//! What a render is asked to do, by options or by a checkpoint.
+
+use std::path::{Path, PathBuf};
+
+use crate::accel::BackendChoice;
+use crate::cli::args::RenderArgs;
+use crate::cli::outputs::{is_part, is_stdout};
+use crate::error::{Error, Result};
+use crate::image_io::FileFormat;
+use crate::job::{CheckpointHeader, FilePath, Job, OutputSpec};
+use crate::scene::Override;
+
+/// A render to execute, as the options or a checkpoint specify it.
+pub(in crate::cli) struct RenderRequest {
+    pub(in crate::cli) scene: PathBuf,
+    pub(in crate::cli) overrides: Vec<Override>,
+    pub(in crate::cli) memory_limit: Option<u64>,
+    /// What to render, and how.
+    pub(in crate::cli) job: Job,
+    /// True if the settings come from the scene file, false if they come from `job`.
+    pub(in crate::cli) has_settings_of_file: bool,
+    /// Samples per pixel, overriding the scene file.
+    pub(in crate::cli) samples_per_pixel: Option<u32>,
+    /// True if `samples_per_pixel` exceeds the number of the original render.
+    pub(in crate::cli) is_extended: bool,
+    pub(in crate::cli) delivery: OutputSpec,
+    /// The requested format of the standard output.
+    pub(in crate::cli) stdout_format: Option<FileFormat>,
+    pub(in crate::cli) layers_given: bool,
+    /// The checkpoint file.
+    pub(in crate::cli) checkpoint: Option<PathBuf>,
+    /// True if the render continues without viewers that cannot be reached.
+    pub(in crate::cli) is_resumed: bool,
+    pub(in crate::cli) quiet: bool,
+    pub(in crate::cli) json: bool,
+}
+
+impl RenderRequest {
+    /// Returns the render that the options of `photosphere render` ask for.
+    pub(super) fn of_args(args: &RenderArgs) -> Self {
+        let job = Job {
+            samples: args.samples.clone(),
+            until: args.stop.stop_criteria(),
+            layers: args.output.kinds(),
+            accel: args.accel.choice,
+            quality: args.accel.build.quality,
+            threads: args.scene.threads().unwrap_or(0),
+            ..Job::default()
+        };
+        let delivery = OutputSpec {
+            save_every: args.keep.checkpoint_every,
+            preview: args.watch.preview.clone().map(FilePath),
+            preview_every: args.watch.preview_every,
+            tev: args.watch.tev.clone(),
+            ..args.output.output_spec()
+        };
+        Self {
+            scene: args.scene.path.clone(),
+            overrides: args.overrides(),
+            has_settings_of_file: true,
+            memory_limit: args.memory.limit,
+            job,
+            samples_per_pixel: None,
+            is_extended: false,
+            delivery,
+            stdout_format: args.stdout.format,
+            layers_given: args.output.has_layers(),
+            checkpoint: args.keep.checkpoint.clone(),
+            is_resumed: false,
+            quiet: args.quiet,
+            json: args.json,
+        }
+    }
+
+    /// Returns the render that a checkpoint belongs to, of this scene file.
+    pub(in crate::cli) fn of_header(
+        header: &CheckpointHeader,
+        scene: PathBuf,
+        delivery: OutputSpec,
+    ) -> Self {
+        let overrides = header.source.iter().flat_map(|source| &source.overrides);
+        let overrides = overrides.map(|(key, value)| Override::new(key, value));
+        Self {
+            scene,
+            overrides: overrides.collect(),
+            memory_limit: None,
+            // Keep the intersector: on another machine the automatic choice may differ.
+            job: Job {
+                accel: BackendChoice::Only(header.metadata.intersector),
+                ..header.job.clone()
+            },
+            has_settings_of_file: false,
+            samples_per_pixel: Some(header.job.settings.render.samples_per_pixel),
+            is_extended: false,
+            delivery,
+            stdout_format: None,
+            layers_given: false,
+            checkpoint: None,
+            is_resumed: true,
+            quiet: false,
+            json: false,
+        }
+    }
+
+    /// Returns the output paths, each with its option. A `.part` file named by both `-o` and
+    /// `--checkpoint` counts once.
+    pub(super) fn output_paths(&self) -> Vec<(&'static str, &Path)> {
+        let OutputSpec { files, preview, .. } = &self.delivery;
+        let named = files.iter().map(|FilePath(file)| ("-o", file.as_path()));
+        let checkpoint = self.checkpoint.as_deref().map(|file| ("--checkpoint", file));
+        let is_part =
+            |file: &&Path| files.iter().any(|FilePath(part)| part == file && is_part(part));
+        let checkpoint = checkpoint.filter(|(_, file)| !is_part(file));
+        let preview = preview.as_ref().map(|FilePath(file)| ("--preview", file.as_path()));
+        named.chain(checkpoint).chain(preview).collect()
+    }
+
+    /// Refuses a picture and the figures of its render in one stream.
+    pub(in crate::cli) fn check_stdout(&self) -> Result<()> {
+        let has_picture = self.delivery.files.iter().any(|FilePath(file)| is_stdout(file));
+        if !(has_picture && self.json) {
+            return Ok(());
+        }
+        Err(Error::input("`-o -` and `--json` both write to the standard output")
+            .with_help("write the picture into a file"))
+    }
+}
