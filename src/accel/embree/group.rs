@@ -2,9 +2,9 @@
 //!
 //! # Bounds
 //!
-//! Embree only finds candidates; the shim judges them in f64. So no candidate may be lost to the
-//! rounding of what Embree sees. With `e = 2^-24`, let all spheres of a group lie in a ball around
-//! `m` with radius `H`. The shim starts each ray where it enters that ball, so its origin has
+//! Embree only finds candidates; the shim tests them in f64. So no candidate may be lost to the
+//! rounding of what Embree is given. With `e = 2^-24`, let all spheres of a group lie in a ball
+//! around `m` with radius `H`. The shim starts each ray where it enters that ball, so its origin has
 //! `|o| <= |m| + H`, its length is at most `2 H`, and `v = c - o` has `|v| <= 2 H`. Embree computes
 //! `s = (v.d) rcp(d.d)`, `p = v - s d`, and where `p.p <= R^2`, `t = s -+ sqrt((R^2 - p.p)
 //! rcp(d.d))`. Each rounding moves the apparent surface by a multiple of `e |v|`, of `e R`, or of
@@ -22,7 +22,7 @@
 //! | `s -+ h` | 1 | 1 | |
 //!
 //! The sum is at most `e (3 |m| + 46 H)`. Radii and boxes are enlarged by `E = 16 e (|m| + 4 H)`.
-//! What is enlarged is hit earlier and left later: the roots move by at most
+//! Rays enter an enlarged sphere earlier and exit it later: the roots move by at most
 //! `sqrt((R + 2 E)^2 - R^2)`, the half chord at a tangent, plus `2 E`. That is the *slack* by which
 //! a ray starts earlier and ends later for Embree.
 //!

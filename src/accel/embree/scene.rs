@@ -176,8 +176,8 @@ pub(super) fn closest(scenes: &[EmbreeScene], rays: &[Ray], hits: &mut [Hit]) {
 ///
 /// # Panics
 /// When the slices differ in length.
-pub(super) fn occluded(scenes: &[EmbreeScene], rays: &[Ray], blocked: &mut [bool]) {
-    assert_eq!(rays.len(), blocked.len(), "one answer for each ray");
+pub(super) fn occluded(scenes: &[EmbreeScene], rays: &[Ray], occluded: &mut [bool]) {
+    assert_eq!(rays.len(), occluded.len(), "one output per ray");
     let targets: Vec<sys::PsTarget> = scenes.iter().map(EmbreeScene::target).collect();
     // SAFETY: as in `closest`; C's bool is Rust's, and only 0 and 1 are written.
     unsafe {
@@ -186,7 +186,7 @@ pub(super) fn occluded(scenes: &[EmbreeScene], rays: &[Ray], blocked: &mut [bool
             targets.len(),
             rays.as_ptr().cast(),
             rays.len(),
-            blocked.as_mut_ptr(),
+            occluded.as_mut_ptr(),
         );
     }
 }
