@@ -4,9 +4,9 @@
 //!
 //! Embree only finds candidates; the shim tests them in f64. So no candidate may be lost to the
 //! rounding of what Embree is given. With `e = 2^-24`, let all spheres of a group lie in a ball
-//! around `m` with radius `H`. The shim starts each ray where it enters that ball, so its origin has
-//! `|o| <= |m| + H`, its length is at most `2 H`, and `v = c - o` has `|v| <= 2 H`. Embree computes
-//! `s = (v.d) rcp(d.d)`, `p = v - s d`, and where `p.p <= R^2`, `t = s -+ sqrt((R^2 - p.p)
+//! around `m` with radius `H`. The shim starts each ray where it enters that ball, so its origin
+//! has `|o| <= |m| + H`, its length is at most `2 H`, and `v = c - o` has `|v| <= 2 H`. Embree
+//! computes `s = (v.d) rcp(d.d)`, `p = v - s d`, and where `p.p <= R^2`, `t = s -+ sqrt((R^2 - p.p)
 //! rcp(d.d))`. Each rounding moves the apparent surface by a multiple of `e |v|`, of `e R`, or of
 //! the size of the coordinates:
 //!

@@ -8,8 +8,8 @@
 //!
 //! `|p| <= max_offset = ((R + r) (1 + s) + s |b|) / (1 - s)`,
 //!
-//! and the hit is at a distance between `b - R - r` and `b + max_offset`. The errors of `v`, `b` and
-//! `p` in f32 are at most `E = 36 e (|b| + max_offset + |o|)`, as in [`super::spheres`].
+//! and the hit is at a distance between `b - R - r` and `b + max_offset`. The errors of `v`, `b`
+//! and `p` in f32 are at most `E = 36 e (|b| + max_offset + |o|)`, as in [`super::spheres`].
 
 use crate::accel::native::build::fast_max;
 use crate::accel::native::bvh::Bvh;
