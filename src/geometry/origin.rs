@@ -1,9 +1,9 @@
-//! The choice of a scene's origin, such that f32 places its spheres well enough to find candidates.
+//! The choice of a scene's origin, such that f32 is precise enough to find candidates.
 //!
-//! Spheres are stored as written, so the origin affects speed only. It stays 0 where that serves
-//! all spheres: then the f32 spheres of a table are also those of the acceleration structure.
-//! Otherwise it is the per-axis median of the centres: unlike the middle of the bounding box, one
-//! huge ground sphere cannot drag it away from the rest. If that leaves small spheres badly placed
+//! Spheres are stored as written, so the origin affects speed only. It stays 0 if no sphere
+//! is badly rounded there: then the f32 spheres of a table are also those of the acceleration
+//! structure. Otherwise it is the per-axis median of the centres, which one huge ground sphere
+//! hardly moves, unlike the centre of the bounding box. If small spheres are badly rounded there
 //! too, as for one ball on one ground sphere, whose median is a tie, other origins are tried.
 
 use rayon::prelude::*;
@@ -61,7 +61,7 @@ mod tests {
     use super::super::SphereRows;
     use super::*;
 
-    /// So far away that f32 places balls of radius 1 badly.
+    /// So far away that balls of radius 1 are badly rounded to f32.
     const AWAY: f32 = 1e6;
     const GROUND: [f32; 4] = [AWAY, -1e5, 0.0, 1e5];
 

@@ -4,7 +4,7 @@
 //! without duplicates. Hits are computed from those numbers, for all backends. All results are
 //! relative to an origin ([`super::origin`]) near most spheres, subtracted in f64, so that f32
 //! copies in acceleration structures are good at finding candidates. Giants ([`super::giants`]) are
-//! those that f32 places too coarsely for that: ids below `particle_count()` are particles, all
+//! those for which f32 is too coarse for that: ids below `particle_count()` are particles, all
 //! further ids are giants.
 
 use std::hint::black_box;

@@ -1,7 +1,7 @@
 //! Stores spheres as the user wrote them, in as few bytes as possible.
 //!
 //! Tables in f32 stay `[x, y, z, radius]` in f32, 16 bytes per sphere. The few spheres among them
-//! that f32 cannot hold are stored in f64 beside the table, and their rows hold an index and a
+//! that f32 cannot represent are stored in f64 beside the table, and their rows hold an index and a
 //! negative radius. Scenes without an f32 table are stored in f64, 32 bytes per sphere.
 
 use rayon::prelude::*;

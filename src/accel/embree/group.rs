@@ -71,7 +71,7 @@ unsafe impl Send for SphereGroup {}
 unsafe impl Sync for SphereGroup {}
 
 impl SphereGroup {
-    /// Divides the spheres of a set into at most two groups: particles, represented like this, and
+    /// Divides the spheres of a set into at most two groups: particles, with this geometry, and
     /// large spheres.
     pub(super) fn divide(set: &Arc<SphereSet>, particles: ParticleGeometry) -> Vec<Arc<Self>> {
         let count = set.particle_count();
@@ -136,8 +136,8 @@ impl SphereGroup {
     }
 }
 
-/// Returns the ids of the few particles that are much larger than most, ascending; none if they are
-/// not few.
+/// Returns the ids of the few particles that are much larger than most, ascending; none if there
+/// are too many.
 fn large_particles(set: &SphereSet) -> Vec<u32> {
     let count = set.particle_count();
     let step = count.div_ceil(SAMPLES).max(1);
@@ -153,7 +153,7 @@ fn large_particles(set: &SphereSet) -> Vec<u32> {
     (0..count as u32).into_par_iter().filter(is_large).collect()
 }
 
-/// The sphere for Embree, with a radius that is enlarged, and for the filter.
+/// The sphere with an enlarged radius, for Embree, and its own radius, for the filter.
 fn point(sphere: &Sphere, enlargement: f64) -> [f32; POINT_STRIDE] {
     let [x, y, z] = sphere.center.as_vec3().to_array();
     let radii = [sphere.radius + enlargement, sphere.radius].map(|radius| radius as f32);
