@@ -1,14 +1,14 @@
-/* shim.h over Embree 4 or 3, whichever build.rs found (EMBREE_MAJOR says which).
+/* Implements shim.h with Embree 4 or 3, whichever build.rs found (EMBREE_MAJOR).
  *
- * Two things are done here and nowhere else. The difference between the two versions is hidden in
- * the first section. And Embree only finds candidates: every one of them, a sphere point or user
- * geometry, is judged by one function, accept(), in f64 and on the numbers that the user wrote. So
- * hits, exclusion, the open interval and ties have one rule, and the answer does not depend on the
- * order in which Embree visits the spheres, nor on its arithmetic.
+ * The first section hides the differences between the two versions. Embree only finds candidates:
+ * all of them, sphere points and user geometry, are tested by the same two functions, first_root()
+ * and counts(), in f64 and with the numbers that the user wrote. So hits, exclusion, the open
+ * interval and ties follow the same rules, and the result depends neither on the order in which
+ * Embree visits the spheres nor on its arithmetic.
  *
- * No candidate is lost, because everything that Embree sees is enlarged by a bound on its errors in
- * f32 (PsGroup, derived in src/accel/embree/group.rs), and because a ray starts, for Embree, where it
- * enters the ball around the group, so that these errors do not grow with the ray's length.
+ * No candidate is lost, because all spheres are enlarged for Embree by a bound on its errors in f32
+ * (PsGroup, derived in src/accel/embree/group.rs), and because Embree's ray starts where it enters
+ * the ball around the group, so that these errors do not grow with the ray's length.
  */
 #include "shim.h"
 
@@ -36,14 +36,14 @@ typedef struct RTCRayQueryContext Context;
 typedef struct RTCIntersectContext Context;
 #endif
 
-/* What a callback must know of the ray being traced. Embree hands its context to every callback;
- * it comes first here, so that a pointer to it is a pointer to the whole. */
+/* The state of a query, for the callbacks. Embree passes its context to every callback; it is the
+ * first member, so that a pointer to it is also a pointer to the query. */
 typedef struct Query {
     Context context;
     const PsRay *ray;
     /* The ray to 48 bits; the length of its direction, and one over that and over its square. */
     double origin[3], direction[3], length, per_length, per_length_squared;
-    /* Where the ray starts for Embree, and the slack of the group that is being asked. */
+    /* Where Embree's ray starts, and the slack of the group being traced. */
     double start, slack;
     /* The first hit so far. */
     double t;
@@ -143,7 +143,7 @@ static double dot(const double a[3], const double b[3]) {
 }
 
 /* `Sphere::first_root` of photosphere's geometry, operation by operation, so that it gives the same
- * bits. The far root where the near one is not beyond t_min; NAN where the line passes by. */
+ * bits. The far root if the near one is not beyond t_min; NAN if the line misses the sphere. */
 static double first_root(const PsGroup *group, uint32_t index, const Query *query) {
     const Sphere found = sphere_in(group, index), *sphere = &found;
     const double *o = query->origin, *d = query->direction, *c = sphere->center;
@@ -159,15 +159,15 @@ static double first_root(const PsGroup *group, uint32_t index, const Query *quer
     return t - h > query->ray->t_min ? t - h : t + h;
 }
 
-/* ---- Which hits count ---- */
+/* ---- Which hits are accepted ---- */
 
 static bool counts(const PsRay *ray, uint32_t id, double t) {
     bool excluded = id == ray->exclude[0] || id == ray->exclude[1];
     return !excluded && t > ray->t_min && t < ray->t_max;
 }
 
-/* Whether this hit is the first so far; if so it is remembered. Of equal distances the lowest id
- * wins, as in brute force. */
+/* Returns true if this hit is the first so far, and then stores it. At equal distances, the hit
+ * with the lowest id is first, as in brute force. */
 static bool accept(Query *query, uint32_t id, double t) {
     if (!counts(query->ray, id, t)) return false;
     if (!(t < query->t || (t == query->t && id < query->id))) return false;
@@ -179,18 +179,18 @@ static bool accept(Query *query, uint32_t id, double t) {
 /* Not less than x >= 0. */
 static float round_up(double x) { return (float)x * (1.0f + 2.0f * FLT_EPSILON); }
 
-/* fmin, without its care for NAN, which costs a call. */
+/* fmin without NAN handling, which would cost a call. */
 static double least(double a, double b) { return a < b ? a : b; }
 
-/* Where Embree may stop looking for a sphere whose exact distance is below t. */
+/* The distance up to which Embree must search for spheres whose exact distance is below t. */
 static float search_until(const Query *query, double t) {
     return round_up((t - query->start) * query->length + query->slack);
 }
 
-/* Filters of the sphere points. Setting `valid` to 0 rejects the candidate, upon which Embree offers
- * the sphere's far wall and restores the ray. The callbacks are only ever called for one ray, where
- * RTCRayN and RTCHitN are RTCRay and RTCHit. Embree allows a filter to change `tfar` and takes what
- * it finds there, which is never more than it was before the candidate. */
+/* Filters of the sphere points. Setting `valid` to 0 rejects the candidate; Embree then restores
+ * the ray and calls the filter for the far root of the sphere. The callbacks are only called for
+ * single rays, where RTCRayN and RTCHitN are RTCRay and RTCHit. Embree allows a filter to change
+ * `tfar` and continues with the new value, which is never larger than before the candidate. */
 
 static void filter_closest(const struct RTCFilterFunctionNArguments *arguments) {
     const PsGroup *group = arguments->geometryUserPtr;
@@ -286,7 +286,7 @@ void ps_device_describe(PsDevice *device, PsDescription *description) {
         .culls_sphere_back_faces = -1,
     };
 #if RTC_VERSION_MAJOR == 3
-    /* Embree 3 knows no such culling. */
+    /* Embree 3 has no such culling. */
     description->culls_sphere_back_faces = 0;
 #elif RTC_VERSION >= 40303
     description->culls_sphere_back_faces =
@@ -325,7 +325,7 @@ void ps_geometry_release(PsGeometry *geometry) { rtcReleaseGeometry((RTCGeometry
 
 PsScene *ps_scene_new(PsDevice *device) {
     RTCScene scene = rtcNewScene((RTCDevice)device);
-    /* Box tests that lose nothing to rounding; for spheres they cost nothing measurable. */
+    /* Conservative box tests; for spheres they cost nothing measurable. */
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     return (PsScene *)scene;
 }
@@ -344,7 +344,7 @@ void ps_scene_release(PsScene *scene) { rtcReleaseScene((RTCScene)scene); }
 
 /* ---- Queries ---- */
 
-/* Whether Embree may be asked at all: `math::Ray::is_valid`, and its limit, 4 MAX_COORDINATE. */
+/* True if the ray may be traced: `math::Ray::is_valid`, with its limit, 4 MAX_COORDINATE. */
 static bool is_valid(const PsRay *ray) {
     const float limit = 4.0f * 1e15f;
     bool bounded = true;
@@ -367,8 +367,8 @@ static void begin(Query *query, const PsRay *ray) {
     query->id = PS_NO_SPHERE;
 }
 
-/* Makes the ray for a group: of unit direction, from where it enters the ball around the group to
- * where it leaves that or its first hit so far. Returns false if that is nowhere. */
+/* Computes Embree's ray for a group: of unit direction, from its entry into the ball around the
+ * group to its exit or the first hit so far. Returns false if that interval is empty. */
 static bool embree_ray(Query *query, const PsGroup *group, struct RTCRay *ray) {
     const double *o = query->origin, *d = query->direction, *c = group->center;
     const double to_center[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
@@ -423,18 +423,18 @@ void ps_closest(const PsTarget *targets, size_t target_count, const PsRay *rays,
 }
 
 void ps_occluded(const PsTarget *targets, size_t target_count, const PsRay *rays, size_t count,
-                 bool *blocked) {
+                 bool *occluded) {
     Query query;
     OccludedArguments arguments;
     prepare_occluded(&arguments, &query);
     for (size_t i = 0; i < count; i++) {
         begin(&query, &rays[i]);
-        blocked[i] = false;
-        for (size_t k = 0; k < target_count && is_valid(&rays[i]) && !blocked[i]; k++) {
+        occluded[i] = false;
+        for (size_t k = 0; k < target_count && is_valid(&rays[i]) && !occluded[i]; k++) {
             struct RTCRay ray;
             if (!embree_ray(&query, targets[k].group, &ray)) continue;
             trace_occluded((RTCScene)targets[k].scene, &arguments, &ray);
-            blocked[i] = ray.tfar < 0.0f;
+            occluded[i] = ray.tfar < 0.0f;
         }
     }
 }

@@ -1,9 +1,9 @@
-/* The one seam to Embree: everything that Rust may ask of it, in plain C types.
+/* The only interface to Embree: all functions that Rust calls, in plain C types.
  *
  * bindgen reads this header and no other. No Embree type appears in it, so the bindings are the
- * same whichever Embree is installed; shim.c hides what differs between versions 4 and 3.
+ * same for every installed version; shim.c hides the differences between versions 4 and 3.
  *
- * Functions without a result report mistakes to the device's error listener, never to the caller.
+ * Functions without a result report errors to the device's error listener, never to the caller.
  */
 #ifndef PHOTOSPHERE_SHIM_H
 #define PHOTOSPHERE_SHIM_H
@@ -20,7 +20,7 @@ typedef struct PsScene PsScene;
 /* The id that means "no sphere". */
 #define PS_NO_SPHERE UINT32_MAX
 
-/* A question. The layout is that of photosphere's `math::Ray`, which explains the fields. */
+/* A query. The layout is that of photosphere's `math::Ray`, which explains the fields. */
 typedef struct PsRay {
     _Alignas(64) float origin[3];
     float t_min;
@@ -31,7 +31,7 @@ typedef struct PsRay {
     float direction_low[3];
 } PsRay;
 
-/* An answer. The layout is that of photosphere's `math::Hit`. */
+/* A query result. The layout is that of photosphere's `math::Hit`. */
 typedef struct PsHit {
     float t;
     uint32_t id;
@@ -40,17 +40,18 @@ typedef struct PsHit {
 /* All the spheres of a scene as the user wrote them, by id: x, y, z, radius of each. The ids of
  * giants follow those of the particles. */
 typedef struct PsSpheres {
-    /* The particles in f32; a negative radius marks one that is in `f64_rows`, at the index that the
-     * bits of x are. NULL if all are in `f64_rows`. */
+    /* The particles in f32; a negative radius marks one that is in `f64_rows`, at the index given
+     * by the bits of x. NULL if all are in `f64_rows`. */
     const float *f32_rows;
     const double *f64_rows;
     const double *giants;
-    /* What rays are relative to. */
+    /* The point that rays are relative to. */
     double origin[3];
     uint32_t particle_count;
 } PsSpheres;
 
-/* Numbers of a sphere point: two in a cache line of 16, so that Embree has fetched what a filter needs. */
+/* Floats per sphere point: two points per cache line, so that the numbers a filter reads are in the
+ * line that Embree has just read. */
 #define PS_POINT_STRIDE 8
 
 /* Spheres of similar size, which have an Embree scene of their own. Must not move or change as long
@@ -60,10 +61,10 @@ typedef struct PsGroup {
     /* The ids of the spheres; NULL if they are the first ones. */
     const uint32_t *ids;
     uint32_t count;
-    /* The spheres as sphere points, PS_POINT_STRIDE numbers each: x, y, z relative to the origin, the
-     * enlarged radius, and the radius as written. */
+    /* The spheres as sphere points, PS_POINT_STRIDE numbers each: x, y, z relative to the origin,
+     * the enlarged radius, and the radius as written. */
     const float *points;
-    /* Whether x, y, z and the last number of each point are exact. */
+    /* True if x, y, z and the last number of each point are exact. */
     bool is_exact;
     /* A ball that contains all spheres of the group. */
     double center[3], radius;
@@ -73,24 +74,24 @@ typedef struct PsGroup {
 
 /* ---- Devices ---- */
 
-/* What a device can do, as numbers. */
+/* Versions and features of a device. */
 typedef struct PsDescription {
     /* The version of the headers that the shim was compiled against, and that of the library that
      * runs: 10000 major + 100 minor + patch. */
     uint32_t compiled_version;
     uint32_t runtime_version;
-    /* The widest ray packet that the selected instructions handle in one piece: 1, 4, 8 or 16. */
+    /* The widest ray packet that the selected instructions process at once: 1, 4, 8 or 16. */
     uint32_t packet_width;
     /* 0: Embree's own, 1: TBB, 2: PPL. */
     uint32_t tasking;
     bool sphere_points;
     bool user_geometry;
     bool filters;
-    /* Whether spheres are invisible from inside; -1: this version does not tell. */
+    /* 1 if spheres are invisible from inside, 0 if not; -1: this version does not report it. */
     int32_t culls_sphere_back_faces;
 } PsDescription;
 
-/* The error code with a meaning of its own for the caller. */
+/* The error code that the caller treats specially. */
 enum { PS_ERROR_CANCELLED = 6 };
 
 /* Called with a code and a text, from any thread that works for the device. */
@@ -138,8 +139,8 @@ typedef struct PsTarget {
 /* The first sphere that each ray hits; invalid rays hit nothing. */
 void ps_closest(const PsTarget *targets, size_t target_count, const PsRay *rays, size_t count,
                 PsHit *hits);
-/* Whether each ray hits anything; invalid rays do not. */
+/* True for each ray that hits anything; invalid rays do not. */
 void ps_occluded(const PsTarget *targets, size_t target_count, const PsRay *rays, size_t count,
-                 bool *blocked);
+                 bool *occluded);
 
 #endif

@@ -57,21 +57,21 @@ impl BackendChoice {
     }
 }
 
-fn select_for(spheres: usize, instance: KernelIsa) -> SelectedBackend {
-    let chosen = |backend, reason: String| SelectedBackend { backend, reason };
+fn select_for(spheres: usize, isa: KernelIsa) -> SelectedBackend {
+    let selected = |backend, reason: String| SelectedBackend { backend, reason };
     if spheres <= BackendChoice::BRUTE_FORCE_MAX_SPHERES {
-        return chosen(
+        return selected(
             Backend::BruteForce,
             format!("fastest for up to {} spheres", BackendChoice::BRUTE_FORCE_MAX_SPHERES),
         );
     }
-    match instance {
+    match isa {
         KernelIsa::Portable if Backend::AVAILABLE.contains(&Backend::Embree) => {
-            chosen(Backend::Embree, "faster than portable code on this processor".to_owned())
+            selected(Backend::Embree, "faster than portable code on this processor".to_owned())
         }
-        KernelIsa::Portable => chosen(Backend::Native, "this build has no Embree".to_owned()),
+        KernelIsa::Portable => selected(Backend::Native, "this build has no Embree".to_owned()),
         KernelIsa::Avx2 | KernelIsa::Avx512 => {
-            chosen(Backend::Native, format!("fastest on processors with {}", instance.name()))
+            selected(Backend::Native, format!("fastest on processors with {}", isa.name()))
         }
     }
 }
@@ -103,13 +103,10 @@ mod tests {
 
     #[test]
     fn the_choice_follows_the_number_of_spheres_and_the_processor() {
-        let backend = |spheres, instance| select_for(spheres, instance).backend;
-        for instance in KernelIsa::ALL {
-            assert_eq!(backend(0, *instance), Backend::BruteForce);
-            assert_eq!(
-                backend(BackendChoice::BRUTE_FORCE_MAX_SPHERES, *instance),
-                Backend::BruteForce
-            );
+        let backend = |spheres, isa| select_for(spheres, isa).backend;
+        for isa in KernelIsa::ALL {
+            assert_eq!(backend(0, *isa), Backend::BruteForce);
+            assert_eq!(backend(BackendChoice::BRUTE_FORCE_MAX_SPHERES, *isa), Backend::BruteForce);
         }
         assert_eq!(
             backend(BackendChoice::BRUTE_FORCE_MAX_SPHERES + 1, KernelIsa::Avx2),

@@ -29,35 +29,40 @@ impl BruteForce {
     }
 
     fn closest_blocks(&self, rays: &PathRays, hits: &mut [Hit]) {
-        let mut found = BlockHits::default();
+        let mut block_hits = BlockHits::default();
         for (rays, hits) in rays.blocks().iter().zip(hits.chunks_mut(LANES)) {
-            self.isa.run(InitHits { rays, found: &mut found });
+            self.isa.run(InitHits { rays, block_hits: &mut block_hits });
             let ids = 0..self.sphere_count();
-            self.isa.run(IntersectSpheres { rays, spheres: &self.spheres, ids, found: &mut found });
-            for ((hit, &id), &t) in hits.iter_mut().zip(&found.id.0).zip(&found.t.0) {
+            self.isa.run(IntersectSpheres {
+                rays,
+                spheres: &self.spheres,
+                ids,
+                block_hits: &mut block_hits,
+            });
+            for ((hit, &id), &t) in hits.iter_mut().zip(&block_hits.id.0).zip(&block_hits.t.0) {
                 *hit = if id == NO_SPHERE { Hit::MISS } else { Hit { t: t as f32, id } };
             }
         }
     }
 
-    fn occluded_blocks(&self, rays: &PathRays, blocked: &mut [bool]) {
-        let mut found = BlockHits::default();
-        for (rays, blocked) in rays.blocks().iter().zip(blocked.chunks_mut(LANES)) {
-            self.isa.run(InitHits { rays, found: &mut found });
+    fn occluded_blocks(&self, rays: &PathRays, occluded: &mut [bool]) {
+        let mut block_hits = BlockHits::default();
+        for (rays, occluded) in rays.blocks().iter().zip(occluded.chunks_mut(LANES)) {
+            self.isa.run(InitHits { rays, block_hits: &mut block_hits });
             for first in (0..self.sphere_count()).step_by(EARLY_OUT_INTERVAL) {
                 let ids = first..self.sphere_count().min(first + EARLY_OUT_INTERVAL as u32);
                 self.isa.run(IntersectSpheres {
                     rays,
                     spheres: &self.spheres,
                     ids,
-                    found: &mut found,
+                    block_hits: &mut block_hits,
                 });
-                if found.id.0[..blocked.len()].iter().all(|&id| id != NO_SPHERE) {
+                if block_hits.id.0[..occluded.len()].iter().all(|&id| id != NO_SPHERE) {
                     break;
                 }
             }
-            for (blocked, &id) in blocked.iter_mut().zip(&found.id.0) {
-                *blocked = id != NO_SPHERE;
+            for (occluded, &id) in occluded.iter_mut().zip(&block_hits.id.0) {
+                *occluded = id != NO_SPHERE;
             }
         }
     }
@@ -68,8 +73,8 @@ impl Accel for BruteForce {
         self.closest_blocks(&to_path_rays(rays), hits);
     }
 
-    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        self.occluded_blocks(&to_path_rays(rays), blocked);
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        self.occluded_blocks(&to_path_rays(rays), occluded);
     }
 
     fn closest_path_rays(
@@ -87,9 +92,9 @@ impl Accel for BruteForce {
         _: &SphereSet,
         rays: &PathRays,
         _: &mut Vec<Ray>,
-        blocked: &mut [bool],
+        occluded: &mut [bool],
     ) {
-        self.occluded_blocks(rays, blocked);
+        self.occluded_blocks(rays, occluded);
     }
 
     /// Rays are stored with 48 bits and all arithmetic is f64, so the error is that of 2^-48, with
@@ -106,9 +111,9 @@ impl Accel for BruteForce {
 
 /// Converts queries to path rays with the same bits.
 fn to_path_rays(rays: &[Ray]) -> PathRays {
-    let mut found = PathRays::default();
+    let mut path_rays = PathRays::default();
     for ray in rays {
-        found.push(&PathRay {
+        path_rays.push(&PathRay {
             t_min: f64::from(ray.t_min),
             t_max: f64::from(ray.t_max),
             origin_sphere: ray.exclude[0],
@@ -116,7 +121,7 @@ fn to_path_rays(rays: &[Ray]) -> PathRays {
             ..PathRay::new(ray.origin_f64(), ray.direction_f64())
         });
     }
-    found
+    path_rays
 }
 
 /// The closest hits of a block of rays.
@@ -134,19 +139,19 @@ struct BlockHits {
 /// Initialises a block without hits.
 struct InitHits<'a> {
     rays: &'a RayBlock,
-    found: &'a mut BlockHits,
+    block_hits: &'a mut BlockHits,
 }
 
 impl SimdKernel for InitHits<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { rays, found } = self;
+        let Self { rays, block_hits } = self;
         for lane in 0..LANES {
-            found.inv_length_squared.0[lane] = 1.0 / rays.direction.get(lane).length_squared();
+            block_hits.inv_length_squared.0[lane] = 1.0 / rays.direction.get(lane).length_squared();
             let [t_min, t_end] = rounded_interval(rays.t_min.0[lane], rays.t_end(lane));
-            found.t_min.0[lane] = t_min.into();
-            found.t.0[lane] = t_end.into();
-            found.id.0[lane] = NO_SPHERE;
+            block_hits.t_min.0[lane] = t_min.into();
+            block_hits.t.0[lane] = t_end.into();
+            block_hits.id.0[lane] = NO_SPHERE;
         }
     }
 }
@@ -156,27 +161,27 @@ struct IntersectSpheres<'a> {
     rays: &'a RayBlock,
     spheres: &'a SphereSet,
     ids: std::ops::Range<u32>,
-    found: &'a mut BlockHits,
+    block_hits: &'a mut BlockHits,
 }
 
 impl SimdKernel for IntersectSpheres<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { rays, spheres, ids, found } = self;
+        let Self { rays, spheres, ids, block_hits } = self;
         for id in ids {
             let sphere = spheres.sphere(id);
             for lane in 0..LANES {
                 let (origin, direction) = (rays.origin.get(lane), rays.direction.get(lane));
-                let (t_min, nearest, id_before) =
-                    (found.t_min.0[lane], found.t.0[lane], found.id.0[lane]);
-                let per_length_squared = found.inv_length_squared.0[lane];
+                let (t_min, nearest, best_id) =
+                    (block_hits.t_min.0[lane], block_hits.t.0[lane], block_hits.id.0[lane]);
+                let per_length_squared = block_hits.inv_length_squared.0[lane];
                 let t = sphere.nearer_root(origin, direction, per_length_squared, t_min);
                 // No branches, which would prevent vectorisation.
                 let is_excluded =
                     (rays.origin_sphere.0[lane] == id) | (rays.target_sphere.0[lane] == id);
                 let is_nearer = (t > t_min) & (t < nearest) & !is_excluded;
-                found.t.0[lane] = if is_nearer { t } else { nearest };
-                found.id.0[lane] = if is_nearer { id } else { id_before };
+                block_hits.t.0[lane] = if is_nearer { t } else { nearest };
+                block_hits.id.0[lane] = if is_nearer { id } else { best_id };
             }
         }
     }

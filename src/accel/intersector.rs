@@ -15,7 +15,7 @@ pub trait Accel: Send + Sync {
     fn closest(&self, rays: &[Ray], hits: &mut [Hit]);
 
     /// Sets each flag to true if the ray is occluded. The slices have equal lengths.
-    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]);
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]);
 
     /// [`Self::closest`] for the f64 rays of paths. By default each ray is converted with
     /// [`SphereSet::to_query`], using `queries` as scratch memory; a backend that computes in f64
@@ -37,10 +37,10 @@ pub trait Accel: Send + Sync {
         spheres: &SphereSet,
         rays: &PathRays,
         queries: &mut Vec<Ray>,
-        blocked: &mut [bool],
+        occluded: &mut [bool],
     ) {
         to_queries(spheres, rays, queries);
-        self.occluded(queries, blocked);
+        self.occluded(queries, occluded);
     }
 
     /// Bounds how far this backend's arithmetic may move a sphere's surface for a ray.

@@ -17,7 +17,7 @@ impl Backend {
     /// count as spheres.
     pub fn memory_estimate(self, spheres: u64) -> MemoryEstimate {
         let n = spheres as f64;
-        let [finished, peak] = match self {
+        let [built, peak] = match self {
             Self::BruteForce => [0.0, 0.0],
             // Treelets are built in batches of a million spheres, in addition to the tree so far.
             Self::Native => [34.0 * n, 34.0 * n + 42.0 * n.min(1e6)],
@@ -25,6 +25,6 @@ impl Backend {
             Self::Embree => [64.0 * n, 64.2 * n].map(|bytes| bytes + (10.0 * n).min(6e6)),
             Self::EmbreeUser => [77.0 * n, 119.0 * n],
         };
-        MemoryEstimate { built: finished as u64, peak: peak as u64 }
+        MemoryEstimate { built: built as u64, peak: peak as u64 }
     }
 }

@@ -2,7 +2,7 @@
 //! rest along a Morton curve, and removes duplicates.
 //!
 //! Sorting takes 8 bytes per sphere for the keys, then 4 for the row of each id and 16 or 32 for
-//! the reordered spheres: less than any tree that is built afterwards, so this is never the peak.
+//! the reordered spheres: less than any BVH that is built afterwards, so this is never the peak.
 //! Only two arrays are kept, the spheres and their rows.
 
 use std::collections::HashSet;
@@ -120,8 +120,8 @@ impl SortableSpheres for Unsorted {
 /// Keeps the first of each run of equal spheres; returns the number removed.
 fn remove_duplicates(spheres: &mut SphereStorage, rows: &mut Vec<u32>) -> usize {
     let count = spheres.len();
-    let repeats = |index: usize, earlier: usize| spheres.sphere(index) == spheres.sphere(earlier);
-    let first = (1..count).into_par_iter().position_first(|index| repeats(index, index - 1));
+    let is_equal = |index: usize, earlier: usize| spheres.sphere(index) == spheres.sphere(earlier);
+    let first = (1..count).into_par_iter().position_first(|index| is_equal(index, index - 1));
     let Some(first) = first.map(|position| position + 1) else { return 0 };
     let mut kept = first;
     for index in first + 1..count {

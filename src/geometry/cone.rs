@@ -71,8 +71,8 @@ impl Cone {
     /// Samples a direction uniformly over the cone's solid angle, from `u` in `[0, 1)^2`.
     #[inline(always)]
     pub fn sample(&self, u: [f64; 2]) -> ConeSample {
-        let share = if fault!(ConeUniformInAngle) { u[0] * u[0] } else { u[0] };
-        let one_minus_cos = share * self.one_minus_cos_max;
+        let u0 = if fault!(ConeUniformInAngle) { u[0] * u[0] } else { u[0] };
+        let one_minus_cos = u0 * self.one_minus_cos_max;
         let sin_squared = one_minus_cos * (2.0 - one_minus_cos);
         let (sin_phi, cos_phi) = sampling::sin_cos_2pi(u[1]);
         let sin = sin_squared.max(0.0).sqrt();
@@ -103,15 +103,23 @@ mod tests {
 
     #[test]
     fn the_solid_angle_is_right_for_tiny_and_for_wide_cones() {
-        let seen = |d: f64| {
+        let solid_angle_at = |d: f64| {
             let sphere = Sphere { center: DVec3::new(0.0, 0.0, d), radius: 1.0 };
             Cone::subtending(DVec3::ZERO, &sphere).expect("outside").solid_angle()
         };
         // Far away: pi R^2 / d^2. On the surface: a half space.
-        assert_relative_eq!(seen(1e8), std::f64::consts::PI * 1e-16, max_relative = 1e-14);
-        assert_relative_eq!(seen(1.0 + 1e-14), std::f64::consts::TAU, max_relative = 1e-6);
         assert_relative_eq!(
-            seen(2.0),
+            solid_angle_at(1e8),
+            std::f64::consts::PI * 1e-16,
+            max_relative = 1e-14
+        );
+        assert_relative_eq!(
+            solid_angle_at(1.0 + 1e-14),
+            std::f64::consts::TAU,
+            max_relative = 1e-6
+        );
+        assert_relative_eq!(
+            solid_angle_at(2.0),
             std::f64::consts::TAU * (1.0 - 0.75f64.sqrt()),
             max_relative = 1e-14
         );
@@ -150,8 +158,8 @@ mod tests {
             // Uniform in the chord from the axis to the rim.
             let chord = 1.0 - sample.direction.dot(axis);
             assert!((chord - u[0] * (1.0 - cos_max)).abs() < 1e-14);
-            let met = sphere.roots(point, sample.direction).expect("inside the cone");
-            assert_relative_eq!(sample.distance, met.near, max_relative = 1e-12);
+            let roots = sphere.roots(point, sample.direction).expect("inside the cone");
+            assert_relative_eq!(sample.distance, roots.near, max_relative = 1e-12);
             assert_eq!(sample.pdf, cone.pdf());
         }
     }

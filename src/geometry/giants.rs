@@ -1,15 +1,15 @@
-//! Giants: spheres too large, relative to the spheres they touch, to be rounded to f32.
+//! Giants: spheres too large, relative to their neighbouring spheres, to be rounded to f32.
 //!
 //! A ground sphere of radius 1e5 under balls of radius 1 would sink or float by half a percent of a
 //! ball if its numbers were f32. Such a sphere is a *giant*: it keeps its f64 numbers.
 //!
 //! The criterion: rounding moves a surface by at most `2^-24 (|c| + r)`. A sphere is a giant if
-//! that is more than a thousandth of the smallest radius that it can touch. "Can touch" is decided
-//! by distance from the origin (the median of all centres): space is divided into shells
+//! that is more than a thousandth of the radius of its smallest neighbouring sphere. Neighbours are
+//! found by distance from the origin (the median of all centres): space is divided into shells
 //! `2^k <= |p| < 2^(k+1)`, and each shell stores the smallest radius of any sphere whose surface
 //! enters it. A shell counts only if the sphere's own numbers are more than eight times larger than
-//! the coordinates there: elsewhere its neighbours are rounded as much as it is, and keeping it
-//! alone in f64 would not help.
+//! the coordinates there: elsewhere its neighbours are rounded as much as it is, and keeping only
+//! it in f64 would not help.
 
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ const MIN_EXPONENT: i32 = -60;
 const MAX_EXPONENT: i32 = 60;
 const SHELLS: usize = (MAX_EXPONENT - MIN_EXPONENT + 1) as usize;
 
-/// Maximum displacement of a surface by rounding, as a fraction of the smallest touchable radius.
+/// Maximum displacement of a surface by rounding, as a fraction of the smallest neighbour's radius.
 const TOLERANCE: f64 = 1e-3;
 /// Minimum ratio of a giant's own numbers to the coordinates of a shell.
 const SCALE_RATIO: f64 = 8.0;
@@ -36,18 +36,18 @@ pub(super) struct Shells {
 impl Shells {
     /// Computes the shells of `count` spheres, given by index, relative to the origin.
     pub(super) fn new(count: usize, sphere: impl Fn(usize) -> Sphere + Sync) -> Self {
-        let nothing = || [f64::INFINITY; SHELLS];
+        let empty = || [f64::INFINITY; SHELLS];
         let smallest_radius = (0..count)
             .into_par_iter()
             .with_min_len(4096)
-            .fold(nothing, |mut shells, index| {
+            .fold(empty, |mut shells, index| {
                 let sphere = sphere(index);
                 for shell in &mut shells[shell_range(&sphere)] {
                     *shell = shell.min(sphere.radius);
                 }
                 shells
             })
-            .reduce(nothing, |mut a, b| {
+            .reduce(empty, |mut a, b| {
                 a.iter_mut().zip(b).for_each(|(a, b)| *a = a.min(b));
                 a
             });
@@ -58,13 +58,14 @@ impl Shells {
     /// Returns true if the sphere is a giant among those spheres.
     pub(super) fn is_giant(&self, sphere: &Sphere) -> bool {
         let scale = sphere.center.length() + sphere.radius;
-        let moved = F32_UNIT_ROUNDOFF * scale;
-        if moved <= TOLERANCE * self.smallest {
+        let displacement = F32_UNIT_ROUNDOFF * scale;
+        if displacement <= TOLERANCE * self.smallest {
             return false; // nearly always
         }
         shell_range(sphere).any(|shell| {
             let shell_end = 2f64.powi(MIN_EXPONENT + shell as i32 + 1);
-            scale > SCALE_RATIO * shell_end && moved > TOLERANCE * self.smallest_radius[shell]
+            scale > SCALE_RATIO * shell_end
+                && displacement > TOLERANCE * self.smallest_radius[shell]
         })
     }
 }

@@ -12,9 +12,9 @@ const CHUNK_SIZE: usize = 1 << 22;
 pub(super) fn lower_median(items: usize, value: impl Fn(usize) -> Option<f32> + Sync) -> f32 {
     let high = |key: u32| Some((key >> 16) as usize);
     let counts = count(items, &value, high);
-    let all: u64 = counts.iter().sum();
-    let Some(last) = all.checked_sub(1) else { return 0.0 };
-    let (first_half, rest) = locate(&counts, last / 2);
+    let total: u64 = counts.iter().sum();
+    let Some(max_rank) = total.checked_sub(1) else { return 0.0 };
+    let (first_half, rest) = locate(&counts, max_rank / 2);
     let low = |key: u32| (high(key) == Some(first_half)).then_some(key as usize % DIGITS);
     let (second_half, _) = locate(&count(items, &value, low), rest);
     from_key((first_half << 16 | second_half) as u32)
@@ -26,19 +26,19 @@ fn count(
     value: &(impl Fn(usize) -> Option<f32> + Sync),
     digit: impl Fn(u32) -> Option<usize> + Sync,
 ) -> Vec<u64> {
-    let of_chunk = |chunk: usize| {
+    let count_chunk = |chunk: usize| {
         let mut counts = vec![0u64; DIGITS];
         let items = chunk * CHUNK_SIZE..items.min((chunk + 1) * CHUNK_SIZE);
         let digits = items.filter_map(|item| digit(to_key(value(item)?)));
         digits.for_each(|digit| counts[digit] += 1);
         counts
     };
-    let added = |mut a: Vec<u64>, b: Vec<u64>| {
+    let add_counts = |mut a: Vec<u64>, b: Vec<u64>| {
         a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         a
     };
     let chunks = (0..items.div_ceil(CHUNK_SIZE)).into_par_iter();
-    chunks.map(of_chunk).reduce_with(added).unwrap_or_else(|| vec![0; DIGITS])
+    chunks.map(count_chunk).reduce_with(add_counts).unwrap_or_else(|| vec![0; DIGITS])
 }
 
 /// Returns the digit of the item with this rank, and its rank among those of the same digit.

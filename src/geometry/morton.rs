@@ -8,9 +8,9 @@ use crate::math::Vec3;
 pub(super) trait SortableSpheres: Sync {
     /// Number of spheres.
     fn len(&self) -> usize;
-    /// The sphere in f32, for its place along the curve.
+    /// The sphere in f32, for its position along the curve.
     fn rounded(&self, index: usize) -> [f32; 4];
-    /// All bits of the sphere as written, and its row: breaks ties between equal places.
+    /// All bits of the sphere as written, and its row: breaks ties between equal positions.
     fn rank(&self, index: usize) -> ([u64; 4], u32);
     /// Returns true if the sphere belongs at the end.
     fn is_last(&self, index: usize) -> bool;
@@ -70,14 +70,14 @@ impl MortonCurve {
     fn fit(spheres: &impl SortableSpheres) -> Self {
         let step = spheres.len().div_ceil(SAMPLE_SIZE).max(1);
         let sampled = || (0..spheres.len()).step_by(step).map(|index| spheres.rounded(index));
-        let ends = |axis: usize| {
+        let range = |axis: usize| {
             let mut values: Vec<f32> = sampled().map(|sphere| sphere[axis]).collect();
             values.sort_unstable_by(f32::total_cmp);
-            let outside = values.len() / OUTLIER_DIVISOR;
-            let high = values.len().saturating_sub(1 + outside);
-            (values.get(outside).copied().unwrap_or(0.0), values.get(high).copied().unwrap_or(0.0))
+            let outliers = values.len() / OUTLIER_DIVISOR;
+            let high = values.len().saturating_sub(1 + outliers);
+            (values.get(outliers).copied().unwrap_or(0.0), values.get(high).copied().unwrap_or(0.0))
         };
-        let [x, y, z] = [ends(0), ends(1), ends(2)];
+        let [x, y, z] = [range(0), range(1), range(2)];
         Self { low: Vec3::new(x.0, y.0, z.0), high: Vec3::new(x.1, y.1, z.1) }
     }
 
@@ -144,8 +144,15 @@ mod tests {
 
     #[test]
     fn order_is_a_permutation_with_equal_spheres_side_by_side() {
-        let at = |x: f32| [x, 0.0, 0.0, 1.0];
-        let spheres = [at(0.9), at(0.1), at(0.5), at(0.1), at(0.0), at(1.0)];
+        let position = |x: f32| [x, 0.0, 0.0, 1.0];
+        let spheres = [
+            position(0.9),
+            position(0.1),
+            position(0.5),
+            position(0.1),
+            position(0.0),
+            position(1.0),
+        ];
         assert_eq!(order(&spheres, |i| i == 2), [4, 1, 3, 0, 5, 2]);
     }
 
@@ -161,15 +168,15 @@ mod tests {
 
     /// Checks the order of a grid's cells along the curve: their bits interleaved, x highest.
     fn along_the_curve(cells: u32, step: f32) {
-        let place = |i: u32| [i % cells, i / cells % cells, i / cells / cells];
+        let position = |i: u32| [i % cells, i / cells % cells, i / cells / cells];
         let spheres: Vec<[f32; 4]> = (0..cells.pow(3))
-            .map(|i| place(i).map(|c| c as f32 * step))
+            .map(|i| position(i).map(|c| c as f32 * step))
             .map(|[x, y, z]| [x, y, z, 1.0])
             .chain([[1.0, 1.0, 1.0, 1.0]])
             .collect();
         let code = |i: u32| {
             let bit = |c: u32, k: u32, axis: u32| u64::from(c >> k & 1) << (3 * k + 2 - axis);
-            let [x, y, z] = place(i);
+            let [x, y, z] = position(i);
             (0..10).map(|k| bit(x, k, 0) | bit(y, k, 1) | bit(z, k, 2)).sum::<u64>()
         };
         let mut expected: Vec<u32> = (0..cells.pow(3)).collect();
@@ -188,13 +195,13 @@ mod tests {
 
     #[test]
     fn one_in_a_thousand_may_lie_outside_of_the_box() {
-        let at = |i: u32| [i as f32, 2.0 * i as f32, 0.0, 1.0];
+        let position = |i: u32| [i as f32, 2.0 * i as f32, 0.0, 1.0];
         let MortonCurve { low, high } =
-            MortonCurve::fit(&Listed(&(0..5000).map(at).collect::<Vec<_>>(), |_| false));
+            MortonCurve::fit(&Listed(&(0..5000).map(position).collect::<Vec<_>>(), |_| false));
         assert_eq!(low.to_array(), [5.0, 10.0, 0.0]);
         assert_eq!(high.to_array(), [4994.0, 9988.0, 0.0]);
-        let outside = [-1e6, 1e6].map(|x| MortonCurve { low, high }.fine_code(&[x, x, x, 1.0]));
-        assert_eq!(outside, [0, (1 << 63) - 1]);
+        let outliers = [-1e6, 1e6].map(|x| MortonCurve { low, high }.fine_code(&[x, x, x, 1.0]));
+        assert_eq!(outliers, [0, (1 << 63) - 1]);
     }
 
     #[test]

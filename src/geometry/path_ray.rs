@@ -3,7 +3,7 @@
 use crate::fault::fault;
 use crate::math::{DVec3, NO_SPHERE};
 
-/// An f64 ray of a path, as it leaves the camera or a sphere.
+/// An f64 ray of a path, as spawned at the camera or a sphere.
 ///
 /// Coordinates are relative to [`super::SphereSet::origin`].
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +20,8 @@ pub struct PathRay {
     pub origin_sphere: u32,
     /// The target sphere of a shadow ray, which cannot occlude it.
     pub target_sphere: u32,
-    /// For a ray into the sphere it leaves, the distance at which it hits that sphere again;
-    /// infinite otherwise.
+    /// For a ray into its origin sphere, the distance at which it hits that sphere again; infinite
+    /// otherwise.
     pub t_exit: f64,
 }
 
@@ -73,12 +73,12 @@ impl PathRay {
 
 impl Side {
     /// Returns the side that a direction leads to.
-    pub fn leaving(direction: DVec3, normal: DVec3) -> Self {
+    pub fn of_outgoing(direction: DVec3, normal: DVec3) -> Self {
         if direction.dot(normal) < 0.0 { Self::Inside } else { Self::Outside }
     }
 
     /// Returns the side that a direction comes from.
-    pub fn arriving(direction: DVec3, normal: DVec3) -> Self {
+    pub fn of_incoming(direction: DVec3, normal: DVec3) -> Self {
         if direction.dot(normal) > 0.0 { Self::Inside } else { Self::Outside }
     }
 }
@@ -94,8 +94,8 @@ impl SurfaceHit {
     }
 
     /// Spawns a ray from this point. An outward ray cannot hit its own sphere again; an inward ray
-    /// hits the far wall at `-2 d.(p-c) / d.d`, in closed form. `None` if that chord has no length,
-    /// which ends a path.
+    /// hits the exit point at `-2 d.(p-c) / d.d`, in closed form. `None` if that chord has no
+    /// length, which ends a path.
     pub fn spawn_ray(&self, direction: DVec3) -> Option<PathRay> {
         let mut ray = PathRay { origin_sphere: self.id, ..PathRay::new(self.point, direction) };
         let cosine = direction.dot(self.normal);
@@ -109,7 +109,7 @@ impl SurfaceHit {
     }
 
     /// Spawns a shadow ray from this point to an emitter `distance` away in this direction, or to
-    /// infinity and no sphere; `None` if the sphere itself blocks it.
+    /// infinity and no sphere; `None` if the sphere itself occludes it.
     pub fn spawn_shadow_ray(
         &self,
         direction: DVec3,
@@ -117,13 +117,13 @@ impl SurfaceHit {
         emitter: u32,
     ) -> Option<PathRay> {
         let ray = self.spawn_ray_to(direction, distance, emitter)?;
-        let goes_in = ray.t_exit < f64::INFINITY;
-        let own_wall_blocks = goes_in && emitter != self.id && ray.t_exit <= distance;
-        (!own_wall_blocks).then_some(ray)
+        let is_inward = ray.t_exit < f64::INFINITY;
+        let is_self_occluded = is_inward && emitter != self.id && ray.t_exit <= distance;
+        (!is_self_occluded).then_some(ray)
     }
 
     /// Spawns a shadow ray like [`Self::spawn_shadow_ray`], but one that may pass through the
-    /// sphere's far wall.
+    /// sphere's exit point.
     pub fn spawn_ray_to(&self, direction: DVec3, distance: f64, emitter: u32) -> Option<PathRay> {
         self.spawn_ray(direction).map(|ray| PathRay {
             t_max: distance,
@@ -155,37 +155,37 @@ mod tests {
 
     #[test]
     fn a_side_is_the_sign_of_a_cosine_and_along_the_surface_it_is_outside() {
-        for (x, leaving, arriving) in [
+        for (x, outgoing, incoming) in [
             (1.0, Side::Outside, Side::Inside),
             (0.0, Side::Outside, Side::Outside),
             (-1.0, Side::Inside, Side::Outside),
         ] {
             let direction = DVec3::new(x, 1.0, 0.0);
-            assert_eq!(Side::leaving(direction, DVec3::X), leaving, "{x}");
-            assert_eq!(Side::arriving(direction, DVec3::X), arriving, "{x}");
+            assert_eq!(Side::of_outgoing(direction, DVec3::X), outgoing, "{x}");
+            assert_eq!(Side::of_incoming(direction, DVec3::X), incoming, "{x}");
         }
         assert_eq!(LEFT.facing_normal(), DVec3::NEG_X);
         assert_eq!(SurfaceHit { side: Side::Inside, ..LEFT }.facing_normal(), DVec3::X);
     }
 
     #[test]
-    fn a_ray_going_in_meets_the_far_wall_and_one_going_out_does_not() {
-        let leave = |x: f64, y: f64| LEFT.spawn_ray(DVec3::new(x, y, 0.0)).expect("a ray");
-        let inwards = leave(1.0, 0.0);
+    fn an_inward_ray_has_an_exit_point_and_an_outward_one_has_none() {
+        let spawn = |x: f64, y: f64| LEFT.spawn_ray(DVec3::new(x, y, 0.0)).expect("a ray");
+        let inwards = spawn(1.0, 0.0);
         assert_eq!((inwards.origin, inwards.origin_sphere, inwards.t_exit), (LEFT.point, 7, 4.0));
         // A chord at an angle, and a direction that is no unit vector.
-        assert!((leave(0.6, 0.8).t_exit - 2.4).abs() < 1e-15);
-        assert_eq!(leave(4.0, 0.0).t_exit, 1.0);
-        assert_eq!([leave(-1.0, 0.0), leave(0.0, 1.0)].map(|r| r.t_exit), [f64::INFINITY; 2]);
+        assert!((spawn(0.6, 0.8).t_exit - 2.4).abs() < 1e-15);
+        assert_eq!(spawn(4.0, 0.0).t_exit, 1.0);
+        assert_eq!([spawn(-1.0, 0.0), spawn(0.0, 1.0)].map(|r| r.t_exit), [f64::INFINITY; 2]);
         assert!(LEFT.spawn_ray(DVec3::new(5e-324, 1.0, 0.0)).is_some(), "the shortest chord");
         let speck = SurfaceHit { radius: 0.1, ..LEFT };
         assert!(speck.spawn_ray(DVec3::new(5e-324, 1.0, 0.0)).is_none(), "a chord without length");
     }
 
     #[test]
-    fn a_sphere_stands_in_its_own_light_up_to_its_far_wall() {
+    fn a_sphere_occludes_itself_up_to_its_exit_point() {
         let [inwards, outwards] = [DVec3::X, DVec3::NEG_X];
-        // Another emitter: inside the sphere, on its far wall, behind it, and on the other side.
+        // Another emitter: inside the sphere, at the exit point, beyond it, and on the other side.
         let reaches = |direction, distance| LEFT.spawn_shadow_ray(direction, distance, 3).is_some();
         assert!(reaches(inwards, 3.9));
         assert!(!reaches(inwards, 4.0) && !reaches(inwards, 4.1));

@@ -23,8 +23,7 @@ pub struct RayBlock {
     pub t_min: Lanes<f64>,
     /// Hits at or beyond this distance do not count.
     pub t_max: Lanes<f64>,
-    /// Distances at which inward rays hit the sphere that they leave again; infinite for outward
-    /// rays.
+    /// Distances at which inward rays hit their origin sphere again; infinite for outward rays.
     pub t_exit: Lanes<f64>,
     /// The sphere whose surface they start on.
     pub origin_sphere: Lanes<u32>,
@@ -106,7 +105,7 @@ impl PathRays {
         }
     }
 
-    /// Returns true if a ray goes into the sphere that it leaves.
+    /// Returns true if a ray goes into its origin sphere.
     #[inline(always)]
     pub fn is_inward(&self, index: usize) -> bool {
         self.blocks[index / LANES].t_exit.0[index % LANES] < f64::INFINITY
@@ -125,20 +124,20 @@ impl PathRays {
     /// Counts the rays that a backend traces: those that are valid and whose interval is not empty.
     pub fn count_traced(&self, isa: Isa) -> usize {
         let mut count = 0;
-        let mut left = self.len;
+        let mut remaining = self.len;
         for block in self.blocks() {
             let mut is_traced = Lanes::default();
             isa.run(FindTraced { block, is_traced: &mut is_traced });
-            let used = left.min(LANES);
+            let used = remaining.min(LANES);
             count += is_traced.0[..used].iter().sum::<u32>() as usize;
-            left -= used;
+            remaining -= used;
         }
         count
     }
 }
 
 impl RayBlock {
-    /// Returns the end of the interval in which a lane's ray may hit anything but its own far wall;
+    /// Returns the end of the interval in which a lane's ray may hit anything but its exit point;
     /// minus infinity if the ray is invalid, by the rule of [`crate::math::Ray::is_valid`].
     #[inline(always)]
     pub fn t_end(&self, lane: usize) -> f64 {
@@ -146,8 +145,8 @@ impl RayBlock {
         let [origin, direction] =
             [self.origin.get(lane), self.direction.get(lane)].map(|v| v.abs());
         let t_min = self.t_min.0[lane];
-        let (t_max, far_wall) = (self.t_max.0[lane], self.t_exit.0[lane]);
-        let t_max = if far_wall < t_max { far_wall } else { t_max };
+        let (t_max, t_exit) = (self.t_max.0[lane], self.t_exit.0[lane]);
+        let t_max = if t_exit < t_max { t_exit } else { t_max };
         // Branch-free, because branches would prevent vectorisation.
         let is_valid = (origin.x <= LIMIT)
             & (origin.y <= LIMIT)
@@ -190,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_come_back_as_they_were_pushed_and_those_that_cannot_be_asked_do_not_count() {
+    fn rays_come_back_as_they_were_pushed_and_those_that_cannot_be_traced_do_not_count() {
         let mut rays = PathRays::default();
         for round in 0..2 {
             rays.clear();
@@ -245,16 +244,10 @@ mod tests {
         (0..LANES).for_each(|_| rays.push(&shadow));
         rays.push_block(3).origin.set(2, DVec3::X);
         assert_eq!(rays.len(), LANES + 3);
-        let PathRay {
-            origin,
-            t_max,
-            origin_sphere: leaves,
-            target_sphere: target,
-            t_exit: far_wall,
-            ..
-        } = rays.get(LANES + 2);
-        assert_eq!((origin, t_max, far_wall), (DVec3::X, f64::INFINITY, f64::INFINITY));
-        assert_eq!((leaves, target), (NO_SPHERE, NO_SPHERE));
+        let PathRay { origin, t_max, origin_sphere, target_sphere, t_exit, .. } =
+            rays.get(LANES + 2);
+        assert_eq!((origin, t_max, t_exit), (DVec3::X, f64::INFINITY, f64::INFINITY));
+        assert_eq!((origin_sphere, target_sphere), (NO_SPHERE, NO_SPHERE));
         assert!(rays.is_inward(LANES - 1) && !rays.is_inward(LANES));
         assert_eq!(rays.get(LANES - 1).t_exit, 0.5);
     }

@@ -1,10 +1,10 @@
 //! All the spheres of a scene, as one array.
 //!
 //! Spheres are stored as the user wrote them ([`super::storage`]), sorted along a Morton curve,
-//! without duplicates. Hits are decided on those numbers, for all backends. What leaves this module
-//! is relative to an origin ([`super::origin`]) near most spheres, subtracted in f64, so that f32
+//! without duplicates. Hits are computed from those numbers, for all backends. All results are
+//! relative to an origin ([`super::origin`]) near most spheres, subtracted in f64, so that f32
 //! copies in acceleration structures are good at finding candidates. Giants ([`super::giants`]) are
-//! those that f32 places too coarsely for that: ids below `particle_count()` are particles, all
+//! those for which f32 is too coarse for that: ids below `particle_count()` are particles, all
 //! further ids are giants.
 
 use std::hint::black_box;
@@ -151,33 +151,33 @@ impl SphereSet {
         self.spheres.bytes() + size_of_val(&*self.giants) + size_of_val(&*self.rows)
     }
 
-    /// Converts a path ray to a backend query: the first hit before its own far wall.
+    /// Converts a path ray to a backend query: the first hit before its exit point.
     pub fn to_query(&self, ray: &PathRay) -> Ray {
         let t_max = ray.t_max.min(ray.t_exit);
-        let leaves = if fault!(ExclusionLost) { NO_SPHERE } else { ray.origin_sphere };
+        let origin_sphere = if fault!(ExclusionLost) { NO_SPHERE } else { ray.origin_sphere };
         let target = if fault!(EmitterOccludesItself) { NO_SPHERE } else { ray.target_sphere };
-        Ray::new(ray.origin, ray.direction, ray.t_min, t_max, [leaves, target])
+        Ray::new(ray.origin, ray.direction, ray.t_min, t_max, [origin_sphere, target])
     }
 
     /// Resolves a backend's hit to a point on a sphere, identically for all backends: only the id
-    /// is taken from the backend, the rest is solved again in f64. The far wall of the sphere that
-    /// the ray leaves wins if it lies before the sphere that was found.
+    /// is taken from the backend, the rest is computed again in f64. The exit point of the origin
+    /// sphere is returned if it lies before the backend's hit.
     pub fn resolve_hit(&self, ray: &PathRay, hit: Hit) -> Option<SurfaceHit> {
-        let found = (!hit.is_miss()).then(|| {
+        let sphere_hit = (!hit.is_miss()).then(|| {
             let sphere = self.sphere(hit.id);
             (hit.id, sphere.hit_distance(ray.origin, ray.direction, ray.t_min))
         });
-        let (id, t, is_far_wall) = match found {
+        let (id, t, is_exit) = match sphere_hit {
             Some((id, t)) if t < ray.t_exit => (id, t, false),
             _ if ray.t_exit < ray.t_max => (ray.origin_sphere, ray.t_exit, true),
             _ => return None,
         };
         let sphere = self.sphere(id);
         let (point, normal) = sphere.reproject(ray.origin, ray.direction, t);
-        let side = match is_far_wall {
+        let side = match is_exit {
             // On a short chord, rounding may give d.n either sign.
             true => Side::Inside,
-            false => Side::arriving(ray.direction, normal),
+            false => Side::of_incoming(ray.direction, normal),
         };
         Some(SurfaceHit { id, t, point, normal, radius: sphere.radius, side })
     }
@@ -228,8 +228,8 @@ mod tests {
 
     #[test]
     fn what_stands_between_and_behind_equal_spheres_stays() {
-        let places = [4, 2, 0, 2, 1, 3, 4, 2, 3, 5];
-        let set = set(vec![], places.map(|x| [x as f32, 0.0, 0.0, 0.25]).to_vec());
+        let xs = [4, 2, 0, 2, 1, 3, 4, 2, 3, 5];
+        let set = set(vec![], xs.map(|x| [x as f32, 0.0, 0.0, 0.25]).to_vec());
         assert_eq!((set.len(), set.duplicates()), (6, 4));
         // In order along the curve, which is a line here; each with its first row.
         assert_eq!(set.rows(), [2, 4, 1, 5, 0, 9]);
@@ -238,9 +238,8 @@ mod tests {
         let in_f32 = |id| f64::from(set.rounded_particle(id)[0]) + set.origin().x;
         assert_eq!(set.particle_count(), 6);
         assert!((0..6).map(in_f32).eq(stored));
-        let places: Vec<u64> =
-            (0..6).map(|id| set.morton_code(&set.rounded_particle(id))).collect();
-        assert!(places.is_sorted_by(|a, b| a < b), "{places:?}");
+        let codes: Vec<u64> = (0..6).map(|id| set.morton_code(&set.rounded_particle(id))).collect();
+        assert!(codes.is_sorted_by(|a, b| a < b), "{codes:?}");
     }
 
     #[test]
@@ -299,20 +298,20 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_lies_on_the_sphere_and_knows_its_side() {
+    fn a_surface_hit_lies_on_the_sphere_and_has_its_side() {
         let set = set(vec![ball(10.0, 0.0, 0.0, 2.0)], vec![]);
         let ray = PathRay::new(DVec3::new(5.0, 0.0, 0.0) - set.origin(), DVec3::X);
         let hit = set.resolve_hit(&ray, Hit { t: 99.0, id: 0 }).expect("hits");
         assert_eq!((hit.t, hit.normal, hit.side), (3.0, -DVec3::X, Side::Outside));
         let inward = hit.spawn_ray(DVec3::X).expect("a chord");
         assert_eq!(inward.t_exit, 4.0);
-        let far = set.resolve_hit(&inward, Hit::MISS).expect("the far wall");
+        let far = set.resolve_hit(&inward, Hit::MISS).expect("the exit point");
         assert_eq!((far.id, far.t, far.side), (0, 4.0, Side::Inside));
     }
 
     /// Here rounding the end point gives a normal on the wrong side of the ray.
     #[test]
-    fn the_far_wall_of_a_grazing_chord_is_reached_from_inside() {
+    fn the_exit_point_of_a_grazing_chord_is_reached_from_inside() {
         let around = [-1e4, 0.0, 1e4].map(|x| ball(x, 0.0, 0.0, 0.1));
         let set = set([around.to_vec(), vec![ball(1e3, 2e3, 0.0, 1e-3)]].concat(), vec![]);
         let id = (0..4).find(|&id| set.row(id) == 3).expect("row 3");
@@ -323,7 +322,7 @@ mod tests {
             let start = SurfaceHit { id, t: 0.0, point, normal, radius, side: Side::Outside };
             let along = normal.any_orthonormal_vector();
             let inward = start.spawn_ray((along - normal * 1e-11).normalize()).expect("a chord");
-            let far = set.resolve_hit(&inward, Hit::MISS).expect("the far wall");
+            let far = set.resolve_hit(&inward, Hit::MISS).expect("the exit point");
             assert_eq!((far.id, far.side), (id, Side::Inside));
         }
     }
@@ -341,19 +340,19 @@ mod tests {
     }
 
     #[test]
-    fn the_first_of_the_far_wall_and_what_was_found_is_the_answer() {
+    fn the_first_of_the_exit_point_and_the_hit_is_the_result() {
         let set = set(vec![ball(0.0, 0.0, 0.0, 2.0), ball(3.0, 0.0, 0.0, 2.0)], vec![]);
         let [left, right] = [0, 1].map(|row| (0..2).find(|&id| set.row(id) == row).expect("row"));
         let start = DVec3::new(-2.0, 0.0, 0.0) - set.origin();
         let inward = PathRay { origin_sphere: left, t_exit: 4.0, ..PathRay::new(start, DVec3::X) };
-        let answer = |ray: &PathRay, hit| set.resolve_hit(ray, hit).map(|hit| (hit.id, hit.t));
-        let found = Hit { t: 3.0, id: right };
-        assert_eq!(answer(&inward, found), Some((right, 3.0)));
-        let nearer_wall = PathRay { t_exit: 2.5, ..inward };
-        assert_eq!(answer(&nearer_wall, found), Some((left, 2.5)));
-        assert_eq!(answer(&inward, Hit::MISS), Some((left, 4.0)));
-        let up_to = |t_max| answer(&PathRay { t_max, ..inward }, Hit::MISS);
+        let resolve = |ray: &PathRay, hit| set.resolve_hit(ray, hit).map(|hit| (hit.id, hit.t));
+        let hit = Hit { t: 3.0, id: right };
+        assert_eq!(resolve(&inward, hit), Some((right, 3.0)));
+        let nearer_exit = PathRay { t_exit: 2.5, ..inward };
+        assert_eq!(resolve(&nearer_exit, hit), Some((left, 2.5)));
+        assert_eq!(resolve(&inward, Hit::MISS), Some((left, 4.0)));
+        let up_to = |t_max| resolve(&PathRay { t_max, ..inward }, Hit::MISS);
         assert_eq!([4.5, 4.0, 3.5].map(up_to), [Some((left, 4.0)), None, None]);
-        assert_eq!(answer(&PathRay::new(start, -DVec3::X), Hit::MISS), None);
+        assert_eq!(resolve(&PathRay::new(start, -DVec3::X), Hit::MISS), None);
     }
 }

@@ -136,14 +136,14 @@ mod tests {
     const UNIT: Sphere = Sphere { center: DVec3::ZERO, radius: 1.0 };
 
     #[test]
-    fn a_ray_through_the_centre_hits_both_walls() {
+    fn a_ray_through_the_centre_has_both_roots() {
         let Roots { near, far } = UNIT.roots(DVec3::new(0.0, 0.0, -3.0), DVec3::Z).expect("hits");
         assert_relative_eq!(near, 2.0);
         assert_relative_eq!(far, 4.0);
     }
 
     #[test]
-    fn from_inside_the_far_wall_is_first() {
+    fn from_inside_the_far_root_is_first() {
         assert_eq!(UNIT.first_root(DVec3::ZERO, DVec3::X, 0.0, f64::INFINITY), Some(1.0));
         assert_eq!(UNIT.first_root(DVec3::ZERO, DVec3::X, 0.0, 1.0), None);
     }
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tangent_meets_in_one_point() {
+    fn a_tangent_touches_in_one_point() {
         let roots = UNIT.roots(DVec3::new(1.0, 0.0, -3.0), DVec3::Z);
         assert_eq!(roots, Some(Roots { near: 3.0, far: 3.0 }));
     }

@@ -1,7 +1,7 @@
-//! Spheres as the user wrote them, in as few bytes as that takes.
+//! Stores spheres as the user wrote them, in as few bytes as possible.
 //!
 //! Tables in f32 stay `[x, y, z, radius]` in f32, 16 bytes per sphere. The few spheres among them
-//! that f32 cannot hold are stored in f64 beside the table, and their rows hold an index and a
+//! that f32 cannot represent are stored in f64 beside the table, and their rows hold an index and a
 //! negative radius. Scenes without an f32 table are stored in f64, 32 bytes per sphere.
 
 use rayon::prelude::*;
@@ -34,8 +34,7 @@ pub(super) enum SphereStorage {
 const WIDE: f32 = -1.0;
 
 impl SphereStorage {
-    /// Stores the spheres of a table followed by exact ones, or the other way round if all are
-    /// stored in f64 ([`Self::row_of`] numbers them).
+    /// Stores the spheres of a table, followed by the exact ones.
     pub(super) fn new(SphereRows { mut exact, mut table }: SphereRows) -> Self {
         exact.iter_mut().for_each(|sphere| *sphere = without_negative_zeros(*sphere));
         if table.is_empty() {
@@ -96,7 +95,7 @@ impl SphereStorage {
         }
     }
 
-    /// Moves a sphere to a smaller index, over the one that is there.
+    /// Copies a sphere to a smaller index.
     pub(super) fn overwrite(&mut self, to: usize, from: usize) {
         match self {
             Self::F32 { rows, .. } => rows[to] = rows[from],
@@ -104,7 +103,7 @@ impl SphereStorage {
         }
     }
 
-    /// Keeps the first spheres.
+    /// Keeps the first `len` spheres.
     pub(super) fn truncate(&mut self, len: usize) {
         match self {
             Self::F32 { rows, .. } => rows.truncate(len),

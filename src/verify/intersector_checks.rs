@@ -31,8 +31,8 @@ const FAMILIES: [(&str, usize, Family); 9] = [
     ("balls with narrow gaps", 300, gaps),
     ("balls with narrow gaps, far from the origin", 300, |count, rng| {
         let away = DVec3::new(1e8, -3e7, 2e8);
-        let moved = |ball: Sphere| Sphere { center: ball.center + away, ..ball };
-        gaps(count, rng).into_iter().map(moved).collect()
+        let translated = |ball: Sphere| Sphere { center: ball.center + away, ..ball };
+        gaps(count, rng).into_iter().map(translated).collect()
     }),
     ("thin shells", 60, thin_shells),
     ("a planet and pebbles", 200, planet),
@@ -129,7 +129,7 @@ fn giants(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
 }
 
 /// Pairs of balls with a gap or an overlap of 1e-7 to 1e-2 of a radius: beside each other, and one
-/// inside the other. What protrudes from a ball is a cap as high as the overlap.
+/// inside the other. The part of a ball outside the other is a cap as high as the overlap.
 fn gaps(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
     let pair = |index: usize| {
         let center = random_point(rng) * 20.0;
@@ -137,8 +137,8 @@ fn gaps(count: usize, rng: &mut StdRng) -> Vec<Sphere> {
             .map(|(low, high)| libm::pow(10.0, rng.random_range(low..high)));
         let gap = if rng.random() { gap * radius } else { -gap * radius };
         let other = size * radius;
-        let apart = if index % 2 == 0 { radius + other + gap } else { radius - other - gap };
-        let beside = center + rays::uniform_direction(rng) * apart;
+        let distance = if index % 2 == 0 { radius + other + gap } else { radius - other - gap };
+        let beside = center + rays::uniform_direction(rng) * distance;
         [Sphere { center, radius }, Sphere { center: beside, radius: other }]
     };
     (0..count / 2).flat_map(pair).collect()

@@ -58,8 +58,7 @@ pub fn secondary(
 }
 
 /// Generates shadow rays from the hits of `rays`, each towards a random sphere of the scene as if
-/// that were an emitter. Skips rays blocked by the sphere that they leave. Reproducible from the
-/// seed.
+/// that were an emitter. Skips rays occluded by their origin sphere. Reproducible from the seed.
 pub fn shadow(spheres: &SphereSet, accel: &dyn Accel, rays: &[PathRay], seed: u64) -> Vec<PathRay> {
     let mut rng = StdRng::seed_from_u64(seed);
     let mut shadow = |(ray, hit): (&PathRay, Hit)| {
@@ -260,7 +259,7 @@ mod tests {
     use std::sync::Arc;
 
     #[test]
-    fn every_ray_can_be_asked_and_is_answered_in_the_largest_scenes() {
+    fn every_ray_can_be_traced_in_the_largest_scenes() {
         let ball = |x: f64, radius: f64| Sphere { center: DVec3::X * x, radius };
         let largest = ball(MAX_COORDINATE, MAX_COORDINATE);
         let pair = vec![largest, ball(-MAX_COORDINATE, MAX_COORDINATE)];

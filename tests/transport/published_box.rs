@@ -1,8 +1,8 @@
 //! The classic nine-sphere box as published, against figures of other programs.
 //!
 //! Two independent programs, in double and in extended precision, and the published one agree on
-//! them. What makes the box hard is its lamp: a sphere of radius 600 that sticks out of a wall of
-//! radius 1e5 by 0.27.
+//! them. The box is hard because of its lamp: a sphere of radius 600 that protrudes by 0.27 from a
+//! wall of radius 1e5.
 
 use photosphere::accel::Backend;
 use photosphere::math::Hit;
@@ -15,33 +15,33 @@ const BOX: &str = "cornell-spheres.toml";
 /// Points of a regular grid in each pixel and direction.
 const GRID: u32 = 4;
 
-/// The share of the picture in which the lamp is seen.
-fn share_of_the_lamp(prepared: &PreparedScene, backend: Backend) -> f64 {
+/// The fraction of the image in which the lamp is visible.
+fn lamp_fraction(prepared: &PreparedScene, backend: Backend) -> f64 {
     let (image, spheres) = (prepared.image_settings(), prepared.scene().spheres());
     let row = prepared.description().spheres.iter().position(|s| s.name.as_deref() == Some("lamp"));
     let row = row.expect("a lamp") as u32;
     let lamp = spheres.rows().iter().position(|&of_id| of_id == row).expect("an id") as u32;
     let accel = built(prepared, backend);
-    let place = |i: u32| (f64::from(i) + 0.5) / f64::from(GRID);
-    let mut seen = 0;
+    let offset = |i: u32| (f64::from(i) + 0.5) / f64::from(GRID);
+    let mut hit_count = 0;
     for y in 0..GRID * image.height {
-        let ray = |x| prepared.camera().generate_ray(place(x), place(y), [0.5; 2]);
+        let ray = |x| prepared.camera().generate_ray(offset(x), offset(y), [0.5; 2]);
         let rays: Vec<_> = (0..GRID * image.width).map(|x| spheres.to_query(&ray(x))).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         accel.closest(&rays, &mut hits);
-        seen += hits.iter().filter(|hit| hit.id == lamp).count();
+        hit_count += hits.iter().filter(|hit| hit.id == lamp).count();
     }
-    seen as f64 / f64::from(GRID * image.width * GRID * image.height)
+    hit_count as f64 / f64::from(GRID * image.width * GRID * image.height)
 }
 
 #[test]
 fn the_lamp_fills_its_share_of_the_picture() {
     let prepared = Kit::of_file(BOX, &[]).prepared();
     for &backend in Backend::AVAILABLE {
-        let share = share_of_the_lamp(&prepared, backend);
-        // A grid of 5e6 points finds the area of an ellipse to about 2e-4 of it.
-        let off = share / 0.00896118 - 1.0;
-        assert!(off.abs() < 1e-3, "{}: {share:.8}, off by {off:.1e}", backend.name());
+        let fraction = lamp_fraction(&prepared, backend);
+        // A grid of 5e6 points gives the area of an ellipse to about 2e-4 of it.
+        let error = fraction / 0.00896118 - 1.0;
+        assert!(error.abs() < 1e-3, "{}: {fraction:.8}, off by {error:.1e}", backend.name());
     }
 }
 

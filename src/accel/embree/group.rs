@@ -2,11 +2,11 @@
 //!
 //! # Bounds
 //!
-//! Embree only finds candidates; the shim judges them in f64. So no candidate may be lost to the
-//! rounding of what Embree sees. With `e = 2^-24`, let all spheres of a group lie in a ball around
-//! `m` with radius `H`. The shim starts each ray where it enters that ball, so its origin has
-//! `|o| <= |m| + H`, its length is at most `2 H`, and `v = c - o` has `|v| <= 2 H`. Embree computes
-//! `s = (v.d) rcp(d.d)`, `p = v - s d`, and where `p.p <= R^2`, `t = s -+ sqrt((R^2 - p.p)
+//! Embree only finds candidates; the shim tests them in f64. So no candidate may be lost to the
+//! rounding of what Embree is given. With `e = 2^-24`, let all spheres of a group lie in a ball
+//! around `m` with radius `H`. The shim starts each ray where it enters that ball, so its origin
+//! has `|o| <= |m| + H`, its length is at most `2 H`, and `v = c - o` has `|v| <= 2 H`. Embree
+//! computes `s = (v.d) rcp(d.d)`, `p = v - s d`, and where `p.p <= R^2`, `t = s -+ sqrt((R^2 - p.p)
 //! rcp(d.d))`. Each rounding moves the apparent surface by a multiple of `e |v|`, of `e R`, or of
 //! the size of the coordinates:
 //!
@@ -22,7 +22,7 @@
 //! | `s -+ h` | 1 | 1 | |
 //!
 //! The sum is at most `e (3 |m| + 46 H)`. Radii and boxes are enlarged by `E = 16 e (|m| + 4 H)`.
-//! What is enlarged is hit earlier and left later: the roots move by at most
+//! Rays enter an enlarged sphere earlier and exit it later: the roots move by at most
 //! `sqrt((R + 2 E)^2 - R^2)`, the half chord at a tangent, plus `2 E`. That is the *slack* by which
 //! a ray starts earlier and ends later for Embree.
 //!
@@ -71,7 +71,7 @@ unsafe impl Send for SphereGroup {}
 unsafe impl Sync for SphereGroup {}
 
 impl SphereGroup {
-    /// Divides the spheres of a set into at most two groups: particles, represented like this, and
+    /// Divides the spheres of a set into at most two groups: particles, with this geometry, and
     /// large spheres.
     pub(super) fn divide(set: &Arc<SphereSet>, particles: ParticleGeometry) -> Vec<Arc<Self>> {
         let count = set.particle_count();
@@ -136,8 +136,8 @@ impl SphereGroup {
     }
 }
 
-/// Returns the ids of the few particles that are much larger than most, ascending; none if they are
-/// not few.
+/// Returns the ids of the few particles that are much larger than most, ascending; none if there
+/// are too many.
 fn large_particles(set: &SphereSet) -> Vec<u32> {
     let count = set.particle_count();
     let step = count.div_ceil(SAMPLES).max(1);
@@ -153,7 +153,7 @@ fn large_particles(set: &SphereSet) -> Vec<u32> {
     (0..count as u32).into_par_iter().filter(is_large).collect()
 }
 
-/// The sphere for Embree, with a radius that is enlarged, and for the filter.
+/// The sphere with an enlarged radius, for Embree, and its own radius, for the filter.
 fn point(sphere: &Sphere, enlargement: f64) -> [f32; POINT_STRIDE] {
     let [x, y, z] = sphere.center.as_vec3().to_array();
     let radii = [sphere.radius + enlargement, sphere.radius].map(|radius| radius as f32);

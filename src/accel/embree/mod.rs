@@ -1,7 +1,7 @@
 //! Intel Embree, behind our own C shim (`ffi/shim.c`).
 //!
 //! Particles are sphere points, or user geometry on request. Giants and other large spheres are
-//! always user geometry ([`group`]). Embree finds candidates, which are judged in C, in f64, with
+//! always user geometry ([`group`]). Embree finds candidates, which are tested in C, in f64, with
 //! the operations of [`crate::geometry::Sphere::first_root`] on the spheres that the user wrote. So
 //! the hits are those of all other backends, whatever instructions Embree uses. Rays are traced in
 //! a loop in C. That loop does not check Embree's error state: only invalid rays could cause an
@@ -61,11 +61,11 @@ impl Accel for Embree {
         scene::closest(&self.scenes, rays, hits);
     }
 
-    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        scene::occluded(&self.scenes, rays, blocked);
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        scene::occluded(&self.scenes, rays, occluded);
     }
 
-    /// Candidates are judged in f64 from the 48-bit ray, and none is lost ([`group`]). So the error
+    /// Candidates are tested in f64 from the 48-bit ray, and none is lost ([`group`]). So the error
     /// is that of the other backends, `k 2^-24 = 2^-44`.
     fn error_bound(&self) -> ErrorBound {
         let k = 2f64.powi(-20);
@@ -84,35 +84,39 @@ pub(super) fn info() -> Result<EmbreeInfo> {
 }
 
 fn describe(device: &Device) -> Result<EmbreeInfo> {
-    let found = device.describe()?;
+    let info = device.describe()?;
     let version = |v: u32| format!("{}.{}.{}", v / 10_000, v / 100 % 100, v % 100);
-    let needed = [
-        (found.sphere_points, "sphere points"),
-        (found.user_geometry, "user geometry"),
-        (found.filters, "filter functions"),
+    let required_features = [
+        (info.sphere_points, "sphere points"),
+        (info.user_geometry, "user geometry"),
+        (info.filters, "filter functions"),
     ];
     Ok(EmbreeInfo {
-        compiled_version: version(found.compiled_version),
-        runtime_version: version(found.runtime_version),
-        instruction_set: match found.packet_width {
+        compiled_version: version(info.compiled_version),
+        runtime_version: version(info.runtime_version),
+        instruction_set: match info.packet_width {
             16 => "AVX-512",
             8 if cfg!(target_arch = "x86_64") => "AVX or AVX2",
             4 if cfg!(target_arch = "x86_64") => "SSE",
             4 | 8 => "NEON",
             _ => "unknown",
         },
-        tasking: match found.tasking {
+        tasking: match info.tasking {
             0 => "Embree's own threads",
             1 => "TBB",
             2 => "PPL",
             _ => "unknown",
         },
-        culls_sphere_back_faces: match found.culls_sphere_back_faces {
+        culls_sphere_back_faces: match info.culls_sphere_back_faces {
             0 => Some(false),
             1 => Some(true),
             _ => None,
         },
-        missing: needed.iter().filter(|(there, _)| !there).map(|(_, name)| *name).collect(),
+        missing: required_features
+            .iter()
+            .filter(|(is_supported, _)| !is_supported)
+            .map(|(_, name)| *name)
+            .collect(),
     })
 }
 

@@ -1,9 +1,9 @@
 //! Geometries, the scene builder, and the committed scene.
 //!
 //! Each type is the only owner of its handle. A [`Geometry`] is always committed, only an
-//! [`EmbreeSceneBuilder`] can be modified, and only an [`EmbreeScene`] can be queried, so Embree
-//! never sees calls in a wrong order. Each owner of a handle also holds whatever Embree points to
-//! (device, spheres), so owners may be dropped in any order.
+//! [`EmbreeSceneBuilder`] can be modified, and only an [`EmbreeScene`] can be queried, so Embree's
+//! functions are never called in a wrong order. Each owner of a handle also holds the memory that
+//! Embree refers to (device, spheres), so owners may be dropped in any order.
 
 use std::ffi::c_void;
 use std::ptr::{self, NonNull};
@@ -101,8 +101,8 @@ impl EmbreeSceneBuilder {
         Ok(Self { handle: owned.expect("Embree reports an error where it gives no scene") })
     }
 
-    /// Takes the geometry, which is of the same device. The geometry's own handle may be dropped
-    /// afterwards.
+    /// Attaches the geometry, which belongs to the same device. The geometry's own handle may be
+    /// dropped afterwards.
     pub(super) fn attach(mut self, geometry: &Geometry) -> Result<Self> {
         self.handle.group = Some(geometry.group.clone());
         // SAFETY: both handles are alive, and `self` is the only user of the scene.
@@ -111,7 +111,7 @@ impl EmbreeSceneBuilder {
         Ok(self)
     }
 
-    /// Builds the tree.
+    /// Builds the BVH.
     pub(super) fn commit(self, options: &BuildOptions) -> Result<EmbreeScene> {
         let raw = self.handle.raw.as_ptr();
         let listener = ptr::from_ref(options).cast_mut().cast::<c_void>();
@@ -176,8 +176,8 @@ pub(super) fn closest(scenes: &[EmbreeScene], rays: &[Ray], hits: &mut [Hit]) {
 ///
 /// # Panics
 /// When the slices differ in length.
-pub(super) fn occluded(scenes: &[EmbreeScene], rays: &[Ray], blocked: &mut [bool]) {
-    assert_eq!(rays.len(), blocked.len(), "one answer for each ray");
+pub(super) fn occluded(scenes: &[EmbreeScene], rays: &[Ray], occluded: &mut [bool]) {
+    assert_eq!(rays.len(), occluded.len(), "one output per ray");
     let targets: Vec<sys::PsTarget> = scenes.iter().map(EmbreeScene::target).collect();
     // SAFETY: as in `closest`; C's bool is Rust's, and only 0 and 1 are written.
     unsafe {
@@ -186,7 +186,7 @@ pub(super) fn occluded(scenes: &[EmbreeScene], rays: &[Ray], blocked: &mut [bool
             targets.len(),
             rays.as_ptr().cast(),
             rays.len(),
-            blocked.as_mut_ptr(),
+            occluded.as_mut_ptr(),
         );
     }
 }

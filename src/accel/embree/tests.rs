@@ -39,15 +39,15 @@ fn commit(device: &Arc<Device>, groups: &[Arc<SphereGroup>]) -> Vec<EmbreeScene>
 
 /// A ray down through the middle of the grid hits a sphere, and a ray beside the grid hits the
 /// ground.
-fn ask(scenes: &[EmbreeScene]) {
+fn trace(scenes: &[EmbreeScene]) {
     let down =
         |x: f64| Ray::new(DVec3::new(x, 100.0, 0.0), -DVec3::Y, 0.0, f64::INFINITY, [NO_SPHERE; 2]);
     let mut hits = [Hit::MISS; 2];
     scene::closest(scenes, &[down(0.0), down(500.0)], &mut hits);
     assert!(!hits[0].is_miss() && !hits[1].is_miss() && hits[0].t < hits[1].t, "{hits:?}");
-    let mut blocked = [false; 2];
-    scene::occluded(scenes, &[down(0.0), down(500.0)], &mut blocked);
-    assert_eq!(blocked, [true; 2]);
+    let mut occluded = [false; 2];
+    scene::occluded(scenes, &[down(0.0), down(500.0)], &mut occluded);
+    assert_eq!(occluded, [true; 2]);
 }
 
 #[test]
@@ -69,13 +69,13 @@ fn owners_may_go_in_any_order() {
                 1 => drop(geometry.take()),
                 _ => drop(unused.take()),
             }
-            ask(&scene);
+            trace(&scene);
         }
     }
 }
 
 #[test]
-fn threads_build_ask_and_drop_at_once() {
+fn threads_build_trace_and_drop_at_once() {
     let set = grid(4);
     std::thread::scope(|scope| {
         for _ in 0..4 {
@@ -85,8 +85,8 @@ fn threads_build_ask_and_drop_at_once() {
                     let scene = commit(&device, &groups(&set));
                     drop(device);
                     std::thread::scope(|inner| {
-                        inner.spawn(|| ask(&scene));
-                        inner.spawn(|| ask(&scene));
+                        inner.spawn(|| trace(&scene));
+                        inner.spawn(|| trace(&scene));
                     });
                     // On another thread than the one that built the scene.
                     std::thread::spawn(move || drop(scene)).join().expect("drops");
@@ -97,7 +97,7 @@ fn threads_build_ask_and_drop_at_once() {
 }
 
 #[test]
-fn a_refused_buffer_is_told_in_embrees_words() {
+fn a_rejected_buffer_is_reported_in_embrees_words() {
     let set = grid(3);
     let device = Device::new(1).expect("starts");
     let spheres = groups(&set);
@@ -105,13 +105,13 @@ fn a_refused_buffer_is_told_in_embrees_words() {
     let group = sys::PsGroup { points: std::ptr::without_provenance(2), ..spheres[1].raw };
     // SAFETY: the device is alive; Embree rejects the address and keeps nothing of the group.
     let raw = unsafe { sys::ps_points_new(device.raw(), &group) };
-    let refused = Geometry::uncommitted(raw, &device, &spheres[1], "share the spheres");
-    let error = refused.err().expect("refused");
+    let rejected = Geometry::uncommitted(raw, &device, &spheres[1], "share the spheres");
+    let error = rejected.err().expect("rejected");
     assert_eq!(error.category(), Category::Backend);
     let text = error.to_string();
     assert!(text.starts_with("Embree cannot share the spheres: "), "{text}");
     assert!(text.contains("data must be 4 bytes aligned"), "{text}");
-    ask(&commit(&device, &spheres));
+    trace(&commit(&device, &spheres));
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn a_build_that_fails_in_the_middle_says_why_and_leaves_nothing_behind() {
     assert!(text.starts_with("Embree cannot build its tree: "), "{text}");
     assert!(text.contains("not committed"), "{text}");
     drop((raw, good));
-    ask(&commit(&device, &spheres));
+    trace(&commit(&device, &spheres));
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn a_commit_stops_when_asked_and_a_later_one_works() {
     options.cancel.cancel();
     let error = builder.commit(&options).err().expect("stopped");
     assert_eq!(error.category(), Category::Cancelled);
-    ask(&commit(&device, &spheres));
+    trace(&commit(&device, &spheres));
 }
 
 #[test]
@@ -158,15 +158,16 @@ fn no_device_is_an_error_and_not_a_crash() {
 }
 
 #[test]
-fn an_embree_that_would_answer_wrongly_is_refused() {
+fn an_embree_that_would_give_wrong_hits_is_rejected() {
     let device = Device::new(1).expect("starts");
     let real = describe(&device).expect("describes itself");
     check_support(&real, ParticleGeometry::Points).expect("this one is complete");
-    let blind = super::EmbreeInfo { culls_sphere_back_faces: Some(true), ..real.clone() };
-    assert!(check_support(&blind, ParticleGeometry::Points).is_err());
-    assert!(check_support(&blind, ParticleGeometry::User).is_ok());
-    let poor = super::EmbreeInfo { missing: vec!["filter functions"], ..real };
-    let text = check_support(&poor, ParticleGeometry::User).expect_err("incomplete").to_string();
+    let culling = super::EmbreeInfo { culls_sphere_back_faces: Some(true), ..real.clone() };
+    assert!(check_support(&culling, ParticleGeometry::Points).is_err());
+    assert!(check_support(&culling, ParticleGeometry::User).is_ok());
+    let incomplete = super::EmbreeInfo { missing: vec!["filter functions"], ..real };
+    let text =
+        check_support(&incomplete, ParticleGeometry::User).expect_err("incomplete").to_string();
     assert!(text.contains("filter functions"), "{text}");
 }
 

@@ -10,7 +10,7 @@ use super::giants::Giants;
 use super::node::SphereLeaf;
 use super::query::{BestHit, ExactQuery};
 
-/// The tree of the particles, and the giants.
+/// The BVH of the particles, and the giants.
 pub(super) struct Aggregate {
     pub(super) tree: Bvh,
     pub(super) giants: Giants,

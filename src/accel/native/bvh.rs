@@ -1,4 +1,4 @@
-//! The finished tree.
+//! The tree.
 
 use rayon::prelude::*;
 
@@ -34,8 +34,8 @@ impl Bvh {
     ) -> Self {
         let mut tree = Self { nodes, leaves, ids, root, center: [0.0; 3], mean_leaf_extent: 0.0 };
         let exists = |child: &NodeRef| {
-            let there = if child.is_leaf() { tree.leaves().len() } else { tree.nodes().len() };
-            child.index() < there
+            let len = if child.is_leaf() { tree.leaves().len() } else { tree.nodes().len() };
+            child.index() < len
         };
         match tree.root {
             Some(root) => assert!(exists(&root), "the root exists"),
@@ -52,10 +52,10 @@ impl Bvh {
     fn compute_extents(&mut self) {
         let Some(root) = self.root.filter(|root| !root.is_leaf()) else { return };
         let root = &self.nodes()[root.index()];
-        let least = |planes: &[f32; WIDTH]| planes.iter().copied().fold(f32::INFINITY, f32::min);
-        let most = |planes: &[f32; WIDTH]| planes.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let min = |planes: &[f32; WIDTH]| planes.iter().copied().fold(f32::INFINITY, f32::min);
+        let max = |planes: &[f32; WIDTH]| planes.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let middle =
-            [0, 1, 2].map(|axis| 0.5 * (least(&root.planes[axis]) + most(&root.planes[axis + 3])));
+            [0, 1, 2].map(|axis| 0.5 * (min(&root.planes[axis]) + max(&root.planes[axis + 3])));
         let extents: f64 = self.nodes().par_iter().map(leaf_extents).sum();
         self.mean_leaf_extent = (extents / (3 * self.leaves().len()) as f64) as f32;
         self.center = middle;

@@ -73,7 +73,7 @@ impl Giants {
     /// Tests every giant that may improve the query's best hit; if `any`, stops at the first hit.
     pub(super) fn trace(&self, query: &mut ExactQuery, any: bool) {
         if self.nodes.is_empty() {
-            consider_all(&self.giants, query);
+            intersect_all(&self.giants, query);
         } else {
             self.traverse(0, safe_inverse(query.direction), query, any);
         }
@@ -86,7 +86,9 @@ impl Giants {
             return;
         }
         match node.right {
-            None => consider_all(&self.giants[node.first as usize..][..node.count as usize], query),
+            None => {
+                intersect_all(&self.giants[node.first as usize..][..node.count as usize], query)
+            }
             Some(right) => {
                 let (left, right) = (index + 1, right as usize);
                 let order = |index: usize| {
@@ -109,8 +111,8 @@ fn safe_inverse(direction: DVec3) -> DVec3 {
     direction.abs().max(DVec3::splat(smallest)).copysign(direction).recip()
 }
 
-fn consider_all(giants: &[Giant], query: &mut ExactQuery) {
-    giants.iter().for_each(|giant| query.consider(giant.id, &giant.sphere));
+fn intersect_all(giants: &[Giant], query: &mut ExactQuery) {
+    giants.iter().for_each(|giant| query.intersect(giant.id, &giant.sphere));
 }
 
 fn build_node(
@@ -123,11 +125,11 @@ fn build_node(
     let index = nodes.len();
     nodes.push(GiantNode::new(giants, first));
     if giants.len() > MAX_LEAF_SIZE {
-        let at = split_median(giants);
-        let (left, right) = giants.split_at_mut(at);
+        let mid = split_median(giants);
+        let (left, right) = giants.split_at_mut(mid);
         build_node(left, first, nodes, cancel)?;
         nodes[index].right = Some(nodes.len() as u32);
-        build_node(right, first + at, nodes, cancel)?;
+        build_node(right, first + mid, nodes, cancel)?;
     }
     Ok(())
 }
@@ -137,17 +139,17 @@ fn split_median(giants: &mut [Giant]) -> usize {
     let (low, high) =
         bounds_of(giants.iter().map(|giant| (giant.sphere.center, giant.sphere.center)));
     let axis = (high - low).max_position();
-    let at = giants.len() / 2;
-    giants.select_nth_unstable_by(at, |a, b| {
+    let mid = giants.len() / 2;
+    giants.select_nth_unstable_by(mid, |a, b| {
         let (x, y) = (a.sphere.center[axis], b.sphere.center[axis]);
         x.total_cmp(&y).then(a.id.cmp(&b.id))
     });
-    at
+    mid
 }
 
 fn bounds_of(boxes: impl Iterator<Item = (DVec3, DVec3)>) -> (DVec3, DVec3) {
-    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    boxes.fold(nothing, |(low, high), next| (low.min(next.0), high.max(next.1)))
+    let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    boxes.fold(empty, |(low, high), next| (low.min(next.0), high.max(next.1)))
 }
 
 impl GiantNode {
@@ -168,11 +170,11 @@ impl GiantNode {
         let slack = F64_BOX_SLACK * query.origin.abs().max_element();
         let a = (self.low - slack - query.origin) * inverse;
         let b = (self.high + slack - query.origin) * inverse;
-        let (mut enter, mut leave) = (query.t_min, query.best.t);
+        let (mut entry, mut exit) = (query.t_min, query.best.t);
         for axis in 0..3 {
-            enter = enter.max(a[axis].min(b[axis]));
-            leave = leave.min(a[axis].max(b[axis]));
+            entry = entry.max(a[axis].min(b[axis]));
+            exit = exit.min(a[axis].max(b[axis]));
         }
-        enter <= leave * (1.0 + F64_BOX_SLACK)
+        entry <= exit * (1.0 + F64_BOX_SLACK)
     }
 }

@@ -43,8 +43,8 @@ impl NativeAccel {
         let (tree, shape) = build::build(&spheres, options)?;
         let first_giant = spheres.particle_count();
         let giants = Giants::build(spheres.giants(), first_giant, &options.cancel)?;
-        let instance = options.isa.unwrap_or_else(KernelIsa::best);
-        Ok(Self { bvh: Aggregate { tree, giants, spheres }, stats: shape, isa: instance })
+        let isa = options.isa.unwrap_or_else(KernelIsa::best);
+        Ok(Self { bvh: Aggregate { tree, giants, spheres }, stats: shape, isa })
     }
 }
 
@@ -53,8 +53,8 @@ impl Accel for NativeAccel {
         kernel::closest(self.isa, &self.bvh, rays, hits);
     }
 
-    fn occluded(&self, rays: &[Ray], blocked: &mut [bool]) {
-        kernel::occluded(self.isa, &self.bvh, rays, blocked);
+    fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        kernel::occluded(self.isa, &self.bvh, rays, occluded);
     }
 
     /// Rays are stored with 48 bits, spheres are tested with the arithmetic of the brute-force
@@ -70,11 +70,11 @@ impl Accel for NativeAccel {
     }
 
     fn details(&self) -> String {
-        let BuildStats { treelets: cells, optimal_treelets: optimal } = self.stats;
-        match cells {
+        let BuildStats { treelets, optimal_treelets: optimal } = self.stats;
+        match treelets {
             0 => self.isa.name().to_owned(),
             _ => {
-                format!("{}; {optimal} of {cells} cells collapsed optimally", self.isa.name())
+                format!("{}; {optimal} of {treelets} cells collapsed optimally", self.isa.name())
             }
         }
     }

@@ -49,7 +49,7 @@ impl<'a> ExactQuery<'a> {
 
     /// Tests a sphere and keeps the hit if it is nearer, or equally near with a smaller id.
     #[inline(always)]
-    pub(super) fn consider(&mut self, id: u32, sphere: &Sphere) {
+    pub(super) fn intersect(&mut self, id: u32, sphere: &Sphere) {
         if self.ray.excludes(id) {
             return;
         }

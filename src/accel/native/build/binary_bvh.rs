@@ -47,17 +47,17 @@ impl BinaryBvh {
         if items.len() <= SAH_BLOCK_SIZE {
             return self.push_leaf(items.len(), first, bounds);
         }
-        let cut = if level < MAX_SAH_DEPTH {
+        let split = if level < MAX_SAH_DEPTH {
             split::split_sah(items)
         } else {
             split::split_median(items)
         };
-        let (left, right) = items.split_at_mut(cut.index);
-        let halves = [
-            self.build_sah_node(left, first, cut.bounds[0], level + 1),
-            self.build_sah_node(right, first + cut.index as u32, cut.bounds[1], level + 1),
+        let (left, right) = items.split_at_mut(split.index);
+        let children = [
+            self.build_sah_node(left, first, split.bounds[0], level + 1),
+            self.build_sah_node(right, first + split.index as u32, split.bounds[1], level + 1),
         ];
-        self.push(BinaryNode { bounds, first, count: items.len() as u32, children: Some(halves) })
+        self.push(BinaryNode { bounds, first, count: items.len() as u32, children: Some(children) })
     }
 
     /// Builds a tree over primitives in Morton order, whose `codes` are given. Splits where the
@@ -79,10 +79,10 @@ impl BinaryBvh {
         if items.len() <= SAH_BLOCK_SIZE {
             return self.push_leaf(items.len(), first, split::bounds_of(items));
         }
-        let at = if level < MAX_SAH_DEPTH { split::morton_split(codes) } else { items.len() / 2 };
-        let left = self.build_morton_node(&items[..at], &codes[..at], first, level + 1);
+        let mid = if level < MAX_SAH_DEPTH { split::morton_split(codes) } else { items.len() / 2 };
+        let left = self.build_morton_node(&items[..mid], &codes[..mid], first, level + 1);
         let right =
-            self.build_morton_node(&items[at..], &codes[at..], first + at as u32, level + 1);
+            self.build_morton_node(&items[mid..], &codes[mid..], first + mid as u32, level + 1);
         self.push_inner(left, right)
     }
 
@@ -93,14 +93,14 @@ impl BinaryBvh {
 
     /// Appends the parent of two nodes with consecutive primitives.
     pub(super) fn push_inner(&mut self, left: u32, right: u32) -> u32 {
-        let [a, b] = [left, right].map(|half| self.nodes[half as usize]);
+        let [a, b] = [left, right].map(|child| self.nodes[child as usize]);
         let bounds = a.bounds.union(&b.bounds);
         let (first, count) = (a.first, a.count + b.count);
         self.push(BinaryNode { bounds, first, count, children: Some([left, right]) })
     }
 
-    fn push(&mut self, part: BinaryNode) -> u32 {
-        self.nodes.push(part);
+    fn push(&mut self, node: BinaryNode) -> u32 {
+        self.nodes.push(node);
         self.nodes.len() as u32 - 1
     }
 

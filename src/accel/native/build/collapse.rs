@@ -57,9 +57,9 @@ impl<'a> Collapse<'a> {
     /// Returns the greedy cut, or the optimal one if its product of time and memory is smaller.
     pub(super) fn best(binary: &'a BinaryBvh, leaves: LeafKind) -> Self {
         let greedy = Self::greedy(binary, leaves);
-        let price = greedy.cost();
-        let optimal = Self::optimal(binary, leaves, price);
-        if optimal.cost().product() < price.product() { optimal } else { greedy }
+        let reference = greedy.cost();
+        let optimal = Self::optimal(binary, leaves, reference);
+        if optimal.cost().product() < reference.product() { optimal } else { greedy }
     }
 
     fn greedy(binary: &'a BinaryBvh, leaves: LeafKind) -> Self {
@@ -69,8 +69,8 @@ impl<'a> Collapse<'a> {
     fn optimal(binary: &'a BinaryBvh, leaves: LeafKind, reference: TreeCost) -> Self {
         let mut collapse =
             Self { bvh: binary, leaf_kind: leaves, cuts: Vec::with_capacity(binary.nodes.len()) };
-        for part in &binary.nodes {
-            let choice = collapse.best_cuts(part, reference);
+        for node in &binary.nodes {
+            let choice = collapse.best_cuts(node, reference);
             collapse.cuts.push(choice);
         }
         collapse
@@ -82,14 +82,14 @@ impl<'a> Collapse<'a> {
     }
 
     /// Returns true if a node of the binary tree becomes a leaf.
-    pub(super) fn is_leaf(&self, part: u32) -> bool {
-        let node = &self.bvh.nodes[part as usize];
-        match (node.children, self.cuts.get(part as usize)) {
+    pub(super) fn is_leaf(&self, index: u32) -> bool {
+        let node = &self.bvh.nodes[index as usize];
+        match (node.children, self.cuts.get(index as usize)) {
             (None, _) => true,
             (_, Some(choice)) => choice.left[WIDTH - 1] == 0,
-            (Some(halves), None) => {
+            (Some(children), None) => {
                 self.can_be_leaf(node) && {
-                    let [a, b] = halves.map(|half| self.area(half));
+                    let [a, b] = children.map(|child| self.area(child));
                     // Two leaves are better if most rays that hit the node miss both.
                     2.0 * (a + b) >= node.bounds.half_area()
                 }
@@ -97,45 +97,48 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    /// The nodes that become the children of an inner node.
-    pub(super) fn children(&self, part: u32) -> Children {
+    /// The nodes that become the children of an interior node.
+    pub(super) fn children(&self, index: u32) -> Children {
         let mut children = Children { nodes: [0; WIDTH], count: 0 };
         if self.is_optimal() {
-            let halves = self.bvh.nodes[part as usize].children.expect("no leaf");
-            let left = self.cuts[part as usize].left[WIDTH - 1];
-            self.collect_children(halves[0], left, &mut children);
-            self.collect_children(halves[1], WIDTH as u8 - left, &mut children);
+            let pair = self.bvh.nodes[index as usize].children.expect("no leaf");
+            let left = self.cuts[index as usize].left[WIDTH - 1];
+            self.collect_children(pair[0], left, &mut children);
+            self.collect_children(pair[1], WIDTH as u8 - left, &mut children);
         } else {
-            children.expand(0, self.bvh.nodes[part as usize].children.expect("no leaf"));
+            children.expand(0, self.bvh.nodes[index as usize].children.expect("no leaf"));
             while children.count < WIDTH {
-                let inner = (0..children.count).filter(|&i| !self.is_leaf(children.nodes[i]));
+                let interior = (0..children.count).filter(|&i| !self.is_leaf(children.nodes[i]));
                 let area = |i: &usize| self.area(children.nodes[*i]);
-                let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
-                let halves = self.bvh.nodes[children.nodes[largest] as usize].children;
-                children.expand(largest, halves.expect("no leaf"));
+                let Some(largest) = interior.max_by(|a, b| area(a).total_cmp(&area(b))) else {
+                    break;
+                };
+                let pair = self.bvh.nodes[children.nodes[largest] as usize].children;
+                children.expand(largest, pair.expect("no leaf"));
             }
         }
         children
     }
 
-    /// Adds the best cut of a node into at most `most` nodes.
-    fn collect_children(&self, part: u32, most: u8, children: &mut Children) {
-        let left = if most < 2 { 0 } else { self.cuts[part as usize].left[most as usize - 2] };
-        match self.bvh.nodes[part as usize].children {
-            Some(halves) if left > 0 => {
-                self.collect_children(halves[0], left, children);
-                self.collect_children(halves[1], most - left, children);
+    /// Adds the best cut of a node into at most `max_count` nodes.
+    fn collect_children(&self, index: u32, max_count: u8, children: &mut Children) {
+        let left =
+            if max_count < 2 { 0 } else { self.cuts[index as usize].left[max_count as usize - 2] };
+        match self.bvh.nodes[index as usize].children {
+            Some(pair) if left > 0 => {
+                self.collect_children(pair[0], left, children);
+                self.collect_children(pair[1], max_count - left, children);
             }
-            _ => children.push(part),
+            _ => children.push(index),
         }
     }
 
-    fn area(&self, part: u32) -> f32 {
-        self.bvh.nodes[part as usize].bounds.half_area()
+    fn area(&self, index: u32) -> f32 {
+        self.bvh.nodes[index as usize].bounds.half_area()
     }
 
-    fn can_be_leaf(&self, part: &BinaryNode) -> bool {
-        self.leaf_kind == LeafKind::Spheres && part.count as usize <= LEAF_SIZE
+    fn can_be_leaf(&self, node: &BinaryNode) -> bool {
+        self.leaf_kind == LeafKind::Spheres && node.count as usize <= LEAF_SIZE
     }
 
     fn leaf_cost(&self, area: f32) -> TreeCost {
@@ -145,13 +148,13 @@ impl<'a> Collapse<'a> {
         }
     }
 
-    fn best_cuts(&self, part: &BinaryNode, near: TreeCost) -> CutTable {
-        let area = part.bounds.half_area();
-        let as_leaf = self.leaf_cost(area).relative_to(near);
-        let Some(halves) = part.children else {
+    fn best_cuts(&self, node: &BinaryNode, reference: TreeCost) -> CutTable {
+        let area = node.bounds.half_area();
+        let as_leaf = self.leaf_cost(area).relative_to(reference);
+        let Some(children) = node.children else {
             return CutTable { cost: [as_leaf; WIDTH], left: [0; WIDTH] };
         };
-        let [a, b] = halves.map(|half| &self.cuts[half as usize]);
+        let [a, b] = children.map(|child| &self.cuts[child as usize]);
         // The cheapest cut for each exact number of nodes, from two.
         let mut cut = [(f32::INFINITY, 0u8); WIDTH + 1];
         for (parts, cut) in cut.iter_mut().enumerate().skip(2) {
@@ -162,9 +165,9 @@ impl<'a> Collapse<'a> {
                 }
             }
         }
-        let as_node =
-            TreeCost { time: NODE_COST * area, bytes: NODE_BYTES }.relative_to(near) + cut[WIDTH].0;
-        let is_leaf = self.can_be_leaf(part) && as_leaf <= as_node;
+        let as_node = TreeCost { time: NODE_COST * area, bytes: NODE_BYTES }.relative_to(reference)
+            + cut[WIDTH].0;
+        let is_leaf = self.can_be_leaf(node) && as_leaf <= as_node;
         let mut choice = CutTable::default();
         choice.left[WIDTH - 1] = if is_leaf { 0 } else { cut[WIDTH].1 };
         choice.cost[0] = if is_leaf { as_leaf } else { as_node };
@@ -181,18 +184,18 @@ impl<'a> Collapse<'a> {
 
     /// Time and memory of the collapsed tree.
     fn cost(&self) -> TreeCost {
-        let mut price = TreeCost::default();
-        let mut ahead = vec![self.bvh.root()];
-        while let Some(part) = ahead.pop() {
-            let area = self.area(part);
-            if self.is_leaf(part) {
-                price.add(self.leaf_cost(area));
+        let mut total = TreeCost::default();
+        let mut remaining = vec![self.bvh.root()];
+        while let Some(index) = remaining.pop() {
+            let area = self.area(index);
+            if self.is_leaf(index) {
+                total.add(self.leaf_cost(area));
             } else {
-                price.add(TreeCost { time: NODE_COST * area, bytes: NODE_BYTES });
-                ahead.extend(self.children(part).as_slice());
+                total.add(TreeCost { time: NODE_COST * area, bytes: NODE_BYTES });
+                remaining.extend(self.children(index).as_slice());
             }
         }
-        price
+        total
     }
 }
 
@@ -207,16 +210,16 @@ impl Children {
         &self.nodes[..self.count]
     }
 
-    fn push(&mut self, part: u32) {
-        self.nodes[self.count] = part;
+    fn push(&mut self, index: u32) {
+        self.nodes[self.count] = index;
         self.count += 1;
     }
 
     /// Replaces a child by its two children; in an empty list, just adds the two.
-    fn expand(&mut self, place: usize, halves: [u32; 2]) {
-        let kept = place + usize::from(self.count > 0);
-        self.nodes.copy_within(kept..self.count.max(kept), place + 2);
-        self.nodes[place..place + 2].copy_from_slice(&halves);
+    fn expand(&mut self, slot: usize, children: [u32; 2]) {
+        let rest = slot + usize::from(self.count > 0);
+        self.nodes.copy_within(rest..self.count.max(rest), slot + 2);
+        self.nodes[slot..slot + 2].copy_from_slice(&children);
         self.count += if self.count > 0 { 1 } else { 2 };
     }
 }
@@ -233,8 +236,8 @@ impl TreeCost {
 
     /// The change of the product near a tree with the cost `other`.
     fn relative_to(self, other: Self) -> f32 {
-        let share = |part: f32, of: f32| if of > 0.0 { part / of } else { 0.0 };
-        share(self.time, other.time) + share(self.bytes, other.bytes)
+        let ratio = |value: f32, of: f32| if of > 0.0 { value / of } else { 0.0 };
+        ratio(self.time, other.time) + ratio(self.bytes, other.bytes)
     }
 }
 
@@ -264,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn opening_a_part_puts_its_halves_in_its_place() {
+    fn expanding_a_node_puts_its_children_in_its_slot() {
         let mut children = Children { nodes: [0; WIDTH], count: 0 };
         children.expand(0, [1, 2]);
         children.expand(0, [3, 4]);

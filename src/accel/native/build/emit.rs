@@ -21,22 +21,22 @@ impl EmittedTree {
         binary: &BinaryBvh,
         collapse: &Collapse,
         items: &[PrimRef],
-        part: u32,
+        node: u32,
     ) -> NodeRef {
-        if collapse.is_leaf(part) {
-            let part = &binary.nodes[part as usize];
-            let items = &items[part.first as usize..][..part.count as usize];
+        if collapse.is_leaf(node) {
+            let node = &binary.nodes[node as usize];
+            let items = &items[node.first as usize..][..node.count as usize];
             self.leaves.push(SphereLeaf::from_prims(items));
             self.ids.push(SphereLeaf::prim_ids(items));
             return NodeRef::leaf(self.leaves.len() - 1);
         }
-        let place = self.nodes.len();
+        let index = self.nodes.len();
         self.nodes.push(BvhNode::EMPTY);
-        for (lane, &child) in collapse.children(part).as_slice().iter().enumerate() {
+        for (lane, &child) in collapse.children(node).as_slice().iter().enumerate() {
             let root = self.emit_subtree(binary, collapse, items, child);
-            self.nodes[place].set_child(lane, &binary.nodes[child as usize].bounds, root);
+            self.nodes[index].set_child(lane, &binary.nodes[child as usize].bounds, root);
         }
-        NodeRef::node(place)
+        NodeRef::node(index)
     }
 }
 
@@ -58,16 +58,16 @@ fn emit_top_node(
     roots: &[(NodeRef, Aabb)],
     before: usize,
     nodes: &mut Vec<BvhNode>,
-    part: u32,
+    node: u32,
 ) -> NodeRef {
-    if collapse.is_leaf(part) {
-        return roots[binary.nodes[part as usize].first as usize].0;
+    if collapse.is_leaf(node) {
+        return roots[binary.nodes[node as usize].first as usize].0;
     }
-    let place = nodes.len();
+    let index = nodes.len();
     nodes.push(BvhNode::EMPTY);
-    for (lane, &child) in collapse.children(part).as_slice().iter().enumerate() {
+    for (lane, &child) in collapse.children(node).as_slice().iter().enumerate() {
         let root = emit_top_node(binary, collapse, roots, before, nodes, child);
-        nodes[place].set_child(lane, &binary.nodes[child as usize].bounds, root);
+        nodes[index].set_child(lane, &binary.nodes[child as usize].bounds, root);
     }
-    NodeRef::node(before + place)
+    NodeRef::node(before + index)
 }

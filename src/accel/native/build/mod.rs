@@ -53,7 +53,7 @@ pub(super) struct BuildStats {
     pub(super) optimal_treelets: usize,
 }
 
-/// A finished treelet.
+/// A built treelet.
 struct Treelet {
     emitted: EmittedTree,
     root: NodeRef,
@@ -70,31 +70,31 @@ pub(super) fn build(set: &SphereSet, options: &BuildOptions) -> Result<(Bvh, Bui
     if spheres <= MAX_LIST_SIZE {
         return Ok((build_list(set)?, BuildStats::default()));
     }
-    let cells = Treelets::new(set);
+    let treelets = Treelets::new(set);
     let (nodes, leaves) = estimate_counts(spheres);
     let mut forest = BvhStorage {
         nodes: HugePageVec::with_capacity(nodes)?,
         leaves: HugePageVec::with_capacity(leaves)?,
         ids: HugePageVec::with_capacity(leaves)?,
     };
-    let mut shape = BuildStats { treelets: cells.ranges.len(), optimal_treelets: 0 };
-    let mut roots = Vec::with_capacity(cells.ranges.len());
-    for wave in cells.batches(SPHERES_PER_BATCH) {
-        let built: Result<Vec<Treelet>> = wave
+    let mut shape = BuildStats { treelets: treelets.ranges.len(), optimal_treelets: 0 };
+    let mut roots = Vec::with_capacity(treelets.ranges.len());
+    for batch in treelets.batches(SPHERES_PER_BATCH) {
+        let built: Result<Vec<Treelet>> = batch
             .par_iter()
             .map(|range| {
                 options.cancel.check().map(|()| build_treelet(set, range.clone(), options.quality))
             })
             .collect();
         let built = built?;
-        shape.optimal_treelets += built.iter().filter(|cell| cell.is_optimal).count();
+        shape.optimal_treelets += built.iter().filter(|treelet| treelet.is_optimal).count();
         roots.extend(forest.append_treelets(built)?);
-        let done = wave.last().map_or(0, |range| range.end);
+        let done = batch.last().map_or(0, |range| range.end);
         options.progress.report(done as f64 / spheres.max(1) as f64);
     }
     let root = match roots[..] {
         [] => None,
-        _ => Some(forest.append_top_levels(&cells, &roots)?),
+        _ => Some(forest.append_top_levels(&treelets, &roots)?),
     };
     Ok((Bvh::new(forest.nodes, forest.leaves, forest.ids, root), shape))
 }
@@ -138,10 +138,10 @@ fn build_treelet(set: &SphereSet, range: Range<usize>, quality: BuildQuality) ->
         }
     };
     let collapse = Collapse::best(&binary, LeafKind::Spheres);
-    let mut grown = EmittedTree::default();
-    let root = grown.emit_subtree(&binary, &collapse, &items, binary.root());
+    let mut built = EmittedTree::default();
+    let root = built.emit_subtree(&binary, &collapse, &items, binary.root());
     let bounds = binary.nodes[binary.root() as usize].bounds;
-    Treelet { emitted: grown, root, bounds, is_optimal: collapse.is_optimal() }
+    Treelet { emitted: built, root, bounds, is_optimal: collapse.is_optimal() }
 }
 
 /// Estimates the node and leaf counts, erring on the high side: unused capacity costs nothing.
@@ -158,34 +158,34 @@ struct BvhStorage {
 
 impl BvhStorage {
     /// Appends a batch of treelets; returns their roots and boxes.
-    fn append_treelets(&mut self, cells: Vec<Treelet>) -> Result<Vec<(NodeRef, Aabb)>> {
+    fn append_treelets(&mut self, treelets: Vec<Treelet>) -> Result<Vec<(NodeRef, Aabb)>> {
         let (mut node, mut leaf) = (self.nodes.len(), self.leaves.len());
         let sum = |of: fn(&EmittedTree) -> usize| {
-            cells.iter().map(|cell| of(&cell.emitted)).sum::<usize>()
+            treelets.iter().map(|treelet| of(&treelet.emitted)).sum::<usize>()
         };
-        let mut nodes = self.nodes.grow(sum(|grown| grown.nodes.len()))?;
-        let mut leaves = self.leaves.grow(sum(|grown| grown.leaves.len()))?;
-        let mut ids = self.ids.grow(sum(|grown| grown.leaves.len()))?;
-        let mut moves = Vec::with_capacity(cells.len());
-        let mut roots = Vec::with_capacity(cells.len());
-        for Treelet { emitted: grown, root, bounds, .. } in cells {
+        let mut nodes = self.nodes.grow(sum(|built| built.nodes.len()))?;
+        let mut leaves = self.leaves.grow(sum(|built| built.leaves.len()))?;
+        let mut ids = self.ids.grow(sum(|built| built.leaves.len()))?;
+        let mut moves = Vec::with_capacity(treelets.len());
+        let mut roots = Vec::with_capacity(treelets.len());
+        for Treelet { emitted: built, root, bounds, .. } in treelets {
             roots.push((root.offset_by(node, leaf), bounds));
             let (own_nodes, own_leaves, own_ids);
-            (own_nodes, nodes) = nodes.split_at_mut(grown.nodes.len());
-            (own_leaves, leaves) = leaves.split_at_mut(grown.leaves.len());
-            (own_ids, ids) = ids.split_at_mut(grown.leaves.len());
+            (own_nodes, nodes) = nodes.split_at_mut(built.nodes.len());
+            (own_leaves, leaves) = leaves.split_at_mut(built.leaves.len());
+            (own_ids, ids) = ids.split_at_mut(built.leaves.len());
             let moved_by = (node, leaf);
-            node += grown.nodes.len();
-            leaf += grown.leaves.len();
-            moves.push((grown, moved_by, own_nodes, own_leaves, own_ids));
+            node += built.nodes.len();
+            leaf += built.leaves.len();
+            moves.push((built, moved_by, own_nodes, own_leaves, own_ids));
         }
         if leaf > NodeRef::MAX_INDEX || node > NodeRef::MAX_INDEX {
             return Err(Error::backend("there are more spheres than the native intersector takes"));
         }
-        moves.into_par_iter().for_each(|(grown, (node, leaf), nodes, leaves, ids)| {
-            leaves.copy_from_slice(&grown.leaves);
-            ids.copy_from_slice(&grown.ids);
-            for (to, from) in nodes.iter_mut().zip(&grown.nodes) {
+        moves.into_par_iter().for_each(|(built, (node, leaf), nodes, leaves, ids)| {
+            leaves.copy_from_slice(&built.leaves);
+            ids.copy_from_slice(&built.ids);
+            for (to, from) in nodes.iter_mut().zip(&built.nodes) {
                 *to = BvhNode { children: from.children.map(|c| c.offset_by(node, leaf)), ..*from };
             }
         });
@@ -195,11 +195,11 @@ impl BvhStorage {
     /// Appends the nodes above the treelets; returns the root.
     fn append_top_levels(
         &mut self,
-        cells: &Treelets,
+        treelets: &Treelets,
         roots: &[(NodeRef, Aabb)],
     ) -> Result<NodeRef> {
         let boxes: Vec<Aabb> = roots.iter().map(|(_, bounds)| *bounds).collect();
-        let binary = cells.build_top_tree(&boxes);
+        let binary = treelets.build_top_tree(&boxes);
         let collapse = Collapse::best(&binary, LeafKind::Treelets);
         let mut nodes = Vec::new();
         let root = emit::emit_top_levels(&binary, &collapse, roots, self.nodes.len(), &mut nodes);

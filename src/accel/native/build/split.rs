@@ -41,8 +41,8 @@ pub(super) fn split_sah(items: &mut [PrimRef]) -> Split {
     let binning = BinMapping::new(&center_bounds(items), bins);
     match Bins::new(items, &binning).best_split(bins) {
         Some(plane) => {
-            let at = partition(items, |item| binning.bin(item, plane.axis) < plane.bin);
-            Split { index: at, bounds: plane.bounds }
+            let mid = partition(items, |item| binning.bin(item, plane.axis) < plane.bin);
+            Split { index: mid, bounds: plane.bounds }
         }
         None => split_median(items),
     }
@@ -56,12 +56,12 @@ pub(super) fn split_median(items: &mut [PrimRef]) -> Split {
     let longest = (0..4).rev().filter(|&axis| axis < 3).fold(3, |best, axis| {
         if extent(axis) > 0.0 && (best == 3 || extent(axis) >= extent(best)) { axis } else { best }
     });
-    let at = items.len() / 2;
-    items.select_nth_unstable_by(at, |a, b| {
+    let mid = items.len() / 2;
+    items.select_nth_unstable_by(mid, |a, b| {
         a.sphere[longest].total_cmp(&b.sphere[longest]).then(a.id.cmp(&b.id))
     });
-    let (left, right) = items.split_at(at);
-    Split { index: at, bounds: [bounds_of(left), bounds_of(right)] }
+    let (left, right) = items.split_at(mid);
+    Split { index: mid, bounds: [bounds_of(left), bounds_of(right)] }
 }
 
 /// Returns the index of the first Morton code that has the highest differing bit set; the middle if
@@ -166,16 +166,16 @@ impl Bins {
 
 /// Moves the primitives of the left side to the front; returns their count.
 fn partition(items: &mut [PrimRef], is_left: impl Fn(&PrimRef) -> bool) -> usize {
-    let (mut at, mut end) = (0, items.len());
-    while at < end {
-        if is_left(&items[at]) {
-            at += 1;
+    let (mut mid, mut end) = (0, items.len());
+    while mid < end {
+        if is_left(&items[mid]) {
+            mid += 1;
         } else {
             end -= 1;
-            items.swap(at, end);
+            items.swap(mid, end);
         }
     }
-    at
+    mid
 }
 
 #[cfg(test)]

@@ -24,11 +24,11 @@ pub(super) struct Treelets {
 
 impl Treelets {
     pub(super) fn new(set: &SphereSet) -> Self {
-        let mut cells = Self { ranges: Vec::new(), top_tree: Vec::new() };
+        let mut treelets = Self { ranges: Vec::new(), top_tree: Vec::new() };
         if set.particle_count() > 0 {
-            cells.split(set, 0..set.particle_count(), 0);
+            treelets.split(set, 0..set.particle_count(), 0);
         }
-        cells
+        treelets
     }
 
     fn split(&mut self, set: &SphereSet, range: Range<usize>, level: usize) -> u32 {
@@ -37,9 +37,9 @@ impl Treelets {
             self.ranges.push(range);
             self.top_tree.push(None);
         } else {
-            let at = range.start + morton_split(set, &range, level);
-            let left = self.split(set, range.start..at, level + 1);
-            let right = self.split(set, at..range.end, level + 1);
+            let mid = range.start + morton_split(set, &range, level);
+            let left = self.split(set, range.start..mid, level + 1);
+            let right = self.split(set, mid..range.end, level + 1);
             self.top_tree.push(Some([left, right]));
         }
         self.top_tree.len() as u32 - 1
@@ -47,26 +47,26 @@ impl Treelets {
 
     /// Batches of treelets in order, each with at least `spheres` spheres.
     pub(super) fn batches(&self, spheres: usize) -> impl Iterator<Item = &[Range<usize>]> {
-        let mut ahead = &self.ranges[..];
+        let mut remaining = &self.ranges[..];
         std::iter::from_fn(move || {
-            let first = ahead.first()?.start;
-            let end = ahead.partition_point(|range| range.start < first + spheres);
-            let (wave, rest) = ahead.split_at(end);
-            ahead = rest;
-            Some(wave)
+            let first = remaining.first()?.start;
+            let end = remaining.partition_point(|range| range.start < first + spheres);
+            let (batch, rest) = remaining.split_at(end);
+            remaining = rest;
+            Some(batch)
         })
     }
 
     /// Builds the binary tree whose primitives are the treelets.
     pub(super) fn build_top_tree(&self, boxes: &[Aabb]) -> BinaryBvh {
         let mut binary = BinaryBvh::default();
-        let mut cell = 0;
+        let mut treelet = 0;
         for node in &self.top_tree {
             match *node {
                 Some([left, right]) => binary.push_inner(left, right),
                 None => {
-                    cell += 1;
-                    binary.push_leaf(1, cell as u32 - 1, boxes[cell - 1])
+                    treelet += 1;
+                    binary.push_leaf(1, treelet as u32 - 1, boxes[treelet - 1])
                 }
             };
         }

@@ -4,7 +4,7 @@ use crate::accel::native::aggregate::Aggregate;
 use crate::accel::native::query::BestHit;
 use crate::math::Ray;
 
-use super::question::QueryMode;
+use super::query_mode::QueryMode;
 use super::ray_state::RayState;
 use super::simd::Simd8;
 

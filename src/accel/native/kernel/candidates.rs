@@ -11,10 +11,10 @@ use crate::accel::native::limits::MAX_CANDIDATE_LEAVES;
 use crate::accel::native::node::mask_lanes;
 use crate::accel::native::query::{BestHit, ExactQuery};
 
-use super::alone::trace_scalar;
 use super::batch::RayBatch;
-use super::question::QueryMode;
+use super::query_mode::QueryMode;
 use super::ray_state::RayState;
+use super::scalar::trace_scalar;
 use super::simd::Simd8;
 
 /// Maximum number of queued rays.
@@ -79,12 +79,12 @@ impl CandidateQueue {
                     self.push_candidates(LeafCandidates { leaf, mask: lanes });
                 }
             }
-            let RayState { ray, limit, certain: sure, best, length, .. } = *slot;
+            let RayState { ray, limit, certain, best, length, .. } = *slot;
             self.push_finished(FinishedRay {
                 ray,
                 leaf_end: 0,
                 limit,
-                is_certain: sure != 0,
+                is_certain: certain != 0,
                 best,
                 length,
             });
@@ -97,10 +97,10 @@ impl CandidateQueue {
     /// There is room: no ray has more than [`MAX_CANDIDATE_LEAVES`] leaves, and the queue was not
     /// [full](Self::is_full) before the first of them.
     #[inline(always)]
-    pub(super) unsafe fn push_candidates(&mut self, kept: LeafCandidates) {
+    pub(super) unsafe fn push_candidates(&mut self, candidates: LeafCandidates) {
         // SAFETY: upheld by the caller.
-        unsafe { self.leaves.get_unchecked_mut(self.leaf_count).write(kept) };
-        self.leaf_count += usize::from(kept.mask != 0);
+        unsafe { self.leaves.get_unchecked_mut(self.leaf_count).write(candidates) };
+        self.leaf_count += usize::from(candidates.mask != 0);
     }
 
     /// Adds the ray that owns the candidates added since the previous ray.
@@ -127,11 +127,11 @@ impl CandidateQueue {
     /// All candidates belong to this tree, and the CPU supports `L`.
     #[inline(always)]
     unsafe fn prefetch_spheres<L: Simd8>(&self, bvh: &Aggregate) {
-        for kept in &self.leaves[..self.leaf_count] {
+        for candidates in &self.leaves[..self.leaf_count] {
             // SAFETY: entries below the count were written, with leaves of this tree; lanes are
             // below 8.
             unsafe {
-                let LeafCandidates { leaf, mask } = kept.assume_init();
+                let LeafCandidates { leaf, mask } = candidates.assume_init();
                 let ids = bvh.tree.ids().get_unchecked(leaf as usize);
                 for lane in mask_lanes(mask) {
                     let [sphere, _] = bvh.spheres.addresses(*ids.get_unchecked(lane));
@@ -144,9 +144,8 @@ impl CandidateQueue {
     /// Resolves all queued rays.
     ///
     /// The traversal does not check for excluded spheres, because they hardly ever matter: the
-    /// sphere that a ray leaves is never certainly hit, as the ray starts on it, nor is the emitter
-    /// at its end. Where an excluded sphere was certain and cut the traversal short, it is detected
-    /// here.
+    /// origin sphere is never certainly hit, as the ray starts on it, nor is the emitter at its
+    /// end. Where an excluded sphere was certain and cut the traversal short, it is detected here.
     ///
     /// The closest hit is shaded next, so the memory of its sphere is prefetched here, while other
     /// rays are traversing.
@@ -162,41 +161,42 @@ impl CandidateQueue {
             unsafe { self.prefetch_spheres::<L>(batch.bvh) };
         }
         let mut first = 0;
-        for waiting in &self.rays[..self.count] {
+        for pending in &self.rays[..self.count] {
             // SAFETY: entries below the counts were written, with leaves of this tree and rays of
             // this batch; lanes are below 8.
             unsafe {
-                let waiting = waiting.assume_init_ref();
-                let ray = batch.rays.get_unchecked(waiting.ray as usize);
-                let kept = self.leaves.get_unchecked(first..waiting.leaf_end as usize);
-                first = waiting.leaf_end as usize;
-                let mut best = waiting.best;
+                let pending = pending.assume_init_ref();
+                let ray = batch.rays.get_unchecked(pending.ray as usize);
+                let candidates = self.leaves.get_unchecked(first..pending.leaf_end as usize);
+                first = pending.leaf_end as usize;
+                let mut best = pending.best;
                 let needs_retrace;
-                if Q::ANY_HIT && waiting.is_certain {
-                    let LeafCandidates { leaf, mask: lanes } = kept.get_unchecked(0).assume_init();
+                if Q::ANY_HIT && pending.is_certain {
+                    let LeafCandidates { leaf, mask: lanes } =
+                        candidates.get_unchecked(0).assume_init();
                     let ids = tree.ids().get_unchecked(leaf as usize);
-                    let others = |lane: &usize| !ray.excludes(*ids.get_unchecked(*lane));
-                    let other = mask_lanes(lanes).find(others);
-                    needs_retrace = other.is_none();
-                    best.id = other.map_or(best.id, |lane| *ids.get_unchecked(lane));
+                    let not_excluded = |lane: &usize| !ray.excludes(*ids.get_unchecked(*lane));
+                    let hit_lane = mask_lanes(lanes).find(not_excluded);
+                    needs_retrace = hit_lane.is_none();
+                    best.id = hit_lane.map_or(best.id, |lane| *ids.get_unchecked(lane));
                 } else {
                     let mut query = ExactQuery::new(ray, best);
-                    for kept in kept {
-                        let LeafCandidates { leaf, mask: lanes } = kept.assume_init();
+                    for candidates in candidates {
+                        let LeafCandidates { leaf, mask: lanes } = candidates.assume_init();
                         let ids = tree.ids().get_unchecked(leaf as usize);
                         let leaf = tree.leaves().get_unchecked(leaf as usize);
                         for lane in mask_lanes(lanes) {
                             let id = *ids.get_unchecked(lane);
-                            query.consider(id, &batch.bvh.sphere(leaf, lane, id));
+                            query.intersect(id, &batch.bvh.sphere(leaf, lane, id));
                         }
                     }
                     best = query.best;
                     needs_retrace =
-                        !Q::ANY_HIT && best.t * waiting.length > f64::from(waiting.limit);
+                        !Q::ANY_HIT && best.t * pending.length > f64::from(pending.limit);
                 }
-                let answer =
+                let output =
                     if needs_retrace { trace_scalar::<Q>(batch.bvh, ray) } else { Q::output(best) };
-                *batch.outputs.get_unchecked_mut(waiting.ray as usize) = answer;
+                *batch.outputs.get_unchecked_mut(pending.ray as usize) = output;
                 if !Q::ANY_HIT {
                     let [sphere, row] = batch.bvh.spheres.addresses(best.id);
                     L::prefetch(sphere);

@@ -6,10 +6,10 @@
 //! the vector `p` from the axis to `c` has `|p| <= R + r + s (|v| + R + r)`. With
 //! `|v| <= |b| + |p|`, `b = v.a`, this gives
 //!
-//! `|p| <= reach = ((R + r) (1 + s) + s |b|) / (1 - s)`,
+//! `|p| <= max_offset = ((R + r) (1 + s) + s |b|) / (1 - s)`,
 //!
-//! and the hit is at a distance between `b - R - r` and `b + reach`. The errors of `v`, `b` and `p`
-//! in f32 are at most `E = 36 e (|b| + reach + |o|)`, as in [`super::spheres`].
+//! and the hit is at a distance between `b - R - r` and `b + max_offset`. The errors of `v`, `b`
+//! and `p` in f32 are at most `E = 36 e (|b| + max_offset + |o|)`, as in [`super::spheres`].
 
 use crate::accel::native::build::fast_max;
 use crate::accel::native::bvh::Bvh;
@@ -98,18 +98,26 @@ impl PacketCone {
             let (b, p) = project::<L>(to_centers::<L>(leaf, &self.origin), u);
             let q = length_squared::<L>(p);
 
-            let away = L::abs(b);
+            let axial_distance = L::abs(b);
             let near = L::add(radii::<L>(leaf), L::splat(self.radius));
-            let narrowed = 1.0 / (1.0 - self.spread);
-            let reach = L::mul(near, L::splat((1.0 + self.spread) * narrowed));
-            let reach = L::mul_add(away, L::splat(self.spread * narrowed), reach);
+            let inv_one_minus_spread = 1.0 / (1.0 - self.spread);
+            let max_offset = L::mul(near, L::splat((1.0 + self.spread) * inv_one_minus_spread));
+            let max_offset = L::mul_add(
+                axial_distance,
+                L::splat(self.spread * inv_one_minus_spread),
+                max_offset,
+            );
             let error = L::splat(ERROR_SCALE * self.max_origin_sum + MIN_ERROR);
-            let error = L::mul_add(L::add(away, reach), L::splat(ERROR_SCALE), error);
-            let reach = L::add(reach, error);
-            let reach =
-                if fault!(PacketConeTooNarrow) { L::mul(reach, L::splat(0.5)) } else { reach };
-            let is_within = L::le(q, L::mul(reach, reach));
-            let is_ahead = L::le(L::splat(0.0), L::add(b, reach));
+            let error =
+                L::mul_add(L::add(axial_distance, max_offset), L::splat(ERROR_SCALE), error);
+            let max_offset = L::add(max_offset, error);
+            let max_offset = if fault!(PacketConeTooNarrow) {
+                L::mul(max_offset, L::splat(0.5))
+            } else {
+                max_offset
+            };
+            let is_within = L::le(q, L::mul(max_offset, max_offset));
+            let is_ahead = L::le(L::splat(0.0), L::add(b, max_offset));
             let is_near = L::le(L::sub(L::sub(b, near), error), L::splat(limit));
             L::mask_bits(L::and(L::and(is_within, is_ahead), is_near))
         }
@@ -147,12 +155,12 @@ pub(super) unsafe fn axis_ranges<L: Simd8>([x, y, z]: &[PacketFloats; 3]) -> Axi
 /// # Safety
 /// The CPU supports `L`.
 #[inline(always)]
-pub(super) unsafe fn min_max<L: Simd8>(each: &PacketFloats) -> [f32; 2] {
+pub(super) unsafe fn min_max<L: Simd8>(numbers: &PacketFloats) -> [f32; 2] {
     // SAFETY: upheld by the caller.
     unsafe {
-        let (one, two) = (load_half::<L>(&each[0]), load_half::<L>(&each[1]));
-        let opposite = L::sub(L::splat(0.0), L::max(one, two));
-        [L::reduce_min(L::min(one, two)), -L::reduce_min(opposite)]
+        let (lo, hi) = (load_half::<L>(&numbers[0]), load_half::<L>(&numbers[1]));
+        let opposite = L::sub(L::splat(0.0), L::max(lo, hi));
+        [L::reduce_min(L::min(lo, hi)), -L::reduce_min(opposite)]
     }
 }
 
@@ -162,22 +170,22 @@ pub(super) unsafe fn min_max<L: Simd8>(each: &PacketFloats) -> [f32; 2] {
 /// The CPU supports `L`.
 #[inline(always)]
 unsafe fn max_distance<L: Simd8>(
-    places: &[PacketFloats; 3],
+    points: &[PacketFloats; 3],
     [from_x, from_y, from_z]: [f32; 3],
 ) -> f32 {
-    let mut most = 0.0;
+    let mut max = 0.0;
     for half in 0..2 {
         // SAFETY: upheld by the caller.
         unsafe {
-            let [x, y, z] = load_vec3::<L>(places, half);
-            let apart = [
+            let [x, y, z] = load_vec3::<L>(points, half);
+            let offset = [
                 L::sub(x, L::splat(from_x)),
                 L::sub(y, L::splat(from_y)),
                 L::sub(z, L::splat(from_z)),
             ];
-            let squared = length_squared::<L>(apart);
-            most = fast_max(most, -L::reduce_min(L::sub(L::splat(0.0), squared)));
+            let squared = length_squared::<L>(offset);
+            max = fast_max(max, -L::reduce_min(L::sub(L::splat(0.0), squared)));
         }
     }
-    most.sqrt() * LENGTH_SLACK
+    max.sqrt() * LENGTH_SLACK
 }

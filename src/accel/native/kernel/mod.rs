@@ -24,15 +24,15 @@
 //! * **Batches.** Outputs are written through the index of a ray, and there are as many as rays,
 //!   which is asserted.
 
-mod alone;
 mod batch;
 mod candidates;
 mod cone;
 pub(super) mod huge_pages;
-mod instance;
+mod isa;
 mod packet;
-mod question;
+mod query_mode;
 mod ray_state;
+mod scalar;
 mod simd;
 mod single;
 mod slabs;
@@ -47,56 +47,61 @@ mod avx512;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use instance::KernelIsa;
+pub use isa::KernelIsa;
 
 use crate::accel::native::aggregate::Aggregate;
 use crate::math::{Hit, Ray};
 
-use question::{AnyHit, ClosestHit};
+use query_mode::{AnyHit, ClosestHit};
 use simd::{Portable, Simd8};
-use traverse::Fly;
+use traverse::TraceBatch;
 
 /// # Panics
 /// When the slices differ in length.
-pub(super) fn closest(instance: KernelIsa, bvh: &Aggregate, rays: &[Ray], hits: &mut [Hit]) {
-    dispatch::<ClosestHit>(instance, bvh, rays, hits);
+pub(super) fn closest(isa: KernelIsa, bvh: &Aggregate, rays: &[Ray], hits: &mut [Hit]) {
+    dispatch::<ClosestHit>(isa, bvh, rays, hits);
 }
 
 /// # Panics
 /// When the slices differ in length.
-pub(super) fn occluded(instance: KernelIsa, bvh: &Aggregate, rays: &[Ray], blocked: &mut [bool]) {
-    dispatch::<AnyHit>(instance, bvh, rays, blocked);
+pub(super) fn occluded(isa: KernelIsa, bvh: &Aggregate, rays: &[Ray], occluded: &mut [bool]) {
+    dispatch::<AnyHit>(isa, bvh, rays, occluded);
 }
 
-fn dispatch<Q: Fly>(instance: KernelIsa, bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
-    assert_eq!(rays.len(), answers.len(), "one answer for each ray");
+fn dispatch<Q: TraceBatch>(
+    isa: KernelIsa,
+    bvh: &Aggregate,
+    rays: &[Ray],
+    outputs: &mut [Q::Output],
+) {
+    assert_eq!(rays.len(), outputs.len(), "one output per ray");
     assert!(rays.len() <= u32::MAX as usize, "a batch has fewer than 2^32 rays");
-    match instance {
+    match isa {
         #[cfg(target_arch = "x86_64")]
         KernelIsa::Avx2 if KernelIsa::Avx2.is_available() => {
             // SAFETY: the CPU supports the instructions.
-            unsafe { run_avx2::<Q>(bvh, rays, answers) }
+            unsafe { run_avx2::<Q>(bvh, rays, outputs) }
         }
         #[cfg(all(target_arch = "x86_64", has_avx512))]
         KernelIsa::Avx512 if KernelIsa::Avx512.is_available() => {
             // SAFETY: the CPU supports the instructions.
-            unsafe { run_avx512::<Q>(bvh, rays, answers) }
+            unsafe { run_avx512::<Q>(bvh, rays, outputs) }
         }
         // SAFETY: this variant needs no special instructions.
-        _ => unsafe { run::<Portable, Q>(bvh, rays, answers) },
+        _ => unsafe { run::<Portable, Q>(bvh, rays, outputs) },
     }
 }
 
 /// # Safety
 /// The CPU supports `L`, and there are as many outputs as rays.
 #[inline(always)]
-unsafe fn run<L: Simd8, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
+unsafe fn run<L: Simd8, Q: TraceBatch>(bvh: &Aggregate, rays: &[Ray], outputs: &mut [Q::Output]) {
     // SAFETY: upheld by the caller.
     unsafe {
         if bvh.tree.root.is_some() {
-            traverse::traverse::<L, Q>(bvh, rays, answers);
+            traverse::traverse::<L, Q>(bvh, rays, outputs);
         } else {
-            traverse::scan_leaves::<L, Q>(bvh, rays, answers);
+            traverse::scan_leaves::<L, Q>(bvh, rays, outputs);
         }
     }
 }
@@ -105,16 +110,16 @@ unsafe fn run<L: Simd8, Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q:
 /// The CPU supports the features named, and there are as many outputs as rays.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-unsafe fn run_avx2<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
+unsafe fn run_avx2<Q: TraceBatch>(bvh: &Aggregate, rays: &[Ray], outputs: &mut [Q::Output]) {
     // SAFETY: upheld by the caller.
-    unsafe { run::<avx2::Avx2, Q>(bvh, rays, answers) }
+    unsafe { run::<avx2::Avx2, Q>(bvh, rays, outputs) }
 }
 
 /// # Safety
 /// The CPU supports the features named, and there are as many outputs as rays.
 #[cfg(all(target_arch = "x86_64", has_avx512))]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl")]
-unsafe fn run_avx512<Q: Fly>(bvh: &Aggregate, rays: &[Ray], answers: &mut [Q::Output]) {
+unsafe fn run_avx512<Q: TraceBatch>(bvh: &Aggregate, rays: &[Ray], outputs: &mut [Q::Output]) {
     // SAFETY: upheld by the caller.
-    unsafe { run::<avx512::Avx512, Q>(bvh, rays, answers) }
+    unsafe { run::<avx512::Avx512, Q>(bvh, rays, outputs) }
 }

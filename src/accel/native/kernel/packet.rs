@@ -25,14 +25,14 @@ use crate::accel::native::node::{NodeRef, SphereLeaf, mask_lanes};
 use crate::accel::native::query::BestHit;
 use crate::math::Ray;
 
-use super::alone::trace_scalar;
 use super::batch::{RayBatch, is_valid};
 use super::candidates::{CandidateQueue, FinishedRay, LeafCandidates};
 use super::cone::{
     AxisRanges, PacketCone, PacketFloats, axis_ranges, load_half, load_vec3, min_max,
 };
-use super::question::ClosestHit;
+use super::query_mode::ClosestHit;
 use super::ray_state::{F32x8, RayState, is_unit, limit_for, t_min_bounds};
+use super::scalar::trace_scalar;
 use super::simd::Simd8;
 use super::slabs::{NearPlanes, Slabs, slack};
 use super::spheres::{ERROR_SCALE, MIN_ERROR, SphereHits, SphereTest};
@@ -82,8 +82,8 @@ pub(super) enum PacketStatus {
 #[inline(always)]
 fn may_be_coherent(rays: &[Ray; PACKET_SIZE]) -> bool {
     let [first, .., last] = rays;
-    let apart = |axis: usize| (first.direction[axis] - last.direction[axis]).abs();
-    apart(0) + apart(1) + apart(2) < 0.5
+    let spread = |axis: usize| (first.direction[axis] - last.direction[axis]).abs();
+    spread(0) + spread(1) + spread(2) < 0.5
 }
 
 impl RayPacket {
@@ -155,16 +155,16 @@ impl RayPacket {
             if !unit.iter().all(has_constant_sign) {
                 return false;
             }
-            let beam = PacketCone::from_rays::<L>((&packet.origin, &origin), (&packet.unit, &unit));
-            if !beam.is_coherent(tree) {
+            let cone = PacketCone::from_rays::<L>((&packet.origin, &origin), (&packet.unit, &unit));
+            if !cone.is_coherent(tree) {
                 return false;
             }
-            packet.cone = beam;
+            packet.cone = cone;
             let [t_min, _] = min_max::<L>(&packet.t_min[0]);
             let [_, limit] = min_max::<L>(&packet.limit);
             let near = NearPlanes::from_direction(&interval_end(&unit, 0, 1.0));
             let slabs = packet.interval.init_interval(root, near, [t_min, limit]);
-            set_interval_slabs([slabs, &mut packet.far_slabs], &origin, &unit, beam.max_origin_sum);
+            set_interval_slabs([slabs, &mut packet.far_slabs], &origin, &unit, cone.max_origin_sum);
         }
         packet.best = *best;
         packet.first_ray = first;
@@ -225,16 +225,16 @@ impl RayPacket {
     unsafe fn intersect_leaf<L: Simd8>(&mut self, leaf: *const SphereLeaf, index: u32) -> bool {
         // SAFETY: a leaf is four times eight aligned numbers, of which a lane is one each.
         unsafe {
-            let touched = self.cone.overlapping::<L>(leaf, self.interval.limit);
-            self.steps += touched.count_ones();
-            for lane in mask_lanes(touched) {
+            let overlapping = self.cone.overlapping::<L>(leaf, self.interval.limit);
+            self.steps += overlapping.count_ones();
+            for lane in mask_lanes(overlapping) {
                 if self.candidate_count as usize == MAX_CANDIDATES {
                     return false;
                 }
                 let lanes = leaf.cast::<f32>().add(lane);
                 let center = [*lanes, *lanes.add(8), *lanes.add(16)];
-                let kept = LeafCandidates { leaf: index, mask: 1 << lane };
-                self.test_sphere::<L>(center, *lanes.add(24), kept);
+                let leaf_candidates = LeafCandidates { leaf: index, mask: 1 << lane };
+                self.test_sphere::<L>(center, *lanes.add(24), leaf_candidates);
             }
         }
         true
@@ -249,13 +249,13 @@ impl RayPacket {
         &mut self,
         center: [f32; 3],
         radius: f32,
-        kept: LeafCandidates,
+        leaf_candidates: LeafCandidates,
     ) {
         // SAFETY: `candidate_count` is an index into the arrays.
         unsafe {
-            let place = self.candidate_count as usize;
-            let from = self.t_lower.as_mut_ptr().add(place).cast::<F32x8>();
-            let (mut candidates, mut sure) = (0, 0);
+            let slot = self.candidate_count as usize;
+            let src = self.t_lower.as_mut_ptr().add(slot).cast::<F32x8>();
+            let (mut candidates, mut certain) = (0, 0);
             for half in 0..2 {
                 let origin = load_vec3::<L>(&self.origin, half);
                 let limit = load_half::<L>(&self.limit[half]);
@@ -273,18 +273,18 @@ impl RayPacket {
                     ],
                     limit,
                 };
-                let SphereHits { candidate, certain: is_sure, t_lower: t, t_upper: t_above } =
+                let SphereHits { candidate, certain: is_certain, t_lower: t, t_upper } =
                     rays.intersect(L::splat(radius));
-                let nearer = L::min(limit, L::select(is_sure, t_above, limit));
+                let nearer = L::min(limit, L::select(is_certain, t_upper, limit));
                 L::store(self.limit[half].0.as_mut_ptr(), nearer);
                 let t = L::select(candidate, t, L::splat(f32::NAN));
-                L::store(from.add(half).cast(), t);
+                L::store(src.add(half).cast(), t);
                 candidates |= L::mask_bits(candidate);
-                sure |= L::mask_bits(is_sure);
+                certain |= L::mask_bits(is_certain);
             }
-            self.candidates.as_mut_ptr().add(place).cast::<LeafCandidates>().write(kept);
+            self.candidates.as_mut_ptr().add(slot).cast::<LeafCandidates>().write(leaf_candidates);
             self.candidate_count += u32::from(candidates != 0);
-            if sure != 0 {
+            if certain != 0 {
                 let [_, limit] = min_max::<L>(&self.limit);
                 self.interval.limit = limit;
             }
@@ -303,16 +303,16 @@ impl RayPacket {
     ) {
         // A mask of the candidate spheres of each ray.
         let mut spheres_of = [0u64; PACKET_SIZE];
-        for place in 0..self.candidate_count as usize {
+        for slot in 0..self.candidate_count as usize {
             // SAFETY: entries below the count were written; the CPU supports `L`.
             let rays = unsafe {
-                let from = self.t_lower.get_unchecked(place).assume_init_ref();
-                let one = L::le(load_half::<L>(&from[0]), load_half::<L>(&self.limit[0]));
-                let two = L::le(load_half::<L>(&from[1]), load_half::<L>(&self.limit[1]));
-                L::mask_bits(one) | L::mask_bits(two) << 8
+                let src = self.t_lower.get_unchecked(slot).assume_init_ref();
+                let lo = L::le(load_half::<L>(&src[0]), load_half::<L>(&self.limit[0]));
+                let hi = L::le(load_half::<L>(&src[1]), load_half::<L>(&self.limit[1]));
+                L::mask_bits(lo) | L::mask_bits(hi) << 8
             };
             for ray in mask_lanes(rays) {
-                spheres_of[ray] |= 1 << place;
+                spheres_of[ray] |= 1 << slot;
             }
         }
         for (number, (spheres, &best)) in spheres_of.into_iter().zip(&self.best).enumerate() {
@@ -325,11 +325,11 @@ impl RayPacket {
                         trace_scalar::<ClosestHit>(batch.bvh, &batch.rays[ray as usize]);
                     continue;
                 }
-                let mut left = spheres;
-                while left != 0 {
-                    let place = left.trailing_zeros() as usize;
-                    to.push_candidates(self.candidates.get_unchecked(place).assume_init());
-                    left &= left - 1;
+                let mut remaining = spheres;
+                while remaining != 0 {
+                    let slot = remaining.trailing_zeros() as usize;
+                    to.push_candidates(self.candidates.get_unchecked(slot).assume_init());
+                    remaining &= remaining - 1;
                 }
                 let limit = self.limit[number / 8].0[number % 8];
                 to.push_finished(FinishedRay {
@@ -386,16 +386,16 @@ mod tests {
 
     /// A grid of 16 x 16 x 16 spheres at distance 2.
     fn cube() -> NativeAccel {
-        let place = |i: i32| DVec3::new((i % 16).into(), (i / 16 % 16).into(), (i / 256).into());
-        let ball = |i| Sphere { center: 2.0 * place(i) - 15.0, radius: 0.5 };
+        let cell = |i: i32| DVec3::new((i % 16).into(), (i / 16 % 16).into(), (i / 256).into());
+        let ball = |i| Sphere { center: 2.0 * cell(i) - 15.0, radius: 0.5 };
         let rows = SphereRows { exact: (0..4096).map(ball).collect(), ..SphereRows::default() };
         let set = Arc::new(SphereSet::new(rows).expect("few spheres"));
         NativeAccel::new(set, &BuildOptions::default()).expect("nobody cancels")
     }
 
-    /// Sixteen rays from one point whose directions differ by up to `apart`.
-    fn beam(apart: f64) -> Vec<Ray> {
-        let direction = |i: i32| DVec3::new(0.3, 0.2 + apart * f64::from(i) / 15.0, -1.0);
+    /// Sixteen rays from one point whose directions differ by up to `spread`.
+    fn coherent_rays(spread: f64) -> Vec<Ray> {
+        let direction = |i: i32| DVec3::new(0.3, 0.2 + spread * f64::from(i) / 15.0, -1.0);
         let origin = DVec3::new(-9.0, -6.0, 40.0);
         let exclude = [NO_SPHERE; 2];
         (0..16)
@@ -404,14 +404,9 @@ mod tests {
     }
 
     fn is_packet(native: &NativeAccel, rays: &[Ray]) -> bool {
-        let answers = &mut vec![Hit::MISS; rays.len()];
-        let batch = RayBatch::<ClosestHit> {
-            bvh: &native.bvh,
-            rays,
-            outputs: answers,
-            next: 0,
-            end: rays.len(),
-        };
+        let outputs = &mut vec![Hit::MISS; rays.len()];
+        let batch =
+            RayBatch::<ClosestHit> { bvh: &native.bvh, rays, outputs, next: 0, end: rays.len() };
         let mut packet = MaybeUninit::uninit();
         // SAFETY: the tree has a root, and the portable variant needs no special instructions.
         unsafe { RayPacket::load_packet::<Portable>(packet.as_mut_ptr(), &batch, 0) }
@@ -420,14 +415,14 @@ mod tests {
     #[test]
     fn rays_go_together_that_are_close_beside_the_leaves() {
         let native = cube();
-        for apart in [0.0, 1e-6, 1e-3, 1e-2] {
-            assert!(is_packet(&native, &beam(apart)), "{apart}");
+        for spread in [0.0, 1e-6, 1e-3, 1e-2] {
+            assert!(is_packet(&native, &coherent_rays(spread)), "{spread}");
         }
-        for apart in [0.5, 2.0] {
-            assert!(!is_packet(&native, &beam(apart)), "{apart}");
+        for spread in [0.5, 2.0] {
+            assert!(!is_packet(&native, &coherent_rays(spread)), "{spread}");
         }
-        assert!(!is_packet(&native, &beam(0.0)[1..]));
-        let mut rays = beam(1e-3);
+        assert!(!is_packet(&native, &coherent_rays(0.0)[1..]));
+        let mut rays = coherent_rays(1e-3);
         rays[7].t_min = f32::NAN;
         assert!(!is_packet(&native, &rays));
         rays[7] = Ray { direction: [0.0, 0.0, -2.0], ..rays[0] };

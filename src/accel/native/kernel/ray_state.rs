@@ -193,19 +193,19 @@ impl RayState {
         // SAFETY: a node's children follow its 48 planes. Eight entries fit above `top` by the
         // caller's contract.
         unsafe {
-            let entered = L::max(L::max(x[0], y[0]), L::max(z[0], L::splat(self.t_min)));
-            let left = L::min(L::min(x[1], y[1]), L::min(z[1], L::splat(self.limit)));
-            let met = L::le(entered, left);
+            let entry = L::max(L::max(x[0], y[0]), L::max(z[0], L::splat(self.t_min)));
+            let exit = L::min(L::min(x[1], y[1]), L::min(z[1], L::splat(self.limit)));
+            let is_hit = L::le(entry, exit);
             let from = node.cast::<u32>().add(48);
             let top = self.top as usize;
             let children = self.children.as_mut_ptr().add(top).cast::<u32>();
             if ANY_HIT {
-                L::compress(children, met, from);
+                L::compress(children, is_hit, from);
             } else {
                 let keys = self.keys.as_mut_ptr().add(top).cast::<u32>();
-                L::compress_sorted(keys, children, entered, met, from);
+                L::compress_sorted(keys, children, entry, is_hit, from);
             }
-            self.top += L::mask_bits(met).count_ones();
+            self.top += L::mask_bits(is_hit).count_ones();
         }
     }
 
@@ -231,27 +231,27 @@ impl RayState {
                 t_min: [L::splat(self.t_min), L::splat(self.t_min_upper)],
                 limit: L::splat(self.limit),
             };
-            let SphereHits { candidate, certain: sure, t_lower: t, t_upper: t_above } =
+            let SphereHits { candidate, certain, t_lower: t, t_upper } =
                 rays.intersect(radii::<L>(leaf));
-            let (candidates, sure) = if ANY_HIT {
+            let (candidates, certain) = if ANY_HIT {
                 let t_max = L::splat(self.limit * (1.0 - 4.0 * RAY_SLACK as f32));
-                let sure = L::and(sure, L::lt(t_above, t_max));
-                (L::mask_bits(candidate), L::mask_bits(sure))
+                let certain = L::and(certain, L::lt(t_upper, t_max));
+                (L::mask_bits(candidate), L::mask_bits(certain))
             } else {
-                let nearest = L::reduce_min(L::select(sure, t_above, L::splat(f32::INFINITY)));
+                let nearest = L::reduce_min(L::select(certain, t_upper, L::splat(f32::INFINITY)));
                 let is_nearer = nearest < self.limit && !fault!(NotClosestHit);
                 self.limit = if is_nearer { nearest } else { self.limit };
                 (
                     L::mask_bits(L::and(candidate, L::le(t, L::splat(self.limit)))),
-                    L::mask_bits(sure),
+                    L::mask_bits(certain),
                 )
             };
-            let kept = self.candidate_count as usize;
+            let slot = self.candidate_count as usize;
             let from = L::select(candidate, t, L::splat(f32::NAN));
-            L::store(self.candidate_t.as_mut_ptr().add(kept).cast(), from);
-            self.candidate_leaves.as_mut_ptr().add(kept).cast::<u32>().write(index);
+            L::store(self.candidate_t.as_mut_ptr().add(slot).cast(), from);
+            self.candidate_leaves.as_mut_ptr().add(slot).cast::<u32>().write(index);
             self.candidate_count += u32::from(candidates != 0);
-            LeafHits { candidates, certain: sure }
+            LeafHits { candidates, certain }
         }
     }
 

@@ -186,18 +186,18 @@ impl Simd8 for Portable {
         let mut sorted = [0u32; 8];
         for (count, lane) in (0..8).filter(|&lane| m[lane]).enumerate() {
             let key = t[lane].to_bits() & !7 | lane as u32;
-            let mut place = count;
-            while place > 0 && sorted[place - 1] < key {
-                sorted[place] = sorted[place - 1];
-                place -= 1;
+            let mut slot = count;
+            while slot > 0 && sorted[slot - 1] < key {
+                sorted[slot] = sorted[slot - 1];
+                slot -= 1;
             }
-            sorted[place] = key;
+            sorted[slot] = key;
         }
-        for (place, key) in sorted.into_iter().enumerate() {
+        for (slot, key) in sorted.into_iter().enumerate() {
             // SAFETY: upheld by the caller; a lane's number is below 8.
             unsafe {
-                keys.add(place).write(key);
-                children.add(place).write(*from.add((key & 7) as usize));
+                keys.add(slot).write(key);
+                children.add(slot).write(*from.add((key & 7) as usize));
             }
         }
     }

@@ -6,11 +6,11 @@ use crate::accel::native::bvh::Bvh;
 use crate::accel::native::limits::MAX_CANDIDATE_LEAVES;
 use crate::accel::native::node::NodeRef;
 
-use super::alone::resolve_candidates;
 use super::batch::RayBatch;
 use super::candidates::CandidateQueue;
-use super::question::QueryMode;
+use super::query_mode::QueryMode;
 use super::ray_state::RayState;
+use super::scalar::resolve_candidates;
 use super::simd::Simd8;
 
 /// Number of active rays. Eight are 6 to 8 % slower when memory-bound, and 32 are no faster.
@@ -76,15 +76,15 @@ unsafe fn step_ray<L: Simd8, Q: QueryMode>(batch: &RayBatch<'_, Q>, slot: &mut R
     unsafe {
         if next.is_leaf() {
             let leaf = tree.leaves().as_ptr().add(next.index());
-            let found = if Q::ANY_HIT {
+            let leaf_hits = if Q::ANY_HIT {
                 slot.intersect_leaf::<L, true>(leaf, next.index() as u32)
             } else {
                 slot.intersect_leaf::<L, false>(leaf, next.index() as u32)
             };
-            let place = if found.candidates != 0 { next.index() } else { 0 };
-            L::prefetch(tree.ids().as_ptr().add(place).cast());
-            if Q::ANY_HIT && found.certain != 0 {
-                slot.certain = found.certain;
+            let ids_index = if leaf_hits.candidates != 0 { next.index() } else { 0 };
+            L::prefetch(tree.ids().as_ptr().add(ids_index).cast());
+            if Q::ANY_HIT && leaf_hits.certain != 0 {
+                slot.certain = leaf_hits.certain;
                 return true;
             }
             if slot.candidate_count as usize == MAX_CANDIDATE_LEAVES

@@ -1,6 +1,6 @@
 //! Ray-box intersection in f32.
 //!
-//! A ray meets a plane at `(p - o) / u`, computed as `p i + a` with `i = 1 / u` and
+//! A ray intersects a plane at `(p - o) / u`, computed as `p i + a` with `i = 1 / u` and
 //! `a = -i (o +- s)`. The error of `i` is `2 e`, that of `a` is `3 e |o|` in terms of the position,
 //! and the sum rounds once more. With `|p - o| <= |p| + |o|` the error of the plane's position is
 //! at most `3.1 e |p| + 6.2 e |o|`. The part with `|p|` is in the box ([`BvhNode::set_child`]), the
@@ -23,11 +23,11 @@ const MIN_COMPONENT: f32 = f32::from_bits((127 - 60) << 23);
 #[repr(C)]
 pub(super) struct Slabs {
     inverse: [f32; 4],
-    enter: [f32; 4],
-    leave: [f32; 4],
+    entry: [f32; 4],
+    exit: [f32; 4],
 }
 
-/// Offsets in a node of the planes that rays of an octant meet first.
+/// Offsets in a node of the planes that rays of an octant intersect first.
 #[derive(Clone, Copy)]
 pub(super) struct NearPlanes([u32; 4]);
 
@@ -47,7 +47,7 @@ pub(super) fn slack(sum: f32) -> f32 {
 
 impl Slabs {
     /// Sets the slabs for rays in this direction from anywhere between two points: no origin is
-    /// before `first` or behind `last` along any axis. `slack` is the absolute slack.
+    /// before `first` or after `last` along any axis. `slack` is the absolute slack.
     #[inline(always)]
     pub(super) fn set(&mut self, first: &[f32; 4], last: &[f32; 4], unit: &[f32; 4], slack: f32) {
         for axis in 0..4 {
@@ -56,13 +56,13 @@ impl Slabs {
             let slack = (BOX_SLACK * farthest + slack).copysign(u);
             let inverse = 1.0 / fast_max(u.abs(), MIN_COMPONENT).copysign(u);
             self.inverse[axis] = inverse;
-            self.enter[axis] = -inverse * (last[axis] + slack);
-            self.leave[axis] = -inverse * (first[axis] - slack);
+            self.entry[axis] = -inverse * (last[axis] + slack);
+            self.exit[axis] = -inverse * (first[axis] - slack);
         }
     }
 
-    /// The distances at which a ray meets the planes of an axis: the near plane of each pair, and
-    /// the far one.
+    /// The distances at which a ray intersects the planes of an axis: the near plane of each
+    /// pair, and the far one.
     ///
     /// # Safety
     /// `node` is valid, the axis is below 3, and the CPU supports `L`.
@@ -80,11 +80,8 @@ impl Slabs {
             let near = near[axis] as usize;
             let inverse = L::splat(self.inverse[axis]);
             let (first, second) = (planes.add(near), planes.add(16 * axis + 24 - near));
-            let (enter, leave) = (L::splat(self.enter[axis]), L::splat(self.leave[axis]));
-            [
-                L::mul_add(L::load(first), inverse, enter),
-                L::mul_add(L::load(second), inverse, leave),
-            ]
+            let (entry, exit) = (L::splat(self.entry[axis]), L::splat(self.exit[axis]));
+            [L::mul_add(L::load(first), inverse, entry), L::mul_add(L::load(second), inverse, exit)]
         }
     }
 
@@ -103,9 +100,9 @@ impl Slabs {
     ) -> [L::F; 2] {
         // SAFETY: upheld by the caller.
         unsafe {
-            let [enter, leave] = self.intersect::<L>(node, near, axis);
-            let [other_enter, other_leave] = other.intersect::<L>(node, near, axis);
-            [L::min(enter, other_enter), L::max(leave, other_leave)]
+            let [entry, exit] = self.intersect::<L>(node, near, axis);
+            let [other_entry, other_exit] = other.intersect::<L>(node, near, axis);
+            [L::min(entry, other_entry), L::max(exit, other_exit)]
         }
     }
 }

@@ -82,23 +82,23 @@ impl<L: Simd8> SphereTest<L> {
 
             let zero = L::splat(0.0);
             let error = L::mul_add(L::add(L::abs(b), radius), L::splat(ERROR_SCALE), self.error);
-            let reach = L::add(radius, error);
-            let above = L::mul_sub(reach, reach, q);
-            let below = L::neg_mul_add(L::mul(error, L::splat(4.0)), reach, above);
-            let longest = L::sqrt(L::max(above, zero));
-            let shortest = L::sqrt(L::max(below, zero));
-            let (b_below, b_above) = (L::sub(b, error), L::add(b, error));
-            let near = (L::sub(b_below, longest), L::sub(b_above, shortest));
-            let far = (L::add(b_below, shortest), L::add(b_above, longest));
+            let outer_radius = L::add(radius, error);
+            let upper = L::mul_sub(outer_radius, outer_radius, q);
+            let lower = L::neg_mul_add(L::mul(error, L::splat(4.0)), outer_radius, upper);
+            let h_upper = L::sqrt(L::max(upper, zero));
+            let h_lower = L::sqrt(L::max(lower, zero));
+            let (b_lower, b_upper) = (L::sub(b, error), L::add(b, error));
+            let near = (L::sub(b_lower, h_upper), L::sub(b_upper, h_lower));
+            let far = (L::add(b_lower, h_lower), L::add(b_upper, h_upper));
 
-            let [t_min, t_min_above] = self.t_min;
+            let [t_min, t_min_upper] = self.t_min;
             let starts_inside = L::le(near.1, t_min);
             let t = L::select(starts_inside, far.0, near.0);
-            let t_above = L::select(starts_inside, far.1, near.1);
-            let hit = L::and(L::le(zero, above), L::lt(t_min, far.1));
+            let t_upper = L::select(starts_inside, far.1, near.1);
+            let hit = L::and(L::le(zero, upper), L::lt(t_min, far.1));
             let candidate = L::and(hit, L::le(t, self.limit));
-            let sure = L::and(L::lt(zero, below), L::lt(t_min_above, t));
-            SphereHits { candidate, certain: L::and(candidate, sure), t_lower: t, t_upper: t_above }
+            let certain = L::and(L::lt(zero, lower), L::lt(t_min_upper, t));
+            SphereHits { candidate, certain: L::and(candidate, certain), t_lower: t, t_upper }
         }
     }
 }
@@ -111,11 +111,11 @@ impl<L: Simd8> SphereTest<L> {
 pub(super) unsafe fn to_centers<L: Simd8>(leaf: *const SphereLeaf, from: &[f32; 4]) -> [L::F; 3] {
     // SAFETY: a leaf is four times eight aligned numbers.
     unsafe {
-        let place = leaf.cast::<f32>();
+        let base = leaf.cast::<f32>();
         [
-            L::sub(L::load(place), L::splat(from[0])),
-            L::sub(L::load(place.add(8)), L::splat(from[1])),
-            L::sub(L::load(place.add(16)), L::splat(from[2])),
+            L::sub(L::load(base), L::splat(from[0])),
+            L::sub(L::load(base.add(8)), L::splat(from[1])),
+            L::sub(L::load(base.add(16)), L::splat(from[2])),
         ]
     }
 }

@@ -8,7 +8,7 @@ use crate::math::Ray;
 use super::batch::RayBatch;
 use super::candidates::CandidateQueue;
 use super::packet::{PACKET_SIZE, PacketStatus, RayPacket};
-use super::question::{AnyHit, ClosestHit, QueryMode};
+use super::query_mode::{AnyHit, ClosestHit, QueryMode};
 use super::ray_state::RayState;
 use super::simd::Simd8;
 use super::single::{prefetch, trace_single_rays};
@@ -17,7 +17,7 @@ use super::single::{prefetch, trace_single_rays};
 const ACTIVE_PACKETS: usize = 4;
 
 /// How a batch is traced in a query mode.
-pub(super) trait Fly: QueryMode + Sized {
+pub(super) trait TraceBatch: QueryMode + Sized {
     /// Traces the rays of a batch. Rays that await the exact test stay pending.
     ///
     /// # Safety
@@ -25,7 +25,7 @@ pub(super) trait Fly: QueryMode + Sized {
     unsafe fn trace<L: Simd8>(batch: &mut RayBatch<'_, Self>, pending: &mut CandidateQueue);
 }
 
-impl Fly for ClosestHit {
+impl TraceBatch for ClosestHit {
     #[inline(always)]
     unsafe fn trace<L: Simd8>(batch: &mut RayBatch<'_, Self>, pending: &mut CandidateQueue) {
         // SAFETY: upheld by the caller.
@@ -33,7 +33,7 @@ impl Fly for ClosestHit {
     }
 }
 
-impl Fly for AnyHit {
+impl TraceBatch for AnyHit {
     #[inline(always)]
     unsafe fn trace<L: Simd8>(batch: &mut RayBatch<'_, Self>, pending: &mut CandidateQueue) {
         // SAFETY: upheld by the caller.
@@ -46,13 +46,13 @@ impl Fly for AnyHit {
 /// # Safety
 /// The CPU supports `L`, and there are as many outputs as rays; the tree has a root.
 #[inline(always)]
-pub(super) unsafe fn traverse<L: Simd8, Q: Fly>(
+pub(super) unsafe fn traverse<L: Simd8, Q: TraceBatch>(
     bvh: &Aggregate,
     rays: &[Ray],
-    answers: &mut [Q::Output],
+    outputs: &mut [Q::Output],
 ) {
     let mut pending = CandidateQueue::new();
-    let mut batch = RayBatch::<Q> { bvh, rays, outputs: answers, next: 0, end: rays.len() };
+    let mut batch = RayBatch::<Q> { bvh, rays, outputs, next: 0, end: rays.len() };
     // SAFETY: upheld by the caller; all pending rays were added here.
     unsafe {
         Q::trace::<L>(&mut batch, &mut pending);
@@ -132,10 +132,10 @@ unsafe fn trace_packets<L: Simd8>(
 pub(super) unsafe fn scan_leaves<L: Simd8, Q: QueryMode>(
     bvh: &Aggregate,
     rays: &[Ray],
-    answers: &mut [Q::Output],
+    outputs: &mut [Q::Output],
 ) {
     let mut slot = MaybeUninit::<RayState>::uninit();
-    let mut batch = RayBatch::<Q> { bvh, rays, outputs: answers, next: 0, end: rays.len() };
+    let mut batch = RayBatch::<Q> { bvh, rays, outputs, next: 0, end: rays.len() };
     let mut pending = CandidateQueue::new();
     // SAFETY: the slot is loaded before it is read. There are no more leaves than a slot can keep.
     unsafe {
@@ -143,9 +143,9 @@ pub(super) unsafe fn scan_leaves<L: Simd8, Q: QueryMode>(
             let slot = slot.assume_init_mut();
             for (index, leaf) in bvh.tree.leaves().iter().enumerate() {
                 if Q::ANY_HIT {
-                    let found = slot.intersect_leaf::<L, true>(leaf, index as u32);
-                    if found.certain != 0 {
-                        slot.certain = found.certain;
+                    let leaf_hits = slot.intersect_leaf::<L, true>(leaf, index as u32);
+                    if leaf_hits.certain != 0 {
+                        slot.certain = leaf_hits.certain;
                         break;
                     }
                 } else {

@@ -40,7 +40,7 @@ impl KernelIsa {
 
     /// The fastest available variant.
     pub fn best() -> Self {
-        let mut available = Self::ALL.iter().rev().filter(|instance| instance.is_available());
+        let mut available = Self::ALL.iter().rev().filter(|isa| isa.is_available());
         available.next().copied().unwrap_or(Self::Portable)
     }
 }

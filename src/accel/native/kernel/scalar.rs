@@ -7,7 +7,7 @@ use crate::accel::native::node::{NodeRef, mask_lanes};
 use crate::accel::native::query::ExactQuery;
 use crate::math::Ray;
 
-use super::question::QueryMode;
+use super::query_mode::QueryMode;
 use super::ray_state::RayState;
 use super::simd::Portable;
 
@@ -23,7 +23,7 @@ pub(super) unsafe fn resolve_candidates(bvh: &Aggregate, ray: &Ray, slot: &mut R
         let (leaf, lanes) = unsafe { slot.candidate_leaf::<Portable>(number) };
         let (ids, leaf) = (&tree.ids()[leaf as usize], &tree.leaves()[leaf as usize]);
         for lane in mask_lanes(lanes) {
-            query.consider(ids[lane], &bvh.sphere(leaf, lane, ids[lane]));
+            query.intersect(ids[lane], &bvh.sphere(leaf, lane, ids[lane]));
         }
     }
     slot.best = query.best;
