@@ -401,7 +401,8 @@ static bool embree_ray(Query *query, const PsGroup *group, struct RTCRay *ray) {
         .tfar = search_until(query, leave),
         .mask = UINT32_MAX,
     };
-    return true;
+    /* Rounding may leave nothing of a shortest interval; Embree does not touch such a ray. */
+    return ray->tfar >= 0.0f;
 }
 
 void ps_closest(const PsTarget *targets, size_t target_count, const PsRay *rays, size_t count,

@@ -142,7 +142,7 @@ fn find_camera_media(scene: &Scene, camera: &Camera, margin: f64) -> Vec<(Sphere
 pub struct CameraEnclosure {
     /// Id of the sphere.
     pub sphere: u32,
-    /// True if no other sphere reaches into it, so that the camera sees only its inner wall.
+    /// True if no other surface reaches into it, so that the camera sees only its inner wall.
     pub is_empty: bool,
 }
 
@@ -162,7 +162,7 @@ impl CameraEnclosure {
         let wall = spheres.sphere(around);
         let reaches_in = |id: u32| {
             let Sphere { center, radius } = spheres.sphere(id);
-            id != around && center.distance(wall.center) - radius < wall.radius
+            id != around && (center.distance(wall.center) - radius).abs() < wall.radius
         };
         Some(Self { sphere: around, is_empty: !ids().any(reaches_in) })
     }

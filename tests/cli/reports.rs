@@ -71,6 +71,9 @@ fn info_warns_of_a_camera_inside_an_opaque_sphere() {
     assert_eq!(told(SCENE), (false, false));
     assert_eq!(told(&ball("[1.0, 2.0, 9.0]", "1.5")), (true, true), "nothing else is in there");
     assert_eq!(told(&ball("[0.0, 1.0, 0.0]", "100.0")), (true, false), "a room with a floor");
+    let dome = "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1000\nmaterial = \"grass\"\n";
+    let under_a_dome = format!("{}\n{dome}", ball("[1.0, 2.0, 9.0]", "1.5"));
+    assert_eq!(told(&under_a_dome), (true, true), "what is around it does not reach in");
 }
 
 #[test]

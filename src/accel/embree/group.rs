@@ -48,6 +48,11 @@ const POINT_STRIDE: usize = sys::PS_POINT_STRIDE as usize;
 /// Spheres sampled for the median radius.
 const SAMPLES: usize = 1 << 12;
 
+/// A sphere point, aligned such that none straddles a cache line.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+struct Point([f32; POINT_STRIDE]);
+
 /// How particles are represented in Embree. Large spheres are always user geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::accel) enum ParticleGeometry {
@@ -62,7 +67,7 @@ pub(super) struct SphereGroup {
     /// Owns what `raw` points to.
     _set: Arc<SphereSet>,
     _ids: Vec<u32>,
-    _points: Vec<[f32; POINT_STRIDE]>,
+    _points: Vec<Point>,
 }
 
 // SAFETY: the pointers lead to memory that this value owns and that is never written.
@@ -107,7 +112,7 @@ impl SphereGroup {
         let spheres = (0..count).into_par_iter().map(|index| set.sphere(id(index)));
         let Bounds { center, radius, largest } = Bounds::around(spheres.clone());
         let enlargement = 16.0 * F32_UNIT_ROUNDOFF * (center.length() + 4.0 * radius);
-        let points: Vec<[f32; POINT_STRIDE]> = match geometry {
+        let points: Vec<Point> = match geometry {
             ParticleGeometry::Points => spheres.map(|s| point(&s, enlargement)).collect(),
             ParticleGeometry::User => Vec::new(),
         };
@@ -154,10 +159,10 @@ fn large_particles(set: &SphereSet) -> Vec<u32> {
 }
 
 /// The sphere with an enlarged radius, for Embree, and its own radius, for the filter.
-fn point(sphere: &Sphere, enlargement: f64) -> [f32; POINT_STRIDE] {
+fn point(sphere: &Sphere, enlargement: f64) -> Point {
     let [x, y, z] = sphere.center.as_vec3().to_array();
     let radii = [sphere.radius + enlargement, sphere.radius].map(|radius| radius as f32);
-    [x, y, z, radii[0], radii[1], 0.0, 0.0, 0.0]
+    Point([x, y, z, radii[0], radii[1], 0.0, 0.0, 0.0])
 }
 
 fn all_spheres(set: &SphereSet) -> sys::PsSpheres {

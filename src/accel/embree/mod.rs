@@ -37,6 +37,7 @@ use scene::{EmbreeScene, EmbreeSceneBuilder, Geometry};
 /// The backend: a scene for each group of spheres.
 pub(super) struct Embree {
     scenes: Vec<EmbreeScene>,
+    device: Arc<Device>,
 }
 
 impl Embree {
@@ -52,7 +53,8 @@ impl Embree {
             EmbreeSceneBuilder::new(&device)?.attach(&geometry)?.commit(options)
         };
         let groups = SphereGroup::divide(set, particles);
-        Ok(Self { scenes: groups.iter().map(scene).collect::<Result<_>>()? })
+        let scenes = groups.iter().map(scene).collect::<Result<_>>()?;
+        Ok(Self { scenes, device })
     }
 }
 
@@ -73,7 +75,8 @@ impl Accel for Embree {
     }
 
     fn bytes(&self) -> usize {
-        self.scenes.iter().map(EmbreeScene::bytes).sum()
+        // All scenes share the device.
+        self.device.bytes() + self.scenes.iter().map(EmbreeScene::group_bytes).sum::<usize>()
     }
 }
 

@@ -142,9 +142,9 @@ pub(super) struct EmbreeScene {
 }
 
 impl EmbreeScene {
-    /// Bytes held by Embree, see [`Device::bytes`], and by the group.
-    pub(super) fn bytes(&self) -> usize {
-        self.handle.device.bytes() + self.group.bytes()
+    /// Bytes held by the group, without those of Embree.
+    pub(super) fn group_bytes(&self) -> usize {
+        self.group.bytes()
     }
 
     fn target(&self) -> sys::PsTarget {
