@@ -1,10 +1,11 @@
 /* Implements shim.h with Embree 4 or 3, whichever build.rs found (EMBREE_MAJOR).
  *
- * The first section hides the differences between the two versions. Embree only finds candidates:
- * all of them, sphere points and user geometry, are tested by the same two functions, first_root()
- * and counts(), in f64 and with the numbers that the user wrote. So hits, exclusion, the open
- * interval and ties follow the same rules, and the result depends neither on the order in which
- * Embree visits the spheres nor on its arithmetic.
+ * The first section hides the differences between the two versions. Embree only finds candidates.
+ * Wherever its f32 arithmetic leaves a question open, candidates are tested by the same two
+ * functions, first_root() and counts(), in f64 and with the numbers that the user wrote. So hits,
+ * exclusion, the open interval and ties follow the same rules for sphere points and user geometry,
+ * and the result depends neither on the order in which Embree visits the spheres nor on its
+ * arithmetic.
  *
  * No candidate is lost, because all spheres are enlarged for Embree by a bound on its errors in f32
  * (PsGroup, derived in src/accel/embree/group.rs), and because Embree's ray starts where it enters
@@ -41,60 +42,49 @@ typedef struct RTCIntersectContext Context;
 typedef struct Query {
     Context context;
     const PsRay *ray;
-    /* The ray to 48 bits; the length of its direction, and one over that and over its square. */
-    double origin[3], direction[3], length, per_length, per_length_squared;
+    /* The ray to 48 bits; the length of its direction, for Embree's ray, and one over it. */
+    double origin[3], direction[3], length, per_length;
     /* Where Embree's ray starts, and the slack of the group being traced. */
     double start, slack;
     /* The first hit so far. */
     double t;
     uint32_t id;
+    /* A sphere point that is certainly hit, and before any other so far, but whose distance has not
+     * been computed in f64 yet; PS_NO_SPHERE if there is none. */
+    uint32_t pending;
+    /* Along Embree's ray: candidates beyond `certain_from` are certainly beyond t_min, and those
+     * before `certain_until` are certainly before t_max and before the first hit so far. */
+    float certain_from, certain_until;
 } Query;
 
 #if EMBREE_MAJOR == 4
 
-typedef struct RTCIntersectArguments ClosestArguments;
-typedef struct RTCOccludedArguments OccludedArguments;
+static void init_context(Query *query) { rtcInitRayQueryContext(&query->context); }
 
-static void prepare_closest(ClosestArguments *arguments, Query *query) {
-    rtcInitRayQueryContext(&query->context);
-    rtcInitIntersectArguments(arguments);
-    arguments->context = &query->context;
+static void trace_closest(RTCScene scene, Query *query, struct RTCRayHit *rayhit) {
+    struct RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &query->context;
+    rtcIntersect1(scene, rayhit, &arguments);
 }
 
-static void prepare_occluded(OccludedArguments *arguments, Query *query) {
-    rtcInitRayQueryContext(&query->context);
-    rtcInitOccludedArguments(arguments);
-    arguments->context = &query->context;
-}
-
-static void trace_closest(RTCScene scene, ClosestArguments *arguments, struct RTCRayHit *rayhit) {
-    rtcIntersect1(scene, rayhit, arguments);
-}
-
-static void trace_occluded(RTCScene scene, OccludedArguments *arguments, struct RTCRay *ray) {
-    rtcOccluded1(scene, ray, arguments);
+static void trace_occluded(RTCScene scene, Query *query, struct RTCRay *ray) {
+    struct RTCOccludedArguments arguments;
+    rtcInitOccludedArguments(&arguments);
+    arguments.context = &query->context;
+    rtcOccluded1(scene, ray, &arguments);
 }
 
 #else
 
-typedef Context *ClosestArguments;
-typedef Context *OccludedArguments;
+static void init_context(Query *query) { rtcInitIntersectContext(&query->context); }
 
-static void prepare_closest(ClosestArguments *arguments, Query *query) {
-    rtcInitIntersectContext(&query->context);
-    *arguments = &query->context;
+static void trace_closest(RTCScene scene, Query *query, struct RTCRayHit *rayhit) {
+    rtcIntersect1(scene, &query->context, rayhit);
 }
 
-static void prepare_occluded(OccludedArguments *arguments, Query *query) {
-    prepare_closest(arguments, query);
-}
-
-static void trace_closest(RTCScene scene, ClosestArguments *arguments, struct RTCRayHit *rayhit) {
-    rtcIntersect1(scene, *arguments, rayhit);
-}
-
-static void trace_occluded(RTCScene scene, OccludedArguments *arguments, struct RTCRay *ray) {
-    rtcOccluded1(scene, *arguments, ray);
+static void trace_occluded(RTCScene scene, Query *query, struct RTCRay *ray) {
+    rtcOccluded1(scene, &query->context, ray);
 }
 
 #endif
@@ -127,15 +117,16 @@ static Sphere sphere_at(const PsSpheres *spheres, uint32_t id) {
     return relative_to_origin(spheres, s[0], s[1], s[2], s[3]);
 }
 
-static uint32_t id_of(const PsGroup *group, uint32_t index) {
-    return group->ids ? group->ids[index] : index;
+/* Of a particle, so that its row is there when it is needed. */
+static void prefetch(const PsSpheres *spheres, uint32_t id) {
+    if (spheres->f32_rows)
+        __builtin_prefetch(&spheres->f32_rows[4 * (size_t)id]);
+    else
+        __builtin_prefetch(&spheres->f64_rows[4 * (size_t)id]);
 }
 
-/* The sphere with this index in the group. */
-static Sphere sphere_in(const PsGroup *group, uint32_t index) {
-    if (!group->points || !group->is_exact) return sphere_at(&group->spheres, id_of(group, index));
-    const float *point = &group->points[PS_POINT_STRIDE * (size_t)index];
-    return (Sphere){{point[0], point[1], point[2]}, point[4]};
+static uint32_t id_of(const PsGroup *group, uint32_t index) {
+    return group->ids ? group->ids[index] : index;
 }
 
 static double dot(const double a[3], const double b[3]) {
@@ -144,11 +135,11 @@ static double dot(const double a[3], const double b[3]) {
 
 /* `Sphere::first_root` of photosphere's geometry, operation by operation, so that it gives the same
  * bits. The far root if the near one is not beyond t_min; NAN if the line misses the sphere. */
-static double first_root(const PsGroup *group, uint32_t index, const Query *query) {
-    const Sphere found = sphere_in(group, index), *sphere = &found;
+static double first_root(const PsGroup *group, uint32_t id, const Query *query) {
+    const Sphere found = sphere_at(&group->spheres, id), *sphere = &found;
     const double *o = query->origin, *d = query->direction, *c = sphere->center;
     const double to_center[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
-    double per_length_squared = query->per_length_squared;
+    double per_length_squared = 1.0 / dot(d, d);
     double t = dot(to_center, d) * per_length_squared;
     const double perpendicular[3] = {to_center[0] - d[0] * t, to_center[1] - d[1] * t,
                                      to_center[2] - d[2] * t};
@@ -161,9 +152,12 @@ static double first_root(const PsGroup *group, uint32_t index, const Query *quer
 
 /* ---- Which hits are accepted ---- */
 
+static bool is_excluded(const PsRay *ray, uint32_t id) {
+    return id == ray->exclude[0] || id == ray->exclude[1];
+}
+
 static bool counts(const PsRay *ray, uint32_t id, double t) {
-    bool excluded = id == ray->exclude[0] || id == ray->exclude[1];
-    return !excluded && t > ray->t_min && t < ray->t_max;
+    return !is_excluded(ray, id) && t > ray->t_min && t < ray->t_max;
 }
 
 /* Returns true if this hit is the first so far, and then stores it. At equal distances, the hit
@@ -187,10 +181,32 @@ static float search_until(const Query *query, double t) {
     return round_up((t - query->start) * query->length + query->slack);
 }
 
-/* Filters of the sphere points. Setting `valid` to 0 rejects the candidate; Embree then restores
- * the ray and calls the filter for the far root of the sphere. The callbacks are only called for
- * single rays, where RTCRayN and RTCHitN are RTCRay and RTCHit. Embree allows a filter to change
- * `tfar` and continues with the new value, which is never larger than before the candidate. */
+/* ---- Sphere points ---- */
+
+/* True if the candidate is a hit beyond doubt: the ray enters the sphere as written, within the
+ * ray's interval. Embree's normal, times the unit direction, is half the chord in the enlarged
+ * sphere; group.rs derives how long it must be. */
+static bool is_certain(const Query *query, const PsGroup *group, const struct RTCRay *ray,
+                       const struct RTCHit *hit) {
+    float enlarged = group->points[4 * (size_t)hit->primID + 3];
+    float cosine = hit->Ng_x * ray->dir_x + hit->Ng_y * ray->dir_y + hit->Ng_z * ray->dir_z;
+    return cosine < 0.0f && cosine * cosine > group->certain_chord * enlarged &&
+           ray->tfar > query->certain_from && ray->tfar < query->certain_until;
+}
+
+/* Computes the distance of the pending sphere. */
+static void settle(Query *query, const PsGroup *group) {
+    uint32_t id = query->pending;
+    if (id == PS_NO_SPHERE) return;
+    query->pending = PS_NO_SPHERE;
+    accept(query, id, first_root(group, id, query));
+}
+
+/* Filters. Embree has put the candidate's distance into `tfar`. Setting `valid` to 0 rejects the
+ * candidate; Embree then restores the ray and calls the filter for the far root of the sphere. The
+ * callbacks are only called for single rays, where RTCRayN and RTCHitN are RTCRay and RTCHit.
+ * Embree allows a filter to change `tfar` and continues with the new value, which is never larger
+ * than before the candidate. */
 
 static void filter_closest(const struct RTCFilterFunctionNArguments *arguments) {
     const PsGroup *group = arguments->geometryUserPtr;
@@ -198,18 +214,35 @@ static void filter_closest(const struct RTCFilterFunctionNArguments *arguments) 
     const struct RTCHit *hit = (const struct RTCHit *)arguments->hit;
     Query *query = (Query *)arguments->context;
     uint32_t id = id_of(group, hit->primID);
-    if (accept(query, id, first_root(group, hit->primID, query)))
-        ray->tfar = search_until(query, query->t);
-    else
+    if (is_excluded(query->ray, id)) {
         arguments->valid[0] = 0;
+    } else if (is_certain(query, group, ray, hit)) {
+        query->pending = id;
+        prefetch(&group->spheres, id);
+        query->certain_until = ray->tfar - 2.0f * (float)query->slack;
+        ray->tfar += 2.0f * (float)query->slack;
+    } else {
+        settle(query, group);
+        if (accept(query, id, first_root(group, id, query))) {
+            ray->tfar = search_until(query, query->t);
+            query->certain_until = ray->tfar - 2.0f * (float)query->slack;
+        } else {
+            arguments->valid[0] = 0;
+        }
+    }
 }
 
 static void filter_occluded(const struct RTCFilterFunctionNArguments *arguments) {
     const PsGroup *group = arguments->geometryUserPtr;
+    const struct RTCRay *ray = (const struct RTCRay *)arguments->ray;
     const struct RTCHit *hit = (const struct RTCHit *)arguments->hit;
     const Query *query = (const Query *)arguments->context;
     uint32_t id = id_of(group, hit->primID);
-    if (!counts(query->ray, id, first_root(group, hit->primID, query))) arguments->valid[0] = 0;
+    if (is_excluded(query->ray, id)) {
+        arguments->valid[0] = 0;
+    } else if (!is_certain(query, group, ray, hit)) {
+        if (!counts(query->ray, id, first_root(group, id, query))) arguments->valid[0] = 0;
+    }
 }
 
 /* ---- User geometry ---- */
@@ -235,7 +268,7 @@ static void user_closest(const struct RTCIntersectFunctionNArguments *arguments)
     struct RTCRayHit *rayhit = (struct RTCRayHit *)arguments->rayhit;
     Query *query = (Query *)arguments->context;
     uint32_t id = id_of(group, arguments->primID);
-    if (!accept(query, id, first_root(group, arguments->primID, query))) return;
+    if (!accept(query, id, first_root(group, id, query))) return;
     rayhit->ray.tfar = search_until(query, query->t);
     rayhit->hit.primID = arguments->primID;
     rayhit->hit.geomID = arguments->geomID;
@@ -247,7 +280,7 @@ static void user_occluded(const struct RTCOccludedFunctionNArguments *arguments)
     struct RTCRay *ray = (struct RTCRay *)arguments->ray;
     const Query *query = (const Query *)arguments->context;
     uint32_t id = id_of(group, arguments->primID);
-    if (counts(query->ray, id, first_root(group, arguments->primID, query))) ray->tfar = -INFINITY;
+    if (counts(query->ray, id, first_root(group, id, query))) ray->tfar = -INFINITY;
 }
 
 /* ---- Devices ---- */
@@ -299,8 +332,7 @@ void ps_device_describe(PsDevice *device, PsDescription *description) {
 PsGeometry *ps_points_new(PsDevice *device, const PsGroup *group) {
     RTCGeometry geometry = rtcNewGeometry((RTCDevice)device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                               group->points, 0, PS_POINT_STRIDE * sizeof(float),
-                               group->count);
+                               group->points, 0, 4 * sizeof(float), group->count);
     rtcSetGeometryUserData(geometry, (void *)group);
     rtcSetGeometryIntersectFilterFunction(geometry, filter_closest);
     rtcSetGeometryOccludedFilterFunction(geometry, filter_occluded);
@@ -353,6 +385,7 @@ static bool is_valid(const PsRay *ray) {
     return bounded && ray->t_min >= 0.0f && ray->t_min <= limit && ray->t_max >= 0.0f;
 }
 
+/* Directions of unit length need neither a root nor a division. */
 static void begin(Query *query, const PsRay *ray) {
     query->ray = ray;
     for (int axis = 0; axis < 3; axis++) {
@@ -360,31 +393,51 @@ static void begin(Query *query, const PsRay *ray) {
         query->direction[axis] = (double)ray->direction[axis] + ray->direction_low[axis];
     }
     double squared = dot(query->direction, query->direction);
-    query->length = sqrt(squared);
-    query->per_length = 1.0 / query->length;
-    query->per_length_squared = 1.0 / squared;
+    query->length = query->per_length = 1.0;
+    if (!(fabs(squared - 1.0) < FLT_EPSILON)) {
+        query->length = sqrt(squared);
+        query->per_length = 1.0 / query->length;
+    }
     query->t = INFINITY;
     query->id = PS_NO_SPHERE;
+    query->pending = PS_NO_SPHERE;
+    init_context(query);
 }
 
-/* Computes Embree's ray for a group: of unit direction, from its entry into the ball around the
- * group to its exit or the first hit so far. Returns false if that interval is empty. */
-static bool embree_ray(Query *query, const PsGroup *group, struct RTCRay *ray) {
+/* Cuts a ray's interval to where the ray is in the ball around a group. Returns false if that leaves
+ * less than nothing. */
+static bool clip(const Query *query, const PsGroup *group, double *enter, double *leave) {
     const double *o = query->origin, *d = query->direction, *c = group->center;
+    double t_min = *enter, radius_squared = group->radius * group->radius;
+    const double from_start[3] = {c[0] - (o[0] + d[0] * t_min), c[1] - (o[1] + d[1] * t_min),
+                                  c[2] - (o[2] + d[2] * t_min)};
+    /* Most rays start in the ball; nothing is hit behind it. */
+    if (dot(from_start, from_start) <= radius_squared) return true;
     const double to_center[3] = {c[0] - o[0], c[1] - o[1], c[2] - o[2]};
-    double per_length_squared = query->per_length_squared;
+    double per_length_squared = query->per_length * query->per_length;
     double middle = dot(to_center, d) * per_length_squared;
     const double perpendicular[3] = {to_center[0] - d[0] * middle, to_center[1] - d[1] * middle,
                                      to_center[2] - d[2] * middle};
-    double squared = group->radius * group->radius - dot(perpendicular, perpendicular);
+    double squared = radius_squared - dot(perpendicular, perpendicular);
     if (!(squared >= 0.0)) return false;
     double half = sqrt(squared * per_length_squared), margin = group->slack * query->per_length;
-    double until = least(query->t, query->ray->t_max), t_min = query->ray->t_min;
-    double enter = middle - half > t_min ? middle - half : t_min;
-    double leave = least(middle + half, until);
-    if (!(enter - margin <= leave + margin)) return false;
-    query->start = enter - margin;
+    if (middle - half > t_min) *enter = middle - half;
+    *leave = least(middle + half, *leave);
+    return *enter - margin <= *leave + margin;
+}
+
+/* Computes Embree's ray for a group: of unit direction, from its entry into the ball around the
+ * group to its exit or the first hit so far. Returns false if that interval is empty, or if the ray
+ * is invalid. */
+static bool embree_ray(Query *query, const PsGroup *group, struct RTCRay *ray) {
+    const double *o = query->origin, *d = query->direction;
+    if (!is_valid(query->ray)) return false;
+    double enter = query->ray->t_min, leave = least(query->t, query->ray->t_max), until = leave;
+    if (!clip(query, group, &enter, &leave)) return false;
+    query->start = enter - group->slack * query->per_length;
     query->slack = group->slack;
+    query->certain_from = search_until(query, query->ray->t_min);
+    query->certain_until = search_until(query, until) - 3.0f * (float)group->slack;
     float origin[3], direction[3];
     for (int axis = 0; axis < 3; axis++) {
         origin[axis] = (float)(o[axis] + d[axis] * query->start);
@@ -405,37 +458,61 @@ static bool embree_ray(Query *query, const PsGroup *group, struct RTCRay *ray) {
     return ray->tfar >= 0.0f;
 }
 
+/* Rays prepared together, so that the arithmetic of one fills the latencies of another. */
+enum { BATCH = 16 };
+
+static void closest_batch(const PsTarget *targets, size_t target_count, const PsRay *rays,
+                          size_t count, PsHit *hits) {
+    Query queries[BATCH];
+    struct RTCRayHit rayhits[BATCH];
+    bool is_live[BATCH];
+    for (size_t i = 0; i < count; i++) begin(&queries[i], &rays[i]);
+    for (const PsTarget *target = targets; target < targets + target_count; target++) {
+        for (size_t i = 0; i < count; i++)
+            is_live[i] = embree_ray(&queries[i], target->group, &rayhits[i].ray);
+        for (size_t i = 0; i < count; i++) {
+            if (!is_live[i]) continue;
+            rayhits[i].hit.geomID = RTC_INVALID_GEOMETRY_ID;
+            rayhits[i].hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+            trace_closest((RTCScene)target->scene, &queries[i], &rayhits[i]);
+        }
+        for (size_t i = 0; i < count; i++) settle(&queries[i], target->group);
+    }
+    for (size_t i = 0; i < count; i++)
+        hits[i] = (PsHit){.t = (float)queries[i].t, .id = queries[i].id};
+}
+
+static void occluded_batch(const PsTarget *targets, size_t target_count, const PsRay *rays,
+                           size_t count, bool *occluded) {
+    Query queries[BATCH];
+    struct RTCRay embree_rays[BATCH];
+    bool is_live[BATCH];
+    for (size_t i = 0; i < count; i++) {
+        begin(&queries[i], &rays[i]);
+        occluded[i] = false;
+    }
+    for (const PsTarget *target = targets; target < targets + target_count; target++) {
+        for (size_t i = 0; i < count; i++)
+            is_live[i] =
+                !occluded[i] && embree_ray(&queries[i], target->group, &embree_rays[i]);
+        for (size_t i = 0; i < count; i++) {
+            if (!is_live[i]) continue;
+            trace_occluded((RTCScene)target->scene, &queries[i], &embree_rays[i]);
+            occluded[i] = embree_rays[i].tfar < 0.0f;
+        }
+    }
+}
+
+static size_t batch_size(size_t left) { return left < BATCH ? left : BATCH; }
+
 void ps_closest(const PsTarget *targets, size_t target_count, const PsRay *rays, size_t count,
                 PsHit *hits) {
-    Query query;
-    ClosestArguments arguments;
-    prepare_closest(&arguments, &query);
-    for (size_t i = 0; i < count; i++) {
-        begin(&query, &rays[i]);
-        for (size_t k = 0; k < target_count && is_valid(&rays[i]); k++) {
-            struct RTCRayHit rayhit;
-            if (!embree_ray(&query, targets[k].group, &rayhit.ray)) continue;
-            rayhit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-            rayhit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-            trace_closest((RTCScene)targets[k].scene, &arguments, &rayhit);
-        }
-        hits[i] = (PsHit){.t = (float)query.t, .id = query.id};
-    }
+    for (size_t i = 0; i < count; i += BATCH)
+        closest_batch(targets, target_count, rays + i, batch_size(count - i), hits + i);
 }
 
 void ps_occluded(const PsTarget *targets, size_t target_count, const PsRay *rays, size_t count,
                  bool *occluded) {
-    Query query;
-    OccludedArguments arguments;
-    prepare_occluded(&arguments, &query);
-    for (size_t i = 0; i < count; i++) {
-        begin(&query, &rays[i]);
-        occluded[i] = false;
-        for (size_t k = 0; k < target_count && is_valid(&rays[i]) && !occluded[i]; k++) {
-            struct RTCRay ray;
-            if (!embree_ray(&query, targets[k].group, &ray)) continue;
-            trace_occluded((RTCScene)targets[k].scene, &arguments, &ray);
-            occluded[i] = ray.tfar < 0.0f;
-        }
-    }
+    for (size_t i = 0; i < count; i += BATCH)
+        occluded_batch(targets, target_count, rays + i, batch_size(count - i), occluded + i);
 }

@@ -50,10 +50,6 @@ typedef struct PsSpheres {
     uint32_t particle_count;
 } PsSpheres;
 
-/* Floats per sphere point: two points per cache line, so that the numbers a filter reads are in the
- * line that Embree has just read. */
-#define PS_POINT_STRIDE 8
-
 /* Spheres of similar size, which have an Embree scene of their own. Must not move or change as long
  * as a geometry or a scene made from it lives. */
 typedef struct PsGroup {
@@ -61,15 +57,15 @@ typedef struct PsGroup {
     /* The ids of the spheres; NULL if they are the first ones. */
     const uint32_t *ids;
     uint32_t count;
-    /* The spheres as sphere points, PS_POINT_STRIDE numbers each: x, y, z relative to the origin,
-     * the enlarged radius, and the radius as written. */
+    /* The spheres as sphere points: x, y, z relative to the origin, and the enlarged radius. */
     const float *points;
-    /* True if x, y, z and the last number of each point are exact. */
-    bool is_exact;
     /* A ball that contains all spheres of the group. */
     double center[3], radius;
     /* How far f32 may displace a surface, and how far a candidate's distance may be off. */
     double enlargement, slack;
+    /* The square of half a chord, per enlarged radius, above which a sphere point is certainly hit.
+     */
+    float certain_chord;
 } PsGroup;
 
 /* ---- Devices ---- */

@@ -24,7 +24,16 @@
 //! The sum is at most `e (3 |m| + 46 H)`. Radii and boxes are enlarged by `E = 16 e (|m| + 4 H)`.
 //! Rays enter an enlarged sphere earlier and exit it later: the roots move by at most
 //! `sqrt((R + 2 E)^2 - R^2)`, the half chord at a tangent, plus `2 E`. That is the *slack* by which
-//! a ray starts earlier and ends later for Embree.
+//! a ray starts earlier and ends later for Embree. (The far root would be found without starting
+//! that much earlier, but not if another sphere is hit before it.)
+//!
+//! Most candidates need no f64. Let Embree report half a chord `w` where the ray enters a sphere.
+//! Then `R^2 - p.p >= (w - E)^2`, and the sphere as written has `r^2 - p.p >= w^2 - 2 w E - 7 E R`,
+//! since `R` and the perpendicular distance are each off by at most `E <= R`. With `w^2 > 32 E R`
+//! this is positive: the ray hits the sphere, and at a distance that differs from Embree's by less
+//! than the slack. Such a hit is *certain* if it is not excluded and lies further than the slack
+//! inside the ray's interval. A certain hit more than twice the slack before all others is first,
+//! and its distance is computed in f64 once, when Embree has finished.
 //!
 //! The slack grows with the largest radius of a group, so a few large spheres among many small ones
 //! are a group of user geometry together with the giants. User geometry has no roots in f32, and
@@ -44,14 +53,8 @@ use super::sys;
 const LARGE: f64 = 16.0;
 /// If there are more large spheres, they are not separated from the others.
 const MAX_LARGE: usize = 1 << 16;
-const POINT_STRIDE: usize = sys::PS_POINT_STRIDE as usize;
 /// Spheres sampled for the median radius.
 const SAMPLES: usize = 1 << 12;
-
-/// A sphere point, aligned such that none straddles a cache line.
-#[derive(Clone, Copy)]
-#[repr(C, align(32))]
-struct Point([f32; POINT_STRIDE]);
 
 /// How particles are represented in Embree. Large spheres are always user geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,7 +70,7 @@ pub(super) struct SphereGroup {
     /// Owns what `raw` points to.
     _set: Arc<SphereSet>,
     _ids: Vec<u32>,
-    _points: Vec<Point>,
+    _points: Vec<[f32; 4]>,
 }
 
 // SAFETY: the pointers lead to memory that this value owns and that is never written.
@@ -112,7 +115,7 @@ impl SphereGroup {
         let spheres = (0..count).into_par_iter().map(|index| set.sphere(id(index)));
         let Bounds { center, radius, largest } = Bounds::around(spheres.clone());
         let enlargement = 16.0 * F32_UNIT_ROUNDOFF * (center.length() + 4.0 * radius);
-        let points: Vec<Point> = match geometry {
+        let points: Vec<[f32; 4]> = match geometry {
             ParticleGeometry::Points => spheres.map(|s| point(&s, enlargement)).collect(),
             ParticleGeometry::User => Vec::new(),
         };
@@ -126,11 +129,11 @@ impl SphereGroup {
             // A set has less than 2^32 spheres.
             count: count as u32,
             points: if points.is_empty() { ptr::null() } else { points.as_ptr().cast() },
-            is_exact: set.is_exact_in_f32(),
             center: center.to_array(),
             radius: radius + 2.0 * enlargement,
             enlargement,
             slack: 2.0 * enlargement + tangent,
+            certain_chord: (32.0 * enlargement) as f32,
         };
         Arc::new(Self { raw, geometry, _set: set.clone(), _ids: ids, _points: points })
     }
@@ -158,11 +161,10 @@ fn large_particles(set: &SphereSet) -> Vec<u32> {
     (0..count as u32).into_par_iter().filter(is_large).collect()
 }
 
-/// The sphere with an enlarged radius, for Embree, and its own radius, for the filter.
-fn point(sphere: &Sphere, enlargement: f64) -> Point {
-    let [x, y, z] = sphere.center.as_vec3().to_array();
-    let radii = [sphere.radius + enlargement, sphere.radius].map(|radius| radius as f32);
-    Point([x, y, z, radii[0], radii[1], 0.0, 0.0, 0.0])
+/// The sphere with an enlarged radius.
+fn point(sphere: &Sphere, enlargement: f64) -> [f32; 4] {
+    let center = sphere.center.as_vec3();
+    [center.x, center.y, center.z, (sphere.radius + enlargement) as f32]
 }
 
 fn all_spheres(set: &SphereSet) -> sys::PsSpheres {

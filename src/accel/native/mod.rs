@@ -74,7 +74,7 @@ impl Accel for NativeAccel {
         match treelets {
             0 => self.isa.name().to_owned(),
             _ => {
-                format!("{}; {optimal} of {treelets} cells collapsed optimally", self.isa.name())
+                format!("{}; {optimal} of {treelets} treelets collapsed optimally", self.isa.name())
             }
         }
     }
